@@ -8,11 +8,10 @@
 
 pub use splatline_engine::{Renderer, design, fast, fixed, renderer, threads};
 pub use splatline_machine as machine;
-pub use splatline_machine::host_memory as memory;
 pub use splatline_reference::engines as reference;
 pub use splatline_reference::{
-    atomic, camera, cameras, framing, hybrid, input, metrics, picture, rules, scene, sheets,
-    surface, texture, vector,
+    atomic, camera, cameras, framing, hybrid, input, memory, metrics, picture, rules, scene,
+    sheets, surface, texture, vector,
 };
 
 pub mod cli;

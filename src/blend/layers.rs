@@ -179,3 +179,46 @@ fn over(gather: &WeightedSum, front: &Filtered, back: &Filtered) -> Filtered {
         material: front.material,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::surface::sum_fraction;
+    use super::*;
+    use crate::footprint::surface::{Attributes, attribute_fraction};
+    use crate::format::{Design, Standard24};
+
+    /// Two half transparent surfaces in a buffer of one layer: three quarters opaque, half of the back's colour shows, and later samples
+    /// of either or between them are averaged with both.
+    #[test]
+    fn a_merged_layer_is_the_front_over_the_back() {
+        let widths = Standard24.widths();
+        let one = 1 << attribute_fraction(&widths);
+        let gather = WeightedSum::new(&widths, 100);
+        let mut layers = Layers::<1>::EMPTY;
+        for (depth, red) in [(1000, one / 4), (5000, one / 2)] {
+            let attributes = Attributes {
+                colour: [red, 0, 0],
+                opacity: one / 2,
+                normal: [0, 0, -(one as i32)],
+                material: (depth / 1000) as u8,
+            };
+            let sample = Sample {
+                weight: 1 << sum_fraction(&widths),
+                depth,
+                attributes: &attributes,
+            };
+            layers.add(&gather, &sample);
+        }
+        let [merged] = layers.fragments() else {
+            panic!("one layer");
+        };
+        assert_eq!((merged.near, merged.far, merged.material), (1000, 5000, 1));
+        assert_eq!(layers.merges(), 1);
+        let seen = gather.normalise(merged);
+        let share = |value: u32| f64::from(value) / gather.one() as f64;
+        assert!((share(seen.opacity) - 0.75).abs() < 1e-4, "{seen:?}");
+        assert!((share(seen.colour[0]) - 0.5).abs() < 1e-4, "{seen:?}");
+        // (0.5 + 0.5 * 0.5 * 0.5) of the direction that both have.
+        assert!(seen.normal[2] < -(1 << 28), "{seen:?}");
+    }
+}

@@ -405,6 +405,20 @@ mod tests {
         },
     ];
 
+    /// A product of exactly the least opacity is drawn, one less is not.
+    #[test]
+    fn the_least_opacity_is_drawn() {
+        for widths in [Classic8::WIDTHS, Standard24::WIDTHS] {
+            for rules in [Rules::EWA, Rules::GAUSSIAN_3D] {
+                let blend = Blend::new(&widths, &rules);
+                let least = blend.opacity_min as u32;
+                assert!(blend.opacity_unclamped(least, 1).is_some());
+                assert_eq!(blend.opacity_unclamped(least - 1, 1), None);
+                assert_eq!(blend.opacity(least - 1, 1), 0);
+            }
+        }
+    }
+
     proptest! {
         /// The oracle is the same blend with every shortcut switched off.
         #[test]

@@ -153,19 +153,23 @@ mod tests {
             end: [7, 8],
         };
         let mut memory = [Slab::default(); 40];
-        let mut slabs = Slabs::new(&mut memory, window).unwrap();
-        let mut inside = 0;
-        for (x, y) in (0..12).flat_map(|x| (0..12).map(move |y| (x, y))) {
-            let expected = (3..7).contains(&x) && (5..8).contains(&y);
-            let slab = slabs.at([x, y]);
-            assert_eq!(slab.is_some(), expected, "{x} {y}");
-            if let Some(slab) = slab {
-                assert_eq!(slab.opacity, 0, "{x} {y}: handed out twice");
-                slab.opacity = 1;
-                inside += 1;
+        assert!(Slabs::new(&mut memory[..11], window).is_none());
+        // Twelve are enough.
+        for lent in [12, 40] {
+            let mut slabs = Slabs::new(&mut memory[..lent], window).unwrap();
+            let mut inside = 0;
+            for (x, y) in (0..12).flat_map(|x| (0..12).map(move |y| (x, y))) {
+                let expected = (3..7).contains(&x) && (5..8).contains(&y);
+                let slab = slabs.at([x, y]);
+                assert_eq!(slab.is_some(), expected, "{x} {y}");
+                if let Some(slab) = slab {
+                    assert_eq!(slab.opacity, 0, "{x} {y}: handed out twice");
+                    slab.opacity = 1;
+                    inside += 1;
+                }
             }
+            assert_eq!(inside, 12);
         }
-        assert_eq!(inside, 12);
     }
 
     /// Points in one range are summed, points of two ranges composited; also where opacities sum to more than 1.

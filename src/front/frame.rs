@@ -181,4 +181,28 @@ mod tests {
             0xf800
         );
     }
+
+    /// A window whose columns and rows begin at different numbers: every pixel of the screen is the window's own or none.
+    #[test]
+    fn pixels_are_found_by_their_place_on_the_screen() {
+        let pixels: [Pixel; 12] = core::array::from_fn(|index| Pixel {
+            colour: [0; 3],
+            transmittance: index as u32,
+        });
+        let frame = Frame {
+            pixels: &pixels,
+            window: Window {
+                first: [3, 5],
+                end: [7, 8],
+            },
+            coverage: Coverage::default(),
+            reader: PixelReader::new(&Standard24::WIDTHS),
+        };
+        for (x, y) in (0..12).flat_map(|x| (0..12).map(move |y| (x, y))) {
+            let inside = (3..7).contains(&x) && (5..8).contains(&y);
+            let expected = inside.then(|| u32::from((y - 5) * 4 + x - 3));
+            let found = frame.pixel(x, y).map(|pixel| pixel.transmittance);
+            assert_eq!(found, expected, "{x} {y}");
+        }
+    }
 }

@@ -56,6 +56,9 @@ impl SoftFloat {
         if value == 0 {
             return SoftFloat::ZERO;
         }
+        if cfg!(target_pointer_width = "32") && value as i32 as i64 == value {
+            return SoftFloat::from_word(value as i32, exponent, bits);
+        }
         // Halves go towards positive infinity: for a negative number, to the smaller magnitude.
         let (mut magnitude, zeros) = leading_bits(value.unsigned_abs(), bits, value > 0);
         let mut exponent = exponent.saturating_add(64 - zeros as i32 - bits as i32);
@@ -73,6 +76,35 @@ impl SoftFloat {
         }
     }
 
+    /// The same of a word.
+    #[cfg_attr(not(target_pointer_width = "32"), inline)]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    const fn from_word(value: i32, exponent: i32, bits: u32) -> SoftFloat {
+        if value == 0 {
+            return SoftFloat::ZERO;
+        }
+        let magnitude = value.unsigned_abs();
+        let zeros = leading_zeros(magnitude);
+        let normal = magnitude << zeros;
+        // Half of the last bit; a half itself rounds up, which is down for a negative number's magnitude.
+        let below = normal.wrapping_shl(bits);
+        let up = below > (1 << 31) - (value > 0) as u32;
+        let mut kept = normal.wrapping_shr(32u32.wrapping_sub(bits)) + up as u32;
+        let mut exponent = exponent.saturating_add(32 - zeros as i32 - bits as i32);
+        if kept.wrapping_shr(bits) != 0 {
+            kept >>= 1;
+            exponent = exponent.saturating_add(1);
+        }
+        SoftFloat {
+            mantissa: if value < 0 {
+                (kept as i32).wrapping_neg()
+            } else {
+                kept as i32
+            },
+            exponent,
+        }
+    }
+
     /// Exact product of mantissas of any length.
     #[inline(always)]
     pub const fn times(self, other: SoftFloat) -> Product {
@@ -82,8 +114,13 @@ impl SoftFloat {
     /// Exact product of mantissas that are known to have `length` bits together, or to be 0.
     #[inline(always)]
     pub const fn times_within(self, other: SoftFloat, length: u32) -> Product {
+        let value = if length < 32 {
+            self.mantissa.wrapping_mul(other.mantissa) as i64
+        } else {
+            product(self.mantissa, other.mantissa)
+        };
         Product {
-            value: product(self.mantissa, other.mantissa),
+            value,
             exponent: self.exponent.saturating_add(other.exponent),
             length,
         }
@@ -103,6 +140,12 @@ impl SoftFloat {
     #[inline(always)]
     pub const fn length(self) -> u32 {
         32 - leading_zeros(self.mantissa.unsigned_abs())
+    }
+
+    /// Product of mantissas that are known to have `bits` bits each, rounded to as many; exact where they have.
+    #[inline(always)]
+    pub fn multiply_within(self, other: SoftFloat, bits: u32) -> SoftFloat {
+        sum_of_products([self.times_within(other, 2 * bits)], bits)
     }
 
     /// Product rounded to `bits`.
@@ -213,7 +256,35 @@ const fn shift_down(value: i64, shift: i32) -> i64 {
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> SoftFloat {
     const { assert!(N <= 4) };
     let window = bits + GUARD;
-    sum(&terms.map(|term| term.cut(window)), bits)
+    let cuts = terms.map(|term| term.cut(window));
+    if fits_words(bits) {
+        sum_in_words(&cuts.map(|cut| (cut.value as i32, cut.top)), bits)
+    } else {
+        sum(&cuts, bits)
+    }
+}
+
+/// Does a sum of four terms fit a word, the sign included?
+const fn fits_words(bits: u32) -> bool {
+    bits + GUARD + 2 < 32
+}
+
+/// `sum` in words of 32 bits.
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+#[cfg_attr(target_pointer_width = "32", inline(never))]
+fn sum_in_words(terms: &[(i32, i32)], bits: u32) -> SoftFloat {
+    let mut top = i32::MIN;
+    for (value, end) in terms {
+        if *value != 0 && *end > top {
+            top = *end;
+        }
+    }
+    let mut sum = 0i32;
+    for (value, end) in terms {
+        let shift = top.wrapping_sub(*end);
+        sum = sum.wrapping_add(value >> if shift as u32 > 31 { 31 } else { shift });
+    }
+    SoftFloat::from_word(sum, top.saturating_sub((bits + GUARD) as i32), bits)
 }
 
 /// The same in a window that ends at `2^top`, below which all terms lie, rounded once to `bits`.
@@ -300,6 +371,9 @@ mod tests {
             let carried = rounded.unsigned_abs() >> bits != 0;
             let mantissa = if carried { rounded / 2 } else { rounded };
             prop_assert_eq!(got, SoftFloat { mantissa: mantissa as i32, exponent: 3 + shift + i32::from(carried) });
+            if let Ok(word) = i32::try_from(wide) {
+                prop_assert_eq!(SoftFloat::from_word(word, 3, bits), got);
+            }
         }
 
         #[test]

@@ -6,7 +6,7 @@
 
 use super::reciprocal::reciprocal;
 use super::soft_float::{SoftFloat, sum_below};
-use super::words::{leading_zeros_wide, shifted_up};
+use super::words::{leading_zeros, leading_zeros_wide, shifted_up};
 
 const FIRST: usize = 64;
 const LAST: usize = 256;
@@ -32,15 +32,20 @@ pub fn root_seed(value: u64) -> (u32, i32) {
         return (0, 0);
     }
     let even = leading_zeros_wide(value) & !1;
-    let normal = (shifted_up(value, even) >> 32) as u32; // top two bits not both 0: [1/4, 1) as UQ0.32
+    let normal = (shifted_up(value, even) >> 32) as u32;
+    (root_of(normal), 8 - (even / 2) as i32)
+}
+
+/// The root of a number of [1/4, 1) in UQ0.32: of its upper two bits one is set.
+#[inline(always)]
+fn root_of(normal: u32) -> u32 {
     let index = (normal >> 24) as usize;
     let rest = (normal >> 8) & 0xffff;
     let at = |i: usize| ROOTS.get(i.wrapping_sub(FIRST)).copied().unwrap_or(0);
     let (low, high) = (at(index), at(index + 1));
     // Entries are at most 65,282 apart (between 64/256 and 65/256), so that the product and half a unit fit 32 bits.
     let step = high.wrapping_sub(low).wrapping_mul(rest);
-    let root = low.wrapping_add(step.wrapping_add(1 << 15) >> 16);
-    (root, 8 - (even / 2) as i32)
+    low.wrapping_add(step.wrapping_add(1 << 15) >> 16)
 }
 
 /// Square root rounded to `bits`; negative numbers and 0 give 0.
@@ -52,12 +57,15 @@ pub fn square_root(value: SoftFloat, bits: u32) -> SoftFloat {
         return SoftFloat::ZERO;
     }
     let odd = value.exponent & 1;
-    let (root, shift) = root_seed((value.mantissa as u64) << odd);
-    let seed = SoftFloat::from_wide(
-        root as i64,
-        shift.saturating_add((value.exponent - odd) / 2),
-        31,
-    );
+    let shifted = (value.mantissa as u32) << odd;
+    let even = leading_zeros(shifted) & !1;
+    let half = (value.exponent - odd) / 2;
+    let exponent = half.saturating_sub(8 + (even / 2) as i32);
+    // 24 bits of [1/2, 1), of which the leading one is set.
+    let seed = SoftFloat {
+        mantissa: (root_of(shifted << even) << 7) as i32,
+        exponent: exponent.saturating_sub(7),
+    };
     if bits <= 16 {
         return SoftFloat::from_wide(seed.mantissa as i64, seed.exponent, bits);
     }

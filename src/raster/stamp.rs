@@ -270,3 +270,51 @@ fn visible(first: i64, length: u16, low: u16, high: u16) -> [usize; 2] {
     let length = i64::from(length);
     [low, high].map(|edge| i64::from(edge).saturating_sub(first).clamp(0, length) as usize)
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    /// In a window that begins at different columns and rows, what is left of a stamp is what the whole screen shows there.
+    #[test]
+    fn rows_are_cut_to_the_window() {
+        let shape = StampShape {
+            phase_bits: 0,
+            extent: [0; 2],
+            side: [4, 3],
+        };
+        let weights: [u32; 12] = core::array::from_fn(|index| index as u32);
+        let stamp = Stamp::new(&weights, shape).unwrap();
+        let placement = Placement {
+            first: [2, 7],
+            phase: [0; 2],
+        };
+        for (first, end) in [
+            ([0, 0], [20, 20]),
+            ([3, 1], [5, 9]),
+            ([1, 8], [4, 20]),
+            ([5, 9], [6, 10]),
+            ([6, 7], [9, 9]),
+            ([2, 10], [6, 12]),
+        ] {
+            let window = Window { first, end };
+            let mut found = std::vec::Vec::new();
+            for row in stamp.rows(placement, &window) {
+                let columns = row.x..;
+                found.extend(columns.zip(row.weights).map(|(x, w)| (x, row.y, *w)));
+            }
+            let pixels = (7..10u16).flat_map(|y| (2..6u16).map(move |x| (x, y)));
+            let inside = pixels.filter(|(x, y)| {
+                window.first[0] <= *x
+                    && *x < window.end[0]
+                    && window.first[1] <= *y
+                    && *y < window.end[1]
+            });
+            let expected: std::vec::Vec<_> = inside
+                .map(|(x, y)| (x, y, u32::from((y - 7) * 4 + x - 2)))
+                .collect();
+            assert_eq!(found, expected, "{window:?}");
+        }
+    }
+}

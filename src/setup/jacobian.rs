@@ -35,7 +35,7 @@ fn column(widths: &Widths, rotation: &Rotation, projected: &Projected, axis: Axi
     let [x, y, z] = rotate_axis(widths, rotation, axis);
     let shear = |across: SoftFloat, ratio: SoftFloat, gain: SoftFloat| {
         let along = ratio.times_within(z, 2 * bits).negated();
-        sum_of_products([across.term_within(bits), along], bits).multiply(gain, bits)
+        sum_of_products([across.term_within(bits), along], bits).multiply_within(gain, bits)
     };
     ScreenAxis {
         x: shear(x, projected.ratio[0], projected.gain[0]),

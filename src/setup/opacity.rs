@@ -36,8 +36,8 @@ pub fn centre_opacity(
     let Some(inverse) = reciprocal(covariance.determinant, bits) else {
         return SoftFloat::ZERO;
     };
-    let density = square_root(slant.multiply(inverse, bits), bits);
-    let area = projected.gain[0].multiply(projected.gain[1], bits);
+    let density = square_root(slant.multiply_within(inverse, bits), bits);
+    let area = projected.gain[0].multiply_within(projected.gain[1], bits);
     weight
         .multiply(area, bits)
         .multiply(density, bits)

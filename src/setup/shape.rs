@@ -14,9 +14,9 @@ pub fn ldl(widths: &Widths, covariance: &Covariance2d) -> Option<Ldl> {
     let vertical = reciprocal(covariance.yy, bits)?;
     let inverse = reciprocal(covariance.determinant, bits)?;
     let ldl = Ldl {
-        horizontal: covariance.yy.multiply(inverse, bits),
-        squared_width: covariance.determinant.multiply(vertical, bits),
-        shear: packable_shear(covariance.xy.multiply(vertical, bits)),
+        horizontal: covariance.yy.multiply_within(inverse, bits),
+        squared_width: covariance.determinant.multiply_within(vertical, bits),
+        shear: packable_shear(covariance.xy.multiply_within(vertical, bits)),
         vertical,
     };
     [ldl.horizontal, ldl.squared_width, ldl.vertical]
@@ -48,12 +48,16 @@ fn packable_shear(shear: SoftFloat) -> SoftFloat {
 pub fn conic(widths: &Widths, covariance: &Covariance2d, horizontal: SoftFloat) -> Option<Conic> {
     let bits = u32::from(widths.mantissa);
     let inverse = reciprocal(covariance.determinant, bits)?;
-    let cross = covariance.xy.multiply(inverse, bits);
+    let cross = covariance.xy.multiply_within(inverse, bits);
     let cross = SoftFloat {
         mantissa: -cross.mantissa,
         exponent: cross.exponent,
     };
-    let coefficients = [horizontal, cross, covariance.xx.multiply(inverse, bits)];
+    let coefficients = [
+        horizontal,
+        cross,
+        covariance.xx.multiply_within(inverse, bits),
+    ];
     let leading = coefficients
         .iter()
         .filter(|c| c.mantissa != 0)

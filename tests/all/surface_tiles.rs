@@ -6,7 +6,7 @@ use splatline::blend::edge::EdgeFilter;
 use splatline::blend::layers::Layers;
 use splatline::blend::resolve::Resolve;
 use splatline::blend::shading::{Material, Shading};
-use splatline::blend::surface::{Cell, Sample, WeightedSum};
+use splatline::blend::surface::{Cell, Filtered, Sample, WeightedSum};
 use splatline::draw::surface::SurfacePainter;
 use splatline::footprint::surface::{Attributes, SurfaceFootprint};
 use splatline::format::{Design, Standard24, Traversal};
@@ -64,6 +64,24 @@ fn footprint(centre: [f64; 3], frame: [[f64; 3]; 2]) -> Option<SurfaceFootprint>
         material: 1,
     };
     setup_surface(Standard24, &view(), &Rules::SURFACE, &splat).ok()
+}
+
+/// Light of 32 times a colour of 8 saturates where the sums' format ends, at 16.
+#[test]
+fn shading_saturates_at_16() {
+    let widths = Standard24.widths();
+    let bright = Material {
+        ambient: u32::MAX,
+        ..Material::UNLIT
+    };
+    let (materials, view) = ([bright], view());
+    let shading = Shading::new(&widths, &materials, [0, 0, -(1 << 30)], &view);
+    let filtered = Filtered {
+        colour: [8 << widths.accumulator, 0, 1],
+        ..Filtered::default()
+    };
+    let limit = (16u64 << widths.accumulator).min(u32::MAX.into()) as u32 - 1;
+    assert_eq!(shading.shade(&filtered, 40, 40), [limit, 0, 32]);
 }
 
 /// Cells of a window after drawing all footprints; one cell more is lent and must stay empty.

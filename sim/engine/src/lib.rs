@@ -11,7 +11,7 @@
 //! ```
 
 pub use splatline_reference::{
-    camera, hybrid, input, metrics, picture, rules, scene, sheets, surface, texture, vector,
+    camera, hybrid, input, memory, metrics, picture, rules, scene, sheets, surface, texture, vector,
 };
 
 pub mod design;

@@ -12,7 +12,9 @@
 //! A [`Workload`](workload::Workload) is extracted once per scene, design, traversal and tile size;
 //! [`LaneWork`](lanes::LaneWork) once per lane layout; every further machine configuration reuses both.
 
-use splatline_engine::{camera, design, fixed, input, picture, rules, scene};
+use splatline_engine::{
+    camera, design, fixed, input, memory as host_memory, picture, rules, scene,
+};
 
 pub mod accounts;
 pub mod area;
@@ -22,7 +24,6 @@ pub mod config;
 pub mod energy;
 mod geometry;
 pub mod histogram;
-pub mod host_memory;
 pub mod lanes;
 pub mod memory;
 pub mod observe;

@@ -20,6 +20,7 @@ pub enum Points {
 
 /// How points are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Hybrid {
     /// Which samples are points.
     pub points: Points,

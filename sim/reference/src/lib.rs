@@ -5,7 +5,7 @@
 //! on that kernel. Data flows down this list:
 //!
 //! ```text
-//! vector, input, atomic             small tools: vectors, files read within limits, files written whole
+//! vector, memory, input, atomic     small tools: vectors, room in memory, files read within limits, files written whole
 //! rules, camera, cameras, framing   how splats blend; one camera, other people's cameras, a camera for a scene without one
 //! scene, texture                    what is drawn: readers of every format, colours of textured points
 //! surface, sheets, hybrid           settings of those systems
@@ -24,6 +24,7 @@ pub mod framing;
 pub mod hard;
 pub mod hybrid;
 pub mod input;
+pub mod memory;
 pub mod metrics;
 pub mod picture;
 pub mod rules;

@@ -68,7 +68,8 @@ impl Rules {
 }
 
 /// Shape of a footprint over the radial index, of unit variance per axis and peak 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Kernel {
     /// exp(-r/2), up to the rules' cut-off.
     #[default]

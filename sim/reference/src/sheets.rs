@@ -3,9 +3,11 @@
 use crate::camera::Camera;
 use crate::scene::Scene;
 use crate::vector;
+use serde::{Deserialize, Serialize};
 
 /// Kinds of sheets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SheetKind {
     /// The slices of the volume most perpendicular to the view.
     AxisAligned,

@@ -21,6 +21,7 @@ pub enum Buffer {
 
 /// The choices of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Style {
     /// What a pixel keeps.
     pub buffer: Buffer,

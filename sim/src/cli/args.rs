@@ -34,7 +34,13 @@ Examples:
   splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png
   splatline render lion.ply --as surface --light 1,0,1 --layers 4 --edges -o lion.png      a point cloud
   splatline render dem.csv --as surface --texture dem.jpg -o dem.png      a photograph over a height field
-  splatline render city.ply --camera camera.json --chunks 10000000 -o city.png      a scene larger than memory
+  splatline render demo --sheets image-aligned -o sheets.png      sheet buffers
+  splatline render deep-stack --deep-alpha transmittance --alpha-bits 16 -o deep.png
+  splatline render random:2000 --spheres exact --sphere-index ray -o spheres.png
+  splatline render sphere --as surface --flatten 1024 -o flat.png      volume kernels, thin along the normal
+  splatline render checkerboard --as texture --eye 0,-1.5,0.4 --target 0,0,0 --up 0,0,1 -o plane.png
+  splatline render hills --as surface --texture checkerboard -o hills.png
+  splatline render --plan sim/plans/05-sheets.toml -o sheets.png
   splatline render guitar.ply --camera-path keys.toml --json frames.json -o frames/guitar.png
       a picture a frame: frames/guitar-0001.png and so on, and one report over all";
 
@@ -65,6 +71,10 @@ Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff; empty field
 pub struct Cli {
     #[command(subcommand)]
     pub command: Option<Command>,
+    /// Most memory to take; what would take more is refused before it begins [default: what the machine, the process's limits and its
+    /// control group leave]
+    #[arg(long, global = true, value_name = "MB", help_heading = "Limits", value_parser = clap::value_parser!(u64).range(1..))]
+    pub memory: Option<u64>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -133,11 +143,6 @@ pub struct RenderOptions {
     pub path: PathOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
-    /// Reads the scene, a .ply of 3D Gaussians larger than memory, in chunks: N footprints at a time are kept, about 280 bytes each, and the file is
-    /// read once more for every chunk. The same picture; needs a camera
-    #[arg(long, value_name = "N", help_heading = "Drawing", value_parser = clap::value_parser!(u32).range(1..),
-        conflicts_with_all = ["from", "camera_path", "kind", "transfer", "light", "points", "repeat", "json"])]
-    pub chunks: Option<u32>,
     /// Picture to write: .png, or .npy (height x width x 4 doubles) or .exr, both premultiplied; - writes a PNG to stdout
     #[arg(short, long, value_name = "x.png", help_heading = "Output")]
     pub output: PathBuf,

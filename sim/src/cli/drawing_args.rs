@@ -1,15 +1,18 @@
 //! How a scene is drawn: the options that every command that draws has, and those of the commands that write pictures.
 
 use super::values::{
-    COMPOSITINGS, Colour, DesignName, ENGINES, POINTS, TraversalChoice, at_least_one, colour,
-    depth, one_of,
+    COMPOSITINGS, Colour, DesignName, ELLIPSES, ENGINES, INDICES, POINTS, REPRESENTATIONS,
+    ROUNDINGS, SHEETS, TraversalChoice, at_least_one, colour, depth, one_of, positive,
 };
 use crate::fast::lanes::VectorLevel;
 use crate::hybrid::Points;
 use crate::picture::{Backdrop, Depth};
 use crate::plan::{Effort, Engine};
+use crate::reference::sphere::Index;
 use crate::rules::Compositing;
+use crate::sheets::SheetKind;
 use clap::Args;
+use splatline::blend::deep::{ChannelRounding, Representation};
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -36,6 +39,47 @@ pub struct WorkOptions {
         conflicts_with = "from"
     )]
     pub compositing: Compositing,
+    #[command(flatten)]
+    pub technique: TechniqueOptions,
+}
+
+/// How splats become pixels, where affine footprints are not composited one by one.
+#[derive(Debug, Args)]
+pub struct TechniqueOptions {
+    /// Which samples become points, gathered in depth ranges; needs --antialias swan
+    #[arg(long, help_heading = "Techniques", value_parser = one_of(POINTS), conflicts_with_all = ["from", "sheets", "deep_alpha", "spheres"])]
+    pub points: Option<Points>,
+    /// Phases per pixel and axis of --traversal stamp, as a power of two
+    #[arg(long, help_heading = "Techniques", value_name = "N", default_value = "3", conflicts_with = "from", value_parser = clap::value_parser!(u8).range(0..=6))]
+    pub phase_bits: u8,
+    /// Adds the splats of a slab in a sheet buffer, and composites the sheets
+    #[arg(long, help_heading = "Techniques", value_parser = one_of(SHEETS), conflicts_with_all = ["from", "deep_alpha", "spheres"])]
+    pub sheets: Option<SheetKind>,
+    /// Thickness of a slab, scene units [default: the samples' spacing]
+    #[arg(long, help_heading = "Techniques", value_name = "T", value_parser = positive, requires = "sheets")]
+    pub sheet_thickness: Option<f64>,
+    /// Composites through an alpha channel of its own width that keeps this
+    #[arg(long, help_heading = "Techniques", value_parser = one_of(REPRESENTATIONS), conflicts_with_all = ["from", "spheres"])]
+    pub deep_alpha: Option<Representation>,
+    /// Bits of the deep alpha channel, 8 to 32
+    #[arg(long, help_heading = "Techniques", value_name = "N", default_value = "24", requires = "deep_alpha", value_parser = clap::value_parser!(u8).range(8..=32))]
+    pub alpha_bits: u8,
+    /// What becomes of the bits below the deep alpha channel's last
+    #[arg(long, help_heading = "Techniques", value_parser = one_of(ROUNDINGS), default_value = "nearest", requires = "deep_alpha")]
+    pub alpha_rounding: ChannelRounding,
+    /// Draws splats as spheres of their first axis' length, outlined by this ellipse
+    #[arg(long, help_heading = "Techniques", value_parser = one_of(ELLIPSES), conflicts_with = "from")]
+    pub spheres: Option<bool>,
+    /// How a pixel's place inside a sphere's outline becomes a radial index
+    #[arg(long, help_heading = "Techniques", value_parser = one_of(INDICES), default_value = "affine", requires = "spheres")]
+    pub sphere_index: Index,
+}
+
+impl TechniqueOptions {
+    /// Is a method other than points asked for?
+    pub fn is_another_method(&self) -> bool {
+        self.sheets.is_some() || self.deep_alpha.is_some() || self.spheres.is_some()
+    }
 }
 
 /// By what and how often it is drawn.
@@ -48,12 +92,6 @@ pub struct DrawingOptions {
     pub engine: Engine,
     #[command(flatten)]
     pub work: WorkOptions,
-    /// Which samples of a volume become points, gathered in depth ranges; needs --antialias swan
-    #[arg(long, value_parser = one_of(POINTS), conflicts_with = "from")]
-    pub points: Option<Points>,
-    /// Phases per pixel and axis of --traversal stamp, as a power of two
-    #[arg(long, value_name = "N", default_value = "3", conflicts_with = "from", value_parser = clap::value_parser!(u8).range(0..=6))]
-    pub phase_bits: u8,
     /// Bits per channel of the PNG files
     #[arg(long, value_name = "8|16", help_heading = "Output", default_value = "8", value_parser = depth)]
     pub depth: Depth,

@@ -1,12 +1,13 @@
 //! `splatline fit`: the smallest design within an error budget.
 
 use super::output::{Outputs, write};
-use super::resolve::{COMPARED, HELD_PIXEL_BYTES, NamedFrame, PlanRequest, room_for_picture};
+use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
-use super::search_args::FitOptions;
+use super::search_args::{FitOptions, subject};
 use crate::design::DesignChoice;
-use crate::explore::fit::{Fit, Fitness, Metric, Task, design_toml, fit};
-use crate::plan::{DesignVariant, Engine};
+use crate::explore::fit::{Fit, design_toml, fit};
+use crate::explore::limits::{Limit, Quantity};
+use crate::plan::DesignVariant;
 use crate::progress::ProgressMeter;
 use anyhow::anyhow;
 use splatline::format::WIDTH_RANGES;
@@ -17,8 +18,8 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
     if let Some(path) = &options.output {
         outputs = outputs.file(path, &["toml"])?;
     }
-    let asked = PlanRequest::work(&options.view, &options.work);
-    let frames = asked.frames(&options.path, &options.more)?;
+    let request = PlanRequest::work(&options.view, &options.work);
+    let frames = request.frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
     for frame in &frames {
         warn(&frame.prepared.setup_warnings()?);
@@ -38,41 +39,16 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
 }
 
 /// Fits what is planned for all frames, starting from their design.
-pub fn fitted(frames: &[NamedFrame], metric: Metric, budget: f64) -> Result<Fit, Failure> {
-    let DesignVariant { design, traversal } = &frames[0].prepared.plan.entry;
-    let mut references = Vec::with_capacity(frames.len());
-    for NamedFrame { prepared, .. } in frames {
-        room_for_picture(
-            &prepared.plan.camera,
-            COMPARED + HELD_PIXEL_BYTES * frames.len() as u64,
-        )?;
-        references.push(prepared.draw_reference(Engine::Float, &|_, _| ())?.picture);
-    }
-    let measure = |design: &DesignChoice| {
-        let entry = DesignVariant {
-            design: design.clone(),
-            traversal: *traversal,
-        };
-        let mut errors = Vec::with_capacity(frames.len());
-        for (frame, reference) in frames.iter().zip(&references) {
-            let picture = frame.prepared.draw_fixed(&entry)?.picture;
-            errors.push(Fitness::of(&picture, reference)?);
-        }
-        Ok(Fitness::over(&errors))
-    };
-    let task = Task {
-        measure: &measure,
-        metric,
-        budget,
-    };
-    let progress = ProgressMeter::new(60);
-    let (fitted, error) = fit(&task, design, &|width| {
-        progress.doing(width);
-        progress.advance();
-    })?;
+pub fn fitted(frames: &[NamedFrame], metric: Quantity, budget: f64) -> Result<Fit, Failure> {
+    let mut subject = subject(frames, true)?;
+    subject.traversal = Some(frames[0].prepared.plan.entry.traversal);
+    let limit = Limit::new(metric, budget, "--max-error");
+    let progress = ProgressMeter::spinner("searching");
+    let (fitted, error) = fit(&subject, &limit, &|what| progress.doing(what))?;
     Ok(fitted.ok_or_else(|| {
-        let found = metric.of(&error);
-        anyhow!("design {} itself has an error of {found:.3e}, above the budget of {budget:.3e}: start from a wider --design or allow more", design.name)
+        let found = metric.of_error(&error).unwrap_or_default();
+        let name = &subject.design.name;
+        anyhow!("design {name} itself has an error of {found:.3e}, above the budget of {budget:.3e}: start from a wider --design or allow more")
     })?)
 }
 

@@ -4,7 +4,7 @@
 
 use super::resolve::NamedFrame;
 use super::say::Failure;
-use crate::explore::fit::Fitness;
+use crate::explore::evaluator::DesignError;
 use crate::machine::simulate_alone;
 use crate::machine::summary::Spread;
 use crate::machine::workload::{OrderChanges, Workload};
@@ -28,7 +28,7 @@ pub struct ReusedOrderFrame {
     /// Bytes that the sort moves.
     pub sort_bytes: [u64; 2],
     /// Colours against the picture in the exact order.
-    pub error: Fitness,
+    pub error: DesignError,
     /// Their PSNR; null for equal pictures.
     pub psnr_db: Option<f64>,
 }
@@ -66,7 +66,7 @@ impl OrderReuse {
         };
         let old = prepared.in_order(Some(&before))?;
         let timings = [&old, &anew].map(|one| simulate_alone(&one.workload, &plan.machine));
-        let error = Fitness::of(&old.picture, &anew.picture)?;
+        let error = DesignError::of(&old.picture, &anew.picture)?;
         let kept = ReusedOrderFrame {
             name: frame.name.clone(),
             lists: old.workload.kept.unwrap_or_default(),

@@ -5,7 +5,6 @@
 //! missing, malformed or contradictory). Errors go to stderr, results to stdout or to the named files.
 
 mod args;
-mod chunks;
 mod compare;
 mod demo;
 mod drawing_args;
@@ -49,7 +48,12 @@ use std::process::ExitCode;
 pub fn run() -> ExitCode {
     crate::threads::deepen_global_stacks();
     finish(match Cli::try_parse() {
-        Ok(cli) => dispatch(cli.command),
+        Ok(cli) => {
+            if let Some(megabytes) = cli.memory {
+                crate::memory::limit_to(megabytes.saturating_mul(1_000_000));
+            }
+            dispatch(cli.command)
+        }
         // Help and version, which are results and must arrive.
         Err(shown) if !shown.use_stderr() => printed(shown.print()),
         Err(error) => error.exit(),

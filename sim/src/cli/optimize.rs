@@ -1,20 +1,16 @@
 //! `splatline optimize`: the cheapest design and machine that hold them.
 
 use super::output::{Outputs, read_settings, write};
-use super::resolve::{
-    COMPARED, HELD_PIXEL_BYTES, PlanRequest, calibration, energy_table, part, room_for_picture,
-};
-use super::say::{Failure, print_result, warn};
+use super::resolve::part;
+use super::say::{Failure, print_result};
 use super::search_args::{LimitOptions, OptimizeOptions};
-use crate::explore::ask::limits::{Limit, Quantity};
-use crate::explore::ask::{Answer, Question, ask, limits_of_part, tightest, usual_space};
+use crate::explore::answer::{self, Answer, usual_space};
+use crate::explore::limits::{Limit, Quantity, limits_of_part, tightest};
 use crate::explore::space::Space;
 use crate::machine::area::synthesis;
 use crate::machine::{Config, config};
-use crate::plan::Engine;
 use crate::progress::ProgressMeter;
 use serde_json::json;
-use splatline::format::Traversal;
 use std::path::Path;
 use std::time::Instant;
 
@@ -64,47 +60,20 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     }
     let started = Instant::now();
     let limits = limits(options)?;
-    let asked = PlanRequest::work(&search.view, &search.work).on(&search.machine);
-    let frames = asked.frames(&search.path, &search.more)?;
+    let frames = search.frames()?;
     let errors = limits.iter().any(|limit| limit.quantity.is_error());
-    let mut splats = Vec::with_capacity(frames.len());
-    let mut references = Vec::new();
-    for frame in &frames {
-        let prepared = &frame.prepared;
-        warn(&prepared.setup_warnings()?);
-        splats.push(prepared.splats()?);
-        // Without a limit on errors the error of one picture is told, those of many are not worth their memory.
-        if !errors && frames.len() > 1 {
-            continue;
-        }
-        room_for_picture(
-            &prepared.plan.camera,
-            COMPARED + HELD_PIXEL_BYTES * frames.len() as u64,
-        )?;
-        references.push(prepared.draw_reference(Engine::Float, &|_, _| ())?.picture);
-    }
-    let plan = &frames[0].prepared.plan;
-    let recorded = search.view.from.is_some().then_some(plan.entry.traversal);
-    let question = Question {
-        frames: splats,
-        references,
-        design: plan.entry.design.clone(),
-        traversal: search.work.traversal.map(Traversal::from).or(recorded),
-        machine: plan.machine,
-        calibration: calibration(&search.area)?,
-        limits,
-        energy: energy_table(&search.energy)?,
-    };
+    // Without a limit on errors the error of one picture is reported, those of many are not worth their memory.
+    let subject = search.subject(&frames, errors || frames.len() == 1)?;
     let space = match &options.space {
         Some(file) => {
             let text = read_settings(file)?;
             Space::without_points(&file.display().to_string(), &text)?
         }
-        None => usual_space(&question.design, &question.machine, errors)?,
+        None => usual_space(&subject.design, &subject.machine, errors)?,
     };
     outputs.spare_inputs()?;
     let progress = ProgressMeter::spinner("searching");
-    let answer = ask(&question, &space, &|what| progress.doing(what))?;
+    let answer = answer::optimize(&subject, &limits, &space, &|what| progress.doing(what))?;
     drop(progress);
     let names: Vec<&str> = frames
         .iter()
@@ -112,7 +81,7 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
         .take(3)
         .collect();
     let more = if frames.len() > 3 { ", ..." } else { "" };
-    let camera = &plan.camera;
+    let camera = &frames[0].prepared.plan.camera;
     print_result(&format!(
         "{}{more} at {}x{}: {:.1} s\n",
         names.join(", "),
@@ -121,7 +90,7 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
         started.elapsed().as_secs_f64()
     ))?;
     print_result(&answer.text(&Config::default()))?;
-    let note = synthesis::statement(&question.calibration);
+    let note = synthesis::statement(&subject.calibration);
     let clock = answer.found.first().map(|found| &found.reached.pace.clock);
     let of = clock.map_or(String::new(), |clock| {
         format!("{} MHz: {}\n", clock.mhz, clock.of)

@@ -8,7 +8,7 @@ use super::view_args::ViewOptions;
 use crate::camera::Camera;
 use crate::framing::FramingInput;
 use crate::page::{Shown, html};
-use crate::plan::{AnyScene, Depiction, Prepared};
+use crate::plan::{AnyScene, Prepared, Subject};
 use crate::scene::Scene;
 use clap::Args;
 use splatline::format::Traversal;
@@ -94,10 +94,14 @@ pub fn write_page(
     up: Option<[f64; 3]>,
     path: &Path,
 ) -> Result<usize, Failure> {
-    let Depiction::Splats(splats) = prepared.subject()? else {
+    let Subject::Splats(splats) = prepared.subject()? else {
         let message = "the live page draws volume splats; surfaces are drawn by `splatline render`";
         return Err(Failure::Usage(message.to_owned()));
     };
+    if !splats.are_composited() {
+        let message = "the live page composites affine footprints one by one; other techniques are drawn by `splatline render`";
+        return Err(Failure::Usage(message.to_owned()));
+    }
     let frame = FramingInput::of_scene(splats.scene, up);
     let page = html(&Shown {
         scene: splats.scene,

@@ -5,10 +5,10 @@ use super::output::{Outputs, write};
 use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
 use super::search_args::ProfileOptions;
-use crate::explore::fit::Metric;
-use crate::explore::needs::{Needs, SLACK, needs};
+use crate::explore::limits::Quantity;
+use crate::explore::profile::{Needs, SLACK, needs};
 use crate::fixed;
-use crate::plan::{Depiction, Prepared};
+use crate::plan::{Prepared, Subject};
 use crate::progress::ProgressMeter;
 use crate::systems::SystemVerdict;
 use serde_json::{Map, json};
@@ -44,16 +44,18 @@ fn one(frame: &NamedFrame, options: &ProfileOptions) -> Result<serde_json::Value
     answer.insert("systems".to_owned(), json!(systems));
     // Units and FIFOs are those of the machine, which draws plain splats.
     match prepared.subject()? {
-        Depiction::Splats(splats) if splats.hybrid.is_none() => {
+        Subject::Splats(splats) if splats.are_composited() => {
             let found = examined(prepared)?;
             print_result(&text(name, &found))?;
             answer.insert("needs".to_owned(), json!(found));
         }
-        Depiction::Splats(splats) => {
+        Subject::Splats(splats) => {
             let count = splats.scene.splats.len();
-            print_result(&format!("{name}: {count} points and splats\n"))?;
+            print_result(&format!(
+                "{name}: {count} splats; the machine has no units for the technique that draws them\n"
+            ))?;
         }
-        Depiction::Surface(scene, _) => {
+        Subject::Surface(scene, _) => {
             let count = scene.points.len();
             print_result(&format!("{name}: {count} points of a surface\n"))?;
         }
@@ -63,7 +65,7 @@ fn one(frame: &NamedFrame, options: &ProfileOptions) -> Result<serde_json::Value
     match options.max_error {
         Some(budget) => {
             let only = std::slice::from_ref(frame);
-            let fitted = fit::fitted(only, Metric::Largest, budget)?;
+            let fitted = fit::fitted(only, Quantity::LargestError, budget)?;
             print_result(&fit::text(design, &fitted))?;
             answer.insert("fit".to_owned(), json!(fitted));
         }

@@ -1,7 +1,6 @@
 //! `splatline render`: one picture.
 
 use super::args::RenderOptions;
-use super::chunks;
 use super::frames;
 use super::output::{Outputs, write};
 use super::resolve::{COMPARED, DRAWN, PlanRequest, room_for_picture};
@@ -9,7 +8,7 @@ use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
 use crate::picture::{Depth, EXTENSIONS, Picture, PictureFormat};
 use crate::plan::measure::draw_alone;
-use crate::plan::{Engine, Look, Prepared};
+use crate::plan::{Engine, Prepared, Technique};
 use crate::progress::ProgressMeter;
 use std::path::Path;
 
@@ -23,9 +22,6 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(format!(
             "--traversal has no meaning for --engine {engine}"
         )));
-    }
-    if let Some(size) = options.chunks {
-        return chunks::render(options, &outputs, size as usize);
     }
     if options.path.camera_path.is_some() {
         return frames::render(options);
@@ -75,9 +71,9 @@ pub fn write_picture(
 
 /// Refuses a picture that does not fit into memory.
 pub fn check_room(prepared: &Prepared) -> Result<(), Failure> {
-    let bytes = match (&prepared.plan.look, prepared.plan.engine) {
+    let bytes = match (&prepared.plan.technique, prepared.plan.engine) {
         // The reference of surfaces keeps every fragment.
-        (Look::Surface(_), Engine::Float) => COMPARED,
+        (Technique::Surface(_), Engine::Float) => COMPARED,
         _ => DRAWN,
     };
     room_for_picture(&prepared.plan.camera, bytes)

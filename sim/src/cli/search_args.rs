@@ -3,11 +3,18 @@
 
 use super::drawing_args::WorkOptions;
 use super::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
+use super::resolve::{
+    COMPARED, HELD_PIXEL_BYTES, NamedFrame, PlanRequest, calibration, energy_table,
+    room_for_picture,
+};
+use super::say::{Failure, warn};
 use super::values::{METRICS, one_of, positive, shard};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions};
-use crate::explore::fit::Metric;
+use crate::explore::evaluator::Subject;
+use crate::explore::limits::Quantity;
 use crate::explore::sweep::Shard;
 use clap::Args;
+use splatline::format::Traversal;
 use std::path::PathBuf;
 
 /// What is drawn and simulated, by what a search starts from.
@@ -27,6 +34,47 @@ pub struct SearchOptions {
     pub area: AreaOptions,
     #[command(flatten)]
     pub energy: EnergyOptions,
+}
+
+impl SearchOptions {
+    /// The frames that are drawn.
+    pub fn frames(&self) -> Result<Vec<NamedFrame>, Failure> {
+        let request = PlanRequest::work(&self.view, &self.work).on(&self.machine);
+        request.frames(&self.path, &self.more)
+    }
+
+    /// What is explored, with references where errors are asked for.
+    pub fn subject<'a>(
+        &self,
+        frames: &'a [NamedFrame],
+        errors: bool,
+    ) -> Result<Subject<'a>, Failure> {
+        for frame in frames {
+            warn(&frame.prepared.setup_warnings()?);
+            frame.prepared.splats()?;
+        }
+        let mut subject = subject(frames, errors)?;
+        // What nobody asked for, each design of a space decides.
+        let recorded = &frames[0].prepared.plan.entry.traversal;
+        let recorded = self.view.from.as_ref().map(|_| *recorded);
+        subject.traversal = self.work.traversal.map(Traversal::from).or(recorded);
+        subject.calibration = calibration(&self.area)?;
+        subject.energy = energy_table(&self.energy)?;
+        Ok(subject)
+    }
+}
+
+/// What is explored of these frames, whatever they are of, with references where errors are asked for.
+pub fn subject(frames: &[NamedFrame], errors: bool) -> Result<Subject<'_>, Failure> {
+    for frame in frames.iter().filter(|_| errors) {
+        let bytes = COMPARED + HELD_PIXEL_BYTES * (frames.len() as u64 - 1);
+        room_for_picture(&frame.prepared.plan.camera, bytes)?;
+    }
+    let mut subject = Subject::new(frames.iter().map(|frame| &frame.prepared).collect())?;
+    if errors {
+        subject.draw_references()?;
+    }
+    Ok(subject)
 }
 
 pub const SWEEP_EXAMPLES: &str = "\
@@ -191,7 +239,7 @@ pub struct FitOptions {
     pub max_error: f64,
     /// Which error
     #[arg(long, value_parser = one_of(METRICS), default_value = "largest")]
-    pub metric: Metric,
+    pub metric: Quantity,
     /// Design file to write
     #[arg(short, long, value_name = "file.toml", help_heading = "Output")]
     pub output: Option<PathBuf>,

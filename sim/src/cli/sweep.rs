@@ -1,25 +1,19 @@
 //! `splatline sweep` and `splatline merge`: sweeps, in one piece or in shards.
 
 use super::output::{Outputs, create_folder, read_settings, write};
-use super::resolve::{
-    COMPARED, HELD_PIXEL_BYTES, NamedFrame, PlanRequest, calibration, energy_table,
-    room_for_picture,
-};
-use super::say::{Failure, print_result, warn};
+use super::say::{Failure, print_result};
 use super::search_args::{MergeOptions, SearchOptions, SweepOptions};
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
 use crate::explore::identity::{Identity, SettingsText};
 use crate::explore::plot::{self, Sweep};
 use crate::explore::space::Space;
-use crate::explore::sweep::{self, Shard, SweepSubject};
+use crate::explore::sweep::{self, Shard};
 use crate::explore::table::{ResultTable, heading};
 use crate::machine::Config;
 use crate::machine::area::synthesis;
-use crate::plan::Engine;
 use crate::progress::ProgressMeter;
 use anyhow::anyhow;
-use splatline::format::Traversal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -29,56 +23,24 @@ const FILES: [&str; 3] = ["sweep.json", "front.csv", "front.html"];
 /// Every point of the space.
 pub fn run(options: &SweepOptions) -> Result<(), Failure> {
     let (search, file, output) = (&options.search, &options.space, &options.output);
+    let table = table_name(options.shard);
     let outputs = Outputs::default()
         .folder(output, &FILES)?
-        .folder(output, &[&table_name(options.shard)])?;
+        .folder(output, &[&table])?;
     let text = read_settings(file)?;
     let space = Space::from_toml(&file.display().to_string(), &text)?;
-    let asked = PlanRequest::work(&search.view, &search.work).on(&search.machine);
-    let frames = asked.frames(&search.path, &search.more)?;
-    let mut references = Vec::with_capacity(frames.len());
-    for NamedFrame { prepared, .. } in &frames {
-        warn(&prepared.setup_warnings()?);
-        if options.no_error {
-            references.push(None);
-            continue;
-        }
-        let kept = HELD_PIXEL_BYTES * (frames.len() as u64 - 1);
-        room_for_picture(prepared.splats()?.camera, COMPARED + kept)?;
-        references.push(Some(
-            prepared.draw_reference(Engine::Float, &|_, _| ())?.picture,
-        ));
-    }
-    let mut seen = Vec::with_capacity(frames.len());
-    for (frame, reference) in frames.iter().zip(&references) {
-        seen.push((frame.prepared.splats()?, reference.as_ref()));
-    }
-    let more = seen.split_off(1);
-    let (splats, reference) = seen.remove(0);
-    let prepared = &frames[0].prepared;
-    let entry = &prepared.plan.entry;
-    let recorded = search.view.from.is_some().then_some(entry.traversal);
-    let subject = SweepSubject {
-        splats,
-        design: entry.design.clone(),
-        // What nobody asked for, each design of the space decides.
-        traversal: search.work.traversal.map(Traversal::from).or(recorded),
-        machine: prepared.plan.machine,
-        calibration: calibration(&search.area)?,
-        energy: energy_table(&search.energy)?,
-        reference,
-        more,
-    };
+    let frames = search.frames()?;
+    let subject = search.subject(&frames, !options.no_error)?;
     let identity = Identity::new(&subject, &text, &settings(search, &space)?)?;
     outputs.spare_inputs()?;
     folder::claim(output, &identity)?;
-    let path = output.join(table_name(options.shard));
+    let path = output.join(table);
     let (out, done) = Appender::resume(&path, &heading(&space), &identity)?;
 
     let mine = (0..space.points.len())
         .filter(|point| options.shard.holds(*point, space.points.len()))
         .count();
-    let before = done.lines.len();
+    let before = done.rows.len();
     let progress = ProgressMeter::new(mine.saturating_sub(before));
     progress.doing(format!("{} points", mine));
     let started = Instant::now();
@@ -101,7 +63,7 @@ pub fn run(options: &SweepOptions) -> Result<(), Failure> {
         );
         let table = folder::table(&path, &identity)?;
         let name = match frames.len() {
-            1 => splats.scene.name.clone(),
+            1 => frames[0].prepared.scene.name().to_owned(),
             all => format!("{all} frames, of which each point shows its slowest"),
         };
         finish(&name, &note, &table, output)?;
@@ -131,7 +93,7 @@ pub fn merge(options: &MergeOptions) -> Result<(), Failure> {
     let space = identity.space()?;
     let (missing, all) = (merged.missing(&space), space.points.len());
     if missing > 0 && !options.partial {
-        let first = (0..all).find(|point| !merged.lines.contains_key(point));
+        let first = (0..all).find(|point| !merged.rows.contains_key(point));
         let first = first.unwrap_or_default();
         return Err(anyhow!(
             "{missing} of the sweep's {all} points are missing, the first of them is point {first}: run the shards that hold them, or merge what is \
@@ -145,7 +107,7 @@ pub fn merge(options: &MergeOptions) -> Result<(), Failure> {
         0 => String::new(),
         _ => format!("; {missing} of {all} are missing"),
     };
-    print_result(&format!("{} points{lacking}\n", merged.lines.len()))?;
+    print_result(&format!("{} points{lacking}\n", merged.rows.len()))?;
     finish("merged sweep", identity.area(), &merged, &options.output)
 }
 

@@ -1,17 +1,20 @@
 //! The values that options have, as they are written on the command line.
 
 use crate::design;
-use crate::explore::fit::Metric;
+use crate::explore::limits::Quantity;
 use crate::explore::sweep::Shard;
 use crate::framing::Orbit;
 use crate::hybrid::Points;
 use crate::machine::area::Family;
 use crate::picture::Depth;
 use crate::plan::Engine;
+use crate::reference::sphere::Index;
 use crate::rules::{Compositing, Kernel};
+use crate::sheets::SheetKind;
 use crate::surface::LAYERS;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use splatline::blend::deep::{ChannelRounding, Representation};
 use splatline::format::Traversal;
 use std::str::FromStr;
 
@@ -70,6 +73,68 @@ pub const POINTS: &Choices<Points> = &[
     ("none", "None", Points::None),
 ];
 
+/// How a scene is cut into sheets.
+pub const SHEETS: &Choices<SheetKind> = &[
+    (
+        "axis-aligned",
+        "Slices along the axis that is closest to the view",
+        SheetKind::AxisAligned,
+    ),
+    (
+        "image-aligned",
+        "Slabs of depth, each splat in one of them",
+        SheetKind::ImageAligned,
+    ),
+    (
+        "image-aligned-cut",
+        "Slabs of depth into which splats are cut",
+        SheetKind::ImageAlignedCut,
+    ),
+];
+
+/// What a deep alpha channel keeps.
+pub const REPRESENTATIONS: &Choices<Representation> = &[
+    ("opacity", "A", Representation::Opacity),
+    ("transmittance", "1 - A", Representation::Transmittance),
+    (
+        "optical-depth",
+        "-log2(1 - A)",
+        Representation::OpticalDepth,
+    ),
+];
+
+/// What becomes of the bits below a channel's last.
+pub const ROUNDINGS: &Choices<ChannelRounding> = &[
+    ("nearest", "To nearest", ChannelRounding::Nearest),
+    ("truncate", "Cut off", ChannelRounding::Truncate),
+    (
+        "dither",
+        "Up with the probability of the dropped part",
+        ChannelRounding::Dither,
+    ),
+];
+
+/// Outlines of projected spheres, by whether they are exact.
+pub const ELLIPSES: &Choices<bool> = &[
+    ("affine", "First order in radius over distance", false),
+    ("exact", "Where the tangent cone meets the picture", true),
+];
+
+/// How a place inside a sphere's outline becomes a radial index.
+pub const INDICES: &Choices<Index> = &[
+    ("affine", "In proportion to the radius", Index::Affine),
+    (
+        "perspective",
+        "Corrected for perspective, exact in the middle of the picture",
+        Index::Perspective,
+    ),
+    (
+        "ray",
+        "Distance of the pixel's ray from the centre",
+        Index::Ray,
+    ),
+];
+
 /// Order and operator of blending.
 pub const COMPOSITINGS: &Choices<Compositing> = &[
     (
@@ -105,9 +170,9 @@ pub const FAMILIES: &Choices<Family> = &[
 ];
 
 /// Which error a budget is about.
-pub const METRICS: &Choices<Metric> = &[
-    ("largest", "Largest absolute error", Metric::Largest),
-    ("rms", "Root mean square error", Metric::Rms),
+pub const METRICS: &Choices<Quantity> = &[
+    ("largest", "Largest absolute error", Quantity::LargestError),
+    ("rms", "Root mean square error", Quantity::RmsError),
 ];
 
 /// How the kernel walks a footprint.
@@ -324,6 +389,8 @@ pub enum Backfaces {
 pub enum SceneKind {
     /// Points of a surface
     Surface,
+    /// Texels of a photograph (.png, .jpg) on a plane
+    Texture,
 }
 
 pub fn shard(text: &str) -> Result<Shard, String> {

@@ -13,11 +13,12 @@ use std::str::FromStr;
 /// What is looked at and from where.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
-    /// Scene: 3D Gaussians, a volume or one of demo, random:COUNT[:SEED], deep-stack; - reads stdin. docs/formats.md lists the formats
+    /// Scene: 3D Gaussians, a volume or one of demo, random:COUNT[:SEED], deep-stack; - reads stdin. With --as surface also sphere, glass and
+    /// hills, with --as texture checkerboard. docs/formats.md lists the formats
     #[arg(value_name = "SCENE")]
     pub scene: Option<PathBuf>,
-    /// Draw again what a report.json records: its scene, camera, rules, style, design and machine
-    #[arg(long, value_name = "report.json", conflicts_with_all = ["scene", "camera", "eye", "target", "up", "fov", "orbit", "zoom", "size", "rules",
+    /// Draw what a plan (TOML) or a report.json states: its scene, camera, technique, design and machine
+    #[arg(long, visible_alias = "plan", value_name = "plan.toml|report.json", conflicts_with_all = ["scene", "camera", "eye", "target", "up", "fov", "orbit", "zoom", "size", "rules",
         "antialias", "kernel", "transfer", "light", "kind"])]
     pub from: Option<PathBuf>,
     /// Camera: our JSON file or a report.json, a COLMAP folder, transforms.json or cameras.json; without it and without --eye the whole scene is shown
@@ -119,8 +120,9 @@ pub struct MoreScenes {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Surfaces")]
 pub struct SurfaceArgs {
-    /// What the scene's points are: `surface` draws a .ply, .xyz, .obj, .las or .laz cloud or a height field (.csv) as surface splats
-    #[arg(long = "as", value_name = "surface", value_enum)]
+    /// What the scene is: `surface` draws a .ply, .xyz, .obj, .las or .laz cloud or a height field (.csv) as surface splats, `texture` the
+    /// texels of a picture (.png, .jpg) as samples on the ground
+    #[arg(long = "as", value_name = "surface|texture", value_enum)]
     pub kind: Option<SceneKind>,
     /// Layers of a pixel (1, 2, 3, 4 or 8), for semi-transparent surfaces and antialiased edges [default: one opaque surface]
     #[arg(long, value_name = "N", value_parser = layers, requires = "kind")]
@@ -140,6 +142,18 @@ pub struct SurfaceArgs {
     /// Distance of neighbouring heights of a height field, in units of height [default: 0.1]
     #[arg(long, value_name = "D", value_parser = positive, requires = "kind")]
     pub spacing: Option<f64>,
+    /// Draws the points as volume kernels whose axis along the normal is divided by S
+    #[arg(long, value_name = "S", help_heading = "Techniques", value_parser = positive, requires = "kind")]
+    pub flatten: Option<f64>,
+    /// Draws the pixels of a depth image that this camera takes of the surface, warped to the view
+    #[arg(
+        long,
+        value_name = "camera.json",
+        help_heading = "Techniques",
+        requires = "kind",
+        conflicts_with = "flatten"
+    )]
+    pub depth_image_from: Option<PathBuf>,
     /// Leaves out points that face away from the eye [default: auto; on if nothing follows]
     #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_value = "auto", default_missing_value = "on", hide_default_value = true, requires = "kind")]
     pub cull_backfaces: Backfaces,

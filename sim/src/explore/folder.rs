@@ -5,7 +5,7 @@
 //! told so: waiting would mean to compute the same points again.
 
 use super::identity::Identity;
-use super::table::ResultTable;
+use super::table::{ResultTable, row_digest, to_line, whole_lines};
 use crate::{atomic, input};
 use anyhow::{Context, Result, anyhow, bail};
 use std::fs::{File, OpenOptions, TryLockError};
@@ -169,14 +169,14 @@ pub struct Appender(Mutex<File>);
 
 impl Appender {
     /// Opens the file, which is made with its heading if need be, and cuts off a broken last line. Also the text that it holds.
-    pub fn open(path: &Path, heading: &str) -> io::Result<(Appender, String)> {
+    pub fn open(path: &Path, heading: &[String]) -> io::Result<(Appender, String)> {
         let mut file = locked(path)?;
         let mut text = String::new();
         file.read_to_string(&mut text)?;
-        text.truncate(text.rfind('\n').map_or(0, |end| end + 1));
+        text.truncate(whole_lines(&text));
         file.set_len(text.len() as u64)?;
         if text.is_empty() {
-            text = format!("{heading}\n");
+            text = to_line(heading);
             file.write_all(text.as_bytes())?;
         }
         Ok((Appender(Mutex::new(file)), text))
@@ -185,7 +185,7 @@ impl Appender {
     /// Opens a sweep's table, and reads what is done already.
     pub fn resume(
         path: &Path,
-        heading: &str,
+        heading: &[String],
         identity: &Identity,
     ) -> Result<(Appender, ResultTable)> {
         let shown = path.display();
@@ -195,13 +195,19 @@ impl Appender {
         Ok((appender, table))
     }
 
-    /// Appends one line.
-    pub fn append(&self, line: &str) -> io::Result<()> {
+    /// Appends a row of these fields, and its digest.
+    pub fn append(&self, fields: &[String]) -> io::Result<()> {
+        let mut row = fields.to_vec();
+        row.push(row_digest(fields));
+        self.append_line(&to_line(&row))
+    }
+
+    fn append_line(&self, line: &str) -> io::Result<()> {
         let mut file = self
             .0
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
-        file.write_all(format!("{line}\n").as_bytes())?;
+        file.write_all(line.as_bytes())?;
         file.flush()
     }
 }
@@ -210,17 +216,21 @@ impl Appender {
 mod tests {
     use super::*;
 
+    fn heading() -> Vec<String> {
+        ["point", "a"].map(str::to_owned).to_vec()
+    }
+
     #[test]
     fn a_broken_last_line_is_dropped_and_overwritten() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points.csv");
         std::fs::write(&path, "point,a\n0,5\n1,").unwrap();
         let table = ResultTable::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
-        assert_eq!(table.lines.keys().collect::<Vec<_>>(), [&0]);
-        Appender::open(&path, "point,a")
+        assert_eq!(table.rows.keys().collect::<Vec<_>>(), [&0]);
+        Appender::open(&path, &heading())
             .unwrap()
             .0
-            .append("1,6")
+            .append_line("1,6\n")
             .unwrap();
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
@@ -233,16 +243,16 @@ mod tests {
     fn a_table_cut_anywhere_is_continued() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points.csv");
-        let (heading, lines) = ("point,a", ["0,5", "1,16", "2,270"]);
-        let whole = format!("{heading}\n{}\n", lines.join("\n"));
+        let lines = ["0,5\n", "1,16\n", "2,270\n"];
+        let whole = format!("point,a\n{}", lines.concat());
         for length in 0..=whole.len() {
             std::fs::write(&path, &whole[..length]).unwrap();
             let done = ResultTable::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
-            let (out, _) = Appender::open(&path, heading).unwrap();
+            let (out, _) = Appender::open(&path, &heading()).unwrap();
             for (point, line) in lines.iter().enumerate() {
-                match done.lines.get(&point) {
-                    Some(kept) => assert_eq!(kept, line, "cut at {length}"),
-                    None => out.append(line).unwrap(),
+                match done.rows.get(&point) {
+                    Some(kept) => assert_eq!(to_line(kept), *line, "cut at {length}"),
+                    None => out.append_line(line).unwrap(),
                 }
             }
             assert_eq!(std::fs::read_to_string(&path).unwrap(), whole, "{length}");
@@ -253,7 +263,7 @@ mod tests {
     fn a_new_table_has_its_heading() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points.csv");
-        Appender::open(&path, "point,a").unwrap();
+        Appender::open(&path, &heading()).unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "point,a\n");
     }
 
@@ -261,13 +271,13 @@ mod tests {
     fn a_table_has_one_writer() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points.csv");
-        let first = Appender::open(&path, "point,a").unwrap();
-        let refused = Appender::open(&path, "point,a").err().unwrap().to_string();
+        let first = Appender::open(&path, &heading()).unwrap();
+        let refused = Appender::open(&path, &heading()).err().unwrap().to_string();
         assert!(refused.contains("another process"), "{refused}");
         let replaced = replace(&path, &ResultTable::default()).unwrap_err();
         assert!(format!("{replaced:#}").contains("another process"));
         drop(first);
-        Appender::open(&path, "point,a").unwrap();
+        Appender::open(&path, &heading()).unwrap();
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The Pareto front of a sweep: points that no other point beats in error, cycles, area and energy at once.
 
-use super::table::ResultTable;
+use super::table::{ROW_DIGEST, ResultTable};
 
 /// A finished point as far as the front and the plot need it.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,18 +21,13 @@ pub struct Candidate {
 
 /// The table's points that have results.
 pub fn candidates(table: &ResultTable) -> Vec<Candidate> {
-    let names: Vec<&str> = table.heading.split(',').collect();
-    let place = |name: &str| names.iter().position(|column| *column == name);
-    let places = ["rms", "cycles", "area", "energy_mj"].map(place);
+    let places = ["rms", "cycles", "area", "energy_mj"].map(|name| table.column(name));
     let [Some(rms), Some(cycles), Some(area), Some(energy)] = places else {
         return Vec::new();
     };
-    let candidate = |(point, line): (&usize, &String)| {
-        let fields: Vec<&str> = line.split(',').collect();
-        let named = names
-            .iter()
-            .zip(&fields)
-            .filter(|(_, value)| !value.is_empty());
+    let candidate = |(point, fields): (&usize, &Vec<String>)| {
+        let named = table.heading.iter().zip(fields);
+        let named = named.filter(|(name, value)| !value.is_empty() && *name != ROW_DIGEST);
         Some(Candidate {
             point: *point,
             rms: fields.get(rms)?.parse().unwrap_or(0.0),
@@ -45,7 +40,7 @@ pub fn candidates(table: &ResultTable) -> Vec<Candidate> {
                 .join(", "),
         })
     };
-    table.lines.iter().filter_map(candidate).collect()
+    table.rows.iter().filter_map(candidate).collect()
 }
 
 /// The points of the front, by cycles. Of equal points the first counts.
@@ -76,12 +71,12 @@ pub fn front(candidates: &[Candidate]) -> Vec<&Candidate> {
 
 /// The table's lines of the front.
 pub fn front_table(table: &ResultTable, front: &[&Candidate]) -> ResultTable {
-    let lines = front.iter().filter_map(|candidate| {
-        Some((candidate.point, table.lines.get(&candidate.point)?.clone()))
-    });
+    let rows = front
+        .iter()
+        .filter_map(|candidate| Some((candidate.point, table.rows.get(&candidate.point)?.clone())));
     ResultTable {
         heading: table.heading.clone(),
-        lines: lines.collect(),
+        rows: rows.collect(),
     }
 }
 

@@ -5,19 +5,20 @@
 //! digest of its sources, every settings file by a digest of its text, and camera, rules, design, machine and prices by all their
 //! values. Results may share a table only if all of it is equal, and where it is not, the message says what differs.
 
+use super::evaluator::Subject;
 use super::space::{Space, SpaceError};
-use super::sweep::SweepSubject;
 use crate::design::traversal_name;
 use crate::difference::{Difference, differences};
 use crate::digest::Digest;
 use crate::machine::area::synthesis;
 use crate::machine::config;
+use crate::plan::Prepared;
 use crate::scene::{Harmonics, Scene, Weight};
 use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 
 /// Version of `sweep.json`; tables of another version are never taken for ours.
-const FORMAT: &str = "splatline-sweep/6";
+const FORMAT: &str = "splatline-sweep/7";
 /// Differences that a message lists at most.
 const FEW: usize = 6;
 
@@ -35,31 +36,34 @@ pub struct SettingsText {
 
 impl Identity {
     /// Of a sweep over the space of this text.
-    pub fn new(subject: &SweepSubject, space: &str, settings: &[SettingsText]) -> Result<Identity> {
+    pub fn new(subject: &Subject, space: &str, settings: &[SettingsText]) -> Result<Identity> {
         let files: serde_json::Map<String, Value> = settings
             .iter()
             .map(|file| (file.role.to_owned(), of_bytes(file.text.as_bytes()).into()))
             .collect();
+        let (first, more) = subject.frames.split_first().context("there is no frame")?;
+        let mut scenes = SceneDigests::default();
+        let scene = &first.splats()?.scene;
+        let look = technique(first)?;
         Ok(Identity(json!({
             "format": FORMAT,
             "program": { "version": env!("CARGO_PKG_VERSION"), "sources_sha256": env!("SPLATLINE_SOURCES") },
             "scene": {
-                "name": subject.splats.scene.name,
-                "splats": subject.splats.scene.splats.len(),
-                "sha256": of_scene(subject.splats.scene),
+                "name": scene.name,
+                "splats": scene.splats.len(),
+                "sha256": scenes.of(scene),
             },
-            "camera": serde_json::from_str::<Value>(&subject.splats.camera.to_json())?,
-            "more_frames": more_frames(subject)?,
-            // Debug prints every field, and doubles so that they read back.
-            "rules": format!("{:?}", subject.splats.rules),
-            "compositing": format!("{:?}", subject.splats.compositing),
+            "camera": serde_json::from_str::<Value>(&first.plan.camera.to_json())?,
+            "more_frames": more.iter().map(|frame| scenes.frame(frame)).collect::<Result<Vec<_>>>()?,
+            "rules": look["rules"],
+            "compositing": look["compositing"],
             "design": subject.design.resolved(),
             "traversal": subject.traversal.map(traversal_name),
             "machine": config::to_toml(&subject.machine),
             "calibration": subject.calibration,
             "energy": subject.energy,
             "area": synthesis::statement(&subject.calibration),
-            "errors": subject.reference.is_some(),
+            "errors": !subject.references.is_empty(),
             "files_sha256": files,
             "space": space,
         })))
@@ -120,25 +124,38 @@ impl Identity {
     }
 }
 
-/// Scene and camera of every further frame; the digest of a scene that many frames share is made once.
-fn more_frames(subject: &SweepSubject) -> Result<Vec<Value>> {
-    let mut known: Option<(*const Scene, String)> = None;
-    let mut all = Vec::with_capacity(subject.more.len());
-    for (splats, _) in &subject.more {
-        let scene: *const Scene = splats.scene;
-        let digest = match &known {
-            Some((before, digest)) if std::ptr::eq(*before, scene) => digest.clone(),
-            _ => of_scene(splats.scene),
-        };
-        known = Some((scene, digest.clone()));
-        all.push(json!({
-            "scene": splats.scene.name,
-            "sha256": digest,
-            "camera": serde_json::from_str::<Value>(&splats.camera.to_json())?,
-            "rules": format!("{:?}", splats.rules),
-        }));
+/// Rules, order and method of blending, as a plan records them.
+fn technique(frame: &Prepared) -> Result<Value> {
+    let mut recorded = serde_json::to_value(&frame.plan.technique)?;
+    Ok(recorded["splats"].take())
+}
+
+/// The digest of the last scene, which many frames may share.
+#[derive(Default)]
+struct SceneDigests(Option<(*const Scene, String)>);
+
+impl SceneDigests {
+    fn of(&mut self, scene: &Scene) -> String {
+        match &self.0 {
+            Some((known, digest)) if std::ptr::eq(*known, scene) => digest.clone(),
+            _ => {
+                let digest = of_scene(scene);
+                self.0 = Some((scene, digest.clone()));
+                digest
+            }
+        }
     }
-    Ok(all)
+
+    /// Scene, camera and rules of a further frame.
+    fn frame(&mut self, frame: &Prepared) -> Result<Value> {
+        let scene = frame.splats()?.scene;
+        Ok(json!({
+            "scene": scene.name,
+            "sha256": self.of(scene),
+            "camera": serde_json::from_str::<Value>(&frame.plan.camera.to_json())?,
+            "rules": technique(frame)?["rules"],
+        }))
+    }
 }
 
 fn of_bytes(bytes: &[u8]) -> String {

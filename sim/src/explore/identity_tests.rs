@@ -7,7 +7,7 @@ use crate::machine::area::{Calibration, Family};
 use crate::machine::config::{Config, SETTINGS};
 use crate::machine::energy::{EnergyTable, SHIPPED};
 use crate::picture::Picture;
-use crate::plan::Splats;
+use crate::plan::Technique;
 use crate::rules::{Compositing, Rules};
 use crate::scene::synthetic;
 use proptest::prelude::*;
@@ -62,21 +62,19 @@ impl Facts {
             height: 1,
             pixels: vec![[0.0; 4]],
         };
-        let subject = SweepSubject {
-            splats: Splats {
-                scene: &self.scene,
-                camera: &self.camera,
-                rules: &self.rules,
-                compositing: self.compositing,
-                hybrid: None,
-            },
-            design: DesignChoice::from_toml("d.toml", &self.design).unwrap(),
+        let design = DesignChoice::from_toml("d.toml", &self.design).unwrap();
+        let (scene, camera) = (self.scene.clone(), self.camera.clone());
+        let mut prepared = Prepared::of_splats(scene, camera, self.rules, design);
+        if let Technique::Splats { compositing, .. } = &mut prepared.plan.technique {
+            *compositing = self.compositing;
+        }
+        let subject = Subject {
             traversal: self.traversal,
             machine: self.machine,
             calibration: self.calibration.clone(),
             energy: self.energy.clone(),
-            reference: self.errors.then_some(&picture),
-            more: Vec::new(),
+            references: self.errors.then_some(picture).into_iter().collect(),
+            ..Subject::new(vec![&prepared]).unwrap()
         };
         let settings: Vec<SettingsText> = self
             .settings
@@ -291,7 +289,7 @@ fn every_field_counts() {
 #[test]
 fn an_identity_of_another_version_is_refused() {
     let text = Facts::new().identity().to_text();
-    let older = text.replace("splatline-sweep/6", "splatline-sweep/3");
+    let older = text.replace("splatline-sweep/7", "splatline-sweep/3");
     let message = Identity::parse(&older).unwrap_err().to_string();
     assert!(message.contains("splatline-sweep/3"), "{message}");
     assert!(Identity::parse("{}").is_err() && Identity::parse("x").is_err());

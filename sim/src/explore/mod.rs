@@ -1,17 +1,22 @@
 //! Exploration: sweeps over designs and machines, the Pareto front, the smallest design within a budget, and what a scene needs.
 //!
 //! ```text
-//! space (TOML) -> points -> sweep (shared work once, CSV appended) -> front (CSV, HTML)
-//! limits (frames a second, LUT, error ...) -> ask (search over designs and machines) -> the cheapest point
+//! frames, a design, a machine -> evaluator (errors, cycles, area, energy of any choice)
+//! space (TOML) -> points -> sweep: all points (CSV appended) -> front (CSV, HTML)
+//! limits (frames a second, LUT, error ...) -> search: descent -> answer, the cheapest point; fit, the smallest design
 //! ```
 
-pub mod ask;
+pub mod answer;
+mod answer_text;
+pub mod evaluator;
 pub mod fit;
 pub mod folder;
 pub mod front;
 pub mod identity;
-pub mod needs;
+pub mod limits;
 pub mod plot;
+pub mod profile;
+mod search;
 pub mod space;
 pub mod sweep;
 pub mod table;

@@ -98,25 +98,26 @@ pub fn page(sweep: &Sweep) -> String {
 /// What the page's script reads.
 #[derive(Serialize)]
 struct PointsData<'a> {
-    columns: Vec<&'a str>,
+    columns: &'a [String],
     axes: Vec<&'a str>,
-    rows: Vec<Vec<&'a str>>,
+    rows: Vec<&'a [String]>,
     front: Vec<usize>,
 }
 
-/// The table as the page's script reads it.
+/// The table as the page's script reads it, without the rows' digests.
 fn points(sweep: &Sweep, kept: &[&Candidate]) -> String {
-    let columns: Vec<&str> = sweep.table.heading.split(',').collect();
+    let shown = sweep.table.heading.len().saturating_sub(1);
+    let columns = &sweep.table.heading[..shown];
     let axes: Vec<&str> = columns
         .iter()
-        .copied()
+        .map(String::as_str)
         .filter(|name| *name != "point" && !RESULTS.contains(name))
         .collect();
-    let rows: Vec<Vec<&str>> = sweep
+    let rows: Vec<&[String]> = sweep
         .candidates
         .iter()
-        .filter_map(|candidate| sweep.table.lines.get(&candidate.point))
-        .map(|line| line.split(',').collect())
+        .filter_map(|candidate| sweep.table.rows.get(&candidate.point))
+        .filter_map(|row| row.get(..shown))
         .collect();
     let front: Vec<usize> = kept.iter().map(|candidate| candidate.point).collect();
     let data = PointsData {

@@ -1,11 +1,20 @@
 //! The sweep's table: one CSV line per finished point, written as soon as it is known.
 //!
 //! A line is appended in one write ([`super::folder`]), so an interrupted sweep leaves at most one broken last line, which reading drops and
-//! going on cuts off. What is read is checked against the space: a point that is not there, an axis with another value, a result that is no
-//! number were not written by this sweep, and would be drawn as if they were.
+//! going on cuts off. What is read is checked against the space and against each row's digest: a point that is not there, an axis with another value,
+//! a result that is no number or that was edited were not written by this sweep, and would be drawn as if they were.
+//!
+//! Fields are quoted as RFC 4180 has it, since an axis may name a file.
 
 use super::space::Space;
+use crate::digest::Digest;
 use std::collections::BTreeMap;
+
+/// The last column: tells whether its row is as it was written.
+pub const ROW_DIGEST: &str = "row_digest";
+
+/// Hexadecimal digits of a row's digest.
+const DIGEST_DIGITS: usize = 16;
 
 /// Columns behind the axes. Of several frames cycles, pace and bytes are those of the slowest, energy is that of the dearest, errors are over all. Area is that of the raster units, of what is around them, and all of it in look-up tables; energy is that of a picture.
 /// `clock_assumed` is 1 where nobody gave the clock (`crate::machine::clock`).
@@ -46,60 +55,90 @@ pub const RESULTS: [&str; 33] = [
 ];
 
 /// The heading for a space.
-pub fn heading(space: &Space) -> String {
+pub fn heading(space: &Space) -> Vec<String> {
     let axes = space.axes.iter().map(|axis| axis.key.as_str());
-    std::iter::once("point")
-        .chain(axes)
-        .chain(RESULTS)
-        .collect::<Vec<_>>()
-        .join(",")
+    let names = std::iter::once("point").chain(axes).chain(RESULTS);
+    names.chain([ROW_DIGEST]).map(str::to_owned).collect()
 }
 
-/// Lines by the number of their point.
+/// Fields as a line of a table, with its end.
+pub fn to_line(fields: &[String]) -> String {
+    let quoted = |field: &String| {
+        if field.contains([',', '"', '\n', '\r']) {
+            format!("\"{}\"", field.replace('"', "\"\""))
+        } else {
+            field.clone()
+        }
+    };
+    let fields: Vec<String> = fields.iter().map(quoted).collect();
+    fields.join(",") + "\n"
+}
+
+/// The digest of a row's fields.
+pub fn row_digest(fields: &[String]) -> String {
+    let mut digest = Digest::default();
+    fields
+        .iter()
+        .for_each(|field| digest.piece(field.as_bytes()));
+    let mut text = digest.finish();
+    text.truncate(DIGEST_DIGITS);
+    text
+}
+
+/// Up to where a table's text has whole lines: an interruption may have cut the last one, in a quoted field as well.
+pub fn whole_lines(text: &str) -> usize {
+    let (mut quoted, mut end) = (false, 0);
+    for (place, byte) in text.bytes().enumerate() {
+        match byte {
+            b'"' => quoted = !quoted,
+            b'\n' if !quoted => end = place + 1,
+            _ => {}
+        }
+    }
+    end
+}
+
+/// Rows by the number of their point.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ResultTable {
-    /// The heading.
-    pub heading: String,
-    /// Whole lines, each beginning with its point's number.
-    pub lines: BTreeMap<usize, String>,
+    /// Names of the columns.
+    pub heading: Vec<String>,
+    /// A point's fields, the first of them its number.
+    pub rows: BTreeMap<usize, Vec<String>>,
 }
 
 impl ResultTable {
     /// Reads the text of a table; a last line without its end is dropped. Without a whole line it is the table of a sweep that was
     /// interrupted before it began, which has no heading and no points.
     pub fn from_csv(text: &str) -> Result<ResultTable, String> {
-        let Some(whole) = text.rfind('\n').map(|end| &text[..end]) else {
-            return Ok(ResultTable::default());
-        };
-        let mut lines = whole.lines();
-        let heading = lines.next().unwrap_or("").to_owned();
-        if !heading.starts_with("point,") {
-            return Err(
-                "line 1: not a table of a sweep: its first column must be 'point'".to_owned(),
-            );
-        }
-        let columns = heading.split(',').count();
-        let mut table = ResultTable {
-            heading,
-            lines: BTreeMap::new(),
-        };
-        for (number, line) in lines.enumerate() {
-            let point = line.split(',').next().and_then(|point| point.parse().ok());
-            match point {
-                Some(point) if line.split(',').count() == columns => {
-                    if table.lines.insert(point, line.to_owned()).is_some() {
-                        let line = number + 2;
-                        return Err(format!(
-                            "line {line}: point {point} a second time: remove one of its lines"
-                        ));
-                    }
-                }
-                _ => {
+        let whole = &text[..whole_lines(text)];
+        let mut reader = csv::ReaderBuilder::new();
+        let reader = reader.has_headers(false).flexible(true);
+        let mut table = ResultTable::default();
+        for record in reader.from_reader(whole.as_bytes()).records() {
+            let record = record.map_err(|error| error.to_string())?;
+            let line = record.position().map_or(1, csv::Position::line);
+            let fields: Vec<String> = record.iter().map(str::to_owned).collect();
+            if table.heading.is_empty() {
+                if fields.len() < 2 || fields[0] != "point" {
                     return Err(format!(
-                        "line {}: expected {columns} fields, the first of them a point's number",
-                        number + 2
+                        "line {line}: not a table of a sweep: its first column must be 'point'"
                     ));
                 }
+                table.heading = fields;
+                continue;
+            }
+            let columns = table.heading.len();
+            let point = fields[0].parse().ok();
+            let Some(point) = point.filter(|_| fields.len() == columns) else {
+                return Err(format!(
+                    "line {line}: expected {columns} fields, the first of them a point's number"
+                ));
+            };
+            if table.rows.insert(point, fields).is_some() {
+                return Err(format!(
+                    "line {line}: point {point} a second time: remove one of its lines"
+                ));
             }
         }
         Ok(table)
@@ -107,12 +146,8 @@ impl ResultTable {
 
     /// The same as text, sorted by point.
     pub fn to_csv(&self) -> String {
-        let mut text = format!("{}\n", self.heading);
-        for line in self.lines.values() {
-            text.push_str(line);
-            text.push('\n');
-        }
-        text
+        let lines = std::iter::once(&self.heading).chain(self.rows.values());
+        lines.map(|fields| to_line(fields)).collect()
     }
 
     /// Is this a table over that space, with errors or without? The message names point and column.
@@ -123,11 +158,11 @@ impl ResultTable {
         let expected = heading(space);
         if self.heading != expected {
             return Err(format!(
-                "line 1: the columns are not those of this sweep, which are {expected}"
+                "line 1: the columns are not those of this sweep, which are {}",
+                expected.join(",")
             ));
         }
-        for (point, line) in &self.lines {
-            let fields: Vec<&str> = line.split(',').collect();
+        for (point, fields) in &self.rows {
             let problem = |problem: String| {
                 format!(
                     "point {point}: {problem}: remove its line, and the sweep computes it again"
@@ -137,7 +172,8 @@ impl ResultTable {
                 let last = space.points.len().saturating_sub(1);
                 return Err(problem(format!("the space has points 0 to {last} only")));
             };
-            let (axes, results) = fields[1..].split_at(space.axes.len());
+            let (row, digest) = fields.split_at(fields.len() - 1);
+            let (axes, results) = row[1..].split_at(space.axes.len());
             for ((axis, found), expected) in space.axes.iter().zip(axes).zip(space.texts(indices)) {
                 if *found != expected {
                     let key = &axis.key;
@@ -147,13 +183,18 @@ impl ResultTable {
                 }
             }
             check_results(results, errors).map_err(problem)?;
+            if digest[0] != row_digest(row) {
+                return Err(problem(format!(
+                    "{ROW_DIGEST} is not that of its fields, which were edited"
+                )));
+            }
         }
         Ok(())
     }
 
     /// Points of the space that it has no line for.
     pub fn missing(&self, space: &Space) -> usize {
-        space.points.len() - self.lines.len().min(space.points.len())
+        space.points.len() - self.rows.len().min(space.points.len())
     }
 
     /// Adds the lines of another shard. The same point may come twice only with the same result.
@@ -169,30 +210,29 @@ impl ResultTable {
                 "the tables have different columns: they belong to different sweeps".to_owned(),
             );
         }
-        for (point, line) in other.lines {
-            if self
-                .lines
-                .get(&point)
-                .is_some_and(|present| *present != line)
-            {
+        for (point, fields) in other.rows {
+            let known = self.rows.get(&point);
+            if known.is_some_and(|known| *known != fields) {
                 return Err(format!(
                     "point {point} has different results in two tables: they belong to different sweeps"
                 ));
             }
-            self.lines.insert(point, line);
+            self.rows.insert(point, fields);
         }
         Ok(())
     }
 
     /// Place of a column.
     pub fn column(&self, name: &str) -> Option<usize> {
-        self.heading.split(',').position(|column| column == name)
+        self.heading.iter().position(|column| column == name)
     }
 }
 
 /// Are these the results of a point, in the order of [`RESULTS`]?
-fn check_results(results: &[&str], errors: bool) -> Result<(), String> {
-    let (reason, numbers) = results.split_last().unwrap_or((&"", &[]));
+fn check_results(results: &[String], errors: bool) -> Result<(), String> {
+    let Some((reason, numbers)) = results.split_last() else {
+        return Ok(());
+    };
     for (name, text) in RESULTS.iter().zip(numbers) {
         let kind = match name {
             _ if !reason.is_empty() => ColumnKind::Nothing,
@@ -296,7 +336,10 @@ mod tests {
 
     fn checked(line: &str, errors: bool) -> Result<(), String> {
         let space = Space::from_toml("s.toml", SPACE).unwrap();
-        ResultTable::from_csv(&format!("{}\n{line}\n", heading(&space)))?.check(&space, errors)
+        let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+        fields.push(row_digest(&fields));
+        let table = to_line(&heading(&space)) + &to_line(&fields);
+        ResultTable::from_csv(&table)?.check(&space, errors)
     }
 
     /// Whatever result is replaced by what no sweep writes, the point and the column are named.
@@ -324,5 +367,45 @@ mod tests {
         );
         assert!(message(&format!("4,1,rows,{SOUND}")).contains("points 0 to 3 only"));
         assert!(message(&format!("1,1,rows,{SOUND}why")).contains("expected nothing"));
+    }
+
+    /// A design's file may have any name, and an interruption may cut it anywhere.
+    #[test]
+    fn names_with_commas_quotes_and_line_breaks_are_read_back() {
+        let text = "[design]\nbase = [\"a,b.toml\", \"say \\\"x\\\"\\n.toml\"]\n";
+        let space = Space::from_toml("s.toml", text).unwrap();
+        let mut csv = to_line(&heading(&space));
+        for (number, point) in space.points.iter().enumerate() {
+            let mut fields = vec![number.to_string()];
+            fields.extend(space.texts(point));
+            fields.extend(SOUND.split(',').map(str::to_owned));
+            fields.push(row_digest(&fields));
+            csv += &to_line(&fields);
+        }
+        let table = ResultTable::from_csv(&csv).unwrap();
+        table.check(&space, true).unwrap();
+        assert_eq!((table.rows.len(), table.to_csv()), (2, csv.clone()));
+        for end in 0..csv.len() {
+            let cut = ResultTable::from_csv(&csv[..end]).unwrap();
+            assert!(cut.rows.len() < 2, "{end}");
+            cut.check(&space, true).unwrap();
+        }
+    }
+
+    /// A better result that somebody wrote into a row would change the front.
+    #[test]
+    fn an_edited_result_is_refused() {
+        let space = Space::from_toml("s.toml", SPACE).unwrap();
+        let line = format!("1,1,rows,{SOUND}");
+        let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+        fields.push(row_digest(&fields));
+        let table = |fields: &[String]| {
+            ResultTable::from_csv(&(to_line(&heading(&space)) + &to_line(fields))).unwrap()
+        };
+        table(&fields).check(&space, true).unwrap();
+        let cycles = table(&fields).column("cycles").unwrap();
+        fields[cycles] = "0".to_owned();
+        let message = table(&fields).check(&space, true).unwrap_err();
+        assert!(message.contains("point 1: row_digest"), "{message}");
     }
 }

@@ -1,6 +1,9 @@
 //! From a prepared plan to a picture, by any engine: the engines' different results become one [`Drawing`].
 
-use super::{Depiction, DesignVariant, Engine, Prepared, Splats};
+use super::{
+    AlphaChannel, DesignVariant, Engine, Prepared, SheetBuffers, SplatMethod, Splats, Subject,
+};
+use crate::camera::Camera;
 use crate::fast::frame::FrameFacts;
 use crate::fast::lanes::VectorLevel;
 use crate::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
@@ -13,11 +16,12 @@ use crate::machine::workload::{
 use crate::machine::{Config, Timing, simulate_alone};
 use crate::picture::Picture;
 use crate::reference::compositor::{self, RowProgress as Rows};
-use crate::reference::{self, Culled, PixelBox, exact, float, formats};
+use crate::reference::sphere::{self, Shape};
+use crate::reference::{self, Counts, Culled, FloatDrawing, PixelBox, exact, float, formats};
 use crate::renderer::{Drawn, Renderer, Settings};
 use crate::report::facts::{ReasonCounts, SceneFacts};
 use crate::report::{HostTimes, PixelCounts};
-use crate::rules::{self, Compositing};
+use crate::rules::{self, Compositing, Rules};
 use crate::scene::Scene;
 use crate::surface::Style;
 use crate::threads;
@@ -27,7 +31,7 @@ use splatline::draw::Coverage;
 use splatline::footprint::surface::SurfaceFootprint;
 use splatline::footprint::{Footprint, depth};
 use splatline::format::Widths;
-use splatline::setup::Cull;
+use splatline::setup::{self as kernel, Cull};
 use std::time::Instant;
 
 /// One drawn picture and what drawing it took.
@@ -92,17 +96,22 @@ impl Prepared {
     ) -> Result<KernelDrawing<'a>> {
         let engine = vectors.map_or(fixed::best_engine(), fixed::PaintEngine::Vectors);
         Ok(match self.subject()? {
-            Depiction::Splats(splats) => match splats.hybrid {
-                Some(hybrid) => {
+            Subject::Splats(splats) => match splats.method {
+                SplatMethod::Composited => KernelDrawing::splats(splats, entry, engine, counts),
+                SplatMethod::Points(hybrid) => {
                     let (Splats { scene, camera, .. }, options) = (splats, splats.options(entry));
                     let renderer =
                         HybridRenderer::new(scene, camera, options, hybrid, (engine, counts));
                     let renderer = renderer.map_err(Error::msg)?;
                     KernelDrawing::Hybrid(Box::new(renderer), Picture::new(0, 0))
                 }
-                None => KernelDrawing::splats(splats, entry, engine, counts),
+                SplatMethod::Sheets(sheets) => KernelDrawing::sheets(splats, entry, engine, sheets),
+                SplatMethod::DeepAlpha(channel) => {
+                    KernelDrawing::deep_alpha(splats, entry, engine, channel)?
+                }
+                SplatMethod::Spheres(shape) => KernelDrawing::spheres(splats, entry, *shape),
             },
-            Depiction::Surface(scene, style) => {
+            Subject::Surface(scene, style) => {
                 let options = SurfaceOptions {
                     style,
                     design: &entry.design,
@@ -121,15 +130,12 @@ impl Prepared {
     /// Draws by one of the double-precision engines.
     pub fn draw_reference(&self, engine: Engine, rows: Rows) -> Result<Drawing> {
         let drawing = match self.subject()? {
-            Depiction::Splats(splats) => match splats.hybrid {
-                Some(hybrid) => draw_hybrid_reference(engine, splats, hybrid)?,
-                None => draw_splats_reference(engine, splats, rows)?,
-            },
-            Depiction::Surface(..) if engine.format().is_some() => {
+            Subject::Splats(splats) => draw_splats_reference(engine, splats, rows)?,
+            Subject::Surface(..) if engine.format().is_some() => {
                 let name = engine.name();
                 bail!("engine '{name}' draws splats and no surfaces: use fixed or float")
             }
-            Depiction::Surface(scene, style) => {
+            Subject::Surface(scene, style) => {
                 let drawn = reference::surface::draw(scene, &self.plan.camera, style);
                 let culled = reference_culled(&drawn.counts);
                 return Ok(Drawing {
@@ -148,12 +154,13 @@ impl Prepared {
     pub fn fixed_footprints(&self, entry: &DesignVariant) -> Result<Vec<Option<FootprintLine>>> {
         let widths = &entry.design.widths;
         Ok(match self.subject()? {
-            Depiction::Splats(splats) => {
+            Subject::Splats(splats) => {
+                refuse_spheres(&splats)?;
                 let found = fixed::footprints(splats.scene, splats.camera, &splats.options(entry));
                 let line = |footprint: &Footprint| line_of(footprint, widths);
                 found.iter().map(|f| f.as_ref().ok().map(line)).collect()
             }
-            Depiction::Surface(scene, style) => {
+            Subject::Surface(scene, style) => {
                 let points = fixed::surface::QuantisedPoints::new(scene, &self.plan.camera);
                 // Surfaces are drawn in units in which their scene fills the depths' range.
                 let unit = f64::from(-points.scale_log2).exp2();
@@ -175,14 +182,15 @@ impl Prepared {
     /// Footprints in double precision, in the scene's order; nothing for what is culled.
     pub fn float_footprints(&self) -> Result<Vec<Option<FootprintLine>>> {
         Ok(match self.subject()? {
-            Depiction::Splats(splats) => {
+            Subject::Splats(splats) => {
+                refuse_spheres(&splats)?;
                 float::footprints(splats.scene, splats.camera, splats.rules)
                     .iter()
                     .map(|f| f.as_ref().ok())
                     .map(|f| f.map(|f| line(f.centre, f.place, f.conic, &f.bounds, f.cutoff)))
                     .collect()
             }
-            Depiction::Surface(scene, style) => {
+            Subject::Surface(scene, style) => {
                 let project = |point| -> Result<_, Culled> {
                     reference::surface::project(point, &self.plan.camera, style)
                 };
@@ -196,21 +204,18 @@ impl Prepared {
 
     /// What the kernel cannot take as it is given, for commands that make no report: the plan's own warnings and those of a setup.
     pub fn setup_warnings(&self) -> Result<Vec<String>> {
-        let Depiction::Splats(splats) = self.subject()? else {
+        let Subject::Splats(splats) = self.subject()? else {
             // A surface's setup clamps and culls nothing that drawing it does not tell.
             return Ok(self.warnings.clone());
         };
-        let Splats {
-            scene,
-            camera,
-            rules,
+        let facts = set_up(&splats, &self.plan.entry);
+        let Drawing {
+            culled,
+            clamped,
+            colour_log2,
             ..
-        } = splats;
-        let found = fixed::footprints(scene, camera, &splats.options(&self.plan.entry));
-        let culled = fixed::culls(&found);
-        let quantised = fixed::QuantisedScene::new(scene, camera, rules);
-        let (clamped, colour_log2) = (quantised.clamped as u64, quantised.colour_log2);
-        let facts = SceneFacts::new(scene, cull_counts(culled), clamped, colour_log2);
+        } = facts;
+        let facts = SceneFacts::new(splats.scene, culled, clamped, colour_log2);
         Ok(facts.warnings(&self.warnings))
     }
 
@@ -244,12 +249,12 @@ impl Prepared {
         )?)
     }
 
-    /// Cycles on the plan's machine of the picture that was drawn; nothing for what the machine does not know: points, stamps, surfaces.
+    /// Cycles on the plan's machine of the picture that was drawn; nothing for what the machine has no units for: it composites affine footprints one by one.
     pub fn cycles(&self, entry: &DesignVariant, drawing: &Drawing) -> Result<Option<Timing>> {
-        let Depiction::Splats(splats) = self.subject()? else {
+        let Subject::Splats(splats) = self.subject()? else {
             return Ok(None);
         };
-        if splats.hybrid.is_some() {
+        if !splats.are_composited() {
             return Ok(None);
         }
         let (machine, camera) = (&self.plan.machine, splats.camera);
@@ -274,34 +279,59 @@ fn plain(picture: Picture) -> Drawing {
     }
 }
 
-fn draw_splats_reference(
-    engine: Engine,
-    splats: Splats,
-    rows: Rows,
-) -> Result<reference::FloatDrawing> {
+fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<FloatDrawing> {
     let Splats {
         scene,
         camera,
         rules,
         compositing,
-        ..
+        method,
     } = splats;
-    Ok(match engine {
-        Engine::Float => {
-            let footprints = float::footprints(scene, camera, rules);
-            compositor::draw(&footprints, camera, rules, compositing, rows)
-        }
+    // A deep alpha channel shows all of its error: no pixel finishes.
+    let endless = Rules {
+        minimum_transmittance: 0.0,
+        omit_finishing: false,
+        ..*rules
+    };
+    let composited = |rules: &Rules| match engine {
         Engine::Exact => {
             let footprints = exact::footprints(scene, camera, rules);
             compositor::draw(&footprints, camera, rules, compositing, rows)
         }
-        Engine::Fixed => bail!("engine 'fixed' is not a reference"),
-        Engine::Fp32 | Engine::Fp16 | Engine::Bfloat16 => draw_format(engine, &splats)?,
-    })
+        _ => {
+            let footprints = float::footprints(scene, camera, rules);
+            compositor::draw(&footprints, camera, rules, compositing, rows)
+        }
+    };
+    match (engine, method) {
+        (Engine::Fixed, _) => bail!("engine 'fixed' is not a reference"),
+        (Engine::Float | Engine::Exact, SplatMethod::Composited) => Ok(composited(rules)),
+        (Engine::Float | Engine::Exact, SplatMethod::DeepAlpha(_)) => Ok(composited(&endless)),
+        // The ray integral is what every shape of a sphere stands for.
+        (Engine::Exact, SplatMethod::Spheres(_)) => Ok(composited(rules)),
+        (Engine::Float, SplatMethod::Spheres(shape)) => {
+            Ok(sphere::draw(scene, camera, rules, compositing, *shape))
+        }
+        (Engine::Float, SplatMethod::Points(hybrid)) => {
+            Ok(draw_hybrid_reference(scene, camera, rules, hybrid))
+        }
+        (Engine::Float, SplatMethod::Sheets(sheets)) => {
+            let plan = sheets.plan(scene, camera);
+            Ok(reference::sheets::draw(scene, camera, rules, &plan))
+        }
+        (Engine::Fp32 | Engine::Fp16 | Engine::Bfloat16, SplatMethod::Composited) => {
+            draw_format(engine, &splats)
+        }
+        _ => bail!(
+            "engine '{}' composites footprints one by one: leave out --points, --traversal stamp, --sheets, --deep-alpha and --spheres, \
+             or use float",
+            engine.name()
+        ),
+    }
 }
 
 /// What floating-point formats draw: Gaussians from front to back.
-fn draw_format(engine: Engine, splats: &Splats) -> Result<reference::FloatDrawing> {
+fn draw_format(engine: Engine, splats: &Splats) -> Result<FloatDrawing> {
     let name = engine.name();
     if splats.compositing != Compositing::FrontToBack
         || splats.rules.kernel != rules::Kernel::Gaussian
@@ -325,25 +355,36 @@ fn draw_format(engine: Engine, splats: &Splats) -> Result<reference::FloatDrawin
 
 /// Points and splats in double precision, centres of points where they are and not at a stamp's phase.
 fn draw_hybrid_reference(
-    engine: Engine,
-    splats: Splats,
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
     hybrid: &Hybrid,
-) -> Result<reference::FloatDrawing> {
-    if engine != Engine::Float {
-        let engine = engine.name();
-        bail!("points and stamps have no engine '{engine}': use float");
-    }
+) -> FloatDrawing {
     let hybrid = Hybrid {
         phase_bits: None,
         ..*hybrid
     };
-    let Splats {
-        scene,
-        camera,
-        rules,
-        ..
-    } = splats;
-    Ok(reference::hybrid::draw(scene, camera, rules, &hybrid))
+    reference::hybrid::draw(scene, camera, rules, &hybrid)
+}
+
+/// Spheres have outlines of their own and no affine footprint.
+fn refuse_spheres(splats: &Splats) -> Result<()> {
+    if matches!(splats.method, SplatMethod::Spheres(_)) {
+        bail!("projected spheres have no affine footprints: leave out --spheres");
+    }
+    Ok(())
+}
+
+/// What a setup tells of splats that are drawn by a method which keeps no counts of its own; no picture.
+fn set_up(splats: &Splats, entry: &DesignVariant) -> Drawing {
+    let found = fixed::footprints(splats.scene, splats.camera, &splats.options(entry));
+    let quantised = QuantisedScene::new(splats.scene, splats.camera, splats.rules);
+    Drawing {
+        culled: cull_counts(fixed::culls(&found)),
+        clamped: quantised.clamped as u64,
+        colour_log2: quantised.colour_log2,
+        ..plain(Picture::new(0, 0))
+    }
 }
 
 /// A scene in the kernel's formats, to be drawn again and again.
@@ -354,6 +395,8 @@ pub enum KernelDrawing<'a> {
     Hybrid(Box<HybridRenderer<'a>>, Picture),
     /// Points of a surface, into a picture that is used again.
     Surface(Box<SurfaceRenderer<'a>>, &'a Style, Picture),
+    /// What is drawn anew each time, and the last picture.
+    Anew(Box<dyn Fn() -> Drawing + Send + Sync + 'a>, Picture),
 }
 
 impl<'a> KernelDrawing<'a> {
@@ -375,6 +418,62 @@ impl<'a> KernelDrawing<'a> {
         KernelDrawing::Splats(Box::new(renderer), Picture::new(0, 0))
     }
 
+    fn sheets(
+        splats: Splats<'a>,
+        entry: &'a DesignVariant,
+        engine: fixed::PaintEngine,
+        sheets: &SheetBuffers,
+    ) -> Self {
+        let Splats { scene, camera, .. } = splats;
+        let plan = sheets.plan(scene, camera);
+        let facts = set_up(&splats, entry);
+        let draw = move || {
+            let options = splats.options(entry);
+            let picture = fixed::sheets::draw(scene, camera, &options, engine, &plan);
+            Drawing {
+                picture,
+                ..facts.clone()
+            }
+        };
+        KernelDrawing::Anew(Box::new(draw), Picture::new(0, 0))
+    }
+
+    fn deep_alpha(
+        splats: Splats<'a>,
+        entry: &'a DesignVariant,
+        engine: fixed::PaintEngine,
+        channel: &AlphaChannel,
+    ) -> Result<Self> {
+        let Splats { scene, camera, .. } = splats;
+        let channel = channel.in_kernel()?;
+        let facts = set_up(&splats, entry);
+        let draw = move || {
+            let options = splats.options(entry);
+            let picture = fixed::deep::draw(scene, camera, &options, engine, channel);
+            Drawing {
+                picture,
+                ..facts.clone()
+            }
+        };
+        Ok(KernelDrawing::Anew(Box::new(draw), Picture::new(0, 0)))
+    }
+
+    fn spheres(splats: Splats<'a>, entry: &'a DesignVariant, shape: Shape) -> Self {
+        let Splats { scene, camera, .. } = splats;
+        let draw = move || {
+            let options = splats.options(entry);
+            let drawn = fixed::draw_spheres(scene, camera, &options, in_kernel(shape));
+            Drawing {
+                culled: cull_counts(drawn.culled),
+                clamped: drawn.clamped as u64,
+                colour_log2: drawn.colour_log2,
+                pixels: Some(pixels(drawn.coverage)),
+                ..plain(drawn.picture)
+            }
+        };
+        KernelDrawing::Anew(Box::new(draw), Picture::new(0, 0))
+    }
+
     /// Draws once. The drawing lacks its picture and footprints until it is [finished](KernelDrawing::finish).
     pub fn draw(&mut self, progress: Rows) -> Result<Drawing> {
         match self {
@@ -382,6 +481,11 @@ impl<'a> KernelDrawing<'a> {
             KernelDrawing::Hybrid(renderer, picture) => draw_hybrid(renderer, picture),
             KernelDrawing::Surface(renderer, style, picture) => {
                 Ok(draw_surface(renderer, style, picture))
+            }
+            KernelDrawing::Anew(draw, picture) => {
+                let mut drawing = draw();
+                std::mem::swap(&mut drawing.picture, picture);
+                Ok(drawing)
             }
         }
     }
@@ -393,11 +497,28 @@ impl<'a> KernelDrawing<'a> {
                 drawing.picture = picture;
                 drawing.footprints = renderer.into_outcomes();
             }
-            KernelDrawing::Hybrid(_, picture) | KernelDrawing::Surface(_, _, picture) => {
+            KernelDrawing::Hybrid(_, picture)
+            | KernelDrawing::Surface(_, _, picture)
+            | KernelDrawing::Anew(_, picture) => {
                 drawing.picture = picture;
             }
         }
     }
+}
+
+/// The kernel's names for a sphere's shape.
+fn in_kernel(shape: Shape) -> (kernel::Ellipse, kernel::Index) {
+    let ellipse = if shape.exact_ellipse {
+        kernel::Ellipse::Exact
+    } else {
+        kernel::Ellipse::Approximate
+    };
+    let index = match shape.index {
+        sphere::Index::Affine => kernel::Index::Affine,
+        sphere::Index::Perspective => kernel::Index::Perspective,
+        sphere::Index::Ray => kernel::Index::Ray,
+    };
+    (ellipse, index)
 }
 
 fn draw_splats(
@@ -523,7 +644,7 @@ fn cull_counts(culled: [usize; Cull::ALL.len()]) -> ReasonCounts {
         .collect()
 }
 
-fn reference_culled(counts: &reference::Counts) -> ReasonCounts {
+fn reference_culled(counts: &Counts) -> ReasonCounts {
     let reasons = [
         ("near", counts.near),
         ("far", counts.far),

@@ -4,35 +4,41 @@
 //! Source -> load -> AnyScene -> Plan -> draw -> measure -> Report
 //! ```
 //!
-//! A [`Plan`] is data, without a command line and without a scene: `report.json` records it, and [`Prepared::from_report`] reads it back and
-//! loads its scene, so that what a report shows can be drawn again bit for bit. Each step sees only what the step before gave it:
-//! [`load`] turns a [`Source`] into a scene of any kind, [`draw`] a [`Prepared`] plan into a [`Drawing`], [`measure`] repeats and compares
-//! drawings, [`record`] states them as a report. What kind of scene it is, is asked in `draw` and in `record` and nowhere else.
+//! A [`Plan`] is data, without a command line and without a scene: `report.json` records it, a plan file (TOML) states it, and
+//! [`Prepared::from_file`] reads either and loads its scene, so that what a report shows can be drawn again bit for bit. Its [`Technique`]
+//! is which of the papers' systems draw it. Each step sees only what the step before gave it: [`load`] turns a [`Source`] into a scene of
+//! any kind, [`draw`] a [`Prepared`] plan into a [`Drawing`], [`measure`] repeats and compares drawings, [`record`] states them as a report,
+//! and [`golden`] as a line of the table that every change is held against.
 
 pub mod draw;
+pub mod exercised;
+pub mod golden;
 pub mod load;
 pub mod measure;
 pub mod path;
 pub mod record;
+pub mod technique;
+mod text;
 
 pub use draw::{Drawing, FootprintLine};
-pub use load::{AnyScene, LoadedSubject, SceneInput, Source};
+pub use load::{AnyScene, Contents, LoadedScene, Source};
 pub use measure::{Comparison, Effort, Measured, all_entries, compare_all};
+pub use technique::{AlphaChannel, SheetBuffers, SplatMethod, Technique};
 
 use crate::camera::Camera;
 use crate::design::{DesignChoice, traversal_name};
-use crate::fixed;
-use crate::hybrid::Hybrid;
 use crate::machine::{Config, others};
 use crate::reference::formats::{self, FloatFormat};
 use crate::rules::{Compositing, Rules};
 use crate::scene::points::SurfaceScene;
+use crate::scene::points::flatten::flattened;
 use crate::scene::{Scene, SortOrder};
 use crate::surface::Style;
-use anyhow::{Result, bail};
+use crate::{fixed, input};
+use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 use splatline::format::Traversal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Why commands about cycles take no surfaces; said once for all of them.
@@ -40,10 +46,11 @@ pub const NO_SURFACE_UNIT: &str = "the machine has no surface unit: its units se
      them gathers surfaces by depth. render, compare, footprints, fit, needs and info take surfaces; model, explore and trace take splats only";
 
 /// Who draws.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Engine {
     /// The fixed-point kernel.
+    #[default]
     Fixed,
     /// EWA in double precision.
     Float,
@@ -86,6 +93,7 @@ impl Engine {
 
 /// One design walked by one traversal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "text::VariantText")]
 pub struct DesignVariant {
     /// Widths of its datapath.
     pub design: DesignChoice,
@@ -107,41 +115,38 @@ impl DesignVariant {
     }
 }
 
-/// How a scene of its kind is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Look {
-    /// Volume splats.
-    Splats {
-        /// Rules of blending.
-        #[serde(with = "record::rules")]
-        rules: Rules,
-        /// Order and operator of blending.
-        compositing: Compositing,
-        /// Points and stamps instead of splats alone.
-        hybrid: Option<Hybrid>,
-    },
-    /// Points of a surface.
-    Surface(Style),
+impl Default for DesignVariant {
+    /// `standard24` by spans.
+    fn default() -> DesignVariant {
+        match DesignVariant::try_from(text::VariantText::default()) {
+            Ok(entry) => entry,
+            Err(_) => unreachable!("standard24 is a named design"),
+        }
+    }
 }
 
 /// Everything that decides a picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Plan {
     /// Where the scene comes from.
     pub source: Source,
     /// From where it is seen.
-    #[serde(with = "record::camera")]
+    #[serde(with = "text::camera")]
     pub camera: Camera,
     /// How it is drawn.
-    pub look: Look,
+    pub technique: Technique,
     /// Who draws it.
+    #[serde(default)]
     pub engine: Engine,
     /// Whom it is compared with; none if it is drawn alone.
+    #[serde(default)]
     pub reference: Option<Engine>,
     /// The kernel's design and traversal.
+    #[serde(default)]
     pub entry: DesignVariant,
     /// The machine whose cycles are counted.
+    #[serde(default)]
     pub machine: Config,
 }
 
@@ -149,17 +154,19 @@ pub struct Plan {
 pub struct Prepared {
     /// What is decided.
     pub plan: Plan,
-    /// What is drawn; shared by all frames of a path.
+    /// What was loaded; shared by all frames of a path.
     pub scene: Arc<AnyScene>,
+    /// Points of a surface as volume kernels, whose masses depend on the camera.
+    flattened: Option<Scene>,
     /// What was changed on the way in; for reports and stderr.
     pub warnings: Vec<String>,
     /// Seconds that loading and classifying took.
     pub prepare_s: f64,
 }
 
-/// A scene and how it is drawn, which belong together.
+/// What a drawing is of: a scene and how it is drawn, which belong together.
 #[derive(Clone, Copy)]
-pub enum Depiction<'a> {
+pub enum Subject<'a> {
     /// Volume splats.
     Splats(Splats<'a>),
     /// Points of a surface.
@@ -177,8 +184,8 @@ pub struct Splats<'a> {
     pub rules: &'a Rules,
     /// Order and operator of blending.
     pub compositing: Compositing,
-    /// Points and stamps, if any.
-    pub hybrid: Option<&'a Hybrid>,
+    /// How splats become pixels.
+    pub method: &'a SplatMethod,
 }
 
 impl<'a> Splats<'a> {
@@ -201,77 +208,138 @@ impl<'a> Splats<'a> {
             traversal: entry.traversal,
         }
     }
+
+    /// Are affine footprints composited one by one? It is what the machine has units for.
+    pub fn are_composited(&self) -> bool {
+        matches!(self.method, SplatMethod::Composited)
+    }
+}
+
+impl Plan {
+    /// The plan in the text of a plan file.
+    pub fn from_toml(text: &str) -> Result<Plan> {
+        Ok(toml::from_str(text)?)
+    }
 }
 
 impl Prepared {
+    /// A plan with its scene; `seconds` is what loading took.
+    pub fn new(plan: Plan, scene: Arc<AnyScene>, warnings: Vec<String>, seconds: f64) -> Prepared {
+        let flattened = match (&*scene, plan.source.contents.flattening()) {
+            (AnyScene::Surface { scene, .. }, Some(factor)) => {
+                Some(flattened(scene, &plan.camera, factor))
+            }
+            _ => None,
+        };
+        Prepared {
+            plan,
+            scene,
+            flattened,
+            warnings,
+            prepare_s: seconds,
+        }
+    }
+
+    /// The plan of a file, a plan's or a report's, with its scene loaded; `doing` is told of what takes long.
+    pub fn from_file(path: &Path, doing: &dyn Fn(String)) -> Result<Prepared> {
+        let shown = path.display();
+        let text =
+            input::text(path, input::TABLE).with_context(|| format!("cannot read '{shown}'"))?;
+        let is_plan = path.extension().is_some_and(|name| name == "toml");
+        let plan = if is_plan {
+            Plan::from_toml(&text)
+        } else {
+            Plan::from_report(&text)
+        };
+        Prepared::load(plan.with_context(|| format!("'{shown}'"))?, doing)
+    }
+
+    /// A plan with its scene loaded.
+    pub fn load(plan: Plan, doing: &dyn Fn(String)) -> Result<Prepared> {
+        let loaded = plan.source.load(doing)?;
+        let scene = Arc::new(loaded.scene);
+        Ok(Prepared::new(plan, scene, Vec::new(), loaded.seconds))
+    }
+
     /// Splats that are at hand, front to back by a design: what measures many scenes has no files of them.
     pub fn of_splats(scene: Scene, camera: Camera, rules: Rules, design: DesignChoice) -> Prepared {
-        Prepared {
-            plan: Plan {
-                source: Source::splats(PathBuf::from(&scene.name)),
-                camera,
-                look: Look::Splats {
-                    rules,
-                    compositing: Compositing::FrontToBack,
-                    hybrid: None,
-                },
-                engine: Engine::Fixed,
-                reference: None,
-                entry: DesignVariant::new(design, None),
-                machine: Config::default(),
+        let plan = Plan {
+            source: Source::splats(PathBuf::from(&scene.name)),
+            camera,
+            technique: Technique::Splats {
+                rules,
+                compositing: Compositing::FrontToBack,
+                method: SplatMethod::Composited,
             },
-            scene: Arc::new(AnyScene::Splats(scene)),
-            warnings: Vec::new(),
-            prepare_s: 0.0,
-        }
+            engine: Engine::Fixed,
+            reference: None,
+            entry: DesignVariant::new(design, None),
+            machine: Config::default(),
+        };
+        let scene = Arc::new(AnyScene::Splats(scene));
+        Prepared::new(plan, scene, Vec::new(), 0.0)
     }
 
     /// The same scene seen by another camera.
     pub fn seen_by(&self, camera: Camera) -> Prepared {
-        Prepared {
-            plan: Plan {
-                camera,
-                ..self.plan.clone()
-            },
-            scene: Arc::clone(&self.scene),
-            warnings: self.warnings.clone(),
-            prepare_s: self.prepare_s,
+        let plan = Plan {
+            camera,
+            ..self.plan.clone()
+        };
+        let (scene, warnings) = (Arc::clone(&self.scene), self.warnings.clone());
+        Prepared::new(plan, scene, warnings, self.prepare_s)
+    }
+
+    /// The scene as splats, if it is drawn as such.
+    fn splat_scene(&self) -> Option<&Scene> {
+        match (&self.flattened, &*self.scene) {
+            (Some(flattened), _) => Some(flattened),
+            (None, AnyScene::Splats(scene)) => Some(scene),
+            (None, AnyScene::Surface { .. }) => None,
         }
     }
 
-    /// The scene with its look.
-    pub fn subject(&self) -> Result<Depiction<'_>> {
-        match (&*self.scene, &self.plan.look) {
+    /// The scene with the technique that draws it.
+    pub fn subject(&self) -> Result<Subject<'_>> {
+        match (self.splat_scene(), &*self.scene, &self.plan.technique) {
             (
-                AnyScene::Splats(scene),
-                Look::Splats {
-                    hybrid: Some(_), ..
-                },
-            ) if scene.order != SortOrder::Depth => {
-                bail!(
-                    "{}: it is sorted by distance, and points and stamps go by the depth: leave out --points and --traversal stamp",
-                    scene.name
-                )
-            }
-            (
-                AnyScene::Splats(scene),
-                Look::Splats {
+                Some(scene),
+                _,
+                Technique::Splats {
                     rules,
                     compositing,
-                    hybrid,
+                    method,
                 },
-            ) => Ok(Depiction::Splats(Splats {
-                scene,
-                camera: &self.plan.camera,
-                rules,
-                compositing: *compositing,
-                hybrid: hybrid.as_ref(),
-            })),
-            (AnyScene::Surface { scene, .. }, Look::Surface(style)) => {
-                Ok(Depiction::Surface(scene, style))
+            ) => {
+                let splats = Splats {
+                    scene,
+                    camera: &self.plan.camera,
+                    rules,
+                    compositing: *compositing,
+                    method,
+                };
+                if scene.order != SortOrder::Depth && !splats.are_composited() {
+                    bail!(
+                        "{}: it is sorted by distance, and points, stamps, sheets, deep alpha and spheres go by the depth: leave out \
+                         --points, --traversal stamp, --sheets, --deep-alpha and --spheres",
+                        scene.name
+                    )
+                }
+                let is_filtered = rules.low_pass > 0.0 || rules.spacing > 0.0;
+                if is_filtered && matches!(method, SplatMethod::Spheres(_)) {
+                    bail!(
+                        "{}: projected spheres have exact outlines and no protection against aliasing: leave out --antialias, or set \
+                         low_pass and spacing to 0",
+                        scene.name
+                    )
+                }
+                Ok(Subject::Splats(splats))
+            }
+            (None, AnyScene::Surface { scene, .. }, Technique::Surface(style)) => {
+                Ok(Subject::Surface(scene, style))
             }
             _ => bail!(
-                "{}: the plan's look is another kind's than its scene",
+                "{}: the plan's technique draws another kind of scene: splats for splats, surface for points of a surface",
                 self.scene.name()
             ),
         }
@@ -280,23 +348,21 @@ impl Prepared {
     /// The splats, for what the machine counts.
     pub fn splats(&self) -> Result<Splats<'_>> {
         match self.subject()? {
-            Depiction::Splats(splats) if splats.hybrid.is_some() => bail!(
-                "{}: the machine draws neither points nor stamps: leave out --traversal stamp",
+            Subject::Splats(splats) if splats.are_composited() => Ok(splats),
+            Subject::Splats(_) => bail!(
+                "{}: the machine has units for footprints that are composited one by one: leave out --points, --traversal stamp, \
+                 --sheets, --deep-alpha and --spheres",
                 self.scene.name()
             ),
-            Depiction::Splats(splats) => Ok(splats),
-            Depiction::Surface(..) => bail!("{}: {NO_SURFACE_UNIT}", self.scene.name()),
+            Subject::Surface(..) => bail!("{}: {NO_SURFACE_UNIT}", self.scene.name()),
         }
     }
 
-    /// Does another traversal draw another picture or take other time? Points and stamps have one traversal only.
+    /// Does another traversal draw another picture or take other time?
     pub fn has_traversals(&self) -> bool {
-        !matches!(
-            self.plan.look,
-            Look::Splats {
-                hybrid: Some(_),
-                ..
-            }
-        )
+        match &self.plan.technique {
+            Technique::Splats { method, .. } => method.has_traversals(),
+            Technique::Surface(_) => true,
+        }
     }
 }

@@ -1,71 +1,44 @@
 //! A plan's results as a report, and a plan out of a report.
 
-use super::{Depiction, DesignVariant, Engine, Look, Measured, Plan, Prepared};
-use crate::camera::Camera;
+use super::exercised::exercised;
+use super::{AnyScene, DesignVariant, Engine, Measured, Plan, Prepared, SplatMethod, Technique};
 use crate::design::traversal_name;
 use crate::hybrid::Hybrid;
-use crate::input;
 use crate::report::facts::{CameraFacts, RulesFacts, SceneFacts};
 use crate::report::{FORMAT, HostTimes, Report};
-use crate::rules::{Kernel, Rules};
 use crate::scene::Weight;
 use crate::scene::points::SurfaceScene;
 use crate::surface::{Buffer, Style};
-use crate::systems::{SystemVerdict, Use, exercised};
+use crate::systems::SystemVerdict;
 use anyhow::{Context, Result, bail};
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::path::Path;
-use std::sync::Arc;
+use splatline::format::Traversal;
 
 impl Prepared {
-    /// The plan that a report records, with its scene loaded again; `doing` is told of what takes long.
-    pub fn from_report(path: &Path, doing: &dyn Fn(String)) -> Result<Prepared> {
-        let shown = path.display();
-        let text =
-            input::text(path, input::TABLE).with_context(|| format!("cannot read '{shown}'"))?;
-        let plan = Plan::from_report(&text).with_context(|| format!("'{shown}'"))?;
-        let loaded = plan.source.load(doing)?;
-        Ok(Prepared {
-            plan,
-            scene: Arc::new(loaded.scene),
-            warnings: Vec::new(),
-            prepare_s: loaded.seconds,
-        })
-    }
-
     /// Name of the traversal in reports.
     pub fn traversal_name(&self, entry: &DesignVariant) -> &'static str {
-        match self.plan.look {
-            Look::Splats {
-                hybrid: Some(hybrid),
+        let Technique::Splats { method, .. } = &self.plan.technique else {
+            return traversal_name(entry.traversal);
+        };
+        match method {
+            SplatMethod::Points(Hybrid {
+                phase_bits: Some(_),
                 ..
-            } => match hybrid {
-                Hybrid {
-                    phase_bits: Some(_),
-                    ..
-                } => "stamp",
-                _ => "spans",
-            },
+            }) => "stamp",
+            SplatMethod::Points(_) | SplatMethod::Spheres(_) => traversal_name(Traversal::Spans),
             _ => traversal_name(entry.traversal),
         }
     }
 
     /// Which systems of the papers drawing it exercises.
     pub fn systems(&self) -> Vec<SystemVerdict> {
-        match (&self.plan.look, self.subject()) {
-            (_, Ok(Depiction::Splats(splats))) => exercised(&Use::Volume {
-                rules: splats.rules,
-                compositing: splats.compositing,
-                hybrid: splats.hybrid,
-                classified: splats.scene.weight == Weight::Mass,
-            }),
-            (Look::Surface(style), _) => exercised(&Use::Surface {
-                style,
-                textured: self.plan.source.is_textured(),
-            }),
-            _ => Vec::new(),
-        }
+        let classified = match &*self.scene {
+            AnyScene::Splats(scene) => scene.weight == Weight::Mass,
+            AnyScene::Surface { .. } => false,
+        };
+        let Plan {
+            technique, source, ..
+        } = &self.plan;
+        exercised(technique, &source.contents, classified)
     }
 }
 
@@ -83,9 +56,13 @@ impl Plan {
 
     /// How pixels gather, in a report's words.
     fn compositing(&self) -> String {
-        match &self.look {
-            Look::Splats { compositing, .. } => compositing.name().to_owned(),
-            Look::Surface(style) => match style.buffer {
+        match &self.technique {
+            Technique::Splats {
+                method: SplatMethod::Sheets(sheets),
+                ..
+            } => format!("sheets, {}", sheets.kind.name()),
+            Technique::Splats { compositing, .. } => compositing.name().to_owned(),
+            Technique::Surface(style) => match style.buffer {
                 Buffer::Accumulation => "accumulation".to_owned(),
                 Buffer::Layers(count) => format!("{count} layers"),
             },
@@ -123,9 +100,9 @@ pub fn report_of_drawing(
         warnings: scene.warnings(&prepared.warnings),
         scene,
         camera: CameraFacts::from(&plan.camera),
-        rules: match &plan.look {
-            Look::Splats { rules, .. } => RulesFacts::from(rules),
-            Look::Surface(style) => surface_rules(style),
+        rules: match &plan.technique {
+            Technique::Splats { rules, .. } => RulesFacts::from(rules),
+            Technique::Surface(style) => surface_rules(style),
         },
         compositing: plan.compositing(),
         error: None,
@@ -148,10 +125,8 @@ fn scene_facts(prepared: &Prepared, measured: &Measured) -> SceneFacts {
     let drawing = &measured.drawing;
     let (culled, clamped) = (drawing.culled.clone(), drawing.clamped);
     match &*prepared.scene {
-        super::AnyScene::Splats(scene) => {
-            SceneFacts::new(scene, culled, clamped, drawing.colour_log2)
-        }
-        super::AnyScene::Surface { scene, .. } => SceneFacts {
+        AnyScene::Splats(scene) => SceneFacts::new(scene, culled, clamped, drawing.colour_log2),
+        AnyScene::Surface { scene, .. } => SceneFacts {
             culled,
             clamped,
             ..surface_facts(scene)
@@ -183,64 +158,5 @@ fn surface_rules(style: &Style) -> RulesFacts {
         minimum_transmittance: 0.0,
         omit_finishing: false,
         clamp_jacobian: false,
-    }
-}
-
-/// A camera as a report states it; reading it back gives the same bits.
-pub(super) mod camera {
-    use super::*;
-
-    pub fn serialize<S: Serializer>(camera: &Camera, to: S) -> Result<S::Ok, S::Error> {
-        CameraFacts::from(camera).serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Camera, D::Error> {
-        let facts = CameraFacts::deserialize(from)?;
-        let text = serde_json::to_string(&facts).map_err(D::Error::custom)?;
-        Camera::from_json_str(&text).map_err(D::Error::custom)
-    }
-}
-
-/// Rules as a report states them: the named ones with every number its own.
-pub(super) mod rules {
-    use super::*;
-
-    pub fn serialize<S: Serializer>(rules: &Rules, to: S) -> Result<S::Ok, S::Error> {
-        RulesFacts::from(rules).serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Rules, D::Error> {
-        let facts = RulesFacts::deserialize(from)?;
-        let named: Rules = facts.name.parse().map_err(D::Error::custom)?;
-        let kernels = [
-            Kernel::Gaussian,
-            Kernel::Cubic,
-            Kernel::Quadratic,
-            Kernel::Disc,
-        ];
-        let rules = |kernel| Rules {
-            name: named.name,
-            normalised: facts.normalised,
-            low_pass: facts.low_pass,
-            spacing: facts.spacing,
-            kernel,
-            cutoff: facts.cutoff.unwrap_or(f64::INFINITY),
-            alpha_max: facts.alpha_max,
-            alpha_min: facts.alpha_min,
-            minimum_transmittance: facts.minimum_transmittance,
-            omit_finishing: facts.omit_finishing,
-            clamp_jacobian: facts.clamp_jacobian,
-        };
-        let all = kernels.map(rules);
-        // By the name that a report gives it, so that it is spelled in one place.
-        let found = all
-            .iter()
-            .find(|rules| RulesFacts::from(*rules).kernel == facts.kernel);
-        found.copied().ok_or_else(|| {
-            let kernel = &facts.kernel;
-            D::Error::custom(format!(
-                "kernel '{kernel}': expected gaussian, cubic, quadratic or disc"
-            ))
-        })
     }
 }

@@ -3,6 +3,8 @@
 //!
 //! The readers' own tests look closer; this one goes through the same entrances as the command line.
 
+#[cfg(target_os = "linux")]
+mod bombs;
 mod mutations;
 mod readers;
 pub mod seeds;

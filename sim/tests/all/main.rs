@@ -4,6 +4,7 @@
 mod command_line;
 mod documents;
 mod fast;
+mod golden;
 mod hostile;
 mod machine_commands;
 mod outputs;

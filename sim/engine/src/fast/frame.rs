@@ -10,7 +10,7 @@
 
 use super::TILE;
 use super::order::{Grid, Key, TileOrder, part_length};
-use super::paint::{PaintScratch, Results, TilePainter};
+use super::painter::{PaintScratch, Results, TilePainter};
 use super::setup::Outcome;
 use rayon::prelude::*;
 use splatline::blend::Pixel;

@@ -13,6 +13,7 @@ pub mod frame;
 pub mod lanes;
 pub mod order;
 mod paint;
+mod painter;
 pub mod recurrence;
 pub mod rows;
 pub mod setup;
@@ -20,7 +21,8 @@ pub mod surface;
 pub mod tile;
 mod words;
 
-pub use paint::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter, tile_painter};
+pub use paint::tile_painter;
+pub use painter::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
 pub use tile::TILE;
 pub use words::visit::{OpacityVisitor, TakeOpacities};
 

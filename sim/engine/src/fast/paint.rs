@@ -1,72 +1,15 @@
-//! What paints a tile: cells of fused or short products, words of 64 bits, or the kernel's own painter, by what processor and design allow.
+//! What paints a tile: cells of fused products, words of 64 bits, or the kernel's own painter, by what processor and design allow.
 
-use super::cells::{CellTiles, FusedPainter, NarrowPainter};
+use super::cells::FusedPainter;
 use super::lanes::VectorLevel;
-use super::words::{WordPainter, WordTile};
+use super::painter::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
+use super::words::WordPainter;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
-use splatline::footprint::Footprint;
-use splatline::format::{Design, Traversal, Widths};
-use splatline::kernel::{FootprintTable, entries, fill};
+use splatline::format::{Design, Traversal};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
-use splatline::setup::Cull;
 use splatline::target::Target;
-
-/// Footprints painted between two checks whether the tile has finished.
-pub const CHECK_INTERVAL: usize = 64;
-
-/// A footprint table with the memory that it lies in: painters outlive the picture that they were made for.
-#[derive(Clone, Debug)]
-pub struct TableMemory {
-    entries: Vec<u32>,
-    widths: Widths,
-    range: u8,
-}
-
-impl TableMemory {
-    /// The table of the rules' kernel.
-    pub fn new(widths: &Widths, rules: &Rules) -> Self {
-        let mut memory = vec![0; entries(widths)];
-        fill(&mut memory, widths, rules.table_range, rules.kernel);
-        TableMemory {
-            entries: memory,
-            widths: *widths,
-            range: rules.table_range,
-        }
-    }
-
-    /// The table.
-    pub fn table(&self) -> FootprintTable<'_> {
-        match FootprintTable::new(&self.entries, &self.widths, self.range) {
-            Ok(table) => table,
-            Err(_) => unreachable!("the entries have been made for these widths"),
-        }
-    }
-}
-
-/// A thread's memory.
-#[derive(Clone, Debug, Default)]
-pub struct PaintScratch {
-    pub(super) words: Option<WordTile>,
-    pub(super) cells: CellTiles,
-}
-
-/// What setup made of every splat, in the scene's order.
-pub type Results = [Result<Footprint, Cull>];
-
-/// Paints tiles along spans, whatever the design.
-pub trait TilePainter: Send + Sync {
-    /// Paints the footprints of `list`, in this order, into the transparent pixels of `window`, and writes these to `pixels`, row by row.
-    fn paint(
-        &self,
-        scratch: &mut PaintScratch,
-        window: Window,
-        footprints: &Results,
-        list: &[u32],
-        pixels: &mut [Pixel],
-    ) -> Coverage;
-}
 
 /// The fastest painter for a design and rules on such vectors: the kernel's own where vectors cannot draw.
 ///
@@ -102,9 +45,6 @@ fn on_vectors<D: Design + Send + Sync + 'static>(
     counts: bool,
 ) -> Option<Box<dyn TilePainter>> {
     let cells = Some(choice).filter(|_| order == Compositing::FrontToBack);
-    if let Some(painter) = cells.and_then(|choice| NarrowPainter::new(design, rules, choice)) {
-        return Some(Box::new(painter));
-    }
     if let Some(painter) = cells.and_then(|choice| FusedPainter::new(design, rules, choice)) {
         return Some(Box::new(painter));
     }

@@ -4,7 +4,6 @@
 //! without an order of summation. Root, span and seeds of a row follow from its words ([`rows`](super::rows)).
 
 use super::lanes::Wide;
-use super::rows::has_short_squared_width;
 use super::setup::number::Arithmetic;
 use splatline::raster::RowConstants;
 
@@ -26,16 +25,16 @@ pub struct RowVectors<L: Wide> {
 }
 
 impl<L: Wide> RowVectors<L> {
-    /// The first rows, of which so many, 0 or 1, lie before the footprint's first one.
+    /// The first rows.
     #[inline(always)]
-    pub fn new(lanes: L, constants: &RowConstants<i64>, ahead: u16) -> Self {
+    pub fn new(lanes: L, constants: &RowConstants<i64>) -> Self {
         let splat = |value| lanes.wide_splat(value);
         let width = L::WIDE as i64;
         let rows: [i64; WORDS] = [0, 1, 2, 3, 4, 5, 6, 7];
         let pairs: [i64; WORDS] = [0, 0, 1, 3, 6, 10, 15, 21];
         let [rows, pairs] = [lanes.wide_load(&rows), lanes.wide_load(&pairs)];
         let times = |rows: L::Word, value| lanes.wide_mul_whole(rows, splat(value));
-        let (centre, [vertical, change, second]) = start(constants, ahead);
+        let [vertical, change, second] = constants.vertical;
         // From row k to row k + w: w (change + k second) + w (w - 1) / 2 second.
         let along = change
             .wrapping_mul(width)
@@ -43,7 +42,7 @@ impl<L: Wide> RowVectors<L> {
         let curved = lanes.wide_add(times(rows, change), times(pairs, second));
         let along_of_row = times(rows, second.wrapping_mul(width));
         RowVectors {
-            centre: lanes.wide_add(splat(centre), times(rows, constants.shear)),
+            centre: lanes.wide_add(splat(constants.centre), times(rows, constants.shear)),
             vertical: lanes.wide_add(splat(vertical), curved),
             slope: splat(constants.shear.wrapping_mul(width)),
             change: lanes.wide_add(splat(along), along_of_row),
@@ -92,15 +91,10 @@ pub fn stays_near(constants: &RowConstants<i64>, count: usize) -> bool {
         && constants.shear.unsigned_abs() < farthest / (count + WORDS) as u64
 }
 
-/// Centre and vertical part of the first row, or of the one before it.
+/// Is 1 / A small enough for `SquaredWidth`?
 #[inline(always)]
-fn start(constants: &RowConstants<i64>, ahead: u16) -> (i64, [i64; 3]) {
-    let [vertical, change, second] = constants.vertical;
-    if ahead == 0 {
-        return (constants.centre, constants.vertical);
-    }
-    let change = change.wrapping_sub(second);
-    let vertical = vertical.wrapping_sub(change);
-    let centre = constants.centre.wrapping_sub(constants.shear);
-    (centre, [vertical, change, second])
+pub fn has_short_squared_width(constants: &RowConstants<i64>) -> bool {
+    // Designs of at most 15 bits multiply the root's argument in two halves.
+    let bits = if constants.drops.1 <= 15 { 15 } else { 32 };
+    constants.squared_width.0 < 1 << bits && constants.squared_width.2 <= 30
 }

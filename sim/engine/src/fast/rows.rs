@@ -7,7 +7,7 @@
 //! [`EllipseSpans`]: splatline::raster::EllipseSpans
 
 use super::lanes::Wide;
-use super::recurrence::is_zero;
+use super::recurrence::{has_short_squared_width, is_zero};
 use super::setup::number::{Arithmetic, RoundingShift, turn_of};
 use super::tile::TILE;
 use core::ops::Range;
@@ -347,14 +347,6 @@ pub fn is_tame(constants: &RowConstants<i64>) -> bool {
         && drop_radial >= 0
         && drop_first >= 0
         && constants.fraction < VERTICAL_FRACTION
-}
-
-/// Is 1 / A small enough for `SquaredWidth`?
-#[inline(always)]
-pub fn has_short_squared_width(constants: &RowConstants<i64>) -> bool {
-    // Designs of at most 15 bits multiply the root's argument in two halves.
-    let bits = if constants.drops.1 <= 15 { 15 } else { 32 };
-    constants.squared_width.0 < 1 << bits && constants.squared_width.2 <= 30
 }
 
 /// 1 / A on vectors, for half-widths sqrt(rest / A) by the root table, a multiplication and a shift that rounds.

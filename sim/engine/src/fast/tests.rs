@@ -1,10 +1,9 @@
 //! Tiles by vectors against the kernel's painter: random widths, arbitrary footprints, any tile; pixels word for word, and the counts.
 
 use super::TILE;
-use super::cells::{FusedPainter, NarrowPainter};
-use super::lanes::VectorLevel;
-use super::lanes::fused::FusedLanes;
-use super::paint::{PaintScratch, TilePainter};
+use super::cells::FusedPainter;
+use super::lanes::{FusedLanes, VectorLevel};
+use super::painter::{PaintScratch, TilePainter};
 use super::words::WordPainter;
 use crate::fixed::{QuantisedScene, kernel_rules, table, table_entries};
 use crate::rules;
@@ -24,9 +23,9 @@ use splatline::target::Target;
 
 /// Any widths in lanes of 32 bits.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct AnyNarrow(pub Widths);
+pub(super) struct AnyWidths(pub Widths);
 
-impl Design for AnyNarrow {
+impl Design for AnyWidths {
     type Lane = i32;
     fn widths(&self) -> Widths {
         self.0
@@ -166,7 +165,7 @@ fn ordinary(
     let quantised = QuantisedScene::new(&scene, &camera, &rules::Rules::GAUSSIAN_3D);
     let splats = quantised.splats.iter();
     splats
-        .map(|splat| setup(AnyNarrow(widths), &quantised.view, rules, splat))
+        .map(|splat| setup(AnyWidths(widths), &quantised.view, rules, splat))
         .collect()
 }
 
@@ -207,7 +206,7 @@ fn agree(
     let mut pixels = vec![Pixel::clear(&widths); columns * usize::from(last[1] - first[1])];
     let mut target = Target::new(&mut pixels, window, columns).unwrap();
     let (order, traversal) = (Compositing::FrontToBack, Traversal::Spans);
-    let scalar = Painter::new(AnyNarrow(widths), rules, table, order, traversal);
+    let scalar = Painter::new(AnyWidths(widths), rules, table, order, traversal);
     let mut expected = Coverage::default();
     for footprint in footprints.iter().flatten() {
         expected += scalar.draw(footprint, &mut target);
@@ -219,7 +218,7 @@ fn agree(
         (VectorLevel::Portable, false),
     ] {
         let order = Compositing::FrontToBack;
-        let Some(painter) = WordPainter::new(AnyNarrow(widths), rules, order, choice, counts)
+        let Some(painter) = WordPainter::new(AnyWidths(widths), rules, order, choice, counts)
         else {
             return false;
         };
@@ -230,17 +229,12 @@ fn agree(
         }
     }
     for lanes in FusedLanes::all() {
-        let Some(painter) = FusedPainter::on(AnyNarrow(widths), rules, lanes) else {
+        let Some(painter) = FusedPainter::on(AnyWidths(widths), rules, lanes) else {
             return false;
         };
         let (got, coverage) = painted(&painter, window, footprints);
         assert_same(&got, &pixels, &format!("fused: {lanes:?}"));
         assert_eq!(coverage, expected, "fused: {lanes:?}");
-    }
-    let narrow = draw_narrow(widths, rules, footprints, window);
-    for (got, coverage) in narrow.into_iter().flatten() {
-        assert_same(&got, &pixels, "narrow");
-        assert_eq!(coverage, expected, "narrow");
     }
     true
 }
@@ -261,7 +255,7 @@ fn agree_in_other_orders(
         let columns = usize::from(window.columns());
         let mut target = Target::new(&mut pixels, window, columns).unwrap();
         let table = table(&memory, &widths, rules);
-        let scalar = Painter::new(AnyNarrow(widths), rules, table, order, Traversal::Spans);
+        let scalar = Painter::new(AnyWidths(widths), rules, table, order, Traversal::Spans);
         let mut expected = Coverage::default();
         for footprint in footprints.iter().flatten() {
             expected += scalar.draw(footprint, &mut target);
@@ -271,7 +265,7 @@ fn agree_in_other_orders(
             (VectorLevel::Avx2, false),
             (VectorLevel::Portable, true),
         ] {
-            let painter = WordPainter::new(AnyNarrow(widths), rules, order, choice, counts);
+            let painter = WordPainter::new(AnyWidths(widths), rules, order, choice, counts);
             let Some(painter) = painter else {
                 return false;
             };
@@ -283,18 +277,15 @@ fn agree_in_other_orders(
     true
 }
 
-/// The tile by short products, on the processor's vectors and on arrays, if they can draw under these widths.
-fn draw_narrow(
-    widths: Widths,
-    rules: &Rules,
-    footprints: &[Result<Footprint, Cull>],
-    window: Window,
-) -> Option<Vec<(Vec<Pixel>, Coverage)>> {
-    let drawn = |lanes| {
-        let painter = NarrowPainter::on(AnyNarrow(widths), rules, lanes)?;
-        Some(painted(&painter, window, footprints))
-    };
-    FusedLanes::all().map(drawn).collect()
+/// No named design is left to slower painters.
+#[test]
+fn named_designs_are_drawn_by_fused_products() {
+    for rules in [rules_of(true), rules_of(false)] {
+        for widths in [Classic8::WIDTHS, Lean18::WIDTHS, Standard24::WIDTHS] {
+            let painter = FusedPainter::on(AnyWidths(widths), &rules, FusedLanes::Portable);
+            assert!(painter.is_some(), "{widths:?}");
+        }
+    }
 }
 
 fn rules_of(normalised: bool) -> Rules {
@@ -327,7 +318,7 @@ proptest! {
     }
 
     #[test]
-    fn narrow_widths_are_drawn_by_short_products(
+    fn designs_of_few_bits(
         widths in narrow_widths(), ewa: bool, seed: u64, multiplier in 0.2f64..10.0, footprints in prop::collection::vec(arbitrary(), 0..20),
         tile in (0u16..3, 0u16..2),
     ) {
@@ -335,8 +326,6 @@ proptest! {
         let mut all = ordinary(widths, &rules, seed, multiplier);
         all.extend(footprints.into_iter().map(Ok));
         agree(widths, &rules, &all, [tile.0, tile.1]);
-        let window = Window { first: [0, 0], end: [40, 50] };
-        prop_assert!(draw_narrow(widths, &rules, &all, window).is_some());
     }
 
     #[test]

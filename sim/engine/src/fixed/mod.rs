@@ -4,7 +4,6 @@
 //! quantise -> setup (kernel) -> order -> tiles (kernel's painter) -> picture
 //! ```
 
-pub mod chunks;
 pub mod deep;
 mod frame;
 mod harmonics;

@@ -51,30 +51,9 @@ impl QuantisedScene {
         QuantisedScene::scaled_by(scene, camera, rules, scale_log2)
     }
 
-    /// A part of a scene whose colours have this unit, the largest of [`unit_of_colours`](Self::unit_of_colours) of all parts.
-    pub fn part(scene: &Scene, camera: &Camera, rules: &Rules, colour_log2: i32) -> Self {
-        let colours = colours(scene, camera);
-        QuantisedScene::with_colours(scene, camera, rules, 0, (&colours, colour_log2))
-    }
-
-    /// The unit that the colours of a scene, or of a part of one, need as a power of two.
-    pub fn unit_of_colours(scene: &Scene, camera: &Camera) -> i32 {
-        colour_log2(&colours(scene, camera))
-    }
-
     fn scaled_by(scene: &Scene, camera: &Camera, rules: &Rules, scale_log2: i32) -> Self {
         let colours = colours(scene, camera);
-        let unit = colour_log2(&colours);
-        QuantisedScene::with_colours(scene, camera, rules, scale_log2, (&colours, unit))
-    }
-
-    fn with_colours(
-        scene: &Scene,
-        camera: &Camera,
-        rules: &Rules,
-        scale_log2: i32,
-        (colours, colour_log2): (&[[f64; 3]], i32),
-    ) -> Self {
+        let colour_log2 = colour_log2(&colours);
         let weight_log2 = if rules.normalised { 2 * scale_log2 } else { 0 };
         let weights = scene.weights_for(rules);
         let unit = exp2(-colour_log2);

@@ -4,6 +4,7 @@
 
 use super::compositor::{self, ScreenSplat};
 use super::float::{self, Footprint};
+use super::{Counts, FloatDrawing};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::Rules;
@@ -22,7 +23,7 @@ const REACH: f64 = 3.0;
 type SheetPart = (i64, usize, f64);
 
 /// Draws the scene sheet by sheet, nearest first.
-pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, plan: &SheetPlan) -> Picture {
+pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, plan: &SheetPlan) -> FloatDrawing {
     let footprints = float::footprints(scene, camera, rules);
     let mut parts: Vec<SheetPart> = Vec::new();
     for (index, (splat, footprint)) in scene.splats.iter().zip(&footprints).enumerate() {
@@ -45,7 +46,8 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, plan: &SheetPlan) -> 
         .par_chunks_mut(camera.width.max(1) * BAND)
         .enumerate()
         .for_each(|(band, pixels)| draw_band(&drawn, band * BAND, camera.width, pixels, rules));
-    picture
+    let counts = Counts::of_projected(&footprints);
+    FloatDrawing { picture, counts }
 }
 
 /// The sheets that a splat takes part in.

@@ -12,9 +12,11 @@ use crate::camera::Camera;
 use crate::rules::{Compositing, Rules};
 use crate::scene::{Scene, Splat};
 use crate::vector;
+use serde::{Deserialize, Serialize};
 
 /// Which ellipse and index a sphere is drawn with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Shape {
     /// The tangent cone's ellipse instead of the affine one.
     pub exact_ellipse: bool,
@@ -23,7 +25,8 @@ pub struct Shape {
 }
 
 /// How a pixel's place becomes a radial index.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Index {
     /// In proportion to the ellipse's radius.
     Affine,

@@ -3,4 +3,5 @@
 
 pub mod cases;
 pub mod classes;
+mod kinds;
 mod splats;

@@ -1,5 +1,6 @@
 //! PNG files by the crate `png`: written with given samples, and read whatever their depth and colour type.
 
+use crate::memory::{self, TooLarge};
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, Transformations};
 use std::io::Cursor;
 
@@ -15,6 +16,9 @@ pub enum PngError {
     /// The pixels make no file.
     #[error(transparent)]
     Encoding(#[from] png::EncodingError),
+    /// Its pixels take more memory than there is.
+    #[error(transparent)]
+    NoRoom(#[from] TooLarge),
     /// Its pixels take more memory than anybody's picture.
     #[error("{0} x {1} pixels are more than 512 MB")]
     TooLarge(u32, u32),
@@ -80,7 +84,16 @@ pub fn decode(file: &[u8]) -> Result<PngPixels, PngError> {
     let mut reader = decoder.read_info()?;
     let [width, height] = [reader.info().width, reader.info().height];
     let bytes = reader.output_buffer_size().filter(|size| *size <= LARGEST);
-    let mut samples = vec![0; bytes.ok_or(PngError::TooLarge(width, height))?];
+    let bytes = bytes.ok_or(PngError::TooLarge(width, height))?;
+    // The samples, and the pixels that they become.
+    let count = u64::from(width) * u64::from(height);
+    let what = format!("a picture of {width} x {height} pixels");
+    memory::room_for(
+        bytes as u64 + count * size_of::<[u16; 4]>() as u64,
+        &what,
+        memory::FIX,
+    )?;
+    let mut samples = vec![0; bytes];
     let frame = reader.next_frame(&mut samples)?;
     let channels = frame.color_type.samples();
     let pixels = match frame.bit_depth {

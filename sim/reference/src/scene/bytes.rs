@@ -11,6 +11,7 @@ use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use ruzstd::decoding::StreamingDecoder;
 
 use super::error::Problem;
+use crate::memory;
 
 /// Deflate cannot expand further than this (258 bytes out of 2 bits, rounded up).
 const MAX_DEFLATE_RATIO: u64 = 1040;
@@ -85,25 +86,35 @@ pub(super) fn checked_bytes(count: u64, each: u64, field: &str) -> Result<u64, P
     })
 }
 
-/// Unpacks a gzip stream that must hold exactly `expected` bytes.
-pub(super) fn gunzip_exact(packed: &[u8], expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
+/// Unpacks a gzip stream that must hold exactly `expected` bytes, if there is room for them and for so many `more`, which they become.
+pub(super) fn gunzip_exact(
+    packed: &[u8],
+    expected: u64,
+    more: u64,
+    field: &str,
+) -> Result<Vec<u8>, Problem> {
     possible(packed, expected, field)?;
+    memory::room_for(expected.saturating_add(more), field, memory::FIX)?;
+    let mut unpacked = memory::list(expected + 1, field)?;
     // One byte more than expected tells "too long" apart from "exact", and makes the decoder check its trailer.
-    exactly(
-        gunzip_at_most(packed, expected + 1, field)?,
-        expected,
-        field,
-    )
+    gunzip(packed, expected + 1, field, &mut unpacked)?;
+    exactly(unpacked, expected, field)
 }
 
 /// The same for a zlib stream; nothing may follow its end.
-pub(super) fn unzlib_exact(packed: &[u8], expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
+pub(super) fn unzlib_exact(
+    packed: &[u8],
+    expected: u64,
+    more: u64,
+    field: &str,
+) -> Result<Vec<u8>, Problem> {
     possible(packed, expected, field)?;
+    memory::room_for(expected.saturating_add(more), field, memory::FIX)?;
     let damaged = |reason: String| {
         let found = format!("the zlib stream is damaged or truncated ({reason})");
         Problem::malformed(field, found, "fetch the file again")
     };
-    let mut unpacked = Vec::new();
+    let mut unpacked = memory::list(expected + 1, field)?;
     let mut decoder = ZlibDecoder::new(packed);
     (&mut decoder)
         .take(expected + 1)
@@ -147,14 +158,18 @@ fn exactly(unpacked: Vec<u8>, expected: u64, field: &str) -> Result<Vec<u8>, Pro
 /// The first `limit` bytes of a gzip stream, fewer if it ends before.
 pub(super) fn gunzip_at_most(packed: &[u8], limit: u64, field: &str) -> Result<Vec<u8>, Problem> {
     let mut unpacked = Vec::new();
-    MultiGzDecoder::new(packed)
-        .take(limit)
-        .read_to_end(&mut unpacked)
-        .map_err(|error| Problem::Gzip {
-            field: field.to_string(),
-            reason: error.to_string(),
-        })?;
+    gunzip(packed, limit, field, &mut unpacked)?;
     Ok(unpacked)
+}
+
+fn gunzip(packed: &[u8], limit: u64, field: &str, unpacked: &mut Vec<u8>) -> Result<(), Problem> {
+    let read = MultiGzDecoder::new(packed)
+        .take(limit)
+        .read_to_end(unpacked);
+    read.map(|_| ()).map_err(|error| Problem::Gzip {
+        field: field.to_string(),
+        reason: error.to_string(),
+    })
 }
 
 /// Largest window of a zstd stream: what the decoder sets aside before a byte has been unpacked.
@@ -167,7 +182,7 @@ pub(super) fn unzstd_exact(packed: &[u8], expected: u64, field: &str) -> Result<
         reason,
     };
     let mut packed = packed;
-    let mut unpacked = Vec::new();
+    let mut unpacked = memory::list(expected + 1, field)?;
     if expected == 0 && packed.is_empty() {
         return Ok(unpacked);
     }
@@ -273,12 +288,14 @@ mod tests {
     #[test]
     fn a_gzip_bomb_stops_at_the_size_the_header_justifies() {
         let bomb = gzip(&vec![0; 4_000_000]);
-        let message = gunzip_exact(&bomb, 1000, "data").unwrap_err().to_string();
+        let message = gunzip_exact(&bomb, 1000, 0, "data")
+            .unwrap_err()
+            .to_string();
         assert_eq!(
             message,
             "data: more than the 1000 bytes that the header justifies; correct the header"
         );
-        let message = gunzip_exact(&bomb, 1 << 40, "data")
+        let message = gunzip_exact(&bomb, 1 << 40, 0, "data")
             .unwrap_err()
             .to_string();
         assert!(
@@ -291,12 +308,12 @@ mod tests {
     fn every_truncation_of_a_gzip_stream_is_noticed() {
         let packed = gzip(b"twenty bytes of data");
         assert_eq!(
-            gunzip_exact(&packed, 20, "data").unwrap(),
+            gunzip_exact(&packed, 20, 0, "data").unwrap(),
             b"twenty bytes of data"
         );
         for length in 0..packed.len() {
             assert!(
-                gunzip_exact(&packed[..length], 20, "data").is_err(),
+                gunzip_exact(&packed[..length], 20, 0, "data").is_err(),
                 "cut at {length}"
             );
         }

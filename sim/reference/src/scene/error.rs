@@ -1,5 +1,6 @@
 //! What can be wrong with a scene: every message names the file, the field and the fix.
 
+use crate::memory::TooLarge;
 use std::io;
 
 /// A scene that could not be loaded.
@@ -19,6 +20,9 @@ pub enum Problem {
     /// The operating system could not read it.
     #[error("cannot be read: {0}")]
     Unreadable(#[from] io::Error),
+    /// More than there is memory for.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
     /// A folder, a pipe or a device.
     #[error("is not a regular file; name a scene file")]
     NotAFile,
@@ -105,4 +109,9 @@ impl Problem {
             problem: self,
         }
     }
+}
+
+/// What a message may show of a file: no control characters, and not much.
+pub(crate) fn shorten(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).take(60).collect()
 }

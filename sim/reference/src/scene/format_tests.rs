@@ -86,7 +86,7 @@ fn further() -> Vec<FormatPair> {
     files.into_iter().filter_map(pair).collect()
 }
 
-/// PSNR of the scene's picture in each file; docs/results/formats.md says it of more files, and of what is written by the lab.
+/// PSNR of the scene's picture in each file; docs/results/accuracy.md says it of more files.
 #[test]
 #[cfg_attr(
     not(has_formats),

@@ -7,6 +7,7 @@
 
 use super::error::Problem;
 use super::{Harmonics, Scene, Skipped, SortOrder, Splat, Weight};
+use crate::memory;
 use crate::rules::Rules;
 use crate::vector;
 
@@ -48,6 +49,20 @@ pub(super) fn base_from_coefficient(coefficient: f64) -> f64 {
     0.5 + HARMONIC_0 * coefficient
 }
 
+/// Bytes of so many Gaussians.
+pub(super) fn scene_bytes(degree: u8, count: u64) -> u64 {
+    let coloured = coefficient_count(degree) + usize::from(degree > 0);
+    let each = size_of::<Splat>() + coloured * size_of::<[f32; 3]>();
+    count.saturating_mul(each as u64)
+}
+
+/// Is there room for so many Gaussians, and for so many bytes that they are unpacked to before?
+pub(super) fn room_for(degree: u8, count: u64, unpacked: u64) -> Result<(), Problem> {
+    let bytes = scene_bytes(degree, count).saturating_add(unpacked);
+    let what = format!("{count} splats of degree {degree}");
+    Ok(memory::room_for(bytes, &what, memory::FIX)?)
+}
+
 /// Collects Gaussians into a scene and counts those that cannot be drawn.
 pub(super) struct GaussianScene {
     degree: u8,
@@ -58,15 +73,19 @@ pub(super) struct GaussianScene {
 }
 
 impl GaussianScene {
-    pub(super) fn new(degree: u8) -> Self {
-        let skipped = Skipped::default();
-        GaussianScene {
+    /// With room for `count` Gaussians of this degree, which is refused if there is none.
+    pub(super) fn new(degree: u8, count: u64) -> Result<Self, Problem> {
+        room_for(degree, count, 0)?;
+        let what = "the splats";
+        let coloured = if degree > 0 { count } else { 0 };
+        let coefficients = count.saturating_mul(coefficient_count(degree) as u64);
+        Ok(GaussianScene {
             degree,
-            splats: Vec::new(),
-            coefficients: Vec::new(),
-            bases: Vec::new(),
-            skipped,
-        }
+            splats: memory::list(count, what)?,
+            coefficients: memory::list(coefficients, what)?,
+            bases: memory::list(coloured, what)?,
+            skipped: Skipped::default(),
+        })
     }
 
     /// The same after an affine map, which takes Gaussians to Gaussians; the harmonics are the caller's matter.
@@ -122,13 +141,8 @@ impl GaussianScene {
                 "export the scene again",
             ));
         }
-        Ok(self.finish_part(name))
-    }
-
-    /// The same of a part of a file, which may be empty.
-    pub(super) fn finish_part(self, name: &str) -> Scene {
         let (degree, coefficients, base) = (self.degree, self.coefficients, self.bases);
-        Scene {
+        Ok(Scene {
             name: name.to_string(),
             natural_rules: Rules::GAUSSIAN_3D,
             weight: Weight::Opacity,
@@ -141,7 +155,7 @@ impl GaussianScene {
             skipped: self.skipped,
             up: CAPTURE_UP,
             order: SortOrder::Depth,
-        }
+        })
     }
 }
 

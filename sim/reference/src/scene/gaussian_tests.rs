@@ -1,6 +1,6 @@
 //! Tests of colour and of what is skipped.
 
-use super::super::view::look_at;
+use super::super::look::look_at;
 use super::*;
 use crate::camera::Camera;
 
@@ -28,7 +28,7 @@ fn logits_and_logarithms_have_exact_ends() {
 
 #[test]
 fn unusable_records_are_counted_by_reason() {
-    let mut scene = GaussianScene::new(0);
+    let mut scene = GaussianScene::new(0, 2).unwrap();
     scene.push(&sound());
     scene.push(&Gaussian {
         centre: [f64::NAN, 0.0, 0.0],
@@ -77,7 +77,7 @@ fn unusable_records_are_counted_by_reason() {
 
 #[test]
 fn a_scene_of_nothing_but_skips_is_an_error() {
-    let mut scene = GaussianScene::new(0);
+    let mut scene = GaussianScene::new(0, 2).unwrap();
     scene.push(&Gaussian {
         rotation: [0.0; 4],
         ..sound()
@@ -137,7 +137,7 @@ fn harmonics_are_orthonormal() {
 #[test]
 fn colour_follows_the_direction_from_the_eye_to_the_splat() {
     let harmonics = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let mut scene = GaussianScene::new(1);
+    let mut scene = GaussianScene::new(1, 2).unwrap();
     scene.push(&Gaussian {
         base: [0.5; 3],
         harmonics: &harmonics,

@@ -43,7 +43,7 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     // Sections may differ in degree; coefficients that one lacks are 0.
     let used = sections.iter().filter(|section| section.count > 0);
     let degree = used.map(|section| section.degree).max().unwrap_or(0);
-    let mut scene = GaussianScene::new(degree);
+    let mut scene = GaussianScene::new(degree, total)?;
     let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
     for section in &sections {
         section.read(&mut reader, &header, &mut |gaussian: &Gaussian, rest| {

@@ -3,9 +3,9 @@
 //! Besides files, `demo`, `random:COUNT[:SEED]` and `deep-stack` are scenes; `./demo` is a file of that name.
 
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use super::error::{LoadError, Problem};
+use super::file::read_file;
 use super::volume::{self, Noted, Volume};
 use super::{
     Scene, gltf, ksplat, nrrd, ply, points, shade, sog, splat_file, spz, synthetic,
@@ -76,20 +76,6 @@ fn demo_with(options: &LoadOptions) -> Result<Loaded, LoadError> {
     dispatch(DEMO, Path::new(DEMO_NAME), options).map_err(|problem| problem.of("demo"))
 }
 
-/// A regular file's bytes, or all of stdin for `-`. Other pipes and devices are refused: they may never end.
-pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
-    if path == Path::new("-") {
-        let mut bytes = Vec::new();
-        io::Read::read_to_end(&mut io::stdin().lock(), &mut bytes)?;
-        return Ok(bytes);
-    }
-    if !fs::metadata(path)?.is_file() {
-        return Err(Problem::NotAFile);
-    }
-    input::note(path);
-    Ok(fs::read(path)?)
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SceneFormat {
     Ply,
@@ -113,14 +99,6 @@ enum VolumeFormat {
 fn is_packed_nifti(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.to_ascii_lowercase().ends_with(".nii.gz")
-}
-
-/// Is it a PLY file by its name, or by its first bytes if the name says nothing?
-pub(super) fn is_ply(path: &Path) -> bool {
-    let mut start = [0; 4];
-    let read = fs::File::open(path).and_then(|mut file| io::Read::read(&mut file, &mut start));
-    let start = &start[..read.unwrap_or(0)];
-    recognise(start, path).is_ok_and(|format| format == SceneFormat::Ply)
 }
 
 /// The extension decides; a file without a known one is recognised by its first bytes.

@@ -9,11 +9,13 @@
 mod archive;
 mod bytes;
 mod error;
+mod file;
 mod gaussian;
 mod gltf;
 mod ksplat;
 mod half;
 mod load;
+mod look;
 mod nrrd;
 mod order;
 mod ply;
@@ -39,14 +41,13 @@ mod tests;
 pub use error::{LoadError, Problem};
 pub use load::{LoadOptions, Loaded, demo, load, load_with_notes};
 pub use order::SortOrder;
-pub use ply::stream::{FileParts, GaussianFile};
 pub use transfer::Transfer;
 pub use view::Bounds;
 
 use crate::camera::Camera;
 use crate::rules::Rules;
+pub(crate) use file::read_file;
 pub use gaussian::{Gaussian, HARMONIC_0, rotation_matrix};
-pub(crate) use load::read_file;
 
 /// What a splat's weight means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,6 +10,7 @@ use super::error::Problem;
 use super::transfer::{Shading, Transfer};
 use super::volume::Volume;
 use super::{Scene, Skipped, SortOrder, Splat, Weight};
+use crate::memory;
 use crate::rules::Rules;
 
 /// Standard deviation of a voxel's kernel, in voxels.
@@ -57,12 +58,9 @@ pub(super) fn shade(
         let gradient = volume.gradient(place, index);
         let extinction = plain_extinction * transfer.at_gradient(length(gradient));
         if extinction > 0.0 {
-            splats.push(splat(
-                volume,
-                place,
-                extinction,
-                lamp.phong(colour, gradient, &shading),
-            ));
+            let colour = lamp.phong(colour, gradient, &shading);
+            let splat = splat(volume, place, extinction, colour);
+            memory::push(&mut splats, splat, "the splats of visible voxels")?;
         }
     }
     if splats.is_empty() {

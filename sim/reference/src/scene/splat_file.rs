@@ -28,7 +28,7 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
             partial.len(),
         ));
     }
-    let mut scene = GaussianScene::new(0);
+    let mut scene = GaussianScene::new(0, records.len() as u64)?;
     for record in records {
         scene.push(&decode(record));
     }

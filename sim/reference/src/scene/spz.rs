@@ -20,7 +20,7 @@ use super::bytes::{Reader, gunzip_at_most, gunzip_exact, unzstd_exact};
 use super::error::Problem;
 use super::gaussian::{
     Gaussian, GaussianScene, HARMONICS, MAX_DEGREE, base_from_coefficient, coefficient_count,
-    harmonic_basis, scale_from_log,
+    harmonic_basis, room_for, scale_from_log, scene_bytes,
 };
 use super::half;
 
@@ -56,7 +56,8 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     if header.version > 3 {
         return Err(unsupported_version(&header.version.to_string()));
     }
-    let unpacked = gunzip_exact(bytes, header.file_bytes(), "spz data")?;
+    let scene = scene_bytes(header.degree, header.count.into());
+    let unpacked = gunzip_exact(bytes, header.file_bytes(), scene, "spz data")?;
     let mut reader = Reader::new(&unpacked);
     reader.take(HEADER_BYTES, "spz header")?;
     let mut arrays = [&[][..]; 6];
@@ -103,6 +104,7 @@ fn load_streams(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
             "correct the count in the header or fetch the file again",
         ));
     }
+    room_for(header.degree, header.count.into(), claimed)?;
     let sizes = table.records(streams as u64, 16, "spz table")?;
     let mut unpacked: [Vec<u8>; 6] = Default::default();
     for (index, entry) in sizes.as_chunks::<16>().0.iter().enumerate() {
@@ -139,7 +141,7 @@ fn size_at(entry: &[u8; 16], at: usize) -> u64 {
 
 fn decode(header: &SpzHeader, arrays: [&[u8]; 6], name: &str) -> Result<Scene, Problem> {
     let arrays = Arrays::new(arrays);
-    let mut scene = GaussianScene::new(header.degree);
+    let mut scene = GaussianScene::new(header.degree, header.count.into())?;
     let parities = harmonic_parities();
     let mut harmonics = vec![[0.0f32; 3]; coefficient_count(header.degree)];
     for index in 0..header.count as usize {

@@ -3,7 +3,7 @@
 //! Numbers come from SplitMix64 and only from its sequence, so a seed names a scene for good.
 
 use super::gaussian::rotation_matrix;
-use super::view::look_at;
+use super::look::look_at;
 use super::{Harmonics, Scene, Skipped, SortOrder, Splat, Weight};
 use crate::camera::Camera;
 use crate::rules::Rules;

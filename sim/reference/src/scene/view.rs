@@ -1,5 +1,6 @@
 //! Where a scene lies and a camera that shows it.
 
+use super::look::look_at;
 use super::{Scene, Weight, synthetic};
 use crate::camera::Camera;
 
@@ -108,59 +109,6 @@ fn centre_and_extents(bounds: Option<Bounds>) -> ([f64; 3], [f64; 3]) {
 fn largest(extents: [f64; 3]) -> f64 {
     let largest = extents.into_iter().fold(0.0, f64::max);
     if largest > 0.0 { largest } else { 1.0 }
-}
-
-/// A pinhole camera at `eye` looking at `target`; rows of the rotation are right, down, forward.
-///
-/// The default cameras never look along `up` and never stand at their target, so this cannot fail.
-pub(super) fn look_at(
-    eye: [f64; 3],
-    target: [f64; 3],
-    up: [f64; 3],
-    vertical_degrees: f64,
-    width: usize,
-    height: usize,
-) -> Camera {
-    let forward = unit([0, 1, 2].map(|axis| target[axis] - eye[axis]));
-    let right = unit(cross(forward, up));
-    let down = cross(forward, right);
-    let rotation = [right, down, forward];
-    let focal = height as f64 / 2.0 / (vertical_degrees.to_radians() / 2.0).tan();
-    Camera {
-        width,
-        height,
-        fx: focal,
-        fy: focal,
-        cx: width as f64 / 2.0,
-        cy: height as f64 / 2.0,
-        rotation,
-        translation: rotation.map(|row| -(row[0] * eye[0] + row[1] * eye[1] + row[2] * eye[2])),
-        near: near_plane(eye, target),
-        far: f64::INFINITY,
-        orthographic: false,
-    }
-}
-
-/// The usual near plane, but always well before the target of a tiny scene, which would vanish behind it.
-fn near_plane(eye: [f64; 3], target: [f64; 3]) -> f64 {
-    let distance = (0..3)
-        .map(|axis| (target[axis] - eye[axis]).powi(2))
-        .sum::<f64>()
-        .sqrt();
-    f64::min(0.01, distance / 100.0)
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-fn unit(vector: [f64; 3]) -> [f64; 3] {
-    let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
-    vector.map(|part| part / length)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! Texture coordinates are in texels from the upper left corner: texel (i, j) is the sample at (i + 0.5, j + 0.5). As everywhere,
 //! values are linear as stored (no gamma applied).
 
+use crate::memory;
 use crate::picture::png;
 use crate::scene::{LoadError, Problem};
 use std::path::Path;
@@ -13,6 +14,9 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 /// Columns and rows of a texture at most: a 16384^2 photograph is already 6 GB of doubles.
 const LARGEST_SIDE: usize = 8192;
+
+/// A texture without a file: 96 x 96 texels of a checkerboard whose fields are 12 wide.
+const CHECKERBOARD: &str = "checkerboard";
 
 /// Colours on a grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,8 +47,15 @@ impl Texture {
         }
     }
 
-    /// Loads a PNG or JPEG file; an alpha channel is ignored.
+    /// Loads a PNG or JPEG file, whose alpha channel is ignored, or makes the texture named `checkerboard`.
     pub fn load(path: &Path) -> Result<Texture, LoadError> {
+        if path == Path::new(CHECKERBOARD) {
+            return Ok(Texture::from_pattern(96, 96, |u, v| {
+                let field = (u / 12.0) as usize + (v / 12.0) as usize;
+                let [light, dark] = [[0.65, 0.62, 0.55], [0.35, 0.36, 0.42]];
+                if field % 2 == 0 { light } else { dark }
+            }));
+        }
         decode(path).map_err(|problem| problem.of(path.display().to_string()))
     }
 
@@ -115,8 +126,15 @@ fn from_jpeg(bytes: &[u8]) -> Result<Texture, String> {
         .set_max_height(LARGEST_SIDE)
         .jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    let samples = decoder.decode().map_err(|error| error.to_string())?;
+    decoder
+        .decode_headers()
+        .map_err(|error| error.to_string())?;
     let (width, height) = decoder.dimensions().ok_or("it has no size")?;
+    let what = format!("{width} x {height} texels");
+    let each = 6 + size_of::<[f64; 3]>();
+    memory::room_for_records((width * height) as u64, each, &what)
+        .map_err(|error| error.to_string())?;
+    let samples = decoder.decode().map_err(|error| error.to_string())?;
     let texel = |texel: &[u8]| [0, 1, 2].map(|c: usize| f64::from(texel[c]) / 255.0);
     Ok(Texture {
         width,

@@ -87,12 +87,14 @@ pub fn textured_plane(
 
 /// The rules by which samples are drawn: peak opacities, distance scaling by the samples' spacing.
 pub fn rules(scene: &Scene) -> Rules {
-    let opaque = Rules {
-        normalised: false,
-        ..Rules::EWA
-    };
-    opaque.with_antialias(Antialias::Swan(spacing(scene)))
+    OPAQUE.with_antialias(Antialias::Swan(spacing(scene)))
 }
+
+/// EWA with peak opacities.
+const OPAQUE: Rules = Rules {
+    normalised: false,
+    ..Rules::EWA
+};
 
 /// The choice of points and splats for samples of a surface.
 pub fn hybrid(scene: &Scene, points: Points) -> Hybrid {
@@ -131,7 +133,7 @@ fn sample(centre: Vector, spacing: f64, colour: [f64; 3]) -> Splat {
 fn scene(name: &str, splats: Vec<Splat>) -> Scene {
     Scene {
         name: name.to_owned(),
-        natural_rules: Rules::EWA,
+        natural_rules: OPAQUE,
         weight: Weight::Opacity,
         splats,
         harmonics: None,

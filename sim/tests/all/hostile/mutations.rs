@@ -8,8 +8,11 @@
 
 use super::readers::{FORMATS, Reader};
 use super::seeds::seed;
+use splatline_sim::plan::Prepared;
+use splatline_sim::scene::{self, LoadOptions};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 const USUAL: u64 = 40;
@@ -37,6 +40,64 @@ impl Random {
         let start = self.below(length);
         start..start + self.below((length - start).min(40)) + usize::from(start < length)
     }
+}
+
+const REPORT: &str = "report.json";
+const META: &str = "meta.json";
+
+/// What the fuzz targets leave out: files that take others, or this program, to make.
+const OWN: &[(&str, Reader)] = &[(META, folder_file), (REPORT, report_file)];
+
+fn bundle() -> zip::ZipArchive<std::io::Cursor<Vec<u8>>> {
+    zip::ZipArchive::new(std::io::Cursor::new(seed("second.sog"))).expect("a sound bundle")
+}
+
+/// A file of the bundle.
+fn unpacked(name: &str) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut bundle = bundle();
+    let mut entry = bundle.by_name(name).expect("a file of the bundle");
+    std::io::Read::read_to_end(&mut entry, &mut bytes).expect("a sound bundle");
+    bytes
+}
+
+/// The file that names the pictures of an unpacked SOG scene.
+fn folder_file(path: &Path) -> Result<(), String> {
+    let bundle = bundle();
+    for name in bundle.file_names() {
+        let name = name.expect("a name in UTF-8");
+        let file = path.with_file_name(&*name);
+        if !file.exists() {
+            std::fs::write(file, unpacked(&name)).expect("a folder for temporary files");
+        }
+    }
+    let read = scene::load(path, &LoadOptions::default());
+    read.map(|_| ()).map_err(|error| error.to_string())
+}
+
+/// What this program records of a picture.
+fn report(folder: &Path) -> Vec<u8> {
+    let options = "render random:9 --size 16x16 -o x.png --json report.json";
+    let drawn = Command::new(env!("CARGO_BIN_EXE_splatline"))
+        .args(options.split(' '))
+        .current_dir(folder)
+        .output();
+    assert!(drawn.unwrap().status.success());
+    std::fs::read(folder.join(REPORT)).unwrap()
+}
+
+/// As `--from` reads it. Pictures of any size are asked for; small ones are drawn.
+fn report_file(path: &Path) -> Result<(), String> {
+    let told = |error| format!("{error:#}");
+    let prepared = Prepared::from_file(path, &|_| ()).map_err(told)?;
+    let camera = &prepared.plan.camera;
+    if camera.width.max(camera.height) > 64 {
+        return Err("a picture that takes long".to_owned());
+    }
+    prepared
+        .draw_fixed(&prepared.plan.entry)
+        .map(|_| ())
+        .map_err(told)
 }
 
 /// What numbers in texts are replaced by.
@@ -136,13 +197,13 @@ fn series() -> u64 {
 fn try_format(
     folder: &Path,
     name: &str,
+    sound: &[u8],
     reader: Reader,
     mutations: u64,
     failures: &mut Vec<String>,
 ) -> u64 {
     let path = folder.join(name);
-    let sound = seed(name);
-    std::fs::write(&path, &sound).unwrap();
+    std::fs::write(&path, sound).unwrap();
     assert_eq!(
         answer(reader, &path),
         Ok(true),
@@ -153,7 +214,7 @@ fn try_format(
     let mut read = 0;
     for number in 0..cuts + mutations {
         let mut random = Random(number ^ series() ^ (name.len() as u64) << 40);
-        let mut bytes = sound.clone();
+        let mut bytes = sound.to_vec();
         if number < cuts {
             bytes.truncate(random.below(sound.len()));
         } else {
@@ -179,11 +240,17 @@ fn mutated_files_are_answered() {
     let only = std::env::var("SPLATLINE_MUTATIONS_OF").unwrap_or_default();
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let mut failures = Vec::new();
-    for (name, reader) in FORMATS.iter().filter(|(name, _)| name.contains(&only)) {
+    let all = FORMATS.iter().chain(OWN);
+    for (name, reader) in all.filter(|(name, _)| name.contains(&only)) {
         let below = folder.path().join(name);
         std::fs::create_dir(&below).unwrap();
         let started = Instant::now();
-        let read = try_format(&below, name, *reader, mutations, &mut failures);
+        let sound = match *name {
+            REPORT => report(&below),
+            META => unpacked(META),
+            other => seed(other),
+        };
+        let read = try_format(&below, name, &sound, *reader, mutations, &mut failures);
         println!(
             "{name}: {} tries, {read} read all the same, {:.1} s",
             mutations + mutations / 3,

@@ -12,7 +12,9 @@ use splatline_sim::explore::table::ResultTable;
 use splatline_sim::fixed::{self, Options};
 use splatline_sim::machine::area::{Calibration, estimate};
 use splatline_sim::machine::config::{self, Config};
+use splatline_sim::machine::energy::EnergyTable;
 use splatline_sim::machine::lanes::{LaneShape, LaneWork};
+use splatline_sim::machine::parts::Parts;
 use splatline_sim::machine::simulate;
 use splatline_sim::machine::workload::{TableOptions, read_table};
 use splatline_sim::metrics::compare;
@@ -41,6 +43,7 @@ pub const FORMATS: &[(&str, Reader)] = &[
     ("level1.ksplat", scene_file),
     ("level2.ksplat", scene_file),
     ("tiny.glb", scene_file),
+    ("tiny.gltf", gltf_file),
     ("raw.nrrd", scene_file),
     ("gzip.nrrd", scene_file),
     ("detached.nhdr", detached_file),
@@ -74,6 +77,8 @@ pub const FORMATS: &[(&str, Reader)] = &[
     ("design.toml", design_file),
     ("machine.toml", machine_file),
     ("prices.toml", prices_file),
+    ("45nm.toml", energy_file),
+    ("parts.toml", parts_file),
     ("space.toml", space_file),
     ("footprints.csv", footprints_file),
     ("sweep.json", sweep_file),
@@ -102,6 +107,15 @@ fn scene_file(path: &Path) -> Result<(), String> {
     } else {
         Err("no camera can be placed".to_owned())
     }
+}
+
+/// With its buffer in a file beside it.
+fn gltf_file(path: &Path) -> Result<(), String> {
+    let buffer = path.with_file_name("tiny.bin");
+    if !buffer.exists() {
+        std::fs::write(&buffer, &super::seeds::apart()[1]).map_err(printed)?;
+    }
+    scene_file(path)
 }
 
 /// A header with its data in a file beside it.
@@ -257,6 +271,17 @@ fn prices_file(path: &Path) -> Result<(), String> {
         &prices,
     );
     assert!(area.weight.is_finite(), "an area of {}", area.weight);
+    Ok(())
+}
+
+fn energy_file(path: &Path) -> Result<(), String> {
+    EnergyTable::from_toml("45nm.toml", &text(path)?).map(|_| ())
+}
+
+fn parts_file(path: &Path) -> Result<(), String> {
+    let parts = Parts::default().and("parts.toml", &text(path)?)?;
+    let part = parts.find("xc7a35t")?;
+    part.fabric();
     Ok(())
 }
 

@@ -2,20 +2,24 @@
 
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
+use splatline_sim::explore::evaluator::Subject;
 use splatline_sim::explore::identity::Identity;
 use splatline_sim::explore::space::Space;
-use splatline_sim::explore::sweep::SweepSubject;
-use splatline_sim::explore::table::heading;
+use splatline_sim::explore::table::{heading, row_digest, to_line};
 use splatline_sim::machine::area::Calibration;
 use splatline_sim::machine::config::{self, Config};
-use splatline_sim::plan::Splats;
+use splatline_sim::plan::Prepared;
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::synthetic;
 use splatline_sim::vectors::{self, hard_cases};
 use std::io::Write;
 
-/// From this package's folder, and from that of the fuzz targets, which read these seeds as well.
-const OTHERS: [&str; 2] = ["reference/tests/files", "../reference/tests/files"];
+/// From this package's folder; that of the fuzz targets, which read these seeds as well, lies beside them.
+const OTHERS: [&str; 3] = [
+    "reference/tests/files",
+    "machine/src/energy",
+    "machine/src/parts",
+];
 
 const GAUSSIAN: [&str; 17] = [
     "x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
@@ -52,7 +56,7 @@ fn splat() -> Vec<u8> {
     [-0.3, 0.0, 0.4].map(record).concat()
 }
 
-fn gzip(bytes: &[u8]) -> Vec<u8> {
+pub fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     packed.write_all(bytes).expect("memory does not fail");
     packed.finish().expect("memory does not fail")
@@ -150,29 +154,20 @@ fn sweep() -> String {
     let text = "[machine]\nlanes = [1, 2, 4]\n";
     let scene = synthetic::random_gaussians(3, 1, 2.0);
     let space = Space::from_toml("space.toml", text).expect("a sound space");
-    let subject = SweepSubject {
-        splats: Splats {
-            scene: &scene,
-            camera: &synthetic::camera(16, 16),
-            rules: &Rules::GAUSSIAN_3D,
-            compositing: Compositing::FrontToBack,
-            hybrid: None,
-        },
-        design: DesignChoice::named("lean18").expect("a named design"),
-        traversal: None,
-        machine: Config::default(),
-        calibration: Calibration::default(),
-        energy: splatline_sim::machine::energy::EnergyTable::default(),
-        reference: None,
-        more: Vec::new(),
-    };
+    let design = DesignChoice::named("lean18").expect("a named design");
+    let camera = synthetic::camera(16, 16);
+    let frame = Prepared::of_splats(scene, camera, Rules::GAUSSIAN_3D, design);
+    let subject = Subject::new(vec![&frame]).expect("a sound plan");
     let identity = Identity::new(&subject, text, &[]).expect("a sound sweep");
     let rows: String = [(0, 1), (1, 2), (2, 4)]
         .map(|(point, lanes)| {
-            format!("{point},{lanes},,,,,,900,1,2,3,0.5,0.5,0.25,100,0,60.5,16.5,16.5,16.5,1,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.5,\n")
+            let row = format!("{point},{lanes},,,,,,900,1,2,3,0.5,0.5,0.25,100,0,60.5,16.5,16.5,16.5,1,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.5,");
+            let mut fields: Vec<String> = row.split(',').map(str::to_owned).collect();
+            fields.push(row_digest(&fields));
+            to_line(&fields)
         })
         .concat();
-    format!("{}{}\n{rows}", identity.to_text(), heading(&space))
+    format!("{}{}{rows}", identity.to_text(), to_line(&heading(&space)))
 }
 
 /// Vectors of two splats.
@@ -199,9 +194,28 @@ fn manifest() -> Vec<u8> {
 /// A file of the reference's tests; most were written by other tools (reference/tests/files/make.py).
 fn from_others(name: &str) -> Vec<u8> {
     let package = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let files = OTHERS.map(|folder| package.join(folder).join(name));
-    let found = files.iter().find_map(|file| std::fs::read(file).ok());
-    found.unwrap_or_else(|| panic!("no seed {}", files[0].display()))
+    let folders = [package, &package.join("..")];
+    let files = folders.map(|from| OTHERS.map(|folder| from.join(folder).join(name)));
+    let found = files
+        .iter()
+        .flatten()
+        .find_map(|file| std::fs::read(file).ok());
+    found.unwrap_or_else(|| panic!("no seed {name}"))
+}
+
+/// The two parts of `tiny.glb`: its JSON, naming `tiny.bin` as its buffer, and that buffer.
+pub fn apart() -> [Vec<u8>; 2] {
+    let whole = from_others("tiny.glb");
+    let length = |at: usize| {
+        let bytes = whole[at..].first_chunk().expect("a chunk's length");
+        u32::from_le_bytes(*bytes) as usize
+    };
+    let json = &whole[20..20 + length(12)];
+    let rest = 20 + json.len();
+    let binary = whole[rest + 8..rest + 8 + length(rest)].to_vec();
+    let named = "\"buffers\":[{\"uri\":\"tiny.bin\",";
+    let json = String::from_utf8_lossy(json).replace("\"buffers\":[{", named);
+    [json.into_bytes(), binary]
 }
 
 /// The sound file of that name.
@@ -219,6 +233,7 @@ pub fn seed(name: &str) -> Vec<u8> {
             let header = ply_header("binary_little_endian", &GAUSSIAN, 2);
             header.into_bytes().into_iter().chain(records).collect()
         }
+        "tiny.gltf" => apart()[0].clone(),
         "scene.splat" => splat(),
         "scene.spz" => spz(),
         "raw.nrrd" => volume("raw"),

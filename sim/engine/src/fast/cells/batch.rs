@@ -3,24 +3,28 @@
 //! The way from a row's radial index to the seed of its first pixel is 200 cycles long. One footprint alone would wait for it; the rows of the
 //! next ones fill the time.
 
+use super::fused::{FusedPixels, FusedSplatNumbers};
 use super::parts::CellParts;
-use super::{PixelMethod, Prepare};
-use crate::fast::lanes::narrow::Narrow;
-use crate::fast::paint::CHECK_INTERVAL;
+use super::tile::Cell;
+use crate::fast::lanes::fused::Fused;
+use crate::fast::painter::CHECK_INTERVAL;
 use splatline::draw::Coverage;
 use splatline::raster::{RowConstants, Window};
 
 /// What a footprint's rows in a tile and its pixels are computed from.
 #[derive(Clone, Copy, Debug)]
-pub struct CellFootprint<B> {
+pub struct CellFootprint {
     pub rows: RowConstants<i64>,
-    pub numbers: B,
+    pub numbers: FusedSplatNumbers,
 }
+
+/// Gives what is needed of the footprint that a list begins with; nothing if vectors cannot draw it.
+pub type Prepare<'a> = dyn Fn(&[u32]) -> Option<CellFootprint> + 'a;
 
 /// What is left of a footprint when its cells have been listed.
 #[derive(Clone, Copy, Debug, Default)]
-struct Listed<B> {
-    numbers: B,
+struct Listed {
+    numbers: FusedSplatNumbers,
     /// Second difference of the radial index.
     second: i64,
     /// Where its cells end in the list.
@@ -28,12 +32,12 @@ struct Listed<B> {
 }
 
 /// Memory for the footprints of a tile, used again and again.
-pub struct Batch<B, const DEEP: bool, const ROWS: usize> {
-    parts: CellParts<DEEP, ROWS>,
-    listed: [Listed<B>; CHECK_INTERVAL],
+pub struct Batch<const DEEP: bool> {
+    parts: CellParts<DEEP>,
+    listed: [Listed; CHECK_INTERVAL],
 }
 
-impl<B: Copy + Default, const DEEP: bool, const ROWS: usize> Batch<B, DEEP, ROWS> {
+impl<const DEEP: bool> Batch<DEEP> {
     /// Nothing.
     #[inline(always)]
     pub fn new() -> Self {
@@ -46,11 +50,11 @@ impl<B: Copy + Default, const DEEP: bool, const ROWS: usize> Batch<B, DEEP, ROWS
     /// Lists the cells of as many footprints from the list's start as there is room for, and returns their number: 0 if vectors cannot
     /// draw the first one.
     #[inline(always)]
-    pub fn fill<L: Narrow>(
+    pub fn fill<L: Fused>(
         &mut self,
         lanes: L,
         list: &[u32],
-        prepare: &Prepare<B>,
+        prepare: &Prepare,
         window: &Window,
     ) -> usize {
         self.parts.clear();
@@ -77,11 +81,11 @@ impl<B: Copy + Default, const DEEP: bool, const ROWS: usize> Batch<B, DEEP, ROWS
 
     /// Paints the first `count` footprints that have been listed.
     #[inline(always)]
-    pub fn paint<L: Narrow, P: PixelMethod<L, SplatNumbers = B>>(
+    pub fn paint<L: Fused, const STOP_BEFORE: bool>(
         &self,
-        path: &P,
+        path: &FusedPixels<L, STOP_BEFORE, DEEP>,
         count: usize,
-        tile: &mut [P::PixelGroup],
+        tile: &mut [Cell],
     ) -> Coverage {
         let mut first = 0;
         let mut counts = path.no_counts();

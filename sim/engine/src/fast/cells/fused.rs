@@ -9,14 +9,11 @@
 
 use super::intervals::{Intervals, TableReach};
 use super::parts::CellPart;
-use super::scale::Scale;
-use super::tile::{COLUMNS, CellWord, PixelGroup};
-use super::{CellPainting, CellTiles, TileOf};
+use super::scale::{MARK, Scale};
+use super::tile::Cell;
 use crate::fast::lanes::factors::Factors;
-use crate::fast::lanes::fused::{DROPPED, Pairs};
-use crate::fast::lanes::narrow::Narrow;
+use crate::fast::lanes::fused::{DROPPED, Fused, Pairs};
 use splatline::blend::Blend;
-use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::kernel::FootprintTable;
@@ -39,13 +36,14 @@ pub struct FusedScheme {
     intervals: Intervals,
 }
 
-impl super::PixelScheme for FusedScheme {
-    type PixelGroup = PixelGroup<u64, COLUMNS>;
-    type PixelFormat = Scale;
-    type SplatNumbers = FusedSplatNumbers;
-
-    /// For widths that have a scale and a table within the kernel's range.
-    fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self> {
+impl FusedScheme {
+    /// For widths that have a scale and a table within the kernel's range, in lanes of so many bits.
+    pub fn new(
+        widths: &Widths,
+        rules: &Rules,
+        table: &FootprintTable,
+        lane_bits: u32,
+    ) -> Option<Self> {
         let constants = Blend::new(widths, rules).constants();
         let reach = TableReach::new(table, widths, &constants, lane_bits)?;
         Some(FusedScheme {
@@ -55,16 +53,19 @@ impl super::PixelScheme for FusedScheme {
         })
     }
 
-    fn format(&self) -> Scale {
+    /// How pixels are written in a tile.
+    pub fn scale(&self) -> Scale {
         self.scale
     }
 
-    fn tile(tiles: &mut CellTiles) -> &mut Option<TileOf<Self>> {
-        &mut tiles.fused
+    /// Do lanes have 64 bits?
+    pub fn is_deep(&self) -> bool {
+        self.intervals.reach.deep
     }
 
+    /// A footprint's numbers; `None` if its words lie outside their formats or its end outside the table.
     #[inline(always)]
-    fn numbers(&self, footprint: &Footprint) -> Option<FusedSplatNumbers> {
+    pub fn numbers(&self, footprint: &Footprint) -> Option<FusedSplatNumbers> {
         let FusedScheme { widths, scale, .. } = self;
         let end = self.intervals.reach.end(footprint.cutoff)?;
         let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
@@ -79,33 +80,11 @@ impl super::PixelScheme for FusedScheme {
             colour: footprint.colour.map(|c| u64::from(c) << scale.colour),
         })
     }
-
-    #[inline(always)]
-    fn run<L: Narrow>(lanes: L, painting: CellPainting<Self>) -> Coverage {
-        match (
-            painting.rules.omit_finishing,
-            painting.scheme.intervals.reach.deep,
-        ) {
-            (true, false) => run::<L, true, false>(lanes, painting),
-            (false, false) => run::<L, false, false>(lanes, painting),
-            (true, true) => run::<L, true, true>(lanes, painting),
-            (false, true) => run::<L, false, true>(lanes, painting),
-        }
-    }
-}
-
-#[inline(always)]
-fn run<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>(
-    lanes: L,
-    painting: CellPainting<FusedScheme>,
-) -> Coverage {
-    let path = FusedPixels::<L, STOP_BEFORE, DEEP>::new(lanes, painting.scheme, painting.rules);
-    painting.paint::<L, _, DEEP, 1>(lanes, &path)
 }
 
 /// Everything about the pixel path that is constant for a picture, on vectors. `DEEP` lanes have 64 bits.
 #[derive(Clone, Copy)]
-pub struct FusedPixels<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> {
+pub struct FusedPixels<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> {
     lanes: L,
     table: &'a Pairs,
     /// The same table, if it is a Gaussian.
@@ -141,15 +120,15 @@ pub struct FusedPixels<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>
 
 /// Pixels counted, lane by lane.
 #[derive(Clone, Copy)]
-pub struct FusedCounts<L: Narrow> {
+pub struct FusedCounts<L: Fused> {
     covered: L::Word,
     live: L::Word,
 }
 
-impl<L: Narrow> FusedCounts<L> {
+impl<L: Fused> FusedCounts<L> {
     /// None.
     #[inline(always)]
-    pub fn new(lanes: L) -> Self {
+    fn new(lanes: L) -> Self {
         let [covered, live] = [lanes.wide_splat(0); 2];
         FusedCounts { covered, live }
     }
@@ -165,7 +144,7 @@ impl<L: Narrow> FusedCounts<L> {
 
 /// A numbers on vectors.
 #[derive(Clone, Copy)]
-pub struct FusedSplatWords<L: Narrow> {
+pub struct FusedSplatWords<L: Fused> {
     end: L::Word,
     peak: L::Word,
     colour: [L::Word; 3],
@@ -173,7 +152,7 @@ pub struct FusedSplatWords<L: Narrow> {
     ahead: L::Word,
 }
 
-impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>
+impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
     FusedPixels<'a, L, STOP_BEFORE, DEEP>
 {
     /// For a scheme of lanes as deep as these.
@@ -223,7 +202,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>
             share_mask: above(scale.share),
             to_light: turn(64 - scale.to_light),
             stop: splat((u64::from(constants.minimum_transmittance) + 1) << scale.transmittance),
-            mark: splat(u64::MARK),
+            mark: splat(MARK),
             sum_half: half(scale.sum),
             sum_mask: splat(u64::MAX << scale.sum),
         }
@@ -276,18 +255,10 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>
         let value = lanes.wide_add(value, lanes.wide_mul(change, position));
         lanes.all_three(value, self.value_mask, live)
     }
-}
 
-impl<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> super::PixelMethod<L>
-    for FusedPixels<'_, L, STOP_BEFORE, DEEP>
-{
-    type PixelGroup = PixelGroup<u64, COLUMNS>;
-    type SplatNumbers = FusedSplatNumbers;
-    type SplatWords = FusedSplatWords<L>;
-    type Counts = FusedCounts<L>;
-
+    /// A footprint's numbers on vectors, for rows with this second difference.
     #[inline(always)]
-    fn splat_words(&self, numbers: &FusedSplatNumbers, second: i64) -> FusedSplatWords<L> {
+    pub fn splat_words(&self, numbers: &FusedSplatNumbers, second: i64) -> FusedSplatWords<L> {
         let splat = |value: i64| self.lanes.wide_splat(value);
         FusedSplatWords {
             end: splat(numbers.end),
@@ -297,14 +268,16 @@ impl<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> super::PixelMethod<L>
         }
     }
 
+    /// Paints what a footprint covers of a cell.
+    ///
     /// Conditions stay in the words, as their most significant bits: a detour through the mask registers takes ten cycles of the way from
     /// a radial index to a pixel.
     #[inline(always)]
-    fn paint(
+    pub fn paint(
         &self,
         colours: &FusedSplatWords<L>,
         part: &CellPart,
-        cell: &mut Self::PixelGroup,
+        cell: &mut Cell,
         counts: &mut FusedCounts<L>,
     ) {
         let lanes = self.lanes;
@@ -341,13 +314,15 @@ impl<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> super::PixelMethod<L>
         }
     }
 
+    /// No pixels.
     #[inline(always)]
-    fn no_counts(&self) -> FusedCounts<L> {
+    pub fn no_counts(&self) -> FusedCounts<L> {
         FusedCounts::new(self.lanes)
     }
 
+    /// Pixels covered, and those of them that were not finished; of one batch.
     #[inline(always)]
-    fn total(&self, counts: FusedCounts<L>) -> [u64; 2] {
+    pub fn total(&self, counts: FusedCounts<L>) -> [u64; 2] {
         [counts.covered, counts.live].map(|words| self.lanes.sum(words))
     }
 }

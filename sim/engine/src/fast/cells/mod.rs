@@ -1,114 +1,47 @@
 //! Painting tiles by cells of pixels, each at a fixed place in memory, on the processor's widest vectors.
 //!
 //! In a tile a footprint's rows are computed first, as a list of cells ([`parts`]), of several footprints at once ([`batch`]), and then its
-//! pixels, in one of two ways. [`narrow`] puts products together from short ones, sixteen pixels at a time, for designs that are narrow
-//! enough; [`fused`] has products of 52 bits, eight pixels at a time, for all. What vectors cannot do is left to the kernel's painter. The
-//! vectors' code knows a design only by its numbers, so that one compiled copy serves all.
+//! pixels, eight at a time, by products of 52 bits ([`fused`]). What vectors cannot do is left to the kernel's painter. The vectors' code
+//! knows a design only by its numbers, so that one compiled copy serves all.
 
 mod batch;
 mod fused;
 mod intervals;
-mod narrow;
 mod parts;
-mod products;
 mod scale;
-mod tile;
+pub mod tile;
 
-use super::lanes::fused::{FusedLanes, FusedTask};
-use super::lanes::narrow::Narrow;
-use super::lanes::{VectorLevel, prefetch};
-use super::paint::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
+use super::lanes::fused::Fused;
+use super::lanes::{FusedLanes, FusedTask, VectorLevel, prefetch};
+use super::painter::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
 use super::rows::is_tame;
-use batch::{Batch, CellFootprint};
+use batch::{Batch, CellFootprint, Prepare};
+use fused::{FusedPixels, FusedScheme};
 pub use intervals::TableReach;
-use parts::CellPart;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
-use splatline::format::{Design, Lane, Traversal, Widths};
-use splatline::kernel::FootprintTable;
+use splatline::format::{Design, Lane, Traversal};
 use splatline::raster::{EllipseSpans, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::Cull;
 use splatline::target::Target;
-use tile::{CellTile, PixelFormat, TileGroup};
-
-/// Painters for any design, and for narrow ones.
-pub type FusedPainter<D> = CellPainter<D, fused::FusedScheme>;
-/// See [`FusedPainter`].
-pub type NarrowPainter<D> = CellPainter<D, narrow::NarrowScheme>;
+use tile::CellTile;
 
 /// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
 const AHEAD: usize = 4;
 
-/// A thread's memory.
-#[derive(Clone, Debug, Default)]
-pub struct CellTiles {
-    fused: Option<TileOf<fused::FusedScheme>>,
-    narrow: Option<TileOf<narrow::NarrowScheme>>,
-}
-
-type TileOf<P> = CellTile<<P as PixelScheme>::PixelGroup, <P as PixelScheme>::PixelFormat>;
-
-/// One way of computing pixels: makes of footprints what it needs of them. The same for a whole picture.
-pub trait PixelScheme: Send + Sync + Sized {
-    type PixelGroup: TileGroup;
-    type PixelFormat: PixelFormat<Word = <Self::PixelGroup as TileGroup>::Word>;
-    /// What a footprint's pixels need beside its rows.
-    type SplatNumbers: Copy + Default;
-
-    /// For widths and a table that this way can do, in lanes of so many bits.
-    fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self>;
-
-    /// How pixels are written in a tile.
-    fn format(&self) -> Self::PixelFormat;
-
-    /// The thread's tile.
-    fn tile(tiles: &mut CellTiles) -> &mut Option<TileOf<Self>>;
-
-    /// A footprint's numbers; `None` if its words lie outside their formats or its end outside the table.
-    fn numbers(&self, footprint: &Footprint) -> Option<Self::SplatNumbers>;
-
-    /// Chooses the compiled copy that paints a tile. Implement with `#[inline(always)]`, as everything it calls.
-    fn run<L: Narrow>(lanes: L, painting: CellPainting<Self>) -> Coverage;
-}
-
-/// The pixels of a scheme on vectors, with everything that is constant for a picture. All methods with `#[inline(always)]`.
-pub trait PixelMethod<L: Narrow>: Copy {
-    type PixelGroup: TileGroup;
-    type SplatNumbers: Copy + Default;
-    /// A numbers on vectors.
-    type SplatWords: Copy;
-    /// Pixels counted, lane by lane.
-    type Counts: Copy;
-
-    /// A numbers on vectors, for rows with this second difference.
-    fn splat_words(&self, numbers: &Self::SplatNumbers, second: i64) -> Self::SplatWords;
-    /// Paints what a footprint covers of a cell.
-    fn paint(
-        &self,
-        colours: &Self::SplatWords,
-        part: &CellPart,
-        cell: &mut Self::PixelGroup,
-        counts: &mut Self::Counts,
-    );
-    /// No pixels.
-    fn no_counts(&self) -> Self::Counts;
-    /// Pixels covered, and those of them that were not finished; of one batch.
-    fn total(&self, counts: Self::Counts) -> [u64; 2];
-}
-
-/// Paints tiles with one scheme.
-pub struct CellPainter<D, P> {
+/// Paints tiles by fused products.
+pub struct FusedPainter<D> {
     table: TableMemory,
     design: D,
     rules: Rules,
-    scheme: P,
+    scheme: FusedScheme,
     lanes: FusedLanes,
 }
 
-impl<D: Design, P: PixelScheme> CellPainter<D, P> {
-    /// A painter for a design and rules; `None` under widths or on a processor that the scheme cannot do.
+impl<D: Design> FusedPainter<D> {
+    /// A painter for a design and rules; `None` under widths or on a processor that cannot.
     pub fn new(design: D, rules: &Rules, choice: VectorLevel) -> Option<Self> {
         if choice != VectorLevel::Best {
             return None;
@@ -119,8 +52,8 @@ impl<D: Design, P: PixelScheme> CellPainter<D, P> {
     /// The same on these lanes.
     pub fn on(design: D, rules: &Rules, lanes: FusedLanes) -> Option<Self> {
         let table = TableMemory::new(&design.widths(), rules);
-        let scheme = P::new(&design.widths(), rules, &table.table(), D::Lane::BITS)?;
-        Some(CellPainter {
+        let scheme = FusedScheme::new(&design.widths(), rules, &table.table(), D::Lane::BITS)?;
+        Some(FusedPainter {
             table,
             design,
             rules: *rules,
@@ -128,41 +61,14 @@ impl<D: Design, P: PixelScheme> CellPainter<D, P> {
             lanes,
         })
     }
-}
 
-impl<D: Design + Send + Sync, P: PixelScheme> TilePainter for CellPainter<D, P> {
-    fn paint(
-        &self,
-        scratch: &mut PaintScratch,
-        window: Window,
-        footprints: &Results,
-        list: &[u32],
-        pixels: &mut [Pixel],
-    ) -> Coverage {
-        let format = self.scheme.format();
-        let tile = P::tile(&mut scratch.cells).get_or_insert_with(|| CellTile::new(format));
-        self.lanes.run(CellPainting {
-            scheme: &self.scheme,
-            rules: &self.rules,
-            prepare: &|list| self.prepare(footprints, list, &window),
-            scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
-            tile,
-            window,
-            clear: Pixel::clear(&self.design.widths()),
-            list,
-            pixels,
-        })
-    }
-}
-
-impl<D: Design, P: PixelScheme> CellPainter<D, P> {
     /// What the list's first footprint is computed from within the window, if it has one and vectors can draw it.
     fn prepare(
         &self,
         footprints: &Results,
         list: &[u32],
         window: &Window,
-    ) -> Option<CellFootprint<P::SplatNumbers>> {
+    ) -> Option<CellFootprint> {
         let footprint = |index: &u32| &footprints[*index as usize];
         if let Some(next) = list.get(AHEAD) {
             prefetch(footprint(next));
@@ -178,7 +84,7 @@ impl<D: Design, P: PixelScheme> CellPainter<D, P> {
     /// The scalar painter on the tile's pixels.
     #[cold]
     #[inline(never)]
-    fn paint_scalar(&self, footprint: &Result<Footprint, Cull>, tile: &mut TileOf<P>) -> Coverage {
+    fn paint_scalar(&self, footprint: &Result<Footprint, Cull>, tile: &mut CellTile) -> Coverage {
         let mut pixels = tile.to_pixels();
         let window = tile.window();
         let stride = usize::from(window.end[0] - window.first[0]);
@@ -194,17 +100,39 @@ impl<D: Design, P: PixelScheme> CellPainter<D, P> {
     }
 }
 
-/// Gives what is needed of the footprint that a list begins with; nothing if vectors cannot draw it.
-pub type Prepare<'a, B> = dyn Fn(&[u32]) -> Option<CellFootprint<B>> + 'a;
+impl<D: Design + Send + Sync> TilePainter for FusedPainter<D> {
+    fn paint(
+        &self,
+        scratch: &mut PaintScratch,
+        window: Window,
+        footprints: &Results,
+        list: &[u32],
+        pixels: &mut [Pixel],
+    ) -> Coverage {
+        let scale = self.scheme.scale();
+        let tile = scratch.cells.get_or_insert_with(|| CellTile::new(scale));
+        self.lanes.run(CellPainting {
+            scheme: &self.scheme,
+            rules: &self.rules,
+            prepare: &|list| self.prepare(footprints, list, &window),
+            scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
+            tile,
+            window,
+            clear: Pixel::clear(&self.design.widths()),
+            list,
+            pixels,
+        })
+    }
+}
 
 /// A tile to be painted, by whatever vectors.
-pub struct CellPainting<'a, P: PixelScheme> {
-    scheme: &'a P,
+struct CellPainting<'a> {
+    scheme: &'a FusedScheme,
     rules: &'a Rules,
-    prepare: &'a Prepare<'a, P::SplatNumbers>,
+    prepare: &'a Prepare<'a>,
     /// Paints the footprint of this number by the kernel.
-    scalar: &'a dyn Fn(u32, &mut TileOf<P>) -> Coverage,
-    tile: &'a mut TileOf<P>,
+    scalar: &'a dyn Fn(u32, &mut CellTile) -> Coverage,
+    tile: &'a mut CellTile,
     window: Window,
     clear: Pixel,
     list: &'a [u32],
@@ -212,29 +140,26 @@ pub struct CellPainting<'a, P: PixelScheme> {
     pixels: &'a mut [Pixel],
 }
 
-impl<P: PixelScheme> FusedTask for CellPainting<'_, P> {
+impl FusedTask for CellPainting<'_> {
     type Output = Coverage;
 
     #[inline(always)]
-    fn run<L: Narrow>(self, lanes: L) -> Coverage {
-        P::run(lanes, self)
+    fn run<L: Fused>(self, lanes: L) -> Coverage {
+        match (self.rules.omit_finishing, self.scheme.is_deep()) {
+            (true, false) => self.paint::<L, true, false>(lanes),
+            (false, false) => self.paint::<L, false, false>(lanes),
+            (true, true) => self.paint::<L, true, true>(lanes),
+            (false, true) => self.paint::<L, false, true>(lanes),
+        }
     }
 }
 
-impl<P: PixelScheme> CellPainting<'_, P> {
-    /// Paints the tile, with pixels of this path.
+impl CellPainting<'_> {
     #[inline(always)]
-    fn paint<L, Method, const DEEP: bool, const ROWS: usize>(
-        self,
-        lanes: L,
-        path: &Method,
-    ) -> Coverage
-    where
-        L: Narrow,
-        Method: PixelMethod<L, PixelGroup = P::PixelGroup, SplatNumbers = P::SplatNumbers>,
-    {
+    fn paint<L: Fused, const STOP_BEFORE: bool, const DEEP: bool>(self, lanes: L) -> Coverage {
         let CellPainting {
             scheme,
+            rules,
             prepare,
             scalar,
             tile,
@@ -242,23 +167,16 @@ impl<P: PixelScheme> CellPainting<'_, P> {
             clear,
             list,
             pixels,
-            ..
         } = self;
-        const { assert!(<P::PixelGroup as TileGroup>::ROWS == ROWS) };
+        let path = FusedPixels::<L, STOP_BEFORE, DEEP>::new(lanes, scheme, rules);
         let mut coverage = Coverage::default();
-        let mut batch = Batch::<P::SplatNumbers, DEEP, ROWS>::new();
-        tile.open(window, clear, scheme.format());
+        let mut batch = Batch::<DEEP>::new();
+        tile.open(window, clear, scheme.scale());
         for chunk in list.chunks(CHECK_INTERVAL) {
             let mut rest = chunk;
             while let Some((first, others)) = rest.split_first() {
-                let listed = match tile.cells() {
-                    Some(cells) => {
-                        let listed = batch.fill(lanes, rest, prepare, &window);
-                        coverage += batch.paint(path, listed, cells);
-                        listed
-                    }
-                    None => 0,
-                };
+                let listed = batch.fill(lanes, rest, prepare, &window);
+                coverage += batch.paint(&path, listed, tile.cells());
                 rest = if listed == 0 {
                     coverage += scalar(*first, tile);
                     others

@@ -25,7 +25,7 @@ const PIXELS: u32 = 16;
 /// Columns of a cell.
 const WIDTH: i64 = COLUMNS as i64;
 
-/// One cell of a footprint. Where cells have two rows, each word is two of 32 bits, the upper one that of the second row.
+/// One cell of a footprint.
 #[derive(Clone, Copy, Debug)]
 pub struct CellPart {
     /// Radial index and first difference at the cell's left edge, to be cut to the lanes' word.
@@ -56,7 +56,7 @@ struct Block {
 }
 
 /// Cells of footprints in a tile: memory that is used again and again.
-pub struct CellParts<const DEEP: bool, const ROWS: usize> {
+pub struct CellParts<const DEEP: bool> {
     radial: [u64; ROOM],
     first: [u64; ROOM],
     place: [u64; ROOM],
@@ -65,7 +65,7 @@ pub struct CellParts<const DEEP: bool, const ROWS: usize> {
     visited: u64,
 }
 
-impl<const DEEP: bool, const ROWS: usize> CellParts<DEEP, ROWS> {
+impl<const DEEP: bool> CellParts<DEEP> {
     /// No cells.
     #[inline(always)]
     pub fn new() -> Self {
@@ -133,17 +133,14 @@ impl<const DEEP: bool, const ROWS: usize> CellParts<DEEP, ROWS> {
         let [top, bottom] = constants.rows;
         let count = bottom.saturating_sub(top).min(TILE[1]);
         let offset = top.wrapping_sub(window.first[1]) % TILE[1];
-        // Rows before the footprint's first one, in the same cells.
-        let ahead = offset % ROWS as u16;
-        if !stays_near(constants, usize::from(count + ahead)) {
+        if !stays_near(constants, usize::from(count)) {
             return false;
         }
-        let mut rows = RowVectors::new(lanes, constants, ahead);
+        let mut rows = RowVectors::new(lanes, constants);
         let words = RowWords::new(math, constants);
         let mut large = math.splat(0);
-        for start in (0..count + ahead).step_by(L::WIDE) {
-            let before = first_bits(usize::from(ahead.saturating_sub(start)));
-            let open = first_bits(usize::from(count + ahead - start)) & !before;
+        for start in (0..count).step_by(L::WIDE) {
+            let open = first_bits(usize::from(count - start));
             let [first, last] = constants.visible;
             for left in (first - first % BLOCK..last).step_by(BLOCK.into()) {
                 let columns = [left.into(), i64::from(left) + i64::from(BLOCK)];
@@ -153,7 +150,7 @@ impl<const DEEP: bool, const ROWS: usize> CellParts<DEEP, ROWS> {
                 let block = Block {
                     left,
                     cells: [seen[0] / COLUMNS as u16, seen[1].div_ceil(COLUMNS as u16)],
-                    corner: usize::from(offset - ahead + start) / ROWS * CELLS_OF_ROW
+                    corner: usize::from(offset + start) * CELLS_OF_ROW
                         + usize::from(left.wrapping_sub(window.first[0])) / COLUMNS,
                     open,
                 };
@@ -204,14 +201,9 @@ impl<const DEEP: bool, const ROWS: usize> CellParts<DEEP, ROWS> {
         let mut place = math.add(number, row);
         for _ in first_cell..end_cell {
             let pixels = math.and(bits, (1 << WIDTH) - 1);
-            let [radial_of_cell, first_of_cell, pixels] = if ROWS == 2 {
-                [radial, first, pixels].map(|word| lanes.halves(word))
-            } else {
-                [radial, first, pixels]
-            };
             let truth = math.greater(pixels, math.splat(0));
             let place_of_cell = math.add(place, pixels);
-            self.pack(lanes, [radial_of_cell, first_of_cell, place_of_cell], truth);
+            self.pack(lanes, [radial, first, place_of_cell], truth);
             let along = math.plus(
                 math.shl(first, WIDTH.ilog2().into()),
                 second.wrapping_mul(WIDTH * (WIDTH - 1) / 2),

@@ -16,9 +16,11 @@
 //! A result is rounded where it stands: half of its last bit is the product's addend, and the bits below are cut off by a mask. That gives
 //! the kernel's `(a b + half) >> shift`, because cutting twice is cutting once. The sums in the tile hold their next rounding's half.
 
-use super::tile::{CellWord, PixelFormat};
 use splatline::blend::{BlendConstants, FINISHED, Pixel};
 use splatline::format::{Rounding, Widths};
+
+/// The most significant bit of a transmittance: the mark of a finished pixel, which no product sees.
+pub const MARK: u64 = 1 << 63;
 
 /// Fraction bits of a peak and of a colour.
 const FACTOR: u32 = 48;
@@ -78,6 +80,26 @@ impl Scale {
     pub fn half(&self, below: u32) -> u64 {
         if self.rounds { 1 << below >> 1 } else { 0 }
     }
+
+    /// A pixel of the kernel as transmittance, red, green and blue.
+    #[inline(always)]
+    pub fn words(&self, pixel: Pixel) -> [u64; 4] {
+        let [r, g, b] = pixel.colour;
+        let mark = u64::from(pixel.transmittance & FINISHED) << 32;
+        let light = u64::from(pixel.transmittance & !FINISHED) << self.transmittance;
+        let sum = |sum: u32| (u64::from(sum) << self.sum) | self.half(self.sum);
+        [light | mark, sum(r), sum(g), sum(b)]
+    }
+
+    /// The inverse of `words`.
+    #[inline(always)]
+    pub fn pixel(&self, [light, colour @ ..]: [u64; 4]) -> Pixel {
+        let mark = if light & MARK == 0 { 0 } else { FINISHED };
+        Pixel {
+            colour: colour.map(|sum| (sum >> self.sum) as u32),
+            transmittance: ((light & !MARK) >> self.transmittance) as u32 | mark,
+        }
+    }
 }
 
 /// A threshold of a product, brought from the product's fraction bits to others; `None` if that loses a bit.
@@ -90,30 +112,4 @@ fn at_scale(least: u64, from: u32, to: u32) -> Option<u64> {
     u64::try_from(raised)
         .ok()
         .filter(|least| exact && *least < 1 << 62)
-}
-
-impl PixelFormat for Scale {
-    type Word = u64;
-
-    #[inline(always)]
-    fn words(&self, pixel: Pixel) -> [u64; 4] {
-        let [r, g, b] = pixel.colour;
-        let mark = u64::from(pixel.transmittance & FINISHED) << 32;
-        let light = u64::from(pixel.transmittance & !FINISHED) << self.transmittance;
-        let sum = |sum: u32| (u64::from(sum) << self.sum) | self.half(self.sum);
-        [light | mark, sum(r), sum(g), sum(b)]
-    }
-
-    fn holds(&self, _: Pixel) -> bool {
-        true
-    }
-
-    #[inline(always)]
-    fn pixel(&self, [light, colour @ ..]: [u64; 4]) -> Pixel {
-        let mark = if light & u64::MARK == 0 { 0 } else { FINISHED };
-        Pixel {
-            colour: colour.map(|sum| (sum >> self.sum) as u32),
-            transmittance: ((light & !u64::MARK) >> self.transmittance) as u32 | mark,
-        }
-    }
 }

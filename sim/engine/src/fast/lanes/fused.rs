@@ -6,7 +6,6 @@
 #![allow(unsafe_code)]
 
 use super::factors::Factors;
-use super::narrow::Narrow;
 use super::wide::Words;
 use super::{Portable, Wide};
 
@@ -53,8 +52,6 @@ pub trait Fused: Wide {
     fn without(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
     /// The bits of b where those of a are set, else those of c.
     fn blend(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
-    /// The lower halves one after the other, in the first four words; zeros in the others.
-    fn halves(self, a: Self::Word) -> Self::Word;
     /// -1 where the most significant bit is set, else 0.
     fn spread(self, a: Self::Word) -> Self::Word;
     /// Bit k of `bits` in word k, as its most significant bit; the others are anything.
@@ -71,54 +68,6 @@ pub trait Fused: Wide {
     fn bits(self, truth: Self::Truth) -> u8;
     /// Truth values from bits.
     fn truth(self, bits: u8) -> Self::Truth;
-}
-
-/// Work on fused products. Implement `run` and all that it calls with `#[inline(always)]`.
-pub trait FusedTask {
-    /// The result.
-    type Output;
-    /// The work.
-    fn run<L: Narrow>(self, lanes: L) -> Self::Output;
-}
-
-/// What a processor has for fused products. Whoever has nothing draws by words; arrays stand in for the instructions in tests alone.
-#[derive(Clone, Copy, Debug)]
-pub enum FusedLanes {
-    /// AVX-512.
-    #[cfg(target_arch = "x86_64")]
-    Avx512(super::avx512::Avx512),
-    /// Arrays.
-    #[cfg(test)]
-    Portable,
-}
-
-impl FusedLanes {
-    /// This processor's.
-    pub fn detect() -> Option<FusedLanes> {
-        #[cfg(target_arch = "x86_64")]
-        return super::avx512::Avx512::detect().map(FusedLanes::Avx512);
-        #[cfg(not(target_arch = "x86_64"))]
-        None
-    }
-
-    /// This processor's and arrays.
-    #[cfg(test)]
-    pub fn all() -> impl Iterator<Item = FusedLanes> {
-        FusedLanes::detect()
-            .into_iter()
-            .chain([FusedLanes::Portable])
-    }
-
-    /// Runs the task on them.
-    #[inline]
-    pub fn run<T: FusedTask>(self, task: T) -> T::Output {
-        match self {
-            #[cfg(target_arch = "x86_64")]
-            FusedLanes::Avx512(lanes) => lanes.run_fused(task),
-            #[cfg(test)]
-            FusedLanes::Portable => task.run(Portable),
-        }
-    }
 }
 
 #[inline(always)]
@@ -170,12 +119,6 @@ impl Fused for Portable {
     }
     fn blend(self, a: Words, b: Words, c: Words) -> Words {
         std::array::from_fn(|k| (a[k] & b[k]) | (!a[k] & c[k]))
-    }
-    fn halves(self, a: Words) -> Words {
-        std::array::from_fn(|k| match a.get(2 * k..2 * k + 2) {
-            Some([low, high]) => i64::from(*low as u32) | (high << 32),
-            _ => 0,
-        })
     }
     fn spread(self, a: Words) -> Words {
         a.map(|a| a >> 63)
@@ -270,10 +213,6 @@ mod x86 {
         #[inline(always)]
         fn blend(self, a: __m512i, b: __m512i, c: __m512i) -> __m512i {
             op!(_mm512_ternarylogic_epi64::<0b1100_1010>(a, b, c))
-        }
-        #[inline(always)]
-        fn halves(self, a: __m512i) -> __m512i {
-            op!(_mm512_zextsi256_si512(_mm512_cvtepi64_epi32(a)))
         }
         #[inline(always)]
         fn spread(self, a: __m512i) -> __m512i {

@@ -1,11 +1,10 @@
 //! Every operation of every implementation against the portable arrays, word for word.
 
-use super::factors::{Factors, NarrowFactors};
-use super::fused::{FusedLanes, FusedTask, Pairs};
-use super::narrow::Narrow;
+use super::factors::Factors;
+use super::fused::{Fused, Pairs};
 use super::*;
 use proptest::prelude::*;
-use splatline::format::{Deep32, Lean18};
+use splatline::format::Deep32;
 
 /// Results of all operations on 64-bit words and fused products, in a fixed order.
 struct AllFused {
@@ -22,7 +21,7 @@ impl FusedTask for &AllFused {
     type Output = Vec<[u64; 8]>;
 
     #[inline(always)]
-    fn run<L: Narrow>(self, lanes: L) -> Self::Output {
+    fn run<L: Fused>(self, lanes: L) -> Self::Output {
         let [a, b, c] = [&self.a, &self.b, &self.c].map(|words| lanes.read(words));
         let truth = lanes.truth(self.bits);
         let by = lanes.wide_and(c, lanes.wide_splat(63));
@@ -57,7 +56,6 @@ impl FusedTask for &AllFused {
             lanes.all_three(a, b, c),
             lanes.without(a, b, c),
             lanes.blend(a, b, c),
-            lanes.halves(a),
             lanes.spread(a),
             lanes.spread(lanes.marks(self.a[0])),
             lanes.gather_pairs(&self.pairs, b),
@@ -103,74 +101,7 @@ impl VectorTask for &WholeProducts {
     }
 }
 
-/// Results of all operations on short words, in a fixed order.
-struct AllNarrow {
-    a: [u32; 16],
-    b: [u32; 16],
-    c: [u32; 16],
-    factors: NarrowFactors,
-}
-
-impl FusedTask for &AllNarrow {
-    type Output = (Vec<[u32; 16]>, u16, u32);
-
-    #[inline(always)]
-    fn run<L: Narrow>(self, lanes: L) -> Self::Output {
-        let [a, b, c] = [&self.a, &self.b, &self.c].map(|words| lanes.short_read(words));
-        let by = lanes.short_and(c, lanes.short_splat(31));
-        let words = [
-            lanes.short_iota(),
-            lanes.short_pairs(u64::from(self.a[0]) << 32 | u64::from(self.a[1])),
-            lanes.short_add(a, b),
-            lanes.short_sub(a, b),
-            lanes.short_mul(a, b),
-            lanes.upper_halves(a, b),
-            lanes.both_halves(a, b),
-            lanes.short_shl(a, by),
-            lanes.short_shr(a, by),
-            lanes.short_sar(a, by),
-            lanes.short_max(a, b),
-            lanes.short_min(a, b),
-            lanes.short_merge(a, b, c),
-            lanes.short_all(a, b, c),
-            lanes.short_without(a, b, c),
-            lanes.short_blend(a, b, c),
-            lanes.short_spread(a),
-            lanes
-                .short_spread(lanes.short_marks(u64::from(self.a[0]) << 20 | u64::from(self.a[1]))),
-            lanes.short_factored(&self.factors, b)[0],
-            lanes.short_factored(&self.factors, b)[1],
-        ];
-        let stored = |word| {
-            let mut stored = [0; 16];
-            lanes.short_write(&mut stored, word);
-            stored
-        };
-        let words = words.into_iter().map(stored).collect();
-        (words, lanes.short_marked(a), lanes.short_sum(b))
-    }
-}
-
-fn narrow_gaussian() -> NarrowFactors {
-    let mut entries = vec![0; splatline::kernel::entries(&Lean18::WIDTHS)];
-    splatline::kernel::fill_gaussian(&mut entries, &Lean18::WIDTHS, 4);
-    NarrowFactors::gaussian(&entries, &Lean18::WIDTHS, 4).expect("its products are exact")
-}
-
 proptest! {
-    #[test]
-    #[cfg_attr(
-        not(has_avx512),
-        ignore = "this processor has no AVX-512: the portable model would be compared with itself"
-    )]
-    fn every_short_operation_is_the_portable_one(a: [u32; 16], b: [u32; 16], c: [u32; 16], alike: bool) {
-        let all = AllNarrow { a, b: if alike { a } else { b }, c, factors: narrow_gaussian() };
-        let expected = FusedLanes::Portable.run(&all);
-        for lanes in FusedLanes::all() {
-            prop_assert_eq!(&lanes.run(&all), &expected, "{:?}", lanes);
-        }
-    }
-
     #[test]
     fn whole_products_are_the_portable_ones(a: [i64; 8], b: [i64; 8]) {
         let products = WholeProducts { a, b };

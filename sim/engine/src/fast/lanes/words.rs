@@ -5,9 +5,8 @@
 
 #![allow(unsafe_code)]
 
-use super::sums::PixelSums;
 use super::wide::Words;
-use super::{Portable, VectorLevel, Wide};
+use super::{Portable, Wide};
 
 /// A falling table's intervals: an entry in the upper half of a word, its fall to the next one in the lower. Their number is a power of two.
 #[derive(Clone, Debug)]
@@ -60,27 +59,6 @@ pub trait PixelWords: Wide {
     fn multiples(self, a: Self::Word) -> Self::Word;
     /// The intervals of these numbers, modulo the table's length.
     fn intervals(self, table: &Falls, index: Self::Word) -> Self::Word;
-}
-
-/// Work on pixels. Implement `run` and all that it calls with `#[inline(always)]`.
-pub trait PixelTask {
-    /// The result.
-    type Output;
-    /// The work.
-    fn run<L: PixelSums>(self, lanes: L) -> Self::Output;
-}
-
-/// Runs the task on AVX2 if the processor has it and arrays are not asked for.
-#[inline]
-pub fn dispatch_pixels<T: PixelTask>(choice: VectorLevel, task: T) -> T::Output {
-    #[cfg(target_arch = "x86_64")]
-    if choice != VectorLevel::Portable
-        && let Some(lanes) = super::avx2::Avx2::detect()
-    {
-        return lanes.run_pixels(task);
-    }
-    let _ = choice;
-    task.run(Portable)
 }
 
 impl PixelWords for Portable {

@@ -7,7 +7,7 @@ mod tile;
 
 use super::lanes::prefetch;
 use super::lanes::sums::{PixelSums, ShareShift};
-use super::lanes::words::{PixelTask, dispatch_pixels};
+use super::lanes::{PixelTask, dispatch_pixels};
 use super::lanes::{VectorLevel, words::PixelWords};
 use super::rows::{RowBatch, RunWords, RuntimeRows};
 use super::setup::SurfaceOutcome;

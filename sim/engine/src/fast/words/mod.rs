@@ -5,14 +5,14 @@
 //! still in work, and runs to their first and last pixel that is. The kernel's rows know no windows, so that this moves no bit of a picture.
 
 pub(super) mod path;
-mod tile;
+pub mod tile;
 pub mod visit;
 
 use super::TILE;
 use super::lanes::sums::PixelSums;
-use super::lanes::words::{PixelTask, PixelWords, dispatch_pixels};
-use super::lanes::{VectorLevel, prefetch};
-use super::paint::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
+use super::lanes::words::PixelWords;
+use super::lanes::{PixelTask, VectorLevel, dispatch_pixels, prefetch};
+use super::painter::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
 use super::rows::{RowBatch, RunWords};
 use path::{BACK_TO_FRONT, DRAW_FINISHING, OMIT_FINISHING, PathNumbers, Pixels, SplatNumbers};
 use path::{WordPixels, X_RAY};
@@ -22,7 +22,7 @@ use splatline::format::{Design, Lane, Traversal};
 use splatline::raster::{EllipseSpans, RowConstants, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::target::Target;
-pub use tile::WordTile;
+use tile::WordTile;
 
 /// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
 pub(super) const AHEAD: usize = 4;

@@ -2,9 +2,9 @@
 //! is refused unless its buffer holds all of it.
 
 use super::super::bytes::{Endian, Reader, Scalar};
-use super::super::error::Problem;
-use super::super::load::read_file;
-use super::{Document, missing, shorten};
+use super::super::error::{Problem, shorten};
+use super::super::file::read_file;
+use super::{Document, missing};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Deserialize;

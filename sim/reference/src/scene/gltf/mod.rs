@@ -12,9 +12,10 @@ mod transform;
 
 use self::buffers::{Buffers, Numbers};
 use self::transform::Transform;
-use super::error::Problem;
+use super::error::{Problem, shorten};
 use super::gaussian::{Gaussian, GaussianScene, HARMONIC_0, MAX_DEGREE, coefficient_count};
 use super::{Scene, SortOrder};
+use crate::memory;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -101,6 +102,7 @@ pub(super) fn load(
     name: &str,
 ) -> Result<(Scene, Notes), Problem> {
     let (json, binary) = buffers::split(bytes)?;
+    memory::room_for_json(json)?;
     let document: Document = serde_json::from_slice(json).map_err(|error| {
         Problem::malformed(
             "glTF JSON",
@@ -214,7 +216,8 @@ fn gather(
     let degree_of =
         |part: &GltfAttributes| super::gaussian::degree_of(part.rest.len()).unwrap_or(0);
     let degree = parts.iter().map(degree_of).max().unwrap_or(0);
-    let mut scene = GaussianScene::new(degree);
+    let count = parts.iter().map(|part| part.centres.count() as u64).sum();
+    let mut scene = GaussianScene::new(degree, count)?;
     for part in &parts {
         part.push_all(degree, &mut scene)?;
     }
@@ -409,10 +412,6 @@ impl GltfAttributes<'_> {
         }
         Ok(())
     }
-}
-
-fn shorten(text: &str) -> String {
-    text.chars().filter(|c| !c.is_control()).take(60).collect()
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! The header of an NRRD file: `field: value` lines up to a blank line or the end of the file.
 
 use super::super::bytes::{Endian, Scalar};
-use super::super::error::Problem;
-use super::super::volume::{Grid, is_spacing, shorten, three_sizes};
+use super::super::error::{Problem, shorten};
+use super::super::volume::{Grid, is_spacing, three_sizes};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {

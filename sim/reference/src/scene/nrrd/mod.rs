@@ -12,7 +12,7 @@ use std::path::Path;
 
 use super::bytes::gunzip_exact;
 use super::error::Problem;
-use super::read_file;
+use super::file::read_file;
 use super::volume::{Volume, exact, unreadable};
 use header::{Encoding, NrrdHeader};
 
@@ -41,10 +41,10 @@ pub(super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Volume, Proble
 
 fn decode(header: &NrrdHeader, data: &[u8], needed: u64) -> Result<Vec<f32>, Problem> {
     match header.encoding {
-        Encoding::Raw => Ok(header.grid.decode(exact(data, needed)?)),
+        Encoding::Raw => header.grid.decode(exact(data, needed)?),
         Encoding::Gzip => {
-            let unpacked = gunzip_exact(data, needed, "volume data")?;
-            Ok(header.grid.decode(&unpacked))
+            let unpacked = gunzip_exact(data, needed, header.grid.value_bytes(), "volume data")?;
+            header.grid.decode(&unpacked)
         }
     }
 }

@@ -5,8 +5,8 @@
 //! describes another file, and the picture would be silently wrong.
 
 use super::super::bytes::{Endian, Reader, Scalar, checked_bytes, truncated};
-use super::super::error::Problem;
-use super::header::{Element, PlyEncoding, PlyHeader, Property, PropertyKind, shorten, split_line};
+use super::super::error::{Problem, shorten};
+use super::header::{Element, PlyEncoding, PlyHeader, Property, PropertyKind, split_line};
 
 /// Calls `visit` with each record of the element called `wanted`.
 pub(super) fn for_each_record(
@@ -28,16 +28,7 @@ pub(super) fn walk(
     body: &[u8],
     visit: &mut dyn FnMut(&Element, &[f64]),
 ) -> Result<(), Problem> {
-    let mut source = match header.format {
-        PlyEncoding::Ascii => PlySource::Ascii {
-            rest: body,
-            line: header.lines,
-        },
-        PlyEncoding::Binary(endian) => PlySource::Binary {
-            reader: Reader::new(body),
-            endian,
-        },
-    };
+    let mut source = PlySource::new(header, body);
     let mut values = Vec::new();
     for element in header
         .elements
@@ -54,13 +45,35 @@ pub(super) fn walk(
     source.finish()
 }
 
+/// An element's records must fit the body before room is kept for them.
+pub(super) fn refuse_absurd_count(
+    header: &PlyHeader,
+    body: &[u8],
+    element: &Element,
+) -> Result<(), Problem> {
+    PlySource::new(header, body).refuse_absurd_count(element)
+}
+
 /// Where the next record comes from.
 enum PlySource<'a> {
     Ascii { rest: &'a [u8], line: usize },
     Binary { reader: Reader<'a>, endian: Endian },
 }
 
-impl PlySource<'_> {
+impl<'a> PlySource<'a> {
+    fn new(header: &PlyHeader, body: &'a [u8]) -> PlySource<'a> {
+        match header.format {
+            PlyEncoding::Ascii => PlySource::Ascii {
+                rest: body,
+                line: header.lines,
+            },
+            PlyEncoding::Binary(endian) => PlySource::Binary {
+                reader: Reader::new(body),
+                endian,
+            },
+        }
+    }
+
     /// The records must fit what is left of the file before any of them is read.
     fn refuse_absurd_count(&self, element: &Element) -> Result<(), Problem> {
         let field = format!(

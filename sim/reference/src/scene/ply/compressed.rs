@@ -52,7 +52,7 @@ pub(super) fn load(header: &PlyHeader, body: &[u8], name: &str) -> Result<Scene,
         },
     )?;
     let degree = layout.degree;
-    let mut scene = GaussianScene::new(degree);
+    let mut scene = GaussianScene::new(degree, packed.len() as u64)?;
     let count = coefficient_count(degree);
     let mut coefficients = vec![[0.0f32; 3]; count];
     for (index, packed) in packed.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! The header of a PLY file: elements and their properties, in file order.
 
 use super::super::bytes::{Endian, Scalar};
-use super::super::error::Problem;
+use super::super::error::{Problem, shorten};
 
 /// How the body is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,11 +111,6 @@ pub(super) fn split_line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
         line.strip_suffix(b"\r").unwrap_or(line),
         bytes.get(end + 1..)?,
     ))
-}
-
-/// A line as shown in a message.
-pub(super) fn shorten(text: &str) -> String {
-    text.chars().filter(|c| !c.is_control()).take(60).collect()
 }
 
 fn check_magic(words: &[&str]) -> Result<(), Problem> {

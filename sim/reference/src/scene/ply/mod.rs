@@ -8,7 +8,6 @@ mod body;
 mod compressed;
 mod header;
 pub(super) mod points;
-pub(super) mod stream;
 #[cfg(test)]
 mod tests;
 
@@ -29,7 +28,8 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     }
     let columns = GaussianColumns::find(vertex)?;
     let degree = columns.degree();
-    let mut scene = GaussianScene::new(degree);
+    body::refuse_absurd_count(&header, body, vertex)?;
+    let mut scene = GaussianScene::new(degree, vertex.count)?;
     let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
     body::for_each_record(&header, body, "vertex", &mut |record| {
         columns.read_harmonics(record, &mut harmonics);

@@ -7,6 +7,7 @@ use super::super::error::Problem;
 use super::super::points::Record;
 use super::header::{self, Element, PropertyKind};
 use super::{body, number, vertex_element};
+use crate::memory;
 
 /// Where a record holds each field.
 struct PointColumns {
@@ -21,8 +22,10 @@ struct PointColumns {
 /// Every vertex as a record.
 pub(in super::super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
     let (header, body) = header::parse(bytes)?;
-    let columns = PointColumns::find(vertex_element(&header.elements)?)?;
-    let mut records = Vec::new();
+    let vertex = vertex_element(&header.elements)?;
+    let columns = PointColumns::find(vertex)?;
+    body::refuse_absurd_count(&header, body, vertex)?;
+    let mut records = memory::list(vertex.count, "the points")?;
     body::for_each_record(&header, body, "vertex", &mut |values| {
         records.push(columns.record(values));
     })?;

@@ -9,9 +9,10 @@
 
 use super::{INSIDE_CUTOFF, Material, SurfacePoint, SurfaceScene};
 use crate::camera::Camera;
-use crate::scene::error::{LoadError, Problem};
-use crate::scene::load::read_file;
-use crate::scene::view;
+use crate::memory;
+use crate::scene::error::{LoadError, Problem, shorten};
+use crate::scene::file::read_file;
+use crate::scene::look::look_at;
 use crate::vector::{self, Vector};
 use std::path::Path;
 
@@ -38,15 +39,26 @@ pub struct HeightField {
     pub spacing: f64,
 }
 
+/// A height field without a file: hills of two wave lengths.
+const HILLS: &str = "hills";
+
 /// Is the path that of a height field?
 pub fn is_height_field(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("csv"))
+    let csv = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+    csv || path == Path::new(HILLS)
 }
 
 impl HeightField {
-    /// Loads a text file of heights.
+    /// Loads a text file of heights, or makes the field named `hills`.
     pub fn load(path: &Path, spacing: f64) -> Result<HeightField, LoadError> {
+        if path == Path::new(HILLS) {
+            let wave = |x: usize, y: usize| (0.35 * x as f64).sin() + (0.21 * y as f64).cos();
+            return Ok(HeightField::from_heights(64, 64, spacing, |x, y| {
+                2.0 * spacing * wave(x, y)
+            }));
+        }
         read_file(path)
             .and_then(|bytes| HeightField::parse(&bytes, spacing))
             .map_err(|problem| problem.of(path.display().to_string()))
@@ -54,6 +66,10 @@ impl HeightField {
 
     /// Reads a file's bytes; a problem names the line.
     pub(crate) fn parse(bytes: &[u8], spacing: f64) -> Result<HeightField, Problem> {
+        let between = |byte: &&u8| b",;\n".contains(byte);
+        let most = 1 + bytes.iter().filter(between).count();
+        let each = size_of::<f64>() + size_of::<SurfacePoint>();
+        memory::room_for_records(most as u64, each, "the grid's points")?;
         let text = String::from_utf8_lossy(bytes);
         let (mut columns, mut rows, mut heights) = (0, 0, Vec::new());
         for (index, line) in text.lines().enumerate() {
@@ -170,7 +186,7 @@ pub fn default_camera(scene: &SurfaceScene, width: usize, height: usize) -> Came
     let (centre, extents) = (bounds.centre(), bounds.extents());
     let largest = extents.into_iter().fold(1e-9, f64::max);
     let eye = vector::add(centre, [0.0, -1.5 * largest, 0.9 * largest]);
-    view::look_at(eye, centre, scene.up, 45.0, width, height)
+    look_at(eye, centre, scene.up, 45.0, width, height)
 }
 
 /// The weight by which basis functions on the square grid sum to 1: a cell over the integral inside the cut-off.
@@ -186,7 +202,7 @@ fn read_row(line: &str, number: usize, heights: &mut Vec<f64>) -> Result<(), Pro
             .ok()
             .filter(|height| f64::is_finite(*height));
         let Some(height) = height else {
-            let shown: String = word.chars().filter(|c| !c.is_control()).take(40).collect();
+            let shown = shorten(word);
             return Err(Problem::malformed(
                 format!("line {number}, height {}", index + 1),
                 format!("'{}' is no finite number", shown.trim()),

@@ -10,6 +10,7 @@
 //! A point without a radius gets the distance to the farthest of its six nearest neighbours; a cloud without normals gets those of the
 //! planes through each point's neighbours. What was made up that way is told in [`SurfaceScene::notes`].
 
+pub mod flatten;
 pub mod height_field;
 mod las;
 mod neighbours;
@@ -22,9 +23,10 @@ mod tests;
 mod xyz;
 
 use super::error::{LoadError, Problem};
-use super::load::read_file;
+use super::file::read_file;
 use super::{Bounds, ply};
 use crate::camera::Camera;
+use crate::memory;
 use crate::vector::{self, Vector};
 use std::path::Path;
 
@@ -136,6 +138,9 @@ pub fn is_cloud(path: &Path) -> bool {
 
 /// Loads a point cloud.
 pub fn load(path: &Path) -> Result<SurfaceScene, LoadError> {
+    if let Some(scene) = synthetic::named(&path.to_string_lossy()) {
+        return Ok(scene);
+    }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     read_file(path)
         .and_then(|bytes| parse(&bytes, path))
@@ -181,9 +186,22 @@ fn full_scale(records: &mut [Record], scales: &[f64]) {
     }
 }
 
+/// Is there room for a record and so many further bytes for each line of a text?
+fn room_for_lines(text: &[u8], more: usize) -> Result<(), Problem> {
+    let lines = 1 + text.iter().filter(|byte| **byte == b'\n').count();
+    Ok(memory::room_for_records(
+        lines as u64,
+        size_of::<Record>() + more,
+        "the points",
+    )?)
+}
+
 /// Completes the records: radii and normals from the neighbours where the file has none.
 fn surface(name: &str, cloud: Cloud) -> Result<SurfaceScene, Problem> {
     let Cloud { records, mut notes } = cloud;
+    // The sound records, their places, tree, radii and normals, and the points.
+    let each = size_of::<Record>() + 3 * size_of::<Vector>() + size_of::<SurfacePoint>();
+    memory::room_for_records(records.len() as u64, each, "the surface's points")?;
     let sound: Vec<Record> = records.iter().copied().filter(is_sound).collect();
     if sound.len() < 3 {
         return Err(Problem::malformed(
@@ -329,7 +347,7 @@ impl SurfaceScene {
         let largest = extents.into_iter().fold(1e-9, f64::max);
         let mut eye = centre;
         eye[across] += 1.5 * largest;
-        super::view::look_at(eye, centre, self.up, 45.0, width, height)
+        super::look::look_at(eye, centre, self.up, 45.0, width, height)
     }
 
     /// Depth differences up to this belong to one surface unless the command line says otherwise: three radii.

@@ -8,8 +8,8 @@
 //!
 //! Faces, lines and curves are not drawn, and a note says so: the points are what is there of the surface.
 
-use super::{Cloud, Record, full_scale};
-use crate::scene::error::Problem;
+use super::{Cloud, Record, full_scale, room_for_lines};
+use crate::scene::error::{Problem, shorten};
 use crate::vector::{self, Vector};
 
 /// Words whose lines have nothing to do with points.
@@ -52,6 +52,7 @@ struct Obj {
 
 /// Every vertex as a record.
 pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
+    room_for_lines(bytes, 2 * size_of::<Vector>())?;
     let text = String::from_utf8_lossy(bytes);
     let mut obj = Obj::default();
     for (index, line) in text.lines().enumerate() {
@@ -66,10 +67,6 @@ pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
 
 fn malformed(line: usize, found: impl Into<String>, fix: &str) -> Problem {
     Problem::malformed(format!("line {line}"), found, fix)
-}
-
-fn shorten(word: &str) -> String {
-    word.chars().filter(|c| !c.is_control()).take(40).collect()
 }
 
 fn numbers(words: &[&str], line: usize) -> Result<Vec<f64>, Problem> {

@@ -1,4 +1,4 @@
-//! Surfaces without a file: spheres and sheets of evenly spread points.
+//! Surfaces without a file: spheres and sheets of evenly spread points, some of which have names on the command line.
 
 use super::{HEXAGONAL_CELL, Material, SurfacePoint, SurfaceScene, share_of_area, tangents};
 use crate::vector::{self, Vector};
@@ -23,6 +23,57 @@ impl Paint {
             material: 0,
         }
     }
+}
+
+/// The surface of that name: `sphere`, opaque and half of it glossy, or `glass`, three sheets that cross each other in a translucent sphere.
+pub fn named(name: &str) -> Option<SurfaceScene> {
+    match name {
+        "sphere" => Some(scene(name, glossy_sphere())),
+        "glass" => Some(scene(name, crossing_sheets())),
+        _ => None,
+    }
+}
+
+fn glossy_sphere() -> Vec<SurfacePoint> {
+    let mut points = sphere([0.0; 3], 1.0, 6_000, Paint::opaque([0.9, 0.75, 0.5]));
+    for point in &mut points {
+        let [x, y, z] = point.normal;
+        point.material = u8::from(x > 0.0);
+        point.colour = [0.5 + 0.4 * x, 0.5 + 0.4 * y, 0.5 + 0.4 * z];
+    }
+    points
+}
+
+fn crossing_sheets() -> Vec<SurfacePoint> {
+    let spacing = 0.05;
+    let glass = |colour: [f64; 3], opacity: f64| Paint {
+        colour,
+        opacity,
+        material: 0,
+    };
+    let sheets = [
+        (
+            [0.0; 3],
+            [[0.9, 0.0, 0.0], [0.0, 0.5, 0.7]],
+            [0.9, 0.2, 0.15],
+        ),
+        (
+            [0.0; 3],
+            [[0.6, 0.6, 0.0], [0.2, -0.3, 0.8]],
+            [0.15, 0.8, 0.25],
+        ),
+        (
+            [0.0, 0.1, 0.1],
+            [[0.7, -0.5, 0.1], [0.1, 0.4, 0.8]],
+            [0.2, 0.35, 0.95],
+        ),
+    ];
+    let sheets = sheets.into_iter();
+    let mut points: Vec<SurfacePoint> = sheets
+        .flat_map(|(centre, axes, colour)| sheet(centre, axes, spacing, |_, _| glass(colour, 0.5)))
+        .collect();
+    points.extend(sphere([0.0; 3], 1.25, 9_000, glass([1.0, 0.95, 0.8], 0.25)));
+    points
 }
 
 /// A sphere of `count` points on a Fibonacci spiral.

@@ -4,8 +4,8 @@
 //! `.pts` file). Three numbers after the place are a normal if they have about unit length in the first line, otherwise a colour.
 //! Colours are 0 to 255, or 0 to 1 if none in the file exceeds 1.
 
-use super::{Record, full_scale};
-use crate::scene::error::Problem;
+use super::{Record, full_scale, room_for_lines};
+use crate::scene::error::{Problem, shorten};
 use crate::vector;
 
 /// Squared lengths that are taken for a unit normal's.
@@ -27,6 +27,7 @@ fn says_something(line: &str) -> bool {
 
 /// Every line's numbers as a record.
 pub(super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
+    room_for_lines(bytes, size_of::<[f64; 9]>() + size_of::<Vec<f64>>())?;
     let text = String::from_utf8_lossy(bytes);
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for (index, line) in text.lines().enumerate() {
@@ -63,7 +64,7 @@ fn numbers(line: &str, number: usize) -> Result<Vec<f64>, Problem> {
         .enumerate()
         .map(|(index, word)| {
             word.parse().map_err(|_| {
-                let shown: String = word.chars().filter(|c| !c.is_control()).take(40).collect();
+                let shown = shorten(word);
                 Problem::malformed(
                     format!("line {number}, number {}", index + 1),
                     format!("'{shown}' is no number"),

@@ -5,6 +5,7 @@ use super::super::gaussian::{Gaussian, base_from_coefficient, coefficient_count,
 use super::super::quaternion::smallest_three;
 use super::meta::{Coded, HarmonicsPalette, MAX_ENTRIES, Meta};
 use super::{SogSource, damaged};
+use crate::memory;
 use image_webp::WebPDecoder;
 use std::io::Cursor;
 use std::ops::RangeInclusive;
@@ -38,6 +39,9 @@ impl SogImage {
             ));
         }
         let channels = if decoder.has_alpha() { 4 } else { 3 };
+        // The decoder keeps a picture of its own, of four bytes a pixel.
+        let what = format!("{width} x {height} pixels of {file}");
+        memory::room_for_records(count, channels + 4 + 4, &what)?;
         let mut pixels = vec![0; count as usize * channels];
         decoder
             .read_image(&mut pixels)

@@ -21,9 +21,9 @@ use self::images::Pictures;
 use self::meta::Meta;
 use super::Scene;
 use super::archive::Archive;
-use super::error::Problem;
-use super::gaussian::{GaussianScene, coefficient_count};
-use super::load::read_file;
+use super::error::{Problem, shorten};
+use super::file::read_file;
+use super::gaussian::{GaussianScene, coefficient_count, room_for};
 use std::path::Path;
 
 /// The file that names the others.
@@ -113,20 +113,17 @@ fn load(source: &SogSource, name: &str) -> Result<Scene, Problem> {
             "correct the count or fetch the files again",
         ));
     }
+    room_for(0, meta.count, meta.count.saturating_mul(RECORD_BYTES))?;
     let count = meta.count as usize;
     let pictures = Pictures::read(&meta, source, size)?;
     let degree = pictures.degree();
-    let mut scene = GaussianScene::new(degree);
+    let mut scene = GaussianScene::new(degree, meta.count)?;
     let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
     for index in 0..count {
         pictures.read_harmonics(&meta, index, &mut harmonics)?;
         scene.push(&pictures.gaussian(&meta, index, &harmonics));
     }
     scene.finish(name)
-}
-
-fn shorten(text: &str) -> String {
-    text.chars().filter(|c| !c.is_control()).take(60).collect()
 }
 
 #[cfg(test)]

@@ -4,9 +4,9 @@
 //! integers of 8 to 32 bits and floats in both byte orders; raw or packed by zlib. A header of its own dozen keys needs no library.
 
 use super::super::bytes::{Endian, Scalar, unzlib_exact};
-use super::super::error::Problem;
-use super::super::read_file;
-use super::{Grid, Noted, TURNED, exact, shorten, three_sizes, three_spacings, unreadable};
+use super::super::error::{Problem, shorten};
+use super::super::file::read_file;
+use super::{Grid, Noted, TURNED, exact, three_sizes, three_spacings, unreadable};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -77,9 +77,14 @@ pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Note
     let packed = fields.flag("compresseddata")?.unwrap_or(false);
     let decode = |data: &[u8]| {
         if packed {
-            unzlib_exact(data, needed, "volume data").map(|data| grid.decode(&data))
+            grid.decode(&unzlib_exact(
+                data,
+                needed,
+                grid.value_bytes(),
+                "volume data",
+            )?)
         } else {
-            exact(data, needed).map(|data| grid.decode(data))
+            grid.decode(exact(data, needed)?)
         }
     };
     let file = fields.required(LAST)?;

@@ -12,6 +12,7 @@ pub(super) mod vti;
 
 use super::bytes::{Endian, Scalar, checked_bytes, truncated};
 use super::error::Problem;
+use crate::memory;
 use std::path::Path;
 
 /// A regular grid of numbers, x fastest.
@@ -46,15 +47,23 @@ impl Grid {
         Ok(count)
     }
 
-    /// Bytes of all numbers.
+    /// Bytes of all numbers as stored.
     pub(super) fn bytes(&self, field: &str) -> Result<u64, Problem> {
         checked_bytes(self.count(field)?, self.kind.size() as u64, field)
     }
 
+    /// Bytes of the values that they become.
+    pub(super) fn value_bytes(&self) -> u64 {
+        let sizes = self.sizes.map(|size| size as u64).into_iter();
+        sizes.fold(size_of::<f32>() as u64, u64::saturating_mul)
+    }
+
     /// The numbers in bytes that are as many as [`Self::bytes`].
-    pub(super) fn decode(&self, stored: &[u8]) -> Vec<f32> {
+    pub(super) fn decode(&self, stored: &[u8]) -> Result<Vec<f32>, Problem> {
         let number = |stored: &[u8]| self.kind.decode(stored, self.endian) as f32;
-        stored.chunks_exact(self.kind.size()).map(number).collect()
+        let mut values = memory::list((stored.len() / self.kind.size()) as u64, "the voxels")?;
+        values.extend(stored.chunks_exact(self.kind.size()).map(number));
+        Ok(values)
     }
 
     pub(super) fn volume(&self, values: Vec<f32>) -> Volume {
@@ -119,11 +128,6 @@ pub(super) fn unreadable(data_file: &str, path: &Path, problem: &Problem) -> Pro
         format!("it {problem}"),
         fix,
     )
-}
-
-/// What a message may show of a file.
-pub(super) fn shorten(text: &str) -> String {
-    text.chars().filter(|c| !c.is_control()).take(60).collect()
 }
 
 /// Said of a header that turns or mirrors its grid.

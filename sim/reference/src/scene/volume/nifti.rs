@@ -83,7 +83,7 @@ pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
     let header = Header::read(&begin)?;
     let needed = header.grid.bytes("dim")?;
     let whole = needed.saturating_add(header.offset as u64);
-    let unpacked = gunzip_exact(bytes, whole, "NIfTI file")?;
+    let unpacked = gunzip_exact(bytes, whole, header.grid.value_bytes(), "NIfTI file")?;
     header.volume(unpacked.get(header.offset..).unwrap_or_default())
 }
 
@@ -217,7 +217,7 @@ impl<'a> Header<'a> {
     fn volume(&self, data: &[u8]) -> Result<Noted, Problem> {
         let (place, step, kind) = self.layout.slope;
         let [slope, inter] = [0, 1].map(|index| self.number(place + index * step, kind));
-        let mut values = self.grid.decode(data);
+        let mut values = self.grid.decode(data)?;
         if slope != 0.0 && slope.is_finite() && inter.is_finite() && (slope, inter) != (1.0, 0.0) {
             for value in &mut values {
                 *value = (slope * f64::from(*value) + inter) as f32;

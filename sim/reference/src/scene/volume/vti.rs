@@ -5,8 +5,9 @@
 //! (0: as the others), packed sizes, and each block in a zlib stream; counts have 32 or 64 bits as `header_type` says.
 
 use super::super::bytes::{Endian, Reader, Scalar, unzlib_exact};
-use super::super::error::Problem;
-use super::{Grid, Noted, TURNED, exact, shorten, three_spacings};
+use super::super::error::{Problem, shorten};
+use super::{Grid, Noted, TURNED, exact, three_spacings};
+use crate::memory;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use roxmltree::{Document, Node, ParsingOptions};
@@ -167,7 +168,7 @@ impl<'a> VtiFile<'a> {
         let values = match (format, self.appended) {
             ("binary", _) => self
                 .grid
-                .decode(&self.encoded(text().trim().as_bytes(), needed)?),
+                .decode(&self.encoded(text().trim().as_bytes(), needed)?)?,
             ("appended", Some((data, raw))) => {
                 let data = self.appended_at(data)?;
                 let stored = if raw {
@@ -175,7 +176,7 @@ impl<'a> VtiFile<'a> {
                 } else {
                     self.encoded(data, needed)?
                 };
-                self.grid.decode(&stored)
+                self.grid.decode(&stored)?
             }
             ("appended", None) => {
                 return Err(malformed(
@@ -281,12 +282,12 @@ impl<'a> VtiFile<'a> {
         }
         let sizes = reader.records(blocks, self.count_bytes(), field)?;
         let mut sizes = Reader::new(sizes);
-        let mut unpacked = Vec::new();
+        let mut unpacked = memory::list(needed, field)?;
         for block in 0..blocks {
             let packed = self.count(&mut sizes, field)?;
             let packed = reader.records(packed, 1, field)?;
             let expected = if block < whole { size } else { last };
-            unpacked.extend(unzlib_exact(packed, expected, field)?);
+            unpacked.extend(unzlib_exact(packed, expected, 0, field)?);
         }
         Ok(unpacked)
     }

@@ -24,12 +24,8 @@ const VARIABLE: u32 = u32::MAX;
 
 type LazBytes<'a> = Cursor<&'a [u8]>;
 
-/// Calls `point` with every record.
-pub(super) fn unpack(
-    bytes: &[u8],
-    header: &LasHeader,
-    point: &mut dyn FnMut(&[u8]),
-) -> Result<(), Problem> {
+/// Refuses a count that the file cannot hold.
+pub(super) fn check_count(bytes: &[u8], header: &LasHeader) -> Result<(), Problem> {
     let possible = (bytes.len() as u64).saturating_mul(MOST_PER_BYTE);
     if header.count > possible {
         let found = format!("{} points cannot be in {} bytes", header.count, bytes.len());
@@ -39,6 +35,15 @@ pub(super) fn unpack(
             "correct it or fetch the file again",
         ));
     }
+    Ok(())
+}
+
+/// Calls `point` with every record.
+pub(super) fn unpack(
+    bytes: &[u8],
+    header: &LasHeader,
+    point: &mut dyn FnMut(&[u8]),
+) -> Result<(), Problem> {
     let vlr = description(bytes, header)?;
     let first = header.first_record + TABLE_OFFSET;
     let chunked = match bytes.get(first..) {

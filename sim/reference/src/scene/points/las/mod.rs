@@ -11,6 +11,7 @@ mod laz;
 mod tests;
 
 use super::{Cloud, Record, full_scale};
+use crate::memory;
 use crate::scene::bytes::{Endian, Reader, Scalar, truncated};
 use crate::scene::error::Problem;
 
@@ -61,12 +62,17 @@ pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
             let mut reader = Reader::new(bytes);
             reader.take(header.first_record, "LAS header")?;
             let records = reader.records(header.count, header.record_bytes, "point records")?;
+            points.records = memory::list(header.count, "the points")?;
             records
                 .chunks_exact(header.record_bytes)
                 .for_each(|record| points.push(record));
         }
         #[cfg(feature = "laz")]
-        true => laz::unpack(bytes, &header, &mut |record| points.push(record))?,
+        true => {
+            laz::check_count(bytes, &header)?;
+            points.records = memory::list(header.count, "the points")?;
+            laz::unpack(bytes, &header, &mut |record| points.push(record))?;
+        }
         #[cfg(not(feature = "laz"))]
         true => return Err(Problem::without("laz")),
     }

@@ -1,0 +1,49 @@
+//! A camera that looks at a point, for scenes that come without one.
+
+use crate::camera::Camera;
+use crate::vector;
+
+/// A pinhole camera at `eye` looking at `target`; rows of the rotation are right, down, forward.
+///
+/// The default cameras never look along `up` and never stand at their target, so this cannot fail.
+pub(super) fn look_at(
+    eye: [f64; 3],
+    target: [f64; 3],
+    up: [f64; 3],
+    vertical_degrees: f64,
+    width: usize,
+    height: usize,
+) -> Camera {
+    let forward = unit([0, 1, 2].map(|axis| target[axis] - eye[axis]));
+    let right = unit(vector::cross(forward, up));
+    let down = vector::cross(forward, right);
+    let rotation = [right, down, forward];
+    let focal = height as f64 / 2.0 / (vertical_degrees.to_radians() / 2.0).tan();
+    Camera {
+        width,
+        height,
+        fx: focal,
+        fy: focal,
+        cx: width as f64 / 2.0,
+        cy: height as f64 / 2.0,
+        rotation,
+        translation: rotation.map(|row| -(row[0] * eye[0] + row[1] * eye[1] + row[2] * eye[2])),
+        near: near_plane(eye, target),
+        far: f64::INFINITY,
+        orthographic: false,
+    }
+}
+
+/// The usual near plane, but always well before the target of a tiny scene, which would vanish behind it.
+fn near_plane(eye: [f64; 3], target: [f64; 3]) -> f64 {
+    let distance = (0..3)
+        .map(|axis| (target[axis] - eye[axis]).powi(2))
+        .sum::<f64>()
+        .sqrt();
+    f64::min(0.01, distance / 100.0)
+}
+
+fn unit(vector: [f64; 3]) -> [f64; 3] {
+    let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
+    vector.map(|part| part / length)
+}

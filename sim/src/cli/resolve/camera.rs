@@ -1,0 +1,133 @@
+//! From options to a camera: a file's, one between eye and target, or one that shows the whole scene.
+
+use crate::camera::{Camera, CameraError, NOTABLE_CORRECTION};
+use crate::cameras::{self, CameraPose};
+use crate::cli::say::{Failure, print_error, print_result};
+use crate::cli::values::{OrbitChoice, PictureSize, VectorValue};
+use crate::cli::view_args::ViewOptions;
+use crate::framing::{Ball, FramingInput, USUAL_FOV, orbited};
+use anyhow::anyhow;
+use std::path::Path;
+
+/// Where neither a camera file nor `--size` says otherwise.
+pub(super) const USUAL_SIZE: PictureSize = PictureSize {
+    width: 512,
+    height: 512,
+};
+
+/// The camera of the options, or one that shows the whole scene, and what had to be corrected. `up` is used where the options do not say.
+pub(super) fn camera(
+    options: &ViewOptions,
+    up: [f64; 3],
+    scene: &Path,
+    frame: impl FnOnce() -> FramingInput,
+) -> Result<(Camera, Vec<String>), Failure> {
+    let (camera, warnings) = match (&options.camera, options.eye, options.target) {
+        (Some(path), ..) => camera_from_file(path, options)?,
+        (None, Some(VectorValue(eye)), Some(VectorValue(target))) => {
+            (camera_from_eye(eye, target, up, options)?, Vec::new())
+        }
+        _ => (framed(&frame(), scene, options)?, Vec::new()),
+    };
+    let camera = match options.zoom {
+        Some(factor) => camera.zoomed(factor)?,
+        None => camera,
+    };
+    Ok((camera, warnings))
+}
+
+fn camera_from_file(path: &Path, options: &ViewOptions) -> Result<(Camera, Vec<String>), Failure> {
+    let size = options.size.map(|size| [size.width, size.height]);
+    let pose = cameras::choose(cameras::load(path, size)?, options.image.as_deref())
+        .map_err(|problem| anyhow!("camera file '{}' {problem}", path.display()))?;
+    for note in &pose.notes {
+        print_error(&format!("{}: {note}\n", pose.name));
+    }
+    let warnings = correction(path, &pose);
+    let camera = match options.size {
+        Some(size) => pose.camera.resized(size.width, size.height)?,
+        None => pose.camera,
+    };
+    Ok((camera, warnings))
+}
+
+/// What to say about a rotation that was corrected.
+fn correction(path: &Path, pose: &CameraPose) -> Vec<String> {
+    let (change, field) = (pose.correction, pose.rotation_field);
+    if change <= NOTABLE_CORRECTION {
+        return Vec::new();
+    }
+    let file = path.display();
+    vec![format!(
+        "camera file '{file}': '{field}' is a rotation only nearly; the nearest one is used, which changes entries by up to {change:.1e}"
+    )]
+}
+
+fn camera_from_eye(
+    eye: [f64; 3],
+    target: [f64; 3],
+    up: [f64; 3],
+    options: &ViewOptions,
+) -> Result<Camera, Failure> {
+    let PictureSize { width, height } = options.size.unwrap_or(USUAL_SIZE);
+    let up = options.up.map_or(up, |VectorValue(up)| up);
+    let fov = options.fov.unwrap_or(USUAL_FOV);
+    let eye = match options.orbit {
+        Some(OrbitChoice(orbit)) => orbited(eye, target, up, orbit),
+        None => eye,
+    };
+    Camera::look_at(eye, target, up, fov, width, height).map_err(|error| {
+        Failure::Usage(format!("--eye, --target and --up make no camera: {error}"))
+    })
+}
+
+/// An automatic camera, unless the scene's coordinates are so large that it cannot be placed: their squares overflow beyond 1e154.
+pub fn sound_camera(camera: Camera, scene: &str) -> Result<Camera, Failure> {
+    match camera.is_sound() {
+        true => Ok(camera),
+        false => Err(too_large(scene)),
+    }
+}
+
+fn too_large(scene: &str) -> Failure {
+    anyhow!(
+        "{scene}: its coordinates are too large or too far apart to place a camera: remove what lies far outside, or scale the scene"
+    )
+    .into()
+}
+
+/// The whole scene, and a line that tells by which rule.
+fn framed(frame: &FramingInput, scene: &Path, options: &ViewOptions) -> Result<Camera, Failure> {
+    let PictureSize { width, height } = options.size.unwrap_or(USUAL_SIZE);
+    let fov = options.fov.unwrap_or(USUAL_FOV);
+    let orbit = options.orbit.map(|OrbitChoice(orbit)| orbit);
+    let scene = scene.display().to_string();
+    let place = |frame: &FramingInput| frame.camera(orbit, fov, width, height);
+    let camera = match place(frame) {
+        Ok(camera) => sound_camera(camera, &scene)?,
+        Err(error) => return Err(why_not_framed(error, frame, &scene, place)),
+    };
+    print_result(&format!("{}\n", frame.describe(fov)))?;
+    Ok(camera)
+}
+
+/// Whose fault it is: of the scene if a ball of usual size can be framed, of the options otherwise.
+fn why_not_framed(
+    error: CameraError,
+    frame: &FramingInput,
+    scene: &str,
+    place: impl Fn(&FramingInput) -> Result<Camera, CameraError>,
+) -> Failure {
+    let usual = FramingInput {
+        ball: Ball {
+            centre: [0.0; 3],
+            radius: 1.0,
+            strays: 0,
+        },
+        ..frame.clone()
+    };
+    match place(&usual) {
+        Ok(_) => too_large(scene),
+        Err(_) => Failure::Usage(format!("the scene cannot be framed: {error}")),
+    }
+}

@@ -1,0 +1,84 @@
+//! From options to a machine, the part that it is built on, and the prices of both.
+
+use crate::cli::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
+use crate::cli::output::read_settings;
+use crate::cli::say::Failure;
+use crate::machine::area::Calibration;
+use crate::machine::config::{self, Config};
+use crate::machine::energy::EnergyTable;
+use crate::machine::parts::{Part, Parts};
+use anyhow::anyhow;
+
+/// Refuses lists that keep the order of the picture before.
+pub fn refuse_kept_order(machine: &Config) -> Result<(), Failure> {
+    match machine.sort_every {
+        1 => Ok(()),
+        every => Err(Failure::Usage(format!(
+            "sort_every = {every}: allowed is 1 here: `simulate` with a --camera-path keeps the order of the picture before, and nothing else does"
+        ))),
+    }
+}
+
+/// The machine that the options describe.
+pub fn machine(options: &MachineOptions) -> Result<Config, Failure> {
+    change_machine(options, Config::default())
+}
+
+/// The machine that the options name, or else this one, with the changes that they ask for.
+pub(super) fn change_machine(options: &MachineOptions, unnamed: Config) -> Result<Config, Failure> {
+    let mut config = match &options.machine {
+        Some(path) => match path.to_str().and_then(Config::named) {
+            Some(config) => config,
+            None => config::from_file(path)?,
+        },
+        None => unnamed,
+    };
+    config
+        .set_words(&options.set)
+        .map_err(|error| Failure::Usage(error.to_string()))?;
+    Ok(config)
+}
+
+/// The part that the options name.
+pub fn part(options: &AreaOptions) -> Result<Option<Part>, Failure> {
+    let Some(name) = &options.part else {
+        return Ok(None);
+    };
+    let mut parts = Parts::default();
+    if let Some(path) = &options.parts {
+        let text = read_settings(path)?;
+        let file = path.display().to_string();
+        parts = parts
+            .and(&file, &text)
+            .map_err(|problem| anyhow!(problem))?;
+    }
+    let found = parts.find(name).map_err(Failure::Usage)?;
+    Ok(Some(found.clone()))
+}
+
+/// The prices that the options name: a file's, a part's family's, or a family's.
+pub fn calibration(options: &AreaOptions) -> Result<Calibration, Failure> {
+    match &options.calibration {
+        None => Ok(match part(options)? {
+            Some(part) => part.family.calibration(),
+            None => options.family.calibration(),
+        }),
+        Some(path) => {
+            let text = read_settings(path)?;
+            Ok(Calibration::from_toml(&path.display().to_string(), &text)
+                .map_err(|problem| anyhow!(problem))?)
+        }
+    }
+}
+
+/// The table of energies that was asked for, or the one that ships.
+pub fn energy_table(options: &EnergyOptions) -> Result<EnergyTable, Failure> {
+    match &options.energy {
+        None => Ok(EnergyTable::default()),
+        Some(path) => {
+            let text = read_settings(path)?;
+            Ok(EnergyTable::from_toml(&path.display().to_string(), &text)
+                .map_err(|problem| anyhow!(problem))?)
+        }
+    }
+}

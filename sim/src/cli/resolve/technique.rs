@@ -1,0 +1,316 @@
+//! From options to a source and to the technique that draws it.
+//!
+//! What contradicts itself or has no meaning for the kind of scene is refused; what is left open follows from the scene.
+
+use super::PlanRequest;
+use crate::camera::Camera;
+use crate::cameras;
+use crate::cli::drawing_args::TechniqueOptions;
+use crate::cli::say::Failure;
+use crate::cli::values::{AntialiasChoice, Backfaces, SceneKind, TraversalChoice, VectorValue};
+use crate::cli::view_args::{SurfaceArgs, ViewOptions};
+use crate::hybrid::{Hybrid, Points, spacing};
+use crate::plan::load::SourceCamera;
+use crate::plan::{
+    AlphaChannel, AnyScene, Contents, Engine, SheetBuffers, Source, SplatMethod, Technique,
+};
+use crate::reference::sphere::Shape;
+use crate::rules::{Antialias, Compositing, Kernel, Rules};
+use crate::scene::Scene;
+use crate::scene::points::SurfaceScene;
+use crate::scene::points::flatten::flattened;
+use crate::scene::points::height_field::is_height_field;
+use crate::scene::points::orientation::Orientation;
+use crate::surface::{Buffer, Style, USUAL_EDGE};
+use crate::texture::warp;
+use anyhow::anyhow;
+use std::path::Path;
+
+/// Light of a cloud that has no colours of its own, from above the default camera's left shoulder.
+const USUAL_LIGHT: [f64; 3] = [0.4, 0.5, 1.0];
+
+/// Depth range of gathered points of a volume, in sample spacings.
+const DEPTH_RANGE: f64 = 0.5;
+
+impl PlanRequest<'_> {
+    /// The scene that the options name, if the other options have a meaning for its kind.
+    pub(super) fn source(&self, path: &Path) -> Result<Source, Failure> {
+        let contents = match self.view.surface.kind {
+            None => Contents::Splats {
+                transfer: self.view.transfer.clone(),
+                light: self.view.light.map(|VectorValue(direction)| direction),
+            },
+            Some(SceneKind::Surface) => self.surface(path)?,
+            Some(SceneKind::Texture) => {
+                refuse("--as texture", &self.for_volumes())?;
+                refuse("--as texture", &for_surfaces(self.view))?;
+                Contents::Texture
+            }
+        };
+        let path = path.to_owned();
+        Ok(Source { path, contents })
+    }
+
+    fn surface(&self, path: &Path) -> Result<Contents, Failure> {
+        let options = &self.view.surface;
+        refuse("--as surface", &self.for_volumes())?;
+        if options.flatten.is_some() {
+            refuse("--flatten", &for_styles(self.view))?;
+        } else if options.depth_image_from.is_some() {
+            refuse("--depth-image-from", &for_styles(self.view))?;
+        } else {
+            refuse("--as surface", &self.for_splats())?;
+            if self.engine == Engine::Exact {
+                let message = "--engine exact has no meaning with --as surface: use fixed or float";
+                return Err(Failure::Usage(message.to_owned()));
+            }
+        }
+        refuse_height_field_options(path, options)?;
+        let depth_image = options.depth_image_from.as_deref().map(source_camera);
+        let photograph = options.texture.clone();
+        Ok(Contents::Surface {
+            texture: photograph.map(|photograph| (photograph, options.coefficients)),
+            spacing: options.spacing,
+            flatten: options.flatten,
+            depth_image: depth_image.transpose()?,
+        })
+    }
+
+    /// How the scene is drawn.
+    pub(super) fn technique(
+        &self,
+        source: &Source,
+        scene: &AnyScene,
+        camera: &Camera,
+    ) -> Result<Technique, Failure> {
+        match (scene, source.contents.flattening()) {
+            (AnyScene::Splats(scene), _) => self.splats(scene, source.contents.has_samples()),
+            (AnyScene::Surface { scene, .. }, Some(factor)) => {
+                self.splats(&flattened(scene, camera, factor), false)
+            }
+            (AnyScene::Surface { scene, .. }, None) => {
+                Ok(Technique::Surface(style(self.view, scene)))
+            }
+        }
+    }
+
+    /// Rules and method of splats; samples of a surface become points where they are closer together than pixels.
+    fn splats(&self, scene: &Scene, are_samples: bool) -> Result<Technique, Failure> {
+        let spheres = self
+            .technique
+            .is_some_and(|options| options.spheres.is_some());
+        let usual = if spheres {
+            Some(AntialiasChoice::None)
+        } else {
+            are_samples.then_some(AntialiasChoice::Swan)
+        };
+        let rules = rules(self.view, scene, self.view.antialias.or(usual));
+        let method = self.method(scene, &rules, are_samples)?;
+        let compositing = self.compositing;
+        let name = match method {
+            SplatMethod::Points(_) => "--points and --traversal stamp",
+            SplatMethod::Sheets(_) => "--sheets",
+            _ => "",
+        };
+        if !name.is_empty() && compositing != Compositing::FrontToBack {
+            let message = format!("{name} composite front to back only");
+            return Err(Failure::Usage(message));
+        }
+        if matches!(method, SplatMethod::DeepAlpha(_)) && compositing == Compositing::XRay {
+            let message = "--deep-alpha composites and does not sum: leave out --compositing x-ray";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        Ok(Technique::Splats {
+            rules,
+            compositing,
+            method,
+        })
+    }
+
+    fn method(
+        &self,
+        scene: &Scene,
+        rules: &Rules,
+        are_samples: bool,
+    ) -> Result<SplatMethod, Failure> {
+        let Some(options) = self.technique else {
+            return Ok(SplatMethod::Composited);
+        };
+        let points = self.points(options, scene, rules, are_samples)?;
+        if let Some(kind) = options.sheets {
+            let thickness = options.sheet_thickness.unwrap_or_else(|| spacing(scene));
+            if thickness <= 0.0 {
+                let message = "--sheets needs --sheet-thickness: the scene's splats have no size";
+                return Err(Failure::Usage(message.to_owned()));
+            }
+            return Ok(SplatMethod::Sheets(SheetBuffers { kind, thickness }));
+        }
+        if let Some(representation) = options.deep_alpha {
+            return Ok(SplatMethod::DeepAlpha(AlphaChannel {
+                representation,
+                bits: options.alpha_bits,
+                rounding: options.alpha_rounding,
+            }));
+        }
+        if let Some(exact_ellipse) = options.spheres {
+            return Ok(SplatMethod::Spheres(Shape {
+                exact_ellipse,
+                index: options.sphere_index,
+            }));
+        }
+        Ok(points.map_or(SplatMethod::Composited, SplatMethod::Points))
+    }
+
+    /// Points and stamps, which need distance scaling: it tells which samples are closer together than pixels.
+    fn points(
+        &self,
+        options: &TechniqueOptions,
+        scene: &Scene,
+        rules: &Rules,
+        are_samples: bool,
+    ) -> Result<Option<Hybrid>, Failure> {
+        let stamped = self.traversal == Some(TraversalChoice::Stamp);
+        let asked = options.points.is_some() || stamped;
+        let scaled = rules.spacing > 0.0 && rules.cutoff.is_finite();
+        if stamped && options.is_another_method() {
+            let message =
+                "--traversal stamp draws points: leave out --sheets, --deep-alpha and --spheres";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        if asked && !scaled {
+            let message = "--points and --traversal stamp need --rules ewa and --antialias swan";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        if !asked && !(are_samples && scaled) {
+            return Ok(None);
+        }
+        let range = if are_samples {
+            Some(warp::DEPTH_RANGE)
+        } else {
+            options.points.map(|_| DEPTH_RANGE)
+        };
+        Ok(Some(Hybrid {
+            points: options.points.unwrap_or(Points::Auto),
+            depth_range: range.map(|range| range * spacing(scene)),
+            phase_bits: stamped.then_some(options.phase_bits),
+        }))
+    }
+
+    /// Options about volumes alone.
+    fn for_volumes(&self) -> Vec<Given> {
+        vec![(self.view.transfer.is_some(), "--transfer")]
+    }
+
+    /// Options about splats, which points of a surface are not.
+    fn for_splats(&self) -> Vec<Given> {
+        let view = self.view;
+        let stamped = self.traversal == Some(TraversalChoice::Stamp);
+        let method = self
+            .technique
+            .is_some_and(|options| options.points.is_some() || options.is_another_method());
+        vec![
+            (view.rules.is_some(), "--rules"),
+            (view.antialias.is_some(), "--antialias"),
+            (view.kernel != Kernel::Gaussian, "--kernel"),
+            (stamped, "--traversal stamp"),
+            (method, "--points, --sheets, --deep-alpha or --spheres"),
+        ]
+    }
+}
+
+/// Whether an option is given, and its name.
+type Given = (bool, &'static str);
+
+/// Options about how a surface is drawn.
+fn for_styles(view: &ViewOptions) -> Vec<Given> {
+    let surface = &view.surface;
+    vec![
+        (surface.layers.is_some(), "--layers"),
+        (surface.edges, "--edges"),
+        (surface.z_threshold.is_some(), "--z-threshold"),
+        (surface.backfaces() != Backfaces::Auto, "--cull-backfaces"),
+        (view.light.is_some(), "--light"),
+    ]
+}
+
+/// All options about points of a surface.
+fn for_surfaces(view: &ViewOptions) -> Vec<Given> {
+    let surface = &view.surface;
+    let mut options = for_styles(view);
+    options.extend([
+        (surface.texture.is_some(), "--texture"),
+        (surface.spacing.is_some(), "--spacing"),
+        (surface.flatten.is_some(), "--flatten"),
+        (surface.depth_image_from.is_some(), "--depth-image-from"),
+    ]);
+    options
+}
+
+/// Refuses options that have no meaning beside another one.
+fn refuse(beside: &str, options: &[Given]) -> Result<(), Failure> {
+    match options.iter().find(|(given, _)| *given) {
+        Some((_, option)) => Err(Failure::Usage(format!(
+            "{option} has no meaning with {beside}"
+        ))),
+        None => Ok(()),
+    }
+}
+
+fn refuse_height_field_options(path: &Path, surface: &SurfaceArgs) -> Result<(), Failure> {
+    let options = [
+        (surface.texture.is_some(), "--texture"),
+        (surface.spacing.is_some(), "--spacing"),
+    ];
+    match options.iter().find(|(given, _)| *given) {
+        Some((_, option)) if !is_height_field(path) => Err(Failure::Usage(format!(
+            "{option} needs a height field: give a .csv file as scene"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The camera that takes a depth image.
+fn source_camera(path: &Path) -> Result<SourceCamera, Failure> {
+    let pose = cameras::choose(cameras::load(path, None)?, None)
+        .map_err(|problem| anyhow!("camera file '{}' {problem}", path.display()))?;
+    Ok(SourceCamera(pose.camera))
+}
+
+/// The rules asked for, with the kernel and the protection against aliasing asked for.
+fn rules(options: &ViewOptions, scene: &Scene, antialias: Option<AntialiasChoice>) -> Rules {
+    let rules = options.rules.unwrap_or(scene.natural_rules);
+    let rules = rules.with_kernel(options.kernel);
+    match antialias {
+        None | Some(AntialiasChoice::Ewa) => rules,
+        Some(AntialiasChoice::None) => rules.with_antialias(Antialias::None),
+        Some(AntialiasChoice::Swan) => rules.with_antialias(Antialias::Swan(spacing(scene))),
+    }
+}
+
+/// The style that the options and the scene ask for.
+fn style(view: &ViewOptions, scene: &SurfaceScene) -> Style {
+    let options = &view.surface;
+    let threshold = options.z_threshold.unwrap_or(scene.usual_threshold());
+    Style {
+        buffer: options.layers.map_or(Buffer::Accumulation, Buffer::Layers),
+        edge: options.edges.then_some(USUAL_EDGE),
+        light: view
+            .light
+            .map(|VectorValue(light)| light)
+            .or((!scene.coloured).then_some(USUAL_LIGHT)),
+        cull_backfaces: culls_backfaces(options, scene),
+        ..Style::opaque(threshold)
+    }
+}
+
+/// As the options say, or else where the cloud's normals allow it. Of a body that one can see through the backs are wanted.
+fn culls_backfaces(options: &SurfaceArgs, scene: &SurfaceScene) -> bool {
+    match options.backfaces() {
+        Backfaces::On => true,
+        Backfaces::Off => false,
+        Backfaces::Auto => {
+            let opaque = scene.points.iter().all(|point| point.opacity >= 1.0);
+            opaque && Orientation::of(scene).is_closed_outwards()
+        }
+    }
+}

@@ -1,0 +1,324 @@
+//! The cheapest machine with a design that holds all limits, or the limit that cannot be held.
+//!
+//! ```text
+//! limits, frames -> space of designs and machines -> search over what points reach -> answer
+//! ```
+//!
+//! With many frames the search runs on those that are heaviest; what it finds is evaluated on all of them, and a frame that misses a limit joins the
+//! search, which begins again. So the answer holds for every frame, and most frames are looked at once.
+
+use super::evaluator::{Choice, Evaluator, FrameCost, Reached, Subject};
+use super::limits::{Limit, missed};
+use super::search::{Score, Search, compare};
+use super::space::{Space, SpaceAxis, SpaceError, SpacePart};
+use crate::design::{DesignChoice, ResolvedDesign};
+use crate::machine::config::{Config, setting};
+use anyhow::{Context, Result};
+use serde::Serialize;
+use splatline::format::WIDTH_RANGES;
+use std::fmt::Write;
+use std::sync::{Mutex, PoisonError};
+use toml::Value;
+
+/// The machines that are searched unless a space is given.
+const USUAL: &str = include_str!("usual.toml");
+
+/// Frames that the search begins with.
+const FEW_FRAMES: usize = 3;
+
+/// Points that an answer holds: the cheapest and the next three.
+const MOST_ANSWERS: usize = 4;
+
+/// By which part of its cost a point is dearer at least than the one before it in an answer.
+const APART: f64 = 0.01;
+
+/// A point of an answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Found {
+    /// The design, by its widths.
+    pub design: ResolvedDesign,
+    /// The machine.
+    pub machine: Config,
+    /// What it reaches over all frames.
+    pub reached: Reached,
+}
+
+/// How a limit stands at the answer's first point.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Standing {
+    /// The limit.
+    pub limit: Limit,
+    /// What is reached.
+    pub value: f64,
+    /// Which part of the bound is left; below 0 it is missed.
+    pub slack: f64,
+    /// The cheapest point looked at that holds all other limits, in look-up tables: what the limit costs at least is the difference to it.
+    pub cost_without: Option<f64>,
+    /// Where not all limits can be held together: by which part of its bound this one is missed at least while all others hold.
+    pub missed_alone: Option<f64>,
+}
+
+/// The answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// Does the first point hold all limits?
+    pub holds: bool,
+    /// The cheapest point and the next ones; or the one that misses least.
+    pub found: Vec<Found>,
+    /// All limits at the first point.
+    pub standings: Vec<Standing>,
+    /// Points looked at.
+    pub points: usize,
+    /// Designs drawn.
+    pub designs: usize,
+    /// Frames that the search ran on, and all of them.
+    pub frames: [usize; 2],
+    /// Were widths searched, or was the design kept because no limit was on the error?
+    pub searched_designs: bool,
+}
+
+/// The space that is searched where none is given: every width where errors are limited, and the usual machines, with what the search starts from.
+pub fn usual_space(
+    design: &DesignChoice,
+    machine: &Config,
+    designs: bool,
+) -> Result<Space, SpaceError> {
+    let mut text = USUAL.to_owned();
+    if designs {
+        text += "[design]\n";
+        for (name, low, high) in WIDTH_RANGES {
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "{name} = {{ from = {low}, to = {high} }}");
+        }
+    }
+    let mut space = Space::without_points("the usual space", &text)?;
+    for axis in &mut space.axes {
+        let Some(value) = value_of(axis, design, machine) else {
+            continue;
+        };
+        if !axis.values.contains(&value) {
+            let number = value.as_integer();
+            let after = |other: &Value| other.as_integer() < number;
+            let place = axis.values.partition_point(after);
+            axis.values.insert(place, value);
+        }
+    }
+    Ok(space)
+}
+
+/// What a design or a machine has on an axis.
+fn value_of(axis: &SpaceAxis, design: &DesignChoice, machine: &Config) -> Option<Value> {
+    if axis.part != SpacePart::Design {
+        return Some(setting(&axis.key)?.value(machine));
+    }
+    let widths = WIDTH_RANGES.iter().zip(design.widths.numbers());
+    let bits = widths.into_iter().find(|((name, ..), _)| *name == axis.key);
+    bits.map(|(_, bits)| Value::Integer(bits.into()))
+}
+
+/// Where the search starts: at the design and the machine given, and otherwise at the widest value of a width and the first of all else.
+fn start(subject: &Subject, space: &Space) -> Vec<usize> {
+    let index = |axis: &SpaceAxis| {
+        let value = value_of(axis, &subject.design, &subject.machine);
+        let place = value.and_then(|value| axis.values.iter().position(|other| *other == value));
+        let is_width = WIDTH_RANGES.iter().any(|(name, ..)| *name == axis.key);
+        place.unwrap_or(if is_width { axis.values.len() - 1 } else { 0 })
+    };
+    space.axes.iter().map(index).collect()
+}
+
+fn score(limits: &[Limit], reached: &Reached) -> Score {
+    let cycles = reached.pace.cycles_per_frame as f64;
+    [missed(limits, None, reached), reached.cost(), cycles]
+}
+
+/// Searches the space and answers. `progress` is given what is being done.
+pub fn optimize(
+    subject: &Subject,
+    limits: &[Limit],
+    space: &Space,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Answer> {
+    let evaluator = Evaluator::new(subject, false);
+    let all: Vec<usize> = (0..subject.frames.len()).collect();
+    let mut searched = if all.len() > FEW_FRAMES {
+        heaviest(&evaluator, space)?
+    } else {
+        all.clone()
+    };
+    loop {
+        let mut search = Search::new(&evaluator, space, limits, searched.clone(), progress);
+        let found = best_point(&mut search)?;
+        match answered(&search, &found, &searched)? {
+            // The search believed that this frame was lighter.
+            Attempt::MissedBy(frame) => searched.push(frame),
+            Attempt::Met(mut answer) => {
+                answer.frames = [searched.len(), all.len()];
+                return Ok(*answer);
+            }
+        }
+    }
+}
+
+/// The frames that take the most cycles where the search starts.
+fn heaviest(evaluator: &Evaluator, space: &Space) -> Result<Vec<usize>> {
+    let at = evaluator.choice(space, &start(evaluator.subject, space))?;
+    let mut order: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
+    if at.machine.check_together().is_ok() {
+        let costs = on_all_frames(evaluator, &at)?;
+        order.sort_by_key(|frame| std::cmp::Reverse(costs[*frame].pace.cycles_per_frame));
+    }
+    order.truncate(FEW_FRAMES);
+    Ok(order)
+}
+
+/// What a choice takes on each of all frames.
+fn on_all_frames(evaluator: &Evaluator, choice: &Choice) -> Result<Vec<FrameCost>> {
+    let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
+    let costs = Mutex::default();
+    evaluator.run(std::slice::from_ref(choice), &all, false, &|_, found| {
+        *costs.lock().unwrap_or_else(PoisonError::into_inner) = found;
+        Ok(())
+    })?;
+    Ok(costs.into_inner().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// Where the search ends, and what each limit is missed by at least where they cannot be held together.
+struct BestPoint {
+    point: Vec<usize>,
+    missed_alone: Vec<Option<f64>>,
+}
+
+fn best_point(search: &mut Search) -> Result<BestPoint> {
+    let (limits, space) = (search.limits, search.space);
+    let mut at = start(search.evaluator.subject, space);
+    if search.has_error_limit() && search.error_excess(&at)? > 0.0 {
+        let (widths, _) = search.split_axes();
+        for axis in widths {
+            at[axis] = space.axes[axis].values.len() - 1;
+        }
+    }
+    let point = search.search(at, &|reached| score(limits, reached))?;
+    let mut missed_alone = vec![None; limits.len()];
+    let first = search.known.get(&point).and_then(Option::as_ref).cloned();
+    if first
+        .as_ref()
+        .is_some_and(|first| missed(limits, None, first) <= 0.0)
+    {
+        return Ok(BestPoint {
+            point,
+            missed_alone,
+        });
+    }
+    let (_, machines) = search.split_axes();
+    for (place, limit) in limits.iter().enumerate() {
+        // What the point holds need not give way. Errors are kept: what a wider one would allow is another question.
+        let is_missed = first
+            .as_ref()
+            .is_some_and(|first| limit.missed_by(first) > 0.0);
+        if is_missed && !limit.quantity.is_error() {
+            search.settle(point.clone(), &machines, &|reached| {
+                let others = missed(limits, Some(place), reached);
+                [others, limit.missed_by(reached), reached.cost()]
+            })?;
+        }
+        let all = search.known.values().flatten();
+        let alone = all.filter(|reached| missed(limits, Some(place), reached) <= 0.0);
+        let least = alone
+            .map(|reached| limit.missed_by(reached))
+            .min_by(f64::total_cmp);
+        missed_alone[place] = least.filter(|least| least.is_finite());
+    }
+    Ok(BestPoint {
+        point,
+        missed_alone,
+    })
+}
+
+/// What evaluating on all frames says.
+enum Attempt {
+    /// The answer holds for them.
+    Met(Box<Answer>),
+    /// Of the frames that were not searched, one at which the first point misses a limit.
+    MissedBy(usize),
+}
+
+/// The answer over all frames.
+fn answered(search: &Search, best: &BestPoint, searched: &[usize]) -> Result<Attempt> {
+    let (limits, evaluator) = (search.limits, search.evaluator);
+    let known = |point: &[usize]| search.known.get(point).and_then(Option::as_ref);
+    let first = known(&best.point).context("the search ends at a point that makes no machine")?;
+    let holds = missed(limits, None, first) <= 0.0;
+    let mut points: Vec<(&Vec<usize>, &Reached)> = search
+        .known
+        .iter()
+        .filter_map(|(point, reached)| Some((point, reached.as_ref()?)))
+        .filter(|(_, reached)| holds && missed(limits, None, reached) <= 0.0)
+        .collect();
+    points.sort_by(|a, b| compare(&score(limits, a.1), &score(limits, b.1)).then(a.0.cmp(b.0)));
+    // Points of nearly the same cost differ in what hardly matters, a place of a queue: one of them says all.
+    points.dedup_by(|later, kept| later.1.cost() < (1.0 + APART) * kept.1.cost());
+    if !holds {
+        points = vec![(&best.point, first)];
+    }
+    let frames: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
+    let mut found = Vec::new();
+    for (point, reached) in points.into_iter().take(MOST_ANSWERS) {
+        let choice = search.choice(point)?;
+        let mut reached = reached.clone();
+        if searched.len() < frames.len() {
+            let costs = on_all_frames(evaluator, &choice)?;
+            for frame in frames.iter().filter(|frame| !searched.contains(frame)) {
+                let error = evaluator.error(&choice.variant, &[*frame])?;
+                let one = evaluator.reached(&choice, error, &costs[*frame..=*frame]);
+                if holds && found.is_empty() && missed(limits, None, &one) > 0.0 {
+                    return Ok(Attempt::MissedBy(*frame));
+                }
+            }
+            let error = evaluator.error(&choice.variant, &frames)?;
+            reached = evaluator.reached(&choice, error, &costs);
+        }
+        // The cheapest point holds on every frame, and with that over all of them.
+        if holds && !found.is_empty() && missed(limits, None, &reached) > 0.0 {
+            continue;
+        }
+        found.push(Found {
+            design: choice.variant.design.resolved(),
+            machine: choice.machine,
+            reached,
+        });
+    }
+    let first = found.first().context("the first point was found")?;
+    let standing = |(place, limit): (usize, &Limit)| {
+        let value = limit.quantity.of(&first.reached).unwrap_or(f64::NAN);
+        let all = search.known.values().flatten();
+        let without = all.filter(|other| missed(limits, Some(place), other) <= 0.0);
+        let simulated = without.map(Reached::cost).min_by(f64::total_cmp);
+        let drawn = if limit.quantity.is_error() {
+            search.cost_without_error(&first.machine, place)
+        } else {
+            None
+        };
+        Standing {
+            limit: limit.clone(),
+            value,
+            slack: limit.slack(value),
+            cost_without: simulated.into_iter().chain(drawn).min_by(f64::total_cmp),
+            missed_alone: best.missed_alone[place],
+        }
+    };
+    let answer = Answer {
+        holds,
+        standings: limits.iter().enumerate().map(standing).collect(),
+        points: search.known.values().flatten().count(),
+        designs: search.designs(),
+        frames: [0, 0],
+        searched_designs: !search.split_axes().0.is_empty(),
+        found,
+    };
+    Ok(Attempt::Met(Box::new(answer)))
+}
+
+#[cfg(test)]
+#[path = "answer_tests.rs"]
+mod tests;

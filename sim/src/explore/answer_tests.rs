@@ -1,0 +1,207 @@
+//! The search beside the exhaustive sweep, which evaluates every point by a way of its own.
+
+use super::*;
+use crate::explore::folder::Appender;
+use crate::explore::limits::{Quantity, tightest};
+use crate::explore::sweep::{self, Shard};
+use crate::explore::table::{ResultTable, heading};
+use crate::plan::{DesignVariant, Prepared};
+use crate::scene::synthetic;
+
+const SPACE: &str = "[design]\nmantissa = [14, 16, 20, 24]\nalpha = [8, 10, 16, 24]\ncolour = [8, 12, 24]\n\
+                     [machine]\ntile_width = [8, 16]\nlanes = [1, 2, 4]\nlayout = [\"run\", \"quad\"]\nrows_at_once = [1, 2]\n\
+                     read_bandwidth = [2, 8]\n";
+
+/// The same scene by a camera or several.
+fn frames(zooms: &[f64]) -> Vec<Prepared> {
+    let scene = synthetic::random_gaussians(200, 1, 2.0);
+    let (camera, rules) = (synthetic::camera(48, 32), scene.natural_rules);
+    let design = DesignChoice::named("standard24").unwrap();
+    let first = Prepared::of_splats(scene, camera.clone(), rules, design);
+    let seen = |zoom: &f64| first.seen_by(camera.zoomed(*zoom).unwrap());
+    zooms.iter().map(seen).collect()
+}
+
+fn subject(frames: &[Prepared]) -> Subject<'_> {
+    let mut subject = Subject::new(frames.iter().collect()).unwrap();
+    subject.machine = machine();
+    subject.draw_references().unwrap();
+    subject
+}
+
+/// Errors, cycles and area of every point, by the sweep.
+fn swept(subject: &Subject, space: &Space) -> Vec<[f64; 5]> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("points.csv");
+    let (out, _) = Appender::open(&path, &heading(space)).unwrap();
+    let whole = Shard { index: 1, count: 1 };
+    sweep::run(subject, space, whole, &ResultTable::default(), &out, &|| ()).unwrap();
+    let table = ResultTable::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    let place = |name: &str| table.column(name).unwrap();
+    let places = ["max_abs", "cycles", "raster_luts", "around_luts", "area"].map(place);
+    let value = |fields: &Vec<String>| {
+        let numbers = places.map(|place| fields[place].parse().unwrap_or(f64::NAN));
+        numbers[4].is_finite().then_some(numbers)
+    };
+    table.rows.values().filter_map(value).collect()
+}
+
+fn machine() -> Config {
+    Config {
+        clock_mhz: 100,
+        ..Config::default()
+    }
+}
+
+fn limit(quantity: Quantity, bound: f64) -> Limit {
+    Limit::new(quantity, bound, "test")
+}
+
+/// For a mesh of limits, some of which nothing holds: the search ends at the cost of the cheapest point that the sweep knows.
+#[test]
+fn the_search_finds_what_the_exhaustive_sweep_finds() {
+    let frames = frames(&[1.0]);
+    let subject = subject(&frames);
+    let space = Space::from_toml("s.toml", SPACE).unwrap();
+    let swept = swept(&subject, &space);
+    let mut cycles: Vec<f64> = swept.iter().map(|point| point[1]).collect();
+    cycles.sort_by(f64::total_cmp);
+    let at = |part: f64| cycles[(part * (cycles.len() - 1) as f64) as usize] + 0.5;
+    let mut held = 0;
+    for allowed in [at(0.0), at(0.1), at(0.5), at(1.0), cycles[0] - 0.5] {
+        for max_error in [2e-2, 5e-3, 1e-3] {
+            let fits = |point: &&[f64; 5]| point[1] <= allowed && point[0] <= max_error;
+            let cheapest = swept.iter().filter(fits).map(|point| point[4]);
+            let cheapest = cheapest.min_by(f64::total_cmp);
+            let limits = vec![
+                limit(Quantity::FramesPerSecond, 100e6 / allowed),
+                limit(Quantity::LargestError, max_error),
+            ];
+            let answer = optimize(&subject, &limits, &space, &|_| ()).unwrap();
+            assert_eq!(answer.holds, cheapest.is_some(), "{allowed} {max_error}");
+            if let Some(cheapest) = cheapest {
+                let cost = answer.found[0].reached.cost();
+                assert!(
+                    (cost / cheapest - 1.0).abs() < 1e-5,
+                    "{allowed} {max_error}: {cost} {cheapest}"
+                );
+                assert!(
+                    answer
+                        .found
+                        .windows(2)
+                        .all(|two| two[0].reached.cost() < two[1].reached.cost())
+                );
+                held += 1;
+            }
+        }
+    }
+    assert!(held >= 8, "{held}");
+}
+
+/// Limits that exclude each other: the one that misses least with all others held is told first, by what the sweep says of it.
+#[test]
+fn the_limit_that_fails_first_is_named_by_how_much() {
+    let frames = frames(&[1.0]);
+    let subject = subject(&frames);
+    let space = Space::from_toml("s.toml", SPACE).unwrap();
+    let swept = swept(&subject, &space);
+    let luts = |point: &[f64; 5]| point[2] + point[3];
+    let fastest = swept
+        .iter()
+        .map(|point| point[1])
+        .fold(f64::INFINITY, f64::min);
+    let smallest = swept.iter().filter(|point| point[0] <= 5e-3).map(luts);
+    let bound = smallest.fold(f64::INFINITY, f64::min);
+    let limits = vec![
+        limit(Quantity::FramesPerSecond, 100e6 / fastest),
+        limit(Quantity::LargestError, 5e-3),
+        limit(Quantity::Luts, bound),
+    ];
+    let answer = optimize(&subject, &limits, &space, &|_| ()).unwrap();
+    assert!(!answer.holds);
+    let within = swept.iter().filter(|p| p[0] <= 5e-3 && luts(p) <= bound);
+    let slowest_rate = within.map(|point| fastest / point[1]).fold(0.0, f64::max);
+    let missed = answer.standings[0].missed_alone.unwrap();
+    assert!(
+        (missed - (1.0 - slowest_rate)).abs() < 1e-9,
+        "{missed} {slowest_rate}"
+    );
+    let text = answer.text(&Config::default());
+    assert!(
+        text.contains("the first limit to fail is") && text.contains("misses them least"),
+        "{text}"
+    );
+}
+
+/// More frames than the search begins with, of which the others are nearer: the answer holds on each of them.
+#[test]
+fn an_answer_holds_on_every_frame() {
+    let zooms = [0.6, 0.8, 1.0, 1.2, 1.4, 1.6];
+    let frames = frames(&zooms);
+    let subject = subject(&frames);
+    let limits = vec![
+        limit(Quantity::FramesPerSecond, 6_000.0),
+        limit(Quantity::LargestError, 5e-3),
+    ];
+    let space = Space::from_toml("s.toml", SPACE).unwrap();
+    let answer = optimize(&subject, &limits, &space, &|_| ()).unwrap();
+    assert!(
+        answer.holds && answer.frames[1] == 6,
+        "{:?}",
+        answer.standings
+    );
+    let found = &answer.found[0];
+    let toml = found.design.to_toml();
+    let evaluator = Evaluator::new(&subject, false);
+    let choice = Choice {
+        variant: DesignVariant::new(DesignChoice::from_toml("d.toml", &toml).unwrap(), None),
+        machine: found.machine,
+    };
+    let costs = on_all_frames(&evaluator, &choice).unwrap();
+    for frame in 0..6 {
+        let error = evaluator.error(&choice.variant, &[frame]).unwrap();
+        let reached = evaluator.reached(&choice, error, &costs[frame..=frame]);
+        let missed = missed(&limits, None, &reached);
+        assert!(missed <= 0.0, "frame {frame}: {reached:?}");
+    }
+    let error = evaluator
+        .error(&choice.variant, &[0, 1, 2, 3, 4, 5])
+        .unwrap();
+    assert_eq!(found.reached, evaluator.reached(&choice, error, &costs));
+    assert!(found.reached.ms_per_frame.mean < found.reached.ms_per_frame.worst);
+}
+
+/// Every width and every usual machine stands in the space, with what the search starts from.
+#[test]
+fn the_usual_space_holds_its_start() {
+    let design = DesignChoice::named("lean18").unwrap();
+    let machine = Config {
+        lanes: 64,
+        raster_units: 5,
+        ..Config::default()
+    };
+    let space = usual_space(&design, &machine, true).unwrap();
+    let frames = frames(&[1.0]);
+    let subject = Subject {
+        design: design.clone(),
+        machine,
+        ..subject(&frames)
+    };
+    let evaluator = Evaluator::new(&subject, false);
+    let choice = evaluator.choice(&space, &start(&subject, &space)).unwrap();
+    assert_eq!(choice.variant.design.widths, design.widths);
+    assert_eq!(choice.machine, machine);
+}
+
+#[test]
+fn of_two_limits_the_tighter_holds() {
+    let all = vec![
+        limit(Quantity::Luts, 100.0),
+        limit(Quantity::FramesPerSecond, 30.0),
+        limit(Quantity::Luts, 50.0),
+        limit(Quantity::FramesPerSecond, 60.0),
+        limit(Quantity::Luts, 70.0),
+    ];
+    let bounds: Vec<f64> = tightest(all).iter().map(|limit| limit.bound).collect();
+    assert_eq!(bounds, [50.0, 60.0]);
+}

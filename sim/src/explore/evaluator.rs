@@ -1,0 +1,551 @@
+//! What a design and a machine reach on the frames of a question: errors, cycles, bytes, area and energy. Sweep, optimisation and fit all ask here.
+//!
+//! Nothing is estimated on the way: every picture is drawn at its full size, every machine runs on the rows of its own design. Work that choices
+//! share is done once: a design's errors, its rows for a tile size, their grouping for a shape of lanes. A search comes back to old rows, so it keeps
+//! some; a sweep does not, so it keeps none and holds the rows of one frame alone in memory.
+
+use super::space::{Space, SpacePart};
+use crate::design::{DesignChoice, traversal_name};
+use crate::fixed::{self, QuantisedScene, best_engine};
+use crate::machine::area::{Area, Calibration, estimate};
+use crate::machine::clock::{Clock, Throughput};
+use crate::machine::config::Config;
+use crate::machine::energy::{self, EnergyTable};
+use crate::machine::lanes::{LaneShape, LaneWork};
+use crate::machine::summary::Spread;
+use crate::machine::workload::{Workload, extract_if_room};
+use crate::machine::{Timing, simulate};
+use crate::metrics::{self, stored};
+use crate::picture::Picture;
+use crate::plan::{self, DesignVariant, Engine, Prepared};
+use anyhow::{Context, Result, bail};
+use rayon::prelude::*;
+use serde::Serialize;
+use splatline::format::{Rounding, Traversal};
+use std::collections::{BTreeMap, HashMap};
+use std::hash::Hash;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Rows kept at most, in frames of designs and tiles.
+const MOST_WORKLOADS: usize = 48;
+
+/// Groupings kept at most: each is as large as a frame's rows.
+const MOST_GROUPINGS: usize = 144;
+
+/// What is explored: frames, and the design and the machine that everything starts from.
+pub struct Subject<'a> {
+    /// The frames, of one scene or many.
+    pub frames: Vec<&'a Prepared>,
+    /// Their pictures in double precision; none leaves errors out.
+    pub references: Vec<Picture>,
+    /// The design to start from.
+    pub design: DesignChoice,
+    /// The traversal, unless the space or the design says otherwise.
+    pub traversal: Option<Traversal>,
+    /// The machine to start from.
+    pub machine: Config,
+    /// Prices of area.
+    pub calibration: Calibration,
+    /// Energies of actions.
+    pub energy: EnergyTable,
+}
+
+impl<'a> Subject<'a> {
+    /// Frames with the design and the machine that the first one's plan has, and no references yet.
+    pub fn new(frames: Vec<&'a Prepared>) -> Result<Subject<'a>> {
+        let plan = &frames.first().context("there is no frame")?.plan;
+        Ok(Subject {
+            references: Vec::new(),
+            design: plan.entry.design.clone(),
+            traversal: None,
+            machine: plan.machine,
+            calibration: Calibration::default(),
+            energy: EnergyTable::default(),
+            frames,
+        })
+    }
+
+    /// Draws the references, once for all that follows.
+    pub fn draw_references(&mut self) -> Result<()> {
+        for frame in &self.frames {
+            let drawing = frame.draw_reference(Engine::Float, &|_, _| ())?;
+            self.references.push(drawing.picture);
+        }
+        Ok(())
+    }
+}
+
+/// A design by one traversal on a machine.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    /// The design and its traversal.
+    pub variant: DesignVariant,
+    /// The machine.
+    pub machine: Config,
+}
+
+/// Errors of one design over all frames. Colours only, units of 1.0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct DesignError {
+    /// Largest absolute error.
+    pub max_abs: f64,
+    /// Root mean square error.
+    pub rms: f64,
+    /// Mean of fixed minus float.
+    pub bias: f64,
+    /// Mean structural similarity, where it is asked for: it takes thirty times as long as drawing.
+    #[serde(skip)]
+    pub ssim: Option<f64>,
+}
+
+impl DesignError {
+    /// How far the colours of a picture are from the reference's: what [`metrics::compare`] says of them, without structural similarity.
+    pub fn of(picture: &Picture, reference: &Picture) -> Result<DesignError> {
+        let size = |picture: &Picture| (picture.width, picture.height, picture.pixels.len());
+        if size(picture) != size(reference) || picture.pixels.is_empty() {
+            bail!("the pictures cannot be compared: their sizes differ or are 0");
+        }
+        let width = picture.width;
+        let rows = picture.pixels.par_chunks(width);
+        let sums: Vec<[f64; 3]> = rows
+            .zip(reference.pixels.par_chunks(width))
+            .map(|(fixed, float)| differences(fixed, float))
+            .collect();
+        // Row by row in their order, so that the sums do not depend on the threads.
+        let [max_abs, squares, signed] = sums.iter().fold([0.0; 3], |all, row| {
+            [f64::max(all[0], row[0]), all[1] + row[1], all[2] + row[2]]
+        });
+        let samples = 3.0 * picture.pixels.len() as f64;
+        Ok(DesignError {
+            max_abs,
+            rms: (squares / samples).sqrt(),
+            bias: signed / samples,
+            ssim: None,
+        })
+    }
+
+    fn with_similarity(picture: &Picture, reference: &Picture) -> Result<DesignError> {
+        let errors = metrics::compare(picture, reference);
+        let colour = errors.context("the pictures cannot be compared")?.colour;
+        Ok(DesignError {
+            max_abs: colour.max_abs,
+            rms: colour.rms(),
+            bias: colour.bias,
+            ssim: Some(colour.ssim),
+        })
+    }
+
+    /// Over several pictures: the largest error of any, the root of the mean square, and the means of bias and similarity.
+    pub fn over(all: &[DesignError]) -> DesignError {
+        let [one] = all else {
+            let count = all.len().max(1) as f64;
+            let mean = |of: fn(&DesignError) -> f64| all.iter().map(of).sum::<f64>() / count;
+            let similarity: Option<f64> = all.iter().map(|one| one.ssim).sum();
+            return DesignError {
+                max_abs: all.iter().map(|one| one.max_abs).fold(0.0, f64::max),
+                rms: mean(|one| one.rms * one.rms).sqrt(),
+                bias: mean(|one| one.bias),
+                ssim: similarity.map(|sum| sum / count),
+            };
+        };
+        *one
+    }
+
+    /// Peak signal-to-noise ratio, decibels; infinite for equal pictures.
+    pub fn psnr_db(&self) -> f64 {
+        -20.0 * self.rms.log10()
+    }
+}
+
+/// Largest, sum of squares and signed sum of the differences of red, green and blue; not a number counts as an infinite error.
+fn differences(fixed: &[[f64; 4]], float: &[[f64; 4]]) -> [f64; 3] {
+    let mut sums = [0.0; 3];
+    for (fixed, float) in fixed.iter().zip(float) {
+        for channel in 0..3 {
+            let difference = stored(fixed[channel]) - stored(float[channel]);
+            let size = if difference.is_nan() {
+                f64::INFINITY
+            } else {
+                difference.abs()
+            };
+            sums[0] = f64::max(sums[0], size);
+            sums[1] += size * size;
+            sums[2] += difference;
+        }
+    }
+    sums
+}
+
+/// What a choice takes on one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameCost {
+    /// Cycles and bytes a frame by the clock.
+    pub pace: Throughput,
+    /// Cycles of geometry, sort and raster, and of all phases.
+    pub cycles: [u64; 4],
+    /// Which part of the time the lanes work, and covered and unfinished pixels a cycle and lane.
+    pub lanes: [f64; 3],
+    /// Packets found in a cache, of all that were looked up.
+    pub packet_hit_rate: f64,
+    /// Energy.
+    pub millijoules: f64,
+}
+
+/// What a choice reaches over all frames.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reached {
+    /// Errors over all frames.
+    pub error: Option<DesignError>,
+    /// The pace of the slowest frame.
+    pub pace: Throughput,
+    /// Milliseconds over the frames.
+    pub ms_per_frame: Spread,
+    /// Cycles of the slowest frame by phase: geometry, sort, raster.
+    pub phases: [u64; 3],
+    /// Area.
+    pub area: Area,
+    /// Millijoules of the most expensive frame.
+    pub millijoules: f64,
+    /// The slowest frame in full.
+    #[serde(skip)]
+    pub slowest: FrameCost,
+}
+
+impl Reached {
+    /// One number for what it costs: all resources, in look-up tables.
+    pub fn cost(&self) -> f64 {
+        self.area.weight
+    }
+}
+
+/// What a design's pictures depend on: widths in their order, rounding to nearest, traversal.
+type DesignKey = ([u8; 13], bool, &'static str);
+
+/// What rows depend on: the design and the tile.
+type WorkKey = (DesignKey, [u16; 2]);
+
+fn design_key(variant: &DesignVariant) -> DesignKey {
+    let widths = &variant.design.widths;
+    let nearest = widths.rounding == Rounding::Nearest;
+    (widths.numbers(), nearest, traversal_name(variant.traversal))
+}
+
+/// What a choice's rows depend on, in an order in which equal ones are neighbours.
+pub fn work_key(choice: &Choice) -> WorkKey {
+    let machine = &choice.machine;
+    let tile = [machine.tile_width, machine.tile_height];
+    (design_key(&choice.variant), tile)
+}
+
+/// Results by what they depend on. Where it is full it is emptied: what a search needs again is mostly what it needed last.
+struct Cache<K, V> {
+    most: usize,
+    known: Mutex<HashMap<K, V>>,
+}
+
+impl<K: Hash + Eq, V: Clone> Cache<K, V> {
+    fn new(most: usize) -> Cache<K, V> {
+        let known = Mutex::default();
+        Cache { most, known }
+    }
+
+    fn map(&self) -> MutexGuard<'_, HashMap<K, V>> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What is known, or else made and kept.
+    fn get(&self, key: K, make: impl FnOnce() -> Result<V>) -> Result<V> {
+        if let Some(known) = self.map().get(&key) {
+            return Ok(known.clone());
+        }
+        // Not under the lock: others may look meanwhile.
+        let made = make()?;
+        let mut map = self.map();
+        if map.len() >= self.most {
+            map.clear();
+        }
+        map.insert(key, made.clone());
+        Ok(made)
+    }
+}
+
+/// Is given what a choice of a list takes on each frame, as soon as that is known.
+pub type Sink<'a> = &'a (dyn Fn(usize, Vec<FrameCost>) -> Result<()> + Sync);
+
+/// Evaluates choices on the frames of a subject.
+pub struct Evaluator<'a> {
+    /// What is explored.
+    pub subject: &'a Subject<'a>,
+    similarity: bool,
+    scenes: Vec<Option<QuantisedScene>>,
+    errors: Cache<(DesignKey, usize), DesignError>,
+    workloads: Cache<(WorkKey, usize), Arc<Workload>>,
+    groupings: Cache<(WorkKey, usize, LaneShape), Arc<LaneWork>>,
+}
+
+impl<'a> Evaluator<'a> {
+    /// Nothing evaluated yet; structural similarity is measured only if it is asked for.
+    pub fn new(subject: &'a Subject<'a>, similarity: bool) -> Evaluator<'a> {
+        let with_references = subject.frames.iter().zip(&subject.references);
+        let quantised = |(frame, _): (&&Prepared, &Picture)| match frame.subject() {
+            Ok(plan::Subject::Splats(s)) if s.are_composited() => {
+                Some(QuantisedScene::new(s.scene, s.camera, s.rules))
+            }
+            _ => None,
+        };
+        Evaluator {
+            subject,
+            similarity,
+            scenes: with_references.map(quantised).collect(),
+            errors: Cache::new(usize::MAX),
+            workloads: Cache::new(MOST_WORKLOADS),
+            groupings: Cache::new(MOST_GROUPINGS),
+        }
+    }
+
+    /// The design and the machine of a point.
+    pub fn choice(&self, space: &Space, point: &[usize]) -> Result<Choice> {
+        let subject = self.subject;
+        let settings = space.settings(point, |part| part == SpacePart::Design);
+        let design = changed(&subject.design, &settings)?;
+        let swept = settings.iter().any(|(key, _)| *key == "traversal");
+        let traversal = if swept { None } else { subject.traversal };
+        let mut machine = subject.machine;
+        for (key, value) in space.settings(point, |part| part != SpacePart::Design) {
+            machine.set("space", key, value)?;
+        }
+        let variant = DesignVariant::new(design, traversal);
+        Ok(Choice { variant, machine })
+    }
+
+    /// The errors of a design over some frames; nothing without references.
+    pub fn error(&self, variant: &DesignVariant, frames: &[usize]) -> Result<Option<DesignError>> {
+        let mut all = Vec::with_capacity(frames.len());
+        for frame in frames {
+            let Some(reference) = self.subject.references.get(*frame) else {
+                return Ok(None);
+            };
+            let key = (design_key(variant), *frame);
+            all.push(self.errors.get(key, || {
+                let picture = self.draw(variant, *frame)?;
+                if self.similarity {
+                    DesignError::with_similarity(&picture, reference)
+                } else {
+                    DesignError::of(&picture, reference)
+                }
+            })?);
+        }
+        Ok(Some(DesignError::over(&all)))
+    }
+
+    fn draw(&self, variant: &DesignVariant, frame: usize) -> Result<Picture> {
+        let prepared = self.subject.frames[frame];
+        let Some(Some(scene)) = self.scenes.get(frame) else {
+            return Ok(prepared.draw_fixed(variant)?.picture);
+        };
+        let splats = prepared.splats()?;
+        let options = splats.options(variant);
+        let (drawing, _) = fixed::draw_quantised(scene, splats.camera, &options, best_engine());
+        Ok(drawing.picture)
+    }
+
+    /// Runs choices that share rows, one frame after the other. Who comes back to these rows keeps them; who does not has those of one frame alone in
+    /// memory.
+    pub fn run(&self, choices: &[Choice], frames: &[usize], keep: bool, sink: Sink) -> Result<()> {
+        let Some(first) = choices.first() else {
+            return Ok(());
+        };
+        let key = work_key(first);
+        let mut shapes: BTreeMap<usize, (LaneShape, Vec<usize>)> = BTreeMap::new();
+        for (place, choice) in choices.iter().enumerate() {
+            let shape = LaneShape::from(&choice.machine);
+            let known = shapes.values_mut().find(|(other, _)| *other == shape);
+            match known {
+                Some((_, places)) => places.push(place),
+                None => drop(shapes.insert(place, (shape, vec![place]))),
+            }
+        }
+        let earlier: Vec<Mutex<Vec<FrameCost>>> =
+            choices.iter().map(|_| Mutex::default()).collect();
+        for (nth, frame) in frames.iter().enumerate() {
+            let extract = || self.workload(&first.variant, key.1, *frame);
+            let workload = if keep {
+                self.workloads.get((key, *frame), extract)?
+            } else {
+                extract()?
+            };
+            shapes.par_iter().try_for_each(|(_, (shape, places))| {
+                let group = || Ok(Arc::new(LaneWork::new(&workload, *shape)));
+                let work = if keep {
+                    self.groupings.get((key, *frame, *shape), group)?
+                } else {
+                    group()?
+                };
+                places.par_iter().try_for_each(|place| {
+                    let cost = self.frame_cost(&choices[*place], &workload, &work);
+                    let mut costs = earlier[*place]
+                        .lock()
+                        .unwrap_or_else(PoisonError::into_inner);
+                    costs.push(cost);
+                    if nth + 1 < frames.len() {
+                        return Ok(());
+                    }
+                    sink(*place, std::mem::take(&mut *costs))
+                })
+            })?;
+        }
+        Ok(())
+    }
+
+    /// The rows of a frame by a design, in tiles of a size.
+    fn workload(
+        &self,
+        variant: &DesignVariant,
+        tile: [u16; 2],
+        frame: usize,
+    ) -> Result<Arc<Workload>> {
+        let splats = self.subject.frames[frame].splats()?;
+        let options = splats.options(variant);
+        let workload = extract_if_room(splats.scene, splats.camera, &options, tile)?;
+        Ok(Arc::new(workload))
+    }
+
+    fn frame_cost(&self, choice: &Choice, workload: &Workload, work: &LaneWork) -> FrameCost {
+        let Choice { variant, machine } = choice;
+        let timing = simulate(workload, work, machine);
+        let (widths, table) = (&variant.design.widths, &self.subject.energy);
+        let energy = energy::estimate(widths, variant.traversal, machine, &timing, table);
+        let lanes = timing.units.get("lanes");
+        FrameCost {
+            pace: self.throughput(choice, &timing),
+            cycles: [timing.geometry, timing.sort, timing.raster, timing.total],
+            lanes: [
+                lanes.map_or(0.0, |unit| unit.utilisation),
+                timing.pixels.covered_per_cycle_and_lane,
+                timing.pixels.live_per_cycle_and_lane,
+            ],
+            packet_hit_rate: timing.pixels.packet_hit_rate(),
+            millijoules: energy.mj_per_frame,
+        }
+    }
+
+    fn throughput(&self, choice: &Choice, timing: &Timing) -> Throughput {
+        let Choice { variant, machine } = choice;
+        let clock = Clock::of(
+            machine,
+            &variant.design.widths,
+            self.subject.calibration.family,
+        );
+        Throughput::new(timing, machine, clock)
+    }
+
+    /// The area of a choice, which needs no simulation.
+    pub fn area(&self, choice: &Choice) -> Area {
+        let Choice { variant, machine } = choice;
+        let (widths, prices) = (&variant.design.widths, &self.subject.calibration);
+        estimate(widths, variant.traversal, machine, prices)
+    }
+
+    /// What a choice reaches that takes this on each frame.
+    pub fn reached(
+        &self,
+        choice: &Choice,
+        error: Option<DesignError>,
+        costs: &[FrameCost],
+    ) -> Reached {
+        let slowest = costs.iter().max_by_key(|cost| cost.pace.cycles_per_frame);
+        let slowest = slowest.cloned().unwrap_or_else(|| self.no_cost(choice));
+        let [geometry, sort, raster, _] = slowest.cycles;
+        Reached {
+            error,
+            pace: slowest.pace.clone(),
+            ms_per_frame: Spread::of(costs.iter().map(|cost| cost.pace.ms_per_frame)),
+            phases: [geometry, sort, raster],
+            area: self.area(choice),
+            millijoules: costs
+                .iter()
+                .map(|cost| cost.millijoules)
+                .fold(0.0, f64::max),
+            slowest,
+        }
+    }
+
+    /// What a choice could reach at best: its area and its channels, with no error and no cycle. It scores no worse than the choice does.
+    pub fn at_best(&self, choice: &Choice) -> Reached {
+        self.reached(choice, Some(DesignError::default()), &[])
+    }
+
+    fn no_cost(&self, choice: &Choice) -> FrameCost {
+        FrameCost {
+            pace: self.throughput(choice, &Timing::default()),
+            cycles: [0; 4],
+            lanes: [0.0; 3],
+            packet_hit_rate: 0.0,
+            millijoules: 0.0,
+        }
+    }
+}
+
+/// A design with some of its keys set otherwise; `base` names another one to begin with, or its file.
+fn changed(start: &DesignChoice, settings: &[(&str, &toml::Value)]) -> Result<DesignChoice> {
+    if settings.is_empty() {
+        return Ok(start.clone());
+    }
+    let base = settings.iter().find(|(key, _)| *key == "base");
+    let start = match base.and_then(|(_, value)| value.as_str()) {
+        Some(name) => DesignChoice::load(name)?,
+        None => start.clone(),
+    };
+    let mut table: toml::Table = start.resolved().to_toml().parse()?;
+    for (key, value) in settings.iter().filter(|(key, _)| *key != "base") {
+        table.insert((*key).to_owned(), (*value).clone());
+    }
+    Ok(DesignChoice::from_toml("space.toml", &table.to_string())?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Beside the whole comparison, on a picture with large and with tiny errors and one beyond 0 to 1.
+    #[test]
+    fn quick_errors_are_those_of_the_whole_comparison() {
+        let mut float = Picture::new(40, 30);
+        let mut fixed = Picture::new(40, 30);
+        for (place, (a, b)) in float.pixels.iter_mut().zip(&mut fixed.pixels).enumerate() {
+            let value = (place * 37 % 101) as f64 / 90.0;
+            *a = [value, value / 2.0, 1.0 - value, 1.0];
+            *b = a.map(|value| value + (place % 7) as f64 * 1e-4 - 2e-4);
+        }
+        fixed.pixels[77] = [0.9; 4];
+        let quick = DesignError::of(&fixed, &float).unwrap();
+        let whole = metrics::compare(&fixed, &float).unwrap().colour;
+        assert_eq!(quick.max_abs, whole.max_abs);
+        assert!((quick.rms / whole.rms() - 1.0).abs() < 1e-12);
+        assert!((quick.bias - whole.bias).abs() < 1e-15);
+        assert!((quick.psnr_db() - whole.psnr_db).abs() < 1e-9);
+        assert_eq!(
+            DesignError::of(&float, &float).unwrap(),
+            DesignError::default()
+        );
+        assert!(DesignError::of(&float, &Picture::new(30, 40)).is_err());
+        fixed.pixels[3][0] = f64::NAN;
+        assert_eq!(
+            DesignError::of(&fixed, &float).unwrap().max_abs,
+            f64::INFINITY
+        );
+    }
+
+    #[test]
+    fn errors_over_pictures_are_the_largest_and_the_mean() {
+        let one = |max_abs, rms, bias| DesignError {
+            max_abs,
+            rms,
+            bias,
+            ssim: None,
+        };
+        let over = DesignError::over(&[one(0.1, 3.0, 0.5), one(0.4, 4.0, -0.1)]);
+        assert_eq!(over.max_abs, 0.4);
+        assert!((over.rms - 12.5f64.sqrt()).abs() < 1e-12 && (over.bias - 0.2).abs() < 1e-12);
+    }
+}

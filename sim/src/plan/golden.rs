@@ -1,0 +1,145 @@
+//! The golden table: one small plan for each of the papers' systems, with the figures and the bits of its picture.
+//!
+//! Every change is held against it: errors against the reference, what was drawn and culled, pixels walked, and a checksum of the picture,
+//! into which the kernel's words go without further rounding.
+
+use super::{Engine, Prepared};
+use crate::metrics::{ChannelError, compare};
+use crate::picture::Picture;
+use anyhow::{Context, Result, bail};
+use flate2::Crc;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Least PSNR and largest bias of a system's plan.
+pub const BARS: (f64, f64) = (60.0, 5e-4);
+
+/// The table's columns.
+const HEADING: &str = "plan,psnr_db,max_abs,bias,items,culled,covered,visited,crc32\n";
+
+/// One plan's figures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GoldenLine {
+    /// Name of its file, without extension.
+    pub plan: String,
+    /// The worse of colour and alpha against the reference.
+    pub psnr_db: f64,
+    /// The larger of both.
+    pub max_abs: f64,
+    /// The farther from 0 of both.
+    pub bias: f64,
+    /// Splats or points.
+    pub items: usize,
+    /// How many of them were not drawn.
+    pub culled: u64,
+    /// Pixels covered and visited, counted once per footprint; nothing if they are not counted.
+    pub pixels: Option<[u64; 2]>,
+    /// Of the picture's doubles, little-endian.
+    pub crc32: u32,
+}
+
+impl GoldenLine {
+    /// Draws a plan in the kernel and in the reference.
+    pub fn new(name: &str, prepared: &Prepared) -> Result<GoldenLine> {
+        let drawing = prepared.draw_fixed(&prepared.plan.entry)?;
+        let engine = prepared.plan.reference.unwrap_or(Engine::Float);
+        let reference = prepared.draw_reference(engine, &|_, _| ())?;
+        let errors = compare(&drawing.picture, &reference.picture)?;
+        let worst = |of: fn(&ChannelError) -> f64| of(&errors.colour).max(of(&errors.alpha));
+        let (colour, alpha) = (errors.colour.bias, errors.alpha.bias);
+        Ok(GoldenLine {
+            plan: name.to_owned(),
+            psnr_db: -worst(|error| -error.psnr_db),
+            max_abs: worst(|error| error.max_abs),
+            bias: if colour.abs() > alpha.abs() {
+                colour
+            } else {
+                alpha
+            },
+            items: prepared.scene.len(),
+            culled: drawing.culled.values().sum(),
+            pixels: drawing
+                .pixels
+                .map(|pixels| [pixels.covered, pixels.visited]),
+            crc32: checksum(&drawing.picture),
+        })
+    }
+
+    /// Number of the system that the plan is of: its name begins with it.
+    pub fn system(&self) -> Option<u8> {
+        self.plan.split('-').next()?.parse().ok()
+    }
+
+    /// Does the picture meet the bars?
+    pub fn meets_bars(&self) -> bool {
+        let (psnr, bias) = BARS;
+        self.psnr_db >= psnr && self.bias.abs() <= bias
+    }
+
+    fn csv(&self) -> String {
+        let [covered, visited] = self.pixels.map_or_else(Default::default, |pixels| {
+            pixels.map(|count| count.to_string())
+        });
+        let GoldenLine {
+            plan,
+            psnr_db,
+            max_abs,
+            bias,
+            items,
+            culled,
+            crc32,
+            ..
+        } = self;
+        format!(
+            "{plan},{psnr_db:.1},{max_abs:.1e},{bias:+.1e},{items},{culled},{covered},{visited},{crc32:08x}\n"
+        )
+    }
+}
+
+fn checksum(picture: &Picture) -> u32 {
+    let mut crc = Crc::new();
+    for sample in picture.pixels.iter().flatten() {
+        crc.update(&sample.to_le_bytes());
+    }
+    crc.sum()
+}
+
+/// The plans of a folder by name.
+pub fn plans(folder: &Path) -> Result<Vec<(String, PathBuf)>> {
+    let shown = folder.display();
+    let entries = fs::read_dir(folder).with_context(|| format!("cannot read '{shown}'"))?;
+    let mut plans = Vec::new();
+    for entry in entries {
+        let path = entry
+            .with_context(|| format!("cannot read '{shown}'"))?
+            .path();
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "toml")
+        {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy();
+            plans.push((name.into_owned(), path.clone()));
+        }
+    }
+    plans.sort();
+    if plans.is_empty() {
+        bail!("'{shown}' holds no plan: name a folder of .toml files");
+    }
+    Ok(plans)
+}
+
+/// The lines of all plans of a folder.
+pub fn lines(folder: &Path) -> Result<Vec<GoldenLine>> {
+    let mut lines = Vec::new();
+    for (name, path) in plans(folder)? {
+        let prepared = Prepared::from_file(&path, &|_| ())?;
+        lines.push(GoldenLine::new(&name, &prepared).with_context(|| name)?);
+    }
+    Ok(lines)
+}
+
+/// The table as CSV.
+pub fn table(lines: &[GoldenLine]) -> String {
+    let lines: String = lines.iter().map(GoldenLine::csv).collect();
+    format!("{HEADING}{lines}")
+}

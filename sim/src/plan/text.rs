@@ -1,0 +1,115 @@
+//! A plan's parts as text: what reports record in full, and what a plan file may leave out.
+
+use super::DesignVariant;
+use crate::camera::Camera;
+use crate::design::{DesignChoice, traversal_by_name};
+use crate::report::facts::{CameraFacts, RulesFacts};
+use crate::rules::{Kernel, Rules};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use splatline::format::Traversal;
+
+/// A camera as a report states it; reading it back gives the same bits.
+pub(super) mod camera {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(camera: &Camera, to: S) -> Result<S::Ok, S::Error> {
+        CameraFacts::from(camera).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Camera, D::Error> {
+        let facts = CameraFacts::deserialize(from)?;
+        let text = serde_json::to_string(&facts).map_err(D::Error::custom)?;
+        Camera::from_json_str(&text).map_err(D::Error::custom)
+    }
+}
+
+/// Rules as a report states them: the named ones with every number its own. A plan file names them and gives what differs.
+pub(super) mod rules {
+    use super::*;
+
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct RulesChanges {
+        name: String,
+        kernel: Option<Kernel>,
+        normalised: Option<bool>,
+        low_pass: Option<f64>,
+        spacing: Option<f64>,
+        cutoff: Option<f64>,
+        alpha_max: Option<f64>,
+        alpha_min: Option<f64>,
+        minimum_transmittance: Option<f64>,
+        omit_finishing: Option<bool>,
+        clamp_jacobian: Option<bool>,
+    }
+
+    pub fn serialize<S: Serializer>(rules: &Rules, to: S) -> Result<S::Ok, S::Error> {
+        RulesFacts::from(rules).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Rules, D::Error> {
+        let changes = RulesChanges::deserialize(from)?;
+        let named: Rules = changes.name.parse().map_err(D::Error::custom)?;
+        let named = named.with_kernel(changes.kernel.unwrap_or(named.kernel));
+        Ok(Rules {
+            name: named.name,
+            kernel: named.kernel,
+            normalised: changes.normalised.unwrap_or(named.normalised),
+            low_pass: changes.low_pass.unwrap_or(named.low_pass),
+            spacing: changes.spacing.unwrap_or(named.spacing),
+            // A report writes an infinite cut-off as null; no named rules with a finite one can have it.
+            cutoff: changes.cutoff.unwrap_or(named.cutoff),
+            alpha_max: changes.alpha_max.unwrap_or(named.alpha_max),
+            alpha_min: changes.alpha_min.unwrap_or(named.alpha_min),
+            minimum_transmittance: changes
+                .minimum_transmittance
+                .unwrap_or(named.minimum_transmittance),
+            omit_finishing: changes.omit_finishing.unwrap_or(named.omit_finishing),
+            clamp_jacobian: changes.clamp_jacobian.unwrap_or(named.clamp_jacobian),
+        })
+    }
+}
+
+/// A design in full or by its name, and the traversal if it is not the design's own.
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct VariantText {
+    design: DesignText,
+    #[serde(deserialize_with = "some_traversal")]
+    traversal: Option<Traversal>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum DesignText {
+    Name(String),
+    Full(DesignChoice),
+}
+
+impl Default for VariantText {
+    fn default() -> Self {
+        VariantText {
+            design: DesignText::Name("standard24".to_owned()),
+            traversal: None,
+        }
+    }
+}
+
+impl TryFrom<VariantText> for DesignVariant {
+    type Error = String;
+
+    fn try_from(text: VariantText) -> Result<DesignVariant, String> {
+        let design = match text.design {
+            DesignText::Full(design) => design,
+            DesignText::Name(name) => {
+                DesignChoice::named(&name).ok_or_else(|| format!("no design is named '{name}'"))?
+            }
+        };
+        Ok(DesignVariant::new(design, text.traversal))
+    }
+}
+
+fn some_traversal<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Traversal>, D::Error> {
+    traversal_by_name::deserialize(from).map(Some)
+}

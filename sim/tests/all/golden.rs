@@ -1,0 +1,74 @@
+//! The golden table: every system of the papers as a plan, drawn to the committed bits and errors.
+
+use splatline_sim::plan::golden::{GoldenLine, lines, plans, table};
+use splatline_sim::plan::{Plan, Prepared};
+use splatline_sim::systems::SYSTEMS;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("plans")
+}
+
+#[test]
+fn every_plan_draws_its_committed_bits_and_errors() {
+    let lines = lines(&folder()).unwrap();
+    let missed: Vec<&GoldenLine> = lines.iter().filter(|line| !line.meets_bars()).collect();
+    assert!(missed.is_empty(), "{missed:?}");
+    let found = table(&lines);
+    let committed = std::fs::read_to_string(folder().join("golden.csv")).unwrap_or_default();
+    if found != committed {
+        let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden.csv");
+        std::fs::write(&file, &found).unwrap();
+        let changed: Vec<&str> = found
+            .lines()
+            .filter(|line| !committed.lines().any(|other| other == *line))
+            .collect();
+        panic!(
+            "{} differs from sim/plans/golden.csv in\n{}",
+            file.display(),
+            changed.join("\n")
+        );
+    }
+}
+
+#[test]
+fn every_system_has_a_plan_that_exercises_it() {
+    for system in &SYSTEMS {
+        let prefix = format!("{:02}-", system.number);
+        let own = plans(&folder()).unwrap().into_iter();
+        let own: Vec<_> = own.filter(|(name, _)| name.starts_with(&prefix)).collect();
+        assert!(!own.is_empty(), "{} {}", system.number, system.name);
+        for (name, path) in own {
+            let prepared = Prepared::from_file(&path, &|_| ()).unwrap();
+            let verdicts = prepared.systems();
+            let verdict = &verdicts[usize::from(system.number) - 1];
+            assert!(verdict.used, "{name}: {}", verdict.reason);
+        }
+    }
+}
+
+/// What a report records of a plan is the plan.
+#[test]
+fn the_command_line_draws_every_plan_and_records_it() {
+    let place = tempfile::tempdir().unwrap();
+    for (name, path) in plans(&folder()).unwrap() {
+        let report = place.path().join(format!("{name}.json"));
+        let drawn = Command::new(env!("CARGO_BIN_EXE_splatline"))
+            .arg("render")
+            .arg("--plan")
+            .arg(&path)
+            .arg("-o")
+            .arg(place.path().join(format!("{name}.png")))
+            .arg("--json")
+            .arg(&report)
+            .output()
+            .unwrap();
+        let errors = String::from_utf8_lossy(&drawn.stderr);
+        assert!(drawn.status.success(), "{name}: {errors}");
+        let read = |path: &Path| std::fs::read_to_string(path).unwrap();
+        let stated = Plan::from_toml(&read(&path)).unwrap();
+        let recorded = Plan::from_report(&read(&report)).unwrap();
+        assert_eq!(stated, recorded, "{name}");
+    }
+}
