@@ -18,9 +18,8 @@ pub(super) mod camera {
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Camera, D::Error> {
-        let facts = CameraFacts::deserialize(from)?;
-        let text = serde_json::to_string(&facts).map_err(D::Error::custom)?;
-        Camera::from_json_str(&text).map_err(D::Error::custom)
+        let facts = serde_json::Value::deserialize(from)?;
+        Camera::from_json_str(&facts.to_string()).map_err(D::Error::custom)
     }
 }
 

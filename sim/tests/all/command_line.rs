@@ -374,7 +374,7 @@ fn an_empty_picture_says_why() {
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         let printed = stderr(&output);
         assert!(
-            printed.contains("the picture is empty: of ") && printed.contains("culled"),
+            printed.contains("the picture is empty: all ") && printed.contains("culled"),
             "{printed}"
         );
     }
@@ -561,7 +561,7 @@ fn a_files_order_is_honoured_or_refused() {
     let swan = ["--rules", "ewa", "--antialias", "swan", "--points", "auto"];
     let picture = path("x.png");
     let points = [&["render", &scene, "-o", &picture], &swan[..]].concat();
-    refused(1, &points, "points and stamps go by the depth");
+    refused(1, &points, "spheres go by the depth");
     let vectors = ["vectors", "export", "--scene", &scene, &path("v")];
     refused(2, &vectors, "a setup unit whose key is the depth");
 }

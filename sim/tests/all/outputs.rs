@@ -81,10 +81,6 @@ const CASES: &[(&str, Option<(&str, &str)>)] = &[
         Some(("grid.csv", "link.png")),
     ),
     (
-        "render scene.ply --chunks 1 --eye 0,0,-4 --target 0,0,0 -o link.png",
-        Some(("scene.ply", "link.png")),
-    ),
-    (
         "render sg --camera-path path.toml -o link.png",
         Some(("path.toml", "link-0002.png")),
     ),

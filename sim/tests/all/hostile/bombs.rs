@@ -124,8 +124,7 @@ fn splats() -> Vec<Bomb> {
                         .concat(),
                 );
             }
-            bytes.extend(rubbish(count as usize / 1024 * record));
-            bytes.truncate(8 * MEGABYTE);
+            bytes.extend(rubbish((count as usize / 1024 * record).min(8 * MEGABYTE)));
             bombs.push((format!("streams{count}d{degree}.spz"), bytes, how));
         }
         let names = [
