@@ -169,7 +169,7 @@ pub fn page(data: &Path) -> Result<Page> {
     }
     page.add(
         "Pictures of 512 x 512, tiles of 16 x 16, design standard24. Tables are of the guitar from afar; files of CSV beside this page have five scenes. \
-         `splatline model` prints the same of any scene and machine.",
+         `splatline simulate` prints the same of any scene and machine.",
     );
     page.add(
         "## Throughput of the raster unit\n\nA machine is the default one with the changes that its name says. *Covered* is covered pixels (r < c) that lanes visited, per \
