@@ -126,7 +126,7 @@ impl Identity {
 
 /// Rules, order and method of blending, as a plan records them.
 fn technique(frame: &Prepared) -> Result<Value> {
-    let mut recorded = serde_json::to_value(&frame.plan.technique)?;
+    let mut recorded = serde_json::to_value(frame.plan.technique)?;
     Ok(recorded["splats"].take())
 }
 

@@ -53,7 +53,7 @@ impl Texture {
             return Ok(Texture::from_pattern(96, 96, |u, v| {
                 let field = (u / 12.0) as usize + (v / 12.0) as usize;
                 let [light, dark] = [[0.65, 0.62, 0.55], [0.35, 0.36, 0.42]];
-                if field % 2 == 0 { light } else { dark }
+                if field.is_multiple_of(2) { light } else { dark }
             }));
         }
         decode(path).map_err(|problem| problem.of(path.display().to_string()))

@@ -181,7 +181,8 @@ impl PlanRequest<'_> {
             let message = "--points and --traversal stamp need --rules ewa and --antialias swan";
             return Err(Failure::Usage(message.to_owned()));
         }
-        if !asked && !(are_samples && scaled) {
+        let chosen = asked || are_samples && scaled;
+        if !chosen {
             return Ok(None);
         }
         let range = if are_samples {

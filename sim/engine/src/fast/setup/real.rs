@@ -231,7 +231,7 @@ impl<W: Doubles> Reals<'_, W> {
     fn cuts<const N: usize>(self, terms: [Term<W>; N], unit: Word<W>) -> Word<W> {
         let (math, lanes) = (self.words, self.words.lanes);
         // A power of two has an empty fraction, so that this is its inverse.
-        let inverse = math.sub(math.splat(2 * BIAS << EXPONENT), unit);
+        let inverse = math.sub(math.splat((2 * BIAS) << EXPONENT), unit);
         let mut sum = math.splat(0);
         for term in terms {
             sum = lanes.double_add(sum, self.cut(term, inverse));
