@@ -6,6 +6,7 @@ use crate::scenes::Seen;
 use anyhow::Result;
 use splatline::footprint::{Conic, Footprint};
 use splatline::format::Widths;
+use splatline::math::SoftFloat;
 use splatline::raster::Window;
 use splatline::setup::{Covariance2d, ldl};
 use splatline_sim::camera::Camera;
@@ -224,11 +225,20 @@ impl WorkloadRandom {
         );
         let (long, short) = ((2.0 * long).exp2(), (2.0 * (long - ratio)).exp2());
         let (sine, cosine) = angle.sin_cos();
+        // As setup has them, of the design's mantissa: longer ones have no place in the words of `ldl`.
+        let rounded = |number: f64| {
+            let exact = fixed::scaled(number);
+            SoftFloat::from_wide(
+                exact.mantissa.into(),
+                exact.exponent,
+                widths.mantissa.into(),
+            )
+        };
         let variance = Covariance2d {
-            xx: fixed::scaled(long * cosine * cosine + short * sine * sine),
-            xy: fixed::scaled((long - short) * sine * cosine),
-            yy: fixed::scaled(long * sine * sine + short * cosine * cosine),
-            determinant: fixed::scaled(long * short),
+            xx: rounded(long * cosine * cosine + short * sine * sine),
+            xy: rounded((long - short) * sine * cosine),
+            yy: rounded(long * sine * sine + short * cosine * cosine),
+            determinant: rounded(long * short),
         };
         let peak = self.bits(4 + widths.peak) >> self.below(8);
         let cutoff = (self.bits(32) >> self.below(5)).min(15 << 28);

@@ -60,12 +60,13 @@ fn named(name: &str, value: i64, exponent: i32) -> Named {
     (name.to_owned(), value, exponent)
 }
 
+/// A mantissa as the core has them, 31 bits of which the last may be 0: a sum's window follows from that length.
 fn number(name: &str, value: SoftFloat) -> Named {
     if value.mantissa == 0 {
-        named(name, 0, ZERO_EXPONENT)
-    } else {
-        named(name, value.mantissa.into(), value.exponent)
+        return named(name, 0, ZERO_EXPONENT);
     }
+    let value = SoftFloat::from_wide(value.mantissa.into(), value.exponent, 31);
+    named(name, value.mantissa.into(), value.exponent)
 }
 
 /// The exponent of 0 in `setup_core.sv`.
