@@ -12,7 +12,9 @@ use splatline_rtl::setup::tables::TableUnits;
 use splatline_rtl::setup::unit::SetupUnit;
 use splatline_rtl::tools::rtl;
 use splatline_rtl::unit::report;
-use splatline_rtl::{area, asic, formal, harmonics, judges, package, placement, setup, tables};
+use splatline_rtl::{
+    area, asic, formal, harmonics, judges, package, placement, rules, setup, tables,
+};
 use splatline_sim::atomic;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
@@ -34,6 +36,7 @@ const USAGE: &str = "usage: rtl COMMAND
                                   that fmax places or of those whose name contains WORDS
   fmax WORDS [SEED]   clock by nextpnr on the ECP5 of circuits whose name contains WORDS, as 'lean18 splat_primitive', in lines of placed.csv
   bitstream DESIGN LANES FILE     the primitive between registers as a bitstream for the ECP5 LFE5U-85F, by Yosys, nextpnr and ecppack
+  registers DESIGN RULES          what a driver writes into the AXI shell for rules (ewa or 3dgs), as a C array for shell/splat_axi.h
   estimate DESIGN LANES           the model's estimate of area, without synthesis
 ";
 
@@ -69,6 +72,10 @@ fn main() -> ExitCode {
             .and_then(|lanes| Circuit::new(&PRIMITIVE, design, lanes))
             .and_then(|circuit| placement::bitstream(&circuit, Path::new(file)))
             .map(|line| println!("{line}")),
+        ["registers", design, name] => DesignChoice::load(design)
+            .map_err(Into::into)
+            .and_then(|choice| rules::register_writes(&choice.widths, name))
+            .map(|text| print!("{text}")),
         ["estimate", design, lanes] => estimate(design, lanes),
         _ => {
             eprint!("{USAGE}");
