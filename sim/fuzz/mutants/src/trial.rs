@@ -5,7 +5,7 @@ use crate::copy::Program;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Processor time that a test may take, in times of what it takes without a mutant.
 const LIMIT: u128 = 4;
@@ -65,12 +65,12 @@ impl Suite {
 
     fn try_once(&mut self, program: usize, name: &str, work: &Path) -> Result<(), Failure> {
         let record = work.join("reached");
-        let begin = Instant::now();
-        let output = self
-            .command(program, &["--exact", name], "600")
+        let mut command = self.command(program, &["--exact", name], "600");
+        let output = command
             .env("MUTANT_RECORD", &record)
+            .stderr(Stdio::piped())
             .output()?;
-        let time = begin.elapsed();
+        let time = processor_time(&String::from_utf8_lossy(&output.stderr));
         let text = String::from_utf8_lossy(&output.stdout);
         if !output.status.success() {
             return Err(format!("{name} fails without a mutant:\n{text}").into());
@@ -96,7 +96,11 @@ impl Suite {
         let program = &self.programs[program];
         let mut command = Command::new("sh");
         command
-            .args(["-c", "ulimit -c 0 -t $0 -v 8000000; exec \"$@\"", seconds])
+            .args([
+                "-c",
+                "ulimit -c 0 -t $0 -v 8000000; \"$@\" 2>/dev/null; c=$?; times >&2; exit $c",
+                seconds,
+            ])
             .arg(&program.path)
             .args(arguments)
             .args(["--test-threads=1", "-Zunstable-options", "--fail-fast"])
@@ -135,7 +139,7 @@ impl Suite {
                     continue;
                 }
                 let time: Duration = tests.iter().map(|t| t.time).sum();
-                let seconds = (2 + LIMIT * time.as_millis() / 1000).to_string();
+                let seconds = (1 + LIMIT * time.as_millis() / 1000).to_string();
                 let mut arguments = vec!["--exact"];
                 arguments.extend(tests.iter().map(|t| t.name.as_str()));
                 let output = self
@@ -149,6 +153,16 @@ impl Suite {
         }
         Ok(Verdict::Survived)
     }
+}
+
+/// Of a shell's children, from the last line of what `times` prints: `0m1.25s 0m0.01s`.
+fn processor_time(text: &str) -> Duration {
+    let part = |word: &str| {
+        let (minutes, seconds) = word.trim_end_matches('s').split_once('m')?;
+        Some(60.0 * minutes.parse::<f64>().ok()? + seconds.parse::<f64>().ok()?)
+    };
+    let last = text.lines().last().unwrap_or("");
+    Duration::from_secs_f64(last.split_whitespace().filter_map(part).sum())
 }
 
 /// How many tests are run together: more than one only if they are quick.
