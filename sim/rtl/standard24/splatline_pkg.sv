@@ -14,8 +14,9 @@ package splatline_pkg;
   localparam int COLOUR = 24;  // fraction bits of a splat's colour
   localparam int ACCUMULATOR = 26;  // fraction bits of a pixel's colour
   localparam int SUM_BITS = 31;  // bits of a pixel's colour: below 32, see blend.sv
-  localparam int BLOCK_BITS = 5;  // log2 of the columns between two seeds
-  localparam int GUARD = 8;  // bits below the lanes' unit from which seeds are balanced
+  localparam int BLOCK_BITS = 5;  // log2 of the columns, and of the rows, between two seeds
+  localparam int GUARD = 8;  // bits below the lanes' and the rows' units from which seeds are balanced
+  localparam int VERTICAL = 31;  // fraction bits of C dy^2 down the rows
   localparam int TILE_COLUMN_BITS = 5;  // log2 of a tile's columns
   localparam int TILE_ROW_BITS = 5;  // log2 of a tile's rows
   localparam int PACKET_BITS = 616;  // bits of a packet
@@ -84,7 +85,8 @@ package splatline_pkg;
     logic [15:0] box_end;
     logic [15:0] first_column;  // and of its part in the window
     logic [15:0] end_column;
-    logic [55:0] reach;  // cut-off and slack, UQ4.52
+    logic [VERTICAL+4:0] reach;  // cut-off and slack, UQ5.vertical
+    logic coarse;  // xc has SUBPIXEL - 2 fraction bits, otherwise SUBPIXEL + 8
     logic [MANTISSA-1:0] squared_width;
     logic squared_width_odd;
     logic signed [15:0] squared_width_power;
@@ -103,11 +105,11 @@ package splatline_pkg;
   typedef struct packed {
     logic [15:0] row;
     logic [15:0] rows;  // rows in the window
-    logic signed [63:0] centre;  // xc - 1/2, Q.32
-    logic signed [63:0] shear;
-    logic signed [63:0] vertical;  // C dy^2, Q.52, and its differences
-    logic signed [63:0] first;
-    logic signed [63:0] second;
+    logic signed [SUBPIXEL+27:0] centre;  // xc - 1/2, and its change
+    logic signed [SUBPIXEL+27:0] shear;
+    logic signed [VERTICAL+5:0] vertical;  // C dy^2, Q5.vertical, and its differences
+    logic signed [VERTICAL+5:0] first;
+    logic signed [VERTICAL+5:0] second;
   } start_t;
 
   // Adjacent pixels of one row, at least one (`Span`).
