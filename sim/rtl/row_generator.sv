@@ -104,16 +104,16 @@ module row_generator (
   delay #(.BITS(ROW_BITS + $bits(paint1)), .STAGES(31)) hold_paint (.clk, .rst, .advance(1'b1), .in({row1, paint1}), .out({row32, paint32}));
   delay #(.BITS(16), .STAGES(6)) hold_power (.clk, .rst, .advance(1'b1), .in(squared_width_power1), .out(squared_width_power7));
 
-  // Stage 3: the squared half-width, Q.26 before the exponent. Stage 5: brought to [1/4, 1) by an even shift.
-  logic [31:0] doubled1;
-  logic [M+31:0] product3;
+  // Stage 3: the squared half-width, Q.24 before the exponent. Stage 5: brought to [1/4, 1) by an even shift.
+  logic [29:0] doubled1;
+  logic [M+29:0] product3;
   logic [63:0] squared3, squared4, normal4;
   logic [4:0] pairs3, pairs4;
   logic [7:0] index5;
   logic [15:0] fraction5;
   logic [4:0] pairs5;
-  assign doubled1 = squared_width_odd1 ? {rest1[ROW-2-:31], 1'b0} : {1'b0, rest1[ROW-2-:31]};
-  multiply #(.LEFT(32), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled1), .right(squared_width1), .product(product3));
+  assign doubled1 = squared_width_odd1 ? {rest1[ROW-2-:29], 1'b0} : {1'b0, rest1[ROW-2-:29]};
+  multiply #(.LEFT(30), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled1), .right(squared_width1), .product(product3));
   assign squared3 = 64'(product3);
   // Pairs of leading zeros; 31 where there is nothing.
   always_comb begin

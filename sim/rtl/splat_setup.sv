@@ -313,7 +313,7 @@ module splat_setup #(
     squared_width24 <= squared_width23;
     horizontal24 <= horizontal23;
     squared_width_odd24 <= squared_width_exponent23[0];
-    squared_width_power24 <= (extend(squared_width_exponent23) >>> 1) + 16'sd19;
+    squared_width_power24 <= (extend(squared_width_exponent23) >>> 1) + 16'sd20;
   end
 
   // The fields in the order of `start_t` and `shape_t`.

@@ -40,13 +40,13 @@ pub const BLOCK: u16 = 32;
 /// Bits of A and C below their sequence's unit from which the seeds are balanced.
 pub const GUARD: u32 = 8;
 
-/// Fraction bits of the argument of a row's half-width.
-pub const REST: u32 = 26;
+/// Fraction bits of what a row leaves of the cut-off, from which its half-width follows: with 18 bits of 1 / A two products of words.
+pub const REST: u32 = 24;
 
 /// Added to the cut-off before the span is computed: 2^-10.
 const SLACK: u32 = 10;
 
-/// Fraction bits of C dy^2 down the rows: 4 more than the lanes have, and those of [`REST`] at least.
+/// Fraction bits of C dy^2 down the rows: 4 more than the lanes have, and as many at least as 32 bits hold.
 pub const fn vertical_fraction(widths: &Widths) -> u32 {
     let radial = widths.radial as u32;
     4 + if radial > 22 { radial } else { 22 }
@@ -289,9 +289,8 @@ impl<L: Lane> EllipseSpans<L> {
         };
         let rest = self.reach.wrapping_sub(row.vertical);
         if rest > 0 {
-            let narrow = self.seed.is_narrow();
-            let half = self.half_width.of(rest, narrow);
-            let (low, high) = ends(row.centre, half, narrow);
+            let half = self.half_width.of(rest, self.seed.bits <= 18);
+            let (low, high) = ends(row.centre, half, self.seed.is_narrow());
             let [first, last] = self.bounds.map(i32::from);
             // Not `clamp`, which panics if first > last: an open row has first < last, but the compiler cannot know.
             let low = low.min(last).max(first) as u16;
@@ -462,7 +461,7 @@ struct HalfWidth {
     mantissa: u32,
     odd: u32,
     power: i32,
-    /// From the unit of C dy^2 to Q.26.
+    /// From the unit of C dy^2 to Q.24.
     drop: u32,
 }
 
@@ -470,12 +469,12 @@ impl HalfWidth {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     fn new(squared_width: SoftFloat, fraction: u32) -> Self {
         let odd = squared_width.exponent & 1;
-        // With rest in Q.26: sqrt(m rest 2^(e - 26)) = root 2^(shift + (e - odd)/2 - 13), then Q.32.
+        // With rest in Q.24: sqrt(m rest 2^(e - 24)) = root 2^(shift + (e - odd)/2 - 12), then Q.32.
         HalfWidth {
             mantissa: squared_width.mantissa.unsigned_abs(),
             odd: odd as u32,
             power: ((squared_width.exponent - odd) / 2)
-                .saturating_add(32 - REST.div_ceil(2) as i32),
+                .saturating_add(32 - REST as i32 / 2),
             drop: fraction.saturating_sub(REST),
         }
     }
@@ -485,9 +484,9 @@ impl HalfWidth {
     fn of(&self, rest: i64, narrow: bool) -> i64 {
         let rest = (rest as u64) >> (self.drop & 63);
         let squared = if narrow {
-            // 15 bits by 16 and 15 bits.
-            let (low, high) = (rest as u32 & 0xffff, rest as u32 >> 16);
-            (u64::from(self.mantissa.wrapping_mul(high)) << 16)
+            // 18 bits by 14 and 14 bits.
+            let (low, high) = (rest as u32 & 0x3fff, rest as u32 >> 14);
+            (u64::from(self.mantissa.wrapping_mul(high)) << 14)
                 .wrapping_add(self.mantissa.wrapping_mul(low).into())
         } else {
             u64::from(self.mantissa).wrapping_mul(rest)

@@ -98,7 +98,7 @@ pub fn stays_near(constants: &RowConstants<i64>, count: usize) -> bool {
 /// Is 1 / A small enough for `SquaredWidth`?
 #[inline(always)]
 pub fn has_short_squared_width(constants: &RowConstants<i64>) -> bool {
-    // Designs of at most 15 bits multiply the root's argument in two halves.
-    let bits = if constants.drops.1 <= 15 { 15 } else { 32 };
+    // Designs of at most 18 bits multiply the root's argument in two halves.
+    let bits = if constants.drops.1 <= 18 { 18 } else { 32 };
     constants.squared_width.0 < 1 << bits && constants.squared_width.2 <= 30
 }

@@ -55,7 +55,8 @@ impl RuntimeRows {
 /// Bits of the longest rest of the cut-off that the root takes.
 #[inline(always)]
 pub fn longest_rest(constants: &RowConstants<i64>) -> u32 {
-    constants.vertical_fraction.saturating_sub(REST).min(31) + 32
+    let bits = if constants.drops.1 <= 18 { 28 } else { 32 };
+    constants.vertical_fraction.saturating_sub(REST).min(31) + bits
 }
 
 /// The runs of one footprint's rows in one block of a tile.
@@ -109,7 +110,7 @@ impl Recurrences {
             }
             begin = end;
         }
-        // Centres below 2^61, arguments of the root below 2^32.
+        // Centres below 2^61, what is left of the cut-off short enough for the root.
         far >> 61 == 0 && long >> longest_rest(constants) == 0
     }
 }
