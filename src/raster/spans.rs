@@ -473,8 +473,7 @@ impl HalfWidth {
         HalfWidth {
             mantissa: squared_width.mantissa.unsigned_abs(),
             odd: odd as u32,
-            power: ((squared_width.exponent - odd) / 2)
-                .saturating_add(32 - REST as i32 / 2),
+            power: ((squared_width.exponent - odd) / 2).saturating_add(32 - REST as i32 / 2),
             drop: fraction.saturating_sub(REST),
         }
     }
