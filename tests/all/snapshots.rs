@@ -7,10 +7,11 @@ use fixed::types::U4F28;
 use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::Painter;
-use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, VersionError};
+use splatline::footprint::{Footprint, Ldl};
 use splatline::format::{Classic8, Deep32, Design, Lean18, Standard24, Traversal};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::math::SoftFloat;
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::setup;
@@ -44,10 +45,10 @@ fn small_view() -> View {
 
 fn field_table<D: Design>(design: D) -> String {
     let footprint = setup(design, &small_view(), &Rules::GAUSSIAN_3D, &leaf()).unwrap();
-    let layout = Layout::new(&design.widths());
+    let layout = Layout::with_depth(&design.widths(), Traversal::Spans);
     let packet = layout.encode(&footprint);
     let mut text = String::new();
-    for field in layout.fields() {
+    for field in layout.fields().iter().filter(|field| field.width > 0) {
         let value: u64 = (0..field.width)
             .map(|bit| {
                 let at = usize::from(field.offset) + usize::from(bit);
@@ -203,7 +204,6 @@ fn the_packet_holds_these_bits() {
 }
 
 fn round_trip<D: Design>(design: D, splat: &VolumeSplat) -> Result<(), TestCaseError> {
-    let layout = Layout::new(&design.widths());
     let Ok(footprint) = setup(
         design,
         &view(0.1, 0.2, Projection::Perspective),
@@ -212,7 +212,28 @@ fn round_trip<D: Design>(design: D, splat: &VolumeSplat) -> Result<(), TestCaseE
     ) else {
         return Err(TestCaseError::reject("culled"));
     };
-    prop_assert_eq!(layout.decode(&layout.encode(&footprint)), Ok(footprint));
+    let (widths, nothing) = (design.widths(), Footprint::EMPTY);
+    let zero = SoftFloat::default();
+    let of_spans = Footprint {
+        conic: nothing.conic,
+        ..footprint
+    };
+    let of_box = Footprint {
+        ldl: Ldl {
+            horizontal: zero,
+            squared_width: zero,
+            shear: zero,
+            vertical: zero,
+        },
+        ..footprint
+    };
+    for (traversal, kept) in [(Traversal::Spans, of_spans), (Traversal::Box, of_box)] {
+        let layout = Layout::with_depth(&widths, traversal);
+        prop_assert_eq!(layout.decode(&layout.encode(&footprint)), Ok(kept));
+        let layout = Layout::new(&widths, traversal);
+        let kept = Footprint { depth: 0, ..kept };
+        prop_assert_eq!(layout.decode(&layout.encode(&footprint)), Ok(kept));
+    }
     Ok(())
 }
 
@@ -230,9 +251,9 @@ proptest! {
 
 #[test]
 fn another_version_is_refused() {
-    let layout = Layout::new(&Standard24::WIDTHS);
+    let layout = Layout::new(&Standard24::WIDTHS, Traversal::Spans);
     let footprint: Footprint = setup(Standard24, &small_view(), &Rules::EWA, &leaf()).unwrap();
     let mut packet = layout.encode(&footprint);
     packet[0] ^= 3;
-    assert_eq!(layout.decode(&packet), Err(VersionError { found: 1 }));
+    assert_eq!(layout.decode(&packet), Err(VersionError { found: 0 }));
 }

@@ -19,8 +19,8 @@ package splatline_pkg;
   localparam int VERTICAL = 26;  // fraction bits of C dy^2 down the rows
   localparam int TILE_COLUMN_BITS = 5;  // log2 of a tile's columns
   localparam int TILE_ROW_BITS = 5;  // log2 of a tile's rows
-  localparam int PACKET_BITS = 488;  // bits of a packet
-  localparam logic [3:0] PACKET_VERSION = 4'd2;
+  localparam int PACKET_BITS = 375;  // bits of a packet
+  localparam logic [3:0] PACKET_VERSION = 4'd3;
 
   typedef struct packed {
     logic [17:0] blue;  // 14 fraction bits
@@ -28,10 +28,6 @@ package splatline_pkg;
     logic [17:0] red;  // 14 fraction bits
     logic [27:0] peak;  // 24 fraction bits
     logic [31:0] cutoff;  // 28 fraction bits
-    logic signed [9:0] conic_exponent;
-    logic [17:0] conic_c;
-    logic signed [18:0] conic_b;
-    logic [17:0] conic_a;
     logic signed [9:0] vertical_exponent;
     logic [17:0] vertical_mantissa;
     logic signed [9:0] shear_exponent;
@@ -46,7 +42,6 @@ package splatline_pkg;
     logic [15:0] first_column;
     logic signed [39:0] centre_v;  // 12 fraction bits
     logic signed [39:0] centre_u;  // 12 fraction bits
-    logic [47:0] depth;
     logic [3:0] version;
   } footprint_t;
 

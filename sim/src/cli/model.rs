@@ -330,7 +330,7 @@ fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> 
     let size = options
         .screen
         .map_or([0, 0], |size| [size.width as u16, size.height as u16]);
-    let layout = splatline::footprint::packet::Layout::new(&entry.design.widths);
+    let layout = splatline::footprint::packet::Layout::new(&entry.design.widths, entry.traversal);
     let table = TableOptions {
         viewport: size,
         tile: [machine.tile_width, machine.tile_height],

@@ -5,7 +5,7 @@
 
 use anyhow::{Result, bail};
 use splatline::footprint::packet::{Field, Layout, VERSION};
-use splatline::format::{Rounding, Widths};
+use splatline::format::{Rounding, Traversal, Widths};
 use splatline::kernel::{entries, fill_gaussian};
 use splatline::raster::{BLOCK, GUARD, vertical_fraction};
 use splatline::rules::Rules;
@@ -103,7 +103,7 @@ pub fn text(name: &str, widths: &Widths) -> Result<String> {
          package splatline_pkg;\n\n"
     );
     parameters(&mut text, widths);
-    footprint(&mut text, &Layout::new(widths));
+    footprint(&mut text, &Layout::new(widths, Traversal::Spans));
     text.push_str(TYPES);
     text.push_str("endpackage\n");
     Ok(text)
@@ -116,7 +116,7 @@ fn parameters(text: &mut String, widths: &Widths) {
         .map(|entry| u32::BITS - entry.step.leading_zeros())
         .max()
         .unwrap_or(1);
-    let layout = Layout::new(widths);
+    let layout = Layout::new(widths, Traversal::Spans);
     let Widths {
         mantissa,
         subpixel,
@@ -170,7 +170,7 @@ fn footprint(text: &mut String, layout: &Layout) {
         signed,
         fraction,
         ..
-    } in layout.fields().iter().rev()
+    } in layout.fields().iter().rev().filter(|field| field.width > 0)
     {
         let sign = if *signed { "signed " } else { "" };
         let format = match fraction {
