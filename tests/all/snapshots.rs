@@ -141,7 +141,7 @@ fn the_leaf_looks_like_this() {
 }
 
 const STANDARD24: &str = "\
-version                bit   0,  4 wide: 2
+version                bit   0,  4 wide: 3
 depth                  bit   4, 48 wide: c08000000000
 centre_u               bit  52, 52 wide: fa80000
 centre_v               bit 104, 52 wide: 7380000
@@ -157,19 +157,15 @@ shear_mantissa         bit 296, 29 wide: a3eb7f4
 shear_exponent         bit 325, 10 wide: 3e5
 vertical_mantissa      bit 335, 28 wide: a79849a
 vertical_exponent      bit 363, 10 wide: 3e3
-conic_a                bit 373, 28 wide: 4cf3279
-conic_b                bit 401, 29 wide: 19d74c8b
-conic_c                bit 430, 28 wide: d1febae
-conic_exponent         bit 458, 10 wide: 3e4
-cutoff                 bit 468, 32 wide: a81d56e5
-peak                   bit 500, 32 wide: c000000
-red                    bit 532, 28 wide: 1000000
-green                  bit 560, 28 wide: 800000
-blue                   bit 588, 28 wide: 400000
+cutoff                 bit 373, 32 wide: a81d56e5
+peak                   bit 405, 32 wide: c000000
+red                    bit 437, 28 wide: 1000000
+green                  bit 465, 28 wide: 800000
+blue                   bit 493, 28 wide: 400000
 ";
 
 const LEAN18: &str = "\
-version                bit   0,  4 wide: 2
+version                bit   0,  4 wide: 3
 depth                  bit   4, 48 wide: c08000000000
 centre_u               bit  52, 40 wide: fa80
 centre_v               bit  92, 40 wide: 7380
@@ -185,15 +181,11 @@ shear_mantissa         bit 252, 19 wide: 28fae
 shear_exponent         bit 271, 10 wide: 3ef
 vertical_mantissa      bit 281, 18 wide: 29e61
 vertical_exponent      bit 299, 10 wide: 3ed
-conic_a                bit 309, 18 wide: 133cd
-conic_b                bit 327, 19 wide: 675d3
-conic_c                bit 346, 18 wide: 347fb
-conic_exponent         bit 364, 10 wide: 3ee
-cutoff                 bit 374, 32 wide: a81d56e5
-peak                   bit 406, 28 wide: c00000
-red                    bit 434, 18 wide: 4000
-green                  bit 452, 18 wide: 2000
-blue                   bit 470, 18 wide: 1000
+cutoff                 bit 309, 32 wide: a81d56e5
+peak                   bit 341, 28 wide: c00000
+red                    bit 369, 18 wide: 4000
+green                  bit 387, 18 wide: 2000
+blue                   bit 405, 18 wide: 1000
 ";
 
 #[test]
