@@ -21,7 +21,7 @@ mod surfaces;
 
 pub use counts::Counts;
 pub use frame::{Frame, PixelReader};
-pub use list::{BoundedList, DisplayList, LentList, ListFull};
+pub use list::{BoundedList, DisplayList, Footprints, LentList, ListFull};
 pub use order::sort_by_key;
 pub use primitive::{Primitive, Rejected};
 pub use renderer::{NoTable, RenderError, Renderer};

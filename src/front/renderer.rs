@@ -1,17 +1,22 @@
 //! The renderer: cull, set up, sort by depth, draw; the stages chained with the table that belongs to the design.
 
-use super::{Counts, DisplayList, Frame, ListFull, PixelReader, Primitive};
-use crate::blend::Pixel;
-use crate::draw::{Coverage, Painter};
+use super::{Counts, DisplayList, Footprints, Frame, ListFull, PixelReader, Primitive};
+use crate::blend::{Blend, Pixel};
+use crate::draw::{Coverage, Painter, Painter32};
 use crate::footprint::Footprint;
 use crate::format::{Design, Traversal};
-use crate::kernel::{FootprintTable, Kernel, TableSizeError, Tabled, table_4, table_16};
+use crate::kernel::{
+    FootprintTable, Kernel, PackedTable, TableSizeError, Tabled, table_4, table_16,
+};
 use crate::raster::Window;
 use crate::rules::{Compositing, Rules};
 use crate::target::{Target, TargetError};
 use crate::view::{Pose, View};
 
 /// Everything that is constant for a picture. Draws nearest first by spans unless told otherwise.
+///
+/// Where the design's words allow it ([`Micro16`](crate::Micro16)), spans are drawn nearest first by a loop of 32-bit words
+/// ([`Painter32`]): the same bits from footprints of setup, in a third of the instructions on a Cortex-M0+.
 ///
 /// ```
 /// use splatline::{BoundedList, Camera, Gaussian, Pixel, Renderer, Standard24};
@@ -34,6 +39,7 @@ pub struct Renderer<'t, D> {
     design: D,
     rules: Rules,
     table: FootprintTable<'t>,
+    packed: Option<PackedTable<'static>>,
     compositing: Compositing,
     traversal: Traversal,
 }
@@ -62,7 +68,7 @@ impl<D: Tabled> Renderer<'static, D> {
     /// 3D Gaussian splatting ([`Rules::GAUSSIAN_3D`]) with the design's own table.
     #[inline]
     pub const fn new(design: D) -> Self {
-        Renderer::of(design, Rules::GAUSSIAN_3D, table_16::<D>())
+        Renderer::of(design, Rules::GAUSSIAN_3D, table_16::<D>()).with_packed(D::PACKED_16)
     }
 
     /// EWA volume splatting ([`Rules::EWA`]) with the design's own table.
@@ -76,7 +82,10 @@ impl<D: Tabled> Renderer<'static, D> {
     pub const fn with_rules(design: D, rules: Rules) -> Result<Self, NoTable> {
         match (rules.kernel, rules.table_range) {
             (Kernel::Gaussian, 2) => Ok(Renderer::of(design, rules, table_4::<D>())),
-            (Kernel::Gaussian, 4) => Ok(Renderer::of(design, rules, table_16::<D>())),
+            (Kernel::Gaussian, 4) => {
+                let renderer = Renderer::of(design, rules, table_16::<D>());
+                Ok(renderer.with_packed(D::PACKED_16))
+            }
             (kernel, table_range) => Err(NoTable {
                 kernel,
                 table_range,
@@ -92,9 +101,15 @@ impl<'t, D: Design> Renderer<'t, D> {
             design,
             rules,
             table,
+            packed: None,
             compositing: Compositing::FrontToBack,
             traversal: Traversal::Spans,
         }
+    }
+
+    #[inline(always)]
+    const fn with_packed(self, packed: Option<PackedTable<'static>>) -> Self {
+        Renderer { packed, ..self }
     }
 
     /// Any design and rules with a table in memory of the caller's, [`entries`](crate::kernel::entries) of the widths long and filled for the
@@ -173,7 +188,7 @@ impl<'t, D: Design> Renderer<'t, D> {
     /// afterwards. A picture is the same, bit for bit, however it is cut into windows.
     pub fn draw<'p>(
         &self,
-        list: &impl DisplayList,
+        list: &impl Footprints,
         window: Window,
         pixels: &'p mut [Pixel],
     ) -> Result<Frame<'p>, TargetError> {
@@ -185,7 +200,15 @@ impl<'t, D: Design> Renderer<'t, D> {
         };
         let mut target = Target::new(pixels, window, window.columns().into())?;
         target.clear(&widths);
-        let coverage = self.paint(list, &mut target);
+        let coverage = match self.narrow() {
+            Some(painter) => {
+                list.visit(&window, self.compositing, |footprint| {
+                    painter.draw(footprint, &mut target)
+                });
+                None
+            }
+            None => Some(self.paint(list, &mut target)),
+        };
         Ok(Frame {
             pixels,
             window,
@@ -194,24 +217,37 @@ impl<'t, D: Design> Renderer<'t, D> {
         })
     }
 
-    /// Draws the list over what the target holds.
-    pub fn paint(&self, list: &impl DisplayList, target: &mut Target) -> Coverage {
+    /// The painter with the loop of 32-bit words, for rules that blend as [`Rules::GAUSSIAN_3D`] does.
+    ///
+    /// The loop sees those rules as constants; with others in its registers it would lose what it gains.
+    #[inline(always)]
+    fn narrow(&self) -> Option<Painter32<'static, D>> {
+        const RULES: &Rules = &Rules::GAUSSIAN_3D;
+        let widths = self.design.widths();
+        let by_spans = self.traversal == Traversal::Spans;
+        let alike = by_spans
+            && self.compositing == Compositing::FrontToBack
+            && Blend::new(&widths, &self.rules) == Blend::new(&widths, RULES);
+        let packed = self.packed.filter(|_| alike)?;
+        Painter32::new(self.design, RULES, packed).ok()
+    }
+
+    /// Draws the list over what the target holds, by the painter that counts what it visits.
+    pub fn paint(&self, list: &impl Footprints, target: &mut Target) -> Coverage {
         let Renderer {
             design,
             rules,
             table,
             compositing,
             traversal,
+            ..
         } = self;
         let painter = Painter::new(*design, rules, *table, *compositing, *traversal);
         let window = target.window();
         let mut coverage = Coverage::default();
-        for footprint in list.in_order(*compositing) {
-            // Preparing the rows of a footprint costs more than a look at its box.
-            if footprint.first[1] < window.end[1] && footprint.end[1] > window.first[1] {
-                coverage += painter.draw(footprint, target);
-            }
-        }
+        list.visit(&window, *compositing, |footprint| {
+            coverage += painter.draw(footprint, target)
+        });
         coverage
     }
 

@@ -9,7 +9,7 @@ use splatline::blend::surface::{Accumulation, Cell, WeightedSum};
 use splatline::draw::surface::SurfacePainter;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
-use splatline::format::{Classic8, Deep32, Lean18, Standard24, Traversal};
+use splatline::format::{Classic8, Deep32, Lean18, Micro16, Standard24, Traversal};
 use splatline::front::{BoundedList, Counts, DisplayList, LentList, ListFull, NoTable, Renderer};
 use splatline::kernel::{FootprintTable, Kernel, Tabled, entries, fill_gaussian};
 use splatline::raster::Window;
@@ -85,7 +85,11 @@ fn compare<D: Tabled>(
         .render(view, scene, &mut bounded, &mut pixels)
         .unwrap();
     prop_assert_eq!(frame.pixels, expected.as_slice());
-    prop_assert_eq!((frame.coverage, got), (coverage, counts));
+    let by_words = D::PACKED_16.is_some()
+        && rules.table_range == 4
+        && (compositing, traversal) == (Compositing::FrontToBack, Traversal::Spans);
+    prop_assert_eq!(frame.coverage, (!by_words).then_some(coverage));
+    prop_assert_eq!(got, counts);
     prop_assert_eq!(got.total() as usize, scene.len());
 
     let (mut footprints, mut order) = ([Footprint::EMPTY; 24], [7; 30]);
@@ -95,17 +99,18 @@ fn compare<D: Tabled>(
     prop_assert_eq!(lent.order(), bounded.order());
     let mut strip = [Pixel::default(); PIXELS];
     let mut joined = Vec::new();
-    let mut sum = Coverage::default();
+    let (mut sum, mut counted) = (Coverage::default(), true);
     for window in view.window().strips(rows) {
         let part = renderer.draw(&lent, window, &mut strip).unwrap();
         joined.extend_from_slice(part.pixels);
-        sum += part.coverage;
+        counted &= part.coverage.is_some();
+        sum += part.coverage.unwrap_or_default();
     }
     prop_assert!(
         joined == expected,
         "strips of {rows} rows differ from the frame"
     );
-    prop_assert_eq!(sum, coverage);
+    prop_assert!(!counted || sum == coverage);
     Ok(())
 }
 
@@ -114,7 +119,7 @@ proptest! {
     #[test]
     fn the_front_door_draws_what_the_stages_draw(
         mut scene in prop::collection::vec(splats(), 0..20), angles in prop::array::uniform2(-0.5f64..0.5), twins in 0usize..4,
-        design in 0..4, mode in 0usize..3, orthographic: bool, gaussian_3d: bool, by_box: bool, rows in 1u16..SIZE,
+        design in 0..5, mode in 0usize..3, orthographic: bool, gaussian_3d: bool, by_box: bool, rows in 1u16..SIZE,
     ) {
         // Some splats twice, in another colour: equal depths must keep the scene's order.
         for twin in 0..twins.min(scene.len()) {
@@ -130,7 +135,8 @@ proptest! {
         match design {
             0 => compare(Classic8, &view, rules, mode, traversal, &scene, rows)?,
             1 => compare(Lean18, &view, rules, mode, traversal, &scene, rows)?,
-            2 => compare(Standard24, &view, rules, mode, traversal, &scene, rows)?,
+            2 => compare(Micro16, &view, rules, mode, traversal, &scene, rows)?,
+            3 => compare(Standard24, &view, rules, mode, traversal, &scene, rows)?,
             _ => compare(Deep32, &view, rules, mode, traversal, &scene, rows)?,
         }
     }
@@ -314,6 +320,7 @@ fn a_designs_tables_are_those_that_the_kernel_fills() {
         }
     }
     check(Classic8);
+    check(Micro16);
     check(Lean18);
     check(Standard24);
     check(Deep32);
