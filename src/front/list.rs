@@ -32,6 +32,9 @@ impl core::error::Error for ListFull {}
 
 /// What a renderer draws: footprints in drawing order, however they are kept.
 pub trait Footprints {
+    /// Do its footprints have a conic? Without, they are drawn by spans alone.
+    const CONIC: bool = true;
+
     /// Calls `draw` with every footprint that has rows in `window`: nearest first, or farthest first for [`Compositing::BackToFront`].
     fn visit(&self, window: &Window, compositing: Compositing, draw: impl FnMut(&Footprint));
 }

@@ -1,15 +1,20 @@
 //! The renderer: cull, set up, sort by depth, draw; the stages chained with the table that belongs to the design.
 
-use super::{Counts, DisplayList, Footprints, Frame, ListFull, PixelReader, Primitive};
+use super::packed::KEY;
+use super::{
+    Counts, DisplayList, Footprints, Frame, ListFull, PackedList, PixelReader, Primitive, Rejected,
+    Splats, sort_by_key,
+};
 use crate::blend::{Blend, Pixel};
 use crate::draw::{Coverage, Painter, Painter32};
-use crate::footprint::Footprint;
+use crate::footprint::{Footprint, depth};
 use crate::format::{Design, Traversal};
 use crate::kernel::{
     FootprintTable, Kernel, PackedTable, TableSizeError, Tabled, table_4, table_16,
 };
 use crate::raster::Window;
 use crate::rules::{Compositing, Rules};
+use crate::setup::{depth_of, setup_for_spans};
 use crate::target::{Target, TargetError};
 use crate::view::{Pose, View};
 
@@ -184,11 +189,91 @@ impl<'t, D: Design> Renderer<'t, D> {
         }
     }
 
+    /// Culls, sorts and sets up a scene that was converted before: `list` afterwards holds its footprints, and only them, in drawing order;
+    /// ties are drawn in the order of the scene. For traversal by spans: a splat whose conic has no place in a packet is not culled for it.
+    ///
+    /// A key of 12 bytes for every splat between near and far has to fit the list's memory before the footprints take its place. If either
+    /// does not fit, the list is left empty, and the error says how many footprints long a list is that has room for both.
+    pub fn set_up_scene<P: Pose>(
+        &self,
+        view: &View<P>,
+        scene: &(impl Splats<P> + ?Sized),
+        list: &mut PackedList<D>,
+    ) -> Result<Counts, ListFull> {
+        list.clear();
+        let mut counts = Counts::default();
+        let (entry, capacity) = (list.entry(), list.capacity());
+        let full = |needed| ListFull { capacity, needed };
+        let keys = self.sort_keys(view, scene, list, &mut counts);
+        let keys = keys.map_err(|keys| full(keys.saturating_mul(KEY).div_ceil(entry)))?;
+        let (mut needed, end) = (0, list.words.len());
+        for rest in (0..keys).rev() {
+            // Of the keys, which end with the memory, `rest` are still to come.
+            let unread = end.saturating_sub(rest.saturating_mul(KEY));
+            let number = list.words.get(unread.wrapping_sub(1)).copied();
+            let splat = number.and_then(|number| scene.splat(number as usize));
+            let Some(splat) = splat else {
+                counts.reject(Rejected::Invalid);
+                continue;
+            };
+            match setup_for_spans(self.design, view, &self.rules, &splat) {
+                Err(reason) => counts.reject(Rejected::Culled(reason)),
+                Ok(footprint) => {
+                    counts.drawn = counts.drawn.saturating_add(1);
+                    if needed > 0 || list.push(&footprint, unread).is_none() {
+                        let keys = rest.saturating_mul(KEY).div_ceil(entry);
+                        needed = needed.max(keys.saturating_add(counts.drawn as usize));
+                    }
+                }
+            }
+        }
+        if needed > 0 {
+            list.clear();
+            return Err(full(needed));
+        }
+        Ok(counts)
+    }
+
+    /// Depth and number of every splat between near and far, nearest first, at the end of the list's memory; how many there are, as an error
+    /// if they do not fit.
+    fn sort_keys<P: Pose>(
+        &self,
+        view: &View<P>,
+        scene: &(impl Splats<P> + ?Sized),
+        list: &mut PackedList<D>,
+        counts: &mut Counts,
+    ) -> Result<usize, usize> {
+        let widths = self.design.widths();
+        let room = list.words.as_chunks_mut::<KEY>().0.len();
+        let start = list.words.len().wrapping_sub(room.wrapping_mul(KEY));
+        let keys = list.words.get_mut(start..).unwrap_or_default().as_chunks_mut().0;
+        let mut used = 0usize;
+        for number in 0..scene.len() {
+            let Some(centre) = scene.centre(number) else {
+                counts.reject(Rejected::Invalid);
+                continue;
+            };
+            match depth_of(&widths, view, &centre) {
+                Err(reason) => counts.reject(Rejected::Culled(reason)),
+                Ok(depth) => {
+                    let depth = depth::key(depth);
+                    used = used.saturating_add(1);
+                    if let Some(key) = room.checked_sub(used).and_then(|place| keys.get_mut(place)) {
+                        *key = [(depth >> 16) as u32, depth as u32 & 0xffff, number as u32];
+                    }
+                }
+            }
+        }
+        let first = room.checked_sub(used).ok_or(used)?;
+        sort_by_key(keys.get_mut(first..).unwrap_or_default(), |key: [u32; KEY]| key);
+        Ok(used)
+    }
+
     /// Draws the part of the picture that `window` selects into `pixels`, which need not be cleared and hold its rows without gaps
     /// afterwards. A picture is the same, bit for bit, however it is cut into windows.
-    pub fn draw<'p>(
+    pub fn draw<'p, L: Footprints>(
         &self,
-        list: &impl Footprints,
+        list: &L,
         window: Window,
         pixels: &'p mut [Pixel],
     ) -> Result<Frame<'p>, TargetError> {
@@ -200,9 +285,9 @@ impl<'t, D: Design> Renderer<'t, D> {
         };
         let mut target = Target::new(pixels, window, window.columns().into())?;
         target.clear(&widths);
-        let coverage = match self.narrow() {
+        let coverage = match self.narrow(L::CONIC) {
             Some(painter) => {
-                list.visit(&window, self.compositing, |footprint| {
+                list.visit(&window, Compositing::FrontToBack, |footprint| {
                     painter.draw(footprint, &mut target)
                 });
                 None
@@ -221,10 +306,10 @@ impl<'t, D: Design> Renderer<'t, D> {
     ///
     /// The loop sees those rules as constants; with others in its registers it would lose what it gains.
     #[inline(always)]
-    fn narrow(&self) -> Option<Painter32<'static, D>> {
+    fn narrow(&self, by_box: bool) -> Option<Painter32<'static, D>> {
         const RULES: &Rules = &Rules::GAUSSIAN_3D;
         let widths = self.design.widths();
-        let by_spans = self.traversal == Traversal::Spans;
+        let by_spans = self.traversal == Traversal::Spans || !by_box;
         let alike = by_spans
             && self.compositing == Compositing::FrontToBack
             && Blend::new(&widths, &self.rules) == Blend::new(&widths, RULES);
@@ -233,7 +318,7 @@ impl<'t, D: Design> Renderer<'t, D> {
     }
 
     /// Draws the list over what the target holds, by the painter that counts what it visits.
-    pub fn paint(&self, list: &impl Footprints, target: &mut Target) -> Coverage {
+    pub fn paint<L: Footprints>(&self, list: &L, target: &mut Target) -> Coverage {
         let Renderer {
             design,
             rules,
@@ -242,7 +327,8 @@ impl<'t, D: Design> Renderer<'t, D> {
             traversal,
             ..
         } = self;
-        let painter = Painter::new(*design, rules, *table, *compositing, *traversal);
+        let traversal = if L::CONIC { *traversal } else { Traversal::Spans };
+        let painter = Painter::new(*design, rules, *table, *compositing, traversal);
         let window = target.window();
         let mut coverage = Coverage::default();
         list.visit(&window, *compositing, |footprint| {
