@@ -98,11 +98,7 @@ impl<'f, L: Lane> NarrowRuns<'f, L> {
 impl<'a, D: Design> Painter32<'a, D> {
     /// A painter for one design, rule set and footprint table.
     #[inline(always)]
-    pub fn new(
-        design: D,
-        rules: &'a Rules,
-        table: PackedTable<'a>,
-    ) -> Result<Self, NarrowError> {
+    pub fn new(design: D, rules: &'a Rules, table: PackedTable<'a>) -> Result<Self, NarrowError> {
         let widths = design.widths();
         if !Blend::new(&widths, rules).is_narrow() || D::Lane::BITS != 32 {
             return Err(NarrowError::Products);

@@ -31,6 +31,7 @@ pub use packed::{PackedList, packed_words};
 pub use primitive::{Primitive, Rejected};
 pub use renderer::{NoTable, RenderError, Renderer};
 pub use scene::{
-    COMPACT_BYTES, COMPACT_HEADER, COMPACT_MAGIC, CompactScene, CompactSplat, Scene, SceneFull, Splats,
+    COMPACT_BYTES, COMPACT_HEADER, COMPACT_MAGIC, CompactScene, CompactSplat, Scene, SceneFull,
+    Splats,
 };
 pub use surfaces::SurfaceRenderer;

@@ -122,7 +122,9 @@ impl<'a, D: Design> PackedList<'a, D> {
     #[inline(never)]
     pub(super) fn push(&mut self, footprint: &Footprint, end: usize) -> Option<()> {
         let start = self.used.checked_mul(self.entry())?;
-        let stop = start.checked_add(self.entry()).filter(|stop| *stop <= end)?;
+        let stop = start
+            .checked_add(self.entry())
+            .filter(|stop| *stop <= end)?;
         let place = self.words.get_mut(start..stop)?;
         let mut bits = Bits::default();
         let mut copy = *footprint;
@@ -145,7 +147,11 @@ impl<D: Design> Footprints for PackedList<'_, D> {
     fn visit(&self, window: &Window, compositing: Compositing, mut draw: impl FnMut(&Footprint)) {
         let backwards = compositing == Compositing::BackToFront;
         for place in 0..self.used {
-            let place = if backwards { self.used - 1 - place } else { place };
+            let place = if backwards {
+                self.used - 1 - place
+            } else {
+                place
+            };
             let entry = self.at(place);
             let rows = entry.first().copied().unwrap_or_default();
             let (first, end) = (rows as u16, (rows >> 16) as u16);

@@ -246,7 +246,12 @@ impl<'t, D: Design> Renderer<'t, D> {
         let widths = self.design.widths();
         let room = list.words.as_chunks_mut::<KEY>().0.len();
         let start = list.words.len().wrapping_sub(room.wrapping_mul(KEY));
-        let keys = list.words.get_mut(start..).unwrap_or_default().as_chunks_mut().0;
+        let keys = list
+            .words
+            .get_mut(start..)
+            .unwrap_or_default()
+            .as_chunks_mut()
+            .0;
         let mut used = 0usize;
         for number in 0..scene.len() {
             let Some(centre) = scene.centre(number) else {
@@ -258,14 +263,18 @@ impl<'t, D: Design> Renderer<'t, D> {
                 Ok(depth) => {
                     let depth = depth::key(depth);
                     used = used.saturating_add(1);
-                    if let Some(key) = room.checked_sub(used).and_then(|place| keys.get_mut(place)) {
+                    if let Some(key) = room.checked_sub(used).and_then(|place| keys.get_mut(place))
+                    {
                         *key = [(depth >> 16) as u32, depth as u32 & 0xffff, number as u32];
                     }
                 }
             }
         }
         let first = room.checked_sub(used).ok_or(used)?;
-        sort_by_key(keys.get_mut(first..).unwrap_or_default(), |key: [u32; KEY]| key);
+        sort_by_key(
+            keys.get_mut(first..).unwrap_or_default(),
+            |key: [u32; KEY]| key,
+        );
         Ok(used)
     }
 
@@ -327,7 +336,11 @@ impl<'t, D: Design> Renderer<'t, D> {
             traversal,
             ..
         } = self;
-        let traversal = if L::CONIC { *traversal } else { Traversal::Spans };
+        let traversal = if L::CONIC {
+            *traversal
+        } else {
+            Traversal::Spans
+        };
         let painter = Painter::new(*design, rules, *table, *compositing, traversal);
         let window = target.window();
         let mut coverage = Coverage::default();

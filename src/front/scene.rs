@@ -183,7 +183,11 @@ impl<'a> CompactScene<'a> {
         if magic != COMPACT_MAGIC {
             return None;
         }
-        let mut words = header.as_chunks().0.iter().map(|word| i32::from_le_bytes(*word));
+        let mut words = header
+            .as_chunks()
+            .0
+            .iter()
+            .map(|word| i32::from_le_bytes(*word));
         let mut next = || words.next().unwrap_or_default();
         let origin = [next(), next(), next()];
         let (exponent, axis_exponent, colour_unit) = (next(), next(), next() as u32);
@@ -222,8 +226,27 @@ impl Splats<Eye> for CompactScene<'_> {
     #[inline]
     fn splat(&self, number: usize) -> Option<VolumeSplat> {
         let centre = self.centre(number)?;
-        let [.., a0, a1, b0, b1, c0, c1, d0, d1, e0, e1, f0, f1, x0, x1, red, green, blue, opacity] =
-            *self.splats.get(number)?;
+        let [
+            ..,
+            a0,
+            a1,
+            b0,
+            b1,
+            c0,
+            c1,
+            d0,
+            d1,
+            e0,
+            e1,
+            f0,
+            f1,
+            x0,
+            x1,
+            red,
+            green,
+            blue,
+            opacity,
+        ] = *self.splats.get(number)?;
         let factor = |low, high| i32::from(i16::from_le_bytes([low, high])) << 16;
         let exponents = u16::from_le_bytes([x0, x1]);
         let column = |mantissa: [i32; 3], place: u32| Axis {

@@ -90,8 +90,7 @@ const fn packed(words: &'static [u32], widths: &Widths) -> Option<PackedTable<'s
 
 static CLASSIC8_4: [u32; entries(&Classic8::WIDTHS)] = gaussian(&Classic8::WIDTHS, 2);
 static CLASSIC8_16: [u32; entries(&Classic8::WIDTHS)] = gaussian(&Classic8::WIDTHS, 4);
-static CLASSIC8_PACKED: [u32; 1 << Classic8::WIDTHS.table] =
-    words(&CLASSIC8_16, &Classic8::WIDTHS);
+static CLASSIC8_PACKED: [u32; 1 << Classic8::WIDTHS.table] = words(&CLASSIC8_16, &Classic8::WIDTHS);
 static MICRO16_4: [u32; entries(&Micro16::WIDTHS)] = gaussian(&Micro16::WIDTHS, 2);
 static MICRO16_16: [u32; entries(&Micro16::WIDTHS)] = gaussian(&Micro16::WIDTHS, 4);
 static MICRO16_PACKED: [u32; 1 << Micro16::WIDTHS.table] = words(&MICRO16_16, &Micro16::WIDTHS);

@@ -491,10 +491,16 @@ fn surfels_are_drawn_as_by_the_stages() {
 
 /// Splats in a row from the eye: all visible but those out of sight.
 fn row_of(visible: usize, hidden: usize) -> Vec<VolumeSplat> {
-    let at = |mean| Gaussian { mean, scales: [0.1; 3], ..Gaussian::UNIT };
+    let at = |mean| Gaussian {
+        mean,
+        scales: [0.1; 3],
+        ..Gaussian::UNIT
+    };
     let seen = (0..visible).map(|i| at([0.0, 0.0, i as f32]));
     let unseen = (0..hidden).map(|i| at([90.0, 0.0, 10.0 + i as f32]));
-    seen.chain(unseen).map(|gaussian| gaussian.splat().unwrap()).collect()
+    seen.chain(unseen)
+        .map(|gaussian| gaussian.splat().unwrap())
+        .collect()
 }
 
 /// The memory that the error asks for suffices, and one footprint less does not, however many splats need a key and no place.
@@ -521,7 +527,10 @@ fn a_packed_list_that_is_full_says_how_much_it_lacks() {
         }
         assert!(capacity >= visible);
         assert!(set_up(capacity.saturating_sub(1)).is_err());
-        assert_eq!(set_up(capacity).map(|counts| counts.drawn), Ok(visible as u32));
+        assert_eq!(
+            set_up(capacity).map(|counts| counts.drawn),
+            Ok(visible as u32)
+        );
     }
 }
 
@@ -529,16 +538,31 @@ fn a_packed_list_that_is_full_says_how_much_it_lacks() {
 fn a_scene_is_converted_once() {
     let gaussians = [
         Gaussian::UNIT,
-        Gaussian { opacity: f32::NAN, ..Gaussian::UNIT },
-        Gaussian { mean: [1.0, 0.0, 0.0], ..Gaussian::UNIT },
+        Gaussian {
+            opacity: f32::NAN,
+            ..Gaussian::UNIT
+        },
+        Gaussian {
+            mean: [1.0, 0.0, 0.0],
+            ..Gaussian::UNIT
+        },
     ];
     let mut memory = [VolumeSplat::EMPTY; 2];
     let scene = Scene::collect(&mut memory, gaussians.iter().map(Gaussian::splat)).unwrap();
-    assert_eq!((scene.len(), scene.invalid(), scene.is_empty()), (2, 1, false));
+    assert_eq!(
+        (scene.len(), scene.invalid(), scene.is_empty()),
+        (2, 1, false)
+    );
     assert_eq!(scene.splat(1), gaussians[2].splat());
     assert_eq!((scene.splat(2), scene.centre(2)), (None, None));
     let short = Scene::collect(&mut memory[..1], gaussians.iter().map(Gaussian::splat));
-    assert_eq!(short.unwrap_err(), SceneFull { capacity: 1, needed: 2 });
+    assert_eq!(
+        short.unwrap_err(),
+        SceneFull {
+            capacity: 1,
+            needed: 2
+        }
+    );
 }
 
 /// Numbers of a compact splat, read by hand from the table of its bytes.
@@ -559,7 +583,9 @@ fn a_compact_splat_is_what_its_bytes_say() {
     let value = |mantissa: i32, exponent: i32| f64::from(mantissa) * f64::from(exponent).exp2();
     let centre = splat.centre.map(|c| value(c.mantissa, c.exponent) * 1024.0);
     assert_eq!(centre, [1024.0, -2048.0, 32_767.0]);
-    let axes = splat.axes.map(|axis| axis.mantissa.map(|m| value(m, axis.exponent + 20)));
+    let axes = splat
+        .axes
+        .map(|axis| axis.mantissa.map(|m| value(m, axis.exponent + 20)));
     let [first, second, third] = [3, 31, 7].map(|e: i32| f64::from(e).exp2());
     assert_eq!(axes[0], [16_384.0 * first, -8_192.0 * first, 5.0 * first]);
     assert_eq!(axes[1], [0.0, 20_000.0 * second, second]);
@@ -581,10 +607,15 @@ fn a_part_of_the_picture_can_be_drawn_alone() {
     let scene = row_of(4, 0);
     let mut words = vec![0; 4 * packed_words(&Micro16::WIDTHS)];
     let mut list = PackedList::new(Micro16, &mut words);
-    renderer.set_up_scene(&view, scene.as_slice(), &mut list).unwrap();
+    renderer
+        .set_up_scene(&view, scene.as_slice(), &mut list)
+        .unwrap();
     let (mut whole, mut part) = ([Pixel::EMPTY; PIXELS], [Pixel::EMPTY; PIXELS]);
     let whole = renderer.draw(&list, view.window(), &mut whole).unwrap();
-    let changed = list.footprint(0).map(|footprint| Window::of(&footprint)).unwrap();
+    let changed = list
+        .footprint(0)
+        .map(|footprint| Window::of(&footprint))
+        .unwrap();
     let part = renderer.draw(&list, changed, &mut part).unwrap();
     for (x, y) in (0..SIZE).flat_map(|x| (0..SIZE).map(move |y| (x, y))) {
         let pixel = part.pixel(x, y);

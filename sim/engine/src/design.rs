@@ -12,8 +12,8 @@
 
 use serde::{Deserialize, Serialize};
 use splatline::format::{
-    Classic8, Deep32, Design, Lean18, Micro16, Rounding, RuntimeWidths, Standard24, Traversal, WIDTH_RANGES,
-    WidthError, Widths,
+    Classic8, Deep32, Design, Lean18, Micro16, Rounding, RuntimeWidths, Standard24, Traversal,
+    WIDTH_RANGES, WidthError, Widths,
 };
 use std::borrow::Cow;
 use std::path::Path;

@@ -129,11 +129,7 @@ fn draw_strip(memory: &mut FixedMemory, first_row: u16) {
 
 /// By the processor's own pixel loop where there is one.
 #[inline(always)]
-fn draw_footprint(
-    painter: Painter32<Firmware16>,
-    footprint: &Footprint,
-    target: &mut Target,
-) {
+fn draw_footprint(painter: Painter32<Firmware16>, footprint: &Footprint, target: &mut Target) {
     #[cfg(not(armv6m))]
     painter.draw(footprint, target);
     #[cfg(armv6m)]
