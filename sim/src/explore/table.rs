@@ -18,12 +18,15 @@ const DIGEST_DIGITS: usize = 16;
 
 /// Columns behind the axes. Of several frames cycles, pace and bytes are those of the slowest, energy is that of the dearest, errors are over all. Area is that of the raster units, of what is around them, and all of it in look-up tables; energy is that of a picture.
 /// `clock_assumed` is 1 where nobody gave the clock (`crate::machine::clock`).
-pub const RESULTS: [&str; 33] = [
+pub const RESULTS: [&str; 36] = [
     "psnr_db",
     "rms",
     "max_abs",
     "bias",
     "ssim",
+    "p95",
+    "p99",
+    "flip",
     "cycles",
     "geometry",
     "sort",
@@ -52,6 +55,11 @@ pub const RESULTS: [&str; 33] = [
     "area",
     "energy_mj",
     "left_out",
+];
+
+/// Those about errors, which are empty without references.
+const ERRORS: [&str; 8] = [
+    "psnr_db", "rms", "max_abs", "bias", "ssim", "p95", "p99", "flip",
 ];
 
 /// The heading for a space.
@@ -238,9 +246,10 @@ fn check_results(results: &[String], errors: bool) -> Result<(), String> {
             _ if !reason.is_empty() => ColumnKind::Nothing,
             // Equal pictures have none.
             &"psnr_db" if errors => ColumnKind::NumberOrNothing,
-            &"psnr_db" | &"rms" | &"max_abs" | &"bias" | &"ssim" if !errors => ColumnKind::Nothing,
+            name if ERRORS.contains(name) && !errors => ColumnKind::Nothing,
             &"bias" | &"ssim" => ColumnKind::Number,
-            &"rms" | &"max_abs" | &"lanes_busy" | &"area" | &"energy_mj" => ColumnKind::Positive,
+            &"rms" | &"max_abs" | &"p95" | &"p99" | &"flip" => ColumnKind::Positive,
+            &"lanes_busy" | &"area" | &"energy_mj" => ColumnKind::Positive,
             &"clock_mhz" | &"frames_per_s" | &"bytes_per_s" | &"packet_hit_rate" => {
                 ColumnKind::Positive
             }
