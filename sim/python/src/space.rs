@@ -5,11 +5,11 @@ use crate::plan::{Plan, frames, prices, subject};
 use anyhow::{Context, Result, anyhow};
 use pyo3::prelude::*;
 use splatline_sim::explore::evaluator::{Choice, Evaluator, work_key};
+use splatline_sim::explore::front::{candidates, front, front_table};
 use splatline_sim::explore::identity::Identity;
+use splatline_sim::explore::plot;
 use splatline_sim::explore::space;
 use splatline_sim::explore::sweep;
-use splatline_sim::explore::front::{candidates, front, front_table};
-use splatline_sim::explore::plot;
 use splatline_sim::explore::table::{RESULTS, ROW_DIGEST, ResultTable, row_digest};
 use splatline_sim::machine::area::synthesis;
 use splatline_sim::plan::Effort;
@@ -169,8 +169,7 @@ impl Evaluation {
         let results = py.detach(move || {
             let job = Job { points, answer };
             let jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
-            jobs.send(job)
-                .map_err(|_| anyhow!(ENDED))?;
+            jobs.send(job).map_err(|_| anyhow!(ENDED))?;
             drop(jobs);
             results.recv().context(ENDED)?
         });
