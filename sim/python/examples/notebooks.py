@@ -1,8 +1,7 @@
 """Runs the notebooks and writes them as pages: `python sim/python/examples/notebooks.py [NAME ...]`, from the repository's root.
 
 A notebook's source is a Python file here, its cells apart by `# %%` and `# %% [markdown]`, so that it can be read, compared and run as a program.
-It is executed with its folder as working directory; the page, docs/results/notebooks/NAME.md, shows cells and what came of them, and the
-notebook itself lies beside it. Needs `pip install nbclient nbconvert ipykernel matplotlib`.
+It is executed with its folder as working directory; the page, docs/results/notebooks/NAME.md, shows cells and what came of them. Needs `pip install nbclient nbconvert ipykernel matplotlib`.
 """
 
 import re
@@ -21,7 +20,7 @@ def cells(text):
     for part in re.split(r"^# %%", text, flags=re.M)[1:]:
         head, _, body = part.partition("\n")
         if "[markdown]" in head:
-            yield nbformat.v4.new_markdown_cell("\n".join(line.removeprefix("# ").removeprefix("#") for line in body.strip().splitlines()))
+            yield nbformat.v4.new_markdown_cell(re.sub(r"^# ?", "", body.strip(), flags=re.M))
         else:
             yield nbformat.v4.new_code_cell(body.strip())
 
@@ -34,6 +33,15 @@ def run(source):
     NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(source.parent)}}).execute()
     for cell in notebook.cells:
         cell.metadata.clear()
+        if cell.cell_type == "code":
+            # Logs belong to the run and not to the page; a table is read as text.
+            cell.outputs = [output for output in cell.outputs if output.get("name") != "stderr"]
+            for output in cell.outputs:
+                output.get("data", {}).pop("text/html", None)
+            printed = [output for output in cell.outputs if output.output_type == "stream"]
+            for more in printed[1:]:
+                printed[0].text += more.text
+                cell.outputs.remove(more)
     page, resources = MarkdownExporter().from_notebook_node(notebook, {"output_files_dir": source.stem, "unique_key": source.stem})
     PAGES.mkdir(parents=True, exist_ok=True)
     for name, data in resources["outputs"].items():

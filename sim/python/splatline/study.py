@@ -365,9 +365,10 @@ def _numbers(results: list[str]) -> dict:
 
 
 def _suggest(trial, key, values) -> int:
-    """A number's axis has an order, a word's has none."""
-    if all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
-        return trial.suggest_int(key, 0, len(values) - 1)
+    """Numbers at equal distances have an order, which a sampler uses; all else are names."""
+    steps = {after - before for before, after in zip(values, values[1:])} if all(type(value) is int for value in values) else set()
+    if len(steps) == 1 and min(steps) > 0:
+        return values.index(trial.suggest_int(key, values[0], values[-1], step=min(steps)))
     return values.index(trial.suggest_categorical(key, values))
 
 

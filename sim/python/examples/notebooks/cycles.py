@@ -20,5 +20,5 @@ left = 0
 for account in [name for name in units.dtype.names if name != "name" and units[name].any()]:
     plt.barh(units["name"], units[account], left=left, label=account)
     left = left + units[account]
-plt.xlabel("cycles of a picture, by unit")
+plt.xlabel("cycles of a picture, over all instances of a unit")
 plt.legend(fontsize="small");
