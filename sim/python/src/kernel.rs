@@ -163,7 +163,6 @@ impl Kernel {
 
     /// Setup of these splats (all of them): packets, uint32 of shape (n, words), and why a splat has none, `None` where it has one.
     #[pyo3(signature = (indices=None))]
-    #[expect(clippy::type_complexity, reason = "a pair for Python")]
     fn setup<'py>(
         &self,
         py: Python<'py>,
@@ -390,7 +389,6 @@ impl Kernel {
 
     /// All stages of the first `splats` splats as `splatline vectors` writes them, in the order of the data flow: name, what a record is,
     /// fields (name, offset, bits, signed, fraction), and records, int64 of shape (n, fields).
-    #[expect(clippy::type_complexity, reason = "tuples for Python")]
     fn vectors<'py>(
         &self,
         py: Python<'py>,

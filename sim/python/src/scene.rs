@@ -379,7 +379,6 @@ impl Scene {
     /// View-dependent colour: its constant part before clamping, float32 of shape (n, 3), and the coefficients of degree 1 and up in the
     /// trainers' order, float32 of shape (n, k, 3); none if colours do not depend on the view.
     #[getter]
-    #[expect(clippy::type_complexity, reason = "a pair of arrays")]
     fn harmonics<'py>(
         &self,
         py: Python<'py>,
