@@ -75,12 +75,16 @@ def evaluate(setup: bytes, points: list[list[int]]) -> list[list[str]]:
 
 
 class LocalExecutor:
-    """Processes of this machine, each replaced where it dies: one that is killed takes no other's work with it."""
+    """Processes of this machine, each replaced where it dies: one that is killed takes no other's work with it.
 
-    def __init__(self, workers: int):
+    `alike` is how many leading indices of a job's first point say which pictures it needs: a worker is given jobs like its last one.
+    """
+
+    def __init__(self, workers: int, alike: int = 0):
         self._pools = [self._pool() for _ in range(workers)]
         self._free = deque(range(workers))
-        self._waiting: deque = deque()
+        self._waiting: list = []
+        self._alike, self._last = alike, [None] * workers
 
     @staticmethod
     def _pool():
@@ -96,13 +100,24 @@ class LocalExecutor:
     def _start(self):
         while self._free and self._waiting:
             place = self._free.popleft()
-            future, function, arguments = self._waiting.popleft()
+            future, function, arguments = self._waiting.pop(self._next(place))
             try:
                 job = self._pools[place].submit(function, *arguments)
             except concurrent.futures.BrokenExecutor:
                 self._pools[place] = self._pool()
                 job = self._pools[place].submit(function, *arguments)
             job.add_done_callback(lambda job, future=future, place=place: self._ended(job, future, place))
+
+    def _next(self, place) -> int:
+        """Which job: one for whose pictures the worker has the errors, or one that no other worker is at, or the first."""
+        if not self._alike:
+            return 0
+        keys = [arguments[-1][0][: self._alike] for *_, arguments in self._waiting]
+        own = self._last[place]
+        free = [key for key in keys if key not in self._last]
+        key = own if own in keys else free[0] if free else keys[0]
+        self._last[place] = key
+        return keys.index(key)
 
     def _ended(self, job, future, place):
         failure = job.exception()
@@ -240,7 +255,7 @@ class Study:
                 seen.add(key)
         processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
         workers = workers or processors
-        local = LocalExecutor(workers) if executor is None else None
+        local = LocalExecutor(workers, self._parts.count("design")) if executor is None else None
         if local:
             threads = threads or max(1, processors // workers)
         try:
