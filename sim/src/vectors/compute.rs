@@ -11,11 +11,12 @@ use splatline::footprint::depth::{self, KEY_BITS};
 use splatline::footprint::packet::Layout;
 use splatline::format::{Design, Lane, Traversal, Widths};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
-use splatline::math::{SoftFloat, shift_signed};
+use splatline::math::{LOGARITHMS, RECIPROCALS, ROOTS, SoftFloat, shift_signed};
 use splatline::raster::{BoxSpans, EllipseSpans, Spans, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::{self, Cull};
 use splatline::splat::VolumeSplat;
+use splatline::view::Pose;
 
 /// All stages in the order of the data flow. The records of one stage refer to those of another by number.
 pub fn compute(subject: &VectorSubject) -> Vec<VectorStage> {
@@ -59,15 +60,23 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
     let tile = raster.tile();
     let SetupStages {
         splats,
+        camera,
         projected,
         columns,
-        variance,
+        covariance,
+        opacity,
     } = setup;
+    let [reciprocals, roots, logarithms] = tables_of_functions();
     vec![
         splats,
+        reciprocals,
+        roots,
+        logarithms,
+        camera,
         projected,
         columns,
-        variance,
+        covariance,
+        opacity,
         packets,
         table,
         raster.runs,
@@ -97,12 +106,49 @@ fn values(numbers: impl IntoIterator<Item = SoftFloat>) -> impl Iterator<Item = 
         .flat_map(|n| [n.mantissa.into(), n.exponent.into()])
 }
 
+/// The read-only memories of setup and rows, which do not depend on the design.
+fn tables_of_functions() -> [VectorStage; 3] {
+    let table = |name, about, fields: &[(&str, usize, u8)], words: &[u32]| {
+        let fields = fields
+            .iter()
+            .map(|(name, bits, fraction)| field(name, *bits, false, *fraction));
+        let mut stage = VectorStage::new(name, about, fields);
+        let records = words.chunks(stage.fields.len());
+        stage.records = records
+            .map(|record| record.iter().map(|word| i64::from(*word)).collect())
+            .collect();
+        stage
+    };
+    [
+        table(
+            "reciprocals",
+            "1/(1 + i/256), entry i of 0 to 256",
+            &[("entry", 31, 30)],
+            &RECIPROCALS,
+        ),
+        table(
+            "roots",
+            "sqrt(i/256), entry i - 64 for i of 64 to 256",
+            &[("entry", 25, 24)],
+            &ROOTS,
+        ),
+        table(
+            "logarithms",
+            "1/middle of 32 intervals of [1, 2), and minus its logarithm",
+            &[("inverse", 17, 16), ("logarithm", 32, 32)],
+            &LOGARITHMS,
+        ),
+    ]
+}
+
 /// One record per splat each.
 struct SetupStages {
     splats: VectorStage,
+    camera: VectorStage,
     projected: VectorStage,
     columns: VectorStage,
-    variance: VectorStage,
+    covariance: VectorStage,
+    opacity: VectorStage,
 }
 
 /// The `culled` field: 0, or the place of the reason in [`Cull::ALL`] counted from 1.
@@ -129,6 +175,14 @@ impl SetupStages {
                     .chain(number("weight"))
                     .chain(["red", "green", "blue"].map(|n| field(n, 32, false, 28))),
             ),
+            camera: VectorStage::new(
+                "camera",
+                "t = W (u - e), one splat a record: three words with one exponent",
+                ["x", "y", "z"]
+                    .map(|n| field(n, 64, true, 0))
+                    .into_iter()
+                    .chain([field("exponent", 32, true, 0)]),
+            ),
             projected: VectorStage::new(
                 "projected",
                 "one splat a record; culled: 0 drawn, 1 near, 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside; zeros from 1 to 3",
@@ -146,10 +200,15 @@ impl SetupStages {
                 "M = J W A, one splat a record; zeros if it was culled before",
                 numbers(["a_x", "a_y", "b_x", "b_y", "c_x", "c_y"]),
             ),
-            variance: VectorStage::new(
-                "variance",
+            covariance: VectorStage::new(
+                "covariance",
                 "V' + V^h and its determinant, one splat a record; zeros if it was culled before",
                 numbers(["xx", "xy", "yy", "determinant"]),
+            ),
+            opacity: VectorStage::new(
+                "opacity",
+                "opacity at the centre before it is rounded to the packet's, one splat a record; zeros if it was culled before",
+                number("peak"),
             ),
         }
     }
@@ -164,6 +223,10 @@ impl SetupStages {
     ) -> Result<Footprint, Cull> {
         let (widths, view) = (design.widths(), &subject.view);
         self.splats.records.push(splat_values(splat));
+        let camera = view.pose.to_camera(&view.rotation, &splat.centre, &widths);
+        let [x, y, z] = camera.value;
+        let camera = vec![x, y, z, camera.exponent.into()];
+        self.camera.records.push(camera);
         let result = setup::setup(design, view, rules, splat);
         let mut projected = vec![reason(&result)];
         if let Ok(found) = setup::project(&widths, view, rules, &splat.centre) {
@@ -171,15 +234,28 @@ impl SetupStages {
             projected.extend([depth, found.centre[0], found.centre[1]]);
             projected.extend(values(found.ratio.into_iter().chain(found.gain)));
             let columns = setup::project_axes(&widths, &view.rotation, &found, &splat.axes);
-            let variance = setup::covariance(&widths, rules.low_pass, &columns);
+            let covariance = setup::covariance(&widths, rules.low_pass, &columns);
+            let peak = setup::centre_opacity(&widths, rules, splat.weight, &found, &covariance);
+            self.opacity.records.push(values([peak]).collect());
             self.columns
                 .records
                 .push(values(columns.iter().flat_map(|c| [c.x, c.y])).collect());
-            let terms = [variance.xx, variance.xy, variance.yy, variance.determinant];
-            self.variance.records.push(values(terms).collect());
+            let setup::Covariance2d {
+                xx,
+                xy,
+                yy,
+                determinant,
+            } = covariance;
+            let terms = [xx, xy, yy, determinant];
+            self.covariance.records.push(values(terms).collect());
         }
         self.projected.records.push(projected);
-        for stage in [&mut self.projected, &mut self.columns, &mut self.variance] {
+        for stage in [
+            &mut self.projected,
+            &mut self.columns,
+            &mut self.covariance,
+            &mut self.opacity,
+        ] {
             stage.records.resize(index + 1, Vec::new());
             if let Some(last) = stage.records.last_mut() {
                 last.resize(stage.fields.len(), 0);
