@@ -1,6 +1,6 @@
 """Section 1 of docs/specification.md: numbers, roundings, and the functions that have a table.
 
-A number is a pair (mantissa, exponent); a term of a sum is a triple (value, exponent, length).
+A number, or an exact product, is a pair (mantissa, exponent); a term of a sum is a triple (value, exponent, length).
 """
 
 from math import isqrt
@@ -23,21 +23,19 @@ def saturated(value, bits):
 
 def nearest(value, drop):
     """(1.3) value / 2^drop to nearest, halves up; to the left saturated to 64 bits."""
-    if drop <= 0:
-        return saturated(value << min(-drop, 64), 64)
-    if drop >= 64:
-        return 0
-    return wrapped(value + (1 << (drop - 1)), 64) >> drop
+    if drop > 0:
+        return (value + (1 << (drop - 1))) >> drop if drop < 64 else 0
+    return saturated(value << min(-drop, 64), 64)
 
 
 def floored(value, drop):
-    """(1.4) value / 2^drop rounded down; by more than 63 as by 63."""
-    return value << -drop if drop < 0 else value >> min(drop, 63)
+    """(1.4) value / 2^drop rounded down, exact to the left."""
+    return (value << 64) >> (64 + drop)
 
 
 def normalised(value, exponent, bits):
     """(1.5) The number nearest to value 2^exponent whose mantissa has exactly so many bits."""
-    if value == 0:
+    if not value:
         return ZERO
     drop = value.bit_length() - bits
     mantissa = value << -drop if drop <= 0 else (value + (1 << (drop - 1))) >> drop
@@ -62,46 +60,41 @@ def scaled(number, power):
     return number[0], saturated(number[1] + power, 32)
 
 
-def product(a, b, bits):
-    """(1.7) An exact product as a term of `bits` bits."""
-    return a[0] * b[0], saturated(a[1] + b[1], 32), bits
+def product(a, b):
+    """(1.7) An exact product."""
+    return a[0] * b[0], saturated(a[1] + b[1], 32)
 
 
-def negated(term):
-    """(1.7) A term with the other sign."""
-    return -term[0], term[1], term[2]
+def multiplied(a, b, bits):
+    """(1.7) The exact product, rounded once."""
+    return normalised(*product(a, b), bits)
+
+
+def term(number, size):
+    """(1.8) A number, or an exact product, as a term of so many bits."""
+    return *number, size
+
+
+def negated(number):
+    """(1.7) A number with the other sign."""
+    return -number[0], number[1]
 
 
 def windowed(terms, bits):
     """(1.8) The sum of terms in a window of bits + GUARD bits."""
     window = bits + GUARD
     cuts = [(floored(v, size - window), saturated(e + size, 32)) for v, e, size in terms]
-    tops = [top for value, top in cuts if value != 0]
+    tops = [top for value, top in cuts if value]
     if not tops:
         return ZERO
     top = max(tops)
-    total = sum(floored(value, top - end) for value, end in cuts if value != 0)
+    total = sum(floored(value, top - end) for value, end in cuts if value)
     return normalised(total, saturated(top - window, 32), bits)
-
-
-def times(a, b, bits):
-    """(1.8) The product of two mantissas of `bits` bits in the window of a sum."""
-    return windowed([product(a, b, 2 * bits)], bits)
-
-
-def multiplied(a, b, bits):
-    """(1.7) The exact product, rounded once."""
-    return normalised(a[0] * b[0], saturated(a[1] + b[1], 32), bits)
 
 
 def fixed(number, fraction):
     """(1.9) Fixed point with so many fraction bits, saturated to 64 bits."""
-    return nearest(number[0], -saturated(number[1] + fraction, 32))
-
-
-def to_fixed(term, fraction):
-    """(1.9) The same of a term."""
-    return nearest(term[0], saturated(saturated(-term[1], 32) - fraction, 32))
+    return nearest(number[0], saturated(saturated(-number[1], 32) - fraction, 32))
 
 
 def reciprocal_table():
@@ -115,7 +108,7 @@ RECIPROCALS = reciprocal_table()
 def reciprocal(number, bits):
     """(1.11) 1/number; None of 0."""
     magnitude = abs(number[0])
-    if magnitude == 0:
+    if not magnitude:
         return None
     x = magnitude << (32 - magnitude.bit_length())
     index, rest = (x >> 23) & 255, x & 0x7FFFFF
@@ -147,7 +140,7 @@ def root_chord(normal):
 
 def root_seed(value):
     """(1.14) (root, shift) of an integer of 64 bits: sqrt(value) is about root 2^shift."""
-    if value == 0:
+    if not value:
         return 0, 0
     even = (64 - value.bit_length()) & ~1
     return root_chord((value << even) >> 32), 8 - even // 2

@@ -117,7 +117,7 @@ class Check:
         widths, blend = self.widths, pixels.Blend(self.widths, self.rules)
         table = tables.Table(widths, self.rules.table_range)
         box = self.folder.traversal() == "box"
-        bits, fraction = (64, rows.BOX) if box else (widths.lane, widths.radial)
+        bits, fraction = (rows.BOX_LANE, rows.BOX) if box else (widths.lane, widths.radial)
         composite = {
             "front-to-back": pixels.front_to_back,
             "back-to-front": pixels.back_to_front,

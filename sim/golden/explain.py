@@ -138,7 +138,7 @@ class Way:
         packet, y, x = record[:3]
         run, print_ = self.run(packet, y, x)
         print(f"\npixel {x} of the run from column {run[1]}")
-        bits, fraction = (64, rows.BOX) if self.box else (self.widths.lane, self.widths.radial)
+        bits, fraction = (rows.BOX_LANE, rows.BOX) if self.box else (self.widths.lane, self.widths.radial)
         before = pixels.clear(self.widths)
         for at, other in enumerate(self.folder.records("pixels")):
             if at >= number:

@@ -29,8 +29,6 @@ ROUNDINGS = {
     "nearest": ("floored",),
     "floored": ("nearest",),
     "even": ("nearest",),
-    "multiplied": ("times",),
-    "times": ("multiplied",),
     "normalised": ("normalised_down",),
 }
 COMPARISONS = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt}
@@ -125,7 +123,7 @@ def is_noticed(module, turn, folders):
         exec(compile(tree, module, "exec"), names)
         if module != "arithmetic":
             arithmetic = sys.modules["arithmetic"]
-            names.update({n: getattr(arithmetic, n) for n in ("floored", "nearest", "times", "multiplied")})
+            names.update({n: getattr(arithmetic, n) for n in ("floored", "nearest")})
         check = importlib.import_module("check")
         for folder in folders:
             one = check.Check(folder)

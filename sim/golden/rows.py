@@ -6,6 +6,7 @@ BLOCK = 32
 BALANCE = 8
 SLACK = 1 << 42
 BOX = 36
+BOX_LANE = 64
 
 
 class Constants:
@@ -21,9 +22,9 @@ def first_distance(widths, print, axis):
 def first_centre(widths, print, dy):
     """(5.2) xc - 1/2 in the first row, Q31.32, and its step."""
     _, _, shear, _ = print.ldl
-    moved = to_fixed(product(shear, dy, 62), 32)
+    moved = fixed(product(shear, dy), 32)
     start = (print.centre[0] << (32 - widths.subpixel)) - (1 << 31) + moved
-    return wrapped(start, 64), fixed(shear, 32)
+    return start, fixed(shear, 32)
 
 
 def first_vertical(widths, print, dy):
@@ -31,9 +32,9 @@ def first_vertical(widths, print, dy):
     vertical = print.ldl[3]
     along = multiplied(vertical, dy, widths.mantissa)
     unit = fixed(vertical, 52)
-    value = to_fixed(product(along, dy, 62), 52)
+    value = fixed(product(along, dy), 52)
     first = fixed(scaled(along, 1), 52) + unit
-    return [wrapped(word, 64) for word in (value, first, 2 * unit)]
+    return value, first, 2 * unit
 
 
 def seed_shifts(widths, print):
@@ -67,12 +68,12 @@ def half_width(print, rest):
 
 def span(print, centre, rest):
     """(5.5) First column and one past the last, within the box."""
-    if rest <= 0:
-        return 0, 0
-    half = half_width(print, rest)
-    low = saturated(saturated(centre - half, 64) + (1 << 32) - 1, 64) >> 32
-    high = (saturated(centre + half, 64) >> 32) + 1
     left, right = print.first[0], print.end[0]
+    if rest <= 0:
+        return left, left
+    half = half_width(print, rest)
+    low = -((half - centre) >> 32)
+    high = ((centre + half) >> 32) + 1
     return max(min(low, right), left), max(min(high, right), left)
 
 
@@ -96,9 +97,8 @@ def span_rows(widths, print):
     value, first, second = first_vertical(widths, print, dy)
     reach = (print.cutoff << 24) + SLACK
     for y in range(print.first[1], print.end[1]):
-        yield (y, centre, value, *span(print, centre, wrapped(reach - value, 64)))
-        centre = wrapped(centre + shear, 64)
-        value, first = wrapped(value + first, 64), wrapped(first + second, 64)
+        yield (y, centre, value, *span(print, centre, reach - value))
+        centre, value, first = centre + shear, value + first, first + second
 
 
 def span_runs(widths, print):
@@ -124,13 +124,13 @@ def box_runs(widths, print):
         return fixed(number, BOX)
 
     def squared(p, q):
-        return to_fixed(product(p, q, 62), BOX)
+        return fixed(product(p, q), BOX)
 
     value = squared(adx, dx) + 2 * squared(bdx, dy) + squared(cdy, dy)
     down = 2 * (word(cdy) + word(bdx)) + word(c)
     across = 2 * (word(adx) + word(bdy)) + word(a)
     width = print.end[0] - print.first[0]
     for y in range(print.first[1], print.end[1]):
-        lanes = [wrapped(n, 64) for n in (value, across, 2 * word(a))]
+        lanes = [wrapped(n, BOX_LANE) for n in (value, across, 2 * word(a))]
         yield (y, print.first[0], width, *lanes)
         value, down, across = value + down, down + 2 * word(c), across + 2 * word(b)

@@ -99,7 +99,7 @@ def on_plane(widths, coordinate, inverse):
 def on_screen(widths, view, axis, plane):
     """(2.7) fx x/z + cx in Q27.subpixel."""
     focal = view.focal[axis]
-    offset = to_fixed(product(focal, plane, 62), 32)
+    offset = fixed(product(focal, plane), 32)
     position = saturated(view.principal[axis] + offset, 64)
     if abs(position) >> 58:
         raise Cull(RANGE)
@@ -156,8 +156,8 @@ def turned(widths, view, axis):
 
 def sheared(across, along, ratio, gain, bits):
     """(2.11) One component of a column of M: (across - ratio along) gain."""
-    difference = windowed([(*across, bits), negated(product(ratio, along, 2 * bits))], bits)
-    return times(difference, gain, bits)
+    slope = negated(product(ratio, along))
+    return multiplied(windowed([term(across, bits), term(slope, 2 * bits)], bits), gain, bits)
 
 
 def columns(widths, view, ratios, gains, axes):
@@ -192,23 +192,24 @@ def dimmed(widths, rules, weight, factor):
 
 def minor(j, k, bits):
     """(2.14) m_j x m_k."""
-    return windowed([product(j[0], k[1], 2 * bits), negated(product(j[1], k[0], 2 * bits))], bits)
+    crossed = negated(product(j[1], k[0]))
+    return windowed([term(product(j[0], k[1]), 2 * bits), term(crossed, 2 * bits)], bits)
 
 
 def covariance(widths, rules, m):
     """(2.13), (2.14) V' + V^h and its determinant."""
     bits, h = widths.mantissa, rules.low_pass
-    low_pass = (*h, length(h))
+    low_pass = term(h, length(h))
 
     def summed(i, j, *more):
-        return windowed([product(c[i], c[j], 2 * bits) for c in m] + list(more), bits)
+        return windowed([term(product(c[i], c[j]), 2 * bits) for c in m] + list(more), bits)
 
     xx, xy, sharp = summed(0, 0, low_pass), summed(0, 1), summed(1, 1)
-    yy = windowed([(*sharp, bits), low_pass], bits)
-    trace = windowed([(*xx, bits), (*sharp, bits)], bits)
+    yy = windowed([term(sharp, bits), low_pass], bits)
+    trace = windowed([term(xx, bits), term(sharp, bits)], bits)
     minors = [minor(m[j], m[k], bits) for j, k in ((0, 1), (0, 2), (1, 2))]
-    squares = [product(n, n, 2 * bits) for n in minors]
-    determinant = windowed(squares + [product(h, trace, length(h) + bits)], bits)
+    squares = [term(product(n, n), 2 * bits) for n in minors]
+    determinant = windowed(squares + [term(product(h, trace), length(h) + bits)], bits)
     return xx, xy, yy, determinant
 
 
@@ -219,9 +220,9 @@ def ldl(widths, variance):
     vertical, inverse = reciprocal(yy, bits), reciprocal(determinant, bits)
     if vertical is None or inverse is None:
         raise Cull(DEGENERATE)
-    horizontal = times(yy, inverse, bits)
-    squared_width = times(determinant, vertical, bits)
-    shear = times(xy, vertical, bits)
+    horizontal = multiplied(yy, inverse, bits)
+    squared_width = multiplied(determinant, vertical, bits)
+    shear = multiplied(xy, vertical, bits)
     if shear[1] < -512:
         shear = (0, 0)
     if any(not -512 <= number[1] < 512 for number in (horizontal, squared_width, vertical)):
@@ -234,8 +235,8 @@ def conic(widths, variance, horizontal):
     xx, xy, yy, determinant = variance
     bits = widths.mantissa
     inverse = reciprocal(determinant, bits)
-    cross = times(xy, inverse, bits)
-    terms = [horizontal, (-cross[0], cross[1]), times(xx, inverse, bits)]
+    cross = multiplied(xy, inverse, bits)
+    terms = [horizontal, negated(cross), multiplied(xx, inverse, bits)]
     exponent = max(leading(term) for term in terms if term[0]) - (bits - 1)
     if not -512 <= exponent < 512:
         raise Cull(DEGENERATE)
@@ -249,9 +250,9 @@ def peak_opacity(widths, rules, weight, ratios, gains, determinant):
     if not rules.normalised:
         return weight
     bits = widths.mantissa
-    slant = windowed([(1, 0, 1)] + [product(r, r, 2 * bits) for r in ratios], bits)
-    density = square_root(times(slant, reciprocal(determinant, bits), bits), bits)
-    area = times(gains[0], gains[1], bits)
+    slant = windowed([(1, 0, 1)] + [term(product(r, r), 2 * bits) for r in ratios], bits)
+    density = square_root(multiplied(slant, reciprocal(determinant, bits), bits), bits)
+    area = multiplied(gains[0], gains[1], bits)
     result = multiplied(weight, area, bits)
     result = multiplied(result, density, bits)
     return multiplied(result, rules.inverse_integral, bits)
@@ -297,8 +298,8 @@ def even(value, drop):
 
 def colour(widths, channels):
     """(2.20) A splat's colour in UQ4.colour."""
-    drop = 28 - widths.colour
-    return [c >> drop if widths.rounding == "truncate" else even(c, drop) for c in channels]
+    drop, most = 28 - widths.colour, (16 << widths.colour) - 1
+    return [c >> drop if widths.rounding == "truncate" else min(even(c, drop), most) for c in channels]
 
 
 def peak_word(widths, peak):

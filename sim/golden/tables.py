@@ -7,11 +7,11 @@ ONE = 1 << 60
 
 def exponential(x):
     """(4.1) exp(-x) for x of [0, 4], UQ4.60."""
-    small, term, total = x >> 4, ONE, ONE
-    for n in range(1, 21):
-        size = abs(term) * small // n // ONE
-        term = -size if term > 0 else size
-        total += term
+    small, term, total, n = x >> 4, ONE, 0, 0
+    while term:
+        total += -term if n & 1 else term
+        n += 1
+        term = term * small // n // ONE
     for _ in range(4):
         total = total * total >> 60
     return total
@@ -52,13 +52,9 @@ class Table:
 
 def kernel_value(table, radial):
     """(4.3) The kernel at a radial index of UQ4.radial, UQ1.weight."""
-    index = radial >> table.rest
-    entries = table.entries
-    if index >= len(entries):
-        return 0
-    low, kept = entries[index], table.kept
-    if kept == 0:
+    index, kept = radial >> table.rest, table.kept
+    low = table.entries[index]
+    if not kept:
         return low
-    high = entries[index + 1] if index + 1 < len(entries) else 0
     position = (radial >> (table.rest - kept)) & ((1 << kept) - 1)
-    return low + (((high - low) * position + (1 << (kept - 1))) >> kept)
+    return low + nearest((table.entries[index + 1] - low) * position, kept)

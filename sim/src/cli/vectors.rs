@@ -27,8 +27,9 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
     let (view, splats, rules) = match &options.scene {
         None => {
             vectors::room_for_splats(options.splats)?;
-            let (view, mut splats) = vectors::hard_cases(options.splats, size, options.seed);
+            let (mut view, mut splats) = vectors::hard_cases(options.splats, size, options.seed);
             splats.extend(vectors::stress_cases());
+            vectors::stress_view(&mut view, &design.widths);
             (view, splats, crate::rules::Rules::GAUSSIAN_3D)
         }
         Some(file) => {

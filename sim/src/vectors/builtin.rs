@@ -1,9 +1,10 @@
 //! The built-in subject: random splats, every other one a hard case.
 
 use fixed::types::{I2F30, I32F32, U4F28};
+use splatline::format::Widths;
 use splatline::math::{Extended, SoftFloat};
 use splatline::splat::{Axis, VolumeSplat};
-use splatline::view::{Eye, Projection, RatioLimits, View};
+use splatline::view::{Eye, Pose, Projection, RatioLimits, View};
 
 /// A linear congruential generator, so that anyone can make the same splats.
 struct BuiltinRandom(u32);
@@ -35,7 +36,7 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
         1 << 30,
         i32::MAX,
     ];
-    let mut splats = vec![usual([0.0; 3])];
+    let mut splats = vec![usual([0.0; 3]), at_near(), at_far()];
     let mut add = |change: &dyn Fn(&mut VolumeSplat)| {
         let mut splat = usual([0.0, 0.0, 0.5]);
         change(&mut splat);
@@ -102,6 +103,23 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
         });
     }
     splats
+}
+
+/// Puts near and far plane where [`stress_cases`] has a centre each, to the last bit of the design's camera space.
+pub fn stress_view(view: &mut View, widths: &Widths) {
+    let depth = |splat: VolumeSplat| {
+        let point = view.pose.to_camera(&view.rotation, &splat.centre, widths);
+        point.coordinate(2)
+    };
+    (view.near, view.far) = (depth(at_near()), depth(at_far()));
+}
+
+fn at_near() -> VolumeSplat {
+    usual([-2.990_1, 0.001, -3.987_6])
+}
+
+fn at_far() -> VolumeSplat {
+    usual([117.3, 1.7, 156.1])
 }
 
 /// Round, half opaque, at a place in the scene.
