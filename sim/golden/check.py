@@ -40,7 +40,7 @@ class Check:
         self.widths, self.rules, self.view = folder.widths(), folder.rules(), folder.view()
         self.splats = folder.splats()
         self.prints = [print_of(record) for record in folder.records("packets")]
-        self.words = 0
+        self.drawn, self.words = [], 0
 
     def compare(self, stage, records):
         """Computed records against a stage's file."""
@@ -77,21 +77,19 @@ class Check:
     def setup(self):
         """Section 2, a stage after the other."""
         stages = {name: [] for name in ("camera", "projected", "columns", "covariance", "opacity")}
-        for splat in self.splats:
-            for name, record in setup_records(self.widths, self.view, self.rules, splat).items():
+        self.drawn = []
+        for number, splat in enumerate(self.splats):
+            records, print = setup_records(self.widths, self.view, self.rules, splat)
+            if print is not None:
+                self.drawn.append((number, print))
+            for name, record in records.items():
                 stages[name].append(record)
         for name, records in stages.items():
             self.compare(name, records)
 
     def packets(self):
-        """(2.22), (3.1) and (3.2)."""
-        drawn = []
-        for number, splat in enumerate(self.splats):
-            try:
-                drawn.append((number, setup.footprint(self.widths, self.view, self.rules, splat)))
-            except setup.Cull:
-                pass
-        drawn.sort(key=lambda pair: pair[1][0])
+        """(2.22), (3.1) and (3.2), of what `setup` left."""
+        drawn = sorted(self.drawn, key=lambda pair: pair[1][0])
         if self.folder.manifest["compositing"] == "back-to-front":
             drawn.reverse()
         self.compare("packets", (packet(number, print) for number, print in drawn))
@@ -148,7 +146,7 @@ def flat(numbers):
 
 
 def setup_records(widths, view, rules, splat):
-    """The records of one splat in the stages of setup."""
+    """The records of one splat in the stages of setup, and its footprint unless it is culled."""
     point, exponent = setup.camera_point(widths, view, splat.centre)
     records = {"camera": [*point, exponent]}
     try:
@@ -156,10 +154,10 @@ def setup_records(widths, view, rules, splat):
     except setup.Cull as cull:
         records["projected"] = [cull.args[0]] + [0] * 11
         records.update({"columns": [0] * 12, "covariance": [0] * 8, "opacity": [0] * 2})
-        return records
+        return records, None
+    print, culled = None, 0
     try:
-        setup.footprint(widths, view, rules, splat)
-        culled = 0
+        print = setup.footprint(widths, view, rules, splat)
     except setup.Cull as cull:
         culled = cull.args[0]
     records["projected"] = [culled, setup.sort_key(z), *centre, *flat(ratios + gains)]
@@ -169,7 +167,7 @@ def setup_records(widths, view, rules, splat):
     records["columns"] = flat(n for column in m for n in column)
     records["covariance"] = flat(variance)
     records["opacity"] = list(peak)
-    return records
+    return records, print
 
 
 def packet(number, print):

@@ -77,7 +77,8 @@ def subjects(arguments, folder):
     for name in NAMED:
         yield from named(name)
         if arguments.large:
-            yield [name, "--splats", "100000", "--size", "256x192", "--seed", "3"]
+            yield [name, "--splats", "100000", "--size", "4x3", "--seed", "3"]
+            yield [name, "--splats", "1600", "--size", "96x64", "--seed", "3"]
     source = random.Random(arguments.seed)
     designs = list(extremes()) + [drawn(source) for _ in range(arguments.random)]
     for number, design in enumerate(designs):

@@ -25,7 +25,7 @@ use splatline::target::Target;
 pub(super) type AnyWidths = RuntimeWidths<i32>;
 
 pub(super) fn any_widths(widths: Widths) -> AnyWidths {
-    AnyWidths::for_lanes(widths).expect("radial has at most 27 bits here")
+    AnyWidths::for_lanes(widths).expect("the strategies keep to the ranges")
 }
 
 fn widths() -> impl Strategy<Value = Widths> {
@@ -75,7 +75,7 @@ pub(super) fn usual_widths() -> impl Strategy<Value = Widths> {
             mantissa: random.mantissa,
             radial: usual.radial - less,
             table: usual.table + more,
-            weight: usual.weight + less,
+            weight: (usual.weight + less).min(28),
             alpha: usual.alpha - more,
             colour: usual.colour + less,
             rounding: random.rounding,
@@ -101,8 +101,8 @@ fn narrow_widths() -> impl Strategy<Value = Widths> {
             weight: usual.weight - less.1.min(4),
             alpha: usual.alpha - less.2.min(4),
             transmittance: usual.transmittance - less.3.min(4),
-            colour: usual.colour - less.4,
-            accumulator: usual.accumulator - less.5.min(less.4),
+            colour: (usual.colour - less.4).max(4),
+            accumulator: (usual.accumulator - less.5.min(less.4)).max(4),
             rounding: random.rounding,
             ..usual
         }
