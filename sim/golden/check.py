@@ -67,10 +67,11 @@ class Check:
                 raise Difference(f"constant {name}: formulas give {value}, the manifest has {mine[name]}")
 
     def tables(self):
-        """(1.10), (1.12), (1.16), (4.2)."""
+        """(1.10), (1.12), (1.16), (4.2), and the functions of numbers."""
         self.compare("reciprocals", ([entry] for entry in arithmetic.RECIPROCALS))
         self.compare("roots", ([entry] for entry in arithmetic.ROOTS))
         self.compare("logarithms", (list(entry) for entry in arithmetic.LOGARITHMS))
+        self.compare("functions", (function_record(r) for r in self.folder.records("functions")))
         entries = tables.gaussian_table(self.widths, self.rules.table_range)
         self.compare("table", ([entry] for entry in entries))
 
@@ -143,6 +144,14 @@ class Check:
 def flat(numbers):
     """Mantissas and exponents one after the other."""
     return [part for number in numbers for part in number]
+
+
+def function_record(record):
+    """(1.11), (1.15), (1.17) of the argument that a record begins with."""
+    x = tuple(record[:2])
+    results = [arithmetic.reciprocal(x, bits) or (0, 0) for bits in (16, 31)]
+    results += [arithmetic.square_root(x, bits) for bits in (16, 31)]
+    return [*flat([x, *results]), arithmetic.logarithm(x) or 0]
 
 
 def setup_records(widths, view, rules, splat):

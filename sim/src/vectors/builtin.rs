@@ -7,10 +7,10 @@ use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Eye, Pose, Projection, RatioLimits, View};
 
 /// A linear congruential generator, so that anyone can make the same splats.
-struct BuiltinRandom(u32);
+pub(super) struct BuiltinRandom(pub(super) u32);
 
 impl BuiltinRandom {
-    fn bits(&mut self) -> u32 {
+    pub(super) fn bits(&mut self) -> u32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         self.0
     }

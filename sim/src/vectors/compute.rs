@@ -1,6 +1,6 @@
 //! Every stage of the kernel, run one after the other, with what crosses each boundary written down.
 
-use super::{VectorStage, VectorSubject};
+use super::{VectorStage, VectorSubject, functions};
 use crate::design::DesignJob;
 use crate::fixed::{kernel_compositing, kernel_rules};
 use crate::rules::Compositing as Order;
@@ -11,7 +11,7 @@ use splatline::footprint::depth::{self, KEY_BITS};
 use splatline::footprint::packet::Layout;
 use splatline::format::{Design, Lane, Traversal, Widths};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
-use splatline::math::{LOGARITHMS, RECIPROCALS, ROOTS, SoftFloat, shift_signed};
+use splatline::math::{SoftFloat, shift_signed};
 use splatline::raster::{BoxSpans, EllipseSpans, Spans, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::{self, Cull};
@@ -66,12 +66,13 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
         covariance,
         opacity,
     } = setup;
-    let [reciprocals, roots, logarithms] = tables_of_functions();
+    let [reciprocals, roots, logarithms] = functions::tables();
     vec![
         splats,
         reciprocals,
         roots,
         logarithms,
+        functions::cases(),
         camera,
         projected,
         columns,
@@ -85,9 +86,9 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
     ]
 }
 
-type StageSpec = (String, usize, bool, usize);
+pub(super) type StageSpec = (String, usize, bool, usize);
 
-fn field(name: &str, bits: usize, signed: bool, fraction: u8) -> StageSpec {
+pub(super) fn field(name: &str, bits: usize, signed: bool, fraction: u8) -> StageSpec {
     (name.to_owned(), bits, signed, fraction.into())
 }
 
@@ -96,49 +97,16 @@ fn number(name: &str) -> [StageSpec; 2] {
     ["mantissa", "exponent"].map(|part| field(&format!("{name}_{part}"), 32, true, 0))
 }
 
-fn numbers<'a>(names: impl IntoIterator<Item = &'a str>) -> impl Iterator<Item = StageSpec> {
+pub(super) fn numbers<'a>(
+    names: impl IntoIterator<Item = &'a str>,
+) -> impl Iterator<Item = StageSpec> {
     names.into_iter().flat_map(number)
 }
 
-fn values(numbers: impl IntoIterator<Item = SoftFloat>) -> impl Iterator<Item = i64> {
+pub(super) fn values(numbers: impl IntoIterator<Item = SoftFloat>) -> impl Iterator<Item = i64> {
     numbers
         .into_iter()
         .flat_map(|n| [n.mantissa.into(), n.exponent.into()])
-}
-
-/// The read-only memories of setup and rows, which do not depend on the design.
-fn tables_of_functions() -> [VectorStage; 3] {
-    let table = |name, about, fields: &[(&str, usize, u8)], words: &[u32]| {
-        let fields = fields
-            .iter()
-            .map(|(name, bits, fraction)| field(name, *bits, false, *fraction));
-        let mut stage = VectorStage::new(name, about, fields);
-        let records = words.chunks(stage.fields.len());
-        stage.records = records
-            .map(|record| record.iter().map(|word| i64::from(*word)).collect())
-            .collect();
-        stage
-    };
-    [
-        table(
-            "reciprocals",
-            "1/(1 + i/256), entry i of 0 to 256",
-            &[("entry", 31, 30)],
-            &RECIPROCALS,
-        ),
-        table(
-            "roots",
-            "sqrt(i/256), entry i - 64 for i of 64 to 256",
-            &[("entry", 25, 24)],
-            &ROOTS,
-        ),
-        table(
-            "logarithms",
-            "1/middle of 32 intervals of [1, 2), and minus its logarithm",
-            &[("inverse", 17, 16), ("logarithm", 32, 32)],
-            &LOGARITHMS,
-        ),
-    ]
 }
 
 /// One record per splat each.

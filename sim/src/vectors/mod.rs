@@ -15,6 +15,7 @@ mod compute;
 mod constants;
 mod explain;
 mod files;
+mod functions;
 mod manifest;
 mod stage;
 mod work;
