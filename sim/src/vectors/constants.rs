@@ -101,12 +101,6 @@ pub fn of(subject: &VectorSubject) -> Vec<ConstantRecord> {
     list.add("key_mantissa", MANTISSA.into(), "integer", "2.4");
     list.add("block", raster::BLOCK.into(), "integer", "5.10");
     list.add("balance_guard", raster::GUARD.into(), "integer", "5.7");
-    list.add(
-        "vertical_fraction",
-        raster::VERTICAL_FRACTION.into(),
-        "integer",
-        "5.3",
-    );
     list.add("opacity_guard", blend::GUARD.into(), "integer", "8.3");
     list.0
 }
