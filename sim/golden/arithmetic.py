@@ -57,7 +57,7 @@ def leading(number):
 
 def scaled(number, power):
     """(1.6) number 2^power."""
-    return number[0], saturated(number[1] + power, 32)
+    return number[0], number[1] + power
 
 
 def product(a, b):
