@@ -15,7 +15,7 @@ import setup
 import tables
 from vectors import Folder, print_of
 
-PACKET_VERSION = 2
+PACKET_VERSION = 3
 
 
 class Difference(Exception):
@@ -39,7 +39,8 @@ class Check:
         self.folder = folder
         self.widths, self.rules, self.view = folder.widths(), folder.rules(), folder.view()
         self.splats = folder.splats()
-        self.prints = [print_of(record) for record in folder.records("packets")]
+        names = folder.names("packets")
+        self.prints = [print_of(names, record) for record in folder.records("packets")]
         self.drawn, self.words = [], 0
 
     def compare(self, stage, records):
@@ -90,10 +91,11 @@ class Check:
 
     def packets(self):
         """(2.22), (3.1) and (3.2), of what `setup` left."""
+        box = self.folder.traversal() == "box"
         drawn = sorted(self.drawn, key=lambda pair: pair[1][0])
         if self.folder.manifest["compositing"] == "back-to-front":
             drawn.reverse()
-        self.compare("packets", (packet(number, print) for number, print in drawn))
+        self.compare("packets", (packet(number, print, box) for number, print in drawn))
 
     def runs(self):
         """Sections 5 and 6."""
@@ -172,19 +174,22 @@ def setup_records(widths, view, rules, splat):
     records["projected"] = [culled, setup.sort_key(z), *centre, *flat(ratios + gains)]
     m = setup.columns(widths, view, ratios, gains, splat.axes)
     variance = setup.covariance(widths, rules, m)
-    peak = setup.peak_opacity(widths, rules, splat.weight, ratios, gains, variance[3])
+    weight = splat.weight
+    if rules.compensated:
+        weight = setup.compensated(widths, weight, m, variance[3])
+    peak = setup.peak_opacity(widths, rules, weight, ratios, gains, variance[3])
     records["columns"] = flat(n for column in m for n in column)
     records["covariance"] = flat(variance)
     records["opacity"] = list(peak)
     return records, print
 
 
-def packet(number, print):
-    """(3.1) The fields of a packet, and its splat's number."""
+def packet(number, print, is_box):
+    """(3.1) The fields of a packet, and behind it the sort key and the splat's number."""
     key, centre, box, form, (mantissas, exponent), cutoff, peak, channels = print
     first, end = zip(*box)
-    coefficients = [*flat(form), *mantissas, exponent]
-    return [PACKET_VERSION, key, *centre, *first, *end, *coefficients, cutoff, peak, *channels, number]
+    coefficients = [*mantissas, exponent] if is_box else flat(form)
+    return [PACKET_VERSION, *centre, *first, *end, *coefficients, cutoff, peak, *channels, key, number]
 
 
 def main(folders):

@@ -16,7 +16,7 @@ from pathlib import Path
 from check import Check, Difference
 from vectors import Folder
 
-NAMED = ("classic8", "lean18", "standard24", "deep32")
+NAMED = ("classic8", "micro16", "lean18", "standard24", "deep32")
 RANGES = {
     "position": (8, 60),
     "view": (8, 31),

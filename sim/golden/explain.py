@@ -105,7 +105,7 @@ class Way:
             print(f"culled: {cull.args[0]}")
 
     def packet(self, number):
-        print_ = print_of(self.record("packets", number))
+        print_ = print_of(self.folder.names("packets"), self.record("packets", number))
         self.splat(print_.splat)
         return print_
 
@@ -116,9 +116,10 @@ class Way:
         if self.box:
             with Trace():
                 return next(run for run in rows.box_runs(self.widths, print_) if run[0] == y), print_
-        walk = rows.span_rows(self.widths, print_)
+        constants = rows.Constants(self.widths, print_)
+        walk = rows.span_rows(self.widths, print_, constants)
         for row in range(print_.first[1], y):
-            if row == print_.first[1]:
+            if row == print_.first[1] or row == y - y % rows.BLOCK:
                 with Trace():
                     next(walk)
             else:
@@ -126,9 +127,7 @@ class Way:
         with Trace():
             _, centre, vertical, first, end = next(walk)
             start = max(first, x - x % rows.BLOCK)
-            constants = rows.Constants()
-            constants.shifts = rows.seed_shifts(self.widths, print_)
-            constants.balance = rows.balance(self.widths, print_)
+            rows.Constants(self.widths, print_)
             words = rows.seed(self.widths, print_, constants, start, centre, vertical)
         stop = min(start - start % rows.BLOCK + rows.BLOCK, end)
         return (y, start, stop - start, *words), print_

@@ -243,6 +243,15 @@ def conic(widths, variance, horizontal):
     return [fixed(scaled(term, -exponent), 0) for term in terms], exponent
 
 
+def compensated(widths, weight, m, determinant):
+    """(2.17) The weight without what the low-pass filter adds."""
+    bits = widths.mantissa
+    minors = [minor(m[j], m[k], bits) for j, k in ((0, 1), (0, 2), (1, 2))]
+    sharp = windowed([term(product(n, n), 2 * bits) for n in minors], bits)
+    kept = multiplied(sharp, reciprocal(determinant, bits) or ZERO, bits)
+    return multiplied(weight, square_root(kept, bits), bits)
+
+
 def peak_opacity(widths, rules, weight, ratios, gains, determinant):
     """(2.17) The opacity at the centre."""
     if weight[0] <= 0:
@@ -323,6 +332,8 @@ def footprint(widths, view, rules, splat):
         m = [[multiplied(c, factor, widths.mantissa) for c in column] for column in m]
         weight = dimmed(widths, rules, weight, factor)
     variance = covariance(widths, rules, m)
+    if rules.compensated:
+        weight = compensated(widths, weight, m, variance[3])
     form = ldl(widths, variance)
     coefficients = conic(widths, variance, form[0])
     peak = peak_opacity(widths, rules, weight, ratios, gains, variance[3])

@@ -52,6 +52,7 @@ class Folder:
         c = self.constants
         return Values(
             normalised=c["normalised"],
+            compensated=c["compensated"],
             low_pass=(c["low_pass_mantissa"], c["low_pass_exponent"]),
             spacing=(c["spacing_mantissa"], c["spacing_exponent"]),
             inverse_integral=(c["inverse_integral_mantissa"], c["inverse_integral_exponent"]),
@@ -95,17 +96,21 @@ def splat(record):
     return Values(centre=centre, axes=axes, weight=tuple(record[18:20]), colour=record[20:23])
 
 
-def print_of(record):
-    """A packet's record as a footprint, by the fields' places in (3.1)."""
-    numbers = [tuple(record[at : at + 2]) for at in (8, 10, 12, 14)]
+def print_of(names, record):
+    """A packet's record as a footprint, by the fields of (3.1)."""
+    f = dict(zip(names, record))
+
+    def number(name):
+        return f.get(f"{name}_mantissa"), f.get(f"{name}_exponent")
+
     return Values(
-        centre=record[2:4],
-        first=record[4:6],
-        end=record[6:8],
-        ldl=numbers,
-        conic=(record[16:19], record[19]),
-        cutoff=record[20],
-        peak=record[21],
-        colour=record[22:25],
-        splat=record[25],
+        centre=[f["centre_u"], f["centre_v"]],
+        first=[f["first_column"], f["first_row"]],
+        end=[f["end_column"], f["end_row"]],
+        ldl=[number(name) for name in ("horizontal", "squared_width", "shear", "vertical")],
+        conic=([f.get("conic_a"), f.get("conic_b"), f.get("conic_c")], f.get("conic_exponent")),
+        cutoff=f["cutoff"],
+        peak=f["peak"],
+        colour=[f["red"], f["green"], f["blue"]],
+        splat=f["splat"],
     )

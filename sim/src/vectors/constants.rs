@@ -39,6 +39,12 @@ pub fn of(subject: &VectorSubject) -> Vec<ConstantRecord> {
     let choice_of = |made: bool| i64::from(made);
     let mut list = List::default();
     list.add("normalised", choice_of(rules.normalised), "choice", "2.17");
+    list.add(
+        "compensated",
+        choice_of(rules.compensated),
+        "choice",
+        "2.17",
+    );
     list.number("low_pass", rules.low_pass, "2.13");
     list.number("spacing", rules.spacing, "2.12");
     list.add("cutoff_by_opacity", choice, "choice", "2.18");
@@ -99,8 +105,8 @@ pub fn of(subject: &VectorSubject) -> Vec<ConstantRecord> {
     list.add("ln_2", LN_2, "UQ1.40", "1.17");
     list.add("key_bits", KEY_BITS.into(), "integer", "2.4");
     list.add("key_mantissa", MANTISSA.into(), "integer", "2.4");
-    list.add("block", raster::BLOCK.into(), "integer", "5.10");
-    list.add("balance_guard", raster::GUARD.into(), "integer", "5.7");
+    list.add("block", raster::BLOCK.into(), "integer", "5.12");
+    list.add("balance_guard", raster::GUARD.into(), "integer", "5.2");
     list.add("opacity_guard", blend::GUARD.into(), "integer", "8.3");
     list.0
 }

@@ -11,9 +11,9 @@ use std::str::FromStr;
 
 /// Version of the folder's format; another version is refused.
 ///
-/// 1 had positions and depths in fixed point; 2 has them with exponents; 3 has a digest of the inputs; 4 has all constants as integers, the
-/// functions' tables, camera space and the centres' opacities.
-pub const FORMAT_VERSION: u32 = 4;
+/// 1 had positions and depths in fixed point; 2 has them with exponents; 3 has a digest of the inputs; 4 has packets of version 3;
+/// 5 has all constants as integers, the functions and their tables, camera space and the centres' opacities.
+pub const FORMAT_VERSION: u32 = 5;
 
 /// The content of `manifest.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
