@@ -22,7 +22,7 @@
 //!
 //! ```text
 //! splat, view, rules          what comes in
-//!   setup                     project -> jacobian -> variance -> shape -> bounding box
+//!   setup                     project -> jacobian -> covariance -> shape -> bounding box
 //!     footprint               the packet between setup and raster
 //!       raster                rows, spans, forward differencing
 //!         kernel              footprint table on the radial index

@@ -257,7 +257,7 @@ fn frame(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Result<[[f64; 3]; 3],
 
 /// `a` at length 1, unless it is zero or not finite.
 fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
-    // SoftFloat by a power of two near the largest coordinate first, so that squares neither overflow nor vanish.
+    // Scaled by a power of two near the largest coordinate first, so that squares neither overflow nor vanish.
     let largest = a.iter().fold(0.0f64, |m, value| m.max(value.abs()));
     if !a.iter().all(|value| value.is_finite()) || !largest.is_normal() {
         return None;

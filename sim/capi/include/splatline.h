@@ -68,7 +68,7 @@
 // 18-bit multipliers.
 #define SPLATLINE_LEAN18 1
 
-// 24-bit mantissas.
+// 28-bit mantissas, 32-bit lanes.
 #define SPLATLINE_STANDARD24 2
 
 // 31-bit magnitudes.
@@ -291,7 +291,7 @@ typedef struct {
   uint8_t fraction;
 } SplatlineField;
 
-// Columns and rows `first .. last`.
+// Columns and rows `first .. end`.
 typedef struct {
   // First column and row.
   uint16_t first[2];

@@ -209,7 +209,7 @@ pub struct SplatlineFootprint {
     pub colour: [u32; 3],
 }
 
-/// Columns and rows `first .. last`.
+/// Columns and rows `first .. end`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SplatlineWindow {
