@@ -9,10 +9,10 @@ pub mod scene;
 use embedded_graphics::pixelcolor::{Rgb565, raw::RawU16};
 use embedded_graphics::prelude::{DrawTarget, Point, Size};
 use embedded_graphics::primitives::Rectangle;
+use splatline::target::Target;
 use splatline::{
     BoundedList, CameraError, Counts, DisplayList, ListFull, Micro16, Pixel, Renderer, View,
 };
-use splatline::target::Target;
 use splatline_firmware::phase::{phase_draw, phase_rest, phase_setup};
 
 /// Rows of a strip.
