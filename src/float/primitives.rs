@@ -96,7 +96,7 @@ impl Gaussian {
     /// ```
     /// use splatline::Gaussian;
     ///
-    /// let [logit, grey] = [2.2, [0.0; 3]];
+    /// let (logit, grey) = (2.2, [0.0; 3]);
     /// let gaussian = Gaussian::from_trained([0.0, 1.0, 2.0], [1.0, 0.0, 0.0, 0.0], [-3.0; 3], logit, grey);
     /// assert!((gaussian.opacity - 0.9).abs() < 1e-3);
     /// assert_eq!(gaussian.colour, [0.5; 3]);
