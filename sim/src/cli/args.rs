@@ -1,5 +1,6 @@
 //! The options of every command. Names are stable: scripts and notebooks depend on them.
 
+use super::bake;
 use super::drawing_args::DrawingOptions;
 use super::info;
 use super::machine_args;
@@ -91,6 +92,9 @@ pub enum Command {
     /// Write where every splat lands as CSV.
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
+    /// Write a scene for a microcontroller's flash: pruned, 24 bytes a splat, as Rust constants or a file.
+    #[command(after_help = bake::EXAMPLES)]
+    Bake(bake::BakeOptions),
     /// Write the live page: one HTML file in which a scene can be turned and the kernel's widths changed.
     #[command(after_help = page::EXAMPLES)]
     Page(page::PageOptions),

@@ -5,6 +5,7 @@
 //! missing, malformed or contradictory). Errors go to stderr, results to stdout or to the named files.
 
 mod args;
+mod bake;
 mod compare;
 mod demo;
 mod drawing_args;
@@ -95,6 +96,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Bake(options)) => bake::run(&options),
         Some(Command::Page(options)) => page::run(&options),
         Some(Command::Info(options)) => info::run(&options),
         Some(Command::Completions(options)) => shell::completions(&options, Cli::command()),
