@@ -26,7 +26,7 @@ pub use covariance::{Covariance2d, covariance, sharp_determinant};
 pub use jacobian::{ScreenAxis, axis_bits, project_axes};
 pub use opacity::{centre_opacity, compensate, cutoff, opacity_fixed};
 pub use point::{PointFilter, is_minified, setup_point};
-pub use project::{Projected, project};
+pub use project::{Projected, depth_of, project};
 pub use shape::{conic, ldl};
 pub use sphere::{Ellipse, Index, SphereFootprint, setup_sphere};
 pub use surface::{depth_gradient, setup_surface, surface_opacity};

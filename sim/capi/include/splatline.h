@@ -74,6 +74,9 @@
 // 31-bit magnitudes.
 #define SPLATLINE_DEEP32 3
 
+// 32-bit words throughout, for microcontrollers.
+#define SPLATLINE_MICRO16 4
+
 // EWA volume splatting.
 #define SPLATLINE_RULES_EWA 0
 

@@ -215,7 +215,7 @@ pub struct FootprintsOptions {
     /// Who computes the footprints: fixed or float
     #[arg(long, value_parser = one_of(ENGINES), default_value = "fixed", conflicts_with = "from")]
     pub engine: Engine,
-    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    /// Widths: classic8, micro16, lean18, standard24, deep32 or a TOML file
     #[arg(
         long,
         value_name = "NAME|file.toml",

@@ -20,7 +20,7 @@ use std::str::FromStr;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Drawing")]
 pub struct WorkOptions {
-    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    /// Widths: classic8, micro16, lean18, standard24, deep32 or a TOML file
     #[arg(
         long,
         value_name = "NAME|file.toml",

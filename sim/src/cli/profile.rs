@@ -17,11 +17,11 @@ use std::fmt::Write;
 pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
     let outputs = Outputs::default().json(options.json.as_ref())?;
     let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
-    let frames = asked.frames(&options.path, &options.more)?;
+    let frames = asked.planned_frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
     let mut answers = Vec::with_capacity(frames.len());
     for frame in frames {
-        answers.push(one(&frame, options)?);
+        answers.push(one(&frame.prepare(), options)?);
     }
     if let Some(path) = &options.json {
         let answer = match &answers[..] {

@@ -1,10 +1,10 @@
 //! What is asked for: lower and upper limits of what a machine with a design reaches.
 
 use super::evaluator::{DesignError, Reached};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What can be limited.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// Pictures a second, of the slowest frame.

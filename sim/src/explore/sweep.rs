@@ -71,7 +71,7 @@ pub fn run(
 }
 
 /// The result columns in the order of [`RESULTS`].
-fn results(reached: &Reached, frames: usize) -> Vec<String> {
+pub fn results(reached: &Reached, frames: usize) -> Vec<String> {
     let (pace, slowest, area) = (&reached.pace, &reached.slowest, &reached.area);
     let spread = &reached.ms_per_frame;
     let mut fields = errors(reached.error.as_ref());
@@ -122,7 +122,8 @@ fn errors(error: Option<&DesignError>) -> Vec<String> {
     fields
 }
 
-fn left_out(reason: &str) -> Vec<String> {
+/// The result columns of a point that was not run.
+pub fn left_out(reason: &str) -> Vec<String> {
     let mut fields = vec![String::new(); RESULTS.len() - 1];
     fields.push(reason.replace([',', '\n', '"'], " "));
     fields

@@ -13,7 +13,6 @@ mod file;
 mod gaussian;
 mod gltf;
 mod ksplat;
-mod half;
 mod load;
 mod look;
 mod nrrd;

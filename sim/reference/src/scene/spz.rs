@@ -22,7 +22,7 @@ use super::gaussian::{
     Gaussian, GaussianScene, HARMONICS, MAX_DEGREE, TRAINED_ANTIALIASED, base_from_coefficient,
     coefficient_count, harmonic_basis, room_for, scale_from_log, scene_bytes,
 };
-use super::half;
+use half::f16;
 
 const MAGIC: &[u8; 4] = b"NGSP";
 const HEADER_BYTES: usize = 16;
@@ -319,7 +319,7 @@ fn position(stored: &[u8], fraction_bits: u8) -> [f64; 3] {
     let unit = f64::from(1u32 << fraction_bits);
     let size = stored.len() / 3;
     let place = |axis: usize| match stored[axis * size..(axis + 1) * size] {
-        [low, high] => half::from_bits(u16::from_le_bytes([low, high])),
+        [low, high] => f16::from_le_bytes([low, high]).to_f64(),
         // In the top three bytes the sign is in place; the shift back is arithmetic.
         [low, middle, high] => f64::from(i32::from_le_bytes([0, low, middle, high]) >> 8) / unit,
         _ => f64::NAN,
