@@ -4,6 +4,7 @@ use super::bake;
 use super::drawing_args::DrawingOptions;
 use super::info;
 use super::machine_args;
+use super::maps::Map;
 use super::page;
 use super::photos::Split;
 use super::search_args;
@@ -36,6 +37,7 @@ Examples:
   splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png
   splatline render lion.ply --as surface --light 1,0,1 --layers 4 --edges -o lion.png      a point cloud
   splatline render dem.csv --as surface --texture dem.jpg -o dem.png      a photograph over a height field
+  splatline render guitar.ply --maps depth,normal,count,id -o guitar.exr      guitar.depth.exr and so on beside it
   splatline render demo --sheets image-aligned -o sheets.png      sheet buffers
   splatline render deep-stack --deep-alpha transmittance --alpha-bits 16 -o deep.png
   splatline render random:2000 --spheres exact --sphere-index ray -o spheres.png
@@ -153,6 +155,15 @@ pub struct RenderOptions {
     /// Picture to write: .png, or .npy (height x width x 4 doubles) or .exr, both premultiplied; - writes a PNG to stdout
     #[arg(short, long, value_name = "x.png", help_heading = "Output")]
     pub output: PathBuf,
+    /// Also write maps beside the picture, in its format, in double precision: depth, alpha, normal, count, first, id
+    #[arg(
+        long,
+        value_name = "LIST",
+        help_heading = "Output",
+        value_delimiter = ',',
+        conflicts_with = "camera_path"
+    )]
+    pub maps: Vec<Map>,
 }
 
 #[derive(Debug, Args)]

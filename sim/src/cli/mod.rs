@@ -15,6 +15,7 @@ mod frames;
 mod info;
 mod kept;
 mod machine_args;
+mod maps;
 mod model;
 mod optimize;
 mod photos;
