@@ -91,7 +91,8 @@ def render(scene, camera=None, design="standard24", *, threads=None, repeat=1, v
 
     threads  all processors unless given; repeat  draws so often, times are medians; vectors  avx2, avx512 or portable
     """
-    return Picture(*plan(scene, camera, design, **options).draw(threads, repeat, vectors))
+    what = plan(scene, camera, design, **options)
+    return Picture(*what.draw(threads, repeat, vectors), what)
 
 
 @dataclass(frozen=True)
@@ -113,8 +114,9 @@ def compare(scene, camera=None, design="standard24", *, threads=None, repeat=1, 
 
     all_designs  also every named design by both traversals, in record["table"]; formats  also fp32, fp16 and bfloat16, in record["formats"]
     """
-    fixed, reference, record = plan(scene, camera, design, **options).compare(threads, repeat, all_designs, formats)
-    return Comparison(Picture(fixed, record), Picture(reference, record), record)
+    what = plan(scene, camera, design, **options)
+    fixed, reference, record = what.compare(threads, repeat, all_designs, formats)
+    return Comparison(Picture(fixed, record, what), Picture(reference, record), record)
 
 
 def metrics(picture, reference) -> dict:

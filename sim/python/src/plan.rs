@@ -9,6 +9,7 @@ use numpy::PyArray3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use splatline_sim::cli;
+use splatline_sim::design::DesignChoice;
 use splatline_sim::explore::answer;
 use splatline_sim::explore::evaluator::Subject;
 use splatline_sim::explore::fit;
@@ -178,10 +179,14 @@ impl Plan {
         Camera(self.prepared.plan.camera.clone())
     }
 
-    /// The design.
+    /// The design, with the traversal that walks it.
     #[getter]
     fn design(&self) -> Design {
-        Design(self.prepared.plan.entry.design.clone())
+        let entry = &self.prepared.plan.entry;
+        Design(DesignChoice {
+            traversal: entry.traversal,
+            ..entry.design.clone()
+        })
     }
 
     /// The machine.

@@ -72,6 +72,20 @@ def test_every_engine_draws(scene, camera, engine):
     assert picture.counts["splats"] == 300
 
 
+def test_depth_is_the_mean_of_the_splats():
+    camera = splatline.Camera.look_at((0, 0, 0), (0, 0, 1), (0, -1, 0), size=(33, 33))
+    near, far = 0.5, 0.75
+    scene = splatline.Scene.from_arrays([[0, 0, 2], [0, 0, 6]], [near, far], np.ones((2, 3)), scales=np.full((2, 3), [[0.2], [3.0]]))
+    depth = splatline.render(scene, camera).depth
+    # The first splat's share, and what it lets through of the second's.
+    shares = np.array([near, (1 - near) * far])
+    assert abs(depth[16, 16] - shares @ [2, 6] / shares.sum()) < 0.01
+    assert abs(depth[16, 0] - 6) < 1e-5
+    assert np.isnan(splatline.render(scene, camera.zoomed(0.05)).depth[0, 0])
+    with pytest.raises(splatline.Error, match="splats drawn by"):
+        _ = splatline.Picture(np.zeros((1, 1, 4))).depth
+
+
 def test_arrays_make_the_scene_that_they_came_from(camera, scene):
     again = splatline.Scene.from_arrays(scene.centres, scene.weights, scene.colours, axes=scene.axes)
     assert (splatline.render(again, camera).rgba == splatline.render(scene, camera).rgba).all()
