@@ -18,7 +18,7 @@ class Scene:
     contents: Any
     natural_rules: str | None
     weight: str
-    up: list[float]
+    up: tuple[float, float, float]
     centres: NDArray[np.float64]
     colours: NDArray[np.float64]
     axes: NDArray[np.float64]

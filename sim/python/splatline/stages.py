@@ -56,11 +56,10 @@ class Packets:
         raw = (padded[:, first] | padded[:, first + 1] << np.uint64(32)) >> np.uint64(shift)
         if shift:
             raw |= padded[:, first + 2] << np.uint64(64 - shift)
-        raw &= np.uint64(_mask(field.bits))
-        raw = raw.astype(np.int64)
+        values = (raw & np.uint64(_mask(field.bits))).astype(np.int64)
         if field.signed:
-            raw = (raw ^ 1 << field.bits - 1) - (1 << field.bits - 1)
-        return FixedArray(raw, field.bits, field.fraction, field.signed)
+            values = (values ^ 1 << field.bits - 1) - (1 << field.bits - 1)
+        return FixedArray(values, field.bits, field.fraction, field.signed)
 
     def to_bytes(self) -> bytes:
         """All packets, words little-endian."""
@@ -129,16 +128,16 @@ class Stages:
     def spans(self, packet, window=None) -> Records:
         """Spans of adjacent pixels: row, column, pixels, radial index at the first, its difference, the difference's difference."""
         raw, fraction = self._kernel.spans_of(np.ascontiguousarray(packet, np.uint32), window)
-        fields = [("row", 16, False, 0), ("column", 16, False, 0), ("length", 16, False, 0)]
-        fields += [(name, 64, True, fraction) for name in ("radial", "first", "second")]
-        return Records("spans", self.spans.__doc__, {name: Field(name, 0, *rest) for name, *rest in fields}, raw)
+        fields = [Field(name, 0, 16, False, 0) for name in ("row", "column", "length")]
+        fields += [Field(name, 0, 64, True, fraction) for name in ("radial", "first", "second")]
+        return Records("spans", "spans of adjacent pixels", {field.name: field for field in fields}, raw)
 
     def radial(self, packet, window=None) -> Records:
         """Pixels inside the footprint with their radial indices, in the order of the spans."""
         raw = self._kernel.radial_indices(np.ascontiguousarray(packet, np.uint32), window)
         bits = self.widths["radial"]
         fields = [Field("row", 0, 16, False, 0), Field("column", 0, 16, False, 0), Field("radial", 0, bits + 4, False, bits)]
-        return Records("radial", self.radial.__doc__, {field.name: field for field in fields}, raw)
+        return Records("radial", "pixels inside a footprint", {field.name: field for field in fields}, raw)
 
     @property
     def table(self) -> FixedArray:
