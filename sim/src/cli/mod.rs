@@ -16,6 +16,7 @@ mod kept;
 mod machine_args;
 mod model;
 mod optimize;
+mod photos;
 mod output;
 mod page;
 mod profile;
