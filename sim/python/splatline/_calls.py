@@ -14,10 +14,10 @@ from ._scene import Scene
 
 @dataclass(frozen=True)
 class Rules:
-    """Rules of blending: `3dgs` or `ewa`, with what differs from them.
+    """Rules of blending: `3dgs`, `inria` or `ewa`, with what differs from them.
 
-    Rules("3dgs", low_pass=0.1, alpha_max=0.99); keys are those of a plan file: kernel, normalised, low_pass, spacing, cutoff, alpha_max,
-    alpha_min, minimum_transmittance, omit_finishing, clamp_jacobian.
+    Rules("3dgs", low_pass=0.1, alpha_max=0.99); keys are those of a plan file: kernel, normalised, low_pass, compensated, spacing, cutoff,
+    alpha_max, alpha_min, minimum_transmittance, omit_finishing, clamp_jacobian.
     """
 
     name: str
@@ -120,7 +120,7 @@ def compare(scene, camera=None, design="standard24", *, threads=None, repeat=1, 
 
 
 def metrics(picture, reference) -> dict:
-    """Errors of a picture (array or `Picture`, height x width x 4) against another, per channel group in units of 1.0."""
+    """Errors of a picture (array or `Picture`, height x width x 4) against another, per channel group in units of 1.0, and FLIP."""
     arrays = [np.ascontiguousarray(one, np.float64) for one in (picture, reference)]
     return _native.metrics_of(*arrays)
 
@@ -158,10 +158,11 @@ def _plans(frames, camera, design, options):
     return [plan(frame, camera, design, **options) for frame in frames]
 
 
-def fit(frames, camera=None, design="standard24", *, rms_error=None, largest_error=None, **options) -> dict:
-    """The smallest design within a limit on its error over one frame or several (scenes or plans); `design` is where it starts."""
-    limits = {"rms_error": rms_error, "largest_error": largest_error}
-    limits = {name: bound for name, bound in limits.items() if bound is not None}
+def fit(frames, limits, camera=None, design="standard24", **options) -> dict:
+    """The smallest design within limits on its errors over one frame or several (scenes or plans); `design` is where it starts.
+
+    limits  quantity -> bound: psnr_db at least; rms_error, largest_error, percentile99 and flip at most
+    """
     return _native.fit_widths(_plans(frames, camera, design, options), limits)
 
 
@@ -169,7 +170,7 @@ def optimize(frames, limits, camera=None, design="standard24", *, part=None, spa
     """The cheapest design and machine that hold all limits over one frame or several, or the limits that cannot be held.
 
     limits  quantity -> bound: frames_per_second and psnr_db at least; luts, flip_flops, dsps, memory_kbit, bytes_per_second, largest_error,
-            rms_error and millijoules_per_frame at most
+            rms_error, percentile99, flip and millijoules_per_frame at most
     part    a part whose limits are added; space  text of a space file
     """
     return _native.search_cheapest(_plans(frames, camera, design, options), limits, part, space)

@@ -37,10 +37,11 @@ def _mask(bits: int) -> int:
 class Packets:
     """Footprint packets: `words`, uint32 of shape (n, words), least significant first, and what is in them.
 
-    Those of culled splats are 0; `culled[i]` says why splat i has none, or None.
+    Those of culled splats are 0; `culled[i]` says why splat i has none, or None. `depth` are the keys by which they are sorted, which no packet holds.
     """
 
     words: np.ndarray
+    depth: np.ndarray
     fields: dict[str, Field]
     culled: list
     splats: np.ndarray
@@ -72,9 +73,9 @@ class Packets:
     def sorted(self) -> Packets:
         """Those that are drawn, nearest first, ties by the splat's number: the order in which they are composited."""
         drawn = np.array([reason is None for reason in self.culled])
-        order = np.argsort(self["depth"].raw, kind="stable")
+        order = np.argsort(self.depth, kind="stable")
         order = order[drawn[order]]
-        return Packets(self.words[order], self.fields, [None] * len(order), self.splats[order])
+        return Packets(self.words[order], self.depth[order], self.fields, [None] * len(order), self.splats[order])
 
 
 @dataclass(frozen=True)
@@ -115,15 +116,15 @@ class Stages:
     def setup(self, splats=None) -> Packets:
         """Packets of these splats, or of all."""
         splats = None if splats is None else [int(splat) for splat in splats]
-        words, culled = self._kernel.setup(splats)
-        return Packets(words, self.fields, culled, np.arange(len(words)) if splats is None else np.array(splats))
+        words, depth, culled = self._kernel.setup(splats)
+        return Packets(words, depth, self.fields, culled, np.arange(len(words)) if splats is None else np.array(splats))
 
     def packets(self, words) -> Packets:
         """Packets from words of 32 bits, (n, words), or from their bytes, little-endian."""
         if isinstance(words, (bytes, bytearray, memoryview)):
             words = np.frombuffer(words, "<u4").reshape(-1, self.packet_words)
         words = np.ascontiguousarray(words, np.uint32)
-        return Packets(words, self.fields, [None] * len(words), np.arange(len(words)))
+        return Packets(words, np.zeros(len(words), np.int64), self.fields, [None] * len(words), np.arange(len(words)))
 
     def spans(self, packet, window=None) -> Records:
         """Spans of adjacent pixels: row, column, pixels, radial index at the first, its difference, the difference's difference."""

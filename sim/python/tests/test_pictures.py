@@ -184,11 +184,11 @@ def test_machines_and_searches_are_the_command_lines(tmp_path, scene, camera):
     causes = [name for name in units.dtype.names if name not in ("name",)]
     assert len(units) == len(record["cycles"]["units"]) and sum(units[name].sum() for name in causes) > 0
 
-    fitted = splatline.fit(scene, camera, rms_error=1e-3)
+    fitted = splatline.fit(scene, {"rms_error": 1e-3}, camera)
     assert command("fit", *view, "--metric", "rms", "--max-error", "1e-3", "-o", "fit.toml", folder=tmp_path).returncode == 0
     assert splatline.Design(str(tmp_path / "fit.toml")).widths == fitted["widths"]
-    with pytest.raises(splatline.Error, match="above the budget"):
-        splatline.fit(scene, camera, rms_error=0.0)
+    with pytest.raises(splatline.Error, match="standard24 itself has rms error"):
+        splatline.fit(scene, {"rms_error": 0.0}, camera)
 
     space = "[machine]\nlanes = [1, 2, 4, 8]\n"
     answer = splatline.optimize(scene, {"frames_per_second": 100.0}, camera, space=space)
