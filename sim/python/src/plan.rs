@@ -9,7 +9,6 @@ use numpy::PyArray3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use splatline_sim::cli;
-use splatline_sim::design::DesignChoice;
 use splatline_sim::explore::answer;
 use splatline_sim::explore::evaluator::Subject;
 use splatline_sim::explore::fit;
@@ -183,10 +182,9 @@ impl Plan {
     #[getter]
     fn design(&self) -> Design {
         let entry = &self.prepared.plan.entry;
-        Design(DesignChoice {
-            traversal: entry.traversal,
-            ..entry.design.clone()
-        })
+        let mut design = entry.design.clone();
+        design.traversal = entry.traversal;
+        Design(design)
     }
 
     /// The machine.
