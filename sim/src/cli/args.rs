@@ -115,9 +115,6 @@ pub enum Command {
     /// Sweep or optimize, by the name that both had before.
     #[command(hide = true, after_help = search_args::EXPLORE_EXAMPLES)]
     Explore(search_args::ExploreOptions),
-    /// Put the shards of a sweep together.
-    #[command(after_help = search_args::MERGE_EXAMPLES)]
-    Merge(search_args::MergeOptions),
     /// Find the smallest design within an error budget.
     #[command(after_help = search_args::FIT_EXAMPLES)]
     Fit(search_args::FitOptions),

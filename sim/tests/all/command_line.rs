@@ -120,7 +120,6 @@ const PRINTING: [&[&str]; 19] = [
         "-o",
         "OUT/sweep",
     ],
-    &["merge", "OUT/sweep", "-o", "OUT/merged"],
     &[
         "trace",
         "random:9",
