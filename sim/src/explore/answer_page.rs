@@ -4,7 +4,6 @@
 use super::answer::{Answer, Found};
 use super::detail::{Detail, Knob};
 use super::refusal;
-use crate::machine::area::units;
 use crate::machine::config::Config;
 use crate::machine::timing::Timing;
 use crate::report::chart::{Anchor, Axis, Chart};
@@ -52,7 +51,7 @@ pub fn page(title: &str, answer: &Answer, detail: Option<&Detail>, note: &str) -
     let clock = clock.map_or(String::new(), |clock| {
         format!("{} MHz: {}. ", clock.mhz, clock.of)
     });
-    let notes = [clock, note.to_owned(), format!(". {}.", units::LEFT_OUT)].concat();
+    let notes = clock + note;
     body += &section(
         "What it rests on",
         &format!("<p class=\"read\">{}</p>", escape(&notes)),
@@ -236,10 +235,15 @@ fn stages(timing: &Timing) -> Vec<Stage> {
         stage("packet_fetch", "fetch of packets", bytes.packets_read, 0),
         stage("splat_setup", "splat setup", 0, 0),
         stage("row_generator", "row generator", 0, 0),
-        stage("lanes", "pixel lanes", 0, 0),
-        stage("blend", "blend, tile buffer", 0, 0),
+        stage("lanes", "lanes and blend", 0, 0),
         stage("write_back", "write-back", 0, bytes.pixels_written),
     ]
+}
+
+/// All bytes on the diagram's arrows.
+pub(super) fn bytes_shown(timing: &Timing) -> u64 {
+    let stages = stages(timing);
+    stages.iter().map(|stage| stage.read + stage.written).sum()
 }
 
 /// Units from top to bottom, each with the part of the time in which it works, and the memory beside them.
@@ -339,7 +343,7 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
         machine.setup_interval,
         machine.read_bandwidth,
         machine.write_bandwidth,
-        timing.bytes.all() as f64 / 1e6
+        bytes_shown(timing) as f64 / 1e6
     );
     format!(
         "<p class=\"read\">{}</p>\n<div class=\"diagram\">{}</div>",

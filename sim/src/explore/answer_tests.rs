@@ -1,6 +1,8 @@
 //! The search beside the exhaustive sweep, which evaluates every point by a way of its own.
 
 use super::*;
+use crate::explore::answer_page;
+use crate::explore::detail::detail;
 use crate::explore::folder::Appender;
 use crate::explore::limits::{Quantity, tightest};
 use crate::explore::sweep::{self, Shard};
@@ -142,6 +144,9 @@ fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
     let evaluator = Evaluator::new(&subject, false);
     for point in space.points.iter().step_by(7) {
         let choice = evaluator.choice(&space, point).unwrap();
+        if choice.machine.check_together().is_err() {
+            continue;
+        }
         let cost = &on_all_frames(&evaluator, &choice).unwrap()[0];
         let reached = evaluator.reached(&choice, None, std::slice::from_ref(cost));
         let best = evaluator.at_best(&choice, &[0]).unwrap();
@@ -180,6 +185,37 @@ fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
     assert!(!answer.holds && ruled_out.iter().all(|out| out.with == pair[..1]));
     let text = crate::explore::refusal::text(&both);
     assert!(text.contains("refused before any simulation") && text.contains("by area alone"));
+}
+
+/// The page's arrows carry every byte, its units all of the energy, and each change of a setting is what the machine so changed reaches.
+#[test]
+fn the_page_shows_all_bytes_and_all_energy() {
+    let frames = frames(&[1.0, 1.3]);
+    let subject = subject(&frames);
+    let space = Space::from_toml("s.toml", SPACE).unwrap();
+    let limits = [limit(Quantity::FramesPerSecond, 2_000.0)];
+    let answer = optimize(&subject, &limits, &space, &|_| ()).unwrap();
+    let detail = detail(&subject, &limits, &space, &answer).unwrap().unwrap();
+    let reached = &answer.found[0].reached;
+    assert_eq!(detail.timing.total, reached.pace.cycles_per_frame);
+    assert_eq!(
+        answer_page::bytes_shown(&detail.timing),
+        detail.timing.bytes.all()
+    );
+    assert_eq!(detail.timing.bytes.all(), reached.pace.bytes_per_frame);
+    let units = detail.energy.units.iter().map(|unit| unit.attojoules);
+    assert_eq!(units.sum::<u64>(), detail.energy.attojoules);
+    assert!(!detail.knobs.is_empty());
+    for knob in &detail.knobs {
+        assert!(
+            knob.from != knob.to && knob.cost.is_finite() && knob.frames_per_s > -1.0,
+            "{knob:?}"
+        );
+    }
+    let page = answer_page::page("<random>", &answer, Some(&detail), "area of <nothing>");
+    assert!(page.contains("&lt;random&gt;</h1>") && page.contains("area of &lt;nothing&gt;"));
+    assert_eq!(page.matches("<svg").count(), 6);
+    assert!(!page.contains("NaN") && !page.contains("inf "));
 }
 
 /// An error below what the widest design makes is refused for that.

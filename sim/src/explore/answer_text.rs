@@ -2,7 +2,6 @@
 
 use super::answer::{Answer, Found, Standing};
 use super::refusal;
-use crate::machine::area::units;
 use crate::machine::config::Config;
 use std::fmt::Write;
 
@@ -41,7 +40,7 @@ impl Answer {
             text += &self.limits();
             text += &self.failing();
         }
-        text + "  " + units::LEFT_OUT + "\n"
+        text
     }
 
     /// The tightest limits, and what the answer would cost without them.

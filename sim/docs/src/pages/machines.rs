@@ -219,13 +219,19 @@ const PUBLISHED: &str = include_str!("published.csv");
 
 /// The published machines, and ours by the rows of machines that were run on one scene.
 fn published(run: &Table) -> Result<Table> {
-    let mut lines = PUBLISHED.lines().map(|line| line.split(',').map(str::to_owned));
+    let mut lines = PUBLISHED
+        .lines()
+        .map(|line| line.split(',').map(str::to_owned));
     let headings: Vec<String> = lines.next().context("published.csv is empty")?.collect();
     let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
     let mut table = Table::new(&headings);
     lines.for_each(|line| table.push(line));
     let screen = (SIZE * SIZE) as f64;
-    for row in run.rows().iter().filter(|row| row[0].starts_with("splatline ")) {
+    for row in run
+        .rows()
+        .iter()
+        .filter(|row| row[0].starts_with("splatline "))
+    {
         let number = |place: usize| row[place].parse::<f64>();
         let (cycles, whole, path) = (number(6)?, number(9)?, number(10)?);
         let nanojoules = |millijoules: f64| 1e6 * millijoules / screen;
@@ -237,7 +243,11 @@ fn published(run: &Table) -> Result<Table> {
             "`rtl -- area`".to_owned(),
             "-".to_owned(),
             format!("{:.3} pixels a cycle", screen / cycles),
-            format!("{:.2} nJ a pixel; {:.2} in the pixel path", nanojoules(whole), nanojoules(path)),
+            format!(
+                "{:.2} nJ a pixel; {:.2} in the pixel path",
+                nanojoules(whole),
+                nanojoules(path)
+            ),
             "[accuracy](accuracy.md)".to_owned(),
             "this page; the whole frame with its DRAM".to_owned(),
         ]);
