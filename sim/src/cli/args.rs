@@ -4,6 +4,7 @@ use super::drawing_args::DrawingOptions;
 use super::info;
 use super::machine_args;
 use super::page;
+use super::photos::Split;
 use super::search_args;
 use super::shell;
 use super::values::{DesignName, ENGINES, one_of};
@@ -53,6 +54,8 @@ Examples:
   splatline compare lion.ply --as surface -o out          a point cloud as surface splats
   splatline compare guitar.ply --camera-path keys.toml -o out
       every frame in a folder of its own, the chosen design alone, and frames.json and frames.html over all
+  splatline compare scene.ply --camera sparse/0 --photos images --formats -o out
+      every eighth photograph of a COLMAP model against float, fixed widths and float formats: photos.json and photos.html
 
 Writes fixed.png, float.png, error.png, report.json and report.html.";
 
@@ -164,9 +167,34 @@ pub struct CompareOptions {
     /// Draw the chosen design only, instead of all named designs by both traversals
     #[arg(long)]
     pub only: bool,
-    /// Also draw in fp32, fp16 and bfloat16, every operation rounded, and report how far each is from the reference
+    /// Also draw in fp32, fp16, bfloat16 and a mix of fp8 and fp16, every operation rounded, and report how far each is from the reference
     #[arg(long)]
     pub formats: bool,
+    /// Photographs (.png, .jpg) of the views of --camera: PSNR, SSIM and FLIP of what is drawn against them
+    #[arg(
+        long,
+        value_name = "DIR",
+        help_heading = "Photographs",
+        conflicts_with = "from"
+    )]
+    pub photos: Option<PathBuf>,
+    /// Views that are compared: test (every eighth), train (the others), all, or N for every Nth
+    #[arg(
+        long,
+        value_name = "WHICH",
+        help_heading = "Photographs",
+        default_value = "test",
+        requires = "photos"
+    )]
+    pub split: Split,
+    /// Masks of the photographs: what is black in them counts in none of the pictures
+    #[arg(
+        long,
+        value_name = "DIR",
+        help_heading = "Photographs",
+        requires = "photos"
+    )]
+    pub masks: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -176,7 +204,7 @@ pub struct FootprintsOptions {
     /// Who computes the footprints: fixed or float
     #[arg(long, value_parser = one_of(ENGINES), default_value = "fixed", conflicts_with = "from")]
     pub engine: Engine,
-    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    /// Widths: classic8, micro16, lean18, standard24, deep32 or a TOML file
     #[arg(
         long,
         value_name = "NAME|file.toml",

@@ -5,7 +5,7 @@ use super::output::{Outputs, write};
 use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
 use super::search_args::ProfileOptions;
-use crate::explore::limits::Quantity;
+use crate::explore::limits::{Limit, Quantity};
 use crate::explore::profile::{Needs, SLACK, needs};
 use crate::explore::statistics::{self, Statistics};
 use crate::fixed;
@@ -23,12 +23,12 @@ pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
         outputs = outputs.file(path, &["html"])?;
     }
     let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
-    let frames = asked.frames(&options.path, &options.more)?;
+    let frames = asked.planned_frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
     let mut answers = Vec::with_capacity(frames.len());
     let mut drawn = Drawn::default();
     for frame in frames {
-        answers.push(one(&frame, options, &mut drawn)?);
+        answers.push(one(&frame.prepare(), options, &mut drawn)?);
     }
     if let Some(path) = &options.html {
         if drawn.frames.is_empty() {
@@ -94,7 +94,10 @@ fn one(
     match options.max_error {
         Some(budget) => {
             let only = std::slice::from_ref(frame);
-            let fitted = fit::fitted(only, Quantity::LargestError, budget)?;
+            let fitted = fit::fitted(
+                only,
+                &[Limit::new(Quantity::LargestError, budget, "--max-error")],
+            )?;
             print_result(&fit::text(design, &fitted))?;
             answer.insert("fit".to_owned(), json!(fitted));
         }

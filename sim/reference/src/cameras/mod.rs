@@ -54,6 +54,10 @@ pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<CameraPose>, Ca
     if let Some(folder) = colmap::folder(path) {
         return colmap::load(&folder).map_err(wrong);
     }
+    let listed = ["transforms.json", "cameras.json"].map(|name| path.join(name));
+    if let Some(file) = listed.iter().find(|file| file.is_file()) {
+        return load(file, size);
+    }
     if path.is_dir() {
         let problem = "is a folder and not a regular file, and holds no cameras and images (.txt or .bin) of COLMAP, also in sparse/0: name a file";
         return Err(wrong(problem.to_string()));

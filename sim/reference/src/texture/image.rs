@@ -4,7 +4,7 @@
 //! values are linear as stored (no gamma applied).
 
 use crate::memory;
-use crate::picture::png;
+use crate::picture::{Picture, png};
 use crate::scene::{LoadError, Problem};
 use std::path::Path;
 use zune_jpeg::JpegDecoder;
@@ -74,6 +74,32 @@ impl Texture {
     }
 }
 
+/// A photograph as a picture: its alpha channel is kept, and colours are multiplied by it.
+pub fn load_photograph(path: &Path) -> Result<Picture, LoadError> {
+    let load = || {
+        let bytes = crate::scene::read_file(path)?;
+        if bytes.starts_with(JPEG) {
+            let Texture {
+                width,
+                height,
+                texels,
+            } = from_jpeg(&bytes).map_err(damaged)?;
+            let pixels = texels.iter().map(|[r, g, b]| [*r, *g, *b, 1.0]).collect();
+            return Ok(Picture {
+                width,
+                height,
+                pixels,
+            });
+        }
+        Picture::from_png(&bytes).map_err(|error| damaged(error.to_string()))
+    };
+    load().map_err(|problem: Problem| problem.of(path.display().to_string()))
+}
+
+fn damaged(reason: String) -> Problem {
+    Problem::malformed("picture", reason, "give a sound .png or .jpg file")
+}
+
 /// The two texels on either side of a coordinate, and how far it lies towards the second.
 fn between(coordinate: f64, size: usize) -> ([usize; 2], f64) {
     let place = (coordinate - 0.5).clamp(0.0, (size - 1) as f64);
@@ -83,13 +109,6 @@ fn between(coordinate: f64, size: usize) -> ([usize; 2], f64) {
 
 fn decode(path: &Path) -> Result<Texture, Problem> {
     let bytes = crate::scene::read_file(path)?;
-    let damaged = |reason: String| {
-        Problem::malformed(
-            "picture",
-            reason,
-            "give a sound .png or .jpg file as texture",
-        )
-    };
     let texture = if bytes.starts_with(JPEG) {
         from_jpeg(&bytes)
     } else {
