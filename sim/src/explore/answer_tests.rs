@@ -155,6 +155,17 @@ fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
         assert!(best.millijoules <= reached.millijoules && best.millijoules > 0.0);
         assert!(best.pace.bytes_per_frame <= reached.pace.bytes_per_frame);
         assert_eq!(best.area, reached.area);
+        let all = [
+            Quantity::PsnrDb,
+            Quantity::LargestError,
+            Quantity::RmsError,
+            Quantity::Percentile99,
+            Quantity::Flip,
+        ];
+        for quantity in all {
+            let tight = if quantity.is_at_least() { 1e6 } else { 0.0 };
+            assert_eq!(limit(quantity, tight).missed_by(&best), 0.0, "{quantity:?}");
+        }
     }
     let refused = |limits: &[Limit]| {
         let answer = refusal(&subject, limits, &space, &|_| ()).unwrap();

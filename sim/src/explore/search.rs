@@ -189,7 +189,7 @@ impl<'a> Search<'a> {
     /// The errors of a design; nothing without references.
     fn design_error(&mut self, choice: &Choice) -> Result<Option<DesignError>> {
         if self.by_bounds {
-            return Ok(Some(DesignError::default()));
+            return Ok(Some(DesignError::none()));
         }
         let known = self.drawn.iter().find(|(other, _)| {
             other.variant.traversal == choice.variant.traversal
