@@ -67,7 +67,7 @@ Examples:
   splatline footprints guitar.ply -o footprints.csv
   splatline footprints guitar.ply --engine float --camera camera.json -o reference.csv
 
-Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff; empty fields if the splat is culled.";
+Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,opacity,cutoff; empty fields if the splat is culled.";
 
 /// Fixed-point splatting against a float reference.
 ///

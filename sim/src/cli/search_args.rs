@@ -65,15 +65,26 @@ impl SearchOptions {
 
 /// What is explored of these frames, whatever they are of, with references where errors are asked for.
 pub fn subject(frames: &[NamedFrame], errors: bool) -> Result<Subject<'_>, Failure> {
-    for frame in frames.iter().filter(|_| errors) {
+    let mut subject = Subject::new(frames.iter().map(|frame| &frame.prepared).collect())?;
+    draw_references(&mut subject, frames, errors)?;
+    Ok(subject)
+}
+
+/// Draws a subject's references where errors are asked for and there is memory for all of them.
+pub fn draw_references(
+    subject: &mut Subject,
+    frames: &[NamedFrame],
+    errors: bool,
+) -> Result<(), Failure> {
+    if !errors {
+        return Ok(());
+    }
+    for frame in frames {
         let bytes = COMPARED + HELD_PIXEL_BYTES * (frames.len() as u64 - 1);
         room_for_picture(&frame.prepared.plan.camera, bytes)?;
     }
-    let mut subject = Subject::new(frames.iter().map(|frame| &frame.prepared).collect())?;
-    if errors {
-        subject.draw_references()?;
-    }
-    Ok(subject)
+    subject.draw_references()?;
+    Ok(())
 }
 
 pub const SWEEP_EXAMPLES: &str = "\
@@ -127,7 +138,7 @@ pub struct OptimizeOptions {
     pub space: Option<PathBuf>,
     #[command(flatten)]
     pub limits: LimitOptions,
-    /// Folder for answer.json, and design.toml and machine.toml of the answer
+    /// Folder for answer.html, answer.json, and design.toml and machine.toml of the answer
     #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }
@@ -150,7 +161,7 @@ pub struct ExploreOptions {
     /// Leave the float reference out: cycles and area only
     #[arg(long)]
     pub no_error: bool,
-    /// Folder for the results; with a limit: answer.json, design.toml and machine.toml of the answer
+    /// Folder for the results; with a limit: answer.html, answer.json, design.toml and machine.toml of the answer
     #[arg(
         short,
         long,
@@ -237,7 +248,8 @@ pub const PROFILE_EXAMPLES: &str = "\
 Examples:
   splatline profile guitar.ply
   splatline profile guitar.ply --max-error 0.004 --json profile.json
-  splatline profile guitar.ply playbot.ply --json profile.json
+  splatline profile guitar.ply --camera-path path.toml --html workload.html
+      histograms of tiles, splats and pixels, and what frames have in common
 
 `needs` is the earlier name of this command.";
 
@@ -259,4 +271,7 @@ pub struct ProfileOptions {
     /// Also write the answer as JSON
     #[arg(long, value_name = "n.json")]
     pub json: Option<PathBuf>,
+    /// Also write workload statistics as a page: histograms of tiles, splats and pixels, key bits, reuse between frames
+    #[arg(long, value_name = "w.html")]
+    pub html: Option<PathBuf>,
 }
