@@ -59,23 +59,13 @@ impl<const N: usize> PackedTable<N> {
             return Err(PackedError::Intervals);
         }
         let lane = widths.radial as u32 + range as u32;
-        let position = widths.interpolation as u32;
-        if lane > LANE || lane < widths.table as u32 + position {
-            return Err(PackedError::Alignment);
-        }
         // A seed's product is rounded to the mantissa: 16 * 2^-mantissa at most, with room for its two roundings and the steps'.
         if widths.mantissa < widths.table + 4 || lane < widths.table as u32 + LANE_NOISE {
             return Err(PackedError::Noise);
         }
         let mut words = [0; N];
-        let mut i = 0;
-        while i < N {
-            let level = if i == 0 { 0 } else { i - 1 };
-            match word(entries[level], entries[i], i as u32, position) {
-                Some(packed) => words[i] = packed,
-                None => return Err(PackedError::Room),
-            }
-            i += 1;
+        if let Err(error) = pack(&mut words, entries, widths, range) {
+            return Err(error);
         }
         Ok(PackedTable {
             words,
@@ -134,6 +124,34 @@ impl<const N: usize> PackedTable<N> {
         word.wrapping_sub(slope.wrapping_mul(after))
             .wrapping_shr(position)
     }
+}
+
+/// Packs a footprint table's entries, one more than there are words. Radial indices that may be far below 0 must be raised to 0 before they
+/// [lead](PackedTable::lead).
+pub const fn pack(
+    words: &mut [u32],
+    entries: &[u32],
+    widths: &Widths,
+    range: u8,
+) -> Result<(), PackedError> {
+    if words.len() != 1 << widths.table || entries.len() != words.len() + 1 {
+        return Err(PackedError::Intervals);
+    }
+    let lane = widths.radial as u32 + range as u32;
+    let position = widths.interpolation as u32;
+    if lane > LANE || lane < widths.table as u32 + position {
+        return Err(PackedError::Alignment);
+    }
+    let mut i = 0;
+    while i < words.len() {
+        let level = if i == 0 { 0 } else { i - 1 };
+        match word(entries[level], entries[i], i as u32, position) {
+            Some(packed) => words[i] = packed,
+            None => return Err(PackedError::Room),
+        }
+        i += 1;
+    }
+    Ok(())
 }
 
 /// Bits of a lane below the table's index.

@@ -7,11 +7,15 @@ use crate::format::{Rounding, Widths};
 use fixed::types::U4F28;
 
 /// Red, green, blue in UQ4.colour: rounded to nearest, halves to even, or truncated as the design's pixel path is. A colour rounded up to 16
-/// keeps its bits above the format, as the blend's products do.
+/// keeps its bits above the format, as the blend's products do; designs with a smaller [`range`](Widths::colour_range) saturate below its end.
 pub fn colour(widths: &Widths, colour: [U4F28; 3]) -> [u32; 3] {
     let drop = 28u32.saturating_sub(widths.colour.into());
+    let last = match widths.colour_range() {
+        range @ 0..4 => (1u64 << (28 + range)) - (1 << drop),
+        _ => u64::MAX,
+    };
     colour.map(|channel| {
-        let value = u64::from(channel.to_bits());
+        let value = u64::from(channel.to_bits()).min(last);
         let whole = value >> drop;
         if drop == 0 || widths.rounding == Rounding::Truncate {
             return whole as u32;
@@ -25,7 +29,7 @@ pub fn colour(widths: &Widths, colour: [U4F28; 3]) -> [u32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::{Classic8, Deep32, Standard24};
+    use crate::format::{Classic8, Deep32, Lean18, Standard24};
 
     #[test]
     fn halves_go_to_even() {
@@ -42,6 +46,8 @@ mod tests {
             assert_eq!(of(bits, &Standard24::WIDTHS), expected, "{bits}");
         }
         assert_eq!(of((1 << 20) - 1, &Classic8::WIDTHS), 0);
+        assert_eq!(of((7 << 28) + (5 << 12), &Lean18::WIDTHS), (7 << 15) + 2);
+        assert_eq!(of(u32::MAX, &Lean18::WIDTHS), (8 << 15) - 1);
         assert_eq!(
             of(
                 8,

@@ -189,10 +189,10 @@ conic_b                bit 327, 19 wide: 675d3
 conic_c                bit 346, 18 wide: 347fb
 conic_exponent         bit 364, 10 wide: 3ee
 cutoff                 bit 374, 32 wide: a81d56e5
-peak                   bit 406, 28 wide: c00000
-red                    bit 434, 18 wide: 4000
-green                  bit 452, 18 wide: 2000
-blue                   bit 470, 18 wide: 1000
+peak                   bit 406, 22 wide: 30000
+red                    bit 428, 18 wide: 8000
+green                  bit 446, 18 wide: 4000
+blue                   bit 464, 18 wide: 2000
 ";
 
 #[test]
