@@ -3,15 +3,7 @@
 //   packets  32-bit words as `splatline_packet_encode` gives them, the first field in the lowest bits; `tlast` with a packet's last word
 //   pixels   128 bits, row by row: red, green, blue, and the transmittance with the finished flag in bit 127; `tlast` with a tile's last pixel
 //
-// Registers, by their address in bytes (a write of another one is answered and does nothing, a read gives 0):
-//
-//   00 control   write 1: begin a tile with the window in 08 and 0c; write 2: end it. Read: bit 0 a begin waits, 1 an end waits, 2 idle, 3 raster_idle
-//   04 version   of packets
-//   08 first     window: column, and row << 16        0c last    one past the window's end, in the same way
-//   10 alpha_max 14 minimum_transmittance 18 least   1c least >> 32  20 flags   bit 0 omit_finishing, 1 wide_table
-//   24 table_index          28 table_low               2c table_step, whose write writes the entry and goes to the next
-//   30 packets   taken      34 foreign  packets of another version     38 broken  packets whose `tlast` came too early or too late
-//   3c pixels    read out   40 cycles   of the clock
+// Registers are listed in registers.json, from which `registers.py` writes splat_axi.svd and splat_axi.h.
 //
 // A begin waits until the tile before has ended, and packets wait until their tile has begun. An end waits until every packet whose first word came
 // before it has been drawn, and until the tile before has been read out.

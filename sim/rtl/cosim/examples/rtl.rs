@@ -12,7 +12,9 @@ use splatline_rtl::setup::tables::TableUnits;
 use splatline_rtl::setup::unit::SetupUnit;
 use splatline_rtl::tools::rtl;
 use splatline_rtl::unit::report;
-use splatline_rtl::{area, formal, harmonics, judges, package, placement, setup, tables};
+use splatline_rtl::{
+    area, asic, formal, harmonics, judges, package, placement, rules, setup, tables,
+};
 use splatline_sim::atomic;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
@@ -30,8 +32,11 @@ const USAGE: &str = "usage: rtl COMMAND
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mutation
   area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/machine/src/area/synthesised.csv (18 minutes) and setup.csv (an hour)
   area order|harmonics            the same of these units for the ECP5
+  area asic LIBERTY [WORDS]       square micrometres, gate equivalents and longest path by unit in the cells of a Liberty file (gzip too), of all circuits
+                                  that fmax places or of those whose name contains WORDS
   fmax WORDS [SEED]   clock by nextpnr on the ECP5 of circuits whose name contains WORDS, as 'lean18 splat_primitive', in lines of placed.csv
   bitstream DESIGN LANES FILE     the primitive between registers as a bitstream for the ECP5 LFE5U-85F, by Yosys, nextpnr and ecppack
+  registers DESIGN RULES          what a driver writes into the AXI shell for rules (ewa or 3dgs), as a C array for shell/splat_axi.h
   estimate DESIGN LANES           the model's estimate of area, without synthesis
 ";
 
@@ -58,12 +63,19 @@ fn main() -> ExitCode {
         ["area", "harmonics"] => {
             print_area(&MULTIPLIERS.map(|value| Circuit::new(&HARMONICS, "lean18", value)))
         }
+        ["area", "asic", liberty, words @ ..] => placement::circuits()
+            .map(|circuits| named(circuits, words.first().copied().unwrap_or_default()))
+            .and_then(|circuits| asic::report(Path::new(liberty), &circuits)),
         ["fmax", words] => placement::report(words, None),
         ["fmax", words, seed] => number(seed).and_then(|seed| placement::report(words, Some(seed))),
         ["bitstream", design, lanes, file] => number(lanes)
             .and_then(|lanes| Circuit::new(&PRIMITIVE, design, lanes))
             .and_then(|circuit| placement::bitstream(&circuit, Path::new(file)))
             .map(|line| println!("{line}")),
+        ["registers", design, name] => DesignChoice::load(design)
+            .map_err(Into::into)
+            .and_then(|choice| rules::register_writes(&choice.widths, name))
+            .map(|text| print!("{text}")),
         ["estimate", design, lanes] => estimate(design, lanes),
         _ => {
             eprint!("{USAGE}");
@@ -205,6 +217,11 @@ fn print_area(circuits: &[Result<Circuit>]) -> Result<()> {
         );
     }
     Ok(())
+}
+
+fn named(circuits: Vec<Circuit>, words: &str) -> Vec<Circuit> {
+    let contains = |circuit: &Circuit| circuit.to_string().contains(words);
+    circuits.into_iter().filter(contains).collect()
 }
 
 fn estimate(design: &str, lanes: &str) -> Result<()> {

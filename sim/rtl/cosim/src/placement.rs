@@ -34,7 +34,7 @@ const GOAL: &str = "110";
 const SEEDS: [u32; 5] = [1, 2, 3, 4, 5];
 
 /// All circuits that are placed.
-fn circuits() -> Result<Vec<Circuit>> {
+pub fn circuits() -> Result<Vec<Circuit>> {
     let mut all = Vec::new();
     for (design, _) in DESIGNS {
         for (unit, value) in [(&PRIMITIVE, 1), (&PRIMITIVE, 4), (&SETUP, 1)] {

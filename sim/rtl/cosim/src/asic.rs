@@ -1,0 +1,376 @@
+//! Area and clock of the units in the standard cells of any Liberty file: `rtl -- area asic LIBERTY [WORDS]`.
+//!
+//! Yosys maps a circuit module by module, so that each unit's share can be told. Memories stay whole and are counted in bits, since on a chip a compiler of
+//! memories makes them. A gate equivalent is the area of the library's smallest NAND of two inputs: the figure that can be compared across nodes. The longest
+//! path of a module is abc's, between its ports and registers, with the loads of the cells and without wires: a circuit that is laid out is slower.
+
+use crate::circuit::Circuit;
+use crate::tools::yosys;
+use anyhow::{Context, Result, ensure};
+use flate2::read::GzDecoder;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+
+/// Square micrometres that a gate of 28 nm takes, all included: 0.66 mm2 for 1.14 million gates and 120 KB of memory, as arXiv 2604.10223 prints for its
+/// processor. Memories are in it, so it is an upper bound.
+const GATE_28NM: f64 = 0.66e6 / 1.14e6;
+
+/// abc's script: the best mapping for delay, buffers for high fan-out, and the longest path with loads.
+const MAPPING: &str = "strash; &get -n; &fraig -x; &put; scorr; dc2; strash; &get -n; &dch -f; &nf; &put; buffer -c; topo; stime -p\n";
+
+/// What is read of a Liberty file.
+struct Library {
+    /// Area of each cell, and whether it is a register.
+    cells: BTreeMap<String, (f64, bool)>,
+    /// Area of the smallest NAND of two inputs.
+    gate: f64,
+}
+
+impl Library {
+    /// Areas and registers of all cells. A Liberty file is groups in braces, `cell (name) { area : 3.75; ff (IQ, IQ_N) { ... } }`.
+    fn parse(text: &str) -> Result<Library> {
+        let mut cells = BTreeMap::new();
+        let (mut depth, mut cell) = (0, None);
+        for line in text.lines() {
+            let line = line.trim();
+            if let Some(name) = group(line, "cell") {
+                cells.insert(name.clone(), (0.0, false));
+                cell = Some((name, depth + 1));
+            }
+            if let Some((name, inside)) = &cell
+                && let Some(found) = cells.get_mut(name)
+                && depth == *inside
+            {
+                if let Some(area) = attribute(line, "area") {
+                    found.0 = area
+                        .parse()
+                        .with_context(|| format!("area of cell {name}"))?;
+                }
+                found.1 |= group(line, "ff").is_some();
+            }
+            let count = |brace| line.matches(brace).count() as i32;
+            depth += count('{') - count('}');
+            if cell.as_ref().is_some_and(|(_, inside)| depth < *inside) {
+                cell = None;
+            }
+        }
+        let gates = cells.iter().filter(|(name, _)| is_nand2(name));
+        let gate = gates.map(|(_, (area, _))| *area).reduce(f64::min);
+        let gate = gate.context("the library names no NAND of two inputs (nand2)")?;
+        ensure!(gate > 0.0, "the library's NAND of two inputs has no area");
+        Ok(Library { cells, gate })
+    }
+}
+
+/// `nand2` in any case, but none with an inverted input (`nand2b`).
+fn is_nand2(name: &str) -> bool {
+    let name = name.to_lowercase();
+    let rest = name.split_once("nand2").map(|(_, rest)| rest);
+    rest.is_some_and(|rest| !rest.starts_with('b'))
+}
+
+/// The name of a group of this kind that begins in the line.
+fn group(line: &str, kind: &str) -> Option<String> {
+    let rest = line.strip_prefix(kind)?.trim_start().strip_prefix('(')?;
+    let name = rest.split_once(')')?.0;
+    Some(
+        name.trim_matches(|c: char| c == '"' || c.is_whitespace())
+            .to_owned(),
+    )
+}
+
+fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
+    let value = line.strip_prefix(name)?.trim_start().strip_prefix(':')?;
+    Some(value.trim_matches(|c: char| c == ';' || c == '"' || c.is_whitespace()))
+}
+
+/// Yosys' netlist. (Its statistics would do, but release 0.23 writes them as broken JSON for more than one module.)
+#[derive(Deserialize)]
+struct Netlist {
+    modules: BTreeMap<String, NetlistModule>,
+}
+
+#[derive(Deserialize)]
+struct NetlistModule {
+    cells: BTreeMap<String, NetlistCell>,
+}
+
+#[derive(Deserialize)]
+struct NetlistCell {
+    #[serde(rename = "type")]
+    kind: String,
+    parameters: BTreeMap<String, String>,
+}
+
+impl NetlistCell {
+    /// Bits of a memory; 0 of anything else. Parameters are binary numerals.
+    fn memory_bits(&self) -> u64 {
+        let parameter = |name| u64::from_str_radix(self.parameters.get(name)?, 2).ok();
+        let is_memory = self.kind.starts_with("$mem");
+        let bits = || Some(parameter("SIZE")? * parameter("WIDTH")?);
+        is_memory.then(bits).flatten().unwrap_or(0)
+    }
+}
+
+/// What a module is made of.
+#[derive(Default)]
+struct Module {
+    cells: BTreeMap<String, u64>,
+    memory_bits: u64,
+}
+
+impl From<NetlistModule> for Module {
+    fn from(netlist: NetlistModule) -> Module {
+        let mut module = Module::default();
+        for cell in netlist.cells.into_values() {
+            module.memory_bits += cell.memory_bits();
+            *module.cells.entry(cell.kind).or_default() += 1;
+        }
+        module
+    }
+}
+
+/// What a module takes with all that it contains.
+#[derive(Clone, Copy, Default)]
+struct Taken {
+    area: f64,
+    flip_flops: u64,
+    memory_bits: u64,
+    /// Longest path within one module, picoseconds.
+    path: f64,
+}
+
+impl Taken {
+    fn add(&mut self, part: Taken, times: u64) {
+        self.area += part.area * times as f64;
+        self.flip_flops += part.flip_flops * times;
+        self.memory_bits += part.memory_bits * times;
+        self.path = self.path.max(part.path);
+    }
+}
+
+/// A circuit in a library's cells, by the modules that it is made of.
+struct Mapped<'a> {
+    library: &'a Library,
+    modules: BTreeMap<String, Module>,
+    /// Longest path within each module, picoseconds.
+    paths: BTreeMap<String, f64>,
+}
+
+impl Mapped<'_> {
+    fn taken(&self, name: &str) -> Taken {
+        let Some(module) = self.modules.get(name) else {
+            return Taken::default();
+        };
+        let mut sum = Taken {
+            memory_bits: module.memory_bits,
+            path: self.paths.get(name).copied().unwrap_or_default(),
+            ..Taken::default()
+        };
+        for (kind, number) in &module.cells {
+            if let Some((area, is_register)) = self.library.cells.get(kind) {
+                sum.area += area * *number as f64;
+                sum.flip_flops += if *is_register { *number } else { 0 };
+            } else {
+                sum.add(self.taken(kind), *number);
+            }
+        }
+        sum
+    }
+
+    /// Adds up by unit what the module contains, `times` over.
+    fn units(&self, name: &str, times: u64, units: &mut BTreeMap<String, (u64, Taken)>) {
+        let Some(module) = self.modules.get(name) else {
+            return;
+        };
+        let unit = units.entry(readable(name).to_owned()).or_default();
+        unit.0 += times;
+        unit.1.add(self.taken(name), times);
+        for (kind, number) in &module.cells {
+            if self.modules.contains_key(kind) {
+                self.units(kind, times * number, units);
+            }
+        }
+    }
+}
+
+/// A module's name without Yosys' parameters: `$paramod$0b1f...\delay` and `$paramod\align\BITS=s32'...` are `delay` and `align`.
+fn readable(module: &str) -> &str {
+    let mut parts = module.split('\\');
+    let first = parts.next().unwrap_or_default();
+    match parts.next() {
+        Some(name) if !name.is_empty() => name,
+        _ => first,
+    }
+}
+
+/// Prints what a circuit takes in the cells of a Liberty file, by unit.
+pub fn report(liberty: &Path, circuits: &[Circuit]) -> Result<()> {
+    let bytes = fs::read(liberty).with_context(|| liberty.display().to_string())?;
+    let text = if bytes.starts_with(&[0x1f, 0x8b]) {
+        let mut text = String::new();
+        GzDecoder::new(bytes.as_slice()).read_to_string(&mut text)?;
+        text
+    } else {
+        String::from_utf8(bytes)?
+    };
+    let library = Library::parse(&text).with_context(|| liberty.display().to_string())?;
+    println!(
+        "circuit,unit,instances,area_um2,gate_equivalents,flip_flops,memory_bits,path_ns,area_28nm_mm2_scaled"
+    );
+    for circuit in circuits {
+        print!("{}", lines(circuit, &mapped(circuit, &library, &text)?));
+    }
+    Ok(())
+}
+
+/// One line a unit, with what it contains; units within units are lines of their own too.
+fn lines(circuit: &Circuit, mapped: &Mapped) -> String {
+    let mut units = BTreeMap::new();
+    mapped.units(circuit.unit.top, 1, &mut units);
+    let mut units: Vec<_> = units.into_iter().collect();
+    units.sort_by(|one, other| other.1.1.area.total_cmp(&one.1.1.area));
+    let mut text = String::new();
+    for (unit, (instances, taken)) in units {
+        let gates = taken.area / mapped.library.gate;
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "{circuit},{unit},{instances},{:.0},{gates:.0},{},{},{:.2},{:.3}",
+            taken.area,
+            taken.flip_flops,
+            taken.memory_bits,
+            taken.path / 1000.0,
+            gates * GATE_28NM / 1e6,
+        );
+    }
+    text
+}
+
+/// Synthesises a circuit into the library's cells.
+fn mapped<'a>(circuit: &Circuit, library: &'a Library, liberty: &str) -> Result<Mapped<'a>> {
+    let folder = tempfile::tempdir()?;
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("cells.lib"), liberty)?;
+    fs::write(path("mapping.abc"), MAPPING)?;
+    let read = circuit.read_command(folder.path())?;
+    let top = circuit.unit.top;
+    let parameters = circuit.parameters.iter();
+    let parameters: String = parameters
+        .map(|(name, value)| format!("chparam -set {name} {value} {top}; "))
+        .collect();
+    let cells = path("cells.lib").display().to_string();
+    let mapping = path("mapping.txt").display().to_string();
+    let netlist = path("netlist.json").display().to_string();
+    let script = path("mapping.abc").display().to_string();
+    yosys(&format!(
+        "{read}; {parameters}synth -top {top} -run begin:fine; opt -fast -full; opt -undriven -fine; techmap; opt -fast; abc -fast; opt -fast; \
+         dfflibmap -liberty {cells}; tee -q -o {mapping} abc -liberty {cells} -script {script}; \
+         opt_clean; write_json {netlist}"
+    ))?;
+    let netlist: Netlist = serde_json::from_slice(&fs::read(path("netlist.json"))?)?;
+    let modules = netlist.modules.into_iter();
+    Ok(Mapped {
+        library,
+        modules: modules
+            .map(|(name, module)| (name, module.into()))
+            .collect(),
+        paths: paths(&fs::read_to_string(path("mapping.txt"))?)?,
+    })
+}
+
+/// Longest paths in abc's log.
+fn paths(log: &str) -> Result<BTreeMap<String, f64>> {
+    let mut paths = BTreeMap::new();
+    let mut module = String::new();
+    for line in log.lines() {
+        if let Some((_, rest)) = line.split_once("Extracting gate netlist of module `") {
+            let name = rest.split('\'').next().unwrap_or_default();
+            module = name.trim_start_matches('\\').to_owned();
+        }
+        if let Some((_, rest)) = line.split_once("Delay =") {
+            let delay = rest.trim_start().split(' ').next().unwrap_or_default();
+            let path = paths.entry(module.clone()).or_insert(0.0_f64);
+            *path = path.max(delay.parse()?);
+        }
+    }
+    Ok(paths)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIBERTY: &str = r#"
+library ("small") {
+  cell ("lib_nand2_1") { 
+    area : 3.5000000000;
+    pin ("A") { area : 99; }
+  }
+  cell ("lib_nand2b_1") {
+    area : 2.0;
+  }
+  cell (DFF) {
+    area : 20;
+    ff ("IQ","IQ_N") {
+      next_state : "D";
+    }
+  }
+}
+"#;
+
+    #[test]
+    fn a_library_gives_areas_registers_and_its_gate() {
+        let library = Library::parse(LIBERTY).unwrap();
+        assert_eq!(library.gate, 3.5);
+        assert_eq!(library.cells["DFF"], (20.0, true));
+        assert_eq!(library.cells["lib_nand2_1"], (3.5, false));
+        assert!(Library::parse("library (none) { }").is_err());
+    }
+
+    /// A top of two lanes with a gate, a register and a memory each, and a gate of its own.
+    #[test]
+    fn units_are_added_up_with_what_they_contain() {
+        let library = Library::parse(LIBERTY).unwrap();
+        let text = r#"{"modules": {
+            "top": {"cells": {
+                "a": {"type": "$paramod$0123\\lane", "parameters": {}},
+                "b": {"type": "$paramod$0123\\lane", "parameters": {}},
+                "c": {"type": "lib_nand2_1", "parameters": {}}}},
+            "$paramod$0123\\lane": {"cells": {
+                "a": {"type": "lib_nand2_1", "parameters": {}},
+                "b": {"type": "DFF", "parameters": {}},
+                "c": {"type": "$mem_v2", "parameters": {"SIZE": "00100000", "WIDTH": "0101"}}}}}}"#;
+        let netlist: Netlist = serde_json::from_str(text).unwrap();
+        let log = "1. Extracting gate netlist of module `$paramod$0123\\lane' to `x'..\nABC: Delay =   281.93 ps\n";
+        let modules = netlist.modules.into_iter();
+        let mapped = Mapped {
+            library: &library,
+            modules: modules
+                .map(|(name, module)| (name, module.into()))
+                .collect(),
+            paths: paths(log).unwrap(),
+        };
+        let all = mapped.taken("top");
+        assert_eq!(all.area, 2.0 * (3.5 + 20.0) + 3.5);
+        assert_eq!(
+            (all.flip_flops, all.memory_bits, all.path),
+            (2, 320, 281.93)
+        );
+        let mut units = BTreeMap::new();
+        mapped.units("top", 1, &mut units);
+        assert_eq!(units["lane"].0, 2);
+        assert_eq!(units["lane"].1.area, 47.0);
+    }
+
+    #[test]
+    fn names_lose_their_parameters() {
+        assert_eq!(readable("$paramod$0b1f\\delay"), "delay");
+        assert_eq!(readable("$paramod\\align\\BITS=s32'0100"), "align");
+        assert_eq!(readable("splat_primitive"), "splat_primitive");
+    }
+}
