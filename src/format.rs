@@ -312,7 +312,7 @@ impl Lean18 {
         subpixel: 12,
         radial: 22,
         table: 10,
-        interpolation: 14,
+        interpolation: 13,
         weight: 18,
         peak: 18,
         alpha: 18,

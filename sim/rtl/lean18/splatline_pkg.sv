@@ -5,7 +5,7 @@ package splatline_pkg;
   localparam int SUBPIXEL = 12;  // fraction bits of a centre
   localparam int RADIAL = 22;  // fraction bits of the radial index
   localparam int TABLE = 10;  // log2 of the footprint table's intervals
-  localparam int INTERPOLATION = 14;  // bits of the position within an interval
+  localparam int INTERPOLATION = 13;  // bits of the position within an interval
   localparam int WEIGHT = 18;  // fraction bits of a table entry
   localparam int STEP_BITS = 16;  // bits of the largest step between two entries
   localparam int PEAK = 18;  // fraction bits of a peak opacity

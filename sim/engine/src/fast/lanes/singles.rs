@@ -5,6 +5,9 @@
 
 use super::{Portable, Wide};
 
+/// Is a fused multiply-add one instruction wherever [`dispatch_vectors`](super::dispatch_vectors) runs a task? Elsewhere (wasm) it is a call.
+pub const HAS_FUSED_ADD: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
+
 /// Most pixels of a vector.
 pub const MOST: usize = 16;
 

@@ -142,6 +142,10 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
                 tile,
             };
             let coverage = dispatch_vectors(self.choice, task).ok()?;
+            // Colours beyond their format, drawn by the kernel, make sums beyond theirs: 64-bit words hold them.
+            if tile.has_overflowed() {
+                return None;
+            }
             tile.copy(pixels);
             Some(coverage)
         });

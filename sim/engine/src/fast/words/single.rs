@@ -16,7 +16,7 @@
 
 use super::path::{OMIT_FINISHING, PixelPath, Pixels, SplatNumbers};
 use super::tile::Row;
-use crate::fast::lanes::singles::{MOST, PackedWords, Singles};
+use crate::fast::lanes::singles::{HAS_FUSED_ADD, MOST, PackedWords, Singles};
 use crate::fast::tile::TILE;
 use splatline::blend::Blend;
 use splatline::draw::Coverage;
@@ -58,7 +58,7 @@ impl SingleNumbers {
     /// For widths, rules, the entries of a table and lanes of so many bits that allow it.
     pub fn new(widths: &Widths, rules: &Rules, entries: &[u32], lane_bits: u32) -> Option<Self> {
         let blend = Blend::new(widths, rules);
-        let drawable = blend.is_single() && blend.draws_all_visible();
+        let drawable = HAS_FUSED_ADD && blend.is_single() && blend.draws_all_visible();
         if !drawable || widths.interpolation == 0 || lane_bits > 32 {
             return None;
         }

@@ -25,6 +25,8 @@ pub type Row<W> = [[W; STRIDE]; 4];
 pub trait PixelWord: Copy {
     /// A finished pixel's transmittance.
     const FINISHED: Self;
+    /// The largest sum that it holds.
+    const LARGEST_SUM: u32;
     /// The kernel's transmittance with its mark.
     fn of_light(light: u32) -> Self;
     /// A sum of the kernel's.
@@ -37,6 +39,7 @@ pub trait PixelWord: Copy {
 
 impl PixelWord for u64 {
     const FINISHED: u64 = MARK;
+    const LARGEST_SUM: u32 = u32::MAX;
 
     fn of_light(light: u32) -> u64 {
         u64::from(light & FINISHED) << 32 | u64::from(light & !FINISHED)
@@ -54,6 +57,7 @@ impl PixelWord for u64 {
 
 impl PixelWord for f32 {
     const FINISHED: f32 = -0.0;
+    const LARGEST_SUM: u32 = 1 << 23;
 
     fn of_light(light: u32) -> f32 {
         let number = (light & !FINISHED) as f32;
@@ -82,6 +86,7 @@ pub struct WordTile<W> {
     /// A bit for each pixel of a row that had not finished when it was last looked at.
     live: [u64; ROWS],
     window: Window,
+    overflowed: bool,
 }
 
 impl<W: PixelWord> WordTile<W> {
@@ -90,6 +95,7 @@ impl<W: PixelWord> WordTile<W> {
         WordTile {
             rows: Box::new([[[W::FINISHED; STRIDE]; 4]; ROWS]),
             live: [0; ROWS],
+            overflowed: false,
             window: Window {
                 first: [0; 2],
                 end: [0; 2],
@@ -100,6 +106,7 @@ impl<W: PixelWord> WordTile<W> {
     /// Makes it the transparent pixels of `window`, which is at most a [`TILE`].
     pub fn open(&mut self, window: Window, clear: Pixel) {
         self.window = window;
+        self.overflowed = false;
         let [columns, rows] = extent(&self.window);
         let of_row = u64::MAX >> (COLUMNS - columns).min(63);
         self.live = std::array::from_fn(|y| if y < rows { of_row } else { 0 });
@@ -110,6 +117,11 @@ impl<W: PixelWord> WordTile<W> {
             // Nothing that a vector finds beyond the tile counts as a pixel.
             row[0][columns..].fill(W::FINISHED);
         }
+    }
+
+    /// Has a pixel been set whose sums it does not hold?
+    pub fn has_overflowed(&self) -> bool {
+        self.overflowed
     }
 
     /// The tile's part of the screen.
@@ -175,6 +187,8 @@ impl<W: PixelWord> WordTile<W> {
     /// The inverse of [`WordTile::to_pixels`].
     pub fn set_pixels(&mut self, pixels: &[Pixel]) {
         let columns = extent(&self.window)[0].max(1);
+        let mut sums = pixels.iter().flat_map(|pixel| pixel.colour);
+        self.overflowed |= sums.any(|sum| sum > W::LARGEST_SUM);
         for (row, pixels) in self.rows.iter_mut().zip(pixels.chunks_exact(columns)) {
             for (x, pixel) in pixels.iter().enumerate() {
                 for (plane, value) in row.iter_mut().zip(words(*pixel)) {
