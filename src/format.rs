@@ -270,6 +270,24 @@ impl Design for RuntimeWidths {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Classic8;
 
+/// For microcontrollers: every product and sum of the pixel path, and every product of a row's seed, fits one word of 32 bits, so that a
+/// processor without 64-bit multiplication (Cortex-M0+) needs one instruction for it. A [`Renderer`](crate::Renderer) takes the loop of 32-bit
+/// words ([`Painter32`](crate::draw::Painter32)) by itself.
+///
+/// | product | bits |
+/// |---|---|
+/// | peak UQ4.14 x kernel UQ1.14 | 32 |
+/// | transmittance UQ1.16 x opacity UQ1.15 | 31 |
+/// | share UQ1.16 x colour UQ4.10 | 30 |
+/// | table step UQ0.11 x position 17 | 28 |
+/// | row seed: 15-bit mantissas | 31 |
+///
+/// The accumulated colour has as many fraction bits as share and colour together: nothing is rounded there, and nothing shifted. 17
+/// bits of position leave a half-word for the table's slope. Lanes end where the position ends (20 + 4 = 7 + 17 bits), so that nothing is
+/// shifted there either.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Micro16;
+
 /// 18-bit multipliers (one operand of 18, the other of at most 27 bits: one DSP slice of today's FPGAs). Every product of its pixels is also
 /// one fused multiply-add of single precision, bit for bit ([`blend`](crate::blend)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -300,6 +318,26 @@ impl Classic8 {
         colour: 8,
         accumulator: 8,
         rounding: Rounding::Truncate,
+    };
+}
+
+impl Micro16 {
+    /// Widths of the design.
+    pub const WIDTHS: Widths = Widths {
+        position: 30,
+        view: 24,
+        mantissa: 15,
+        subpixel: 12,
+        radial: 20,
+        table: 7,
+        interpolation: 17,
+        weight: 14,
+        peak: 14,
+        alpha: 15,
+        transmittance: 16,
+        colour: 10,
+        accumulator: 26,
+        rounding: Rounding::Nearest,
     };
 }
 
@@ -364,6 +402,14 @@ impl Deep32 {
 }
 
 impl Design for Classic8 {
+    type Lane = i32;
+    #[inline(always)]
+    fn widths(&self) -> Widths {
+        const { checked(Self::WIDTHS) }
+    }
+}
+
+impl Design for Micro16 {
     type Lane = i32;
     #[inline(always)]
     fn widths(&self) -> Widths {

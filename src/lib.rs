@@ -61,7 +61,7 @@ pub mod float;
 pub use blend::Pixel;
 #[cfg(feature = "float")]
 pub use float::{Camera, CameraError, Gaussian, Point, Surfel};
-pub use format::{Classic8, Deep32, Lean18, Standard24, Traversal};
+pub use format::{Classic8, Deep32, Lean18, Micro16, Standard24, Traversal};
 pub use front::{
     BoundedList, Counts, DisplayList, Frame, LentList, ListFull, Primitive, Rejected, RenderError,
     Renderer, SurfaceRenderer,

@@ -79,7 +79,7 @@ impl<'r, D: Tabled> SurfaceRenderer<'r, D> {
         let frame = Frame {
             pixels,
             window,
-            coverage,
+            coverage: Some(coverage),
             reader: PixelReader::new(&D::WIDTHS),
         };
         Ok((frame, counts))

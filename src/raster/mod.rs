@@ -9,7 +9,9 @@ mod spans;
 mod stamp;
 
 pub use conic::BoxSpans;
-pub use spans::{BLOCK, EllipseSpans, GUARD, RowConstants, VERTICAL_FRACTION};
+pub use spans::{
+    BLOCK, EllipseSpans, GUARD, REST, ROW_BLOCKS, RowBlock, RowConstants, vertical_fraction,
+};
 pub use stamp::{
     MAX_PHASE_BITS, MAX_SIDE, Placement, Stamp, StampError, StampRow, StampShape, fill_stamps,
 };

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{NarrowError, Painter, Painter32};
 use splatline::footprint::Footprint;
-use splatline::format::{Design, Lean18, Rounding, RuntimeWidths, Traversal, Widths};
-use splatline::kernel::{FootprintTable, PackedError, PackedTable, entries, fill_gaussian};
+use splatline::format::{Design, Lean18, Micro16, Rounding, RuntimeWidths, Traversal, Widths};
+use splatline::kernel::{FootprintTable, PackedError, PackedTable, entries, fill_gaussian, pack};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::setup;
@@ -17,23 +17,8 @@ use splatline::view::Projection;
 
 const RANGE: u8 = 4;
 
-/// The firmware's widths: three short products, a shift of 0 in the sums.
-const FIRMWARE: Widths = Widths {
-    position: 30,
-    view: 24,
-    mantissa: 15,
-    subpixel: 12,
-    radial: 20,
-    table: 7,
-    interpolation: 17,
-    weight: 14,
-    peak: 14,
-    alpha: 15,
-    transmittance: 16,
-    colour: 10,
-    accumulator: 26,
-    rounding: Rounding::Nearest,
-};
+/// Three short products, a shift of 0 in the sums.
+const FIRMWARE: Widths = Micro16::WIDTHS;
 
 /// A coarse table without interpolation, truncated products, rounded sums.
 const PLAIN: Widths = Widths {
@@ -71,10 +56,10 @@ impl Design for NarrowWidths {
     }
 }
 
-fn table<const N: usize>(widths: &Widths) -> (Vec<u32>, PackedTable<N>) {
+fn table<const N: usize>(widths: &Widths) -> (Vec<u32>, [u32; N]) {
     let mut memory = vec![0; entries(widths)];
     fill_gaussian(&mut memory, widths, RANGE);
-    let packed = PackedTable::new(&memory, widths, RANGE).unwrap();
+    let packed = pack(&memory, widths, RANGE).unwrap();
     (memory, packed)
 }
 
@@ -121,8 +106,9 @@ fn check<const N: usize>(
         .iter()
         .filter_map(|splat| setup(design, &camera, rules, splat).ok())
         .collect();
-    let (memory, packed) = table::<N>(&widths);
-    let narrow = Painter32::new(design, rules, &packed).unwrap();
+    let (memory, words) = table::<N>(&widths);
+    let packed = PackedTable::new(&words, &widths, RANGE).unwrap();
+    let narrow = Painter32::new(design, rules, packed).unwrap();
     let got = in_strips(&widths, |target| {
         for footprint in &list {
             narrow.draw(footprint, target);
@@ -154,9 +140,10 @@ proptest! {
     #[test]
     fn any_footprint_is_drawn(bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
         let mut source = Source::new(&bytes);
-        let (_, packed) = table::<128>(&FIRMWARE);
+        let (_, words) = table::<128>(&FIRMWARE);
+        let packed = PackedTable::new(&words, &FIRMWARE, RANGE).unwrap();
         let design = NarrowWidths(FIRMWARE);
-        let painter = Painter32::new(design, &Rules::GAUSSIAN_3D, &packed).unwrap();
+        let painter = Painter32::new(design, &Rules::GAUSSIAN_3D, packed).unwrap();
         in_strips(&FIRMWARE, |target| painter.draw(&source.footprint(), target));
     }
 }
@@ -165,9 +152,10 @@ proptest! {
 #[test]
 fn packed_look_ups_equal_plain_ones() {
     fn check<const N: usize>(widths: Widths) {
-        let (memory, packed) = table::<N>(&widths);
+        let (memory, words) = table::<N>(&widths);
+        let packed = PackedTable::new(&words, &widths, RANGE).unwrap();
         let plain = FootprintTable::new(&memory, &widths, RANGE).unwrap();
-        let lead = PackedTable::<N>::lead(&widths, RANGE);
+        let lead = PackedTable::lead(&widths, RANGE);
         let at = |ahead| packed.weight(ahead, &widths, RANGE);
         // Cut-offs end at 15, one interval below the table's end.
         let end = 15u32 << widths.radial;
@@ -186,8 +174,11 @@ fn packed_look_ups_equal_plain_ones() {
 
 #[test]
 fn what_is_not_narrow_is_refused() {
-    let (memory, packed) = table::<128>(&FIRMWARE);
-    let refused = |widths, range| PackedTable::<128>::new(&memory, &widths, range).unwrap_err();
+    let (memory, words) = table::<128>(&FIRMWARE);
+    let packed = PackedTable::new(&words, &FIRMWARE, RANGE).unwrap();
+    let refused = |widths, range| pack::<128>(&memory, &widths, range).unwrap_err();
+    let short = PackedTable::new(&words[1..], &FIRMWARE, RANGE);
+    assert_eq!(short.unwrap_err(), PackedError::Intervals);
     assert_eq!(
         refused(
             Widths {
@@ -224,12 +215,12 @@ fn what_is_not_narrow_is_refused() {
         peak: 24,
         ..FIRMWARE
     });
-    let error = Painter32::new(wide, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
+    let error = Painter32::new(wide, &Rules::GAUSSIAN_3D, packed).unwrap_err();
     assert_eq!(error, NarrowError::Products);
     let other = NarrowWidths(Widths {
         interpolation: 16,
         ..FIRMWARE
     });
-    let error = Painter32::new(other, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
+    let error = Painter32::new(other, &Rules::GAUSSIAN_3D, packed).unwrap_err();
     assert_eq!(error, NarrowError::Table);
 }

@@ -42,7 +42,7 @@
 #define SPLATLINE_ERROR_STATE -8
 
 // Version of this interface; it changes when a struct or a function changes in a way that needs recompilation.
-#define SPLATLINE_ABI_VERSION 1
+#define SPLATLINE_ABI_VERSION 2
 
 // Every pixel of the bounding box by conic forward differencing.
 #define SPLATLINE_TRAVERSAL_BOX 0
@@ -73,6 +73,9 @@
 
 // 31-bit magnitudes.
 #define SPLATLINE_DEEP32 3
+
+// 32-bit words throughout, for microcontrollers.
+#define SPLATLINE_MICRO16 4
 
 // EWA volume splatting.
 #define SPLATLINE_RULES_EWA 0
@@ -172,6 +175,8 @@ typedef struct {
   uint32_t clamp_jacobian;
   // Base-2 logarithm of the end of the footprint table: 2 for cut-offs up to 4, 4 for others.
   uint32_t table_range;
+  // 1: the peak opacity is multiplied by sqrt(det V' / det(V' + V^h)), as antialiased models of 3D Gaussians are trained.
+  uint32_t compensated;
 } SplatlineRules;
 
 // Rules brought to a design's widths: what a circuit compares with. `splatline_blend_constants` gives them.

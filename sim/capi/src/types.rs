@@ -159,6 +159,8 @@ pub struct SplatlineRules {
     pub clamp_jacobian: u32,
     /// Base-2 logarithm of the end of the footprint table: 2 for cut-offs up to 4, 4 for others.
     pub table_range: u32,
+    /// 1: the peak opacity is multiplied by sqrt(det V' / det(V' + V^h)), as antialiased models of 3D Gaussians are trained.
+    pub compensated: u32,
 }
 
 /// Rules brought to a design's widths: what a circuit compares with. `splatline_blend_constants` gives them.
@@ -388,6 +390,7 @@ impl From<&Rules> for SplatlineRules {
             omit_finishing: rules.omit_finishing.into(),
             clamp_jacobian: rules.clamp_jacobian.into(),
             table_range: rules.table_range.into(),
+            compensated: rules.compensated.into(),
         }
     }
 }
@@ -400,6 +403,7 @@ impl SplatlineRules {
         Ok(Rules {
             normalised: flag(self.normalised)?,
             low_pass: self.low_pass.into(),
+            compensated: flag(self.compensated)?,
             // The C interface draws Gaussians with a low-pass filter only.
             spacing: SoftFloat::ZERO,
             kernel: Kernel::Gaussian,

@@ -14,8 +14,10 @@ mod frames;
 mod info;
 mod kept;
 mod machine_args;
+mod maps;
 mod model;
 mod optimize;
+mod photos;
 mod output;
 mod page;
 mod profile;
@@ -36,18 +38,26 @@ mod vectors;
 mod view_args;
 
 pub use output::{create_folder, write};
-pub use say::{Failure, finish, print_result, printable};
+pub use say::{Failure, explain, finish, print_result, printable};
 
+use crate::plan::Prepared;
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
+use resolve::PlanRequest;
 use say::printed;
 use search_args::{ExploreOptions, OptimizeOptions, SweepOptions};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Parses the command line, runs the command and turns failures into messages and exit codes.
 pub fn run() -> ExitCode {
     crate::threads::deepen_global_stacks();
-    finish(match Cli::try_parse() {
+    run_from(std::env::args_os()).into()
+}
+
+/// The same for words that a program hands over, the first of them its name; the exit code.
+pub fn run_from<T: Into<OsString> + Clone>(words: impl IntoIterator<Item = T>) -> u8 {
+    finish(match Cli::try_parse_from(words) {
         Ok(cli) => {
             if let Some(megabytes) = cli.memory {
                 crate::memory::limit_to(megabytes.saturating_mul(1_000_000));
@@ -56,7 +66,26 @@ pub fn run() -> ExitCode {
         }
         // Help and version, which are results and must arrive.
         Err(shown) if !shown.use_stderr() => printed(shown.print()),
-        Err(error) => error.exit(),
+        Err(error) => {
+            // The message is clap's, with its colours; that it cannot be printed changes nothing.
+            let _ = error.print();
+            return 2;
+        }
+    })
+}
+
+/// The plan of the words that `compare` takes, with its scene loaded; what would be said on the way goes to stderr.
+pub fn prepared(words: Vec<String>) -> anyhow::Result<Prepared> {
+    say::divert();
+    let command = ["splatline", "compare", "--output", "."].map(str::to_owned);
+    let Cli { command, .. } = Cli::try_parse_from(command.into_iter().chain(words))?;
+    let Some(Command::Compare(options)) = command else {
+        anyhow::bail!("name a scene");
+    };
+    let asked = PlanRequest::drawing(&options.view, &options.drawing).on(&options.machine);
+    asked.prepare().map_err(|failure| match failure {
+        Failure::Usage(message) => anyhow::Error::msg(message),
+        Failure::Input(error) => error,
     })
 }
 

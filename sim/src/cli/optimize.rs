@@ -27,6 +27,8 @@ fn own_limits(options: &LimitOptions) -> Vec<Limit> {
     let given = [
         (Quantity::FramesPerSecond, options.fps, "--fps"),
         (Quantity::LargestError, options.max_error, "--max-error"),
+        (Quantity::Percentile99, options.p99, "--p99"),
+        (Quantity::Flip, options.flip, "--flip"),
         (Quantity::PsnrDb, options.psnr, "--psnr"),
         (Quantity::Luts, options.lut.map(f64::from), "--lut"),
         (Quantity::Dsps, options.dsp.map(f64::from), "--dsp"),
@@ -50,7 +52,7 @@ fn own_limits(options: &LimitOptions) -> Vec<Limit> {
 
 pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     if !has_limits(&options.limits) {
-        let message = "there is no limit: give one or more of --fps, --max-error, --psnr, --lut, --dsp, --bram, --bandwidth and --max-energy";
+        let message = "there is no limit: give one or more of --fps, --max-error, --p99, --flip, --psnr, --lut, --dsp, --bram, --bandwidth and --max-energy";
         return Err(Failure::Usage(message.to_owned()));
     }
     let search = &options.search;

@@ -5,7 +5,7 @@ use super::output::{Outputs, write};
 use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
 use super::search_args::ProfileOptions;
-use crate::explore::limits::Quantity;
+use crate::explore::limits::{Limit, Quantity};
 use crate::explore::profile::{Needs, SLACK, needs};
 use crate::fixed;
 use crate::plan::{Prepared, Subject};
@@ -17,11 +17,11 @@ use std::fmt::Write;
 pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
     let outputs = Outputs::default().json(options.json.as_ref())?;
     let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
-    let frames = asked.frames(&options.path, &options.more)?;
+    let frames = asked.planned_frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
     let mut answers = Vec::with_capacity(frames.len());
     for frame in frames {
-        answers.push(one(&frame, options)?);
+        answers.push(one(&frame.prepare(), options)?);
     }
     if let Some(path) = &options.json {
         let answer = match &answers[..] {
@@ -65,7 +65,10 @@ fn one(frame: &NamedFrame, options: &ProfileOptions) -> Result<serde_json::Value
     match options.max_error {
         Some(budget) => {
             let only = std::slice::from_ref(frame);
-            let fitted = fit::fitted(only, Quantity::LargestError, budget)?;
+            let fitted = fit::fitted(
+                only,
+                &[Limit::new(Quantity::LargestError, budget, "--max-error")],
+            )?;
             print_result(&fit::text(design, &fitted))?;
             answer.insert("fit".to_owned(), json!(fitted));
         }

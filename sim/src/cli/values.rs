@@ -64,6 +64,11 @@ pub const ENGINES: &Choices<Engine> = &[
         "The same with pixels in bfloat16",
         Engine::Bfloat16,
     ),
+    (
+        "fp8-fp16",
+        "The same with offsets and sums in 16-bit floats, kernel and opacity in 8-bit floats (E4M3)",
+        Engine::Fp8Fp16,
+    ),
 ];
 
 /// Which samples become points.
@@ -289,6 +294,9 @@ pub enum AntialiasChoice {
     None,
     /// The low-pass filter of the rules
     Ewa,
+    /// The low-pass filter, and opacities compensated for it, as antialiased models are trained (gsplat, Mip-Splatting)
+    #[value(alias = "antialiased")]
+    Mip,
     /// Distance scaling by the volume's sample spacing, without a low-pass filter
     Swan,
 }

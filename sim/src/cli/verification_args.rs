@@ -43,7 +43,7 @@ pub struct VectorsExportOptions {
     /// Rules of blending: ewa or 3dgs [default: the scene's, 3dgs for the built-in splats]
     #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
     pub rules: Option<Rules>,
-    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    /// Widths: classic8, micro16, lean18, standard24, deep32 or a TOML file
     #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
     pub design: DesignName,
     /// How a footprint's pixels are walked [default: the design's own]

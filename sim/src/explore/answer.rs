@@ -139,7 +139,8 @@ pub fn optimize(
     space: &Space,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Answer> {
-    let evaluator = Evaluator::new(subject, false);
+    let detail = limits.iter().any(|limit| limit.quantity.is_detail());
+    let evaluator = Evaluator::new(subject, detail);
     let all: Vec<usize> = (0..subject.frames.len()).collect();
     let mut searched = if all.len() > FEW_FRAMES {
         heaviest(&evaluator, space)?

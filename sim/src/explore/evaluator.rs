@@ -15,7 +15,7 @@ use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::summary::Spread;
 use crate::machine::workload::{Workload, extract_if_room};
 use crate::machine::{Timing, simulate};
-use crate::metrics::{self, stored};
+use crate::metrics::{self, Percentiles, stored};
 use crate::picture::Picture;
 use crate::plan::{self, DesignVariant, Engine, Prepared};
 use anyhow::{Context, Result, bail};
@@ -93,13 +93,25 @@ pub struct DesignError {
     pub rms: f64,
     /// Mean of fixed minus float.
     pub bias: f64,
-    /// Mean structural similarity, where it is asked for: it takes thirty times as long as drawing.
-    #[serde(skip)]
-    pub ssim: Option<f64>,
+    /// What takes thirty times as long as drawing, where it is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detail: Option<ErrorDetail>,
+}
+
+/// What [`metrics::compare_and_look`] finds beside that.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ErrorDetail {
+    /// Mean structural similarity.
+    pub ssim: f64,
+    /// 95 % and 99 % of the samples differ by no more.
+    #[serde(flatten)]
+    pub percentiles: Percentiles,
+    /// Mean FLIP.
+    pub flip: f64,
 }
 
 impl DesignError {
-    /// How far the colours of a picture are from the reference's: what [`metrics::compare`] says of them, without structural similarity.
+    /// How far the colours of a picture are from the reference's: what [`metrics::compare`] says of them, without detail.
     pub fn of(picture: &Picture, reference: &Picture) -> Result<DesignError> {
         let size = |picture: &Picture| (picture.width, picture.height, picture.pixels.len());
         if size(picture) != size(reference) || picture.pixels.is_empty() {
@@ -120,32 +132,48 @@ impl DesignError {
             max_abs,
             rms: (squares / samples).sqrt(),
             bias: signed / samples,
-            ssim: None,
+            detail: None,
         })
     }
 
-    fn with_similarity(picture: &Picture, reference: &Picture) -> Result<DesignError> {
-        let errors = metrics::compare(picture, reference);
-        let colour = errors.context("the pictures cannot be compared")?.colour;
+    fn with_detail(picture: &Picture, reference: &Picture) -> Result<DesignError> {
+        let found = metrics::compare_and_look(picture, reference);
+        let (errors, flip) = found.context("the pictures cannot be compared")?;
+        let colour = errors.colour;
         Ok(DesignError {
             max_abs: colour.max_abs,
             rms: colour.rms(),
             bias: colour.bias,
-            ssim: Some(colour.ssim),
+            detail: Some(ErrorDetail {
+                ssim: colour.ssim,
+                percentiles: colour.percentiles,
+                flip,
+            }),
         })
     }
 
-    /// Over several pictures: the largest error of any, the root of the mean square, and the means of bias and similarity.
+    /// Over several pictures: the largest error, percentile and FLIP of any, the root of the mean square, and the means of bias and similarity.
     pub fn over(all: &[DesignError]) -> DesignError {
         let [one] = all else {
             let count = all.len().max(1) as f64;
             let mean = |of: fn(&DesignError) -> f64| all.iter().map(of).sum::<f64>() / count;
-            let similarity: Option<f64> = all.iter().map(|one| one.ssim).sum();
+            let details: Option<Vec<ErrorDetail>> = all.iter().map(|one| one.detail).collect();
+            let over = |details: Vec<ErrorDetail>| {
+                let most = |of: fn(&ErrorDetail) -> f64| details.iter().map(of).fold(0.0, f64::max);
+                ErrorDetail {
+                    ssim: details.iter().map(|one| one.ssim).sum::<f64>() / count,
+                    percentiles: Percentiles {
+                        p95: most(|one| one.percentiles.p95),
+                        p99: most(|one| one.percentiles.p99),
+                    },
+                    flip: most(|one| one.flip),
+                }
+            };
             return DesignError {
                 max_abs: all.iter().map(|one| one.max_abs).fold(0.0, f64::max),
                 rms: mean(|one| one.rms * one.rms).sqrt(),
                 bias: mean(|one| one.bias),
-                ssim: similarity.map(|sum| sum / count),
+                detail: details.map(over),
             };
         };
         *one
@@ -276,7 +304,7 @@ pub type Sink<'a> = &'a (dyn Fn(usize, Vec<FrameCost>) -> Result<()> + Sync);
 pub struct Evaluator<'a> {
     /// What is explored.
     pub subject: &'a Subject<'a>,
-    similarity: bool,
+    detail: bool,
     scenes: Vec<Option<QuantisedScene>>,
     errors: Cache<(DesignKey, usize), DesignError>,
     workloads: Cache<(WorkKey, usize), Arc<Workload>>,
@@ -284,8 +312,8 @@ pub struct Evaluator<'a> {
 }
 
 impl<'a> Evaluator<'a> {
-    /// Nothing evaluated yet; structural similarity is measured only if it is asked for.
-    pub fn new(subject: &'a Subject<'a>, similarity: bool) -> Evaluator<'a> {
+    /// Nothing evaluated yet; the detail of errors is measured only if it is asked for.
+    pub fn new(subject: &'a Subject<'a>, detail: bool) -> Evaluator<'a> {
         let with_references = subject.frames.iter().zip(&subject.references);
         let quantised = |(frame, _): (&&Prepared, &Picture)| match frame.subject() {
             Ok(plan::Subject::Splats(s)) if s.are_composited() => {
@@ -295,7 +323,7 @@ impl<'a> Evaluator<'a> {
         };
         Evaluator {
             subject,
-            similarity,
+            detail,
             scenes: with_references.map(quantised).collect(),
             errors: Cache::new(usize::MAX),
             workloads: Cache::new(MOST_WORKLOADS),
@@ -328,8 +356,8 @@ impl<'a> Evaluator<'a> {
             let key = (design_key(variant), *frame);
             all.push(self.errors.get(key, || {
                 let picture = self.draw(variant, *frame)?;
-                if self.similarity {
-                    DesignError::with_similarity(&picture, reference)
+                if self.detail {
+                    DesignError::with_detail(&picture, reference)
                 } else {
                     DesignError::of(&picture, reference)
                 }
@@ -542,7 +570,7 @@ mod tests {
             max_abs,
             rms,
             bias,
-            ssim: None,
+            detail: None,
         };
         let over = DesignError::over(&[one(0.1, 3.0, 0.5), one(0.4, 4.0, -0.1)]);
         assert_eq!(over.max_abs, 0.4);

@@ -2,10 +2,11 @@
 //! lane shape. Of several frames one after the other is walked, so that the rows of one alone lie in memory; a point's line has its slowest frame, and
 //! the spread of its time over all.
 
-use super::evaluator::{Choice, DesignError, Evaluator, Reached, Subject, work_key};
+use super::evaluator::{Choice, DesignError, ErrorDetail, Evaluator, Reached, Subject, work_key};
 use super::folder::Appender;
 use super::space::Space;
 use super::table::{RESULTS, ResultTable};
+use crate::metrics::Percentiles;
 use anyhow::{Result, anyhow};
 
 /// Part `index` (from 1) of `count`: every `count`-th group of points that share their picture's tile lists.
@@ -70,7 +71,7 @@ pub fn run(
 }
 
 /// The result columns in the order of [`RESULTS`].
-fn results(reached: &Reached, frames: usize) -> Vec<String> {
+pub fn results(reached: &Reached, frames: usize) -> Vec<String> {
     let (pace, slowest, area) = (&reached.pace, &reached.slowest, &reached.area);
     let spread = &reached.ms_per_frame;
     let mut fields = errors(reached.error.as_ref());
@@ -98,10 +99,10 @@ fn results(reached: &Reached, frames: usize) -> Vec<String> {
     fields
 }
 
-/// PSNR, rms, largest error, bias and structural similarity; equal pictures have no PSNR.
+/// PSNR, rms, largest error, bias, structural similarity, percentiles and FLIP; equal pictures have no PSNR.
 fn errors(error: Option<&DesignError>) -> Vec<String> {
     let Some(error) = error else {
-        return vec![String::new(); 5];
+        return vec![String::new(); 8];
     };
     let psnr = error.psnr_db();
     let psnr = if psnr.is_finite() {
@@ -111,11 +112,18 @@ fn errors(error: Option<&DesignError>) -> Vec<String> {
     };
     let mut fields = vec![psnr];
     fields.extend([error.rms, error.max_abs, error.bias].map(|value| format!("{value:.4e}")));
-    fields.push(format!("{:.6}", error.ssim.unwrap_or_default()));
+    let ErrorDetail {
+        ssim,
+        percentiles: Percentiles { p95, p99 },
+        flip,
+    } = error.detail.unwrap_or_default();
+    fields.push(format!("{ssim:.6}"));
+    fields.extend([p95, p99, flip].map(|value| format!("{value:.4e}")));
     fields
 }
 
-fn left_out(reason: &str) -> Vec<String> {
+/// The result columns of a point that was not run.
+pub fn left_out(reason: &str) -> Vec<String> {
     let mut fields = vec![String::new(); RESULTS.len() - 1];
     fields.push(reason.replace([',', '\n', '"'], " "));
     fields

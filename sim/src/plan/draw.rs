@@ -131,7 +131,7 @@ impl Prepared {
     pub fn draw_reference(&self, engine: Engine, rows: Rows) -> Result<Drawing> {
         let drawing = match self.subject()? {
             Subject::Splats(splats) => draw_splats_reference(engine, splats, rows)?,
-            Subject::Surface(..) if engine.format().is_some() => {
+            Subject::Surface(..) if engine.stages().is_some() => {
                 let name = engine.name();
                 bail!("engine '{name}' draws splats and no surfaces: use fixed or float")
             }
@@ -319,9 +319,10 @@ fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<F
             let plan = sheets.plan(scene, camera);
             Ok(reference::sheets::draw(scene, camera, rules, &plan))
         }
-        (Engine::Fp32 | Engine::Fp16 | Engine::Bfloat16, SplatMethod::Composited) => {
-            draw_format(engine, &splats)
-        }
+        (
+            Engine::Fp32 | Engine::Fp16 | Engine::Bfloat16 | Engine::Fp8Fp16,
+            SplatMethod::Composited,
+        ) => draw_format(engine, &splats),
         _ => bail!(
             "engine '{}' composites footprints one by one: leave out --points, --traversal stamp, --sheets, --deep-alpha and --spheres, \
              or use float",
@@ -343,8 +344,8 @@ fn draw_format(engine: Engine, splats: &Splats) -> Result<FloatDrawing> {
     if splats.rules.spacing > 0.0 {
         bail!("engine '{name}' knows no scaling by distance: leave --antialias out, or use float");
     }
-    let format = engine.format().unwrap_or(formats::FP32);
-    let stages = formats::RoundedStages::pixels(format);
+    let single = formats::RoundedStages::pixels(formats::FP32);
+    let stages = engine.stages().unwrap_or(single);
     Ok(formats::draw(
         splats.scene,
         splats.camera,

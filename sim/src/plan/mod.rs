@@ -28,7 +28,7 @@ pub use technique::{AlphaChannel, SheetBuffers, SplatMethod, Technique};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, traversal_name};
 use crate::machine::{Config, others};
-use crate::reference::formats::{self, FloatFormat};
+use crate::reference::formats::{self, RoundedStages};
 use crate::rules::{Compositing, Rules};
 use crate::scene::points::SurfaceScene;
 use crate::scene::points::flatten::flattened;
@@ -62,6 +62,9 @@ pub enum Engine {
     Fp16,
     /// Setup in single precision, pixels in bfloat16, every operation rounded.
     Bfloat16,
+    /// Setup in single precision, offsets and sums in IEEE halves, kernel and opacity in 8 bits (E4M3), every operation rounded.
+    #[serde(rename = "fp8-fp16")]
+    Fp8Fp16,
 }
 
 impl Engine {
@@ -74,18 +77,28 @@ impl Engine {
             Engine::Fp32 => "fp32",
             Engine::Fp16 => "fp16",
             Engine::Bfloat16 => "bfloat16",
+            Engine::Fp8Fp16 => "fp8-fp16",
         }
     }
 
     /// The engines that compute in a floating-point format of few bits.
-    pub const FORMATS: [Engine; 3] = [Engine::Fp32, Engine::Fp16, Engine::Bfloat16];
+    pub const FORMATS: [Engine; 4] = [
+        Engine::Fp32,
+        Engine::Fp16,
+        Engine::Bfloat16,
+        Engine::Fp8Fp16,
+    ];
 
-    /// The format of the pixels, of an engine that has one.
-    pub fn format(self) -> Option<FloatFormat> {
+    /// The formats of the stages, of an engine that has them.
+    pub fn stages(self) -> Option<RoundedStages> {
         match self {
-            Engine::Fp32 => Some(formats::FP32),
-            Engine::Fp16 => Some(formats::FP16),
-            Engine::Bfloat16 => Some(formats::BFLOAT16),
+            Engine::Fp32 => Some(RoundedStages::pixels(formats::FP32)),
+            Engine::Fp16 => Some(RoundedStages::pixels(formats::FP16)),
+            Engine::Bfloat16 => Some(RoundedStages::pixels(formats::BFLOAT16)),
+            Engine::Fp8Fp16 => Some(RoundedStages {
+                kernel: formats::FP8,
+                ..RoundedStages::pixels(formats::FP16)
+            }),
             Engine::Fixed | Engine::Float | Engine::Exact => None,
         }
     }
@@ -322,6 +335,13 @@ impl Prepared {
                     bail!(
                         "{}: it is sorted by distance, and points, stamps, sheets, deep alpha and spheres go by the depth: leave out \
                          --points, --traversal stamp, --sheets, --deep-alpha and --spheres",
+                        scene.name
+                    )
+                }
+                if rules.compensated && (rules.normalised || rules.spacing > 0.0) {
+                    bail!(
+                        "{}: --antialias mip compensates opacities for the low-pass filter: it takes rules 3dgs or inria without distance scaling; \
+                         normalised kernels (rules ewa) keep their volume by themselves",
                         scene.name
                     )
                 }

@@ -43,7 +43,7 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
     if subject.compositing == Order::BackToFront {
         visible.reverse();
     }
-    let packets = packet_stage(&widths, &visible);
+    let packets = packet_stage(&widths, subject.design.traversal, &visible);
     let table = table_stage(&widths, rules.table_range);
     let mut raster = RasterStages::new(design, subject, &rules);
     for (number, (_, footprint)) in visible.iter().enumerate() {
@@ -200,27 +200,33 @@ fn splat_values(splat: &VolumeSplat) -> Vec<i64> {
     record
 }
 
-fn packet_stage(widths: &Widths, visible: &[(usize, Footprint)]) -> VectorStage {
-    let layout = Layout::new(widths);
+fn packet_stage(
+    widths: &Widths,
+    traversal: Traversal,
+    visible: &[(usize, Footprint)],
+) -> VectorStage {
+    let layout = Layout::new(widths, traversal);
     let fields = layout
         .fields()
         .iter()
+        .filter(|field| field.width > 0)
         .map(|f| field(f.name, f.width.into(), f.signed, f.fraction));
     // Behind the packet proper, so that its bits keep their places.
-    let fields = fields.chain([field("splat", 32, false, 0)]);
+    let behind = [
+        field("depth", KEY_BITS as usize, false, 0),
+        field("splat", 32, false, 0),
+    ];
+    let fields = fields.chain(behind);
     let mut stage = VectorStage::new(
         "packets",
-        "footprint packets in the order of drawing, then the splat's number",
+        "footprint packets in the order of drawing, then depth (the sort key) and the splat's number",
         fields,
     );
     for (index, footprint) in visible {
         let packet = layout.encode(footprint);
         let bit = |at: usize| i64::from(packet[at / 32] >> (at % 32) & 1);
-        let (splat, own) = stage
-            .fields
-            .split_last()
-            .map_or((None, &[][..]), |(s, o)| (Some(s), o));
-        let mut record: Vec<i64> = own
+        let own = stage.fields.len() - 2;
+        let mut record: Vec<i64> = stage.fields[..own]
             .iter()
             .map(|field| {
                 let value = (0..field.bits).fold(0i64, |v, at| v | bit(field.offset + at) << at);
@@ -232,7 +238,7 @@ fn packet_stage(widths: &Widths, visible: &[(usize, Footprint)]) -> VectorStage 
                 }
             })
             .collect();
-        record.extend(splat.map(|_| *index as i64));
+        record.extend([footprint.depth as i64, *index as i64]);
         stage.records.push(record);
     }
     stage

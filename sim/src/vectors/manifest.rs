@@ -12,7 +12,7 @@ use std::str::FromStr;
 /// Version of the folder's format; another version is refused.
 ///
 /// 1 had positions and depths in fixed point; 2 has them with exponents; 3 has a digest of the inputs.
-pub const FORMAT_VERSION: u32 = 3;
+pub const FORMAT_VERSION: u32 = 4;
 
 /// The content of `manifest.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]

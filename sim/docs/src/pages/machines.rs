@@ -161,7 +161,7 @@ impl Tables {
 
 /// The page over the scenes of a folder.
 pub fn page(data: &Path) -> Result<Page> {
-    let design = DesignChoice::all().remove(2);
+    let design = DesignChoice::load("standard24")?;
     let mut page = Page::new("machines", "Machines, memories and energy");
     let mut tables = Tables::new();
     for name in VIEWS {

@@ -13,7 +13,7 @@ use super::tile::TILE;
 use core::ops::Range;
 use splatline::footprint::Footprint;
 use splatline::format::{RuntimeWidths, Widths};
-use splatline::raster::{BLOCK, EllipseSpans, RowConstants, VERTICAL_FRACTION, Window};
+use splatline::raster::{BLOCK, EllipseSpans, REST, RowConstants, Window};
 
 /// Most rows of a footprint in a tile.
 const ROWS: usize = TILE[1] as usize;
@@ -52,6 +52,13 @@ impl RuntimeRows {
     }
 }
 
+/// Bits of the longest rest of the cut-off that the root takes.
+#[inline(always)]
+pub fn longest_rest(constants: &RowConstants<i64>) -> u32 {
+    let bits = if constants.drops.1 <= 18 { 28 } else { 32 };
+    constants.vertical_fraction.saturating_sub(REST).min(31) + bits
+}
+
 /// The runs of one footprint's rows in one block of a tile.
 struct BlockSpans {
     x: [i64; ROOM],
@@ -85,21 +92,26 @@ impl Recurrences {
         }
         let [first, last] = constants.rows;
         self.count = usize::from(last.saturating_sub(first)).min(ROWS);
-        let [mut vertical, mut change, second] = constants.vertical;
-        let mut centre = constants.centre;
         let (mut far, mut long) = (0, 0);
-        let places = self.centre.iter_mut().zip(&mut self.vertical);
-        for (centre_of_row, vertical_of_row) in places.take(self.count) {
-            *centre_of_row = centre;
-            *vertical_of_row = vertical;
-            far |= centre ^ (centre >> 63);
-            long |= constants.reach.wrapping_sub(vertical).max(0);
-            centre = centre.wrapping_add(constants.shear);
-            vertical = vertical.wrapping_add(change);
-            change = change.wrapping_add(second);
+        let mut begin = 0;
+        for block in &constants.blocks {
+            let end = usize::from(block.end.saturating_sub(first)).min(ROWS);
+            let [mut vertical, mut change] = block.vertical;
+            let mut centre = block.centre;
+            let places = self.centre.iter_mut().zip(&mut self.vertical);
+            for (centre_of_row, vertical_of_row) in places.take(end).skip(begin) {
+                *centre_of_row = centre;
+                *vertical_of_row = vertical;
+                far |= centre ^ (centre >> 63);
+                long |= constants.reach.wrapping_sub(vertical).max(0);
+                centre = centre.wrapping_add(constants.shear);
+                vertical = vertical.wrapping_add(change);
+                change = change.wrapping_add(constants.curve);
+            }
+            begin = end;
         }
-        // Centres below 2^61, remaining radial indices below 2^56.
-        far >> 61 == 0 && long >> 56 == 0
+        // Centres below 2^61, what is left of the cut-off short enough for the root.
+        far >> 61 == 0 && long >> longest_rest(constants) == 0
     }
 }
 
@@ -268,7 +280,9 @@ impl<L: Wide> RowWords<L> {
         } = *constants;
         let (drop_dx, bits, drop_radial, drop_first) = constants.drops;
         let [drop_radial, drop_first] = [drop_radial, drop_first].map(|drop| drop.max(0) as u32);
-        let drop_vertical = VERTICAL_FRACTION.saturating_sub(constants.fraction);
+        let drop_vertical = constants
+            .vertical_fraction
+            .saturating_sub(constants.fraction);
         let turns = turn_of(drop_radial).wrapping_add(turn_of(drop_vertical));
         RowWords {
             columns: [
@@ -346,7 +360,6 @@ pub fn is_tame(constants: &RowConstants<i64>) -> bool {
         && constants.horizontal.unsigned_abs() <= 1 << bits
         && drop_radial >= 0
         && drop_first >= 0
-        && constants.fraction < VERTICAL_FRACTION
 }
 
 /// 1 / A on vectors, for half-widths sqrt(rest / A) by the root table, a multiplication and a shift that rounds.
@@ -354,6 +367,7 @@ struct SquaredWidth<L: Wide> {
     mantissa: L::Word,
     odd: L::Word,
     power: L::Word,
+    drop: L::Word,
 }
 
 impl<L: Wide> SquaredWidth<L> {
@@ -364,6 +378,7 @@ impl<L: Wide> SquaredWidth<L> {
             mantissa: math.splat(mantissa as i64),
             odd: math.splat(odd.into()),
             power: math.splat(power.into()),
+            drop: math.splat(constants.vertical_fraction.saturating_sub(REST).into()),
         }
     }
 
@@ -371,7 +386,7 @@ impl<L: Wide> SquaredWidth<L> {
     #[inline(always)]
     fn half_width(&self, math: Arithmetic<L>, rest: L::Word) -> L::Word {
         let (lanes, zero) = (math.lanes, math.splat(0));
-        let narrow = math.shr(rest, i64::from(VERTICAL_FRACTION) - 28);
+        let narrow = lanes.wide_shr(rest, self.drop);
         let squared = lanes.wide_mul_unsigned(self.mantissa, narrow);
         let squared = lanes.wide_shl(squared, self.odd);
         let (root, shift) = math.root_seed(squared);
@@ -382,22 +397,6 @@ impl<L: Wide> SquaredWidth<L> {
         let rounded = math.shr(math.plus(lanes.wide_shr(root, right), 1), 1);
         math.add(rounded, lanes.wide_shl(root, left))
     }
-}
-
-/// First and one past the last column of the rows' spans within the footprint's box, for rows that the ellipse reaches: those with a positive `rest`
-/// of the cut-off.
-#[inline(always)]
-pub fn columns<L: Wide>(
-    math: Arithmetic<L>,
-    constants: &RowConstants<i64>,
-    centre: L::Word,
-    rest: L::Word,
-) -> (L::Word, L::Word) {
-    let half = SquaredWidth::new(math, constants).half_width(math, rest);
-    let (low, high) = ends(math, centre, half);
-    let [first, last] = constants.bounds.map(|bound| math.splat(bound.into()));
-    let within = |column| math.max(math.min(column, last), first);
-    (within(low), within(high))
 }
 
 /// First column and one past the last whose sample points lie within `half` of the centre.

@@ -58,7 +58,7 @@ pub fn estimate(
         raster_unit(widths, traversal, config, calibration) * u64::from(config.raster_units);
     let counted = || counted_setup(widths, config, calibration) * u64::from(config.setup_units);
     let around = setup::of_machine(widths, config, calibration).unwrap_or_else(counted)
-        + queues(widths, config, calibration);
+        + queues(widths, traversal, config, calibration);
     Area {
         raster,
         around,
@@ -204,8 +204,13 @@ fn counted_setup(widths: &Widths, config: &Config, calibration: &Calibration) ->
 }
 
 /// Queues of splats and packets. The circuit has none between splat setup and rows.
-fn queues(widths: &Widths, config: &Config, calibration: &Calibration) -> Fabric {
-    let bits = packet::Layout::new(widths).bits() as u64;
+fn queues(
+    widths: &Widths,
+    traversal: Traversal,
+    config: &Config,
+    calibration: &Calibration,
+) -> Fabric {
+    let bits = packet::Layout::new(widths, traversal).bits() as u64;
     let queue = |depth: u32, bits: u64| calibration.queue(depth.into(), bits);
     let splats = match config.overlap {
         Overlap::Primitive => Fabric::default(),

@@ -141,7 +141,7 @@ pub fn of<'a>(
 ) -> Vec<UnitActions<'a>> {
     let picture = CountedPicture {
         bits: Bits::new(widths),
-        packet: packet::Layout::new(widths).bits() as u64,
+        packet: packet::Layout::new(widths, traversal).bits() as u64,
         traversal,
         config,
         timing,

@@ -21,7 +21,7 @@ use crate::fast::tile::TILE;
 use splatline::blend::Blend;
 use splatline::draw::Coverage;
 use splatline::format::Widths;
-use splatline::kernel::{PackedTable, pack};
+use splatline::kernel::{PackedTable, pack_into};
 use splatline::rules::Rules;
 
 /// 2^23: numbers from here to twice that are integers.
@@ -64,7 +64,7 @@ impl SingleNumbers {
         }
         let constants = blend.constants();
         let mut words = vec![0; entries.len().checked_sub(1)?];
-        pack(&mut words, entries, widths, rules.table_range).ok()?;
+        pack_into(&mut words, entries, widths, rules.table_range).ok()?;
         let below = i32::from(widths.radial + rules.table_range) - i32::from(widths.table);
         let interpolation = i32::from(widths.interpolation);
         let [alpha, fraction] = [widths.alpha, widths.peak + widths.weight].map(i32::from);
@@ -74,7 +74,7 @@ impl SingleNumbers {
             unseen: below - interpolation,
             slope: (1 << (interpolation - 1)) - 1,
             interpolation,
-            lead: PackedTable::<1>::lead(widths, rules.table_range) as i32,
+            lead: PackedTable::lead(widths, rules.table_range) as i32,
             peak: unit(fraction),
             colour: unit(constants.colour_shift),
             opacity: WHOLE * unit(alpha),

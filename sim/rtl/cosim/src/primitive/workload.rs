@@ -194,7 +194,7 @@ impl WorkloadRandom {
         low + (high - low) * f64::from(self.bits(32)) / 2f64.powi(32)
     }
 
-    /// A part of a block; in half of the cases all of it.
+    /// A part of a block from its first row on; in half of the cases all of it.
     fn window(&mut self, block: [u16; 2]) -> Window {
         let mut window = Window {
             first: block,
@@ -207,6 +207,7 @@ impl WorkloadRandom {
                 window.first[axis] = block[axis] + a.min(b) as u16;
                 window.end[axis] = block[axis] + a.max(b) as u16 + 1;
             }
+            window.first[1] = block[1];
         }
         window
     }
