@@ -23,10 +23,7 @@ use crate::format::{Classic8, Deep32, Design, Lean18, Micro16, Standard24, Width
 /// static TABLE_16: [u32; entries(&Mine::WIDTHS)] = gaussian(&Mine::WIDTHS, 4);
 /// impl Design for Mine {
 ///     type Lane = i32;
-///     fn widths(&self) -> Widths {
-///         const { assert!(Mine::WIDTHS.check().is_ok()) }
-///         Mine::WIDTHS
-///     }
+///     const FIXED: Option<Widths> = Some(Mine::WIDTHS);
 /// }
 /// impl Tabled for Mine {
 ///     const WIDTHS: Widths = Mine::WIDTHS;

@@ -46,14 +46,8 @@ const LONG: Widths = Widths {
 };
 
 /// A design that exists for this test.
-#[derive(Clone, Copy, Debug)]
-struct NarrowWidths(Widths);
-
-impl Design for NarrowWidths {
-    type Lane = i32;
-    fn widths(&self) -> Widths {
-        self.0
-    }
+fn narrow(widths: Widths) -> RuntimeWidths<i32> {
+    RuntimeWidths::for_lanes(widths).unwrap()
 }
 
 fn table<const N: usize>(widths: &Widths) -> (Vec<u32>, [u32; N]) {
@@ -101,7 +95,7 @@ fn check<const N: usize>(
     splats: &[VolumeSplat],
 ) -> Result<(), TestCaseError> {
     let camera = view(0.2, -0.1, Projection::Perspective);
-    let design = NarrowWidths(widths);
+    let design = narrow(widths);
     let list: Vec<_> = splats
         .iter()
         .filter_map(|splat| setup(design, &camera, rules, splat).ok())
@@ -141,7 +135,7 @@ proptest! {
         let mut source = Source::new(&bytes);
         let (_, words) = table::<128>(&FIRMWARE);
         let packed = PackedTable::new(&words, &FIRMWARE, RANGE).unwrap();
-        let design = NarrowWidths(FIRMWARE);
+        let design = narrow(FIRMWARE);
         let painter = Painter32::new(design, &Rules::GAUSSIAN_3D, packed).unwrap();
         in_strips(&FIRMWARE, |target| painter.draw(&source.footprint(), target));
     }
@@ -209,13 +203,13 @@ fn what_is_not_narrow_is_refused() {
         ..FIRMWARE
     };
     assert_eq!(refused(short, RANGE), PackedError::Room);
-    let wide = NarrowWidths(Widths {
+    let wide = narrow(Widths {
         peak: 24,
         ..FIRMWARE
     });
     let error = Painter32::new(wide, &Rules::GAUSSIAN_3D, packed).unwrap_err();
     assert_eq!(error, NarrowError::Products);
-    let other = NarrowWidths(Widths {
+    let other = narrow(Widths {
         interpolation: 16,
         ..FIRMWARE
     });

@@ -1,8 +1,10 @@
 //! The options of every command. Names are stable: scripts and notebooks depend on them.
 
+use super::bake;
 use super::drawing_args::DrawingOptions;
 use super::info;
 use super::machine_args;
+use super::maps::Map;
 use super::page;
 use super::photos::Split;
 use super::search_args;
@@ -35,6 +37,7 @@ Examples:
   splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png
   splatline render lion.ply --as surface --light 1,0,1 --layers 4 --edges -o lion.png      a point cloud
   splatline render dem.csv --as surface --texture dem.jpg -o dem.png      a photograph over a height field
+  splatline render guitar.ply --maps depth,normal,count,id -o guitar.exr      guitar.depth.exr and so on beside it
   splatline render demo --sheets image-aligned -o sheets.png      sheet buffers
   splatline render deep-stack --deep-alpha transmittance --alpha-bits 16 -o deep.png
   splatline render random:2000 --spheres exact --sphere-index ray -o spheres.png
@@ -91,6 +94,9 @@ pub enum Command {
     /// Write where every splat lands as CSV.
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
+    /// Write a scene for a microcontroller's flash: pruned, 24 bytes a splat, as Rust constants or a file.
+    #[command(after_help = bake::EXAMPLES)]
+    Bake(bake::BakeOptions),
     /// Write the live page: one HTML file in which a scene can be turned and the kernel's widths changed.
     #[command(after_help = page::EXAMPLES)]
     Page(page::PageOptions),
@@ -109,9 +115,6 @@ pub enum Command {
     /// Sweep or optimize, by the name that both had before.
     #[command(hide = true, after_help = search_args::EXPLORE_EXAMPLES)]
     Explore(search_args::ExploreOptions),
-    /// Put the shards of a sweep together.
-    #[command(after_help = search_args::MERGE_EXAMPLES)]
-    Merge(search_args::MergeOptions),
     /// Find the smallest design within an error budget.
     #[command(after_help = search_args::FIT_EXAMPLES)]
     Fit(search_args::FitOptions),
@@ -149,6 +152,15 @@ pub struct RenderOptions {
     /// Picture to write: .png, or .npy (height x width x 4 doubles) or .exr, both premultiplied; - writes a PNG to stdout
     #[arg(short, long, value_name = "x.png", help_heading = "Output")]
     pub output: PathBuf,
+    /// Also write maps beside the picture, in its format, in double precision: depth, alpha, normal, count, first, id
+    #[arg(
+        long,
+        value_name = "LIST",
+        help_heading = "Output",
+        value_delimiter = ',',
+        conflicts_with = "camera_path"
+    )]
+    pub maps: Vec<Map>,
 }
 
 #[derive(Debug, Args)]

@@ -1,6 +1,6 @@
 //! `compare --photos`: what is drawn against photographs, view by view, as trained scenes are judged.
 //!
-//! Views are held out as the trainers do: sorted by name, every eighth one. A photograph of another size than its camera's decides: the camera is
+//! Views are held out as the trainers do: sorted by name, every eighth one. A lens' distortion is taken out of the photograph. One of another size than its camera's decides: the camera is
 //! scaled to it (the trainers' `images_4`). Its alpha channel puts it on the background; a mask multiplies photograph and pictures.
 
 use super::args::CompareOptions;
@@ -9,6 +9,8 @@ use super::output::{Outputs, create_folder, write, write_json};
 use super::resolve::{COMPARED, NamedFrame, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::view_args::{MoreScenes, PathOptions};
+use crate::cameras;
+use crate::cameras::lens::{Distortion, Lens};
 use crate::design::DesignChoice;
 use crate::metrics::photo_error;
 use crate::picture::{Backdrop, Picture};
@@ -16,9 +18,9 @@ use crate::plan::draw::on_threads;
 use crate::plan::{DesignVariant, Engine, Prepared};
 use crate::progress::ProgressMeter;
 use crate::report::photos::{Drawn, FILES, PhotoReport, PhotoRow, Shown, page};
-use crate::texture::image::load_photograph;
+use crate::texture::image::{load_photograph, undistorted};
 use anyhow::{Context, anyhow};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -88,7 +90,7 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
             "--alpha has no meaning with --photos: photographs are compared on --background";
         return Err(Failure::Usage(message.to_owned()));
     }
-    let views = chosen_views(options)?;
+    let (views, lenses) = chosen_views(options)?;
     outputs.spare_inputs()?;
     let Backdrop::Colour(background) = drawing.backdrop() else {
         return Err(anyhow!("photographs are compared on a colour").into());
@@ -98,7 +100,7 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
     let mut shown = Vec::with_capacity(views.len());
     for (number, frame) in (1..).zip(views) {
         progress.doing(&frame.name);
-        let view = with_photograph(frame, photos, options, &mut notes)?;
+        let view = with_photograph(frame, photos, options, &lenses, &mut notes)?;
         let drawn = on_threads(drawing.effort().threads, || draw(&view, options))??;
         let on_background = |picture: &Picture| seen(&picture.on(background), view.mask.as_ref());
         let photograph = on_background(&view.photograph);
@@ -144,15 +146,22 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
 }
 
 /// The views of the split, in the order of their names.
-fn chosen_views(options: &CompareOptions) -> Result<Vec<NamedFrame>, Failure> {
+fn chosen_views(
+    options: &CompareOptions,
+) -> Result<(Vec<NamedFrame>, BTreeMap<String, Lens>), Failure> {
     let cameras = options.view.camera.clone();
     let path = PathOptions {
         camera_path: cameras.or_else(|| options.path.camera_path.clone()),
     };
-    if path.camera_path.is_none() {
+    let Some(file) = &path.camera_path else {
         let message = "--photos needs --camera: the COLMAP folder, transforms.json or cameras.json of the photographs";
         return Err(Failure::Usage(message.to_owned()));
-    }
+    };
+    // Key frames have no lenses.
+    let poses = cameras::load(file, None).unwrap_or_default();
+    let lenses = poses
+        .into_iter()
+        .filter_map(|pose| Some((pose.name, pose.lens?)));
     let asked = PlanRequest::drawing(&options.view, &options.drawing).on(&options.machine);
     let mut frames = asked.frames(&path, &MoreScenes::default())?;
     frames.sort_by(|a, b| a.name.cmp(&b.name));
@@ -164,7 +173,7 @@ fn chosen_views(options: &CompareOptions) -> Result<Vec<NamedFrame>, Failure> {
     if views.is_empty() {
         return Err(anyhow!("--split leaves no view").into());
     }
-    Ok(views)
+    Ok((views, lenses.collect()))
 }
 
 /// The view with its photograph, whose size the camera takes.
@@ -172,13 +181,26 @@ fn with_photograph(
     frame: NamedFrame,
     photos: &Path,
     options: &CompareOptions,
+    lenses: &BTreeMap<String, Lens>,
     notes: &mut BTreeSet<String>,
 ) -> Result<View, Failure> {
     let NamedFrame { name, prepared } = frame;
     let scene = format!("{}, ", prepared.scene.name());
     let name = name.strip_prefix(&scene).unwrap_or(&name).to_owned();
     let file = photograph_of(photos, &name)?;
-    let photograph = load_photograph(&file)?;
+    let mut photograph = load_photograph(&file)?;
+    let mut coverage = None;
+    let lens = lenses.get(&name);
+    let lens = lens.filter(|lens| lens.distortion != Distortion::default());
+    if let Some(lens) = lens {
+        notes.insert(
+            "photographs are undistorted to pinholes; what they do not show counts in no picture"
+                .to_owned(),
+        );
+        let opaque = photograph.on([0.0; 3]);
+        coverage = Some(shown_part(&undistorted(&opaque, lens)));
+        photograph = undistorted(&photograph, lens);
+    }
     let size = [photograph.width, photograph.height];
     let mut prepared = prepared;
     let camera = &prepared.plan.camera;
@@ -197,6 +219,10 @@ fn with_photograph(
         Some(folder) => Some(load_photograph(&photograph_of(folder, &name)?)?),
         None => None,
     };
+    let mask = mask.map(|mask| match lens {
+        Some(lens) => undistorted(&mask, lens),
+        None => mask,
+    });
     if let Some(mask) = mask
         .as_ref()
         .filter(|mask| [mask.width, mask.height] != size)
@@ -212,8 +238,25 @@ fn with_photograph(
         prepared,
         photograph,
         file,
-        mask,
+        mask: both(mask, coverage),
     })
+}
+
+/// What of an undistorted picture is there: white, or black.
+fn shown_part(picture: &Picture) -> Picture {
+    let pixels = picture.pixels.iter().map(|[.., alpha]| [*alpha; 4]);
+    Picture {
+        pixels: pixels.collect(),
+        ..*picture
+    }
+}
+
+/// Both masks of one size, or the one there is.
+fn both(mask: Option<Picture>, coverage: Option<Picture>) -> Option<Picture> {
+    match (mask, coverage) {
+        (Some(mask), coverage) => Some(seen(&mask, coverage.as_ref())),
+        (None, coverage) => coverage,
+    }
 }
 
 /// The file of a view: by its name, with the usual extensions, and by the last part of its name.

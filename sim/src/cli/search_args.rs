@@ -1,4 +1,4 @@
-//! Options of the commands that search designs and machines: sweep, optimize, merge, fit, profile, and explore, by which sweep and optimize were
+//! Options of the commands that search designs and machines: sweep, optimize, fit, profile, and explore, by which sweep and optimize were
 //! called before.
 
 use super::drawing_args::WorkOptions;
@@ -8,11 +8,10 @@ use super::resolve::{
     room_for_picture,
 };
 use super::say::{Failure, warn};
-use super::values::{METRICS, one_of, positive, shard};
+use super::values::{METRICS, one_of, positive};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions};
 use crate::explore::evaluator::Subject;
 use crate::explore::limits::Quantity;
-use crate::explore::sweep::Shard;
 use clap::Args;
 use splatline::format::Traversal;
 use std::path::PathBuf;
@@ -91,8 +90,7 @@ pub fn draw_references(
 pub const SWEEP_EXAMPLES: &str = "\
 Examples:
   splatline sweep guitar.ply --space space.toml -o out
-  splatline sweep guitar.ply --space space.toml --shard 3/8 -o out        one of eight machines
-  splatline merge out -o out                                              puts the shards together
+  splatline sweep guitar.ply --space space.toml --no-error -o out         cycles and area alone
 
 A space:
   sample = \"grid\"                  # or \"latin\" with count = 200 and seed = 1
@@ -103,7 +101,8 @@ A space:
   lanes = [1, 2, 4]
   layout = [\"run\", \"rows\"]
 
-An interrupted sweep goes on where it stopped. Writes points.csv (or points-3-of-8.csv), and when all points are there front.csv and front.html.
+An interrupted sweep goes on where it stopped. Writes points.csv, and when all points are there front.csv and front.html.
+On several machines: splatline.study, in Python.
 `explore --space` is the earlier name of this command.";
 
 #[derive(Debug, Args)]
@@ -113,9 +112,6 @@ pub struct SweepOptions {
     /// Fields and their values (TOML)
     #[arg(long, value_name = "s.toml")]
     pub space: PathBuf,
-    /// Run part i of n only
-    #[arg(long, value_name = "i/n", value_parser = shard, default_value = "1/1")]
-    pub shard: Shard,
     /// Leave the float reference out: cycles and area only
     #[arg(long)]
     pub no_error: bool,
@@ -162,9 +158,6 @@ pub struct ExploreOptions {
     pub space: Option<PathBuf>,
     #[command(flatten)]
     pub limits: LimitOptions,
-    /// Run part i of n only
-    #[arg(long, value_name = "i/n", value_parser = shard, default_value = "1/1")]
-    pub shard: Shard,
     /// Leave the float reference out: cycles and area only
     #[arg(long)]
     pub no_error: bool,
@@ -214,24 +207,6 @@ pub struct LimitOptions {
     /// Energy of the most expensive frame at most; an estimate by --energy's table
     #[arg(long, value_name = "mJ", value_parser = positive, allow_negative_numbers = true)]
     pub max_energy: Option<f64>,
-}
-
-pub const MERGE_EXAMPLES: &str = "\
-Examples:
-  splatline merge out -o out
-  splatline merge node1 node2 node3 -o all";
-
-#[derive(Debug, Args)]
-pub struct MergeOptions {
-    /// Folders with points.csv or points-i-of-n.csv of one sweep
-    #[arg(value_name = "DIR", required = true)]
-    pub folders: Vec<PathBuf>,
-    /// Merge although points are missing
-    #[arg(long)]
-    pub partial: bool,
-    /// Folder for points.csv, front.csv and front.html
-    #[arg(short, long, value_name = "dir", help_heading = "Output")]
-    pub output: PathBuf,
 }
 
 pub const FIT_EXAMPLES: &str = "\

@@ -5,7 +5,7 @@ use crate::explore::answer_page;
 use crate::explore::detail::detail;
 use crate::explore::folder::Appender;
 use crate::explore::limits::{Quantity, tightest};
-use crate::explore::sweep::{self, Shard};
+use crate::explore::sweep;
 use crate::explore::table::{ResultTable, heading};
 use crate::plan::{DesignVariant, Prepared};
 use crate::scene::synthetic;
@@ -36,8 +36,7 @@ fn swept(subject: &Subject, space: &Space) -> Vec<[f64; 5]> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("points.csv");
     let (out, _) = Appender::open(&path, &heading(space)).unwrap();
-    let whole = Shard { index: 1, count: 1 };
-    sweep::run(subject, space, whole, &ResultTable::default(), &out, &|| ()).unwrap();
+    sweep::run(subject, space, &ResultTable::default(), &out, &|| ()).unwrap();
     let table = ResultTable::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
     let place = |name: &str| table.column(name).unwrap();
     let places = ["max_abs", "cycles", "raster_luts", "around_luts", "area"].map(place);

@@ -137,6 +137,40 @@ fn photographs_of_half_the_size_decide_and_missing_ones_are_named() {
     );
 }
 
+/// Maps have the picture's size and say which splats it is made of; no other image library reads our numbers, so bytes are looked at.
+#[test]
+fn maps_lie_beside_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let all = "depth,alpha,normal,count,first,id";
+    let told = succeed(
+        folder,
+        &format!("render random:50:2 --size 40x30 --maps {all} -o x.png"),
+    );
+    for name in all.split(',') {
+        let map = image::open(folder.join(format!("x.{name}.png"))).unwrap();
+        assert_eq!((map.width(), map.height()), (40, 30), "{name}");
+        assert!(map.to_rgb8().pixels().any(|p| p.0 != [0; 3]), "{name}");
+        assert!(told.contains(&format!("x.{name}.png: ")), "{told}");
+    }
+    succeed(folder, "render random:50:2 --size 40x30 --maps id -o x.npy");
+    let bytes = fs::read(folder.join("x.id.npy")).unwrap();
+    let numbers: Vec<f64> = bytes[bytes.len() - 40 * 30 * 32..]
+        .as_chunks::<32>()
+        .0
+        .iter()
+        .map(|pixel| f64::from_le_bytes(*pixel.first_chunk().unwrap()))
+        .collect();
+    assert!(
+        numbers
+            .iter()
+            .all(|n| n.fract() == 0.0 && (-1.0..50.0).contains(n))
+    );
+    assert!(numbers.iter().any(|n| *n > 0.0));
+    let refused = splatline(folder, "render random:50:2 --maps depht -o x.png");
+    assert_eq!(refused.status.code(), Some(2));
+}
+
 /// Two iterations and a list of cameras, as the trainer leaves them.
 #[test]
 fn a_trainers_folder_is_a_scene_with_its_camera() {
