@@ -2,7 +2,7 @@
 //
 // Down the rows, xc and C dy^2 are differenced; then 32 stages compute the row's span by the root table, the lanes' seed by two
 // multiplications, and drop what lies left of the window. The window must lie within one block of columns, so that a row
-// is one run. A row without pixels travels as a bubble, and so does a splat without rows, so that cycles depend on the number
+// is one run, and begin with a block's first row. A row without pixels travels as a bubble, and so does a splat without rows, so that cycles depend on the number
 // of rows and on the lengths of the runs alone.
 //
 // Stages never stand still. A row is only issued if the queue behind the stages has a place for it (`slot_valid`: a row, with or without
@@ -24,6 +24,13 @@ module row_generator (
   localparam RADIAL = splatline_pkg::RADIAL;
   localparam ROW_BITS = splatline_pkg::TILE_ROW_BITS;
   localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
+  localparam VERTICAL = splatline_pkg::VERTICAL;
+  // Bits of xc and of C dy^2; fraction bits of xc, where its steps are small and where they are large.
+  localparam CENTRE = $bits(start.centre);
+  localparam ROW = $bits(start.vertical);
+  localparam FINE = splatline_pkg::SUBPIXEL + 8;
+  localparam COARSE = splatline_pkg::SUBPIXEL - 2;
+  localparam [CENTRE:0] COARSE_REST = ((CENTRE + 1)'(1) << COARSE) - 1'b1;
   localparam STAGES = 32;
   // Rows from issue to the lanes' queues: twice the stages, so that the queue never runs dry while places come back.
   localparam PLACES = 64;
@@ -31,7 +38,8 @@ module row_generator (
   // The splat whose rows are being issued: the row, and what is differenced down the rows.
   logic busy, place, issue, none, some0;
   logic [15:0] row0;
-  logic signed [63:0] centre0, shear0, vertical0, first0, second0;
+  logic signed [CENTRE-1:0] centre0, shear0;
+  logic signed [ROW-1:0] vertical0, first0, second0;
   splatline_pkg::shape_t shape0;
   row_counter counter (.clk, .rst, .splat_valid, .splat_ready, .first(start.row), .rows(start.rows), .place, .busy, .issue, .row(row0), .some(some0));
   always_ff @(posedge clk) begin
@@ -59,8 +67,10 @@ module row_generator (
     end
   end
 
-  // Stage 1: the row; what is left of the cut-off, Q.52.
-  logic signed [63:0] centre1, vertical1, rest1;
+  // Stage 1: the row; what is left of the cut-off, Q.vertical.
+  logic signed [CENTRE-1:0] centre1;
+  logic signed [ROW-1:0] vertical1, rest1;
+  logic coarse1, coarse13, coarse14, coarse15, coarse18;
   logic [ROW_BITS-1:0] row1, row32;
   logic [M-1:0] squared_width1;
   splatline_pkg::paint_t paint1, paint32;
@@ -75,7 +85,8 @@ module row_generator (
     row1 <= row0[ROW_BITS-1:0];
     centre1 <= centre0;
     vertical1 <= vertical0;
-    rest1 <= $signed({8'd0, shape0.reach}) - vertical0;
+    rest1 <= $signed({1'b0, shape0.reach}) - vertical0;
+    coarse1 <= shape0.coarse;
     squared_width1 <= shape0.squared_width;
     squared_width_odd1 <= shape0.squared_width_odd;
     squared_width_power1 <= shape0.squared_width_power;
@@ -89,20 +100,20 @@ module row_generator (
     unit1 <= shape0.unit;
     balance1 <= shape0.balance;
   end
-  assign positive1 = !rest1[63] && rest1 != 0;
+  assign positive1 = !rest1[ROW-1] && rest1 != 0;
   delay #(.BITS(ROW_BITS + $bits(paint1)), .STAGES(31)) hold_paint (.clk, .rst, .advance(1'b1), .in({row1, paint1}), .out({row32, paint32}));
   delay #(.BITS(16), .STAGES(6)) hold_power (.clk, .rst, .advance(1'b1), .in(squared_width_power1), .out(squared_width_power7));
 
-  // Stage 3: the squared half-width, Q.28 before the exponent. Stage 5: brought to [1/4, 1) by an even shift.
-  logic [32:0] doubled1;
-  logic [M+32:0] product3;
+  // Stage 3: the squared half-width, Q.24 before the exponent. Stage 5: brought to [1/4, 1) by an even shift.
+  logic [29:0] doubled1;
+  logic [M+29:0] product3;
   logic [63:0] squared3, squared4, normal4;
   logic [4:0] pairs3, pairs4;
   logic [7:0] index5;
   logic [15:0] fraction5;
   logic [4:0] pairs5;
-  assign doubled1 = squared_width_odd1 ? {rest1[55:24], 1'b0} : {1'b0, rest1[55:24]};
-  multiply #(.LEFT(33), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled1), .right(squared_width1), .product(product3));
+  assign doubled1 = squared_width_odd1 ? {rest1[ROW-2-:29], 1'b0} : {1'b0, rest1[ROW-2-:29]};
+  multiply #(.LEFT(30), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled1), .right(squared_width1), .product(product3));
   assign squared3 = 64'(product3);
   // Pairs of leading zeros; 31 where there is nothing.
   always_comb begin
@@ -142,18 +153,22 @@ module row_generator (
     power9 <= power8;
   end
 
-  // Stage 14: the half-width, Q.32, cut to 2^62: farther than any pixel. Stage 16: where the span begins and ends.
-  logic signed [63:0] half13, half14, centre14, low15, high15, centre18;
+  // Stage 14: the half-width, rounded to Q.32, without the bits that xc does not have. Stage 16: where the span begins and ends.
+  logic signed [63:0] half13;
+  logic signed [CENTRE:0] half14, low15, high15;
+  logic signed [CENTRE-1:0] centre14, centre18;
   logic signed [32:0] low16, high16;
   align #(.BITS(25)) align_half (.clk, .negative(1'b0), .magnitude(root9), .shift(power9), .result(half13));
-  delay #(.BITS(64), .STAGES(13)) hold_centre14 (.clk, .rst, .advance(1'b1), .in(centre1), .out(centre14));
-  delay #(.BITS(64), .STAGES(4)) hold_centre18 (.clk, .rst, .advance(1'b1), .in(centre14), .out(centre18));
+  delay #(.BITS(CENTRE + 1), .STAGES(13)) hold_centre14 (.clk, .rst, .advance(1'b1), .in({coarse1, centre1}), .out({coarse14, centre14}));
+  delay #(.BITS(CENTRE + 1), .STAGES(4)) hold_centre18 (.clk, .rst, .advance(1'b1), .in({coarse14, centre14}), .out({coarse18, centre18}));
+  delay #(.BITS(1), .STAGES(12)) hold_coarse13 (.clk, .rst, .advance(1'b1), .in(coarse1), .out(coarse13));
   always_ff @(posedge clk) begin
-    half14 <= half13[62] ? 64'sh3fff_ffff_ffff_ffff : half13;
-    low15 <= centre14 - half14;
-    high15 <= centre14 + half14;
-    low16 <= $signed({low15[63], low15[63:32]}) + $signed({32'd0, low15[31:0] != 0});
-    high16 <= $signed({high15[63], high15[63:32]}) + 33'sd1;
+    half14 <= (CENTRE + 1)'(coarse13 ? half13 >>> (32 - COARSE) : half13 >>> (32 - FINE));
+    coarse15 <= coarse14;
+    low15 <= (CENTRE + 1)'(centre14) - half14;
+    high15 <= (CENTRE + 1)'(centre14) + half14;
+    low16 <= 33'(coarse15 ? low15 >>> COARSE : low15 >>> FINE) + $signed({32'd0, coarse15 ? (low15 & COARSE_REST) != 0 : low15[FINE-1:0] != 0});
+    high16 <= 33'(coarse15 ? high15 >>> COARSE : high15 >>> FINE) + 33'sd1;
   end
 
   // Stages 17 to 20: the span within the window.
@@ -167,7 +182,7 @@ module row_generator (
   delay #(.BITS(5), .STAGES(8)) hold_head (.clk, .rst, .advance(1'b1), .in(head20), .out(head28));
 
   // Stage 21: dx, rounded, as a magnitude (`Seed::at`). Back to one in the same addition: -(q + d) = ~q + !d.
-  logic signed [63:0] distance19;
+  logic signed [CENTRE:0] distance19;
   logic [M+4:0] fours20;
   logic [M+1:0] moved20;
   logic [1:0] rest20;
@@ -177,10 +192,10 @@ module row_generator (
   // Shifted by fours, and in the next stage by what is left.
   assign moved20 = (M + 2)'(fours20 >> rest20);
   always_ff @(posedge clk) begin
-    distance19 <= $signed({16'd0, x18, 32'd0}) - centre18;
+    distance19 <= (coarse18 ? (CENTRE + 1)'(x18) << COARSE : (CENTRE + 1)'(x18) << FINE) - (CENTRE + 1)'(centre18);
     fours20 <= (M + 5)'($signed({distance19, 1'b0}) >>> {drop_dx19[5:2], 2'b00});
     rest20 <= drop_dx19[1:0];
-    negative20 <= distance19[63];
+    negative20 <= distance19[CENTRE];
     dx21 <= (negative20 ? ~moved20[M+1:1] : moved20[M+1:1]) + {{M{1'b0}}, moved20[0] != negative20};
     negative21 <= negative20;
   end
@@ -210,6 +225,7 @@ module row_generator (
 
   // C dy^2 and what balances the seed: stage 3. What is left of the window is skipped (`Run::skip`): stages 22 to 32. Over n pixels the index
   // grows by n first + n (n - 1) / 2 second = n (2 first + (n - 1) second) / 2: one product more, and a bit more, since n (n - 1) is even.
+  localparam signed [ROW-1:0] VERTICAL_HALF = ROW'(1) << (VERTICAL - RADIAL - 1);
   logic [31:0] base2, base3, base30, sum31, radial32, first29, first32, second27, second32;
   logic [36:0] head_second22;
   logic [32:0] head_second27, less28, mean29;
@@ -217,7 +233,7 @@ module row_generator (
   logic [4:0] head29;
   logic [37:0] skipped31;
   always_ff @(posedge clk) begin
-    base2 <= 32'(splatline_math::shift_round(vertical1, 7'(52 - RADIAL)));
+    base2 <= 32'((vertical1 + VERTICAL_HALF) >>> (VERTICAL - RADIAL));
     balance2 <= balance1;
     base3 <= base2 + balance2;
     less28 <= head_second27 - {1'b0, second27};

@@ -2,9 +2,9 @@
 //
 // Its words come in seven cycles, from phase 0 on; two rounds of eight phases later the packet leaves. What needs 64 bits once for a splat stands
 // here and not in the cores: the comparison with the planes of depth (`Extended::exceeds`), the sort key (`depth::key`), the box
-// (`bounding_box`), the alignment of the conic, the fixed-point opacity. The order of the reasons is the kernel's.
+// (`bounding_box`), the fixed-point opacity. Of the conic only its exponent counts, since splats without a place for it are culled. The order of the reasons is the kernel's.
 //
-//   words | depth, opacity, extents and conic | box, reason, packet
+//   words | depth, opacity, extents | box, reason, packet
 module setup_pack (
     input logic clk,
     input logic rst,
@@ -25,6 +25,7 @@ module setup_pack (
     output logic packet_taken,  // the colour below is used
     input logic [95:0] colour,  // blue, green, red
     output logic [2:0] cull,
+    output logic [47:0] depth,  // the sort key
     output splatline_pkg::footprint_t packet
 );
   localparam M = splatline_pkg::MANTISSA;
@@ -115,22 +116,17 @@ module setup_pack (
     key <= depth_nothing ? {1'b1, 47'd0} : depth1[63] ? {1'b0, ~key_magnitude} : {1'b1, key_magnitude};
   end
 
-  // Opacity and extents in fixed point, and the conic: chosen in phases 0 to 2, with their signs and distances; there four cycles after that.
-  logic signed [31:0] fixed_in, aligned_in;
-  logic fixed_negative, aligned_negative;
-  logic [31:0] fixed_magnitude, aligned_magnitude;
+  // Opacity and extents in fixed point: chosen in phases 0 to 2, with their signs and distances; there four cycles after that.
+  logic signed [31:0] fixed_in;
+  logic fixed_negative;
+  logic [31:0] fixed_magnitude;
   logic signed [17:0] fixed_exponent;
   logic signed [17:0] conic_unit, largest0, largest1;
-  logic signed [15:0] fixed_shift, conic_shift;
-  logic signed [17:0] aligned_exponent, chosen_exponent, conic_distance, fixed_distance;
-  logic signed [63:0] fixed_out, aligned_out, peak_fixed, extent_u;
-  logic [M-1:0] conic_a;
-  logic signed [M:0] conic_b;
+  logic signed [15:0] fixed_shift;
+  logic signed [17:0] fixed_distance;
+  logic signed [63:0] fixed_out, peak_fixed, extent_u;
   assign fixed_in = phase == 0 ? peak1 : phase == 1 ? root_u1 : root_v1;
   assign fixed_exponent = phase == 0 ? peak_exponent1 : phase == 1 ? root_u_exponent1 : root_v_exponent1;
-  assign aligned_in = phase == 0 ? horizontal1 : phase == 1 ? cross1 : conic1;
-  assign chosen_exponent = phase == 0 ? horizontal_exponent1 : phase == 1 ? cross_exponent1 : conic_exponent1;
-  assign conic_distance = conic_unit - aligned_exponent;
 
   // Beyond 16 bits every shift does the same.
   function automatic logic signed [15:0] limited(input logic signed [17:0] value);
@@ -141,26 +137,14 @@ module setup_pack (
     fixed_negative <= fixed_in[31];
     fixed_magnitude <= fixed_in[31] ? -fixed_in : fixed_in;
     fixed_distance <= -fixed_exponent - (phase == 0 ? 18'(splatline_pkg::PEAK) : 18'sd32);
-    // Of the second the opposite is asked for.
-    aligned_negative <= aligned_in[31] != (phase == 1);
-    aligned_magnitude <= aligned_in[31] ? -aligned_in : aligned_in;
-    aligned_exponent <= chosen_exponent;
   end
   assign fixed_shift = limited(fixed_distance);
-  assign conic_shift = limited(conic_distance);
   align #(.BITS(32)) align_fixed (
       .clk,
       .negative(fixed_negative),
       .magnitude(fixed_magnitude),
       .shift(fixed_shift),
       .result(fixed_out)
-  );
-  align #(.BITS(32)) align_conic (
-      .clk,
-      .negative(aligned_negative),
-      .magnitude(aligned_magnitude),
-      .shift(conic_shift),
-      .result(aligned_out)
   );
 
   // Does the opacity lie in the middle between two numbers? Then the even one is taken. Distance, what is dropped and the answer have a cycle each.
@@ -178,8 +162,6 @@ module setup_pack (
     peak_half <= peak_within && peak_rest == 32'h80000000;
     if (phase == 5) peak_fixed <= fixed_out;
     if (phase == 6) extent_u <= fixed_out;
-    if (phase == 5) conic_a <= aligned_out[M-1:0];
-    if (phase == 6) conic_b <= aligned_out[M:0];
   end
 
   // A mantissa's exponent with the packet's bits, and whether it has a place there.
@@ -203,6 +185,7 @@ module setup_pack (
   logic near2, far2, degenerate2, peak_half2, invisible2;
   logic [31:0] cutoff2;
   splatline_pkg::footprint_t known2;
+  logic [47:0] key2;
   function automatic logic [63:0] widened(input logic signed [63:0] extent);
     logic [64:0] sum;
     sum = {1'b0, extent} + {11'd0, extent[63:10]};
@@ -218,7 +201,7 @@ module setup_pack (
       invisible2 <= by_opacity && (peak1 <= 0 || cutoff1 <= 0);
       known2 <= 0;
       known2.version <= splatline_pkg::PACKET_VERSION;
-      known2.depth <= key;
+      key2 <= key;
       known2.horizontal_mantissa <= horizontal1[30:DROP];
       known2.horizontal_exponent <= 10'(packed_exponent(horizontal_exponent1));
       known2.squared_width_mantissa <= squared_width1[30:DROP];
@@ -227,10 +210,6 @@ module setup_pack (
       known2.shear_exponent <= shear_nothing ? 0 : 10'(packed_exponent(shear_exponent1));
       known2.vertical_mantissa <= vertical1[30:DROP];
       known2.vertical_exponent <= 10'(packed_exponent(vertical_exponent1));
-      known2.conic_a <= conic_a;
-      known2.conic_b <= conic_b;
-      known2.conic_c <= aligned_out[M-1:0];
-      known2.conic_exponent <= conic_unit[9:0];
     end
   end
 
@@ -253,10 +232,13 @@ module setup_pack (
     clipped = value < 0 ? 16'd0 : value > $signed({16'd0, limit}) ? limit : value[15:0];
   endfunction
 
-  // Halves go to the even neighbour.
-  function automatic logic [COLOUR+3:0] shaded(input logic [31:0] value);
-    shaded = value[31-:COLOUR+4];
-    if (value[27-COLOUR] && (value[26-COLOUR:0] != 0 || shaded[0])) shaded = shaded + 1'b1;
+  // Halves go to the even neighbour; what is beyond the range becomes its largest number.
+  localparam RANGE = splatline_pkg::COLOUR_BITS - COLOUR;
+  function automatic logic [COLOUR+RANGE-1:0] shaded(input logic [31:0] value);
+    logic [COLOUR+4:0] nearest;
+    nearest = {1'b0, value[31-:COLOUR+4]};
+    if (value[27-COLOUR] && (value[26-COLOUR:0] != 0 || nearest[0])) nearest = nearest + 1'b1;
+    shaded = nearest >> (COLOUR + RANGE) != 0 ? '1 : nearest[COLOUR+RANGE-1:0];
   endfunction
 
   assign packet_taken = packet_valid;
@@ -278,6 +260,7 @@ module setup_pack (
     packet_valid <= phase == 5 && valid2 && !rst;
     cull <= near2 ? 3'd1 : far2 ? 3'd2 : range ? 3'd3 : degenerate2 ? 3'd4 : invisible2 ? 3'd5 : range_u ? 3'd3 : outside_u ? 3'd6 :
         range_v ? 3'd3 : outside_v ? 3'd6 : faint ? 3'd5 : 3'd0;
+    depth <= key2;
     packet <= known2;
     packet.centre_u <= centre_u[27+SUBPIXEL:0];
     packet.centre_v <= centre_v[27+SUBPIXEL:0];

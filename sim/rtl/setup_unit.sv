@@ -26,6 +26,7 @@ module setup_unit #(
     output logic packet_valid,
     input logic packet_ready,
     output logic [2:0] cull,
+    output logic [47:0] depth,  // the sort key, which has no place in the packet
     output splatline_pkg::footprint_t packet
 );
   localparam BITS = splatline_setup_pkg::SLOT_BITS;
@@ -235,6 +236,7 @@ module setup_unit #(
   logic packed_valid;
   logic packed_taken;
   logic [2:0] packed_cull;
+  logic [47:0] packed_depth;
   splatline_pkg::footprint_t packed_packet;
   logic [95:0] colour;
   function automatic logic [62:0] magnitude(input logic [63:0] value);
@@ -263,6 +265,7 @@ module setup_unit #(
       .packet_taken(packed_taken),
       .colour,
       .cull(packed_cull),
+      .depth(packed_depth),
       .packet(packed_packet)
   );
 
@@ -279,7 +282,7 @@ module setup_unit #(
 
   logic none;
   fifo #(
-      .BITS(splatline_pkg::PACKET_BITS + 3),
+      .BITS(splatline_pkg::PACKET_BITS + 51),
       .PLACES(PLACES)
   ) queue (
       .clk,
@@ -288,9 +291,9 @@ module setup_unit #(
       .free,
       .none,
       .in_valid(packed_valid),
-      .in({packed_cull, packed_packet}),
+      .in({packed_cull, packed_depth, packed_packet}),
       .out_valid(packet_valid),
       .out_ready(packet_ready),
-      .out({cull, packet})
+      .out({cull, depth, packet})
   );
 endmodule

@@ -109,6 +109,7 @@ module splat_machine #(
   logic [2:0] gathered, cull;
   logic [128*(RECORD-1)-1:0] held;
   logic [128*RECORD-1:0] record_words;
+  logic [47:0] depth;
   splatline_pkg::footprint_t footprint;
   assign record_words = {stream_word, held};
   assign record_valid = state == GEOMETRY && stream_valid && gathered == 3'(RECORD - 1);
@@ -135,6 +136,7 @@ module splat_machine #(
       .packet_valid(setup_valid),
       .packet_ready(setup_ready),
       .cull,
+      .depth,
       .packet(footprint)
   );
 
@@ -158,7 +160,7 @@ module splat_machine #(
     tile_of(footprint.first_row, ROW_BITS),
     tile_of(footprint.first_column, COLUMN_BITS),
     number,
-    footprint.depth
+    depth
   };
   always_ff @(posedge clk) begin
     if (stores && store_ready) step <= step + 1'b1;

@@ -6,8 +6,7 @@
 // Stages never stand still. What is ready waits in a queue, and a packet is only taken if there is a place for it, so that no signal
 // has to reach every register of the unit within a cycle. A name's number is the stage: the cycle after the packet's handshake is 1.
 //
-// The jump over rows above the window uses that the second difference is twice C (`unit`): with q = n C,
-// n first + n (n - 1) / 2 second = n (first + q - C), exactly modulo 2^64; and first is C plus what C dy gives.
+// The rows' seed is that of their block, so a window begins with the first row of one (`RowSeeds::at`).
 module splat_setup #(
     parameter INTERVAL = 4
 ) (
@@ -26,17 +25,23 @@ module splat_setup #(
   localparam M = splatline_pkg::MANTISSA;
   localparam SUBPIXEL = splatline_pkg::SUBPIXEL;
   localparam RADIAL = splatline_pkg::RADIAL;
-  localparam BLOCK_BITS = splatline_pkg::BLOCK_BITS;
+  localparam VERTICAL = splatline_pkg::VERTICAL;
   localparam GUARD = splatline_pkg::GUARD;
   localparam PEAK = splatline_pkg::PEAK + 4;
-  localparam COLOUR = 3 * (splatline_pkg::COLOUR + 4);
+  localparam COLOUR = 3 * splatline_pkg::COLOUR_BITS;
   localparam STAGES = 24;
   // Splats from packet to row generator: more than the stages and the queue's own hold, so that a splat a cycle goes through.
   localparam PLACES = 32;
-  // Slack on the cut-off that makes spans conservative: 2^-10 in Q.52.
-  localparam [55:0] SLACK = 56'd1 << 42;
-  // Bits of a distance between a row and a centre.
+  // Bits of C dy^2, and the slack on the cut-off that makes spans conservative: 2^-10.
+  localparam ROW = VERTICAL + 6;
+  localparam [ROW-2:0] SLACK = (ROW - 1)'(1) << (VERTICAL - 10);
+  // Bits of a centre; fraction bits of xc, where its steps are small and where they are large.
   localparam CENTRE = $bits(footprint.centre_v);
+  localparam FINE = SUBPIXEL + 8;
+  localparam COARSE = SUBPIXEL - 2;
+  // xc before it is cut to its word: S dy is below 2^28 pixels.
+  localparam WIDE = FINE + 31;
+  // Bits of a distance between a row and a centre.
   localparam DY = (CENTRE > 17 + SUBPIXEL ? CENTRE : 17 + SUBPIXEL) + 1;
 
   function automatic logic signed [15:0] extend(input logic [9:0] exponent);
@@ -81,37 +86,49 @@ module splat_setup #(
       .out({first_row22, end_row22, box_first22, box_end22, cutoff22, peak22, colours22, squared_width22, horizontal22, squared_width_exponent22})
   );
 
-  // Stage 2: the first visible row; the distance of its sample points from the centre, Q.subpixel. Stage 3: that as a magnitude.
-  logic [15:0] row2, first_row2, skipped3, skipped10, skipped13, skipped20;
+  // Stage 1: the first row of the block, or of the box. Stage 2: the distance of its sample points from the centre, Q.subpixel. Stage 3: that as a magnitude.
+  logic [15:0] row1;
   logic signed [DY-1:0] dy2;
   logic dy_negative3;
   logic [DY-1:0] dy3;
   logic shear_negative2, shear_negative5, shear_negative7;
   logic [M-1:0] shear2, shear5, shear7;
-  logic signed [15:0] shear_exponent2, shear_exponent5, shear_exponent7;
+  logic signed [15:0] shear_exponent2, shear_exponent4, shear_exponent7, shear_shift5;
   always_ff @(posedge clk) begin
-    row2 <= f1.first_row > window.first_row ? f1.first_row : window.first_row;
-    first_row2 <= f1.first_row;
-    skipped3 <= row2 - first_row2;
-    dy2 <= DY'($signed({1'b0, f1.first_row, 1'b1, {(SUBPIXEL - 1) {1'b0}}})) - DY'($signed(f1.centre_v));
+    row1 <= footprint.first_row > window.first_row ? footprint.first_row : window.first_row;
+    dy2 <= DY'($signed({1'b0, row1, 1'b1, {(SUBPIXEL - 1) {1'b0}}})) - DY'($signed(f1.centre_v));
     dy_negative3 <= dy2 < 0;
     dy3 <= dy2 < 0 ? -dy2 : dy2;
     shear_negative2 <= f1.shear_mantissa < 0;
     shear2 <= f1.shear_mantissa < 0 ? M'(-f1.shear_mantissa) : M'(f1.shear_mantissa);
     shear_exponent2 <= extend(f1.shear_exponent);
   end
-  delay #(.BITS(16), .STAGES(7)) hold_skipped10 (.clk, .rst, .advance(1'b1), .in(skipped3), .out(skipped10));
-  delay #(.BITS(16), .STAGES(3)) hold_skipped13 (.clk, .rst, .advance(1'b1), .in(skipped10), .out(skipped13));
-  delay #(.BITS(16), .STAGES(7)) hold_skipped20 (.clk, .rst, .advance(1'b1), .in(skipped13), .out(skipped20));
-  delay #(.BITS(M + 17), .STAGES(3)) hold_shear5 (.clk, .rst, .advance(1'b1), .in({shear_negative2, shear2, shear_exponent2}), .out({shear_negative5, shear5, shear_exponent5}));
-  delay #(.BITS(M + 17), .STAGES(2)) hold_shear7 (.clk, .rst, .advance(1'b1), .in({shear_negative5, shear5, shear_exponent5}), .out({shear_negative7, shear7, shear_exponent7}));
+  delay #(.BITS(M + 1), .STAGES(3)) hold_shear5 (.clk, .rst, .advance(1'b1), .in({shear_negative2, shear2}), .out({shear_negative5, shear5}));
+  delay #(.BITS(M + 1), .STAGES(2)) hold_shear7 (.clk, .rst, .advance(1'b1), .in({shear_negative5, shear5}), .out({shear_negative7, shear7}));
+  delay #(.BITS(16), .STAGES(2)) hold_shear_exponent4 (.clk, .rst, .advance(1'b1), .in(shear_exponent2), .out(shear_exponent4));
+  delay #(.BITS(16), .STAGES(3)) hold_shear_exponent7 (.clk, .rst, .advance(1'b1), .in(shear_exponent4), .out(shear_exponent7));
 
-  // Alignments: to C at RADIAL + GUARD bits for the seeds (from stage 3), S (5), C (8) and S dy (10) in fixed point; and to C dy, doubled (14), and C dy^2 (17).
+  // Stage 4: does xc take large steps, or dx large values (`centre_fraction`)? Then it has fewer fraction bits.
+  logic far3, coarse4, coarse7, coarse13, coarse24;
+  logic signed [15:0] leading3;
+  function automatic logic signed [15:0] fraction(input logic coarse);
+    fraction = coarse ? 16'(COARSE) : 16'(FINE);
+  endfunction
+  always_ff @(posedge clk) begin
+    far3 <= shear2 != 0 && shear_exponent2 > 16'sd13 - 16'(M);
+    coarse4 <= far3 || (leading3 >>> 1) > 16'sd13;
+    shear_shift5 <= -shear_exponent4 - fraction(coarse4);
+  end
+  delay #(.BITS(1), .STAGES(3)) hold_coarse7 (.clk, .rst, .advance(1'b1), .in(coarse4), .out(coarse7));
+  delay #(.BITS(1), .STAGES(6)) hold_coarse13 (.clk, .rst, .advance(1'b1), .in(coarse7), .out(coarse13));
+  delay #(.BITS(1), .STAGES(11)) hold_coarse24 (.clk, .rst, .advance(1'b1), .in(coarse13), .out(coarse24));
+
+  // Alignments: to A at RADIAL + GUARD bits for the seeds (from stage 3), S (5), C with GUARD bits (8) and S dy (10) in fixed point; and to C dy, doubled (14), and C dy^2 (17).
   logic [M-1:0] horizontal3, vertical7, vertical8, along14;
   logic signed [15:0] horizontal_exponent3, vertical_exponent7, vertical_exponent8, moved_shift10, along_exponent14, square_shift17;
   logic [2*M-1:0] moved10, square17;
   logic moved_negative10, along_negative14;
-  logic signed [63:0] fine8, shear_fixed10, unit13, moved15, double19, vertical22;
+  logic signed [63:0] fine8, shear_fixed10, fine13, moved15, double19, vertical22;
   logic [127:0] spare_alignments;
   delay #(.BITS(M + 16), .STAGES(2)) hold_horizontal3 (.clk, .rst, .advance(1'b1), .in({f1.horizontal_mantissa, extend(f1.horizontal_exponent)}), .out({horizontal3, horizontal_exponent3}));
   delay #(.BITS(M + 16), .STAGES(6)) hold_vertical7 (.clk, .rst, .advance(1'b1), .in({f1.vertical_mantissa, extend(f1.vertical_exponent)}), .out({vertical7, vertical_exponent7}));
@@ -124,8 +141,8 @@ module splat_setup #(
       .phase,
       .negative({1'b0, moved_negative10, shear_negative5, 1'b0}),
       .magnitude({(2 * M)'(horizontal3), moved10, (2 * M)'(shear5), (2 * M)'(vertical8)}),
-      .shift({16'(-horizontal_exponent3 - 16'(RADIAL + GUARD)), moved_shift10, 16'(-shear_exponent5 - 16'sd32), 16'(-vertical_exponent8 - 16'sd52)}),
-      .result({fine8, moved15, shear_fixed10, unit13})
+      .shift({16'(-horizontal_exponent3 - 16'(RADIAL + GUARD)), moved_shift10, shear_shift5, 16'(-vertical_exponent8 - 16'(VERTICAL + GUARD))}),
+      .result({fine8, moved15, shear_fixed10, fine13})
   );
   shared_align #(
       .BITS(2 * M),
@@ -136,7 +153,7 @@ module splat_setup #(
       .phase,
       .negative({1'b0, along_negative14, 2'b00}),
       .magnitude({(2 * M)'(0), (2 * M)'(along14), square17, (2 * M)'(0)}),
-      .shift({16'd0, 16'(-along_exponent14 - 16'sd53), square_shift17, 16'd0}),
+      .shift({16'd0, 16'(-along_exponent14 - 16'(VERTICAL + 1)), square_shift17, 16'd0}),
       .result({spare_alignments[127:64], double19, vertical22, spare_alignments[63:0]})
   );
 
@@ -192,7 +209,7 @@ module splat_setup #(
     along_exponent8 <= vertical_exponent7 + dy_exponent7;
     along_exponent9 <= along_exponent8;
     along_exponent10 <= along_exponent9;
-    moved_shift8 <= -(shear_exponent7 + dy_exponent7) - 16'sd32;
+    moved_shift8 <= -(shear_exponent7 + dy_exponent7) - fraction(coarse7);
     moved_shift9 <= moved_shift8;
     moved_shift10 <= moved_shift9;
     dy_negative8 <= dy_negative7;
@@ -201,61 +218,46 @@ module splat_setup #(
     moved_negative8 <= dy_negative7 != shear_negative7;
     moved_negative9 <= moved_negative8;
     moved_negative10 <= moved_negative9;
-    square_shift15 <= -(along_exponent14 + dy_exponent14) - 16'sd52;
+    square_shift15 <= -(along_exponent14 + dy_exponent14) - 16'(VERTICAL);
     square_shift16 <= square_shift15;
     square_shift17 <= square_shift16;
   end
 
-  // Products with the rows that are jumped over: S n (from stage 10), C n (13), and what the jump adds to C dy^2 (20).
-  logic signed [63:0] mean20;
-  logic [79:0] jump_shear_wide13, jump_unit_wide16, jump_wide23, spare_jump;
-  shared_multiply #(
-      .LEFT(64),
-      .RIGHT(16),
-      .INTERVAL(INTERVAL),
-      .USED(4'b0111)
-  ) multiply_jumps (
-      .clk,
-      .phase,
-      .left({64'd0, shear_fixed10, unit13, mean20}),
-      .right({16'd0, skipped10, skipped13, skipped20}),
-      .product({spare_jump, jump_shear_wide13, jump_unit_wide16, jump_wide23})
-  );
-
-  // Stage 16: the first visible row's centre, Q.32.
-  logic signed [63:0] base13, centre14, centre15, centre16, centre24, shear24;
-  logic [CENTRE-1:0] centre_u13;
-  delay #(.BITS(CENTRE), .STAGES(12)) hold_centre_u (.clk, .rst, .advance(1'b1), .in(f1.centre_u), .out(centre_u13));
-  assign base13 = (64'($signed(centre_u13)) <<< (32 - SUBPIXEL)) - (64'sd1 <<< 31);
+  // Stage 16: xc - 1/2 of the first row. Stage 17: cut to its word, of which no row that meets the window gets near the ends.
+  logic signed [WIDE-1:0] base14, base15, sum16, centre_u13;
+  logic signed [CENTRE-1:0] centre17, centre24, shear24;
+  logic [CENTRE-1:0] centre_u12;
+  localparam signed [WIDE-1:0] PIXEL_HALF = WIDE'(1) << (SUBPIXEL - 1);
+  delay #(.BITS(CENTRE), .STAGES(11)) hold_centre_u (.clk, .rst, .advance(1'b1), .in(f1.centre_u), .out(centre_u12));
   always_ff @(posedge clk) begin
-    centre14 <= base13 + $signed(jump_shear_wide13[63:0]);
-    centre15 <= centre14;
-    centre16 <= centre15 + moved15;
+    centre_u13 <= WIDE'($signed(centre_u12)) - PIXEL_HALF;
+    base14 <= coarse13 ? (centre_u13 + WIDE'(2)) >>> 2 : centre_u13 <<< 8;
+    base15 <= base14;
+    sum16 <= base15 + WIDE'(moved15);
+    centre17 <= sum16[WIDE-1:CENTRE-1] == {(WIDE - CENTRE + 1) {sum16[WIDE-1]}} ? CENTRE'(sum16) : {sum16[WIDE-1], {(CENTRE - 1) {!sum16[WIDE-1]}}};
   end
-  delay #(.BITS(64), .STAGES(8)) hold_centre24 (.clk, .rst, .advance(1'b1), .in(centre16), .out(centre24));
-  delay #(.BITS(64), .STAGES(14)) hold_shear24 (.clk, .rst, .advance(1'b1), .in(shear_fixed10), .out(shear24));
+  delay #(.BITS(CENTRE), .STAGES(7)) hold_centre24 (.clk, .rst, .advance(1'b1), .in(centre17), .out(centre24));
+  delay #(.BITS(CENTRE), .STAGES(14)) hold_shear24 (.clk, .rst, .advance(1'b1), .in(shear_fixed10[CENTRE-1:0]), .out(shear24));
 
-  // Stages 20 and 21: the first difference. Stage 24: C dy^2 after the jump.
-  logic signed [63:0] unit19, unit24, jump_unit19, jump_unit20, first20, first21, first24, vertical23, vertical24;
-  delay #(.BITS(64), .STAGES(3)) hold_jump_unit (.clk, .rst, .advance(1'b1), .in(jump_unit_wide16[63:0]), .out(jump_unit19));
-  delay #(.BITS(64), .STAGES(6)) hold_unit19 (.clk, .rst, .advance(1'b1), .in(unit13), .out(unit19));
-  delay #(.BITS(64), .STAGES(5)) hold_unit24 (.clk, .rst, .advance(1'b1), .in(unit19), .out(unit24));
+  // Stage 20: the first difference of C dy^2. Stage 23: C dy^2.
+  logic [ROW-1:0] curve17, curve24, unit17, unit19, start17, start22, first20, first24, vertical23, vertical24;
+  seed_balance #(.BITS(ROW)) balance_rows (.clk, .fine(fine13), .second(curve17), .unit(unit17), .start(start17));
+  delay #(.BITS(ROW), .STAGES(7)) hold_curve (.clk, .rst, .advance(1'b1), .in(curve17), .out(curve24));
+  delay #(.BITS(ROW), .STAGES(2)) hold_unit (.clk, .rst, .advance(1'b1), .in(unit17), .out(unit19));
+  delay #(.BITS(ROW), .STAGES(5)) hold_start (.clk, .rst, .advance(1'b1), .in(start17), .out(start22));
+  delay #(.BITS(ROW), .STAGES(4)) hold_first (.clk, .rst, .advance(1'b1), .in(first20), .out(first24));
   always_ff @(posedge clk) begin
-    first20 <= double19 + unit19;
-    mean20 <= double19 + jump_unit19;
-    jump_unit20 <= jump_unit19;
-    first21 <= first20 + (jump_unit20 <<< 1);
-    vertical23 <= vertical22;
-    vertical24 <= vertical23 + $signed(jump_wide23[63:0]);
+    first20 <= ROW'(double19) + unit19;
+    vertical23 <= ROW'(vertical22) + start22;
+    vertical24 <= vertical23;
   end
-  delay #(.BITS(64), .STAGES(3)) hold_first (.clk, .rst, .advance(1'b1), .in(first21), .out(first24));
-  // Stages that do not exist, and bits above the 64 that count.
+  // Stages that do not exist.
   logic unused;
-  assign unused = &{1'b0, spare_alignments, spare_negatives, spare_mantissas, spare_exponents, spare_squares, spare_jump, jump_shear_wide13[79:64], jump_unit_wide16[79:64], jump_wide23[79:64]};
+  assign unused = &{1'b0, spare_alignments, spare_negatives, spare_mantissas, spare_exponents, spare_squares};
 
   // `Seed::new`: unit of dx and the alignments that follow from it, constants of the footprint.
   logic [6:0] squared_width_length2;
-  logic signed [15:0] squared_width_exponent2, leading3, half4, drop_wide5, drop6, power7, horizontal_exponent6, drop_radial8, drop_first8, drop7;
+  logic signed [15:0] squared_width_exponent2, half4, drop_wide5, drop6, power7, horizontal_exponent6, drop_radial8, drop_first8, drop7;
   logic [5:0] drop_dx24;
   logic signed [15:0] drop_radial24, drop_first24;
   delay #(.BITS(16), .STAGES(5)) hold_horizontal_exponent (.clk, .rst, .advance(1'b1), .in(extend(f1.horizontal_exponent)), .out(horizontal_exponent6));
@@ -264,38 +266,19 @@ module splat_setup #(
     squared_width_exponent2 <= extend(f1.squared_width_exponent);
     leading3 <= squared_width_exponent2 + $signed({9'd0, squared_width_length2}) + 16'sd5;
     half4 <= leading3 >>> 1;
-    drop_wide5 <= half4 + 16'sd32 - $signed(16'(M));
+    drop_wide5 <= half4 + fraction(coarse4) - $signed(16'(M));
     drop6 <= drop_wide5 < 0 ? 16'sd0 : drop_wide5 > 63 ? 16'sd63 : drop_wide5;
     power7 <= horizontal_exponent6 + drop6;
     drop7 <= drop6;
-    drop_radial8 <= 16'sd64 - $signed(16'(M)) - $signed(16'(RADIAL)) - power7 - drop7;
-    drop_first8 <= 16'sd31 - $signed(16'(RADIAL)) - power7;
+    drop_radial8 <= (fraction(coarse7) <<< 1) - $signed(16'(M)) - $signed(16'(RADIAL)) - power7 - drop7;
+    drop_first8 <= fraction(coarse7) - 16'sd1 - $signed(16'(RADIAL)) - power7;
   end
   delay #(.BITS(32), .STAGES(16)) hold_drops (.clk, .rst, .advance(1'b1), .in({drop_radial8, drop_first8}), .out({drop_radial24, drop_first24}));
   delay #(.BITS(6), .STAGES(17)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop7[5:0]), .out(drop_dx24));
 
-  // `Balance::new`. The second difference keeps 32 bits; what its rounding leaves is less than a unit.
-  logic signed [47:0] fine9;
-  logic signed [47:0] second9, balanced11, start11;
-  logic signed [GUARD:0] excess10;
-  logic signed [47:0] rounded10, second10, second11;
-  logic [31:0] second24, unit_balanced24, balance24;
-  logic [47:0] balanced12, start12, second12;
-  localparam signed [47:0] BALANCE_HALF = 48'sd1 <<< (GUARD - 1);
-  always_ff @(posedge clk) begin
-    fine9 <= 48'(fine8);
-    second9 <= 48'(splatline_math::shift_round(fine8, 7'(GUARD - 1)));
-    excess10 <= (GUARD + 1)'((second9 <<< (GUARD - 1)) - fine9);
-    rounded10 <= second9 <<< (GUARD - 1);
-    second10 <= second9;
-    balanced11 <= rounded10 - (48'(excess10) <<< BLOCK_BITS);
-    start11 <= (48'(excess10) <<< (2 * BLOCK_BITS - 3)) + BALANCE_HALF;
-    second11 <= second10;
-    balanced12 <= (balanced11 + BALANCE_HALF) >>> GUARD;
-    start12 <= start11 >>> GUARD;
-    second12 <= second11;
-  end
-  delay #(.BITS(96), .STAGES(12)) hold_balance (.clk, .rst, .advance(1'b1), .in({second12[31:0], balanced12[31:0], start12[31:0]}), .out({second24, unit_balanced24, balance24}));
+  logic [31:0] second12, second24, unit_balanced12, unit_balanced24, balance12, balance24;
+  seed_balance balance_lanes (.clk, .fine(fine8), .second(second12), .unit(unit_balanced12), .start(balance12));
+  delay #(.BITS(96), .STAGES(12)) hold_balance (.clk, .rst, .advance(1'b1), .in({second12, unit_balanced12, balance12}), .out({second24, unit_balanced24, balance24}));
 
   // Stages 23 and 24: what is visible, and how many rows.
   logic [15:0] row24, rows24, first_column24, end_column24, box_first24, box_end24;
@@ -306,10 +289,14 @@ module splat_setup #(
   logic [COLOUR-1:0] colours23, colours24;
   logic [M-1:0] squared_width23, horizontal23, squared_width24, horizontal24;
   logic [9:0] squared_width_exponent23;
-  logic [55:0] reach24;
+  logic [ROW-2:0] reach24;
   logic [RADIAL+4:0] cutoff24;
   logic squared_width_odd24;
   logic signed [15:0] squared_width_power24;
+  // From UQ4.28, halves up.
+  function automatic logic [ROW-2:0] reach_of(input logic [31:0] cutoff);
+    reach_of = (ROW - 1)'(((64'(cutoff) << VERTICAL) + (64'd1 << 27)) >> 28);
+  endfunction
   assign cutoff_half23 = RADIAL == 28 ? {1'b0, cutoff23} : {1'b0, cutoff23} + (33'd1 << (27 - RADIAL));
   always_ff @(posedge clk) begin
     cutoff23 <= cutoff22;
@@ -319,18 +306,17 @@ module splat_setup #(
     horizontal23 <= horizontal22;
     squared_width_exponent23 <= squared_width_exponent22;
 
-    reach24 <= {cutoff23, 24'd0} + SLACK;
+    reach24 <= reach_of(cutoff23) + SLACK;
     cutoff24 <= (RADIAL + 5)'(cutoff_half23 >> (28 - RADIAL));
     peak24 <= peak23;
     colours24 <= colours23;
     squared_width24 <= squared_width23;
     horizontal24 <= horizontal23;
     squared_width_odd24 <= squared_width_exponent23[0];
-    squared_width_power24 <= (extend(squared_width_exponent23) >>> 1) + 16'sd18;
+    squared_width_power24 <= (extend(squared_width_exponent23) >>> 1) + 16'sd20;
   end
 
   // The fields in the order of `start_t` and `shape_t`.
-  
   fifo #(
       .BITS($bits(start) + $bits(shape)),
       .PLACES(PLACES),
@@ -349,12 +335,13 @@ module splat_setup #(
         shear24,
         vertical24,
         first24,
-        unit24 <<< 1,
+        curve24,
         box_first24,
         box_end24,
         first_column24,
         end_column24,
         reach24,
+        coarse24,
         squared_width24,
         squared_width_odd24,
         squared_width_power24,

@@ -22,9 +22,9 @@
   typedef struct packed {
     logic [RADIAL+4:0] cutoff;  // UQ4.radial, may round up to 16
     logic [PEAK+3:0] peak;  // UQ4.peak
-    logic [COLOUR+3:0] red;  // UQ4.colour
-    logic [COLOUR+3:0] green;
-    logic [COLOUR+3:0] blue;
+    logic [COLOUR_BITS-1:0] red;  // Q.colour
+    logic [COLOUR_BITS-1:0] green;
+    logic [COLOUR_BITS-1:0] blue;
   } paint_t;
 
   // What the rows of a splat need (`EllipseSpans`, `HalfWidth` and `Seed`), constant from row to row.
@@ -33,7 +33,8 @@
     logic [15:0] box_end;
     logic [15:0] first_column;  // and of its part in the window
     logic [15:0] end_column;
-    logic [55:0] reach;  // cut-off and slack, UQ4.52
+    logic [VERTICAL+4:0] reach;  // cut-off and slack, UQ5.vertical
+    logic coarse;  // xc has SUBPIXEL - 2 fraction bits, otherwise SUBPIXEL + 8
     logic [MANTISSA-1:0] squared_width;
     logic squared_width_odd;
     logic signed [15:0] squared_width_power;
@@ -52,11 +53,11 @@
   typedef struct packed {
     logic [15:0] row;
     logic [15:0] rows;  // rows in the window
-    logic signed [63:0] centre;  // xc - 1/2, Q.32
-    logic signed [63:0] shear;
-    logic signed [63:0] vertical;  // C dy^2, Q.52, and its differences
-    logic signed [63:0] first;
-    logic signed [63:0] second;
+    logic signed [SUBPIXEL+27:0] centre;  // xc - 1/2, and its change
+    logic signed [SUBPIXEL+27:0] shear;
+    logic signed [VERTICAL+5:0] vertical;  // C dy^2, Q5.vertical, and its differences
+    logic signed [VERTICAL+5:0] first;
+    logic signed [VERTICAL+5:0] second;
   } start_t;
 
   // Adjacent pixels of one row, at least one (`Span`).

@@ -1,26 +1,41 @@
-//! The packet's serial form: every field of a footprint at a fixed bit position, for a design's widths.
+//! The packet's serial form: every field that a traversal reads at a fixed bit position, for a design's widths.
 //!
-//! Fields follow each other without padding, least significant bit first, in 32-bit words, in the order of
-//! [`Layout::fields`]; unused bits of the last word are 0. Mantissas of variances are unsigned, of the shear and the mixed
-//! conic coefficient signed; exponents are signed 10-bit; centres are signed. `docs/results/packet.md` is this table, printed.
+//! | field | who reads it |
+//! |---|---|
+//! | version | whoever takes a packet |
+//! | depth | nobody: what sorts has the key beside the packet. [`Layout::with_depth`] keeps it where sheets or depth planes are drawn from packets |
+//! | centre, first, end | either traversal |
+//! | horizontal, squared_width, shear, vertical | the traversal `spans` |
+//! | conic | the traversal `box` |
+//! | cutoff, peak, red, green, blue | the pixels |
+//!
+//! Fields that a traversal does not read have width 0 and come back as 0 (mantissas, exponents and the key). The others follow each other without
+//! padding, least significant bit first, in 32-bit words, in the order of [`Layout::fields`]; unused bits of the last word are 0. Mantissas of
+//! variances are unsigned, of the shear and the mixed conic coefficient signed; exponents are signed 10-bit; centres are signed.
+//! `docs/results/packet.md` is this table, printed.
 //!
 //! The format is versioned by [`VERSION`], which is the packet's first field.
 
 use super::depth::KEY_BITS;
 use super::{Conic, Footprint, Ldl};
-use crate::format::Widths;
+use crate::format::{Traversal, Widths};
 use crate::math::SoftFloat;
 
 /// Version of the layout.
 ///
-/// 1 had depths in UQ9.23; 2 has them as sort keys with an exponent.
-pub const VERSION: u32 = 2;
+/// 1 had depths in UQ9.23, 2 as sort keys with an exponent; 3 has only the fields that a traversal reads.
+pub const VERSION: u32 = 3;
 
-/// Number of fields.
+/// Number of fields, those of width 0 included.
 pub const FIELDS: usize = 25;
 
 /// Words of the longest packet that the width ranges allow.
-pub const WORDS: usize = 21;
+pub const WORDS: usize = 18;
+
+/// Places of the depth, of the coefficients of `spans` and of those of `box` among the fields.
+const DEPTH: usize = 1;
+const OF_SPANS: core::ops::Range<usize> = 8..16;
+const OF_BOX: core::ops::Range<usize> = 16..20;
 
 /// One field of the packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +44,7 @@ pub struct Field {
     pub name: &'static str,
     /// First bit, counted from bit 0 of word 0.
     pub offset: u16,
-    /// Bits.
+    /// Bits; 0 in a packet that does without the field.
     pub width: u8,
     /// Two's complement?
     pub signed: bool,
@@ -54,10 +69,20 @@ pub struct VersionError {
 }
 
 impl Layout {
-    /// The layout for a design's widths.
-    pub const fn new(widths: &Widths) -> Layout {
+    /// The layout for a design's widths and its traversal.
+    pub const fn new(widths: &Widths, traversal: Traversal) -> Layout {
+        Layout::of(widths, traversal, false)
+    }
+
+    /// The same with the depth, for techniques that compare depths of footprints that they get as packets.
+    pub const fn with_depth(widths: &Widths, traversal: Traversal) -> Layout {
+        Layout::of(widths, traversal, true)
+    }
+
+    const fn of(widths: &Widths, traversal: Traversal, depth: bool) -> Layout {
         let mantissa = widths.mantissa;
         let (subpixel, peak, colour) = (widths.subpixel, widths.peak, widths.colour);
+        let range = widths.colour_range();
         let mut fields = [
             unsigned("version", 4, 0),
             unsigned("depth", KEY_BITS as u8, 0),
@@ -81,13 +106,20 @@ impl Layout {
             signed("conic_exponent", 10, 0),
             unsigned("cutoff", 32, 28),
             unsigned("peak", 4 + peak, peak),
-            unsigned("red", 4 + colour, colour),
-            unsigned("green", 4 + colour, colour),
-            unsigned("blue", 4 + colour, colour),
+            unsigned("red", range + colour, colour),
+            unsigned("green", range + colour, colour),
+            unsigned("blue", range + colour, colour),
         ];
+        let absent = match traversal {
+            Traversal::Spans => OF_BOX,
+            Traversal::Box => OF_SPANS,
+        };
         let mut offset = 0;
         let mut i = 0;
         while i < FIELDS {
+            if i >= absent.start && i < absent.end || i == DEPTH && !depth {
+                fields[i].width = 0;
+            }
             fields[i].offset = offset;
             offset += fields[i].width as u16;
             i += 1;
@@ -95,7 +127,7 @@ impl Layout {
         Layout { fields }
     }
 
-    /// The fields in order.
+    /// All fields in order; those of width 0 are not in the packet.
     pub const fn fields(&self) -> &[Field; FIELDS] {
         &self.fields
     }
@@ -111,7 +143,7 @@ impl Layout {
         self.bits().div_ceil(32)
     }
 
-    /// Serialises a footprint. A value too wide for its field is cut to its low bits; setup produces none.
+    /// Serialises what the packet has of a footprint. A value too wide for its field is cut to its low bits; setup produces none.
     pub fn encode(&self, footprint: &Footprint) -> Packet {
         let mut packet = [0; WORDS];
         for (field, value) in self.fields.iter().zip(values(footprint)) {
@@ -120,7 +152,7 @@ impl Layout {
         packet
     }
 
-    /// Reads a footprint back; defined for every bit pattern of the packet's version.
+    /// Reads a footprint back, 0 where the packet has no field; defined for every bit pattern of the packet's version.
     pub fn decode(&self, packet: &Packet) -> Result<Footprint, VersionError> {
         let mut read = self.fields.iter().map(|field| get(packet, field));
         let mut next = || read.next().unwrap_or_default();
@@ -230,7 +262,7 @@ fn get(packet: &Packet, field: &Field) -> i64 {
     let bits = (placed >> (field.offset % 32)) as u64 & mask(field.width);
     if field.signed {
         let spare = 64 - u32::from(field.width);
-        ((bits << spare) as i64) >> spare
+        ((bits.wrapping_shl(spare)) as i64).wrapping_shr(spare)
     } else {
         bits as i64
     }

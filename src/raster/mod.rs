@@ -9,7 +9,9 @@ mod spans;
 mod stamp;
 
 pub use conic::BoxSpans;
-pub use spans::{BLOCK, EllipseSpans, GUARD, RowConstants, VERTICAL_FRACTION};
+pub use spans::{
+    BLOCK, EllipseSpans, GUARD, REST, ROW_BLOCKS, RowBlock, RowConstants, vertical_fraction,
+};
 pub use stamp::{
     MAX_PHASE_BITS, MAX_SIDE, Placement, Stamp, StampError, StampRow, StampShape, fill_stamps,
 };
@@ -19,6 +21,8 @@ use crate::format::Lane;
 
 /// The part of the screen to be drawn: columns and rows `first .. end`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Window {
     /// First column and row.
     pub first: [u16; 2],

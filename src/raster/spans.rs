@@ -1,32 +1,70 @@
 //! Traversal `spans`: only the pixels of each row that lie in the ellipse, by LDL forward differencing.
 //!
-//! r(x, y) = A (x - xc(y))^2 + C dy^2, xc(y) = u + S dy. Down the rows, xc is a linear and C dy^2 a quadratic sequence
-//! in 64-bit integers (Q.32 pixels, Q11.52). A row's half-width is sqrt((c - C dy^2) / A) from the root
-//! table; at its start the radial index is seeded by two multiplications and then differenced in the lanes.
+//! r(x, y) = A (x - xc(y))^2 + C dy^2, xc(y) = u + S dy. Both ways are differenced alike, from seeds on absolute blocks: down the rows, xc is a
+//! linear and C dy^2 a quadratic sequence with a seed at every multiple of [`BLOCK`] rows; along a row, r is a quadratic sequence with a seed at
+//! every multiple of [`BLOCK`] columns. A row's half-width is sqrt((c - C dy^2) / A) from the root table. What a window leaves out is stepped over,
+//! at most a block less one row, so that pictures do not depend on tiles, and nothing is jumped over by products.
 //!
-//! Three things bound the error. Seeds are taken anew at every multiple of [`BLOCK`] columns. Seeds are balanced: the lanes' second difference
-//! is 2 A rounded, and the error e n^2 that this makes n pixels from a block's start is met by the line e (n BLOCK - BLOCK^2/8), which is folded
-//! into the constants of the seed, so that an eighth of e BLOCK^2 is left at most (e is up to a quarter of the lanes' unit; [`BLOCK`]^2/32 units).
-//! And the slack added to c makes spans include every pixel with r < c for any design, at the price of a few pixels with c <= r < c + 2^-10,
-//! which the lane's own comparison rejects.
+//! **Row seeds.** The block of row y begins at `y0 = max(y - y mod BLOCK, first row of the box)`. With M = mantissa and round() to nearest, halves up:
+//!
+//! | word | format | at row y0 | per row |
+//! |---|---|---|---|
+//! | dy | M bits | round(y0 + 1/2 - v), exact in Q.subpixel before | |
+//! | xc - 1/2 | Q.f | round(u - 1/2) + round(S dy), the product exact | round(S) |
+//! | C dy^2 | Q.g | round(round_M(C dy) dy) + start, the product with dy exact | first |
+//! | first | Q.g | round(2 round_M(C dy)) + unit | second |
+//!
+//! f = subpixel + 8: what 31 steps of half a unit add up to is an eighth of the centre's own rounding. Words of 28 + subpixel bits hold that
+//! (40 for lean18), since a span that meets the screen within a block then begins within 2^19 pixels of it. Where half-widths may reach 2^13 pixels or
+//! rows are 2^12 apart (2^half > 2^13 below, or |S| >= 2^13) f = subpixel - 2, in as many bits. Here xc is kept in Q.32, its lower bits 0.
+//!
+//! g = max(radial, 22) + 4, and C dy^2 is below 32 within the box of a footprint of setup: g + 6 bits, 32 for radial indices of up to 22 and 37 for
+//! standard24. start, unit and second are the balance of C, as those of the columns are of A:
+//!
+//! **Balance.** A second difference is 2 A (2 C) rounded, and the error e n^2 that this makes n steps from a block's start is met by the line
+//! e (n BLOCK - BLOCK^2/8), which is folded into the constants of the seed, so that an eighth of e BLOCK^2 is left at most (e is up to a quarter of
+//! the sequence's unit; [`BLOCK`]^2/32 units).
+//!
+//! The slack added to c makes spans include every pixel with r < c for any design, at the price of a few pixels with c <= r < c + 2^-10, which the
+//! lane's own comparison rejects.
 
 use super::{Quadratic, Span, Spans, Window};
 use crate::footprint::Footprint;
-use crate::format::{Design, Lane};
+use crate::format::{Design, Lane, Widths};
 use crate::math::words::shift_word;
-use crate::math::{SoftFloat, root_seed, shift_left, shift_round, shift_signed};
+use crate::math::{SoftFloat, root_seed, shift_round, shift_signed};
 
-/// Columns between two seeds of the radial index within a row.
+/// Columns between two seeds of the radial index within a row, and rows between two seeds of the rows.
 pub const BLOCK: u16 = 32;
 
-/// Bits of the horizontal factor below the lanes' unit from which the seeds are balanced.
+/// Bits of A and C below their sequence's unit from which the seeds are balanced.
 pub const GUARD: u32 = 8;
 
-/// Fraction bits of C dy^2.
-const VERTICAL: u32 = 52;
+/// Fraction bits of what a row leaves of the cut-off, from which its half-width follows: with 18 bits of 1 / A two products of words.
+pub const REST: u32 = 24;
 
 /// Added to the cut-off before the span is computed: 2^-10.
-const SLACK: i64 = 1 << (VERTICAL - 10);
+const SLACK: u32 = 10;
+
+/// Fraction bits of C dy^2 down the rows: 4 more than the lanes have, and as many at least as 32 bits hold.
+pub const fn vertical_fraction(widths: &Widths) -> u32 {
+    let radial = widths.radial as u32;
+    4 + if radial > 22 { radial } else { 22 }
+}
+
+/// Fraction bits of xc down the rows of one footprint, see the module's head; `half` is its [`reach_of_rows`].
+const fn centre_fraction(subpixel: u32, half: i32, shear: SoftFloat) -> u32 {
+    if half > 13 || shear.leading() > 12 {
+        subpixel.saturating_sub(2)
+    } else {
+        subpixel + 8
+    }
+}
+
+/// |dx|^2 <= 16 / A < 2^(leading + 5), hence |dx| < 2^reach in pixels within a row.
+const fn reach_of_rows(squared_width: SoftFloat) -> i32 {
+    squared_width.leading().saturating_add(6) >> 1
+}
 
 /// The runs of one footprint under the traversal `spans`.
 #[derive(Clone, Debug)]
@@ -37,35 +75,51 @@ pub struct EllipseSpans<L> {
     /// Columns of the footprint's box, and of its part in the window.
     bounds: [u16; 2],
     visible: [u16; 2],
-    /// xc - 1/2 in the row to come, Q.32 pixels, and its change per row.
+    seeds: RowSeeds,
+    /// xc - 1/2 in the row to come, Q.32 pixels.
     centre: i64,
-    shear: i64,
-    /// C dy^2 in the row to come, Q.52.
+    /// C dy^2 in the row to come.
     vertical: Quadratic,
-    /// Cut-off and slack, Q.52.
+    /// Cut-off and slack, in the unit of C dy^2.
     reach: i64,
     half_width: HalfWidth,
     seed: Seed<L>,
     row: SpanRow,
 }
 
+/// Blocks of rows whose seeds [`RowConstants`] hold: a window of 64 rows touches no more.
+pub const ROW_BLOCKS: usize = 3;
+
+/// The rows of one footprint in one block.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RowBlock {
+    /// One past the last row.
+    pub end: u16,
+    /// xc - 1/2 in the first row, Q.32 pixels.
+    pub centre: i64,
+    /// C dy^2 in the first row, and its change.
+    pub vertical: [i64; 2],
+}
+
 /// What the rows of one footprint are computed from, for implementations that compute several at once: [`EllipseSpans`] stays their
 /// definition.
 #[derive(Clone, Copy, Debug)]
 pub struct RowConstants<L> {
-    /// First row, and one past the last.
+    /// First row, and one past the last of those whose seeds are here.
     pub rows: [u16; 2],
+    /// Blocks of rows, the first from the first row of all; blocks without rows end where the one before ends.
+    pub blocks: [RowBlock; ROW_BLOCKS],
     /// Columns of the footprint's box, and of its part in the window.
     pub bounds: [u16; 2],
     /// See `bounds`.
     pub visible: [u16; 2],
-    /// xc - 1/2 in the first row, Q.32 pixels, and its change per row.
-    pub centre: i64,
-    /// See `centre`.
+    /// Change of xc per row, Q.32 pixels.
     pub shear: i64,
-    /// C dy^2 in the first row, its change and the change of its change, Q.52.
-    pub vertical: [i64; 3],
-    /// Cut-off and slack, Q.52.
+    /// Change of the change of C dy^2.
+    pub curve: i64,
+    /// Fraction bits of C dy^2, its changes and `reach`.
+    pub vertical_fraction: u32,
+    /// Cut-off and slack.
     pub reach: i64,
     /// Mantissa of 1 / A, 1 if its exponent is odd, and the power of two of its root, Q.32.
     pub squared_width: (u64, u32, i32),
@@ -89,11 +143,12 @@ impl<L: Lane> RowConstants<L> {
     pub fn widened(&self) -> RowConstants<i64> {
         let RowConstants {
             rows,
+            blocks,
             bounds,
             visible,
-            centre,
             shear,
-            vertical,
+            curve,
+            vertical_fraction,
             reach,
             squared_width,
             horizontal,
@@ -105,11 +160,12 @@ impl<L: Lane> RowConstants<L> {
         } = *self;
         RowConstants {
             rows,
+            blocks,
             bounds,
             visible,
-            centre,
             shear,
-            vertical,
+            curve,
+            vertical_fraction,
             reach,
             squared_width,
             horizontal,
@@ -121,9 +177,6 @@ impl<L: Lane> RowConstants<L> {
         }
     }
 }
-
-/// Fraction bits of [`RowConstants::vertical`].
-pub const VERTICAL_FRACTION: u32 = VERTICAL;
 
 /// What is left of the row being drawn.
 #[derive(Clone, Copy, Debug, Default)]
@@ -141,27 +194,16 @@ impl<L: Lane> EllipseSpans<L> {
     #[cfg_attr(target_pointer_width = "32", inline)]
     pub fn new<D: Design<Lane = L>>(design: D, footprint: &Footprint, window: &Window) -> Self {
         let widths = design.widths();
-        let (subpixel, mantissa) = (u32::from(widths.subpixel), u32::from(widths.mantissa));
         let ldl = &footprint.ldl;
         let bounds = Window::of(footprint);
         let visible = bounds.intersect(window);
-        // Distance of the first row's sample points from the centre, in pixels.
-        let dy = ((2 * i64::from(bounds.first[1]) + 1) << (subpixel - 1))
-            .wrapping_sub(footprint.centre[1]);
-        let dy = SoftFloat::from_wide(dy, -(subpixel as i32), mantissa);
-        let shear = ldl.shear.to_fixed(32);
-        let skipped = visible.first[1] - bounds.first[1];
-        let mut vertical = vertical(ldl.vertical, dy, mantissa);
-        let mut centre = shift_left(footprint.centre[0], 32 - subpixel)
-            .wrapping_sub(1 << 31)
-            .wrapping_add(ldl.shear.times(dy).to_fixed(32));
-        // Four 64-bit products, which a window that begins above the footprint saves a small processor.
-        if skipped > 0 {
-            vertical.jump(skipped);
-            centre = centre.wrapping_add(shear.wrapping_mul(skipped.into()));
-        }
-        EllipseSpans {
-            y: visible.first[1],
+        let fraction = vertical_fraction(&widths);
+        let seeds = RowSeeds::new(&widths, footprint);
+        let y = visible.first[1];
+        let origin = bounds.first[1].max(y - y % BLOCK);
+        let (centre, vertical) = seeds.at(origin);
+        let mut rows = EllipseSpans {
+            y,
             end_row: if visible.is_empty() {
                 0
             } else {
@@ -170,35 +212,53 @@ impl<L: Lane> EllipseSpans<L> {
             bounds: [bounds.first[0], bounds.end[0]],
             visible: [visible.first[0], visible.end[0]],
             centre,
-            shear,
             vertical,
-            reach: (i64::from(footprint.cutoff) << (VERTICAL - 28)) + SLACK,
-            half_width: HalfWidth::new(ldl.squared_width),
+            reach: shift_signed(footprint.cutoff.into(), 28 - fraction as i32)
+                + (1 << (fraction - SLACK)),
+            half_width: HalfWidth::new(ldl.squared_width, fraction),
             seed: Seed::new(
                 ldl.horizontal,
                 ldl.squared_width,
-                mantissa,
-                widths.radial.into(),
+                &widths,
+                32 - seeds.centre_fraction,
             ),
+            seeds,
             row: SpanRow::default(),
+        };
+        for _ in origin..y {
+            rows.step();
         }
+        rows
     }
 
     /// What the rows to come are computed from.
     #[inline(always)]
     pub fn constants(&self) -> RowConstants<L> {
         let (half, seed) = (&self.half_width, &self.seed);
+        let mut rows = [self.y, self.y.max(self.end_row)];
+        let mut next = RowBlock {
+            end: self.y,
+            centre: self.centre,
+            vertical: [self.vertical.value, self.vertical.first],
+        };
+        let blocks = core::array::from_fn(|_| {
+            let y = next.end;
+            if y != rows[0] && y < rows[1] {
+                let (centre, Quadratic { value, first, .. }) = self.seeds.at(y);
+                (next.centre, next.vertical) = (centre, [value, first]);
+            }
+            next.end = (y - y % BLOCK).saturating_add(BLOCK).min(rows[1]);
+            next
+        });
+        rows[1] = next.end;
         RowConstants {
-            rows: [self.y, self.end_row],
+            rows,
+            blocks,
             bounds: self.bounds,
             visible: self.visible,
-            centre: self.centre,
-            shear: self.shear,
-            vertical: [
-                self.vertical.value,
-                self.vertical.first,
-                self.vertical.second,
-            ],
+            shear: self.seeds.shear_per_row,
+            curve: self.vertical.second,
+            vertical_fraction: self.seeds.vertical_fraction,
             reach: self.reach,
             squared_width: (half.mantissa.into(), half.odd, half.power),
             horizontal: seed.horizontal,
@@ -208,6 +268,13 @@ impl<L: Lane> EllipseSpans<L> {
             start: seed.balance.start,
             second: seed.second,
         }
+    }
+
+    /// On to the next row of the block.
+    #[inline(always)]
+    fn step(&mut self) {
+        self.centre = self.centre.wrapping_add(self.seeds.shear_per_row);
+        self.vertical.step();
     }
 
     /// Opens the next row: its span within the window, from the block that contains the window's first column.
@@ -222,9 +289,8 @@ impl<L: Lane> EllipseSpans<L> {
         };
         let rest = self.reach.wrapping_sub(row.vertical);
         if rest > 0 {
-            let narrow = self.seed.is_narrow();
-            let half = self.half_width.of(rest, narrow);
-            let (low, high) = ends(row.centre, half, narrow);
+            let half = self.half_width.of(rest, self.seed.bits <= 18);
+            let (low, high) = ends(row.centre, half, self.seed.is_narrow());
             let [first, last] = self.bounds.map(i32::from);
             // Not `clamp`, which panics if first > last: an open row has first < last, but the compiler cannot know.
             let low = low.min(last).max(first) as u16;
@@ -233,8 +299,11 @@ impl<L: Lane> EllipseSpans<L> {
         }
         self.row = row;
         self.y += 1;
-        self.centre = self.centre.wrapping_add(self.shear);
-        self.vertical.step();
+        if self.y.is_multiple_of(BLOCK) && self.y < self.end_row {
+            (self.centre, self.vertical) = self.seeds.at(self.y);
+        } else {
+            self.step();
+        }
     }
 
     /// The row's next part up to a multiple of [`BLOCK`], seeded at its own start.
@@ -313,16 +382,77 @@ fn ends(centre: i64, half: i64, narrow: bool) -> (i32, i32) {
     ((low >> 32) as i32, ((high >> 32) as i32).saturating_add(1))
 }
 
-/// C dy^2 and its differences per row, C (2 dy + 1) and 2 C, in Q.52.
-#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-fn vertical(coefficient: SoftFloat, dy: SoftFloat, bits: u32) -> Quadratic {
-    let along = coefficient.multiply(dy, bits);
-    let unit = coefficient.to_fixed(VERTICAL);
-    Quadratic {
-        value: along.times(dy).to_fixed(VERTICAL),
-        first: along.scaled_by(1).to_fixed(VERTICAL).wrapping_add(unit),
-        second: unit.wrapping_mul(2),
+/// What the seeds of a footprint's blocks of rows are computed from.
+#[derive(Clone, Copy, Debug)]
+struct RowSeeds {
+    /// Centre, Q.subpixel.
+    centre: [i64; 2],
+    subpixel: u32,
+    mantissa: u32,
+    shear: SoftFloat,
+    vertical: SoftFloat,
+    /// Fraction bits of xc that are not 0 in Q.32, and of C dy^2.
+    centre_fraction: u32,
+    vertical_fraction: u32,
+    /// S in Q.32.
+    shear_per_row: i64,
+    balance: Balance,
+}
+
+impl RowSeeds {
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    fn new(widths: &Widths, footprint: &Footprint) -> Self {
+        let subpixel = u32::from(widths.subpixel);
+        let ldl = &footprint.ldl;
+        let half = reach_of_rows(ldl.squared_width);
+        let centre_fraction = centre_fraction(subpixel, half, ldl.shear);
+        let vertical_fraction = vertical_fraction(widths);
+        RowSeeds {
+            centre: footprint.centre,
+            subpixel,
+            mantissa: widths.mantissa.into(),
+            shear: ldl.shear,
+            vertical: ldl.vertical,
+            centre_fraction,
+            vertical_fraction,
+            shear_per_row: in_q32(ldl.shear.to_fixed(centre_fraction), centre_fraction),
+            balance: Balance::new(ldl.vertical.to_fixed(vertical_fraction + GUARD)),
+        }
     }
+
+    /// xc - 1/2 (Q.32) and C dy^2 in row `y`, where a block begins.
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    fn at(&self, y: u16) -> (i64, Quadratic) {
+        let (subpixel, bits, fraction) = (self.subpixel, self.mantissa, self.centre_fraction);
+        let half = 1i64 << (subpixel - 1);
+        let dy = ((2 * i64::from(y) + 1) << (subpixel - 1)).wrapping_sub(self.centre[1]);
+        let dy = SoftFloat::from_wide(dy, -(subpixel as i32), bits);
+        let centre = shift_signed(
+            self.centre[0].wrapping_sub(half),
+            subpixel as i32 - fraction as i32,
+        );
+        let moved = self.shear.times(dy).to_fixed(fraction);
+        let along = self.vertical.multiply(dy, bits);
+        let Balance {
+            second,
+            unit,
+            start,
+        } = self.balance;
+        let [value, first] = [along.times(dy), along.scaled_by(1).term_within(31)]
+            .map(|product| product.to_fixed(self.vertical_fraction));
+        let vertical = Quadratic {
+            value: value.wrapping_add(start),
+            first: first.wrapping_add(unit),
+            second,
+        };
+        (in_q32(centre.wrapping_add(moved), fraction), vertical)
+    }
+}
+
+/// A number of pixels with `fraction` (at most 32) fraction bits in Q.32; what leaves the word is lost.
+const fn in_q32(value: i64, fraction: u32) -> i64 {
+    value << (32u32.saturating_sub(fraction) & 63)
 }
 
 /// sqrt(rest / A): the root table and a multiplication.
@@ -331,28 +461,31 @@ struct HalfWidth {
     mantissa: u32,
     odd: u32,
     power: i32,
+    /// From the unit of C dy^2 to Q.24.
+    drop: u32,
 }
 
 impl HalfWidth {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    fn new(squared_width: SoftFloat) -> Self {
+    fn new(squared_width: SoftFloat, fraction: u32) -> Self {
         let odd = squared_width.exponent & 1;
-        // With rest in Q.28: sqrt(m rest 2^(e - 28)) = root 2^(shift + (e - odd)/2 - 14), then Q.32.
+        // With rest in Q.24: sqrt(m rest 2^(e - 24)) = root 2^(shift + (e - odd)/2 - 12), then Q.32.
         HalfWidth {
             mantissa: squared_width.mantissa.unsigned_abs(),
             odd: odd as u32,
-            power: ((squared_width.exponent - odd) / 2).saturating_add(32 - 14),
+            power: ((squared_width.exponent - odd) / 2).saturating_add(32 - REST as i32 / 2),
+            drop: fraction.saturating_sub(REST),
         }
     }
 
-    /// Half-width in Q.32 pixels for `rest` in Q.52, 0 < rest < 2^56.
+    /// Half-width in Q.32 pixels for `rest` in the unit of C dy^2, 0 < rest < 32.
     #[inline(always)]
     fn of(&self, rest: i64, narrow: bool) -> i64 {
-        let rest = (rest as u64) >> (VERTICAL - 28);
+        let rest = (rest as u64) >> (self.drop & 63);
         let squared = if narrow {
-            // 15 bits by 16 and 16 bits.
-            let (low, high) = (rest as u32 & 0xffff, rest as u32 >> 16);
-            (u64::from(self.mantissa.wrapping_mul(high)) << 16)
+            // 18 bits by 14 and 14 bits.
+            let (low, high) = (rest as u32 & 0x3fff, rest as u32 >> 14);
+            (u64::from(self.mantissa.wrapping_mul(high)) << 14)
                 .wrapping_add(self.mantissa.wrapping_mul(low).into())
         } else {
             u64::from(self.mantissa).wrapping_mul(rest)
@@ -379,17 +512,19 @@ struct Seed<L> {
     drop_dx: u32,
     drop_radial: i32,
     drop_first: i32,
+    /// From the unit of C dy^2 to Q.fraction.
+    drop_vertical: u32,
     balance: Balance,
     second: L,
 }
 
-/// The constants of a footprint's seeds, Q.fraction: what the lanes add up stays within `BLOCK^2 / 32` units of A dx^2.
+/// The constants of a footprint's seeds along rows (of A) or down them (of C): what is added up stays within `BLOCK^2 / 32` units of A dx^2.
 ///
 /// With the lanes' horizontal factor second/2 = A + e, the sum n first + n (n - 1) second/2 exceeds the truth by e n^2 if first is
 /// 2 A dx + second/2. Here first is smaller by e BLOCK and the start larger by e BLOCK^2/8, which leaves e (n^2 - n BLOCK + BLOCK^2/8).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Balance {
-    /// 2 A to the nearest unit.
+    /// 2 A to the nearest unit of the sequence.
     second: i64,
     /// Added to 2 A dx for the first difference: second/2 - e BLOCK.
     unit: i64,
@@ -398,7 +533,7 @@ struct Balance {
 }
 
 impl Balance {
-    /// `fine` is A in Q.(fraction + GUARD); wraps where A saturates, beyond any footprint of two adjacent pixels.
+    /// `fine` is A with [`GUARD`] bits below the sequence's unit; wraps where A saturates, beyond any footprint of two adjacent pixels.
     fn new(fine: i64) -> Self {
         let block = i64::from(BLOCK);
         let second = shift_round(fine, GUARD - 1);
@@ -414,10 +549,18 @@ impl Balance {
 
 impl<L: Lane> Seed<L> {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    fn new(horizontal: SoftFloat, squared_width: SoftFloat, bits: u32, fraction: u32) -> Self {
-        // |dx|^2 <= 16 / A < 2^(leading + 5), hence |dx| < 2^half in pixels.
-        let half = squared_width.leading().saturating_add(6) >> 1;
-        let drop_dx = half.saturating_add(32 - bits as i32).clamp(0, 63);
+    fn new(
+        horizontal: SoftFloat,
+        squared_width: SoftFloat,
+        widths: &Widths,
+        unit_of_centre: u32,
+    ) -> Self {
+        let (bits, fraction) = (u32::from(widths.mantissa), u32::from(widths.radial));
+        // No finer than xc is.
+        let drop_dx = reach_of_rows(squared_width)
+            .saturating_add(32 - bits as i32)
+            .min(63)
+            .max(unit_of_centre as i32);
         let power = horizontal.exponent.clamp(-1024, 1024) + drop_dx - 32;
         let balance = Balance::new(horizontal.to_fixed(fraction + GUARD));
         Seed {
@@ -427,6 +570,7 @@ impl<L: Lane> Seed<L> {
             drop_dx: drop_dx as u32,
             drop_radial: -(power + drop_dx - 32 + bits as i32 + fraction as i32),
             drop_first: -(power + 1 + fraction as i32),
+            drop_vertical: vertical_fraction(widths) - fraction,
             balance,
             second: L::from_wide(balance.second),
         }
@@ -448,7 +592,7 @@ impl<L: Lane> Seed<L> {
             let along = (self.horizontal as i32).wrapping_mul(dx);
             let across = shift_word(along, self.bits as i32).wrapping_mul(dx);
             let radial = shift_word(across, self.drop_radial)
-                .wrapping_add(shift_round(vertical, VERTICAL - self.fraction) as i32)
+                .wrapping_add(shift_round(vertical, self.drop_vertical) as i32)
                 .wrapping_add(self.balance.start as i32);
             let first = shift_word(along, self.drop_first).wrapping_add(self.balance.unit as i32);
             return (
@@ -461,7 +605,7 @@ impl<L: Lane> Seed<L> {
         let along = self.horizontal.wrapping_mul(dx);
         let across = shift_round(along, self.bits).wrapping_mul(dx);
         let radial = shift_signed(across, self.drop_radial)
-            .wrapping_add(shift_round(vertical, VERTICAL - self.fraction))
+            .wrapping_add(shift_round(vertical, self.drop_vertical))
             .wrapping_add(self.balance.start);
         let first = shift_signed(along, self.drop_first).wrapping_add(self.balance.unit);
         (L::from_wide(radial), L::from_wide(first), self.second)
@@ -471,7 +615,58 @@ impl<L: Lane> Seed<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::format::{Lean18, RuntimeWidths, Standard24};
     use proptest::prelude::*;
+
+    /// A number rounded to a mantissa.
+    fn soft(value: f64, bits: u32) -> SoftFloat {
+        let exponent = value.abs().log2().floor() as i32 + 1 - bits as i32;
+        SoftFloat::from_wide(
+            (value * f64::from(-exponent).exp2()).round() as i64,
+            exponent,
+            bits,
+        )
+    }
+
+    /// The footprint of an ellipse with these semi-axes, the first of which points along `direction`, up to r = 11.
+    fn ellipse(
+        widths: &Widths,
+        centre: [f64; 2],
+        [length, thickness]: [f64; 2],
+        [cos, sin]: [f64; 2],
+    ) -> Footprint {
+        let [long, thin] = [length * length, thickness * thickness];
+        let xx = long * cos * cos + thin * sin * sin;
+        let xy = (long - thin) * sin * cos;
+        let yy = long * sin * sin + thin * cos * cos;
+        let bits = widths.mantissa.into();
+        let side = |axis: usize, variance: f64, limit: f64| {
+            let reach = (11.0 * variance).sqrt() * (1.0 + 1e-3);
+            let [low, high] = [centre[axis] - reach, centre[axis] + reach];
+            [
+                (low - 0.5).ceil().clamp(0.0, limit) as u16,
+                (high + 0.5).floor().clamp(0.0, limit) as u16,
+            ]
+        };
+        let [columns, rows] = [side(0, xx, 8192.0), side(1, yy, 4096.0)];
+        Footprint {
+            centre: centre.map(|c| (c * f64::from(widths.subpixel).exp2()).round() as i64),
+            first: [columns[0], rows[0]],
+            end: [columns[1], rows[1]],
+            ldl: crate::footprint::Ldl {
+                horizontal: soft(yy / (long * thin), bits),
+                squared_width: soft(long * thin / yy, bits),
+                shear: if xy == 0.0 {
+                    SoftFloat::ZERO
+                } else {
+                    soft(xy / yy, bits)
+                },
+                vertical: soft(1.0 / yy, bits),
+            },
+            cutoff: 11 << 28,
+            ..Footprint::EMPTY
+        }
+    }
 
     proptest! {
         /// The oracle is the parabola itself, in units of the lanes' last place.
@@ -489,6 +684,44 @@ mod tests {
                 prop_assert!((radial - exact).abs() <= bound, "{n}: {}", radial - exact);
                 radial += first;
                 first += second as f64;
+            }
+        }
+
+        /// What hardware holds of xc (28 + subpixel bits, a seed saturated) and of C dy^2 (g + 6 bits) gives the same spans, for low-passed
+        /// splats of any size that meet the screen or not. Variances and box come from double precision.
+        #[test]
+        fn short_row_words_give_the_same_spans(
+            [length, thickness] in [-1.0f64..25.0, -0.85..20.0], angle in prop_oneof![-1.6..1.6f64, -1e-3..1e-3f64, -1e-6..1e-6f64],
+            [x, y] in [-100.0..8300.0, -100.0..4200.0f64], along in -4.0..4.0f64, wide: bool,
+        ) {
+            let widths = if wide { Standard24::WIDTHS } else { Lean18::WIDTHS };
+            let (length, thickness) = (length.max(thickness).exp2(), thickness.exp2());
+            let (sin, cos) = f64::sin_cos(angle);
+            let centre = [x - along * length * cos, y - along * length * sin];
+            prop_assume!(centre.iter().all(|c: &f64| c.abs() < 26f64.exp2()));
+            let footprint = ellipse(&widths, centre, [length, thickness], [cos, sin]);
+            let window = Window { first: [0; 2], end: [8192, 4096] };
+            let mut rows = EllipseSpans::new(RuntimeWidths::new(widths).unwrap(), &footprint, &window);
+            let bits = 28 + u32::from(widths.subpixel);
+            let drop = 32 - rows.seeds.centre_fraction;
+            let mut word = rows.centre >> drop;
+            while rows.y < rows.end_row {
+                if rows.y.is_multiple_of(BLOCK) || rows.y == footprint.first[1] {
+                    word = (rows.centre >> drop).clamp(-1 << (bits - 1), (1 << (bits - 1)) - 1);
+                }
+                prop_assert!(rows.vertical.value.unsigned_abs() >> (rows.seeds.vertical_fraction + 5) == 0);
+                let rest = rows.reach - rows.vertical.value;
+                if rest > 0 {
+                    let half = rows.half_width.of(rest, false);
+                    let span = |centre| {
+                        let (low, high) = ends(centre, half, false);
+                        (low.clamp(0, 8192), high.clamp(0, 8192))
+                    };
+                    let (narrow, full) = (span(word << drop), span(rows.centre));
+                    prop_assert!(narrow == full || narrow.0 >= narrow.1 && full.0 >= full.1, "{narrow:?} {full:?}");
+                }
+                word = word.wrapping_add(rows.seeds.shear_per_row >> drop) << (64 - bits) >> (64 - bits);
+                rows.next_row();
             }
         }
 

@@ -7,10 +7,11 @@ use fixed::types::U4F28;
 use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::Painter;
-use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, VersionError};
+use splatline::footprint::{Footprint, Ldl};
 use splatline::format::{Classic8, Deep32, Design, Lean18, Standard24, Traversal};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::math::SoftFloat;
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::setup;
@@ -44,10 +45,10 @@ fn small_view() -> View {
 
 fn field_table<D: Design>(design: D) -> String {
     let footprint = setup(design, &small_view(), &Rules::GAUSSIAN_3D, &leaf()).unwrap();
-    let layout = Layout::new(&design.widths());
+    let layout = Layout::with_depth(&design.widths(), Traversal::Spans);
     let packet = layout.encode(&footprint);
     let mut text = String::new();
-    for field in layout.fields() {
+    for field in layout.fields().iter().filter(|field| field.width > 0) {
         let value: u64 = (0..field.width)
             .map(|bit| {
                 let at = usize::from(field.offset) + usize::from(bit);
@@ -140,7 +141,7 @@ fn the_leaf_looks_like_this() {
 }
 
 const STANDARD24: &str = "\
-version                bit   0,  4 wide: 2
+version                bit   0,  4 wide: 3
 depth                  bit   4, 48 wide: c08000000000
 centre_u               bit  52, 52 wide: fa80000
 centre_v               bit 104, 52 wide: 7380000
@@ -156,19 +157,15 @@ shear_mantissa         bit 296, 29 wide: a3eb7f4
 shear_exponent         bit 325, 10 wide: 3e5
 vertical_mantissa      bit 335, 28 wide: a79849a
 vertical_exponent      bit 363, 10 wide: 3e3
-conic_a                bit 373, 28 wide: 4cf3279
-conic_b                bit 401, 29 wide: 19d74c8b
-conic_c                bit 430, 28 wide: d1febae
-conic_exponent         bit 458, 10 wide: 3e4
-cutoff                 bit 468, 32 wide: a81d56e5
-peak                   bit 500, 32 wide: c000000
-red                    bit 532, 28 wide: 1000000
-green                  bit 560, 28 wide: 800000
-blue                   bit 588, 28 wide: 400000
+cutoff                 bit 373, 32 wide: a81d56e5
+peak                   bit 405, 32 wide: c000000
+red                    bit 437, 28 wide: 1000000
+green                  bit 465, 28 wide: 800000
+blue                   bit 493, 28 wide: 400000
 ";
 
 const LEAN18: &str = "\
-version                bit   0,  4 wide: 2
+version                bit   0,  4 wide: 3
 depth                  bit   4, 48 wide: c08000000000
 centre_u               bit  52, 40 wide: fa80
 centre_v               bit  92, 40 wide: 7380
@@ -184,15 +181,11 @@ shear_mantissa         bit 252, 19 wide: 28fae
 shear_exponent         bit 271, 10 wide: 3ef
 vertical_mantissa      bit 281, 18 wide: 29e61
 vertical_exponent      bit 299, 10 wide: 3ed
-conic_a                bit 309, 18 wide: 133cd
-conic_b                bit 327, 19 wide: 675d3
-conic_c                bit 346, 18 wide: 347fb
-conic_exponent         bit 364, 10 wide: 3ee
-cutoff                 bit 374, 32 wide: a81d56e5
-peak                   bit 406, 28 wide: c00000
-red                    bit 434, 18 wide: 4000
-green                  bit 452, 18 wide: 2000
-blue                   bit 470, 18 wide: 1000
+cutoff                 bit 309, 32 wide: a81d56e5
+peak                   bit 341, 22 wide: 30000
+red                    bit 363, 18 wide: 8000
+green                  bit 381, 18 wide: 4000
+blue                   bit 399, 18 wide: 2000
 ";
 
 #[test]
@@ -203,7 +196,6 @@ fn the_packet_holds_these_bits() {
 }
 
 fn round_trip<D: Design>(design: D, splat: &VolumeSplat) -> Result<(), TestCaseError> {
-    let layout = Layout::new(&design.widths());
     let Ok(footprint) = setup(
         design,
         &view(0.1, 0.2, Projection::Perspective),
@@ -212,7 +204,28 @@ fn round_trip<D: Design>(design: D, splat: &VolumeSplat) -> Result<(), TestCaseE
     ) else {
         return Err(TestCaseError::reject("culled"));
     };
-    prop_assert_eq!(layout.decode(&layout.encode(&footprint)), Ok(footprint));
+    let (widths, nothing) = (design.widths(), Footprint::EMPTY);
+    let zero = SoftFloat::default();
+    let of_spans = Footprint {
+        conic: nothing.conic,
+        ..footprint
+    };
+    let of_box = Footprint {
+        ldl: Ldl {
+            horizontal: zero,
+            squared_width: zero,
+            shear: zero,
+            vertical: zero,
+        },
+        ..footprint
+    };
+    for (traversal, kept) in [(Traversal::Spans, of_spans), (Traversal::Box, of_box)] {
+        let layout = Layout::with_depth(&widths, traversal);
+        prop_assert_eq!(layout.decode(&layout.encode(&footprint)), Ok(kept));
+        let layout = Layout::new(&widths, traversal);
+        let kept = Footprint { depth: 0, ..kept };
+        prop_assert_eq!(layout.decode(&layout.encode(&footprint)), Ok(kept));
+    }
     Ok(())
 }
 
@@ -230,9 +243,9 @@ proptest! {
 
 #[test]
 fn another_version_is_refused() {
-    let layout = Layout::new(&Standard24::WIDTHS);
+    let layout = Layout::new(&Standard24::WIDTHS, Traversal::Spans);
     let footprint: Footprint = setup(Standard24, &small_view(), &Rules::EWA, &leaf()).unwrap();
     let mut packet = layout.encode(&footprint);
     packet[0] ^= 3;
-    assert_eq!(layout.decode(&packet), Err(VersionError { found: 1 }));
+    assert_eq!(layout.decode(&packet), Err(VersionError { found: 0 }));
 }

@@ -77,8 +77,8 @@ fn check<D: Design>(
     let thinness =
         1.0 + (double(footprint.ldl.shear) * rows).abs() * double(footprint.ldl.horizontal).sqrt();
     let cutoff = f64::from(footprint.cutoff) / 28f64.exp2();
-    // Down the rows xc is a sum of steps in Q.32, each of them half a unit off, as is its start (2 sqrt(r A) of r for a pixel of xc).
-    let drift = (rows + 1.0) * (-33f64).exp2();
+    // Down the rows of a block xc is a sum of steps, each of them half a unit off, as is its seed (2 sqrt(r A) of r for a pixel of xc).
+    let drift = (4.0 - f64::from(widths.subpixel + 8)).exp2();
     let drifted = 2.0 * (cutoff * double(footprint.ldl.horizontal)).sqrt() * drift;
     let bound = tolerances::of(&widths).radial * thinness + drifted;
     let found = visited(EllipseSpans::new(design, &footprint, &SCREEN), &SCREEN);
@@ -159,8 +159,10 @@ proptest! {
         let camera = view(0.1, 0.2, Projection::Perspective);
         let footprints: Vec<Footprint> = list.iter().filter_map(|s| setup(Standard24, &camera, &rules, s).ok()).collect();
         let traversal = if boxed { Traversal::Box } else { Traversal::Spans };
-        let whole = draw(Standard24, &footprints, &rules, traversal, [SIZE; 2]);
-        prop_assert!(whole == draw(Standard24, &footprints, &rules, traversal, [width, height]));
+        let [whole, tiled] = [[SIZE; 2], [width, height]].map(|tile| draw(Standard24, &footprints, &rules, traversal, tile));
+        prop_assert!(whole == tiled);
+        let [whole, tiled] = [[SIZE; 2], [width, height]].map(|tile| draw(Lean18, &footprints, &rules, traversal, tile));
+        prop_assert!(whole == tiled);
     }
 }
 

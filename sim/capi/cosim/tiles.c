@@ -32,12 +32,13 @@ SplatlineWindow bench_tile(int tile) {
 
 int32_t bench_packet(const Bench *bench, int i, uint32_t words[SPLATLINE_LONGEST_PACKET]) {
     size_t count;
-    int32_t status = splatline_packet_words(&bench->painter.widths, &count);
+    int32_t status = splatline_packet_words(&bench->painter.widths, SPLATLINE_TRAVERSAL_SPANS, &count);
     memset(words, 0, SPLATLINE_LONGEST_PACKET * sizeof *words);
     if (status < 0) {
         return status;
     }
-    return splatline_packet_encode(&bench->painter.widths, &bench->memory.footprints[bench->memory.order[i]], words, count);
+    const SplatlineFootprint *footprint = &bench->memory.footprints[bench->memory.order[i]];
+    return splatline_packet_encode(&bench->painter.widths, SPLATLINE_TRAVERSAL_SPANS, footprint, words, count);
 }
 
 void bench_table(const Bench *bench, uint32_t index, uint32_t *low, uint32_t *step) {

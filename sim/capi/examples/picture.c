@@ -110,15 +110,15 @@ static int32_t draw_tiles(const SplatlinePainter *painter, const SplatlineFootpr
 }
 
 // What goes down the wire of a chip: the footprint as a packet and back.
-static int32_t through_packet(const SplatlineWidths *widths, const SplatlineFootprint *footprint, SplatlineFootprint *received) {
+static int32_t through_packet(const SplatlineWidths *widths, uint32_t traversal, const SplatlineFootprint *footprint, SplatlineFootprint *received) {
     uint32_t packet[SPLATLINE_LONGEST_PACKET];
     size_t words;
-    int32_t status = splatline_packet_words(widths, &words);
+    int32_t status = splatline_packet_words(widths, traversal, &words);
     if (status == SPLATLINE_OK) {
-        status = splatline_packet_encode(widths, footprint, packet, words);
+        status = splatline_packet_encode(widths, traversal, footprint, packet, words);
     }
     if (status == SPLATLINE_OK) {
-        status = splatline_packet_decode(widths, packet, words, received);
+        status = splatline_packet_decode(widths, traversal, packet, words, received);
     }
     return status;
 }
@@ -165,7 +165,7 @@ int32_t draw_picture(Memory *memory, uint32_t design, uint32_t traversal, enum W
     status = splatline_clear(&painter.widths, pixels, count);
     for (int i = 0; i < visible && status >= 0; i++) {
         SplatlineFootprint footprint;
-        status = through_packet(&painter.widths, &memory->footprints[memory->order[i]], &footprint);
+        status = through_packet(&painter.widths, painter.traversal, &memory->footprints[memory->order[i]], &footprint);
         if (status < 0) {
             return status;
         }

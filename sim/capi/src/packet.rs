@@ -8,8 +8,8 @@ use splatline::footprint::Footprint;
 use splatline::footprint::packet::{FIELDS, Layout, WORDS};
 
 /// Words of the longest packet of any design.
-pub const SPLATLINE_LONGEST_PACKET: usize = 21;
-/// Fields of a packet.
+pub const SPLATLINE_LONGEST_PACKET: usize = 18;
+/// Fields of a packet, those of width 0 included.
 pub const SPLATLINE_PACKET_FIELDS: usize = 25;
 /// Bytes of a field's name, with the final zero.
 pub const SPLATLINE_FIELD_NAME: usize = 24;
@@ -24,7 +24,7 @@ pub struct SplatlineField {
     pub name: [c_char; SPLATLINE_FIELD_NAME],
     /// First bit, counted from bit 0 of word 0.
     pub offset: u16,
-    /// Bits.
+    /// Bits; 0 in a packet that does without the field.
     pub width: u8,
     /// 1: two's complement.
     pub is_signed: u8,
@@ -32,17 +32,19 @@ pub struct SplatlineField {
     pub fraction: u8,
 }
 
-/// Writes the number of 32-bit words of a design's packet.
+/// Writes the number of 32-bit words of a design's packet, which has what `traversal` (SPLATLINE_TRAVERSAL_...) reads: no depth, which whoever
+/// sorts has already, and the coefficients of that traversal alone.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splatline_packet_words(
     widths: *const SplatlineWidths,
+    traversal: u32,
     words: *mut usize,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { layout(widths) }.and_then(|layout| {
+    code(unsafe { layout(widths, traversal) }.and_then(|layout| {
         // SAFETY: the function's own contract.
         unsafe { write(words, layout.words()) }.map(|()| SPLATLINE_OK)
     }))
@@ -55,11 +57,12 @@ pub unsafe extern "C" fn splatline_packet_words(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splatline_packet_field(
     widths: *const SplatlineWidths,
+    traversal: u32,
     index: usize,
     field: *mut SplatlineField,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { layout(widths) }.and_then(|layout| {
+    code(unsafe { layout(widths, traversal) }.and_then(|layout| {
         let found = layout.fields().get(index).ok_or(Error::Size)?;
         let mut name = [0; SPLATLINE_FIELD_NAME];
         for (to, from) in name
@@ -88,12 +91,13 @@ pub unsafe extern "C" fn splatline_packet_field(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splatline_packet_encode(
     widths: *const SplatlineWidths,
+    traversal: u32,
     footprint: *const SplatlineFootprint,
     words: *mut u32,
     count: usize,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { layout(widths) }.and_then(|layout| {
+    code(unsafe { layout(widths, traversal) }.and_then(|layout| {
         // SAFETY: the function's own contract.
         let footprint: Footprint = unsafe { read(footprint) }?.into();
         // SAFETY: the function's own contract.
@@ -105,19 +109,20 @@ pub unsafe extern "C" fn splatline_packet_encode(
     }))
 }
 
-/// Reads a packet of exactly `count` words.
+/// Reads a packet of exactly `count` words; what it does not have is 0.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say; `words` to `count` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splatline_packet_decode(
     widths: *const SplatlineWidths,
+    traversal: u32,
     words: *const u32,
     count: usize,
     footprint: *mut SplatlineFootprint,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { layout(widths) }.and_then(|layout| {
+    code(unsafe { layout(widths, traversal) }.and_then(|layout| {
         // SAFETY: the function's own contract.
         let words = unsafe { slice(words, exactly(&layout, count)?) }?;
         let mut packet = [0; WORDS];
@@ -132,9 +137,10 @@ pub unsafe extern "C" fn splatline_packet_decode(
 
 /// # Safety
 /// `widths` is null or leads to widths.
-unsafe fn layout(widths: *const SplatlineWidths) -> Result<Layout, Error> {
+unsafe fn layout(widths: *const SplatlineWidths, traversal: u32) -> Result<Layout, Error> {
     // SAFETY: the function's own contract.
-    Ok(Layout::new(&unsafe { read(widths) }?.widths()?))
+    let widths = unsafe { read(widths) }?.widths()?;
+    Ok(Layout::new(&widths, crate::types::traversal(traversal)?))
 }
 
 fn exactly(layout: &Layout, count: usize) -> Result<usize, Error> {

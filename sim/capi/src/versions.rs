@@ -4,7 +4,7 @@ use crate::status::*;
 use core::ffi::{CStr, c_char};
 
 /// Version of this interface; it changes when a struct or a function changes in a way that needs recompilation.
-pub const SPLATLINE_ABI_VERSION: u32 = 1;
+pub const SPLATLINE_ABI_VERSION: u32 = 2;
 
 const VERSION: &CStr =
     match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {

@@ -5,6 +5,7 @@ use splatline_capi::*;
 use std::ptr::{null, null_mut};
 
 const PIXELS: usize = 16 * 16;
+const SPANS: u32 = SPLATLINE_TRAVERSAL_SPANS;
 /// Entries of the table of `standard24`.
 const TABLE_COUNT: usize = (1 << 12) + 1;
 
@@ -75,10 +76,10 @@ fn null_is_an_error_everywhere() {
             splatline_table_weight(&w, 2, null(), TABLE_COUNT, 0, &mut 0),
             splatline_setup(&w, null(), &r, null(), &mut fp),
             splatline_setup_many(&w, null(), &r, null(), 200, &mut fp, 200, null_mut(), 1),
-            splatline_packet_words(null(), &mut 0),
-            splatline_packet_encode(&w, null(), words.as_mut_ptr(), 16),
-            splatline_packet_field(null(), 0, null_mut()),
-            splatline_packet_decode(null(), words.as_ptr(), 16, &mut fp),
+            splatline_packet_words(null(), SPANS, &mut 0),
+            splatline_packet_encode(&w, SPANS, null(), words.as_mut_ptr(), 16),
+            splatline_packet_field(null(), SPANS, 0, null_mut()),
+            splatline_packet_decode(null(), SPANS, words.as_ptr(), 16, &mut fp),
             splatline_spans_begin(&w, &fp, 0, &WINDOW, null_mut()),
             splatline_spans_next(null_mut(), &mut run),
             splatline_span_step(null_mut()),
@@ -174,13 +175,16 @@ fn sizes_strides_and_choices_are_checked() {
         assert_eq!(splatline_design(4, &mut widths()), SPLATLINE_ERROR_VALUE);
         assert_eq!(splatline_design_check(&wide), SPLATLINE_ERROR_WIDTHS);
         assert_eq!(
-            splatline_packet_encode(&w, &fp, words.as_mut_ptr(), 3),
+            splatline_packet_encode(&w, SPANS, &fp, words.as_mut_ptr(), 3),
             SPLATLINE_ERROR_SIZE
         );
         let mut needed = 0;
-        assert_eq!(splatline_packet_words(&w, &mut needed), SPLATLINE_OK);
+        let status = splatline_packet_words(&w, 2, &mut needed);
+        assert_eq!(status, SPLATLINE_ERROR_VALUE);
+        let status = splatline_packet_words(&w, SPANS, &mut needed);
+        assert_eq!(status, SPLATLINE_OK);
         words[0] = 15;
-        let decoded = splatline_packet_decode(&w, words.as_ptr(), needed, &mut out);
+        let decoded = splatline_packet_decode(&w, SPANS, words.as_ptr(), needed, &mut out);
         assert_eq!(decoded, SPLATLINE_ERROR_PACKET_VERSION);
         let mut never_begun: SplatlineSpans = std::mem::zeroed();
         let next = splatline_spans_next(&mut never_begun, &mut SplatlineSpan::default());
@@ -223,7 +227,7 @@ fn the_layout_is_described() {
         // SAFETY: all integers, so zeros are valid.
         let mut field: SplatlineField = unsafe { std::mem::zeroed() };
         // SAFETY: pointers lead to what their types say.
-        let status = unsafe { splatline_packet_field(&widths(), index, &mut field) };
+        let status = unsafe { splatline_packet_field(&widths(), SPANS, index, &mut field) };
         assert_eq!((status, field.offset), (SPLATLINE_OK, end));
         end += u16::from(field.width);
     }

@@ -69,7 +69,7 @@ pub fn packet_json(fixed: &FixedPicture, picked: &Picked) -> String {
     let Some(Ok(footprint)) = fixed.footprints.get(picked.splat as usize) else {
         return text;
     };
-    let layout = Layout::new(&fixed.design.widths());
+    let layout = Layout::new(&fixed.design.widths(), fixed.traversal);
     let packet = layout.encode(footprint);
     let [x, y, z] = picked.centre;
     // Writing to a String cannot fail.
@@ -83,7 +83,8 @@ pub fn packet_json(fixed: &FixedPicture, picked: &Picked) -> String {
         layout.bits(),
         layout.words()
     );
-    for (index, field) in layout.fields().iter().enumerate() {
+    let present = layout.fields().iter().filter(|field| field.width > 0);
+    for (index, field) in present.enumerate() {
         let comma = if index == 0 { "" } else { "," };
         let _ = write!(
             text,

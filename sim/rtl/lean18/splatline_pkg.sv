@@ -5,32 +5,31 @@ package splatline_pkg;
   localparam int SUBPIXEL = 12;  // fraction bits of a centre
   localparam int RADIAL = 22;  // fraction bits of the radial index
   localparam int TABLE = 10;  // log2 of the footprint table's intervals
-  localparam int INTERPOLATION = 16;  // bits of the position within an interval
+  localparam int INTERPOLATION = 13;  // bits of the position within an interval
   localparam int WEIGHT = 18;  // fraction bits of a table entry
   localparam int STEP_BITS = 16;  // bits of the largest step between two entries
-  localparam int PEAK = 24;  // fraction bits of a peak opacity
+  localparam int PEAK = 18;  // fraction bits of a peak opacity
   localparam int ALPHA = 18;  // fraction bits of an opacity
-  localparam int TRANSMITTANCE = 26;  // fraction bits of the deep alpha channel
-  localparam int COLOUR = 14;  // fraction bits of a splat's colour
+  localparam int TRANSMITTANCE = 22;  // fraction bits of the deep alpha channel
+  localparam int COLOUR = 15;  // fraction bits of a splat's colour
+  localparam int COLOUR_BITS = 18;  // and all of them
   localparam int ACCUMULATOR = 20;  // fraction bits of a pixel's colour
-  localparam int SUM_BITS = 25;  // bits of a pixel's colour: below 32, see blend.sv
-  localparam int BLOCK_BITS = 5;  // log2 of the columns between two seeds
-  localparam int GUARD = 8;  // bits below the lanes' unit from which seeds are balanced
+  localparam int SUM_BITS = 24;  // and all of them, see blend.sv
+  localparam logic TIES_TO_EVEN = 1'b1;  // rounding of opacity, share and sums: halves to even, or up
+  localparam int BLOCK_BITS = 5;  // log2 of the columns, and of the rows, between two seeds
+  localparam int GUARD = 8;  // bits below the lanes' and the rows' units from which seeds are balanced
+  localparam int VERTICAL = 26;  // fraction bits of C dy^2 down the rows
   localparam int TILE_COLUMN_BITS = 5;  // log2 of a tile's columns
   localparam int TILE_ROW_BITS = 5;  // log2 of a tile's rows
-  localparam int PACKET_BITS = 488;  // bits of a packet
-  localparam logic [3:0] PACKET_VERSION = 4'd2;
+  localparam int PACKET_BITS = 369;  // bits of a packet
+  localparam logic [3:0] PACKET_VERSION = 4'd3;
 
   typedef struct packed {
-    logic [17:0] blue;  // 14 fraction bits
-    logic [17:0] green;  // 14 fraction bits
-    logic [17:0] red;  // 14 fraction bits
-    logic [27:0] peak;  // 24 fraction bits
+    logic [17:0] blue;  // 15 fraction bits
+    logic [17:0] green;  // 15 fraction bits
+    logic [17:0] red;  // 15 fraction bits
+    logic [21:0] peak;  // 18 fraction bits
     logic [31:0] cutoff;  // 28 fraction bits
-    logic signed [9:0] conic_exponent;
-    logic [17:0] conic_c;
-    logic signed [18:0] conic_b;
-    logic [17:0] conic_a;
     logic signed [9:0] vertical_exponent;
     logic [17:0] vertical_mantissa;
     logic signed [9:0] shear_exponent;
@@ -45,7 +44,6 @@ package splatline_pkg;
     logic [15:0] first_column;
     logic signed [39:0] centre_v;  // 12 fraction bits
     logic signed [39:0] centre_u;  // 12 fraction bits
-    logic [47:0] depth;
     logic [3:0] version;
   } footprint_t;
 
@@ -73,9 +71,9 @@ package splatline_pkg;
   typedef struct packed {
     logic [RADIAL+4:0] cutoff;  // UQ4.radial, may round up to 16
     logic [PEAK+3:0] peak;  // UQ4.peak
-    logic [COLOUR+3:0] red;  // UQ4.colour
-    logic [COLOUR+3:0] green;
-    logic [COLOUR+3:0] blue;
+    logic [COLOUR_BITS-1:0] red;  // Q.colour
+    logic [COLOUR_BITS-1:0] green;
+    logic [COLOUR_BITS-1:0] blue;
   } paint_t;
 
   // What the rows of a splat need (`EllipseSpans`, `HalfWidth` and `Seed`), constant from row to row.
@@ -84,7 +82,8 @@ package splatline_pkg;
     logic [15:0] box_end;
     logic [15:0] first_column;  // and of its part in the window
     logic [15:0] end_column;
-    logic [55:0] reach;  // cut-off and slack, UQ4.52
+    logic [VERTICAL+4:0] reach;  // cut-off and slack, UQ5.vertical
+    logic coarse;  // xc has SUBPIXEL - 2 fraction bits, otherwise SUBPIXEL + 8
     logic [MANTISSA-1:0] squared_width;
     logic squared_width_odd;
     logic signed [15:0] squared_width_power;
@@ -103,11 +102,11 @@ package splatline_pkg;
   typedef struct packed {
     logic [15:0] row;
     logic [15:0] rows;  // rows in the window
-    logic signed [63:0] centre;  // xc - 1/2, Q.32
-    logic signed [63:0] shear;
-    logic signed [63:0] vertical;  // C dy^2, Q.52, and its differences
-    logic signed [63:0] first;
-    logic signed [63:0] second;
+    logic signed [SUBPIXEL+27:0] centre;  // xc - 1/2, and its change
+    logic signed [SUBPIXEL+27:0] shear;
+    logic signed [VERTICAL+5:0] vertical;  // C dy^2, Q5.vertical, and its differences
+    logic signed [VERTICAL+5:0] first;
+    logic signed [VERTICAL+5:0] second;
   } start_t;
 
   // Adjacent pixels of one row, at least one (`Span`).

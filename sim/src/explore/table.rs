@@ -18,12 +18,15 @@ const DIGEST_DIGITS: usize = 16;
 
 /// Columns behind the axes. Of several frames cycles, pace and bytes are those of the slowest, energy is that of the dearest, errors are over all. Area is that of the raster units, of what is around them, and all of it in look-up tables; energy is that of a picture.
 /// `clock_assumed` is 1 where nobody gave the clock (`crate::machine::clock`).
-pub const RESULTS: [&str; 33] = [
+pub const RESULTS: [&str; 36] = [
     "psnr_db",
     "rms",
     "max_abs",
     "bias",
     "ssim",
+    "p95",
+    "p99",
+    "flip",
     "cycles",
     "geometry",
     "sort",
@@ -52,6 +55,11 @@ pub const RESULTS: [&str; 33] = [
     "area",
     "energy_mj",
     "left_out",
+];
+
+/// Those about errors, which are empty without references.
+const ERRORS: [&str; 8] = [
+    "psnr_db", "rms", "max_abs", "bias", "ssim", "p95", "p99", "flip",
 ];
 
 /// The heading for a space.
@@ -199,36 +207,6 @@ impl ResultTable {
         Ok(())
     }
 
-    /// Points of the space that it has no line for.
-    pub fn missing(&self, space: &Space) -> usize {
-        space.points.len() - self.rows.len().min(space.points.len())
-    }
-
-    /// Adds the lines of another shard. The same point may come twice only with the same result.
-    pub fn merge(&mut self, other: ResultTable) -> Result<(), String> {
-        if other.heading.is_empty() {
-            return Ok(());
-        }
-        if self.heading.is_empty() {
-            self.heading.clone_from(&other.heading);
-        }
-        if self.heading != other.heading {
-            return Err(
-                "the tables have different columns: they belong to different sweeps".to_owned(),
-            );
-        }
-        for (point, fields) in other.rows {
-            let known = self.rows.get(&point);
-            if known.is_some_and(|known| *known != fields) {
-                return Err(format!(
-                    "point {point} has different results in two tables: they belong to different sweeps"
-                ));
-            }
-            self.rows.insert(point, fields);
-        }
-        Ok(())
-    }
-
     /// Place of a column.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.heading.iter().position(|column| column == name)
@@ -245,9 +223,10 @@ fn check_results(results: &[String], errors: bool) -> Result<(), String> {
             _ if !reason.is_empty() => ColumnKind::Nothing,
             // Equal pictures have none.
             &"psnr_db" if errors => ColumnKind::NumberOrNothing,
-            &"psnr_db" | &"rms" | &"max_abs" | &"bias" | &"ssim" if !errors => ColumnKind::Nothing,
+            name if ERRORS.contains(name) && !errors => ColumnKind::Nothing,
             &"bias" | &"ssim" => ColumnKind::Number,
-            &"rms" | &"max_abs" | &"lanes_busy" | &"area" | &"energy_mj" => ColumnKind::Positive,
+            &"rms" | &"max_abs" | &"p95" | &"p99" | &"flip" => ColumnKind::Positive,
+            &"lanes_busy" | &"area" | &"energy_mj" => ColumnKind::Positive,
             &"clock_mhz" | &"frames_per_s" | &"bytes_per_s" | &"packet_hit_rate" => {
                 ColumnKind::Positive
             }
@@ -300,29 +279,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shards_merge_and_foreign_tables_do_not() {
-        let mut first = ResultTable::from_csv("point,a\n2,x\n0,y\n").unwrap();
-        first
-            .merge(ResultTable::from_csv("point,a\n1,z\n2,x\n").unwrap())
-            .unwrap();
-        assert_eq!(first.to_csv(), "point,a\n0,y\n1,z\n2,x\n");
-        assert!(
-            first
-                .merge(ResultTable::from_csv("point,b\n").unwrap())
-                .is_err()
-        );
-        assert!(
-            first
-                .merge(ResultTable::from_csv("point,a\n1,q\n").unwrap())
-                .unwrap_err()
-                .contains("point 1")
-        );
-        assert!(
-            ResultTable::from_csv("a,b\n1,2\n").is_err()
-                && ResultTable::from_csv("point,a\n1\n")
-                    .unwrap_err()
-                    .contains("line 2")
-        );
+    fn what_is_no_table_is_refused() {
+        assert!(ResultTable::from_csv("a,b\n1,2\n").is_err());
+        let message = ResultTable::from_csv("point,a\n1\n").unwrap_err();
+        assert!(message.contains("line 2"), "{message}");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::pictures::Edge;
 use crate::camera::Camera;
 use splatline::footprint::depth::MANTISSA;
 use splatline::format::Widths;
-use splatline::raster::BLOCK;
+use splatline::raster::{BLOCK, vertical_fraction};
 
 /// Bounds of the steps for one splat.
 #[derive(Clone, Copy, Debug)]
@@ -87,14 +87,25 @@ impl ErrorBounds {
             ..
         } = self.footprint;
         let u = 2.0 * half(self.widths.mantissa);
-        // Moving the centre by d changes r by at most 2 sqrt(r k) d + k d^2, k the largest eigenvalue of Q. The first row's distance is
-        // rounded to a mantissa, and the rows' sums drift by less than 2^-25.
+        // Moving the centre by d changes r by at most 2 sqrt(r k) d + k d^2, k the largest eigenvalue of Q. The distance of a block's first row is
+        // rounded to a mantissa, and the rows' sums drift by 16 units of theirs, or 17 where rows are long or far apart.
         let steepest = horizontal * (1.0 + shear * shear) + vertical;
         let reach = (self.footprint.cutoff * self.footprint.variance[2]).sqrt() + 1.0;
         let first_row = reach.min(self.footprint.centre[1].abs() + 0.5);
-        let moved = std::f64::consts::SQRT_2 * self.centre + u * first_row + half(24);
+        let subpixel = self.widths.subpixel;
+        let drift = if horizontal < (-21f64).exp2() || shear.abs() > 12f64.exp2() {
+            17.0 * (2.0 - f64::from(subpixel)).exp2()
+        } else {
+            half(subpixel + 3)
+        };
+        let moved = std::f64::consts::SQRT_2 * self.centre + u * first_row + drift;
         let block = f64::from(BLOCK);
-        let lanes = (block * block / 32.0 + block + 2.0) * 2.0 * half(self.widths.radial);
+        let units = [
+            f64::from(self.widths.radial),
+            vertical_fraction(&self.widths).into(),
+        ];
+        let unit: f64 = units.map(|bits| (-bits).exp2()).iter().sum();
+        let lanes = (block * block / 32.0 + block + 2.0) * unit;
         self.form * r
             + 2.0 * (r * steepest).sqrt() * moved
             + steepest * moved * moved

@@ -82,7 +82,7 @@ impl DesignJob for Painted<'_> {
 
 #[test]
 fn the_stepped_picture_is_the_painted_one() {
-    for design in ["classic8", "lean18", "standard24", "deep32"] {
+    for design in ["classic8", "micro16", "lean18", "standard24", "deep32"] {
         for traversal in [Traversal::Box, Traversal::Spans] {
             for rules in [Rules::EWA, Rules::GAUSSIAN_3D] {
                 for compositing in [
@@ -198,7 +198,7 @@ fn the_first_difference_is_named_in_words() {
     assert!(message.contains("stage pixels, record 0"), "{message}");
     let message = message_after("manifest.json", 1, |_| "\"format_version\": 9,".to_owned());
     assert!(
-        message.contains("format_version is 9, expected 3"),
+        message.contains("format_version is 9, expected 4"),
         "{message}"
     );
 }

@@ -121,7 +121,7 @@ fn units_of_setup(source: &mut Source, widths: &Widths) {
 
 /// Any packet decodes to its footprint or names its version; what was decoded encodes to the same bits.
 pub fn packet(source: &mut Source) {
-    let layout = Layout::new(&source.widths());
+    let layout = any_layout(source);
     let mut packet = source.packet();
     match layout.decode(&packet) {
         Err(error) => assert_ne!(error.found, VERSION),
@@ -132,6 +132,16 @@ pub fn packet(source: &mut Source) {
     }
     let any = layout.encode(&source.footprint());
     assert!(layout.decode(&any).is_ok());
+}
+
+fn any_layout(source: &mut Source) -> Layout {
+    let widths = source.widths();
+    let traversal = [Traversal::Spans, Traversal::Box][usize::from(source.bool())];
+    if source.bool() {
+        Layout::with_depth(&widths, traversal)
+    } else {
+        Layout::new(&widths, traversal)
+    }
 }
 
 fn clear_unused(packet: &mut [u32], bits: usize) {
@@ -191,7 +201,8 @@ pub fn blend(source: &mut Source) {
 
 /// Any footprints, made or decoded, drawn into any window.
 pub fn draw(source: &mut Source) {
-    let layout = Layout::new(&Standard24::WIDTHS);
+    let traversal = [Traversal::Spans, Traversal::Box][usize::from(source.bool())];
+    let layout = Layout::new(&Standard24::WIDTHS, traversal);
     let footprint = if source.bool() {
         source.footprint()
     } else {

@@ -10,12 +10,12 @@ pub fn page() -> Page {
     let mut page = Page::new("packet", "The footprint packet");
     page.add(format!(
         "Layout version {VERSION}. Fields follow each other without padding, least significant bit first, in 32-bit words. `offset:width` in bits; fraction \
-         bits behind a point. Signed fields are two's complement. A mantissa `m` and its exponent `e` stand for m 2^e."
+         bits behind a point. Signed fields are two's complement. A mantissa `m` and its exponent `e` stand for m 2^e. A packet has what its design's traversal reads (`classic8`: `box`). What sorts has the depth beside the packet (`Layout::with_depth` puts it in)."
     ));
     let designs = DesignChoice::all();
     let layouts: Vec<Layout> = designs
         .iter()
-        .map(|design| Layout::new(&design.widths))
+        .map(|design| Layout::new(&design.widths, design.traversal))
         .collect();
     let mut headings = vec!["field", "signed"];
     headings.extend(designs.iter().map(|design| design.name.as_str()));
@@ -24,7 +24,10 @@ pub fn page() -> Page {
         let signed = if first.signed { "yes" } else { "" };
         let places = layouts.iter().map(|layout| {
             let field = layout.fields()[index];
-            format!("{}:{}.{}", field.offset, field.width, field.fraction)
+            match field.width {
+                0 => String::new(),
+                width => format!("{}:{}.{}", field.offset, width, field.fraction),
+            }
         });
         table.push(
             [first.name.to_owned(), signed.to_owned()]

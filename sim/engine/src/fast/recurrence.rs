@@ -4,8 +4,9 @@
 //! without an order of summation. Root, span and seeds of a row follow from its words ([`rows`](super::rows)).
 
 use super::lanes::Wide;
+use super::rows::longest_rest;
 use super::setup::number::Arithmetic;
-use splatline::raster::RowConstants;
+use splatline::raster::{RowBlock, RowConstants};
 
 /// Most words of a vector.
 const WORDS: usize = 8;
@@ -22,19 +23,20 @@ pub struct RowVectors<L: Wide> {
     /// The cut-off, and the largest rest of it so far.
     reach: L::Word,
     longest: L::Word,
+    limit: u32,
 }
 
 impl<L: Wide> RowVectors<L> {
-    /// The first rows.
+    /// The first rows of a block.
     #[inline(always)]
-    pub fn new(lanes: L, constants: &RowConstants<i64>) -> Self {
+    pub fn new(lanes: L, constants: &RowConstants<i64>, block: &RowBlock) -> Self {
         let splat = |value| lanes.wide_splat(value);
         let width = L::WIDE as i64;
         let rows: [i64; WORDS] = [0, 1, 2, 3, 4, 5, 6, 7];
         let pairs: [i64; WORDS] = [0, 0, 1, 3, 6, 10, 15, 21];
         let [rows, pairs] = [lanes.wide_load(&rows), lanes.wide_load(&pairs)];
         let times = |rows: L::Word, value| lanes.wide_mul_whole(rows, splat(value));
-        let [vertical, change, second] = constants.vertical;
+        let ([vertical, change], second) = (block.vertical, constants.curve);
         // From row k to row k + w: w (change + k second) + w (w - 1) / 2 second.
         let along = change
             .wrapping_mul(width)
@@ -42,13 +44,14 @@ impl<L: Wide> RowVectors<L> {
         let curved = lanes.wide_add(times(rows, change), times(pairs, second));
         let along_of_row = times(rows, second.wrapping_mul(width));
         RowVectors {
-            centre: lanes.wide_add(splat(constants.centre), times(rows, constants.shear)),
+            centre: lanes.wide_add(splat(block.centre), times(rows, constants.shear)),
             vertical: lanes.wide_add(splat(vertical), curved),
             slope: splat(constants.shear.wrapping_mul(width)),
             change: lanes.wide_add(splat(along), along_of_row),
             second: splat(second.wrapping_mul(width * width)),
             reach: splat(constants.reach),
             longest: splat(0),
+            limit: longest_rest(constants),
         }
     }
 
@@ -67,10 +70,10 @@ impl<L: Wide> RowVectors<L> {
         self.change = lanes.wide_add(self.change, self.second);
     }
 
-    /// Bits of what the rows behind us left of the cut-off that would be lost above the root's argument: 0 if it was less than 2^56.
+    /// Bits of what the rows behind us left of the cut-off that the root does not take: 0 if there are none.
     #[inline(always)]
     pub fn excess(&self, lanes: L) -> L::Word {
-        lanes.wide_shr(self.longest, lanes.wide_splat(56))
+        lanes.wide_shr(self.longest, lanes.wide_splat(self.limit.into()))
     }
 }
 
@@ -86,15 +89,16 @@ pub fn is_zero<L: Wide>(lanes: L, words: L::Word) -> bool {
 #[inline(always)]
 pub fn stays_near(constants: &RowConstants<i64>, count: usize) -> bool {
     let farthest = 1 << 60;
+    let is_near = |block: &RowBlock| block.centre.unsigned_abs() < farthest;
     has_short_squared_width(constants)
-        && constants.centre.unsigned_abs() < farthest
+        && constants.blocks.iter().all(is_near)
         && constants.shear.unsigned_abs() < farthest / (count + WORDS) as u64
 }
 
 /// Is 1 / A small enough for `SquaredWidth`?
 #[inline(always)]
 pub fn has_short_squared_width(constants: &RowConstants<i64>) -> bool {
-    // Designs of at most 15 bits multiply the root's argument in two halves.
-    let bits = if constants.drops.1 <= 15 { 15 } else { 32 };
+    // Designs of at most 18 bits multiply the root's argument in two halves.
+    let bits = if constants.drops.1 <= 18 { 18 } else { 32 };
     constants.squared_width.0 < 1 << bits && constants.squared_width.2 <= 30
 }

@@ -13,7 +13,7 @@ use super::tile::TILE;
 use core::ops::Range;
 use splatline::footprint::Footprint;
 use splatline::format::{RuntimeWidths, Widths};
-use splatline::raster::{BLOCK, EllipseSpans, RowConstants, VERTICAL_FRACTION, Window};
+use splatline::raster::{BLOCK, EllipseSpans, REST, RowConstants, Window};
 
 /// Most rows of a footprint in a tile.
 const ROWS: usize = TILE[1] as usize;
@@ -52,6 +52,13 @@ impl RuntimeRows {
     }
 }
 
+/// Bits of the longest rest of the cut-off that the root takes.
+#[inline(always)]
+pub fn longest_rest(constants: &RowConstants<i64>) -> u32 {
+    let bits = if constants.drops.1 <= 18 { 28 } else { 32 };
+    constants.vertical_fraction.saturating_sub(REST).min(31) + bits
+}
+
 /// The runs of one footprint's rows in one block of a tile.
 struct BlockSpans {
     x: [i64; ROOM],
@@ -85,21 +92,26 @@ impl Recurrences {
         }
         let [first, last] = constants.rows;
         self.count = usize::from(last.saturating_sub(first)).min(ROWS);
-        let [mut vertical, mut change, second] = constants.vertical;
-        let mut centre = constants.centre;
         let (mut far, mut long) = (0, 0);
-        let places = self.centre.iter_mut().zip(&mut self.vertical);
-        for (centre_of_row, vertical_of_row) in places.take(self.count) {
-            *centre_of_row = centre;
-            *vertical_of_row = vertical;
-            far |= centre ^ (centre >> 63);
-            long |= constants.reach.wrapping_sub(vertical).max(0);
-            centre = centre.wrapping_add(constants.shear);
-            vertical = vertical.wrapping_add(change);
-            change = change.wrapping_add(second);
+        let mut begin = 0;
+        for block in &constants.blocks {
+            let end = usize::from(block.end.saturating_sub(first)).min(ROWS);
+            let [mut vertical, mut change] = block.vertical;
+            let mut centre = block.centre;
+            let places = self.centre.iter_mut().zip(&mut self.vertical);
+            for (centre_of_row, vertical_of_row) in places.take(end).skip(begin) {
+                *centre_of_row = centre;
+                *vertical_of_row = vertical;
+                far |= centre ^ (centre >> 63);
+                long |= constants.reach.wrapping_sub(vertical).max(0);
+                centre = centre.wrapping_add(constants.shear);
+                vertical = vertical.wrapping_add(change);
+                change = change.wrapping_add(constants.curve);
+            }
+            begin = end;
         }
-        // Centres below 2^61, remaining radial indices below 2^56.
-        far >> 61 == 0 && long >> 56 == 0
+        // Centres below 2^61, what is left of the cut-off short enough for the root.
+        far >> 61 == 0 && long >> longest_rest(constants) == 0
     }
 }
 
@@ -255,6 +267,8 @@ pub struct RowWords<L: Wide> {
     drop_radial: RoundingShift<L>,
     drop_vertical: RoundingShift<L>,
     drop_first: RoundingShift<L>,
+    /// Left shifts of radial index and first difference, where lanes have more fraction bits than the products.
+    raises: [L::Word; 2],
 }
 
 impl<L: Wide> RowWords<L> {
@@ -267,9 +281,14 @@ impl<L: Wide> RowWords<L> {
             ..
         } = *constants;
         let (drop_dx, bits, drop_radial, drop_first) = constants.drops;
+        let raises = [drop_radial, drop_first].map(|drop| drop.min(0).unsigned_abs());
         let [drop_radial, drop_first] = [drop_radial, drop_first].map(|drop| drop.max(0) as u32);
-        let drop_vertical = VERTICAL_FRACTION.saturating_sub(constants.fraction);
-        let turns = turn_of(drop_radial).wrapping_add(turn_of(drop_vertical));
+        let drop_vertical = constants
+            .vertical_fraction
+            .saturating_sub(constants.fraction);
+        // A left shift drops the turn.
+        let turn = |drop, raise| if raise > 0 { 0 } else { turn_of(drop) };
+        let turns = turn(drop_radial, raises[0]).wrapping_add(turn_of(drop_vertical));
         RowWords {
             columns: [
                 first.max(visible - visible % BLOCK).into(),
@@ -279,13 +298,14 @@ impl<L: Wide> RowWords<L> {
             squared_width: SquaredWidth::new(math, constants),
             horizontal: math.splat(constants.horizontal),
             start: math.splat(constants.start.wrapping_sub(turns)),
-            unit: math.splat(constants.unit.wrapping_sub(turn_of(drop_first))),
+            unit: math.splat(constants.unit.wrapping_sub(turn(drop_first, raises[1]))),
             drop_dx: math.drop(drop_dx),
             turn_of_dx: math.splat(turn_of(drop_dx)),
             drop_along: math.drop(bits),
             drop_radial: math.drop(drop_radial),
             drop_vertical: math.drop(drop_vertical),
             drop_first: math.drop(drop_first),
+            raises: raises.map(|raise| math.splat(raise.into())),
         }
     }
 }
@@ -316,11 +336,12 @@ pub fn runs<L: Wide>(
     let along = math.mul(rows.horizontal, dx);
     // The product sees the lower 32 bits.
     let across = math.mul(math.dropped(along, rows.drop_along), dx);
+    let shifted = |value, drop, raise| math.lanes.wide_shl(math.dropped(value, drop), raise);
     let radial = math.add(
-        math.dropped(across, rows.drop_radial),
+        shifted(across, rows.drop_radial, rows.raises[0]),
         math.dropped(vertical, rows.drop_vertical),
     );
-    let first = math.dropped(along, rows.drop_first);
+    let first = shifted(along, rows.drop_first, rows.raises[1]);
     Runs {
         x,
         end,
@@ -333,8 +354,13 @@ pub fn runs<L: Wide>(
 #[inline(always)]
 pub fn excess<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) -> L::Word {
     // Designs of at most 15 bits keep dx below their mantissa, and all of a seed in 32 bits.
-    let bits = constants.drops.1;
-    let limit = if bits <= 15 { bits } else { bits.max(30) };
+    // So do those whose products are shifted to the left, which must not reach the sign.
+    let (_, bits, drop_radial, drop_first) = constants.drops;
+    let limit = if bits <= 15 || drop_radial.min(drop_first) < 0 {
+        bits
+    } else {
+        bits.max(30)
+    };
     lanes.wide_shr(large, lanes.wide_splat(limit.into()))
 }
 
@@ -342,11 +368,11 @@ pub fn excess<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) 
 #[inline(always)]
 pub fn is_tame(constants: &RowConstants<i64>) -> bool {
     let (_, bits, drop_radial, drop_first) = constants.drops;
+    // A product of two mantissas, shifted to the left, stays below 2^62, and below 2^31 times a lane's word.
+    let most_raised = (62 - 2 * bits as i32).clamp(0, 31);
     has_short_squared_width(constants)
         && constants.horizontal.unsigned_abs() <= 1 << bits
-        && drop_radial >= 0
-        && drop_first >= 0
-        && constants.fraction < VERTICAL_FRACTION
+        && drop_radial.min(drop_first) >= -most_raised
 }
 
 /// 1 / A on vectors, for half-widths sqrt(rest / A) by the root table, a multiplication and a shift that rounds.
@@ -354,6 +380,7 @@ struct SquaredWidth<L: Wide> {
     mantissa: L::Word,
     odd: L::Word,
     power: L::Word,
+    drop: L::Word,
 }
 
 impl<L: Wide> SquaredWidth<L> {
@@ -364,6 +391,7 @@ impl<L: Wide> SquaredWidth<L> {
             mantissa: math.splat(mantissa as i64),
             odd: math.splat(odd.into()),
             power: math.splat(power.into()),
+            drop: math.splat(constants.vertical_fraction.saturating_sub(REST).into()),
         }
     }
 
@@ -371,7 +399,7 @@ impl<L: Wide> SquaredWidth<L> {
     #[inline(always)]
     fn half_width(&self, math: Arithmetic<L>, rest: L::Word) -> L::Word {
         let (lanes, zero) = (math.lanes, math.splat(0));
-        let narrow = math.shr(rest, i64::from(VERTICAL_FRACTION) - 28);
+        let narrow = lanes.wide_shr(rest, self.drop);
         let squared = lanes.wide_mul_unsigned(self.mantissa, narrow);
         let squared = lanes.wide_shl(squared, self.odd);
         let (root, shift) = math.root_seed(squared);
@@ -382,22 +410,6 @@ impl<L: Wide> SquaredWidth<L> {
         let rounded = math.shr(math.plus(lanes.wide_shr(root, right), 1), 1);
         math.add(rounded, lanes.wide_shl(root, left))
     }
-}
-
-/// First and one past the last column of the rows' spans within the footprint's box, for rows that the ellipse reaches: those with a positive `rest`
-/// of the cut-off.
-#[inline(always)]
-pub fn columns<L: Wide>(
-    math: Arithmetic<L>,
-    constants: &RowConstants<i64>,
-    centre: L::Word,
-    rest: L::Word,
-) -> (L::Word, L::Word) {
-    let half = SquaredWidth::new(math, constants).half_width(math, rest);
-    let (low, high) = ends(math, centre, half);
-    let [first, last] = constants.bounds.map(|bound| math.splat(bound.into()));
-    let within = |column| math.max(math.min(column, last), first);
-    (within(low), within(high))
 }
 
 /// First column and one past the last whose sample points lie within `half` of the centre.

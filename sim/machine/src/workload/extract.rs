@@ -150,7 +150,7 @@ impl DesignJob for ExtractJob<'_> {
             let Window { first, end: last } = window(tile);
             u32::from(last[0] - first[0]) * u32::from(last[1] - first[1])
         };
-        let packet_bytes = 4 * Layout::new(&widths).words() as u32;
+        let packet_bytes = 4 * Layout::new(&widths, self.options.traversal).words() as u32;
         let mut workload = assemble(
             parts,
             pixels,

@@ -121,6 +121,20 @@ impl Scene {
         indices.map(|index| self.colour(index, camera)).collect()
     }
 
+    /// Leaves out harmonics of higher degrees than this.
+    pub fn limit_harmonics(&mut self, degree: u8) {
+        let Some(harmonics) = self.harmonics.as_mut().filter(|h| h.degree > degree) else {
+            return;
+        };
+        let [before, after] = [harmonics.degree, degree].map(gaussian::coefficient_count);
+        let splats = harmonics.coefficients.chunks(before);
+        harmonics.coefficients = splats.flat_map(|all| &all[..after]).copied().collect();
+        harmonics.degree = degree;
+        if degree == 0 {
+            self.harmonics = None;
+        }
+    }
+
     /// The colour of one splat; black if there is none of this number.
     pub fn colour(&self, index: usize, camera: &Camera) -> [f64; 3] {
         let Some(splat) = self.splats.get(index) else {

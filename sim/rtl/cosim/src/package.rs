@@ -5,9 +5,9 @@
 
 use anyhow::{Result, bail};
 use splatline::footprint::packet::{Field, Layout, VERSION};
-use splatline::format::{Rounding, Widths};
+use splatline::format::{Rounding, Traversal, Widths};
 use splatline::kernel::{entries, fill_gaussian};
-use splatline::raster::{BLOCK, GUARD};
+use splatline::raster::{BLOCK, GUARD, vertical_fraction};
 use splatline::rules::Rules;
 pub use splatline_sim::machine::primitive::TILE;
 use std::fmt::Write;
@@ -65,7 +65,7 @@ pub fn refusal(widths: &Widths) -> Option<String> {
             error.field, error.value
         ));
     }
-    if widths.rounding != Rounding::Nearest {
+    if widths.rounding == Rounding::Truncate {
         return Some("rounding = truncate: the circuit rounds to nearest".to_owned());
     }
     if radial > 27 {
@@ -103,7 +103,7 @@ pub fn text(name: &str, widths: &Widths) -> Result<String> {
          package splatline_pkg;\n\n"
     );
     parameters(&mut text, widths);
-    footprint(&mut text, &Layout::new(widths));
+    footprint(&mut text, &Layout::new(widths, Traversal::Spans));
     text.push_str(TYPES);
     text.push_str("endpackage\n");
     Ok(text)
@@ -116,7 +116,7 @@ fn parameters(text: &mut String, widths: &Widths) {
         .map(|entry| u32::BITS - entry.step.leading_zeros())
         .max()
         .unwrap_or(1);
-    let layout = Layout::new(widths);
+    let layout = Layout::new(widths, Traversal::Spans);
     let Widths {
         mantissa,
         subpixel,
@@ -131,8 +131,11 @@ fn parameters(text: &mut String, widths: &Widths) {
         accumulator,
         ..
     } = *widths;
-    let (sum, block, bits) = (accumulator + 5, BLOCK.ilog2(), layout.bits());
+    let (range, block, bits) = (widths.colour_range(), BLOCK.ilog2(), layout.bits());
+    let [colour_bits, sum] = [colour + range, accumulator + range + 1];
+    let even = u8::from(widths.rounding == Rounding::NearestEven);
     let [columns, rows] = TILE_BITS;
+    let vertical = vertical_fraction(widths);
     // Writing to a String cannot fail.
     let _ = writeln!(
         text,
@@ -147,10 +150,13 @@ fn parameters(text: &mut String, widths: &Widths) {
   localparam int ALPHA = {alpha};  // fraction bits of an opacity
   localparam int TRANSMITTANCE = {transmittance};  // fraction bits of the deep alpha channel
   localparam int COLOUR = {colour};  // fraction bits of a splat's colour
+  localparam int COLOUR_BITS = {colour_bits};  // and all of them
   localparam int ACCUMULATOR = {accumulator};  // fraction bits of a pixel's colour
-  localparam int SUM_BITS = {sum};  // bits of a pixel's colour: below 32, see blend.sv
-  localparam int BLOCK_BITS = {block};  // log2 of the columns between two seeds
-  localparam int GUARD = {GUARD};  // bits below the lanes' unit from which seeds are balanced
+  localparam int SUM_BITS = {sum};  // and all of them, see blend.sv
+  localparam logic TIES_TO_EVEN = 1'b{even};  // rounding of opacity, share and sums: halves to even, or up
+  localparam int BLOCK_BITS = {block};  // log2 of the columns, and of the rows, between two seeds
+  localparam int GUARD = {GUARD};  // bits below the lanes' and the rows' units from which seeds are balanced
+  localparam int VERTICAL = {vertical};  // fraction bits of C dy^2 down the rows
   localparam int TILE_COLUMN_BITS = {columns};  // log2 of a tile's columns
   localparam int TILE_ROW_BITS = {rows};  // log2 of a tile's rows
   localparam int PACKET_BITS = {bits};  // bits of a packet
@@ -168,7 +174,7 @@ fn footprint(text: &mut String, layout: &Layout) {
         signed,
         fraction,
         ..
-    } in layout.fields().iter().rev()
+    } in layout.fields().iter().rev().filter(|field| field.width > 0)
     {
         let sign = if *signed { "signed " } else { "" };
         let format = match fraction {

@@ -6,7 +6,7 @@
 
 use splatline::blend::Pixel;
 use splatline::footprint::packet::{Layout, VERSION};
-use splatline::format::Lean18;
+use splatline::format::{Lean18, Traversal};
 use splatline::raster::Window;
 use splatline::rules::Rules;
 use splatline_rtl::bench::Bench;
@@ -71,7 +71,7 @@ impl HandshakeScene {
         let circuit = Simulation::new(&library, 3, 0).unwrap();
         let mut bench = Bench::new(circuit, 3).unwrap();
         write_rules(&mut bench, &widths, &Rules::EWA).unwrap();
-        let layout = Layout::new(&widths);
+        let layout = Layout::new(&widths, Traversal::Spans);
         let packet = |index: &u32| layout.encode(&load.footprints[*index as usize]).to_vec();
         HandshakeScene {
             bench,
@@ -420,7 +420,7 @@ fn an_empty_window_reads_out_nothing() {
 /// Packets of arbitrary bits leave no splat stuck and the next tile untouched.
 #[test]
 fn hostile_packets_neither_hang_nor_linger() {
-    let layout = Layout::new(&Lean18::WIDTHS);
+    let layout = Layout::new(&Lean18::WIDTHS, Traversal::Spans);
     for lanes in LANES {
         let mut scene = HandshakeScene::new(lanes);
         let mut state = 17;

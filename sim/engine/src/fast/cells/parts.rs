@@ -136,30 +136,39 @@ impl<const DEEP: bool> CellParts<DEEP> {
         if !stays_near(constants, usize::from(count)) {
             return false;
         }
-        let mut rows = RowVectors::new(lanes, constants);
         let words = RowWords::new(math, constants);
-        let mut large = math.splat(0);
-        for start in (0..count).step_by(L::WIDE) {
-            let open = first_bits(usize::from(count - start));
-            let [first, last] = constants.visible;
-            for left in (first - first % BLOCK..last).step_by(BLOCK.into()) {
-                let columns = [left.into(), i64::from(left) + i64::from(BLOCK)];
-                let [centre, vertical] = [rows.centre, rows.vertical];
-                let runs = runs(math, &words, [centre, vertical], columns, &mut large);
-                let seen = [first.max(left) - left, (last - left).min(BLOCK)];
-                let block = Block {
-                    left,
-                    cells: [seen[0] / COLUMNS as u16, seen[1].div_ceil(COLUMNS as u16)],
-                    corner: usize::from(offset + start) * CELLS_OF_ROW
-                        + usize::from(left.wrapping_sub(window.first[0])) / COLUMNS,
-                    open,
-                };
-                let lengths = self.append(math, &runs, constants.second, &block);
-                visited = math.add(visited, lengths);
+        let (mut large, mut long) = (math.splat(0), math.splat(0));
+        let mut begin = 0;
+        for seeds in &constants.blocks {
+            let stop = seeds.end.saturating_sub(top).min(count);
+            if stop <= begin {
+                break;
             }
-            rows.step(lanes);
+            let mut rows = RowVectors::new(lanes, constants, seeds);
+            for start in (begin..stop).step_by(L::WIDE) {
+                let open = first_bits(usize::from(stop - start));
+                let [first, last] = constants.visible;
+                for left in (first - first % BLOCK..last).step_by(BLOCK.into()) {
+                    let columns = [left.into(), i64::from(left) + i64::from(BLOCK)];
+                    let [centre, vertical] = [rows.centre, rows.vertical];
+                    let runs = runs(math, &words, [centre, vertical], columns, &mut large);
+                    let seen = [first.max(left) - left, (last - left).min(BLOCK)];
+                    let block = Block {
+                        left,
+                        cells: [seen[0] / COLUMNS as u16, seen[1].div_ceil(COLUMNS as u16)],
+                        corner: usize::from(offset + start) * CELLS_OF_ROW
+                            + usize::from(left.wrapping_sub(window.first[0])) / COLUMNS,
+                        open,
+                    };
+                    let lengths = self.append(math, &runs, constants.second, &block);
+                    visited = math.add(visited, lengths);
+                }
+                rows.step(lanes);
+            }
+            long = math.add(long, rows.excess(lanes));
+            begin = stop;
         }
-        let too_large = math.add(rows.excess(lanes), excess(lanes, constants, large));
+        let too_large = math.add(long, excess(lanes, constants, large));
         let fits = lanes.marked(math.negate(too_large)) == 0;
         if fits {
             self.visited += lanes.sum(visited);

@@ -20,7 +20,7 @@ use splatline::Renderer;
 use splatline::blend::Pixel;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
-use splatline::format::{RuntimeWidths, Widths};
+use splatline::format::{RuntimeWidths, Traversal, Widths};
 use splatline::kernel::{entries, fill_gaussian};
 use splatline::rules::Rules;
 use splatline_sim::design::DesignChoice;
@@ -278,7 +278,7 @@ fn image(
         words.extend(padded.as_chunks::<4>().0);
     }
     let count = scene.splats.len();
-    let packet = Layout::new(widths).words().div_ceil(4);
+    let packet = Layout::new(widths, Traversal::Spans).words().div_ceil(4);
     let [columns, rows] = scene.view.viewport;
     let pixels = usize::from(columns) * usize::from(rows);
     let mut next = words.len() + 1;

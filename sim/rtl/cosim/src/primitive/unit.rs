@@ -182,7 +182,7 @@ impl Unit for PrimitiveUnit {
             });
         }
         let golden = Golden::new(widths, &load.rules)?;
-        let layout = Layout::new(widths);
+        let layout = Layout::new(widths, Traversal::Spans);
         let BenchWorkload {
             tiles, footprints, ..
         } = &load.workload;

@@ -194,7 +194,7 @@ impl WorkloadRandom {
         low + (high - low) * f64::from(self.bits(32)) / 2f64.powi(32)
     }
 
-    /// A part of a block; in half of the cases all of it.
+    /// A part of a block from its first row on; in half of the cases all of it.
     fn window(&mut self, block: [u16; 2]) -> Window {
         let mut window = Window {
             first: block,
@@ -207,6 +207,7 @@ impl WorkloadRandom {
                 window.first[axis] = block[axis] + a.min(b) as u16;
                 window.end[axis] = block[axis] + a.max(b) as u16 + 1;
             }
+            window.first[1] = block[1];
         }
         window
     }
@@ -260,7 +261,8 @@ impl WorkloadRandom {
             },
             cutoff,
             opacity: peak,
-            colour: [0; 3].map(|_: u32| self.bits(4 + widths.colour) >> self.below(8)),
+            colour: [0; 3]
+                .map(|_: u32| self.bits(widths.colour_range() + widths.colour) >> self.below(8)),
         };
         // In half of the cases the window lies on the ellipse's rim, which for large ones it would hardly meet by chance.
         let rim = self.below(2) == 0;

@@ -14,7 +14,7 @@ use crate::simulation::Simulation;
 use crate::unit::{Extent, Unit};
 use anyhow::{Context, Result};
 use splatline::footprint::packet::Layout;
-use splatline::format::Widths;
+use splatline::format::{Traversal, Widths};
 use splatline::math::{SoftFloat, reciprocal, square_root};
 use splatline::rules::Rules;
 use splatline::setup::cutoff;
@@ -64,7 +64,7 @@ impl Unit for TableUnits {
         let item = |number: &SoftFloat| Some(one_record(record(&bearing(*number))?.to_vec()));
         let items: Option<Vec<Item>> = load.iter().map(item).collect();
         let mut checker = TableChecker {
-            layout: Layout::new(&widths),
+            layout: Layout::new(&widths, Traversal::Spans),
             widths,
             numbers: load,
         };
@@ -111,7 +111,7 @@ impl Checker for TableChecker<'_> {
     fn check(&mut self, place: usize, answer: &[Vec<u32>]) -> Option<String> {
         let number = self.numbers[place];
         let bits = u32::from(self.widths.mantissa);
-        let Ok(got) = self.layout.decode(&packet(&answer[1])) else {
+        let Ok(got) = self.layout.decode(&packet(&answer[2])) else {
             return Some("a packet of another version".to_owned());
         };
         let rounded = SoftFloat::from_wide(number.mantissa.into(), number.exponent, bits);

@@ -14,7 +14,7 @@ use crate::unit::{Extent, Unit};
 use anyhow::{Context, Result};
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
-use splatline::format::RuntimeWidths;
+use splatline::format::{RuntimeWidths, Traversal};
 use splatline::math::SoftFloat;
 use splatline::rules::Rules;
 use splatline::setup::{Cull, setup};
@@ -138,7 +138,7 @@ impl Unit for SetupUnit {
         let design = RuntimeWidths::new(self.circuit.widths).ok();
         let mut checker = SetupChecker {
             design: design.context("widths out of range")?,
-            layout: Layout::new(&self.circuit.widths),
+            layout: Layout::new(&self.circuit.widths, Traversal::Spans),
             load,
             offered: Vec::new(),
             culled: [0; 6],
@@ -173,7 +173,7 @@ fn parts(load: SetupLoad) -> Vec<SetupLoad> {
 pub(super) fn channels(circuit: &Simulation) -> Result<Channels> {
     Ok(Channels {
         sources: vec![Channel::new(circuit, "record", &["record"])?],
-        sink: Channel::new(circuit, "packet", &["cull", "packet"])?,
+        sink: Channel::new(circuit, "packet", &["cull", "depth", "packet"])?,
         enable: None,
     })
 }
@@ -234,15 +234,16 @@ impl Checker for SetupChecker<'_> {
             self.culled[place(*cull)?] += 1;
         }
         let known = |reason: u32| Cull::ALL.get((reason as usize).wrapping_sub(1)).copied();
-        let (reason, got) = (answer[0][0], packet(&answer[1]));
+        let (reason, got) = (answer[0][0], packet(&answer[2]));
+        let depth = u64::from(answer[1][0]) | u64::from(answer[1][1]) << 32;
         let words = match (expected, reason) {
             (Ok(wanted), 0) => {
                 let length = self.layout.words();
-                if self.layout.encode(&wanted)[..length] == got[..length] {
+                if depth == wanted.depth && self.layout.encode(&wanted)[..length] == got[..length] {
                     return None;
                 }
                 match self.layout.decode(&got) {
-                    Ok(got) => in_words(&wanted, &got),
+                    Ok(got) => in_words(&wanted, &Footprint { depth, ..got }),
                     Err(error) => format!("no packet: {error:?}"),
                 }
             }
@@ -265,10 +266,6 @@ fn in_words(wanted: &Footprint, got: &Footprint) -> String {
             ("squared width", number(f.ldl.squared_width)),
             ("shear", number(f.ldl.shear)),
             ("vertical", number(f.ldl.vertical)),
-            (
-                "conic",
-                format!("{:?} * 2^{}", f.conic.mantissa, f.conic.exponent),
-            ),
             ("cut-off", f.cutoff.to_string()),
             ("opacity", f.opacity.to_string()),
             ("colour", format!("{:?}", f.colour)),
