@@ -203,13 +203,15 @@ fn unit_interval(value: f32) -> U4F28 {
     colour(value.clamp(0.0, 1.0).into())
 }
 
-/// The plane's normal at length 1. Products of four f32 neither overflow nor vanish in f64.
+/// The plane's normal at length 1. Products of f32 neither overflow nor vanish in f64, but their squares may.
 fn unit_normal([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> Option<Axis> {
-    let [x, y, z] = [b * z - c * y, c * x - a * z, a * y - b * x];
-    let length = libm::sqrt(x * x + y * y + z * z);
-    if length == 0.0 || !length.is_finite() {
+    let normal = [b * z - c * y, c * x - a * z, a * y - b * x];
+    let largest = normal.iter().fold(0.0f64, |m, value| m.max(value.abs()));
+    if !normal.iter().all(|value| value.is_finite()) || largest == 0.0 {
         return None;
     }
+    let [x, y, z] = normal.map(|value| value / largest);
+    let length = libm::sqrt(x * x + y * y + z * z);
     Some(axis([x / length, y / length, z / length]))
 }
 
