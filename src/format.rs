@@ -8,15 +8,18 @@
 //! # Conventions
 //!
 //! `Qm.n` is two's complement with `m` integer bits (sign not counted) and `n` fraction bits; `UQm.n` has no sign.
-//! Results that are kept are rounded to nearest, halves towards positive infinity, unless
-//! [`Widths::rounding`] says truncation; that choice covers the pixel path (opacity, transmittance, colour),
-//! where truncation shows as a darkening of deep stacks. Setup always rounds to nearest.
+//! Results that are kept are rounded to nearest, halves towards positive infinity. In the pixel path (opacity, transmittance,
+//! colour) [`Widths::rounding`] says how; truncation there shows as a darkening of deep stacks. Setup and the interpolation of the
+//! footprint table always round to nearest, halves up.
 
 /// What happens to the bits below a kept result in the pixel path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rounding {
     /// To nearest, halves up: no bias beyond half-way cases.
     Nearest,
+    /// To nearest, halves to even: what a fused multiply-add of single precision does ([`blend`](crate::blend)). Sums have at most the 23 bits
+    /// that one can add to ([`Widths::colour_range`]).
+    NearestEven,
     /// Towards negative infinity: cheapest, with a bias of half a unit in the last place per operation.
     Truncate,
 }
@@ -44,7 +47,7 @@ pub struct Widths {
     pub mantissa: u8,
     /// Fraction bits of a footprint's centre, in pixels (2 to 24).
     pub subpixel: u8,
-    /// Fraction bits of the radial index in the pixel lanes (8 to 44; at most 27 for 32-bit lanes).
+    /// Fraction bits of the radial index in the pixel lanes (8 to 44; at most 27 for 32-bit lanes: [`check_for`](Widths::check_for)).
     pub radial: u8,
     /// Base-2 logarithm of the number of intervals of the footprint table (2 to 14).
     pub table: u8,
@@ -146,6 +149,15 @@ impl Widths {
         ]
     }
 
+    /// Integer bits of colours and of their sums: 4, or what [`Rounding::NearestEven`] leaves of 23 bits for them. Brighter colours are
+    /// cut to the largest below `2^colour_range`.
+    pub const fn colour_range(&self) -> u8 {
+        match self.rounding {
+            Rounding::NearestEven if self.accumulator > 19 => 23u8.saturating_sub(self.accumulator),
+            _ => 4,
+        }
+    }
+
     /// Are all widths within the ranges for which the datapath's bounds hold?
     pub const fn check(&self) -> Result<(), WidthError> {
         let numbers = self.numbers();
@@ -163,7 +175,23 @@ impl Widths {
         }
         Ok(())
     }
+
+    /// The same, and does the radial index fit lanes of `L`? Four integer bits, the sign and [`radial`](Self::radial) fraction bits must.
+    pub const fn check_for<L: Lane>(&self) -> Result<(), WidthError> {
+        let most = L::BITS - 5;
+        if self.radial as u32 > most {
+            return Err(WidthError {
+                field: "radial",
+                value: self.radial,
+                range: (WIDTH_RANGES[RADIAL].1, most as u8),
+            });
+        }
+        self.check()
+    }
 }
+
+/// Place of `radial` in [`WIDTH_RANGES`].
+const RADIAL: usize = 4;
 
 /// The word in which a pixel lane keeps the radial index and its differences.
 ///
@@ -176,6 +204,8 @@ pub trait Lane: Copy + core::fmt::Debug + PartialEq {
     fn from_wide(value: i64) -> Self;
     /// Sign-extended value.
     fn to_wide(self) -> i64;
+    /// The value, 0 where it is negative.
+    fn from_zero(self) -> u64;
     /// Sum modulo the word.
     fn add(self, other: Self) -> Self;
 }
@@ -189,6 +219,11 @@ impl Lane for i32 {
     #[inline(always)]
     fn to_wide(self) -> i64 {
         self as i64
+    }
+    #[inline(always)]
+    fn from_zero(self) -> u64 {
+        // In 32 bits, which small processors compare in one instruction.
+        u64::from(self.max(0) as u32)
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -207,36 +242,82 @@ impl Lane for i64 {
         self
     }
     #[inline(always)]
+    fn from_zero(self) -> u64 {
+        self.max(0) as u64
+    }
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         self.wrapping_add(other)
     }
 }
 
-/// A complete choice of widths. An implementation must return widths that pass [`Widths::check`], best proven at
-/// compile time as the named designs do; the bounds of the whole datapath rest on it.
+/// A complete choice of widths; the bounds of the whole datapath rest on their check.
+///
+/// A design of one's own states its lanes and its widths. Widths out of range, or lanes too narrow for them, do not compile:
+///
+/// ```compile_fail
+/// use splatline::format::{Design, Standard24, Widths};
+///
+/// #[derive(Clone, Copy)]
+/// struct Mine;
+/// impl Design for Mine {
+///     type Lane = i32;
+///     const FIXED: Option<Widths> = Some(Widths { radial: 30, ..Standard24::WIDTHS });
+/// }
+/// let widths = Mine.widths();
+/// ```
+///
+/// With `radial: 27` it does. Widths that are not known before run time are [`RuntimeWidths`].
 pub trait Design: Copy {
     /// Word of the pixel lanes: `i32` needs `radial <= 27`.
     type Lane: Lane;
-    /// The widths; inlined to a constant for named designs.
-    fn widths(&self) -> Widths;
+    /// The widths, `None` of [`RuntimeWidths`].
+    const FIXED: Option<Widths>;
+    /// The widths; inlined to a constant where they are fixed.
+    #[inline(always)]
+    fn widths(&self) -> Widths {
+        const { fixed::<Self>() }
+    }
 }
 
-/// Widths chosen at run time; lanes are 64 bits wide.
+/// The widths of a design that passed their check for its lanes.
+const fn fixed<D: Design>() -> Widths {
+    match D::FIXED {
+        Some(widths) => {
+            assert!(
+                widths.check_for::<D::Lane>().is_ok(),
+                "a width is out of its range, or lanes are too narrow for `radial`"
+            );
+            widths
+        }
+        None => panic!("widths chosen at run time are RuntimeWidths"),
+    }
+}
+
+/// Widths chosen at run time; lanes are 64 bits wide unless told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RuntimeWidths(Widths);
+pub struct RuntimeWidths<L = i64>(Widths, core::marker::PhantomData<L>);
 
 impl RuntimeWidths {
     /// Checks the widths.
     pub const fn new(widths: Widths) -> Result<Self, WidthError> {
-        match widths.check() {
-            Ok(()) => Ok(RuntimeWidths(widths)),
+        RuntimeWidths::for_lanes(widths)
+    }
+}
+
+impl<L: Lane> RuntimeWidths<L> {
+    /// Checks the widths, also for lanes of `L`.
+    pub const fn for_lanes(widths: Widths) -> Result<Self, WidthError> {
+        match widths.check_for::<L>() {
+            Ok(()) => Ok(RuntimeWidths(widths, core::marker::PhantomData)),
             Err(error) => Err(error),
         }
     }
 }
 
-impl Design for RuntimeWidths {
-    type Lane = i64;
+impl<L: Lane> Design for RuntimeWidths<L> {
+    type Lane = L;
+    const FIXED: Option<Widths> = None;
     #[inline(always)]
     fn widths(&self) -> Widths {
         self.0
@@ -265,7 +346,8 @@ pub struct Classic8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Micro16;
 
-/// 18-bit multipliers (one operand of 18, the other of at most 27 bits: one DSP slice of today's FPGAs).
+/// 18-bit multipliers (one operand of 18, the other of at most 27 bits: one DSP slice of today's FPGAs). Every product of its pixels is also
+/// one fused multiply-add of single precision, bit for bit ([`blend`](crate::blend)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lean18;
 
@@ -326,14 +408,14 @@ impl Lean18 {
         subpixel: 12,
         radial: 22,
         table: 10,
-        interpolation: 16,
+        interpolation: 13,
         weight: 18,
-        peak: 24,
+        peak: 18,
         alpha: 18,
-        transmittance: 26,
-        colour: 14,
+        transmittance: 22,
+        colour: 15,
         accumulator: 20,
-        rounding: Rounding::Nearest,
+        rounding: Rounding::NearestEven,
     };
 }
 
@@ -379,46 +461,25 @@ impl Deep32 {
 
 impl Design for Classic8 {
     type Lane = i32;
-    #[inline(always)]
-    fn widths(&self) -> Widths {
-        const { checked(Self::WIDTHS) }
-    }
+    const FIXED: Option<Widths> = Some(Self::WIDTHS);
 }
 
 impl Design for Micro16 {
     type Lane = i32;
-    #[inline(always)]
-    fn widths(&self) -> Widths {
-        const { checked(Self::WIDTHS) }
-    }
+    const FIXED: Option<Widths> = Some(Self::WIDTHS);
 }
 
 impl Design for Lean18 {
     type Lane = i32;
-    #[inline(always)]
-    fn widths(&self) -> Widths {
-        const { checked(Self::WIDTHS) }
-    }
+    const FIXED: Option<Widths> = Some(Self::WIDTHS);
 }
 
 impl Design for Standard24 {
     type Lane = i32;
-    #[inline(always)]
-    fn widths(&self) -> Widths {
-        const { checked(Self::WIDTHS) }
-    }
+    const FIXED: Option<Widths> = Some(Self::WIDTHS);
 }
 
 impl Design for Deep32 {
     type Lane = i64;
-    #[inline(always)]
-    fn widths(&self) -> Widths {
-        const { checked(Self::WIDTHS) }
-    }
-}
-
-/// A named design with widths out of range does not compile.
-const fn checked(widths: Widths) -> Widths {
-    assert!(widths.check().is_ok());
-    widths
+    const FIXED: Option<Widths> = Some(Self::WIDTHS);
 }

@@ -81,7 +81,8 @@ impl Rules {
         ..Rules::EWA
     };
 
-    /// 3D Gaussian splatting: peak opacity, low-pass 0.3, opacity at most 0.999 and at least 1/255, stop before adding.
+    /// 3D Gaussian splatting: peak opacity, low-pass 0.3, opacity at least 1/255, stop before adding; at most 0.999, as gsplat has it (the
+    /// authors' own rasterizer has 0.99).
     pub const GAUSSIAN_3D: Rules = Rules {
         normalised: false,
         low_pass: SoftFloat {

@@ -14,6 +14,7 @@ pub use splatline_reference::{
     sheets, surface, texture, vector,
 };
 
+pub mod bake;
 pub mod cli;
 pub mod difference;
 pub mod digest;

@@ -14,6 +14,35 @@ use crate::rules::Rules;
 use crate::target::Target;
 
 /// A painter with 32-bit lanes and a packed table.
+///
+/// A [`Renderer`](crate::Renderer) takes it by itself; this is how to drive it, and a pixel loop of one's own, stage by stage:
+///
+/// ```
+/// use splatline::draw::Painter32;
+/// use splatline::kernel::{PackedTable, gaussian, pack};
+/// use splatline::setup::setup_for_spans;
+/// use splatline::target::Target;
+/// use splatline::{Camera, Gaussian, Micro16, Pixel, Rules};
+///
+/// const TABLE: [u32; 129] = gaussian(&Micro16::WIDTHS, 4);
+/// static WORDS: [u32; 128] = match pack(&TABLE, &Micro16::WIDTHS, 4) {
+///     Ok(words) => words,
+///     Err(_) => panic!("Micro16 has a packed table"),
+/// };
+/// let table = PackedTable::new(&WORDS, &Micro16::WIDTHS, 4).unwrap();
+/// let painter = Painter32::new(Micro16, &Rules::GAUSSIAN_3D, table).unwrap();
+///
+/// let view = Camera::look_at([0.0, 0.0, -4.0], [0.0; 3], [0.0, -1.0, 0.0], 45.0, [32, 32]).unwrap().view().unwrap();
+/// let splat = Gaussian::UNIT.splat().unwrap();
+/// let footprint = setup_for_spans(Micro16, &view, &Rules::GAUSSIAN_3D, &splat).unwrap();
+/// let mut pixels = [Pixel::clear(&Micro16::WIDTHS); 32 * 32];
+/// let mut target = Target::new(&mut pixels, view.window(), 32).unwrap();
+/// let mut runs = painter.runs(&footprint, &view.window()).unwrap();
+/// while let Some(run) = runs.next_span() {
+///     painter.paint(runs.with_pixels(run, &mut target)); // Or a loop of one's own.
+/// }
+/// assert!(pixels[16 * 32 + 16].transmittance() < 1 << 10);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Painter32<'a, D> {
     design: D,

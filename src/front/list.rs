@@ -11,6 +11,7 @@ use crate::rules::Compositing;
 
 /// The visible splats do not fit the display list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ListFull {
     /// Footprints for which the list has room.
     pub capacity: usize,

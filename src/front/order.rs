@@ -18,9 +18,15 @@ pub fn sort_by_key<T: Copy, K: Ord>(items: &mut [T], key: impl Fn(T) -> K) {
         let (Some(first), Some(last)) = (numbers.first(), numbers.get(end)) else {
             return;
         };
-        first.swap(last);
+        exchange(first, last);
         sift_down(numbers.get(..end).unwrap_or_default(), 0, &key);
     }
+}
+
+/// Not `Cell::swap`, which asks whether the two overlap and panics if they do.
+fn exchange<T: Copy>(a: &Cell<T>, b: &Cell<T>) {
+    let kept = a.replace(b.get());
+    b.set(kept);
 }
 
 /// Moves the item at `root` down until none of its two children has a larger key.
@@ -44,7 +50,7 @@ fn sift_down<T: Copy, K: Ord>(heap: &[Cell<T>], root: usize, key: &impl Fn(T) ->
         if larger <= moved {
             return;
         }
-        parent.swap(child);
+        exchange(parent, child);
         parent = child;
     }
 }

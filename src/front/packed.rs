@@ -61,6 +61,21 @@ impl<'a, D: Design> PackedList<'a, D> {
         }
     }
 
+    /// A list of `used` footprints that [`into_words`](PackedList::into_words) left in these words; `None` if they have no room for as many.
+    pub fn filled(design: D, words: &'a mut [u32], used: usize) -> Option<Self> {
+        let list = PackedList {
+            design,
+            words,
+            used,
+        };
+        (used <= list.capacity()).then_some(list)
+    }
+
+    /// The memory, to be [taken up](PackedList::filled) again with [`len`](PackedList::len).
+    pub fn into_words(self) -> &'a mut [u32] {
+        self.words
+    }
+
     /// Footprints on the list.
     pub fn len(&self) -> usize {
         self.used

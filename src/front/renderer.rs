@@ -53,6 +53,7 @@ pub struct Renderer<'t, D> {
 ///
 /// [`Renderer::with_table`] takes a table in lent memory, filled by [`fill`](crate::kernel::fill).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NoTable {
     /// The rules' kernel.
     pub kernel: Kernel,
@@ -62,6 +63,7 @@ pub struct NoTable {
 
 /// Why a picture could not be drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RenderError {
     /// The visible splats do not fit the display list.
     ListFull(ListFull),

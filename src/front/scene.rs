@@ -76,6 +76,7 @@ pub struct Scene<'a> {
 
 /// The scene does not fit the memory lent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SceneFull {
     /// Splats for which there is room.
     pub capacity: usize,

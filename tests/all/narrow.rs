@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{NarrowError, Painter, Painter32};
 use splatline::footprint::Footprint;
-use splatline::format::{Design, Micro16, Rounding, RuntimeWidths, Traversal, Widths};
+use splatline::format::{Design, Lean18, Micro16, Rounding, RuntimeWidths, Traversal, Widths};
 use splatline::kernel::{FootprintTable, PackedError, PackedTable, entries, fill_gaussian, pack};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
@@ -46,14 +46,8 @@ const LONG: Widths = Widths {
 };
 
 /// A design that exists for this test.
-#[derive(Clone, Copy, Debug)]
-struct NarrowWidths(Widths);
-
-impl Design for NarrowWidths {
-    type Lane = i32;
-    fn widths(&self) -> Widths {
-        self.0
-    }
+fn narrow(widths: Widths) -> RuntimeWidths<i32> {
+    RuntimeWidths::for_lanes(widths).unwrap()
 }
 
 fn table<const N: usize>(widths: &Widths) -> (Vec<u32>, [u32; N]) {
@@ -101,7 +95,7 @@ fn check<const N: usize>(
     splats: &[VolumeSplat],
 ) -> Result<(), TestCaseError> {
     let camera = view(0.2, -0.1, Projection::Perspective);
-    let design = NarrowWidths(widths);
+    let design = narrow(widths);
     let list: Vec<_> = splats
         .iter()
         .filter_map(|splat| setup(design, &camera, rules, splat).ok())
@@ -131,6 +125,7 @@ proptest! {
         check::<128>(FIRMWARE, &rules, &list)?;
         check::<512>(PLAIN, &rules, &list)?;
         check::<32>(LONG, &rules, &list)?;
+        check::<1024>(Lean18::WIDTHS, &rules, &list)?;
     }
 }
 
@@ -141,7 +136,7 @@ proptest! {
         let mut source = Source::new(&bytes);
         let (_, words) = table::<128>(&FIRMWARE);
         let packed = PackedTable::new(&words, &FIRMWARE, RANGE).unwrap();
-        let design = NarrowWidths(FIRMWARE);
+        let design = narrow(FIRMWARE);
         let painter = Painter32::new(design, &Rules::GAUSSIAN_3D, packed).unwrap();
         in_strips(&FIRMWARE, |target| painter.draw(&source.footprint(), target));
     }
@@ -168,6 +163,7 @@ fn packed_look_ups_equal_plain_ones() {
     check::<128>(FIRMWARE);
     check::<512>(PLAIN);
     check::<32>(LONG);
+    check::<1024>(Lean18::WIDTHS);
 }
 
 #[test]
@@ -209,13 +205,13 @@ fn what_is_not_narrow_is_refused() {
         ..FIRMWARE
     };
     assert_eq!(refused(short, RANGE), PackedError::Room);
-    let wide = NarrowWidths(Widths {
+    let wide = narrow(Widths {
         peak: 24,
         ..FIRMWARE
     });
     let error = Painter32::new(wide, &Rules::GAUSSIAN_3D, packed).unwrap_err();
     assert_eq!(error, NarrowError::Products);
-    let other = NarrowWidths(Widths {
+    let other = narrow(Widths {
         interpolation: 16,
         ..FIRMWARE
     });

@@ -12,7 +12,7 @@ use splatline::rules::Rules;
 pub const SPLATLINE_CLASSIC8: u32 = 0;
 /// 18-bit multipliers.
 pub const SPLATLINE_LEAN18: u32 = 1;
-/// 24-bit mantissas.
+/// 28-bit mantissas, 32-bit lanes.
 pub const SPLATLINE_STANDARD24: u32 = 2;
 /// 31-bit magnitudes.
 pub const SPLATLINE_DEEP32: u32 = 3;

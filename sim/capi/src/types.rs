@@ -57,8 +57,8 @@ pub struct SplatlineWidths {
     pub colour: u8,
     /// Fraction bits of the pixel's accumulated colour [4, 27].
     pub accumulator: u8,
-    /// Rounding in the pixel path: 0 to nearest (halves up), 1 truncation.
-    pub truncate: u8,
+    /// Rounding in the pixel path: 0 to nearest (halves up), 1 truncation, 2 to nearest (halves to even).
+    pub rounding: u8,
 }
 
 /// `mantissa * 2^exponent`.
@@ -209,7 +209,7 @@ pub struct SplatlineFootprint {
     pub colour: [u32; 3],
 }
 
-/// Columns and rows `first .. last`.
+/// Columns and rows `first .. end`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SplatlineWindow {
@@ -263,7 +263,11 @@ impl From<&Widths> for SplatlineWidths {
             transmittance: widths.transmittance,
             colour: widths.colour,
             accumulator: widths.accumulator,
-            truncate: u8::from(widths.rounding == Rounding::Truncate),
+            rounding: match widths.rounding {
+                Rounding::Nearest => 0,
+                Rounding::Truncate => 1,
+                Rounding::NearestEven => 2,
+            },
         }
     }
 }
@@ -284,10 +288,11 @@ impl SplatlineWidths {
             transmittance: self.transmittance,
             colour: self.colour,
             accumulator: self.accumulator,
-            rounding: if flag(self.truncate.into())? {
-                Rounding::Truncate
-            } else {
-                Rounding::Nearest
+            rounding: match self.rounding {
+                0 => Rounding::Nearest,
+                1 => Rounding::Truncate,
+                2 => Rounding::NearestEven,
+                _ => return Err(Error::Value),
             },
         };
         widths.check().map_err(|_| Error::Widths)?;
@@ -309,6 +314,51 @@ impl From<&SplatlineSplat> for VolumeSplat {
             }),
             weight: splat.weight.into(),
             colour: splat.colour.map(U4F28::from_bits),
+        }
+    }
+}
+
+impl From<&VolumeSplat> for SplatlineSplat {
+    fn from(splat: &VolumeSplat) -> Self {
+        SplatlineSplat {
+            centre: splat.centre.map(SplatlineSoftFloat::from),
+            axes: splat.axes.map(|axis| SplatlineAxis {
+                mantissa: axis.mantissa,
+                exponent: axis.exponent,
+            }),
+            weight: splat.weight.into(),
+            colour: splat.colour.map(U4F28::to_bits),
+        }
+    }
+}
+
+impl From<&View> for SplatlineView {
+    fn from(view: &View) -> Self {
+        let [a, b, c] = view.rotation.map(|row| row.map(I2F30::to_bits));
+        let [p, q, r] = view.pose.rotation_rest;
+        let joined = |[[a, b, c], [d, e, f], [g, h, i]]: [[i32; 3]; 3]| [a, b, c, d, e, f, g, h, i];
+        SplatlineView {
+            rotation: joined([a, b, c]),
+            rotation_rest: joined([p, q, r]),
+            eye: view.pose.position,
+            eye_exponent: view.pose.exponent,
+            focal: view.focal.map(SplatlineSoftFloat::from),
+            principal: view.principal.map(I32F32::to_bits),
+            near_depth: view.near.into(),
+            far_depth: view.far.into(),
+            ratio_low: view.limits.low.map(I32F32::to_bits),
+            ratio_high: view.limits.high.map(I32F32::to_bits),
+            viewport: view.viewport,
+            orthographic: (view.projection == Projection::Orthographic).into(),
+        }
+    }
+}
+
+impl From<Extended> for SplatlineExtended {
+    fn from(number: Extended) -> Self {
+        SplatlineExtended {
+            mantissa: number.value,
+            exponent: number.exponent,
         }
     }
 }

@@ -22,11 +22,5 @@ impl Firmware16 {
 
 impl Design for Firmware16 {
     type Lane = i32;
-    #[inline(always)]
-    fn widths(&self) -> Widths {
-        const {
-            assert!(Firmware16::WIDTHS.check().is_ok());
-            Firmware16::WIDTHS
-        }
-    }
+    const FIXED: Option<Widths> = Some(Firmware16::WIDTHS);
 }

@@ -31,10 +31,7 @@ impl FixedMemory {
         FixedMemory {
             footprints: Vec::new(),
             order: Order::new(),
-            strip: [Pixel {
-                colour: [0; 3],
-                transmittance: 0,
-            }; STRIP_PIXELS],
+            strip: [Pixel::EMPTY; STRIP_PIXELS],
         }
     }
 }

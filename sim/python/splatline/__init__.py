@@ -13,6 +13,7 @@ kind, `splatline.stages` shows the kernel stage by stage. Records are dictionari
 raises `splatline.Error` in the command line's words. `python -m splatline` is the command line.
 """
 
+from . import study
 from ._calls import Rules, compare, fit, footprints, load, metrics, optimize, plan, render, simulate
 from ._native import Camera, Design, Error, Machine, Plan, __version__
 from ._picture import Picture
@@ -41,4 +42,5 @@ __all__ = [
     "plan",
     "render",
     "simulate",
+    "study",
 ]

@@ -14,10 +14,10 @@ from ._scene import Scene
 
 @dataclass(frozen=True)
 class Rules:
-    """Rules of blending: `3dgs` or `ewa`, with what differs from them.
+    """Rules of blending: `3dgs`, `inria` or `ewa`, with what differs from them.
 
-    Rules("3dgs", low_pass=0.1, alpha_max=0.99); keys are those of a plan file: kernel, normalised, low_pass, spacing, cutoff, alpha_max,
-    alpha_min, minimum_transmittance, omit_finishing, clamp_jacobian.
+    Rules("3dgs", low_pass=0.1, alpha_max=0.99); keys are those of a plan file: kernel, normalised, low_pass, compensated, spacing, cutoff,
+    alpha_max, alpha_min, minimum_transmittance, omit_finishing, clamp_jacobian.
     """
 
     name: str
@@ -91,7 +91,8 @@ def render(scene, camera=None, design="standard24", *, threads=None, repeat=1, v
 
     threads  all processors unless given; repeat  draws so often, times are medians; vectors  avx2, avx512 or portable
     """
-    return Picture(*plan(scene, camera, design, **options).draw(threads, repeat, vectors))
+    what = plan(scene, camera, design, **options)
+    return Picture(*what.draw(threads, repeat, vectors), what)
 
 
 @dataclass(frozen=True)
@@ -113,12 +114,13 @@ def compare(scene, camera=None, design="standard24", *, threads=None, repeat=1, 
 
     all_designs  also every named design by both traversals, in record["table"]; formats  also fp32, fp16 and bfloat16, in record["formats"]
     """
-    fixed, reference, record = plan(scene, camera, design, **options).compare(threads, repeat, all_designs, formats)
-    return Comparison(Picture(fixed, record), Picture(reference, record), record)
+    what = plan(scene, camera, design, **options)
+    fixed, reference, record = what.compare(threads, repeat, all_designs, formats)
+    return Comparison(Picture(fixed, record, what), Picture(reference, record), record)
 
 
 def metrics(picture, reference) -> dict:
-    """Errors of a picture (array or `Picture`, height x width x 4) against another, per channel group in units of 1.0."""
+    """Errors of a picture (array or `Picture`, height x width x 4) against another, per channel group in units of 1.0, and FLIP."""
     arrays = [np.ascontiguousarray(one, np.float64) for one in (picture, reference)]
     return _native.metrics_of(*arrays)
 
@@ -156,10 +158,11 @@ def _plans(frames, camera, design, options):
     return [plan(frame, camera, design, **options) for frame in frames]
 
 
-def fit(frames, camera=None, design="standard24", *, rms_error=None, largest_error=None, **options) -> dict:
-    """The smallest design within a limit on its error over one frame or several (scenes or plans); `design` is where it starts."""
-    limits = {"rms_error": rms_error, "largest_error": largest_error}
-    limits = {name: bound for name, bound in limits.items() if bound is not None}
+def fit(frames, limits, camera=None, design="standard24", **options) -> dict:
+    """The smallest design within limits on its errors over one frame or several (scenes or plans); `design` is where it starts.
+
+    limits  quantity -> bound: psnr_db at least; rms_error, largest_error, percentile99 and flip at most
+    """
     return _native.fit_widths(_plans(frames, camera, design, options), limits)
 
 
@@ -167,7 +170,7 @@ def optimize(frames, limits, camera=None, design="standard24", *, part=None, spa
     """The cheapest design and machine that hold all limits over one frame or several, or the limits that cannot be held.
 
     limits  quantity -> bound: frames_per_second and psnr_db at least; luts, flip_flops, dsps, memory_kbit, bytes_per_second, largest_error,
-            rms_error and millijoules_per_frame at most
+            rms_error, percentile99, flip and millijoules_per_frame at most
     part    a part whose limits are added; space  text of a space file
     """
     return _native.search_cheapest(_plans(frames, camera, design, options), limits, part, space)

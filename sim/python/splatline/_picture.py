@@ -20,6 +20,7 @@ class Picture:
 
     rgba: np.ndarray
     record: dict = field(default_factory=dict, repr=False)
+    plan: _native.Plan | None = field(default=None, repr=False)
 
     @property
     def colour(self) -> np.ndarray:
@@ -30,6 +31,25 @@ class Picture:
     def alpha(self) -> np.ndarray:
         """1 - transmittance, (height, width)."""
         return self.rgba[..., 3]
+
+    @property
+    def depth(self) -> np.ndarray:
+        """Mean depth along the view, weighted as the colours are, scene units, (height, width); NaN where nothing is drawn.
+
+        Drawn when it is asked for, by the same plan, with each splat's depth in place of its colour.
+        """
+        plan = self.plan
+        if plan is None or plan.scene.kind != "splats":
+            raise _native.Error("depth is that of splats drawn by `render`")
+        scene, camera, settings = plan.scene, plan.camera, plan.to_dict()
+        along = camera.world_to_camera[2]
+        depths = np.maximum(scene.centres @ along[:3] + along[3], 0.0)
+        colours = np.repeat(depths[:, None], 3, axis=1)
+        with_depths = _native.Scene.from_axes(scene.centres, scene.axes, scene.weights, colours, None, scene.weight, scene.up, scene.name)
+        technique, engine = settings["technique"], settings["engine"]
+        drawn = _native.Plan(with_depths, camera, technique, plan.design, engine, None, plan.machine).draw()[0]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.where(drawn[..., 3] > 0, drawn[..., 0] / drawn[..., 3], np.nan)
 
     @property
     def counts(self) -> dict:

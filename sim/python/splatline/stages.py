@@ -37,10 +37,11 @@ def _mask(bits: int) -> int:
 class Packets:
     """Footprint packets: `words`, uint32 of shape (n, words), least significant first, and what is in them.
 
-    Those of culled splats are 0; `culled[i]` says why splat i has none, or None.
+    Those of culled splats are 0; `culled[i]` says why splat i has none, or None. `depth` are the keys by which they are sorted, which no packet holds.
     """
 
     words: np.ndarray
+    depth: np.ndarray
     fields: dict[str, Field]
     culled: list
     splats: np.ndarray
@@ -56,11 +57,10 @@ class Packets:
         raw = (padded[:, first] | padded[:, first + 1] << np.uint64(32)) >> np.uint64(shift)
         if shift:
             raw |= padded[:, first + 2] << np.uint64(64 - shift)
-        raw &= np.uint64(_mask(field.bits))
-        raw = raw.astype(np.int64)
+        values = (raw & np.uint64(_mask(field.bits))).astype(np.int64)
         if field.signed:
-            raw = (raw ^ 1 << field.bits - 1) - (1 << field.bits - 1)
-        return FixedArray(raw, field.bits, field.fraction, field.signed)
+            values = (values ^ 1 << field.bits - 1) - (1 << field.bits - 1)
+        return FixedArray(values, field.bits, field.fraction, field.signed)
 
     def to_bytes(self) -> bytes:
         """All packets, words little-endian."""
@@ -73,9 +73,9 @@ class Packets:
     def sorted(self) -> Packets:
         """Those that are drawn, nearest first, ties by the splat's number: the order in which they are composited."""
         drawn = np.array([reason is None for reason in self.culled])
-        order = np.argsort(self["depth"].raw, kind="stable")
+        order = np.argsort(self.depth, kind="stable")
         order = order[drawn[order]]
-        return Packets(self.words[order], self.fields, [None] * len(order), self.splats[order])
+        return Packets(self.words[order], self.depth[order], self.fields, [None] * len(order), self.splats[order])
 
 
 @dataclass(frozen=True)
@@ -116,29 +116,29 @@ class Stages:
     def setup(self, splats=None) -> Packets:
         """Packets of these splats, or of all."""
         splats = None if splats is None else [int(splat) for splat in splats]
-        words, culled = self._kernel.setup(splats)
-        return Packets(words, self.fields, culled, np.arange(len(words)) if splats is None else np.array(splats))
+        words, depth, culled = self._kernel.setup(splats)
+        return Packets(words, depth, self.fields, culled, np.arange(len(words)) if splats is None else np.array(splats))
 
     def packets(self, words) -> Packets:
         """Packets from words of 32 bits, (n, words), or from their bytes, little-endian."""
         if isinstance(words, (bytes, bytearray, memoryview)):
             words = np.frombuffer(words, "<u4").reshape(-1, self.packet_words)
         words = np.ascontiguousarray(words, np.uint32)
-        return Packets(words, self.fields, [None] * len(words), np.arange(len(words)))
+        return Packets(words, np.zeros(len(words), np.int64), self.fields, [None] * len(words), np.arange(len(words)))
 
     def spans(self, packet, window=None) -> Records:
         """Spans of adjacent pixels: row, column, pixels, radial index at the first, its difference, the difference's difference."""
         raw, fraction = self._kernel.spans_of(np.ascontiguousarray(packet, np.uint32), window)
-        fields = [("row", 16, False, 0), ("column", 16, False, 0), ("length", 16, False, 0)]
-        fields += [(name, 64, True, fraction) for name in ("radial", "first", "second")]
-        return Records("spans", self.spans.__doc__, {name: Field(name, 0, *rest) for name, *rest in fields}, raw)
+        fields = [Field(name, 0, 16, False, 0) for name in ("row", "column", "length")]
+        fields += [Field(name, 0, 64, True, fraction) for name in ("radial", "first", "second")]
+        return Records("spans", "spans of adjacent pixels", {field.name: field for field in fields}, raw)
 
     def radial(self, packet, window=None) -> Records:
         """Pixels inside the footprint with their radial indices, in the order of the spans."""
         raw = self._kernel.radial_indices(np.ascontiguousarray(packet, np.uint32), window)
         bits = self.widths["radial"]
         fields = [Field("row", 0, 16, False, 0), Field("column", 0, 16, False, 0), Field("radial", 0, bits + 4, False, bits)]
-        return Records("radial", self.radial.__doc__, {field.name: field for field in fields}, raw)
+        return Records("radial", "pixels inside a footprint", {field.name: field for field in fields}, raw)
 
     @property
     def table(self) -> FixedArray:

@@ -62,7 +62,7 @@ def _digest(*parts: str) -> str:
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
-_evaluations: dict[str, object] = {}
+_evaluations: dict[str, _native.Evaluation] = {}
 
 
 def evaluate(setup: bytes, points: list[list[int]]) -> list[list[str]]:
@@ -172,10 +172,11 @@ class Study:
         frames = frames if isinstance(frames, (list, tuple)) else [frames]
         self.plans = [_plan(frame) for frame in frames]
         self.path, self.text = Path(path), space
-        self._points = None
-        self.axes = _native.Space(space, points=False).axes()
-        self._parts = [part_ for *_, part_ in self.axes]
-        self.axes = {key: values for key, values, _ in self.axes}
+        self._points: list[list[int]] | None = None
+        axes = _native.Space(space, points=False).axes()
+        #: Values of every axis, the dearest first.
+        self.axes: dict[str, list] = {key: values for key, values, _ in axes}
+        self._parts = [changes for *_, changes in axes]
         self._errors, self._similarity, self._part = errors, similarity, part
         identity = json.loads(_native.identity(self.plans, space, part))
         # The space decides which points there are and not what comes of one: another may share the file.
@@ -273,7 +274,7 @@ class Study:
             flights = executor.map_array(evaluate, [setup] * len(jobs), jobs)
         else:
             flights = [executor.submit(evaluate, setup, job) for job in jobs]
-        open_ = {id(flight): (flight, job, 1) for flight, job in zip(flights, jobs)}
+        open_: dict = {id(flight): (flight, job, 1) for flight, job in zip(flights, jobs)}
         while open_:
             _wait([flight for flight, *_ in open_.values()])
             for flight, job, tries in [entry for entry in open_.values() if entry[0].done()]:
@@ -317,7 +318,8 @@ class Study:
         if local:
             setup = self._setup(threads or max(1, (os.cpu_count() or 1) // workers))
         executor = local or executor
-        bar, open_, left = _Progress(max(0, trials - done), progress), {}, trials - done
+        bar, left = _Progress(max(0, trials - done), progress), trials - done
+        open_: dict = {}
         try:
             while left > 0 or open_:
                 while left > 0 and len(open_) < workers:
@@ -344,6 +346,11 @@ class Study:
                 local.shutdown()
             bar.close()
         return study
+
+    def forget_failures(self) -> int:
+        """Lets the next run try again what is stored as failed; how many points that are."""
+        with self._database:
+            return self._database.execute("DELETE FROM splatline_points WHERE failure IS NOT NULL").rowcount
 
     def stored_point(self, point) -> dict | None:
         """Results of a point by name, empty if it was left out or failed; None if it is not stored."""

@@ -42,6 +42,10 @@ impl Kernel {
         self.design.widths()
     }
 
+    fn packet_layout(&self) -> Layout {
+        Layout::new(&self.widths(), self.traversal)
+    }
+
     fn window(&self, given: Option<[u16; 4]>) -> Window {
         let [columns, rows] = self.scene.view.viewport;
         let [x0, y0, x1, y1] = given.unwrap_or([0, 0, columns, rows]);
@@ -52,7 +56,7 @@ impl Kernel {
     }
 
     fn packet(&self, words: &[u32]) -> Result<Footprint> {
-        let layout = Layout::new(&self.widths());
+        let layout = self.packet_layout();
         ensure!(
             words.len() == layout.words(),
             "a packet has {} words of 32 bits: this design's have {}",
@@ -130,17 +134,18 @@ impl Kernel {
         raise(made)
     }
 
-    /// Fields of a packet: name, first bit, bits, signed, fraction bits.
+    /// Fields of a packet of the plan's traversal: name, first bit, bits, signed, fraction bits.
     fn layout(&self) -> Vec<(&'static str, u16, u8, bool, u8)> {
-        let layout = Layout::new(&self.widths());
+        let layout = self.packet_layout();
         let field = |f: &Field| (f.name, f.offset, f.width, f.signed, f.fraction);
-        layout.fields().iter().map(field).collect()
+        let fields = layout.fields().iter().filter(|f| f.width > 0);
+        fields.map(field).collect()
     }
 
     /// 32-bit words of a packet.
     #[getter]
     fn packet_words(&self) -> usize {
-        Layout::new(&self.widths()).words()
+        self.packet_layout().words()
     }
 
     /// Unit of the colours as a power of two.
@@ -161,18 +166,24 @@ impl Kernel {
         Ok(rules)
     }
 
-    /// Setup of these splats (all of them): packets, uint32 of shape (n, words), and why a splat has none, `None` where it has one.
+    /// Setup of these splats (all of them): packets, uint32 of shape (n, words), the keys that they are sorted by, int64, and why a splat has
+    /// none, `None` where it has one.
     #[pyo3(signature = (indices=None))]
     fn setup<'py>(
         &self,
         py: Python<'py>,
         indices: Option<Vec<usize>>,
-    ) -> PyResult<(Bound<'py, PyArray2<u32>>, Vec<Option<&'static str>>)> {
-        let layout = Layout::new(&self.widths());
+    ) -> PyResult<(
+        Bound<'py, PyArray2<u32>>,
+        Bound<'py, PyArray1<i64>>,
+        Vec<Option<&'static str>>,
+    )> {
+        let layout = self.packet_layout();
         let all = || (0..self.scene.splats.len()).collect();
         let indices = indices.unwrap_or_else(all);
         let mut reasons = Vec::with_capacity(indices.len());
         let mut words = Vec::with_capacity(indices.len() * layout.words());
+        let mut keys = Vec::with_capacity(indices.len());
         for index in &indices {
             let count = self.scene.splats.len();
             let splat = self
@@ -180,11 +191,12 @@ impl Kernel {
                 .splats
                 .get(*index)
                 .with_context(|| format!("splat {index}: there are {count}"));
-            let mut packet = [0; WORDS];
+            let (mut packet, mut key) = ([0; WORDS], 0);
             reasons.push(
                 match setup(self.design, &self.scene.view, &self.rules, raise(splat)?) {
                     Ok(footprint) => {
                         packet = layout.encode(&footprint);
+                        key = footprint.depth as i64;
                         None
                     }
                     Err(Cull::Near) => Some("near"),
@@ -195,10 +207,11 @@ impl Kernel {
                     Err(Cull::Outside) => Some("outside"),
                 },
             );
+            keys.push(key);
             words.extend(&packet[..layout.words()]);
         }
         let array = PyArray1::from_vec(py, words).reshape([indices.len(), layout.words()])?;
-        Ok((array, reasons))
+        Ok((array, PyArray1::from_vec(py, keys), reasons))
     }
 
     /// Spans of a packet in a window (x0, y0, x1, y1), int64 of shape (n, 6): row, column, pixels, radial index, first and second

@@ -31,7 +31,7 @@ fn depth(bits: u8) -> PyResult<Depth> {
     }
 }
 
-/// Errors of one picture against another, per channel group in units of 1.0.
+/// Errors of one picture against another, per channel group in units of 1.0, and FLIP.
 #[pyfunction]
 fn metrics_of<'py>(
     py: Python<'py>,
@@ -39,9 +39,9 @@ fn metrics_of<'py>(
     reference: PyReadonlyArray3<f64>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (picture, reference) = (convert::picture(&picture)?, convert::picture(&reference)?);
-    let errors = py.detach(|| metrics::compare(&picture, &reference));
-    let errors = errors.map_err(|error| convert::error(&error.into()))?;
-    convert::record(py, &ErrorFacts::from(&errors))
+    let errors = py.detach(|| metrics::compare_and_look(&picture, &reference));
+    let (errors, flip) = convert::raise(errors)?;
+    convert::record(py, &ErrorFacts::new(&errors, flip))
 }
 
 /// A picture file's bytes: `png`, `npy` or `exr`.

@@ -178,10 +178,13 @@ impl Plan {
         Camera(self.prepared.plan.camera.clone())
     }
 
-    /// The design.
+    /// The design, with the traversal that walks it.
     #[getter]
     fn design(&self) -> Design {
-        Design(self.prepared.plan.entry.design.clone())
+        let entry = &self.prepared.plan.entry;
+        let mut design = entry.design.clone();
+        design.traversal = entry.traversal;
+        Design(design)
     }
 
     /// The machine.
@@ -317,7 +320,7 @@ pub fn frames(plans: &[Bound<'_, Plan>]) -> Vec<Arc<Prepared>> {
         .collect()
 }
 
-/// The smallest design within limits on its error: the record of `splatline fit`; its start is the first plan's design.
+/// The smallest design within limits on its errors: the record of `splatline fit`; its start is the first plan's design.
 #[pyfunction]
 pub fn fit_widths<'py>(
     py: Python<'py>,
@@ -327,20 +330,10 @@ pub fn fit_widths<'py>(
     let frames = frames(&plans);
     let limits = limits(limit)?;
     let found = py.detach(|| {
-        let [limit] = &limits[..] else {
-            anyhow::bail!("fit takes one limit, and found {}", limits.len());
-        };
         let mut subject = subject(&frames, true, None)?;
         subject.traversal = Some(frames[0].plan.entry.traversal);
-        let (fitted, error) = fit::fit(&subject, limit, &|_| ())?;
-        fitted.with_context(|| {
-            let found = limit.quantity.of_error(&error).unwrap_or_default();
-            let name = &subject.design.name;
-            format!(
-                "design {name} itself has an error of {found:.3e}, above the budget of {:.3e}: start from a wider design or allow more",
-                limit.bound
-            )
-        })
+        let (fitted, error) = fit::fit(&subject, &limits, &|_| ())?;
+        fitted.with_context(|| fit::refusal(&subject.design.name, &limits, &error))
     });
     record(py, &raise(found)?)
 }

@@ -195,6 +195,7 @@ impl Scene {
                     AnyScene::Splats(_) => Contents::Splats {
                         transfer,
                         light: None,
+                        sh_degree: None,
                     },
                     AnyScene::Surface { .. } => Contents::Surface {
                         texture: None,

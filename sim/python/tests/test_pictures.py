@@ -72,6 +72,20 @@ def test_every_engine_draws(scene, camera, engine):
     assert picture.counts["splats"] == 300
 
 
+def test_depth_is_the_mean_of_the_splats():
+    camera = splatline.Camera.look_at((0, 0, 0), (0, 0, 1), (0, -1, 0), size=(33, 33))
+    near, far = 0.5, 0.75
+    scene = splatline.Scene.from_arrays([[0, 0, 2], [0, 0, 6]], [near, far], np.ones((2, 3)), scales=np.full((2, 3), [[0.2], [3.0]]))
+    depth = splatline.render(scene, camera).depth
+    # The first splat's share, and what it lets through of the second's.
+    shares = np.array([near, (1 - near) * far])
+    assert abs(depth[16, 16] - shares @ [2, 6] / shares.sum()) < 0.01
+    assert abs(depth[16, 0] - 6) < 1e-5
+    assert np.isnan(splatline.render(scene, camera.zoomed(0.05)).depth[0, 0])
+    with pytest.raises(splatline.Error, match="splats drawn by"):
+        _ = splatline.Picture(np.zeros((1, 1, 4))).depth
+
+
 def test_arrays_make_the_scene_that_they_came_from(camera, scene):
     again = splatline.Scene.from_arrays(scene.centres, scene.weights, scene.colours, axes=scene.axes)
     assert (splatline.render(again, camera).rgba == splatline.render(scene, camera).rgba).all()
@@ -170,11 +184,11 @@ def test_machines_and_searches_are_the_command_lines(tmp_path, scene, camera):
     causes = [name for name in units.dtype.names if name not in ("name",)]
     assert len(units) == len(record["cycles"]["units"]) and sum(units[name].sum() for name in causes) > 0
 
-    fitted = splatline.fit(scene, camera, rms_error=1e-3)
+    fitted = splatline.fit(scene, {"rms_error": 1e-3}, camera)
     assert command("fit", *view, "--metric", "rms", "--max-error", "1e-3", "-o", "fit.toml", folder=tmp_path).returncode == 0
     assert splatline.Design(str(tmp_path / "fit.toml")).widths == fitted["widths"]
-    with pytest.raises(splatline.Error, match="above the budget"):
-        splatline.fit(scene, camera, rms_error=0.0)
+    with pytest.raises(splatline.Error, match="standard24 itself has rms error"):
+        splatline.fit(scene, {"rms_error": 0.0}, camera)
 
     space = "[machine]\nlanes = [1, 2, 4, 8]\n"
     answer = splatline.optimize(scene, {"frames_per_second": 100.0}, camera, space=space)

@@ -55,6 +55,7 @@ def test_fields_of_packets_are_those_of_the_vectors(stages):
     packets = stages.setup(vectors["splat"].raw)
     for name in packets.fields:
         assert (packets[name] == vectors[name]).all(), name
+    assert (packets.depth == vectors["depth"].raw).all()
     assert [field.offset for field in packets.fields.values()] == [vectors.fields[name].offset for name in packets.fields]
 
 

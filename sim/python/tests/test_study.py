@@ -119,7 +119,7 @@ def test_a_killed_process_costs_its_points_only(complete, plan, tmp_path):
     assert killed and results(study) == results(complete)
 
 
-def test_a_point_that_ends_its_worker_twice_is_stored_as_failed(plan, tmp_path):
+def test_a_point_that_ends_its_worker_twice_is_stored_as_failed(complete, plan, tmp_path):
     class Deadly:
         """One point in three is the end of whoever computes it."""
 
@@ -137,6 +137,9 @@ def test_a_point_that_ends_its_worker_twice_is_stored_as_failed(plan, tmp_path):
     failed = [row for row in study.rows() if row["failure"]]
     assert len(study.rows()) == 32 and len(failed) == 8
     assert all("BrokenProcessPool" in row["failure"] for row in failed)
+    assert study.run(workers=2) == 0
+    assert study.forget_failures() == 8 and study.run(workers=2) == 8
+    assert results(study) == results(complete)
 
 
 def test_a_killed_scheduler_loses_nothing_that_was_stored(complete, camera, tmp_path):

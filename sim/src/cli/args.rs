@@ -1,5 +1,6 @@
 //! The options of every command. Names are stable: scripts and notebooks depend on them.
 
+use super::bake;
 use super::drawing_args::DrawingOptions;
 use super::info;
 use super::machine_args;
@@ -66,7 +67,7 @@ Examples:
   splatline footprints guitar.ply -o footprints.csv
   splatline footprints guitar.ply --engine float --camera camera.json -o reference.csv
 
-Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff; empty fields if the splat is culled.";
+Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,opacity,cutoff; empty fields if the splat is culled.";
 
 /// Fixed-point splatting against a float reference.
 ///
@@ -93,6 +94,9 @@ pub enum Command {
     /// Write where every splat lands as CSV.
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
+    /// Write a scene for a microcontroller's flash: pruned, 24 bytes a splat, as Rust constants or a file.
+    #[command(after_help = bake::EXAMPLES)]
+    Bake(bake::BakeOptions),
     /// Write the live page: one HTML file in which a scene can be turned and the kernel's widths changed.
     #[command(after_help = page::EXAMPLES)]
     Page(page::PageOptions),
@@ -111,9 +115,6 @@ pub enum Command {
     /// Sweep or optimize, by the name that both had before.
     #[command(hide = true, after_help = search_args::EXPLORE_EXAMPLES)]
     Explore(search_args::ExploreOptions),
-    /// Put the shards of a sweep together.
-    #[command(after_help = search_args::MERGE_EXAMPLES)]
-    Merge(search_args::MergeOptions),
     /// Find the smallest design within an error budget.
     #[command(after_help = search_args::FIT_EXAMPLES)]
     Fit(search_args::FitOptions),

@@ -6,7 +6,7 @@ use super::say::{Failure, print_result, warn};
 use super::search_args::{FitOptions, subject};
 use crate::design::DesignChoice;
 use crate::explore::evaluator::ErrorDetail;
-use crate::explore::fit::{Fit, design_toml, fit};
+use crate::explore::fit::{Fit, design_toml, fit, refusal};
 use crate::explore::limits::{Limit, Quantity};
 use crate::plan::DesignVariant;
 use crate::progress::ProgressMeter;
@@ -63,19 +63,7 @@ pub fn fitted(frames: &[NamedFrame], limits: &[Limit]) -> Result<Fit, Failure> {
     subject.traversal = Some(frames[0].prepared.plan.entry.traversal);
     let progress = ProgressMeter::spinner("searching");
     let (fitted, error) = fit(&subject, limits, &|what| progress.doing(what))?;
-    Ok(fitted.ok_or_else(|| {
-        let name = &subject.design.name;
-        let missed = limits
-            .iter()
-            .filter(|limit| limit.excess_of_error(Some(error)) > 0.0)
-            .map(|limit| {
-                let found = limit.quantity.of_error(&error).unwrap_or_default();
-                let (what, bound) = (limit.quantity.name(), limit.bound);
-                format!("{what} {found:.3e}, above {} {bound:.3e}", limit.of)
-            });
-        let missed = missed.collect::<Vec<_>>().join(" and ");
-        anyhow!("design {name} itself has {missed}: start from a wider --design or allow more")
-    })?)
+    Ok(fitted.ok_or_else(|| anyhow!(refusal(&subject.design.name, limits, &error)))?)
 }
 
 /// Widths, errors, and what each last bit is worth.

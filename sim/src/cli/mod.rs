@@ -5,6 +5,7 @@
 //! missing, malformed or contradictory). Errors go to stderr, results to stdout or to the named files.
 
 mod args;
+mod bake;
 mod compare;
 mod demo;
 mod drawing_args;
@@ -96,6 +97,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Bake(options)) => bake::run(&options),
         Some(Command::Page(options)) => page::run(&options),
         Some(Command::Info(options)) => info::run(&options),
         Some(Command::Completions(options)) => shell::completions(&options, Cli::command()),
@@ -106,7 +108,6 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Sweep(options)) => sweep::run(&options),
         Some(Command::Optimize(options)) => optimize::run(&options),
         Some(Command::Explore(options)) => explored(options),
-        Some(Command::Merge(options)) => sweep::merge(&options),
         Some(Command::Fit(options)) => fit::run(&options),
         Some(Command::Profile(options)) => profile::run(&options),
         Some(Command::Trace(options)) => trace::run(&options),
@@ -119,21 +120,20 @@ fn explored(options: ExploreOptions) -> Result<(), Failure> {
         search,
         space,
         limits,
-        shard,
         no_error,
         output,
     } = options;
     match (space, output) {
-        (Some(space), Some(output)) if !optimize::has_limits(&limits) => sweep::run(&SweepOptions {
-            search,
-            space,
-            shard,
-            no_error,
-            output,
-        }),
-        _ if shard.count > 1 || no_error => Err(Failure::Usage(
-            "--shard and --no-error are for sweeps; with a limit the space is searched in one piece, and without a limit on the error none is drawn"
-                .to_owned(),
+        (Some(space), Some(output)) if !optimize::has_limits(&limits) => {
+            sweep::run(&SweepOptions {
+                search,
+                space,
+                no_error,
+                output,
+            })
+        }
+        _ if no_error => Err(Failure::Usage(
+            "--no-error is for sweeps: without a limit on the error none is drawn".to_owned(),
         )),
         (space, output) => optimize::run(&OptimizeOptions {
             search,

@@ -288,7 +288,7 @@ fn announce(frame: &NamedFrame) -> Result<(), Failure> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     let scene = prepared.splats()?.scene;
-    print_result(&uncharged(scene, &prepared.plan.machine))
+    print_result(&charged(scene, &prepared.plan.machine))
 }
 
 fn from_scene(frame: &NamedFrame) -> Result<Modelled, Failure> {
@@ -305,19 +305,14 @@ fn from_scene(frame: &NamedFrame) -> Result<Modelled, Failure> {
     })
 }
 
-/// Says what the machine reads nothing for; nothing if there is nothing.
-fn uncharged(scene: &Scene, machine: &Config) -> String {
-    match &scene.harmonics {
-        Some(harmonics) if machine.harmonics_bytes == 0 => {
-            let degree = u32::from(harmonics.degree);
-            let values = 3 * ((degree + 1) * (degree + 1) - 1);
-            format!(
-                "harmonics of degree {degree} are not charged: --set harmonics_bytes={} reads {values} numbers of 16 bits for each splat that is seen\n",
-                2 * values
-            )
-        }
-        _ => String::new(),
-    }
+/// Says what the scene's harmonics are charged with; nothing if it has none.
+fn charged(scene: &Scene, machine: &Config) -> String {
+    scene.harmonics.as_ref().map_or(String::new(), |harmonics| {
+        format!(
+            "harmonics of degree {}: {} bytes are read for each splat that is seen (harmonics_bytes)\n",
+            harmonics.degree, machine.harmonics_bytes
+        )
+    })
 }
 
 fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> {

@@ -2,7 +2,6 @@
 
 use crate::design;
 use crate::explore::limits::Quantity;
-use crate::explore::sweep::Shard;
 use crate::framing::Orbit;
 use crate::hybrid::Points;
 use crate::machine::area::Family;
@@ -399,16 +398,4 @@ pub enum SceneKind {
     Surface,
     /// Texels of a photograph (.png, .jpg) on a plane
     Texture,
-}
-
-pub fn shard(text: &str) -> Result<Shard, String> {
-    let numbers = text
-        .split_once('/')
-        .and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
-    match numbers {
-        Some((index, count)) if (1..=count).contains(&index) && count <= 100_000 => {
-            Ok(Shard { index, count })
-        }
-        _ => Err("expected i/n with i from 1 to n".to_owned()),
-    }
 }

@@ -4,6 +4,7 @@
 //! share is done once: a design's errors, its rows for a tile size, their grouping for a shape of lanes. A search comes back to old rows, so it keeps
 //! some; a sweep does not, so it keeps none and holds the rows of one frame alone in memory.
 
+use super::bounds::FrameCounts;
 use super::space::{Space, SpacePart};
 use crate::design::{DesignChoice, traversal_name};
 use crate::fixed::{self, QuantisedScene, best_engine};
@@ -54,11 +55,19 @@ impl<'a> Subject<'a> {
     /// Frames with the design and the machine that the first one's plan has, and no references yet.
     pub fn new(frames: Vec<&'a Prepared>) -> Result<Subject<'a>> {
         let plan = &frames.first().context("there is no frame")?.plan;
+        // Of several scenes, the one with most harmonics.
+        let harmonics = frames
+            .iter()
+            .map(|frame| frame.plan.machine.harmonics_bytes);
+        let machine = Config {
+            harmonics_bytes: harmonics.max().unwrap_or(0),
+            ..plan.machine
+        };
         Ok(Subject {
             references: Vec::new(),
             design: plan.entry.design.clone(),
             traversal: None,
-            machine: plan.machine,
+            machine,
             calibration: Calibration::default(),
             energy: EnergyTable::default(),
             frames,
@@ -111,6 +120,17 @@ pub struct ErrorDetail {
 }
 
 impl DesignError {
+    /// That of the reference itself, by every measure.
+    pub fn none() -> DesignError {
+        DesignError {
+            detail: Some(ErrorDetail {
+                ssim: 1.0,
+                ..ErrorDetail::default()
+            }),
+            ..DesignError::default()
+        }
+    }
+
     /// How far the colours of a picture are from the reference's: what [`metrics::compare`] says of them, without detail.
     pub fn of(picture: &Picture, reference: &Picture) -> Result<DesignError> {
         let size = |picture: &Picture| (picture.width, picture.height, picture.pixels.len());
@@ -309,6 +329,7 @@ pub struct Evaluator<'a> {
     errors: Cache<(DesignKey, usize), DesignError>,
     workloads: Cache<(WorkKey, usize), Arc<Workload>>,
     groupings: Cache<(WorkKey, usize, LaneShape), Arc<LaneWork>>,
+    counts: Cache<usize, FrameCounts>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -328,22 +349,32 @@ impl<'a> Evaluator<'a> {
             errors: Cache::new(usize::MAX),
             workloads: Cache::new(MOST_WORKLOADS),
             groupings: Cache::new(MOST_GROUPINGS),
+            counts: Cache::new(usize::MAX),
         }
     }
 
     /// The design and the machine of a point.
     pub fn choice(&self, space: &Space, point: &[usize]) -> Result<Choice> {
-        let subject = self.subject;
-        let settings = space.settings(point, |part| part == SpacePart::Design);
-        let design = changed(&subject.design, &settings)?;
-        let swept = settings.iter().any(|(key, _)| *key == "traversal");
-        let traversal = if swept { None } else { subject.traversal };
-        let mut machine = subject.machine;
-        for (key, value) in space.settings(point, |part| part != SpacePart::Design) {
-            machine.set("space", key, value)?;
-        }
-        let variant = DesignVariant::new(design, traversal);
+        let variant = self.variant(space, point)?;
+        let machine = self.machine(space, point)?;
         Ok(Choice { variant, machine })
+    }
+
+    /// The design of a point.
+    pub fn variant(&self, space: &Space, point: &[usize]) -> Result<DesignVariant> {
+        let settings = space.settings(point, |part| part == SpacePart::Design);
+        let design = changed(&self.subject.design, &settings)?;
+        let swept = settings.iter().any(|(key, _)| *key == "traversal");
+        let traversal = if swept { None } else { self.subject.traversal };
+        Ok(DesignVariant::new(design, traversal))
+    }
+
+    /// The machine of a point.
+    pub fn machine(&self, space: &Space, point: &[usize]) -> Result<Config> {
+        let mut machine = self.subject.machine;
+        let settings = space.settings(point, |part| part != SpacePart::Design);
+        machine.set_all("space", &settings)?;
+        Ok(machine)
     }
 
     /// The errors of a design over some frames; nothing without references.
@@ -426,7 +457,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The rows of a frame by a design, in tiles of a size.
-    fn workload(
+    pub fn workload(
         &self,
         variant: &DesignVariant,
         tile: [u16; 2],
@@ -439,13 +470,16 @@ impl<'a> Evaluator<'a> {
     }
 
     fn frame_cost(&self, choice: &Choice, workload: &Workload, work: &LaneWork) -> FrameCost {
+        self.cost(choice, &simulate(workload, work, &choice.machine))
+    }
+
+    fn cost(&self, choice: &Choice, timing: &Timing) -> FrameCost {
         let Choice { variant, machine } = choice;
-        let timing = simulate(workload, work, machine);
         let (widths, table) = (&variant.design.widths, &self.subject.energy);
-        let energy = energy::estimate(widths, variant.traversal, machine, &timing, table);
+        let energy = energy::estimate(widths, variant.traversal, machine, timing, table);
         let lanes = timing.units.get("lanes");
         FrameCost {
-            pace: self.throughput(choice, &timing),
+            pace: self.throughput(choice, timing),
             cycles: [timing.geometry, timing.sort, timing.raster, timing.total],
             lanes: [
                 lanes.map_or(0.0, |unit| unit.utilisation),
@@ -498,19 +532,35 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// What a choice could reach at best: its area and its channels, with no error and no cycle. It scores no worse than the choice does.
-    pub fn at_best(&self, choice: &Choice) -> Reached {
-        self.reached(choice, Some(DesignError::default()), &[])
+    /// What a choice could reach at best on these frames: its area, no error, and the cycles and bytes that no machine goes below. It scores no worse
+    /// than the choice does.
+    pub fn at_best(&self, choice: &Choice, frames: &[usize]) -> Result<Reached> {
+        let mut costs = Vec::with_capacity(frames.len());
+        for frame in frames {
+            let counts = self.counts.get(*frame, || self.counted(*frame))?;
+            costs.push(self.cost(choice, &counts.least_timing(&choice.machine)));
+        }
+        Ok(self.reached(choice, Some(DesignError::none()), &costs))
+    }
+
+    /// What a frame has, by the design that all starts from.
+    fn counted(&self, frame: usize) -> Result<FrameCounts> {
+        let Subject {
+            design,
+            traversal,
+            machine,
+            ..
+        } = self.subject;
+        let variant = DesignVariant::new(design.clone(), *traversal);
+        let tile = [machine.tile_width, machine.tile_height];
+        let key = ((design_key(&variant), tile), frame);
+        let extract = || self.workload(&variant, tile, frame);
+        let workload = self.workloads.get(key, extract)?;
+        Ok(FrameCounts::of(&workload))
     }
 
     fn no_cost(&self, choice: &Choice) -> FrameCost {
-        FrameCost {
-            pace: self.throughput(choice, &Timing::default()),
-            cycles: [0; 4],
-            lanes: [0.0; 3],
-            packet_hit_rate: 0.0,
-            millijoules: 0.0,
-        }
+        self.cost(choice, &Timing::default())
     }
 }
 

@@ -99,6 +99,20 @@ pub fn fit(
     Ok((Some(fitted), error))
 }
 
+/// Why a search does not begin: which limits its start misses itself.
+pub fn refusal(design: &str, limits: &[Limit], error: &DesignError) -> String {
+    let missed = limits
+        .iter()
+        .filter(|limit| limit.excess_of_error(Some(*error)) > 0.0)
+        .map(|limit| {
+            let found = limit.quantity.of_error(error).unwrap_or_default();
+            let (what, bound) = (limit.quantity.name(), limit.bound);
+            format!("{what} {found:.3e}, above {} {bound:.3e}", limit.of)
+        });
+    let missed = missed.collect::<Vec<_>>().join(" and ");
+    format!("design {design} itself has {missed}: start from a wider design or allow more")
+}
+
 /// The text of a design file.
 pub fn design_toml(
     widths: &BTreeMap<&'static str, u8>,

@@ -9,27 +9,10 @@ use super::table::{RESULTS, ResultTable};
 use crate::metrics::Percentiles;
 use anyhow::{Result, anyhow};
 
-/// Part `index` (from 1) of `count`: every `count`-th group of points that share their picture's tile lists.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
-    /// From 1.
-    pub index: usize,
-    /// Number of shards.
-    pub count: usize,
-}
-
-impl Shard {
-    /// Whether a point belongs to this shard: contiguous blocks, so that shared work stays together.
-    pub fn holds(&self, point: usize, points: usize) -> bool {
-        point * self.count / points.max(1) + 1 == self.index
-    }
-}
-
-/// Runs all points of the shard that `done` does not hold yet. `progress` is called for every finished point.
+/// Runs all points that `done` does not hold yet. `progress` is called for every finished point.
 pub fn run(
     subject: &Subject,
     space: &Space,
-    shard: Shard,
     done: &ResultTable,
     out: &Appender,
     progress: &(dyn Fn() + Sync),
@@ -48,7 +31,7 @@ pub fn run(
     };
     let mut open: Vec<(usize, Choice)> = Vec::new();
     for (number, point) in space.points.iter().enumerate() {
-        if !shard.holds(number, space.points.len()) || done.rows.contains_key(&number) {
+        if done.rows.contains_key(&number) {
             continue;
         }
         let choice = evaluator.choice(space, point)?;
@@ -140,7 +123,7 @@ mod tests {
     const SPACE: &str = "[design]\nbase = [\"lean18\", \"standard24\"]\n[machine]\ntile_width = [8, 16]\nlanes = [1, 4]\n\
                          layout = [\"run\", \"quad\"]\nrow_cycles = [1, 3]\n";
 
-    fn sweep(shard: Shard, done: &ResultTable, path: &std::path::Path) {
+    fn sweep(done: &ResultTable, path: &std::path::Path) {
         let scene = synthetic::random_gaussians(300, 1, 2.0);
         let camera = synthetic::camera(48, 32);
         let space = Space::from_toml("s.toml", SPACE).unwrap();
@@ -150,18 +133,17 @@ mod tests {
         let mut subject = Subject::new(vec![&prepared]).unwrap();
         subject.draw_references().unwrap();
         let (out, _) = Appender::open(path, &heading(&space)).unwrap();
-        run(&subject, &space, shard, done, &out, &|| ()).unwrap();
+        run(&subject, &space, done, &out, &|| ()).unwrap();
     }
 
     #[test]
-    fn shards_and_resumed_sweeps_give_the_whole_sweep() {
+    fn a_resumed_sweep_gives_the_whole_sweep() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let read = |name: &str| {
             ResultTable::from_csv(&std::fs::read_to_string(path(name)).unwrap()).unwrap()
         };
-        let whole = Shard { index: 1, count: 1 };
-        sweep(whole, &ResultTable::default(), &path("whole.csv"));
+        sweep(&ResultTable::default(), &path("whole.csv"));
         let complete = read("whole.csv");
         assert_eq!(complete.rows.len(), 32);
         let left_out = complete
@@ -174,24 +156,9 @@ mod tests {
             .count();
         assert_eq!(left_out, 8, "quads of one lane");
 
-        let mut merged = ResultTable {
-            heading: complete.heading.clone(),
-            ..ResultTable::default()
-        };
-        for index in 1..=3 {
-            let name = format!("{index}.csv");
-            sweep(
-                Shard { index, count: 3 },
-                &ResultTable::default(),
-                &path(&name),
-            );
-            merged.merge(read(&name)).unwrap();
-        }
-        assert_eq!(merged, complete);
-
         let text = std::fs::read_to_string(path("whole.csv")).unwrap();
         std::fs::write(path("cut.csv"), &text[..text.len() / 2]).unwrap();
-        sweep(whole, &read("cut.csv"), &path("cut.csv"));
+        sweep(&read("cut.csv"), &path("cut.csv"));
         assert_eq!(read("cut.csv"), complete);
     }
 }

@@ -207,36 +207,6 @@ impl ResultTable {
         Ok(())
     }
 
-    /// Points of the space that it has no line for.
-    pub fn missing(&self, space: &Space) -> usize {
-        space.points.len() - self.rows.len().min(space.points.len())
-    }
-
-    /// Adds the lines of another shard. The same point may come twice only with the same result.
-    pub fn merge(&mut self, other: ResultTable) -> Result<(), String> {
-        if other.heading.is_empty() {
-            return Ok(());
-        }
-        if self.heading.is_empty() {
-            self.heading.clone_from(&other.heading);
-        }
-        if self.heading != other.heading {
-            return Err(
-                "the tables have different columns: they belong to different sweeps".to_owned(),
-            );
-        }
-        for (point, fields) in other.rows {
-            let known = self.rows.get(&point);
-            if known.is_some_and(|known| *known != fields) {
-                return Err(format!(
-                    "point {point} has different results in two tables: they belong to different sweeps"
-                ));
-            }
-            self.rows.insert(point, fields);
-        }
-        Ok(())
-    }
-
     /// Place of a column.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.heading.iter().position(|column| column == name)
@@ -309,29 +279,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shards_merge_and_foreign_tables_do_not() {
-        let mut first = ResultTable::from_csv("point,a\n2,x\n0,y\n").unwrap();
-        first
-            .merge(ResultTable::from_csv("point,a\n1,z\n2,x\n").unwrap())
-            .unwrap();
-        assert_eq!(first.to_csv(), "point,a\n0,y\n1,z\n2,x\n");
-        assert!(
-            first
-                .merge(ResultTable::from_csv("point,b\n").unwrap())
-                .is_err()
-        );
-        assert!(
-            first
-                .merge(ResultTable::from_csv("point,a\n1,q\n").unwrap())
-                .unwrap_err()
-                .contains("point 1")
-        );
-        assert!(
-            ResultTable::from_csv("a,b\n1,2\n").is_err()
-                && ResultTable::from_csv("point,a\n1\n")
-                    .unwrap_err()
-                    .contains("line 2")
-        );
+    fn what_is_no_table_is_refused() {
+        assert!(ResultTable::from_csv("a,b\n1,2\n").is_err());
+        let message = ResultTable::from_csv("point,a\n1\n").unwrap_err();
+        assert!(message.contains("line 2"), "{message}");
     }
 
     #[test]

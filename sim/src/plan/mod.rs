@@ -45,6 +45,9 @@ use std::sync::Arc;
 pub const NO_SURFACE_UNIT: &str = "the machine has no surface unit: its units set up, walk, look up and blend volume splats, and none of \
      them gathers surfaces by depth. render, compare, footprints, fit, needs and info take surfaces; model, explore and trace take splats only";
 
+/// Bytes of a factor of a harmonic in the machine's memory: 16 bits, of which a reader makes the words of `harmonics_unit.sv`.
+const BYTES_OF_HARMONIC: u32 = 2;
+
 /// Who draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -236,14 +239,25 @@ impl Plan {
 }
 
 impl Prepared {
-    /// A plan with its scene; `seconds` is what loading took.
-    pub fn new(plan: Plan, scene: Arc<AnyScene>, warnings: Vec<String>, seconds: f64) -> Prepared {
+    /// A plan with its scene; `seconds` is what loading took. A machine of which nobody said how many bytes of harmonics it reads reads the scene's.
+    pub fn new(
+        mut plan: Plan,
+        scene: Arc<AnyScene>,
+        warnings: Vec<String>,
+        seconds: f64,
+    ) -> Prepared {
         let flattened = match (&*scene, plan.source.contents.flattening()) {
             (AnyScene::Surface { scene, .. }, Some(factor)) => {
                 Some(flattened(scene, &plan.camera, factor))
             }
             _ => None,
         };
+        if let (AnyScene::Splats(splats), 0) = (&*scene, plan.machine.harmonics_bytes) {
+            plan.machine.harmonics_bytes = splats.harmonics.as_ref().map_or(0, |harmonics| {
+                let factors = (u32::from(harmonics.degree) + 1).pow(2) - 1;
+                BYTES_OF_HARMONIC * 3 * factors
+            });
+        }
         Prepared {
             plan,
             scene,

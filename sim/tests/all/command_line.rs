@@ -86,7 +86,7 @@ fn bad_input_is_exit_code_1_and_names_the_file() {
 }
 
 /// Every command that prints, with little work: what cannot be printed must not look printed.
-const PRINTING: [&[&str]; 19] = [
+const PRINTING: [&[&str]; 18] = [
     &["--help"],
     &["--version"],
     &["simulate", "--help"],
@@ -120,7 +120,6 @@ const PRINTING: [&[&str]; 19] = [
         "-o",
         "OUT/sweep",
     ],
-    &["merge", "OUT/sweep", "-o", "OUT/merged"],
     &[
         "trace",
         "random:9",

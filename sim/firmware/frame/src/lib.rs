@@ -5,9 +5,15 @@
 pub mod scene;
 
 use scene::{MOST, SIDE};
-use splatline::front::{CompactScene, PackedList, packed_words};
-use splatline::{Micro16, Pixel, Renderer};
+#[cfg(feature = "emulated")]
+use splatline::Renderer;
+use splatline::front::packed_words;
+#[cfg(feature = "emulated")]
+use splatline::front::{CompactScene, PackedList};
+use splatline::{Micro16, Pixel};
+#[cfg(feature = "emulated")]
 use splatline_firmware::checksum::Checksum;
+#[cfg(feature = "emulated")]
 use splatline_firmware::phase::phase_rest;
 
 /// Rows of a strip.
@@ -16,17 +22,21 @@ pub const STRIP: u16 = 8;
 /// What lies behind the scene: a dark blue.
 pub const BACKGROUND: u16 = 0x0883;
 
-const STRIP_PIXELS: usize = SIDE as usize * STRIP as usize;
+/// Pixels of a strip.
+pub const STRIP_PIXELS: usize = SIDE as usize * STRIP as usize;
 
 /// Words of the list.
-const WORDS: usize = MOST * packed_words(&Micro16::WIDTHS);
+pub const WORDS: usize = MOST * packed_words(&Micro16::WIDTHS);
 
 /// All memory that drawing needs beside the stack.
 #[derive(Debug)]
 pub struct FrameMemory {
-    list: [u32; WORDS],
-    strip: [Pixel; STRIP_PIXELS],
-    sent: [u16; STRIP_PIXELS],
+    /// The display list.
+    pub list: [u32; WORDS],
+    /// A strip.
+    pub strip: [Pixel; STRIP_PIXELS],
+    /// The same as it is sent.
+    pub sent: [u16; STRIP_PIXELS],
 }
 
 impl FrameMemory {
@@ -39,6 +49,7 @@ impl FrameMemory {
 }
 
 /// What came out.
+#[cfg(feature = "emulated")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameOutcome {
     /// Checksum of all pixels as they are sent.
@@ -48,6 +59,7 @@ pub struct FrameOutcome {
 }
 
 /// Draws a scene; `set_up` and `draw` are called before the phases for which instructions are counted. `None` if memory does not suffice.
+#[cfg(feature = "emulated")]
 pub fn draw(
     scene: &CompactScene,
     memory: &mut FrameMemory,
@@ -80,7 +92,7 @@ pub fn draw(
 }
 
 /// The same by the kernel's general painter with widths in fields, 64-bit lanes and an unpacked list, and the pixels that were covered.
-#[cfg(not(target_os = "none"))]
+#[cfg(all(feature = "emulated", not(target_os = "none")))]
 pub fn expected(scene: &CompactScene) -> (FrameOutcome, u64, Vec<u16>) {
     use splatline::footprint::Footprint;
     use splatline::format::RuntimeWidths;

@@ -13,9 +13,9 @@ pub const SIDE: u16 = 240;
 /// Splats of the largest scene.
 pub const MOST: usize = 3000;
 
-static FEW: [CompactSplat; 200] = splats(1024);
-static MANY: [CompactSplat; 1000] = splats(458);
-static ALL: [CompactSplat; MOST] = splats(264);
+static FEW: [CompactSplat; 200] = splats(809);
+static MANY: [CompactSplat; 1000] = splats(334);
+static ALL: [CompactSplat; MOST] = splats(169);
 
 /// The scenes, by number of splats.
 pub const SCENES: [CompactScene<'static>; 3] = [scene(&FEW), scene(&MANY), scene(&ALL)];
@@ -24,7 +24,7 @@ const fn scene(splats: &'static [CompactSplat]) -> CompactScene<'static> {
     CompactScene {
         origin: [0; 3],
         exponent: -14,
-        axis_exponent: -19,
+        axis_exponent: -18,
         colour_unit: (1 << 28) / 255,
         splats,
     }
@@ -40,7 +40,7 @@ impl SceneRandom {
     }
 }
 
-/// Splats in a box of 3.2 x 3.2 x 2 units, their axes up to `size` / 1024 of 1/13 of a unit.
+/// Splats in a box of 3.2 x 3.2 x 2 units, their axes up to `size` / 1024 of 1/8 of a unit.
 const fn splats<const N: usize>(size: i32) -> [CompactSplat; N] {
     let mut random = SceneRandom(7);
     let mut splats = [[0; 24]; N];

@@ -4,7 +4,7 @@
 //! fitted; two lanes and a design between the two have not been seen by the fit.
 
 use super::calibration::{Calibration, Family};
-use super::{Fabric, RESOURCES, lines_of, raster_unit};
+use super::{Fabric, RESOURCES, lines_of, raster_unit, units};
 use crate::config::Config;
 use crate::design::DesignChoice;
 use splatline::format::{Lean18, Rounding, Standard24, Traversal, Widths};
@@ -102,7 +102,7 @@ pub fn parse(text: &str) -> Option<Vec<Synthesised>> {
         };
         Some(Synthesised {
             design: design.to_owned(),
-            widths: widths_of(numbers.ok()?.try_into().ok()?),
+            widths: widths_of(design, numbers.ok()?.try_into().ok()?),
             family: Family::named(family)?,
             part,
             fabric,
@@ -110,11 +110,15 @@ pub fn parse(text: &str) -> Option<Vec<Synthesised>> {
     })
 }
 
-/// The circuit begins at the packet: how positions became footprints is nothing to it.
-fn widths_of(numbers: [u8; 12]) -> Widths {
+/// The circuit begins at the packet: how positions became footprints is nothing to it. It rounds as the design of this name does.
+fn widths_of(design: &str, numbers: [u8; 12]) -> Widths {
     let mut all = [Standard24::WIDTHS.position; 13];
     all[1..].copy_from_slice(&numbers);
-    Widths::from_numbers(all, Rounding::Nearest)
+    let known = subjects()
+        .into_iter()
+        .find(|subject| subject.name == design);
+    let rounding = known.map_or(Rounding::Nearest, |subject| subject.widths.rounding);
+    Widths::from_numbers(all, rounding)
 }
 
 /// The table's text.
@@ -215,13 +219,14 @@ pub fn statement(calibration: &Calibration) -> String {
     });
     format!(
         "area for {name}: the raster unit of sim/rtl (layout rows, one row a cycle) is estimated within {:.1} % of its synthesis{unseen} (LUT, FF, DSP, memory; \
-         docs/hardware.md); other layouts, geometry setup and queues around it are counted, not synthesised{}",
+         docs/hardware.md); sorter, binning, harmonics, readers and arbiter are their synthesis; other layouts, geometry setup and queues are counted{}; {}",
         100.0 * fitted,
         match calibration.family {
             Family::Ecp5 =>
                 ", but for geometry setup of a splat in eight cycles or more (docs/hardware.md)",
             _ => "",
-        }
+        },
+        units::LEFT_OUT
     )
 }
 

@@ -8,7 +8,7 @@ import splatline
 
 scene = splatline.load("random:2000")
 camera = splatline.Camera.framing(scene, size=(128, 128))
-found = splatline.fit(scene, camera, "lean18", rms_error=5e-4)
+found = splatline.fit(scene, {"rms_error": 5e-4}, camera, "lean18")
 mine = splatline.Design("lean18", **found["widths"])
 print(f"bits in all: lean18 {sum(splatline.Design('lean18').widths.values())}, mine {sum(mine.widths.values())}; binding: {found['binding']}")
 mine
