@@ -44,7 +44,7 @@ pub struct Widths {
     pub mantissa: u8,
     /// Fraction bits of a footprint's centre, in pixels (2 to 24).
     pub subpixel: u8,
-    /// Fraction bits of the radial index in the pixel lanes (8 to 44; at most 27 for 32-bit lanes).
+    /// Fraction bits of the radial index in the pixel lanes (8 to 44; at most 27 for 32-bit lanes: [`check_for`](Widths::check_for)).
     pub radial: u8,
     /// Base-2 logarithm of the number of intervals of the footprint table (2 to 14).
     pub table: u8,
@@ -163,7 +163,23 @@ impl Widths {
         }
         Ok(())
     }
+
+    /// The same, and does the radial index fit lanes of `L`? Four integer bits, the sign and [`radial`](Self::radial) fraction bits must.
+    pub const fn check_for<L: Lane>(&self) -> Result<(), WidthError> {
+        let most = L::BITS - 5;
+        if self.radial as u32 > most {
+            return Err(WidthError {
+                field: "radial",
+                value: self.radial,
+                range: (WIDTH_RANGES[RADIAL].1, most as u8),
+            });
+        }
+        self.check()
+    }
 }
+
+/// Place of `radial` in [`WIDTH_RANGES`].
+const RADIAL: usize = 4;
 
 /// The word in which a pixel lane keeps the radial index and its differences.
 ///
@@ -212,31 +228,73 @@ impl Lane for i64 {
     }
 }
 
-/// A complete choice of widths. An implementation must return widths that pass [`Widths::check`], best proven at
-/// compile time as the named designs do; the bounds of the whole datapath rest on it.
+/// A complete choice of widths; the bounds of the whole datapath rest on their check.
+///
+/// A design of one's own states its lanes and its widths. Widths out of range, or lanes too narrow for them, do not compile:
+///
+/// ```compile_fail
+/// use splatline::format::{Design, Standard24, Widths};
+///
+/// #[derive(Clone, Copy)]
+/// struct Mine;
+/// impl Design for Mine {
+///     type Lane = i32;
+///     const FIXED: Option<Widths> = Some(Widths { radial: 30, ..Standard24::WIDTHS });
+/// }
+/// let widths = Mine.widths();
+/// ```
+///
+/// With `radial: 27` it does. Widths that are not known before run time are [`RuntimeWidths`].
 pub trait Design: Copy {
     /// Word of the pixel lanes: `i32` needs `radial <= 27`.
     type Lane: Lane;
-    /// The widths; inlined to a constant for named designs.
-    fn widths(&self) -> Widths;
+    /// The widths, `None` of [`RuntimeWidths`].
+    const FIXED: Option<Widths>;
+    /// The widths; inlined to a constant where they are fixed.
+    #[inline(always)]
+    fn widths(&self) -> Widths {
+        const { fixed::<Self>() }
+    }
 }
 
-/// Widths chosen at run time; lanes are 64 bits wide.
+/// The widths of a design that passed their check for its lanes.
+const fn fixed<D: Design>() -> Widths {
+    match D::FIXED {
+        Some(widths) => {
+            assert!(
+                widths.check_for::<D::Lane>().is_ok(),
+                "a width is out of its range, or lanes are too narrow for `radial`"
+            );
+            widths
+        }
+        None => panic!("widths chosen at run time are RuntimeWidths"),
+    }
+}
+
+/// Widths chosen at run time; lanes are 64 bits wide unless told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RuntimeWidths(Widths);
+pub struct RuntimeWidths<L = i64>(Widths, core::marker::PhantomData<L>);
 
 impl RuntimeWidths {
     /// Checks the widths.
     pub const fn new(widths: Widths) -> Result<Self, WidthError> {
-        match widths.check() {
-            Ok(()) => Ok(RuntimeWidths(widths)),
+        RuntimeWidths::for_lanes(widths)
+    }
+}
+
+impl<L: Lane> RuntimeWidths<L> {
+    /// Checks the widths, also for lanes of `L`.
+    pub const fn for_lanes(widths: Widths) -> Result<Self, WidthError> {
+        match widths.check_for::<L>() {
+            Ok(()) => Ok(RuntimeWidths(widths, core::marker::PhantomData)),
             Err(error) => Err(error),
         }
     }
 }
 
-impl Design for RuntimeWidths {
-    type Lane = i64;
+impl<L: Lane> Design for RuntimeWidths<L> {
+    type Lane = L;
+    const FIXED: Option<Widths> = None;
     #[inline(always)]
     fn widths(&self) -> Widths {
         self.0
@@ -246,6 +304,24 @@ impl Design for RuntimeWidths {
 /// What 1997-2003 hardware would have built: 8-bit opacity, box traversal, no interpolation, truncation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Classic8;
+
+/// For microcontrollers: every product and sum of the pixel path, and every product of a row's seed, fits one word of 32 bits, so that a
+/// processor without 64-bit multiplication (Cortex-M0+) needs one instruction for it. A [`Renderer`](crate::Renderer) takes the loop of 32-bit
+/// words ([`Painter32`](crate::draw::Painter32)) by itself.
+///
+/// | product | bits |
+/// |---|---|
+/// | peak UQ4.14 x kernel UQ1.14 | 32 |
+/// | transmittance UQ1.16 x opacity UQ1.15 | 31 |
+/// | share UQ1.16 x colour UQ4.10 | 30 |
+/// | table step UQ0.11 x position 17 | 28 |
+/// | row seed: 15-bit mantissas | 31 |
+///
+/// The accumulated colour has as many fraction bits as share and colour together: nothing is rounded there, and nothing shifted. 17
+/// bits of position leave a half-word for the table's slope. Lanes end where the position ends (20 + 4 = 7 + 17 bits), so that nothing is
+/// shifted there either.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Micro16;
 
 /// 18-bit multipliers (one operand of 18, the other of at most 27 bits: one DSP slice of today's FPGAs).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -276,6 +352,26 @@ impl Classic8 {
         colour: 8,
         accumulator: 8,
         rounding: Rounding::Truncate,
+    };
+}
+
+impl Micro16 {
+    /// Widths of the design.
+    pub const WIDTHS: Widths = Widths {
+        position: 30,
+        view: 24,
+        mantissa: 15,
+        subpixel: 12,
+        radial: 20,
+        table: 7,
+        interpolation: 17,
+        weight: 14,
+        peak: 14,
+        alpha: 15,
+        transmittance: 16,
+        colour: 10,
+        accumulator: 26,
+        rounding: Rounding::Nearest,
     };
 }
 
@@ -341,38 +437,25 @@ impl Deep32 {
 
 impl Design for Classic8 {
     type Lane = i32;
-    #[inline(always)]
-    fn widths(&self) -> Widths {
-        const { checked(Self::WIDTHS) }
-    }
+    const FIXED: Option<Widths> = Some(Self::WIDTHS);
+}
+
+impl Design for Micro16 {
+    type Lane = i32;
+    const FIXED: Option<Widths> = Some(Self::WIDTHS);
 }
 
 impl Design for Lean18 {
     type Lane = i32;
-    #[inline(always)]
-    fn widths(&self) -> Widths {
-        const { checked(Self::WIDTHS) }
-    }
+    const FIXED: Option<Widths> = Some(Self::WIDTHS);
 }
 
 impl Design for Standard24 {
     type Lane = i32;
-    #[inline(always)]
-    fn widths(&self) -> Widths {
-        const { checked(Self::WIDTHS) }
-    }
+    const FIXED: Option<Widths> = Some(Self::WIDTHS);
 }
 
 impl Design for Deep32 {
     type Lane = i64;
-    #[inline(always)]
-    fn widths(&self) -> Widths {
-        const { checked(Self::WIDTHS) }
-    }
-}
-
-/// A named design with widths out of range does not compile.
-const fn checked(widths: Widths) -> Widths {
-    assert!(widths.check().is_ok());
-    widths
+    const FIXED: Option<Widths> = Some(Self::WIDTHS);
 }

@@ -22,7 +22,7 @@
 //!
 //! ```text
 //! splat, view, rules          what comes in
-//!   setup                     project -> jacobian -> variance -> shape -> bounding box
+//!   setup                     project -> jacobian -> covariance -> shape -> bounding box
 //!     footprint               the packet between setup and raster
 //!       raster                rows, spans, forward differencing
 //!         kernel              footprint table on the radial index
@@ -59,9 +59,11 @@ pub mod front;
 pub mod float;
 
 pub use blend::Pixel;
+/// The fixed-point numbers that splats and views are made of.
+pub use fixed;
 #[cfg(feature = "float")]
 pub use float::{Camera, CameraError, Gaussian, Point, Surfel};
-pub use format::{Classic8, Deep32, Lean18, Standard24, Traversal};
+pub use format::{Classic8, Deep32, Lean18, Micro16, Standard24, Traversal};
 pub use front::{
     BoundedList, Counts, DisplayList, Frame, LentList, ListFull, Primitive, Rejected, RenderError,
     Renderer, SurfaceRenderer,

@@ -20,6 +20,9 @@ pub struct Rules {
     pub normalised: bool,
     /// Variance of the low-pass filter V^h = h I in square pixels; 0 switches it off.
     pub low_pass: SoftFloat,
+    /// The peak opacity is multiplied by sqrt(det V' / det(V' + V^h)), so that the low-pass filter adds no opacity: what Mip-Splatting and
+    /// the antialiased mode of gsplat train with. Not for normalised kernels, which keep their volume by themselves.
+    pub compensated: bool,
     /// Distance scaling (\[SWAN\] 4.3): spacing of the samples in scene units; 0 switches it off. Usually instead of a low-pass.
     pub spacing: SoftFloat,
     /// Shape of all footprints.
@@ -57,6 +60,7 @@ impl Rules {
             mantissa: 1 << 30,
             exponent: -30,
         },
+        compensated: false,
         spacing: SoftFloat::ZERO,
         kernel: Kernel::Gaussian,
         cutoff: Cutoff::Radial(4 << 28),
@@ -77,13 +81,15 @@ impl Rules {
         ..Rules::EWA
     };
 
-    /// 3D Gaussian splatting: peak opacity, low-pass 0.3, opacity at most 0.999 and at least 1/255, stop before adding.
+    /// 3D Gaussian splatting: peak opacity, low-pass 0.3, opacity at least 1/255, stop before adding; at most 0.999, as gsplat has it (the
+    /// authors' own rasterizer has 0.99).
     pub const GAUSSIAN_3D: Rules = Rules {
         normalised: false,
         low_pass: SoftFloat {
             mantissa: 1_288_490_189,
             exponent: -32,
         }, // 0.3
+        compensated: false,
         spacing: SoftFloat::ZERO,
         kernel: Kernel::Gaussian,
         cutoff: Cutoff::Opacity,

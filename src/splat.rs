@@ -26,6 +26,19 @@ pub struct VolumeSplat<C = Position> {
     pub colour: [U4F28; 3],
 }
 
+impl VolumeSplat {
+    /// A splat that is nowhere visible: what memory lent for splats can be filled with; all its numbers are 0.
+    pub const EMPTY: VolumeSplat = VolumeSplat {
+        centre: [SoftFloat::ZERO; 3],
+        axes: [Axis {
+            mantissa: [0; 3],
+            exponent: 0,
+        }; 3],
+        weight: SoftFloat::ZERO,
+        colour: [U4F28::ZERO; 3],
+    };
+}
+
 /// A spherical kernel: a volume splat of variance s^2 I, for which perspective can be exact (\[HYBRID\] 4.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereSplat<C = Position> {

@@ -16,6 +16,7 @@ pub struct Target<'a> {
 
 /// The memory lent is too small for the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TargetError {
     /// Pixels needed.
     pub needed: usize,

@@ -17,6 +17,7 @@ use fixed::types::{I2F30, I8F24, I10F54, I32F32};
 
 /// How camera space is mapped to the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Projection {
     /// u = fx x / z + cx (\[EWA\] eq. 24-26 with the focal length in pixels).
     Perspective,
@@ -90,6 +91,34 @@ pub struct Eye {
 pub struct Translation(pub [I10F54; 3]);
 
 /// Everything setup needs to know of the camera. Constant for a picture.
+///
+/// `Camera::view` makes one of ordinary numbers; an image without floating point states it, for instance with an eye 4 units before the
+/// origin that looks along z:
+///
+/// ```
+/// use splatline::fixed::types::{I2F30, I32F32};
+/// use splatline::math::{Extended, SoftFloat};
+/// use splatline::view::{Eye, Projection, RatioLimits, View};
+///
+/// const TURN: [[I2F30; 3]; 3] = {
+///     let (zero, one) = (I2F30::ZERO, I2F30::ONE);
+///     [[one, zero, zero], [zero, one, zero], [zero, zero, one]]
+/// };
+/// const FOCAL: SoftFloat = SoftFloat { mantissa: 300 << 22, exponent: -22 }; // 300 pixels.
+/// const LIMIT: I32F32 = I32F32::from_bits(2_233_382_994); // 1.3 x 120 / 300.
+/// let view = View {
+///     rotation: TURN,
+///     pose: Eye { position: [0, 0, -4], ..Eye::ORIGIN },
+///     focal: [FOCAL; 2],
+///     principal: [I32F32::from_bits(120 << 32); 2],
+///     near: Extended { value: 1, exponent: -6 },
+///     far: Extended { value: 200, exponent: 0 },
+///     viewport: [240, 240],
+///     projection: Projection::Perspective,
+///     limits: RatioLimits { low: [LIMIT.wrapping_neg(); 2], high: [LIMIT; 2] },
+/// };
+/// assert_eq!(view.window().strips(8).count(), 30);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View<P = Eye> {
     /// World-to-camera rotation W.

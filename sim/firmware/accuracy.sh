@@ -9,7 +9,6 @@ cd "$(dirname "$0")/../.."
 out=out/firmware
 splatline=${SPLATLINE:-cargo run --quiet --release --}
 mkdir -p "$out"
-(cd sim/firmware && cargo run --quiet --release --bin fixed -- design) >"$out/firmware16.toml"
 (cd sim/firmware && cargo run --quiet --release --features plain --bin fixed -- design) >"$out/plain.toml"
 
 # value GROUP NAME: a number of the report's error section.
@@ -18,7 +17,7 @@ value() { tr -d ' \n' <"$out/report.json" | sed 's/"max_at":{[^}]*},//g' | sed -
 # measure NAME SCENE CAMERA...
 measure() {
     name=$1; shift
-    for design in "$out/firmware16.toml" "$out/plain.toml" lean18; do
+    for design in micro16 "$out/plain.toml" lean18; do
         $splatline compare "$@" --size 256x256 --rules 3dgs --only -o "$out" --design "$design" >/dev/null
         awk -v scene="$name" -v design="$(basename "$design" .toml)" -v p="$(value rgb psnr_db)" -v q="$(value alpha psnr_db)" \
             -v m="$(value rgb max_abs)" -v n="$(value alpha max_abs)" -v b="$(value rgb bias)" -v c="$(value alpha bias)" 'BEGIN {

@@ -232,10 +232,10 @@ module setup_pack (
     clipped = value < 0 ? 16'd0 : value > $signed({16'd0, limit}) ? limit : value[15:0];
   endfunction
 
-  // Halves go to the even neighbour.
+  // Halves go to the even neighbour; nothing reaches 16.
   function automatic logic [COLOUR+3:0] shaded(input logic [31:0] value);
     shaded = value[31-:COLOUR+4];
-    if (value[27-COLOUR] && (value[26-COLOUR:0] != 0 || shaded[0])) shaded = shaded + 1'b1;
+    if (value[27-COLOUR] && (value[26-COLOUR:0] != 0 || shaded[0]) && !(&shaded)) shaded = shaded + 1'b1;
   endfunction
 
   assign packet_taken = packet_valid;

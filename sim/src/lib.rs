@@ -10,10 +10,11 @@ pub use splatline_engine::{Renderer, design, fast, fixed, renderer, threads};
 pub use splatline_machine as machine;
 pub use splatline_reference::engines as reference;
 pub use splatline_reference::{
-    atomic, camera, cameras, framing, hybrid, input, memory, metrics, picture, rules, scene,
+    atomic, camera, cameras, flip, framing, hybrid, input, memory, metrics, picture, rules, scene,
     sheets, surface, texture, vector,
 };
 
+pub mod bake;
 pub mod cli;
 pub mod difference;
 pub mod digest;

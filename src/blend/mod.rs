@@ -45,6 +45,12 @@ pub const GUARD: i32 = 7;
 pub const FINISHED: u32 = 1 << 31;
 
 impl Pixel {
+    /// Opaque black: what memory lent for pixels can be filled with; all bits are 0, so that a static of it takes no flash.
+    pub const EMPTY: Pixel = Pixel {
+        colour: [0; 3],
+        transmittance: 0,
+    };
+
     /// Transparent black.
     pub const fn clear(widths: &Widths) -> Pixel {
         Pixel {

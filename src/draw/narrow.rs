@@ -7,24 +7,53 @@
 use crate::blend::{Blend, Pixel};
 use crate::draw::cutoff_in_lane;
 use crate::footprint::Footprint;
-use crate::format::Design;
+use crate::format::{Design, Lane};
 use crate::kernel::PackedTable;
 use crate::raster::{EllipseSpans, Span, Spans, Window};
 use crate::rules::Rules;
 use crate::target::Target;
 
-/// A painter with 32-bit lanes and a packed table of `N` intervals.
+/// A painter with 32-bit lanes and a packed table.
+///
+/// A [`Renderer`](crate::Renderer) takes it by itself; this is how to drive it, and a pixel loop of one's own, stage by stage:
+///
+/// ```
+/// use splatline::draw::Painter32;
+/// use splatline::kernel::{PackedTable, gaussian, pack};
+/// use splatline::setup::setup_for_spans;
+/// use splatline::target::Target;
+/// use splatline::{Camera, Gaussian, Micro16, Pixel, Rules};
+///
+/// const TABLE: [u32; 129] = gaussian(&Micro16::WIDTHS, 4);
+/// static WORDS: [u32; 128] = match pack(&TABLE, &Micro16::WIDTHS, 4) {
+///     Ok(words) => words,
+///     Err(_) => panic!("Micro16 has a packed table"),
+/// };
+/// let table = PackedTable::new(&WORDS, &Micro16::WIDTHS, 4).unwrap();
+/// let painter = Painter32::new(Micro16, &Rules::GAUSSIAN_3D, table).unwrap();
+///
+/// let view = Camera::look_at([0.0, 0.0, -4.0], [0.0; 3], [0.0, -1.0, 0.0], 45.0, [32, 32]).unwrap().view().unwrap();
+/// let splat = Gaussian::UNIT.splat().unwrap();
+/// let footprint = setup_for_spans(Micro16, &view, &Rules::GAUSSIAN_3D, &splat).unwrap();
+/// let mut pixels = [Pixel::clear(&Micro16::WIDTHS); 32 * 32];
+/// let mut target = Target::new(&mut pixels, view.window(), 32).unwrap();
+/// let mut runs = painter.runs(&footprint, &view.window()).unwrap();
+/// while let Some(run) = runs.next_span() {
+///     painter.paint(runs.with_pixels(run, &mut target)); // Or a loop of one's own.
+/// }
+/// assert!(pixels[16 * 32 + 16].transmittance() < 1 << 10);
+/// ```
 #[derive(Clone, Copy, Debug)]
-pub struct Painter32<'a, D, const N: usize> {
+pub struct Painter32<'a, D> {
     design: D,
     rules: &'a Rules,
-    table: &'a PackedTable<N>,
+    table: PackedTable<'a>,
 }
 
 /// Why a design cannot be drawn with 32-bit words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NarrowError {
-    /// A product of the pixel path does not fit 32 bits, or a sum may leave its word.
+    /// A product of the pixel path does not fit 32 bits, a sum may leave its word, or lanes have 64 bits.
     Products,
     /// The table was packed for other widths.
     Table,
@@ -61,18 +90,18 @@ pub struct NarrowRun<'t, 'f> {
 
 /// The runs of one footprint, row by row, for a pixel loop of the caller's: [`Painter32::runs`].
 #[derive(Clone, Debug)]
-pub struct NarrowRuns<'f> {
-    rows: EllipseSpans<i32>,
+pub struct NarrowRuns<'f, L> {
+    rows: EllipseSpans<L>,
     footprint: &'f Footprint,
     clamped: bool,
     lead: i32,
     last: i32,
 }
 
-impl<'f> NarrowRuns<'f> {
+impl<'f, L: Lane> NarrowRuns<'f, L> {
     /// The next run, without its pixels.
     #[inline(always)]
-    pub fn next_span(&mut self) -> Option<Span<i32>> {
+    pub fn next_span(&mut self) -> Option<Span<L>> {
         self.rows.next_span()
     }
 
@@ -80,13 +109,13 @@ impl<'f> NarrowRuns<'f> {
     ///
     /// Not joined with [`next_span`](NarrowRuns::next_span): an `Option` of all this costs Cortex-M five instructions a run.
     #[inline(always)]
-    pub fn with_pixels<'t>(&self, run: Span<i32>, target: &'t mut Target) -> NarrowRun<'t, 'f> {
+    pub fn with_pixels<'t>(&self, run: Span<L>, target: &'t mut Target) -> NarrowRun<'t, 'f> {
         NarrowRun {
             pixels: target.row(run.y, run.x, run.length),
             lanes: NarrowLanes {
-                radial: run.radial.wrapping_add(self.lead),
-                first: run.first,
-                second: run.second,
+                radial: (run.radial.to_wide() as i32).wrapping_add(self.lead),
+                first: run.first.to_wide() as i32,
+                second: run.second.to_wide() as i32,
                 last: self.last,
             },
             footprint: self.footprint,
@@ -95,16 +124,12 @@ impl<'f> NarrowRuns<'f> {
     }
 }
 
-impl<'a, D: Design<Lane = i32>, const N: usize> Painter32<'a, D, N> {
+impl<'a, D: Design> Painter32<'a, D> {
     /// A painter for one design, rule set and footprint table.
     #[inline(always)]
-    pub fn new(
-        design: D,
-        rules: &'a Rules,
-        table: &'a PackedTable<N>,
-    ) -> Result<Self, NarrowError> {
+    pub fn new(design: D, rules: &'a Rules, table: PackedTable<'a>) -> Result<Self, NarrowError> {
         let widths = design.widths();
-        if !Blend::new(&widths, rules).is_narrow() {
+        if !Blend::new(&widths, rules).is_narrow() || D::Lane::BITS != 32 {
             return Err(NarrowError::Products);
         }
         if !table.is_for(&widths, rules.table_range) {
@@ -132,10 +157,14 @@ impl<'a, D: Design<Lane = i32>, const N: usize> Painter32<'a, D, N> {
 
     /// The runs of one footprint in a window; `None` if no pixel can lie inside it.
     #[inline(always)]
-    pub fn runs<'f>(self, footprint: &'f Footprint, window: &Window) -> Option<NarrowRuns<'f>> {
+    pub fn runs<'f>(
+        self,
+        footprint: &'f Footprint,
+        window: &Window,
+    ) -> Option<NarrowRuns<'f, D::Lane>> {
         let widths = self.design.widths();
         let range = self.rules.table_range;
-        let lead = PackedTable::<N>::lead(&widths, range);
+        let lead = PackedTable::lead(&widths, range);
         let end = cutoff_in_lane(footprint.cutoff, widths.radial);
         if end == 0 {
             return None;

@@ -15,7 +15,19 @@ const ORTHONORMAL: f64 = 1e-4;
 const SMALLEST_SINE: f64 = 1e-6;
 
 /// A pinhole or orthographic camera. Fields may be set to anything; [`Camera::view`] checks them.
+///
+/// ```
+/// use splatline::{Camera, CameraError};
+///
+/// let camera = Camera::look_at([3.0, -1.0, 0.0], [0.0; 3], [0.0, -1.0, 0.0], 45.0, [240, 240])?;
+/// let view = camera.view()?; // What a renderer takes: integers only.
+/// assert_eq!(view.window().pixels(), 240 * 240);
+/// let wrong = Camera { near: -1.0, ..camera };
+/// assert_eq!(wrong.view(), Err(CameraError::Near));
+/// # Ok::<(), CameraError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Camera {
     /// Columns and rows of the picture, 1 to 32768 each.
     pub size: [u16; 2],
@@ -37,6 +49,7 @@ pub struct Camera {
 
 /// The first thing found wrong with a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CameraError {
     /// The size has an axis of 0 or of more than 32768 pixels.
     Size,
@@ -257,7 +270,7 @@ fn frame(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Result<[[f64; 3]; 3],
 
 /// `a` at length 1, unless it is zero or not finite.
 fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
-    // SoftFloat by a power of two near the largest coordinate first, so that squares neither overflow nor vanish.
+    // Scaled by a power of two near the largest coordinate first, so that squares neither overflow nor vanish.
     let largest = a.iter().fold(0.0f64, |m, value| m.max(value.abs()));
     if !a.iter().all(|value| value.is_finite()) || !largest.is_normal() {
         return None;

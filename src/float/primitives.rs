@@ -17,6 +17,7 @@ use fixed::types::U4F28;
 
 /// A 3D Gaussian: covariance `R diag(scales)^2 R^T` (\[EWA\] 6.2), R the rotation's matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gaussian {
     /// Mean, scene units.
     pub mean: [f32; 3],
@@ -33,6 +34,7 @@ pub struct Gaussian {
 
 /// A spherical kernel, as points of a cloud and samples of a volume have.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Point {
     /// Centre, scene units.
     pub position: [f32; 3],
@@ -45,7 +47,24 @@ pub struct Point {
 }
 
 /// A point of a surface: an elliptical Gaussian in its tangent plane (\[SURF\] 3.3).
+///
+/// ```
+/// use splatline::Surfel;
+///
+/// let surfel = Surfel {
+///     position: [0.0, 0.0, 2.0],
+///     tangents: [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0]], // Its normal is z.
+///     weight: 0.4,
+///     colour: [1.0, 0.5, 0.2],
+///     opacity: 1.0,
+///     material: 0,
+/// };
+/// assert!(surfel.splat().is_some());
+/// let edge = Surfel { tangents: [[0.1, 0.0, 0.0]; 2], ..surfel }; // Spans no plane.
+/// assert!(edge.splat().is_none());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Surfel {
     /// Centre, scene units.
     pub position: [f32; 3],
@@ -73,6 +92,15 @@ impl Gaussian {
 
     /// From the numbers that trainers store: logarithms of the scales, the logit of the opacity (infinite is opacity 0 or 1 exactly) and the
     /// constant coefficient of the colour's spherical harmonics, colour = 0.5 + f_dc / (2 sqrt(pi)), not below 0.
+    ///
+    /// ```
+    /// use splatline::Gaussian;
+    ///
+    /// let (logit, grey) = (2.2, [0.0; 3]);
+    /// let gaussian = Gaussian::from_trained([0.0, 1.0, 2.0], [1.0, 0.0, 0.0, 0.0], [-3.0; 3], logit, grey);
+    /// assert!((gaussian.opacity - 0.9).abs() < 1e-3);
+    /// assert_eq!(gaussian.colour, [0.5; 3]);
+    /// ```
     pub fn from_trained(
         mean: [f32; 3],
         rotation: [f32; 4],

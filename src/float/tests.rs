@@ -118,6 +118,43 @@ proptest! {
         prop_assert_eq!(opacity_limit(value), (value * 31f64.exp2()).round().clamp(0.0, 31f64.exp2()) as u32);
         prop_assert_eq!(radial_cutoff(value), (value * 28f64.exp2()).round().clamp(0.0, 15.0 * 28f64.exp2()) as u32);
         prop_assert_eq!(depth(value), (value * 23f64.exp2()).round() as u32);
+        prop_assert_eq!(coefficient(value).to_bits(), (value * 28f64.exp2()).round_ties_even() as i32);
+    }
+
+    /// The oracle turns unit vectors by products of quaternions, `q e q*`.
+    #[test]
+    fn gaussians_are_turned_by_their_quaternion(q in prop::array::uniform4(-9.0f32..9.0), scales in prop::array::uniform3(0.5f32..2.0)) {
+        let length = q.iter().map(|part| f64::from(*part).powi(2)).sum::<f64>().sqrt();
+        prop_assume!(length > 0.1);
+        let q = q.map(|part| part / length as f32 * 3.0);
+        let splat = Gaussian { rotation: q, scales, ..Gaussian::UNIT }.splat().unwrap();
+        let q = q.map(|part| f64::from(part) / 3.0);
+        for k in 0..3 {
+            let mut e = [0.0; 4];
+            e[k + 1] = f64::from(scales[k]);
+            let turned = hamilton(hamilton(q, e), [q[0], -q[1], -q[2], -q[3]]);
+            prop_assert!(is_near(numbers_of(splat.axes[k]), [turned[1], turned[2], turned[3]], 1e-6));
+        }
+    }
+
+    #[test]
+    fn a_point_is_a_gaussian_of_one_scale(deviation in 0.01f32..100.0) {
+        let point = Point { position: [1.0, 2.0, 3.0], deviation, opacity: 0.5, colour: [0.1, 0.2, 0.3] };
+        let gaussian = Gaussian {
+            mean: point.position, rotation: [1.0, 0.0, 0.0, 0.0], scales: [deviation; 3], opacity: 0.5, colour: point.colour,
+        };
+        prop_assert_eq!(point.splat(), gaussian.splat());
+    }
+
+    #[test]
+    fn a_normal_is_a_unit_vector_across_its_tangents(tangents in prop::array::uniform2(prop::array::uniform3(-9.0f32..9.0))) {
+        let [a, b] = tangents.map(|tangent| tangent.map(f64::from));
+        let across = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+        let length = across.iter().map(|part| part * part).sum::<f64>().sqrt();
+        prop_assume!(length > 1e-3);
+        let surfel = Surfel { position: [0.0; 3], tangents, weight: 1.0, colour: [0.0; 3], opacity: 1.0, material: 0 };
+        let normal = numbers_of(surfel.splat().unwrap().normal);
+        prop_assert!(is_near(normal, across.map(|part| part / length), 1e-8));
     }
 
     #[test]
@@ -175,6 +212,24 @@ proptest! {
     }
 }
 
+fn hamilton([a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]) -> [f64; 4] {
+    [
+        a * e - b * f - c * g - d * h,
+        a * f + b * e + c * h - d * g,
+        a * g - b * h + c * e + d * f,
+        a * h + b * g - c * f + d * e,
+    ]
+}
+
+fn numbers_of(axis: Axis) -> [f64; 3] {
+    axis.mantissa
+        .map(|m| f64::from(m) * f64::from(axis.exponent).exp2())
+}
+
+fn is_near(got: [f64; 3], expected: [f64; 3], tolerance: f64) -> bool {
+    (0..3).all(|i| (got[i] - expected[i]).abs() <= tolerance)
+}
+
 #[test]
 fn cameras_that_are_none_are_refused() {
     let good = Camera::look_at([0.0, 0.0, -4.0], [0.0; 3], [0.0, -1.0, 0.0], 45.0, [64; 2]);
@@ -184,6 +239,9 @@ fn cameras_that_are_none_are_refused() {
     assert_eq!(look(eye, up, 45.0, [64; 2]), Ok(()));
     assert_eq!(look(eye, up, 45.0, [64, 0]), Err(CameraError::Size));
     assert_eq!(look(eye, up, 45.0, [32769, 1]), Err(CameraError::Size));
+    assert_eq!(look(eye, up, 45.0, [32768, 1]), Ok(()));
+    assert_eq!(look(eye, up, 0.5, [64; 2]), Ok(()));
+    assert_eq!(look(eye, up, 0.0, [64; 2]), Err(CameraError::FieldOfView));
     assert_eq!(look(eye, up, 180.0, [64; 2]), Err(CameraError::FieldOfView));
     assert_eq!(
         look(eye, up, f64::NAN, [64; 2]),
@@ -194,6 +252,10 @@ fn cameras_that_are_none_are_refused() {
         Err(CameraError::Direction)
     );
     assert_eq!(look(eye, eye, 45.0, [64; 2]), Err(CameraError::Up));
+    // Up at the smallest angle to the direction, and above it.
+    let leaning = |sine| look(eye, [sine, 0.0, 1.0], 45.0, [64; 2]);
+    assert_eq!(leaning(1e-6), Err(CameraError::Up));
+    assert_eq!(leaning(2e-6), Ok(()));
     assert_eq!(look(eye, [0.0; 3], 45.0, [64; 2]), Err(CameraError::Up));
     let wrong = [
         (
@@ -244,6 +306,54 @@ fn cameras_that_are_none_are_refused() {
     for (camera, error) in wrong {
         assert_eq!(camera.view(), Err(error));
     }
+    let turned = |rotation| Camera { rotation, ..good }.view().map(|_| ());
+    let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let leaning = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i: usize| 0.6 * a[i] + 0.8 * b[i]);
+    // A row of another length, and two rows that are not at right angles: in each of the six ways alone.
+    for rotation in [
+        [x.map(|c| 2.0 * c), y, z],
+        [x, y.map(|c| 2.0 * c), z],
+        [x, y, z.map(|c| 2.0 * c)],
+        [x, leaning(x, y), z],
+        [x, y, leaning(x, z)],
+        [x, y, leaning(y, z)],
+    ] {
+        assert_eq!(turned(rotation), Err(CameraError::Rotation), "{rotation:?}");
+    }
+    assert_eq!(turned([x, [1e-4, 1.0, 0.0], z]), Ok(()));
+    let small = Camera {
+        focal: [0.5; 2],
+        ..good
+    };
+    assert!(small.view().is_ok());
+}
+
+#[test]
+fn a_camera_has_what_its_methods_say() {
+    let eye = [0.0, 0.0, -4.0];
+    let camera = Camera::look_at(eye, [0.0; 3], [0.0, -1.0, 0.0], 45.0, [64; 2]).unwrap();
+    assert_eq!((camera.near, camera.far), (0.01, f64::INFINITY));
+    let other = camera.orthographic(8.0).with_range(0.5, 9.0);
+    let expected = Camera {
+        focal: [8.0; 2],
+        projection: Projection::Orthographic,
+        near: 0.5,
+        far: 9.0,
+        ..camera
+    };
+    assert_eq!(other, expected);
+    // The eye of a matrix that is no rotation: W e = -d.
+    let stretched = Camera {
+        rotation: [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        translation: [-4.0, 3.0, 5.0],
+        ..camera
+    };
+    assert_eq!(stretched.eye(), [2.0, -3.0, -5.0]);
+    // Squares of such coordinates overflow or vanish.
+    for far in [1e200, 1e-200] {
+        let camera = Camera::look_at([far, 0.0, 0.0], [0.0; 3], [0.0, -1.0, 0.0], 45.0, [64; 2]);
+        assert_eq!(camera.unwrap().rotation[2], [-1.0, 0.0, 0.0]);
+    }
 }
 
 /// A camera and the matrix it has are the same camera; a matrix of few digits gives a rotation, seen from the same eye.
@@ -270,6 +380,8 @@ fn matrices_are_cameras() {
     };
     for (round, tolerance) in [(2f64.powi(52), 1e-15), (1e5, 2e-5)] {
         let got = matrix(round);
+        assert_eq!(got.near, 0.01);
+        assert!(is_near(got.eye(), camera.eye(), 4.0 * tolerance));
         for (row, other) in got
             .rotation
             .iter()
@@ -391,4 +503,25 @@ fn a_surfel_has_the_normal_of_its_plane() {
         ..surfel
     };
     assert_eq!(flat.splat(), None);
+    let infinite = f32::INFINITY;
+    for none in [
+        Surfel {
+            position: [infinite; 3],
+            ..surfel
+        },
+        Surfel {
+            colour: [infinite; 3],
+            ..surfel
+        },
+        Surfel {
+            weight: infinite,
+            ..surfel
+        },
+        Surfel {
+            opacity: infinite,
+            ..surfel
+        },
+    ] {
+        assert_eq!(none.splat(), None);
+    }
 }

@@ -118,6 +118,7 @@ mod tests {
         assert_eq!(fixed(key(Extended::MAX)), u32::MAX);
         assert!(key(number(-1, 90)) < key(number(-1, 0)));
         assert!(key(number(-1, -300)) < key(number(0, 0)));
-        assert!(key(number(0, 0)) <= key(number(1, -300)));
+        assert_eq!(key(number(0, 0)), key(number(1, -300)));
+        assert_eq!(key(number(1, 256)), 2 * POSITIVE - 1);
     }
 }

@@ -5,6 +5,8 @@ use crate::setup::Cull;
 
 /// Splats by what became of them; every splat counts once. Counts saturate at `u32::MAX`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {
     /// On the display list.
     pub drawn: u32,

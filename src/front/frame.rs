@@ -35,6 +35,9 @@ impl PixelReader {
     pub const fn level(&self, colour: u32, transmittance: u32, background: u8, top: u8) -> u8 {
         let (a, t) = (self.accumulator as u32, self.transmittance as u32);
         let fraction = if a > t { a } else { t };
+        if fraction + u8::BITS - top.leading_zeros() <= 32 {
+            return narrow_level([colour, transmittance], [a, t], fraction, background, top);
+        }
         // From 1 on the result saturates, so that two terms below 2^39 remain.
         let light = (at_most_one(colour, a) * top as u64).wrapping_shl(fraction - a);
         let behind = (at_most_one(transmittance, t) * background as u64).wrapping_shl(fraction - t);
@@ -69,6 +72,30 @@ impl PixelReader {
     }
 }
 
+/// [`PixelReader::level`] in words of 32 bits, for levels and fraction bits that fit one together: each term is at most 1, and a sum that
+/// leaves the word is above 1, too.
+#[inline(always)]
+const fn narrow_level(
+    [colour, transmittance]: [u32; 2],
+    [a, t]: [u32; 2],
+    fraction: u32,
+    background: u8,
+    top: u8,
+) -> u8 {
+    let light = (at_most_one(colour, a) as u32).wrapping_mul(top as u32);
+    let behind = (at_most_one(transmittance, t) as u32).wrapping_mul(background as u32);
+    let light = light.wrapping_shl(fraction - a);
+    let sum = light.wrapping_add(behind.wrapping_shl(fraction - t));
+    let half = 1u32.wrapping_shl(fraction) >> 1;
+    let rounded = sum.wrapping_add(half);
+    let level = rounded.wrapping_shr(fraction);
+    if sum < light || rounded < half || level > top as u32 {
+        top
+    } else {
+        level as u8
+    }
+}
+
 /// A number with `fraction` fraction bits, at most 1.
 const fn at_most_one(value: u32, fraction: u32) -> u64 {
     let one = 1u32.wrapping_shl(fraction);
@@ -86,8 +113,8 @@ pub struct Frame<'p> {
     pub pixels: &'p [Pixel],
     /// Which part of the screen they are.
     pub window: Window,
-    /// Pixels visited and covered by footprints.
-    pub coverage: Coverage,
+    /// Pixels visited and covered by footprints; `None` where the loop of 32-bit words drew them, which has no counters.
+    pub coverage: Option<Coverage>,
     /// How to read the pixels.
     pub reader: PixelReader,
 }
@@ -123,17 +150,17 @@ impl<'p> Frame<'p> {
 mod tests {
     use super::*;
     use crate::blend::FINISHED;
-    use crate::format::{Classic8, Deep32, Standard24};
+    use crate::format::{Classic8, Deep32, Micro16, Standard24};
     use proptest::prelude::*;
 
     proptest! {
         /// The oracle computes the header's formula in 128 bits.
         #[test]
         fn levels_are_the_formula(
-            choice in 0usize..5, colour: u32, transmittance in 0u32..=1 << 30, background in 0u8..=255, top in prop_oneof![Just(31u8), Just(63), Just(255)],
+            choice in 0usize..6, colour: u32, transmittance in 0u32..=1 << 30, background in 0u8..=255, top in prop_oneof![Just(31u8), Just(63), Just(255)],
         ) {
-            let mut widths = [Classic8::WIDTHS, Standard24::WIDTHS, Deep32::WIDTHS, Standard24::WIDTHS, Standard24::WIDTHS][choice];
-            if choice > 2 {
+            let mut widths = [Classic8::WIDTHS, Standard24::WIDTHS, Deep32::WIDTHS, Standard24::WIDTHS, Standard24::WIDTHS, Micro16::WIDTHS][choice];
+            if choice == 3 || choice == 4 {
                 (widths.accumulator, widths.transmittance) = [(4, 30), (27, 4)][choice - 3];
             }
             let background = background.min(top);
@@ -195,7 +222,7 @@ mod tests {
                 first: [3, 5],
                 end: [7, 8],
             },
-            coverage: Coverage::default(),
+            coverage: None,
             reader: PixelReader::new(&Standard24::WIDTHS),
         };
         for (x, y) in (0..12).flat_map(|x| (0..12).map(move |y| (x, y))) {

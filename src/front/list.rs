@@ -6,10 +6,12 @@
 
 use super::order::sort_by_key;
 use crate::footprint::Footprint;
+use crate::raster::Window;
 use crate::rules::Compositing;
 
 /// The visible splats do not fit the display list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ListFull {
     /// Footprints for which the list has room.
     pub capacity: usize,
@@ -28,6 +30,27 @@ impl core::fmt::Display for ListFull {
 }
 
 impl core::error::Error for ListFull {}
+
+/// What a renderer draws: footprints in drawing order, however they are kept.
+pub trait Footprints {
+    /// Do its footprints have a conic? Without, they are drawn by spans alone.
+    const CONIC: bool = true;
+
+    /// Calls `draw` with every footprint that has rows in `window`: nearest first, or farthest first for [`Compositing::BackToFront`].
+    fn visit(&self, window: &Window, compositing: Compositing, draw: impl FnMut(&Footprint));
+}
+
+impl<L: DisplayList> Footprints for L {
+    #[inline(always)]
+    fn visit(&self, window: &Window, compositing: Compositing, mut draw: impl FnMut(&Footprint)) {
+        for footprint in self.in_order(compositing) {
+            // Preparing the rows of a footprint costs more than a look at its box.
+            if footprint.first[1] < window.end[1] && footprint.end[1] > window.first[1] {
+                draw(footprint);
+            }
+        }
+    }
+}
 
 /// Footprints in the order in which they came, and their numbers in drawing order.
 pub trait DisplayList {

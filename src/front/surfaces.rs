@@ -23,6 +23,26 @@ use crate::view::{Pose, View};
 ///
 /// Depths are compared in UQ9.23: a scene must lie within 512 scene units of the eye, and fill that range for the finest threshold
 /// (`Camera::quantised`).
+///
+/// ```
+/// use splatline::blend::surface::{Accumulation, Cell};
+/// use splatline::{Camera, Pixel, Standard24, SurfaceRenderer, Surfel};
+///
+/// let view = Camera::look_at([0.0, 0.0, -2.0], [0.0; 3], [0.0, -1.0, 0.0], 45.0, [32, 32])?.view()?;
+/// let surfel = Surfel {
+///     position: [0.0; 3],
+///     tangents: [[0.2, 0.0, 0.0], [0.0, 0.2, 0.0]],
+///     weight: 1.0,
+///     colour: [1.0; 3],
+///     opacity: 1.0,
+///     material: 0,
+/// };
+/// let renderer = SurfaceRenderer::new(Standard24, splatline::float::depth(0.05));
+/// let (mut cells, mut pixels) = ([Accumulation::EMPTY; 32 * 32], [Pixel::EMPTY; 32 * 32]);
+/// let (frame, counts) = renderer.draw(&view, [surfel], view.window(), &mut cells, &mut pixels)?;
+/// assert_eq!((counts.drawn, frame.rgb8([0; 3]).nth(16 * 32 + 16)), (1, Some([255; 3])));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceRenderer<'r, D> {
     design: D,
@@ -79,7 +99,7 @@ impl<'r, D: Tabled> SurfaceRenderer<'r, D> {
         let frame = Frame {
             pixels,
             window,
-            coverage,
+            coverage: Some(coverage),
             reader: PixelReader::new(&D::WIDTHS),
         };
         Ok((frame, counts))

@@ -28,10 +28,10 @@ const LANE: u32 = 31;
 /// Base-2 logarithm of the rounding noise of a run's radial indices in the lanes' unit: `BLOCK^2/32 + BLOCK` and a few roundings.
 const LANE_NOISE: u32 = 7;
 
-/// A table with `N` intervals (a power of two).
+/// A packed table: one word for each of `2^table` intervals, made by [`pack`].
 #[derive(Clone, Copy, Debug)]
-pub struct PackedTable<const N: usize> {
-    words: [u32; N],
+pub struct PackedTable<'a> {
+    words: &'a [u32],
     table: u8,
     interpolation: u8,
     radial: u8,
@@ -41,7 +41,7 @@ pub struct PackedTable<const N: usize> {
 /// Why a design has no packed table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PackedError {
-    /// `N` is not the number of intervals, `2^table`.
+    /// The words are not as many as the intervals, `2^table`.
     Intervals,
     /// The largest radial index leaves the lane: `radial + range` must be at most 31, and at least `table + interpolation`.
     Alignment,
@@ -52,30 +52,43 @@ pub enum PackedError {
     Noise,
 }
 
-impl<const N: usize> PackedTable<N> {
-    /// Packs the entries of a footprint table that was filled for the same widths and range ([`super::gaussian`], [`super::fill`]).
-    pub const fn new(entries: &[u32], widths: &Widths, range: u8) -> Result<Self, PackedError> {
-        if N != 1 << widths.table || entries.len() != N + 1 {
+/// Packs the entries of a footprint table that was filled for the same widths and range ([`super::gaussian`], [`super::fill`]); at compile
+/// time for firmware.
+pub const fn pack<const N: usize>(
+    entries: &[u32],
+    widths: &Widths,
+    range: u8,
+) -> Result<[u32; N], PackedError> {
+    if N != 1 << widths.table || entries.len() != N + 1 {
+        return Err(PackedError::Intervals);
+    }
+    let lane = widths.radial as u32 + range as u32;
+    let position = widths.interpolation as u32;
+    if lane > LANE || lane < widths.table as u32 + position {
+        return Err(PackedError::Alignment);
+    }
+    // A seed's product is rounded to the mantissa: 16 * 2^-mantissa at most, with room for its two roundings and the steps'.
+    if widths.mantissa < widths.table + 4 || lane < widths.table as u32 + LANE_NOISE {
+        return Err(PackedError::Noise);
+    }
+    let mut words = [0; N];
+    let mut i = 0;
+    while i < N {
+        let level = if i == 0 { 0 } else { i - 1 };
+        match word(entries[level], entries[i], i as u32, position) {
+            Some(packed) => words[i] = packed,
+            None => return Err(PackedError::Room),
+        }
+        i += 1;
+    }
+    Ok(words)
+}
+
+impl<'a> PackedTable<'a> {
+    /// A table of words that [`pack`] made for the same widths and range.
+    pub const fn new(words: &'a [u32], widths: &Widths, range: u8) -> Result<Self, PackedError> {
+        if words.len() != 1 << widths.table {
             return Err(PackedError::Intervals);
-        }
-        let lane = widths.radial as u32 + range as u32;
-        let position = widths.interpolation as u32;
-        if lane > LANE || lane < widths.table as u32 + position {
-            return Err(PackedError::Alignment);
-        }
-        // A seed's product is rounded to the mantissa: 16 * 2^-mantissa at most, with room for its two roundings and the steps'.
-        if widths.mantissa < widths.table + 4 || lane < widths.table as u32 + LANE_NOISE {
-            return Err(PackedError::Noise);
-        }
-        let mut words = [0; N];
-        let mut i = 0;
-        while i < N {
-            let level = if i == 0 { 0 } else { i - 1 };
-            match word(entries[level], entries[i], i as u32, position) {
-                Some(packed) => words[i] = packed,
-                None => return Err(PackedError::Room),
-            }
-            i += 1;
         }
         Ok(PackedTable {
             words,
@@ -88,8 +101,8 @@ impl<const N: usize> PackedTable<N> {
 
     /// The words, for a pixel loop of one's own that keeps them otherwise.
     #[inline(always)]
-    pub const fn words(&self) -> &[u32; N] {
-        &self.words
+    pub const fn words(&self) -> &'a [u32] {
+        self.words
     }
 
     /// The slope a - b in a word; `interpolation` is the width that the table was packed for, and not 0.
@@ -123,7 +136,7 @@ impl<const N: usize> PackedTable<N> {
     #[inline(always)]
     pub fn weight(&self, ahead: u32, widths: &Widths, range: u8) -> u32 {
         let below = below_index(widths, range);
-        let index = ahead.wrapping_shr(below) as usize & (N - 1);
+        let index = ahead.wrapping_shr(below) as usize & self.words.len().wrapping_sub(1);
         let word = self.words.get(index).copied().unwrap_or(0);
         let position = u32::from(widths.interpolation);
         if position == 0 {

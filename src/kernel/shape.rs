@@ -31,6 +31,7 @@ use crate::math::SoftFloat;
 
 /// Which footprint a splat has. Constant for a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Kernel {
     /// exp(-r/2) (\[EWA\] eq. 16).
     Gaussian,

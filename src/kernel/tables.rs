@@ -2,8 +2,8 @@
 //!
 //! A static takes room in an image only if something refers to it, so that a renderer under one set of rules costs one table.
 
-use super::{FootprintTable, entries, gaussian};
-use crate::format::{Classic8, Deep32, Design, Lean18, Standard24, Widths};
+use super::{FootprintTable, PackedTable, entries, gaussian, pack};
+use crate::format::{Classic8, Deep32, Design, Lean18, Micro16, Standard24, Widths};
 
 /// A design whose widths are constants and whose tables of the Gaussian exp(-r/2) therefore are, too.
 ///
@@ -23,10 +23,7 @@ use crate::format::{Classic8, Deep32, Design, Lean18, Standard24, Widths};
 /// static TABLE_16: [u32; entries(&Mine::WIDTHS)] = gaussian(&Mine::WIDTHS, 4);
 /// impl Design for Mine {
 ///     type Lane = i32;
-///     fn widths(&self) -> Widths {
-///         const { assert!(Mine::WIDTHS.check().is_ok()) }
-///         Mine::WIDTHS
-///     }
+///     const FIXED: Option<Widths> = Some(Mine::WIDTHS);
 /// }
 /// impl Tabled for Mine {
 ///     const WIDTHS: Widths = Mine::WIDTHS;
@@ -44,6 +41,9 @@ pub trait Tabled: Design {
     /// The Gaussian on radial indices 0 to 16, UQ1.weight: `table_range` 4, for all other cut-offs
     /// ([`Rules::GAUSSIAN_3D`](crate::rules::Rules::GAUSSIAN_3D)).
     const GAUSSIAN_16: &'static [u32];
+    /// The same packed for the loop of 32-bit words ([`Painter32`](crate::draw::Painter32)); `None` where the design's products or its table
+    /// have no room there.
+    const PACKED_16: Option<PackedTable<'static>> = None;
 }
 
 /// A design's table for `table_range` 2.
@@ -70,8 +70,27 @@ const fn checked(
     }
 }
 
+/// Widths without a packed table do not compile.
+const fn words<const N: usize>(entries: &[u32], widths: &Widths) -> [u32; N] {
+    match pack(entries, widths, 4) {
+        Ok(words) => words,
+        Err(_) => panic!("the design has no packed table"),
+    }
+}
+
+const fn packed(words: &'static [u32], widths: &Widths) -> Option<PackedTable<'static>> {
+    match PackedTable::new(words, widths, 4) {
+        Ok(table) => Some(table),
+        Err(_) => None,
+    }
+}
+
 static CLASSIC8_4: [u32; entries(&Classic8::WIDTHS)] = gaussian(&Classic8::WIDTHS, 2);
 static CLASSIC8_16: [u32; entries(&Classic8::WIDTHS)] = gaussian(&Classic8::WIDTHS, 4);
+static CLASSIC8_PACKED: [u32; 1 << Classic8::WIDTHS.table] = words(&CLASSIC8_16, &Classic8::WIDTHS);
+static MICRO16_4: [u32; entries(&Micro16::WIDTHS)] = gaussian(&Micro16::WIDTHS, 2);
+static MICRO16_16: [u32; entries(&Micro16::WIDTHS)] = gaussian(&Micro16::WIDTHS, 4);
+static MICRO16_PACKED: [u32; 1 << Micro16::WIDTHS.table] = words(&MICRO16_16, &Micro16::WIDTHS);
 static LEAN18_4: [u32; entries(&Lean18::WIDTHS)] = gaussian(&Lean18::WIDTHS, 2);
 static LEAN18_16: [u32; entries(&Lean18::WIDTHS)] = gaussian(&Lean18::WIDTHS, 4);
 static STANDARD24_4: [u32; entries(&Standard24::WIDTHS)] = gaussian(&Standard24::WIDTHS, 2);
@@ -83,6 +102,14 @@ impl Tabled for Classic8 {
     const WIDTHS: Widths = Classic8::WIDTHS;
     const GAUSSIAN_4: &'static [u32] = &CLASSIC8_4;
     const GAUSSIAN_16: &'static [u32] = &CLASSIC8_16;
+    const PACKED_16: Option<PackedTable<'static>> = packed(&CLASSIC8_PACKED, &Classic8::WIDTHS);
+}
+
+impl Tabled for Micro16 {
+    const WIDTHS: Widths = Micro16::WIDTHS;
+    const GAUSSIAN_4: &'static [u32] = &MICRO16_4;
+    const GAUSSIAN_16: &'static [u32] = &MICRO16_16;
+    const PACKED_16: Option<PackedTable<'static>> = packed(&MICRO16_PACKED, &Micro16::WIDTHS);
 }
 
 impl Tabled for Lean18 {

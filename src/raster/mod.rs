@@ -21,6 +21,8 @@ use crate::format::Lane;
 
 /// The part of the screen to be drawn: columns and rows `first .. end`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Window {
     /// First column and row.
     pub first: [u16; 2],

@@ -6,8 +6,7 @@
 use crate::format::{Rounding, Widths};
 use fixed::types::U4F28;
 
-/// Red, green, blue in UQ4.colour: rounded to nearest, halves to even, or truncated as the design's pixel path is. A colour rounded up to 16
-/// keeps its bits above the format, as the blend's products do.
+/// Red, green, blue in UQ4.colour: rounded to nearest, halves to even, saturated below 16, or truncated as the design's pixel path is.
 pub fn colour(widths: &Widths, colour: [U4F28; 3]) -> [u32; 3] {
     let drop = 28u32.saturating_sub(widths.colour.into());
     colour.map(|channel| {
@@ -18,7 +17,8 @@ pub fn colour(widths: &Widths, colour: [U4F28; 3]) -> [u32; 3] {
         }
         let rest = value - (whole << drop);
         let half = 1 << (drop - 1);
-        (whole + u64::from(rest > half || rest == half && whole & 1 == 1)) as u32
+        let rounded = whole + u64::from(rest > half || rest == half && whole & 1 == 1);
+        rounded.min((16 << widths.colour) - 1) as u32
     })
 }
 
@@ -37,7 +37,7 @@ mod tests {
             (24, 2),
             (40, 2),
             (41, 3),
-            (u32::MAX, 1 << 28),
+            (u32::MAX, (1 << 28) - 1),
         ] {
             assert_eq!(of(bits, &Standard24::WIDTHS), expected, "{bits}");
         }

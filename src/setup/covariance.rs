@@ -56,6 +56,16 @@ pub fn covariance(widths: &Widths, low_pass: SoftFloat, columns: &[ScreenAxis; 3
     }
 }
 
+/// det V' = sum_{j<k} (m_j x m_k)^2, without the low-pass filter: the same minors as in [`covariance`], rounded to the design's mantissa.
+pub fn sharp_determinant(widths: &Widths, [a, b, c]: &[ScreenAxis; 3]) -> SoftFloat {
+    let bits = u32::from(widths.mantissa);
+    let squares = [(a, b), (a, c), (b, c)].map(|(j, k)| {
+        let minor = minor(j, k, bits);
+        minor.times_within(minor, 2 * bits)
+    });
+    sum_of_products(squares, bits)
+}
+
 /// The 2x2 minor m_j x m_k.
 pub(super) fn minor(j: &ScreenAxis, k: &ScreenAxis, bits: u32) -> SoftFloat {
     let crossed = j.y.times_within(k.x, 2 * bits).negated();

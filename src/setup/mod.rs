@@ -22,11 +22,11 @@ mod sphere;
 mod surface;
 
 pub use colour::colour;
-pub use covariance::{Covariance2d, covariance};
+pub use covariance::{Covariance2d, covariance, sharp_determinant};
 pub use jacobian::{ScreenAxis, axis_bits, project_axes};
-pub use opacity::{centre_opacity, cutoff, opacity_fixed};
+pub use opacity::{centre_opacity, compensate, cutoff, opacity_fixed};
 pub use point::{PointFilter, is_minified, setup_point};
-pub use project::{Projected, project};
+pub use project::{Projected, depth_of, project};
 pub use shape::{conic, ldl};
 pub use sphere::{Ellipse, Index, SphereFootprint, setup_sphere};
 pub use surface::{depth_gradient, setup_surface, surface_opacity};
@@ -127,6 +127,9 @@ fn footprint<D: Design, P: Pose>(
     let covariance = covariance(&widths, rules.low_pass, &columns);
     let ldl = ldl(&widths, &covariance).ok_or(Cull::Degenerate)?;
     let conic = conic(&widths, &covariance, &ldl).ok_or(Cull::Degenerate)?;
+    if rules.compensated {
+        weight = compensate(&widths, weight, &columns, &covariance);
+    }
     let peak = centre_opacity(&widths, rules, weight, &projected, &covariance);
     let cutoff = cutoff(rules, peak).ok_or(Cull::Transparent)?;
     let (first, last) = bounding_box(

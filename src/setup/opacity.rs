@@ -6,9 +6,11 @@
 //! g |J W| / (pi I sqrt(det)),   |J| = fx/z fy/z |t|/z = gain_x gain_y sqrt(1 + (x/z)^2 + (y/z)^2)
 //! ```
 //!
-//! with J in pixels, |W| = 1 and I the integral of the kernel's profile (2 for the Gaussian). Orthographic views have |t|/z = 1. All other rules take the weight itself.
+//! with J in pixels, |W| = 1 and I the integral of the kernel's profile (2 for the Gaussian). Orthographic views have |t|/z = 1. All other rules take the weight itself,
+//! or what is left of it where the low-pass filter is compensated (Mip-Splatting, Yu et al., CVPR 2024, eq. 9): `weight sqrt(det V' / det(V' + V^h))`.
 
-use super::covariance::Covariance2d;
+use super::covariance::{Covariance2d, sharp_determinant};
+use super::jacobian::ScreenAxis;
 use super::project::Projected;
 use crate::format::Widths;
 use crate::kernel::Kernel;
@@ -42,6 +44,22 @@ pub fn centre_opacity(
         .multiply(area, bits)
         .multiply(density, bits)
         .multiply(rules.kernel.inverse_integral(), bits)
+}
+
+/// The weight times sqrt(det V' / det(V' + V^h)), at most the weight but for rounding, with the design's mantissa; 0 of a splat without area.
+/// Three products and a root, each rounded once; where the variance has no inverse the splat is culled before.
+pub fn compensate(
+    widths: &Widths,
+    weight: SoftFloat,
+    columns: &[ScreenAxis; 3],
+    covariance: &Covariance2d,
+) -> SoftFloat {
+    let bits = u32::from(widths.mantissa);
+    let Some(inverse) = reciprocal(covariance.determinant, bits) else {
+        return SoftFloat::ZERO;
+    };
+    let kept = sharp_determinant(widths, columns).multiply_within(inverse, bits);
+    weight.multiply(square_root(kept, bits), bits)
 }
 
 /// The peak in UQ4.peak, saturated; `None` if it rounds to 0.

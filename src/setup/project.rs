@@ -3,13 +3,13 @@
 //! The difference to the eye is exact before it is rounded ([`Pose`]), so that a splat just behind the near plane loses nothing to
 //! cancellation, however far from the origin it stands. From camera space on mantissas of the design's `view` bits: 1/z once, then x/z and y/z, then u = fx x/z + cx rounded
 //! once to the design's sub-pixel bits. The centre deserves more bits than the shape: 8 sub-pixel bits
-//! cost more accuracy than everything else together (docs/number-formats.md).
+//! cost more accuracy than everything else together (docs/specification.md).
 
 use super::Cull;
 use crate::format::Widths;
 use crate::math::{Extended, SoftFloat, reciprocal, shift_round};
 use crate::rules::Rules;
-use crate::view::{Pose, Projection, View};
+use crate::view::{CameraPoint, Pose, Projection, View};
 
 /// A projected centre with what the Jacobian needs of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,14 +33,9 @@ pub fn project<P: Pose>(
 ) -> Result<Projected, Cull> {
     let bits = u32::from(widths.view);
     let point = view.pose.to_camera(&view.rotation, centre, widths);
-    let [x, y, z] = [0, 1, 2].map(|axis| point.coordinate(axis));
+    let [x, y] = [0, 1].map(|axis| point.coordinate(axis));
+    let z = between_planes(view, &point)?;
     let perspective = view.projection == Projection::Perspective;
-    if !z.exceeds(view.near) || (perspective && z.value <= 0) {
-        return Err(Cull::Near);
-    }
-    if !view.far.exceeds(z) {
-        return Err(Cull::Far);
-    }
     let rounded = |number: Extended| SoftFloat::from_wide(number.value, number.exponent, bits);
     let position = [x, y].map(rounded);
     let inverse = if perspective {
@@ -66,6 +61,29 @@ pub fn project<P: Pose>(
         ratio,
         gain,
     })
+}
+
+/// z of a centre, scene units, by which splats are sorted; culls by depth as [`project`] does.
+pub fn depth_of<P: Pose>(
+    widths: &Widths,
+    view: &View<P>,
+    centre: &P::Centre,
+) -> Result<Extended, Cull> {
+    let point = view.pose.to_camera(&view.rotation, centre, widths);
+    between_planes(view, &point)
+}
+
+fn between_planes<P>(view: &View<P>, point: &CameraPoint) -> Result<Extended, Cull> {
+    let z = point.coordinate(2);
+    let perspective = view.projection == Projection::Perspective;
+    if !z.exceeds(view.near) || (perspective && z.value <= 0) {
+        return Err(Cull::Near);
+    }
+    if view.far.exceeds(z) {
+        Ok(z)
+    } else {
+        Err(Cull::Far)
+    }
 }
 
 const ONE: SoftFloat = SoftFloat {

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{NarrowError, Painter, Painter32};
 use splatline::footprint::Footprint;
-use splatline::format::{Design, Rounding, RuntimeWidths, Traversal, Widths};
-use splatline::kernel::{FootprintTable, PackedError, PackedTable, entries, fill_gaussian};
+use splatline::format::{Design, Micro16, Rounding, RuntimeWidths, Traversal, Widths};
+use splatline::kernel::{FootprintTable, PackedError, PackedTable, entries, fill_gaussian, pack};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::setup;
@@ -17,23 +17,8 @@ use splatline::view::Projection;
 
 const RANGE: u8 = 4;
 
-/// The firmware's widths: three short products, a shift of 0 in the sums.
-const FIRMWARE: Widths = Widths {
-    position: 30,
-    view: 24,
-    mantissa: 15,
-    subpixel: 12,
-    radial: 20,
-    table: 7,
-    interpolation: 17,
-    weight: 14,
-    peak: 14,
-    alpha: 15,
-    transmittance: 16,
-    colour: 10,
-    accumulator: 26,
-    rounding: Rounding::Nearest,
-};
+/// Three short products, a shift of 0 in the sums.
+const FIRMWARE: Widths = Micro16::WIDTHS;
 
 /// A coarse table without interpolation, truncated products, rounded sums.
 const PLAIN: Widths = Widths {
@@ -61,20 +46,14 @@ const LONG: Widths = Widths {
 };
 
 /// A design that exists for this test.
-#[derive(Clone, Copy, Debug)]
-struct NarrowWidths(Widths);
-
-impl Design for NarrowWidths {
-    type Lane = i32;
-    fn widths(&self) -> Widths {
-        self.0
-    }
+fn narrow(widths: Widths) -> RuntimeWidths<i32> {
+    RuntimeWidths::for_lanes(widths).unwrap()
 }
 
-fn table<const N: usize>(widths: &Widths) -> (Vec<u32>, PackedTable<N>) {
+fn table<const N: usize>(widths: &Widths) -> (Vec<u32>, [u32; N]) {
     let mut memory = vec![0; entries(widths)];
     fill_gaussian(&mut memory, widths, RANGE);
-    let packed = PackedTable::new(&memory, widths, RANGE).unwrap();
+    let packed = pack(&memory, widths, RANGE).unwrap();
     (memory, packed)
 }
 
@@ -116,13 +95,14 @@ fn check<const N: usize>(
     splats: &[VolumeSplat],
 ) -> Result<(), TestCaseError> {
     let camera = view(0.2, -0.1, Projection::Perspective);
-    let design = NarrowWidths(widths);
+    let design = narrow(widths);
     let list: Vec<_> = splats
         .iter()
         .filter_map(|splat| setup(design, &camera, rules, splat).ok())
         .collect();
-    let (memory, packed) = table::<N>(&widths);
-    let narrow = Painter32::new(design, rules, &packed).unwrap();
+    let (memory, words) = table::<N>(&widths);
+    let packed = PackedTable::new(&words, &widths, RANGE).unwrap();
+    let narrow = Painter32::new(design, rules, packed).unwrap();
     let got = in_strips(&widths, |target| {
         for footprint in &list {
             narrow.draw(footprint, target);
@@ -153,9 +133,10 @@ proptest! {
     #[test]
     fn any_footprint_is_drawn(bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
         let mut source = Source::new(&bytes);
-        let (_, packed) = table::<128>(&FIRMWARE);
-        let design = NarrowWidths(FIRMWARE);
-        let painter = Painter32::new(design, &Rules::GAUSSIAN_3D, &packed).unwrap();
+        let (_, words) = table::<128>(&FIRMWARE);
+        let packed = PackedTable::new(&words, &FIRMWARE, RANGE).unwrap();
+        let design = narrow(FIRMWARE);
+        let painter = Painter32::new(design, &Rules::GAUSSIAN_3D, packed).unwrap();
         in_strips(&FIRMWARE, |target| painter.draw(&source.footprint(), target));
     }
 }
@@ -164,9 +145,10 @@ proptest! {
 #[test]
 fn packed_look_ups_equal_plain_ones() {
     fn check<const N: usize>(widths: Widths) {
-        let (memory, packed) = table::<N>(&widths);
+        let (memory, words) = table::<N>(&widths);
+        let packed = PackedTable::new(&words, &widths, RANGE).unwrap();
         let plain = FootprintTable::new(&memory, &widths, RANGE).unwrap();
-        let lead = PackedTable::<N>::lead(&widths, RANGE);
+        let lead = PackedTable::lead(&widths, RANGE);
         let at = |ahead| packed.weight(ahead, &widths, RANGE);
         // Cut-offs end at 15, one interval below the table's end.
         let end = 15u32 << widths.radial;
@@ -184,8 +166,11 @@ fn packed_look_ups_equal_plain_ones() {
 
 #[test]
 fn what_is_not_narrow_is_refused() {
-    let (memory, packed) = table::<128>(&FIRMWARE);
-    let refused = |widths, range| PackedTable::<128>::new(&memory, &widths, range).unwrap_err();
+    let (memory, words) = table::<128>(&FIRMWARE);
+    let packed = PackedTable::new(&words, &FIRMWARE, RANGE).unwrap();
+    let refused = |widths, range| pack::<128>(&memory, &widths, range).unwrap_err();
+    let short = PackedTable::new(&words[1..], &FIRMWARE, RANGE);
+    assert_eq!(short.unwrap_err(), PackedError::Intervals);
     assert_eq!(
         refused(
             Widths {
@@ -218,16 +203,16 @@ fn what_is_not_narrow_is_refused() {
         ..FIRMWARE
     };
     assert_eq!(refused(short, RANGE), PackedError::Room);
-    let wide = NarrowWidths(Widths {
+    let wide = narrow(Widths {
         peak: 24,
         ..FIRMWARE
     });
-    let error = Painter32::new(wide, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
+    let error = Painter32::new(wide, &Rules::GAUSSIAN_3D, packed).unwrap_err();
     assert_eq!(error, NarrowError::Products);
-    let other = NarrowWidths(Widths {
+    let other = narrow(Widths {
         interpolation: 16,
         ..FIRMWARE
     });
-    let error = Painter32::new(other, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
+    let error = Painter32::new(other, &Rules::GAUSSIAN_3D, packed).unwrap_err();
     assert_eq!(error, NarrowError::Table);
 }

@@ -83,7 +83,7 @@ fn no_complaints(browser: &Browser) -> Result<()> {
 fn the_live_page_draws_the_hosts_bits_by_every_design() -> Result<()> {
     let (mut browser, folder) = browser()?;
     let page = folder.path().join("page.html");
-    for design in ["classic8", "lean18", "standard24", "deep32"] {
+    for design in ["classic8", "micro16", "lean18", "standard24", "deep32"] {
         for traversal in ["box", "spans"] {
             let scene = ["page", "random:800:3", "--size", "200x150"];
             let by = ["--design", design, "--traversal", traversal];

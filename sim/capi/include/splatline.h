@@ -42,7 +42,7 @@
 #define SPLATLINE_ERROR_STATE -8
 
 // Version of this interface; it changes when a struct or a function changes in a way that needs recompilation.
-#define SPLATLINE_ABI_VERSION 1
+#define SPLATLINE_ABI_VERSION 2
 
 // Every pixel of the bounding box by conic forward differencing.
 #define SPLATLINE_TRAVERSAL_BOX 0
@@ -68,11 +68,14 @@
 // 18-bit multipliers.
 #define SPLATLINE_LEAN18 1
 
-// 24-bit mantissas.
+// 28-bit mantissas, 32-bit lanes.
 #define SPLATLINE_STANDARD24 2
 
 // 31-bit magnitudes.
 #define SPLATLINE_DEEP32 3
+
+// 32-bit words throughout, for microcontrollers.
+#define SPLATLINE_MICRO16 4
 
 // EWA volume splatting.
 #define SPLATLINE_RULES_EWA 0
@@ -172,6 +175,8 @@ typedef struct {
   uint32_t clamp_jacobian;
   // Base-2 logarithm of the end of the footprint table: 2 for cut-offs up to 4, 4 for others.
   uint32_t table_range;
+  // 1: the peak opacity is multiplied by sqrt(det V' / det(V' + V^h)), as antialiased models of 3D Gaussians are trained.
+  uint32_t compensated;
 } SplatlineRules;
 
 // Rules brought to a design's widths: what a circuit compares with. `splatline_blend_constants` gives them.
@@ -286,7 +291,7 @@ typedef struct {
   uint8_t fraction;
 } SplatlineField;
 
-// Columns and rows `first .. last`.
+// Columns and rows `first .. end`.
 typedef struct {
   // First column and row.
   uint16_t first[2];
@@ -525,6 +530,78 @@ int32_t splatline_draw(const SplatlinePainter *painter,
                        size_t count,
                        size_t stride,
                        SplatlineCoverage *coverage);
+
+// The view from `eye` towards `target`, `up` upwards, with a vertical field of view in degrees. SPLATLINE_ERROR_VALUE if a number is not finite,
+// the directions are none, or the size is 0 or above SPLATLINE_LARGEST_VIEWPORT.
+//
+// Memory:
+// Pointers are null or lead to what their types say; `eye`, `target` and `up` to three numbers each.
+int32_t splatline_look_at(const float *eye,
+                          const float *target,
+                          const float *up,
+                          float field_of_view,
+                          uint16_t columns,
+                          uint16_t rows,
+                          SplatlineView *view);
+
+// A splat from ordinary numbers: mean (scene units), rotation as a quaternion w, x, y, z of any length but 0, standard deviations along the
+// turned axes (scene units), opacity at the centre (0 to 1), linear red, green, blue. SPLATLINE_ERROR_VALUE if a number is not finite or the
+// quaternion has length 0.
+//
+// Memory:
+// Pointers are null or lead to what their types say; `mean`, `scales` and `colour` to three numbers each, `rotation` to four.
+int32_t splatline_gaussian(const float *mean,
+                           const float *rotation,
+                           const float *scales,
+                           float opacity,
+                           const float *colour,
+                           SplatlineSplat *splat);
+
+// Words of 32 bits that a list of `footprints` takes.
+size_t splatline_list_words(size_t footprints);
+
+// Sorts a scene by depth, nearest first, and sets it up into a list. Returns the number of footprints on the list, or an error;
+// SPLATLINE_ERROR_SIZE if the list has too few words, and then `needed_words`, unless null, is how many suffice.
+//
+// Memory:
+// Pointers are null or lead to what their types say; `splats` to `count` splats, `words` to `word_count` words.
+int32_t splatline_set_up_scene(const SplatlineView *view,
+                               const SplatlineSplat *splats,
+                               size_t count,
+                               uint32_t *words,
+                               size_t word_count,
+                               size_t *needed_words);
+
+// The same for a scene as `splatline bake -o scene.bin` writes it, `count` bytes; SPLATLINE_ERROR_VALUE if they are not one, whole.
+//
+// Memory:
+// Pointers are null or lead to what their types say; `bytes` to `count` bytes, `words` to `word_count` words.
+int32_t splatline_set_up_compact(const SplatlineView *view,
+                                 const uint8_t *bytes,
+                                 size_t count,
+                                 uint32_t *words,
+                                 size_t word_count,
+                                 size_t *needed_words);
+
+// Draws the part of the picture in `window` and brings it to 16 bits a pixel (red 5, green 6, blue 5) over a background in the same
+// format, row by row without gaps. `pixels` and `sent` have room for `count` pixels, at least the window's.
+//
+// Memory:
+// Pointers are null or lead to what their types say; `words` to `word_count` words, `pixels` and `sent` to `count` pixels.
+int32_t splatline_draw_rgb565(uint32_t *words,
+                              size_t word_count,
+                              size_t footprints,
+                              const SplatlineWindow *window,
+                              uint16_t background,
+                              SplatlinePixel *pixels,
+                              uint16_t *sent,
+                              size_t count);
+
+// Numbers of `count` footprints in `order` by depth, nearest first, ties by number: what drawing front to back asks for.
+//
+// Memory:
+// Pointers are null or lead to what their types say; `footprints` to `count` footprints, `order` to as many numbers.
+int32_t splatline_sort(const SplatlineFootprint *footprints, size_t count, uint32_t *order);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -4,7 +4,7 @@ use crate::memory::{read, slice, slice_mut, write};
 use crate::status::{Error, SPLATLINE_OK, code};
 use crate::types::{SplatlineBlendConstants, SplatlineRules, SplatlineWidths};
 use splatline::blend::Blend;
-use splatline::format::{Classic8, Deep32, Lean18, Standard24, Widths};
+use splatline::format::{Classic8, Deep32, Lean18, Micro16, Standard24, Widths};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::rules::Rules;
 
@@ -12,10 +12,12 @@ use splatline::rules::Rules;
 pub const SPLATLINE_CLASSIC8: u32 = 0;
 /// 18-bit multipliers.
 pub const SPLATLINE_LEAN18: u32 = 1;
-/// 24-bit mantissas.
+/// 28-bit mantissas, 32-bit lanes.
 pub const SPLATLINE_STANDARD24: u32 = 2;
 /// 31-bit magnitudes.
 pub const SPLATLINE_DEEP32: u32 = 3;
+/// 32-bit words throughout, for microcontrollers.
+pub const SPLATLINE_MICRO16: u32 = 4;
 
 /// EWA volume splatting.
 pub const SPLATLINE_RULES_EWA: u32 = 0;
@@ -33,6 +35,7 @@ pub unsafe extern "C" fn splatline_design(name: u32, widths: *mut SplatlineWidth
         SPLATLINE_LEAN18 => &Lean18::WIDTHS,
         SPLATLINE_STANDARD24 => &Standard24::WIDTHS,
         SPLATLINE_DEEP32 => &Deep32::WIDTHS,
+        SPLATLINE_MICRO16 => &Micro16::WIDTHS,
         _ => return code(Err(Error::Value)),
     };
     // SAFETY: the function's own contract.

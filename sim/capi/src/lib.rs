@@ -12,10 +12,12 @@
 //! | `packet` | footprints to packets and back, layout of the packet |
 //! | `rows` | stepping: rows of a footprint, pixels of a row |
 //! | `draw` | whole footprints into a window |
+//! | `front` | camera, splats, scenes and strips in ordinary numbers |
 #![cfg_attr(not(feature = "std"), no_std)]
 
 mod design;
 mod draw;
+mod front;
 mod memory;
 mod packet;
 mod spans;
@@ -26,6 +28,7 @@ mod versions;
 
 pub use design::*;
 pub use draw::*;
+pub use front::*;
 pub use packet::*;
 pub use setup::*;
 pub use spans::*;

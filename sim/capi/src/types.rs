@@ -159,6 +159,8 @@ pub struct SplatlineRules {
     pub clamp_jacobian: u32,
     /// Base-2 logarithm of the end of the footprint table: 2 for cut-offs up to 4, 4 for others.
     pub table_range: u32,
+    /// 1: the peak opacity is multiplied by sqrt(det V' / det(V' + V^h)), as antialiased models of 3D Gaussians are trained.
+    pub compensated: u32,
 }
 
 /// Rules brought to a design's widths: what a circuit compares with. `splatline_blend_constants` gives them.
@@ -207,7 +209,7 @@ pub struct SplatlineFootprint {
     pub colour: [u32; 3],
 }
 
-/// Columns and rows `first .. last`.
+/// Columns and rows `first .. end`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SplatlineWindow {
@@ -311,6 +313,51 @@ impl From<&SplatlineSplat> for VolumeSplat {
     }
 }
 
+impl From<&VolumeSplat> for SplatlineSplat {
+    fn from(splat: &VolumeSplat) -> Self {
+        SplatlineSplat {
+            centre: splat.centre.map(SplatlineSoftFloat::from),
+            axes: splat.axes.map(|axis| SplatlineAxis {
+                mantissa: axis.mantissa,
+                exponent: axis.exponent,
+            }),
+            weight: splat.weight.into(),
+            colour: splat.colour.map(U4F28::to_bits),
+        }
+    }
+}
+
+impl From<&View> for SplatlineView {
+    fn from(view: &View) -> Self {
+        let [a, b, c] = view.rotation.map(|row| row.map(I2F30::to_bits));
+        let [p, q, r] = view.pose.rotation_rest;
+        let joined = |[[a, b, c], [d, e, f], [g, h, i]]: [[i32; 3]; 3]| [a, b, c, d, e, f, g, h, i];
+        SplatlineView {
+            rotation: joined([a, b, c]),
+            rotation_rest: joined([p, q, r]),
+            eye: view.pose.position,
+            eye_exponent: view.pose.exponent,
+            focal: view.focal.map(SplatlineSoftFloat::from),
+            principal: view.principal.map(I32F32::to_bits),
+            near_depth: view.near.into(),
+            far_depth: view.far.into(),
+            ratio_low: view.limits.low.map(I32F32::to_bits),
+            ratio_high: view.limits.high.map(I32F32::to_bits),
+            viewport: view.viewport,
+            orthographic: (view.projection == Projection::Orthographic).into(),
+        }
+    }
+}
+
+impl From<Extended> for SplatlineExtended {
+    fn from(number: Extended) -> Self {
+        SplatlineExtended {
+            mantissa: number.value,
+            exponent: number.exponent,
+        }
+    }
+}
+
 impl SplatlineView {
     pub(crate) fn view(&self) -> Result<View, Error> {
         if self
@@ -383,6 +430,7 @@ impl From<&Rules> for SplatlineRules {
             omit_finishing: rules.omit_finishing.into(),
             clamp_jacobian: rules.clamp_jacobian.into(),
             table_range: rules.table_range.into(),
+            compensated: rules.compensated.into(),
         }
     }
 }
@@ -395,6 +443,7 @@ impl SplatlineRules {
         Ok(Rules {
             normalised: flag(self.normalised)?,
             low_pass: self.low_pass.into(),
+            compensated: flag(self.compensated)?,
             // The C interface draws Gaussians with a low-pass filter only.
             spacing: SoftFloat::ZERO,
             kernel: Kernel::Gaussian,

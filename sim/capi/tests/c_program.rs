@@ -168,3 +168,60 @@ fn a_program_in_c_draws_the_same_picture() {
         .count();
     assert!(covered > 8 * PIXELS / 2, "the picture is not empty");
 }
+
+/// The example of 40 lines sends a display what the front door of Rust does.
+#[test]
+#[cfg_attr(not(has_cc), ignore = "no C compiler: install one or name it in CC")]
+fn the_front_door_in_c_sends_what_rusts_does() {
+    use splatline::{BoundedList, Camera, Gaussian, Micro16, Renderer};
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let (program, output) = (folder.join("display"), folder.join("display.rgb565"));
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let source = here.join("examples/display.c");
+    let lines = std::fs::read_to_string(&source).unwrap().lines().count();
+    assert!(lines <= 45, "the example of 40 lines has {lines}");
+    let compiled = Command::new(&compiler)
+        .args([
+            "-std=c99",
+            "-O1",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            "-pedantic",
+        ])
+        .arg("-I")
+        .arg(here.join("include"))
+        .args([source, static_library()])
+        .args(["-lpthread", "-ldl", "-lm", "-o"])
+        .arg(&program)
+        .status()
+        .unwrap();
+    assert!(compiled.success());
+    let ran = Command::new(&program).arg(&output).status().unwrap();
+    assert!(ran.success());
+
+    let size = [160, 128];
+    let eye = [0.0, -1.0, -4.0];
+    let camera = Camera::look_at(eye, [0.0; 3], [0.0, -1.0, 0.0], 40.0, size).unwrap();
+    let gaussian = |mean, scales, colour| Gaussian {
+        mean,
+        scales,
+        colour,
+        opacity: 0.9,
+        ..Gaussian::UNIT
+    };
+    let scene = [
+        gaussian([0.0; 3], [0.4; 3], [1.0, 0.5, 0.1]),
+        gaussian([0.8, 0.0, 0.5], [0.1, 0.6, 0.1], [0.1, 0.4, 1.0]),
+        gaussian([-0.7, 0.2, -0.4], [0.5, 0.02, 0.3], [0.3, 1.0, 0.4]),
+    ];
+    let mut list = BoundedList::<3>::new();
+    let mut pixels = vec![Pixel::EMPTY; 160 * 128];
+    let view = camera.view().unwrap();
+    let drawn = Renderer::new(Micro16).render(&view, scene, &mut list, &mut pixels);
+    let (frame, counts) = drawn.unwrap();
+    assert_eq!(counts.drawn, 3);
+    let expected: Vec<u8> = frame.rgb565(0x0883).flat_map(u16::to_ne_bytes).collect();
+    assert!(std::fs::read(&output).unwrap() == expected);
+}

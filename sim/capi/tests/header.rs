@@ -8,7 +8,7 @@ fn generated() -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).unwrap();
     let files = [
-        "status", "versions", "types", "design", "setup", "packet", "spans", "draw",
+        "status", "versions", "types", "design", "setup", "packet", "spans", "draw", "front",
     ];
     let builder = files.iter().fold(
         cbindgen::Builder::new().with_config(config),

@@ -70,10 +70,11 @@ enum PageName {
 }
 
 fn main() -> ExitCode {
-    finish(match Program::parse().command {
+    let code = finish(match Program::parse().command {
         PageCommand::Gallery(options) => gallery::run(&options),
         PageCommand::Results(options) => results(&options),
-    })
+    });
+    code.into()
 }
 
 fn results(options: &ResultsOptions) -> Result<(), Failure> {

@@ -3,7 +3,7 @@
 //! A file names the design it starts from and the widths it changes:
 //!
 //! ```toml
-//! base = "standard24"   # classic8, lean18, standard24 or deep32
+//! base = "standard24"   # classic8, micro16, lean18, standard24 or deep32
 //! mantissa = 20
 //! alpha = 16
 //! rounding = "truncate" # or "nearest"
@@ -12,15 +12,15 @@
 
 use serde::{Deserialize, Serialize};
 use splatline::format::{
-    Classic8, Deep32, Design, Lean18, Rounding, RuntimeWidths, Standard24, Traversal, WIDTH_RANGES,
-    WidthError, Widths,
+    Classic8, Deep32, Design, Lean18, Micro16, Rounding, RuntimeWidths, Standard24, Traversal,
+    WIDTH_RANGES, WidthError, Widths,
 };
 use std::borrow::Cow;
 use std::path::Path;
 use thiserror::Error;
 
 /// The named designs, from the cheapest to the most accurate.
-pub const NAMES: [&str; 4] = ["classic8", "lean18", "standard24", "deep32"];
+pub const NAMES: [&str; 5] = ["classic8", "micro16", "lean18", "standard24", "deep32"];
 
 /// A design as the command line chose it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,6 +38,7 @@ pub struct DesignChoice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum NamedDesign {
     Classic8,
+    Micro16,
     Lean18,
     Standard24,
     Deep32,
@@ -48,7 +49,7 @@ enum NamedDesign {
 pub enum DesignError {
     /// Neither a design's name nor a TOML file's.
     #[error(
-        "unknown design '{0}': expected classic8, lean18, standard24, deep32 or a file that ends in .toml"
+        "unknown design '{0}': expected classic8, micro16, lean18, standard24, deep32 or a file that ends in .toml"
     )]
     UnknownName(String),
     /// The file cannot be read.
@@ -107,6 +108,7 @@ impl DesignChoice {
     pub fn named(name: &str) -> Option<Self> {
         let (named, widths, traversal) = match name {
             "classic8" => (NamedDesign::Classic8, Classic8::WIDTHS, Traversal::Box),
+            "micro16" => (NamedDesign::Micro16, Micro16::WIDTHS, Traversal::Spans),
             "lean18" => (NamedDesign::Lean18, Lean18::WIDTHS, Traversal::Spans),
             "standard24" => (
                 NamedDesign::Standard24,
@@ -124,7 +126,7 @@ impl DesignChoice {
         })
     }
 
-    /// The four named designs.
+    /// All named designs.
     pub fn all() -> Vec<Self> {
         NAMES.iter().filter_map(|name| Self::named(name)).collect()
     }
@@ -141,6 +143,7 @@ impl DesignChoice {
     pub fn dispatch<J: DesignJob>(&self, job: J) -> J::Output {
         match self.named {
             Some(NamedDesign::Classic8) => job.run(Classic8),
+            Some(NamedDesign::Micro16) => job.run(Micro16),
             Some(NamedDesign::Lean18) => job.run(Lean18),
             Some(NamedDesign::Standard24) => job.run(Standard24),
             Some(NamedDesign::Deep32) => job.run(Deep32),

@@ -5,7 +5,7 @@ use crate::design::Firmware16;
 use crate::order::{Full, Order};
 use crate::phase::{phase_draw, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, RULES, SCENE, SPLATS, STRIP, STRIP_PIXELS, view};
-use crate::table::{INTERVALS, PACKED};
+use crate::table::PACKED;
 use heapless::Vec;
 use splatline::blend::Pixel;
 use splatline::draw::Painter32;
@@ -31,10 +31,7 @@ impl FixedMemory {
         FixedMemory {
             footprints: Vec::new(),
             order: Order::new(),
-            strip: [Pixel {
-                colour: [0; 3],
-                transmittance: 0,
-            }; STRIP_PIXELS],
+            strip: [Pixel::EMPTY; STRIP_PIXELS],
         }
     }
 }
@@ -109,7 +106,7 @@ fn draw_strip(memory: &mut FixedMemory, first_row: u16) {
         first: [0, first_row],
         end: [COLUMNS, first_row + STRIP],
     };
-    let painter = Painter32::new(Firmware16, &RULES, &PACKED);
+    let painter = Painter32::new(Firmware16, &RULES, PACKED);
     let target = Target::new(&mut memory.strip, window, COLUMNS.into());
     let (Ok(mut target), Ok(painter)) = (target, painter) else {
         return;
@@ -129,11 +126,7 @@ fn draw_strip(memory: &mut FixedMemory, first_row: u16) {
 
 /// By the processor's own pixel loop where there is one.
 #[inline(always)]
-fn draw_footprint(
-    painter: Painter32<Firmware16, INTERVALS>,
-    footprint: &Footprint,
-    target: &mut Target,
-) {
+fn draw_footprint(painter: Painter32<Firmware16>, footprint: &Footprint, target: &mut Target) {
     #[cfg(not(armv6m))]
     painter.draw(footprint, target);
     #[cfg(armv6m)]

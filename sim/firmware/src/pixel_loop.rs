@@ -24,7 +24,7 @@
 
 use crate::design::Firmware16;
 use crate::scene::RULES;
-use crate::table::{INTERVALS, PACKED};
+use crate::table::{INTERVALS, WORDS};
 use core::arch::naked_asm;
 use core::mem::{offset_of, size_of};
 use splatline::blend::{Blend, BlendConstants, FINISHED, Pixel};
@@ -74,7 +74,7 @@ const fn interval(word: u32) -> Interval {
     #[cfg(not(feature = "plain"))]
     return [
         word,
-        splatline::kernel::PackedTable::<INTERVALS>::slope(word, INTERPOLATION),
+        splatline::kernel::PackedTable::slope(word, INTERPOLATION),
     ];
     #[cfg(feature = "plain")]
     return {
@@ -88,7 +88,7 @@ static TABLE: [Interval; INTERVALS] = {
     let mut table = [interval(0); INTERVALS];
     let mut i = 0;
     while i < INTERVALS {
-        table[i] = interval(PACKED.words()[i]);
+        table[i] = interval(WORDS[i]);
         i += 1;
     }
     table

@@ -1,8 +1,9 @@
 //! From cycles to time: the clock, pictures a second, and bytes a second.
 //!
 //! A count of cycles is no answer to "does it run at 60 frames a second". The machine's `clock_mhz` is what its maker promises. Where nobody does,
-//! the clock is that of the nearest circuit that was placed and routed, and says so wherever it is shown: one placement of another width or
-//! number of lanes is a hint of the order of magnitude and no promise.
+//! the clock is that of the nearest circuit of the same family that was placed and routed, and says so wherever it is shown: one placement of another
+//! width or number of lanes is a hint of the order of magnitude and no promise. Where no raster unit of a family was placed, it is the ECP5's by a
+//! stated factor (`area/families.toml`): what both families reach with the same circuit.
 
 use super::area::Family;
 use super::config::Config;
@@ -93,17 +94,23 @@ pub fn placed() -> Vec<RoutedCircuit> {
 }
 
 impl RoutedCircuit {
-    /// How unlike the machine it is: another family weighs more than any number of lanes, lanes by their ratio, mantissas by their difference.
-    fn distance(&self, lanes: u32, widths: &Widths, family: Family) -> f64 {
+    /// How unlike the machine it is: lanes by their ratio, mantissas by their difference.
+    fn distance(&self, lanes: u32, widths: &Widths) -> f64 {
         let own = DesignChoice::named(&self.design).map_or(0, |design| design.widths.mantissa);
-        let other_family = f64::from(u8::from(self.family != family));
         let lanes = (f64::from(lanes) / f64::from(self.lanes)).log2().abs();
-        100.0 * other_family + lanes + f64::from(own.abs_diff(widths.mantissa)) / 8.0
+        lanes + f64::from(own.abs_diff(widths.mantissa)) / 8.0
+    }
+
+    fn named(&self) -> String {
+        format!(
+            "{} with {} lane(s) on {} ({})",
+            self.design, self.lanes, self.device, self.conditions
+        )
     }
 }
 
 impl Clock {
-    /// The machine's own clock, or that of the nearest circuit that was placed.
+    /// The machine's own clock, or that of the nearest circuit of the family that was placed, or else the ECP5's by the family's factor.
     pub fn of(config: &Config, widths: &Widths, family: Family) -> Clock {
         if config.clock_mhz > 0 {
             return Clock {
@@ -112,28 +119,42 @@ impl Clock {
                 of: "clock_mhz of the machine".to_owned(),
             };
         }
-        let distance = |placed: &RoutedCircuit| placed.distance(config.lanes, widths, family);
-        let all = placed();
-        let nearest = all
-            .iter()
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        match nearest {
-            Some(nearest) => Clock {
-                mhz: nearest.mhz,
-                assumed: true,
-                of: format!(
-                    "assumed: no clock_mhz was given, and {} with {} lane(s) on {} ({}) is the nearest circuit that was placed",
-                    nearest.design, nearest.lanes, nearest.device, nearest.conditions
+        let nearest = |family| nearest(config.lanes, widths, family);
+        let assumed = |mhz: f64, of: String| Clock {
+            mhz,
+            assumed: true,
+            of: format!("assumed: no clock_mhz was given, and {of}"),
+        };
+        if let Some(own) = nearest(family) {
+            let of = format!("{} is the nearest circuit that was placed", own.named());
+            return assumed(own.mhz, of);
+        }
+        let factor = family.clock_factor();
+        match nearest(Family::Ecp5) {
+            Some(other) => assumed(
+                (other.mhz * factor.of_ecp5 * 10.0).round() / 10.0,
+                format!(
+                    "no raster unit was placed for {}: {} of the {} MHz of {}, {}",
+                    family.name(),
+                    factor.of_ecp5,
+                    other.mhz,
+                    other.named(),
+                    factor.source
                 ),
-            },
+            ),
             // A test reads the table, so that this is not met.
-            None => Clock {
-                mhz: 1.0,
-                assumed: true,
-                of: "assumed: nothing was placed".to_owned(),
-            },
+            None => assumed(1.0, "nothing was placed".to_owned()),
         }
     }
+}
+
+/// The circuit of a family that is most like the machine; nothing if none was placed.
+fn nearest(lanes: u32, widths: &Widths, family: Family) -> Option<RoutedCircuit> {
+    let mut all = placed();
+    all.retain(|placed| placed.family == family);
+    let distance = |placed: &RoutedCircuit| placed.distance(lanes, widths);
+    all.into_iter()
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 impl Throughput {
@@ -268,6 +289,27 @@ mod tests {
         assert!(assumed.text().contains("assumed: no clock_mhz was given"));
         let given = pace(&machine(100, 1));
         assert!(!given.clock.assumed && given.text().contains("clock: 100 MHz (clock_mhz"));
+    }
+
+    /// What was placed on one family is never another's clock: that is a factor with its source.
+    #[test]
+    fn each_family_has_a_clock_of_its_own() {
+        let widths = DesignChoice::named("lean18").unwrap().widths;
+        let [xilinx, ecp5, ice40] =
+            Family::ALL.map(|family| Clock::of(&machine(0, 1), &widths, family));
+        assert_eq!(ecp5.mhz, 102.0);
+        assert!(
+            ecp5.of.contains("on ECP5 LFE5U-85F grade 6") && !ecp5.of.contains("no raster unit")
+        );
+        for (clock, name) in [(&xilinx, "Xilinx 7"), (&ice40, "iCE40")] {
+            let named = format!("no raster unit was placed for {name}");
+            assert!(clock.of.contains(&named), "{}", clock.of);
+            assert!(clock.mhz != ecp5.mhz && clock.assumed);
+        }
+        assert!(
+            ice40.mhz < 0.3 * ecp5.mhz && xilinx.mhz > ecp5.mhz,
+            "{xilinx:?} {ice40:?}"
+        );
     }
 
     #[test]

@@ -18,6 +18,7 @@ pub mod atomic;
 pub mod camera;
 pub mod cameras;
 pub mod engines;
+pub mod flip;
 pub mod framing;
 // Its quaternions come from golden, which reads an archive; a page needs neither.
 #[cfg(not(target_family = "wasm"))]

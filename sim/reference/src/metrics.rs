@@ -1,4 +1,4 @@
-//! How far one picture is from another: PSNR, largest difference, signed bias and SSIM.
+//! How far one picture is from another: PSNR, largest difference, percentiles, signed bias and SSIM; [`crate::flip`] how far it looks.
 //!
 //! All figures are in units of 1.0, on pictures clamped to 0..1 as they would be stored but not quantised: what is
 //! measured is the arithmetic, not the file format. Red, green and blue are one channel group, alpha is another.
@@ -6,13 +6,16 @@
 //! - PSNR is `-10 log10(mean squared difference)`, +infinity for identical pictures.
 //! - Bias is the mean of fixed minus float. It is reported beside PSNR because truncating blends darken deep stacks
 //!   by an amount that PSNR hides.
-//! - PSNR, bias and SSIM are given twice: over the whole picture, and over the covered pixels alone, those that are not transparent in both
-//!   pictures. Empty background is drawn without an error and dilutes all three.
+//! - The 95th and the 99th percentile are of the absolute differences of single samples: of `n` sorted ones the one numbered `ceil(n p / 100)`.
+//! - All but the largest difference are given twice: over the whole picture, and over the covered pixels alone, those that are not transparent in both
+//!   pictures. Empty background is drawn without an error and dilutes them all.
 //! - SSIM follows Wang, Bovik, Sheikh and Simoncelli (IEEE TIP 2004): an 11x11 Gaussian window of sigma 1.5,
 //!   K1 = 0.01, K2 = 0.03, averaged over the positions where the window lies inside the picture. A picture narrower or
 //!   lower than the window shrinks the window to its size. Colour is compared by its luminance, alpha by itself.
 
+use crate::flip;
 use crate::picture::Picture;
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// Rec. 709 luminance; exact for linear values, which is what a [`Picture`] holds.
@@ -41,6 +44,8 @@ pub struct ChannelError {
     pub psnr_db: f64,
     /// Largest absolute difference.
     pub max_abs: f64,
+    /// 95 % and 99 % of the samples differ by no more.
+    pub percentiles: Percentiles,
     /// Column, row and channel (0 to 3: R, G, B, A) where it was first met in row order.
     pub max_at: (usize, usize, usize),
     /// Mean of fixed minus float.
@@ -58,10 +63,35 @@ pub struct CoveredError {
     pub pixels: usize,
     /// Peak signal-to-noise ratio in decibels; +infinity if no sample differs.
     pub psnr_db: f64,
+    /// 95 % and 99 % of their samples differ by no more; 0 without any.
+    pub percentiles: Percentiles,
     /// Mean of fixed minus float; 0 without a covered pixel.
     pub bias: f64,
     /// Mean structural similarity over the windows around covered pixels; 1 without any.
     pub ssim: f64,
+}
+
+/// Absolute differences that a part of the samples does not exceed, in units of 1.0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Percentiles {
+    /// 95 % of them.
+    pub p95: f64,
+    /// 99 % of them.
+    pub p99: f64,
+}
+
+impl Percentiles {
+    /// Of these differences, which are moved about; 0 of none.
+    pub fn of(differences: &mut [f64]) -> Percentiles {
+        let mut at = |percent: usize| {
+            let place = (differences.len() * percent).div_ceil(100).checked_sub(1)?;
+            Some(*differences.select_nth_unstable_by(place, f64::total_cmp).1)
+        };
+        Percentiles {
+            p95: at(95).unwrap_or(0.0),
+            p99: at(99).unwrap_or(0.0),
+        }
+    }
 }
 
 /// Why two pictures cannot be compared.
@@ -123,6 +153,47 @@ pub fn compare(fixed: &Picture, float: &Picture) -> Result<Errors, CompareError>
     })
 }
 
+/// The same, and how different the pictures look: mean FLIP at [`flip::PIXELS_PER_DEGREE`].
+pub fn compare_and_look(fixed: &Picture, float: &Picture) -> Result<(Errors, f64), CompareError> {
+    let errors = compare(fixed, float)?;
+    Ok((errors, flip::mean(fixed, float, flip::PIXELS_PER_DEGREE)))
+}
+
+/// How far a picture is from a photograph, as papers on trained scenes report it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PhotoError {
+    /// Peak signal-to-noise ratio of red, green and blue, decibels; +infinity if no sample differs.
+    pub psnr_db: f64,
+    /// Structural similarity as the trainers measure it: of each colour, in whole windows at every pixel, with zeros around the picture.
+    pub ssim: f64,
+    /// Mean FLIP at [`flip::PIXELS_PER_DEGREE`].
+    pub flip: f64,
+}
+
+/// Compares a picture with a photograph of the same size.
+pub fn photo_error(picture: &Picture, photograph: &Picture) -> Result<PhotoError, CompareError> {
+    let (errors, flip) = compare_and_look(picture, photograph)?;
+    let [a, b] = [picture, photograph].map(surrounded);
+    let of_channel = |channel: usize| ssim(&a, &b, |pixel| stored(pixel[channel])).0;
+    Ok(PhotoError {
+        psnr_db: errors.colour.psnr_db,
+        ssim: (0..3).map(of_channel).sum::<f64>() / 3.0,
+        flip,
+    })
+}
+
+/// The picture with zeros around it, half a window wide.
+fn surrounded(picture: &Picture) -> Picture {
+    let border = WINDOW / 2;
+    let [width, height] = [picture.width, picture.height].map(|side| side + 2 * border);
+    let mut wide = Picture::new(width, height);
+    let rows = wide.pixels.chunks_mut(width).skip(border);
+    for (to, from) in rows.zip(picture.pixels.chunks(picture.width)) {
+        to[border..border + picture.width].copy_from_slice(from);
+    }
+    wide
+}
+
 /// The value that a file can hold.
 pub fn stored(value: f64) -> f64 {
     value.clamp(0.0, 1.0)
@@ -166,6 +237,8 @@ fn channel_error(
 ) -> ChannelError {
     let mut whole = SampleSums::default();
     let mut covered = SampleSums::default();
+    let samples = channels.len() * fixed.pixels.len();
+    let (mut inside, mut outside) = (Vec::with_capacity(samples), Vec::new());
     let mut max_abs = 0.0;
     let mut max_at = (0, 0, channels[0]);
     for (index, (a, b)) in fixed.pixels.iter().zip(&float.pixels).enumerate() {
@@ -175,6 +248,9 @@ fn channel_error(
             whole.add(difference);
             if is_covered {
                 covered.add(difference);
+                inside.push(difference.abs());
+            } else {
+                outside.push(difference.abs());
             }
             if difference.abs() > max_abs {
                 max_abs = difference.abs();
@@ -182,16 +258,20 @@ fn channel_error(
             }
         }
     }
+    let of_covered = Percentiles::of(&mut inside);
+    inside.append(&mut outside);
     let (ssim, ssim_covered) = ssim(fixed, float, brightness);
     ChannelError {
         psnr_db: psnr(max_abs, whole.mean_square()),
         max_abs,
+        percentiles: Percentiles::of(&mut inside),
         max_at,
         bias: whole.mean(),
         ssim,
         covered: CoveredError {
             pixels: covered.samples / channels.len(),
             psnr_db: psnr(covered.most, covered.mean_square()),
+            percentiles: of_covered,
             bias: covered.mean(),
             ssim: ssim_covered,
         },

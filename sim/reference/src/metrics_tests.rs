@@ -229,3 +229,62 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn percentiles_are_those_of_the_sorted_samples() {
+    // 100 samples 1..=100 in disorder: 95 and 99 of them do not exceed the 95th and the 99th.
+    let mut values: Vec<f64> = (0..100).map(|k| f64::from(k * 37 % 100 + 1)).collect();
+    let Percentiles { p95, p99 } = Percentiles::of(&mut values);
+    assert_eq!((p95, p99), (95.0, 99.0));
+    assert_eq!(
+        Percentiles::of(&mut [3.0]),
+        Percentiles { p95: 3.0, p99: 3.0 }
+    );
+    assert_eq!(Percentiles::of(&mut []), Percentiles::default());
+    // A tenth of the pixels differs, but half of the covered ones.
+    let float = picture(20, 10, |x, _, c| if c == 3 && x < 4 { 1.0 } else { 0.0 });
+    let fixed = picture(20, 10, |x, _, c| {
+        if c == 3 {
+            f64::from(u8::from(x < 4))
+        } else if x < 2 {
+            0.25
+        } else {
+            0.0
+        }
+    });
+    let colour = compare(&fixed, &float).unwrap().colour;
+    assert_eq!(colour.percentiles.p95, 0.25);
+    assert_eq!(colour.covered.percentiles.p95, 0.25);
+    let two_thirds = picture(100, 1, |x, _, c| if c == 0 && x < 4 { 0.5 } else { 0.0 });
+    let nothing = picture(100, 1, |_, _, _| 0.0);
+    let colour = compare(&two_thirds, &nothing).unwrap().colour;
+    assert_eq!((colour.percentiles.p95, colour.percentiles.p99), (0.0, 0.5));
+}
+
+/// By numpy and scipy (`scipy.ndimage.gaussian_filter(mode="constant", sigma=1.5, truncate=3.5)` of each channel), whose window of 11 and zeros
+/// beyond the edge are the trainers'.
+#[test]
+fn similarity_to_a_photograph_is_the_trainers() {
+    let photograph = picture(24, 17, |x, y, c| {
+        ((7 * x + 5 * y * (c + 1) + x * y) % 97) as f64 / 96.0
+    });
+    let drawn = picture(24, 17, |x, y, c| {
+        ((7 * x + 5 * y * (c + 1) + x * y + 3 * (x % 4)) % 97) as f64 / 96.0
+    });
+    let found = photo_error(&drawn, &photograph).unwrap();
+    assert!(close(found.ssim, EXPECTED_SSIM, 1e-9), "{found:?}");
+    assert!(close(found.psnr_db, EXPECTED_PSNR, 1e-9), "{found:?}");
+    // Without zeros around and of one channel alone: what scikit-image calls structural similarity with Gaussian weights.
+    let grey = |p: &Picture| picture(24, 17, |x, y, _| p.pixels[24 * y + x][0]);
+    let inside = compare(&grey(&drawn), &grey(&photograph))
+        .unwrap()
+        .colour
+        .ssim;
+    assert!(close(inside, SCIKIT_SSIM, 1e-9), "{inside}");
+}
+
+const EXPECTED_SSIM: f64 = 0.8004024429140816;
+
+const EXPECTED_PSNR: f64 = 13.858985751896785;
+
+const SCIKIT_SSIM: f64 = 0.6048744374957827;

@@ -201,6 +201,18 @@ impl Picture {
         }
     }
 
+    /// The picture on an opaque colour.
+    pub fn on(&self, colour: [f64; 3]) -> Picture {
+        let pixels = self.pixels.iter().map(|pixel| {
+            let [r, g, b] = over(pixel, colour);
+            [r, g, b, 1.0]
+        });
+        Picture {
+            pixels: pixels.collect(),
+            ..*self
+        }
+    }
+
     /// Writes a PNG file, opaque on black; a failure or an interruption leaves the old file or none, never a part.
     pub fn write_png(&self, path: &Path, depth: Depth) -> Result<(), PictureError> {
         self.write_png_on(path, depth, Backdrop::default())
@@ -227,10 +239,15 @@ impl Picture {
             file: file(),
             source,
         })?;
-        let image = png::decode(&bytes).map_err(|source| PictureError::Png {
+        Picture::from_png(&bytes).map_err(|source| PictureError::Png {
             file: file(),
             source,
-        })?;
+        })
+    }
+
+    /// The same from the file's bytes.
+    pub fn from_png(bytes: &[u8]) -> Result<Picture, PngError> {
+        let image = png::decode(bytes)?;
         let share = |pixel: &[u16; 4]| pixel.map(|value| f64::from(value) / 65535.0);
         let pixels = image.pixels.iter().map(|pixel| premultiplied(share(pixel)));
         Ok(Picture {

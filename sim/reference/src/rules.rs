@@ -17,6 +17,9 @@ pub struct Rules {
     pub normalised: bool,
     /// Variance of the isotropic low-pass filter, in square pixels.
     pub low_pass: f64,
+    /// The peak is multiplied by sqrt(det V' / det(V' + V^h)), so that the filter adds no opacity (Mip-Splatting, eq. 9; gsplat's antialiased
+    /// mode). Not for normalised kernels, which keep their volume.
+    pub compensated: bool,
     /// Distance scaling (\[SWAN\] 4.3): spacing of the samples in scene units; 0 switches it off.
     pub spacing: f64,
     /// Shape of all footprints.
@@ -41,6 +44,7 @@ impl Rules {
         name: "ewa",
         normalised: true,
         low_pass: 1.0,
+        compensated: false,
         spacing: 0.0,
         kernel: Kernel::Gaussian,
         cutoff: 4.0,
@@ -51,11 +55,12 @@ impl Rules {
         clamp_jacobian: false,
     };
 
-    /// 3D Gaussian splatting: peak opacity, low-pass 0.3, opacity clamped and skipped, stop before adding.
+    /// 3D Gaussian splatting as gsplat releases it: peak opacity, low-pass 0.3, opacity clamped and skipped, stop before adding.
     pub const GAUSSIAN_3D: Rules = Rules {
         name: "3dgs",
         normalised: false,
         low_pass: 0.3,
+        compensated: false,
         spacing: 0.0,
         kernel: Kernel::Gaussian,
         cutoff: f64::INFINITY,
@@ -65,6 +70,16 @@ impl Rules {
         omit_finishing: true,
         clamp_jacobian: true,
     };
+
+    /// The same as the first trainer (Kerbl et al.) draws it: opacities of at most 0.99.
+    pub const INRIA: Rules = Rules {
+        name: "inria",
+        alpha_max: 0.99,
+        ..Rules::GAUSSIAN_3D
+    };
+
+    /// The named rules.
+    pub const ALL: [Rules; 3] = [Rules::EWA, Rules::GAUSSIAN_3D, Rules::INRIA];
 }
 
 /// Shape of a footprint over the radial index, of unit variance per axis and peak 1.
@@ -89,6 +104,8 @@ pub enum Antialias {
     None,
     /// Low-pass filter of this variance in square pixels (\[EWA\] 5.2).
     Ewa(f64),
+    /// The low-pass filter of this variance, and opacities compensated for it: as antialiased models are trained.
+    Mip(f64),
     /// Distance scaling for samples this far apart in scene units (\[SWAN\] 4.3).
     Swan(f64),
 }
@@ -108,11 +125,12 @@ impl Rules {
     pub fn with_antialias(self, antialias: Antialias) -> Rules {
         let (low_pass, spacing) = match antialias {
             Antialias::None => (0.0, 0.0),
-            Antialias::Ewa(variance) => (variance, 0.0),
+            Antialias::Ewa(variance) | Antialias::Mip(variance) => (variance, 0.0),
             Antialias::Swan(spacing) => (0.0, spacing),
         };
         Rules {
             low_pass,
+            compensated: matches!(antialias, Antialias::Mip(_)),
             spacing,
             ..self
         }
@@ -141,11 +159,13 @@ impl FromStr for Rules {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Self, Self::Err> {
-        match name {
-            "ewa" => Ok(Rules::EWA),
-            "3dgs" => Ok(Rules::GAUSSIAN_3D),
-            other => Err(format!("unknown rules '{other}': expected 'ewa' or '3dgs'")),
-        }
+        let named = Rules::ALL.into_iter().find(|rules| rules.name == name);
+        named.ok_or_else(|| {
+            format!(
+                "unknown rules '{name}': expected one of {}",
+                Rules::ALL.map(|rules| rules.name).join(", ")
+            )
+        })
     }
 }
 

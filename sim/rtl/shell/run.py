@@ -1,6 +1,6 @@
 """Builds the shell and runs its cocotb bench on Icarus Verilog: `python3 sim/rtl/shell/run.py [TILE ...]`.
 
-Needs yosys, iverilog, a C compiler and cargo, and `pip install cocotb cocotbext-axi`. Icarus Verilog 11 does not read packages of types that are named
+Needs yosys, iverilog, a C compiler and cargo, and `pip install 'cocotb>=2' cocotbext-axi`. Icarus Verilog 11 does not read packages of types that are named
 through them, so Yosys writes the elaborated circuit as plain Verilog first; what is simulated is that. All is built in target/shell.
 """
 
@@ -9,7 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from cocotb.runner import get_runner
+from cocotb_tools.runner import get_runner
 
 HERE = Path(__file__).resolve().parent
 RTL = HERE.parent
@@ -60,7 +60,7 @@ def main():
     os.environ["SPLATLINE_TABLE"] = str((1 << number("TABLE")) + 1)
     os.environ["SPLATLINE_TILES"] = ",".join(sys.argv[1:] or ["0", "2"])
     runner = get_runner("icarus")
-    runner.build(verilog_sources=[verilog()], hdl_toplevel="splat_axi", build_dir=BUILD, timescale=("1ns", "1ps"), always=True)
+    runner.build(sources=[verilog()], hdl_toplevel="splat_axi", build_dir=BUILD, timescale=("1ns", "1ps"), always=True)
     results = runner.test(hdl_toplevel="splat_axi", test_module="test_splat_axi", build_dir=BUILD, test_dir=BUILD)
     if "<failure" in Path(results).read_text():
         raise SystemExit("the bench failed: see above")

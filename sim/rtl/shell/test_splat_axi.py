@@ -120,7 +120,7 @@ async def tiles_of_the_example_picture(dut):
     kernel = Kernel(os.environ["SPLATLINE_KERNEL"])
     words = int(os.environ["SPLATLINE_PACKET_WORDS"])
     tiles = [int(tile) for tile in os.environ["SPLATLINE_TILES"].split(",")]
-    cocotb.start_soon(Clock(dut.aclk, 10, units="ns").start())
+    cocotb.start_soon(Clock(dut.aclk, 10, unit="ns").start())
     board = Board(dut)
     await board.reset()
     await board.load(kernel, int(os.environ["SPLATLINE_TABLE"]))

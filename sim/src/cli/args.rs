@@ -1,9 +1,12 @@
 //! The options of every command. Names are stable: scripts and notebooks depend on them.
 
+use super::bake;
 use super::drawing_args::DrawingOptions;
 use super::info;
 use super::machine_args;
+use super::maps::Map;
 use super::page;
+use super::photos::Split;
 use super::search_args;
 use super::shell;
 use super::values::{DesignName, ENGINES, one_of};
@@ -34,6 +37,7 @@ Examples:
   splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png
   splatline render lion.ply --as surface --light 1,0,1 --layers 4 --edges -o lion.png      a point cloud
   splatline render dem.csv --as surface --texture dem.jpg -o dem.png      a photograph over a height field
+  splatline render guitar.ply --maps depth,normal,count,id -o guitar.exr      guitar.depth.exr and so on beside it
   splatline render demo --sheets image-aligned -o sheets.png      sheet buffers
   splatline render deep-stack --deep-alpha transmittance --alpha-bits 16 -o deep.png
   splatline render random:2000 --spheres exact --sphere-index ray -o spheres.png
@@ -53,6 +57,8 @@ Examples:
   splatline compare lion.ply --as surface -o out          a point cloud as surface splats
   splatline compare guitar.ply --camera-path keys.toml -o out
       every frame in a folder of its own, the chosen design alone, and frames.json and frames.html over all
+  splatline compare scene.ply --camera sparse/0 --photos images --formats -o out
+      every eighth photograph of a COLMAP model against float, fixed widths and float formats: photos.json and photos.html
 
 Writes fixed.png, float.png, error.png, report.json and report.html.";
 
@@ -61,7 +67,7 @@ Examples:
   splatline footprints guitar.ply -o footprints.csv
   splatline footprints guitar.ply --engine float --camera camera.json -o reference.csv
 
-Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff; empty fields if the splat is culled.";
+Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,opacity,cutoff; empty fields if the splat is culled.";
 
 /// Fixed-point splatting against a float reference.
 ///
@@ -88,6 +94,9 @@ pub enum Command {
     /// Write where every splat lands as CSV.
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
+    /// Write a scene for a microcontroller's flash: pruned, 24 bytes a splat, as Rust constants or a file.
+    #[command(after_help = bake::EXAMPLES)]
+    Bake(bake::BakeOptions),
     /// Write the live page: one HTML file in which a scene can be turned and the kernel's widths changed.
     #[command(after_help = page::EXAMPLES)]
     Page(page::PageOptions),
@@ -106,9 +115,6 @@ pub enum Command {
     /// Sweep or optimize, by the name that both had before.
     #[command(hide = true, after_help = search_args::EXPLORE_EXAMPLES)]
     Explore(search_args::ExploreOptions),
-    /// Put the shards of a sweep together.
-    #[command(after_help = search_args::MERGE_EXAMPLES)]
-    Merge(search_args::MergeOptions),
     /// Find the smallest design within an error budget.
     #[command(after_help = search_args::FIT_EXAMPLES)]
     Fit(search_args::FitOptions),
@@ -146,6 +152,15 @@ pub struct RenderOptions {
     /// Picture to write: .png, or .npy (height x width x 4 doubles) or .exr, both premultiplied; - writes a PNG to stdout
     #[arg(short, long, value_name = "x.png", help_heading = "Output")]
     pub output: PathBuf,
+    /// Also write maps beside the picture, in its format, in double precision: depth, alpha, normal, count, first, id
+    #[arg(
+        long,
+        value_name = "LIST",
+        help_heading = "Output",
+        value_delimiter = ',',
+        conflicts_with = "camera_path"
+    )]
+    pub maps: Vec<Map>,
 }
 
 #[derive(Debug, Args)]
@@ -164,9 +179,34 @@ pub struct CompareOptions {
     /// Draw the chosen design only, instead of all named designs by both traversals
     #[arg(long)]
     pub only: bool,
-    /// Also draw in fp32, fp16 and bfloat16, every operation rounded, and report how far each is from the reference
+    /// Also draw in fp32, fp16, bfloat16 and a mix of fp8 and fp16, every operation rounded, and report how far each is from the reference
     #[arg(long)]
     pub formats: bool,
+    /// Photographs (.png, .jpg) of the views of --camera: PSNR, SSIM and FLIP of what is drawn against them
+    #[arg(
+        long,
+        value_name = "DIR",
+        help_heading = "Photographs",
+        conflicts_with = "from"
+    )]
+    pub photos: Option<PathBuf>,
+    /// Views that are compared: test (every eighth), train (the others), all, or N for every Nth
+    #[arg(
+        long,
+        value_name = "WHICH",
+        help_heading = "Photographs",
+        default_value = "test",
+        requires = "photos"
+    )]
+    pub split: Split,
+    /// Masks of the photographs: what is black in them counts in none of the pictures
+    #[arg(
+        long,
+        value_name = "DIR",
+        help_heading = "Photographs",
+        requires = "photos"
+    )]
+    pub masks: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -176,7 +216,7 @@ pub struct FootprintsOptions {
     /// Who computes the footprints: fixed or float
     #[arg(long, value_parser = one_of(ENGINES), default_value = "fixed", conflicts_with = "from")]
     pub engine: Engine,
-    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    /// Widths: classic8, micro16, lean18, standard24, deep32 or a TOML file
     #[arg(
         long,
         value_name = "NAME|file.toml",

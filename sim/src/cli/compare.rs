@@ -3,6 +3,7 @@
 use super::args::CompareOptions;
 use super::frames;
 use super::output::{Outputs, write};
+use super::photos;
 use super::resolve::{COMPARED, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_comparison};
@@ -14,6 +15,10 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let outputs = Outputs::default()
         .folder(&options.output, &FILES)?
         .json(drawing.json.as_ref())?;
+    if let Some(folder) = &options.photos {
+        let outputs = Outputs::default().json(drawing.json.as_ref())?;
+        return photos::run(options, folder, outputs);
+    }
     if options.path.camera_path.is_some() {
         return frames::compare(options, outputs);
     }

@@ -20,7 +20,7 @@ use std::str::FromStr;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Drawing")]
 pub struct WorkOptions {
-    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    /// Widths: classic8, micro16, lean18, standard24, deep32 or a TOML file
     #[arg(
         long,
         value_name = "NAME|file.toml",
@@ -56,7 +56,7 @@ pub struct TechniqueOptions {
     #[arg(long, help_heading = "Techniques", value_parser = one_of(SHEETS), conflicts_with_all = ["from", "deep_alpha", "spheres"])]
     pub sheets: Option<SheetKind>,
     /// Thickness of a slab, scene units [default: the samples' spacing]
-    #[arg(long, help_heading = "Techniques", value_name = "T", value_parser = positive, requires = "sheets")]
+    #[arg(long, help_heading = "Techniques", value_name = "T", value_parser = positive, allow_negative_numbers = true, requires = "sheets")]
     pub sheet_thickness: Option<f64>,
     /// Composites through an alpha channel of its own width that keeps this
     #[arg(long, help_heading = "Techniques", value_parser = one_of(REPRESENTATIONS), conflicts_with_all = ["from", "spheres"])]

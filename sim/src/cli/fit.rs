@@ -5,7 +5,8 @@ use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
 use super::search_args::{FitOptions, subject};
 use crate::design::DesignChoice;
-use crate::explore::fit::{Fit, design_toml, fit};
+use crate::explore::evaluator::ErrorDetail;
+use crate::explore::fit::{Fit, design_toml, fit, refusal};
 use crate::explore::limits::{Limit, Quantity};
 use crate::plan::DesignVariant;
 use crate::progress::ProgressMeter;
@@ -25,7 +26,7 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
         warn(&frame.prepared.setup_warnings()?);
     }
     let DesignVariant { design, traversal } = &frames[0].prepared.plan.entry;
-    let fitted = fitted(&frames, options.metric, options.max_error)?;
+    let fitted = fitted(&frames, &limits(options)?)?;
     print_result(&text(design, &fitted))?;
     if frames.len() > 1 {
         print_result(&format!("over {} frames\n", frames.len()))?;
@@ -38,25 +39,44 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
     Ok(())
 }
 
+/// What the options allow.
+fn limits(options: &FitOptions) -> Result<Vec<Limit>, Failure> {
+    let given = [
+        (options.metric, options.max_error, "--max-error"),
+        (Quantity::Percentile99, options.p99, "--p99"),
+        (Quantity::Flip, options.flip, "--flip"),
+    ];
+    let limits: Vec<Limit> = given
+        .into_iter()
+        .filter_map(|(quantity, bound, of)| Some(Limit::new(quantity, bound?, of)))
+        .collect();
+    if limits.is_empty() {
+        let message = "there is no limit: give one or more of --max-error, --p99 and --flip";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    Ok(limits)
+}
+
 /// Fits what is planned for all frames, starting from their design.
-pub fn fitted(frames: &[NamedFrame], metric: Quantity, budget: f64) -> Result<Fit, Failure> {
+pub fn fitted(frames: &[NamedFrame], limits: &[Limit]) -> Result<Fit, Failure> {
     let mut subject = subject(frames, true)?;
     subject.traversal = Some(frames[0].prepared.plan.entry.traversal);
-    let limit = Limit::new(metric, budget, "--max-error");
     let progress = ProgressMeter::spinner("searching");
-    let (fitted, error) = fit(&subject, &limit, &|what| progress.doing(what))?;
-    Ok(fitted.ok_or_else(|| {
-        let found = metric.of_error(&error).unwrap_or_default();
-        let name = &subject.design.name;
-        anyhow!("design {name} itself has an error of {found:.3e}, above the budget of {budget:.3e}: start from a wider --design or allow more")
-    })?)
+    let (fitted, error) = fit(&subject, limits, &|what| progress.doing(what))?;
+    Ok(fitted.ok_or_else(|| anyhow!(refusal(&subject.design.name, limits, &error)))?)
 }
 
 /// Widths, errors, and what each last bit is worth.
 pub fn text(start: &DesignChoice, fit: &Fit) -> String {
     let error = &fit.error;
+    let seen = error.detail.map_or_else(String::new, |detail| {
+        let ErrorDetail {
+            percentiles, flip, ..
+        } = detail;
+        format!(", 99 % within {:.3e}, FLIP {flip:.3e}", percentiles.p99)
+    });
     let mut text = format!(
-        "largest error {:.3e}, rms {:.3e}, bias {:+.2e} after {} drawings; binding width: {}\n",
+        "largest error {:.3e}, rms {:.3e}, bias {:+.2e}{seen} after {} drawings; binding width: {}\n",
         error.max_abs,
         error.rms,
         error.bias,

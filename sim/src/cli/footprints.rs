@@ -10,7 +10,7 @@ use super::say::{Failure, print_result, warn};
 use crate::plan::{Engine, FootprintLine};
 use std::fmt::Write;
 
-const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff\n";
+const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,opacity,cutoff\n";
 
 pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
     let outputs = Outputs::default().file(&options.output, &["csv"])?;
@@ -56,17 +56,19 @@ fn csv(lines: &[Option<FootprintLine>]) -> String {
     for (index, line) in lines.iter().enumerate() {
         // Writing to a String cannot fail.
         let _ = match line {
-            None => writeln!(text, "{index},,,,,,,,,,,"),
+            None => writeln!(text, "{index},,,,,,,,,,,,"),
             Some(FootprintLine {
                 centre: [u, v],
                 depth,
                 conic: [a, b, c],
                 bounds: [x0, y0, x1, y1],
+                opacity,
                 cutoff,
             }) => {
+                let opacity = opacity.map_or(String::new(), |opacity| opacity.to_string());
                 writeln!(
                     text,
-                    "{index},{u},{v},{depth},{a:e},{b:e},{c:e},{x0},{y0},{x1},{y1},{cutoff}"
+                    "{index},{u},{v},{depth},{a:e},{b:e},{c:e},{x0},{y0},{x1},{y1},{opacity},{cutoff}"
                 )
             }
         };

@@ -24,28 +24,27 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
     }
     let drawing = &options.drawing;
     let frames = PlanRequest::drawing(&options.view, drawing)
-        .frames(&options.path, &MoreScenes::default())?;
-    let mut outputs = Outputs::default().json(drawing.json.as_ref())?;
-    for number in 1..=frames.len() {
-        outputs = outputs.file(&numbered(&options.output, number), &EXTENSIONS)?;
-    }
-    outputs.spare_inputs()?;
-    let (progress, mut warnings) = (ProgressMeter::new(frames.len()), BTreeSet::new());
+        .planned_frames(&options.path, &MoreScenes::default())?;
+    let count = frames.len();
+    let files = (1..=count).map(|number| numbered(&options.output, number));
+    Outputs::default()
+        .json(drawing.json.as_ref())?
+        .files(files, &EXTENSIONS)?
+        .spare_inputs()?;
+    let (progress, mut warnings) = (ProgressMeter::new(count), BTreeSet::new());
     let (mut rows, mut seconds) = (Vec::new(), Vec::new());
-    for (number, frame) in (1..).zip(&frames) {
-        let prepared = &frame.prepared;
-        check_room(prepared)?;
-        progress.doing(&frame.name);
-        let (measured, report) = draw_alone(prepared, &drawing.effort(), &progress)?;
+    for (number, frame) in (1..).zip(frames) {
+        let NamedFrame { name, prepared } = frame.prepare();
+        check_room(&prepared)?;
+        progress.doing(&name);
+        let (measured, report) = draw_alone(&prepared, &drawing.effort(), &progress)?;
         let file = numbered(&options.output, number);
         write_picture(options, &measured.drawing.picture, &file)?;
         seconds.push(report.host.total_s);
         warnings.extend(report.warnings.iter().cloned());
-        rows.push(DrawnFrame {
-            name: frame.name.clone(),
-            file,
-            report,
-        });
+        if drawing.json.is_some() {
+            rows.push(DrawnFrame { name, file, report });
+        }
         progress.advance();
     }
     drop(progress);
@@ -60,10 +59,9 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
     }
     warn(&warnings.into_iter().collect::<Vec<_>>());
     print_result(&format!(
-        "{} frames, {} to {}: worst {:.1} ms, 95 % {:.1} ms, mean {:.1} ms\n",
-        frames.len(),
+        "{count} frames, {} to {}: worst {:.1} ms, 95 % {:.1} ms, mean {:.1} ms\n",
         numbered(&options.output, 1).display(),
-        numbered(&options.output, frames.len()).display(),
+        numbered(&options.output, count).display(),
         spread.worst * 1e3,
         spread.percentile_95 * 1e3,
         spread.mean * 1e3
@@ -74,15 +72,15 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
 pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<(), Failure> {
     let drawing = &options.drawing;
     let asked = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
-    let frames = asked.frames(&options.path, &MoreScenes::default())?;
+    let frames = asked.planned_frames(&options.path, &MoreScenes::default())?;
     outputs
         .folder(&options.output, &["frames.json", "frames.html"])?
         .spare_inputs()?;
     let (progress, mut warnings) = (ProgressMeter::new(frames.len()), BTreeSet::new());
     let mut rows = Vec::with_capacity(frames.len());
-    for (number, NamedFrame { name, prepared }) in (1..).zip(frames) {
+    for (number, frame) in (1..).zip(frames) {
+        let NamedFrame { name, mut prepared } = frame.prepare();
         progress.doing(&name);
-        let mut prepared = prepared;
         prepared.plan = against_reference(prepared.plan)?;
         room_for_picture(&prepared.plan.camera, COMPARED)?;
         let comparison = compare_all(&prepared, &drawing.effort(), &[])?;

@@ -5,6 +5,7 @@
 //! missing, malformed or contradictory). Errors go to stderr, results to stdout or to the named files.
 
 mod args;
+mod bake;
 mod compare;
 mod demo;
 mod drawing_args;
@@ -14,8 +15,10 @@ mod frames;
 mod info;
 mod kept;
 mod machine_args;
+mod maps;
 mod model;
 mod optimize;
+mod photos;
 mod output;
 mod page;
 mod profile;
@@ -36,18 +39,26 @@ mod vectors;
 mod view_args;
 
 pub use output::{create_folder, write};
-pub use say::{Failure, finish, print_result, printable};
+pub use say::{Failure, explain, finish, print_result, printable};
 
+use crate::plan::Prepared;
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
+use resolve::PlanRequest;
 use say::printed;
 use search_args::{ExploreOptions, OptimizeOptions, SweepOptions};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Parses the command line, runs the command and turns failures into messages and exit codes.
 pub fn run() -> ExitCode {
     crate::threads::deepen_global_stacks();
-    finish(match Cli::try_parse() {
+    run_from(std::env::args_os()).into()
+}
+
+/// The same for words that a program hands over, the first of them its name; the exit code.
+pub fn run_from<T: Into<OsString> + Clone>(words: impl IntoIterator<Item = T>) -> u8 {
+    finish(match Cli::try_parse_from(words) {
         Ok(cli) => {
             if let Some(megabytes) = cli.memory {
                 crate::memory::limit_to(megabytes.saturating_mul(1_000_000));
@@ -56,7 +67,26 @@ pub fn run() -> ExitCode {
         }
         // Help and version, which are results and must arrive.
         Err(shown) if !shown.use_stderr() => printed(shown.print()),
-        Err(error) => error.exit(),
+        Err(error) => {
+            // The message is clap's, with its colours; that it cannot be printed changes nothing.
+            let _ = error.print();
+            return 2;
+        }
+    })
+}
+
+/// The plan of the words that `compare` takes, with its scene loaded; what would be said on the way goes to stderr.
+pub fn prepared(words: Vec<String>) -> anyhow::Result<Prepared> {
+    say::divert();
+    let command = ["splatline", "compare", "--output", "."].map(str::to_owned);
+    let Cli { command, .. } = Cli::try_parse_from(command.into_iter().chain(words))?;
+    let Some(Command::Compare(options)) = command else {
+        anyhow::bail!("name a scene");
+    };
+    let asked = PlanRequest::drawing(&options.view, &options.drawing).on(&options.machine);
+    asked.prepare().map_err(|failure| match failure {
+        Failure::Usage(message) => anyhow::Error::msg(message),
+        Failure::Input(error) => error,
     })
 }
 
@@ -67,6 +97,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Bake(options)) => bake::run(&options),
         Some(Command::Page(options)) => page::run(&options),
         Some(Command::Info(options)) => info::run(&options),
         Some(Command::Completions(options)) => shell::completions(&options, Cli::command()),
@@ -77,7 +108,6 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Sweep(options)) => sweep::run(&options),
         Some(Command::Optimize(options)) => optimize::run(&options),
         Some(Command::Explore(options)) => explored(options),
-        Some(Command::Merge(options)) => sweep::merge(&options),
         Some(Command::Fit(options)) => fit::run(&options),
         Some(Command::Profile(options)) => profile::run(&options),
         Some(Command::Trace(options)) => trace::run(&options),
@@ -90,21 +120,20 @@ fn explored(options: ExploreOptions) -> Result<(), Failure> {
         search,
         space,
         limits,
-        shard,
         no_error,
         output,
     } = options;
     match (space, output) {
-        (Some(space), Some(output)) if !optimize::has_limits(&limits) => sweep::run(&SweepOptions {
-            search,
-            space,
-            shard,
-            no_error,
-            output,
-        }),
-        _ if shard.count > 1 || no_error => Err(Failure::Usage(
-            "--shard and --no-error are for sweeps; with a limit the space is searched in one piece, and without a limit on the error none is drawn"
-                .to_owned(),
+        (Some(space), Some(output)) if !optimize::has_limits(&limits) => {
+            sweep::run(&SweepOptions {
+                search,
+                space,
+                no_error,
+                output,
+            })
+        }
+        _ if no_error => Err(Failure::Usage(
+            "--no-error is for sweeps: without a limit on the error none is drawn".to_owned(),
         )),
         (space, output) => optimize::run(&OptimizeOptions {
             search,

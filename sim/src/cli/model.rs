@@ -8,7 +8,8 @@ use super::kept::{self, OrderReuse, ReusedOrderFrame};
 use super::machine_args::ModelOptions;
 use super::output::{self, Outputs, write};
 use super::resolve::{
-    NamedFrame, PlanRequest, calibration, energy_table, machine, part, refuse_kept_order,
+    NamedFrame, PlanRequest, PlannedFrame, calibration, energy_table, machine, part,
+    refuse_kept_order,
 };
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
@@ -117,14 +118,14 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     let asked = PlanRequest::work(&options.view, &options.work)
         .on(&options.machine)
         .keeping_order();
-    let frames = asked.frames(&options.path, &options.more)?;
+    let mut frames = asked.planned_frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
     if options.path.camera_path.is_none() {
-        refuse_kept_order(&frames[0].prepared.plan.machine)?;
+        refuse_kept_order(&frames[0].plan().machine)?;
     }
-    match frames.as_slice() {
-        [frame] => one(&from_scene(frame)?, &prices, options),
-        _ => several(&frames, &prices, options),
+    match frames.len() {
+        1 => one(&from_scene(&frames.remove(0).prepare())?, &prices, options),
+        _ => several(frames, &prices, options),
     }
 }
 
@@ -206,17 +207,21 @@ fn write_machine(folder: &Path, config: &Config) -> Result<(), Failure> {
 }
 
 /// Several pictures: the worst of them, the 95th percentile and the mean.
-fn several(frames: &[NamedFrame], prices: &Prices, options: &ModelOptions) -> Result<(), Failure> {
+fn several(
+    frames: Vec<PlannedFrame>,
+    prices: &Prices,
+    options: &ModelOptions,
+) -> Result<(), Failure> {
     let started = Instant::now();
+    let (count, plan) = (frames.len(), frames[0].plan().clone());
     let records = simulated(frames, prices)?;
-    let plan = &frames[0].prepared.plan;
     let costed = costed(&plan.entry, &plan.machine, prices);
     let named: Vec<(&str, &Throughput)> = records
         .iter()
         .map(|record| (record.name.as_str(), &record.pace))
         .collect();
     let over_frames = OverFrames::new(&named);
-    if frames.len() <= FEW_FRAMES {
+    if count <= FEW_FRAMES {
         for (name, pace) in &named {
             let (ms, fps) = (pace.ms_per_frame, pace.frames_per_s);
             print_result(&format!("{name}: {ms:.3} ms, {fps:.2} frames a second\n"))?;
@@ -226,13 +231,12 @@ fn several(frames: &[NamedFrame], prices: &Prices, options: &ModelOptions) -> Re
     let (pace, area) = (&records[0].pace, costed.area());
     let all_s = started.elapsed().as_secs_f64();
     print_result(&format!(
-        "{}{}clock: {} MHz ({})\n{}host: {} frames in {all_s:.1} s\n",
+        "{}{}clock: {} MHz ({})\n{}host: {count} frames in {all_s:.1} s\n",
         over_frames.text(),
-        kept::text(&kept, frames.len()),
+        kept::text(&kept, count),
         pace.clock.mhz,
         pace.clock.of,
         costed.area_text(&area, pace.channel_bytes_per_s),
-        frames.len()
     ))?;
     let Some(folder) = &options.output else {
         return Ok(());
@@ -248,23 +252,24 @@ fn several(frames: &[NamedFrame], prices: &Prices, options: &ModelOptions) -> Re
 }
 
 /// All pictures one after the other, since one may keep the order of the one before.
-fn simulated(frames: &[NamedFrame], prices: &Prices) -> Result<Vec<FrameRecord>, Failure> {
+fn simulated(frames: Vec<PlannedFrame>, prices: &Prices) -> Result<Vec<FrameRecord>, Failure> {
     let progress = ProgressMeter::new(frames.len());
     let mut order = OrderReuse::default();
     let mut records = Vec::with_capacity(frames.len());
     for frame in frames {
+        let frame = frame.prepare();
         progress.doing(&frame.name);
-        announce(frame)?;
+        announce(&frame)?;
         let plan = &frame.prepared.plan;
         let keeps_order = plan.machine.sort_every > 1;
         let (workload, kept) = if keeps_order {
-            order.next(frame)?
+            order.next(&frame)?
         } else {
             (frame.prepared.workload()?, None)
         };
         let cycles = simulate_alone(&workload, &plan.machine);
         records.push(FrameRecord {
-            name: frame.name.clone(),
+            name: frame.name,
             visible: workload.visible(),
             pace: costed(&plan.entry, &plan.machine, prices).throughput(&cycles),
             cycles,
@@ -283,7 +288,7 @@ fn announce(frame: &NamedFrame) -> Result<(), Failure> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     let scene = prepared.splats()?.scene;
-    print_result(&uncharged(scene, &prepared.plan.machine))
+    print_result(&charged(scene, &prepared.plan.machine))
 }
 
 fn from_scene(frame: &NamedFrame) -> Result<Modelled, Failure> {
@@ -300,19 +305,14 @@ fn from_scene(frame: &NamedFrame) -> Result<Modelled, Failure> {
     })
 }
 
-/// Says what the machine reads nothing for; nothing if there is nothing.
-fn uncharged(scene: &Scene, machine: &Config) -> String {
-    match &scene.harmonics {
-        Some(harmonics) if machine.harmonics_bytes == 0 => {
-            let degree = u32::from(harmonics.degree);
-            let values = 3 * ((degree + 1) * (degree + 1) - 1);
-            format!(
-                "harmonics of degree {degree} are not charged: --set harmonics_bytes={} reads {values} numbers of 16 bits for each splat that is seen\n",
-                2 * values
-            )
-        }
-        _ => String::new(),
-    }
+/// Says what the scene's harmonics are charged with; nothing if it has none.
+fn charged(scene: &Scene, machine: &Config) -> String {
+    scene.harmonics.as_ref().map_or(String::new(), |harmonics| {
+        format!(
+            "harmonics of degree {}: {} bytes are read for each splat that is seen (harmonics_bytes)\n",
+            harmonics.degree, machine.harmonics_bytes
+        )
+    })
 }
 
 fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> {

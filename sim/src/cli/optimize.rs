@@ -1,21 +1,23 @@
 //! `splatline optimize`: the cheapest design and machine that hold them.
 
 use super::output::{Outputs, read_settings, write};
-use super::resolve::part;
+use super::resolve::{NamedFrame, part};
 use super::say::{Failure, print_result};
-use super::search_args::{LimitOptions, OptimizeOptions};
+use super::search_args::{LimitOptions, OptimizeOptions, draw_references};
 use crate::explore::answer::{self, Answer, usual_space};
+use crate::explore::answer_page;
+use crate::explore::detail::detail;
 use crate::explore::limits::{Limit, Quantity, limits_of_part, tightest};
 use crate::explore::space::Space;
 use crate::machine::area::synthesis;
-use crate::machine::{Config, config};
+use crate::machine::config;
 use crate::progress::ProgressMeter;
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
 
 /// What an answer writes into its folder.
-const FILES: [&str; 3] = ["answer.json", "design.toml", "machine.toml"];
+const FILES: [&str; 4] = ["answer.json", "design.toml", "machine.toml", "answer.html"];
 
 /// Is a limit among the options?
 pub fn has_limits(options: &LimitOptions) -> bool {
@@ -27,6 +29,8 @@ fn own_limits(options: &LimitOptions) -> Vec<Limit> {
     let given = [
         (Quantity::FramesPerSecond, options.fps, "--fps"),
         (Quantity::LargestError, options.max_error, "--max-error"),
+        (Quantity::Percentile99, options.p99, "--p99"),
+        (Quantity::Flip, options.flip, "--flip"),
         (Quantity::PsnrDb, options.psnr, "--psnr"),
         (Quantity::Luts, options.lut.map(f64::from), "--lut"),
         (Quantity::Dsps, options.dsp.map(f64::from), "--dsp"),
@@ -50,7 +54,7 @@ fn own_limits(options: &LimitOptions) -> Vec<Limit> {
 
 pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     if !has_limits(&options.limits) {
-        let message = "there is no limit: give one or more of --fps, --max-error, --psnr, --lut, --dsp, --bram, --bandwidth and --max-energy";
+        let message = "there is no limit: give one or more of --fps, --max-error, --p99, --flip, --psnr, --lut, --dsp, --bram, --bandwidth and --max-energy";
         return Err(Failure::Usage(message.to_owned()));
     }
     let search = &options.search;
@@ -63,7 +67,8 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     let frames = search.frames()?;
     let errors = limits.iter().any(|limit| limit.quantity.is_error());
     // Without a limit on errors the error of one picture is reported, those of many are not worth their memory.
-    let subject = search.subject(&frames, errors || frames.len() == 1)?;
+    let measured = errors || frames.len() == 1;
+    let mut subject = search.subject(&frames, false)?;
     let space = match &options.space {
         Some(file) => {
             let text = read_settings(file)?;
@@ -73,8 +78,39 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     };
     outputs.spare_inputs()?;
     let progress = ProgressMeter::spinner("searching");
-    let answer = answer::optimize(&subject, &limits, &space, &|what| progress.doing(what))?;
+    let doing = |what: &str| progress.doing(what);
+    let answer = match answer::refusal(&subject, &limits, &space, &doing)? {
+        Some(refusal) => refusal,
+        None => {
+            draw_references(&mut subject, &frames, measured)?;
+            answer::optimize(&subject, &limits, &space, &doing)?
+        }
+    };
     drop(progress);
+    let shown = title(&frames);
+    print_result(&format!(
+        "{shown}: {:.1} s\n",
+        started.elapsed().as_secs_f64()
+    ))?;
+    print_result(&answer.text())?;
+    let note = synthesis::statement(&subject.calibration);
+    let clock = answer.found.first().map(|found| &found.reached.pace.clock);
+    let of = clock.map_or(String::new(), |clock| {
+        format!("  {} MHz: {}\n", clock.mhz, clock.of)
+    });
+    print_result(&format!("{of}  {note}\n"))?;
+    let Some(folder) = &options.output else {
+        return Ok(());
+    };
+    let progress = ProgressMeter::spinner("simulating what a change of each setting would do");
+    let detail = detail(&subject, &limits, &space, &answer)?;
+    drop(progress);
+    let page = answer_page::page(&shown, &answer, detail.as_ref(), &note);
+    write_answer(&answer, &note, folder, &page)
+}
+
+/// The frames by their names and their size.
+fn title(frames: &[NamedFrame]) -> String {
     let names: Vec<&str> = frames
         .iter()
         .map(|frame| frame.name.as_str())
@@ -82,24 +118,12 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
         .collect();
     let more = if frames.len() > 3 { ", ..." } else { "" };
     let camera = &frames[0].prepared.plan.camera;
-    print_result(&format!(
-        "{}{more} at {}x{}: {:.1} s\n",
+    format!(
+        "{}{more} at {}x{}",
         names.join(", "),
         camera.width,
-        camera.height,
-        started.elapsed().as_secs_f64()
-    ))?;
-    print_result(&answer.text(&Config::default()))?;
-    let note = synthesis::statement(&subject.calibration);
-    let clock = answer.found.first().map(|found| &found.reached.pace.clock);
-    let of = clock.map_or(String::new(), |clock| {
-        format!("{} MHz: {}\n", clock.mhz, clock.of)
-    });
-    print_result(&format!("\n{of}{note}\n"))?;
-    match &options.output {
-        Some(folder) => write_answer(&answer, &note, folder),
-        None => Ok(()),
-    }
+        camera.height
+    )
 }
 
 /// The options' limits and the part's.
@@ -115,7 +139,8 @@ fn limits(options: &OptimizeOptions) -> Result<Vec<Limit>, Failure> {
     Ok(tightest([own, of_part].concat()))
 }
 
-fn write_answer(answer: &Answer, note: &str, folder: &Path) -> Result<(), Failure> {
+fn write_answer(answer: &Answer, note: &str, folder: &Path, page: &str) -> Result<(), Failure> {
+    write(&folder.join(FILES[3]), page.as_bytes())?;
     let result = json!({ "format": "splatline-answer/1", "answer": answer, "area_of": note });
     write(&folder.join(FILES[0]), format!("{result:#}\n").as_bytes())?;
     let Some(first) = answer.found.first() else {

@@ -40,6 +40,20 @@ impl Outputs {
         Ok(self)
     }
 
+    /// With numbered files of one of these formats, which differ from each other and from JSON.
+    pub fn files(
+        mut self,
+        paths: impl Iterator<Item = PathBuf>,
+        extensions: &[&str],
+    ) -> Result<Outputs, Failure> {
+        for path in paths {
+            check_folder_of(&path)?;
+            check_extension(&path, extensions)?;
+            self.0.push(path);
+        }
+        Ok(self)
+    }
+
     /// With a JSON file, if one is asked for.
     pub fn json(self, path: Option<&PathBuf>) -> Result<Outputs, Failure> {
         match path {

@@ -30,7 +30,7 @@ const LARGEST_SIDE: usize = 2048;
 pub struct PageOptions {
     #[command(flatten)]
     pub view: ViewOptions,
-    /// First widths: classic8, lean18, standard24, deep32 or a TOML file
+    /// First widths: classic8, micro16, lean18, standard24, deep32 or a TOML file
     #[arg(
         long,
         value_name = "NAME|file.toml",

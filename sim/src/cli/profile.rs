@@ -5,23 +5,36 @@ use super::output::{Outputs, write};
 use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
 use super::search_args::ProfileOptions;
-use crate::explore::limits::Quantity;
+use crate::explore::limits::{Limit, Quantity};
 use crate::explore::profile::{Needs, SLACK, needs};
+use crate::explore::statistics::{self, Statistics};
 use crate::fixed;
+use crate::machine::workload::Workload;
 use crate::plan::{Prepared, Subject};
 use crate::progress::ProgressMeter;
 use crate::systems::SystemVerdict;
+use anyhow::anyhow;
 use serde_json::{Map, json};
 use std::fmt::Write;
 
 pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
-    let outputs = Outputs::default().json(options.json.as_ref())?;
+    let mut outputs = Outputs::default().json(options.json.as_ref())?;
+    if let Some(path) = &options.html {
+        outputs = outputs.file(path, &["html"])?;
+    }
     let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
-    let frames = asked.frames(&options.path, &options.more)?;
+    let frames = asked.planned_frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
     let mut answers = Vec::with_capacity(frames.len());
+    let mut drawn = Drawn::default();
     for frame in frames {
-        answers.push(one(&frame, options)?);
+        answers.push(one(&frame.prepare(), options, &mut drawn)?);
+    }
+    if let Some(path) = &options.html {
+        if drawn.frames.is_empty() {
+            return Err(anyhow!("--html: no frame is drawn by units that the machine has").into());
+        }
+        write(path, statistics::page("workload", &drawn.frames).as_bytes())?;
     }
     if let Some(path) = &options.json {
         let answer = match &answers[..] {
@@ -33,8 +46,19 @@ pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Statistics of the frames so far, and the work of the one before.
+#[derive(Default)]
+struct Drawn {
+    before: Option<Workload>,
+    frames: Vec<(String, Statistics)>,
+}
+
 /// What one frame needs, which is also said.
-fn one(frame: &NamedFrame, options: &ProfileOptions) -> Result<serde_json::Value, Failure> {
+fn one(
+    frame: &NamedFrame,
+    options: &ProfileOptions,
+    drawn: &mut Drawn,
+) -> Result<serde_json::Value, Failure> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     let (name, systems) = (frame.name.as_str(), prepared.systems());
@@ -45,9 +69,14 @@ fn one(frame: &NamedFrame, options: &ProfileOptions) -> Result<serde_json::Value
     // Units and FIFOs are those of the machine, which draws plain splats.
     match prepared.subject()? {
         Subject::Splats(splats) if splats.are_composited() => {
-            let found = examined(prepared)?;
+            let (found, workload) = examined(prepared)?;
             print_result(&text(name, &found))?;
             answer.insert("needs".to_owned(), json!(found));
+            let machine = &prepared.plan.machine;
+            let statistics = Statistics::new(&workload, machine, drawn.before.as_ref());
+            answer.insert("workload".to_owned(), json!(statistics));
+            drawn.frames.push((frame.name.clone(), statistics));
+            drawn.before = Some(workload);
         }
         Subject::Splats(splats) => {
             let count = splats.scene.splats.len();
@@ -65,7 +94,10 @@ fn one(frame: &NamedFrame, options: &ProfileOptions) -> Result<serde_json::Value
     match options.max_error {
         Some(budget) => {
             let only = std::slice::from_ref(frame);
-            let fitted = fit::fitted(only, Quantity::LargestError, budget)?;
+            let fitted = fit::fitted(
+                only,
+                &[Limit::new(Quantity::LargestError, budget, "--max-error")],
+            )?;
             print_result(&fit::text(design, &fitted))?;
             answer.insert("fit".to_owned(), json!(fitted));
         }
@@ -78,7 +110,7 @@ fn one(frame: &NamedFrame, options: &ProfileOptions) -> Result<serde_json::Value
 }
 
 /// Units, ranges and FIFO depths of splats.
-fn examined(prepared: &Prepared) -> Result<Needs, Failure> {
+fn examined(prepared: &Prepared) -> Result<(Needs, Workload), Failure> {
     let (splats, plan) = (prepared.splats()?, &prepared.plan);
     let progress = ProgressMeter::spinner("setting up every splat");
     let options = splats.options(&plan.entry);
@@ -91,13 +123,8 @@ fn examined(prepared: &Prepared) -> Result<Needs, Failure> {
     progress.doing("trying the depths of every FIFO");
     let peak_bits = plan.entry.design.widths.peak;
     let alpha_max = splats.rules.alpha_max;
-    Ok(needs(
-        &workload,
-        &footprints,
-        peak_bits,
-        alpha_max,
-        &plan.machine,
-    ))
+    let needs = needs(&workload, &footprints, peak_bits, alpha_max, &plan.machine);
+    Ok((needs, workload))
 }
 
 fn systems_text(systems: &[SystemVerdict]) -> String {

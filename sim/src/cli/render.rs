@@ -2,11 +2,13 @@
 
 use super::args::RenderOptions;
 use super::frames;
-use super::output::{Outputs, write};
+use super::maps::write_maps;
+use super::output::{Outputs, is_stream, write};
 use super::resolve::{COMPARED, DRAWN, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
 use crate::picture::{Depth, EXTENSIONS, Picture, PictureFormat};
+use crate::plan::draw::on_threads;
 use crate::plan::measure::draw_alone;
 use crate::plan::{Engine, Prepared, Technique};
 use crate::progress::ProgressMeter;
@@ -14,9 +16,16 @@ use std::path::Path;
 
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    let outputs = Outputs::default()
+    let mut outputs = Outputs::default()
         .file(&options.output, &EXTENSIONS)?
         .json(drawing.json.as_ref())?;
+    if is_stream(&options.output) && !options.maps.is_empty() {
+        let message = "--maps are written beside the picture: name a file with -o";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    for map in &options.maps {
+        outputs = outputs.file(&map.file(&options.output), &EXTENSIONS)?;
+    }
     if drawing.engine != Engine::Fixed && drawing.work.traversal.is_some() {
         let engine = drawing.engine.name();
         return Err(Failure::Usage(format!(
@@ -36,6 +45,12 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     write_picture(options, picture, &options.output)?;
     if let Some(path) = &drawing.json {
         write(path, report.to_json()?.as_bytes())?;
+    }
+    if !options.maps.is_empty() {
+        progress.doing("maps");
+        on_threads(drawing.effort().threads, || {
+            write_maps(&prepared, &options.maps, &options.output)
+        })??;
     }
     drop(progress);
     warn(&report.warnings);

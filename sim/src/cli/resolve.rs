@@ -28,6 +28,7 @@ use camera::{USUAL_SIZE, camera};
 use machine::change_machine;
 use splatline::format::Traversal;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// What the options of a command say about a scene and its drawing; commands that lack an option have its default here.
@@ -50,13 +51,44 @@ pub struct NamedFrame {
     pub prepared: Prepared,
 }
 
-impl NamedFrame {
-    /// The only picture of its scene.
-    pub fn only(prepared: Prepared) -> NamedFrame {
-        NamedFrame {
+/// A picture of several before its plan is made: a path of 100,000 cameras is one scene and 100,000 of these.
+pub struct PlannedFrame {
+    /// The scene, and the camera where there are several.
+    pub name: String,
+    scene: Rc<Prepared>,
+    /// Of a path, instead of the plan's own.
+    camera: Option<Camera>,
+}
+
+const _: () = assert!(
+    size_of::<PlannedFrame>() < 512,
+    "a path holds 100,000 of them"
+);
+
+impl PlannedFrame {
+    fn only(prepared: Prepared) -> PlannedFrame {
+        PlannedFrame {
             name: prepared.scene.name().to_owned(),
-            prepared,
+            scene: Rc::new(prepared),
+            camera: None,
         }
+    }
+
+    /// What every frame of the scene has in common.
+    pub fn plan(&self) -> &Plan {
+        &self.scene.plan
+    }
+
+    /// With its plan.
+    pub fn prepare(self) -> NamedFrame {
+        let prepared = match self.camera {
+            Some(camera) => self.scene.seen_by(camera),
+            // Nobody else has the only picture of a scene.
+            None => Rc::try_unwrap(self.scene)
+                .unwrap_or_else(|shared| shared.seen_by(shared.plan.camera.clone())),
+        };
+        let name = self.name;
+        NamedFrame { name, prepared }
     }
 }
 
@@ -126,12 +158,24 @@ impl<'a> PlanRequest<'a> {
         }
     }
 
-    /// A plan for every frame: of each scene, by each camera of the path.
+    /// A plan for every frame at once, for what draws all of them again and again.
     pub fn frames(
         &self,
         path: &PathOptions,
         more: &MoreScenes,
     ) -> Result<Vec<NamedFrame>, Failure> {
+        let planned = self.planned_frames(path, more)?;
+        let what = format!("the plans of {} frames", planned.len());
+        memory::room_for_records(planned.len() as u64, FRAME_BYTES, &what)?;
+        Ok(planned.into_iter().map(PlannedFrame::prepare).collect())
+    }
+
+    /// Every frame, of each scene by each camera of the path, whose plan is made when its turn comes.
+    pub fn planned_frames(
+        &self,
+        path: &PathOptions,
+        more: &MoreScenes,
+    ) -> Result<Vec<PlannedFrame>, Failure> {
         let size = self.view.size.map(|size| [size.width, size.height]);
         let path = match &path.camera_path {
             Some(file) => {
@@ -144,25 +188,23 @@ impl<'a> PlanRequest<'a> {
             None => None,
         };
         if self.view.from.is_some() {
-            return Ok(vec![NamedFrame::only(self.prepare()?)]);
+            return Ok(vec![PlannedFrame::only(self.prepare()?)]);
         }
         let scenes = std::iter::once(scene_of(self.view)?).chain(&more.others);
         let mut frames = Vec::new();
         for scene in scenes {
             let prepared = self.read_options(scene, path.as_ref())?;
             let Some(path) = &path else {
-                frames.push(NamedFrame::only(prepared));
+                frames.push(PlannedFrame::only(prepared));
                 continue;
             };
-            let cameras = path.cameras(prepared.scene.up(), self.path_size())?;
-            let what = format!("a camera path of {} frames", cameras.len());
-            memory::room_for_records(cameras.len() as u64, FRAME_BYTES, &what)?;
-            for (name, camera) in cameras {
-                frames.push(NamedFrame {
-                    name: format!("{}, {name}", prepared.scene.name()),
-                    prepared: prepared.seen_by(camera),
-                });
-            }
+            let scene = Rc::new(prepared);
+            let cameras = path.cameras(scene.scene.up(), self.path_size())?;
+            frames.extend(cameras.into_iter().map(|(name, camera)| PlannedFrame {
+                name: format!("{}, {name}", scene.scene.name()),
+                scene: Rc::clone(&scene),
+                camera: Some(camera),
+            }));
         }
         Ok(frames)
     }
@@ -233,7 +275,7 @@ pub fn scene_of(view: &ViewOptions) -> Result<&PathBuf, Failure> {
         .ok_or_else(|| Failure::Usage(message.to_owned()))
 }
 
-/// Bytes of a frame of a camera path: its plan, and what is reported of it.
+/// Bytes of a frame's plan.
 const FRAME_BYTES: usize = 40_000;
 
 /// Refuses a picture of which so many bytes a pixel do not fit into memory.

@@ -1,7 +1,6 @@
 //! How a command ends and what it says: results to stdout, all else to stderr, failures as exit codes.
 
 use std::io::{ErrorKind, Write};
-use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Stdout holds a file (`-o -`): what is said goes to stderr.
@@ -23,19 +22,19 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
 }
 
 /// The exit code of a command that has ended, its failure told on stderr.
-pub fn finish(outcome: Result<(), Failure>) -> ExitCode {
+pub fn finish(outcome: Result<(), Failure>) -> u8 {
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(Failure::Input(error)) => {
             print_error(&format!("error: {}\n", shortened(&explain(&error))));
-            ExitCode::from(1)
+            1
         }
         Err(Failure::Usage(message)) => {
             let message = shortened(&message);
             print_error(&format!(
                 "error: {message}\n\nFor more information, try '--help'.\n"
             ));
-            ExitCode::from(2)
+            2
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Options of the commands that search designs and machines: sweep, optimize, merge, fit, profile, and explore, by which sweep and optimize were
+//! Options of the commands that search designs and machines: sweep, optimize, fit, profile, and explore, by which sweep and optimize were
 //! called before.
 
 use super::drawing_args::WorkOptions;
@@ -8,11 +8,10 @@ use super::resolve::{
     room_for_picture,
 };
 use super::say::{Failure, warn};
-use super::values::{METRICS, one_of, positive, shard};
+use super::values::{METRICS, one_of, positive};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions};
 use crate::explore::evaluator::Subject;
 use crate::explore::limits::Quantity;
-use crate::explore::sweep::Shard;
 use clap::Args;
 use splatline::format::Traversal;
 use std::path::PathBuf;
@@ -66,22 +65,32 @@ impl SearchOptions {
 
 /// What is explored of these frames, whatever they are of, with references where errors are asked for.
 pub fn subject(frames: &[NamedFrame], errors: bool) -> Result<Subject<'_>, Failure> {
-    for frame in frames.iter().filter(|_| errors) {
+    let mut subject = Subject::new(frames.iter().map(|frame| &frame.prepared).collect())?;
+    draw_references(&mut subject, frames, errors)?;
+    Ok(subject)
+}
+
+/// Draws a subject's references where errors are asked for and there is memory for all of them.
+pub fn draw_references(
+    subject: &mut Subject,
+    frames: &[NamedFrame],
+    errors: bool,
+) -> Result<(), Failure> {
+    if !errors {
+        return Ok(());
+    }
+    for frame in frames {
         let bytes = COMPARED + HELD_PIXEL_BYTES * (frames.len() as u64 - 1);
         room_for_picture(&frame.prepared.plan.camera, bytes)?;
     }
-    let mut subject = Subject::new(frames.iter().map(|frame| &frame.prepared).collect())?;
-    if errors {
-        subject.draw_references()?;
-    }
-    Ok(subject)
+    subject.draw_references()?;
+    Ok(())
 }
 
 pub const SWEEP_EXAMPLES: &str = "\
 Examples:
   splatline sweep guitar.ply --space space.toml -o out
-  splatline sweep guitar.ply --space space.toml --shard 3/8 -o out        one of eight machines
-  splatline merge out -o out                                              puts the shards together
+  splatline sweep guitar.ply --space space.toml --no-error -o out         cycles and area alone
 
 A space:
   sample = \"grid\"                  # or \"latin\" with count = 200 and seed = 1
@@ -92,7 +101,8 @@ A space:
   lanes = [1, 2, 4]
   layout = [\"run\", \"rows\"]
 
-An interrupted sweep goes on where it stopped. Writes points.csv (or points-3-of-8.csv), and when all points are there front.csv and front.html.
+An interrupted sweep goes on where it stopped. Writes points.csv, and when all points are there front.csv and front.html.
+On several machines: splatline.study, in Python.
 `explore --space` is the earlier name of this command.";
 
 #[derive(Debug, Args)]
@@ -102,9 +112,6 @@ pub struct SweepOptions {
     /// Fields and their values (TOML)
     #[arg(long, value_name = "s.toml")]
     pub space: PathBuf,
-    /// Run part i of n only
-    #[arg(long, value_name = "i/n", value_parser = shard, default_value = "1/1")]
-    pub shard: Shard,
     /// Leave the float reference out: cycles and area only
     #[arg(long)]
     pub no_error: bool,
@@ -131,7 +138,7 @@ pub struct OptimizeOptions {
     pub space: Option<PathBuf>,
     #[command(flatten)]
     pub limits: LimitOptions,
-    /// Folder for answer.json, and design.toml and machine.toml of the answer
+    /// Folder for answer.html, answer.json, and design.toml and machine.toml of the answer
     #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }
@@ -151,13 +158,10 @@ pub struct ExploreOptions {
     pub space: Option<PathBuf>,
     #[command(flatten)]
     pub limits: LimitOptions,
-    /// Run part i of n only
-    #[arg(long, value_name = "i/n", value_parser = shard, default_value = "1/1")]
-    pub shard: Shard,
     /// Leave the float reference out: cycles and area only
     #[arg(long)]
     pub no_error: bool,
-    /// Folder for the results; with a limit: answer.json, design.toml and machine.toml of the answer
+    /// Folder for the results; with a limit: answer.html, answer.json, design.toml and machine.toml of the answer
     #[arg(
         short,
         long,
@@ -174,13 +178,19 @@ pub struct ExploreOptions {
 #[command(next_help_heading = "Limits (at least one; --part adds what it holds)")]
 pub struct LimitOptions {
     /// Frames a second at least, of the slowest frame
-    #[arg(long, value_name = "N", value_parser = positive)]
+    #[arg(long, value_name = "N", value_parser = positive, allow_negative_numbers = true)]
     pub fps: Option<f64>,
     /// Largest error of a colour at most, units of 1.0
-    #[arg(long, value_name = "E", value_parser = positive)]
+    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
     pub max_error: Option<f64>,
+    /// Error that 99 % of the samples of colours do not exceed, in the worst frame, units of 1.0
+    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
+    pub p99: Option<f64>,
+    /// Mean FLIP of the worst frame at most, 0 to 1, at 67 pixels per degree
+    #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
+    pub flip: Option<f64>,
     /// PSNR of the colours at least
-    #[arg(long, value_name = "dB", value_parser = positive)]
+    #[arg(long, value_name = "dB", value_parser = positive, allow_negative_numbers = true)]
     pub psnr: Option<f64>,
     /// Look-up tables at most
     #[arg(long, value_name = "N")]
@@ -192,35 +202,18 @@ pub struct LimitOptions {
     #[arg(long, value_name = "kbit")]
     pub bram: Option<u32>,
     /// What the memory moves, both directions together: the machine's channels are no wider
-    #[arg(long, value_name = "MB/s", value_parser = positive)]
+    #[arg(long, value_name = "MB/s", value_parser = positive, allow_negative_numbers = true)]
     pub bandwidth: Option<f64>,
     /// Energy of the most expensive frame at most; an estimate by --energy's table
-    #[arg(long, value_name = "mJ", value_parser = positive)]
+    #[arg(long, value_name = "mJ", value_parser = positive, allow_negative_numbers = true)]
     pub max_energy: Option<f64>,
-}
-
-pub const MERGE_EXAMPLES: &str = "\
-Examples:
-  splatline merge out -o out
-  splatline merge node1 node2 node3 -o all";
-
-#[derive(Debug, Args)]
-pub struct MergeOptions {
-    /// Folders with points.csv or points-i-of-n.csv of one sweep
-    #[arg(value_name = "DIR", required = true)]
-    pub folders: Vec<PathBuf>,
-    /// Merge although points are missing
-    #[arg(long)]
-    pub partial: bool,
-    /// Folder for points.csv, front.csv and front.html
-    #[arg(short, long, value_name = "dir", help_heading = "Output")]
-    pub output: PathBuf,
 }
 
 pub const FIT_EXAMPLES: &str = "\
 Examples:
   splatline fit guitar.ply --max-error 0.004          largest error of any pixel, 1/255
   splatline fit guitar.ply --max-error 1e-3 --metric rms -o fitted.toml
+  splatline fit guitar.ply --p99 0.004 --flip 0.01       99 % of the samples, and what an eye sees
   splatline fit guitar.ply playbot.ply --max-error 0.004      one design for both
   splatline simulate guitar.ply --design fitted.toml             the design that was found, in any command";
 
@@ -235,11 +228,17 @@ pub struct FitOptions {
     #[command(flatten)]
     pub work: WorkOptions,
     /// Error that the design may have, colours, in units of 1.0
-    #[arg(long, value_name = "E", value_parser = positive)]
-    pub max_error: f64,
-    /// Which error
+    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
+    pub max_error: Option<f64>,
+    /// Which error --max-error is about
     #[arg(long, value_parser = one_of(METRICS), default_value = "largest")]
     pub metric: Quantity,
+    /// Error that 99 % of the samples of colours may have, units of 1.0
+    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
+    pub p99: Option<f64>,
+    /// Mean FLIP that the design may have, 0 to 1
+    #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
+    pub flip: Option<f64>,
     /// Design file to write
     #[arg(short, long, value_name = "file.toml", help_heading = "Output")]
     pub output: Option<PathBuf>,
@@ -249,7 +248,8 @@ pub const PROFILE_EXAMPLES: &str = "\
 Examples:
   splatline profile guitar.ply
   splatline profile guitar.ply --max-error 0.004 --json profile.json
-  splatline profile guitar.ply playbot.ply --json profile.json
+  splatline profile guitar.ply --camera-path path.toml --html workload.html
+      histograms of tiles, splats and pixels, and what frames have in common
 
 `needs` is the earlier name of this command.";
 
@@ -266,9 +266,12 @@ pub struct ProfileOptions {
     #[command(flatten)]
     pub machine: MachineOptions,
     /// Also find the smallest widths within this error (as `splatline fit` does)
-    #[arg(long, value_name = "E", value_parser = positive)]
+    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
     pub max_error: Option<f64>,
     /// Also write the answer as JSON
     #[arg(long, value_name = "n.json")]
     pub json: Option<PathBuf>,
+    /// Also write workload statistics as a page: histograms of tiles, splats and pixels, key bits, reuse between frames
+    #[arg(long, value_name = "w.html")]
+    pub html: Option<PathBuf>,
 }

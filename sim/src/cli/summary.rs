@@ -3,7 +3,7 @@
 use crate::picture::{Backdrop, Picture};
 use crate::report::facts::ReasonCounts;
 use crate::report::formats::formats_text;
-use crate::report::table::{psnr_text, scientific, signed, throughput_text};
+use crate::report::table::{flip_text, psnr_text, scientific, signed, throughput_text};
 use crate::report::{ChannelFacts, Report};
 use std::path::Path;
 
@@ -130,21 +130,28 @@ pub fn of_comparison(report: &Report, folder: &Path) -> String {
     let line = |name: &str, error: &ChannelFacts| {
         let covered = &error.covered;
         format!(
-            "{name:<6} PSNR {}, max error {}, bias {}, SSIM {:.6}; over the {} covered pixels PSNR {}, bias {}, SSIM {:.6}\n",
+            "{name:<6} PSNR {}, max error {}, p95 {}, p99 {}, bias {}, SSIM {:.6}; over the {} covered pixels PSNR {}, p99 {}, bias {}, SSIM {:.6}\n",
             psnr_text(error.psnr_db),
             scientific(error.max_abs),
+            scientific(error.percentiles.p95),
+            scientific(error.percentiles.p99),
             signed(error.bias),
             error.ssim,
             covered.pixels,
             psnr_text(covered.psnr_db),
+            scientific(covered.percentiles.p99),
             signed(covered.bias),
             covered.ssim,
         )
     };
-    let errors = report
-        .error
-        .iter()
-        .map(|error| line("RGB", &error.rgb) + &line("alpha", &error.alpha));
+    let errors = report.error.iter().map(|error| {
+        let flip = flip_text(error.flip);
+        let looks = format!(
+            "FLIP   {flip} at {:.1} pixels per degree\n",
+            error.flip_pixels_per_degree
+        );
+        line("RGB", &error.rgb) + &line("alpha", &error.alpha) + &looks
+    });
     format!(
         "{}, design {} by {}, against {}\n{}{}{}{}\n",
         report.scene.name,
@@ -217,7 +224,7 @@ mod tests {
     fn equal_pictures_have_no_decibels() {
         let mut report = report(0);
         let errors = crate::metrics::compare(&Picture::new(2, 1), &Picture::new(2, 1)).unwrap();
-        report.error = Some((&errors).into());
+        report.error = Some(crate::report::ErrorFacts::new(&errors, 0.0));
         let text = of_comparison(&report, Path::new("."));
         assert!(
             text.contains("PSNR identical,") && !text.contains("identical dB"),

@@ -1,32 +1,31 @@
-//! `splatline sweep` and `splatline merge`: sweeps, in one piece or in shards.
+//! `splatline sweep`: every point of a space, in one piece.
 
-use super::output::{Outputs, create_folder, read_settings, write};
+use super::output::{Outputs, read_settings, write};
 use super::say::{Failure, print_result};
-use super::search_args::{MergeOptions, SearchOptions, SweepOptions};
+use super::search_args::{SearchOptions, SweepOptions};
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
 use crate::explore::identity::{Identity, SettingsText};
 use crate::explore::plot::{self, Sweep};
 use crate::explore::space::Space;
-use crate::explore::sweep::{self, Shard};
+use crate::explore::sweep;
 use crate::explore::table::{ResultTable, heading};
 use crate::machine::Config;
 use crate::machine::area::synthesis;
 use crate::progress::ProgressMeter;
-use anyhow::anyhow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What a folder holds beside the tables of points.
-const FILES: [&str; 3] = ["sweep.json", "front.csv", "front.html"];
+/// Table of the points.
+const POINTS: &str = "points.csv";
+
+/// What a folder holds.
+const FILES: [&str; 4] = ["sweep.json", POINTS, "front.csv", "front.html"];
 
 /// Every point of the space.
 pub fn run(options: &SweepOptions) -> Result<(), Failure> {
     let (search, file, output) = (&options.search, &options.space, &options.output);
-    let table = table_name(options.shard);
-    let outputs = Outputs::default()
-        .folder(output, &FILES)?
-        .folder(output, &[&table])?;
+    let outputs = Outputs::default().folder(output, &FILES)?;
     let text = read_settings(file)?;
     let space = Space::from_toml(&file.display().to_string(), &text)?;
     let frames = search.frames()?;
@@ -34,41 +33,32 @@ pub fn run(options: &SweepOptions) -> Result<(), Failure> {
     let identity = Identity::new(&subject, &text, &settings(search, &space)?)?;
     outputs.spare_inputs()?;
     folder::claim(output, &identity)?;
-    let path = output.join(table);
+    let path = output.join(POINTS);
     let (out, done) = Appender::resume(&path, &heading(&space), &identity)?;
 
-    let mine = (0..space.points.len())
-        .filter(|point| options.shard.holds(*point, space.points.len()))
-        .count();
-    let before = done.rows.len();
-    let progress = ProgressMeter::new(mine.saturating_sub(before));
-    progress.doing(format!("{} points", mine));
+    let (all, before) = (space.points.len(), done.rows.len());
+    let progress = ProgressMeter::new(all.saturating_sub(before));
+    progress.doing(format!("{all} points"));
     let started = Instant::now();
-    sweep::run(&subject, &space, options.shard, &done, &out, &|| {
-        progress.advance()
-    })?;
+    sweep::run(&subject, &space, &done, &out, &|| progress.advance())?;
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
     print_result(&format!(
-        "{}: {} points, {} of them new, in {seconds:.1} s\n",
+        "{}: {all} points, {} of them new, in {seconds:.1} s\n",
         path.display(),
-        mine,
-        mine - before.min(mine)
+        all - before.min(all)
     ))?;
-    if options.shard.count == 1 {
-        let note = format!(
-            "{}{}",
-            synthesis::statement(&subject.calibration),
-            clock_note(&subject.machine, &space)
-        );
-        let table = folder::table(&path, &identity)?;
-        let name = match frames.len() {
-            1 => frames[0].prepared.scene.name().to_owned(),
-            all => format!("{all} frames, of which each point shows its slowest"),
-        };
-        finish(&name, &note, &table, output)?;
-    }
-    Ok(())
+    let note = format!(
+        "{}{}",
+        synthesis::statement(&subject.calibration),
+        clock_note(&subject.machine, &space)
+    );
+    let table = folder::table(&path, &identity)?;
+    let name = match frames.len() {
+        1 => frames[0].prepared.scene.name().to_owned(),
+        all => format!("{all} frames, of which each point shows its slowest"),
+    };
+    finish(&name, &note, &table, output)
 }
 
 /// That no clock was given, where it was not; nothing otherwise.
@@ -79,36 +69,6 @@ fn clock_note(machine: &Config, space: &Space) -> &'static str {
     } else {
         "; frames a second by an assumed clock, that of the nearest circuit that was placed: --set clock_mhz=N says another"
     }
-}
-
-pub fn merge(options: &MergeOptions) -> Result<(), Failure> {
-    create_folder(&options.output)?;
-    let mut folders = options.folders.clone();
-    let path = options.output.join("points.csv");
-    if path.exists() {
-        // What an earlier merge left there is not to be lost.
-        folders.push(options.output.clone());
-    }
-    let (merged, identity) = folder::merge(&folders)?;
-    let space = identity.space()?;
-    let (missing, all) = (merged.missing(&space), space.points.len());
-    if missing > 0 && !options.partial {
-        let first = (0..all).find(|point| !merged.rows.contains_key(point));
-        let first = first.unwrap_or_default();
-        return Err(anyhow!(
-            "{missing} of the sweep's {all} points are missing, the first of them is point {first}: run the shards that hold them, or merge what is \
-             there with --partial"
-        )
-        .into());
-    }
-    folder::claim(&options.output, &identity)?;
-    folder::replace(&path, &merged)?;
-    let lacking = match missing {
-        0 => String::new(),
-        _ => format!("; {missing} of {all} are missing"),
-    };
-    print_result(&format!("{} points{lacking}\n", merged.rows.len()))?;
-    finish("merged sweep", identity.area(), &merged, &options.output)
 }
 
 /// Front, plot and a line for each of the front's points.
@@ -145,13 +105,6 @@ fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<
         ))?;
     }
     Ok(())
-}
-
-fn table_name(shard: Shard) -> String {
-    match shard {
-        Shard { count: 1, .. } => "points.csv".to_owned(),
-        Shard { index, count } => format!("points-{index}-of-{count}.csv"),
-    }
 }
 
 /// The texts of all settings files that take part: whatever they say, another text is another sweep.

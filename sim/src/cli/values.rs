@@ -2,7 +2,6 @@
 
 use crate::design;
 use crate::explore::limits::Quantity;
-use crate::explore::sweep::Shard;
 use crate::framing::Orbit;
 use crate::hybrid::Points;
 use crate::machine::area::Family;
@@ -63,6 +62,11 @@ pub const ENGINES: &Choices<Engine> = &[
         "bfloat16",
         "The same with pixels in bfloat16",
         Engine::Bfloat16,
+    ),
+    (
+        "fp8-fp16",
+        "The same with offsets and sums in 16-bit floats, kernel and opacity in 8-bit floats (E4M3)",
+        Engine::Fp8Fp16,
     ),
 ];
 
@@ -289,6 +293,9 @@ pub enum AntialiasChoice {
     None,
     /// The low-pass filter of the rules
     Ewa,
+    /// The low-pass filter, and opacities compensated for it, as antialiased models are trained (gsplat, Mip-Splatting)
+    #[value(alias = "antialiased")]
+    Mip,
     /// Distance scaling by the volume's sample spacing, without a low-pass filter
     Swan,
 }
@@ -391,16 +398,4 @@ pub enum SceneKind {
     Surface,
     /// Texels of a photograph (.png, .jpg) on a plane
     Texture,
-}
-
-pub fn shard(text: &str) -> Result<Shard, String> {
-    let numbers = text
-        .split_once('/')
-        .and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
-    match numbers {
-        Some((index, count)) if (1..=count).contains(&index) && count <= 100_000 => {
-            Ok(Shard { index, count })
-        }
-        _ => Err("expected i/n with i from 1 to n".to_owned()),
-    }
 }

@@ -13,6 +13,7 @@ pub fn run(action: &VectorsAction) -> Result<(), Failure> {
     match action {
         VectorsAction::Export(options) => export(options),
         VectorsAction::Verify { folder } => verify(folder),
+        VectorsAction::Explain { folder, record } => Ok(vectors::explain(folder, record)?),
     }
 }
 
@@ -26,7 +27,9 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
     let (view, splats, rules) = match &options.scene {
         None => {
             vectors::room_for_splats(options.splats)?;
-            let (view, splats) = vectors::hard_cases(options.splats, size, options.seed);
+            let (mut view, mut splats) = vectors::hard_cases(options.splats, size, options.seed);
+            splats.extend(vectors::stress_cases());
+            vectors::stress_view(&mut view, &design.widths);
             (view, splats, crate::rules::Rules::GAUSSIAN_3D)
         }
         Some(file) => {

@@ -10,7 +10,8 @@ pub const VECTORS_EXAMPLES: &str = "\
 Examples:
   splatline vectors export out/vectors --design lean18
   splatline vectors export out/guitar --scene guitar.ply --splats 1000 --size 256x256
-  splatline vectors verify out/vectors      after a bench has written its own runs.hex, pixels.hex or tile.hex there";
+  splatline vectors verify out/vectors      after a bench has written its own runs.hex, pixels.hex or tile.hex there
+  splatline vectors explain out/vectors pixels:4711";
 #[derive(Debug, Subcommand)]
 pub enum VectorsAction {
     /// Write one $readmemh file per stage and manifest.json.
@@ -20,6 +21,17 @@ pub enum VectorsAction {
         /// Folder with manifest.json, splats.hex and the stages to check
         #[arg(value_name = "DIR")]
         folder: PathBuf,
+    },
+    /// Print one record's way through all formulas of docs/specification.md, with every intermediate word.
+    ///
+    /// The Python model of the specification tells it, so that python3 must be there.
+    Explain {
+        /// Folder with manifest.json and all stages
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+        /// A record of splats, packets, runs, pixels, tile or a stage of setup, counted from 0
+        #[arg(value_name = "STAGE:NUMBER")]
+        record: String,
     },
 }
 
@@ -31,7 +43,7 @@ pub struct VectorsExportOptions {
     /// Scene to take the first splats of, seen whole [default: built-in random splats and hard cases]
     #[arg(long, value_name = "SCENE")]
     pub scene: Option<PathBuf>,
-    /// Splats at most
+    /// Splats at most; behind the built-in ones come some 150 at the ends of formats
     #[arg(long, value_name = "N", default_value = "144")]
     pub splats: usize,
     /// Seed of the built-in splats
@@ -43,7 +55,7 @@ pub struct VectorsExportOptions {
     /// Rules of blending: ewa or 3dgs [default: the scene's, 3dgs for the built-in splats]
     #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
     pub rules: Option<Rules>,
-    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    /// Widths: classic8, micro16, lean18, standard24, deep32 or a TOML file
     #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
     pub design: DesignName,
     /// How a footprint's pixels are walked [default: the design's own]

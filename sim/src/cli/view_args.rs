@@ -19,7 +19,7 @@ pub struct ViewOptions {
     pub scene: Option<PathBuf>,
     /// Draw what a plan (TOML) or a report.json states: its scene, camera, technique, design and machine
     #[arg(long, visible_alias = "plan", value_name = "plan.toml|report.json", conflicts_with_all = ["scene", "camera", "eye", "target", "up", "fov", "orbit", "zoom", "size", "rules",
-        "antialias", "kernel", "transfer", "light", "kind"])]
+        "antialias", "low_pass", "sh_degree", "kernel", "transfer", "light", "kind"])]
     pub from: Option<PathBuf>,
     /// Camera: our JSON file or a report.json, a COLMAP folder, transforms.json or cameras.json; without it and without --eye the whole scene is shown
     #[arg(long, value_name = "FILE", help_heading = "Camera", conflicts_with_all = ["eye", "target", "up", "fov", "orbit"])]
@@ -59,7 +59,7 @@ pub struct ViewOptions {
     )]
     pub up: Option<VectorValue>,
     /// Vertical field of view in degrees [default: 45]
-    #[arg(long, value_name = "deg", help_heading = "Camera", value_parser = field_of_view)]
+    #[arg(long, value_name = "deg", help_heading = "Camera", value_parser = field_of_view, allow_negative_numbers = true)]
     pub fov: Option<f64>,
     /// Turn around up (counter-clockwise seen from above) and rise over the horizon, degrees
     #[arg(
@@ -70,17 +70,23 @@ pub struct ViewOptions {
     )]
     pub orbit: Option<OrbitChoice>,
     /// Enlarge the picture about its middle
-    #[arg(long, value_name = "Z", help_heading = "Camera", value_parser = positive)]
+    #[arg(long, value_name = "Z", help_heading = "Camera", value_parser = positive, allow_negative_numbers = true)]
     pub zoom: Option<f64>,
     /// Size of the picture [default: the camera file's, or 512x512]
     #[arg(long, value_name = "WxH", help_heading = "Camera")]
     pub size: Option<PictureSize>,
-    /// Rules of blending: ewa or 3dgs [default: what the kind of scene is meant for]
-    #[arg(long, value_name = "ewa|3dgs", help_heading = "Splats", value_parser = Rules::from_str)]
+    /// Rules of blending: ewa; 3dgs as gsplat draws; inria, whose opacities end at 0.99 [default: what the kind of scene is meant for]
+    #[arg(long, value_name = "ewa|3dgs|inria", help_heading = "Splats", value_parser = Rules::from_str)]
     pub rules: Option<Rules>,
     /// Protection against samples closer together than pixels [default: the rules' low-pass filter]
     #[arg(long, help_heading = "Splats", value_enum)]
     pub antialias: Option<AntialiasChoice>,
+    /// Variance of the low-pass filter, square pixels [default: the rules': 1 of ewa, 0.3 of the others]
+    #[arg(long, value_name = "V", help_heading = "Splats", value_parser = positive, allow_negative_numbers = true)]
+    pub low_pass: Option<f64>,
+    /// Spherical harmonics up to this degree only
+    #[arg(long, value_name = "0..4", help_heading = "Splats", value_parser = clap::value_parser!(u8).range(0..=4))]
+    pub sh_degree: Option<u8>,
     /// Shape of footprints
     #[arg(long, help_heading = "Splats", value_parser = one_of(KERNELS), default_value = "gaussian")]
     pub kernel: Kernel,
@@ -128,7 +134,7 @@ pub struct SurfaceArgs {
     #[arg(long, value_name = "N", value_parser = layers, requires = "kind")]
     pub layers: Option<usize>,
     /// Depths closer than this are one surface, scene units [default: three radii]
-    #[arg(long, value_name = "Z", value_parser = positive, requires = "kind")]
+    #[arg(long, value_name = "Z", value_parser = positive, allow_negative_numbers = true, requires = "kind")]
     pub z_threshold: Option<f64>,
     /// Antialias edges by the weight sum
     #[arg(long, requires = "kind")]
@@ -140,10 +146,10 @@ pub struct SurfaceArgs {
     #[arg(long, value_name = "METHOD", default_value = "optimised", value_parser = Method::from_str, requires = "texture")]
     pub coefficients: Method,
     /// Distance of neighbouring heights of a height field, in units of height [default: 0.1]
-    #[arg(long, value_name = "D", value_parser = positive, requires = "kind")]
+    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true, requires = "kind")]
     pub spacing: Option<f64>,
     /// Draws the points as volume kernels whose axis along the normal is divided by S
-    #[arg(long, value_name = "S", help_heading = "Techniques", value_parser = positive, requires = "kind")]
+    #[arg(long, value_name = "S", help_heading = "Techniques", value_parser = positive, allow_negative_numbers = true, requires = "kind")]
     pub flatten: Option<f64>,
     /// Draws the pixels of a depth image that this camera takes of the surface, warped to the view
     #[arg(

@@ -9,6 +9,7 @@
 
 use super::evaluator::{Choice, Evaluator, FrameCost, Reached, Subject};
 use super::limits::{Limit, missed};
+use super::refusal::{RuledOut, has_only_widths, ruled_out};
 use super::search::{Score, Search, compare};
 use super::space::{Space, SpaceAxis, SpaceError, SpacePart};
 use crate::design::{DesignChoice, ResolvedDesign};
@@ -58,6 +59,17 @@ pub struct Standing {
     pub missed_alone: Option<f64>,
 }
 
+/// A machine that was simulated on the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LookedAt {
+    /// All resources, in look-up tables.
+    pub cost: f64,
+    /// Pictures a second.
+    pub frames_per_s: f64,
+    /// Does it hold all limits?
+    pub holds: bool,
+}
+
 /// The answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
@@ -73,6 +85,11 @@ pub struct Answer {
     pub designs: usize,
     /// Frames that the search ran on, and all of them.
     pub frames: [usize; 2],
+    /// What no machine of the space can hold, by bounds alone; then nothing was searched.
+    pub ruled_out: Vec<RuledOut>,
+    /// Every machine that was simulated.
+    #[serde(skip)]
+    pub looked_at: Vec<LookedAt>,
     /// Were widths searched, or was the design kept because no limit was on the error?
     pub searched_designs: bool,
 }
@@ -107,7 +124,7 @@ pub fn usual_space(
 }
 
 /// What a design or a machine has on an axis.
-fn value_of(axis: &SpaceAxis, design: &DesignChoice, machine: &Config) -> Option<Value> {
+pub(super) fn value_of(axis: &SpaceAxis, design: &DesignChoice, machine: &Config) -> Option<Value> {
     if axis.part != SpacePart::Design {
         return Some(setting(&axis.key)?.value(machine));
     }
@@ -117,7 +134,7 @@ fn value_of(axis: &SpaceAxis, design: &DesignChoice, machine: &Config) -> Option
 }
 
 /// Where the search starts: at the design and the machine given, and otherwise at the widest value of a width and the first of all else.
-fn start(subject: &Subject, space: &Space) -> Vec<usize> {
+pub(super) fn start(subject: &Subject, space: &Space) -> Vec<usize> {
     let index = |axis: &SpaceAxis| {
         let value = value_of(axis, &subject.design, &subject.machine);
         let place = value.and_then(|value| axis.values.iter().position(|other| *other == value));
@@ -132,6 +149,58 @@ fn score(limits: &[Limit], reached: &Reached) -> Score {
     [missed(limits, None, reached), reached.cost(), cycles]
 }
 
+/// Refuses what no machine of the space can hold, without a drawing or a simulation; nothing if bounds do not rule it out.
+pub fn refusal(
+    subject: &Subject,
+    limits: &[Limit],
+    space: &Space,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Option<Answer>> {
+    let evaluator = Evaluator::new(subject, false);
+    let all = subject.frames.len();
+    let few = (0..all.min(FEW_FRAMES)).collect();
+    let search = Search::new(&evaluator, space, limits, few, progress);
+    progress("bounds by area and counts alone");
+    let ruled_out = ruled_out(&search)?;
+    let refused = || refused(&search, ruled_out.clone(), all);
+    Ok((!ruled_out.is_empty()).then(refused))
+}
+
+fn refused(search: &Search, ruled_out: Vec<RuledOut>, frames: usize) -> Answer {
+    Answer {
+        holds: false,
+        found: Vec::new(),
+        standings: Vec::new(),
+        points: 0,
+        designs: search.designs(),
+        frames: [frames.min(FEW_FRAMES), frames],
+        ruled_out,
+        looked_at: Vec::new(),
+        searched_designs: !search.split_axes().0.is_empty(),
+    }
+}
+
+/// The limits on errors that the widest design misses; nothing if one of them holds or the space has more than widths.
+fn out_of_every_width(search: &mut Search, at: &[usize]) -> Result<Vec<RuledOut>> {
+    if !has_only_widths(search) {
+        return Ok(Vec::new());
+    }
+    let error = search.error(at)?;
+    let errors = search
+        .limits
+        .iter()
+        .filter(|limit| limit.quantity.is_error());
+    let of = |limit: &Limit| {
+        let best = limit.quantity.of_error(error.as_ref()?)?;
+        (limit.excess(best) > 0.0).then(|| RuledOut {
+            limit: limit.clone(),
+            best,
+            with: Vec::new(),
+        })
+    };
+    Ok(errors.filter_map(of).collect())
+}
+
 /// Searches the space and answers. `progress` is given what is being done.
 pub fn optimize(
     subject: &Subject,
@@ -139,7 +208,8 @@ pub fn optimize(
     space: &Space,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Answer> {
-    let evaluator = Evaluator::new(subject, false);
+    let detail = limits.iter().any(|limit| limit.quantity.is_detail());
+    let evaluator = Evaluator::new(subject, detail);
     let all: Vec<usize> = (0..subject.frames.len()).collect();
     let mut searched = if all.len() > FEW_FRAMES {
         heaviest(&evaluator, space)?
@@ -148,7 +218,12 @@ pub fn optimize(
     };
     loop {
         let mut search = Search::new(&evaluator, space, limits, searched.clone(), progress);
-        let found = best_point(&mut search)?;
+        let at = widest_if_needed(&mut search)?;
+        let ruled_out = out_of_every_width(&mut search, &at)?;
+        if !ruled_out.is_empty() {
+            return Ok(refused(&search, ruled_out, all.len()));
+        }
+        let found = best_point(&mut search, at)?;
         match answered(&search, &found, &searched)? {
             // The search believed that this frame was lighter.
             Attempt::MissedBy(frame) => searched.push(frame),
@@ -189,8 +264,9 @@ struct BestPoint {
     missed_alone: Vec<Option<f64>>,
 }
 
-fn best_point(search: &mut Search) -> Result<BestPoint> {
-    let (limits, space) = (search.limits, search.space);
+/// Where the search starts; with all widths at their widest if the design that is given misses a limit on errors.
+fn widest_if_needed(search: &mut Search) -> Result<Vec<usize>> {
+    let space = search.space;
     let mut at = start(search.evaluator.subject, space);
     if search.has_error_limit() && search.error_excess(&at)? > 0.0 {
         let (widths, _) = search.split_axes();
@@ -198,6 +274,11 @@ fn best_point(search: &mut Search) -> Result<BestPoint> {
             at[axis] = space.axes[axis].values.len() - 1;
         }
     }
+    Ok(at)
+}
+
+fn best_point(search: &mut Search, at: Vec<usize>) -> Result<BestPoint> {
+    let limits = search.limits;
     let point = search.search(at, &|reached| score(limits, reached))?;
     let mut missed_alone = vec![None; limits.len()];
     let first = search.known.get(&point).and_then(Option::as_ref).cloned();
@@ -307,12 +388,19 @@ fn answered(search: &Search, best: &BestPoint, searched: &[usize]) -> Result<Att
             missed_alone: best.missed_alone[place],
         }
     };
+    let looked_at = |reached: &Reached| LookedAt {
+        cost: reached.cost(),
+        frames_per_s: reached.pace.frames_per_s,
+        holds: missed(limits, None, reached) <= 0.0,
+    };
     let answer = Answer {
         holds,
         standings: limits.iter().enumerate().map(standing).collect(),
         points: search.known.values().flatten().count(),
         designs: search.designs(),
         frames: [0, 0],
+        ruled_out: Vec::new(),
+        looked_at: search.known.values().flatten().map(looked_at).collect(),
         searched_designs: !search.split_axes().0.is_empty(),
         found,
     };

@@ -1,9 +1,11 @@
 //! The search beside the exhaustive sweep, which evaluates every point by a way of its own.
 
 use super::*;
+use crate::explore::answer_page;
+use crate::explore::detail::detail;
 use crate::explore::folder::Appender;
 use crate::explore::limits::{Quantity, tightest};
-use crate::explore::sweep::{self, Shard};
+use crate::explore::sweep;
 use crate::explore::table::{ResultTable, heading};
 use crate::plan::{DesignVariant, Prepared};
 use crate::scene::synthetic;
@@ -34,8 +36,7 @@ fn swept(subject: &Subject, space: &Space) -> Vec<[f64; 5]> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("points.csv");
     let (out, _) = Appender::open(&path, &heading(space)).unwrap();
-    let whole = Shard { index: 1, count: 1 };
-    sweep::run(subject, space, whole, &ResultTable::default(), &out, &|| ()).unwrap();
+    sweep::run(subject, space, &ResultTable::default(), &out, &|| ()).unwrap();
     let table = ResultTable::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
     let place = |name: &str| table.column(name).unwrap();
     let places = ["max_abs", "cycles", "raster_luts", "around_luts", "area"].map(place);
@@ -126,11 +127,117 @@ fn the_limit_that_fails_first_is_named_by_how_much() {
         (missed - (1.0 - slowest_rate)).abs() < 1e-9,
         "{missed} {slowest_rate}"
     );
-    let text = answer.text(&Config::default());
+    let text = answer.text();
     assert!(
         text.contains("the first limit to fail is") && text.contains("misses them least"),
         "{text}"
     );
+}
+
+/// Bounds are never above what the sweep simulates, whatever the point; and what they rule out is named, alone or with the rate.
+#[test]
+fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
+    let frames = frames(&[1.0]);
+    let subject = subject(&frames);
+    let space = Space::from_toml("s.toml", SPACE).unwrap();
+    let evaluator = Evaluator::new(&subject, false);
+    for point in space.points.iter().step_by(7) {
+        let choice = evaluator.choice(&space, point).unwrap();
+        if choice.machine.check_together().is_err() {
+            continue;
+        }
+        let cost = &on_all_frames(&evaluator, &choice).unwrap()[0];
+        let reached = evaluator.reached(&choice, None, std::slice::from_ref(cost));
+        let best = evaluator.at_best(&choice, &[0]).unwrap();
+        assert!(best.pace.cycles_per_frame <= reached.pace.cycles_per_frame);
+        assert!(best.pace.cycles_per_frame > reached.pace.cycles_per_frame / 20);
+        assert!(best.millijoules <= reached.millijoules && best.millijoules > 0.0);
+        assert!(best.pace.bytes_per_frame <= reached.pace.bytes_per_frame);
+        assert_eq!(best.area, reached.area);
+        let all = [
+            Quantity::PsnrDb,
+            Quantity::LargestError,
+            Quantity::RmsError,
+            Quantity::Percentile99,
+            Quantity::Flip,
+        ];
+        for quantity in all {
+            let tight = if quantity.is_at_least() { 1e6 } else { 0.0 };
+            assert_eq!(limit(quantity, tight).missed_by(&best), 0.0, "{quantity:?}");
+        }
+    }
+    let refused = |limits: &[Limit]| {
+        let answer = refusal(&subject, limits, &space, &|_| ()).unwrap();
+        answer.map_or(Vec::new(), |answer| answer.ruled_out)
+    };
+    let [fast, small, modest] = [
+        limit(Quantity::FramesPerSecond, 1e8),
+        limit(Quantity::Luts, 100.0),
+        limit(Quantity::FramesPerSecond, 1.0),
+    ];
+    assert_eq!(refused(std::slice::from_ref(&modest)), []);
+    let both = refused(&[fast.clone(), small.clone()]);
+    assert_eq!(both.len(), 2);
+    assert!(both.iter().all(|out| out.with.is_empty()));
+    assert!(both[0].best < 1e8 && both[1].best > 100.0);
+    // The fastest machine alone holds the rate, the smallest one alone the area.
+    let rate = |point: &[f64; 5]| 100e6 / point[1];
+    let swept = swept(&subject, &space);
+    let fastest = swept.iter().map(rate).fold(0.0, f64::max);
+    let luts = |point: &[f64; 5]| point[2] + point[3];
+    let smallest = swept.iter().map(luts).fold(f64::INFINITY, f64::min);
+    let pair = [
+        limit(Quantity::FramesPerSecond, fastest),
+        limit(Quantity::Luts, smallest),
+    ];
+    let answer = optimize(&subject, &pair, &space, &|_| ()).unwrap();
+    let ruled_out = refused(&pair);
+    assert!(!answer.holds && ruled_out.iter().all(|out| out.with == pair[..1]));
+    let text = crate::explore::refusal::text(&both);
+    assert!(text.contains("refused before any simulation") && text.contains("by area alone"));
+}
+
+/// The page's arrows carry every byte, its units all of the energy, and each change of a setting is what the machine so changed reaches.
+#[test]
+fn the_page_shows_all_bytes_and_all_energy() {
+    let frames = frames(&[1.0, 1.3]);
+    let subject = subject(&frames);
+    let space = Space::from_toml("s.toml", SPACE).unwrap();
+    let limits = [limit(Quantity::FramesPerSecond, 2_000.0)];
+    let answer = optimize(&subject, &limits, &space, &|_| ()).unwrap();
+    let detail = detail(&subject, &limits, &space, &answer).unwrap().unwrap();
+    let reached = &answer.found[0].reached;
+    assert_eq!(detail.timing.total, reached.pace.cycles_per_frame);
+    assert_eq!(
+        answer_page::bytes_shown(&detail.timing),
+        detail.timing.bytes.all()
+    );
+    assert_eq!(detail.timing.bytes.all(), reached.pace.bytes_per_frame);
+    let units = detail.energy.units.iter().map(|unit| unit.attojoules);
+    assert_eq!(units.sum::<u64>(), detail.energy.attojoules);
+    assert!(!detail.knobs.is_empty());
+    for knob in &detail.knobs {
+        assert!(
+            knob.from != knob.to && knob.cost.is_finite() && knob.frames_per_s > -1.0,
+            "{knob:?}"
+        );
+    }
+    let page = answer_page::page("<random>", &answer, Some(&detail), "area of <nothing>");
+    assert!(page.contains("&lt;random&gt;</h1>") && page.contains("area of &lt;nothing&gt;"));
+    assert_eq!(page.matches("<svg").count(), 6);
+    assert!(!page.contains("NaN") && !page.contains("inf "));
+}
+
+/// An error below what the widest design makes is refused for that.
+#[test]
+fn an_error_beyond_every_width_is_refused() {
+    let frames = frames(&[1.0]);
+    let subject = subject(&frames);
+    let space = Space::without_points("s", "[design]\nmantissa = [14, 16]\n").unwrap();
+    let limits = [limit(Quantity::LargestError, 1e-12)];
+    let answer = optimize(&subject, &limits, &space, &|_| ()).unwrap();
+    assert_eq!(answer.ruled_out.len(), 1);
+    assert!(answer.ruled_out[0].best > 1e-12 && answer.found.is_empty() && answer.points == 0);
 }
 
 /// More frames than the search begins with, of which the others are nearer: the answer holds on each of them.

@@ -1,69 +1,86 @@
-//! An answer for people.
+//! An answer for people: the lines that matter. All of it is in answer.json and on the page.
 
 use super::answer::{Answer, Found, Standing};
-use crate::machine::config::{Config, SETTINGS};
+use super::refusal;
+use crate::machine::config::Config;
 use std::fmt::Write;
 
+/// Limits that are named: the tightest.
+const NAMED: usize = 3;
+
 impl Answer {
-    /// The whole answer; machines are told by what they have otherwise than `usual`.
-    pub fn text(&self, usual: &Config) -> String {
+    /// The whole answer in some ten lines.
+    pub fn text(&self) -> String {
+        if !self.ruled_out.is_empty() {
+            return refusal::text(&self.ruled_out);
+        }
+        let Some((first, next)) = self.found.split_first() else {
+            return String::new();
+        };
         let mut text = format!(
-            "{} points and {} designs looked at, on {} of {} frames\n",
-            self.points, self.designs, self.frames[0], self.frames[1]
+            "{}: of {} machines and {} designs, on {} of {} frames\n",
+            if self.holds {
+                "cheapest point that holds all limits"
+            } else {
+                "no point was found that holds all limits; this one misses them least"
+            },
+            self.points,
+            self.designs,
+            self.frames[0],
+            self.frames[1]
         );
         if !self.searched_designs {
             text += "the design was kept: no limit on its error (--max-error, --psnr) or no widths in the space\n";
         }
-        let Some((first, next)) = self.found.split_first() else {
-            return text;
-        };
-        text += if self.holds {
-            "\ncheapest point that holds all limits\n"
+        text += &point(first);
+        if self.holds {
+            text += &self.margins();
+            text += &nexts(first, next);
         } else {
-            "\nno point was found that holds all limits; this one misses them least\n"
-        };
-        text += &point(first, usual);
-        text += &self.limits();
-        if !self.holds {
+            text += &self.limits();
             text += &self.failing();
-        }
-        for (number, found) in (1..).zip(next) {
-            // Writing to a String cannot fail.
-            let _ = writeln!(text, "\nnext {number}");
-            text += &point(found, usual);
         }
         text
     }
 
+    /// The tightest limits, and what the answer would cost without them.
+    fn margins(&self) -> String {
+        let mut all: Vec<&Standing> = self.standings.iter().collect();
+        all.sort_by(|a, b| a.slack.total_cmp(&b.slack));
+        let cost = self.found.first().map_or(0.0, |found| found.reached.cost());
+        let margin = |standing: &&Standing| {
+            let quantity = standing.limit.quantity;
+            let without = standing.cost_without.filter(|without| *without < cost);
+            let without = without.map_or(String::new(), |without| {
+                format!(", {} LUT in all without it", per_cent(without / cost - 1.0))
+            });
+            format!(
+                "{} {} of {} ({} left{without})",
+                quantity.name(),
+                quantity.show(standing.value),
+                quantity.show(standing.limit.bound),
+                per_cent(standing.slack)
+            )
+        };
+        let named: Vec<String> = all.iter().take(NAMED).map(margin).collect();
+        format!("  tightest  {}\n", named.join("\n            "))
+    }
+
     fn limits(&self) -> String {
         let mut text = format!(
-            "  {:<22} {:>12} {:>12} {:>9}  {:<16} {}\n",
-            "limit", "bound", "reached", "left", "of", "cheapest looked at without it"
+            "  {:<22} {:>12} {:>12} {:>9}  of\n",
+            "limit", "bound", "reached", "left"
         );
-        let cost = self.found.first().map_or(0.0, |found| found.reached.cost());
         for standing in &self.standings {
-            let Standing {
-                limit,
-                value,
-                slack,
-                cost_without,
-                ..
-            } = standing;
-            let without = match cost_without {
-                Some(without) if self.holds && *without < cost => {
-                    format!("{without:.0} ({})", per_cent(without / cost - 1.0))
-                }
-                Some(_) if self.holds => "as cheap: does not bind".to_owned(),
-                Some(without) => format!("{without:.0}"),
-                None => "none".to_owned(),
-            };
+            let limit = &standing.limit;
+            // Writing to a String cannot fail.
             let _ = writeln!(
                 text,
-                "  {:<22} {:>12} {:>12} {:>9}  {:<16} {without}",
+                "  {:<22} {:>12} {:>12} {:>9}  {}",
                 limit.quantity.name(),
                 limit.quantity.show(limit.bound),
-                limit.quantity.show(*value),
-                per_cent(*slack),
+                limit.quantity.show(standing.value),
+                per_cent(standing.slack),
                 limit.of,
             );
         }
@@ -112,8 +129,24 @@ fn per_cent(part: f64) -> String {
     }
 }
 
+/// What the next points cost more, in one line; nothing if there are none.
+fn nexts(first: &Found, next: &[Found]) -> String {
+    let one = |found: &Found| {
+        format!(
+            "+{} LUT in all for {:.1} frames a second",
+            per_cent(found.reached.cost() / first.reached.cost() - 1.0),
+            found.reached.pace.frames_per_s
+        )
+    };
+    let all: Vec<String> = next.iter().map(one).collect();
+    if all.is_empty() {
+        return String::new();
+    }
+    format!("  next      {}\n", all.join("; "))
+}
+
 /// A point in a few lines.
-fn point(found: &Found, usual: &Config) -> String {
+fn point(found: &Found) -> String {
     let Found {
         design,
         machine,
@@ -124,13 +157,8 @@ fn point(found: &Found, usual: &Config) -> String {
         .iter()
         .map(|(name, bits)| format!("{name} {bits}"))
         .collect();
-    let fields: Vec<String> = SETTINGS
-        .iter()
-        .filter(|setting| setting.value(machine) != setting.value(usual))
-        .map(|setting| format!("{} {}", setting.key, setting.show(machine)))
-        .collect();
-    let [geometry, sort, raster] = reached.phases;
-    let all = reached.area.raster + reached.area.around;
+    let (some, others) = widths.split_at(widths.len() / 2);
+    let pace = &reached.pace;
     let error = reached.error.map_or(String::new(), |error| {
         format!(
             "; largest error {:.3e}, PSNR {:.2} dB",
@@ -138,33 +166,40 @@ fn point(found: &Found, usual: &Config) -> String {
             error.psnr_db()
         )
     });
-    let pace = &reached.pace;
-    let spread = &reached.ms_per_frame;
-    let energy = reached.millijoules;
     format!(
-        "  cost      {:.0} in look-up tables: {all}\n  \
-           pace      {:.2} frames a second at {} MHz{}, {:.3} ms a frame (95 %: {:.3}, mean {:.3}), limited by {}{error}; {energy:.3} mJ a frame (estimate)\n  \
-           cycles    geometry {geometry}, sort {sort}, raster {raster}; {:.2} MB a frame, {:.0} MB a second\n  \
-           design    {} ({}, {})\n  \
+        "  cost      {:.0} LUT in all: {}\n  \
+           pace      {:.2} frames a second at {} MHz{}, limited by {}{error}\n  \
+           moves     {:.2} MB a frame, {:.0} MB a second; {:.3} mJ a frame (estimate)\n  \
+           design    {},\n            {} ({}, {})\n  \
            machine   {}\n",
         reached.cost(),
+        reached.area.raster + reached.area.around,
         pace.frames_per_s,
         pace.clock.mhz,
         if pace.clock.assumed { " (assumed)" } else { "" },
-        spread.worst,
-        spread.percentile_95,
-        spread.mean,
         pace.limited_by,
         pace.bytes_per_frame as f64 / 1e6,
         pace.bytes_per_s / 1e6,
-        widths.join(", "),
+        reached.millijoules,
+        some.join(", "),
+        others.join(", "),
         design.rounding,
         design.traversal,
-        if fields.is_empty() {
-            "all as by default".to_owned()
-        } else {
-            fields.join(", ")
-        },
+        in_short(machine),
+    )
+}
+
+/// A machine by what decides its area and pace; the rest is in machine.toml.
+fn in_short(machine: &Config) -> String {
+    format!(
+        "{} raster unit(s) of {} lane(s), tiles of {} x {}, a splat in {} cycles, {} + {} bytes a cycle; -o DIR for all of it",
+        machine.raster_units,
+        machine.lanes,
+        machine.tile_width,
+        machine.tile_height,
+        machine.setup_interval,
+        machine.read_bandwidth,
+        machine.write_bandwidth
     )
 }
 

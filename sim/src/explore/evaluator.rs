@@ -4,6 +4,7 @@
 //! share is done once: a design's errors, its rows for a tile size, their grouping for a shape of lanes. A search comes back to old rows, so it keeps
 //! some; a sweep does not, so it keeps none and holds the rows of one frame alone in memory.
 
+use super::bounds::FrameCounts;
 use super::space::{Space, SpacePart};
 use crate::design::{DesignChoice, traversal_name};
 use crate::fixed::{self, QuantisedScene, best_engine};
@@ -15,7 +16,7 @@ use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::summary::Spread;
 use crate::machine::workload::{Workload, extract_if_room};
 use crate::machine::{Timing, simulate};
-use crate::metrics::{self, stored};
+use crate::metrics::{self, Percentiles, stored};
 use crate::picture::Picture;
 use crate::plan::{self, DesignVariant, Engine, Prepared};
 use anyhow::{Context, Result, bail};
@@ -54,11 +55,19 @@ impl<'a> Subject<'a> {
     /// Frames with the design and the machine that the first one's plan has, and no references yet.
     pub fn new(frames: Vec<&'a Prepared>) -> Result<Subject<'a>> {
         let plan = &frames.first().context("there is no frame")?.plan;
+        // Of several scenes, the one with most harmonics.
+        let harmonics = frames
+            .iter()
+            .map(|frame| frame.plan.machine.harmonics_bytes);
+        let machine = Config {
+            harmonics_bytes: harmonics.max().unwrap_or(0),
+            ..plan.machine
+        };
         Ok(Subject {
             references: Vec::new(),
             design: plan.entry.design.clone(),
             traversal: None,
-            machine: plan.machine,
+            machine,
             calibration: Calibration::default(),
             energy: EnergyTable::default(),
             frames,
@@ -93,13 +102,36 @@ pub struct DesignError {
     pub rms: f64,
     /// Mean of fixed minus float.
     pub bias: f64,
-    /// Mean structural similarity, where it is asked for: it takes thirty times as long as drawing.
-    #[serde(skip)]
-    pub ssim: Option<f64>,
+    /// What takes thirty times as long as drawing, where it is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detail: Option<ErrorDetail>,
+}
+
+/// What [`metrics::compare_and_look`] finds beside that.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ErrorDetail {
+    /// Mean structural similarity.
+    pub ssim: f64,
+    /// 95 % and 99 % of the samples differ by no more.
+    #[serde(flatten)]
+    pub percentiles: Percentiles,
+    /// Mean FLIP.
+    pub flip: f64,
 }
 
 impl DesignError {
-    /// How far the colours of a picture are from the reference's: what [`metrics::compare`] says of them, without structural similarity.
+    /// That of the reference itself, by every measure.
+    pub fn none() -> DesignError {
+        DesignError {
+            detail: Some(ErrorDetail {
+                ssim: 1.0,
+                ..ErrorDetail::default()
+            }),
+            ..DesignError::default()
+        }
+    }
+
+    /// How far the colours of a picture are from the reference's: what [`metrics::compare`] says of them, without detail.
     pub fn of(picture: &Picture, reference: &Picture) -> Result<DesignError> {
         let size = |picture: &Picture| (picture.width, picture.height, picture.pixels.len());
         if size(picture) != size(reference) || picture.pixels.is_empty() {
@@ -120,32 +152,48 @@ impl DesignError {
             max_abs,
             rms: (squares / samples).sqrt(),
             bias: signed / samples,
-            ssim: None,
+            detail: None,
         })
     }
 
-    fn with_similarity(picture: &Picture, reference: &Picture) -> Result<DesignError> {
-        let errors = metrics::compare(picture, reference);
-        let colour = errors.context("the pictures cannot be compared")?.colour;
+    fn with_detail(picture: &Picture, reference: &Picture) -> Result<DesignError> {
+        let found = metrics::compare_and_look(picture, reference);
+        let (errors, flip) = found.context("the pictures cannot be compared")?;
+        let colour = errors.colour;
         Ok(DesignError {
             max_abs: colour.max_abs,
             rms: colour.rms(),
             bias: colour.bias,
-            ssim: Some(colour.ssim),
+            detail: Some(ErrorDetail {
+                ssim: colour.ssim,
+                percentiles: colour.percentiles,
+                flip,
+            }),
         })
     }
 
-    /// Over several pictures: the largest error of any, the root of the mean square, and the means of bias and similarity.
+    /// Over several pictures: the largest error, percentile and FLIP of any, the root of the mean square, and the means of bias and similarity.
     pub fn over(all: &[DesignError]) -> DesignError {
         let [one] = all else {
             let count = all.len().max(1) as f64;
             let mean = |of: fn(&DesignError) -> f64| all.iter().map(of).sum::<f64>() / count;
-            let similarity: Option<f64> = all.iter().map(|one| one.ssim).sum();
+            let details: Option<Vec<ErrorDetail>> = all.iter().map(|one| one.detail).collect();
+            let over = |details: Vec<ErrorDetail>| {
+                let most = |of: fn(&ErrorDetail) -> f64| details.iter().map(of).fold(0.0, f64::max);
+                ErrorDetail {
+                    ssim: details.iter().map(|one| one.ssim).sum::<f64>() / count,
+                    percentiles: Percentiles {
+                        p95: most(|one| one.percentiles.p95),
+                        p99: most(|one| one.percentiles.p99),
+                    },
+                    flip: most(|one| one.flip),
+                }
+            };
             return DesignError {
                 max_abs: all.iter().map(|one| one.max_abs).fold(0.0, f64::max),
                 rms: mean(|one| one.rms * one.rms).sqrt(),
                 bias: mean(|one| one.bias),
-                ssim: similarity.map(|sum| sum / count),
+                detail: details.map(over),
             };
         };
         *one
@@ -276,16 +324,17 @@ pub type Sink<'a> = &'a (dyn Fn(usize, Vec<FrameCost>) -> Result<()> + Sync);
 pub struct Evaluator<'a> {
     /// What is explored.
     pub subject: &'a Subject<'a>,
-    similarity: bool,
+    detail: bool,
     scenes: Vec<Option<QuantisedScene>>,
     errors: Cache<(DesignKey, usize), DesignError>,
     workloads: Cache<(WorkKey, usize), Arc<Workload>>,
     groupings: Cache<(WorkKey, usize, LaneShape), Arc<LaneWork>>,
+    counts: Cache<usize, FrameCounts>,
 }
 
 impl<'a> Evaluator<'a> {
-    /// Nothing evaluated yet; structural similarity is measured only if it is asked for.
-    pub fn new(subject: &'a Subject<'a>, similarity: bool) -> Evaluator<'a> {
+    /// Nothing evaluated yet; the detail of errors is measured only if it is asked for.
+    pub fn new(subject: &'a Subject<'a>, detail: bool) -> Evaluator<'a> {
         let with_references = subject.frames.iter().zip(&subject.references);
         let quantised = |(frame, _): (&&Prepared, &Picture)| match frame.subject() {
             Ok(plan::Subject::Splats(s)) if s.are_composited() => {
@@ -295,27 +344,37 @@ impl<'a> Evaluator<'a> {
         };
         Evaluator {
             subject,
-            similarity,
+            detail,
             scenes: with_references.map(quantised).collect(),
             errors: Cache::new(usize::MAX),
             workloads: Cache::new(MOST_WORKLOADS),
             groupings: Cache::new(MOST_GROUPINGS),
+            counts: Cache::new(usize::MAX),
         }
     }
 
     /// The design and the machine of a point.
     pub fn choice(&self, space: &Space, point: &[usize]) -> Result<Choice> {
-        let subject = self.subject;
-        let settings = space.settings(point, |part| part == SpacePart::Design);
-        let design = changed(&subject.design, &settings)?;
-        let swept = settings.iter().any(|(key, _)| *key == "traversal");
-        let traversal = if swept { None } else { subject.traversal };
-        let mut machine = subject.machine;
-        for (key, value) in space.settings(point, |part| part != SpacePart::Design) {
-            machine.set("space", key, value)?;
-        }
-        let variant = DesignVariant::new(design, traversal);
+        let variant = self.variant(space, point)?;
+        let machine = self.machine(space, point)?;
         Ok(Choice { variant, machine })
+    }
+
+    /// The design of a point.
+    pub fn variant(&self, space: &Space, point: &[usize]) -> Result<DesignVariant> {
+        let settings = space.settings(point, |part| part == SpacePart::Design);
+        let design = changed(&self.subject.design, &settings)?;
+        let swept = settings.iter().any(|(key, _)| *key == "traversal");
+        let traversal = if swept { None } else { self.subject.traversal };
+        Ok(DesignVariant::new(design, traversal))
+    }
+
+    /// The machine of a point.
+    pub fn machine(&self, space: &Space, point: &[usize]) -> Result<Config> {
+        let mut machine = self.subject.machine;
+        let settings = space.settings(point, |part| part != SpacePart::Design);
+        machine.set_all("space", &settings)?;
+        Ok(machine)
     }
 
     /// The errors of a design over some frames; nothing without references.
@@ -328,8 +387,8 @@ impl<'a> Evaluator<'a> {
             let key = (design_key(variant), *frame);
             all.push(self.errors.get(key, || {
                 let picture = self.draw(variant, *frame)?;
-                if self.similarity {
-                    DesignError::with_similarity(&picture, reference)
+                if self.detail {
+                    DesignError::with_detail(&picture, reference)
                 } else {
                     DesignError::of(&picture, reference)
                 }
@@ -398,7 +457,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The rows of a frame by a design, in tiles of a size.
-    fn workload(
+    pub fn workload(
         &self,
         variant: &DesignVariant,
         tile: [u16; 2],
@@ -411,13 +470,16 @@ impl<'a> Evaluator<'a> {
     }
 
     fn frame_cost(&self, choice: &Choice, workload: &Workload, work: &LaneWork) -> FrameCost {
+        self.cost(choice, &simulate(workload, work, &choice.machine))
+    }
+
+    fn cost(&self, choice: &Choice, timing: &Timing) -> FrameCost {
         let Choice { variant, machine } = choice;
-        let timing = simulate(workload, work, machine);
         let (widths, table) = (&variant.design.widths, &self.subject.energy);
-        let energy = energy::estimate(widths, variant.traversal, machine, &timing, table);
+        let energy = energy::estimate(widths, variant.traversal, machine, timing, table);
         let lanes = timing.units.get("lanes");
         FrameCost {
-            pace: self.throughput(choice, &timing),
+            pace: self.throughput(choice, timing),
             cycles: [timing.geometry, timing.sort, timing.raster, timing.total],
             lanes: [
                 lanes.map_or(0.0, |unit| unit.utilisation),
@@ -470,19 +532,35 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// What a choice could reach at best: its area and its channels, with no error and no cycle. It scores no worse than the choice does.
-    pub fn at_best(&self, choice: &Choice) -> Reached {
-        self.reached(choice, Some(DesignError::default()), &[])
+    /// What a choice could reach at best on these frames: its area, no error, and the cycles and bytes that no machine goes below. It scores no worse
+    /// than the choice does.
+    pub fn at_best(&self, choice: &Choice, frames: &[usize]) -> Result<Reached> {
+        let mut costs = Vec::with_capacity(frames.len());
+        for frame in frames {
+            let counts = self.counts.get(*frame, || self.counted(*frame))?;
+            costs.push(self.cost(choice, &counts.least_timing(&choice.machine)));
+        }
+        Ok(self.reached(choice, Some(DesignError::none()), &costs))
+    }
+
+    /// What a frame has, by the design that all starts from.
+    fn counted(&self, frame: usize) -> Result<FrameCounts> {
+        let Subject {
+            design,
+            traversal,
+            machine,
+            ..
+        } = self.subject;
+        let variant = DesignVariant::new(design.clone(), *traversal);
+        let tile = [machine.tile_width, machine.tile_height];
+        let key = ((design_key(&variant), tile), frame);
+        let extract = || self.workload(&variant, tile, frame);
+        let workload = self.workloads.get(key, extract)?;
+        Ok(FrameCounts::of(&workload))
     }
 
     fn no_cost(&self, choice: &Choice) -> FrameCost {
-        FrameCost {
-            pace: self.throughput(choice, &Timing::default()),
-            cycles: [0; 4],
-            lanes: [0.0; 3],
-            packet_hit_rate: 0.0,
-            millijoules: 0.0,
-        }
+        self.cost(choice, &Timing::default())
     }
 }
 
@@ -542,7 +620,7 @@ mod tests {
             max_abs,
             rms,
             bias,
-            ssim: None,
+            detail: None,
         };
         let over = DesignError::over(&[one(0.1, 3.0, 0.5), one(0.4, 4.0, -0.1)]);
         assert_eq!(over.max_abs, 0.4);

@@ -25,16 +25,16 @@ pub struct Fit {
     pub error: DesignError,
     /// Errors with one bit less in one width; a width at its lower limit is left out.
     pub one_bit_less: BTreeMap<&'static str, DesignError>,
-    /// The width whose last bit matters most for the limit.
+    /// The width whose last bit matters most for the limits.
     pub binding: Option<&'static str>,
     /// Designs drawn.
     pub drawings: usize,
 }
 
-/// Fits a design, starting from the subject's. Nothing if that itself misses the limit; then its error is the second part.
+/// Fits a design, starting from the subject's. Nothing if that itself misses a limit; then its error is the second part.
 pub fn fit(
     subject: &Subject,
-    limit: &Limit,
+    limits: &[Limit],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(Option<Fit>, DesignError)> {
     let mut text = "[design]\n".to_owned();
@@ -43,9 +43,9 @@ pub fn fit(
         let _ = writeln!(text, "{name} = {{ from = {low}, to = {bits} }}");
     }
     let space = Space::without_points("the design's widths", &text)?;
-    let evaluator = Evaluator::new(subject, false);
+    let detail = limits.iter().any(|limit| limit.quantity.is_detail());
+    let evaluator = Evaluator::new(subject, detail);
     let frames = (0..subject.frames.len()).collect();
-    let limits = std::slice::from_ref(limit);
     let mut search = Search::new(&evaluator, &space, limits, frames, progress);
 
     let start: Vec<usize> = space
@@ -58,7 +58,13 @@ pub fn fit(
         error.context("the references are drawn")
     };
     let error = errors(&mut search, &start)?;
-    if limit.excess_of_error(Some(error)) > 0.0 {
+    let excess = |error: &DesignError| {
+        let of = limits
+            .iter()
+            .map(|limit| limit.excess_of_error(Some(*error)));
+        of.fold(0.0, f64::max)
+    };
+    if excess(&error) > 0.0 {
         return Ok((None, error));
     }
     let (axes, _) = search.split_axes();
@@ -74,10 +80,9 @@ pub fn fit(
         less[axis] -= 1;
         one_bit_less.insert(name, errors(&mut search, &less)?);
     }
-    let value = |error: &DesignError| limit.quantity.of_error(error).unwrap_or(f64::NAN);
     let binding = one_bit_less
         .iter()
-        .max_by(|a, b| value(a.1).total_cmp(&value(b.1)))
+        .max_by(|a, b| excess(a.1).total_cmp(&excess(b.1)))
         .map(|(name, _)| *name);
     let widths = search.choice(&point)?.variant.design.widths.numbers();
     let fitted = Fit {
@@ -92,6 +97,20 @@ pub fn fit(
         drawings: search.designs(),
     };
     Ok((Some(fitted), error))
+}
+
+/// Why a search does not begin: which limits its start misses itself.
+pub fn refusal(design: &str, limits: &[Limit], error: &DesignError) -> String {
+    let missed = limits
+        .iter()
+        .filter(|limit| limit.excess_of_error(Some(*error)) > 0.0)
+        .map(|limit| {
+            let found = limit.quantity.of_error(error).unwrap_or_default();
+            let (what, bound) = (limit.quantity.name(), limit.bound);
+            format!("{what} {found:.3e}, above {} {bound:.3e}", limit.of)
+        });
+    let missed = missed.collect::<Vec<_>>().join(" and ");
+    format!("design {design} itself has {missed}: start from a wider design or allow more")
 }
 
 /// The text of a design file.
@@ -126,7 +145,7 @@ mod tests {
         let prepared = Prepared::of_splats(scene, camera, rules, start);
         let mut subject = Subject::new(vec![&prepared]).unwrap();
         subject.draw_references().unwrap();
-        let limit = |bound| Limit::new(Quantity::RmsError, bound, "test");
+        let limit = |bound| [Limit::new(Quantity::RmsError, bound, "test")];
         let (fitted, _) = fit(&subject, &limit(1e-3), &|_| ()).unwrap();
         let fitted = fitted.unwrap();
         assert!(fitted.error.rms <= 1e-3);

@@ -1,16 +1,13 @@
-//! A folder of sweeps on the disk: its identity, its tables, and who may write to them.
-//!
-//! Nodes share a folder, each with a shard's table of its own; each table has one writer at a time, who holds a lock on it for as long as
-//! the sweep runs. The system gives the lock back however the process ends, so no lock file is ever left behind. Whoever comes second is
-//! told so: waiting would mean to compute the same points again.
+//! A sweep's folder on the disk: its identity and its table. One process at a time writes there; two would leave points that come twice, which reading
+//! refuses. Many machines share a study's file instead (`splatline.study`, in Python).
 
 use super::identity::Identity;
 use super::table::{ResultTable, row_digest, to_line, whole_lines};
-use crate::{atomic, input};
+use crate::input;
 use anyhow::{Context, Result, anyhow, bail};
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 
 /// The file of a folder's identity.
@@ -21,9 +18,6 @@ pub fn claim(folder: &Path, identity: &Identity) -> Result<()> {
     let path = folder.join(IDENTITY);
     let shown = path.display().to_string();
     let mut file = open(&path).with_context(|| format!("cannot write '{shown}'"))?;
-    // Another process may be writing it in this moment.
-    file.lock()
-        .with_context(|| format!("cannot lock '{shown}'"))?;
     let mut text = String::new();
     file.read_to_string(&mut text)
         .with_context(|| format!("cannot read '{shown}'"))?;
@@ -47,50 +41,6 @@ pub fn claim(folder: &Path, identity: &Identity) -> Result<()> {
     }
 }
 
-/// The identity of a folder.
-pub fn identity(folder: &Path) -> Result<Identity> {
-    let path = folder.join(IDENTITY);
-    let shown = path.display();
-    let text = input::own_text(&path, input::SETTINGS)
-        .with_context(|| format!("cannot read '{shown}'"))?;
-    Identity::parse(&text).with_context(|| shown.to_string())
-}
-
-/// Whether a file is called like a table: `points.csv`, `points-3-of-8.csv`. Copies under other names are nobody's.
-fn is_table(name: &str) -> bool {
-    let middle = name
-        .strip_prefix("points")
-        .and_then(|name| name.strip_suffix(".csv"));
-    let shard = |middle: &str| {
-        let (index, count) = middle.strip_prefix('-')?.split_once("-of-")?;
-        Some((index.parse::<usize>().ok()?, count.parse::<usize>().ok()?))
-    };
-    middle.is_some_and(|middle| middle.is_empty() || shard(middle).is_some())
-}
-
-/// The tables of a folder.
-pub fn tables(folder: &Path) -> Result<Vec<PathBuf>> {
-    let entries =
-        std::fs::read_dir(folder).with_context(|| format!("cannot read '{}'", folder.display()))?;
-    let mut paths = Vec::new();
-    for entry in entries {
-        let path = entry
-            .with_context(|| format!("cannot read '{}'", folder.display()))?
-            .path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if is_table(&name) {
-            paths.push(path);
-        } else if name.starts_with("points") && name.ends_with(".csv") {
-            bail!(
-                "{}: looks like a sweep's table, but these are called points.csv or points-i-of-n.csv: move it away or rename it",
-                path.display()
-            );
-        }
-    }
-    paths.sort();
-    Ok(paths)
-}
-
 /// Reads a table and checks it against its sweep.
 pub fn table(path: &Path, identity: &Identity) -> Result<ResultTable> {
     let shown = path.display();
@@ -108,41 +58,6 @@ fn checked(text: &str, identity: &Identity) -> Result<ResultTable> {
     Ok(table)
 }
 
-/// All tables of some folders of one sweep as one; folders of different sweeps are refused.
-pub fn merge(folders: &[PathBuf]) -> Result<(ResultTable, Identity)> {
-    let mut merged: Option<(ResultTable, Identity)> = None;
-    for folder in folders {
-        let identity = identity(folder)?;
-        if let Some((_, known)) = &merged
-            && !identity.differences(known).is_empty()
-        {
-            let (folder, text) = (folder.display(), identity.difference_text(known));
-            bail!("'{folder}' holds another sweep than the folders before it: it differs in{text}");
-        }
-        let (all, identity) = merged.get_or_insert((ResultTable::default(), identity));
-        for path in tables(folder)? {
-            all.merge(table(&path, identity)?)
-                .map_err(|problem| anyhow!("{}: {problem}", path.display()))?;
-        }
-    }
-    match merged {
-        Some((table, identity)) if !table.heading.is_empty() => Ok((table, identity)),
-        _ => bail!("no points.csv or points-i-of-n.csv with a heading in these folders"),
-    }
-}
-
-/// Writes a merged table; refused while a sweep is writing to the file of that name.
-pub fn replace(path: &Path, table: &ResultTable) -> Result<()> {
-    let shown = path.display();
-    let _lock = if path.exists() {
-        Some(locked(path).with_context(|| format!("cannot write '{shown}'"))?)
-    } else {
-        None
-    };
-    atomic::write(path, table.to_csv().as_bytes())
-        .with_context(|| format!("cannot write '{shown}'"))
-}
-
 fn open(path: &Path) -> io::Result<File> {
     OpenOptions::new()
         .read(true)
@@ -151,26 +66,13 @@ fn open(path: &Path) -> io::Result<File> {
         .open(path)
 }
 
-/// The file, with the lock that says that it is being written.
-fn locked(path: &Path) -> io::Result<File> {
-    let file = open(path)?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(io::Error::new(
-            io::ErrorKind::ResourceBusy,
-            "another process is writing this table: wait for it, or choose another shard or folder",
-        )),
-        Err(TryLockError::Error(error)) => Err(error),
-    }
-}
-
-/// Appends lines from any thread, alone among all processes.
+/// Appends lines from any thread.
 pub struct Appender(Mutex<File>);
 
 impl Appender {
     /// Opens the file, which is made with its heading if need be, and cuts off a broken last line. Also the text that it holds.
     pub fn open(path: &Path, heading: &[String]) -> io::Result<(Appender, String)> {
-        let mut file = locked(path)?;
+        let mut file = open(path)?;
         let mut text = String::new();
         file.read_to_string(&mut text)?;
         text.truncate(whole_lines(&text));
@@ -265,34 +167,5 @@ mod tests {
         let path = folder.path().join("points.csv");
         Appender::open(&path, &heading()).unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "point,a\n");
-    }
-
-    #[test]
-    fn a_table_has_one_writer() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("points.csv");
-        let first = Appender::open(&path, &heading()).unwrap();
-        let refused = Appender::open(&path, &heading()).err().unwrap().to_string();
-        assert!(refused.contains("another process"), "{refused}");
-        let replaced = replace(&path, &ResultTable::default()).unwrap_err();
-        assert!(format!("{replaced:#}").contains("another process"));
-        drop(first);
-        Appender::open(&path, &heading()).unwrap();
-    }
-
-    #[test]
-    fn only_tables_are_taken_for_tables() {
-        for name in ["points.csv", "points-1-of-8.csv", "points-12-of-100.csv"] {
-            assert!(is_table(name), "{name}");
-        }
-        for name in [
-            "points-1.csv",
-            "points-a-of-b.csv",
-            "points2.csv",
-            "front.csv",
-            "points-1-of-8.csv.bak",
-        ] {
-            assert!(!is_table(name), "{name}");
-        }
     }
 }

@@ -96,11 +96,6 @@ impl Identity {
         self.0.get("errors").and_then(Value::as_bool) == Some(true)
     }
 
-    /// What it says of its area.
-    pub fn area(&self) -> &str {
-        self.text_of("area")
-    }
-
     fn text_of(&self, key: &str) -> &str {
         self.0.get(key).and_then(Value::as_str).unwrap_or_default()
     }

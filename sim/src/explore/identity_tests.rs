@@ -151,7 +151,8 @@ fn change_rules(rules: &mut Rules, which: usize, bit: u32) -> &'static str {
     } else {
         Rules::EWA
     };
-    match which % 10 {
+    match which % 11 {
+        10 => rules.compensated = !rules.compensated,
         0 => rules.normalised = !rules.normalised,
         1 => flip(&mut rules.low_pass, bit),
         2 => rules.spacing += 0.5,

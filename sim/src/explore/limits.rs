@@ -1,10 +1,10 @@
 //! What is asked for: lower and upper limits of what a machine with a design reaches.
 
 use super::evaluator::{DesignError, Reached};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What can be limited.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// Pictures a second, of the slowest frame.
@@ -25,6 +25,10 @@ pub enum Quantity {
     LargestError,
     /// Root mean square error of the colours over all frames.
     RmsError,
+    /// Error that 99 % of the samples of colours do not exceed, in the worst frame.
+    Percentile99,
+    /// Mean FLIP of the worst frame.
+    Flip,
     /// Millijoules a frame.
     MillijoulesPerFrame,
 }
@@ -53,6 +57,8 @@ impl Quantity {
             Quantity::PsnrDb => "PSNR, dB",
             Quantity::LargestError => "largest error",
             Quantity::RmsError => "rms error",
+            Quantity::Percentile99 => "99th percentile of errors",
+            Quantity::Flip => "FLIP",
             Quantity::MillijoulesPerFrame => "mJ a frame",
         }
     }
@@ -66,8 +72,17 @@ impl Quantity {
     pub fn is_error(self) -> bool {
         matches!(
             self,
-            Quantity::PsnrDb | Quantity::LargestError | Quantity::RmsError
+            Quantity::PsnrDb
+                | Quantity::LargestError
+                | Quantity::RmsError
+                | Quantity::Percentile99
+                | Quantity::Flip
         )
+    }
+
+    /// Is it an error that takes longer to measure than to draw?
+    pub fn is_detail(self) -> bool {
+        matches!(self, Quantity::Percentile99 | Quantity::Flip)
     }
 
     /// The value of an error.
@@ -76,6 +91,8 @@ impl Quantity {
             Quantity::PsnrDb => Some(error.psnr_db()),
             Quantity::LargestError => Some(error.max_abs),
             Quantity::RmsError => Some(error.rms),
+            Quantity::Percentile99 => Some(error.detail?.percentiles.p99),
+            Quantity::Flip => Some(error.detail?.flip),
             _ => None,
         }
     }
@@ -91,9 +108,11 @@ impl Quantity {
             Quantity::MemoryKbit => all.memory_kbit as f64,
             Quantity::BytesPerSecond => reached.pace.channel_bytes_per_s,
             Quantity::MillijoulesPerFrame => reached.millijoules,
-            Quantity::PsnrDb | Quantity::LargestError | Quantity::RmsError => {
-                self.of_error(reached.error.as_ref()?)?
-            }
+            Quantity::PsnrDb
+            | Quantity::LargestError
+            | Quantity::RmsError
+            | Quantity::Percentile99
+            | Quantity::Flip => self.of_error(reached.error.as_ref()?)?,
         })
     }
 
@@ -104,7 +123,10 @@ impl Quantity {
             Quantity::Luts | Quantity::FlipFlops | Quantity::Dsps | Quantity::MemoryKbit => {
                 format!("{value:.0}")
             }
-            Quantity::LargestError | Quantity::RmsError => format!("{value:.3e}"),
+            Quantity::LargestError
+            | Quantity::RmsError
+            | Quantity::Percentile99
+            | Quantity::Flip => format!("{value:.3e}"),
             _ => format!("{value:.2}"),
         }
     }

@@ -7,7 +7,10 @@
 //! ```
 
 pub mod answer;
+pub mod answer_page;
 mod answer_text;
+mod bounds;
+pub mod detail;
 pub mod evaluator;
 pub mod fit;
 pub mod folder;
@@ -16,7 +19,9 @@ pub mod identity;
 pub mod limits;
 pub mod plot;
 pub mod profile;
+pub mod refusal;
 mod search;
 pub mod space;
+pub mod statistics;
 pub mod sweep;
 pub mod table;

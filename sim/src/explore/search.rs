@@ -6,11 +6,13 @@
 //! anything, one is moved up a step and another down: a lane less for a row more at once is a gain that neither shows alone.
 
 use super::evaluator::{Choice, DesignError, Evaluator, Reached, work_key};
-use super::limits::Limit;
+use super::limits::{Limit, missed};
 use super::space::{Space, SpaceAxis, SpacePart};
+use crate::plan::DesignVariant;
 use anyhow::Result;
 use rayon::prelude::*;
 use splatline::format::WIDTH_RANGES;
+use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::sync::Mutex;
@@ -30,6 +32,9 @@ const FOLLOWED: usize = 2;
 /// Points evaluated at a time: each may hold rows of its own.
 const BATCH: usize = 24;
 
+/// Points of a move that are evaluated before it is asked again which others could still be better.
+const AT_ONCE: usize = 4;
+
 /// The order in which widths are lowered: dear bits first (multipliers of setup, rows and lanes, then storage).
 const LOWERING_ORDER: [&str; 13] = [
     "mantissa",
@@ -48,7 +53,7 @@ const LOWERING_ORDER: [&str; 13] = [
 ];
 
 /// Fields of a machine that are exchanged for each other: those whose steps cost and gain most.
-const EXCHANGED: [&str; 12] = [
+pub const EXCHANGED: [&str; 12] = [
     "tile_width",
     "tile_height",
     "lanes",
@@ -82,9 +87,14 @@ pub struct Search<'a> {
     pub limits: &'a [Limit],
     /// What has been evaluated; nothing for what makes no machine.
     pub known: HashMap<Vec<usize>, Option<Reached>>,
+    /// Is a point judged by what it could reach at best, without a drawing and a simulation?
+    by_bounds: bool,
     /// Every design that was drawn, with its errors.
     drawn: Vec<(Choice, DesignError)>,
+    /// Designs by their places on the axes.
+    designs: RefCell<HashMap<Vec<usize>, DesignVariant>>,
     frames: Vec<usize>,
+    simulated: usize,
     progress: &'a (dyn Fn(&str) + Sync),
 }
 
@@ -102,15 +112,53 @@ impl<'a> Search<'a> {
             space,
             limits,
             known: HashMap::new(),
+            by_bounds: false,
             drawn: Vec::new(),
+            designs: RefCell::default(),
             frames,
+            simulated: 0,
             progress,
+        }
+    }
+
+    /// The same search over what points could reach at best: it draws and simulates nothing, and ends where no point of the space can be better.
+    pub fn of_bounds<'b>(&self, limits: &'b [Limit]) -> Search<'b>
+    where
+        'a: 'b,
+    {
+        Search {
+            by_bounds: true,
+            ..Search::new(
+                self.evaluator,
+                self.space,
+                limits,
+                self.frames.clone(),
+                self.progress,
+            )
         }
     }
 
     /// The design and the machine of a point.
     pub fn choice(&self, point: &[usize]) -> Result<Choice> {
-        self.evaluator.choice(self.space, point)
+        let axes = self.space.axes.iter().zip(point);
+        let of_design = axes.filter(|(axis, _)| axis.part == SpacePart::Design);
+        let key: Vec<usize> = of_design.map(|(_, index)| *index).collect();
+        let known = self.designs.borrow().get(&key).cloned();
+        let variant = match known {
+            Some(variant) => variant,
+            None => {
+                let variant = self.evaluator.variant(self.space, point)?;
+                self.designs.borrow_mut().insert(key, variant.clone());
+                variant
+            }
+        };
+        let machine = self.evaluator.machine(self.space, point)?;
+        Ok(Choice { variant, machine })
+    }
+
+    /// What a choice could reach at best on the frames that are searched.
+    pub fn at_best(&self, choice: &Choice) -> Result<Reached> {
+        self.evaluator.at_best(choice, &self.frames)
     }
 
     /// Designs drawn.
@@ -118,8 +166,31 @@ impl<'a> Search<'a> {
         self.drawn.len()
     }
 
+    /// Says what is being done, after how much, and what the best so far costs.
+    fn tell(&self, what: &str, left: usize) {
+        let holds = |reached: &&Reached| missed(self.limits, None, reached) <= 0.0;
+        let held = self.known.values().flatten().filter(holds);
+        let best = held.map(Reached::cost).min_by(f64::total_cmp);
+        let best = best.map_or("none holds all limits yet".to_owned(), |cost| {
+            format!("best so far {cost:.0} LUT in all")
+        });
+        let left = if left > 0 {
+            format!(", {left} left in this step")
+        } else {
+            String::new()
+        };
+        (self.progress)(&format!(
+            "{what}: {} designs drawn, {} machines simulated{left}; {best}",
+            self.drawn.len(),
+            self.simulated
+        ));
+    }
+
     /// The errors of a design; nothing without references.
     fn design_error(&mut self, choice: &Choice) -> Result<Option<DesignError>> {
+        if self.by_bounds {
+            return Ok(Some(DesignError::none()));
+        }
         let known = self.drawn.iter().find(|(other, _)| {
             other.variant.traversal == choice.variant.traversal
                 && other.variant.design.widths == choice.variant.design.widths
@@ -130,7 +201,7 @@ impl<'a> Search<'a> {
         let error = self.evaluator.error(&choice.variant, &self.frames)?;
         if let Some(error) = error {
             self.drawn.push((choice.clone(), error));
-            (self.progress)("drawing by other widths");
+            self.tell("drawing", 0);
         }
         Ok(error)
     }
@@ -174,15 +245,20 @@ impl<'a> Search<'a> {
                 continue;
             }
             let choice = self.choice(point)?;
-            if choice.machine.check_together().is_ok() {
-                open.push((point.clone(), choice));
-            } else {
+            if choice.machine.check_together().is_err() {
                 self.known.insert(point.clone(), None);
+            } else if self.by_bounds {
+                let reached = self.at_best(&choice)?;
+                self.known.insert(point.clone(), Some(reached));
+            } else {
+                open.push((point.clone(), choice));
             }
         }
         // By rows, so that what is thrown out is not needed again at once.
         open.sort_by_cached_key(|(_, choice)| work_key(choice));
-        for batch in open.chunks(BATCH) {
+        let all = open.len();
+        for (number, batch) in open.chunks(BATCH).enumerate() {
+            self.tell("simulating", all - number * BATCH);
             self.evaluate_batch(batch)?;
         }
         Ok(())
@@ -193,7 +269,6 @@ impl<'a> Search<'a> {
         for (_, choice) in batch {
             errors.push(self.design_error(choice)?);
         }
-        (self.progress)("simulating machines");
         let (points, choices): (Vec<_>, Vec<_>) = batch.iter().cloned().unzip();
         let found = Mutex::new(Vec::with_capacity(batch.len()));
         let groups = choices.chunk_by(|a, b| work_key(a) == work_key(b));
@@ -214,6 +289,7 @@ impl<'a> Search<'a> {
                     Ok(())
                 })
         })?;
+        self.simulated += batch.len();
         self.known.extend(found.into_inner().unwrap_or_default());
         Ok(())
     }
@@ -231,29 +307,35 @@ impl<'a> Search<'a> {
     }
 
     /// The best of these points and of the one at hand, which stays if none is better.
+    ///
+    /// Points are looked at in the order of what they could be at best, and those that cannot be better than what was found meanwhile are left out: of
+    /// machines that hold the limits, all that are dearer than the first one.
     fn best(&mut self, at: &[usize], points: &[Vec<usize>], judge: Judge) -> Result<Vec<usize>> {
-        let score = self.score(at, judge)?;
+        let mut score = self.score(at, judge)?;
+        let mut best = at.to_vec();
         let mut hopeful = Vec::new();
         for point in points {
-            if self.could_be_better(point, &score, judge)? {
-                hopeful.push(point.clone());
+            let choice = self.choice(point)?;
+            if choice.machine.check_together().is_ok() {
+                let reached = self.at_best(&choice)?;
+                hopeful.push((judge(&reached), point));
             }
         }
-        self.evaluate(&hopeful)?;
-        let first_best = hopeful
-            .iter()
-            .min_by(|a, b| compare(&self.scored(a, judge), &self.scored(b, judge)));
-        Ok(match first_best {
-            Some(best) if compare(&self.scored(best, judge), &score).is_lt() => best.clone(),
-            _ => at.to_vec(),
-        })
-    }
-
-    /// Would a point be better than this score if it had no error and took no time?
-    fn could_be_better(&self, point: &[usize], score: &Score, judge: Judge) -> Result<bool> {
-        let choice = self.choice(point)?;
-        let optimistic = judge(&self.evaluator.at_best(&choice));
-        Ok(choice.machine.check_together().is_ok() && compare(&optimistic, score).is_lt())
+        hopeful.sort_by(|a, b| compare(&a.0, &b.0));
+        for few in hopeful.chunks(AT_ONCE) {
+            let better = few
+                .iter()
+                .filter(|(at_best, _)| compare(at_best, &score).is_lt());
+            let better: Vec<Vec<usize>> = better.map(|(_, point)| (*point).clone()).collect();
+            self.evaluate(&better)?;
+            for point in better {
+                let found = self.scored(&point, judge);
+                if compare(&found, &score).is_lt() {
+                    (best, score) = (point, found);
+                }
+            }
+        }
+        Ok(best)
     }
 
     /// What a point costs, which needs no simulation.
@@ -406,7 +488,7 @@ impl<'a> Search<'a> {
     /// The whole search from a point whose design holds the limits on errors, if there are any.
     pub fn search(&mut self, start: Vec<usize>, judge: Judge) -> Result<Vec<usize>> {
         let (widths, mut others) = self.split_axes();
-        if !self.has_error_limit() {
+        if !self.has_error_limit() && !self.by_bounds {
             // Without a limit widths are fields as all others.
             others.extend(&widths);
         }

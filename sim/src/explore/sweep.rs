@@ -2,33 +2,17 @@
 //! lane shape. Of several frames one after the other is walked, so that the rows of one alone lie in memory; a point's line has its slowest frame, and
 //! the spread of its time over all.
 
-use super::evaluator::{Choice, DesignError, Evaluator, Reached, Subject, work_key};
+use super::evaluator::{Choice, DesignError, ErrorDetail, Evaluator, Reached, Subject, work_key};
 use super::folder::Appender;
 use super::space::Space;
 use super::table::{RESULTS, ResultTable};
+use crate::metrics::Percentiles;
 use anyhow::{Result, anyhow};
 
-/// Part `index` (from 1) of `count`: every `count`-th group of points that share their picture's tile lists.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
-    /// From 1.
-    pub index: usize,
-    /// Number of shards.
-    pub count: usize,
-}
-
-impl Shard {
-    /// Whether a point belongs to this shard: contiguous blocks, so that shared work stays together.
-    pub fn holds(&self, point: usize, points: usize) -> bool {
-        point * self.count / points.max(1) + 1 == self.index
-    }
-}
-
-/// Runs all points of the shard that `done` does not hold yet. `progress` is called for every finished point.
+/// Runs all points that `done` does not hold yet. `progress` is called for every finished point.
 pub fn run(
     subject: &Subject,
     space: &Space,
-    shard: Shard,
     done: &ResultTable,
     out: &Appender,
     progress: &(dyn Fn() + Sync),
@@ -47,7 +31,7 @@ pub fn run(
     };
     let mut open: Vec<(usize, Choice)> = Vec::new();
     for (number, point) in space.points.iter().enumerate() {
-        if !shard.holds(number, space.points.len()) || done.rows.contains_key(&number) {
+        if done.rows.contains_key(&number) {
             continue;
         }
         let choice = evaluator.choice(space, point)?;
@@ -70,7 +54,7 @@ pub fn run(
 }
 
 /// The result columns in the order of [`RESULTS`].
-fn results(reached: &Reached, frames: usize) -> Vec<String> {
+pub fn results(reached: &Reached, frames: usize) -> Vec<String> {
     let (pace, slowest, area) = (&reached.pace, &reached.slowest, &reached.area);
     let spread = &reached.ms_per_frame;
     let mut fields = errors(reached.error.as_ref());
@@ -98,10 +82,10 @@ fn results(reached: &Reached, frames: usize) -> Vec<String> {
     fields
 }
 
-/// PSNR, rms, largest error, bias and structural similarity; equal pictures have no PSNR.
+/// PSNR, rms, largest error, bias, structural similarity, percentiles and FLIP; equal pictures have no PSNR.
 fn errors(error: Option<&DesignError>) -> Vec<String> {
     let Some(error) = error else {
-        return vec![String::new(); 5];
+        return vec![String::new(); 8];
     };
     let psnr = error.psnr_db();
     let psnr = if psnr.is_finite() {
@@ -111,11 +95,18 @@ fn errors(error: Option<&DesignError>) -> Vec<String> {
     };
     let mut fields = vec![psnr];
     fields.extend([error.rms, error.max_abs, error.bias].map(|value| format!("{value:.4e}")));
-    fields.push(format!("{:.6}", error.ssim.unwrap_or_default()));
+    let ErrorDetail {
+        ssim,
+        percentiles: Percentiles { p95, p99 },
+        flip,
+    } = error.detail.unwrap_or_default();
+    fields.push(format!("{ssim:.6}"));
+    fields.extend([p95, p99, flip].map(|value| format!("{value:.4e}")));
     fields
 }
 
-fn left_out(reason: &str) -> Vec<String> {
+/// The result columns of a point that was not run.
+pub fn left_out(reason: &str) -> Vec<String> {
     let mut fields = vec![String::new(); RESULTS.len() - 1];
     fields.push(reason.replace([',', '\n', '"'], " "));
     fields
@@ -132,7 +123,7 @@ mod tests {
     const SPACE: &str = "[design]\nbase = [\"lean18\", \"standard24\"]\n[machine]\ntile_width = [8, 16]\nlanes = [1, 4]\n\
                          layout = [\"run\", \"quad\"]\nrow_cycles = [1, 3]\n";
 
-    fn sweep(shard: Shard, done: &ResultTable, path: &std::path::Path) {
+    fn sweep(done: &ResultTable, path: &std::path::Path) {
         let scene = synthetic::random_gaussians(300, 1, 2.0);
         let camera = synthetic::camera(48, 32);
         let space = Space::from_toml("s.toml", SPACE).unwrap();
@@ -142,18 +133,17 @@ mod tests {
         let mut subject = Subject::new(vec![&prepared]).unwrap();
         subject.draw_references().unwrap();
         let (out, _) = Appender::open(path, &heading(&space)).unwrap();
-        run(&subject, &space, shard, done, &out, &|| ()).unwrap();
+        run(&subject, &space, done, &out, &|| ()).unwrap();
     }
 
     #[test]
-    fn shards_and_resumed_sweeps_give_the_whole_sweep() {
+    fn a_resumed_sweep_gives_the_whole_sweep() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let read = |name: &str| {
             ResultTable::from_csv(&std::fs::read_to_string(path(name)).unwrap()).unwrap()
         };
-        let whole = Shard { index: 1, count: 1 };
-        sweep(whole, &ResultTable::default(), &path("whole.csv"));
+        sweep(&ResultTable::default(), &path("whole.csv"));
         let complete = read("whole.csv");
         assert_eq!(complete.rows.len(), 32);
         let left_out = complete
@@ -166,24 +156,9 @@ mod tests {
             .count();
         assert_eq!(left_out, 8, "quads of one lane");
 
-        let mut merged = ResultTable {
-            heading: complete.heading.clone(),
-            ..ResultTable::default()
-        };
-        for index in 1..=3 {
-            let name = format!("{index}.csv");
-            sweep(
-                Shard { index, count: 3 },
-                &ResultTable::default(),
-                &path(&name),
-            );
-            merged.merge(read(&name)).unwrap();
-        }
-        assert_eq!(merged, complete);
-
         let text = std::fs::read_to_string(path("whole.csv")).unwrap();
         std::fs::write(path("cut.csv"), &text[..text.len() / 2]).unwrap();
-        sweep(whole, &read("cut.csv"), &path("cut.csv"));
+        sweep(&read("cut.csv"), &path("cut.csv"));
         assert_eq!(read("cut.csv"), complete);
     }
 }

@@ -4,7 +4,7 @@
 //! going on cuts off. What is read is checked against the space and against each row's digest: a point that is not there, an axis with another value,
 //! a result that is no number or that was edited were not written by this sweep, and would be drawn as if they were.
 //!
-//! Fields are quoted as RFC 4180 has it, since an axis may name a file.
+//! Fields are quoted as RFC 4180 has it, since an axis may name a file; one that a spreadsheet would take for a formula has a `'` before it.
 
 use super::space::Space;
 use crate::digest::Digest;
@@ -18,12 +18,15 @@ const DIGEST_DIGITS: usize = 16;
 
 /// Columns behind the axes. Of several frames cycles, pace and bytes are those of the slowest, energy is that of the dearest, errors are over all. Area is that of the raster units, of what is around them, and all of it in look-up tables; energy is that of a picture.
 /// `clock_assumed` is 1 where nobody gave the clock (`crate::machine::clock`).
-pub const RESULTS: [&str; 33] = [
+pub const RESULTS: [&str; 36] = [
     "psnr_db",
     "rms",
     "max_abs",
     "bias",
     "ssim",
+    "p95",
+    "p99",
+    "flip",
     "cycles",
     "geometry",
     "sort",
@@ -54,6 +57,11 @@ pub const RESULTS: [&str; 33] = [
     "left_out",
 ];
 
+/// Those about errors, which are empty without references.
+const ERRORS: [&str; 8] = [
+    "psnr_db", "rms", "max_abs", "bias", "ssim", "p95", "p99", "flip",
+];
+
 /// The heading for a space.
 pub fn heading(space: &Space) -> Vec<String> {
     let axes = space.axes.iter().map(|axis| axis.key.as_str());
@@ -64,14 +72,20 @@ pub fn heading(space: &Space) -> Vec<String> {
 /// Fields as a line of a table, with its end.
 pub fn to_line(fields: &[String]) -> String {
     let quoted = |field: &String| {
+        let mark = if is_formula(field) { "'" } else { "" };
         if field.contains([',', '"', '\n', '\r']) {
-            format!("\"{}\"", field.replace('"', "\"\""))
+            format!("\"{mark}{}\"", field.replace('"', "\"\""))
         } else {
-            field.clone()
+            format!("{mark}{field}")
         }
     };
     let fields: Vec<String> = fields.iter().map(quoted).collect();
     fields.join(",") + "\n"
+}
+
+/// Would a spreadsheet calculate this? What begins with the mark itself counts too, so that reading takes off no other one.
+fn is_formula(field: &str) -> bool {
+    field.starts_with(['=', '+', '-', '@', '\'', '\t']) && field.parse::<f64>().is_err()
 }
 
 /// The digest of a row's fields.
@@ -118,7 +132,8 @@ impl ResultTable {
         for record in reader.from_reader(whole.as_bytes()).records() {
             let record = record.map_err(|error| error.to_string())?;
             let line = record.position().map_or(1, csv::Position::line);
-            let fields: Vec<String> = record.iter().map(str::to_owned).collect();
+            let unmarked = |field: &str| field.strip_prefix('\'').unwrap_or(field).to_owned();
+            let fields: Vec<String> = record.iter().map(unmarked).collect();
             if table.heading.is_empty() {
                 if fields.len() < 2 || fields[0] != "point" {
                     return Err(format!(
@@ -192,36 +207,6 @@ impl ResultTable {
         Ok(())
     }
 
-    /// Points of the space that it has no line for.
-    pub fn missing(&self, space: &Space) -> usize {
-        space.points.len() - self.rows.len().min(space.points.len())
-    }
-
-    /// Adds the lines of another shard. The same point may come twice only with the same result.
-    pub fn merge(&mut self, other: ResultTable) -> Result<(), String> {
-        if other.heading.is_empty() {
-            return Ok(());
-        }
-        if self.heading.is_empty() {
-            self.heading.clone_from(&other.heading);
-        }
-        if self.heading != other.heading {
-            return Err(
-                "the tables have different columns: they belong to different sweeps".to_owned(),
-            );
-        }
-        for (point, fields) in other.rows {
-            let known = self.rows.get(&point);
-            if known.is_some_and(|known| *known != fields) {
-                return Err(format!(
-                    "point {point} has different results in two tables: they belong to different sweeps"
-                ));
-            }
-            self.rows.insert(point, fields);
-        }
-        Ok(())
-    }
-
     /// Place of a column.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.heading.iter().position(|column| column == name)
@@ -238,9 +223,10 @@ fn check_results(results: &[String], errors: bool) -> Result<(), String> {
             _ if !reason.is_empty() => ColumnKind::Nothing,
             // Equal pictures have none.
             &"psnr_db" if errors => ColumnKind::NumberOrNothing,
-            &"psnr_db" | &"rms" | &"max_abs" | &"bias" | &"ssim" if !errors => ColumnKind::Nothing,
+            name if ERRORS.contains(name) && !errors => ColumnKind::Nothing,
             &"bias" | &"ssim" => ColumnKind::Number,
-            &"rms" | &"max_abs" | &"lanes_busy" | &"area" | &"energy_mj" => ColumnKind::Positive,
+            &"rms" | &"max_abs" | &"p95" | &"p99" | &"flip" => ColumnKind::Positive,
+            &"lanes_busy" | &"area" | &"energy_mj" => ColumnKind::Positive,
             &"clock_mhz" | &"frames_per_s" | &"bytes_per_s" | &"packet_hit_rate" => {
                 ColumnKind::Positive
             }
@@ -293,29 +279,32 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shards_merge_and_foreign_tables_do_not() {
-        let mut first = ResultTable::from_csv("point,a\n2,x\n0,y\n").unwrap();
-        first
-            .merge(ResultTable::from_csv("point,a\n1,z\n2,x\n").unwrap())
-            .unwrap();
-        assert_eq!(first.to_csv(), "point,a\n0,y\n1,z\n2,x\n");
-        assert!(
-            first
-                .merge(ResultTable::from_csv("point,b\n").unwrap())
-                .is_err()
-        );
-        assert!(
-            first
-                .merge(ResultTable::from_csv("point,a\n1,q\n").unwrap())
-                .unwrap_err()
-                .contains("point 1")
-        );
-        assert!(
-            ResultTable::from_csv("a,b\n1,2\n").is_err()
-                && ResultTable::from_csv("point,a\n1\n")
-                    .unwrap_err()
-                    .contains("line 2")
-        );
+    fn what_is_no_table_is_refused() {
+        assert!(ResultTable::from_csv("a,b\n1,2\n").is_err());
+        let message = ResultTable::from_csv("point,a\n1\n").unwrap_err();
+        assert!(message.contains("line 2"), "{message}");
+    }
+
+    #[test]
+    fn no_field_is_a_formula_to_a_spreadsheet() {
+        let fields = [
+            "0",
+            "=cmd.toml",
+            "+a",
+            "-b,c",
+            "@d",
+            "'e",
+            "-1.5",
+            "+2e3",
+            "-inf",
+        ];
+        let fields = fields.map(str::to_owned);
+        let line = to_line(&fields);
+        assert_eq!(line, "0,'=cmd.toml,'+a,\"'-b,c\",'@d,''e,-1.5,+2e3,-inf\n");
+        let heading =
+            to_line(&["point", "a", "b", "c", "d", "e", "f", "g", "h"].map(str::to_owned));
+        let table = ResultTable::from_csv(&(heading + &line)).unwrap();
+        assert_eq!(table.rows[&0], fields, "read as it was");
     }
 
     #[test]

@@ -8,11 +8,11 @@ use crate::rules::{Kernel, Rules};
 use crate::scene::{Harmonics, Scene, Skipped, SortOrder, Splat, Weight};
 
 /// What the bytes begin with; the digit is the version.
-const MAGIC: &[u8; 8] = b"SPLPAGE2";
+const MAGIC: &[u8; 8] = b"SPLPAGE3";
 /// Numbers of a splat: centre, axes, weight, colour.
 const NUMBERS: usize = 16;
 /// Numbers that state the rules.
-const RULES: usize = 10;
+const RULES: usize = 11;
 /// Doubles of a camera, in the order of `camera_numbers`.
 pub const CAMERA: usize = 21;
 
@@ -164,6 +164,7 @@ fn rules_numbers(rules: &Rules) -> [f64; RULES] {
         rules.minimum_transmittance,
         f64::from(u8::from(rules.omit_finishing)),
         f64::from(u8::from(rules.clamp_jacobian)),
+        f64::from(u8::from(rules.compensated)),
     ]
 }
 
@@ -179,11 +180,13 @@ fn rules_from(numbers: &[f64; RULES]) -> Option<Rules> {
         stop,
         omit_finishing,
         clamp,
+        compensated,
     ] = *numbers;
     Some(Rules {
         name: "page",
         normalised: normalised != 0.0,
         low_pass,
+        compensated: compensated != 0.0,
         spacing,
         kernel: *KERNELS.get(kernel as usize)?,
         cutoff,

@@ -67,6 +67,8 @@ pub struct FootprintLine {
     pub conic: [f64; 3],
     /// x0, y0, x1, y1: first pixel inside, first pixel beyond.
     pub bounds: [usize; 4],
+    /// Opacity at the centre, before any clamp; nothing where points of a surface have none of their own.
+    pub opacity: Option<f64>,
     /// Radial index at which the footprint ends.
     pub cutoff: f64,
 }
@@ -131,7 +133,7 @@ impl Prepared {
     pub fn draw_reference(&self, engine: Engine, rows: Rows) -> Result<Drawing> {
         let drawing = match self.subject()? {
             Subject::Splats(splats) => draw_splats_reference(engine, splats, rows)?,
-            Subject::Surface(..) if engine.format().is_some() => {
+            Subject::Surface(..) if engine.stages().is_some() => {
                 let name = engine.name();
                 bail!("engine '{name}' draws splats and no surfaces: use fixed or float")
             }
@@ -169,7 +171,11 @@ impl Prepared {
                 let line = |surface: &SurfaceFootprint| {
                     let line = line_of(&surface.footprint, widths);
                     let depth = line.depth * unit;
-                    FootprintLine { depth, ..line }
+                    FootprintLine {
+                        depth,
+                        opacity: None,
+                        ..line
+                    }
                 };
                 drawn
                     .map(|f| f.filter(|f| !(style.cull_backfaces && f.back)))
@@ -187,7 +193,17 @@ impl Prepared {
                 float::footprints(splats.scene, splats.camera, splats.rules)
                     .iter()
                     .map(|f| f.as_ref().ok())
-                    .map(|f| f.map(|f| line(f.centre, f.place, f.conic, &f.bounds, f.cutoff)))
+                    .map(|f| {
+                        f.map(|f| {
+                            line(
+                                f.centre,
+                                f.place,
+                                f.conic,
+                                &f.bounds,
+                                (Some(f.peak), f.cutoff),
+                            )
+                        })
+                    })
                     .collect()
             }
             Subject::Surface(scene, style) => {
@@ -196,7 +212,9 @@ impl Prepared {
                 };
                 let found = scene.points.par_iter().map(|point| project(point).ok());
                 found
-                    .map(|f| f.map(|f| line(f.centre, f.depth, f.conic, &f.bounds, style.cutoff)))
+                    .map(|f| {
+                        f.map(|f| line(f.centre, f.depth, f.conic, &f.bounds, (None, style.cutoff)))
+                    })
                     .collect()
             }
         })
@@ -319,9 +337,10 @@ fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<F
             let plan = sheets.plan(scene, camera);
             Ok(reference::sheets::draw(scene, camera, rules, &plan))
         }
-        (Engine::Fp32 | Engine::Fp16 | Engine::Bfloat16, SplatMethod::Composited) => {
-            draw_format(engine, &splats)
-        }
+        (
+            Engine::Fp32 | Engine::Fp16 | Engine::Bfloat16 | Engine::Fp8Fp16,
+            SplatMethod::Composited,
+        ) => draw_format(engine, &splats),
         _ => bail!(
             "engine '{}' composites footprints one by one: leave out --points, --traversal stamp, --sheets, --deep-alpha and --spheres, \
              or use float",
@@ -343,8 +362,8 @@ fn draw_format(engine: Engine, splats: &Splats) -> Result<FloatDrawing> {
     if splats.rules.spacing > 0.0 {
         bail!("engine '{name}' knows no scaling by distance: leave --antialias out, or use float");
     }
-    let format = engine.format().unwrap_or(formats::FP32);
-    let stages = formats::RoundedStages::pixels(format);
+    let single = formats::RoundedStages::pixels(formats::FP32);
+    let stages = engine.stages().unwrap_or(single);
     Ok(formats::draw(
         splats.scene,
         splats.camera,
@@ -599,13 +618,14 @@ fn line(
     depth: f64,
     conic: [f64; 3],
     bounds: &PixelBox,
-    cutoff: f64,
+    (opacity, cutoff): (Option<f64>, f64),
 ) -> FootprintLine {
     FootprintLine {
         centre,
         depth,
         conic,
         bounds: [bounds.x0, bounds.y0, bounds.x1, bounds.y1],
+        opacity,
         cutoff,
     }
 }
@@ -624,6 +644,7 @@ fn line_of(footprint: &Footprint, widths: &Widths) -> FootprintLine {
             .mantissa
             .map(|m| f64::from(m) * power_of_two(footprint.conic.exponent)),
         bounds: [x0, y0, x1, y1].map(usize::from),
+        opacity: Some(f64::from(footprint.opacity) * power_of_two(-i32::from(widths.peak))),
         cutoff: f64::from(footprint.cutoff) * power_of_two(-28),
     }
 }

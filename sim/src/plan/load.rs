@@ -43,6 +43,9 @@ pub enum Contents {
         transfer: Option<PathBuf>,
         /// Direction towards the light that shades a volume.
         light: Option<Vector>,
+        /// Spherical harmonics of higher degrees are left out.
+        #[serde(default)]
+        sh_degree: Option<u8>,
     },
     /// Points of a surface: a cloud, or a height field.
     Surface {
@@ -70,6 +73,7 @@ impl Default for Contents {
         Contents::Splats {
             transfer: None,
             light: None,
+            sh_degree: None,
         }
     }
 }
@@ -138,12 +142,19 @@ impl Source {
     pub fn load(&self, doing: &dyn Fn(String)) -> Result<LoadedScene> {
         let started = Instant::now();
         let (scene, notes) = match &self.contents {
-            Contents::Splats { transfer, light } => {
+            Contents::Splats {
+                transfer,
+                light,
+                sh_degree,
+            } => {
                 let options = LoadOptions {
                     transfer: transfer.clone(),
                     light: *light,
                 };
-                let (scene, notes) = scene::load_with_notes(&self.path, &options)?;
+                let (mut scene, notes) = scene::load_with_notes(&self.path, &options)?;
+                if let Some(degree) = sh_degree {
+                    scene.limit_harmonics(*degree);
+                }
                 (AnyScene::Splats(scene), notes)
             }
             Contents::Surface {
@@ -238,6 +249,7 @@ pub fn recognise(path: &Path, transfer: Option<PathBuf>) -> Result<LoadedScene> 
     let contents = Contents::Splats {
         transfer,
         light: None,
+        sh_degree: None,
     };
     let path = path.to_owned();
     let source = Source { path, contents };

@@ -9,7 +9,7 @@ use crate::fast::lanes::VectorLevel;
 use crate::machine::Timing;
 use crate::machine::area::Family;
 use crate::machine::clock::{Clock, Throughput};
-use crate::metrics::{Errors, compare};
+use crate::metrics::compare_and_look;
 use crate::picture::{Backdrop, Depth, Picture};
 use crate::progress::ProgressMeter;
 use crate::report::error_map::ErrorMap;
@@ -150,15 +150,16 @@ fn judge(
     entry: &DesignVariant,
     drawing: &Drawing,
     float: &Picture,
-) -> Result<(Errors, Option<Timing>)> {
+) -> Result<(ErrorFacts, Option<Timing>)> {
     let (errors, timing) = on_threads(threads, || {
         rayon::join(
-            || compare(&drawing.picture, float),
+            || compare_and_look(&drawing.picture, float),
             || prepared.cycles(entry, drawing),
         )
     })?;
-    let errors = errors.with_context(|| format!("design {} cannot be compared", entry.title()))?;
-    Ok((errors, timing?))
+    let (errors, flip) =
+        errors.with_context(|| format!("design {} cannot be compared", entry.title()))?;
+    Ok((ErrorFacts::new(&errors, flip), timing?))
 }
 
 /// Every named design by both traversals, and the chosen design by both if it is none of them.
@@ -201,26 +202,20 @@ pub fn compare_all(
     for entry in &entries {
         progress.doing(entry.title());
         let measured = measure_fixed(prepared, effort, entry, &progress)?;
-        let (errors, cycles) = judge(prepared, effort.threads, entry, &measured.drawing, &float)?;
+        let (error, cycles) = judge(prepared, effort.threads, entry, &measured.drawing, &float)?;
         let pixels = measured.drawing.pixels.unwrap_or_default();
         let traversal = prepared.traversal_name(entry);
-        let row = ReportRow::new(
-            &entry.design.name,
-            traversal,
-            &errors,
-            pixels,
-            measured.host,
-        );
+        let row = ReportRow::new(&entry.design.name, traversal, &error, pixels, measured.host);
         table.push(ReportRow {
             cycles: cycles.as_ref().map(|cycles| cycles.total),
             ..row
         });
         if entry == chosen {
-            kept = Some((measured, errors, cycles));
+            kept = Some((measured, error, cycles));
         }
         progress.advance();
     }
-    let (measured, errors, cycles) = kept.context("the chosen design was not drawn")?;
+    let (measured, error, cycles) = kept.context("the chosen design was not drawn")?;
     let map = ErrorMap::new(&measured.drawing.picture, &float);
     let machine = &prepared.plan.machine;
     let pace = cycles.as_ref().map(|timing| {
@@ -229,7 +224,7 @@ pub fn compare_all(
     });
     let report = Report {
         reference: Some(reference.name().to_owned()),
-        error: Some(ErrorFacts::from(&errors)),
+        error: Some(error),
         error_map: Some(ScaleFacts::from(&map)),
         pace,
         cycles,
@@ -268,11 +263,11 @@ impl Comparison {
     pub fn add_formats(&mut self, prepared: &Prepared) -> Result<()> {
         for engine in Engine::FORMATS {
             let picture = prepared.draw_reference(engine, &|_, _| ())?.picture;
-            let errors = compare(&picture, &self.float)
+            let (errors, flip) = compare_and_look(&picture, &self.float)
                 .with_context(|| format!("engine {} cannot be compared", engine.name()))?;
             self.report.formats.push(FormatRow {
                 engine: engine.name().to_owned(),
-                error: ErrorFacts::from(&errors),
+                error: ErrorFacts::new(&errors, flip),
             });
         }
         Ok(())

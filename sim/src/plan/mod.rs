@@ -28,7 +28,7 @@ pub use technique::{AlphaChannel, SheetBuffers, SplatMethod, Technique};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, traversal_name};
 use crate::machine::{Config, others};
-use crate::reference::formats::{self, FloatFormat};
+use crate::reference::formats::{self, RoundedStages};
 use crate::rules::{Compositing, Rules};
 use crate::scene::points::SurfaceScene;
 use crate::scene::points::flatten::flattened;
@@ -44,6 +44,9 @@ use std::sync::Arc;
 /// Why commands about cycles take no surfaces; said once for all of them.
 pub const NO_SURFACE_UNIT: &str = "the machine has no surface unit: its units set up, walk, look up and blend volume splats, and none of \
      them gathers surfaces by depth. render, compare, footprints, fit, needs and info take surfaces; model, explore and trace take splats only";
+
+/// Bytes of a factor of a harmonic in the machine's memory: 16 bits, of which a reader makes the words of `harmonics_unit.sv`.
+const BYTES_OF_HARMONIC: u32 = 2;
 
 /// Who draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -62,6 +65,9 @@ pub enum Engine {
     Fp16,
     /// Setup in single precision, pixels in bfloat16, every operation rounded.
     Bfloat16,
+    /// Setup in single precision, offsets and sums in IEEE halves, kernel and opacity in 8 bits (E4M3), every operation rounded.
+    #[serde(rename = "fp8-fp16")]
+    Fp8Fp16,
 }
 
 impl Engine {
@@ -74,18 +80,28 @@ impl Engine {
             Engine::Fp32 => "fp32",
             Engine::Fp16 => "fp16",
             Engine::Bfloat16 => "bfloat16",
+            Engine::Fp8Fp16 => "fp8-fp16",
         }
     }
 
     /// The engines that compute in a floating-point format of few bits.
-    pub const FORMATS: [Engine; 3] = [Engine::Fp32, Engine::Fp16, Engine::Bfloat16];
+    pub const FORMATS: [Engine; 4] = [
+        Engine::Fp32,
+        Engine::Fp16,
+        Engine::Bfloat16,
+        Engine::Fp8Fp16,
+    ];
 
-    /// The format of the pixels, of an engine that has one.
-    pub fn format(self) -> Option<FloatFormat> {
+    /// The formats of the stages, of an engine that has them.
+    pub fn stages(self) -> Option<RoundedStages> {
         match self {
-            Engine::Fp32 => Some(formats::FP32),
-            Engine::Fp16 => Some(formats::FP16),
-            Engine::Bfloat16 => Some(formats::BFLOAT16),
+            Engine::Fp32 => Some(RoundedStages::pixels(formats::FP32)),
+            Engine::Fp16 => Some(RoundedStages::pixels(formats::FP16)),
+            Engine::Bfloat16 => Some(RoundedStages::pixels(formats::BFLOAT16)),
+            Engine::Fp8Fp16 => Some(RoundedStages {
+                kernel: formats::FP8,
+                ..RoundedStages::pixels(formats::FP16)
+            }),
             Engine::Fixed | Engine::Float | Engine::Exact => None,
         }
     }
@@ -223,14 +239,25 @@ impl Plan {
 }
 
 impl Prepared {
-    /// A plan with its scene; `seconds` is what loading took.
-    pub fn new(plan: Plan, scene: Arc<AnyScene>, warnings: Vec<String>, seconds: f64) -> Prepared {
+    /// A plan with its scene; `seconds` is what loading took. A machine of which nobody said how many bytes of harmonics it reads reads the scene's.
+    pub fn new(
+        mut plan: Plan,
+        scene: Arc<AnyScene>,
+        warnings: Vec<String>,
+        seconds: f64,
+    ) -> Prepared {
         let flattened = match (&*scene, plan.source.contents.flattening()) {
             (AnyScene::Surface { scene, .. }, Some(factor)) => {
                 Some(flattened(scene, &plan.camera, factor))
             }
             _ => None,
         };
+        if let (AnyScene::Splats(splats), 0) = (&*scene, plan.machine.harmonics_bytes) {
+            plan.machine.harmonics_bytes = splats.harmonics.as_ref().map_or(0, |harmonics| {
+                let factors = (u32::from(harmonics.degree) + 1).pow(2) - 1;
+                BYTES_OF_HARMONIC * 3 * factors
+            });
+        }
         Prepared {
             plan,
             scene,
@@ -322,6 +349,13 @@ impl Prepared {
                     bail!(
                         "{}: it is sorted by distance, and points, stamps, sheets, deep alpha and spheres go by the depth: leave out \
                          --points, --traversal stamp, --sheets, --deep-alpha and --spheres",
+                        scene.name
+                    )
+                }
+                if rules.compensated && (rules.normalised || rules.spacing > 0.0) {
+                    bail!(
+                        "{}: --antialias mip compensates opacities for the low-pass filter: it takes rules 3dgs or inria without distance scaling; \
+                         normalised kernels (rules ewa) keep their volume by themselves",
                         scene.name
                     )
                 }

@@ -150,6 +150,7 @@ fn surface_rules(style: &Style) -> RulesFacts {
         name: "surf".to_owned(),
         normalised: false,
         low_pass: style.low_pass,
+        compensated: false,
         spacing: 0.0,
         kernel: "gaussian".to_owned(),
         cutoff: Some(style.cutoff),

@@ -34,6 +34,7 @@ pub(super) mod rules {
         kernel: Option<Kernel>,
         normalised: Option<bool>,
         low_pass: Option<f64>,
+        compensated: Option<bool>,
         spacing: Option<f64>,
         cutoff: Option<f64>,
         alpha_max: Option<f64>,
@@ -56,6 +57,7 @@ pub(super) mod rules {
             kernel: named.kernel,
             normalised: changes.normalised.unwrap_or(named.normalised),
             low_pass: changes.low_pass.unwrap_or(named.low_pass),
+            compensated: changes.compensated.unwrap_or(named.compensated),
             spacing: changes.spacing.unwrap_or(named.spacing),
             // A report writes an infinite cut-off as null; no named rules with a finite one can have it.
             cutoff: changes.cutoff.unwrap_or(named.cutoff),

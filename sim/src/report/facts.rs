@@ -154,6 +154,9 @@ pub struct RulesFacts {
     pub normalised: bool,
     /// Variance of the low-pass filter, square pixels.
     pub low_pass: f64,
+    /// Peaks are multiplied by sqrt(det V' / det(V' + V^h)).
+    #[serde(default)]
+    pub compensated: bool,
     /// Spacing of the samples that distance scaling goes by, scene units; 0 without it.
     pub spacing: f64,
     /// Shape of footprints.
@@ -178,6 +181,7 @@ impl From<&Rules> for RulesFacts {
             name: rules.name.to_owned(),
             normalised: rules.normalised,
             low_pass: rules.low_pass,
+            compensated: rules.compensated,
             spacing: rules.spacing,
             kernel: format!("{:?}", rules.kernel).to_lowercase(),
             cutoff: rules.cutoff.is_finite().then_some(rules.cutoff),

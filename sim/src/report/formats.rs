@@ -1,6 +1,6 @@
 //! What floating-point datapaths make of the report's picture, as a table of its page and as lines on a terminal.
 
-use super::table::{decibels, scientific, signed};
+use super::table::{decibels, flip_text, scientific, signed};
 use super::{FormatRow, Report};
 
 /// A section of the page; nothing if nobody asked.
@@ -11,18 +11,21 @@ pub(super) fn formats_section(report: &Report) -> String {
     let line = |row: &FormatRow| {
         let error = &row.error.rgb;
         format!(
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.5}</td><td>{}</td></tr>\n",
             row.engine,
             decibels(error.psnr_db),
             scientific(error.max_abs),
-            signed(error.bias)
+            scientific(error.percentiles.p99),
+            signed(error.bias),
+            error.ssim,
+            flip_text(row.error.flip)
         )
     };
     let lines: String = report.formats.iter().map(line).collect();
     format!(
         "<section>\n<h2>Floating-point datapaths</h2>\n<p class=\"read\">The usual formulas, every operation rounded. fp16 and bfloat16 have setup \
          in single precision and a centre relative to its tile.</p>\n<div class=\"scroll\"><table>\n<tr><th>engine</th><th>PSNR dB</th><th>max \
-         error</th><th>bias</th></tr>\n{lines}</table></div>\n</section>\n"
+         error</th><th>p99</th><th>bias</th><th>SSIM</th><th>FLIP</th></tr>\n{lines}</table></div>\n</section>\n"
     )
 }
 
@@ -31,11 +34,14 @@ pub fn formats_text(report: &Report) -> String {
     let line = |row: &FormatRow| {
         let error = &row.error.rgb;
         format!(
-            "{:<9} PSNR {} dB, max error {}, bias {}\n",
+            "{:<9} PSNR {} dB, max error {}, p99 {}, bias {}, SSIM {:.6}, FLIP {}\n",
             row.engine,
             decibels(error.psnr_db),
             scientific(error.max_abs),
-            signed(error.bias)
+            scientific(error.percentiles.p99),
+            signed(error.bias),
+            error.ssim,
+            flip_text(row.error.flip)
         )
     };
     report.formats.iter().map(line).collect()

@@ -57,6 +57,10 @@ pub struct FrameRow {
     pub psnr_db: Option<f64>,
     /// Largest error of a colour.
     pub max_abs: f64,
+    /// 99 % of the samples of colours differ by no more.
+    pub p99: f64,
+    /// Mean FLIP.
+    pub flip: f64,
     /// Mean of fixed minus float.
     pub bias: f64,
     /// Structural similarity.
@@ -76,6 +80,10 @@ pub struct OverRows {
     pub frames: usize,
     /// Largest errors.
     pub max_abs: Spread,
+    /// Their 99th percentiles.
+    pub p99: Spread,
+    /// Mean FLIP.
+    pub flip: Spread,
     /// Root mean square errors, from the PSNR.
     pub rms: Spread,
     /// Signed bias, by size.
@@ -107,6 +115,8 @@ impl FrameRow {
             folder: folder.into_owned(),
             psnr_db: rgb.and_then(|rgb| rgb.psnr_db),
             max_abs: rgb.map_or(0.0, |rgb| rgb.max_abs),
+            p99: rgb.map_or(0.0, |rgb| rgb.percentiles.p99),
+            flip: report.error.and_then(|error| error.flip).unwrap_or(0.0),
             bias: rgb.map_or(0.0, |rgb| rgb.bias),
             ssim: rgb.map_or(1.0, |rgb| rgb.ssim),
             cycles: report.cycles.as_ref().map(|cycles| cycles.total),
@@ -128,6 +138,8 @@ impl FrameRow {
             bytes_per_s: spread(|row| row.bytes_per_s.unwrap_or(0.0)),
             frames: rows.len(),
             max_abs: spread(|row| row.max_abs),
+            p99: spread(|row| row.p99),
+            flip: spread(|row| row.flip),
             rms: spread(FrameRow::rms),
             bias: spread(|row| row.bias.abs()),
             cycles: spread(|row| row.cycles.unwrap_or(0) as f64),
@@ -156,6 +168,11 @@ impl OverRows {
                 "largest error",
                 three(&|error| format!("{error:.3e}"), &self.max_abs),
             ),
+            (
+                "99th percentile",
+                three(&|error| format!("{error:.3e}"), &self.p99),
+            ),
+            ("FLIP", three(&|flip| format!("{flip:.3e}"), &self.flip)),
             ("|bias|", three(&|bias| format!("{bias:.2e}"), &self.bias)),
             (
                 "Mcycles",
@@ -191,7 +208,7 @@ impl OverRows {
 /// One page that stands alone.
 pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
     let mut table = String::from(
-        "<table><tr><th class=\"word\">frame</th><th>PSNR, dB</th><th>largest error</th><th>bias</th><th>SSIM</th><th>cycles</th><th>ms</th></tr>\n",
+        "<table><tr><th class=\"word\">frame</th><th>PSNR, dB</th><th>largest error</th><th>p99</th><th>bias</th><th>SSIM</th><th>FLIP</th><th>cycles</th><th>ms</th></tr>\n",
     );
     for row in rows {
         let psnr = row
@@ -205,12 +222,14 @@ pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             table,
-            "<tr><td class=\"word\"><a href=\"{}/report.html\">{}</a></td><td>{psnr}</td><td>{:.3e}</td><td>{:+.2e}</td><td>{:.6}</td><td>{cycles}</td><td>{ms}</td></tr>",
+            "<tr><td class=\"word\"><a href=\"{}/report.html\">{}</a></td><td>{psnr}</td><td>{:.3e}</td><td>{:.3e}</td><td>{:+.2e}</td><td>{:.6}</td><td>{:.3e}</td><td>{cycles}</td><td>{ms}</td></tr>",
             escape(&row.folder),
             escape(&row.name),
             row.max_abs,
+            row.p99,
             row.bias,
-            row.ssim
+            row.ssim,
+            row.flip
         );
     }
     let curves = [

@@ -129,7 +129,9 @@ fn headline(report: &Report) -> String {
         ));
         figures.push(("largest error", table::scientific(error.rgb.max_abs)));
         figures.push(("bias", table::signed(error.rgb.bias)));
+        figures.push(("99 % within", table::scientific(error.rgb.percentiles.p99)));
         figures.push(("SSIM", format!("{:.5}", error.rgb.ssim)));
+        figures.push(("FLIP", table::flip_text(error.flip)));
         let covered = &error.rgb.covered;
         figures.push((
             "PSNR, covered pixels",
@@ -318,7 +320,7 @@ fn sweep(report: &Report) -> Result<String, ReportError> {
     Ok(format!(
         "{errors}{plots}\
          <section>\n<h2>All designs</h2>\n<p class=\"read\">Errors are those of red, green and blue in units of 1.0 (one step of \
-         an 8-bit picture is 3.9e-3). Bias is the mean of fixed minus float: negative means darker. PSNR, bias and SSIM come twice, over the whole picture and \
+         an 8-bit picture is 3.9e-3). Bias is the mean of fixed minus float: negative means darker. p99: 99 % of the samples differ by no more. FLIP: mean difference that an eye sees. PSNR, bias and SSIM come twice, over the whole picture and \
          (cov) over the pixels that either picture covers. Visited counts each \
          pixel that a traversal steps over, once per splat; vis/cov divides it by the pixels inside the footprints, and 1 \
          is the best possible.</p>\n<div class=\"scroll\">{table}</div>\n</section>\n{formats}{machine}",
@@ -451,7 +453,7 @@ fn systems(report: &Report) -> String {
 fn error_table(error: &ErrorFacts) -> String {
     let line = |name: &str, facts: &ChannelFacts| {
         format!(
-            "<tr><td class=\"word\">{name}</td><td>{}</td><td>{}</td><td>({}, {}) {}</td><td>{}</td><td>{:.6}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.6}</td></tr>\n",
+            "<tr><td class=\"word\">{name}</td><td>{}</td><td>{}</td><td>({}, {}) {}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.6}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.6}</td></tr>\n",
             table::decibels(facts.psnr_db),
             table::scientific(facts.max_abs),
             facts.max_at.x,
@@ -459,6 +461,8 @@ fn error_table(error: &ErrorFacts) -> String {
             ["R", "G", "B", "A"]
                 .get(facts.max_at.channel)
                 .unwrap_or(&"?"),
+            table::scientific(facts.percentiles.p95),
+            table::scientific(facts.percentiles.p99),
             table::signed(facts.bias),
             facts.ssim,
             table::count(facts.covered.pixels as u64),
@@ -468,8 +472,11 @@ fn error_table(error: &ErrorFacts) -> String {
         )
     };
     format!(
-        "<section>\n<h2>Errors of the picture</h2>\n<div class=\"scroll\"><table class=\"short\">\n<tr><th class=\"word\">channels</th>\
-         <th>PSNR dB</th><th>max error</th><th>at pixel</th><th>bias</th><th>SSIM</th><th>covered pixels</th><th>PSNR cov</th><th>bias cov</th><th>SSIM cov</th></tr>\n{}{}</table></div>\n</section>\n",
+        "<section>\n<h2>Errors of the picture</h2>\n<p class=\"read\">p95 and p99: so many percent of the samples differ by no more. FLIP is the mean \
+         difference that an eye sees of colours in sRGB (HPG 2020), at {:.1} pixels per degree: {}.</p>\n<div class=\"scroll\"><table class=\"short\">\n<tr><th class=\"word\">channels</th>\
+         <th>PSNR dB</th><th>max error</th><th>at pixel</th><th>p95</th><th>p99</th><th>bias</th><th>SSIM</th><th>covered pixels</th><th>PSNR cov</th><th>bias cov</th><th>SSIM cov</th></tr>\n{}{}</table></div>\n</section>\n",
+        error.flip_pixels_per_degree,
+        table::flip_text(error.flip),
         line("RGB", &error.rgb),
         line("alpha", &error.alpha),
     )

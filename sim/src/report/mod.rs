@@ -14,6 +14,7 @@ pub mod frames;
 pub mod html;
 pub mod machine;
 pub(crate) mod labels;
+pub mod photos;
 pub mod plot;
 pub mod png;
 pub mod scale;
@@ -23,9 +24,10 @@ pub(crate) mod viewer;
 
 use crate::atomic;
 use crate::design::ResolvedDesign;
+use crate::flip::PIXELS_PER_DEGREE;
 use crate::machine::clock::Throughput;
 use crate::machine::timing::Timing;
-use crate::metrics::{ChannelError, Errors};
+use crate::metrics::{ChannelError, Errors, Percentiles};
 use crate::systems::SystemVerdict;
 use error_map::ErrorMap;
 use facts::{CameraFacts, RulesFacts, SceneFacts};
@@ -94,6 +96,12 @@ pub struct ErrorFacts {
     pub rgb: ChannelFacts,
     /// Alpha.
     pub alpha: ChannelFacts,
+    /// Mean FLIP of the colours, 0 to 1; null in reports of before it was measured.
+    #[serde(default)]
+    pub flip: Option<f64>,
+    /// Pixels per degree of the visual field that it is for.
+    #[serde(default)]
+    pub flip_pixels_per_degree: f64,
 }
 
 /// Errors in one channel group, in units of 1.0.
@@ -105,6 +113,9 @@ pub struct ChannelFacts {
     pub identical: bool,
     /// Largest absolute difference.
     pub max_abs: f64,
+    /// 95 % and 99 % of the samples differ by no more.
+    #[serde(default, flatten)]
+    pub percentiles: Percentiles,
     /// Where it is.
     pub max_at: SampleAt,
     /// Mean of fixed minus float.
@@ -123,6 +134,9 @@ pub struct CoveredFacts {
     pub pixels: usize,
     /// Null if no sample differs.
     pub psnr_db: Option<f64>,
+    /// 95 % and 99 % of their samples differ by no more.
+    #[serde(default, flatten)]
+    pub percentiles: Percentiles,
     /// Mean of fixed minus float.
     pub bias: f64,
     /// Mean structural similarity over the windows around them.
@@ -213,6 +227,9 @@ pub struct ReportRow {
     pub traversal: String,
     /// Error of red, green and blue.
     pub error: ChannelFacts,
+    /// Mean FLIP of the colours.
+    #[serde(default)]
+    pub flip: Option<f64>,
     /// Pixels that the traversal stepped over.
     pub visited: u64,
     /// Pixels inside the footprints.
@@ -247,11 +264,14 @@ impl Report {
     }
 }
 
-impl From<&Errors> for ErrorFacts {
-    fn from(errors: &Errors) -> Self {
+impl ErrorFacts {
+    /// From both measures of two pictures.
+    pub fn new(errors: &Errors, flip: f64) -> Self {
         ErrorFacts {
             rgb: (&errors.colour).into(),
             alpha: (&errors.alpha).into(),
+            flip: Some(flip),
+            flip_pixels_per_degree: PIXELS_PER_DEGREE,
         }
     }
 }
@@ -276,12 +296,14 @@ impl From<&ChannelError> for ChannelFacts {
             psnr_db: error.psnr_db.is_finite().then_some(error.psnr_db),
             identical: error.max_abs == 0.0,
             max_abs: error.max_abs,
+            percentiles: error.percentiles,
             max_at: SampleAt { x, y, channel },
             bias: error.bias,
             ssim: error.ssim,
             covered: CoveredFacts {
                 pixels: error.covered.pixels,
                 psnr_db: Some(error.covered.psnr_db).filter(|psnr| psnr.is_finite()),
+                percentiles: error.covered.percentiles,
                 bias: error.covered.bias,
                 ssim: error.covered.ssim,
             },
@@ -314,7 +336,7 @@ impl ReportRow {
     pub fn new(
         design: &str,
         traversal: &str,
-        errors: &Errors,
+        error: &ErrorFacts,
         pixels: PixelCounts,
         host: HostTimes,
     ) -> ReportRow {
@@ -322,7 +344,8 @@ impl ReportRow {
         ReportRow {
             design: design.to_owned(),
             traversal: traversal.to_owned(),
-            error: (&errors.colour).into(),
+            error: error.rgb,
+            flip: error.flip,
             visited,
             covered,
             visited_per_covered: (covered > 0).then(|| visited as f64 / covered as f64),

@@ -4,7 +4,7 @@ use super::facts::{CameraFacts, RulesFacts, SceneFacts};
 use super::*;
 use crate::camera::Camera;
 use crate::design::DesignChoice;
-use crate::metrics::compare;
+use crate::metrics::compare_and_look;
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::SortOrder;
@@ -54,6 +54,10 @@ pub fn rows() -> Vec<ReportRow> {
             psnr_db: Some(psnr),
             identical: false,
             max_abs: rms * 7.5,
+            percentiles: Percentiles {
+                p95: rms * 1.9,
+                p99: rms * 3.1,
+            },
             max_at: SampleAt {
                 x: 211,
                 y: 87,
@@ -64,6 +68,10 @@ pub fn rows() -> Vec<ReportRow> {
             covered: CoveredFacts {
                 pixels: 118_233,
                 psnr_db: Some(psnr - 3.5),
+                percentiles: Percentiles {
+                    p95: rms * 2.4,
+                    p99: rms * 3.9,
+                },
                 bias: 2.2 * bias,
                 ssim: 1.0 - rms * 6.0,
             },
@@ -72,6 +80,7 @@ pub fn rows() -> Vec<ReportRow> {
             design: design.to_owned(),
             traversal: traversal.to_owned(),
             error,
+            flip: Some(0.4 * rms),
             visited,
             covered,
             visited_per_covered: Some(visited as f64 / covered as f64),
@@ -129,7 +138,9 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
         camera: CameraFacts::from(&camera),
         rules: RulesFacts::from(&Rules::GAUSSIAN_3D),
         compositing: Compositing::FrontToBack.name().to_owned(),
-        error: compare(fixed, float).ok().as_ref().map(ErrorFacts::from),
+        error: compare_and_look(fixed, float)
+            .ok()
+            .map(|(errors, flip)| ErrorFacts::new(&errors, flip)),
         error_map: Some(ScaleFacts::from(&ErrorMap::new(fixed, float))),
         cycles: None,
         pace: None,

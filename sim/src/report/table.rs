@@ -3,7 +3,7 @@
 use super::{Report, ReportRow};
 
 /// Number of columns.
-pub const COLUMNS: usize = 16;
+pub const COLUMNS: usize = 18;
 
 /// Headings, in the order of [`cells`].
 pub const HEADINGS: [&str; COLUMNS] = [
@@ -11,8 +11,10 @@ pub const HEADINGS: [&str; COLUMNS] = [
     "traversal",
     "PSNR dB",
     "max error",
+    "p99",
     "bias",
     "SSIM",
+    "FLIP",
     "PSNR cov",
     "bias cov",
     "SSIM cov",
@@ -35,8 +37,10 @@ pub fn cells(row: &ReportRow) -> [String; COLUMNS] {
         row.traversal.clone(),
         decibels(row.error.psnr_db),
         scientific(row.error.max_abs),
+        scientific(row.error.percentiles.p99),
         signed(row.error.bias),
         format!("{:.5}", row.error.ssim),
+        flip_text(row.flip),
         decibels(row.error.covered.psnr_db),
         signed(row.error.covered.bias),
         format!("{:.5}", row.error.covered.ssim),
@@ -119,6 +123,11 @@ pub fn psnr_text(psnr_db: Option<f64>) -> String {
         Some(psnr) => format!("{psnr:.2} dB"),
         None => "identical".to_owned(),
     }
+}
+
+/// Mean FLIP; `-` where it was not measured.
+pub fn flip_text(flip: Option<f64>) -> String {
+    flip.map_or_else(|| "-".to_owned(), scientific)
 }
 
 /// `3.1e-3`; plain `0` for zero.

@@ -94,11 +94,11 @@ fn medians_are_taken_field_by_field() {
 #[test]
 fn nothing_covered_gives_no_ratio() {
     let (fixed, float) = sample::pictures(8, 8);
-    let errors = crate::metrics::compare(&fixed, &float).unwrap();
+    let (errors, flip) = crate::metrics::compare_and_look(&fixed, &float).unwrap();
     let row = ReportRow::new(
         "lean18",
         "box",
-        &errors,
+        &ErrorFacts::new(&errors, flip),
         PixelCounts::default(),
         HostTimes::default(),
     );
@@ -109,11 +109,11 @@ fn nothing_covered_gives_no_ratio() {
 #[test]
 fn the_text_table_is_aligned() {
     let expected = "\
-design    traversal  PSNR dB  max error     bias     SSIM  PSNR cov  bias cov  SSIM cov     visited  vis/cov  setup ms  sort ms  raster ms  total ms  Mcycles
---------  ---------  -------  ---------  -------  -------  --------  --------  --------  ----------  -------  --------  -------  ---------  --------  -------
-classic8  box          32.41     1.8e-1  -1.9e-2  0.92812     28.91   -4.2e-2   0.85624  46 677 771     2.56      82.4     20.6      309.0     412.0   51.678
-classic8  spans        32.52     1.8e-1  -1.9e-2  0.92902     29.02   -4.2e-2   0.85804  18 931 002     1.04      61.0     15.2      228.8     305.0   23.931
-lean18    box          55.13     1.3e-2  -4.1e-5  0.99474     51.63   -9.0e-5   0.98949  46 677 771     2.56      86.2     21.6      323.2     431.0   51.678
+design    traversal  PSNR dB  max error     p99     bias     SSIM    FLIP  PSNR cov  bias cov  SSIM cov     visited  vis/cov  setup ms  sort ms  raster ms  total ms  Mcycles
+--------  ---------  -------  ---------  ------  -------  -------  ------  --------  --------  --------  ----------  -------  --------  -------  ---------  --------  -------
+classic8  box          32.41     1.8e-1  7.4e-2  -1.9e-2  0.92812  9.6e-3     28.91   -4.2e-2   0.85624  46 677 771     2.56      82.4     20.6      309.0     412.0   51.678
+classic8  spans        32.52     1.8e-1  7.3e-2  -1.9e-2  0.92902  9.5e-3     29.02   -4.2e-2   0.85804  18 931 002     1.04      61.0     15.2      228.8     305.0   23.931
+lean18    box          55.13     1.3e-2  5.4e-3  -4.1e-5  0.99474  7.0e-4     51.63   -9.0e-5   0.98949  46 677 771     2.56      86.2     21.6      323.2     431.0   51.678
 ";
     assert_eq!(table::plain(&sample::rows()[..3]), expected);
 }

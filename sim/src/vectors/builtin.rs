@@ -1,15 +1,16 @@
 //! The built-in subject: random splats, every other one a hard case.
 
 use fixed::types::{I2F30, I32F32, U4F28};
+use splatline::format::Widths;
 use splatline::math::{Extended, SoftFloat};
 use splatline::splat::{Axis, VolumeSplat};
-use splatline::view::{Eye, Projection, RatioLimits, View};
+use splatline::view::{Eye, Pose, Projection, RatioLimits, View};
 
 /// A linear congruential generator, so that anyone can make the same splats.
-struct BuiltinRandom(u32);
+pub(super) struct BuiltinRandom(pub(super) u32);
 
 impl BuiltinRandom {
-    fn bits(&mut self) -> u32 {
+    pub(super) fn bits(&mut self) -> u32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         self.0
     }
@@ -21,6 +22,128 @@ pub fn hard_cases(count: usize, size: [u16; 2], seed: u32) -> (View, Vec<VolumeS
     let mut random = BuiltinRandom(seed);
     let splats = (0..count).map(|index| splat(&mut random, index)).collect();
     (view(size), splats)
+}
+
+/// Splats at the ends of formats, of ranges and of roundings, one property each: what random splats meet once in a billion.
+pub fn stress_cases() -> Vec<VolumeSplat> {
+    const FAR: [i32; 8] = [
+        i32::MIN,
+        -(1 << 30),
+        -513,
+        -512,
+        511,
+        512,
+        1 << 30,
+        i32::MAX,
+    ];
+    let mut splats = vec![usual([0.0; 3]), at_near(), at_far()];
+    let mut add = |change: &dyn Fn(&mut VolumeSplat)| {
+        let mut splat = usual([0.0, 0.0, 0.5]);
+        change(&mut splat);
+        splats.push(splat);
+    };
+    for exponent in FAR {
+        add(&|splat| splat.centre[0].exponent = exponent);
+        add(&|splat| splat.centre = splat.centre.map(|c| SoftFloat { exponent, ..c }));
+        add(&|splat| splat.axes[1].exponent = exponent);
+        add(&|splat| splat.weight.exponent = exponent);
+    }
+    for mantissa in [i32::MIN, -i32::MAX, -1, 0, 1, i32::MAX] {
+        add(&|splat| splat.centre[2].mantissa = mantissa);
+        add(&|splat| splat.axes[0].mantissa = [mantissa; 3]);
+        add(&|splat| {
+            splat.axes = [Axis {
+                mantissa: [mantissa, 0, 0],
+                exponent: -31,
+            }; 3]
+        });
+        add(&|splat| splat.weight.mantissa = mantissa);
+    }
+    // At the eye, and as deep as each other.
+    add(&|splat| splat.centre = world([0.0; 3]));
+    add(&|splat| splat.colour = [U4F28::MAX; 3]);
+    // Around the ends of centres (2^26 pixels) and of extents (2^28 pixels).
+    for power in [22, 23, 24, 25] {
+        let side = 1.4 * f64::from(1 << power);
+        add(&|splat| splat.centre = world([side, 0.1, 3.0]));
+        add(&|splat| splat.centre = world([0.1, -side, 3.0]));
+        add(&|splat| splat.axes[2].exponent = power - 29);
+    }
+    // Halves of the peak's and the colours' last bits, above an even and an odd word, and beside them.
+    for fraction in [8, 14, 18, 24, 26, 28] {
+        for last in [1, 2, 3, 5, 7] {
+            let mantissa = (1 << (fraction - 1)) + last;
+            add(&|splat| {
+                splat.weight = SoftFloat {
+                    mantissa,
+                    exponent: -1 - fraction,
+                };
+                splat.colour = [0u32, 1, 2].map(|channel| {
+                    let below = 28 - fraction as u32;
+                    U4F28::from_bits(((mantissa as u32 + channel) << below) >> 1)
+                });
+            });
+        }
+    }
+    // Opacities around 1/255, where the cut-off begins, and around its end and the peak's.
+    for step in -3..8 {
+        add(&|splat| {
+            splat.weight = SoftFloat {
+                mantissa: 1_077_952_576 + step,
+                exponent: -38,
+            };
+        });
+    }
+    for mantissa in [7, 8, 15, 16, 17, 1000] {
+        add(&|splat| {
+            splat.weight = SoftFloat {
+                mantissa,
+                exponent: 0,
+            }
+        });
+    }
+    splats
+}
+
+/// Puts near and far plane where [`stress_cases`] has a centre each, to the last bit of the design's camera space.
+pub fn stress_view(view: &mut View, widths: &Widths) {
+    let depth = |splat: VolumeSplat| {
+        let point = view.pose.to_camera(&view.rotation, &splat.centre, widths);
+        point.coordinate(2)
+    };
+    (view.near, view.far) = (depth(at_near()), depth(at_far()));
+}
+
+fn at_near() -> VolumeSplat {
+    usual([-2.990_1, 0.001, -3.987_6])
+}
+
+fn at_far() -> VolumeSplat {
+    usual([117.3, 1.7, 156.1])
+}
+
+/// Round, half opaque, at a place in the scene.
+fn usual(place: [f64; 3]) -> VolumeSplat {
+    let axis = |k: usize| Axis {
+        mantissa: [0, 1, 2].map(|part| if part == k { 1 << 30 } else { 0 }),
+        exponent: -33,
+    };
+    VolumeSplat {
+        centre: place.map(number),
+        axes: [0, 1, 2].map(axis),
+        weight: number(0.5),
+        colour: [0.25, 0.5, 0.75].map(U4F28::from_num),
+    }
+}
+
+/// A place in the scene from one in the camera's space: [`view`]'s rotation and eye, undone.
+fn world([x, y, z]: [f64; 3]) -> [SoftFloat; 3] {
+    [0.8 * x + 0.6 * z - 3.0, y, 0.8 * z - 0.6 * x - 4.0].map(number)
+}
+
+/// With 31 bits, for magnitudes below `2^30`.
+fn number(value: f64) -> SoftFloat {
+    SoftFloat::from_wide((value * 4_294_967_296.0) as i64, -32, 31)
 }
 
 fn splat(random: &mut BuiltinRandom, index: usize) -> VolumeSplat {

@@ -1,6 +1,6 @@
 //! Every stage of the kernel, run one after the other, with what crosses each boundary written down.
 
-use super::{VectorStage, VectorSubject};
+use super::{VectorStage, VectorSubject, functions};
 use crate::design::DesignJob;
 use crate::fixed::{kernel_compositing, kernel_rules};
 use crate::rules::Compositing as Order;
@@ -16,6 +16,7 @@ use splatline::raster::{BoxSpans, EllipseSpans, Spans, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::{self, Cull};
 use splatline::splat::VolumeSplat;
+use splatline::view::Pose;
 
 /// All stages in the order of the data flow. The records of one stage refer to those of another by number.
 pub fn compute(subject: &VectorSubject) -> Vec<VectorStage> {
@@ -59,15 +60,24 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
     let tile = raster.tile();
     let SetupStages {
         splats,
+        camera,
         projected,
         columns,
-        variance,
+        covariance,
+        opacity,
     } = setup;
+    let [reciprocals, roots, logarithms] = functions::tables();
     vec![
         splats,
+        reciprocals,
+        roots,
+        logarithms,
+        functions::cases(),
+        camera,
         projected,
         columns,
-        variance,
+        covariance,
+        opacity,
         packets,
         table,
         raster.runs,
@@ -76,9 +86,9 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
     ]
 }
 
-type StageSpec = (String, usize, bool, usize);
+pub(super) type StageSpec = (String, usize, bool, usize);
 
-fn field(name: &str, bits: usize, signed: bool, fraction: u8) -> StageSpec {
+pub(super) fn field(name: &str, bits: usize, signed: bool, fraction: u8) -> StageSpec {
     (name.to_owned(), bits, signed, fraction.into())
 }
 
@@ -87,11 +97,13 @@ fn number(name: &str) -> [StageSpec; 2] {
     ["mantissa", "exponent"].map(|part| field(&format!("{name}_{part}"), 32, true, 0))
 }
 
-fn numbers<'a>(names: impl IntoIterator<Item = &'a str>) -> impl Iterator<Item = StageSpec> {
+pub(super) fn numbers<'a>(
+    names: impl IntoIterator<Item = &'a str>,
+) -> impl Iterator<Item = StageSpec> {
     names.into_iter().flat_map(number)
 }
 
-fn values(numbers: impl IntoIterator<Item = SoftFloat>) -> impl Iterator<Item = i64> {
+pub(super) fn values(numbers: impl IntoIterator<Item = SoftFloat>) -> impl Iterator<Item = i64> {
     numbers
         .into_iter()
         .flat_map(|n| [n.mantissa.into(), n.exponent.into()])
@@ -100,9 +112,11 @@ fn values(numbers: impl IntoIterator<Item = SoftFloat>) -> impl Iterator<Item = 
 /// One record per splat each.
 struct SetupStages {
     splats: VectorStage,
+    camera: VectorStage,
     projected: VectorStage,
     columns: VectorStage,
-    variance: VectorStage,
+    covariance: VectorStage,
+    opacity: VectorStage,
 }
 
 /// The `culled` field: 0, or the place of the reason in [`Cull::ALL`] counted from 1.
@@ -129,6 +143,14 @@ impl SetupStages {
                     .chain(number("weight"))
                     .chain(["red", "green", "blue"].map(|n| field(n, 32, false, 28))),
             ),
+            camera: VectorStage::new(
+                "camera",
+                "t = W (u - e), one splat a record: three words with one exponent",
+                ["x", "y", "z"]
+                    .map(|n| field(n, 64, true, 0))
+                    .into_iter()
+                    .chain([field("exponent", 32, true, 0)]),
+            ),
             projected: VectorStage::new(
                 "projected",
                 "one splat a record; culled: 0 drawn, 1 near, 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside; zeros from 1 to 3",
@@ -146,10 +168,15 @@ impl SetupStages {
                 "M = J W A, one splat a record; zeros if it was culled before",
                 numbers(["a_x", "a_y", "b_x", "b_y", "c_x", "c_y"]),
             ),
-            variance: VectorStage::new(
-                "variance",
+            covariance: VectorStage::new(
+                "covariance",
                 "V' + V^h and its determinant, one splat a record; zeros if it was culled before",
                 numbers(["xx", "xy", "yy", "determinant"]),
+            ),
+            opacity: VectorStage::new(
+                "opacity",
+                "opacity at the centre before it is rounded to the packet's, one splat a record; zeros if it was culled before",
+                number("peak"),
             ),
         }
     }
@@ -164,6 +191,10 @@ impl SetupStages {
     ) -> Result<Footprint, Cull> {
         let (widths, view) = (design.widths(), &subject.view);
         self.splats.records.push(splat_values(splat));
+        let camera = view.pose.to_camera(&view.rotation, &splat.centre, &widths);
+        let [x, y, z] = camera.value;
+        let camera = vec![x, y, z, camera.exponent.into()];
+        self.camera.records.push(camera);
         let result = setup::setup(design, view, rules, splat);
         let mut projected = vec![reason(&result)];
         if let Ok(found) = setup::project(&widths, view, rules, &splat.centre) {
@@ -171,15 +202,33 @@ impl SetupStages {
             projected.extend([depth, found.centre[0], found.centre[1]]);
             projected.extend(values(found.ratio.into_iter().chain(found.gain)));
             let columns = setup::project_axes(&widths, &view.rotation, &found, &splat.axes);
-            let variance = setup::covariance(&widths, rules.low_pass, &columns);
+            let covariance = setup::covariance(&widths, rules.low_pass, &columns);
+            let weight = if rules.compensated {
+                setup::compensate(&widths, splat.weight, &columns, &covariance)
+            } else {
+                splat.weight
+            };
+            let peak = setup::centre_opacity(&widths, rules, weight, &found, &covariance);
+            self.opacity.records.push(values([peak]).collect());
             self.columns
                 .records
                 .push(values(columns.iter().flat_map(|c| [c.x, c.y])).collect());
-            let terms = [variance.xx, variance.xy, variance.yy, variance.determinant];
-            self.variance.records.push(values(terms).collect());
+            let setup::Covariance2d {
+                xx,
+                xy,
+                yy,
+                determinant,
+            } = covariance;
+            let terms = [xx, xy, yy, determinant];
+            self.covariance.records.push(values(terms).collect());
         }
         self.projected.records.push(projected);
-        for stage in [&mut self.projected, &mut self.columns, &mut self.variance] {
+        for stage in [
+            &mut self.projected,
+            &mut self.columns,
+            &mut self.covariance,
+            &mut self.opacity,
+        ] {
             stage.records.resize(index + 1, Vec::new());
             if let Some(last) = stage.records.last_mut() {
                 last.resize(stage.fields.len(), 0);

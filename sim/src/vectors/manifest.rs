@@ -11,8 +11,9 @@ use std::str::FromStr;
 
 /// Version of the folder's format; another version is refused.
 ///
-/// 1 had positions and depths in fixed point; 2 has them with exponents; 3 has a digest of the inputs.
-pub const FORMAT_VERSION: u32 = 4;
+/// 1 had positions and depths in fixed point; 2 has them with exponents; 3 has a digest of the inputs; 4 has packets of version 3;
+/// 5 has all constants as integers, the functions and their tables, camera space and the centres' opacities.
+pub const FORMAT_VERSION: u32 = 5;
 
 /// The content of `manifest.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -23,6 +24,8 @@ pub struct Manifest {
     pub packet_version: u32,
     /// Name, traversal, rounding and widths.
     pub design: ResolvedDesign,
+    /// Everything else that enters the datapath and is no input: an integer each.
+    pub constants: Vec<super::ConstantRecord>,
     /// `ewa` or `3dgs`.
     pub rules: String,
     /// `front-to-back`, `back-to-front` or `x-ray`.
@@ -97,6 +100,7 @@ impl Manifest {
         Manifest {
             format_version: FORMAT_VERSION,
             packet_version: splatline::footprint::packet::VERSION,
+            constants: super::constants::of(subject),
             design,
             rules,
             compositing,

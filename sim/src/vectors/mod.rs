@@ -1,7 +1,7 @@
 //! Test vectors: what crosses every stage boundary of the kernel, as files that a hardware bench reads.
 //!
 //! ```text
-//! splats -> projected -> columns -> variance -> packets -> runs -> pixels -> tile
+//! splats -> camera -> projected -> columns -> covariance -> opacity -> packets -> runs -> pixels -> tile
 //! ```
 //!
 //! A stage is a table: one record a line, its fields side by side without padding, least significant first, printed as one hexadecimal
@@ -12,13 +12,18 @@
 
 mod builtin;
 mod compute;
+mod constants;
+mod explain;
 mod files;
+mod functions;
 mod manifest;
 mod stage;
 mod work;
 
-pub use builtin::hard_cases;
+pub use builtin::{hard_cases, stress_cases, stress_view};
 pub use compute::compute;
+pub use constants::ConstantRecord;
+pub use explain::explain;
 pub use files::{VectorError, Verified, export, verify};
 pub use manifest::{FORMAT_VERSION, Manifest};
 pub use stage::{RecordField, VectorStage};

@@ -86,7 +86,7 @@ fn bad_input_is_exit_code_1_and_names_the_file() {
 }
 
 /// Every command that prints, with little work: what cannot be printed must not look printed.
-const PRINTING: [&[&str]; 19] = [
+const PRINTING: [&[&str]; 18] = [
     &["--help"],
     &["--version"],
     &["simulate", "--help"],
@@ -120,7 +120,6 @@ const PRINTING: [&[&str]; 19] = [
         "-o",
         "OUT/sweep",
     ],
-    &["merge", "OUT/sweep", "-o", "OUT/merged"],
     &[
         "trace",
         "random:9",
@@ -247,6 +246,10 @@ fn absurd_coordinates_are_refused() {
         &picture,
     ];
     refused(1, &spacing, "too large or too far apart");
+    let output = splatline(&["info", &path("c.xyz")]);
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(printed.contains("framed     no ball: "), "{printed}");
+    assert!(!printed.contains("inf"), "{printed}");
 }
 
 /// Allowed numbers whose product no machine holds: refused with the estimate and the limit before anything is allocated.
@@ -447,6 +450,48 @@ fn a_stream_may_be_the_scene() {
             output.stdout
         };
         assert!(drawn("-") == drawn(file.to_str().unwrap()), "{name}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let cloud = folder.path().join("cloud.xyz");
+    std::fs::write(&cloud, "0 0 0\n1 0 0\n0 2 0\n1 2 0.5\n").unwrap();
+    let drawn = |scene: &str| {
+        let output = Command::new(env!("CARGO_BIN_EXE_splatline"))
+            .args([
+                "render", scene, "--as", "surface", "--size", "16x16", "-o", "-",
+            ])
+            .stdin(std::fs::File::open(&cloud).unwrap())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        output.stdout
+    };
+    assert!(drawn("-") == drawn(cloud.to_str().unwrap()), "points");
+}
+
+/// The rules of 3D Gaussian splatting end opacities at 0.999, and only a splat beyond that needs the unit.
+#[test]
+fn profile_names_the_opacity_clamp_where_it_clamps() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("one.ply");
+    let fields =
+        "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3";
+    let properties = fields.replace(' ', "\nproperty float ");
+    for (logit, expected) in [
+        (8, "used: largest peak 0.9997"),
+        (4, "not needed: largest peak 0.98"),
+    ] {
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float {properties}\nend_header\n0 0 0 1 1 1 {logit} -1 -1 -1 1 0 0 0\n"
+        );
+        std::fs::write(&scene, text).unwrap();
+        let output = splatline(&["profile", scene.to_str().unwrap(), "--size", "16x16"]);
+        let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+        let line = printed.lines().find(|line| line.contains("opacity_clamp"));
+        let line = line.unwrap_or_else(|| panic!("{printed}{}", stderr(&output)));
+        assert!(
+            line.contains(expected) && line.ends_with("end at 0.999"),
+            "{line}"
+        );
     }
 }
 

@@ -11,10 +11,10 @@ use splatline_sim::scene::Transfer;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// The table of widths in docs/number-formats.md is that of the named designs.
+/// The table of widths in docs/specification.md is that of the named designs.
 #[test]
-fn number_formats_list_the_designs_widths() {
-    let text = include_str!("../../../docs/number-formats.md");
+fn the_specification_lists_the_designs_widths() {
+    let text = include_str!("../../../docs/specification.md");
     for design in DesignChoice::all() {
         let numbers: Vec<String> = design.widths.numbers().iter().map(u8::to_string).collect();
         let rounding = design.resolved().rounding;
@@ -25,7 +25,7 @@ fn number_formats_list_the_designs_widths() {
         );
         assert!(
             text.contains(&row),
-            "docs/number-formats.md lacks the row\n{row}"
+            "docs/specification.md lacks the row\n{row}"
         );
     }
 }

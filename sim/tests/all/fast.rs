@@ -87,7 +87,7 @@ fn the_front_door_draws_what_the_host_draws() {
             .render(view, &quantised.splats, &mut list, &mut pixels)
             .unwrap();
         assert!(frame.pixels == host.pixels, "{what}");
-        assert_eq!(frame.coverage, host.coverage, "{what}");
+        assert_eq!(frame.coverage, Some(host.coverage), "{what}");
         assert_eq!(counts.culled.map(|count| count as usize), host.culled);
         let mut strip = vec![Pixel::default(); 203 * 16];
         let mut joined = Vec::new();

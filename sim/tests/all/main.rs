@@ -8,6 +8,7 @@ mod golden;
 mod hostile;
 mod machine_commands;
 mod outputs;
+mod photos;
 mod stability;
 mod texture;
 mod vectors;

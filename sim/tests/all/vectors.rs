@@ -82,7 +82,7 @@ impl DesignJob for Painted<'_> {
 
 #[test]
 fn the_stepped_picture_is_the_painted_one() {
-    for design in ["classic8", "lean18", "standard24", "deep32"] {
+    for design in ["classic8", "micro16", "lean18", "standard24", "deep32"] {
         for traversal in [Traversal::Box, Traversal::Spans] {
             for rules in [Rules::EWA, Rules::GAUSSIAN_3D] {
                 for compositing in [

@@ -237,6 +237,7 @@ impl<'a> Source<'a> {
             _ => Rules {
                 normalised: self.bool(),
                 low_pass: self.scaled(),
+                compensated: self.bool(),
                 spacing: self.scaled(),
                 kernel: Kernel::ALL[usize::from(self.byte() % 4)],
                 cutoff: if self.bool() {

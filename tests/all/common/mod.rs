@@ -169,6 +169,8 @@ pub struct Oracle {
     pub variance: [f64; 3],
     pub determinant: f64,
     pub conic: [f64; 3],
+    /// sqrt(det V' / det(V' + V^h)).
+    pub kept: f64,
     pub peak: f64,
 }
 
@@ -218,7 +220,12 @@ pub fn oracle(view: &View, rules: &Rules, splat: &VolumeSplat) -> Oracle {
         variance,
         determinant,
         conic,
-        peak: if rules.normalised { normalised } else { weight },
+        kept: (minors / determinant).sqrt(),
+        peak: match (rules.normalised, rules.compensated) {
+            (true, _) => normalised,
+            (false, true) => weight * (minors / determinant).sqrt(),
+            (false, false) => weight,
+        },
     }
 }
 

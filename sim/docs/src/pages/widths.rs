@@ -38,7 +38,7 @@ const STAGES: [(&str, &[&str]); 5] = [
 /// deep32 with these widths, each at most so many bits and within its range.
 fn narrowed(keys: &[&str], bits: u8) -> Result<DesignChoice> {
     let mut text = String::from("base = \"deep32\"\n");
-    let deep = DesignChoice::all().remove(3).widths.numbers();
+    let deep = splatline::format::Deep32::WIDTHS.numbers();
     for ((key, low, _), own) in WIDTH_RANGES.iter().zip(deep) {
         if keys.contains(key) {
             text += &format!("{key} = {}\n", bits.max(*low).min(own));

@@ -267,6 +267,8 @@ pub struct RowWords<L: Wide> {
     drop_radial: RoundingShift<L>,
     drop_vertical: RoundingShift<L>,
     drop_first: RoundingShift<L>,
+    /// Left shifts of radial index and first difference, where lanes have more fraction bits than the products.
+    raises: [L::Word; 2],
 }
 
 impl<L: Wide> RowWords<L> {
@@ -279,11 +281,14 @@ impl<L: Wide> RowWords<L> {
             ..
         } = *constants;
         let (drop_dx, bits, drop_radial, drop_first) = constants.drops;
+        let raises = [drop_radial, drop_first].map(|drop| drop.min(0).unsigned_abs());
         let [drop_radial, drop_first] = [drop_radial, drop_first].map(|drop| drop.max(0) as u32);
         let drop_vertical = constants
             .vertical_fraction
             .saturating_sub(constants.fraction);
-        let turns = turn_of(drop_radial).wrapping_add(turn_of(drop_vertical));
+        // A left shift drops the turn.
+        let turn = |drop, raise| if raise > 0 { 0 } else { turn_of(drop) };
+        let turns = turn(drop_radial, raises[0]).wrapping_add(turn_of(drop_vertical));
         RowWords {
             columns: [
                 first.max(visible - visible % BLOCK).into(),
@@ -293,13 +298,14 @@ impl<L: Wide> RowWords<L> {
             squared_width: SquaredWidth::new(math, constants),
             horizontal: math.splat(constants.horizontal),
             start: math.splat(constants.start.wrapping_sub(turns)),
-            unit: math.splat(constants.unit.wrapping_sub(turn_of(drop_first))),
+            unit: math.splat(constants.unit.wrapping_sub(turn(drop_first, raises[1]))),
             drop_dx: math.drop(drop_dx),
             turn_of_dx: math.splat(turn_of(drop_dx)),
             drop_along: math.drop(bits),
             drop_radial: math.drop(drop_radial),
             drop_vertical: math.drop(drop_vertical),
             drop_first: math.drop(drop_first),
+            raises: raises.map(|raise| math.splat(raise.into())),
         }
     }
 }
@@ -330,11 +336,12 @@ pub fn runs<L: Wide>(
     let along = math.mul(rows.horizontal, dx);
     // The product sees the lower 32 bits.
     let across = math.mul(math.dropped(along, rows.drop_along), dx);
+    let shifted = |value, drop, raise| math.lanes.wide_shl(math.dropped(value, drop), raise);
     let radial = math.add(
-        math.dropped(across, rows.drop_radial),
+        shifted(across, rows.drop_radial, rows.raises[0]),
         math.dropped(vertical, rows.drop_vertical),
     );
-    let first = math.dropped(along, rows.drop_first);
+    let first = shifted(along, rows.drop_first, rows.raises[1]);
     Runs {
         x,
         end,
@@ -347,8 +354,13 @@ pub fn runs<L: Wide>(
 #[inline(always)]
 pub fn excess<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) -> L::Word {
     // Designs of at most 15 bits keep dx below their mantissa, and all of a seed in 32 bits.
-    let bits = constants.drops.1;
-    let limit = if bits <= 15 { bits } else { bits.max(30) };
+    // So do those whose products are shifted to the left, which must not reach the sign.
+    let (_, bits, drop_radial, drop_first) = constants.drops;
+    let limit = if bits <= 15 || drop_radial.min(drop_first) < 0 {
+        bits
+    } else {
+        bits.max(30)
+    };
     lanes.wide_shr(large, lanes.wide_splat(limit.into()))
 }
 
@@ -356,10 +368,11 @@ pub fn excess<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) 
 #[inline(always)]
 pub fn is_tame(constants: &RowConstants<i64>) -> bool {
     let (_, bits, drop_radial, drop_first) = constants.drops;
+    // A product of two mantissas, shifted to the left, stays below 2^62, and below 2^31 times a lane's word.
+    let most_raised = (62 - 2 * bits as i32).clamp(0, 31);
     has_short_squared_width(constants)
         && constants.horizontal.unsigned_abs() <= 1 << bits
-        && drop_radial >= 0
-        && drop_first >= 0
+        && drop_radial.min(drop_first) >= -most_raised
 }
 
 /// 1 / A on vectors, for half-widths sqrt(rest / A) by the root table, a multiplication and a shift that rounds.

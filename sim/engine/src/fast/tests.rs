@@ -13,7 +13,7 @@ use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::{Conic, Footprint, Ldl};
 use splatline::format::{
-    Classic8, Design, Lean18, Rounding, Standard24, Traversal, WIDTH_RANGES, Widths,
+    Classic8, Lean18, Rounding, RuntimeWidths, Standard24, Traversal, WIDTH_RANGES, Widths,
 };
 use splatline::math::SoftFloat;
 use splatline::raster::Window;
@@ -22,14 +22,10 @@ use splatline::setup::{Cull, setup};
 use splatline::target::Target;
 
 /// Any widths in lanes of 32 bits.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct AnyWidths(pub Widths);
+pub(super) type AnyWidths = RuntimeWidths<i32>;
 
-impl Design for AnyWidths {
-    type Lane = i32;
-    fn widths(&self) -> Widths {
-        self.0
-    }
+pub(super) fn any_widths(widths: Widths) -> AnyWidths {
+    AnyWidths::for_lanes(widths).expect("the strategies keep to the ranges")
 }
 
 fn widths() -> impl Strategy<Value = Widths> {
@@ -79,7 +75,7 @@ pub(super) fn usual_widths() -> impl Strategy<Value = Widths> {
             mantissa: random.mantissa,
             radial: usual.radial - less,
             table: usual.table + more,
-            weight: usual.weight + less,
+            weight: (usual.weight + less).min(28),
             alpha: usual.alpha - more,
             colour: usual.colour + less,
             rounding: random.rounding,
@@ -105,8 +101,8 @@ fn narrow_widths() -> impl Strategy<Value = Widths> {
             weight: usual.weight - less.1.min(4),
             alpha: usual.alpha - less.2.min(4),
             transmittance: usual.transmittance - less.3.min(4),
-            colour: usual.colour - less.4,
-            accumulator: usual.accumulator - less.5.min(less.4),
+            colour: (usual.colour - less.4).max(4),
+            accumulator: (usual.accumulator - less.5.min(less.4)).max(4),
             rounding: random.rounding,
             ..usual
         }
@@ -165,7 +161,7 @@ fn ordinary(
     let quantised = QuantisedScene::new(&scene, &camera, &rules::Rules::GAUSSIAN_3D);
     let splats = quantised.splats.iter();
     splats
-        .map(|splat| setup(AnyWidths(widths), &quantised.view, rules, splat))
+        .map(|splat| setup(any_widths(widths), &quantised.view, rules, splat))
         .collect()
 }
 
@@ -206,7 +202,7 @@ fn agree(
     let mut pixels = vec![Pixel::clear(&widths); columns * usize::from(last[1] - first[1])];
     let mut target = Target::new(&mut pixels, window, columns).unwrap();
     let (order, traversal) = (Compositing::FrontToBack, Traversal::Spans);
-    let scalar = Painter::new(AnyWidths(widths), rules, table, order, traversal);
+    let scalar = Painter::new(any_widths(widths), rules, table, order, traversal);
     let mut expected = Coverage::default();
     for footprint in footprints.iter().flatten() {
         expected += scalar.draw(footprint, &mut target);
@@ -218,7 +214,7 @@ fn agree(
         (VectorLevel::Portable, false),
     ] {
         let order = Compositing::FrontToBack;
-        let Some(painter) = WordPainter::new(AnyWidths(widths), rules, order, choice, counts)
+        let Some(painter) = WordPainter::new(any_widths(widths), rules, order, choice, counts)
         else {
             return false;
         };
@@ -229,7 +225,7 @@ fn agree(
         }
     }
     for lanes in FusedLanes::all() {
-        let Some(painter) = FusedPainter::on(AnyWidths(widths), rules, lanes) else {
+        let Some(painter) = FusedPainter::on(any_widths(widths), rules, lanes) else {
             return false;
         };
         let (got, coverage) = painted(&painter, window, footprints);
@@ -255,7 +251,7 @@ fn agree_in_other_orders(
         let columns = usize::from(window.columns());
         let mut target = Target::new(&mut pixels, window, columns).unwrap();
         let table = table(&memory, &widths, rules);
-        let scalar = Painter::new(AnyWidths(widths), rules, table, order, Traversal::Spans);
+        let scalar = Painter::new(any_widths(widths), rules, table, order, Traversal::Spans);
         let mut expected = Coverage::default();
         for footprint in footprints.iter().flatten() {
             expected += scalar.draw(footprint, &mut target);
@@ -265,7 +261,7 @@ fn agree_in_other_orders(
             (VectorLevel::Avx2, false),
             (VectorLevel::Portable, true),
         ] {
-            let painter = WordPainter::new(AnyWidths(widths), rules, order, choice, counts);
+            let painter = WordPainter::new(any_widths(widths), rules, order, choice, counts);
             let Some(painter) = painter else {
                 return false;
             };
@@ -282,7 +278,7 @@ fn agree_in_other_orders(
 fn named_designs_are_drawn_by_fused_products() {
     for rules in [rules_of(true), rules_of(false)] {
         for widths in [Classic8::WIDTHS, Lean18::WIDTHS, Standard24::WIDTHS] {
-            let painter = FusedPainter::on(AnyWidths(widths), &rules, FusedLanes::Portable);
+            let painter = FusedPainter::on(any_widths(widths), &rules, FusedLanes::Portable);
             assert!(painter.is_some(), "{widths:?}");
         }
     }

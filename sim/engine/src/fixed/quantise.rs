@@ -231,6 +231,7 @@ pub fn kernel_rules(rules: &Rules) -> kernel::Rules {
     let stated = kernel::Rules {
         normalised: rules.normalised,
         low_pass: scaled(rules.low_pass),
+        compensated: rules.compensated,
         spacing: scaled(rules.spacing),
         kernel: shape,
         cutoff: if radial {

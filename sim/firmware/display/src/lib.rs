@@ -9,8 +9,9 @@ pub mod scene;
 use embedded_graphics::pixelcolor::{Rgb565, raw::RawU16};
 use embedded_graphics::prelude::{DrawTarget, Point, Size};
 use embedded_graphics::primitives::Rectangle;
+use splatline::target::Target;
 use splatline::{
-    BoundedList, CameraError, Counts, DisplayList, Lean18, ListFull, Pixel, Renderer, View,
+    BoundedList, CameraError, Counts, DisplayList, ListFull, Micro16, Pixel, Renderer, View,
 };
 use splatline_firmware::phase::{phase_draw, phase_rest, phase_setup};
 
@@ -45,10 +46,7 @@ impl DisplayMemory {
     pub const fn new() -> Self {
         DisplayMemory {
             list: BoundedList::new(),
-            strip: [Pixel {
-                colour: [0; 3],
-                transmittance: 0,
-            }; scene::SIZE[0] as usize * STRIP as usize],
+            strip: [Pixel::EMPTY; scene::SIZE[0] as usize * STRIP as usize],
         }
     }
 }
@@ -64,7 +62,7 @@ pub fn draw<T: DrawTarget<Color = Rgb565>>(
     memory: &mut DisplayMemory,
     display: &mut T,
 ) -> Result<Counts, DisplayError<T::Error>> {
-    let renderer = Renderer::new(Lean18);
+    let renderer = Renderer::new(Micro16);
     phase_setup();
     let view = scene::camera().and_then(|camera| camera.view());
     let view = view.map_err(DisplayError::Camera)?;
@@ -91,12 +89,15 @@ pub fn draw<T: DrawTarget<Color = Rgb565>>(
 
 /// Pixels of the picture that lie in a footprint, each as often as footprints cover it.
 pub fn covered(memory: &mut DisplayMemory, view: &View) -> u64 {
-    let renderer = Renderer::new(Lean18);
+    let renderer = Renderer::new(Micro16);
     let DisplayMemory { list, strip } = memory;
     let mut sum = 0;
     for window in view.window().strips(STRIP) {
-        let drawn = renderer.draw(list, window, strip);
-        sum += drawn.map_or(0, |frame| frame.coverage.covered);
+        // By the painter that counts.
+        if let Ok(mut target) = Target::new(strip, window, window.columns().into()) {
+            target.clear(&Micro16::WIDTHS);
+            sum += renderer.paint(list, &mut target).covered;
+        }
     }
     sum
 }

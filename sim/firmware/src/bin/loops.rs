@@ -13,13 +13,13 @@ mod image {
     use splatline::kernel::PackedTable;
     use splatline_firmware::design::Firmware16;
     use splatline_firmware::scene::RULES;
-    use splatline_firmware::table::{INTERVALS, PACKED};
+    use splatline_firmware::table::PACKED;
     use splatline_firmware::{board, pixel_loop};
 
     const RUNS: u32 = 3000;
     /// Longer than a block of the rows.
     const LONGEST: usize = 40;
-    const LEAD: i64 = PackedTable::<INTERVALS>::lead(&Firmware16::WIDTHS, RULES.table_range) as i64;
+    const LEAD: i64 = PackedTable::lead(&Firmware16::WIDTHS, RULES.table_range) as i64;
     /// Bits of the largest radial index, and the first word beyond.
     const BITS: u32 = Firmware16::WIDTHS.radial as u32 + RULES.table_range as u32;
     const END: i64 = 1 << BITS;
@@ -95,7 +95,7 @@ mod image {
 
     #[unsafe(no_mangle)]
     fn image_main() {
-        let Ok(painter) = Painter32::new(Firmware16, &RULES, &PACKED) else {
+        let Ok(painter) = Painter32::new(Firmware16, &RULES, PACKED) else {
             return;
         };
         let widths = Firmware16::WIDTHS;

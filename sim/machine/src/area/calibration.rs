@@ -99,6 +99,16 @@ struct SynthesisSheet {
     lut_memory: Option<LutMemory>,
     /// Look-up tables, multipliers and kilobits of the device whose ratios are the weights.
     device: [f64; 3],
+    clock: ClockFactor,
+}
+
+/// The clock of a family beside that of the ECP5 with the same circuit.
+#[derive(Clone, Debug, Deserialize)]
+pub struct ClockFactor {
+    /// Which part of the ECP5's.
+    pub of_ecp5: f64,
+    /// Where that is from.
+    pub source: String,
 }
 
 #[derive(Deserialize)]
@@ -141,6 +151,11 @@ impl Family {
             Family::Ecp5 => &SHEETS.ecp5,
             Family::Ice40 => &SHEETS.ice40,
         }
+    }
+
+    /// What its clock is beside the ECP5's.
+    pub fn clock_factor(self) -> &'static ClockFactor {
+        &self.sheet().clock
     }
 
     /// Prices calibrated on the synthesis of today's circuits.

@@ -3,16 +3,17 @@
 //! The raster units are priced by lines that go through Yosys' synthesis of the primitive in `sim/rtl` ([`synthesis`]), so that the machine
 //! `primitive-4` is estimated as the circuit that it is. What the circuit has otherwise, a machine is charged by the same lines: every generator of rows
 //! like its row generator, every lane like its lane. Geometry setup is the circuit of [`setup`] where a splat comes in eight cycles or more. What no circuit was
-//! written or synthesised for (faster setup, queues around the raster units, `box` rows) is counted and kept apart. Memory controller, binning, sort and bus are not counted: no
-//! source fits them. See `docs/hardware-model.md`, section 5.
+//! written or synthesised for (faster setup, queues around the raster units, `box` rows) is counted and kept apart. Sorter, binning, harmonics, readers and their arbiter are their circuits
+//! ([`units`]). The memory's controller and the bus are not counted, and every answer says so. See `docs/hardware-model.md`, section 5.
 
 mod calibration;
 mod check;
 pub(super) mod circuit;
 pub mod setup;
 pub mod synthesis;
+pub mod units;
 
-pub use calibration::{Calibration, Family, Lines, LutMemory, PriceLine};
+pub use calibration::{Calibration, ClockFactor, Family, Lines, LutMemory, PriceLine};
 
 use super::config::{Config, LaneLayout, Overlap, Termination};
 use super::primitive::{QUEUE, SETUP_INTERVAL};
@@ -41,7 +42,7 @@ pub struct Fabric {
 pub struct Area {
     /// The raster units, by lines through synthesis.
     pub raster: Fabric,
-    /// Geometry setup and queues around them, counted.
+    /// Geometry setup, sort, binning, harmonics, readers and queues around them.
     pub around: Fabric,
     /// All of it in look-up tables, for one number.
     pub weight: f64,
@@ -58,7 +59,8 @@ pub fn estimate(
         raster_unit(widths, traversal, config, calibration) * u64::from(config.raster_units);
     let counted = || counted_setup(widths, config, calibration) * u64::from(config.setup_units);
     let around = setup::of_machine(widths, config, calibration).unwrap_or_else(counted)
-        + queues(widths, traversal, config, calibration);
+        + queues(widths, traversal, config, calibration)
+        + units::of_machine(config, calibration);
     Area {
         raster,
         around,

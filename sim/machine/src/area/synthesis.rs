@@ -4,7 +4,7 @@
 //! fitted; two lanes and a design between the two have not been seen by the fit.
 
 use super::calibration::{Calibration, Family};
-use super::{Fabric, RESOURCES, lines_of, raster_unit};
+use super::{Fabric, RESOURCES, lines_of, raster_unit, units};
 use crate::config::Config;
 use crate::design::DesignChoice;
 use splatline::format::{Lean18, Rounding, Standard24, Traversal, Widths};
@@ -215,13 +215,14 @@ pub fn statement(calibration: &Calibration) -> String {
     });
     format!(
         "area for {name}: the raster unit of sim/rtl (layout rows, one row a cycle) is estimated within {:.1} % of its synthesis{unseen} (LUT, FF, DSP, memory; \
-         docs/hardware.md); other layouts, geometry setup and queues around it are counted, not synthesised{}",
+         docs/hardware.md); sorter, binning, harmonics, readers and arbiter are their synthesis; other layouts, geometry setup and queues are counted{}; {}",
         100.0 * fitted,
         match calibration.family {
             Family::Ecp5 =>
                 ", but for geometry setup of a splat in eight cycles or more (docs/hardware.md)",
             _ => "",
-        }
+        },
+        units::LEFT_OUT
     )
 }
 

@@ -113,18 +113,27 @@ fn is_section(name: &str) -> bool {
 impl Config {
     /// Gives a setting a value; `place` says where that stands, for messages.
     pub fn set(&mut self, place: &str, key: &str, value: &Value) -> Result<(), ConfigError> {
-        let Some(setting) = setting(key) else {
-            return Err(unknown(place, key));
-        };
-        if !setting.accepts(value) {
-            return Err(ConfigError::NotAllowed {
-                place: place.to_owned(),
-                key: key.to_owned(),
-                value: value.to_string(),
-                allowed: setting.allowed(),
-            });
+        self.set_all(place, &[(key, value)])
+    }
+
+    /// Gives several settings values, in the time of one.
+    pub fn set_all(&mut self, place: &str, all: &[(&str, &Value)]) -> Result<(), ConfigError> {
+        let mut accepted = Vec::with_capacity(all.len());
+        for (key, value) in all {
+            let Some(setting) = setting(key) else {
+                return Err(unknown(place, key));
+            };
+            if !setting.accepts(value) {
+                return Err(ConfigError::NotAllowed {
+                    place: place.to_owned(),
+                    key: (*key).to_owned(),
+                    value: value.to_string(),
+                    allowed: setting.allowed(),
+                });
+            }
+            accepted.push((setting, *value));
         }
-        self.put(setting, value.clone());
+        self.put(&accepted);
         Ok(())
     }
 

@@ -138,10 +138,12 @@ impl Config {
         Table::try_from(ByKey(self)).expect("numbers and names are TOML")
     }
 
-    /// Gives a setting a value that it accepts.
-    pub(super) fn put(&mut self, setting: &Setting, value: Value) {
+    /// Gives settings values that they accept.
+    pub(super) fn put(&mut self, accepted: &[(&Setting, &Value)]) {
         let mut values = self.values();
-        values.insert(setting.key.clone(), value);
+        for (setting, value) in accepted {
+            values.insert(setting.key.clone(), (*value).clone());
+        }
         *self = Config::deserialize(values).expect("a setting's allowed values are of its kind");
     }
 }

@@ -225,7 +225,7 @@ pub struct Splats<'a> {
 
 fn run(preset: &Preset, splats: &Splats, table: &EnergyTable) -> Result<Outcome, TooLarge> {
     let design =
-        DesignChoice::named(preset.design).unwrap_or_else(|| DesignChoice::all().remove(2));
+        DesignChoice::named(preset.design).unwrap_or_else(|| DesignChoice::all().remove(3));
     let options = Options {
         rules: splats.rules,
         compositing: splats.compositing,

@@ -3,8 +3,10 @@
 //! CSV with a heading. Columns are found by name: `u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1` as `splatline footprints` writes
 //! them, with `cutoff` (radial index at which the footprint ends; where it is missing or empty the option's), and optionally `tiles` (numbers of the tiles, row by
 //! row, separated by spaces, that list the footprint; else those that its box meets). A line with empty fields is a culled
-//! splat. Rows are computed in double precision from r = a dx^2 + 2 b dx dy + c dy^2 < cutoff. A table has no opacities, so
-//! nothing ever finishes.
+//! splat. Rows are computed in double precision from r = a dx^2 + 2 b dx dy + c dy^2 < cutoff.
+//!
+//! With a column `opacity` pixels finish: a footprint takes opacity exp(-r/2), at most 0.999, of a pixel's light, and one that has a ten-thousandth left is
+//! finished, as in 3D Gaussian splatting and EWA. Footprints without an opacity take no light, so that nothing finishes.
 
 use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, mask};
 use splatline::format::Traversal;
@@ -76,6 +78,12 @@ const LARGEST_WORK: u64 = 1 << 25;
 /// Relative error of a coefficient with a mantissa of 8 bits.
 const ROUNDED: f64 = 1.0 / 128.0;
 
+/// Of a pixel's light a footprint takes at most this.
+const MOST_TAKEN: f64 = 0.999;
+
+/// A pixel with as much light left has finished.
+const FINISHED: f64 = 1e-4;
+
 /// One footprint of the table.
 struct WorkTableEntry {
     splat: u32,
@@ -83,6 +91,7 @@ struct WorkTableEntry {
     depth: f64,
     conic: [f64; 3],
     cutoff: f64,
+    opacity: Option<f64>,
     first: [u16; 2],
     last: [u16; 2],
     tiles: Option<Vec<u32>>,
@@ -106,7 +115,7 @@ pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, TableE
     for (slot, name) in places.iter_mut().zip(COLUMNS) {
         *slot = place(name).ok_or(TableError::NoColumn(name))?;
     }
-    let optional = [place("cutoff"), place("tiles")];
+    let optional = [place("cutoff"), place("tiles"), place("opacity")];
     let mut entries = Vec::new();
     let mut splats = 0;
     let mut work = Work::default();
@@ -168,7 +177,7 @@ struct TableReader<'a> {
     line: usize,
     fields: &'a [&'a str],
     places: &'a [usize; COLUMNS.len()],
-    optional: [Option<usize>; 2],
+    optional: [Option<usize>; 3],
 }
 
 impl TableReader<'_> {
@@ -230,6 +239,7 @@ impl TableReader<'_> {
             depth: self.number(2)?,
             conic: self.conic()?,
             cutoff: self.cutoff(options)?,
+            opacity: self.opacity()?,
             first,
             last,
             tiles: self.tiles()?,
@@ -248,6 +258,19 @@ impl TableReader<'_> {
                 "cutoff",
                 text,
                 "expected a finite number above 0, or nothing",
+            )),
+        }
+    }
+
+    fn opacity(&self) -> Result<Option<f64>, TableError> {
+        let text = self.optional[2].map_or("", |place| self.text(place));
+        match text.parse::<f64>() {
+            _ if text.is_empty() => Ok(None),
+            Ok(value) if value.is_finite() && value >= 0.0 => Ok(Some(value)),
+            _ => Err(self.wrong(
+                "opacity",
+                text,
+                "expected a finite number of 0 or more, or nothing",
             )),
         }
     }
@@ -328,32 +351,83 @@ fn tile_part<'a>(
     traversal: Traversal,
 ) -> TilePart {
     let mut part = TilePart::default();
+    let mut light = TileLight::new(first, last);
     for entry in list {
         let columns = [entry.first[0].max(first[0]), entry.last[0].min(last[0])];
         let (top, bottom) = (entry.first[1].max(first[1]), entry.last[1].min(last[1]));
         let start = part.rows.len();
         part.rows
             .extend((top..bottom).map(|y| entry.row(y, columns, first[0], traversal)));
+        for (y, row) in (top..bottom).zip(&mut part.rows[start..]) {
+            light.dim(entry, y, row);
+        }
         part.pairs.push(Pair {
             splat: entry.splat,
             rows_end: part.rows.len() as u32,
             first_row: (top - first[1]) as u8,
             visits: part.rows[start..].iter().any(|row| row.length > 0),
         });
+        if part.finished_after.is_none() && light.is_finished() {
+            part.finished_after = Some(part.pairs.len() as u32);
+        }
     }
     part
 }
 
+/// What is left of the light of a tile's pixels.
+struct TileLight {
+    first: [u16; 2],
+    left: Vec<[f64; 64]>,
+    /// Pixels of each row that have finished, and all of a row.
+    finished: Vec<u64>,
+    whole: u64,
+}
+
+impl TileLight {
+    fn new(first: [u16; 2], last: [u16; 2]) -> TileLight {
+        let rows = usize::from(last[1] - first[1]);
+        TileLight {
+            first,
+            left: vec![[1.0; 64]; rows],
+            finished: vec![0; rows],
+            whole: mask(0, (last[0] - first[0]).into()),
+        }
+    }
+
+    /// A footprint's row takes light of open pixels; those that have finished before are not open to it.
+    fn dim(&mut self, entry: &WorkTableEntry, y: u16, row: &mut WorkloadRow) {
+        let place = usize::from(y - self.first[1]);
+        row.open &= !self.finished[place];
+        let Some(opacity) = entry.opacity else {
+            return;
+        };
+        let mut open = row.covered & row.open;
+        while open != 0 {
+            let x = open.trailing_zeros();
+            let radial = entry.radial(self.first[0] + x as u16, y);
+            let left = &mut self.left[place][x as usize];
+            *left *= 1.0 - (opacity * (-radial / 2.0).exp()).min(MOST_TAKEN);
+            self.finished[place] |= u64::from(*left <= FINISHED) << x;
+            open &= open - 1;
+        }
+    }
+
+    fn is_finished(&self) -> bool {
+        self.finished.iter().all(|row| *row == self.whole)
+    }
+}
+
 impl WorkTableEntry {
-    fn row(&self, y: u16, [from, to]: [u16; 2], origin: u16, traversal: Traversal) -> WorkloadRow {
+    fn radial(&self, x: u16, y: u16) -> f64 {
         let [a, b, c] = self.conic;
         let dy = f64::from(y) + 0.5 - self.centre[1];
-        let radial = |x: u16| {
-            let dx = f64::from(x) + 0.5 - self.centre[0];
-            a * dx * dx + 2.0 * b * dx * dy + c * dy * dy
-        };
+        let dx = f64::from(x) + 0.5 - self.centre[0];
+        a * dx * dx + 2.0 * b * dx * dy + c * dy * dy
+    }
+
+    fn row(&self, y: u16, [from, to]: [u16; 2], origin: u16, traversal: Traversal) -> WorkloadRow {
         let covered = (from..to)
-            .filter(|x| radial(*x) < self.cutoff)
+            .filter(|x| self.radial(*x, y) < self.cutoff)
             .fold(0u64, |all, x| all | 1 << (x - origin));
         let (first, last) = match traversal {
             Traversal::Box => (from - origin, to - origin),

@@ -1,44 +1,39 @@
 //! COLMAP models, text and binary: `cameras` with the lenses, `images` with quaternion (w, x, y, z) and translation from world to
 //! camera; axes are right, down, forward as ours. The points of a model are not read.
 
-use super::lens::Distortion;
+use super::lens::{Distortion, Lens};
 use super::{CameraPose, Photograph, Read};
 use crate::input;
 use crate::scene::rotation_matrix;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Lens models in the order of their numbers: name, number of parameters, and what these mean.
-const MODELS: [(&str, usize, ColmapModel); 11] = [
-    ("SIMPLE_PINHOLE", 3, ColmapModel::Single),
-    ("PINHOLE", 4, ColmapModel::Double),
-    ("SIMPLE_RADIAL", 4, ColmapModel::Single),
-    ("RADIAL", 5, ColmapModel::Single),
-    ("OPENCV", 8, ColmapModel::Double),
-    ("OPENCV_FISHEYE", 8, ColmapModel::Other),
-    ("FULL_OPENCV", 12, ColmapModel::Double),
-    ("FOV", 5, ColmapModel::Other),
-    ("SIMPLE_RADIAL_FISHEYE", 4, ColmapModel::Other),
-    ("RADIAL_FISHEYE", 5, ColmapModel::Other),
-    ("THIN_PRISM_FISHEYE", 12, ColmapModel::Other),
+/// Lens models in the order of their numbers: name, number of parameters, how many of them are focal lengths, and what follows the principal point.
+const MODELS: [(&str, usize, usize, ColmapModel); 11] = [
+    ("SIMPLE_PINHOLE", 3, 1, ColmapModel::Polynomial),
+    ("PINHOLE", 4, 2, ColmapModel::Polynomial),
+    ("SIMPLE_RADIAL", 4, 1, ColmapModel::Polynomial),
+    ("RADIAL", 5, 1, ColmapModel::Polynomial),
+    ("OPENCV", 8, 2, ColmapModel::Polynomial),
+    ("OPENCV_FISHEYE", 8, 2, ColmapModel::Fisheye),
+    ("FULL_OPENCV", 12, 2, ColmapModel::Polynomial),
+    ("FOV", 5, 2, ColmapModel::FieldOfView),
+    ("SIMPLE_RADIAL_FISHEYE", 4, 1, ColmapModel::Fisheye),
+    ("RADIAL_FISHEYE", 5, 1, ColmapModel::Fisheye),
+    ("THIN_PRISM_FISHEYE", 12, 2, ColmapModel::ThinPrism),
 ];
 
-/// Order of a model's parameters.
+/// Meaning of a model's last parameters.
 #[derive(Clone, Copy, PartialEq)]
 enum ColmapModel {
-    /// f, cx, cy, k1, k2.
-    Single,
-    /// fx, fy, cx, cy, k1, k2, p1, p2, k3 to k6.
-    Double,
-    /// No pinhole.
-    Other,
-}
-
-struct ColmapLens {
-    size: [u64; 2],
-    focal: [f64; 2],
-    principal: [f64; 2],
-    distortion: Distortion,
+    /// k1, k2, p1, p2, k3 to k6.
+    Polynomial,
+    /// k1 to k4.
+    Fisheye,
+    /// k1, k2, p1, p2, k3, k4, sx1, sy1.
+    ThinPrism,
+    /// The width of the field.
+    FieldOfView,
 }
 
 /// The folder of a model: the one named, its `sparse/0` or `sparse`, or that of a file named.
@@ -86,7 +81,7 @@ fn text(bytes: &[u8], file: &str) -> Result<String, String> {
     String::from_utf8(bytes.to_vec()).map_err(|_| format!("{file} is no text: fetch it again"))
 }
 
-type Lenses = BTreeMap<i64, ColmapLens>;
+type Lenses = BTreeMap<i64, Lens>;
 
 fn text_cameras(text: &str) -> Result<Lenses, String> {
     let mut lenses = Lenses::new();
@@ -271,35 +266,48 @@ fn binary_images(bytes: &[u8], lenses: &Lenses) -> Read {
 }
 
 fn lens(
-    (name, count, model): &(&str, usize, ColmapModel),
+    (name, count, focals, model): &(&str, usize, usize, ColmapModel),
     size: [u64; 2],
     p: &[f64],
-) -> Result<ColmapLens, String> {
+) -> Result<Lens, String> {
     if p.len() != *count {
         return Err(format!(
             "{name} has {count} parameters, but there are {}",
             p.len()
         ));
     }
-    let (focal, principal, rest) = match model {
-        ColmapModel::Single => ([p[0]; 2], [p[1], p[2]], &p[3..]),
-        ColmapModel::Double => ([p[0], p[1]], [p[2], p[3]], &p[4..]),
-        ColmapModel::Other => {
-            return Err(format!(
-                "the lens model {name} is no pinhole; undistort the pictures (colmap image_undistorter) and give that model"
-            ));
-        }
-    };
+    let rest = &p[focals + 2..];
     let at = |k: usize| rest.get(k).copied().unwrap_or(0.0);
-    Ok(ColmapLens {
-        size,
-        focal,
-        principal,
-        distortion: Distortion {
+    let distortion = match model {
+        ColmapModel::Polynomial => Distortion::Polynomial {
             radial: [at(0), at(1), at(4), at(5), at(6), at(7)],
             tangential: [at(2), at(3)],
         },
+        ColmapModel::Fisheye => Distortion::Fisheye {
+            radial: [at(0), at(1), at(2), at(3)],
+            tangential: [0.0; 2],
+            prism: [0.0; 2],
+        },
+        ColmapModel::ThinPrism => Distortion::Fisheye {
+            radial: [at(0), at(1), at(4), at(5)],
+            tangential: [at(2), at(3)],
+            prism: [at(6), at(7)],
+        },
+        ColmapModel::FieldOfView => Distortion::FieldOfView(at(0)),
+    };
+    Ok(Lens {
+        size,
+        focal: [p[0], p[focals - 1]],
+        principal: [p[*focals], p[focals + 1]],
+        distortion,
     })
+}
+
+/// The lens of a model's name.
+#[cfg(test)]
+pub(super) fn lens_of(model: &str, size: [u64; 2], parameters: &[f64]) -> Result<Lens, String> {
+    let known = MODELS.iter().find(|(name, ..)| *name == model);
+    lens(known.ok_or("unknown")?, size, parameters)
 }
 
 fn posed(
@@ -321,13 +329,13 @@ fn posed(
         rotation: rotation.ok_or("its quaternion is zero or not finite")?,
         translation: [tx, ty, tz],
     };
-    let note = lens.distortion.note(lens.size, lens.focal, lens.principal);
     let (camera, correction) = photograph.camera()?;
     Ok(CameraPose {
         camera,
         correction,
         rotation_field: "QW QX QY QZ",
-        notes: note.into_iter().collect(),
+        notes: lens.note().into_iter().collect(),
+        lens: Some(*lens),
         name,
     })
 }

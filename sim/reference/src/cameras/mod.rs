@@ -8,10 +8,10 @@
 //! | the 3D Gaussian trainer | JSON that is a list | `trainer` |
 //!
 //! All but the first come from photographs, whose lenses may bend straight lines. A camera here is a pinhole: distortion is never
-//! left out in silence, but told with the pixels by which it moves the picture's corners ([`CameraPose::notes`]); fisheyes are refused.
+//! left out in silence, but told with the pixels by which it moves the picture's corners ([`CameraPose::notes`]), and photographs are undistorted by [`CameraPose::lens`].
 
 mod colmap;
-mod lens;
+pub mod lens;
 mod trainer;
 mod transforms;
 
@@ -21,6 +21,7 @@ mod tests;
 use crate::camera::{Camera, CameraError};
 use crate::input;
 use crate::vector::{self, Vector};
+use lens::Lens;
 use std::path::Path;
 
 /// A camera and what it is called in its file.
@@ -36,6 +37,8 @@ pub struct CameraPose {
     pub rotation_field: &'static str,
     /// What the file says that is not drawn.
     pub notes: Vec<String>,
+    /// Of photographs, with what it bends.
+    pub lens: Option<Lens>,
 }
 
 /// What a reader gives: problems are plain sentences, [`load`] puts the file before them.
@@ -53,6 +56,10 @@ pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<CameraPose>, Ca
     };
     if let Some(folder) = colmap::folder(path) {
         return colmap::load(&folder).map_err(wrong);
+    }
+    let listed = ["transforms.json", "cameras.json"].map(|name| path.join(name));
+    if let Some(file) = listed.iter().find(|file| file.is_file()) {
+        return load(file, size);
     }
     if path.is_dir() {
         let problem = "is a folder and not a regular file, and holds no cameras and images (.txt or .bin) of COLMAP, also in sparse/0: name a file";
@@ -74,6 +81,7 @@ fn own(path: &Path) -> Result<CameraPose, CameraError> {
         correction,
         rotation_field: "world_to_camera",
         notes: Vec::new(),
+        lens: None,
     })
 }
 

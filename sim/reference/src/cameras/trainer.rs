@@ -51,5 +51,6 @@ fn pose(entry: &TrainerCamera) -> Result<CameraPose, String> {
         correction,
         rotation_field: "rotation",
         notes: Vec::new(),
+        lens: None,
     })
 }

@@ -4,7 +4,7 @@
 //! Poses are taken as they stand. Nerfstudio trains in a space of its own (dataparser_transforms.json), so a scene exported from
 //! there has to be exported with its poses.
 
-use super::lens::Distortion;
+use super::lens::{Distortion, Lens};
 use super::{CameraPose, Photograph, Read, inverted, unit_rows};
 use serde::Deserialize;
 
@@ -43,13 +43,21 @@ struct TransformsLens {
     p2: Option<f64>,
 }
 
+/// The one model that is no polynomial.
+const FISHEYE: &str = "OPENCV_FISHEYE";
+
 /// All frames of a file; `size` is the picture's where the file has none.
 pub(super) fn parse(text: &str, size: Option<[usize; 2]>) -> Read {
     let file: TransformsFile =
         serde_json::from_str(text).map_err(|error| format!("is no transforms.json: {error}"))?;
+    let fisheye = file
+        .camera_model
+        .as_ref()
+        .is_some_and(|model| model.eq_ignore_ascii_case(FISHEYE));
     if let Some(model) = &file.camera_model {
         let known = [
             "OPENCV",
+            FISHEYE,
             "PINHOLE",
             "SIMPLE_PINHOLE",
             "PERSPECTIVE",
@@ -59,12 +67,12 @@ pub(super) fn parse(text: &str, size: Option<[usize; 2]>) -> Read {
         if !known.contains(&model.to_ascii_uppercase().as_str()) {
             let shown: String = model.chars().filter(|c| !c.is_control()).take(40).collect();
             return Err(format!(
-                "camera_model '{shown}' is no pinhole: undistort the pictures and export again"
+                "camera_model '{shown}' is unknown: undistort the pictures and export again"
             ));
         }
     }
     let posed = |(index, frame): (usize, &TransformsFrame)| {
-        pose(frame, &frame.lens.or(&file.lens), size)
+        pose(frame, &frame.lens.or(&file.lens), size, fisheye)
             .map_err(|what| format!("frame {index}: {what}"))
     };
     file.frames.iter().enumerate().map(posed).collect()
@@ -96,6 +104,7 @@ fn pose(
     frame: &TransformsFrame,
     lens: &TransformsLens,
     size: Option<[usize; 2]>,
+    fisheye: bool,
 ) -> Result<CameraPose, String> {
     let [width, height] = match (lens.w, lens.h, size) {
         (Some(w), Some(h), _) if w >= 1.0 && h >= 1.0 => [w as u64, h as u64],
@@ -135,22 +144,38 @@ fn pose(
         translation,
     };
     let at = |value: Option<f64>| value.unwrap_or(0.0);
-    let distortion = Distortion {
-        radial: [at(lens.k1), at(lens.k2), at(lens.k3), 0.0, 0.0, 0.0],
-        tangential: [at(lens.p1), at(lens.p2)],
+    let radial = [lens.k1, lens.k2, lens.k3, lens.k4].map(at);
+    let tangential = [lens.p1, lens.p2].map(at);
+    let distortion = if fisheye {
+        Distortion::Fisheye {
+            radial,
+            tangential: [0.0; 2],
+            prism: [0.0; 2],
+        }
+    } else if radial[3] != 0.0 {
+        return Err(format!(
+            "k4 belongs to a fisheye, but camera_model is not {FISHEYE}: undistort the pictures and export again"
+        ));
+    } else {
+        let [k1, k2, k3, _] = radial;
+        Distortion::Polynomial {
+            radial: [k1, k2, k3, 0.0, 0.0, 0.0],
+            tangential,
+        }
     };
-    if at(lens.k4) != 0.0 {
-        return Err("k4 belongs to a fisheye: undistort the pictures and export again".to_owned());
-    }
+    let lens = Lens {
+        size: [width, height],
+        focal,
+        principal,
+        distortion,
+    };
     let (camera, correction) = photograph.camera()?;
     Ok(CameraPose {
         name: frame.file_path.trim_start_matches("./").to_owned(),
         camera,
         correction,
         rotation_field: "transform_matrix",
-        notes: distortion
-            .note([width, height], focal, principal)
-            .into_iter()
-            .collect(),
+        notes: lens.note().into_iter().collect(),
+        lens: Some(lens),
     })
 }

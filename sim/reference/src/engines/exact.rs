@@ -89,9 +89,14 @@ pub fn project<'a>(
         bounds: whole,
         colour,
     };
-    let (variance, peak) = footprint.variance_and_peak(centre);
+    let (variance, mut peak) = footprint.variance_and_peak(centre);
     if !(variance.is_regular() && centre[0].is_finite() && centre[1].is_finite()) {
         return Err(Culled::Degenerate);
+    }
+    // An opacity is the splat's own and the same on all rays, and so is what is left of it: that on the ray through the centre.
+    if rules.compensated && !rules.normalised {
+        peak *= variance.compensation();
+        footprint.weight = peak;
     }
     // The peak of a normalised kernel differs from ray to ray, so its smallest opacity bounds nothing here.
     let alpha_min = if rules.normalised {

@@ -80,6 +80,8 @@ pub fn project_beyond_viewport(
     // EWA eq. 31: the integral along the ray of a normalised kernel, times its mass. |W| is 1.
     let peak = if rules.normalised {
         weight * jacobian.determinant() * variance.normalised_peak() * rules.kernel.relative_peak()
+    } else if rules.compensated {
+        weight * variance.compensation()
     } else {
         weight
     };

@@ -58,6 +58,13 @@ pub const BFLOAT16: FloatFormat = FloatFormat {
     max_exponent: 127,
 };
 
+/// 8 bits, of which 4 are the exponent's (E4M3); the two largest numbers, which some machines use for NaN, are numbers here.
+pub const FP8: FloatFormat = FloatFormat {
+    fraction_bits: 3,
+    min_exponent: -6,
+    max_exponent: 8,
+};
+
 impl FloatFormat {
     /// The nearest value of the format.
     pub fn round(self, value: f64) -> f64 {
@@ -438,11 +445,8 @@ impl Setup<'_> {
         let variance = covariance(splat, format);
         let spread = |i: usize, j: usize| dot(rows[i], variance.map(|line| dot(line, rows[j])));
         let low_pass = n(rules.low_pass);
-        let (a, b, c) = (
-            spread(0, 0) + low_pass,
-            spread(0, 1),
-            spread(1, 1) + low_pass,
-        );
+        let (sharp_a, b, sharp_c) = (spread(0, 0), spread(0, 1), spread(1, 1));
+        let (a, c) = (sharp_a + low_pass, sharp_c + low_pass);
         let determinant = a * c - b * b;
         if !(determinant.value.is_finite() && determinant.value > 0.0) {
             return Err(Culled::Degenerate);
@@ -450,6 +454,9 @@ impl Setup<'_> {
         let peak = if rules.normalised {
             let slant = (slope[0] * slope[0] + slope[1] * slope[1] + n(1.0)).sqrt();
             n(weight) * gain[0] * gain[1] * slant / (n(std::f64::consts::TAU) * determinant.sqrt())
+        } else if rules.compensated {
+            let kept = (sharp_a * sharp_c - b * b) / determinant;
+            n(weight) * kept.max(n(0.0)).sqrt()
         } else {
             n(weight)
         };

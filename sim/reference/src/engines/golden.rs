@@ -37,6 +37,8 @@ pub struct GoldenSplat {
     pub culled: bool,
     /// The slopes of the Jacobian were clamped.
     pub clamped: bool,
+    /// sqrt(det V' / det(V' + V^h)) as gsplat computes it.
+    pub compensation: f64,
     /// Conic (A, B, C) in 60-digit arithmetic, with low-pass; NaN at depth zero.
     pub exact_conic: [f64; 3],
 }
@@ -359,6 +361,7 @@ fn parse_splat(names: &[&str], line: &str) -> Result<GoldenSplat> {
         depth: number("depth")?,
         culled: number("rx")? == 0.0 && number("ry")? == 0.0,
         clamped: number("clamped")? != 0.0,
+        compensation: number("comp")?,
         exact_conic: triple(["exact_conA", "exact_conB", "exact_conC"])?,
     })
 }

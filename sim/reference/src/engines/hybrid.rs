@@ -85,6 +85,7 @@ fn point(
         b: 0.0,
         c: area,
         determinant: area * area,
+        sharp_determinant: area * area,
     };
     let footprint = Footprint {
         centre: screen_position(position, camera),

@@ -112,6 +112,8 @@ pub struct ScreenVariance {
     pub c: f64,
     /// a c - b^2, computed as a sum of squares.
     pub determinant: f64,
+    /// The determinant without the low-pass filter.
+    pub sharp_determinant: f64,
 }
 
 impl ScreenVariance {
@@ -126,13 +128,13 @@ impl ScreenVariance {
             .cofactors
             .map(|cofactor| area * vector::dot(cofactor, normal));
         let (squared0, squared1) = (vector::dot(m0, m0), vector::dot(m1, m1));
+        let sharp_determinant = vector::dot(cross, cross);
         ScreenVariance {
             a: squared0 + low_pass,
             b: vector::dot(m0, m1),
             c: squared1 + low_pass,
-            determinant: vector::dot(cross, cross)
-                + low_pass * (squared0 + squared1)
-                + low_pass * low_pass,
+            sharp_determinant,
+            determinant: sharp_determinant + low_pass * (squared0 + squared1) + low_pass * low_pass,
         }
     }
 
@@ -166,6 +168,11 @@ impl ScreenVariance {
                 .all(|number| number.is_finite())
             && a > 0.0
             && c > 0.0
+    }
+
+    /// By which factor the low-pass filter would lift the volume of a Gaussian of constant peak, inverted: sqrt(det V' / det(V' + V^h)).
+    pub fn compensation(&self) -> f64 {
+        (self.sharp_determinant / self.determinant).sqrt()
     }
 
     /// The peak of a Gaussian of unit volume on the screen: 1 / (2 pi sqrt(det)), per square pixel.

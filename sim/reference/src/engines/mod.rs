@@ -19,6 +19,7 @@ pub mod golden;
 pub mod hybrid;
 pub mod jacobian;
 pub mod kernels;
+pub mod maps;
 pub mod rational;
 pub mod sheets;
 pub mod single;

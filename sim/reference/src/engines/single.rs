@@ -94,11 +94,8 @@ pub fn project(
     let variance = covariance(splat);
     let spread = |i: usize, j: usize| dot(rows[i], variance.map(|line| dot(line, rows[j])));
     let low_pass = rules.low_pass as f32;
-    let (a, b, c) = (
-        spread(0, 0) + low_pass,
-        spread(0, 1),
-        spread(1, 1) + low_pass,
-    );
+    let (sharp_a, b, sharp_c) = (spread(0, 0), spread(0, 1), spread(1, 1));
+    let (a, c) = (sharp_a + low_pass, sharp_c + low_pass);
     let determinant = a * c - b * b;
     if determinant.is_nan() || determinant <= 0.0 {
         return None;
@@ -106,6 +103,9 @@ pub fn project(
     let peak = if rules.normalised {
         let slant = (slope[0] * slope[0] + slope[1] * slope[1] + 1.0).sqrt();
         weight as f32 * gain[0] * gain[1] * slant / (std::f32::consts::TAU * determinant.sqrt())
+    } else if rules.compensated {
+        let kept = (sharp_a * sharp_c - b * b) / determinant;
+        weight as f32 * kept.max(0.0).sqrt()
     } else {
         weight as f32
     };

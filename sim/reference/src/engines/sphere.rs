@@ -142,11 +142,13 @@ fn project(
         let across = [direction[1], -direction[0]];
         along + minor * minor * across[i] * across[j]
     };
+    let determinant = (major * minor * camera.fx * camera.fy).powi(2);
     let outline = ScreenVariance {
         a: form(0, 0) * camera.fx * camera.fx,
         b: form(0, 1) * camera.fx * camera.fy,
         c: form(1, 1) * camera.fy * camera.fy,
-        determinant: (major * minor * camera.fx * camera.fy).powi(2),
+        determinant,
+        sharp_determinant: determinant,
     };
     if !outline.is_regular() {
         return Err(Culled::Degenerate);

@@ -17,6 +17,12 @@ pub const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
 /// Trained captures follow the photographs' cameras: y points down.
 pub(super) const CAPTURE_UP: [f64; 3] = [0.0, -1.0, 0.0];
 
+/// What a file says that was trained antialiased without saying how: gsplat's low-pass filter, and opacities compensated for it.
+pub(super) const TRAINED_ANTIALIASED: Rules = Rules {
+    compensated: true,
+    ..Rules::GAUSSIAN_3D
+};
+
 /// One Gaussian in a trainer's terms, its fields decoded but not yet checked.
 #[derive(Clone, Copy, Debug)]
 pub struct Gaussian<'a> {
@@ -65,6 +71,8 @@ pub(super) fn room_for(degree: u8, count: u64, unpacked: u64) -> Result<(), Prob
 
 /// Collects Gaussians into a scene and counts those that cannot be drawn.
 pub(super) struct GaussianScene {
+    /// The rules that they were trained with; `3dgs` unless the file says otherwise.
+    pub(super) rules: Rules,
     degree: u8,
     splats: Vec<Splat>,
     coefficients: Vec<[f32; 3]>,
@@ -80,6 +88,7 @@ impl GaussianScene {
         let coloured = if degree > 0 { count } else { 0 };
         let coefficients = count.saturating_mul(coefficient_count(degree) as u64);
         Ok(GaussianScene {
+            rules: Rules::GAUSSIAN_3D,
             degree,
             splats: memory::list(count, what)?,
             coefficients: memory::list(coefficients, what)?,
@@ -144,7 +153,7 @@ impl GaussianScene {
         let (degree, coefficients, base) = (self.degree, self.coefficients, self.bases);
         Ok(Scene {
             name: name.to_string(),
-            natural_rules: Rules::GAUSSIAN_3D,
+            natural_rules: self.rules,
             weight: Weight::Opacity,
             splats: self.splats,
             harmonics: (degree > 0).then_some(Harmonics {

@@ -8,7 +8,7 @@ use super::Scene;
 use super::bytes::Reader;
 use super::error::Problem;
 use super::gaussian::{Gaussian, GaussianScene, coefficient_count};
-use super::half;
+use half::f16;
 
 const HEADER_BYTES: usize = 4096;
 const SECTION_BYTES: usize = 1024;
@@ -291,7 +291,7 @@ impl KsplatLayout {
     fn part(&self, record: &[u8], first: usize, index: usize) -> f64 {
         match self.level {
             0 => f32_at(record, first + 4 * index),
-            _ => half::from_bits(u16_at(record, first + 2 * index)),
+            _ => f16::from_bits(u16_at(record, first + 2 * index)).to_f64(),
         }
     }
 

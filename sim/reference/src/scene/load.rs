@@ -12,6 +12,7 @@ use super::{
     transfer::Transfer,
 };
 use crate::input;
+use crate::rules::Rules;
 
 /// The embedded volume, see `sim/reference/assets/README.md`.
 const DEMO: &[u8] = include_bytes!("../../assets/brainsmall.nrrd");
@@ -37,26 +38,57 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
 /// The same with notes for the user.
 pub fn load_with_notes(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
     let shown = path.display().to_string();
+    if let Some((iteration, file)) = trained_folder(path) {
+        let (mut scene, mut notes) = load_with_notes(&file, options)?;
+        let name = path.file_name().unwrap_or_default();
+        scene.name = name.to_string_lossy().into_owned();
+        notes.push(format!(
+            "a trainer's folder, drawn as of iteration {iteration}"
+        ));
+        return Ok((scene, notes));
+    }
     if shown == "demo" {
         return demo_with(options);
     }
     let scene = if synthetic::is_synthetic(&shown) {
         refuse_volume_options(options)
             .and_then(|()| load_synthetic(&shown))
-            .map(without_notes)
+            .map(noted)
     } else if let Some(folder) = sog_folder(path) {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
         refuse_volume_options(options)
             .and_then(|()| sog::load_folder(folder, &name))
-            .map(without_notes)
+            .map(noted)
     } else {
         read_file(path).and_then(|bytes| dispatch(&bytes, path, options))
     };
     scene.map_err(|problem| problem.of(shown))
 }
 
-fn without_notes(scene: Scene) -> Loaded {
-    (scene, Vec::new())
+/// The scene, and that it was trained antialiased if it says so.
+fn noted(scene: Scene) -> Loaded {
+    let Rules {
+        compensated,
+        low_pass,
+        ..
+    } = scene.natural_rules;
+    let note = compensated.then(|| {
+        format!("trained antialiased: opacities are compensated for a low-pass filter of {low_pass} square pixels (--antialias ewa draws it without)")
+    });
+    (scene, note.into_iter().collect())
+}
+
+/// The last iteration of a trainer's output folder, and its file: `point_cloud/iteration_N/point_cloud.ply`.
+fn trained_folder(path: &Path) -> Option<(u64, PathBuf)> {
+    let entries = std::fs::read_dir(path.join("point_cloud")).ok()?;
+    let iteration = |entry: std::io::Result<std::fs::DirEntry>| {
+        let entry = entry.ok()?;
+        let name = entry.file_name();
+        let number = name.to_str()?.strip_prefix("iteration_")?.parse().ok()?;
+        let file = entry.path().join("point_cloud.ply");
+        file.is_file().then_some((number, file))
+    };
+    entries.filter_map(iteration).max()
 }
 
 /// The folder of an unpacked SOG scene, which may be named itself or by its meta.json.
@@ -148,7 +180,7 @@ fn dispatch(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Loaded, 
             return Ok((load_volume(&volume, path, &name, options)?, notes));
         }
     };
-    scene.map(without_notes)
+    scene.map(noted)
 }
 
 fn read_volume(format: VolumeFormat, bytes: &[u8], path: &Path) -> Result<Noted, Problem> {

@@ -13,7 +13,6 @@ mod file;
 mod gaussian;
 mod gltf;
 mod ksplat;
-mod half;
 mod load;
 mod look;
 mod nrrd;
@@ -120,6 +119,20 @@ impl Scene {
     pub fn colours(&self, camera: &Camera) -> Vec<[f64; 3]> {
         let indices = 0..self.splats.len();
         indices.map(|index| self.colour(index, camera)).collect()
+    }
+
+    /// Leaves out harmonics of higher degrees than this.
+    pub fn limit_harmonics(&mut self, degree: u8) {
+        let Some(harmonics) = self.harmonics.as_mut().filter(|h| h.degree > degree) else {
+            return;
+        };
+        let [before, after] = [harmonics.degree, degree].map(gaussian::coefficient_count);
+        let splats = harmonics.coefficients.chunks(before);
+        harmonics.coefficients = splats.flat_map(|all| &all[..after]).copied().collect();
+        harmonics.degree = degree;
+        if degree == 0 {
+            self.harmonics = None;
+        }
     }
 
     /// The colour of one splat; black if there is none of this number.

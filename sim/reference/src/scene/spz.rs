@@ -19,14 +19,16 @@ use super::Scene;
 use super::bytes::{Reader, gunzip_at_most, gunzip_exact, unzstd_exact};
 use super::error::Problem;
 use super::gaussian::{
-    Gaussian, GaussianScene, HARMONICS, MAX_DEGREE, base_from_coefficient, coefficient_count,
-    harmonic_basis, room_for, scale_from_log, scene_bytes,
+    Gaussian, GaussianScene, HARMONICS, MAX_DEGREE, TRAINED_ANTIALIASED, base_from_coefficient,
+    coefficient_count, harmonic_basis, room_for, scale_from_log, scene_bytes,
 };
-use super::half;
+use half::f16;
 
 const MAGIC: &[u8; 4] = b"NGSP";
 const HEADER_BYTES: usize = 16;
 const COLOUR_SCALE: f64 = 0.15;
+/// Flag of a file that was trained antialiased.
+const FLAG_ANTIALIASED: u8 = 1;
 /// Flag of a file with extension records after the arrays.
 const FLAG_EXTENSIONS: u8 = 2;
 /// What turns right-up-back into right-down-front.
@@ -142,6 +144,9 @@ fn size_at(entry: &[u8; 16], at: usize) -> u64 {
 fn decode(header: &SpzHeader, arrays: [&[u8]; 6], name: &str) -> Result<Scene, Problem> {
     let arrays = Arrays::new(arrays);
     let mut scene = GaussianScene::new(header.degree, header.count.into())?;
+    if header.antialiased {
+        scene.rules = TRAINED_ANTIALIASED;
+    }
     let parities = harmonic_parities();
     let mut harmonics = vec![[0.0f32; 3]; coefficient_count(header.degree)];
     for index in 0..header.count as usize {
@@ -156,6 +161,8 @@ struct SpzHeader {
     count: u32,
     degree: u8,
     fraction_bits: u8,
+    /// Opacities are to be compensated for the low-pass filter.
+    antialiased: bool,
     /// The number of streams in version 4, nothing before.
     reserved: u8,
 }
@@ -183,6 +190,7 @@ impl SpzHeader {
             count,
             degree,
             fraction_bits,
+            antialiased: flags & FLAG_ANTIALIASED != 0,
             reserved,
         })
     }
@@ -311,7 +319,7 @@ fn position(stored: &[u8], fraction_bits: u8) -> [f64; 3] {
     let unit = f64::from(1u32 << fraction_bits);
     let size = stored.len() / 3;
     let place = |axis: usize| match stored[axis * size..(axis + 1) * size] {
-        [low, high] => half::from_bits(u16::from_le_bytes([low, high])),
+        [low, high] => f16::from_le_bytes([low, high]).to_f64(),
         // In the top three bytes the sign is in place; the shift back is arithmetic.
         [low, middle, high] => f64::from(i32::from_le_bytes([0, low, middle, high]) >> 8) / unit,
         _ => f64::NAN,

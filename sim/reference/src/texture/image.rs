@@ -3,8 +3,9 @@
 //! Texture coordinates are in texels from the upper left corner: texel (i, j) is the sample at (i + 0.5, j + 0.5). As everywhere,
 //! values are linear as stored (no gamma applied).
 
+use crate::cameras::lens::{Distortion, Lens};
 use crate::memory;
-use crate::picture::png;
+use crate::picture::{Picture, png};
 use crate::scene::{LoadError, Problem};
 use std::path::Path;
 use zune_jpeg::JpegDecoder;
@@ -74,6 +75,63 @@ impl Texture {
     }
 }
 
+/// A photograph as a picture: its alpha channel is kept, and colours are multiplied by it.
+pub fn load_photograph(path: &Path) -> Result<Picture, LoadError> {
+    let load = || {
+        let bytes = crate::scene::read_file(path)?;
+        if bytes.starts_with(JPEG) {
+            let Texture {
+                width,
+                height,
+                texels,
+            } = from_jpeg(&bytes).map_err(damaged)?;
+            let pixels = texels.iter().map(|[r, g, b]| [*r, *g, *b, 1.0]).collect();
+            return Ok(Picture {
+                width,
+                height,
+                pixels,
+            });
+        }
+        Picture::from_png(&bytes).map_err(|error| damaged(error.to_string()))
+    };
+    load().map_err(|problem: Problem| problem.of(path.display().to_string()))
+}
+
+fn damaged(reason: String) -> Problem {
+    Problem::malformed("picture", reason, "give a sound .png or .jpg file")
+}
+
+/// The photograph as a pinhole of the lens' focal lengths and principal point would have taken it; transparent where it has nothing to show.
+/// A photograph of another size than the lens' is a scaled one.
+pub fn undistorted(photograph: &Picture, lens: &Lens) -> Picture {
+    if lens.distortion == Distortion::default() {
+        return photograph.clone();
+    }
+    let size = [photograph.width, photograph.height];
+    let scale = [0, 1].map(|axis: usize| size[axis] as f64 / lens.size[axis] as f64);
+    let mut straight = Picture::new(size[0], size[1]);
+    for (at, pixel) in straight.pixels.iter_mut().enumerate() {
+        let centre = [at % size[0], at / size[0]].map(|place| place as f64 + 0.5);
+        let direction = lens.pinhole_direction([centre[0] / scale[0], centre[1] / scale[1]]);
+        let seen = lens.pixel(direction);
+        let place = [seen[0] * scale[0], seen[1] * scale[1]];
+        if (0..2).all(|axis| (0.0..size[axis] as f64).contains(&place[axis])) {
+            *pixel = bilinear(photograph, place);
+        }
+    }
+    straight
+}
+
+fn bilinear(picture: &Picture, [u, v]: [f64; 2]) -> [f64; 4] {
+    let (columns, across) = between(u, picture.width);
+    let (rows, down) = between(v, picture.height);
+    let pixel = |x: usize, y: usize| picture.pixels[rows[y] * picture.width + columns[x]];
+    std::array::from_fn(|c| {
+        let row = |y: usize| pixel(0, y)[c] + across * (pixel(1, y)[c] - pixel(0, y)[c]);
+        row(0) + down * (row(1) - row(0))
+    })
+}
+
 /// The two texels on either side of a coordinate, and how far it lies towards the second.
 fn between(coordinate: f64, size: usize) -> ([usize; 2], f64) {
     let place = (coordinate - 0.5).clamp(0.0, (size - 1) as f64);
@@ -83,13 +141,6 @@ fn between(coordinate: f64, size: usize) -> ([usize; 2], f64) {
 
 fn decode(path: &Path) -> Result<Texture, Problem> {
     let bytes = crate::scene::read_file(path)?;
-    let damaged = |reason: String| {
-        Problem::malformed(
-            "picture",
-            reason,
-            "give a sound .png or .jpg file as texture",
-        )
-    };
     let texture = if bytes.starts_with(JPEG) {
         from_jpeg(&bytes)
     } else {
@@ -158,6 +209,50 @@ mod tests {
         assert!((middle[0] - 0.5).abs() < 1e-15 && (middle[1] - 1.75 / 3.0).abs() < 1e-15);
         assert_eq!(texture.sample([-9.0, -9.0]), texture.texels[0]);
         assert_eq!(texture.sample([9.0, 9.0]), texture.texels[11]);
+    }
+
+    /// A photograph whose values depend on the ray alone, taken by a lens: its pinhole shows the same function.
+    #[test]
+    fn an_undistorted_photograph_is_a_pinholes() {
+        let lens = Lens {
+            size: [120, 90],
+            focal: [100.0, 100.0],
+            principal: [60.0, 45.0],
+            distortion: Distortion::Polynomial {
+                radial: [0.15, 0.02, 0.0, 0.0, 0.0, 0.0],
+                tangential: [0.002, -0.001],
+            },
+        };
+        let colour = |ray: [f64; 2]| 0.5 + 0.4 * ray[0] - 0.3 * ray[1] + 0.2 * ray[0] * ray[1];
+        // The ray that the lens sees at a pixel of a photograph of half the size, by iteration.
+        let ray = |at: usize| {
+            let pixel = [at % 60, at / 60].map(|place| 2.0 * (place as f64 + 0.5));
+            let bent = lens.pinhole_direction(pixel);
+            (0..50).fold(bent, |ray, _| {
+                let seen = lens.distortion.apply(ray);
+                [0, 1].map(|axis: usize| ray[axis] + bent[axis] - seen[axis])
+            })
+        };
+        let photograph = Picture {
+            width: 60,
+            height: 45,
+            pixels: (0..60 * 45)
+                .map(|at| [colour(ray(at)), 0.0, 0.0, 1.0])
+                .collect(),
+        };
+        let straight = undistorted(&photograph, &lens);
+        let mut shown = 0;
+        for (at, [red, .., alpha]) in straight.pixels.iter().enumerate() {
+            let (x, y) = (at % 60, at / 60);
+            if *alpha == 0.0 || x < 2 || y < 2 || x > 57 || y > 42 {
+                continue;
+            }
+            let pixel = [x, y].map(|place| 2.0 * (place as f64 + 0.5));
+            let expected = colour(lens.pinhole_direction(pixel));
+            assert!((red - expected).abs() < 2e-3, "{x} {y}: {red} {expected}");
+            shown += 1;
+        }
+        assert!(shown > 1500, "{shown}");
     }
 
     #[test]

@@ -66,6 +66,44 @@ fn float_agrees_with_sixty_digits_and_with_independent_pictures() {
     }
 }
 
+/// gsplat's own factor, of every splat before the camera: 1e-6 of it and of 1.
+#[test]
+fn compensation_of_the_low_pass_filter_is_gsplats() {
+    let golden = GoldenA::load(&golden::archive()).unwrap();
+    let rules = Rules {
+        compensated: true,
+        ..golden.rules
+    };
+    let mut compared = 0;
+    for golden_splat in &golden.splats {
+        let projected = float::project_beyond_viewport(
+            &golden_splat.splat,
+            1.0,
+            [0.0; 3],
+            &golden.camera,
+            &rules,
+        );
+        let factor = match projected {
+            Ok(footprint) => footprint.peak,
+            Err(Culled::Transparent) => {
+                // Below the smallest opacity, with the factor alone: it is small.
+                assert!(golden_splat.compensation < 1.0 / 255.0);
+                continue;
+            }
+            Err(_) => continue,
+        };
+        let difference = (factor - golden_splat.compensation).abs();
+        let least = rules.alpha_min;
+        assert!(
+            difference <= 1e-6 * golden_splat.compensation.max(least),
+            "{factor} {}",
+            golden_splat.compensation
+        );
+        compared += 1;
+    }
+    assert!(compared > 180, "{compared}");
+}
+
 /// The largest opacity of a golden splat at any pixel, from the 60-digit conic.
 fn largest_opacity(golden: &GoldenSplat, camera: &Camera) -> f64 {
     let [a, b, c] = golden.exact_conic;

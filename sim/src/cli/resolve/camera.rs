@@ -27,7 +27,10 @@ pub(super) fn camera(
         (None, Some(VectorValue(eye)), Some(VectorValue(target))) => {
             (camera_from_eye(eye, target, up, options)?, Vec::new())
         }
-        _ => (framed(&frame(), scene, options)?, Vec::new()),
+        _ => match trained_camera(scene, options)? {
+            Some(found) => found,
+            None => (framed(&frame(), scene, options)?, Vec::new()),
+        },
     };
     let camera = match options.zoom {
         Some(factor) => camera.zoomed(factor)?,
@@ -44,11 +47,53 @@ fn camera_from_file(path: &Path, options: &ViewOptions) -> Result<(Camera, Vec<S
         print_error(&format!("{}: {note}\n", pose.name));
     }
     let warnings = correction(path, &pose);
-    let camera = match options.size {
-        Some(size) => pose.camera.resized(size.width, size.height)?,
-        None => pose.camera,
+    sized(pose.camera, options, warnings)
+}
+
+/// The first camera that a trainer's folder was trained with, where nothing is said about the view.
+fn trained_camera(
+    scene: &Path,
+    options: &ViewOptions,
+) -> Result<Option<(Camera, Vec<String>)>, Failure> {
+    let file = scene.join("cameras.json");
+    let is_said = options.orbit.is_some() || options.fov.is_some() || options.up.is_some();
+    if is_said || !file.is_file() {
+        return Ok(None);
+    }
+    let poses = cameras::load(&file, None)?;
+    let count = poses.len();
+    let Some(first) = poses.into_iter().next() else {
+        return Ok(None);
     };
-    Ok((camera, warnings))
+    print_result(&format!(
+        "camera: {}, the first of {count} in cameras.json; --camera {} --image NAME takes another\n",
+        first.name,
+        scene.display()
+    ))?;
+    let warnings = correction(&file, &first);
+    sized(first.camera, options, warnings).map(Some)
+}
+
+/// The camera with the picture's size that is asked for; what that stretches is told.
+fn sized(
+    camera: Camera,
+    options: &ViewOptions,
+    mut warnings: Vec<String>,
+) -> Result<(Camera, Vec<String>), Failure> {
+    let Some(PictureSize { width, height }) = options.size else {
+        return Ok((camera, warnings));
+    };
+    let across = width as f64 / camera.width as f64;
+    let down = height as f64 / camera.height as f64;
+    if (across / down - 1.0).abs() > 0.01 {
+        warnings.push(format!(
+            "--size {width}x{height} has another aspect than the camera's {}x{}: the picture is stretched by {:.3} across",
+            camera.width,
+            camera.height,
+            across / down
+        ));
+    }
+    Ok((camera.resized(width, height)?, warnings))
 }
 
 /// What to say about a rotation that was corrected.

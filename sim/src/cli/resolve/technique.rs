@@ -39,6 +39,7 @@ impl PlanRequest<'_> {
             None => Contents::Splats {
                 transfer: self.view.transfer.clone(),
                 light: self.view.light.map(|VectorValue(direction)| direction),
+                sh_degree: self.view.sh_degree,
             },
             Some(SceneKind::Surface) => self.surface(path)?,
             Some(SceneKind::Texture) => {
@@ -104,7 +105,7 @@ impl PlanRequest<'_> {
         } else {
             are_samples.then_some(AntialiasChoice::Swan)
         };
-        let rules = rules(self.view, scene, self.view.antialias.or(usual));
+        let rules = rules(self.view, scene, self.view.antialias.or(usual))?;
         let method = self.method(scene, &rules, are_samples)?;
         let compositing = self.compositing;
         let name = match method {
@@ -212,6 +213,8 @@ impl PlanRequest<'_> {
         vec![
             (view.rules.is_some(), "--rules"),
             (view.antialias.is_some(), "--antialias"),
+            (view.low_pass.is_some(), "--low-pass"),
+            (view.sh_degree.is_some(), "--sh-degree"),
             (view.kernel != Kernel::Gaussian, "--kernel"),
             (stamped, "--traversal stamp"),
             (method, "--points, --sheets, --deep-alpha or --spheres"),
@@ -277,15 +280,34 @@ fn source_camera(path: &Path) -> Result<SourceCamera, Failure> {
     Ok(SourceCamera(pose.camera))
 }
 
-/// The rules asked for, with the kernel and the protection against aliasing asked for.
-fn rules(options: &ViewOptions, scene: &Scene, antialias: Option<AntialiasChoice>) -> Rules {
-    let rules = options.rules.unwrap_or(scene.natural_rules);
-    let rules = rules.with_kernel(options.kernel);
-    match antialias {
-        None | Some(AntialiasChoice::Ewa) => rules,
-        Some(AntialiasChoice::None) => rules.with_antialias(Antialias::None),
-        Some(AntialiasChoice::Swan) => rules.with_antialias(Antialias::Swan(spacing(scene))),
+/// The rules asked for, with the kernel and the protection against aliasing asked for, or else with that which the scene was trained with.
+fn rules(
+    options: &ViewOptions,
+    scene: &Scene,
+    antialias: Option<AntialiasChoice>,
+) -> Result<Rules, Failure> {
+    let natural = scene.natural_rules;
+    let rules = options.rules.unwrap_or(natural).with_kernel(options.kernel);
+    let as_trained = natural.compensated && !rules.normalised;
+    let variance = match options.low_pass {
+        Some(variance) => variance,
+        None if as_trained => natural.low_pass,
+        None => rules.low_pass,
+    };
+    let antialias = match antialias {
+        None if as_trained => Antialias::Mip(variance),
+        None | Some(AntialiasChoice::Ewa) => Antialias::Ewa(variance),
+        Some(AntialiasChoice::Mip) => Antialias::Mip(variance),
+        Some(AntialiasChoice::None) => Antialias::None,
+        Some(AntialiasChoice::Swan) => Antialias::Swan(spacing(scene)),
+    };
+    let is_filtered = matches!(antialias, Antialias::Ewa(_) | Antialias::Mip(_));
+    if options.low_pass.is_some() && !is_filtered {
+        let message =
+            "--low-pass has no meaning with --antialias none and swan: leave one of them out";
+        return Err(Failure::Usage(message.to_owned()));
     }
+    Ok(rules.with_antialias(antialias))
 }
 
 /// The style that the options and the scene ask for.

@@ -251,10 +251,14 @@ fn surfaces_are_taken_by_every_command_that_they_mean_something_for() {
         let csv = path("f.csv");
         run_line(&format!("footprints {scene} --engine {engine} -o {csv}")).unwrap();
         let text = std::fs::read_to_string(csv).unwrap();
-        let number = |field: &str| field.parse::<f64>().unwrap();
+        // Points of a surface have no opacity of their own: that field alone is empty.
+        let number = |(column, field): (usize, &str)| match column {
+            11 if field.is_empty() => 0.0,
+            _ => field.parse::<f64>().unwrap(),
+        };
         let lines = text.lines().skip(1);
         lines
-            .map(|line| line.split(',').map(number).collect())
+            .map(|line| line.split(',').enumerate().map(number).collect())
             .collect()
     };
     let (fixed, float) = (lines("fixed"), lines("float"));
@@ -268,7 +272,7 @@ fn surfaces_are_taken_by_every_command_that_they_mean_something_for() {
             "{a:?} {b:?}"
         );
         assert!(
-            (7..=10).all(|column| near(column, 1.0)) && near(11, 1e-6),
+            (7..=10).all(|column| near(column, 1.0)) && near(12, 1e-6),
             "{a:?} {b:?}"
         );
     }
@@ -349,28 +353,31 @@ fn a_reports_camera_can_be_used_again() {
 #[test]
 fn footprints_are_csv_with_empty_fields_for_culled_splats() {
     let folder = tempfile::tempdir().unwrap();
-    let read = |engine: &str| -> Vec<Vec<String>> {
-        let path = folder.path().join("f.csv");
-        let view = "--eye 0,0,-2 --target 0,0,0 --size 40x30";
-        run_line(&format!(
-            "footprints random:300 --engine {engine} {view} -o {}",
-            path.display()
-        ))
-        .unwrap();
-        let text = std::fs::read_to_string(path).unwrap();
-        assert!(text.starts_with("index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff\n"));
-        text.lines()
-            .skip(1)
-            .map(|line| line.split(',').map(str::to_owned).collect())
-            .collect()
-    };
+    let read =
+        |engine: &str| -> Vec<Vec<String>> {
+            let path = folder.path().join("f.csv");
+            let view = "--eye 0,0,-2 --target 0,0,0 --size 40x30";
+            run_line(&format!(
+                "footprints random:300 --engine {engine} {view} -o {}",
+                path.display()
+            ))
+            .unwrap();
+            let text = std::fs::read_to_string(path).unwrap();
+            assert!(text.starts_with(
+                "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,opacity,cutoff\n"
+            ));
+            text.lines()
+                .skip(1)
+                .map(|line| line.split(',').map(str::to_owned).collect())
+                .collect()
+        };
     let (fixed, float) = (read("fixed"), read("float"));
     assert_eq!((fixed.len(), float.len()), (300, 300));
     let mut drawn = 0;
     for (index, (a, b)) in fixed.iter().zip(&float).enumerate() {
         assert_eq!(
             (a.len(), b.len(), a[0].parse(), b[0].parse()),
-            (12, 12, Ok(index), Ok(index))
+            (13, 13, Ok(index), Ok(index))
         );
         let culled = |fields: &[String]| fields[1..].iter().all(String::is_empty);
         if culled(a) || culled(b) {

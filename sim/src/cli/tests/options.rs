@@ -66,7 +66,7 @@ fn earlier_names_of_commands_are_the_same_commands() {
         let [earlier, now] = [earlier, now].map(|line| parse(line).unwrap());
         assert_eq!(format!("{earlier:?}"), format!("{now:?}"));
     }
-    let space = "a.ply --space s.toml --shard 2/3 --no-error -o out";
+    let space = "a.ply --space s.toml --no-error -o out";
     let Some(Command::Explore(explored)) = parse(&format!("explore {space}")).unwrap().command
     else {
         panic!("not explore")
@@ -82,10 +82,7 @@ fn earlier_names_of_commands_are_the_same_commands() {
         (explored.space, explored.output),
         (Some(swept.space), Some(swept.output))
     );
-    assert_eq!(
-        (explored.shard, explored.no_error),
-        (swept.shard, swept.no_error)
-    );
+    assert_eq!(explored.no_error, swept.no_error);
     let Some(Command::Explore(explored)) = parse(&format!("explore {limited}")).unwrap().command
     else {
         panic!("not explore")

@@ -1,6 +1,6 @@
 //! Files that are small on disk and ask for more memory than there is.
 //!
-//! Each goes through the program itself, which may take 4 GB of address space and a second or two of processor time: it must end with a
+//! Each goes through the program itself, which may take 4 GB of address space and a second of processor time: it must end with a
 //! message that has a number and a limit, not by a signal. What a file claims is true where that can be had for little (a gzip of gigabytes
 //! of zeros), so that the claim alone does not give it away.
 
@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Kilobytes of address space, and seconds of processor time, that the program gets.
-const LIMITS: &str = "ulimit -v 4000000; ulimit -t 3; exec \"$0\" \"$@\"";
+const LIMITS: &str = "ulimit -v 4000000; ulimit -t 1; exec \"$0\" \"$@\"";
 const MEGABYTE: usize = 1 << 20;
 
 /// A file's name, its bytes, and the options of the command that reads it. `FILE` stands for it.

@@ -252,7 +252,8 @@ fn a_question_has_one_answer() {
     ];
     let printed = succeed(&with("explore", &asked));
     assert!(
-        printed.contains("cheapest point that holds all limits") && printed.contains("next 3"),
+        printed.contains("cheapest point that holds all limits")
+            && printed.contains("  next      +"),
         "{printed}"
     );
     let answer: serde_json::Value =
@@ -322,7 +323,8 @@ fn a_question_has_one_answer() {
         &["--space", text(&space), "--max-energy", "1e-9"],
     ));
     assert!(
-        none.contains("the first limit to fail is mJ a frame (--max-energy)"),
+        none.contains("refused before any simulation")
+            && none.contains("mJ a frame (--max-energy): asked for at most"),
         "{none}"
     );
     let printed = fail(2, &with("explore", &["--max-energy=-1"]));
@@ -335,7 +337,8 @@ fn a_question_has_one_answer() {
         &["--space", text(&space), "--fps", "1000000", "--lut", "10"],
     ));
     assert!(
-        none.contains("no point was found that holds all limits"),
+        none.contains("frames a second (--fps): asked for at least 1000000.00, at most ")
+            && none.contains("LUT (--lut): asked for at most 10, at least "),
         "{none}"
     );
     let printed = fail(2, &with("explore", &["-o", text(&out)]));

@@ -1,9 +1,9 @@
-//! Sweeps: shards, resuming, merging, and what is refused because it belongs to another sweep.
+//! Sweeps: resuming, and what is refused because it belongs to another sweep.
 
 use super::*;
 
 #[test]
-fn a_sweep_in_shards_is_the_whole_sweep() {
+fn a_sweep_is_resumed_and_has_a_front() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     std::fs::write(
@@ -11,39 +11,14 @@ fn a_sweep_in_shards_is_the_whole_sweep() {
         "[design]\nmantissa = [14, 18]\n[machine]\nlanes = [1, 4]\nrow_fifo = [2, 8]\n",
     )
     .unwrap();
-    let sweep = |out: &Path, shard: &str| {
-        succeed(&with(
-            "explore",
-            &[
-                "--space",
-                text(&path("s.toml")),
-                "--shard",
-                shard,
-                "-o",
-                text(out),
-            ],
-        ))
-    };
-    let (whole, parts, merged) = (path("whole"), path("parts"), path("merged"));
-    assert!(sweep(&whole, "1/1").contains("8 points, 8 of them new"));
-    assert!(sweep(&whole, "1/1").contains("8 points, 0 of them new"));
-    sweep(&parts, "1/2");
-    sweep(&parts, "2/2");
-    succeed(&["merge", text(&parts), "-o", text(&merged)]);
-    let read = |folder: &Path, file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
-    assert_eq!(read(&whole, "front.csv"), read(&merged, "front.csv"));
-    assert!(read(&whole, "front.html").contains("<title>point"));
-    for sweep in [&whole, &merged] {
-        assert!(read(sweep, "front.html").contains("Estimate of area for Xilinx 7"));
-    }
-    std::fs::write(path("s.toml"), "[machine]\nlanes = [2]\n").unwrap();
-    let refused = fail(
-        1,
-        &with(
-            "explore",
-            &["--space", text(&path("s.toml")), "-o", text(&whole)],
-        ),
-    );
+    let (space, whole) = (path("s.toml"), path("whole"));
+    let sweep = ["--space", text(&space), "-o", text(&whole)];
+    assert!(succeed(&with("explore", &sweep)).contains("8 points, 8 of them new"));
+    assert!(succeed(&with("explore", &sweep)).contains("8 points, 0 of them new"));
+    let page = std::fs::read_to_string(whole.join("front.html")).unwrap();
+    assert!(page.contains("<title>point") && page.contains("Estimate of area for Xilinx 7"));
+    std::fs::write(&space, "[machine]\nlanes = [2]\n").unwrap();
+    let refused = fail(1, &with("explore", &sweep));
     assert!(refused.contains("holds another sweep"), "{refused}");
     assert!(
         refused.contains("space, line 1: '[design]' there, '[machine]' here"),
@@ -144,9 +119,9 @@ fn scene(weight: f32) -> Vec<u8> {
     [-0.3, 0.0, 0.4].map(record).concat()
 }
 
-/// Edited files of one name, other options, another program's identity: neither resumed nor merged, and the message says why.
+/// Edited files of one name, other options, another program's identity: not resumed, and the message says why.
 #[test]
-fn a_sweep_of_anything_else_is_neither_resumed_nor_merged() {
+fn a_sweep_of_anything_else_is_not_resumed() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let files = [
@@ -159,8 +134,7 @@ fn a_sweep_of_anything_else_is_neither_resumed_nor_merged() {
         std::fs::write(path(name), text).unwrap();
     }
     std::fs::write(path("a.splat"), scene(0.5)).unwrap();
-    let arguments = |shard: &str, out: &str, more: &[&str]| -> Vec<String> {
-        let out = format!("FOLDER/{out}");
+    let run = |more: &[&str]| {
         let usual = [
             "explore",
             "FOLDER/a.splat",
@@ -169,6 +143,8 @@ fn a_sweep_of_anything_else_is_neither_resumed_nor_merged() {
             "--space",
             "FOLDER/s.toml",
             "--no-error",
+            "-o",
+            "FOLDER/known",
         ];
         let files = [
             "--design",
@@ -178,42 +154,23 @@ fn a_sweep_of_anything_else_is_neither_resumed_nor_merged() {
             "--calibration",
             "FOLDER/p.toml",
         ];
-        let all = [&usual, &files[..], more, &["--shard", shard, "-o", &out]].concat();
-        all.iter()
-            .map(|argument| argument.replace("FOLDER", text(folder.path())))
-            .collect()
+        let all = [&usual, &files[..], more].concat();
+        let all = all
+            .iter()
+            .map(|argument| argument.replace("FOLDER", text(folder.path())));
+        let all: Vec<String> = all.collect();
+        splatline(&all.iter().map(String::as_str).collect::<Vec<_>>())
     };
-    let run = |shard: &str, out: &str, more: &[&str]| {
-        let arguments = arguments(shard, out, more);
-        splatline(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
-    };
-    assert!(run("1/2", "known", &[]).status.success());
-    let refused = |expected: &str, out: &str, more: &[&str]| {
-        let resumed = run("2/2", "known", more);
-        let printed = String::from_utf8_lossy(&resumed.stderr).into_owned();
+    assert!(run(&[]).status.success());
+    let refused = |expected: &str, more: &[&str]| {
+        let printed = String::from_utf8_lossy(&run(more).stderr).into_owned();
         assert!(
             printed.contains("holds another sweep") && printed.contains(expected),
             "{expected}: {printed}"
         );
-        assert!(run("2/2", out, more).status.success(), "{expected}");
-        let printed = fail(
-            1,
-            &[
-                "merge",
-                text(&path("known")),
-                text(&path(out)),
-                "-o",
-                text(&path("merged")),
-            ],
-        );
-        assert!(
-            printed.contains("another sweep") && printed.contains(expected),
-            "{expected}: {printed}"
-        );
-        assert!(!path("merged").join("points.csv").exists());
     };
     std::fs::write(path("a.splat"), scene(0.6)).unwrap();
-    refused("scene.sha256", "edited", &[]);
+    refused("scene.sha256", &[]);
     std::fs::write(path("a.splat"), scene(0.5)).unwrap();
     for (name, role, section) in [
         ("d.toml", "design", ""),
@@ -222,85 +179,39 @@ fn a_sweep_of_anything_else_is_neither_resumed_nor_merged() {
     ] {
         let before = std::fs::read_to_string(path(name)).unwrap();
         std::fs::write(path(name), format!("{before}# a comment {section}\n")).unwrap();
-        refused(&format!("files_sha256.{role}"), role, &[]);
+        refused(&format!("files_sha256.{role}"), &[]);
         std::fs::write(path(name), before).unwrap();
     }
-    refused("camera.", "size", &["--eye", "0,0,-3", "--target", "0,0,0"]);
-    refused("rules", "rules", &["--kernel", "disc"]);
-    refused("compositing", "order", &["--compositing", "x-ray"]);
-    refused("machine, line", "set", &["--set", "row_fifo=3"]);
+    refused("camera.", &["--eye", "0,0,-3", "--target", "0,0,0"]);
+    refused("rules", &["--kernel", "disc"]);
+    refused("compositing", &["--compositing", "x-ray"]);
+    refused("machine, line", &["--set", "row_fifo=3"]);
     // Tables of another version of the program.
     let sweep = path("known").join("sweep.json");
     let text = std::fs::read_to_string(&sweep).unwrap();
     let start = text.find("sources_sha256").unwrap() + 18;
     let other = format!("{}0000{}", &text[..start], &text[start + 4..]);
     std::fs::write(&sweep, other).unwrap();
-    refused("program.sources_sha256", "program", &[]);
+    refused("program.sources_sha256", &[]);
 }
 
 #[test]
-fn an_incomplete_or_altered_sweep_is_not_merged() {
+fn an_altered_sweep_is_not_resumed() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
-    std::fs::write(
-        path("s.toml"),
-        "[machine]\nrow_fifo = [1, 2, 3, 4, 5, 6, 7, 8]\n",
-    )
-    .unwrap();
-    let (out, merged) = (path("out"), path("merged"));
-    let sweep = |shard: &str| {
-        let more = [
-            "--space",
-            text(&path("s.toml")),
-            "--shard",
-            shard,
-            "-o",
-            text(&out),
-        ]
-        .map(str::to_owned);
-        let more: Vec<&str> = more.iter().map(String::as_str).collect();
-        succeed(&with("explore", &more))
-    };
-    sweep("1/8");
-    let printed = fail(1, &["merge", text(&out), "-o", text(&merged)]);
-    assert!(
-        printed.contains("7 of the sweep's 8 points are missing") && printed.contains("--partial"),
-        "{printed}"
-    );
-    assert!(!merged.join("points.csv").exists());
-    let printed = succeed(&["merge", "--partial", text(&out), "-o", text(&merged)]);
-    assert!(
-        printed.contains("1 points; 7 of 8 are missing"),
-        "{printed}"
-    );
-    for shard in 2..=8 {
-        sweep(&format!("{shard}/8"));
-    }
-    // A row that was merged before is not lost, though its folder is not named again.
-    std::fs::rename(out.join("points-1-of-8.csv"), path("kept.csv")).unwrap();
-    assert!(succeed(&["merge", text(&out), "-o", text(&merged)]).starts_with("8 points"));
-    std::fs::rename(path("kept.csv"), out.join("points-1-of-8.csv")).unwrap();
-
-    let table = out.join("points-3-of-8.csv");
+    std::fs::write(path("s.toml"), "[machine]\nrow_fifo = [1, 2, 3, 4]\n").unwrap();
+    let (space, out) = (path("s.toml"), path("out"));
+    let sweep = ["--space", text(&space), "-o", text(&out)];
+    succeed(&with("explore", &sweep));
+    let table = out.join("points.csv");
     let sound = std::fs::read_to_string(&table).unwrap();
     let altered = |from: &str, to: &str, expected: &str| {
         std::fs::write(&table, sound.replacen(from, to, 1)).unwrap();
-        let printed = fail(1, &["merge", text(&out), "-o", text(&path("other"))]);
+        let printed = fail(1, &with("explore", &sweep));
         assert!(
-            printed.contains("points-3-of-8.csv") && printed.contains(expected),
+            printed.contains("points.csv") && printed.contains(expected),
             "{printed}"
         );
-        let resume = [
-            "--space",
-            text(&path("s.toml")),
-            "--shard",
-            "3/8",
-            "-o",
-            text(&out),
-        ]
-        .map(str::to_owned);
-        let resume: Vec<&str> = resume.iter().map(String::as_str).collect();
-        assert!(fail(1, &with("explore", &resume)).contains(expected));
     };
     altered(
         "\n2,3,",
@@ -309,14 +220,7 @@ fn an_incomplete_or_altered_sweep_is_not_merged() {
     );
     altered("\n2,3,", "\n2,3,NaN", "psnr_db is 'NaN");
     let row = sound.lines().nth(1).unwrap();
-    altered(row, &format!("{row}\n{row}"), "point 2 a second time");
-    std::fs::write(&table, &sound).unwrap();
-    std::fs::write(out.join("points-old.csv"), &sound).unwrap();
-    let printed = fail(1, &["merge", text(&out), "-o", text(&path("other"))]);
-    assert!(
-        printed.contains("points-old.csv: looks like a sweep's table"),
-        "{printed}"
-    );
+    altered(row, &format!("{row}\n{row}"), "a second time");
 }
 
 /// A scene that nobody sees is swept, and its rows are read again.
@@ -400,24 +304,4 @@ fn an_interrupted_sweep_goes_on() {
     };
     assert_eq!(sorted(&stopped), sorted(&whole));
     assert_eq!(sorted(&whole).len(), 65);
-}
-
-/// A second process on the same table is refused while the first one runs.
-#[test]
-fn two_processes_do_not_share_a_table() {
-    let folder = tempfile::tempdir().unwrap();
-    let space = folder.path().join("s.toml");
-    std::fs::write(&space, "[machine]\nlanes = [1, 2]\n").unwrap();
-    let arguments = with(
-        "explore",
-        &["--space", text(&space), "-o", text(folder.path())],
-    );
-    succeed(&arguments);
-    let table = std::fs::File::open(folder.path().join("points.csv")).unwrap();
-    table.lock().unwrap();
-    assert!(fail(1, &arguments).contains("another process is writing this table"));
-    let merge = ["merge", text(folder.path()), "-o", text(folder.path())];
-    assert!(fail(1, &merge).contains("another process is writing this table"));
-    drop(table);
-    succeed(&arguments);
 }

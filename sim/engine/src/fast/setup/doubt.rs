@@ -127,7 +127,7 @@ impl<W: Doubles> Stages<'_, W> {
 
     /// Puts splats in doubt whose variances come near the end of the range of doubles, 0 included.
     #[inline(always)]
-    pub fn doubt_unless_large(&self, variances: [Real<W>; 3]) {
+    pub fn doubt_unless_large<const N: usize>(&self, variances: [Real<W>; N]) {
         for variance in variances {
             self.reals.doubt_unless_greater(variance.0, LEAST_VARIANCE);
         }

@@ -100,6 +100,9 @@ impl<W: Doubles> Stages<'_, W> {
         let inverse = self.reals.reciprocal(variance.determinant, self.bits());
         let ldl = self.ldl(&variance, inverse, &mut culled);
         let (conic, conic_exponent) = self.conic(&variance, ldl[0], inverse, &mut culled);
+        if self.rules.compensated {
+            weight = self.compensate(weight, &columns, inverse);
+        }
         let peak = self.peak(weight, &projected, inverse);
         let cutoff = self.cutoff(peak, &mut culled);
         let mut first = [self.math.splat(0); 2];
@@ -429,6 +432,25 @@ impl<W: Doubles> Stages<'_, W> {
         }
         self.unpackable(exponent, culled);
         (mantissa, exponent)
+    }
+
+    #[inline(always)]
+    fn compensate(
+        &self,
+        weight: Real<W>,
+        [a, b, c]: &[[Real<W>; 2]; 3],
+        inverse: Real<W>,
+    ) -> Real<W> {
+        let (reals, bits) = (self.reals, self.bits());
+        let squares = [
+            self.minor_squared(a, b),
+            self.minor_squared(a, c),
+            self.minor_squared(b, c),
+        ];
+        let sharp = reals.sum(squares, bits);
+        self.doubt_unless_large([sharp]);
+        let kept = reals.multiply(sharp, inverse, bits);
+        reals.multiply(weight, reals.square_root(kept, bits), bits)
     }
 
     #[inline(always)]

@@ -150,6 +150,12 @@ proptest! {
         check(Classic8, &splats, &spaced);
         check(Standard24, &splats, &spaced);
         check(Deep32, &splats, &spaced);
+        // Peaks compensated for the filter: of large splats, of slender ones, and of those without area.
+        let compensated = Rules { compensated: true, ..rules };
+        check(Classic8, &splats, &compensated);
+        check(Lean18, &splats, &compensated);
+        check(Standard24, &splats, &compensated);
+        check(Deep32, &splats, &compensated);
     }
 }
 

@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::fast::TILE;
 use crate::fast::lanes::VectorLevel;
 use crate::fast::setup::SurfaceOutcome;
-use crate::fast::tests::{AnyWidths, VIEWPORT, arbitrary, usual_widths};
+use crate::fast::tests::{AnyWidths, VIEWPORT, any_widths, arbitrary, usual_widths};
 use crate::fixed::surface::{QuantisedPoints, kernel_rules};
 use crate::fixed::{table, table_entries};
 use crate::scene::points::synthetic::{Paint, scene, sphere};
@@ -54,7 +54,7 @@ impl Subject<'_> {
     fn with_painter<T>(&self, work: impl FnOnce(&SurfacePainter<AnyWidths>) -> T) -> T {
         let memory = table_entries(&self.widths, &self.rules);
         let table = table(&memory, &self.widths, &self.rules);
-        let design = AnyWidths(self.widths);
+        let design = any_widths(self.widths);
         work(&SurfacePainter::new(
             design,
             &self.rules,
@@ -176,7 +176,7 @@ fn ordinary(widths: Widths, rules: &Rules, count: usize) -> Vec<SurfaceOutcome> 
     let points = QuantisedPoints::new(&scene("balls", points), &camera);
     let splats = points.splats.iter();
     splats
-        .map(|splat| setup_surface(AnyWidths(widths), &points.view, rules, splat))
+        .map(|splat| setup_surface(any_widths(widths), &points.view, rules, splat))
         .collect()
 }
 

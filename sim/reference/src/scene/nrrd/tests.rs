@@ -109,6 +109,10 @@ fn detached_data_lie_beside_the_header() {
         message.ends_with("put the data beside the header or correct the name"),
         "{message}"
     );
+    std::fs::write(folder.path().join("none.raw.gz"), [0]).unwrap();
+    let message = load(&bytes, Some(folder.path())).unwrap_err().to_string();
+    let packed = "unpack 'none.raw.gz', which lies in its place (gunzip)";
+    assert!(message.ends_with(packed), "{message}");
 }
 
 #[test]

@@ -10,7 +10,7 @@ use super::super::Scene;
 use super::super::bytes::Scalar;
 use super::super::error::Problem;
 use super::super::gaussian::{
-    Gaussian, GaussianScene, coefficient_count, degree_of, scale_from_log,
+    Gaussian, GaussianScene, TRAINED_ANTIALIASED, coefficient_count, degree_of, scale_from_log,
 };
 use super::super::quaternion::smallest_three;
 use super::body;
@@ -53,6 +53,9 @@ pub(super) fn load(header: &PlyHeader, body: &[u8], name: &str) -> Result<Scene,
     )?;
     let degree = layout.degree;
     let mut scene = GaussianScene::new(degree, packed.len() as u64)?;
+    if header.antialiased {
+        scene.rules = TRAINED_ANTIALIASED;
+    }
     let count = coefficient_count(degree);
     let mut coefficients = vec![[0.0f32; 3]; count];
     for (index, packed) in packed.iter().enumerate() {

@@ -56,6 +56,8 @@ impl Element {
 pub(super) struct PlyHeader {
     pub(super) format: PlyEncoding,
     pub(super) elements: Vec<Element>,
+    /// Do its comments say that it was trained antialiased? `SplatRenderMode: mip` is Brush's spelling, `antialiased 1` Postshot's.
+    pub(super) antialiased: bool,
     /// Lines of the header, so that the body's lines can be numbered.
     pub(super) lines: usize,
 }
@@ -64,6 +66,7 @@ pub(super) struct PlyHeader {
 pub(super) fn parse(bytes: &[u8]) -> Result<(PlyHeader, &[u8]), Problem> {
     let mut rest = bytes;
     let mut format = None;
+    let mut antialiased = false;
     let mut elements: Vec<Element> = Vec::new();
     for number in 1.. {
         let (line, after) = split_line(rest).ok_or_else(|| no_end(number))?;
@@ -78,10 +81,17 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(PlyHeader, &[u8]), Problem> {
                     PlyHeader {
                         format,
                         elements,
+                        antialiased,
                         lines: number,
                     },
                     rest,
                 ));
+            }
+            ["comment", name, value] if name.eq_ignore_ascii_case("SplatRenderMode:") => {
+                antialiased = value.eq_ignore_ascii_case("mip");
+            }
+            ["comment", name, value] if name.eq_ignore_ascii_case("antialiased") => {
+                antialiased = *value != "0";
             }
             [] | ["comment", ..] | ["obj_info", ..] => {}
             ["format", name, "1.0"] => format = Some(parse_format(name, number)?),

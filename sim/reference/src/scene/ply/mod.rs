@@ -3,6 +3,11 @@
 //! One `vertex` per Gaussian: `x y z`, `scale_0..2` (logarithms), `rot_0..3` (w, x, y, z), `opacity` (logit),
 //! `f_dc_0..2` and optionally `f_rest_*` (9, 24, 45 or 72 numbers for degree 1 to 4: all of red, then green, then
 //! blue). Properties may come in any order; others are ignored. Compressed files are the matter of [`compressed`].
+//!
+//! - Without `scale_2` they are 2D Gaussians (Huang et al., SIGGRAPH 2024): flat ones in the plane of the first two axes, whose variance on the
+//!   screen is that of a surface splat's tangent frame.
+//! - With `filter_3D` they come from Mip-Splatting's trainer (Yu et al., CVPR 2024) and are widened by that 3D filter on loading, opacities
+//!   compensated (eq. 8); its 2D filter, of 0.1 square pixels and compensated as well, is the matter of the rules.
 
 mod body;
 mod compressed;
@@ -14,9 +19,10 @@ mod tests;
 use super::Scene;
 use super::error::Problem;
 use super::gaussian::{
-    Gaussian, GaussianScene, base_from_coefficient, coefficient_count, degree_of,
-    opacity_from_logit, scale_from_log,
+    Gaussian, GaussianScene, TRAINED_ANTIALIASED, base_from_coefficient, coefficient_count,
+    degree_of, opacity_from_logit, scale_from_log,
 };
+use crate::rules::Rules;
 use header::Element;
 
 /// Loads the Gaussians of a PLY file.
@@ -30,12 +36,28 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     let degree = columns.degree();
     body::refuse_absurd_count(&header, body, vertex)?;
     let mut scene = GaussianScene::new(degree, vertex.count)?;
+    scene.rules = rules(&header, &columns);
     let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
     body::for_each_record(&header, body, "vertex", &mut |record| {
         columns.read_harmonics(record, &mut harmonics);
         scene.push(&columns.gaussian(record, &harmonics));
     })?;
     scene.finish(name)
+}
+
+/// What Mip-Splatting's trainer filters pictures with.
+const MIP_SPLATTING: Rules = Rules {
+    low_pass: 0.1,
+    ..TRAINED_ANTIALIASED
+};
+
+/// The rules that the file's Gaussians were trained with.
+fn rules(header: &header::PlyHeader, columns: &GaussianColumns) -> Rules {
+    match (columns.filter, header.antialiased) {
+        (Some(_), _) => MIP_SPLATTING,
+        (None, true) => TRAINED_ANTIALIASED,
+        (None, false) => Rules::GAUSSIAN_3D,
+    }
 }
 
 fn vertex_element(elements: &[Element]) -> Result<&Element, Problem> {
@@ -68,7 +90,11 @@ fn vertex_element(elements: &[Element]) -> Result<&Element, Problem> {
 #[derive(Debug)]
 struct GaussianColumns {
     centre: [usize; 3],
-    scales: [usize; 3],
+    scales: [usize; 2],
+    /// None of 2D Gaussians.
+    third_scale: Option<usize>,
+    /// Standard deviation of Mip-Splatting's 3D filter.
+    filter: Option<usize>,
     rotation: [usize; 4],
     opacity: usize,
     constant: [usize; 3],
@@ -84,11 +110,9 @@ impl GaussianColumns {
                 required(vertex, "y")?,
                 required(vertex, "z")?,
             ],
-            scales: [
-                required(vertex, "scale_0")?,
-                required(vertex, "scale_1")?,
-                required(vertex, "scale_2")?,
-            ],
+            scales: [required(vertex, "scale_0")?, required(vertex, "scale_1")?],
+            third_scale: vertex.column("scale_2"),
+            filter: vertex.column("filter_3D"),
             rotation: [
                 required(vertex, "rot_0")?,
                 required(vertex, "rot_1")?,
@@ -118,19 +142,32 @@ impl GaussianColumns {
     }
 
     fn gaussian<'a>(&self, record: &[f64], harmonics: &'a [[f32; 3]]) -> Gaussian<'a> {
+        let scale = |column: usize| scale_from_log(number(record, column));
+        let [first, second] = self.scales.map(scale);
+        let scales = [first, second, self.third_scale.map_or(0.0, scale)];
+        let filter = self.filter.map_or(0.0, |column| number(record, column));
+        let (scales, kept) = widened(scales, filter);
         Gaussian {
             centre: self.centre.map(|column| number(record, column)),
-            scales: self
-                .scales
-                .map(|column| scale_from_log(number(record, column))),
+            scales,
             rotation: self.rotation.map(|column| number(record, column)),
-            opacity: opacity_from_logit(number(record, self.opacity)),
+            opacity: kept * opacity_from_logit(number(record, self.opacity)),
             base: self
                 .constant
                 .map(|column| base_from_coefficient(number(record, column))),
             harmonics,
         }
     }
+}
+
+/// Scales after a filter of this standard deviation, and which part of the opacity is kept: sqrt(det / det of the filtered variance).
+fn widened(scales: [f64; 3], filter: f64) -> ([f64; 3], f64) {
+    if filter == 0.0 {
+        return (scales, 1.0);
+    }
+    let wide = scales.map(|scale| scale.hypot(filter));
+    let kept = scales.iter().zip(wide).map(|(scale, wide)| scale / wide);
+    (wide, kept.product())
 }
 
 /// A record has a value for each property, so the fallback is never used; NaN would be counted as a skip.
@@ -159,7 +196,7 @@ fn required(vertex: &Element, name: &str) -> Result<usize, Problem> {
         Problem::malformed(
             format!("property {name}"),
             "the Gaussians' element vertex lacks it",
-            "export the scene with x y z, scale_0..2, rot_0..3, opacity and f_dc_0..2",
+            "export the scene with x y z, scale_0..2 (2D Gaussians: scale_0..1), rot_0..3, opacity and f_dc_0..2",
         )
     })
 }

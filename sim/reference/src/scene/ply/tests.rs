@@ -356,3 +356,65 @@ fn each_message_names_the_field_and_the_fix() {
         assert_told(&found, expected);
     }
 }
+
+fn with_comment(line: &str) -> Vec<u8> {
+    let text = file("ascii");
+    let text = String::from_utf8(text).unwrap();
+    let text = text.replacen("element", &format!("comment {line}\nelement"), 1);
+    text.into_bytes()
+}
+
+/// As the tools that write them spell it.
+#[test]
+fn comments_tell_how_a_scene_was_trained() {
+    let compensated = |line| {
+        let scene = load(&with_comment(line), "x").unwrap();
+        scene.natural_rules.compensated
+    };
+    assert!(compensated("SplatRenderMode: mip") && compensated("antialiased 1"));
+    assert!(!compensated("SplatRenderMode: default") && !compensated("antialiased 0"));
+    assert!(!compensated("Exported from Brush"));
+}
+
+/// As Mip-Splatting's own `create_fused_ply.py` computes it: scales sqrt(s^2 + f^2), opacity times the root of the determinants' quotient.
+#[test]
+fn a_3d_filter_widens_and_dims() {
+    let mut names = FIELDS.to_vec();
+    names.push("filter_3D");
+    let mut record = RECORDS[0].to_vec();
+    record.push(0.02);
+    let mut bytes = header("binary_little_endian", "1", &properties(&names)).into_bytes();
+    bytes.extend(binary(&[&record], false));
+    let filtered = load(&bytes, "x").unwrap();
+    let plain = load(&file("binary_little_endian"), "x").unwrap();
+    assert_eq!(filtered.natural_rules.low_pass, 0.1);
+    assert!(filtered.natural_rules.compensated);
+    let mut kept = 1.0;
+    for (axis, log) in filtered.splats[0].axes.iter().zip([-3.0f64, -4.0, -5.0]) {
+        let variance: f64 = axis.iter().map(|part| part * part).sum();
+        let filter = f64::from(0.02f32).powi(2);
+        assert!((variance - (log.exp().powi(2) + filter)).abs() < 1e-12);
+        kept *= log.exp().powi(2) / variance;
+    }
+    let expected = plain.splats[0].weight * kept.sqrt();
+    assert!((filtered.splats[0].weight - expected).abs() < 1e-12);
+}
+
+/// 2D Gaussians are the flat ones of the same two axes.
+#[test]
+fn without_a_third_scale_gaussians_are_flat() {
+    let names: Vec<&str> = FIELDS
+        .iter()
+        .copied()
+        .filter(|name| *name != "scale_2")
+        .collect();
+    let mut record = RECORDS[0].to_vec();
+    record.remove(9);
+    let mut bytes = header("binary_little_endian", "1", &properties(&names)).into_bytes();
+    bytes.extend(binary(&[&record], false));
+    let flat = load(&bytes, "x").unwrap().splats[0];
+    let solid = load(&file("binary_little_endian"), "x").unwrap().splats[0];
+    assert_eq!(flat.axes[..2], solid.axes[..2]);
+    assert_eq!(flat.axes[2], [0.0; 3]);
+    assert_eq!((flat.centre, flat.weight), (solid.centre, solid.weight));
+}

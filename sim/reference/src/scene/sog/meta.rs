@@ -13,6 +13,8 @@ const CODES: usize = 256;
 /// What both versions come to.
 pub(super) struct Meta {
     pub(super) count: u64,
+    /// Was it trained antialiased?
+    pub(super) antialiased: bool,
     pub(super) means: Means,
     pub(super) scales: Coded,
     pub(super) quats: Plain,
@@ -51,6 +53,8 @@ pub(super) struct Plain {
 #[derive(Deserialize)]
 struct Meta2 {
     count: u64,
+    /// `antialiased` or `2dgs`; nothing for the usual model.
+    model: Option<String>,
     means: Means,
     scales: Coded2,
     quats: Plain,
@@ -88,6 +92,7 @@ impl From<Meta2> for Meta {
     fn from(meta: Meta2) -> Meta {
         Meta {
             count: meta.count,
+            antialiased: meta.model.as_deref() == Some("antialiased"),
             means: meta.means,
             scales: meta.scales.into(),
             quats: meta.quats,
@@ -162,6 +167,7 @@ impl From<Meta1> for Meta {
             .map(opacity_from_logit);
         Meta {
             count: means.shape.first().copied().unwrap_or(0),
+            antialiased: false,
             means: Means {
                 mins: means.mins,
                 maxs: means.maxs,

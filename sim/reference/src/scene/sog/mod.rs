@@ -23,7 +23,7 @@ use super::Scene;
 use super::archive::Archive;
 use super::error::{Problem, shorten};
 use super::file::read_file;
-use super::gaussian::{GaussianScene, coefficient_count, room_for};
+use super::gaussian::{GaussianScene, TRAINED_ANTIALIASED, coefficient_count, room_for};
 use std::path::Path;
 
 /// The file that names the others.
@@ -118,6 +118,9 @@ fn load(source: &SogSource, name: &str) -> Result<Scene, Problem> {
     let pictures = Pictures::read(&meta, source, size)?;
     let degree = pictures.degree();
     let mut scene = GaussianScene::new(degree, meta.count)?;
+    if meta.antialiased {
+        scene.rules = TRAINED_ANTIALIASED;
+    }
     let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
     for index in 0..count {
         pictures.read_harmonics(&meta, index, &mut harmonics)?;

@@ -130,6 +130,10 @@ fn screen(widths: &Widths, view: &View, rules: &Rules) -> Vec<Named> {
 }
 
 fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
+    ensure!(
+        !rules.compensated,
+        "--antialias mip: the setup unit's program compensates no opacity; draw with --antialias ewa, or without the circuit"
+    );
     let integral = rules.kernel.inverse_integral();
     let smallest = SoftFloat::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
     let (least, cutoff) = match rules.cutoff {

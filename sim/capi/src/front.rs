@@ -1,0 +1,243 @@
+//! The front door for firmware in C: a camera and splats from ordinary numbers, a scene sorted and set up, strips as RGB565.
+//!
+//! By the design SPLATLINE_MICRO16 under SPLATLINE_RULES_3DGS: one design, so that a small image links one painter. All bits are those of the
+//! same calls in Rust. A list is `splatline_list_words` words of the caller's, and the number of footprints that the set-up returns.
+
+use crate::memory::{read, slice, slice_mut, write};
+use crate::status::{Error, SPLATLINE_OK, code};
+use crate::types::{
+    SplatlineFootprint, SplatlinePixel, SplatlineSplat, SplatlineView, SplatlineWindow,
+};
+use splatline::blend::Pixel;
+use splatline::front::{CompactScene, PackedList, Splats, packed_words, sort_by_key};
+use splatline::splat::{Position, VolumeSplat};
+use splatline::view::{Eye, View};
+use splatline::{Camera, Gaussian, Micro16, Renderer};
+
+/// The view from `eye` towards `target`, `up` upwards, with a vertical field of view in degrees. SPLATLINE_ERROR_VALUE if a number is not finite,
+/// the directions are none, or the size is 0 or above SPLATLINE_LARGEST_VIEWPORT.
+///
+/// # Safety
+/// Pointers are null or lead to what their types say; `eye`, `target` and `up` to three numbers each.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splatline_look_at(
+    eye: *const f32,
+    target: *const f32,
+    up: *const f32,
+    field_of_view: f32,
+    columns: u16,
+    rows: u16,
+    view: *mut SplatlineView,
+) -> i32 {
+    let look = || {
+        // SAFETY: the function's own contract.
+        let [eye, target, up] = unsafe { [vector(eye)?, vector(target)?, vector(up)?] };
+        let [eye, target, up] = [eye, target, up].map(|vector| vector.map(f64::from));
+        let camera = Camera::look_at(eye, target, up, field_of_view.into(), [columns, rows]);
+        let seen = camera.and_then(|camera| camera.view());
+        let seen = seen.map_err(|_| Error::Value)?;
+        // SAFETY: the function's own contract.
+        unsafe { write(view, (&seen).into()) }.map(|()| SPLATLINE_OK)
+    };
+    code(look())
+}
+
+/// A splat from ordinary numbers: mean (scene units), rotation as a quaternion w, x, y, z of any length but 0, standard deviations along the
+/// turned axes (scene units), opacity at the centre (0 to 1), linear red, green, blue. SPLATLINE_ERROR_VALUE if a number is not finite or the
+/// quaternion has length 0.
+///
+/// # Safety
+/// Pointers are null or lead to what their types say; `mean`, `scales` and `colour` to three numbers each, `rotation` to four.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splatline_gaussian(
+    mean: *const f32,
+    rotation: *const f32,
+    scales: *const f32,
+    opacity: f32,
+    colour: *const f32,
+    splat: *mut SplatlineSplat,
+) -> i32 {
+    let convert = || {
+        // SAFETY: the function's own contract.
+        let gaussian = unsafe {
+            Gaussian {
+                mean: vector(mean)?,
+                rotation: *read(rotation.cast::<[f32; 4]>())?,
+                scales: vector(scales)?,
+                opacity,
+                colour: vector(colour)?,
+            }
+        };
+        let converted = gaussian.splat().ok_or(Error::Value)?;
+        // SAFETY: the function's own contract.
+        unsafe { write(splat, (&converted).into()) }.map(|()| SPLATLINE_OK)
+    };
+    code(convert())
+}
+
+/// Words of 32 bits that a list of `footprints` takes.
+#[unsafe(no_mangle)]
+pub extern "C" fn splatline_list_words(footprints: usize) -> usize {
+    footprints.saturating_mul(packed_words(&Micro16::WIDTHS))
+}
+
+/// Sorts a scene by depth, nearest first, and sets it up into a list. Returns the number of footprints on the list, or an error;
+/// SPLATLINE_ERROR_SIZE if the list has too few words, and then `needed_words`, unless null, is how many suffice.
+///
+/// # Safety
+/// Pointers are null or lead to what their types say; `splats` to `count` splats, `words` to `word_count` words.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splatline_set_up_scene(
+    view: *const SplatlineView,
+    splats: *const SplatlineSplat,
+    count: usize,
+    words: *mut u32,
+    word_count: usize,
+    needed_words: *mut usize,
+) -> i32 {
+    let set_up = || {
+        // SAFETY: the function's own contract.
+        let (view, splats) = unsafe { (read(view)?.view()?, slice(splats, count)?) };
+        // SAFETY: the function's own contract.
+        unsafe { set_up(&view, &Lent(splats), words, word_count, needed_words) }
+    };
+    code(set_up())
+}
+
+/// The same for a scene as `splatline bake -o scene.bin` writes it, `count` bytes; SPLATLINE_ERROR_VALUE if they are not one, whole.
+///
+/// # Safety
+/// Pointers are null or lead to what their types say; `bytes` to `count` bytes, `words` to `word_count` words.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splatline_set_up_compact(
+    view: *const SplatlineView,
+    bytes: *const u8,
+    count: usize,
+    words: *mut u32,
+    word_count: usize,
+    needed_words: *mut usize,
+) -> i32 {
+    let set_up = || {
+        // SAFETY: the function's own contract.
+        let (view, bytes) = unsafe { (read(view)?.view()?, slice(bytes, count)?) };
+        let scene = CompactScene::read(bytes).ok_or(Error::Value)?;
+        // SAFETY: the function's own contract.
+        unsafe { set_up(&view, &scene, words, word_count, needed_words) }
+    };
+    code(set_up())
+}
+
+/// Draws the part of the picture in `window` and brings it to 16 bits a pixel (red 5, green 6, blue 5) over a background in the same
+/// format, row by row without gaps. `pixels` and `sent` have room for `count` pixels, at least the window's.
+///
+/// # Safety
+/// Pointers are null or lead to what their types say; `words` to `word_count` words, `pixels` and `sent` to `count` pixels.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splatline_draw_rgb565(
+    words: *mut u32,
+    word_count: usize,
+    footprints: usize,
+    window: *const SplatlineWindow,
+    background: u16,
+    pixels: *mut SplatlinePixel,
+    sent: *mut u16,
+    count: usize,
+) -> i32 {
+    let draw = || {
+        // SAFETY: the function's own contract.
+        let (words, window) = unsafe { (slice_mut(words, word_count)?, read(window)?) };
+        let list = PackedList::filled(Micro16, words, footprints).ok_or(Error::Size)?;
+        // SAFETY: the function's own contract; both structs have the same fields in C's layout.
+        let (pixels, sent) = unsafe {
+            (
+                slice_mut(pixels.cast::<Pixel>(), count)?,
+                slice_mut(sent, count)?,
+            )
+        };
+        let frame = Renderer::new(Micro16).draw(&list, window.into(), pixels);
+        let frame = frame.map_err(|_| Error::Size)?;
+        for (sent, pixel) in sent.iter_mut().zip(frame.rgb565(background)) {
+            *sent = pixel;
+        }
+        Ok(SPLATLINE_OK)
+    };
+    code(draw())
+}
+
+/// Numbers of `count` footprints in `order` by depth, nearest first, ties by number: what drawing front to back asks for.
+///
+/// # Safety
+/// Pointers are null or lead to what their types say; `footprints` to `count` footprints, `order` to as many numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splatline_sort(
+    footprints: *const SplatlineFootprint,
+    count: usize,
+    order: *mut u32,
+) -> i32 {
+    let sort = || {
+        // SAFETY: the function's own contract.
+        let (footprints, order) = unsafe { (slice(footprints, count)?, slice_mut(order, count)?) };
+        if u32::try_from(count).is_err() {
+            return Err(Error::Size);
+        }
+        for (number, place) in (0u32..).zip(order.iter_mut()) {
+            *place = number;
+        }
+        sort_by_key(order, |number| {
+            let footprint = footprints.get(number as usize);
+            (
+                footprint.map_or(u64::MAX, |footprint| footprint.depth),
+                number,
+            )
+        });
+        Ok(SPLATLINE_OK)
+    };
+    code(sort())
+}
+
+/// # Safety
+/// `words` leads to `word_count` words; `needed_words` is null or leads to a number.
+unsafe fn set_up(
+    view: &View,
+    scene: &impl Splats<Eye>,
+    words: *mut u32,
+    word_count: usize,
+    needed_words: *mut usize,
+) -> Result<i32, Error> {
+    // SAFETY: the function's own contract.
+    let mut list = PackedList::new(Micro16, unsafe { slice_mut(words, word_count) }?);
+    match Renderer::new(Micro16).set_up_scene(view, scene, &mut list) {
+        Ok(_) => i32::try_from(list.len()).map_err(|_| Error::Size),
+        Err(full) => {
+            if !needed_words.is_null() {
+                // SAFETY: the function's own contract.
+                unsafe { write(needed_words, splatline_list_words(full.needed)) }?;
+            }
+            Err(Error::Size)
+        }
+    }
+}
+
+/// # Safety
+/// `numbers` is null or leads to three numbers.
+unsafe fn vector(numbers: *const f32) -> Result<[f32; 3], Error> {
+    // SAFETY: the function's own contract.
+    unsafe { read(numbers.cast::<[f32; 3]>()) }.copied()
+}
+
+/// Splats of C by number.
+struct Lent<'a>(&'a [SplatlineSplat]);
+
+impl Splats<Eye> for Lent<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn centre(&self, number: usize) -> Option<Position> {
+        self.0.get(number).map(|splat| splat.centre.map(Into::into))
+    }
+
+    fn splat(&self, number: usize) -> Option<VolumeSplat> {
+        self.0.get(number).map(VolumeSplat::from)
+    }
+}

@@ -1,0 +1,124 @@
+//! A frame through the front door, as an application draws it: a scene in flash, a packed list, strips of eight rows that are brought to the 16
+//! bits a pixel of a display in the buffer that its DMA sends.
+#![cfg_attr(target_os = "none", no_std)]
+
+pub mod scene;
+
+use scene::{MOST, SIDE};
+#[cfg(feature = "emulated")]
+use splatline::Renderer;
+use splatline::front::packed_words;
+#[cfg(feature = "emulated")]
+use splatline::front::{CompactScene, PackedList};
+use splatline::{Micro16, Pixel};
+#[cfg(feature = "emulated")]
+use splatline_firmware::checksum::Checksum;
+#[cfg(feature = "emulated")]
+use splatline_firmware::phase::phase_rest;
+
+/// Rows of a strip.
+pub const STRIP: u16 = 8;
+
+/// What lies behind the scene: a dark blue.
+pub const BACKGROUND: u16 = 0x0883;
+
+/// Pixels of a strip.
+pub const STRIP_PIXELS: usize = SIDE as usize * STRIP as usize;
+
+/// Words of the list.
+pub const WORDS: usize = MOST * packed_words(&Micro16::WIDTHS);
+
+/// All memory that drawing needs beside the stack.
+#[derive(Debug)]
+pub struct FrameMemory {
+    /// The display list.
+    pub list: [u32; WORDS],
+    /// A strip.
+    pub strip: [Pixel; STRIP_PIXELS],
+    /// The same as it is sent.
+    pub sent: [u16; STRIP_PIXELS],
+}
+
+impl FrameMemory {
+    /// Empty memory.
+    pub const EMPTY: FrameMemory = FrameMemory {
+        list: [0; WORDS],
+        strip: [Pixel::EMPTY; STRIP_PIXELS],
+        sent: [0; STRIP_PIXELS],
+    };
+}
+
+/// What came out.
+#[cfg(feature = "emulated")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrameOutcome {
+    /// Checksum of all pixels as they are sent.
+    pub checksum: Checksum,
+    /// Splats with a footprint.
+    pub visible: u32,
+}
+
+/// Draws a scene; `set_up` and `draw` are called before the phases for which instructions are counted. `None` if memory does not suffice.
+#[cfg(feature = "emulated")]
+pub fn draw(
+    scene: &CompactScene,
+    memory: &mut FrameMemory,
+    set_up: extern "C" fn(),
+    draw: extern "C" fn(),
+) -> Option<FrameOutcome> {
+    let renderer = Renderer::new(Micro16);
+    let view = scene::view();
+    let FrameMemory { list, strip, sent } = memory;
+    let mut list = PackedList::new(Micro16, list);
+    set_up();
+    let counts = renderer.set_up_scene(&view, scene, &mut list);
+    phase_rest();
+    let mut outcome = FrameOutcome {
+        visible: counts.ok()?.drawn,
+        ..FrameOutcome::default()
+    };
+    for window in view.window().strips(STRIP) {
+        draw();
+        let frame = renderer.draw(&list, window, strip).ok()?;
+        for (sent, pixel) in sent.iter_mut().zip(frame.rgb565(BACKGROUND)) {
+            *sent = pixel;
+        }
+        phase_rest();
+        for pixel in sent.iter().take(window.pixels()) {
+            outcome.checksum.add((*pixel).into());
+        }
+    }
+    Some(outcome)
+}
+
+/// The same by the kernel's general painter with widths in fields, 64-bit lanes and an unpacked list, and the pixels that were covered.
+#[cfg(all(feature = "emulated", not(target_os = "none")))]
+pub fn expected(scene: &CompactScene) -> (FrameOutcome, u64, Vec<u16>) {
+    use splatline::footprint::Footprint;
+    use splatline::format::RuntimeWidths;
+    use splatline::front::Splats;
+    use splatline::kernel::{entries, fill_gaussian};
+    use splatline::{LentList, Rules};
+    let widths = Micro16::WIDTHS;
+    let mut table = vec![0; entries(&widths)];
+    fill_gaussian(&mut table, &widths, 4);
+    let design = RuntimeWidths::new(widths).expect("a named design's");
+    let renderer = Renderer::with_table(design, Rules::GAUSSIAN_3D, &table).expect("of its length");
+    let view = scene::view();
+    let splats = (0..scene.len()).filter_map(|number| scene.splat(number));
+    let (mut footprints, mut order) = (vec![Footprint::EMPTY; MOST], vec![0; MOST]);
+    let mut list = LentList::new(&mut footprints, &mut order);
+    let counts = renderer.set_up(&view, splats, &mut list).expect("room");
+    let mut pixels = vec![Pixel::EMPTY; view.window().pixels()];
+    let frame = renderer.draw(&list, view.window(), &mut pixels);
+    let frame = frame.expect("of the picture's size");
+    let mut outcome = FrameOutcome {
+        visible: counts.drawn,
+        ..FrameOutcome::default()
+    };
+    let sent: Vec<u16> = frame.rgb565(BACKGROUND).collect();
+    sent.iter()
+        .for_each(|pixel| outcome.checksum.add((*pixel).into()));
+    let covered = frame.coverage.map_or(0, |coverage| coverage.covered);
+    (outcome, covered, sent)
+}

@@ -1,0 +1,311 @@
+//! The mutated copy of the tree, and its test programs.
+
+use crate::Failure;
+use crate::sites::{Edit, Kind, Mutant, find};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// A choice that the compiler can make too, so that `const fn` keeps its word.
+const FEATURES: &str =
+    "#![feature(core_intrinsics, const_eval_select)]\n#![allow(internal_features)]\n";
+
+/// One file of the kernel.
+struct Source {
+    path: String,
+    text: String,
+    edits: Vec<Edit>,
+}
+
+/// The copy, with all mutants of the kernel.
+pub struct Copy {
+    tree: PathBuf,
+    build: PathBuf,
+    sources: Vec<Source>,
+    pub mutants: Vec<Mutant>,
+}
+
+/// One compiled test program.
+#[derive(Clone)]
+pub struct Program {
+    pub path: PathBuf,
+    /// Where it expects to run.
+    pub folder: PathBuf,
+}
+
+/// Which part of a rewritten file belongs to which mutant.
+struct Part {
+    range: Range<usize>,
+    mutant: usize,
+}
+
+impl Copy {
+    /// Copies the repository `root` below `work` and finds every mutant of its `src`.
+    pub fn new(root: &Path, work: &Path) -> Result<Copy, Failure> {
+        let (tree, build) = (work.join("tree"), work.join("build"));
+        let list = Command::new("git")
+            .args(["ls-files", "-co", "--exclude-standard"])
+            .current_dir(root)
+            .output()?;
+        let files: Vec<String> = String::from_utf8(list.stdout)?
+            .lines()
+            .map(String::from)
+            .collect();
+        let mut texts = Vec::new();
+        for file in files
+            .iter()
+            .filter(|f| !f.starts_with("sim/fuzz/") && root.join(f).is_file())
+        {
+            let bytes = fs::read(root.join(file))?;
+            match file.starts_with("src/") && file.ends_with(".rs") {
+                true => texts.push((file.clone(), String::from_utf8(bytes)?)),
+                false => write(&tree.join(file), &bytes)?,
+            }
+        }
+        let (mut sources, mut mutants) = (Vec::new(), vec![nothing()]);
+        for (path, text) in texts {
+            let found = match path.ends_with("/tests.rs") {
+                true => find(&path, "", mutants.len())?,
+                false => find(&path, &text, mutants.len()).map_err(|e| format!("{path}: {e}"))?,
+            };
+            mutants.extend(found.mutants);
+            sources.push(Source {
+                path,
+                text,
+                edits: found.edits,
+            });
+        }
+        Ok(Copy {
+            tree,
+            build,
+            sources,
+            mutants,
+        })
+    }
+
+    /// Writes the rewritten kernel. Returns which bytes of which file belong to which mutant.
+    fn write(&self) -> Result<Vec<(String, Vec<Part>)>, Failure> {
+        let mut parts = Vec::new();
+        for source in &self.sources {
+            let (mut text, mut at) = rewritten(source, &self.mutants);
+            if source.path == "src/lib.rs" {
+                text = format!("{FEATURES}{text}\n#[doc(hidden)]\npub mod mutation;\n");
+                for part in &mut at {
+                    part.range = part.range.start + FEATURES.len()..part.range.end + FEATURES.len();
+                }
+            }
+            write(&self.tree.join(&source.path), text.as_bytes())?;
+            parts.push((source.path.clone(), at));
+        }
+        write(
+            &self.tree.join("src/mutation.rs"),
+            include_bytes!("cell.rs"),
+        )?;
+        Ok(parts)
+    }
+
+    /// Rewrites the kernel, leaving out mutants until it compiles: not every type has every operator.
+    pub fn settle(&mut self) -> Result<(), Failure> {
+        // What did not compile the last time is left out at once, so that unchanged files stay as they are.
+        let before = fs::read_to_string(self.tree.with_extension("dropped")).unwrap_or_default();
+        let before: BTreeSet<&str> = before.lines().collect();
+        for mutant in &mut self.mutants {
+            mutant.dropped |= before.contains(mutant.key.as_str());
+        }
+        for _ in 0..40 {
+            let parts = self.write()?;
+            let output = self.cargo(&["check", "-p", "splatline", "--lib", "--tests"], 0)?;
+            let before = self.dropped();
+            let mut message = String::new();
+            for error in messages(&output).filter(|m| m["message"]["level"] == "error") {
+                message += error["message"]["rendered"].as_str().unwrap_or("");
+                for span in error["message"]["spans"].as_array().into_iter().flatten() {
+                    self.drop_at(span, &parts);
+                }
+            }
+            if message.is_empty() {
+                let dropped = self.mutants.iter().filter(|m| m.dropped);
+                let names: String = dropped.map(|m| format!("{}\n", m.key)).collect();
+                return Ok(fs::write(self.tree.with_extension("dropped"), names)?);
+            }
+            if self.dropped() == before {
+                return Err(message.into());
+            }
+        }
+        Err("the rewritten kernel does not compile".into())
+    }
+
+    /// Leaves out the innermost mutant that an error points at.
+    fn drop_at(&mut self, span: &Value, parts: &[(String, Vec<Part>)]) {
+        let number = |name: &str| span[name].as_u64().unwrap_or(0) as usize;
+        let (start, end) = (number("byte_start"), number("byte_end"));
+        let Some((_, parts)) = parts
+            .iter()
+            .find(|(path, _)| span["file_name"] == path.as_str())
+        else {
+            return;
+        };
+        let around = parts
+            .iter()
+            .filter(|p| p.range.start <= start && end <= p.range.end);
+        if let Some(part) = around.min_by_key(|p| p.range.len()) {
+            self.mutants[part.mutant].dropped = true;
+        }
+    }
+
+    fn dropped(&self) -> usize {
+        self.mutants.iter().filter(|m| m.dropped).count()
+    }
+
+    /// Compiles test programs of the copy, with mutant `compiled` in what the compiler evaluates.
+    pub fn programs(&self, compiled: usize, arguments: &[&str]) -> Result<Vec<Program>, Failure> {
+        let arguments = [&["test", "--no-run"], arguments].concat();
+        let output = self.cargo(&arguments, compiled)?;
+        let programs: Vec<Program> = messages(&output)
+            .filter(|m| m["profile"]["test"] == true)
+            .filter_map(|m| {
+                let folder = Path::new(m["manifest_path"].as_str()?)
+                    .parent()?
+                    .to_path_buf();
+                Some(Program {
+                    path: m["executable"].as_str()?.into(),
+                    folder,
+                })
+            })
+            .collect();
+        if programs.is_empty() {
+            let errors: String = messages(&output)
+                .filter_map(|m| m["message"]["rendered"].as_str().map(String::from))
+                .collect();
+            return Err(errors.into());
+        }
+        Ok(programs)
+    }
+
+    fn cargo(&self, arguments: &[&str], compiled: usize) -> Result<Vec<u8>, Failure> {
+        let output = Command::new("cargo")
+            .args(arguments)
+            .args([
+                "--profile",
+                "mutants",
+                "--message-format",
+                "json",
+                "--offline",
+            ])
+            .env("RUSTC_BOOTSTRAP", "1")
+            .env("RUSTFLAGS", "--cap-lints=allow")
+            .env("MUTANT_COMPILED", compiled.to_string())
+            .env("CARGO_TARGET_DIR", &self.build)
+            .current_dir(&self.tree)
+            .stderr(Stdio::inherit())
+            .output()?;
+        Ok(output.stdout)
+    }
+}
+
+fn nothing() -> Mutant {
+    Mutant {
+        key: "none".into(),
+        line: 0,
+        constant: false,
+        dropped: true,
+    }
+}
+
+fn messages(output: &[u8]) -> impl Iterator<Item = Value> {
+    output
+        .split(|&b| b == b'\n')
+        .filter_map(|line| serde_json::from_slice(line).ok())
+}
+
+/// Writes a file if it differs, so that nothing is compiled again for its date.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    if fs::read(path).is_ok_and(|old| old == bytes) {
+        return Ok(());
+    }
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    Ok(fs::write(path, bytes)?)
+}
+
+/// The text with every choice in it.
+fn rewritten(source: &Source, mutants: &[Mutant]) -> (String, Vec<Part>) {
+    let mut edits: Vec<&Edit> = source
+        .edits
+        .iter()
+        .filter(|e| e.choices.iter().any(|c| !mutants[c.0].dropped))
+        .collect();
+    edits.sort_by_key(|e| (e.range.start, std::cmp::Reverse(e.range.end)));
+    let (mut out, mut parts, mut open, mut position) =
+        (String::new(), Vec::new(), Vec::<(&Edit, usize)>::new(), 0);
+    let close = |out: &mut String,
+                 parts: &mut Vec<Part>,
+                 open: &mut Vec<(&Edit, usize)>,
+                 position: &mut usize,
+                 limit: usize| {
+        while let Some(&(edit, begin)) = open.last().filter(|(edit, _)| edit.range.end <= limit) {
+            out.push_str(&source.text[*position..edit.range.end]);
+            *position = edit.range.end;
+            out.push_str(if edit.kind == Kind::Instead {
+                " })"
+            } else {
+                " }"
+            });
+            for choice in edit.choices.iter().filter(|c| !mutants[c.0].dropped) {
+                parts.push(Part {
+                    range: begin..out.len(),
+                    mutant: choice.0,
+                });
+            }
+            open.pop();
+        }
+    };
+    for edit in edits {
+        close(
+            &mut out,
+            &mut parts,
+            &mut open,
+            &mut position,
+            edit.range.start,
+        );
+        out.push_str(&source.text[position..edit.range.start]);
+        position = edit.range.start;
+        let begin = out.len();
+        if edit.kind == Kind::Instead {
+            out.push('(');
+        }
+        for (mutant, code) in edit.choices.iter().filter(|c| !mutants[c.0].dropped) {
+            let start = out.len();
+            let not = if edit.kind == Kind::LeftOut { "!" } else { "" };
+            out.push_str(&format!("if {not}crate::mutation::at({mutant}) {{ {code} "));
+            match edit.kind {
+                Kind::Instead => out.push_str("} else "),
+                Kind::Entry => out.push_str("} "),
+                Kind::LeftOut => {}
+            }
+            parts.push(Part {
+                range: start..out.len(),
+                mutant: *mutant,
+            });
+        }
+        match edit.kind {
+            Kind::Instead => out.push_str("{ "),
+            Kind::LeftOut => {}
+            Kind::Entry => continue,
+        }
+        open.push((edit, begin));
+    }
+    close(
+        &mut out,
+        &mut parts,
+        &mut open,
+        &mut position,
+        source.text.len(),
+    );
+    out.push_str(&source.text[position..]);
+    (out, parts)
+}

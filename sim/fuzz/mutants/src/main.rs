@@ -1,0 +1,235 @@
+//! Mutants of the kernel: every comparison, operator, limit, constant, result and statement of `src` is changed in turn, and a test must
+//! fail. The kernel is compiled once with all changes in it, of which a number chooses one when the tests run; what the compiler
+//! evaluates (tables, constants) is compiled once for each. `../mutants.sh` says how to call it.
+
+mod copy;
+mod sites;
+mod trial;
+
+use copy::Copy;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+use trial::{Suite, Verdict};
+
+type Failure = Box<dyn std::error::Error>;
+
+const HELP: &str = "\
+sim/fuzz/mutants.sh                      all that are chosen at run time: half an hour
+sim/fuzz/mutants.sh --sample SEED 8      others each time, for as many minutes; the seed repeats a sample
+sim/fuzz/mutants.sh --in src/math,Blend  those whose name contains one of these
+sim/fuzz/mutants.sh --again              those that survived the last run
+sim/fuzz/mutants.sh --compiled           those in constants, each compiled singly: a night; with --again the survivors
+sim/fuzz/mutants.sh --list               names only
+Survivors that change nothing stand in sim/fuzz/mutants/equivalent.txt: a name, and indented below it the proof.";
+
+#[derive(Default)]
+struct Options {
+    sample: Option<(u64, u64)>,
+    part: Option<String>,
+    again: bool,
+    compiled: bool,
+    list: bool,
+}
+
+fn options() -> Result<Options, Failure> {
+    let mut options = Options::default();
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        let mut value = || {
+            arguments
+                .next()
+                .ok_or(format!("{argument} needs a value\n{HELP}"))
+        };
+        match argument.as_str() {
+            "--sample" => options.sample = Some((value()?.parse()?, value()?.parse()?)),
+            "--in" => options.part = Some(value()?),
+            "--again" => options.again = true,
+            "--compiled" => options.compiled = true,
+            "--list" => options.list = true,
+            _ => return Err(HELP.into()),
+        }
+    }
+    Ok(options)
+}
+
+/// Names of mutants that change nothing, with the reason. A name that ends with ` | *` stands for all that begin like it.
+fn equivalent(text: &str) -> Result<BTreeMap<String, String>, Failure> {
+    let mut names = BTreeMap::new();
+    let mut open = Vec::new();
+    for line in text
+        .lines()
+        .filter(|l| !l.is_empty() && !l.starts_with('#'))
+    {
+        match line.strip_prefix("    ") {
+            Some(reason) => names.extend(
+                open.drain(..)
+                    .map(|name: String| (name, reason.to_string())),
+            ),
+            None => open.push(line.to_string()),
+        }
+    }
+    match open.first() {
+        Some(name) => Err(format!("equivalent.txt: no reason for {name}").into()),
+        None => Ok(names),
+    }
+}
+
+fn reason<'a>(names: &'a BTreeMap<String, String>, key: &str) -> Option<&'a String> {
+    let covers = |name: &String| {
+        name.strip_suffix('*')
+            .is_some_and(|start| key.starts_with(start))
+    };
+    names.get(key).or_else(|| {
+        names
+            .iter()
+            .find(|(name, _)| covers(name))
+            .map(|(_, reason)| reason)
+    })
+}
+
+fn main() {
+    if let Err(error) = run() {
+        eprintln!("{error}");
+        std::process::exit(1);
+    }
+}
+
+fn run() -> Result<(), Failure> {
+    let options = options()?;
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = here.join("../../..").canonicalize()?;
+    let work = here.join("../target/mutants");
+    let names = equivalent(&fs::read_to_string(here.join("equivalent.txt"))?)?;
+    let last = work.join("survivors.txt");
+    let mut copy = Copy::new(&root, &work)?;
+    let mut chosen = choose(&copy, &options, &last)?;
+    if options.list {
+        chosen
+            .iter()
+            .for_each(|&m| println!("{}:{}", copy.mutants[m].key, copy.mutants[m].line));
+        return Ok(());
+    }
+    copy.settle()?;
+    chosen.retain(|&m| !copy.mutants[m].dropped);
+    let dropped = copy.mutants.iter().filter(|m| m.dropped).count() - 1;
+    println!(
+        "{} mutants, {dropped} do not compile, {} chosen",
+        copy.mutants.len() - 1,
+        chosen.len()
+    );
+    let end = options
+        .sample
+        .map(|(_, minutes)| Instant::now() + Duration::from_secs(60 * minutes));
+    let (tried, survivors) = trials(&copy, chosen, &options, end, &work)?;
+    let explained = |m: &&usize| reason(&names, &copy.mutants[**m].key).is_some();
+    let (explained, unexplained): (Vec<&usize>, Vec<&usize>) =
+        survivors.iter().partition(explained);
+    let mut text = String::new();
+    for &&m in &unexplained {
+        println!("SURVIVED {}:{}", copy.mutants[m].key, copy.mutants[m].line);
+        text += &format!("{}\n", copy.mutants[m].key);
+    }
+    fs::write(&last, text)?;
+    println!(
+        "{tried} tried, {} survived and are explained, {} unexplained",
+        explained.len(),
+        unexplained.len()
+    );
+    if unexplained.is_empty() {
+        Ok(())
+    } else {
+        Err("mutants survived".into())
+    }
+}
+
+/// The kernel's own tests, and the engine's for what these do not notice.
+const SUITES: [&[&str]; 3] = [
+    &["-p", "splatline", "--lib"],
+    &["-p", "splatline", "--test", "all"],
+    &["-p", "splatline-engine", "--lib", "--test", "all"],
+];
+
+/// Tries mutants against one suite after the other, as long as some survive. Returns how many were tried, and the survivors.
+fn trials(
+    copy: &Copy,
+    mut open: Vec<usize>,
+    options: &Options,
+    end: Option<Instant>,
+    work: &Path,
+) -> Result<(usize, Vec<usize>), Failure> {
+    let mut tried = open.len();
+    for (stage, arguments) in SUITES.iter().enumerate() {
+        if open.is_empty() {
+            break;
+        }
+        let mut suite = Suite::new(copy.programs(0, arguments)?, work)?;
+        println!(
+            "{} against {} tests of {}",
+            open.len(),
+            suite.tests.len(),
+            arguments.join(" ")
+        );
+        let mut survivors = Vec::new();
+        for (i, &mutant) in open.iter().enumerate() {
+            // What was begun goes through all suites.
+            if stage == 0 && end.is_some_and(|end| Instant::now() > end) {
+                tried = i;
+                break;
+            }
+            let verdict = match options.compiled {
+                true => match copy.programs(mutant, arguments) {
+                    Ok(programs) => suite.with(programs).try_mutant(mutant, true)?,
+                    Err(_) => Verdict::Noticed("the compiler".into()),
+                },
+                false => suite.try_mutant(mutant, false)?,
+            };
+            match verdict {
+                Verdict::Noticed(by) => println!("noticed   {} by {by}", copy.mutants[mutant].key),
+                Verdict::Endless(by) => println!("endless   {} in {by}", copy.mutants[mutant].key),
+                Verdict::Survived | Verdict::Unreached => {
+                    println!(
+                        "open      {}:{}",
+                        copy.mutants[mutant].key, copy.mutants[mutant].line
+                    );
+                    survivors.push(mutant);
+                }
+            }
+        }
+        open = survivors;
+    }
+    Ok((tried, open))
+}
+
+/// Numbers of the mutants to try, in their order.
+fn choose(copy: &Copy, options: &Options, last: &Path) -> Result<Vec<usize>, Failure> {
+    let last: BTreeSet<String> = match options.again {
+        true => fs::read_to_string(last)?
+            .lines()
+            .map(String::from)
+            .collect(),
+        false => BTreeSet::new(),
+    };
+    let parts = options.part.as_deref().unwrap_or("");
+    let mut chosen: Vec<usize> = (1..copy.mutants.len())
+        .filter(|&m| options.again || copy.mutants[m].constant == options.compiled)
+        .filter(|&m| {
+            parts
+                .split(',')
+                .any(|part| copy.mutants[m].key.contains(part))
+        })
+        .filter(|&m| !options.again || last.contains(&copy.mutants[m].key))
+        .collect();
+    if let Some((seed, _)) = options.sample {
+        println!("seed {seed}");
+        // An order by a mixed number of each mutant.
+        let mix = |m: usize| {
+            let x = (m as u64 ^ seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+                .wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            (x ^ x >> 29).wrapping_mul(0x94d0_49bb_1331_11eb)
+        };
+        chosen.sort_by_key(|&m| mix(m));
+    }
+    Ok(chosen)
+}

@@ -1,0 +1,88 @@
+"""Scenes from arrays."""
+
+from __future__ import annotations
+
+import copyreg
+
+import numpy as np
+
+from . import _native
+
+Scene = _native.Scene
+
+
+def _rotations(quaternions):
+    """Rotation matrices of quaternions w, x, y, z of any length but 0, shape (n, 3, 3)."""
+    lengths = np.linalg.norm(quaternions, axis=1)
+    if (lengths == 0).any():
+        raise _native.Error(f"rotations[{int(np.argmin(lengths))}] is zero, which is no rotation")
+    w, x, y, z = (quaternions / lengths[:, None]).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def from_arrays(
+    centres,
+    weights,
+    colours,
+    *,
+    axes=None,
+    scales=None,
+    rotations=None,
+    harmonics=None,
+    weight="opacity",
+    up=(0.0, -1.0, 0.0),
+    name="arrays",
+):
+    """A scene of n splats.
+
+    centres    (n, 3)     scene units
+    weights    (n,)       peak opacity 0 to 1, or with weight="mass" extinction times volume in square scene units
+    colours    (n, 3)     linear RGB, with harmonics their constant part (0.5 + 0.2820948 f_dc)
+    axes       (n, 3, 3)  three axes, each one standard deviation long, an axis a row; or instead
+    scales     (n, 3)     standard deviations (not their logarithms), and
+    rotations  (n, 4)     quaternions w, x, y, z; none are needed for scales alone
+    harmonics  (n, k, 3)  coefficients of degree 1 and up, k = 3, 8, 15 or 24, in the trainers' order
+    """
+    centres = np.ascontiguousarray(centres, np.float64)
+    if (axes is None) == (scales is None):
+        raise _native.Error("give axes, or scales with rotations, and not both")
+    if axes is None:
+        scales = np.asarray(scales, np.float64)
+        if rotations is None:
+            rotations = np.tile([1.0, 0.0, 0.0, 0.0], (len(scales), 1))
+        rotations = np.asarray(rotations, np.float64)
+        if scales.shape != (len(centres), 3) or rotations.shape != (len(centres), 4):
+            raise _native.Error(
+                f"scales has the shape {scales.shape} and rotations {rotations.shape}: allowed are "
+                f"({len(centres)}, 3) and ({len(centres)}, 4)"
+            )
+        # An axis is a column of R S; here it is a row.
+        axes = np.swapaxes(_rotations(rotations) * scales[:, None, :], 1, 2)
+    return Scene.from_axes(
+        centres,
+        np.ascontiguousarray(axes, np.float64),
+        np.ascontiguousarray(weights, np.float64),
+        np.ascontiguousarray(colours, np.float64),
+        None if harmonics is None else np.ascontiguousarray(harmonics, np.float32),
+        weight,
+        tuple(up),
+        name,
+    )
+
+
+def _reduce(scene):
+    """For pickling: the file again, or its arrays."""
+    if scene.path is not None:
+        return Scene.load, (str(scene.path), None, scene.contents)
+    base, harmonics = scene.harmonics or (scene.colours, None)
+    arrays = (scene.centres, scene.axes, scene.weights, base.astype(np.float64), harmonics)
+    return Scene.from_axes, (*arrays, scene.weight, scene.up, scene.name)
+
+
+Scene.from_arrays = staticmethod(from_arrays)
+copyreg.pickle(Scene, _reduce)

@@ -1,0 +1,72 @@
+"""Numbers of the kernel's formats: integers that know their Q-format."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+class FixedArray:
+    """Integers of one fixed-point format: value = raw * 2^-fraction.
+
+    `raw` are the integers, `to_numpy()` the numbers (exact up to 53 bits), `q` the format's name: UQ4.28 has 4 bits before the point and 28
+    behind it, Q27.12 has a sign as well. Indexing gives a FixedArray; equality compares integers. Rounding and saturation happen in the
+    kernel alone: this holds what came of them.
+    """
+
+    __slots__ = ("bits", "fraction", "raw", "signed")
+
+    def __init__(self, raw, bits: int, fraction: int = 0, signed: bool = False):
+        self.raw = np.asarray(raw)
+        self.bits, self.fraction, self.signed = bits, fraction, signed
+        low, high = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
+        if self.raw.dtype.kind not in "iu":
+            raise TypeError(f"raw must hold integers, not {self.raw.dtype}: FixedArray.from_numpy rounds numbers")
+        if self.raw.size and (int(self.raw.min()) < low or int(self.raw.max()) > high):
+            raise ValueError(f"{self.raw.min()} to {self.raw.max()} is beyond {self.q}: allowed are {low} to {high}")
+
+    @classmethod
+    def from_numpy(cls, values, bits: int, fraction: int = 0, signed: bool = False) -> FixedArray:
+        """Numbers rounded to the nearest of the format, ties to even; out of range is an error."""
+        return cls(np.rint(np.asarray(values, np.float64) * 2.0**fraction).astype(np.int64), bits, fraction, signed)
+
+    @property
+    def q(self) -> str:
+        """Name of the format."""
+        whole = self.bits - self.fraction - self.signed
+        return f"{'Q' if self.signed else 'UQ'}{whole}.{self.fraction}"
+
+    def to_numpy(self) -> np.ndarray:
+        """float64."""
+        return self.raw * 2.0**-self.fraction
+
+    def to_apytypes(self):
+        """The same as an APyTypes array, whose numbers are signed: unsigned ones get a bit more."""
+        import apytypes
+
+        whole = self.bits - self.fraction + (not self.signed)
+        return apytypes.APyFixedArray(self.raw.tolist(), int_bits=whole, frac_bits=self.fraction)
+
+    def __array__(self, dtype=None, copy=None) -> np.ndarray:
+        return self.to_numpy().astype(dtype or np.float64, copy=False)
+
+    def __getitem__(self, index) -> FixedArray:
+        return FixedArray(self.raw[index], self.bits, self.fraction, self.signed)
+
+    def __len__(self) -> int:
+        return len(self.raw)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return self.raw.shape
+
+    def __eq__(self, other) -> np.ndarray:
+        if not isinstance(other, FixedArray):
+            return NotImplemented
+        if self.fraction != other.fraction:
+            raise ValueError(f"{self.q} and {other.q} have different units: compare to_numpy()")
+        return self.raw == other.raw
+
+    __hash__ = None
+
+    def __repr__(self) -> str:
+        return f"FixedArray({self.q}, {np.array2string(self.to_numpy(), threshold=8)})"

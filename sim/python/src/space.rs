@@ -1,0 +1,220 @@
+//! Sweeps point by point: a space's points, and what evaluates some of them.
+
+use crate::convert::raise;
+use crate::plan::{Plan, frames, prices, subject};
+use anyhow::{Context, Result, anyhow};
+use pyo3::prelude::*;
+use splatline_sim::explore::evaluator::{Choice, Evaluator, work_key};
+use splatline_sim::explore::front::{candidates, front, front_table};
+use splatline_sim::explore::identity::Identity;
+use splatline_sim::explore::plot;
+use splatline_sim::explore::space;
+use splatline_sim::explore::sweep;
+use splatline_sim::explore::table::{RESULTS, ROW_DIGEST, ResultTable, row_digest};
+use splatline_sim::machine::area::synthesis;
+use splatline_sim::plan::Effort;
+use splatline_sim::threads;
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+
+/// The fields and values of a space file.
+#[pyclass(frozen, skip_from_py_object, module = "splatline._native")]
+pub struct Space {
+    space: space::Space,
+}
+
+#[pymethods]
+impl Space {
+    #[new]
+    #[pyo3(signature = (text, name="space", points=true))]
+    fn new(text: &str, name: &str, points: bool) -> PyResult<Space> {
+        let space = match points {
+            true => space::Space::from_toml(name, text),
+            false => space::Space::without_points(name, text),
+        };
+        Ok(Space {
+            space: raise(space)?,
+        })
+    }
+
+    /// Axes, dearest first: key, values, and what they change (`design`, `tile`, `lanes`, `machine`).
+    fn axes(&self, py: Python<'_>) -> PyResult<Vec<(String, Py<PyAny>, String)>> {
+        let axis = |axis: &space::SpaceAxis| {
+            Ok((
+                axis.key.clone(),
+                crate::convert::record(py, &axis.values)?.unbind(),
+                format!("{:?}", axis.part).to_lowercase(),
+            ))
+        };
+        self.space.axes.iter().map(axis).collect()
+    }
+
+    /// Points of a grid or a Latin hypercube, each an index into every axis's values.
+    fn points(&self) -> Vec<Vec<usize>> {
+        self.space.points.clone()
+    }
+}
+
+/// Names of the results in their order.
+#[pyfunction]
+pub fn result_names() -> Vec<&'static str> {
+    RESULTS.to_vec()
+}
+
+/// Everything that decides the results, as JSON: scene, camera, rules, design, machine, prices, space.
+#[pyfunction]
+#[pyo3(signature = (plans, text, part=None))]
+pub fn identity(
+    py: Python<'_>,
+    plans: Vec<Bound<'_, Plan>>,
+    text: &str,
+    part: Option<&str>,
+) -> PyResult<String> {
+    let frames = frames(&plans);
+    let found = py.detach(|| Identity::new(&subject(&frames, false, part)?, text, &[]));
+    Ok(raise(found)?.to_text())
+}
+
+/// Texts of points.csv, front.csv and front.html for rows of axes' values and results.
+#[pyfunction]
+#[pyo3(signature = (title, axes, rows, part=None))]
+pub fn sweep_pages(
+    title: &str,
+    axes: Vec<String>,
+    rows: Vec<Vec<String>>,
+    part: Option<&str>,
+) -> PyResult<(String, String, String)> {
+    let names = std::iter::once("point".to_owned()).chain(axes);
+    let names = names.chain(RESULTS.map(str::to_owned));
+    let numbered = rows.into_iter().enumerate().map(|(number, row)| {
+        let mut fields = vec![number.to_string()];
+        fields.extend(row);
+        fields.push(row_digest(&fields));
+        (number, fields)
+    });
+    let table = ResultTable {
+        heading: names.chain([ROW_DIGEST.to_owned()]).collect(),
+        rows: numbered.collect(),
+    };
+    let note = synthesis::statement(&raise(prices(part))?.calibration);
+    let candidates = candidates(&table);
+    let page = plot::page(&plot::Sweep {
+        title,
+        note: &note,
+        table: &table,
+        candidates: &candidates,
+    });
+    let front = front_table(&table, &front(&candidates));
+    Ok((table.to_csv(), front.to_csv(), page))
+}
+
+/// Why nothing comes back.
+const ENDED: &str = "the evaluating thread has ended";
+
+/// Points to evaluate, and where their results go: point by point, or what stopped it.
+struct Job {
+    points: Vec<Vec<usize>>,
+    answer: Sender<Result<Vec<Vec<String>>>>,
+}
+
+/// Frames with their references, kept by a thread that evaluates points on them: the evaluator, which knows what was drawn before, borrows from both.
+#[pyclass(frozen, skip_from_py_object, module = "splatline._native")]
+pub struct Evaluation {
+    jobs: Mutex<Sender<Job>>,
+}
+
+#[pymethods]
+impl Evaluation {
+    #[new]
+    #[pyo3(signature = (plans, text, errors=true, similarity=true, part=None, threads=None))]
+    fn new(
+        py: Python<'_>,
+        plans: Vec<Bound<'_, Plan>>,
+        text: String,
+        errors: bool,
+        similarity: bool,
+        part: Option<String>,
+        threads: Option<usize>,
+    ) -> PyResult<Evaluation> {
+        let frames = frames(&plans);
+        let space = raise(space::Space::without_points("space", &text))?;
+        let pool = raise(threads::pool(Effort::new(threads, 1).threads))?;
+        let (jobs, queue) = channel();
+        let (ready, made) = channel();
+        let work = move || {
+            let subject = match subject(&frames, errors, part.as_deref()) {
+                Ok(subject) => subject,
+                Err(error) => return drop(ready.send(Err(error))),
+            };
+            drop(ready.send(Ok(())));
+            let evaluator = Evaluator::new(&subject, similarity);
+            // Ends when the last sender of jobs is dropped.
+            while let Ok(Job { points, answer }) = queue.recv() {
+                // Nobody waits any more if this fails.
+                drop(answer.send(evaluate(&evaluator, &space, &points)));
+            }
+        };
+        thread::spawn(move || pool.install(work));
+        let made = py.detach(move || made.recv().context(ENDED));
+        raise(raise(made)?)?;
+        Ok(Evaluation {
+            jobs: Mutex::new(jobs),
+        })
+    }
+
+    /// What points reach, in the order of `result_names`, as the tables of `splatline sweep` write it.
+    fn run(&self, py: Python<'_>, points: Vec<Vec<usize>>) -> PyResult<Vec<Vec<String>>> {
+        let (answer, results) = channel();
+        let results = py.detach(move || {
+            let job = Job { points, answer };
+            let jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
+            jobs.send(job).map_err(|_| anyhow!(ENDED))?;
+            drop(jobs);
+            results.recv().context(ENDED)?
+        });
+        raise(results)
+    }
+}
+
+fn evaluate(
+    evaluator: &Evaluator,
+    space: &space::Space,
+    points: &[Vec<usize>],
+) -> Result<Vec<Vec<String>>> {
+    let frames: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
+    let found: Vec<Mutex<Vec<String>>> = points.iter().map(|_| Mutex::default()).collect();
+    let keep = |place: usize, results: Vec<String>| {
+        *found[place].lock().unwrap_or_else(PoisonError::into_inner) = results;
+    };
+    let mut open: Vec<(usize, Choice)> = Vec::new();
+    for (place, point) in points.iter().enumerate() {
+        let fits = point.len() == space.axes.len()
+            && point
+                .iter()
+                .zip(&space.axes)
+                .all(|(index, axis)| *index < axis.values.len());
+        anyhow::ensure!(fits, "point {point:?} is none of the space's");
+        let choice = evaluator.choice(space, point)?;
+        match choice.machine.check_together() {
+            Ok(()) => open.push((place, choice)),
+            Err((key, value, allowed)) => keep(
+                place,
+                sweep::left_out(&format!("{key} = {value}: {allowed}")),
+            ),
+        }
+    }
+    for group in open.chunk_by(|a, b| work_key(&a.1) == work_key(&b.1)) {
+        let (places, choices): (Vec<usize>, Vec<Choice>) = group.iter().cloned().unzip();
+        let error = evaluator.error(&choices[0].variant, &frames)?;
+        evaluator.run(&choices, &frames, false, &|place, costs| {
+            let reached = evaluator.reached(&choices[place], error, &costs);
+            keep(places[place], sweep::results(&reached, costs.len()));
+            Ok(())
+        })?;
+    }
+    Ok(found
+        .into_iter()
+        .map(|one| one.into_inner().unwrap_or_else(PoisonError::into_inner))
+        .collect())
+}

@@ -1,0 +1,62 @@
+"""The package as a package: types, help, command line, and the bench of the circuit."""
+
+import inspect
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import splatline
+from conftest import ROOT
+from splatline import _native
+
+PACKAGE = Path(splatline.__file__).parent
+
+
+def test_stubs_name_what_there_is():
+    stubs = (PACKAGE / "_native.pyi").read_text()
+    assert (PACKAGE / "py.typed").exists()
+    there = {name for name in dir(_native) if not name.startswith("_")}
+    named = set(re.findall(r"^(?:def|class) (\w+)", stubs, re.M))
+    assert named == there
+    for name in there:
+        what = getattr(_native, name)
+        if not inspect.isclass(what) or name == "Error":
+            continue
+        body = re.search(rf"^class {name}.*?(?=^\S|\Z)", stubs, re.M | re.S).group()
+        known = set(re.findall(r"^    (?:def )?(\w+)[(:]", body, re.M))
+        own = {member for member in vars(what) if not member.startswith("__")}
+        assert own == {member for member in known if not member.startswith("__")}, name
+
+
+def test_everything_that_is_public_says_what_it_is():
+    for name in splatline.__all__:
+        if name != "__version__":
+            assert inspect.getdoc(getattr(splatline, name)), name
+    assert "UQ1.alpha" in _native.Kernel.opacities.__doc__ and "float64" in splatline.Scene.centres.__doc__
+
+
+def test_versions_are_the_crates():
+    manifest = (ROOT / "Cargo.toml").read_text()
+    assert f'version = "{splatline.__version__}"' in manifest
+
+
+def test_the_module_is_the_command_line():
+    said = subprocess.run([sys.executable, "-m", "splatline", "--version"], capture_output=True, text=True)
+    assert said.stdout == f"splatline {splatline.__version__}\n" and said.returncode == 0
+    said = subprocess.run([sys.executable, "-m", "splatline", "render"], capture_output=True, text=True)
+    assert said.returncode == 2 and "--output" in said.stderr
+
+
+def test_the_circuit_equals_the_kernel_at_every_handshake():
+    pytest.importorskip("cocotb_tools")
+    pytest.importorskip("cocotbext.axi")
+    for tool in ("iverilog", "yosys"):
+        if not shutil.which(tool):
+            pytest.skip(f"{tool} is not installed")
+    bench = ROOT / "sim" / "python" / "examples" / "primitive" / "run.py"
+    said = subprocess.run([sys.executable, bench], capture_output=True, text=True)
+    assert said.returncode == 0, said.stdout[-3000:] + said.stderr[-3000:]
+    assert re.search(r"\d+ packets, \d+ spans and \d+ pixels of 2 tiles: 0 differences", said.stdout + said.stderr)

@@ -1,0 +1,203 @@
+"""Pictures are the kernel's words, records the command line's, and messages too."""
+
+import csv
+import json
+import pickle
+import subprocess
+import sys
+import threading
+import zlib
+
+import numpy as np
+import pytest
+import splatline
+from conftest import ROOT
+
+PLANS = ROOT / "sim" / "plans"
+GOLDEN = {line["plan"]: line for line in csv.DictReader((PLANS / "golden.csv").open())}
+EYE = {"eye": (5.5, -2.1, 0.2), "target": (0.1, -2.1, 0.1), "up": (0, -1, 0)}
+
+
+def command(*words, folder=None):
+    return subprocess.run([sys.executable, "-m", "splatline", *map(str, words)], capture_output=True, text=True, cwd=folder)
+
+
+@pytest.mark.parametrize("name", sorted(GOLDEN))
+def test_all_systems_give_the_words_of_the_kernel(name, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    plan = splatline.Plan.from_file(PLANS / f"{name}.toml")
+    picture = splatline.render(plan)
+    # Of the picture's doubles, into which the kernel's words go without further rounding.
+    assert f"{zlib.crc32(picture.rgba.tobytes()):08x}" == GOLDEN[name]["crc32"]
+    again = splatline.Plan.from_dict(plan.to_dict(), plan.scene)
+    assert (splatline.render(again).rgba == picture.rgba).all()
+
+
+def test_three_designs_of_guitar_are_as_far_from_float_as_the_command_line_says(guitar, tmp_path):
+    scene = splatline.load(guitar)
+    camera = splatline.Camera.look_at(**EYE, size=(256, 256))
+    (tmp_path / "camera.json").write_text(camera.to_json())
+    reference = splatline.render(scene, camera, engine="float")
+    for design in ("lean18", "standard24", "deep32"):
+        found = splatline.metrics(splatline.render(scene, camera, design), reference)["rgb"]["psnr_db"]
+        words = ["compare", guitar, "--camera", "camera.json", "--design", design, "--only", "-o", design]
+        assert command(*words, folder=tmp_path).returncode == 0
+        report = json.loads((tmp_path / design / "report.json").read_text())
+        assert found == report["error"]["rgb"]["psnr_db"]
+        assert splatline.compare(scene, camera, design).record["error"] == report["error"]
+
+
+def test_the_pixels_are_not_copied(scene, camera):
+    picture = splatline.render(scene, camera)
+    assert picture.rgba.shape == (48, 64, 4) and picture.rgba.dtype == np.float64
+    assert np.shares_memory(picture.colour, picture.rgba) and np.shares_memory(picture.alpha, picture.rgba)
+    assert np.asarray(picture) is picture.rgba or np.shares_memory(np.asarray(picture), picture.rgba)
+    # The drawing's own memory, which a capsule of Rust owns.
+    assert picture.rgba.base is not None
+
+
+def test_others_run_while_a_picture_is_drawn(scene, camera):
+    drawing = threading.Thread(target=lambda: splatline.render(scene, camera.resized(1500, 1500), engine="float", threads=1))
+    drawing.start()
+    turns = 0
+    while drawing.is_alive():
+        turns += 1
+    assert turns > 100
+
+
+@pytest.mark.parametrize("engine", ["fixed", "float", "exact", "fp32", "fp16", "bfloat16"])
+def test_every_engine_draws(scene, camera, engine):
+    picture = splatline.render(scene, camera, engine=engine)
+    assert picture.alpha.max() > 0.5 and picture.record["engine"] == engine
+    assert picture.counts["splats"] == 300
+
+
+def test_depth_is_the_mean_of_the_splats():
+    camera = splatline.Camera.look_at((0, 0, 0), (0, 0, 1), (0, -1, 0), size=(33, 33))
+    near, far = 0.5, 0.75
+    scene = splatline.Scene.from_arrays([[0, 0, 2], [0, 0, 6]], [near, far], np.ones((2, 3)), scales=np.full((2, 3), [[0.2], [3.0]]))
+    depth = splatline.render(scene, camera).depth
+    # The first splat's share, and what it lets through of the second's.
+    shares = np.array([near, (1 - near) * far])
+    assert abs(depth[16, 16] - shares @ [2, 6] / shares.sum()) < 0.01
+    assert abs(depth[16, 0] - 6) < 1e-5
+    assert np.isnan(splatline.render(scene, camera.zoomed(0.05)).depth[0, 0])
+    with pytest.raises(splatline.Error, match="splats drawn by"):
+        _ = splatline.Picture(np.zeros((1, 1, 4))).depth
+
+
+def test_arrays_make_the_scene_that_they_came_from(camera, scene):
+    again = splatline.Scene.from_arrays(scene.centres, scene.weights, scene.colours, axes=scene.axes)
+    assert (splatline.render(again, camera).rgba == splatline.render(scene, camera).rgba).all()
+
+
+def test_scales_and_rotations_are_the_trainers(tmp_path, camera):
+    """Against the loader of the trainers' PLY."""
+    rng = np.random.default_rng(3)
+    count = 40
+    centres, quaternions = rng.normal(0, 1, (count, 3)), rng.normal(0, 1, (count, 4))
+    scales, logits, dc = rng.normal(-2, 0.4, (count, 3)), rng.normal(0, 1, count), rng.normal(0, 0.4, (count, 3))
+    names = ["x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"]
+    rows = np.concatenate([centres, dc, logits[:, None], scales, quaternions], axis=1).astype("<f4")
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {count}", *(f"property float {name}" for name in names), "end_header\n"]
+    path = tmp_path / "trainer.ply"
+    path.write_bytes("\n".join(header).encode() + rows.tobytes())
+    loaded = splatline.load(path)
+    centres, dc, logits, scales, quaternions = (a.astype(np.float32).astype(float) for a in (centres, dc, logits, scales, quaternions))
+    made = splatline.Scene.from_arrays(
+        centres, 1 / (1 + np.exp(-logits)), 0.5 + 0.28209479177387814 * dc, scales=np.exp(scales), rotations=quaternions
+    )
+    assert np.allclose(made.axes, loaded.axes, rtol=1e-6, atol=1e-9)
+    assert np.allclose(made.colours, loaded.colours, atol=1e-6) and np.allclose(made.weights, loaded.weights, atol=1e-6)
+
+
+def test_everything_survives_pickling(scene, camera, guitar):
+    arrays = splatline.Scene.from_arrays(scene.centres, scene.weights, scene.colours, axes=scene.axes)
+    design = splatline.Design("standard24", mantissa=20, rounding="truncate")
+    machine = splatline.Machine(lanes=4, tile_width=16)
+    for what in (arrays, scene):
+        plan = splatline.plan(what, camera, design, machine=machine)
+        again = pickle.loads(pickle.dumps(plan))
+        assert again.to_dict() == plan.to_dict()
+        assert (splatline.render(again).rgba == splatline.render(plan).rgba).all()
+    for what in (camera, design, machine):
+        assert pickle.loads(pickle.dumps(what)) == what
+
+
+def test_messages_are_those_of_the_command_line(tmp_path, scene, camera):
+    missing = tmp_path / "nothing.ply"
+    said = command("render", missing, "-o", tmp_path / "x.png")
+    with pytest.raises(splatline.Error) as raised:
+        splatline.load(missing)
+    assert said.returncode == 1 and said.stderr.strip() == f"error: {raised.value}"
+    for wrong, words in {
+        "unknown design 'lean'": lambda: splatline.render(scene, camera, "lean"),
+        "mantissa = 40 is out of range: allowed are 8 to 31": lambda: splatline.Design(mantissa=40),
+        "unknown key 'lane': did you mean lanes": lambda: splatline.Machine(lane=1),
+        "lanes = 3: allowed are 1, 2, 4": lambda: splatline.Machine(lanes=3),
+        "centres has the shape": lambda: splatline.Scene.from_arrays([[1, 2]], [1.0], [[1, 1, 1]], axes=[np.eye(3)]),
+        "centres\\[1\\] holds a number that is not finite": lambda: splatline.Scene.from_arrays(
+            [[1, 2, 3], [1, 2, np.nan]], [1.0, 1.0], np.ones((2, 3)), scales=np.ones((2, 3))
+        ),
+        "must lie between 0 and 180": lambda: splatline.Camera.look_at((0, 0, 0), (0, 0, 1), (0, 1, 0), fov=200),
+        "unknown rules 'x'": lambda: splatline.render(scene, camera, rules="x"),
+    }.items():
+        with pytest.raises(splatline.Error, match=wrong):
+            words()
+
+
+def test_options_of_the_command_line_make_a_plan(tmp_path):
+    plan = splatline.Plan.from_options(["random:300", "--size", "64x48", "--design", "lean18", "--compositing", "x-ray"])
+    same = splatline.plan("random:300", plan.camera, "lean18", compositing="x-ray")
+    assert (splatline.render(plan).rgba == splatline.render(same).rgba).all()
+    with pytest.raises(splatline.Error, match="unexpected argument '--sise'"):
+        splatline.Plan.from_options(["random:300", "--sise", "64x48"])
+
+
+def test_cameras_of_others(tmp_path):
+    camera = splatline.Camera.look_at(**EYE, fov=50, size=(100, 80))
+    assert np.allclose(camera.eye, EYE["eye"])
+    (tmp_path / "camera.json").write_text(camera.to_json())
+    assert splatline.Camera.load(tmp_path / "camera.json") == camera
+    assert [name for name, _ in splatline.Camera.load_all(tmp_path / "camera.json")] == ["camera.json"]
+    assert camera.world_to_camera.shape == (3, 4) and camera.resized(50, 40).size == (50, 40)
+
+
+def test_pictures_are_saved_as_the_command_line_saves_them(tmp_path, scene, camera):
+    (tmp_path / "camera.json").write_text(camera.to_json())
+    picture = splatline.render(scene, camera)
+    for name in ("a.png", "a.npy", "a.exr"):
+        picture.save(tmp_path / name)
+        assert command("render", "random:300", "--camera", "camera.json", "-o", f"line-{name}", folder=tmp_path).returncode == 0
+        assert (tmp_path / name).read_bytes() == (tmp_path / f"line-{name}").read_bytes()
+
+
+def test_machines_and_searches_are_the_command_lines(tmp_path, scene, camera):
+    (tmp_path / "camera.json").write_text(camera.to_json())
+    view = ["random:300", "--camera", "camera.json"]
+    record = splatline.simulate(scene, camera, machine=splatline.Machine("machine-4"), part="xc7a100t")
+    assert command("simulate", *view, "--machine", "machine-4", "--part", "xc7a100t", "-o", "timing", folder=tmp_path).returncode == 0
+    written = json.loads((tmp_path / "timing" / "timing.json").read_text())
+    for same in ("cycles", "pace", "area", "energy"):
+        assert json.loads(json.dumps(record[same])) == written[same]
+    units = record.units
+    causes = [name for name in units.dtype.names if name not in ("name",)]
+    assert len(units) == len(record["cycles"]["units"]) and sum(units[name].sum() for name in causes) > 0
+
+    fitted = splatline.fit(scene, {"rms_error": 1e-3}, camera)
+    assert command("fit", *view, "--metric", "rms", "--max-error", "1e-3", "-o", "fit.toml", folder=tmp_path).returncode == 0
+    assert splatline.Design(str(tmp_path / "fit.toml")).widths == fitted["widths"]
+    with pytest.raises(splatline.Error, match="standard24 itself has rms error"):
+        splatline.fit(scene, {"rms_error": 0.0}, camera)
+
+    space = "[machine]\nlanes = [1, 2, 4, 8]\n"
+    answer = splatline.optimize(scene, {"frames_per_second": 100.0}, camera, space=space)
+    (tmp_path / "space.toml").write_text(space)
+    assert command("optimize", *view, "--fps", "100", "--space", "space.toml", "-o", "answer", folder=tmp_path).returncode == 0
+    written = json.loads((tmp_path / "answer" / "answer.json").read_text())["answer"]
+    assert answer["holds"] and answer["found"][0]["machine"] == written["found"][0]["machine"]
+
+
+def test_footprints_are_named(scene, camera):
+    fixed, real = (splatline.footprints(scene, camera, engine=engine) for engine in ("fixed", "float"))
+    assert len(fixed) == 300 and np.nanmax(abs(fixed["u"] - real["u"])) < 1e-3

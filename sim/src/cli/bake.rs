@@ -1,0 +1,122 @@
+//! `splatline bake`: a scene for a microcontroller's flash.
+
+use super::output::{Outputs, write};
+use super::resolve::PlanRequest;
+use super::say::{Failure, print_result, warn};
+use super::values::DesignName;
+use super::view_args::{MoreScenes, PathOptions, ViewOptions};
+use crate::bake::{BakedScene, contributions, error, most_visible};
+use crate::fixed::QuantisedScene;
+use crate::plan::Subject;
+use crate::progress::ProgressMeter;
+use clap::Args;
+use std::path::PathBuf;
+
+pub const EXAMPLES: &str = "\
+Examples:
+  splatline bake guitar.ply --size 240x240 --keep 1000 -o scene.rs
+  splatline bake guitar.ply --camera-path keys.toml --size 240x240 --keep 3000 --json bake.json -o scene.rs
+  splatline bake random:2000 --size 240x240 -o scene.bin
+
+scene.rs holds constants (with a camera path also its views), scene.bin what CompactScene::read reads; 24 bytes a splat in flash.
+Splats that no view shows are left out; --keep leaves out those that the views show least of.";
+
+/// Which scene, seen from where, how much of it, and where it goes.
+#[derive(Debug, Args)]
+pub struct BakeOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    #[command(flatten)]
+    pub path: PathOptions,
+    /// Keep the N splats that contribute most to the views [default: all that are visible]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub keep: Option<u32>,
+    /// Also write splats, bytes and the error of every view as JSON
+    #[arg(long, value_name = "bake.json", help_heading = "Output")]
+    pub json: Option<PathBuf>,
+    /// Scene to write: .rs or .bin
+    #[arg(short, long, value_name = "scene.rs", help_heading = "Output")]
+    pub output: PathBuf,
+}
+
+pub fn run(options: &BakeOptions) -> Result<(), Failure> {
+    let outputs = Outputs::default()
+        .file(&options.output, &["rs", "bin"])?
+        .json(options.json.as_ref())?;
+    let design = DesignName("standard24".to_owned());
+    let asked = PlanRequest::by_design(&options.view, &design);
+    let frames = asked.frames(&options.path, &MoreScenes::default())?;
+    outputs.spare_inputs()?;
+    let first = frames.first().map(|frame| &frame.prepared);
+    let Some(first) = first else {
+        return Err(Failure::Usage("there is no view".to_owned()));
+    };
+    warn(&first.warnings);
+    let Subject::Splats(splats) = first.subject()? else {
+        let message =
+            "only scenes of 3D Gaussians are baked; surfaces are drawn by `splatline render`";
+        return Err(Failure::Usage(message.to_owned()));
+    };
+    let (scene, rules) = (splats.scene, splats.rules);
+    let cameras: Vec<_> = frames
+        .iter()
+        .map(|frame| frame.prepared.plan.camera.clone())
+        .collect();
+    let progress = ProgressMeter::spinner(format!("baking {}", scene.name));
+    let shares = contributions(scene, &cameras, rules);
+    let keep = options.keep.map_or(usize::MAX, |keep| keep as usize);
+    let kept = most_visible(&shares, keep);
+    let baked = BakedScene::new(scene, &kept, &cameras)?;
+    let mut views = Vec::new();
+    for (frame, camera) in frames.iter().zip(&cameras) {
+        progress.doing(format!("comparing {}", frame.name));
+        let colour = error(scene, &baked, camera, rules)?.colour;
+        views.push((frame.name.as_str(), colour.psnr_db, colour.max_abs));
+    }
+    drop(progress);
+    let bytes = if options
+        .output
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("rs"))
+    {
+        let path = if options.path.camera_path.is_some() {
+            cameras.as_slice()
+        } else {
+            &[]
+        };
+        let path: Vec<_> = path
+            .iter()
+            .map(|camera| QuantisedScene::new(scene, camera, rules).view)
+            .collect();
+        baked.to_rust(&scene.name, &path).into_bytes()
+    } else {
+        baked.to_bytes()
+    };
+    write(&options.output, &bytes)?;
+    let (all, count) = (scene.splats.len(), kept.len());
+    let share = kept.iter().map(|number| shares[*number]).sum::<f64>() / shares.iter().sum::<f64>();
+    let worst = views
+        .iter()
+        .fold(f64::INFINITY, |worst, (_, psnr, _)| worst.min(*psnr));
+    let largest = views
+        .iter()
+        .fold(0.0, |most: f64, (_, _, error)| most.max(*error));
+    if let Some(path) = &options.json {
+        let of_view = |(name, psnr, error): &(&str, f64, f64)| serde_json::json!({ "view": name, "psnr_db": psnr, "max_abs": error });
+        let report = serde_json::json!({
+            "scene": scene.name, "splats": all, "kept": count, "bytes": 24 * count, "share_of_light": share,
+            "views": views.iter().map(of_view).collect::<Vec<_>>(),
+        });
+        write(path, format!("{report:#}\n").as_bytes())?;
+    }
+    print_result(&format!(
+        "{}: {count} of {all} splats, {} bytes in flash, {:.1} % of the light of {} view(s)\n\
+         against the whole scene: {worst:.1} dB in the worst view, largest error {:.1}/255\n{}\n",
+        scene.name,
+        24 * count,
+        100.0 * share,
+        views.len(),
+        255.0 * largest,
+        options.output.display()
+    ))
+}

@@ -1,0 +1,207 @@
+//! `render --maps`: what lies behind the picture's pixels, in files beside it. They are the reference's, in double precision.
+
+use super::output::write;
+use super::say::{Failure, print_result};
+use crate::picture::{Depth, Picture, PictureFormat};
+use crate::plan::Prepared;
+use crate::reference::maps::{self, MapPixel};
+use crate::report::png::Rgb;
+use crate::rules::Compositing;
+use crate::vector;
+use anyhow::anyhow;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// A map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Map {
+    /// Accumulated, normalised and median.
+    Depth,
+    /// 1 - transmittance.
+    Alpha,
+    /// Of the shortest axes.
+    Normal,
+    /// Splats blended and looked up.
+    Count,
+    /// The first splat.
+    First,
+    /// The splat that contributes most.
+    Id,
+}
+
+const NAMES: [(&str, Map); 6] = [
+    ("depth", Map::Depth),
+    ("alpha", Map::Alpha),
+    ("normal", Map::Normal),
+    ("count", Map::Count),
+    ("first", Map::First),
+    ("id", Map::Id),
+];
+
+impl FromStr for Map {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Map, String> {
+        let found = NAMES.iter().find(|(name, _)| *name == text);
+        found.map(|(_, map)| *map).ok_or_else(|| {
+            format!(
+                "expected some of {}",
+                NAMES.map(|(name, _)| name).join(", ")
+            )
+        })
+    }
+}
+
+impl Map {
+    fn name(self) -> &'static str {
+        NAMES
+            .iter()
+            .find(|(_, map)| *map == self)
+            .map_or("", |(name, _)| name)
+    }
+
+    /// `x.png` becomes `x.depth.png`.
+    pub fn file(self, picture: &Path) -> PathBuf {
+        let extension = picture.extension().unwrap_or_default().to_string_lossy();
+        picture.with_extension(format!("{}.{extension}", self.name()))
+    }
+
+    /// Four numbers: what float files hold.
+    fn numbers(self, pixel: &MapPixel) -> [f64; 4] {
+        let number = |index: Option<usize>| index.map_or(-1.0, |index| index as f64);
+        match self {
+            Map::Depth => [
+                pixel.accumulated_depth,
+                pixel.normalised_depth(),
+                pixel.median_depth,
+                pixel.alpha,
+            ],
+            Map::Alpha => [pixel.alpha; 4],
+            Map::Normal => {
+                let length = vector::length(pixel.normal);
+                let unit = vector::scale(1.0 / length.max(f64::MIN_POSITIVE), pixel.normal);
+                [unit[0], unit[1], unit[2], pixel.alpha]
+            }
+            Map::Count => [pixel.blended.into(), pixel.visited.into(), 0.0, pixel.alpha],
+            Map::First => [number(pixel.first), 0.0, 0.0, pixel.alpha],
+            Map::Id => [number(pixel.largest), 0.0, 0.0, pixel.alpha],
+        }
+    }
+
+    /// What its numbers are, for people.
+    fn words(self) -> &'static str {
+        match self {
+            Map::Depth => {
+                "accumulated, normalised and median depth, alpha; in colours the normalised one"
+            }
+            Map::Alpha => "alpha",
+            Map::Normal => "x, y, z in camera space, alpha",
+            Map::Count => "splats blended, splats looked up; in colours those blended",
+            Map::First => "number of the first splat, -1 without any",
+            Map::Id => "number of the splat that contributes most, -1 without any",
+        }
+    }
+}
+
+/// Writes maps of what is drawn beside the picture.
+pub fn write_maps(prepared: &Prepared, asked: &[Map], picture: &Path) -> Result<(), Failure> {
+    let splats = prepared.splats()?;
+    if splats.compositing != Compositing::FrontToBack {
+        return Err(anyhow!("--maps composite front to back: leave out --compositing").into());
+    }
+    let pixels = maps::draw(splats.scene, splats.camera, splats.rules);
+    let size = [splats.camera.width, splats.camera.height];
+    let format = PictureFormat::of(picture).unwrap_or(PictureFormat::Png);
+    for map in asked {
+        let numbers: Vec<[f64; 4]> = pixels.iter().map(|pixel| map.numbers(pixel)).collect();
+        let file = map.file(picture);
+        let (bytes, scale) = match format {
+            PictureFormat::Png => in_colours(*map, &numbers, size)?,
+            format => {
+                let [width, height] = size;
+                let numbers = Picture {
+                    width,
+                    height,
+                    pixels: numbers,
+                };
+                let depth = Depth::default();
+                (
+                    numbers.encode(format, depth, Default::default())?,
+                    String::new(),
+                )
+            }
+        };
+        write(&file, &bytes)?;
+        print_result(&format!("{}: {}{scale}\n", file.display(), map.words()))?;
+    }
+    Ok(())
+}
+
+/// False colours, and what they say.
+fn in_colours(
+    map: Map,
+    numbers: &[[f64; 4]],
+    [width, height]: [usize; 2],
+) -> Result<(Vec<u8>, String), Failure> {
+    let value = |numbers: &[f64; 4]| {
+        if map == Map::Depth {
+            numbers[1]
+        } else {
+            numbers[0]
+        }
+    };
+    let covered = || numbers.iter().filter(|numbers| numbers[3] > 0.0).map(value);
+    let [least, most] = match map {
+        Map::Alpha => [0.0, 1.0],
+        _ => covered().fold(
+            [f64::INFINITY, f64::NEG_INFINITY],
+            |[least, most], value| [least.min(value), most.max(value)],
+        ),
+    };
+    let colour = |pixel: &[f64; 4]| match map {
+        _ if pixel[3] <= 0.0 => [0; 3],
+        Map::Normal => [0, 1, 2].map(|k: usize| (127.5 + 127.5 * pixel[k]).round() as u8),
+        Map::First | Map::Id => of_number(pixel[0]),
+        _ => ramp((value(pixel) - least) / (most - least).max(f64::MIN_POSITIVE)),
+    };
+    let picture = Rgb {
+        width,
+        height,
+        bytes: numbers.iter().flat_map(colour).collect(),
+    };
+    let scale = match map {
+        Map::Normal => ": red, green and blue are 127.5 (1 + x), (1 + y) and (1 + z)".to_owned(),
+        Map::First | Map::Id => ": a colour of its own for each".to_owned(),
+        _ if most < least => String::new(),
+        _ => format!(
+            ": {least:.4} is violet, {:.4} green, {most:.4} yellow",
+            0.5 * (least + most)
+        ),
+    };
+    Ok((picture.to_png().map_err(anyhow::Error::from)?, scale))
+}
+
+/// From violet over blue and green to yellow.
+fn ramp(part: f64) -> [u8; 3] {
+    const STOPS: [[f64; 3]; 5] = [
+        [68.0, 1.0, 84.0],
+        [59.0, 82.0, 139.0],
+        [33.0, 145.0, 140.0],
+        [94.0, 201.0, 98.0],
+        [253.0, 231.0, 37.0],
+    ];
+    let place = 4.0 * part.clamp(0.0, 1.0);
+    let from = (place as usize).min(3);
+    let part = place - from as f64;
+    [0, 1, 2].map(|c: usize| {
+        (STOPS[from][c] + part * (STOPS[from + 1][c] - STOPS[from][c])).round() as u8
+    })
+}
+
+/// Bits of a number's hash, light enough to be told from black.
+fn of_number(number: f64) -> [u8; 3] {
+    let hash = (number as i64 as u64)
+        .wrapping_add(1)
+        .wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    [56, 48, 40].map(|shift| 64 + (hash >> shift) as u8 % 192)
+}

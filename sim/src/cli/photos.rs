@@ -1,0 +1,341 @@
+//! `compare --photos`: what is drawn against photographs, view by view, as trained scenes are judged.
+//!
+//! Views are held out as the trainers do: sorted by name, every eighth one. A lens' distortion is taken out of the photograph. One of another size than its camera's decides: the camera is
+//! scaled to it (the trainers' `images_4`). Its alpha channel puts it on the background; a mask multiplies photograph and pictures.
+
+use super::args::CompareOptions;
+use super::compare::against_reference;
+use super::output::{Outputs, create_folder, write, write_json};
+use super::resolve::{COMPARED, NamedFrame, PlanRequest, room_for_picture};
+use super::say::{Failure, print_error, print_result, warn};
+use super::view_args::{MoreScenes, PathOptions};
+use crate::cameras;
+use crate::cameras::lens::{Distortion, Lens};
+use crate::design::DesignChoice;
+use crate::metrics::photo_error;
+use crate::picture::{Backdrop, Picture};
+use crate::plan::draw::on_threads;
+use crate::plan::{DesignVariant, Engine, Prepared};
+use crate::progress::ProgressMeter;
+use crate::report::photos::{Drawn, FILES, PhotoReport, PhotoRow, Shown, page};
+use crate::texture::image::{load_photograph, undistorted};
+use anyhow::{Context, anyhow};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// Extensions of photographs, for names without one.
+const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "PNG", "JPG", "JPEG"];
+
+/// Which views are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    /// All.
+    All,
+    /// Every so manieth, from the first on.
+    Test(usize),
+    /// All others.
+    Train(usize),
+}
+
+/// The trainers' hold: every eighth view.
+const HOLD: usize = 8;
+
+impl FromStr for Split {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Split, String> {
+        match (text, text.parse()) {
+            ("all", _) => Ok(Split::All),
+            ("test", _) => Ok(Split::Test(HOLD)),
+            ("train", _) => Ok(Split::Train(HOLD)),
+            (_, Ok(every @ 1..=1_000_000)) => Ok(Split::Test(every)),
+            _ => Err("expected test, train, all, or N for every Nth view".to_owned()),
+        }
+    }
+}
+
+impl Split {
+    fn holds(self, place: usize) -> bool {
+        match self {
+            Split::All => true,
+            Split::Test(every) => place.is_multiple_of(every),
+            Split::Train(every) => !place.is_multiple_of(every),
+        }
+    }
+
+    fn words(self) -> String {
+        match self {
+            Split::All => "all views".to_owned(),
+            Split::Test(every) => format!("every view of {every} from the first on, by name"),
+            Split::Train(every) => format!("all but every view of {every}, by name"),
+        }
+    }
+}
+
+/// A view with its photograph.
+struct View {
+    name: String,
+    prepared: Prepared,
+    photograph: Picture,
+    file: PathBuf,
+    mask: Option<Picture>,
+}
+
+pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<(), Failure> {
+    let drawing = &options.drawing;
+    let outputs = outputs.folder(&options.output, &FILES)?;
+    if drawing.alpha {
+        let message =
+            "--alpha has no meaning with --photos: photographs are compared on --background";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let (views, lenses) = chosen_views(options)?;
+    outputs.spare_inputs()?;
+    let Backdrop::Colour(background) = drawing.backdrop() else {
+        return Err(anyhow!("photographs are compared on a colour").into());
+    };
+    let (progress, mut notes) = (ProgressMeter::new(views.len()), BTreeSet::new());
+    let mut rows = Vec::with_capacity(views.len());
+    let mut shown = Vec::with_capacity(views.len());
+    for (number, frame) in (1..).zip(views) {
+        progress.doing(&frame.name);
+        let view = with_photograph(frame, photos, options, &lenses, &mut notes)?;
+        let drawn = on_threads(drawing.effort().threads, || draw(&view, options))??;
+        let on_background = |picture: &Picture| seen(&picture.on(background), view.mask.as_ref());
+        let photograph = on_background(&view.photograph);
+        let drawn: Vec<(String, Picture)> = drawn
+            .iter()
+            .map(|(engine, picture)| (engine.clone(), on_background(picture)))
+            .collect();
+        let pictures = Shown::new(&photograph, &drawn)?;
+        let folder = options.output.join(format!("view-{number:04}"));
+        create_folder(&folder)?;
+        for (name, bytes) in pictures.files()? {
+            write(&folder.join(name), &bytes)?;
+        }
+        let judged = |(engine, picture): &(String, Picture)| {
+            let error = photo_error(picture, &photograph);
+            let error = error.with_context(|| format!("'{}'", view.file.display()))?;
+            let engine = engine.clone();
+            Ok(Drawn { engine, error })
+        };
+        rows.push(PhotoRow {
+            name: view.name.clone(),
+            photograph: view.file.clone(),
+            size: [photograph.width, photograph.height],
+            folder: format!("view-{number:04}"),
+            drawn: drawn.iter().map(judged).collect::<anyhow::Result<_>>()?,
+        });
+        shown.push(pictures.small()?);
+        progress.advance();
+    }
+    drop(progress);
+    for note in notes {
+        print_error(&format!("{note}\n"));
+    }
+    let report = PhotoReport::new(options.split.words(), rows)?;
+    let [json, html] = FILES.map(|file| options.output.join(file));
+    write_json(&json, &report)?;
+    if let Some(path) = &drawing.json {
+        write_json(path, &report)?;
+    }
+    write(&html, page(&report, &shown).as_bytes())?;
+    print_result(&report.text())?;
+    print_result(&format!("{}\n", html.display()))
+}
+
+/// The views of the split, in the order of their names.
+fn chosen_views(
+    options: &CompareOptions,
+) -> Result<(Vec<NamedFrame>, BTreeMap<String, Lens>), Failure> {
+    let cameras = options.view.camera.clone();
+    let path = PathOptions {
+        camera_path: cameras.or_else(|| options.path.camera_path.clone()),
+    };
+    let Some(file) = &path.camera_path else {
+        let message = "--photos needs --camera: the COLMAP folder, transforms.json or cameras.json of the photographs";
+        return Err(Failure::Usage(message.to_owned()));
+    };
+    // Key frames have no lenses.
+    let poses = cameras::load(file, None).unwrap_or_default();
+    let lenses = poses
+        .into_iter()
+        .filter_map(|pose| Some((pose.name, pose.lens?)));
+    let asked = PlanRequest::drawing(&options.view, &options.drawing).on(&options.machine);
+    let mut frames = asked.frames(&path, &MoreScenes::default())?;
+    frames.sort_by(|a, b| a.name.cmp(&b.name));
+    let views: Vec<NamedFrame> = (0..)
+        .zip(frames)
+        .filter(|(place, _)| options.split.holds(*place))
+        .map(|(_, frame)| frame)
+        .collect();
+    if views.is_empty() {
+        return Err(anyhow!("--split leaves no view").into());
+    }
+    Ok((views, lenses.collect()))
+}
+
+/// The view with its photograph, whose size the camera takes.
+fn with_photograph(
+    frame: NamedFrame,
+    photos: &Path,
+    options: &CompareOptions,
+    lenses: &BTreeMap<String, Lens>,
+    notes: &mut BTreeSet<String>,
+) -> Result<View, Failure> {
+    let NamedFrame { name, prepared } = frame;
+    let scene = format!("{}, ", prepared.scene.name());
+    let name = name.strip_prefix(&scene).unwrap_or(&name).to_owned();
+    let file = photograph_of(photos, &name)?;
+    let mut photograph = load_photograph(&file)?;
+    let mut coverage = None;
+    let lens = lenses.get(&name);
+    let lens = lens.filter(|lens| lens.distortion != Distortion::default());
+    if let Some(lens) = lens {
+        notes.insert(
+            "photographs are undistorted to pinholes; what they do not show counts in no picture"
+                .to_owned(),
+        );
+        let opaque = photograph.on([0.0; 3]);
+        coverage = Some(shown_part(&undistorted(&opaque, lens)));
+        photograph = undistorted(&photograph, lens);
+    }
+    let size = [photograph.width, photograph.height];
+    let mut prepared = prepared;
+    let camera = &prepared.plan.camera;
+    if size != [camera.width, camera.height] {
+        notes.insert(format!(
+            "photographs of {}x{} decide over cameras of {}x{}: these are scaled",
+            size[0], size[1], camera.width, camera.height
+        ));
+        let camera = camera.resized(size[0], size[1])?;
+        prepared = prepared.seen_by(camera);
+    }
+    prepared.plan = against_reference(prepared.plan)?;
+    room_for_picture(&prepared.plan.camera, COMPARED)?;
+    warn(&prepared.warnings);
+    let mask = match &options.masks {
+        Some(folder) => Some(load_photograph(&photograph_of(folder, &name)?)?),
+        None => None,
+    };
+    let mask = mask.map(|mask| match lens {
+        Some(lens) => undistorted(&mask, lens),
+        None => mask,
+    });
+    if let Some(mask) = mask
+        .as_ref()
+        .filter(|mask| [mask.width, mask.height] != size)
+    {
+        let message = format!(
+            "the mask of '{name}' has {}x{} pixels and its photograph {}x{}: scale the masks",
+            mask.width, mask.height, size[0], size[1]
+        );
+        return Err(anyhow!(message).into());
+    }
+    Ok(View {
+        name,
+        prepared,
+        photograph,
+        file,
+        mask: both(mask, coverage),
+    })
+}
+
+/// What of an undistorted picture is there: white, or black.
+fn shown_part(picture: &Picture) -> Picture {
+    let pixels = picture.pixels.iter().map(|[.., alpha]| [*alpha; 4]);
+    Picture {
+        pixels: pixels.collect(),
+        ..*picture
+    }
+}
+
+/// Both masks of one size, or the one there is.
+fn both(mask: Option<Picture>, coverage: Option<Picture>) -> Option<Picture> {
+    match (mask, coverage) {
+        (Some(mask), coverage) => Some(seen(&mask, coverage.as_ref())),
+        (None, coverage) => coverage,
+    }
+}
+
+/// The file of a view: by its name, with the usual extensions, and by the last part of its name.
+fn photograph_of(folder: &Path, name: &str) -> Result<PathBuf, Failure> {
+    let last = Path::new(name).file_name().map(PathBuf::from);
+    let names = [Some(PathBuf::from(name)), last];
+    for name in names.into_iter().flatten() {
+        let given = folder.join(&name);
+        let with = |extension: &&str| folder.join(format!("{}.{extension}", name.display()));
+        let others = EXTENSIONS
+            .iter()
+            .flat_map(|extension| [with(extension), given.with_extension(extension)]);
+        let mut found = std::iter::once(given.clone()).chain(others);
+        if let Some(file) = found.find(|file| file.is_file()) {
+            return Ok(file);
+        }
+    }
+    let message = format!(
+        "'{}' holds no picture of the view '{name}' (.png, .jpg): give the folder of the photographs that belong to --camera",
+        folder.display()
+    );
+    Err(anyhow!(message).into())
+}
+
+/// By whom a view is drawn: the reference, the design, the other named designs, and the formats.
+fn draw(view: &View, options: &CompareOptions) -> anyhow::Result<Vec<(String, Picture)>> {
+    let prepared = &view.prepared;
+    let reference = prepared.plan.reference.unwrap_or(Engine::Float);
+    let by = |engine: Engine| -> anyhow::Result<(String, Picture)> {
+        let drawing = prepared.draw_reference(engine, &|_, _| ())?;
+        Ok((engine.name().to_owned(), drawing.picture))
+    };
+    let fixed = |entry: &DesignVariant| -> anyhow::Result<(String, Picture)> {
+        Ok((
+            entry.design.name.clone(),
+            prepared.draw_fixed(entry)?.picture,
+        ))
+    };
+    let chosen = &prepared.plan.entry;
+    let mut drawn = vec![by(reference)?, fixed(chosen)?];
+    let others = DesignChoice::all().into_iter();
+    for design in others.filter(|design| !options.only && *design != chosen.design) {
+        drawn.push(fixed(&DesignVariant::new(design, None))?);
+    }
+    if options.formats {
+        for engine in Engine::FORMATS {
+            drawn.push(by(engine)?);
+        }
+    }
+    Ok(drawn)
+}
+
+/// The picture times the mask, which is its red channel.
+fn seen(picture: &Picture, mask: Option<&Picture>) -> Picture {
+    let mut picture = picture.clone();
+    for (pixel, mask) in picture
+        .pixels
+        .iter_mut()
+        .zip(mask.iter().flat_map(|m| &m.pixels))
+    {
+        for channel in &mut pixel[..3] {
+            *channel *= mask[0];
+        }
+    }
+    picture
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn splits_are_the_trainers() {
+        let split: Split = "test".parse().unwrap();
+        let held: Vec<usize> = (0..20).filter(|place| split.holds(*place)).collect();
+        assert_eq!(held, [0, 8, 16]);
+        let train: Split = "train".parse().unwrap();
+        assert!((0..20).all(|place| split.holds(place) != train.holds(place)));
+        assert_eq!("4".parse(), Ok(Split::Test(4)));
+        assert!("0".parse::<Split>().is_err() && "most".parse::<Split>().is_err());
+    }
+}

@@ -1,0 +1,460 @@
+//! answer.html: an answer as a page in the report's style. Limits and margins, what was looked at, the machine as a block diagram with the bytes that
+//! each unit moves, where cycles go, energy and traffic by unit, and what a change of each knob would do.
+
+use super::answer::{Answer, Found};
+use super::detail::{Detail, Knob};
+use super::refusal;
+use crate::machine::config::Config;
+use crate::machine::timing::Timing;
+use crate::report::chart::{Anchor, Axis, Chart};
+use crate::report::html::escape;
+use crate::report::labels::Rectangle;
+use crate::report::machine::plots;
+use crate::report::shell::Shell;
+use crate::report::table::count;
+use std::fmt::Write;
+
+/// Width of the diagram and of the scatter: what a telephone shows without scrolling.
+const WIDTH: f64 = 380.0;
+
+/// Attojoules of a millijoule.
+const MILLI: f64 = 1e15;
+
+/// The page. `note` is what is to be known of the area.
+pub fn page(title: &str, answer: &Answer, detail: Option<&Detail>, note: &str) -> String {
+    let facts = format!(
+        "<p class=\"facts\">{} machines simulated and {} designs drawn, on {} of {} frames.</p>\n",
+        answer.points, answer.designs, answer.frames[0], answer.frames[1]
+    );
+    let mut body = String::new();
+    if !answer.ruled_out.is_empty() {
+        let text = escape(&refusal::text(&answer.ruled_out));
+        body += &section("No machine can hold it", &format!("<pre>{text}</pre>"));
+    }
+    if let Some(first) = answer.found.first() {
+        body += &headline(first);
+        body += &section(
+            if answer.holds {
+                "Limits and what is left of them"
+            } else {
+                "Limits: no machine was found that holds all of them"
+            },
+            &limits(answer),
+        );
+        body += &section("What was looked at", &looked_at(answer));
+        if let Some(detail) = detail {
+            body += &of_machine(first, detail);
+        }
+        body += &section("Widths", &widths(first));
+    }
+    let clock = answer.found.first().map(|found| &found.reached.pace.clock);
+    let clock = clock.map_or(String::new(), |clock| {
+        format!("{} MHz: {}. ", clock.mhz, clock.of)
+    });
+    let notes = clock + note;
+    body += &section(
+        "What it rests on",
+        &format!("<p class=\"read\">{}</p>", escape(&notes)),
+    );
+    Shell::still("splatline: the cheapest machine", title, &facts, &body).html()
+}
+
+fn section(title: &str, body: &str) -> String {
+    format!(
+        "<section>\n<h2>{}</h2>\n{body}\n</section>\n",
+        escape(title)
+    )
+}
+
+fn headline(found: &Found) -> String {
+    let reached = &found.reached;
+    let entry = |name: &str, value: String| format!("<div><dt>{name}</dt><dd>{value}</dd></div>");
+    let error = reached
+        .error
+        .map_or("-".to_owned(), |error| format!("{:.2e}", error.max_abs));
+    format!(
+        "<dl class=\"headline\">{}{}{}{}{}</dl>\n",
+        entry(
+            "frames a second",
+            format!("{:.1}", reached.pace.frames_per_s)
+        ),
+        entry("LUT in all", count(reached.cost() as u64)),
+        entry("mJ a frame", format!("{:.3}", reached.millijoules)),
+        entry(
+            "MB a frame",
+            format!("{:.2}", reached.pace.bytes_per_frame as f64 / 1e6)
+        ),
+        entry("largest error", error),
+    )
+}
+
+/// A table of text; the first column is words.
+fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
+    let class = |column: usize| if column == 0 { " class=\"word\"" } else { "" };
+    let mut text = "<div class=\"scroll\"><table class=\"short\">\n<tr>".to_owned();
+    for (column, heading) in headings.iter().enumerate() {
+        // Writing to a String cannot fail.
+        let _ = write!(text, "<th{}>{}</th>", class(column), escape(heading));
+    }
+    text += "</tr>\n";
+    for row in rows {
+        text += "<tr>";
+        for (column, cell) in row.iter().enumerate() {
+            let _ = write!(text, "<td{}>{}</td>", class(column), escape(cell));
+        }
+        text += "</tr>\n";
+    }
+    text + "</table></div>"
+}
+
+fn limits(answer: &Answer) -> String {
+    let rows: Vec<Vec<String>> = answer
+        .standings
+        .iter()
+        .map(|standing| {
+            let quantity = standing.limit.quantity;
+            let without = standing
+                .cost_without
+                .map_or("-".to_owned(), |cost| format!("{cost:.0}"));
+            vec![
+                quantity.name().to_owned(),
+                quantity.show(standing.limit.bound),
+                quantity.show(standing.value),
+                format!("{:.1} %", 100.0 * standing.slack),
+                standing.limit.of.clone(),
+                without,
+            ]
+        })
+        .collect();
+    let headings = [
+        "limit",
+        "bound",
+        "reached",
+        "left",
+        "of",
+        "LUT in all without it",
+    ];
+    table(&headings, &rows)
+}
+
+/// Cost against frames a second of every machine that was simulated.
+fn looked_at(answer: &Answer) -> String {
+    let frame = Rectangle {
+        left: 52.0,
+        top: 34.0,
+        width: WIDTH - 66.0,
+        height: 220.0,
+    };
+    let base = frame.top + frame.height;
+    let rates = answer.looked_at.iter().map(|one| one.frames_per_s);
+    let costs = answer.looked_at.iter().map(|one| one.cost);
+    let across = Axis::of_values(costs, 100.0, [frame.left, frame.left + frame.width]);
+    let up = Axis::of_values(rates, 0.01, [base, frame.top]);
+    let mut chart = Chart::new(
+        WIDTH,
+        base + 46.0,
+        "area and frames a second of all machines",
+    );
+    chart.rows(&frame, &up, &up.ticks(5));
+    chart.columns(&frame, &across, &across.ticks(4));
+    chart.names(&frame, "LUT in all", "frames a second");
+    for one in &answer.looked_at {
+        let place = (across.at(one.cost), up.at(one.frames_per_s));
+        let class = if one.holds {
+            "class=\"mark s2\""
+        } else {
+            "class=\"mark s5\" opacity=\"0.45\""
+        };
+        let holds = if one.holds {
+            "holds all limits"
+        } else {
+            "misses a limit"
+        };
+        let words = format!(
+            "{:.0} LUT in all, {:.1} frames a second: {holds}",
+            one.cost, one.frames_per_s
+        );
+        chart.disc(place, 3.0, class, &words);
+    }
+    if let Some(first) = answer.found.first() {
+        let reached = &first.reached;
+        let place = (across.at(reached.cost()), up.at(reached.pace.frames_per_s));
+        chart.disc(place, 6.0, "class=\"mark s0\"", "the answer");
+    }
+    format!(
+        "<p class=\"read\">Red is the answer, green holds all limits, grey misses one. What could not be better was not simulated.</p>\n\
+         <div class=\"diagram\">{}</div>",
+        chart.finish()
+    )
+}
+
+fn of_machine(found: &Found, detail: &Detail) -> String {
+    let machine = &found.machine;
+    let mut text = section("The machine", &diagram(&detail.timing, machine));
+    for plot in plots(&detail.timing, &detail.watched, detail.columns, machine) {
+        let svg = format!("<div class=\"scroll\">{}</div>", plot.svg);
+        text += &section(plot.title, &svg);
+    }
+    text += &section("Energy by unit", &energy(detail));
+    text += &section("Traffic", &traffic(&detail.timing));
+    text + &section(
+        "What a change of one setting would do",
+        &knobs(&detail.knobs),
+    )
+}
+
+/// Bytes that a unit reads and writes.
+struct Stage {
+    /// Its name in the accounts, and for people.
+    unit: &'static str,
+    name: &'static str,
+    read: u64,
+    written: u64,
+}
+
+/// The units in the order of the data, with all bytes of the picture on their arrows.
+fn stages(timing: &Timing) -> Vec<Stage> {
+    let bytes = &timing.bytes;
+    let stage = |unit, name, read, written| Stage {
+        unit,
+        name,
+        read,
+        written,
+    };
+    let sorted = bytes.sort_moved / 2;
+    vec![
+        stage(
+            "fetch",
+            "fetch of splats",
+            bytes.splats_read + bytes.harmonics_read,
+            0,
+        ),
+        stage("setup", "geometry setup", 0, 0),
+        stage("binning", "binning", 0, bytes.packets_written),
+        stage("sort", "sort", sorted + bytes.sorted_read, sorted),
+        stage("packet_fetch", "fetch of packets", bytes.packets_read, 0),
+        stage("splat_setup", "splat setup", 0, 0),
+        stage("row_generator", "row generator", 0, 0),
+        stage("lanes", "lanes and blend", 0, 0),
+        stage("write_back", "write-back", 0, bytes.pixels_written),
+    ]
+}
+
+/// All bytes on the diagram's arrows.
+pub(super) fn bytes_shown(timing: &Timing) -> u64 {
+    let stages = stages(timing);
+    stages.iter().map(|stage| stage.read + stage.written).sum()
+}
+
+/// Units from top to bottom, each with the part of the time in which it works, and the memory beside them.
+fn diagram(timing: &Timing, machine: &Config) -> String {
+    let stages = stages(timing);
+    let (step, box_height, left, box_width) = (44.0, 30.0, 6.0, 190.0);
+    let height = step * stages.len() as f64 + 8.0;
+    let mut chart = Chart::new(
+        WIDTH,
+        height,
+        "units of the machine and the bytes between them and the memory",
+    );
+    let memory = Rectangle {
+        left: 318.0,
+        top: 6.0,
+        width: 56.0,
+        height: height - 22.0,
+    };
+    chart.bar(&memory, "class=\"frame\" fill=\"none\"", "memory");
+    chart.text((346.0, height / 2.0), Anchor::Middle, "", "memory");
+    for (place, stage) in stages.iter().enumerate() {
+        let top = 6.0 + step * place as f64;
+        let unit = timing.units.get(stage.unit);
+        let (busy, instances) = unit.map_or((0.0, 1), |unit| (unit.utilisation, unit.instances));
+        let whole = Rectangle {
+            left,
+            top,
+            width: box_width,
+            height: box_height,
+        };
+        let worked = Rectangle {
+            width: box_width * busy.clamp(0.0, 1.0),
+            ..whole
+        };
+        let times = if instances > 1 {
+            format!(" x {instances}")
+        } else {
+            String::new()
+        };
+        let words = format!(
+            "{}{times}: {:.1} % of the time at work",
+            stage.name,
+            100.0 * busy
+        );
+        chart.bar(&worked, "fill=\"#2f6fde\" fill-opacity=\"0.3\"", &words);
+        chart.bar(&whole, "class=\"frame\" fill=\"none\"", &words);
+        let middle = top + box_height / 2.0;
+        chart.text(
+            (left + 8.0, middle),
+            Anchor::Start,
+            "",
+            &format!("{}{times}", stage.name),
+        );
+        chart.text(
+            (left + box_width - 6.0, middle),
+            Anchor::End,
+            "",
+            &format!("{:.0} %", 100.0 * busy),
+        );
+        if place + 1 < stages.len() {
+            let x = left + box_width / 2.0;
+            arrow(&mut chart, [(x, top + box_height), (x, top + step)]);
+        }
+        let (from, to) = (left + box_width, memory.left);
+        let both = stage.read > 0 && stage.written > 0;
+        let shift = if both { 7.0 } else { 0.0 };
+        let megabytes = |bytes: u64| format!("{:.2} MB", bytes as f64 / 1e6);
+        if stage.read > 0 {
+            let y = middle - shift;
+            arrow(&mut chart, [(to, y), (from, y)]);
+            chart.text(
+                ((from + to) / 2.0, y - 8.0),
+                Anchor::Middle,
+                "",
+                &megabytes(stage.read),
+            );
+        }
+        if stage.written > 0 {
+            let y = middle + shift;
+            arrow(&mut chart, [(from, y), (to, y)]);
+            let words_at = if both { y + 9.0 } else { y - 8.0 };
+            chart.text(
+                ((from + to) / 2.0, words_at),
+                Anchor::Middle,
+                "",
+                &megabytes(stage.written),
+            );
+        }
+    }
+    let words = format!(
+        "{} raster unit(s) of {} lane(s), tiles of {} x {}, a splat in {} cycles, {} bytes read and {} written a cycle at most. \
+         Blue is the part of the time in which a unit works; the arrows' bytes add up to {:.2} MB a frame.",
+        machine.raster_units,
+        machine.lanes,
+        machine.tile_width,
+        machine.tile_height,
+        machine.setup_interval,
+        machine.read_bandwidth,
+        machine.write_bandwidth,
+        bytes_shown(timing) as f64 / 1e6
+    );
+    format!(
+        "<p class=\"read\">{}</p>\n<div class=\"diagram\">{}</div>",
+        escape(&words),
+        chart.finish()
+    )
+}
+
+/// A line with a head at its end, along one axis.
+fn arrow(chart: &mut Chart, [from, to]: [(f64, f64); 2]) {
+    chart.line(&[from, to], "leader");
+    let (dx, dy) = ((to.0 - from.0).signum(), (to.1 - from.1).signum());
+    let back = |side: f64| match to.0 == from.0 {
+        true => (to.0 + side, to.1 - 5.0 * dy),
+        false => (to.0 - 5.0 * dx, to.1 + side),
+    };
+    chart.line(&[back(-4.0), to, back(4.0)], "leader");
+}
+
+fn energy(detail: &Detail) -> String {
+    let all = detail.energy.attojoules.max(1) as f64;
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for unit in &detail.energy.units {
+        rows.push(vec![
+            unit.unit.replace('_', " "),
+            format!("{:.4}", unit.attojoules as f64 / MILLI),
+            format!("{:.1} %", 100.0 * unit.attojoules as f64 / all),
+            format!("{:.4}", unit.dram_attojoules as f64 / MILLI),
+        ]);
+    }
+    rows.push(vec![
+        "all".to_owned(),
+        format!("{:.4}", all / MILLI),
+        "100.0 %".to_owned(),
+        String::new(),
+    ]);
+    let note = escape(&detail.energy.of);
+    table(&["unit", "mJ a frame", "of all", "in the memory"], &rows)
+        + &format!("\n<p class=\"read\">{note}</p>")
+}
+
+fn traffic(timing: &Timing) -> String {
+    let bytes = &timing.bytes;
+    let all = bytes.all().max(1) as f64;
+    let kinds = [
+        ("splats read", bytes.splats_read),
+        ("harmonics read", bytes.harmonics_read),
+        ("packets and lists written", bytes.packets_written),
+        ("sort, read and written", bytes.sort_moved),
+        ("sorted splats read", bytes.sorted_read),
+        ("packets and lists read", bytes.packets_read),
+        ("pixels written", bytes.pixels_written),
+    ];
+    let row = |(name, moved): &(&str, u64)| {
+        vec![
+            (*name).to_owned(),
+            format!("{:.3}", *moved as f64 / 1e6),
+            format!("{:.1} %", 100.0 * *moved as f64 / all),
+        ]
+    };
+    let rows: Vec<Vec<String>> = kinds.iter().filter(|kind| kind.1 > 0).map(row).collect();
+    let mut text = table(&["what", "MB a frame", "of all"], &rows);
+    if let Some(memory) = &timing.memory {
+        let counts = &memory.counts;
+        // Writing to a String cannot fail.
+        let _ = write!(
+            text,
+            "\n<p class=\"read\">{}: {} bursts read and {} written; {} found their row open, {} an idle bank and {} another row \
+             (bank conflicts); {} turns of the bus, {} refreshes.</p>",
+            escape(memory.part),
+            count(counts.reads),
+            count(counts.writes),
+            count(counts.row_hits),
+            count(counts.row_misses),
+            count(counts.row_conflicts),
+            count(counts.turnarounds),
+            count(counts.refreshes)
+        );
+    }
+    text
+}
+
+fn knobs(knobs: &[Knob]) -> String {
+    let row = |knob: &Knob| {
+        vec![
+            knob.setting.replace('_', " "),
+            format!("{} to {}", knob.from, knob.to),
+            format!("{:+.1} %", 100.0 * knob.cost),
+            format!("{:+.1} %", 100.0 * knob.frames_per_s),
+            format!("{:+.1} %", 100.0 * knob.energy),
+            if knob.holds { "yes" } else { "no" }.to_owned(),
+        ]
+    };
+    let rows: Vec<Vec<String>> = knobs.iter().map(row).collect();
+    let headings = [
+        "setting",
+        "change",
+        "LUT in all",
+        "frames a second",
+        "energy",
+        "holds all limits",
+    ];
+    table(&headings, &rows)
+}
+
+fn widths(found: &Found) -> String {
+    let rows: Vec<Vec<String>> = found
+        .design
+        .widths
+        .iter()
+        .map(|(name, bits)| vec![name.clone(), bits.to_string()])
+        .collect();
+    table(&["quantity", "bits"], &rows)
+}

@@ -1,0 +1,172 @@
+//! What a page shows of an answer's first machine beside the answer: its slowest frame in full, and what a change of one setting would do.
+
+use super::answer::{Answer, Found, value_of};
+use super::evaluator::{Choice, Evaluator, FrameCost, Subject};
+use super::limits::{Limit, missed};
+use super::search::EXCHANGED;
+use super::space::Space;
+use crate::design::DesignChoice;
+use crate::machine::energy::{self, Energy};
+use crate::machine::lanes::{LaneShape, LaneWork};
+use crate::machine::simulate;
+use crate::machine::timing::Timing;
+use crate::plan::DesignVariant;
+use crate::report::machine::{Watched, watch};
+use anyhow::{Context, Result};
+use serde::Serialize;
+use std::sync::{Mutex, PoisonError};
+
+/// The slowest frame of an answer's first machine.
+pub struct Detail {
+    /// Cycles and bytes.
+    pub timing: Timing,
+    /// What happened where and when.
+    pub watched: Watched,
+    /// Tiles in a row of the screen.
+    pub columns: u32,
+    /// Energy by unit.
+    pub energy: Energy,
+    /// Settings one step up and down.
+    pub knobs: Vec<Knob>,
+}
+
+/// One setting changed: what it would do, as parts of what there is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Knob {
+    /// The setting.
+    pub setting: String,
+    /// Its value.
+    pub from: String,
+    /// What it would be.
+    pub to: String,
+    /// More area.
+    pub cost: f64,
+    /// More frames a second.
+    pub frames_per_s: f64,
+    /// More energy.
+    pub energy: f64,
+    /// Would all limits hold?
+    pub holds: bool,
+}
+
+/// Of the first machine of an answer; nothing if it has none.
+pub fn detail(
+    subject: &Subject,
+    limits: &[Limit],
+    space: &Space,
+    answer: &Answer,
+) -> Result<Option<Detail>> {
+    let Some(found) = answer.found.first() else {
+        return Ok(None);
+    };
+    let choice = chosen(subject, found)?;
+    let evaluator = Evaluator::new(subject, false);
+    let all: Vec<usize> = (0..subject.frames.len()).collect();
+    let costs = costs(&evaluator, &[choice.clone()], &all)?;
+    let by_cycles = |frame: &usize| costs[0][*frame].pace.cycles_per_frame;
+    let slowest = all
+        .into_iter()
+        .max_by_key(by_cycles)
+        .context("there is no frame")?;
+    let Choice { variant, machine } = &choice;
+    let tile = [machine.tile_width, machine.tile_height];
+    let workload = evaluator.workload(variant, tile, slowest)?;
+    let work = LaneWork::new(&workload, LaneShape::from(machine));
+    let timing = simulate(&workload, &work, machine);
+    let watched = watch(&workload, &work, machine, &timing);
+    let widths = &variant.design.widths;
+    let energy = energy::estimate(widths, variant.traversal, machine, &timing, &subject.energy);
+    let knobs = knobs(&evaluator, limits, space, (&choice, found), slowest)?;
+    let columns = workload.columns;
+    Ok(Some(Detail {
+        timing,
+        watched,
+        columns,
+        energy,
+        knobs,
+    }))
+}
+
+fn chosen(subject: &Subject, found: &Found) -> Result<Choice> {
+    let design = DesignChoice::from_toml("answer.toml", &found.design.to_toml())?;
+    let variant = DesignVariant::new(design, subject.traversal);
+    let machine = found.machine;
+    Ok(Choice { variant, machine })
+}
+
+/// What choices take on frames.
+fn costs(
+    evaluator: &Evaluator,
+    choices: &[Choice],
+    frames: &[usize],
+) -> Result<Vec<Vec<FrameCost>>> {
+    let all = Mutex::new(vec![Vec::new(); choices.len()]);
+    // Those of the same rows side by side.
+    let mut order: Vec<usize> = (0..choices.len()).collect();
+    order.sort_by_cached_key(|place| super::evaluator::work_key(&choices[*place]));
+    for group in order.chunk_by(|a, b| {
+        super::evaluator::work_key(&choices[*a]) == super::evaluator::work_key(&choices[*b])
+    }) {
+        let of_group: Vec<Choice> = group.iter().map(|place| choices[*place].clone()).collect();
+        evaluator.run(&of_group, frames, false, &|place, found| {
+            all.lock().unwrap_or_else(PoisonError::into_inner)[group[place]] = found;
+            Ok(())
+        })?;
+    }
+    Ok(all.into_inner().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// Each setting that costs or gains most, one step down and one up, on the slowest frame.
+fn knobs(
+    evaluator: &Evaluator,
+    limits: &[Limit],
+    space: &Space,
+    (choice, found): (&Choice, &Found),
+    frame: usize,
+) -> Result<Vec<Knob>> {
+    let mut changed = Vec::new();
+    for axis in space
+        .axes
+        .iter()
+        .filter(|axis| EXCHANGED.contains(&axis.key.as_str()))
+    {
+        let value = value_of(axis, &choice.variant.design, &choice.machine);
+        let place = value.and_then(|value| axis.values.iter().position(|other| *other == value));
+        let Some(place) = place else {
+            continue;
+        };
+        let steps = [place.checked_sub(1), place.checked_add(1)];
+        for to in steps
+            .into_iter()
+            .flatten()
+            .filter_map(|to| axis.values.get(to))
+        {
+            let mut machine = choice.machine;
+            machine.set("space", &axis.key, to)?;
+            if machine.check_together().is_ok() {
+                let variant = choice.variant.clone();
+                let names = [axis.values[place].to_string(), to.to_string()];
+                changed.push((axis.key.clone(), names, Choice { variant, machine }));
+            }
+        }
+    }
+    let choices: Vec<Choice> = changed.iter().map(|(.., choice)| choice.clone()).collect();
+    let costs = costs(evaluator, &choices, &[frame])?;
+    let before = &found.reached;
+    let knob = |((setting, [from, to], choice), costs): (
+        (String, [String; 2], Choice),
+        Vec<FrameCost>,
+    )| {
+        let reached = evaluator.reached(&choice, before.error, &costs);
+        Knob {
+            setting,
+            from,
+            to,
+            cost: reached.cost() / before.cost() - 1.0,
+            frames_per_s: reached.pace.frames_per_s / before.pace.frames_per_s - 1.0,
+            energy: reached.millijoules / before.millijoules - 1.0,
+            holds: missed(limits, None, &reached) <= 0.0,
+        }
+    };
+    Ok(changed.into_iter().zip(costs).map(knob).collect())
+}

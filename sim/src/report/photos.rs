@@ -1,0 +1,351 @@
+//! Pictures against photographs: a table by engine, what each costs beside double precision, and the views side by side.
+
+use super::chart::{Anchor, Axis, Chart};
+use super::error_map::ErrorMap;
+use super::html::escape;
+use super::labels::Rectangle;
+use super::png::Rgb;
+use super::shell::Shell;
+use crate::metrics::PhotoError;
+use crate::picture::Picture;
+use crate::picture::png::PngError;
+use anyhow::{Result, ensure};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// What is written into the folder, beside one of pictures for each view.
+pub const FILES: [&str; 2] = ["photos.json", "photos.html"];
+/// Version of the report.
+const FORMAT: &str = "splatline-photos/1";
+/// Widest picture of the page.
+const SMALL: usize = 400;
+
+/// All views and their means.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PhotoReport {
+    format: &'static str,
+    /// Which views, in words.
+    split: String,
+    /// View by view.
+    views: Vec<PhotoRow>,
+    /// Over the views, by engine.
+    means: Vec<PhotoMean>,
+}
+
+/// A view.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PhotoRow {
+    /// The camera's name.
+    pub name: String,
+    /// The photograph's file.
+    pub photograph: PathBuf,
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// The folder of its pictures.
+    pub folder: String,
+    /// The reference, the design, and whoever else drew it.
+    pub drawn: Vec<Drawn>,
+}
+
+/// How far an engine's picture is from the photograph.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Drawn {
+    /// Who drew: `float`, a design, or a format.
+    pub engine: String,
+    /// Against the photograph.
+    #[serde(flatten)]
+    pub error: PhotoError,
+}
+
+/// Means of an engine, and what it costs beside the first one: negative PSNR and SSIM and positive FLIP are losses.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PhotoMean {
+    engine: String,
+    #[serde(flatten)]
+    mean: PhotoError,
+    psnr_change_db: f64,
+    ssim_change: f64,
+    flip_change: f64,
+}
+
+impl PhotoReport {
+    /// With the means of all views, all of which the same engines drew.
+    pub fn new(split: String, views: Vec<PhotoRow>) -> Result<PhotoReport> {
+        let engines = views.first().map_or(0, |row| row.drawn.len());
+        ensure!(engines > 0, "there is no view");
+        let mean = |place: usize, of: fn(&PhotoError) -> f64| {
+            let sum: f64 = views.iter().map(|row| of(&row.drawn[place].error)).sum();
+            sum / views.len() as f64
+        };
+        let means = |place: usize| PhotoError {
+            psnr_db: mean(place, |error| error.psnr_db),
+            ssim: mean(place, |error| error.ssim),
+            flip: mean(place, |error| error.flip),
+        };
+        let reference = means(0);
+        let line = |place: usize| {
+            let mean = means(place);
+            PhotoMean {
+                engine: views[0].drawn[place].engine.clone(),
+                psnr_change_db: mean.psnr_db - reference.psnr_db,
+                ssim_change: mean.ssim - reference.ssim,
+                flip_change: mean.flip - reference.flip,
+                mean,
+            }
+        };
+        Ok(PhotoReport {
+            format: FORMAT,
+            split,
+            means: (0..engines).map(line).collect(),
+            views,
+        })
+    }
+
+    /// For a terminal: the reference and the design view by view, then the means of all.
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "{} views against photographs ({})\n{:<24} {:>9} {:>9} {:>9}   {:>9} {:>9} {:>9}   change of PSNR, SSIM, FLIP\n",
+            self.views.len(),
+            self.split,
+            "",
+            self.means[0].engine,
+            "SSIM",
+            "FLIP",
+            self.means.get(1).map_or("", |mean| &mean.engine),
+            "SSIM",
+            "FLIP"
+        );
+        for row in &self.views {
+            let [a, b] = [0, 1].map(|place: usize| row.drawn[place.min(row.drawn.len() - 1)].error);
+            // Writing to a String cannot fail.
+            let _ = writeln!(
+                text,
+                "{:<24} {:>9.3} {:>9.5} {:>9.5}   {:>9.3} {:>9.5} {:>9.5}   {:+.4} dB {:+.1e} {:+.1e}",
+                row.name,
+                a.psnr_db,
+                a.ssim,
+                a.flip,
+                b.psnr_db,
+                b.ssim,
+                b.flip,
+                b.psnr_db - a.psnr_db,
+                b.ssim - a.ssim,
+                b.flip - a.flip
+            );
+        }
+        let _ = writeln!(text, "mean over the views");
+        for mean in &self.means {
+            let PhotoError {
+                psnr_db,
+                ssim,
+                flip,
+            } = mean.mean;
+            let _ = writeln!(
+                text,
+                "{:<24} {psnr_db:>9.3} {ssim:>9.5} {flip:>9.5}   {:+.4} dB {:+.1e} {:+.1e}",
+                mean.engine, mean.psnr_change_db, mean.ssim_change, mean.flip_change
+            );
+        }
+        text
+    }
+}
+
+/// The pictures of a view: photograph, reference, design, and the errors of both by one scale.
+pub struct Shown(Vec<(&'static str, String, Rgb)>);
+
+impl Shown {
+    /// `drawn` begins with the reference and the design.
+    pub fn new(photograph: &Picture, drawn: &[(String, Picture)]) -> Result<Shown> {
+        let [(reference, float), (design, fixed), ..] = drawn else {
+            anyhow::bail!("a view is drawn by the reference and by a design")
+        };
+        let float_error = ErrorMap::new(float, photograph);
+        let fixed_error = ErrorMap {
+            scale: float_error.scale,
+            ..ErrorMap::new(fixed, photograph)
+        };
+        Ok(Shown(vec![
+            (
+                "photo.png",
+                "photograph".to_owned(),
+                Rgb::on_black(photograph),
+            ),
+            ("float.png", reference.clone(), Rgb::on_black(float)),
+            ("fixed.png", design.clone(), Rgb::on_black(fixed)),
+            (
+                "float-error.png",
+                format!("{reference} minus photograph"),
+                float_error.to_rgb(),
+            ),
+            (
+                "fixed-error.png",
+                format!("{design} minus photograph"),
+                fixed_error.to_rgb(),
+            ),
+        ]))
+    }
+
+    /// Their files, of the full size.
+    pub fn files(&self) -> Result<Vec<(&'static str, Vec<u8>)>, PngError> {
+        let file =
+            |(name, _, picture): &(&'static str, String, Rgb)| Ok((*name, picture.to_png()?));
+        self.0.iter().map(file).collect()
+    }
+
+    /// For the page: names with pictures of at most [`SMALL`] columns.
+    pub fn small(&self) -> Result<Vec<(String, String)>, PngError> {
+        let small = |(_, name, picture): &(&'static str, String, Rgb)| {
+            Ok((name.clone(), STANDARD.encode(shrunk(picture).to_png()?)))
+        };
+        self.0.iter().map(small).collect()
+    }
+}
+
+/// Means of squares of pixels, as many as make the picture narrow enough.
+fn shrunk(picture: &Rgb) -> Rgb {
+    let by = picture.width.div_ceil(SMALL).max(1);
+    let [width, height] = [picture.width / by, picture.height / by].map(|side| side.max(1));
+    let mean = |at: usize| {
+        let (x, y, channel) = (at / 3 % width, at / 3 / width, at % 3);
+        let rows = by * y..(by * y + by).min(picture.height);
+        let samples = rows.flat_map(|row| {
+            let columns = by * x..(by * x + by).min(picture.width);
+            columns.map(move |column| {
+                u32::from(picture.bytes[3 * (row * picture.width + column) + channel])
+            })
+        });
+        let (sum, count) = samples.fold((0, 0), |(sum, count), value| (sum + value, count + 1));
+        (sum / u32::max(count, 1)) as u8
+    };
+    Rgb {
+        width,
+        height,
+        bytes: (0..3 * width * height).map(mean).collect(),
+    }
+}
+
+/// One page that stands alone; `shown` are the pictures of each view.
+pub fn page(report: &PhotoReport, shown: &[Vec<(String, String)>]) -> String {
+    let mut views = String::new();
+    for (row, pictures) in report.views.iter().zip(shown) {
+        // Writing to a String cannot fail.
+        let _ = write!(
+            views,
+            "<h3>{}</h3>\n<p class=\"read\">{} × {}, full size in {}/.</p>\n<div class=\"scroll\">{}</div>\n<div class=\"pictures\">\n",
+            escape(&row.name),
+            row.size[0],
+            row.size[1],
+            escape(&row.folder),
+            table(
+                row.drawn
+                    .iter()
+                    .map(|drawn| (drawn.engine.as_str(), drawn.error))
+            )
+        );
+        for (name, data) in pictures {
+            let _ = write!(
+                views,
+                "<figure>\n<figcaption>{0}</figcaption>\n<img alt=\"{0}\" src=\"data:image/png;base64,{data}\">\n</figure>\n",
+                escape(name)
+            );
+        }
+        views.push_str("</div>\n");
+    }
+    let means = report
+        .means
+        .iter()
+        .map(|mean| (mean.engine.as_str(), mean.mean));
+    let body = format!(
+        "<section>\n<h2>Means</h2>\n<p class=\"read\">PSNR of red, green and blue; SSIM as the trainers measure it (window of 11 × 11 on each \
+         colour, zeros around the picture); FLIP at 67 pixels per degree. What an engine costs is its difference from the first line.</p>\n\
+         <div class=\"scroll\">{}</div>\n</section>\n<section class=\"charts\">\n{}</section>\n<section>\n<h2>View by view</h2>\n\
+         <p class=\"read\">Errors of a view have one scale: <b>orange</b> is brighter than the photograph, <b>blue</b> darker.</p>\n{views}</section>\n",
+        table(means),
+        losses(&report.means)
+    );
+    let facts = format!(
+        "<p class=\"facts\">{} views: {}.</p>\n",
+        report.views.len(),
+        escape(&report.split)
+    );
+    Shell::still(
+        "splatline: drawn against photographs",
+        "Photographs",
+        &facts,
+        &body,
+    )
+    .html()
+}
+
+/// A line for each engine, with what it costs beside the first.
+fn table<'a>(lines: impl Iterator<Item = (&'a str, PhotoError)> + Clone) -> String {
+    let first = lines.clone().next().map(|(_, error)| error);
+    let line = |(engine, error): (&str, PhotoError)| {
+        let first = first.unwrap_or(error);
+        format!(
+            "<tr><td class=\"word\">{}</td><td>{:.3}</td><td>{:.5}</td><td>{:.5}</td><td>{:+.4}</td><td>{:+.1e}</td><td>{:+.1e}</td></tr>\n",
+            escape(engine),
+            error.psnr_db,
+            error.ssim,
+            error.flip,
+            error.psnr_db - first.psnr_db,
+            error.ssim - first.ssim,
+            error.flip - first.flip
+        )
+    };
+    let lines: String = lines.map(line).collect();
+    format!(
+        "<table><tr><th class=\"word\">drawn by</th><th>PSNR, dB</th><th>SSIM</th><th>FLIP</th><th>PSNR change, dB</th><th>SSIM change</th><th>FLIP change</th></tr>\n{lines}</table>"
+    )
+}
+
+/// Decibels that each engine loses against the photographs, fixed widths and float formats in one figure.
+fn losses(means: &[PhotoMean]) -> String {
+    let losses = || {
+        means
+            .iter()
+            .skip(1)
+            .map(|mean| (mean.engine.as_str(), (-mean.psnr_change_db).max(0.0)))
+    };
+    let frame = Rectangle {
+        left: 110.0,
+        top: 34.0,
+        width: 560.0,
+        height: 30.0 * losses().count() as f64,
+    };
+    let most = losses().map(|(_, loss)| loss).fold(1e-4, f64::max);
+    let across = Axis::linear([0.0, most], [frame.left, frame.left + frame.width]);
+    let mut chart = Chart::new(
+        760.0,
+        frame.height + 90.0,
+        "PSNR lost against the photographs",
+    );
+    chart.columns(&frame, &across, &across.ticks(6));
+    chart.names(&frame, "dB lost beside double precision", "drawn by");
+    for (place, (engine, loss)) in losses().enumerate() {
+        let top = frame.top + 30.0 * place as f64 + 6.0;
+        let end = across.at(loss);
+        let bar = Rectangle {
+            left: frame.left,
+            top,
+            width: (end - frame.left).max(1.0),
+            height: 18.0,
+        };
+        chart.bar(
+            &bar,
+            "class=\"mark s3\"",
+            &format!("{engine}: {loss:.4} dB"),
+        );
+        chart.text((frame.left - 8.0, top + 9.0), Anchor::End, "", engine);
+        chart.text(
+            (end + 6.0, top + 9.0),
+            Anchor::Start,
+            "",
+            &format!("{loss:.4}"),
+        );
+    }
+    chart.finish()
+}
