@@ -186,7 +186,10 @@ impl<'a, D: Design> Painter<'a, D> {
 /// The radial index (UQ4.radial) of a lane word, if it lies inside the footprint; negative ones are rounding noise around 0.
 #[inline(always)]
 fn inside<L: Lane>(lane: L, drop: i32, end: u64) -> Option<u64> {
-    let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
+    let radial = match drop {
+        0 => lane.from_zero(),
+        _ => crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64,
+    };
     (radial < end).then_some(radial)
 }
 

@@ -8,15 +8,18 @@
 //! # Conventions
 //!
 //! `Qm.n` is two's complement with `m` integer bits (sign not counted) and `n` fraction bits; `UQm.n` has no sign.
-//! Results that are kept are rounded to nearest, halves towards positive infinity, unless
-//! [`Widths::rounding`] says truncation; that choice covers the pixel path (opacity, transmittance, colour),
-//! where truncation shows as a darkening of deep stacks. Setup always rounds to nearest.
+//! Results that are kept are rounded to nearest, halves towards positive infinity. In the pixel path (opacity, transmittance,
+//! colour) [`Widths::rounding`] says how; truncation there shows as a darkening of deep stacks. Setup and the interpolation of the
+//! footprint table always round to nearest, halves up.
 
 /// What happens to the bits below a kept result in the pixel path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rounding {
     /// To nearest, halves up: no bias beyond half-way cases.
     Nearest,
+    /// To nearest, halves to even: what a fused multiply-add of single precision does ([`blend`](crate::blend)). Sums have at most the 23 bits
+    /// that one can add to ([`Widths::colour_range`]).
+    NearestEven,
     /// Towards negative infinity: cheapest, with a bias of half a unit in the last place per operation.
     Truncate,
 }
@@ -146,6 +149,15 @@ impl Widths {
         ]
     }
 
+    /// Integer bits of colours and of their sums: 4, or what [`Rounding::NearestEven`] leaves of 23 bits for them. Brighter colours are
+    /// cut to the largest below `2^colour_range`.
+    pub const fn colour_range(&self) -> u8 {
+        match self.rounding {
+            Rounding::NearestEven if self.accumulator > 19 => 23u8.saturating_sub(self.accumulator),
+            _ => 4,
+        }
+    }
+
     /// Are all widths within the ranges for which the datapath's bounds hold?
     pub const fn check(&self) -> Result<(), WidthError> {
         let numbers = self.numbers();
@@ -192,6 +204,8 @@ pub trait Lane: Copy + core::fmt::Debug + PartialEq {
     fn from_wide(value: i64) -> Self;
     /// Sign-extended value.
     fn to_wide(self) -> i64;
+    /// The value, 0 where it is negative.
+    fn from_zero(self) -> u64;
     /// Sum modulo the word.
     fn add(self, other: Self) -> Self;
 }
@@ -205,6 +219,11 @@ impl Lane for i32 {
     #[inline(always)]
     fn to_wide(self) -> i64 {
         self as i64
+    }
+    #[inline(always)]
+    fn from_zero(self) -> u64 {
+        // In 32 bits, which small processors compare in one instruction.
+        u64::from(self.max(0) as u32)
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -221,6 +240,10 @@ impl Lane for i64 {
     #[inline(always)]
     fn to_wide(self) -> i64 {
         self
+    }
+    #[inline(always)]
+    fn from_zero(self) -> u64 {
+        self.max(0) as u64
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -323,7 +346,8 @@ pub struct Classic8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Micro16;
 
-/// 18-bit multipliers (one operand of 18, the other of at most 27 bits: one DSP slice of today's FPGAs).
+/// 18-bit multipliers (one operand of 18, the other of at most 27 bits: one DSP slice of today's FPGAs). Every product of its pixels is also
+/// one fused multiply-add of single precision, bit for bit ([`blend`](crate::blend)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lean18;
 
@@ -384,14 +408,14 @@ impl Lean18 {
         subpixel: 12,
         radial: 22,
         table: 10,
-        interpolation: 16,
+        interpolation: 13,
         weight: 18,
-        peak: 24,
+        peak: 18,
         alpha: 18,
-        transmittance: 26,
-        colour: 14,
+        transmittance: 22,
+        colour: 15,
         accumulator: 20,
-        rounding: Rounding::Nearest,
+        rounding: Rounding::NearestEven,
     };
 }
 

@@ -7,7 +7,8 @@
 // from 10 on and in 14. So a pixel may come again INTERVAL = 7 cycles later and not before,
 // which the lane sees to (lane.sv). The words that are written have their registers in the buffer's banks (tile_buffer.sv), of which there are two.
 //
-// Where a product is rounded and then added to something, its half rides on that addition: the bit below the result is a carry.
+// Where a product is rounded and then added to something, its half rides on that addition: the bit below the result is a carry. With ties to even a
+// product in the middle carries only from an odd number on; of a colour, where the sum is what is rounded, an odd sum loses its last bit again.
 module blend #(
     parameter ADDRESS = 10
 ) (
@@ -19,7 +20,7 @@ module blend #(
     input logic [ADDRESS-1:0] pixel_address,
     input logic [splatline_pkg::WEIGHT:0] weight,
     input logic [splatline_pkg::PEAK+3:0] peak,
-    input logic [3*(splatline_pkg::COLOUR+4)-1:0] colour,  // blue, green, red
+    input logic [3*splatline_pkg::COLOUR_BITS-1:0] colour,  // blue, green, red
     // Transmittance: flag and UQ1.transmittance; the word of `read_address` arrives two cycles later.
     output logic [ADDRESS-1:0] transmittance_read_address,
     input logic [splatline_pkg::TRANSMITTANCE+1:0] transmittance_read,
@@ -37,11 +38,12 @@ module blend #(
 );
   localparam ALPHA = splatline_pkg::ALPHA;
   localparam T = splatline_pkg::TRANSMITTANCE;
-  localparam C = splatline_pkg::COLOUR + 4;
+  localparam C = splatline_pkg::COLOUR_BITS;
   localparam SUM = splatline_pkg::SUM_BITS;
   localparam PEAK = splatline_pkg::PEAK + 4;
   localparam WEIGHT = splatline_pkg::WEIGHT;
   localparam OPACITY_SHIFT = splatline_pkg::PEAK + WEIGHT - ALPHA;
+  localparam EVEN = splatline_pkg::TIES_TO_EVEN;
   localparam COLOUR_SHIFT = T + splatline_pkg::COLOUR - splatline_pkg::ACCUMULATOR;
 
   logic valid5, valid6, valid7, valid8, valid9, valid10, valid11, valid12, valid13, valid14;
@@ -53,11 +55,14 @@ module blend #(
   delay #(.BITS(3 * C), .STAGES(7)) hold_colour (.clk, .rst, .advance, .in(colour), .out(colour11));
 
   // Stages 4 to 8: opacity, clamped; what the rules skip by its product goes no further.
+  localparam logic [PEAK+WEIGHT:0] MIDDLE_OF_OPACITY = ((PEAK + WEIGHT + 1)'(1) << (OPACITY_SHIFT - 1)) - 1'b1;
   localparam OPACITY = PEAK + WEIGHT + 1 - OPACITY_SHIFT;
   logic [PEAK+WEIGHT:0] product6;
   logic [OPACITY-1:0] rounded7;
   logic skipped7;
   logic [ALPHA:0] alpha8;
+  logic half6;
+  assign half6 = product6[OPACITY_SHIFT-1] && (!EVEN || product6[OPACITY_SHIFT] || |(product6 & MIDDLE_OF_OPACITY));
   multiply #(
       .LEFT (PEAK),
       .RIGHT(WEIGHT + 1),
@@ -71,7 +76,7 @@ module blend #(
   );
   always_ff @(posedge clk)
     if (advance) begin
-      rounded7 <= product6[PEAK+WEIGHT:OPACITY_SHIFT] + OPACITY'(product6[OPACITY_SHIFT-1]);
+      rounded7 <= product6[PEAK+WEIGHT:OPACITY_SHIFT] + OPACITY'(half6);
       skipped7 <= product6 < (PEAK + WEIGHT + 1)'(rules.least);
       alpha8 <= rounded7 > OPACITY'(rules.alpha_max) ? rules.alpha_max : rounded7[ALPHA:0];
     end
@@ -95,7 +100,7 @@ module blend #(
   );
   // An opacity of at most 1 takes at most all.
   assign share10 = product10[T+ALPHA:ALPHA];
-  assign half10 = product10[ALPHA-1];
+  assign half10 = product10[ALPHA-1] && (!EVEN || product10[ALPHA] || |product10[ALPHA-2:0]);
 
   // Stage 10: what is left, and beside it, not behind it, whether that is too little: rest <= minimum_transmittance, or rest - minimum_transmittance - 1 < 0.
   // a - b - c = a + ~b + !c.
@@ -122,8 +127,9 @@ module blend #(
   assign transmittance_word = stop10 && rules.omit_finishing ? {1'b1, transmittance10[T:0]} : {stop10, rest10};
   always_ff @(posedge clk) if (advance) share11 <= rounded10;
 
-  // Stages 11 to 14: the sums. A share of 1 in all and colours below 16, rounded up to double at most, stay below 32.
+  // Stages 11 to 14: the sums. Shares of 1 in all and colours below 2^n make at most 2^n, rounded or not (src/blend/mod.rs).
   logic coloured11;
+  localparam logic [T+C:0] MIDDLE_OF_COLOUR = ((T + C + 1)'(1) << (COLOUR_SHIFT - 1)) - 1'b1;
   logic [3*SUM-1:0] colour13;
   logic [2:0] carry_colour;
   logic unused;
@@ -145,7 +151,11 @@ module blend #(
           .right(colour11[channel*C+:C]),
           .product(product13)
       );
-      assign {colour_word[channel*SUM+:SUM], carry_colour[channel]} = {colour13[channel*SUM+:SUM], 1'b1} + product13[COLOUR_SHIFT-1+:SUM+1];
+      logic [SUM-1:0] sum13;
+      logic tie13;
+      assign {sum13, carry_colour[channel]} = {colour13[channel*SUM+:SUM], 1'b1} + product13[COLOUR_SHIFT-1+:SUM+1];
+      assign tie13 = EVEN && product13[COLOUR_SHIFT-1] && ~|(product13 & MIDDLE_OF_COLOUR);
+      assign colour_word[channel*SUM+:SUM] = {sum13[SUM-1:1], sum13[0] && !tie13};
     end
   endgenerate
 

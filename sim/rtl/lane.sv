@@ -18,7 +18,7 @@ module lane #(
     output logic [splatline_pkg::RADIAL+3:0] radial,  // UQ4.radial, below the cut-off
     output logic [splatline_pkg::TILE_ROW_BITS+splatline_pkg::TILE_COLUMN_BITS-1:0] address,  // row, column within the tile
     output logic [splatline_pkg::PEAK+3:0] peak,
-    output logic [3*(splatline_pkg::COLOUR+4)-1:0] colour,  // blue, green, red
+    output logic [3*splatline_pkg::COLOUR_BITS-1:0] colour,  // blue, green, red
     output logic idle
 );
   localparam RADIAL = splatline_pkg::RADIAL;

@@ -232,10 +232,13 @@ module setup_pack (
     clipped = value < 0 ? 16'd0 : value > $signed({16'd0, limit}) ? limit : value[15:0];
   endfunction
 
-  // Halves go to the even neighbour; nothing reaches 16.
-  function automatic logic [COLOUR+3:0] shaded(input logic [31:0] value);
-    shaded = value[31-:COLOUR+4];
-    if (value[27-COLOUR] && (value[26-COLOUR:0] != 0 || shaded[0]) && !(&shaded)) shaded = shaded + 1'b1;
+  // Halves go to the even neighbour; what is beyond the range becomes its largest number.
+  localparam RANGE = splatline_pkg::COLOUR_BITS - COLOUR;
+  function automatic logic [COLOUR+RANGE-1:0] shaded(input logic [31:0] value);
+    logic [COLOUR+4:0] nearest;
+    nearest = {1'b0, value[31-:COLOUR+4]};
+    if (value[27-COLOUR] && (value[26-COLOUR:0] != 0 || nearest[0])) nearest = nearest + 1'b1;
+    shaded = nearest >> (COLOUR + RANGE) != 0 ? '1 : nearest[COLOUR+RANGE-1:0];
   endfunction
 
   assign packet_taken = packet_valid;

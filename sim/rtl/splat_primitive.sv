@@ -47,7 +47,7 @@ module splat_primitive #(
   localparam TRANSMITTANCE_BITS = splatline_pkg::TRANSMITTANCE + 2;
   localparam COLOUR_BITS = 3 * splatline_pkg::SUM_BITS;
   localparam PEAK_BITS = splatline_pkg::PEAK + 4;
-  localparam PAINT_BITS = 3 * (splatline_pkg::COLOUR + 4);
+  localparam PAINT_BITS = 3 * splatline_pkg::COLOUR_BITS;
 
   // What the circuit is not built for fails here, not in the picture. The generator of packages refuses the same widths by name.
   generate

@@ -28,7 +28,7 @@ module splat_setup #(
   localparam VERTICAL = splatline_pkg::VERTICAL;
   localparam GUARD = splatline_pkg::GUARD;
   localparam PEAK = splatline_pkg::PEAK + 4;
-  localparam COLOUR = 3 * (splatline_pkg::COLOUR + 4);
+  localparam COLOUR = 3 * splatline_pkg::COLOUR_BITS;
   localparam STAGES = 24;
   // Splats from packet to row generator: more than the stages and the queue's own hold, so that a splat a cycle goes through.
   localparam PLACES = 32;

@@ -22,9 +22,9 @@
   typedef struct packed {
     logic [RADIAL+4:0] cutoff;  // UQ4.radial, may round up to 16
     logic [PEAK+3:0] peak;  // UQ4.peak
-    logic [COLOUR+3:0] red;  // UQ4.colour
-    logic [COLOUR+3:0] green;
-    logic [COLOUR+3:0] blue;
+    logic [COLOUR_BITS-1:0] red;  // Q.colour
+    logic [COLOUR_BITS-1:0] green;
+    logic [COLOUR_BITS-1:0] blue;
   } paint_t;
 
   // What the rows of a splat need (`EllipseSpans`, `HalfWidth` and `Seed`), constant from row to row.

@@ -10,11 +10,38 @@
 //! of peak and kernel, against a threshold with [`GUARD`] bits below opacity's last: compared after rounding, all opacities within half a unit
 //! below the threshold would be drawn, and a deep stack would come out too opaque. A pixel stops at the transmittance whose rounding interval ends nearest to the threshold, so that
 //! stopping early and late are as likely.
+//!
+//! # One product, one multiply-add
+//!
+//! Let p, w, a, t, c and s be the fraction bits of peak, kernel, opacity, transmittance, colour and sum, n the integer bits of the last two
+//! ([`Widths::colour_range`]), and [x] the integer nearest to x, halves to even ([`Rounding::NearestEven`]). All words are integers, and one
+//! pixel of "over" is
+//!
+//! ```text
+//! A  = min([P W 2^-(p+w-a)], A_max)         opacity        P < 2^(4+p), W <= 2^w
+//! G  = [T A 2^-a]                           contribution   T <= 2^t,    A <= 2^a
+//! T' = T - G
+//! C' = [C + G K 2^-(t+c-s)]                 each colour    K < 2^(n+c)
+//! ```
+//!
+//! The sum is what is rounded, so that its ties go to even sums; without ties to even that is C + [G K 2^-(t+c-s)]. Two facts hold for every
+//! rounding:
+//!
+//! - G <= T, because A 2^-a <= 1 and rounding does not pass an integer. T never rises and never falls below 0.
+//! - Where s + n >= t, C <= 2^(n+s) (1 - T 2^-t): the product is at most G 2^(n+s-t), an integer, which rounding does not pass. So sums never
+//!   leave UQn.s, whatever the number of layers, and nothing saturates.
+//!
+//! A fused multiply-add of single precision is exact before it rounds, once, to 24 bits, halves to even. From 2^23 to 2^24 its unit is 1. So
+//! with M = 2^23 each line above is one of them, `fma(P 2^-(p+w-a), W, M)`, `fma(T 2^-a, A, M)` and `fma(G, K 2^-(t+c-s), M + C)`, where
+//! factors have at most 24 bits (4 + p, w, t + 1, a + 1, n + c + 1) and results at most 2^23 (4 + a, t and n + s bits).
+//! [`Blend::is_single`] is that condition; [`Lean18`](crate::format::Lean18) is the named design that meets it. Its kernel, opacity and colour
+//! have 18 bits, so that one operand of every product also fits a multiplier of 18 bits, the other one has 22.
 
 pub mod deep;
 pub mod edge;
 pub mod layers;
 pub mod points;
+mod product;
 pub mod resolve;
 pub mod shading;
 pub mod sheets;
@@ -24,12 +51,13 @@ use crate::format::{Rounding, Widths};
 use crate::kernel::Kernel;
 use crate::math::shift_unsigned;
 use crate::rules::{Cutoff, Rules, THRESHOLD};
+use product::{Product, Words};
 
 /// One pixel of the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[repr(C)]
 pub struct Pixel {
-    /// Linear red, green, blue, premultiplied, UQ4.accumulator, saturating.
+    /// Linear red, green, blue, premultiplied, UQ4.accumulator.
     pub colour: [u32; 3],
     /// Transmittance, UQ1.transmittance; [`FINISHED`] marks a pixel that takes no more splats.
     pub transmittance: u32,
@@ -80,17 +108,17 @@ pub struct Blend {
     minimum_transmittance: u32,
     omit_finishing: bool,
     rounding: Rounding,
-    /// Right shifts of the four products.
-    opacity_shift: i32,
-    contribution_shift: i32,
-    colour_shift: i32,
+    /// Does an opacity count unless it rounds to 0?
+    all_visible: bool,
+    opacity: Product,
+    contribution: Product,
+    colour: Product,
+    /// Right shift of opacity times colour.
     layer_shift: i32,
-    /// Products that fit 32 bits, see [`Blend::product`].
-    opacity_narrow: bool,
-    contribution_narrow: bool,
-    colour_narrow: bool,
-    /// No sum of shares times colours leaves 32 bits: the shares sum to at most 1, so that it stays below 16 plus one unit per layer.
+    /// Sums stay in their format, see [above](self).
     sums_fit: bool,
+    /// See [`Blend::is_single`].
+    single: bool,
 }
 
 /// The constants of front-to-back compositing, for implementations that blend many pixels at once: [`Blend`] stays their definition.
@@ -125,9 +153,9 @@ impl Blend {
             minimum_transmittance: self.minimum_transmittance,
             omit_finishing: self.omit_finishing,
             rounding: self.rounding,
-            opacity_shift: self.opacity_shift,
-            contribution_shift: self.contribution_shift,
-            colour_shift: self.colour_shift,
+            opacity_shift: self.opacity.by(),
+            contribution_shift: self.contribution.by(),
+            colour_shift: self.colour.by(),
         }
     }
 
@@ -147,70 +175,96 @@ impl Blend {
             (Cutoff::Opacity, Kernel::Gaussian) => 0,
             _ => rules.alpha_min,
         };
-        // Truncation adds no rounding constant.
-        let unrounded = match widths.rounding {
-            Rounding::Nearest => 0,
-            Rounding::Truncate => 1,
-        };
+        let opacity_min = smallest_product(least, peak + weight, alpha, widths.rounding);
+        let visible = smallest_product(0, peak + weight, alpha, widths.rounding);
+        let range = widths.colour_range() as i32;
+        let even = matches!(widths.rounding, Rounding::NearestEven);
         Blend {
             // At most 1, so that a contribution never exceeds the transmittance.
             alpha_max: at_most(from_rules(rules.alpha_max, alpha), 1 << alpha),
-            opacity_min: smallest_product(least, peak + weight, alpha, widths.rounding),
+            opacity_min,
+            all_visible: opacity_min == visible,
             minimum_transmittance: centred_minimum(rules.minimum_transmittance, transmittance),
             omit_finishing: rules.omit_finishing,
             rounding: widths.rounding,
-            opacity_shift: peak + weight - alpha,
-            contribution_shift: alpha,
-            colour_shift: transmittance + colour - accumulator,
+            opacity: Product::new(
+                [below_16(peak), 1 << weight],
+                peak + weight - alpha,
+                widths.rounding,
+            ),
+            contribution: Product::new([1 << transmittance, 1 << alpha], alpha, widths.rounding),
+            colour: Product::new(
+                [1 << transmittance, below_16(colour) >> (4 - range)],
+                transmittance + colour - accumulator,
+                widths.rounding,
+            ),
             layer_shift: alpha + colour - accumulator,
-            // (2^(4 + peak) - 1) 2^weight and the rounding constant, which must be less than 2^weight.
-            opacity_narrow: 4 + peak + weight <= 32 && peak <= alpha + unrounded,
-            contribution_narrow: transmittance + alpha <= 31,
-            colour_narrow: transmittance + 4 + colour <= 32 && colour <= accumulator + unrounded,
-            // Without rounding (a shift of 0) not even that unit.
-            sums_fit: accumulator <= 20 || transmittance + colour <= accumulator,
+            sums_fit: accumulator + range >= transmittance,
+            single: even
+                && peak <= 20
+                && weight <= 24
+                && alpha <= 19
+                && transmittance <= 23
+                && colour + range <= 23
+                && accumulator + range <= 23
+                && accumulator + range >= transmittance
+                && peak + weight > alpha
+                && transmittance + colour > accumulator,
         }
     }
 
-    /// Do all products of "over" fit 32 bits, and its sums stay below the word's end?
+    /// Do all products of "over" need no more than multiplications of 32 bits by 32 to 32, and its sums stay below the word's end?
     pub const fn is_narrow(&self) -> bool {
-        self.opacity_narrow && self.contribution_narrow && self.colour_narrow && self.sums_fit
+        self.sums_fit
+            && !matches!(self.opacity.words, Words::Wide)
+            && !matches!(self.contribution.words, Words::Wide)
+            && !matches!(self.colour.words, Words::Wide)
+    }
+
+    /// Is every product of "over", with its rounding and its addition, one fused multiply-add of single precision ([above](self))?
+    pub const fn is_single(&self) -> bool {
+        self.single
+    }
+
+    /// Is every opacity drawn that does not round to 0?
+    pub const fn draws_all_visible(&self) -> bool {
+        self.all_visible
     }
 
     /// Opacity of a splat at a pixel, UQ1.alpha: peak (UQ4.peak) times kernel (UQ1.weight), clamped; 0 if the rules skip it.
     #[inline(always)]
     pub fn opacity(&self, peak: u32, weight: u32) -> u32 {
-        let opacity = self.opacity_product(peak, weight);
-        if opacity < self.opacity_min {
+        if self.is_skipped(peak, weight) {
             return 0;
         }
-        let alpha = self.round(opacity, self.opacity_narrow, self.opacity_shift);
-        alpha.min(self.alpha_max.into()) as u32
+        self.opacity.of(peak, weight).min(self.alpha_max.into()) as u32
     }
 
-    /// Peak times kernel, not yet rounded.
+    /// Is the product of peak and kernel, not yet rounded, below a threshold that does not follow from rounding?
     #[inline(always)]
-    fn opacity_product(&self, peak: u32, weight: u32) -> u64 {
-        if self.opacity_narrow {
-            peak.wrapping_mul(weight).into()
-        } else {
-            u64::from(peak) * u64::from(weight)
+    fn is_skipped(&self, peak: u32, weight: u32) -> bool {
+        if self.all_visible {
+            return false;
         }
+        let product = match self.opacity.words {
+            Words::One => peak.wrapping_mul(weight).into(),
+            _ => u64::from(peak) * u64::from(weight),
+        };
+        product < self.opacity_min
     }
 
     /// Can the opacity of a splat with this peak (UQ4.peak) exceed the clamp? No kernel is above 1.
     #[inline(always)]
     pub fn is_clamped(&self, peak: u32, weight_bits: u8) -> bool {
         let one = 1 << weight_bits;
-        self.product(peak, one, self.opacity_narrow, self.opacity_shift) > u64::from(self.alpha_max)
+        self.opacity.of(peak, one) > u64::from(self.alpha_max)
     }
 
     /// [`Blend::opacity`] of a splat that [is not clamped](Blend::is_clamped); `None` if the rules skip it.
     #[inline(always)]
     pub fn opacity_unclamped(&self, peak: u32, weight: u32) -> Option<u32> {
-        let opacity = self.opacity_product(peak, weight);
-        let alpha = self.round(opacity, self.opacity_narrow, self.opacity_shift) as u32;
-        (opacity >= self.opacity_min).then_some(alpha)
+        let alpha = self.opacity.of(peak, weight) as u32;
+        (alpha > 0 && !self.is_skipped(peak, weight)).then_some(alpha)
     }
 
     /// "Over", nearest splat first. Alpha in UQ1.alpha and at most 1, colour in UQ4.colour. A finished pixel must not be passed.
@@ -238,8 +292,7 @@ impl Blend {
             return;
         };
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
-            let layer =
-                self.product(contribution, *c, self.colour_narrow, self.colour_shift) as u32;
+            let layer = self.colour.added_to(*sum, contribution, *c) as u32;
             *sum = if self.sums_fit {
                 sum.wrapping_add(layer)
             } else {
@@ -259,12 +312,7 @@ impl Blend {
         without: impl Fn(u32, u32) -> u32,
     ) -> Option<(u32, u32)> {
         let transmittance = pixel.transmittance;
-        let contribution = self.product(
-            transmittance,
-            alpha,
-            self.contribution_narrow,
-            self.contribution_shift,
-        ) as u32;
+        let contribution = self.contribution.of(transmittance, alpha) as u32;
         let rest = without(transmittance, contribution);
         let stop = rest <= self.minimum_transmittance;
         if stop && self.omit_finishing {
@@ -278,7 +326,7 @@ impl Blend {
     #[inline(always)]
     pub fn back_to_front(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
         let hidden = |value: u32| {
-            self.shift(u64::from(value) * u64::from(alpha), self.contribution_shift) as u32
+            self.shift(u64::from(value) * u64::from(alpha), self.contribution.by()) as u32
         };
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
             let layer = self.shift(u64::from(alpha) * u64::from(*c), self.layer_shift) as u32;
@@ -304,44 +352,25 @@ impl Blend {
 
     #[inline(always)]
     fn in_transmittance(&self, alpha: u32) -> u32 {
-        // colour_shift - layer_shift = transmittance - alpha.
-        self.shift(alpha.into(), self.layer_shift - self.colour_shift) as u32
+        // The shifts of colour and layer differ by transmittance - alpha.
+        self.shift(alpha.into(), self.layer_shift - self.colour.by()) as u32
     }
 
-    /// Fraction bits of the transmittance, from the shifts: colour_shift - layer_shift = transmittance - alpha and contribution_shift = alpha.
+    /// Fraction bits of the transmittance, from the shifts: those of colour and layer differ by transmittance - alpha, the contribution's is alpha.
     #[inline(always)]
     fn transmittance_bits(&self) -> i32 {
-        (self.colour_shift - self.layer_shift + self.contribution_shift) & 31
-    }
-
-    /// `a b 2^-by`, rounded. `narrow` says that the product and its rounding constant fit 32 bits for all values within their
-    /// formats: same result, and no 64-bit arithmetic where the processor has none. Values beyond their formats wrap.
-    #[inline(always)]
-    fn product(&self, a: u32, b: u32, narrow: bool, by: i32) -> u64 {
-        if !narrow {
-            return self.shift(u64::from(a) * u64::from(b), by);
-        }
-        self.round(a.wrapping_mul(b).into(), true, by)
-    }
-
-    /// The rounding of [`Blend::product`].
-    #[inline(always)]
-    fn round(&self, product: u64, narrow: bool, by: i32) -> u64 {
-        if !narrow || by <= 0 || by > 31 {
-            return self.shift(product, by);
-        }
-        let product = product as u32;
-        let rounded = match self.rounding {
-            Rounding::Nearest => product.wrapping_add(1 << (by - 1)),
-            Rounding::Truncate => product,
-        };
-        (rounded >> by).into()
+        (self.colour.by() - self.layer_shift + self.contribution.by()) & 31
     }
 
     #[inline(always)]
     fn shift(&self, value: u64, by: i32) -> u64 {
         shift_unsigned(value, by, self.rounding)
     }
+}
+
+/// The largest number below 16 with so many fraction bits, up to 28.
+const fn below_16(fraction: i32) -> u32 {
+    u32::MAX >> (28 - fraction)
 }
 
 const fn at_most(value: u32, limit: u32) -> u32 {
@@ -358,6 +387,8 @@ const fn smallest_product(threshold: u64, fraction: i32, alpha: i32, rounding: R
     let visible = match (rounding, dropped) {
         (_, ..=0) => 1,
         (Rounding::Nearest, dropped) => 1 << (dropped - 1),
+        // The half itself goes to 0.
+        (Rounding::NearestEven, dropped) => (1 << (dropped - 1)) + 1,
         (Rounding::Truncate, dropped) => 1 << dropped,
     };
     if least < visible { visible } else { least }
@@ -384,12 +415,18 @@ const fn from_rules(value: u32, bits: i32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::{Classic8, Standard24};
+    use crate::format::{Classic8, Lean18, Standard24};
     use proptest::prelude::*;
 
-    /// Widths for which all three products are narrow, up to the limits of 32 bits.
-    const NARROW: [Widths; 3] = [
+    /// Widths for which all three products fit words of 32 bits or two of them, up to the limits.
+    const NARROW: [Widths; 5] = [
         Classic8::WIDTHS,
+        Lean18::WIDTHS,
+        Widths {
+            colour: 14,
+            rounding: Rounding::Nearest,
+            ..Lean18::WIDTHS
+        },
         Widths {
             peak: 15,
             weight: 13,
@@ -414,7 +451,7 @@ mod tests {
     /// A product of exactly the least opacity is drawn, one less is not.
     #[test]
     fn the_least_opacity_is_drawn() {
-        for widths in [Classic8::WIDTHS, Standard24::WIDTHS] {
+        for widths in [Classic8::WIDTHS, Lean18::WIDTHS, Standard24::WIDTHS] {
             for rules in [Rules::EWA, Rules::GAUSSIAN_3D] {
                 let blend = Blend::new(&widths, &rules);
                 let least = blend.opacity_min as u32;
@@ -434,17 +471,19 @@ mod tests {
         ) {
             let widths = NARROW[choice];
             let fast = Blend::new(&widths, &rules);
-            prop_assert!(fast.opacity_narrow && fast.contribution_narrow && fast.colour_narrow && fast.sums_fit);
-            let wide = Blend { opacity_narrow: false, contribution_narrow: false, colour_narrow: false, sums_fit: false, ..fast };
+            let words = [fast.opacity.words, fast.contribution.words, fast.colour.words];
+            prop_assert!(fast.sums_fit && !words.contains(&Words::Wide));
+            let [opacity, contribution, colour] = [fast.opacity, fast.contribution, fast.colour].map(Product::wide);
+            let wide = Blend { opacity, contribution, colour, sums_fit: false, ..fast };
             let (mut a, mut b) = (Pixel::clear(&widths), Pixel::clear(&widths));
             for (peak, weight, colour) in layers {
                 // Half of all values lie at the end of their format.
                 let value = |bits: u32, integer: u8, fraction: u8| {
-                    let end = (1u64 << (integer + fraction)) - u64::from(integer > 0 && fraction < 28 && integer == 4);
+                    let end = (1u64 << (integer + fraction)) - u64::from(integer > 0);
                     if bits & 1 == 0 { end as u32 } else { (u64::from(bits >> 1) % (end + 1)) as u32 }
                 };
                 let (peak, weight) = (value(peak, 4, widths.peak), value(weight, 0, widths.weight));
-                let colour = colour.map(|c| value(c, 4, widths.colour));
+                let colour = colour.map(|c| value(c, widths.colour_range(), widths.colour));
                 let alpha = fast.opacity(peak, weight);
                 prop_assert_eq!(alpha, wide.opacity(peak, weight));
                 if alpha > 0 && !a.is_finished() {

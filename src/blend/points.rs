@@ -103,7 +103,7 @@ impl Blend {
         if opacity == 0 || pixel.is_finished() {
             return;
         }
-        let one = 1u32 << self.contribution_shift;
+        let one = 1u32 << self.contribution.by();
         let colour = if opacity > one {
             self.scaled_back(colour, opacity)
         } else {
@@ -125,7 +125,7 @@ impl Blend {
     /// colour / opacity for a slab whose opacities sum to more than 1: rare, so the reciprocal unit serves.
     #[cold]
     fn scaled_back(&self, colour: [u32; 3], opacity: u32) -> [u32; 3] {
-        let sum = SoftFloat::from_wide(opacity.into(), -self.contribution_shift, 31);
+        let sum = SoftFloat::from_wide(opacity.into(), -self.contribution.by(), 31);
         let inverse = reciprocal(sum, 31).unwrap_or(SoftFloat::ZERO);
         // Below 1, hence at most 31 fraction bits.
         let factor = inverse.to_fixed(31).clamp(0, 1 << 31) as u64;

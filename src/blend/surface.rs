@@ -102,7 +102,11 @@ impl WeightedSum {
             attribute: attribute_fraction(widths) as i32,
             accumulator: widths.accumulator as u32,
             mantissa: widths.mantissa as u32,
-            rounding: widths.rounding,
+            // Ties to even are for fused products of a pixel's colours; these sums have more bits.
+            rounding: match widths.rounding {
+                Rounding::NearestEven => Rounding::Nearest,
+                rounding => rounding,
+            },
         }
     }
 

@@ -82,6 +82,7 @@ impl Layout {
     const fn of(widths: &Widths, traversal: Traversal, depth: bool) -> Layout {
         let mantissa = widths.mantissa;
         let (subpixel, peak, colour) = (widths.subpixel, widths.peak, widths.colour);
+        let range = widths.colour_range();
         let mut fields = [
             unsigned("version", 4, 0),
             unsigned("depth", KEY_BITS as u8, 0),
@@ -105,9 +106,9 @@ impl Layout {
             signed("conic_exponent", 10, 0),
             unsigned("cutoff", 32, 28),
             unsigned("peak", 4 + peak, peak),
-            unsigned("red", 4 + colour, colour),
-            unsigned("green", 4 + colour, colour),
-            unsigned("blue", 4 + colour, colour),
+            unsigned("red", range + colour, colour),
+            unsigned("green", range + colour, colour),
+            unsigned("blue", range + colour, colour),
         ];
         let absent = match traversal {
             Traversal::Spans => OF_BOX,

@@ -14,7 +14,7 @@ mod ray;
 mod shape;
 mod tables;
 
-pub use packed::{PackedError, PackedTable, pack};
+pub use packed::{PackedError, PackedTable, pack, pack_into};
 pub use perspective::{PERSPECTIVE_ENTRIES, PerspectiveIndex, PerspectiveTable, fill_perspective};
 pub use ray::{Rays, covering_cutoff};
 pub use shape::{Kernel, fill};

@@ -59,7 +59,22 @@ pub const fn pack<const N: usize>(
     widths: &Widths,
     range: u8,
 ) -> Result<[u32; N], PackedError> {
-    if N != 1 << widths.table || entries.len() != N + 1 {
+    let mut words = [0; N];
+    match pack_into(&mut words, entries, widths, range) {
+        Ok(()) => Ok(words),
+        Err(error) => Err(error),
+    }
+}
+
+/// The same into memory that the caller lends: one word less than there are entries. Radial indices far below 0, which no run of setup has, must
+/// be raised to 0 before they [lead](PackedTable::lead).
+pub const fn pack_into(
+    words: &mut [u32],
+    entries: &[u32],
+    widths: &Widths,
+    range: u8,
+) -> Result<(), PackedError> {
+    if words.len() != 1 << widths.table || entries.len() != words.len() + 1 {
         return Err(PackedError::Intervals);
     }
     let lane = widths.radial as u32 + range as u32;
@@ -71,9 +86,8 @@ pub const fn pack<const N: usize>(
     if widths.mantissa < widths.table + 4 || lane < widths.table as u32 + LANE_NOISE {
         return Err(PackedError::Noise);
     }
-    let mut words = [0; N];
     let mut i = 0;
-    while i < N {
+    while i < words.len() {
         let level = if i == 0 { 0 } else { i - 1 };
         match word(entries[level], entries[i], i as u32, position) {
             Some(packed) => words[i] = packed,
@@ -81,7 +95,7 @@ pub const fn pack<const N: usize>(
         }
         i += 1;
     }
-    Ok(words)
+    Ok(())
 }
 
 impl<'a> PackedTable<'a> {

@@ -93,6 +93,7 @@ static MICRO16_16: [u32; entries(&Micro16::WIDTHS)] = gaussian(&Micro16::WIDTHS,
 static MICRO16_PACKED: [u32; 1 << Micro16::WIDTHS.table] = words(&MICRO16_16, &Micro16::WIDTHS);
 static LEAN18_4: [u32; entries(&Lean18::WIDTHS)] = gaussian(&Lean18::WIDTHS, 2);
 static LEAN18_16: [u32; entries(&Lean18::WIDTHS)] = gaussian(&Lean18::WIDTHS, 4);
+static LEAN18_PACKED: [u32; 1 << Lean18::WIDTHS.table] = words(&LEAN18_16, &Lean18::WIDTHS);
 static STANDARD24_4: [u32; entries(&Standard24::WIDTHS)] = gaussian(&Standard24::WIDTHS, 2);
 static STANDARD24_16: [u32; entries(&Standard24::WIDTHS)] = gaussian(&Standard24::WIDTHS, 4);
 static DEEP32_4: [u32; entries(&Deep32::WIDTHS)] = gaussian(&Deep32::WIDTHS, 2);
@@ -116,6 +117,7 @@ impl Tabled for Lean18 {
     const WIDTHS: Widths = Lean18::WIDTHS;
     const GAUSSIAN_4: &'static [u32] = &LEAN18_4;
     const GAUSSIAN_16: &'static [u32] = &LEAN18_16;
+    const PACKED_16: Option<PackedTable<'static>> = packed(&LEAN18_PACKED, &Lean18::WIDTHS);
 }
 
 impl Tabled for Standard24 {

@@ -60,6 +60,11 @@ pub const fn shift_unsigned(value: u64, shift: i32, rounding: Rounding) -> u64 {
     }
     match rounding {
         Rounding::Nearest => value.wrapping_add(1 << (shift - 1)) >> shift,
+        // An odd result goes up from the half on, an even one from above it.
+        Rounding::NearestEven => {
+            let below_half = (1 << (shift - 1)) - 1;
+            value.wrapping_add(below_half + (value >> shift & 1)) >> shift
+        }
         Rounding::Truncate => value >> shift,
     }
 }
@@ -100,6 +105,19 @@ mod tests {
     fn pixel_path_follows_the_rounding() {
         assert_eq!(shift_unsigned(7, 2, Rounding::Nearest), 2);
         assert_eq!(shift_unsigned(7, 2, Rounding::Truncate), 1);
+        let even = [
+            (5, 1),
+            (6, 2),
+            (7, 2),
+            (9, 2),
+            (10, 2),
+            (11, 3),
+            (13, 3),
+            (14, 4),
+        ];
+        for (value, expected) in even {
+            assert_eq!(shift_unsigned(value, 2, Rounding::NearestEven), expected);
+        }
         assert_eq!(shift_unsigned(7, -2, Rounding::Truncate), 28);
         assert_eq!(shift_unsigned(7, 64, Rounding::Nearest), 0);
     }

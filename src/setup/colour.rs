@@ -6,26 +6,28 @@
 use crate::format::{Rounding, Widths};
 use fixed::types::U4F28;
 
-/// Red, green, blue in UQ4.colour: rounded to nearest, halves to even, saturated below 16, or truncated as the design's pixel path is.
+/// Red, green, blue in UQ(range).colour, with the design's [range](Widths::colour_range): rounded to nearest, halves to even, saturated below the
+/// format's end, or truncated as the design's pixel path is.
 pub fn colour(widths: &Widths, colour: [U4F28; 3]) -> [u32; 3] {
     let drop = 28u32.saturating_sub(widths.colour.into());
+    let last = (1u64 << (widths.colour + widths.colour_range())) - 1;
     colour.map(|channel| {
         let value = u64::from(channel.to_bits());
         let whole = value >> drop;
         if drop == 0 || widths.rounding == Rounding::Truncate {
-            return whole as u32;
+            return whole.min(last) as u32;
         }
         let rest = value - (whole << drop);
         let half = 1 << (drop - 1);
         let rounded = whole + u64::from(rest > half || rest == half && whole & 1 == 1);
-        rounded.min((16 << widths.colour) - 1) as u32
+        rounded.min(last) as u32
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::{Classic8, Deep32, Standard24};
+    use crate::format::{Classic8, Deep32, Lean18, Standard24};
 
     #[test]
     fn halves_go_to_even() {
@@ -42,6 +44,8 @@ mod tests {
             assert_eq!(of(bits, &Standard24::WIDTHS), expected, "{bits}");
         }
         assert_eq!(of((1 << 20) - 1, &Classic8::WIDTHS), 0);
+        assert_eq!(of((7 << 28) + (5 << 12), &Lean18::WIDTHS), (7 << 15) + 2);
+        assert_eq!(of(u32::MAX, &Lean18::WIDTHS), (8 << 15) - 1);
         assert_eq!(
             of(
                 8,

@@ -19,6 +19,11 @@ fn shifted(value: u128, shift: i32, rounding: Rounding) -> u128 {
     match rounding {
         Rounding::Truncate => value / divisor,
         Rounding::Nearest => (2 * value + divisor) / (2 * divisor),
+        Rounding::NearestEven => {
+            let up = (2 * value + divisor) / (2 * divisor);
+            let is_tie = 2 * (value % divisor) == divisor;
+            up - u128::from(is_tie && up % 2 == 1)
+        }
     }
 }
 
@@ -29,7 +34,7 @@ fn shifts_of_the_pixel_path_at_every_seam() {
         [power - 1, power, power + 1]
     });
     for value in seams {
-        for rounding in [Rounding::Nearest, Rounding::Truncate] {
+        for rounding in [Rounding::Nearest, Rounding::NearestEven, Rounding::Truncate] {
             for shift in -80..80 {
                 let expected = match shift {
                     64.. | ..=-64 => 0,
@@ -108,8 +113,14 @@ impl WideWord {
             return;
         }
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
-            let layer = self.product(share, *c, w.transmittance + w.colour, w.accumulator);
-            *sum = (u128::from(*sum) + layer).min(u32::MAX.into()) as u32;
+            // The sum is rounded as a whole, which only ties to even can tell from rounding what is added.
+            let drop = i32::from(w.transmittance + w.colour) - i32::from(w.accumulator);
+            let exact = u128::from(share) * u128::from(*c);
+            let sum_of = |sum: u128| match drop {
+                1.. => shifted(exact + (sum << drop), drop, w.rounding),
+                _ => sum + shifted(exact, drop, w.rounding),
+            };
+            *sum = sum_of((*sum).into()).min(u32::MAX.into()) as u32;
         }
         pixel.transmittance = if stop { rest | FINISHED } else { rest };
     }
@@ -155,8 +166,9 @@ fn pixel_widths(source: &mut Source) -> Widths {
             other => low + other % (high - low + 1),
         };
     }
-    widths.rounding = match source.byte() % 2 {
+    widths.rounding = match source.byte() % 3 {
         0 => Rounding::Nearest,
+        1 => Rounding::NearestEven,
         _ => Rounding::Truncate,
     };
     widths
@@ -190,7 +202,8 @@ proptest! {
         for _ in 0..8 {
             let peak = value(&mut source, 4, widths.peak);
             let weight = value(&mut source, 0, widths.weight);
-            let colour = [(); 3].map(|()| value(&mut source, 4, widths.colour));
+            let last = (1u64 << (widths.colour_range() + widths.colour)) - 1;
+            let colour = [(); 3].map(|()| value(&mut source, 4, widths.colour).min(last as u32));
             let alpha = blend.opacity(peak, weight);
             prop_assert_eq!(alpha, wide.opacity(peak, weight), "{:?}", widths);
             let [front, front_wide, back, back_wide, sum, sum_wide] = &mut pixels;

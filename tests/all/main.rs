@@ -11,6 +11,7 @@ mod independence_pixels;
 mod kernels;
 mod narrow;
 mod setup_against_double;
+mod single;
 mod snapshots;
 mod surface_layers;
 mod surface_setup;

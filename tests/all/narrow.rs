@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{NarrowError, Painter, Painter32};
 use splatline::footprint::Footprint;
-use splatline::format::{Design, Micro16, Rounding, RuntimeWidths, Traversal, Widths};
+use splatline::format::{Design, Lean18, Micro16, Rounding, RuntimeWidths, Traversal, Widths};
 use splatline::kernel::{FootprintTable, PackedError, PackedTable, entries, fill_gaussian, pack};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
@@ -125,6 +125,7 @@ proptest! {
         check::<128>(FIRMWARE, &rules, &list)?;
         check::<512>(PLAIN, &rules, &list)?;
         check::<32>(LONG, &rules, &list)?;
+        check::<1024>(Lean18::WIDTHS, &rules, &list)?;
     }
 }
 
@@ -162,6 +163,7 @@ fn packed_look_ups_equal_plain_ones() {
     check::<128>(FIRMWARE);
     check::<512>(PLAIN);
     check::<32>(LONG);
+    check::<1024>(Lean18::WIDTHS);
 }
 
 #[test]

@@ -182,10 +182,10 @@ shear_exponent         bit 271, 10 wide: 3ef
 vertical_mantissa      bit 281, 18 wide: 29e61
 vertical_exponent      bit 299, 10 wide: 3ed
 cutoff                 bit 309, 32 wide: a81d56e5
-peak                   bit 341, 28 wide: c00000
-red                    bit 369, 18 wide: 4000
-green                  bit 387, 18 wide: 2000
-blue                   bit 405, 18 wide: 1000
+peak                   bit 341, 22 wide: 30000
+red                    bit 363, 18 wide: 8000
+green                  bit 381, 18 wide: 4000
+blue                   bit 399, 18 wide: 2000
 ";
 
 #[test]

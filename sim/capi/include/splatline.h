@@ -141,8 +141,8 @@ typedef struct {
   uint8_t colour;
   // Fraction bits of the pixel's accumulated colour [4, 27].
   uint8_t accumulator;
-  // Rounding in the pixel path: 0 to nearest (halves up), 1 truncation.
-  uint8_t truncate;
+  // Rounding in the pixel path: 0 to nearest (halves up), 1 truncation, 2 to nearest (halves to even).
+  uint8_t rounding;
 } SplatlineWidths;
 
 // `mantissa * 2^exponent`.

@@ -57,8 +57,8 @@ pub struct SplatlineWidths {
     pub colour: u8,
     /// Fraction bits of the pixel's accumulated colour [4, 27].
     pub accumulator: u8,
-    /// Rounding in the pixel path: 0 to nearest (halves up), 1 truncation.
-    pub truncate: u8,
+    /// Rounding in the pixel path: 0 to nearest (halves up), 1 truncation, 2 to nearest (halves to even).
+    pub rounding: u8,
 }
 
 /// `mantissa * 2^exponent`.
@@ -263,7 +263,11 @@ impl From<&Widths> for SplatlineWidths {
             transmittance: widths.transmittance,
             colour: widths.colour,
             accumulator: widths.accumulator,
-            truncate: u8::from(widths.rounding == Rounding::Truncate),
+            rounding: match widths.rounding {
+                Rounding::Nearest => 0,
+                Rounding::Truncate => 1,
+                Rounding::NearestEven => 2,
+            },
         }
     }
 }
@@ -284,10 +288,11 @@ impl SplatlineWidths {
             transmittance: self.transmittance,
             colour: self.colour,
             accumulator: self.accumulator,
-            rounding: if flag(self.truncate.into())? {
-                Rounding::Truncate
-            } else {
-                Rounding::Nearest
+            rounding: match self.rounding {
+                0 => Rounding::Nearest,
+                1 => Rounding::Truncate,
+                2 => Rounding::NearestEven,
+                _ => return Err(Error::Value),
             },
         };
         widths.check().map_err(|_| Error::Widths)?;

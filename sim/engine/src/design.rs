@@ -6,7 +6,7 @@
 //! base = "standard24"   # classic8, micro16, lean18, standard24 or deep32
 //! mantissa = 20
 //! alpha = 16
-//! rounding = "truncate" # or "nearest"
+//! rounding = "truncate" # or "nearest", "nearest-even"
 //! traversal = "box"     # or "spans"
 //! ```
 
@@ -164,6 +164,7 @@ impl DesignChoice {
             traversal: traversal_name(self.traversal).into(),
             rounding: match self.widths.rounding {
                 Rounding::Nearest => "nearest".into(),
+                Rounding::NearestEven => "nearest-even".into(),
                 Rounding::Truncate => "truncate".into(),
             },
             widths,
@@ -228,7 +229,7 @@ pub struct ResolvedDesign {
     pub name: String,
     /// `box` or `spans`.
     pub traversal: Cow<'static, str>,
-    /// `nearest` or `truncate`.
+    /// `nearest`, `nearest-even` or `truncate`.
     pub rounding: Cow<'static, str>,
     /// Bits of every quantity.
     pub widths: serde_json::Map<String, serde_json::Value>,
@@ -321,9 +322,10 @@ struct DesignFile {
 }
 
 #[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 enum RoundingName {
     Nearest,
+    NearestEven,
     Truncate,
 }
 
@@ -362,6 +364,7 @@ impl DesignFile {
             accumulator: self.accumulator.unwrap_or(base.accumulator),
             rounding: match self.rounding {
                 Some(RoundingName::Nearest) => Rounding::Nearest,
+                Some(RoundingName::NearestEven) => Rounding::NearestEven,
                 Some(RoundingName::Truncate) => Rounding::Truncate,
                 None => base.rounding,
             },

@@ -31,7 +31,7 @@ use figures::Compared;
 use splatline::format::{Rounding, RuntimeWidths, Traversal, WIDTH_RANGES, Widths};
 use std::cell::RefCell;
 
-/// Widths, then rounding (0 nearest, 1 truncate) and traversal (0 box, 1 spans).
+/// Widths, then rounding (0 nearest, 1 truncate, 2 nearest with ties to even) and traversal (0 box, 1 spans).
 const DESIGN: usize = WIDTH_RANGES.len() + 2;
 
 /// Everything between two calls. The module has one thread.
@@ -101,7 +101,7 @@ pub extern "C" fn camera_numbers() -> *mut f64 {
     with(|page| page.camera.as_mut_ptr())
 }
 
-/// Where the design's bytes go: the widths in the kernel's order, rounding (0 nearest, 1 truncate), traversal (0 box, 1 spans).
+/// Where the design's bytes go: the widths in the kernel's order, rounding (0 nearest, 1 truncate, 2 nearest with ties to even), traversal (0 box, 1 spans).
 #[unsafe(no_mangle)]
 pub extern "C" fn design_bytes() -> *mut u8 {
     with(|page| page.design.as_mut_ptr())
@@ -251,7 +251,8 @@ fn design_from(bytes: &[u8; DESIGN]) -> Option<(RuntimeWidths, Traversal)> {
     let [numbers @ .., rounding, traversal] = *bytes;
     let rounding = match rounding {
         0 => Rounding::Nearest,
-        _ => Rounding::Truncate,
+        1 => Rounding::Truncate,
+        _ => Rounding::NearestEven,
     };
     let widths = Widths::from_numbers(numbers, rounding);
     let traversal = match traversal {

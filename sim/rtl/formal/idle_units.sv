@@ -88,7 +88,7 @@ module lane (
     output logic [splatline_pkg::RADIAL+3:0] radial,
     output logic [splatline_pkg::TILE_ROW_BITS+splatline_pkg::TILE_COLUMN_BITS-1:0] address,
     output logic [splatline_pkg::PEAK+3:0] peak,
-    output logic [3*(splatline_pkg::COLOUR+4)-1:0] colour,
+    output logic [3*splatline_pkg::COLOUR_BITS-1:0] colour,
     output logic idle
 );
   (* anyseq *) logic takes, gives, ends;
@@ -126,7 +126,7 @@ module blend #(
     input logic [ADDRESS-1:0] pixel_address,
     input logic [splatline_pkg::WEIGHT:0] weight,
     input logic [splatline_pkg::PEAK+3:0] peak,
-    input logic [3*(splatline_pkg::COLOUR+4)-1:0] colour,
+    input logic [3*splatline_pkg::COLOUR_BITS-1:0] colour,
     output logic [ADDRESS-1:0] transmittance_read_address,
     input logic [splatline_pkg::TRANSMITTANCE+1:0] transmittance_read,
     output logic transmittance_write,

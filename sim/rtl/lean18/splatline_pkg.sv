@@ -5,28 +5,30 @@ package splatline_pkg;
   localparam int SUBPIXEL = 12;  // fraction bits of a centre
   localparam int RADIAL = 22;  // fraction bits of the radial index
   localparam int TABLE = 10;  // log2 of the footprint table's intervals
-  localparam int INTERPOLATION = 16;  // bits of the position within an interval
+  localparam int INTERPOLATION = 13;  // bits of the position within an interval
   localparam int WEIGHT = 18;  // fraction bits of a table entry
   localparam int STEP_BITS = 16;  // bits of the largest step between two entries
-  localparam int PEAK = 24;  // fraction bits of a peak opacity
+  localparam int PEAK = 18;  // fraction bits of a peak opacity
   localparam int ALPHA = 18;  // fraction bits of an opacity
-  localparam int TRANSMITTANCE = 26;  // fraction bits of the deep alpha channel
-  localparam int COLOUR = 14;  // fraction bits of a splat's colour
+  localparam int TRANSMITTANCE = 22;  // fraction bits of the deep alpha channel
+  localparam int COLOUR = 15;  // fraction bits of a splat's colour
+  localparam int COLOUR_BITS = 18;  // and all of them
   localparam int ACCUMULATOR = 20;  // fraction bits of a pixel's colour
-  localparam int SUM_BITS = 25;  // bits of a pixel's colour: below 32, see blend.sv
+  localparam int SUM_BITS = 24;  // and all of them, see blend.sv
+  localparam logic TIES_TO_EVEN = 1'b1;  // rounding of opacity, share and sums: halves to even, or up
   localparam int BLOCK_BITS = 5;  // log2 of the columns, and of the rows, between two seeds
   localparam int GUARD = 8;  // bits below the lanes' and the rows' units from which seeds are balanced
   localparam int VERTICAL = 26;  // fraction bits of C dy^2 down the rows
   localparam int TILE_COLUMN_BITS = 5;  // log2 of a tile's columns
   localparam int TILE_ROW_BITS = 5;  // log2 of a tile's rows
-  localparam int PACKET_BITS = 375;  // bits of a packet
+  localparam int PACKET_BITS = 369;  // bits of a packet
   localparam logic [3:0] PACKET_VERSION = 4'd3;
 
   typedef struct packed {
-    logic [17:0] blue;  // 14 fraction bits
-    logic [17:0] green;  // 14 fraction bits
-    logic [17:0] red;  // 14 fraction bits
-    logic [27:0] peak;  // 24 fraction bits
+    logic [17:0] blue;  // 15 fraction bits
+    logic [17:0] green;  // 15 fraction bits
+    logic [17:0] red;  // 15 fraction bits
+    logic [21:0] peak;  // 18 fraction bits
     logic [31:0] cutoff;  // 28 fraction bits
     logic signed [9:0] vertical_exponent;
     logic [17:0] vertical_mantissa;
@@ -69,9 +71,9 @@ package splatline_pkg;
   typedef struct packed {
     logic [RADIAL+4:0] cutoff;  // UQ4.radial, may round up to 16
     logic [PEAK+3:0] peak;  // UQ4.peak
-    logic [COLOUR+3:0] red;  // UQ4.colour
-    logic [COLOUR+3:0] green;
-    logic [COLOUR+3:0] blue;
+    logic [COLOUR_BITS-1:0] red;  // Q.colour
+    logic [COLOUR_BITS-1:0] green;
+    logic [COLOUR_BITS-1:0] blue;
   } paint_t;
 
   // What the rows of a splat need (`EllipseSpans`, `HalfWidth` and `Seed`), constant from row to row.

@@ -12,8 +12,10 @@ package splatline_pkg;
   localparam int ALPHA = 26;  // fraction bits of an opacity
   localparam int TRANSMITTANCE = 30;  // fraction bits of the deep alpha channel
   localparam int COLOUR = 24;  // fraction bits of a splat's colour
+  localparam int COLOUR_BITS = 28;  // and all of them
   localparam int ACCUMULATOR = 26;  // fraction bits of a pixel's colour
-  localparam int SUM_BITS = 31;  // bits of a pixel's colour: below 32, see blend.sv
+  localparam int SUM_BITS = 31;  // and all of them, see blend.sv
+  localparam logic TIES_TO_EVEN = 1'b0;  // rounding of opacity, share and sums: halves to even, or up
   localparam int BLOCK_BITS = 5;  // log2 of the columns, and of the rows, between two seeds
   localparam int GUARD = 8;  // bits below the lanes' and the rows' units from which seeds are balanced
   localparam int VERTICAL = 31;  // fraction bits of C dy^2 down the rows
@@ -69,9 +71,9 @@ package splatline_pkg;
   typedef struct packed {
     logic [RADIAL+4:0] cutoff;  // UQ4.radial, may round up to 16
     logic [PEAK+3:0] peak;  // UQ4.peak
-    logic [COLOUR+3:0] red;  // UQ4.colour
-    logic [COLOUR+3:0] green;
-    logic [COLOUR+3:0] blue;
+    logic [COLOUR_BITS-1:0] red;  // Q.colour
+    logic [COLOUR_BITS-1:0] green;
+    logic [COLOUR_BITS-1:0] blue;
   } paint_t;
 
   // What the rows of a splat need (`EllipseSpans`, `HalfWidth` and `Seed`), constant from row to row.

@@ -219,7 +219,7 @@ fn check_design(key: &str, values: &[Value]) -> Result<(), String> {
     }
     let names: &[&str] = match key {
         "base" => &crate::design::NAMES,
-        "rounding" => &["nearest", "truncate"],
+        "rounding" => &["nearest", "nearest-even", "truncate"],
         "traversal" => &["box", "spans"],
         _ => {
             let widths = WIDTH_RANGES.map(|(name, ..)| name).join(", ");

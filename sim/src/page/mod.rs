@@ -176,7 +176,11 @@ impl DesignSettings {
     fn new(design: &DesignChoice, traversal: Traversal) -> DesignSettings {
         DesignSettings {
             widths: design.widths.numbers(),
-            rounding: u8::from(design.widths.rounding == Rounding::Truncate),
+            rounding: match design.widths.rounding {
+                Rounding::Nearest => 0,
+                Rounding::Truncate => 1,
+                Rounding::NearestEven => 2,
+            },
             traversal: u8::from(traversal == Traversal::Spans),
         }
     }

@@ -109,10 +109,10 @@ impl<'a> Source<'a> {
     /// Any widths that a design may have.
     pub fn widths(&mut self) -> Widths {
         let numbers = WIDTH_RANGES.map(|(_, low, high)| low + self.byte() % (high - low + 1));
-        let rounding = if self.bool() {
-            Rounding::Nearest
-        } else {
-            Rounding::Truncate
+        let rounding = match self.byte() % 3 {
+            0 => Rounding::Nearest,
+            1 => Rounding::NearestEven,
+            _ => Rounding::Truncate,
         };
         Widths::from_numbers(numbers, rounding)
     }

@@ -35,6 +35,36 @@ const STAGES: [(&str, &[&str]); 5] = [
     ("blend", &["transmittance", "colour", "accumulator"]),
 ];
 
+/// lean18's widths when its transmittance had 26 bits and ties went up, in the order of [`WIDTH_RANGES`].
+const FORMER: [u8; WIDTH_RANGES.len()] = [30, 26, 18, 12, 22, 10, 16, 18, 24, 18, 26, 14, 20];
+
+/// The design whose words are taken a bit one by one.
+const LEAN: &str = "lean18";
+
+/// lean18 with one width changed.
+fn changed(key: &str, bits: u8) -> Result<DesignChoice> {
+    let text = format!("base = \"{LEAN}\"\n{key} = {bits}\n");
+    Ok(DesignChoice::from_toml("changed.toml", &text)?)
+}
+
+/// What one bit less of every word costs in decibels.
+fn bit_by_bit(views: &[(View, Picture)]) -> Result<Table> {
+    let mut headings = vec!["word", "before", "now"];
+    headings.extend(views.iter().map(|(view, _)| view.name));
+    let mut table = Table::new(&headings);
+    let own = DesignChoice::named(LEAN).map_or([0; WIDTH_RANGES.len()], |d| d.widths.numbers());
+    for (((key, low, _), former), bits) in WIDTH_RANGES.iter().zip(FORMER).zip(own) {
+        let mut row = vec![(*key).to_owned(), former.to_string(), bits.to_string()];
+        for (view, reference) in views {
+            let decibels = |bits| colour_psnr(view, &changed(key, bits)?, reference);
+            let cost = decibels(bits)? - decibels((bits - 1).max(*low))?;
+            row.push(format!("{cost:.2}"));
+        }
+        table.push(row);
+    }
+    Ok(table)
+}
+
 /// deep32 with these widths, each at most so many bits and within its range.
 fn narrowed(keys: &[&str], bits: u8) -> Result<DesignChoice> {
     let mut text = String::from("base = \"deep32\"\n");
@@ -55,15 +85,17 @@ fn psnr(picture: &Picture, reference: &Picture) -> Result<String> {
     ))
 }
 
-fn of_design(view: &View, design: &DesignChoice, reference: &Picture) -> Result<String> {
+fn colour_psnr(view: &View, design: &DesignChoice, reference: &Picture) -> Result<f64> {
     let options = fixed::Options {
         traversal: Traversal::Spans,
         ..view.options(design)
     };
-    psnr(
-        &fixed::draw(&view.scene, &view.camera, &options).picture,
-        reference,
-    )
+    let drawing = fixed::draw(&view.scene, &view.camera, &options);
+    Ok(compare(&drawing.picture, reference)?.colour.psnr_db)
+}
+
+fn of_design(view: &View, design: &DesignChoice, reference: &Picture) -> Result<String> {
+    Ok(format!("{:.1}", colour_psnr(view, design, reference)?))
 }
 
 /// Look-up tables and multipliers of the primitive with four lanes.
@@ -149,11 +181,13 @@ pub fn page(data: &Path) -> Result<Page> {
         "all but setup",
         "all",
     ]);
+    let mut views = Vec::new();
     for name in VIEWS {
         let view = View::load(name, data, SIZE)?;
         let reference = view.reference();
         add_fixed(&mut fixed, &view, &reference)?;
         add_floats(&mut floats, &view, &reference)?;
+        views.push((view, reference));
     }
     let mut page = Page::new("widths", "Error against width");
     page.add(format!(
@@ -166,6 +200,13 @@ pub fn page(data: &Path) -> Result<Page> {
     ));
     page.add(fixed.only(0, VIEWS[0]).markdown());
     page.beside("widths.csv", fixed.csv());
+    let bits = bit_by_bit(&views)?;
+    page.add(format!(
+        "Words of `{LEAN}`: bits before its products were one fused multiply-add each, bits now, and what one bit less of that word alone costs, dB. \
+         A bit that an end of its range forbids costs 0."
+    ));
+    page.add(bits.markdown());
+    page.beside("words.csv", bits.csv());
     page.add(
         "Floating-point formats: the usual formulas (determinant as a difference, conic by division), every operation rounded; other stages in single precision. \
          A centre is relative to its tile of 16 x 16 pixels.",

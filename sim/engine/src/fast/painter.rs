@@ -46,7 +46,8 @@ impl TableMemory {
 /// A thread's memory.
 #[derive(Clone, Debug, Default)]
 pub struct PaintScratch {
-    pub(super) words: Option<WordTile>,
+    pub(super) words: Option<WordTile<u64>>,
+    pub(super) singles: Option<WordTile<f32>>,
     pub(super) cells: Option<CellTile>,
 }
 

@@ -45,7 +45,7 @@ fn widths() -> impl Strategy<Value = Widths> {
         number(11, 28),
         number(12, 27),
     );
-    (shape, blend, any::<bool>()).prop_map(|(shape, blend, truncate)| Widths {
+    (shape, blend, 0..3u8).prop_map(|(shape, blend, rounding)| Widths {
         position: Standard24::WIDTHS.position,
         view: 30,
         mantissa: shape.0,
@@ -59,8 +59,10 @@ fn widths() -> impl Strategy<Value = Widths> {
         transmittance: blend.3,
         colour: blend.4,
         accumulator: blend.5,
-        rounding: if truncate {
+        rounding: if rounding == 0 {
             Rounding::Truncate
+        } else if rounding == 1 {
+            Rounding::NearestEven
         } else {
             Rounding::Nearest
         },
@@ -208,6 +210,8 @@ fn agree(
         expected += scalar.draw(footprint, &mut target);
     }
     for (choice, counts) in [
+        (VectorLevel::Best, true),
+        (VectorLevel::Best, false),
         (VectorLevel::Avx2, true),
         (VectorLevel::Avx2, false),
         (VectorLevel::Portable, true),
@@ -224,7 +228,9 @@ fn agree(
             assert_eq!(coverage, expected, "{choice:?}");
         }
     }
-    for lanes in FusedLanes::all() {
+    // The fused products of 52 bits know no ties to even.
+    let fused = FusedLanes::all().filter(|_| widths.rounding != Rounding::NearestEven);
+    for lanes in fused {
         let Some(painter) = FusedPainter::on(any_widths(widths), rules, lanes) else {
             return false;
         };
@@ -277,7 +283,7 @@ fn agree_in_other_orders(
 #[test]
 fn named_designs_are_drawn_by_fused_products() {
     for rules in [rules_of(true), rules_of(false)] {
-        for widths in [Classic8::WIDTHS, Lean18::WIDTHS, Standard24::WIDTHS] {
+        for widths in [Classic8::WIDTHS, Standard24::WIDTHS] {
             let painter = FusedPainter::on(any_widths(widths), &rules, FusedLanes::Portable);
             assert!(painter.is_some(), "{widths:?}");
         }

@@ -152,13 +152,12 @@ fn colours(scene: &Scene, camera: &Camera) -> Vec<[f64; 3]> {
     indices.map(|index| scene.colour(index, camera)).collect()
 }
 
-/// The least power of two, at least 1, by which all colours come below the format's 16.
+/// The least power of two, at least 1, by which all colours come below 8, the end of every named design's formats.
 fn colour_log2(colours: &[[f64; 3]]) -> i32 {
     let finite = colours.iter().flatten().filter(|value| value.is_finite());
     let largest = finite.fold(0.0f64, |largest, value| largest.max(*value));
-    // The largest number of the format is a little less than 16.
     (0..1000)
-        .find(|power| largest * exp2(-power) < 16.0 - exp2(-28))
+        .find(|power| largest * exp2(-power) < 8.0 - exp2(-14))
         .unwrap_or(1000)
 }
 

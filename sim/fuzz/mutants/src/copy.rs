@@ -3,6 +3,7 @@
 use crate::Failure;
 use crate::sites::{Edit, Kind, Mutant, find};
 use serde_json::Value;
+use std::cmp::Reverse;
 use std::collections::BTreeSet;
 use std::fs;
 use std::ops::Range;
@@ -232,80 +233,93 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     Ok(fs::write(path, bytes)?)
 }
 
-/// The text with every choice in it.
+/// The text with every choice in it, and which part of it belongs to which mutant.
 fn rewritten(source: &Source, mutants: &[Mutant]) -> (String, Vec<Part>) {
-    let mut edits: Vec<&Edit> = source
+    let compiles = |choice: &&(usize, String)| !mutants[choice.0].dropped;
+    let mut edits: Vec<(&Edit, Vec<&(usize, String)>)> = source
         .edits
         .iter()
-        .filter(|e| e.choices.iter().any(|c| !mutants[c.0].dropped))
+        .map(|edit| (edit, edit.choices.iter().filter(compiles).collect()))
         .collect();
-    edits.sort_by_key(|e| (e.range.start, std::cmp::Reverse(e.range.end)));
-    let (mut out, mut parts, mut open, mut position) =
-        (String::new(), Vec::new(), Vec::<(&Edit, usize)>::new(), 0);
-    let close = |out: &mut String,
-                 parts: &mut Vec<Part>,
-                 open: &mut Vec<(&Edit, usize)>,
-                 position: &mut usize,
-                 limit: usize| {
-        while let Some(&(edit, begin)) = open.last().filter(|(edit, _)| edit.range.end <= limit) {
-            out.push_str(&source.text[*position..edit.range.end]);
-            *position = edit.range.end;
-            out.push_str(if edit.kind == Kind::Instead {
+    edits.retain(|(_, choices)| !choices.is_empty());
+    // Outer ones before those inside.
+    edits.sort_by_key(|(edit, _)| (edit.range.start, Reverse(edit.range.end)));
+    let mut writer = Writer {
+        text: &source.text,
+        position: 0,
+        out: String::new(),
+        parts: Vec::new(),
+        open: Vec::new(),
+    };
+    for (edit, choices) in edits {
+        writer.close(edit.range.start);
+        writer.open(edit, choices);
+    }
+    writer.close(source.text.len());
+    writer.copy(source.text.len());
+    (writer.out, writer.parts)
+}
+
+/// Goes through a text, opening and closing edits.
+struct Writer<'a> {
+    text: &'a str,
+    /// Up to where the text is copied.
+    position: usize,
+    out: String,
+    parts: Vec<Part>,
+    /// Edits whose end is to come, where they begin in the output, and their choices.
+    open: Vec<(&'a Edit, usize, Vec<&'a (usize, String)>)>,
+}
+
+impl<'a> Writer<'a> {
+    fn copy(&mut self, end: usize) {
+        self.out.push_str(&self.text[self.position..end]);
+        self.position = end;
+    }
+
+    /// Closes what ends until `limit`.
+    fn close(&mut self, limit: usize) {
+        while let Some((edit, begin, choices)) =
+            self.open.pop_if(|(edit, ..)| edit.range.end <= limit)
+        {
+            self.copy(edit.range.end);
+            self.out.push_str(if edit.kind == Kind::Instead {
                 " })"
             } else {
                 " }"
             });
-            for choice in edit.choices.iter().filter(|c| !mutants[c.0].dropped) {
-                parts.push(Part {
-                    range: begin..out.len(),
-                    mutant: choice.0,
-                });
-            }
-            open.pop();
+            let range = begin..self.out.len();
+            self.parts.extend(choices.iter().map(|choice| Part {
+                range: range.clone(),
+                mutant: choice.0,
+            }));
         }
-    };
-    for edit in edits {
-        close(
-            &mut out,
-            &mut parts,
-            &mut open,
-            &mut position,
-            edit.range.start,
-        );
-        out.push_str(&source.text[position..edit.range.start]);
-        position = edit.range.start;
-        let begin = out.len();
+    }
+
+    fn open(&mut self, edit: &'a Edit, choices: Vec<&'a (usize, String)>) {
+        self.copy(edit.range.start);
+        let begin = self.out.len();
         if edit.kind == Kind::Instead {
-            out.push('(');
+            self.out.push('(');
         }
-        for (mutant, code) in edit.choices.iter().filter(|c| !mutants[c.0].dropped) {
-            let start = out.len();
-            let not = if edit.kind == Kind::LeftOut { "!" } else { "" };
-            out.push_str(&format!("if {not}crate::mutation::at({mutant}) {{ {code} "));
-            match edit.kind {
-                Kind::Instead => out.push_str("} else "),
-                Kind::Entry => out.push_str("} "),
-                Kind::LeftOut => {}
-            }
-            parts.push(Part {
-                range: start..out.len(),
+        for (mutant, code) in &choices {
+            let start = self.out.len();
+            self.out += &match edit.kind {
+                Kind::Instead => format!("if crate::mutation::at({mutant}) {{ {code} }} else "),
+                Kind::Entry => format!("if crate::mutation::at({mutant}) {{ {code} }} "),
+                Kind::LeftOut => format!("if !crate::mutation::at({mutant}) {{ "),
+            };
+            let range = start..self.out.len();
+            self.parts.push(Part {
+                range,
                 mutant: *mutant,
             });
         }
         match edit.kind {
-            Kind::Instead => out.push_str("{ "),
+            Kind::Instead => self.out.push_str("{ "),
             Kind::LeftOut => {}
-            Kind::Entry => continue,
+            Kind::Entry => return,
         }
-        open.push((edit, begin));
+        self.open.push((edit, begin, choices));
     }
-    close(
-        &mut out,
-        &mut parts,
-        &mut open,
-        &mut position,
-        source.text.len(),
-    );
-    out.push_str(&source.text[position..]);
-    (out, parts)
 }

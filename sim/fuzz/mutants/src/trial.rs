@@ -98,7 +98,7 @@ impl Suite {
         command
             .args([
                 "-c",
-                "ulimit -c 0 -t $0 -v 8000000; \"$@\" 2>/dev/null; c=$?; times >&2; exit $c",
+                "ulimit -c 0; ulimit -t $0; ulimit -v 8000000; \"$@\" 2>/dev/null; c=$?; times >&2; exit $c",
                 seconds,
             ])
             .arg(&program.path)

@@ -28,6 +28,8 @@ pub struct Bits {
     alpha: u64,
     pub transmittance: u64,
     colour: u64,
+    /// Integer bits of colours and their sums.
+    pub range: u64,
     interpolation: u64,
     /// The largest step between two table entries: at its end under `ewa`, e^-2.
     step: u64,
@@ -40,14 +42,15 @@ impl Bits {
             [widths.radial, widths.weight, widths.peak, widths.alpha].map(u64::from);
         let [transmittance, colour, accumulator] =
             [widths.transmittance, widths.colour, widths.accumulator].map(u64::from);
+        let range = u64::from(widths.colour_range());
         let step = weight.saturating_sub(2);
         Bits {
             mantissa: widths.mantissa.into(),
             lane: radial + peak + weight + alpha + transmittance + 3 * (colour + accumulator),
             table: [1 << widths.table, weight + 1 + step],
-            pixel: [transmittance + 2, 3 * (accumulator + 5)],
+            pixel: [transmittance + 2, 3 * (accumulator + range + 1)],
             // Row, column and length; the radial index and its differences; cut-off, peak and colours.
-            run: 39 + 96 + (radial + 5) + (peak + 4) + 3 * (colour + 4),
+            run: 39 + 96 + (radial + 5) + (peak + 4) + 3 * (colour + range),
             radial,
             accumulator,
             weight,
@@ -56,6 +59,7 @@ impl Bits {
             alpha,
             transmittance,
             colour,
+            range,
             interpolation: widths.interpolation.into(),
             step,
         }
@@ -81,7 +85,8 @@ impl Bits {
 
     /// The product of opacity, that of the share of the transmittance, and one colour's. An opacity's and a kernel's 1.0 have no multiplier.
     pub fn blend_products(&self) -> [Product; 3] {
-        let (peak, share, colour) = (self.peak, self.transmittance, self.colour + 4);
+        let (peak, share) = (self.peak, self.transmittance);
+        let colour = self.colour + self.range;
         [
             Product::new([peak + 4, self.weight], [peak + 5, self.weight]),
             Product::new([share + 1, self.alpha], [share + 2, self.alpha]),

@@ -102,7 +102,7 @@ pub fn parse(text: &str) -> Option<Vec<Synthesised>> {
         };
         Some(Synthesised {
             design: design.to_owned(),
-            widths: widths_of(numbers.ok()?.try_into().ok()?),
+            widths: widths_of(design, numbers.ok()?.try_into().ok()?),
             family: Family::named(family)?,
             part,
             fabric,
@@ -110,11 +110,15 @@ pub fn parse(text: &str) -> Option<Vec<Synthesised>> {
     })
 }
 
-/// The circuit begins at the packet: how positions became footprints is nothing to it.
-fn widths_of(numbers: [u8; 12]) -> Widths {
+/// The circuit begins at the packet: how positions became footprints is nothing to it. It rounds as the design of this name does.
+fn widths_of(design: &str, numbers: [u8; 12]) -> Widths {
     let mut all = [Standard24::WIDTHS.position; 13];
     all[1..].copy_from_slice(&numbers);
-    Widths::from_numbers(all, Rounding::Nearest)
+    let known = subjects()
+        .into_iter()
+        .find(|subject| subject.name == design);
+    let rounding = known.map_or(Rounding::Nearest, |subject| subject.widths.rounding);
+    Widths::from_numbers(all, rounding)
 }
 
 /// The table's text.

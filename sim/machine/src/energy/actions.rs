@@ -302,7 +302,7 @@ impl<'t> CountedPicture<'_, 't> {
         let [_, share, colour] = operands(self.bits.blend_products());
         unit.products(&[share, colour, colour, colour], pixels.live);
         unit.adders(self.bits.transmittance + 2, pixels.live);
-        unit.adders(self.bits.accumulator + 5, 3 * pixels.live);
+        unit.adders(self.bits.accumulator + self.bits.range + 1, 3 * pixels.live);
         let [transmittance, sums] = self.bits.pixel;
         let words = self.bank_words();
         unit.memory(

@@ -65,7 +65,7 @@ pub fn refusal(widths: &Widths) -> Option<String> {
             error.field, error.value
         ));
     }
-    if widths.rounding != Rounding::Nearest {
+    if widths.rounding == Rounding::Truncate {
         return Some("rounding = truncate: the circuit rounds to nearest".to_owned());
     }
     if radial > 27 {
@@ -131,7 +131,9 @@ fn parameters(text: &mut String, widths: &Widths) {
         accumulator,
         ..
     } = *widths;
-    let (sum, block, bits) = (accumulator + 5, BLOCK.ilog2(), layout.bits());
+    let (range, block, bits) = (widths.colour_range(), BLOCK.ilog2(), layout.bits());
+    let [colour_bits, sum] = [colour + range, accumulator + range + 1];
+    let even = u8::from(widths.rounding == Rounding::NearestEven);
     let [columns, rows] = TILE_BITS;
     let vertical = vertical_fraction(widths);
     // Writing to a String cannot fail.
@@ -148,8 +150,10 @@ fn parameters(text: &mut String, widths: &Widths) {
   localparam int ALPHA = {alpha};  // fraction bits of an opacity
   localparam int TRANSMITTANCE = {transmittance};  // fraction bits of the deep alpha channel
   localparam int COLOUR = {colour};  // fraction bits of a splat's colour
+  localparam int COLOUR_BITS = {colour_bits};  // and all of them
   localparam int ACCUMULATOR = {accumulator};  // fraction bits of a pixel's colour
-  localparam int SUM_BITS = {sum};  // bits of a pixel's colour: below 32, see blend.sv
+  localparam int SUM_BITS = {sum};  // and all of them, see blend.sv
+  localparam logic TIES_TO_EVEN = 1'b{even};  // rounding of opacity, share and sums: halves to even, or up
   localparam int BLOCK_BITS = {block};  // log2 of the columns, and of the rows, between two seeds
   localparam int GUARD = {GUARD};  // bits below the lanes' and the rows' units from which seeds are balanced
   localparam int VERTICAL = {vertical};  // fraction bits of C dy^2 down the rows

@@ -54,8 +54,11 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// For widths whose products keep at least one bit below their results; `None` for others.
+    /// For widths whose products keep at least one bit below their results and do not round ties to even; `None` for others.
     pub fn new(widths: &Widths, constants: &BlendConstants) -> Option<Self> {
+        if constants.rounding == Rounding::NearestEven {
+            return None;
+        }
         let value = (31 + u32::from(widths.weight)).min(51);
         let below = |fraction: u32, width: u8| {
             let bits = fraction.checked_sub(width.into())?;

@@ -2,11 +2,12 @@
 
 #![allow(unsafe_code)]
 
+use super::Portable;
+use super::singles::Singles;
 use super::wide::Words;
-use super::{Portable, Wide};
 
-/// Double-precision operations on the bits of [`Wide::Word`], each rounded once to nearest, halves to even.
-pub trait Doubles: Wide {
+/// Double-precision operations on the bits of [`Wide::Word`](super::Wide::Word), each rounded once to nearest, halves to even.
+pub trait Doubles: Singles {
     /// a + b.
     fn double_add(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// a - b.

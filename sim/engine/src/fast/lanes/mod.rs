@@ -1,5 +1,5 @@
 //! Vectors for whatever the processor has. Setup computes on 64-bit words ([`Wide`]) and double-precision numbers ([`Doubles`]), pixels on
-//! [`words::PixelWords`] and [`fused::Fused`].
+//! [`words::PixelWords`], [`singles::Singles`] and [`fused::Fused`].
 //!
 //! | implementation | 64-bit words | chosen |
 //! |---|--:|---|
@@ -29,6 +29,7 @@ pub mod factors;
 pub mod fused;
 mod portable;
 mod run;
+pub mod singles;
 pub mod sums;
 mod wide;
 pub mod words;

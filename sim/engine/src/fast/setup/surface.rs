@@ -249,21 +249,24 @@ impl<W: Doubles> Stages<'_, W> {
 struct BitDrop {
     by: u32,
     half: u64,
+    odd: u64,
 }
 
 impl BitDrop {
     #[inline(always)]
     fn new(by: u32, rounding: Rounding) -> Self {
-        let half = match rounding {
-            Rounding::Nearest => (1u64 << by) >> 1,
-            Rounding::Truncate => 0,
+        let above = (1u64 << by) >> 1;
+        let (half, odd) = match rounding {
+            Rounding::Nearest => (above, 0),
+            Rounding::NearestEven => (above.saturating_sub(1), above.min(1)),
+            Rounding::Truncate => (0, 0),
         };
-        BitDrop { by, half }
+        BitDrop { by, half, odd }
     }
 
     #[inline(always)]
     fn of(self, value: u64) -> u64 {
-        (value + self.half) >> self.by
+        (value + self.half + (value >> self.by & self.odd)) >> self.by
     }
 }
 

@@ -11,7 +11,7 @@ use super::lanes::{PixelTask, dispatch_pixels};
 use super::lanes::{VectorLevel, words::PixelWords};
 use super::rows::{RowBatch, RunWords, RuntimeRows};
 use super::setup::SurfaceOutcome;
-use super::words::path::{DRAW_FINISHING, PathNumbers, SplatWords, WordPixels};
+use super::words::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
 use super::words::{AHEAD, columns};
 use splatline::blend::surface::{Cell, Sample, WeightedSum, sum_fraction};
 use splatline::draw::Coverage;
@@ -49,7 +49,7 @@ impl GatherNumbers {
         lane_bits: u32,
     ) -> Option<Self> {
         let half = |by: u32| match widths.rounding {
-            Rounding::Nearest => (1u64 << by) >> 1,
+            Rounding::Nearest | Rounding::NearestEven => (1u64 << by) >> 1,
             Rounding::Truncate => 0,
         };
         let drop = i32::from(widths.alpha) - i32::from(sum_fraction(widths));
@@ -183,7 +183,7 @@ impl PixelTask for GatherTask<'_, '_> {
     #[inline(always)]
     fn run<L: PixelSums>(mut self, lanes: L) -> Option<Coverage> {
         let numbers = self.numbers;
-        let path = WordPixels::<L, DRAW_FINISHING>::new(lanes, &numbers.path);
+        let path = WordPixels::<L, EVEN>::new(lanes, &numbers.path);
         let words = DepthWords::new(lanes, numbers);
         let mut batch = RowBatch::new();
         let mut coverage = Coverage::default();
@@ -245,7 +245,7 @@ impl GatherTask<'_, '_> {
     #[inline(always)]
     fn run_of<L: PixelSums>(
         &mut self,
-        path: &WordPixels<L, DRAW_FINISHING>,
+        path: &WordPixels<L, EVEN>,
         words: &DepthWords<L>,
         painted: &Painted<L>,
         y: u16,

@@ -1,33 +1,36 @@
-//! Painting tiles on 64-bit words: the way of processors without fused products, in any design.
+//! Painting tiles along runs: in single precision where a design and a processor allow it, on 64-bit words elsewhere.
 //!
 //! A footprint's rows are computed first, several in a vector ([`rows`](super::rows)), and then the pixels of each run. Where nobody asks how many pixels were
 //! covered, finished ones are left out before any work: every [`CHECK_INTERVAL`] footprints the tile is looked at, footprints are cut to the smallest window around what is
 //! still in work, and runs to their first and last pixel that is. The kernel's rows know no windows, so that this moves no bit of a picture.
 
 pub(super) mod path;
+mod single;
 pub mod tile;
 pub mod visit;
 
 use super::TILE;
+use super::lanes::Wide;
 use super::lanes::sums::PixelSums;
-use super::lanes::words::PixelWords;
-use super::lanes::{PixelTask, VectorLevel, dispatch_pixels, prefetch};
+use super::lanes::{Doubles, PixelTask, VectorLevel, VectorTask};
+use super::lanes::{dispatch_pixels, dispatch_vectors, prefetch};
 use super::painter::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
 use super::rows::{RowBatch, RunWords};
-use path::{BACK_TO_FRONT, DRAW_FINISHING, OMIT_FINISHING, PathNumbers, Pixels, SplatNumbers};
-use path::{WordPixels, X_RAY};
+use path::{BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers, PixelPath};
+use path::{Pixels, SplatNumbers, WordPixels, X_RAY};
+use single::{SingleNumbers, SinglePixels};
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::format::{Design, Lane, Traversal};
 use splatline::raster::{EllipseSpans, RowConstants, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::target::Target;
-use tile::WordTile;
+use tile::{PixelWord, WordTile};
 
 /// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
 pub(super) const AHEAD: usize = 4;
 
-/// Paints tiles on 64-bit words.
+/// Paints tiles along runs.
 #[derive(Clone, Debug)]
 pub struct WordPainter<D> {
     design: D,
@@ -35,6 +38,7 @@ pub struct WordPainter<D> {
     order: Compositing,
     table: TableMemory,
     numbers: PathNumbers,
+    single: Option<SingleNumbers>,
     choice: VectorLevel,
     counts: bool,
 }
@@ -52,12 +56,15 @@ impl<D: Design> WordPainter<D> {
         let table = TableMemory::new(&widths, rules);
         let numbers = PathNumbers::new(&widths, rules, &table.table(), D::Lane::BITS)?;
         let numbers = numbers.in_order(order, widths.rounding)?;
+        let single = SingleNumbers::new(&widths, rules, table.table().entries(), D::Lane::BITS);
+        let single = single.filter(|_| order == Compositing::FrontToBack);
         Some(WordPainter {
             design,
             rules: *rules,
             order,
             table,
             numbers,
+            single,
             choice,
             counts,
         })
@@ -77,7 +84,9 @@ impl<D: Design> WordPainter<D> {
             return PreparedFootprint::Nothing;
         }
         let rows = EllipseSpans::new(self.design, footprint, window);
-        match self.numbers.splat(footprint) {
+        let numbers = self.numbers.splat(footprint);
+        let fits = |splat: &SplatNumbers| self.single.as_ref().is_none_or(|s| s.fits(splat));
+        match numbers.filter(fits) {
             Some(splat) => PreparedFootprint::Rows(rows.constants().widened(), splat),
             None => PreparedFootprint::Scalar,
         }
@@ -86,7 +95,12 @@ impl<D: Design> WordPainter<D> {
     /// The kernel's painter on the tile's pixels.
     #[cold]
     #[inline(never)]
-    fn paint_scalar(&self, footprints: &Results, index: u32, tile: &mut WordTile) -> Coverage {
+    fn paint_scalar<W: PixelWord>(
+        &self,
+        footprints: &Results,
+        index: u32,
+        tile: &mut WordTile<W>,
+    ) -> Coverage {
         let (table, order) = (self.table.table(), self.order);
         let painter = Painter::new(self.design, &self.rules, table, order, Traversal::Spans);
         let mut pixels = tile.to_pixels();
@@ -111,18 +125,43 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
         list: &[u32],
         pixels: &mut [Pixel],
     ) -> Coverage {
-        let tile = scratch.words.get_or_insert_with(WordTile::new);
-        tile.open(window, Pixel::clear(&self.design.widths()));
-        let task = WordPainting {
-            numbers: &self.numbers,
+        let clear = Pixel::clear(&self.design.widths());
+        let painting = Painting {
+            operator: self.numbers.operator,
             prepare: &|list, window| self.prepare(footprints, list, window),
-            scalar: &|index, tile| self.paint_scalar(footprints, index, tile),
-            tile,
             list,
             counts: self.counts,
         };
-        let coverage = dispatch_pixels(self.choice, task);
-        tile.copy(pixels);
+        let in_singles = self.single.as_ref().and_then(|numbers| {
+            let tile = scratch.singles.get_or_insert_with(WordTile::new);
+            tile.open(window, clear);
+            let task = SinglePainting {
+                painting,
+                numbers,
+                scalar: &|index, tile| self.paint_scalar(footprints, index, tile),
+                tile,
+            };
+            let coverage = dispatch_vectors(self.choice, task).ok()?;
+            // Colours beyond their format, drawn by the kernel, make sums beyond theirs: 64-bit words hold them.
+            if tile.has_overflowed() {
+                return None;
+            }
+            tile.copy(pixels);
+            Some(coverage)
+        });
+        let coverage = in_singles.unwrap_or_else(|| {
+            let tile = scratch.words.get_or_insert_with(WordTile::new);
+            tile.open(window, clear);
+            let task = WordPainting {
+                painting,
+                numbers: &self.numbers,
+                scalar: &|index, tile| self.paint_scalar(footprints, index, tile),
+                tile,
+            };
+            let coverage = dispatch_pixels(self.choice, task);
+            tile.copy(pixels);
+            coverage
+        });
         if self.counts {
             coverage
         } else {
@@ -142,14 +181,23 @@ enum PreparedFootprint {
 }
 
 /// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves all.
-struct WordPainting<'a> {
-    numbers: &'a PathNumbers,
+#[derive(Clone, Copy)]
+struct Painting<'a> {
+    operator: u8,
     prepare: &'a dyn Fn(&[u32], &Window) -> PreparedFootprint,
-    /// Paints the footprint of this number by the kernel.
-    scalar: &'a dyn Fn(u32, &mut WordTile) -> Coverage,
-    tile: &'a mut WordTile,
     list: &'a [u32],
     counts: bool,
+}
+
+/// Paints the footprint of this number by the kernel.
+type PaintAlone<'a, W> = dyn Fn(u32, &mut WordTile<W>) -> Coverage + 'a;
+
+/// On 64-bit words.
+struct WordPainting<'a> {
+    painting: Painting<'a>,
+    numbers: &'a PathNumbers,
+    scalar: &'a PaintAlone<'a, u64>,
+    tile: &'a mut WordTile<u64>,
 }
 
 impl PixelTask for WordPainting<'_> {
@@ -157,10 +205,17 @@ impl PixelTask for WordPainting<'_> {
 
     #[inline(always)]
     fn run<L: PixelSums>(self, lanes: L) -> Coverage {
-        match self.numbers.operator {
+        const EVEN_OMIT_FINISHING: u8 = EVEN | OMIT_FINISHING;
+        const EVEN_BACK_TO_FRONT: u8 = EVEN | BACK_TO_FRONT;
+        const EVEN_X_RAY: u8 = EVEN | X_RAY;
+        match self.painting.operator {
             OMIT_FINISHING => self.paint::<L, OMIT_FINISHING>(lanes),
             BACK_TO_FRONT => self.paint::<L, BACK_TO_FRONT>(lanes),
             X_RAY => self.paint::<L, X_RAY>(lanes),
+            EVEN_OMIT_FINISHING => self.paint::<L, EVEN_OMIT_FINISHING>(lanes),
+            EVEN_BACK_TO_FRONT => self.paint::<L, EVEN_BACK_TO_FRONT>(lanes),
+            EVEN_X_RAY => self.paint::<L, EVEN_X_RAY>(lanes),
+            EVEN => self.paint::<L, EVEN>(lanes),
             _ => self.paint::<L, DRAW_FINISHING>(lanes),
         }
     }
@@ -168,16 +223,56 @@ impl PixelTask for WordPainting<'_> {
 
 impl WordPainting<'_> {
     #[inline(always)]
-    fn paint<L: PixelWords, const OPERATOR: u8>(self, lanes: L) -> Coverage {
-        let WordPainting {
-            numbers,
+    fn paint<L: PixelSums, const OPERATOR: u8>(self, lanes: L) -> Coverage {
+        let path = WordPixels::<L, OPERATOR>::new(lanes, self.numbers);
+        self.painting.paint(lanes, &path, self.scalar, self.tile)
+    }
+}
+
+/// In single precision.
+struct SinglePainting<'a> {
+    painting: Painting<'a>,
+    numbers: &'a SingleNumbers,
+    scalar: &'a PaintAlone<'a, f32>,
+    tile: &'a mut WordTile<f32>,
+}
+
+impl VectorTask for SinglePainting<'_> {
+    type Output = Coverage;
+
+    #[inline(always)]
+    fn run<L: Doubles>(self, lanes: L) -> Coverage {
+        if self.painting.operator == EVEN | OMIT_FINISHING {
+            self.paint::<L, OMIT_FINISHING>(lanes)
+        } else {
+            self.paint::<L, DRAW_FINISHING>(lanes)
+        }
+    }
+}
+
+impl SinglePainting<'_> {
+    #[inline(always)]
+    fn paint<L: Doubles, const OPERATOR: u8>(self, lanes: L) -> Coverage {
+        let path = SinglePixels::<L, OPERATOR>::new(lanes, self.numbers);
+        self.painting.paint(lanes, &path, self.scalar, self.tile)
+    }
+}
+
+impl Painting<'_> {
+    #[inline(always)]
+    fn paint<L: Wide, P: PixelPath>(
+        self,
+        lanes: L,
+        path: &P,
+        scalar: &PaintAlone<P::Word>,
+        tile: &mut WordTile<P::Word>,
+    ) -> Coverage {
+        let Painting {
             prepare,
-            scalar,
-            tile,
             list,
             counts,
+            ..
         } = self;
-        let path = WordPixels::<L, OPERATOR>::new(lanes, numbers);
         let mut batch = RowBatch::new();
         let mut coverage = Coverage::default();
         let mut window = tile.window();
@@ -216,7 +311,7 @@ impl WordPainting<'_> {
                 }
                 continue;
             }
-            tile.look(lanes);
+            tile.look(|row| path.finished(row));
             match tile.live_window() {
                 Some(live) => window = live,
                 None => break,

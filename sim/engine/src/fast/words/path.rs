@@ -11,7 +11,7 @@
 //!   is negative, hence below stop, hence marked again. So pixels outside or finished need no selection, only opacity 0.
 //! - A table that falls is interpolated without a sign: low + ((change rest + half) >> k) = low - ((fall rest + half - 1) >> k).
 
-use super::tile::PixelRow;
+use super::tile::{PixelWord, Row};
 use crate::fast::cells::TableReach;
 use crate::fast::lanes::words::{Falls, PixelWords};
 use crate::fast::tile::TILE;
@@ -22,6 +22,26 @@ use splatline::format::{Rounding, Widths};
 use splatline::kernel::FootprintTable;
 use splatline::rules::{Compositing, Rules};
 
+/// The pixels of a footprint's runs, by whatever words.
+pub trait PixelPath {
+    /// Word of a pixel.
+    type Word: PixelWord;
+    /// What is constant for a footprint.
+    type Splat: Copy;
+    /// A footprint's constants, for rows with this second difference.
+    fn splat(&self, numbers: &SplatNumbers, second: i64) -> Self::Splat;
+    /// Paints some pixels of a row; covered ones, and those of them that had finished, are counted.
+    fn paint(
+        &self,
+        splat: &Self::Splat,
+        pixels: &Pixels,
+        row: &mut Row<Self::Word>,
+        counts: &mut Coverage,
+    );
+    /// A bit for every finished pixel of a row.
+    fn finished(&self, row: &Row<Self::Word>) -> u64;
+}
+
 /// How a layer and a pixel become a pixel, a constant of each compiled copy. Front to back; the layer that finishes a pixel is drawn.
 pub const DRAW_FINISHING: u8 = 0;
 /// Front to back; the layer that would finish a pixel is left out.
@@ -30,22 +50,27 @@ pub const OMIT_FINISHING: u8 = 1;
 pub const BACK_TO_FRONT: u8 = 2;
 /// Summation; no pixel finishes.
 pub const X_RAY: u8 = 3;
+/// Added to one of them: results may be rounded with ties to even.
+pub const EVEN: u8 = 4;
 
-/// A product's right shift, and what rounds it.
+/// A product's right shift, and what rounds it: what is added to every product, and the bits of the result that are.
 #[derive(Clone, Copy, Debug)]
 struct Shift {
     by: u32,
     half: u64,
+    odd: u64,
 }
 
 impl Shift {
     fn new(by: i32, rounding: Rounding) -> Option<Self> {
         let by = u32::try_from(by).ok().filter(|by| *by < 64)?;
-        let half = match rounding {
-            Rounding::Nearest => (1 << by) >> 1,
-            Rounding::Truncate => 0,
+        let above = (1u64 << by) >> 1;
+        let (half, odd) = match rounding {
+            Rounding::Nearest => (above, 0),
+            Rounding::NearestEven => (above.saturating_sub(1), above.min(1)),
+            Rounding::Truncate => (0, 0),
         };
-        Some(Shift { by, half })
+        Some(Shift { by, half, odd })
     }
 }
 
@@ -71,17 +96,17 @@ pub struct PathNumbers {
     pub operator: u8,
     /// Opacity times colour, where a layer does not lie behind others.
     layer: Option<Shift>,
-    /// Left shift, half of a unit and right shift from an opacity to the transmittance's format.
-    light: [u64; 3],
+    /// From an opacity raised to the transmittance's format, if that has more bits, to that format.
+    light: Shift,
 }
 
 /// What a footprint's pixels need beside its rows.
 #[derive(Clone, Copy, Debug)]
 pub struct SplatNumbers {
     /// One past the largest radial index inside, raised.
-    end: i64,
-    peak: u32,
-    colour: [u32; 3],
+    pub end: i64,
+    pub peak: u32,
+    pub colour: [u32; 3],
 }
 
 impl PathNumbers {
@@ -95,6 +120,11 @@ impl PathNumbers {
         let constants = Blend::new(widths, rules).constants();
         let reach = TableReach::new(table, widths, &constants, lane_bits)?;
         let shift = |by| Shift::new(by, constants.rounding);
+        let even = if constants.rounding == Rounding::NearestEven {
+            EVEN
+        } else {
+            0
+        };
         Some(PathNumbers {
             widths: *widths,
             falls: Falls::new(table.entries())?,
@@ -106,13 +136,14 @@ impl PathNumbers {
             alpha_max: constants.alpha_max,
             opacity_min: i64::try_from(constants.opacity_min).ok()?,
             stop: i64::from(constants.minimum_transmittance) + 1,
-            operator: if constants.omit_finishing {
-                OMIT_FINISHING
-            } else {
-                DRAW_FINISHING
-            },
+            operator: even
+                | if constants.omit_finishing {
+                    OMIT_FINISHING
+                } else {
+                    DRAW_FINISHING
+                },
             layer: None,
-            light: [0; 3],
+            light: shift(0)?,
             reach,
         })
     }
@@ -135,12 +166,10 @@ impl PathNumbers {
         if accumulator > 27 {
             return None;
         }
-        let down = Shift::new((alpha - transmittance).max(0), rounding)?;
-        let up = (transmittance - alpha).max(0) as u64;
         Some(PathNumbers {
-            operator,
+            operator: operator | self.operator & EVEN,
             layer: Some(Shift::new(alpha + colour - accumulator, rounding)?),
-            light: [up, down.half, down.by.into()],
+            light: Shift::new((alpha - transmittance).max(0), rounding)?,
             ..self
         })
     }
@@ -178,16 +207,26 @@ pub struct WordPixels<'a, L: PixelWords, const OPERATOR: u8> {
     entry: L::Word,
     kept: L::Word,
     kept_half: L::Word,
-    opacity: [L::Word; 2],
-    share: [L::Word; 2],
-    colour: [L::Word; 2],
+    opacity: ShiftWords<L>,
+    share: ShiftWords<L>,
+    colour: ShiftWords<L>,
     alpha_max: L::Word,
     opacity_min: L::Word,
     stop: L::Word,
     mark: L::Word,
-    layer: [L::Word; 2],
-    light: [L::Word; 3],
+    layer: ShiftWords<L>,
+    /// Left shift of an opacity before it.
+    raised: L::Word,
+    light: ShiftWords<L>,
     last: L::Word,
+}
+
+/// A [`Shift`] on vectors.
+#[derive(Clone, Copy)]
+struct ShiftWords<L: PixelWords> {
+    by: L::Word,
+    half: L::Word,
+    odd: L::Word,
 }
 
 /// What is constant for a footprint.
@@ -233,7 +272,12 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     #[inline(always)]
     pub fn new(lanes: L, numbers: &'a PathNumbers) -> Self {
         let word = |value: u64| lanes.wide_splat(value as i64);
-        let shift = |shift: Shift| [word(shift.by.into()), word(shift.half)];
+        let shift = |Shift { by, half, odd }| ShiftWords {
+            by: word(by.into()),
+            half: word(half),
+            odd: word(odd),
+        };
+        let [alpha, transmittance] = [numbers.widths.alpha, numbers.widths.transmittance];
         let (rest, kept) = (numbers.reach.rest_bits, numbers.kept);
         WordPixels {
             lanes,
@@ -253,8 +297,9 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
             opacity_min: lanes.wide_splat(numbers.opacity_min),
             stop: lanes.wide_splat(numbers.stop),
             mark: word(super::tile::MARK),
-            layer: numbers.layer.map_or([word(0); 2], shift),
-            light: numbers.light.map(word),
+            layer: shift(numbers.layer.unwrap_or(numbers.light)),
+            raised: word(transmittance.saturating_sub(alpha).into()),
+            light: shift(numbers.light),
             last: word(u32::MAX.into()),
         }
     }
@@ -263,32 +308,6 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     #[inline(always)]
     pub fn lanes(&self) -> L {
         self.lanes
-    }
-
-    /// A footprint's constants, for rows with this second difference.
-    #[inline(always)]
-    pub fn splat(&self, numbers: &SplatNumbers, second: i64) -> SplatWords<L> {
-        let lanes = self.lanes;
-        let width = L::WIDE as i64;
-        let second = second << self.raise;
-        let seconds = lanes.wide_splat(second);
-        let pairs: [i64; 8] = [0, 0, 1, 3, 6, 10, 15, 21];
-        let along = lanes.multiples(lanes.wide_splat(second.wrapping_mul(width)));
-        let whole = lanes.wide_splat(second.wrapping_mul(width * (width - 1) / 2));
-        SplatWords {
-            end: lanes.wide_splat(numbers.end),
-            peak: lanes.wide_splat(numbers.peak.into()),
-            colour: [
-                lanes.wide_splat(numbers.colour[0].into()),
-                lanes.wide_splat(numbers.colour[1].into()),
-                lanes.wide_splat(numbers.colour[2].into()),
-            ],
-            ahead: [
-                lanes.wide_mul_whole(lanes.wide_load(&pairs), seconds),
-                lanes.wide_add(whole, along),
-            ],
-            second: lanes.wide_splat(second.wrapping_mul(width * width)),
-        }
     }
 
     /// Radial indices of the first vector of some pixels, and their differences to the next one's.
@@ -330,29 +349,6 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         lanes.min_short(self.rounded(product, self.opacity), self.alpha_max)
     }
 
-    /// Paints some pixels of a row; covered ones, and those of them that had finished, are counted.
-    #[inline(always)]
-    pub fn paint(
-        &self,
-        splat: &SplatWords<L>,
-        pixels: &Pixels,
-        row: &mut PixelRow,
-        counts: &mut Coverage,
-    ) {
-        let lanes = self.lanes;
-        let [mut radial, mut difference] = self.start(splat, pixels);
-        let (mut x, mut rest) = (pixels.x, pixels.length);
-        while rest > L::WIDE {
-            let inside = lanes.wide_greater(splat.end, radial);
-            self.blend(splat, radial, inside, x, row, counts);
-            [radial, difference] = self.step(splat, [radial, difference]);
-            x += L::WIDE;
-            rest -= L::WIDE;
-        }
-        let inside = self.inside(splat, radial, rest);
-        self.blend(splat, radial, inside, x, row, counts);
-    }
-
     /// One vector of pixels.
     #[inline(always)]
     fn blend(
@@ -361,7 +357,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         radial: L::Word,
         inside: L::Truth,
         x: usize,
-        row: &mut PixelRow,
+        row: &mut Row<u64>,
         counts: &mut Coverage,
     ) {
         let lanes = self.lanes;
@@ -378,7 +374,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
             return;
         }
         let alpha = self.alpha(splat, radial, live);
-        if OPERATOR == BACK_TO_FRONT || OPERATOR == X_RAY {
+        if OPERATOR & !EVEN == BACK_TO_FRONT || OPERATOR & !EVEN == X_RAY {
             self.layer(splat, alpha, live, x, row);
             return;
         }
@@ -386,7 +382,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let rest = lanes.wide_sub(light, share);
         let stop = lanes.wide_greater(self.stop, rest);
         let marks = lanes.keep(self.mark, stop);
-        let (share, after) = if OPERATOR == OMIT_FINISHING {
+        let (share, after) = if OPERATOR & !EVEN == OMIT_FINISHING {
             let share = lanes.clear(share, stop);
             (share, lanes.wide_sub(light, share))
         } else {
@@ -394,8 +390,15 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         };
         lanes.write(plane_of_light, x, lanes.join(after, marks));
         for (plane, colour) in colours.iter_mut().zip(splat.colour) {
-            let layer = self.rounded(lanes.wide_mul_unsigned(share, colour), self.colour);
-            let sum = lanes.wide_add(lanes.read(plane, x), layer);
+            let product = lanes.wide_mul_unsigned(share, colour);
+            let sum = lanes.read(plane, x);
+            let sum = if OPERATOR & EVEN == 0 {
+                lanes.wide_add(sum, self.rounded(product, self.colour))
+            } else {
+                // The sum is what is rounded.
+                let sum = lanes.wide_shl(sum, self.colour.by);
+                self.rounded(lanes.wide_add(sum, product), self.colour)
+            };
             lanes.write(plane, x, sum);
         }
     }
@@ -408,16 +411,15 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         alpha: L::Word,
         inside: L::Truth,
         x: usize,
-        row: &mut PixelRow,
+        row: &mut Row<u64>,
     ) {
         let lanes = self.lanes;
         let hidden = |word: L::Word| self.rounded(lanes.wide_mul_unsigned(word, alpha), self.share);
         let [plane_of_light, colours @ ..] = row;
         let light = lanes.read(plane_of_light, x);
-        let rest = if OPERATOR == X_RAY {
-            let [up, half, down] = self.light;
-            let taken = lanes.wide_add(lanes.wide_shl(alpha, up), half);
-            let rest = lanes.wide_sub(light, lanes.wide_shr(taken, down));
+        let rest = if OPERATOR & !EVEN == X_RAY {
+            let taken = self.rounded(lanes.wide_shl(alpha, self.raised), self.light);
+            let rest = lanes.wide_sub(light, taken);
             lanes.clear(rest, lanes.marked(rest))
         } else {
             lanes.wide_sub(light, hidden(light))
@@ -427,7 +429,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         for (plane, colour) in colours.iter_mut().zip(splat.colour) {
             let layer = self.rounded(lanes.wide_mul_unsigned(alpha, colour), self.layer);
             let sum = lanes.read(plane, x);
-            let sum = if OPERATOR == X_RAY {
+            let sum = if OPERATOR & !EVEN == X_RAY {
                 sum
             } else {
                 lanes.wide_sub(sum, hidden(sum))
@@ -440,9 +442,15 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
 
     /// A product brought back to its format.
     #[inline(always)]
-    fn rounded(&self, product: L::Word, [shift, half]: [L::Word; 2]) -> L::Word {
+    fn rounded(&self, product: L::Word, shift: ShiftWords<L>) -> L::Word {
         let lanes = self.lanes;
-        lanes.wide_shr(lanes.wide_add(product, half), shift)
+        let half = if OPERATOR & EVEN == 0 {
+            shift.half
+        } else {
+            let odd = lanes.wide_and(lanes.wide_shr(product, shift.by), shift.odd);
+            lanes.wide_add(shift.half, odd)
+        };
+        lanes.wide_shr(lanes.wide_add(product, half), shift.by)
     }
 
     /// The kernel at raised radial indices inside the footprint; anything elsewhere.
@@ -456,5 +464,67 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let fall = lanes.wide_add(lanes.wide_mul_unsigned(interval, position), self.kept_half);
         let fall = lanes.wide_shr(fall, self.kept);
         lanes.wide_sub(lanes.wide_shr(interval, self.entry), fall)
+    }
+}
+
+impl<L: PixelWords, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR> {
+    type Word = u64;
+    type Splat = SplatWords<L>;
+
+    #[inline(always)]
+    fn splat(&self, numbers: &SplatNumbers, second: i64) -> SplatWords<L> {
+        let lanes = self.lanes;
+        let width = L::WIDE as i64;
+        let second = second << self.raise;
+        let seconds = lanes.wide_splat(second);
+        let pairs: [i64; 8] = [0, 0, 1, 3, 6, 10, 15, 21];
+        let along = lanes.multiples(lanes.wide_splat(second.wrapping_mul(width)));
+        let whole = lanes.wide_splat(second.wrapping_mul(width * (width - 1) / 2));
+        SplatWords {
+            end: lanes.wide_splat(numbers.end),
+            peak: lanes.wide_splat(numbers.peak.into()),
+            colour: [
+                lanes.wide_splat(numbers.colour[0].into()),
+                lanes.wide_splat(numbers.colour[1].into()),
+                lanes.wide_splat(numbers.colour[2].into()),
+            ],
+            ahead: [
+                lanes.wide_mul_whole(lanes.wide_load(&pairs), seconds),
+                lanes.wide_add(whole, along),
+            ],
+            second: lanes.wide_splat(second.wrapping_mul(width * width)),
+        }
+    }
+
+    #[inline(always)]
+    fn paint(
+        &self,
+        splat: &SplatWords<L>,
+        pixels: &Pixels,
+        row: &mut Row<u64>,
+        counts: &mut Coverage,
+    ) {
+        let lanes = self.lanes;
+        let [mut radial, mut difference] = self.start(splat, pixels);
+        let (mut x, mut rest) = (pixels.x, pixels.length);
+        while rest > L::WIDE {
+            let inside = lanes.wide_greater(splat.end, radial);
+            self.blend(splat, radial, inside, x, row, counts);
+            [radial, difference] = self.step(splat, [radial, difference]);
+            x += L::WIDE;
+            rest -= L::WIDE;
+        }
+        let inside = self.inside(splat, radial, rest);
+        self.blend(splat, radial, inside, x, row, counts);
+    }
+
+    #[inline(always)]
+    fn finished(&self, row: &Row<u64>) -> u64 {
+        let lanes = self.lanes;
+        let columns = (0..usize::from(TILE[0])).step_by(L::WIDE);
+        columns.fold(0, |all, x| {
+            let flags = lanes.flags(lanes.marked(lanes.read(&row[0], x)));
+            all | u64::from(flags) << x
+        })
     }
 }

@@ -1,12 +1,12 @@
-//! A tile's pixels as 64-bit words: one plane per quantity in every row, so that adjacent pixels are a vector.
+//! A tile's pixels as words of a [`PixelPath`](super::path::PixelPath): one plane per quantity in every row, so that adjacent pixels are a vector.
 
-use crate::fast::lanes::words::PixelWords;
+use super::single::WHOLE;
 use crate::fast::tile::{TILE, extent};
 use splatline::blend::{FINISHED, Pixel};
 use splatline::raster::Window;
 
 /// Columns that a vector may reach beyond the tile's last pixel.
-const SPARE: usize = 8;
+const SPARE: usize = 16;
 
 /// Words from one plane of a row to the next.
 const STRIDE: usize = TILE[0] as usize + SPARE;
@@ -19,23 +19,83 @@ const ROWS: usize = TILE[1] as usize;
 pub const MARK: u64 = 1 << 63;
 
 /// One row: transmittance, red, green, blue. The spare columns hold finished pixels.
-pub type PixelRow = [[u64; STRIDE]; 4];
+pub type Row<W> = [[W; STRIDE]; 4];
+
+/// What holds a pixel's transmittance or one of its sums.
+pub trait PixelWord: Copy {
+    /// A finished pixel's transmittance.
+    const FINISHED: Self;
+    /// The largest sum that it holds.
+    const LARGEST_SUM: u32;
+    /// The kernel's transmittance with its mark.
+    fn of_light(light: u32) -> Self;
+    /// A sum of the kernel's.
+    fn of_sum(sum: u32) -> Self;
+    /// The inverse of `of_light`.
+    fn light(self) -> u32;
+    /// The inverse of `of_sum`.
+    fn sum(self) -> u32;
+}
+
+impl PixelWord for u64 {
+    const FINISHED: u64 = MARK;
+    const LARGEST_SUM: u32 = u32::MAX;
+
+    fn of_light(light: u32) -> u64 {
+        u64::from(light & FINISHED) << 32 | u64::from(light & !FINISHED)
+    }
+    fn of_sum(sum: u32) -> u64 {
+        sum.into()
+    }
+    fn light(self) -> u32 {
+        self as u32 | (self >> 32) as u32 & FINISHED
+    }
+    fn sum(self) -> u32 {
+        self as u32
+    }
+}
+
+impl PixelWord for f32 {
+    const FINISHED: f32 = -0.0;
+    const LARGEST_SUM: u32 = 1 << 23;
+
+    fn of_light(light: u32) -> f32 {
+        let number = (light & !FINISHED) as f32;
+        if light & FINISHED == 0 {
+            number
+        } else {
+            -number
+        }
+    }
+    fn of_sum(sum: u32) -> f32 {
+        sum as f32 + WHOLE
+    }
+    fn light(self) -> u32 {
+        let mark = if self.is_sign_negative() { FINISHED } else { 0 };
+        self.abs() as u32 | mark
+    }
+    fn sum(self) -> u32 {
+        (self - WHOLE) as u32
+    }
+}
 
 /// The planes of one tile, kept from tile to tile by a thread.
 #[derive(Clone, Debug)]
-pub struct WordTile {
-    rows: Box<[PixelRow; ROWS]>,
+pub struct WordTile<W> {
+    rows: Box<[Row<W>; ROWS]>,
     /// A bit for each pixel of a row that had not finished when it was last looked at.
     live: [u64; ROWS],
     window: Window,
+    overflowed: bool,
 }
 
-impl WordTile {
+impl<W: PixelWord> WordTile<W> {
     /// Memory for a tile, empty.
     pub fn new() -> Self {
         WordTile {
-            rows: Box::new([[[0; STRIDE]; 4]; ROWS]),
+            rows: Box::new([[[W::FINISHED; STRIDE]; 4]; ROWS]),
             live: [0; ROWS],
+            overflowed: false,
             window: Window {
                 first: [0; 2],
                 end: [0; 2],
@@ -46,6 +106,7 @@ impl WordTile {
     /// Makes it the transparent pixels of `window`, which is at most a [`TILE`].
     pub fn open(&mut self, window: Window, clear: Pixel) {
         self.window = window;
+        self.overflowed = false;
         let [columns, rows] = extent(&self.window);
         let of_row = u64::MAX >> (COLUMNS - columns).min(63);
         self.live = std::array::from_fn(|y| if y < rows { of_row } else { 0 });
@@ -54,8 +115,13 @@ impl WordTile {
                 plane.fill(value);
             }
             // Nothing that a vector finds beyond the tile counts as a pixel.
-            row[0][columns..].fill(MARK);
+            row[0][columns..].fill(W::FINISHED);
         }
+    }
+
+    /// Has a pixel been set whose sums it does not hold?
+    pub fn has_overflowed(&self) -> bool {
+        self.overflowed
     }
 
     /// The tile's part of the screen.
@@ -65,7 +131,7 @@ impl WordTile {
 
     /// Row `y` of the screen.
     #[inline(always)]
-    pub fn row(&mut self, y: u16) -> &mut PixelRow {
+    pub fn row(&mut self, y: u16) -> &mut Row<W> {
         let row = y.wrapping_sub(self.window.first[1]) % TILE[1];
         &mut self.rows[usize::from(row)]
     }
@@ -76,20 +142,14 @@ impl WordTile {
         self.live[usize::from(y.wrapping_sub(self.window.first[1]) % TILE[1])]
     }
 
-    /// Looks which pixels have finished.
+    /// Looks which pixels have finished: a bit for each of a row.
     #[inline(always)]
-    pub fn look<L: PixelWords>(&mut self, lanes: L) {
+    pub fn look(&mut self, finished: impl Fn(&Row<W>) -> u64) {
         for (row, live) in self.rows.iter().zip(&mut self.live) {
             // A finished row stays finished.
-            if *live == 0 {
-                continue;
+            if *live != 0 {
+                *live = !finished(row);
             }
-            let mut marked = 0;
-            for x in (0..COLUMNS).step_by(L::WIDE) {
-                let flags = lanes.flags(lanes.marked(lanes.read(&row[0], x)));
-                marked |= u64::from(flags) << x;
-            }
-            *live = !marked;
         }
     }
 
@@ -114,7 +174,7 @@ impl WordTile {
     pub fn is_finished(&self) -> bool {
         self.rows[..extent(&self.window)[1]]
             .iter()
-            .all(|row| row[0].iter().fold(MARK, |all, word| all & word) != 0)
+            .all(|row| row[0].iter().all(|word| word.light() & FINISHED != 0))
     }
 
     /// The pixels as the kernel knows them, row by row.
@@ -127,6 +187,8 @@ impl WordTile {
     /// The inverse of [`WordTile::to_pixels`].
     pub fn set_pixels(&mut self, pixels: &[Pixel]) {
         let columns = extent(&self.window)[0].max(1);
+        let mut sums = pixels.iter().flat_map(|pixel| pixel.colour);
+        self.overflowed |= sums.any(|sum| sum > W::LARGEST_SUM);
         for (row, pixels) in self.rows.iter_mut().zip(pixels.chunks_exact(columns)) {
             for (x, pixel) in pixels.iter().enumerate() {
                 for (plane, value) in row.iter_mut().zip(words(*pixel)) {
@@ -144,24 +206,22 @@ impl WordTile {
             let colours = red.iter().zip(green).zip(blue);
             for ((pixel, light), ((r, g), b)) in to.iter_mut().zip(light).zip(colours) {
                 *pixel = Pixel {
-                    colour: [*r as u32, *g as u32, *b as u32],
-                    transmittance: *light as u32 | (light >> 32) as u32 & FINISHED,
+                    colour: [r.sum(), g.sum(), b.sum()],
+                    transmittance: light.light(),
                 };
             }
         }
     }
 }
 
-impl Default for WordTile {
+impl<W: PixelWord> Default for WordTile<W> {
     fn default() -> Self {
         Self::new()
     }
 }
 
 /// A pixel's words in the order of the planes.
-fn words(pixel: Pixel) -> [u64; 4] {
-    let [r, g, b] = pixel.colour.map(u64::from);
-    let mark = u64::from(pixel.transmittance & FINISHED) << 32;
-    let light = u64::from(pixel.transmittance & !FINISHED);
-    [light | mark, r, g, b]
+fn words<W: PixelWord>(pixel: Pixel) -> [W; 4] {
+    let [r, g, b] = pixel.colour.map(W::of_sum);
+    [W::of_light(pixel.transmittance), r, g, b]
 }

@@ -4,7 +4,7 @@
 //! and whoever asked composites them.
 
 use super::columns;
-use super::path::{DRAW_FINISHING, PathNumbers, Pixels, SplatWords, WordPixels};
+use super::path::{EVEN, PathNumbers, PixelPath, Pixels, SplatWords, WordPixels};
 use crate::fast::lanes::VectorLevel;
 use crate::fast::lanes::sums::PixelSums;
 use crate::fast::lanes::words::PixelWords;
@@ -85,7 +85,7 @@ impl PixelTask for VisitTask<'_> {
     #[inline(always)]
     fn run<L: PixelSums>(self, lanes: L) {
         let OpacityVisitor { rows, path, .. } = self.visitor;
-        let pixels = WordPixels::<L, DRAW_FINISHING>::new(lanes, path);
+        let pixels = WordPixels::<L, EVEN>::new(lanes, path);
         let (mut batch, mut memory) = (RowBatch::new(), [0; ROOM]);
         let left = self.window.first[0];
         for index in self.list {
@@ -117,7 +117,7 @@ const ROOM: usize = TILE[0] as usize + 8;
 /// Writes the opacities of a run's pixels.
 #[inline(always)]
 fn opacities<L: PixelWords>(
-    pixels: &WordPixels<L, DRAW_FINISHING>,
+    pixels: &WordPixels<L, EVEN>,
     splat: &SplatWords<L>,
     run: &Pixels,
     opacities: &mut [i64; ROOM],

@@ -261,7 +261,8 @@ impl WorkloadRandom {
             },
             cutoff,
             opacity: peak,
-            colour: [0; 3].map(|_: u32| self.bits(4 + widths.colour) >> self.below(8)),
+            colour: [0; 3]
+                .map(|_: u32| self.bits(widths.colour_range() + widths.colour) >> self.below(8)),
         };
         // In half of the cases the window lies on the ellipse's rim, which for large ones it would hardly meet by chance.
         let rim = self.below(2) == 0;

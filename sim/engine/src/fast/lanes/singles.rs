@@ -1,0 +1,483 @@
+//! Vectors of pixels in single precision: one fused multiply-add is a product of the kernel's words, its rounding and its addition
+//! ([`splatline::blend`] says why), so that a vector holds twice as many pixels as one of 64-bit words. Radial indices stay integers.
+
+#![allow(unsafe_code)]
+
+use super::{Portable, Wide};
+
+/// Is a fused multiply-add one instruction wherever [`dispatch_vectors`](super::dispatch_vectors) runs a task? Elsewhere (wasm) it is a call.
+pub const HAS_FUSED_ADD: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
+
+/// Most pixels of a vector.
+pub const MOST: usize = 16;
+
+/// A table of 32-bit words whose length is a power of two.
+#[derive(Clone, Debug)]
+pub struct PackedWords(Box<[u32]>);
+
+impl PackedWords {
+    /// These words, and zeros up to a power of two.
+    pub fn new(mut words: Vec<u32>) -> Self {
+        words.resize(words.len().next_power_of_two(), 0);
+        PackedWords(words.into())
+    }
+}
+
+/// Operations on pixels in single precision. Integers wrap; numbers are rounded to nearest, halves to even.
+pub trait Singles: Wide {
+    /// Pixels of a vector.
+    const SINGLES: usize;
+    /// Integers of 32 bits.
+    type Whole: Copy;
+    /// Numbers of single precision.
+    type Single: Copy;
+    /// Truth values.
+    type Choice: Copy;
+
+    /// Equal integers.
+    fn whole(self, value: i32) -> Self::Whole;
+    /// The first integers of the array.
+    fn whole_load(self, from: &[i32; MOST]) -> Self::Whole;
+    /// a + b.
+    fn whole_add(self, a: Self::Whole, b: Self::Whole) -> Self::Whole;
+    /// a - b.
+    fn whole_sub(self, a: Self::Whole, b: Self::Whole) -> Self::Whole;
+    /// a b.
+    fn whole_mul(self, a: Self::Whole, b: Self::Whole) -> Self::Whole;
+    /// a & b.
+    fn whole_and(self, a: Self::Whole, b: Self::Whole) -> Self::Whole;
+    /// The larger one, as signed numbers.
+    fn whole_max(self, a: Self::Whole, b: Self::Whole) -> Self::Whole;
+    /// Zeros come in; by less than 32.
+    fn whole_shr(self, a: Self::Whole, by: i32) -> Self::Whole;
+    /// a > b, as signed numbers.
+    fn whole_greater(self, a: Self::Whole, b: Self::Whole) -> Self::Choice;
+    /// The words of these numbers, modulo the table's length.
+    fn packed(self, table: &PackedWords, index: Self::Whole) -> Self::Whole;
+    /// Integers of at most 24 bits as numbers.
+    fn single_of(self, a: Self::Whole) -> Self::Single;
+    /// Equal numbers.
+    fn single(self, value: f32) -> Self::Single;
+    /// The numbers from place `at` on; zeros if there are too few.
+    fn single_read(self, from: &[f32], at: usize) -> Self::Single;
+    /// Stores numbers from place `at` on; nothing if there is no room.
+    fn single_write(self, to: &mut [f32], at: usize, value: Self::Single);
+    /// a b + c, rounded once.
+    fn fused_add(self, a: Self::Single, b: Self::Single, c: Self::Single) -> Self::Single;
+    /// a - b.
+    fn single_sub(self, a: Self::Single, b: Self::Single) -> Self::Single;
+    /// The smaller one.
+    fn single_min(self, a: Self::Single, b: Self::Single) -> Self::Single;
+    /// The number, 0 where it is negative.
+    fn from_zero(self, a: Self::Single) -> Self::Single;
+    /// a < b.
+    fn single_less(self, a: Self::Single, b: Self::Single) -> Self::Choice;
+    /// The number where it is true, else 0.
+    fn single_keep(self, a: Self::Single, choice: Self::Choice) -> Self::Single;
+    /// The number where it is false, else 0.
+    fn single_clear(self, a: Self::Single, choice: Self::Choice) -> Self::Single;
+    /// The number, and its sign set where it is true.
+    fn single_mark(self, a: Self::Single, choice: Self::Choice) -> Self::Single;
+    /// A bit for every set sign.
+    fn signs(self, a: Self::Single) -> u32;
+    /// The first `count` pixels.
+    fn choose_first(self, count: usize) -> Self::Choice;
+    /// Both.
+    fn choose_both(self, a: Self::Choice, b: Self::Choice) -> Self::Choice;
+    /// A bit for every pixel.
+    fn chosen(self, choice: Self::Choice) -> u32;
+}
+
+/// As many pixels as AVX2 has.
+const ARRAY: usize = 8;
+
+fn zip<T: Copy, U>(a: [T; ARRAY], b: [T; ARRAY], f: impl Fn(T, T) -> U) -> [U; ARRAY] {
+    std::array::from_fn(|k| f(a[k], b[k]))
+}
+
+impl Singles for Portable {
+    const SINGLES: usize = ARRAY;
+    type Whole = [i32; ARRAY];
+    type Single = [f32; ARRAY];
+    type Choice = [bool; ARRAY];
+
+    #[inline(always)]
+    fn whole(self, value: i32) -> Self::Whole {
+        [value; ARRAY]
+    }
+    #[inline(always)]
+    fn whole_load(self, from: &[i32; MOST]) -> Self::Whole {
+        std::array::from_fn(|k| from[k])
+    }
+    #[inline(always)]
+    fn whole_add(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
+        zip(a, b, i32::wrapping_add)
+    }
+    #[inline(always)]
+    fn whole_sub(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
+        zip(a, b, i32::wrapping_sub)
+    }
+    #[inline(always)]
+    fn whole_mul(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
+        zip(a, b, i32::wrapping_mul)
+    }
+    #[inline(always)]
+    fn whole_and(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
+        zip(a, b, |a, b| a & b)
+    }
+    #[inline(always)]
+    fn whole_max(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
+        zip(a, b, i32::max)
+    }
+    #[inline(always)]
+    fn whole_shr(self, a: Self::Whole, by: i32) -> Self::Whole {
+        a.map(|a| (a as u32).wrapping_shr(by as u32) as i32)
+    }
+    #[inline(always)]
+    fn whole_greater(self, a: Self::Whole, b: Self::Whole) -> Self::Choice {
+        zip(a, b, |a, b| a > b)
+    }
+    #[inline(always)]
+    fn packed(self, table: &PackedWords, index: Self::Whole) -> Self::Whole {
+        index.map(|index| table.0[index as usize & (table.0.len() - 1)] as i32)
+    }
+    #[inline(always)]
+    fn single_of(self, a: Self::Whole) -> Self::Single {
+        a.map(|a| a as f32)
+    }
+    #[inline(always)]
+    fn single(self, value: f32) -> Self::Single {
+        [value; ARRAY]
+    }
+    #[inline(always)]
+    fn single_read(self, from: &[f32], at: usize) -> Self::Single {
+        let numbers = from.get(at..).and_then(|rest| rest.first_chunk());
+        numbers.copied().unwrap_or_default()
+    }
+    #[inline(always)]
+    fn single_write(self, to: &mut [f32], at: usize, value: Self::Single) {
+        if let Some(numbers) = to.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) {
+            *numbers = value;
+        }
+    }
+    #[inline(always)]
+    fn fused_add(self, a: Self::Single, b: Self::Single, c: Self::Single) -> Self::Single {
+        std::array::from_fn(|k| a[k].mul_add(b[k], c[k]))
+    }
+    #[inline(always)]
+    fn single_sub(self, a: Self::Single, b: Self::Single) -> Self::Single {
+        zip(a, b, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn single_min(self, a: Self::Single, b: Self::Single) -> Self::Single {
+        zip(a, b, f32::min)
+    }
+    #[inline(always)]
+    fn from_zero(self, a: Self::Single) -> Self::Single {
+        a.map(|a| if a > 0.0 { a } else { 0.0 })
+    }
+    #[inline(always)]
+    fn single_less(self, a: Self::Single, b: Self::Single) -> Self::Choice {
+        zip(a, b, |a, b| a < b)
+    }
+    #[inline(always)]
+    fn single_keep(self, a: Self::Single, choice: Self::Choice) -> Self::Single {
+        std::array::from_fn(|k| if choice[k] { a[k] } else { 0.0 })
+    }
+    #[inline(always)]
+    fn single_clear(self, a: Self::Single, choice: Self::Choice) -> Self::Single {
+        std::array::from_fn(|k| if choice[k] { 0.0 } else { a[k] })
+    }
+    #[inline(always)]
+    fn single_mark(self, a: Self::Single, choice: Self::Choice) -> Self::Single {
+        std::array::from_fn(|k| if choice[k] { -a[k].abs() } else { a[k] })
+    }
+    #[inline(always)]
+    fn signs(self, a: Self::Single) -> u32 {
+        self.chosen(a.map(f32::is_sign_negative))
+    }
+    #[inline(always)]
+    fn choose_first(self, count: usize) -> Self::Choice {
+        std::array::from_fn(|k| k < count)
+    }
+    #[inline(always)]
+    fn choose_both(self, a: Self::Choice, b: Self::Choice) -> Self::Choice {
+        zip(a, b, |a, b| a && b)
+    }
+    #[inline(always)]
+    fn chosen(self, choice: Self::Choice) -> u32 {
+        let bits = choice.iter().enumerate();
+        bits.fold(0, |all, (k, choice)| all | u32::from(*choice) << k)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores are of whole arrays,
+    //! look-ups of numbers that have been brought into the table.
+
+    use super::super::avx2::Avx2;
+    use super::super::avx512::Avx512;
+    use super::{MOST, PackedWords, Singles};
+    use std::arch::x86_64::*;
+
+    /// Words of which an unaligned part starts with so many true ones.
+    static FIRST: [i32; 16] = [-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0];
+
+    impl Singles for Avx2 {
+        const SINGLES: usize = 8;
+        type Whole = __m256i;
+        type Single = __m256;
+        type Choice = __m256;
+
+        #[inline(always)]
+        fn whole(self, value: i32) -> __m256i {
+            op!(_mm256_set1_epi32(value))
+        }
+        #[inline(always)]
+        fn whole_load(self, from: &[i32; MOST]) -> __m256i {
+            // SAFETY: the array has more words than are read.
+            unsafe { _mm256_loadu_si256(from.as_ptr().cast()) }
+        }
+        #[inline(always)]
+        fn whole_add(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_add_epi32(a, b))
+        }
+        #[inline(always)]
+        fn whole_sub(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_sub_epi32(a, b))
+        }
+        #[inline(always)]
+        fn whole_mul(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_mullo_epi32(a, b))
+        }
+        #[inline(always)]
+        fn whole_and(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_and_si256(a, b))
+        }
+        #[inline(always)]
+        fn whole_max(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_max_epi32(a, b))
+        }
+        #[inline(always)]
+        fn whole_shr(self, a: __m256i, by: i32) -> __m256i {
+            op!(_mm256_srl_epi32(a, _mm_cvtsi32_si128(by)))
+        }
+        #[inline(always)]
+        fn whole_greater(self, a: __m256i, b: __m256i) -> __m256 {
+            op!(_mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b)))
+        }
+        #[inline(always)]
+        fn packed(self, table: &PackedWords, index: __m256i) -> __m256i {
+            let last = table.0.len() as i32 - 1;
+            // SAFETY: the length is a power of two, so that every masked number lies in the table.
+            unsafe {
+                let index = _mm256_and_si256(index, _mm256_set1_epi32(last));
+                _mm256_i32gather_epi32::<4>(table.0.as_ptr().cast(), index)
+            }
+        }
+        #[inline(always)]
+        fn single_of(self, a: __m256i) -> __m256 {
+            op!(_mm256_cvtepi32_ps(a))
+        }
+        #[inline(always)]
+        fn single(self, value: f32) -> __m256 {
+            op!(_mm256_set1_ps(value))
+        }
+        #[inline(always)]
+        fn single_read(self, from: &[f32], at: usize) -> __m256 {
+            match from.get(at..).and_then(|rest| rest.first_chunk::<8>()) {
+                // SAFETY: an array of eight numbers is read.
+                Some(numbers) => unsafe { _mm256_loadu_ps(numbers.as_ptr()) },
+                None => self.single(0.0),
+            }
+        }
+        #[inline(always)]
+        fn single_write(self, to: &mut [f32], at: usize, value: __m256) {
+            let place = to.get_mut(at..);
+            if let Some(numbers) = place.and_then(|rest| rest.first_chunk_mut::<8>()) {
+                // SAFETY: an array of eight numbers is written.
+                unsafe { _mm256_storeu_ps(numbers.as_mut_ptr(), value) }
+            }
+        }
+        #[inline(always)]
+        fn fused_add(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+            op!(_mm256_fmadd_ps(a, b, c))
+        }
+        #[inline(always)]
+        fn single_sub(self, a: __m256, b: __m256) -> __m256 {
+            op!(_mm256_sub_ps(a, b))
+        }
+        #[inline(always)]
+        fn single_min(self, a: __m256, b: __m256) -> __m256 {
+            op!(_mm256_min_ps(a, b))
+        }
+        #[inline(always)]
+        fn from_zero(self, a: __m256) -> __m256 {
+            op!(_mm256_max_ps(a, _mm256_setzero_ps()))
+        }
+        #[inline(always)]
+        fn single_less(self, a: __m256, b: __m256) -> __m256 {
+            op!(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b))
+        }
+        #[inline(always)]
+        fn single_keep(self, a: __m256, choice: __m256) -> __m256 {
+            op!(_mm256_and_ps(a, choice))
+        }
+        #[inline(always)]
+        fn single_clear(self, a: __m256, choice: __m256) -> __m256 {
+            op!(_mm256_andnot_ps(choice, a))
+        }
+        #[inline(always)]
+        fn single_mark(self, a: __m256, choice: __m256) -> __m256 {
+            op!(_mm256_or_ps(a, _mm256_and_ps(choice, _mm256_set1_ps(-0.0))))
+        }
+        #[inline(always)]
+        fn signs(self, a: __m256) -> u32 {
+            op!(_mm256_movemask_ps(a)) as u32
+        }
+        #[inline(always)]
+        fn choose_first(self, count: usize) -> __m256 {
+            match FIRST[8 - count.min(8)..].first_chunk::<8>() {
+                // SAFETY: an array of eight words is read.
+                Some(words) => unsafe { _mm256_loadu_ps(words.as_ptr().cast()) },
+                None => self.single(0.0),
+            }
+        }
+        #[inline(always)]
+        fn choose_both(self, a: __m256, b: __m256) -> __m256 {
+            op!(_mm256_and_ps(a, b))
+        }
+        #[inline(always)]
+        fn chosen(self, choice: __m256) -> u32 {
+            self.signs(choice)
+        }
+    }
+
+    impl Singles for Avx512 {
+        const SINGLES: usize = 16;
+        type Whole = __m512i;
+        type Single = __m512;
+        type Choice = __mmask16;
+
+        #[inline(always)]
+        fn whole(self, value: i32) -> __m512i {
+            op!(_mm512_set1_epi32(value))
+        }
+        #[inline(always)]
+        fn whole_load(self, from: &[i32; MOST]) -> __m512i {
+            // SAFETY: a vector of the array's words is read.
+            unsafe { _mm512_loadu_epi32(from.as_ptr()) }
+        }
+        #[inline(always)]
+        fn whole_add(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_add_epi32(a, b))
+        }
+        #[inline(always)]
+        fn whole_sub(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_sub_epi32(a, b))
+        }
+        #[inline(always)]
+        fn whole_mul(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_mullo_epi32(a, b))
+        }
+        #[inline(always)]
+        fn whole_and(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_and_si512(a, b))
+        }
+        #[inline(always)]
+        fn whole_max(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_max_epi32(a, b))
+        }
+        #[inline(always)]
+        fn whole_shr(self, a: __m512i, by: i32) -> __m512i {
+            op!(_mm512_srl_epi32(a, _mm_cvtsi32_si128(by)))
+        }
+        #[inline(always)]
+        fn whole_greater(self, a: __m512i, b: __m512i) -> __mmask16 {
+            op!(_mm512_cmpgt_epi32_mask(a, b))
+        }
+        #[inline(always)]
+        fn packed(self, table: &PackedWords, index: __m512i) -> __m512i {
+            let last = table.0.len() as i32 - 1;
+            // SAFETY: the length is a power of two, so that every masked number lies in the table.
+            unsafe {
+                let index = _mm512_and_si512(index, _mm512_set1_epi32(last));
+                _mm512_i32gather_epi32::<4>(index, table.0.as_ptr().cast())
+            }
+        }
+        #[inline(always)]
+        fn single_of(self, a: __m512i) -> __m512 {
+            op!(_mm512_cvtepi32_ps(a))
+        }
+        #[inline(always)]
+        fn single(self, value: f32) -> __m512 {
+            op!(_mm512_set1_ps(value))
+        }
+        #[inline(always)]
+        fn single_read(self, from: &[f32], at: usize) -> __m512 {
+            match from.get(at..).and_then(|rest| rest.first_chunk::<16>()) {
+                // SAFETY: an array of sixteen numbers is read.
+                Some(numbers) => unsafe { _mm512_loadu_ps(numbers.as_ptr()) },
+                None => self.single(0.0),
+            }
+        }
+        #[inline(always)]
+        fn single_write(self, to: &mut [f32], at: usize, value: __m512) {
+            let place = to.get_mut(at..);
+            if let Some(numbers) = place.and_then(|rest| rest.first_chunk_mut::<16>()) {
+                // SAFETY: an array of sixteen numbers is written.
+                unsafe { _mm512_storeu_ps(numbers.as_mut_ptr(), value) }
+            }
+        }
+        #[inline(always)]
+        fn fused_add(self, a: __m512, b: __m512, c: __m512) -> __m512 {
+            op!(_mm512_fmadd_ps(a, b, c))
+        }
+        #[inline(always)]
+        fn single_sub(self, a: __m512, b: __m512) -> __m512 {
+            op!(_mm512_sub_ps(a, b))
+        }
+        #[inline(always)]
+        fn single_min(self, a: __m512, b: __m512) -> __m512 {
+            op!(_mm512_min_ps(a, b))
+        }
+        #[inline(always)]
+        fn from_zero(self, a: __m512) -> __m512 {
+            op!(_mm512_max_ps(a, _mm512_setzero_ps()))
+        }
+        #[inline(always)]
+        fn single_less(self, a: __m512, b: __m512) -> __mmask16 {
+            op!(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b))
+        }
+        #[inline(always)]
+        fn single_keep(self, a: __m512, choice: __mmask16) -> __m512 {
+            op!(_mm512_maskz_mov_ps(choice, a))
+        }
+        #[inline(always)]
+        fn single_clear(self, a: __m512, choice: __mmask16) -> __m512 {
+            op!(_mm512_maskz_mov_ps(!choice, a))
+        }
+        #[inline(always)]
+        fn single_mark(self, a: __m512, choice: __mmask16) -> __m512 {
+            let sign = op!(_mm512_set1_ps(-0.0));
+            op!(_mm512_mask_or_ps(a, choice, a, sign))
+        }
+        #[inline(always)]
+        fn signs(self, a: __m512) -> u32 {
+            op!(_mm512_movepi32_mask(_mm512_castps_si512(a))).into()
+        }
+        #[inline(always)]
+        fn choose_first(self, count: usize) -> __mmask16 {
+            ((1u32 << count.min(16)) - 1) as u16
+        }
+        #[inline(always)]
+        fn choose_both(self, a: __mmask16, b: __mmask16) -> __mmask16 {
+            a & b
+        }
+        #[inline(always)]
+        fn chosen(self, choice: __mmask16) -> u32 {
+            choice.into()
+        }
+    }
+}

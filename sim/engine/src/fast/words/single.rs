@@ -1,0 +1,431 @@
+//! The pixel path in single precision, front to back, for designs whose every product is one fused multiply-add ([`Blend::is_single`]).
+//!
+//! A pixel is four numbers: its transmittance T, an integer, negative once it has finished; and its sums, each 2^23 more than the integer C.
+//! With M = 2^23 a vector of pixels is
+//!
+//! ```text
+//! W  = (word - slope (f + 1)) >> k                   the packed table, in integers
+//! A' = min(fma(W, P 2^-(p+w), M 2^-a) - M 2^-a, A'max)   opacity; the unit between M 2^-a and twice that is 2^-a
+//! G  = fma(max(T, 0), A', M) - M                     contribution
+//! T' = T - G
+//! C' = fma(G, K 2^-(t+c-s), C)
+//! ```
+//!
+//! which is the kernel's arithmetic ([`splatline::blend`]) bit for bit. An opacity of 0 leaves a pixel as it is, so that pixels outside and
+//! finished ones need no selection: the first have opacity 0, the others no transmittance.
+
+use super::path::{OMIT_FINISHING, PixelPath, Pixels, SplatNumbers};
+use super::tile::Row;
+use crate::fast::lanes::singles::{HAS_FUSED_ADD, MOST, PackedWords, Singles};
+use crate::fast::tile::TILE;
+use splatline::blend::Blend;
+use splatline::draw::Coverage;
+use splatline::format::Widths;
+use splatline::kernel::{PackedTable, pack_into};
+use splatline::rules::Rules;
+
+/// 2^23: numbers from here to twice that are integers.
+pub const WHOLE: f32 = 8_388_608.0;
+
+/// 2^-bits.
+fn unit(bits: i32) -> f32 {
+    (-f64::from(bits)).exp2() as f32
+}
+
+/// What is constant for a picture.
+#[derive(Clone, Debug)]
+pub struct SingleNumbers {
+    table: PackedWords,
+    /// Bits of the radial index below an interval's number.
+    below: i32,
+    /// Of these, bits that the interpolation does not see.
+    unseen: i32,
+    slope: i32,
+    interpolation: i32,
+    /// See [`PackedTable::lead`].
+    lead: i32,
+    /// Integers are these times their units.
+    peak: f32,
+    colour: f32,
+    opacity: f32,
+    alpha_max: f32,
+    stop: f32,
+    /// Colours end here, UQ.colour.
+    end_of_colour: u32,
+}
+
+impl SingleNumbers {
+    /// For widths, rules, the entries of a table and lanes of so many bits that allow it.
+    pub fn new(widths: &Widths, rules: &Rules, entries: &[u32], lane_bits: u32) -> Option<Self> {
+        let blend = Blend::new(widths, rules);
+        let drawable = HAS_FUSED_ADD && blend.is_single() && blend.draws_all_visible();
+        if !drawable || widths.interpolation == 0 || lane_bits > 32 {
+            return None;
+        }
+        let constants = blend.constants();
+        let mut words = vec![0; entries.len().checked_sub(1)?];
+        pack_into(&mut words, entries, widths, rules.table_range).ok()?;
+        let below = i32::from(widths.radial + rules.table_range) - i32::from(widths.table);
+        let interpolation = i32::from(widths.interpolation);
+        let [alpha, fraction] = [widths.alpha, widths.peak + widths.weight].map(i32::from);
+        Some(SingleNumbers {
+            table: PackedWords::new(words),
+            below,
+            unseen: below - interpolation,
+            slope: (1 << (interpolation - 1)) - 1,
+            interpolation,
+            lead: PackedTable::lead(widths, rules.table_range) as i32,
+            peak: unit(fraction),
+            colour: unit(constants.colour_shift),
+            opacity: WHOLE * unit(alpha),
+            alpha_max: constants.alpha_max as f32 * unit(alpha),
+            stop: constants.minimum_transmittance as f32 + 1.0,
+            end_of_colour: 1 << (widths.colour + widths.colour_range()),
+        })
+    }
+
+    /// Are colours within their format?
+    #[inline(always)]
+    pub fn fits(&self, splat: &SplatNumbers) -> bool {
+        splat.colour.iter().all(|c| *c <= self.end_of_colour)
+    }
+}
+
+/// The same on vectors; what a splat would finish is left out if `OPERATOR` says so.
+#[derive(Clone, Copy)]
+pub struct SinglePixels<'a, L: Singles, const OPERATOR: u8> {
+    lanes: L,
+    numbers: &'a SingleNumbers,
+    lead: L::Whole,
+    slope: L::Whole,
+    zero: L::Whole,
+    whole: L::Single,
+    opacity: L::Single,
+    alpha_max: L::Single,
+    stop: L::Single,
+}
+
+/// What is constant for a footprint.
+#[derive(Clone, Copy)]
+pub struct SingleSplat<L: Singles> {
+    /// One past the largest radial index inside.
+    end: L::Whole,
+    peak: L::Single,
+    colour: [L::Single; 3],
+    /// k (k - 1) / 2 s and w (w - 1) / 2 s + w k s for pixel k of a vector of w.
+    ahead: [L::Whole; 2],
+    /// w^2 s.
+    second: L::Whole,
+}
+
+/// 0, 1, 2 and so on, and k (k - 1) / 2.
+const PLACES: [i32; MOST] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+const PAIRS: [i32; MOST] = [0, 0, 1, 3, 6, 10, 15, 21, 28, 36, 45, 55, 66, 78, 91, 105];
+
+impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
+    /// On these vectors.
+    #[inline(always)]
+    pub fn new(lanes: L, numbers: &'a SingleNumbers) -> Self {
+        SinglePixels {
+            lanes,
+            numbers,
+            lead: lanes.whole(numbers.lead),
+            slope: lanes.whole(numbers.slope),
+            zero: lanes.whole(0),
+            whole: lanes.single(WHOLE),
+            opacity: lanes.single(numbers.opacity),
+            alpha_max: lanes.single(numbers.alpha_max),
+            stop: lanes.single(numbers.stop),
+        }
+    }
+
+    /// The kernel at radial indices inside the footprint, as an integer number; anything elsewhere.
+    #[inline(always)]
+    fn weight(&self, radial: L::Whole) -> L::Single {
+        let (lanes, numbers) = (self.lanes, self.numbers);
+        let ahead = lanes.whole_add(lanes.whole_max(radial, self.zero), self.lead);
+        let word = lanes.packed(&numbers.table, lanes.whole_shr(ahead, numbers.below));
+        let slope = lanes.whole_and(word, self.slope);
+        let fall = lanes.whole_mul(slope, lanes.whole_shr(ahead, numbers.unseen));
+        let weight = lanes.whole_shr(lanes.whole_sub(word, fall), numbers.interpolation);
+        lanes.single_of(weight)
+    }
+
+    /// One vector of pixels.
+    #[inline(always)]
+    fn blend(
+        &self,
+        splat: &SingleSplat<L>,
+        radial: L::Whole,
+        inside: L::Choice,
+        x: usize,
+        row: &mut Row<f32>,
+        counts: &mut Coverage,
+    ) {
+        let lanes = self.lanes;
+        // Never changes x; tells the compiler that a vector fits.
+        let x = x % usize::from(TILE[0]);
+        let [plane_of_light, colours @ ..] = row;
+        let light = lanes.single_read(plane_of_light, x);
+        let covered = lanes.chosen(inside);
+        let live = covered & !lanes.signs(light);
+        counts.covered += u64::from(covered.count_ones());
+        counts.finished += u64::from((covered & !live).count_ones());
+        if live == 0 {
+            return;
+        }
+        let alpha = lanes.fused_add(self.weight(radial), splat.peak, self.opacity);
+        let alpha = lanes.single_min(lanes.single_sub(alpha, self.opacity), self.alpha_max);
+        let alpha = lanes.single_keep(alpha, inside);
+        let left = lanes.from_zero(light);
+        let share = lanes.fused_add(left, alpha, self.whole);
+        let share = lanes.single_sub(share, self.whole);
+        let stop = lanes.single_less(lanes.single_sub(left, share), self.stop);
+        let share = if OPERATOR == OMIT_FINISHING {
+            lanes.single_clear(share, stop)
+        } else {
+            share
+        };
+        let after = lanes.single_mark(lanes.single_sub(light, share), stop);
+        lanes.single_write(plane_of_light, x, after);
+        for (plane, colour) in colours.iter_mut().zip(splat.colour) {
+            let sum = lanes.fused_add(share, colour, lanes.single_read(plane, x));
+            lanes.single_write(plane, x, sum);
+        }
+    }
+}
+
+impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR> {
+    type Word = f32;
+    type Splat = SingleSplat<L>;
+
+    #[inline(always)]
+    fn splat(&self, splat: &SplatNumbers, second: i64) -> SingleSplat<L> {
+        let (lanes, numbers) = (self.lanes, self.numbers);
+        let width = L::SINGLES as i32;
+        let second = second as i32;
+        let along = lanes.whole(second.wrapping_mul(width));
+        let whole = lanes.whole(second.wrapping_mul(width * (width - 1) / 2));
+        SingleSplat {
+            end: lanes.whole((splat.end >> 32) as i32),
+            peak: lanes.single(splat.peak as f32 * numbers.peak),
+            colour: [0, 1, 2].map(|k| lanes.single(splat.colour[k] as f32 * numbers.colour)),
+            ahead: [
+                lanes.whole_mul(lanes.whole_load(&PAIRS), lanes.whole(second)),
+                lanes.whole_add(whole, lanes.whole_mul(lanes.whole_load(&PLACES), along)),
+            ],
+            second: lanes.whole(second.wrapping_mul(width * width)),
+        }
+    }
+
+    #[inline(always)]
+    fn paint(
+        &self,
+        splat: &SingleSplat<L>,
+        pixels: &Pixels,
+        row: &mut Row<f32>,
+        counts: &mut Coverage,
+    ) {
+        let lanes = self.lanes;
+        let first = pixels.first as i32;
+        let along = lanes.whole_mul(lanes.whole_load(&PLACES), lanes.whole(first));
+        let start = lanes.whole_add(lanes.whole(pixels.radial as i32), splat.ahead[0]);
+        let mut radial = lanes.whole_add(start, along);
+        let width = lanes.whole(first.wrapping_mul(L::SINGLES as i32));
+        let mut difference = lanes.whole_add(width, splat.ahead[1]);
+        let (mut x, mut rest) = (pixels.x, pixels.length);
+        while rest > L::SINGLES {
+            let inside = lanes.whole_greater(splat.end, radial);
+            self.blend(splat, radial, inside, x, row, counts);
+            radial = lanes.whole_add(radial, difference);
+            difference = lanes.whole_add(difference, splat.second);
+            x += L::SINGLES;
+            rest -= L::SINGLES;
+        }
+        let inside = lanes.whole_greater(splat.end, radial);
+        let inside = lanes.choose_both(inside, lanes.choose_first(rest));
+        self.blend(splat, radial, inside, x, row, counts);
+    }
+
+    #[inline(always)]
+    fn finished(&self, row: &Row<f32>) -> u64 {
+        let columns = (0..usize::from(TILE[0])).step_by(L::SINGLES);
+        columns.fold(0, |all, x| {
+            let signs = self.lanes.signs(self.lanes.single_read(&row[0], x));
+            all | u64::from(signs) << x
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    //! Arbitrary pixels, splats and runs against the kernel's own words.
+
+    use super::*;
+    use crate::fast::lanes::{Doubles, Portable, VectorLevel, VectorTask, dispatch_vectors};
+    use crate::fast::tile::TILE;
+    use crate::fast::words::tile::WordTile;
+    use splatline::blend::{FINISHED, Pixel};
+    use splatline::draw::cutoff_in_lane;
+    use splatline::format::Lean18;
+    use splatline::kernel::{FootprintTable, gaussian};
+    use splatline::raster::Window;
+
+    const WIDTHS: Widths = Lean18::WIDTHS;
+    const COLUMNS: usize = TILE[0] as usize;
+
+    /// Draws so many runs of up to 64 pixels into rows of arbitrary pixels; the number of pixels inside a footprint.
+    struct ArbitraryRuns {
+        runs: u64,
+        random: u64,
+        rules: Rules,
+    }
+
+    impl ArbitraryRuns {
+        fn bits(&mut self, bits: u32) -> u32 {
+            self.random = self
+                .random
+                .wrapping_mul(0x5851_f42d_4c95_7f2d)
+                .wrapping_add(1);
+            ((self.random >> 32) as u32) >> (32 - bits)
+        }
+
+        /// Numbers of all magnitudes up to `end`, itself included.
+        fn up_to(&mut self, end: u32) -> u32 {
+            let spare = self.bits(5);
+            match spare {
+                31 => end,
+                30 => end - 1,
+                _ => (u64::from(self.bits(32)) * u64::from(end) >> 32) as u32 >> (spare % 20),
+            }
+        }
+
+        /// A pixel as front-to-back compositing leaves it.
+        fn pixel(&mut self, minimum: u32) -> Pixel {
+            let one = 1 << WIDTHS.transmittance;
+            let light = one - self.up_to(one);
+            let colours = 1 << (WIDTHS.accumulator + WIDTHS.colour_range() - WIDTHS.transmittance);
+            let sums = (one - light) * colours;
+            let mark = if light <= minimum || self.bits(3) == 0 {
+                FINISHED
+            } else {
+                0
+            };
+            Pixel {
+                colour: [(); 3].map(|()| self.up_to(sums)),
+                transmittance: light | mark,
+            }
+        }
+
+        fn check<L: Doubles, const OPERATOR: u8>(mut self, lanes: L) -> u64 {
+            let entries = gaussian::<{ splatline::kernel::entries(&WIDTHS) }>(
+                &WIDTHS,
+                self.rules.table_range,
+            );
+            let table = FootprintTable::new(&entries, &WIDTHS, self.rules.table_range).unwrap();
+            let numbers = SingleNumbers::new(&WIDTHS, &self.rules, &entries, 32).unwrap();
+            let path = SinglePixels::<L, OPERATOR>::new(lanes, &numbers);
+            let blend = Blend::new(&WIDTHS, &self.rules);
+            let minimum = blend.constants().minimum_transmittance;
+            let window = Window {
+                first: [0; 2],
+                end: [TILE[0], 1],
+            };
+            let mut tile = WordTile::<f32>::new();
+            tile.open(window, Pixel::clear(&WIDTHS));
+            let (mut counts, mut covered) = (Coverage::default(), 0);
+            let mut pixels = [Pixel::default(); COLUMNS];
+            for _ in 0..self.runs {
+                pixels = pixels.map(|_| self.pixel(minimum));
+                tile.set_pixels(&pixels);
+                let last = (1u32 << (28 + self.rules.table_range)) - (1 << 20);
+                let end = cutoff_in_lane(self.up_to(last), WIDTHS.radial);
+                let splat = SplatNumbers {
+                    end: (end as i64) << 32,
+                    peak: self.up_to((1 << (4 + WIDTHS.peak)) - 1),
+                    colour: [(); 3]
+                        .map(|()| self.up_to(1 << (WIDTHS.colour + WIDTHS.colour_range()))),
+                };
+                let x = self.bits(6) as usize;
+                let run = Pixels {
+                    x,
+                    length: 1 + self.bits(6) as usize % (COLUMNS - x),
+                    radial: i64::from(self.up_to(end as u32) as i32) - i64::from(self.bits(8)),
+                    first: i64::from(self.bits(32) as i32 >> self.bits(4).max(6)),
+                };
+                let second = i64::from(self.up_to(1 << 24));
+                path.paint(&path.splat(&splat, second), &run, tile.row(0), &mut counts);
+                let (mut radial, mut first) = (run.radial as i32, run.first as i32);
+                for pixel in &mut pixels[x..x + run.length] {
+                    let index = radial.max(0) as u64;
+                    radial = radial.wrapping_add(first);
+                    first = first.wrapping_add(second as i32);
+                    if index >= end {
+                        continue;
+                    }
+                    covered += 1;
+                    let alpha = blend.opacity(splat.peak, table.weight(index));
+                    if alpha > 0 && !pixel.is_finished() {
+                        blend.front_to_back(pixel, alpha, &splat.colour);
+                    }
+                }
+                assert_eq!(tile.to_pixels(), pixels, "{splat:?} {run:?} {second}");
+            }
+            assert_eq!(counts.covered, covered);
+            covered
+        }
+    }
+
+    impl VectorTask for ArbitraryRuns {
+        type Output = u64;
+
+        #[inline(always)]
+        fn run<L: Doubles>(self, lanes: L) -> u64 {
+            if self.rules.omit_finishing {
+                self.check::<L, OMIT_FINISHING>(lanes)
+            } else {
+                self.check::<L, { super::super::path::DRAW_FINISHING }>(lanes)
+            }
+        }
+    }
+
+    /// On all vectors, under both rules.
+    fn all(runs: u64) -> u64 {
+        let mut covered = 0;
+        for rules in [Rules::EWA, Rules::GAUSSIAN_3D] {
+            for (random, choice) in [VectorLevel::Avx2, VectorLevel::Best]
+                .into_iter()
+                .enumerate()
+            {
+                let random = random as u64 + 1;
+                let task = ArbitraryRuns {
+                    runs,
+                    random,
+                    rules,
+                };
+                covered += dispatch_vectors(choice, task).unwrap_or_default();
+            }
+            covered += ArbitraryRuns {
+                runs: runs / 100,
+                random: 3,
+                rules,
+            }
+            .run(Portable);
+        }
+        covered
+    }
+
+    #[test]
+    fn arbitrary_pixels_are_the_kernels() {
+        assert!(all(20_000) > 100_000);
+    }
+
+    #[test]
+    #[ignore = "takes minutes; prints how many pixels were compared"]
+    fn a_billion_arbitrary_pixels_are_the_kernels() {
+        println!(
+            "{} covered pixels, word for word the kernel's",
+            all(25_000_000)
+        );
+    }
+}

@@ -1,0 +1,113 @@
+//! Products of the pixel path: two words multiplied, brought to a result's format and rounded once.
+//!
+//! Small processors multiply 32 bits by 32 to 32. Where the whole product does not fit, but either half of one factor times the other does,
+//! two such multiplications replace one of 64 bits: with b = b1 2^k + b0,
+//!
+//! ```text
+//! floor(a b 2^-k) = a b1 + floor(a b0 2^-k)
+//! ```
+//!
+//! and what was cut off only matters to ties: the k bits are 0 there, or it is none. Same bits in all three forms.
+
+use crate::format::Rounding;
+use crate::math::shift_unsigned;
+
+/// Words in which a product is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Words {
+    /// Product and rounding constant fit 32 bits.
+    One,
+    /// The product without its lowest bits does, so many of them that they times the first factor fit 32 bits, too.
+    Two(u32),
+    /// 64 bits.
+    Wide,
+}
+
+/// `a b 2^-by`, rounded. Values beyond the largest ones stated wrap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Product {
+    by: i32,
+    rounding: Rounding,
+    pub(super) words: Words,
+}
+
+impl Product {
+    /// Of factors up to these.
+    pub(super) const fn new(largest: [u32; 2], by: i32, rounding: Rounding) -> Self {
+        let [a, b] = [largest[0] as u64, largest[1] as u64];
+        let low = largest[0].leading_zeros();
+        let half = if by > 0 { 1 << ((by - 1) & 31) } else { 0 };
+        let words = if by < 0 || by > 31 {
+            Words::Wide
+        } else if a * b + half <= u32::MAX as u64 {
+            Words::One
+        } else if low > 0 && by > low as i32 && (a * b >> low) + (1 << 30) <= u32::MAX as u64 {
+            Words::Two(low)
+        } else {
+            Words::Wide
+        };
+        Product {
+            by,
+            rounding,
+            words,
+        }
+    }
+
+    /// The same in words of 64 bits.
+    #[cfg(test)]
+    pub(super) fn wide(self) -> Self {
+        let words = Words::Wide;
+        Product { words, ..self }
+    }
+
+    /// Right shift.
+    pub(super) const fn by(&self) -> i32 {
+        self.by
+    }
+
+    /// The product.
+    #[inline(always)]
+    pub(super) fn of(&self, a: u32, b: u32) -> u64 {
+        self.added_to(0, a, b)
+    }
+
+    /// What the product adds to a sum, so that the sum is what is rounded: a tie goes to the even sum.
+    #[inline(always)]
+    pub(super) fn added_to(&self, sum: u32, a: u32, b: u32) -> u64 {
+        match self.words {
+            Words::One => self.round(a.wrapping_mul(b), true, self.by, sum).into(),
+            Words::Two(low) => {
+                let below = a.wrapping_mul(b & ((1 << low) - 1));
+                let upper = a.wrapping_mul(b >> low).wrapping_add(below >> low);
+                let whole = below << (32 - low) == 0;
+                self.round(upper, whole, self.by - low as i32, sum).into()
+            }
+            Words::Wide => {
+                let product = u64::from(a) * u64::from(b);
+                if self.rounding == Rounding::NearestEven && self.by > 0 && sum & 1 == 1 {
+                    // Halves to odd: one unit more or less is even.
+                    let one = 1u64.wrapping_shl(self.by as u32);
+                    let moved = shift_unsigned(product.wrapping_add(one), self.by, self.rounding);
+                    return moved.wrapping_sub(1);
+                }
+                shift_unsigned(product, self.by, self.rounding)
+            }
+        }
+    }
+
+    /// A product of 32 bits, by 0 to 31; `whole` says that nothing was cut off below it.
+    #[inline(always)]
+    fn round(&self, product: u32, whole: bool, by: i32, sum: u32) -> u32 {
+        let raised = match self.rounding {
+            Rounding::Truncate => return product >> by,
+            _ if by == 0 => return product,
+            _ => product.wrapping_add(1 << (by - 1)),
+        };
+        let result = raised >> by;
+        let is_tie = raised << (32 - by) == 0 && whole;
+        if self.rounding == Rounding::NearestEven && is_tie {
+            return result.wrapping_sub(result.wrapping_add(sum) & 1);
+        }
+        result
+    }
+}
