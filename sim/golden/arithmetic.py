@@ -28,6 +28,12 @@ def nearest(value, drop):
     return saturated(value << min(-drop, 64), 64)
 
 
+def even(value, drop):
+    """(1.3) value / 2^drop to nearest, halves to even."""
+    whole, rest, half = value >> drop, value & ((1 << drop) - 1), (1 << drop) >> 1
+    return whole + (drop > 0 and (rest > half or (rest == half and whole & 1)))
+
+
 def floored(value, drop):
     """(1.4) value / 2^drop rounded down, exact to the left."""
     return (value << 64) >> (64 + drop)

@@ -1,6 +1,6 @@
 """Sections 7 and 8 of docs/specification.md: lanes, opacity, blending."""
 
-from arithmetic import nearest, wrapped
+from arithmetic import even, nearest, wrapped
 
 GUARD = 7
 WORD = (1 << 32) - 1
@@ -12,7 +12,16 @@ def rounded(widths, value, drop):
         return value << -drop
     if widths.rounding == "truncate":
         return value >> drop
+    if widths.rounding == "nearest-even":
+        return even(value, drop)
     return (value + (1 << (drop - 1))) >> drop
+
+
+def added(widths, total, product, drop):
+    """(8.1) A sum and a product of the pixel path, rounded once as a whole."""
+    if drop <= 0:
+        return total + rounded(widths, product, drop)
+    return rounded(widths, (total << drop) + product, drop)
 
 
 def lane_words(run, bits):
@@ -46,11 +55,9 @@ def smallest_opacity(widths, rules):
     dropped = fraction - widths.alpha
     blind = max(dropped - GUARD, 0)
     least = nearest(threshold, 60 - (fraction - blind)) << blind
-    if dropped <= 0:
-        visible = 1
-    else:
-        visible = 1 << dropped if widths.rounding == "truncate" else 1 << (dropped - 1)
-    return max(least, visible)
+    dropped_unit = 1 << max(dropped, 0)
+    visible = {"nearest": dropped_unit >> 1, "nearest-even": (dropped_unit >> 1) + 1, "truncate": dropped_unit}
+    return max(least, visible[widths.rounding] if dropped > 0 else 1)
 
 
 def last_transmittance(widths, rules):
@@ -93,8 +100,7 @@ def front_to_back(widths, blend, pixel, alpha, colour):
         return
     drop = widths.transmittance + widths.colour - widths.accumulator
     for channel in range(3):
-        layer = rounded(widths, share * colour[channel], drop)
-        pixel[channel] = min(pixel[channel] + layer, WORD)
+        pixel[channel] = min(added(widths, pixel[channel], share * colour[channel], drop), WORD)
     pixel[3], pixel[4] = rest, int(stop)
 
 

@@ -299,16 +299,17 @@ def bounds(widths, limit, centre, spread, cutoff):
     return low, high
 
 
-def even(value, drop):
-    """(2.20) value / 2^drop to nearest, halves to even."""
-    whole, rest, half = value >> drop, value & ((1 << drop) - 1), (1 << drop) >> 1
-    return whole + (drop > 0 and (rest > half or (rest == half and whole & 1)))
+def colour_range(widths):
+    """(2.20) Integer bits of colours and their sums."""
+    if widths.rounding == "nearest-even" and widths.accumulator > 19:
+        return max(23 - widths.accumulator, 0)
+    return 4
 
 
 def colour(widths, channels):
     """(2.20) A splat's colour in UQ4.colour."""
-    drop, most = 28 - widths.colour, (16 << widths.colour) - 1
-    return [c >> drop if widths.rounding == "truncate" else min(even(c, drop), most) for c in channels]
+    drop, most = 28 - widths.colour, (1 << (widths.colour + colour_range(widths))) - 1
+    return [min(c >> drop if widths.rounding == "truncate" else even(c, drop), most) for c in channels]
 
 
 def peak_word(widths, peak):
