@@ -102,9 +102,9 @@
 #define SPLATLINE_CULLED_OUTSIDE 6
 
 // Words of the longest packet of any design.
-#define SPLATLINE_LONGEST_PACKET 21
+#define SPLATLINE_LONGEST_PACKET 18
 
-// Fields of a packet.
+// Fields of a packet, those of width 0 included.
 #define SPLATLINE_PACKET_FIELDS 25
 
 // Bytes of a field's name, with the final zero.
@@ -283,7 +283,7 @@ typedef struct {
   char name[SPLATLINE_FIELD_NAME];
   // First bit, counted from bit 0 of word 0.
   uint16_t offset;
-  // Bits.
+  // Bits; 0 in a packet that does without the field.
   uint8_t width;
   // 1: two's complement.
   uint8_t is_signed;
@@ -448,29 +448,40 @@ int32_t splatline_setup_many(const SplatlineWidths *widths,
                              int32_t *reasons,
                              size_t count);
 
-// Writes the number of 32-bit words of a design's packet.
+// Writes the number of 32-bit words of a design's packet, which has what `traversal` (SPLATLINE_TRAVERSAL_...) reads: no depth, which whoever
+// sorts has already, and the coefficients of that traversal alone.
 //
 // Memory:
 // Pointers are null or lead to what their types say.
-int32_t splatline_packet_words(const SplatlineWidths *widths, size_t *words);
+int32_t splatline_packet_words(const SplatlineWidths *widths,
+                               uint32_t traversal,
+                               size_t *words);
 
 // Describes field `index` (below SPLATLINE_PACKET_FIELDS) of a design's packet.
 //
 // Memory:
 // Pointers are null or lead to what their types say.
-int32_t splatline_packet_field(const SplatlineWidths *widths, size_t index, SplatlineField *field);
+int32_t splatline_packet_field(const SplatlineWidths *widths, uint32_t traversal, size_t index, SplatlineField *field);
 
 // Serialises a footprint into exactly `count` words (see splatline_packet_words). Values too wide for their field are cut.
 //
 // Memory:
 // Pointers are null or lead to what their types say; `words` to `count` numbers.
-int32_t splatline_packet_encode(const SplatlineWidths *widths, const SplatlineFootprint *footprint, uint32_t *words, size_t count);
+int32_t splatline_packet_encode(const SplatlineWidths *widths,
+                                uint32_t traversal,
+                                const SplatlineFootprint *footprint,
+                                uint32_t *words,
+                                size_t count);
 
-// Reads a packet of exactly `count` words.
+// Reads a packet of exactly `count` words; what it does not have is 0.
 //
 // Memory:
 // Pointers are null or lead to what their types say; `words` to `count` numbers.
-int32_t splatline_packet_decode(const SplatlineWidths *widths, const uint32_t *words, size_t count, SplatlineFootprint *footprint);
+int32_t splatline_packet_decode(const SplatlineWidths *widths,
+                                uint32_t traversal,
+                                const uint32_t *words,
+                                size_t count,
+                                SplatlineFootprint *footprint);
 
 // Prepares `rows` (uninitialised memory) for the part of a footprint that lies in `window`.
 //

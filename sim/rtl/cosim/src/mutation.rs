@@ -288,7 +288,7 @@ endmodule
     #[test]
     fn every_mutation_has_its_place() {
         for (judge, unit, choices) in [
-            ("primitive", &PRIMITIVE, 42),
+            ("primitive", &PRIMITIVE, 50),
             ("setup", &SETUP, 49),
             ("machine", &MACHINE, 22),
             ("order", &ORDER, 26),
