@@ -187,7 +187,7 @@ impl<'a, D: Design> Painter<'a, D> {
 #[inline(always)]
 fn inside<L: Lane>(lane: L, drop: i32, end: u64) -> Option<u64> {
     let radial = match drop {
-        0 => lane.from_zero(),
+        0 => lane.at_least_zero(),
         _ => crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64,
     };
     (radial < end).then_some(radial)

@@ -205,7 +205,7 @@ pub trait Lane: Copy + core::fmt::Debug + PartialEq {
     /// Sign-extended value.
     fn to_wide(self) -> i64;
     /// The value, 0 where it is negative.
-    fn from_zero(self) -> u64;
+    fn at_least_zero(self) -> u64;
     /// Sum modulo the word.
     fn add(self, other: Self) -> Self;
 }
@@ -221,7 +221,7 @@ impl Lane for i32 {
         self as i64
     }
     #[inline(always)]
-    fn from_zero(self) -> u64 {
+    fn at_least_zero(self) -> u64 {
         // In 32 bits, which small processors compare in one instruction.
         u64::from(self.max(0) as u32)
     }
@@ -242,7 +242,7 @@ impl Lane for i64 {
         self
     }
     #[inline(always)]
-    fn from_zero(self) -> u64 {
+    fn at_least_zero(self) -> u64 {
         self.max(0) as u64
     }
     #[inline(always)]

@@ -120,7 +120,7 @@ impl BakedScene {
             .collect();
         let factors: Vec<[Vector; 3]> = chosen.iter().map(|splat| cholesky(&splat.axes)).collect();
         let (origin, exponent) = grid(&chosen, &scene.name)?;
-        let lengths = factors.iter().flatten().map(|column| largest(column));
+        let lengths = factors.iter().flatten().map(largest);
         let power = lengths.filter(|length| *length > 0.0).map(fitting);
         let (low, high) = power.fold((0, i32::MIN), |(low, high), e| {
             (if high == i32::MIN { e } else { low.min(e) }, high.max(e))

@@ -14,7 +14,7 @@
 //! # One product, one multiply-add
 //!
 //! Let p, w, a, t, c and s be the fraction bits of peak, kernel, opacity, transmittance, colour and sum, n the integer bits of the last two
-//! ([`Widths::colour_range`]), and [x] the integer nearest to x, halves to even ([`Rounding::NearestEven`]). All words are integers, and one
+//! ([`Widths::colour_range`]), and \[x\] the integer nearest to x, halves to even ([`Rounding::NearestEven`]). All words are integers, and one
 //! pixel of "over" is
 //!
 //! ```text
@@ -24,7 +24,7 @@
 //! C' = [C + G K 2^-(t+c-s)]                 each colour    K < 2^(n+c)
 //! ```
 //!
-//! The sum is what is rounded, so that its ties go to even sums; without ties to even that is C + [G K 2^-(t+c-s)]. Two facts hold for every
+//! The sum is what is rounded, so that its ties go to even sums; without ties to even that is C + \[G K 2^-(t+c-s)\]. Two facts hold for every
 //! rounding:
 //!
 //! - G <= T, because A 2^-a <= 1 and rounding does not pass an integer. T never rises and never falls below 0.

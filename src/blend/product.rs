@@ -41,7 +41,7 @@ impl Product {
             Words::Wide
         } else if a * b + half <= u32::MAX as u64 {
             Words::One
-        } else if low > 0 && by > low as i32 && (a * b >> low) + (1 << 30) <= u32::MAX as u64 {
+        } else if low > 0 && by > low as i32 && ((a * b) >> low) + (1 << 30) <= u32::MAX as u64 {
             Words::Two(low)
         } else {
             Words::Wide

@@ -17,8 +17,8 @@
 //!
 //! Two more instructions are saved by what lies before and behind the table. Radial indices below 0 are rounding noise and
 //! count as 0: lanes run one *interval* ahead too, and the first word is a level one, so that no pixel clamps. And an index is as many bits
-//! of the lane as the table has, which cannot miss it. The last interval gives its place to the level one; cut-offs end at 15, one
-//! unit before the table. Lanes whose lowest bit is the position's (`radial + range == table + interpolation`) need no shift.
+//! of the lane as the table has, which cannot miss it. The last interval gives its place to the level one; cut-offs by opacity end at 15, one
+//! unit before the table. A host whose footprints reach the table's end packs one word more ([`pack_into`]). Lanes whose lowest bit is the position's (`radial + range == table + interpolation`) need no shift.
 
 use crate::format::Widths;
 
@@ -66,7 +66,8 @@ pub const fn pack<const N: usize>(
     }
 }
 
-/// The same into memory that the caller lends: one word less than there are entries. Radial indices far below 0, which no run of setup has, must
+/// The same into memory that the caller lends: one word less than there are entries, or as many, of which the last is the last interval's,
+/// which [`PackedTable`] has no place for. Radial indices far below 0, which no run of setup has, must
 /// be raised to 0 before they [lead](PackedTable::lead).
 pub const fn pack_into(
     words: &mut [u32],
@@ -74,7 +75,9 @@ pub const fn pack_into(
     widths: &Widths,
     range: u8,
 ) -> Result<(), PackedError> {
-    if words.len() != 1 << widths.table || entries.len() != words.len() + 1 {
+    let intervals = 1usize << widths.table;
+    if entries.len() != intervals + 1 || (words.len() != intervals && words.len() != entries.len())
+    {
         return Err(PackedError::Intervals);
     }
     let lane = widths.radial as u32 + range as u32;

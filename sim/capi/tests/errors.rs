@@ -172,7 +172,7 @@ fn sizes_strides_and_choices_are_checked() {
     );
     // SAFETY: every pointer leads to at least as much as is said.
     unsafe {
-        assert_eq!(splatline_design(4, &mut widths()), SPLATLINE_ERROR_VALUE);
+        assert_eq!(splatline_design(5, &mut widths()), SPLATLINE_ERROR_VALUE);
         assert_eq!(splatline_design_check(&wide), SPLATLINE_ERROR_WIDTHS);
         assert_eq!(
             splatline_packet_encode(&w, SPANS, &fp, words.as_mut_ptr(), 3),

@@ -416,7 +416,7 @@ mod tests {
         );
         assert!(message("base = \"lean18\"\nmantisa = 4\n").contains("unknown field `mantisa`"));
         assert!(message("base = \"lean18\"\nmantisa = 4\n").contains("line 2"));
-        assert!(message("base = \"lean\"").contains("expected one of classic8, lean18"));
+        assert!(message("base = \"lean\"").contains("expected one of classic8, micro16, lean18"));
         assert!(message("base = 3").contains("line 1"));
         assert!(
             DesignChoice::load("nonesuch")

@@ -245,7 +245,7 @@ impl Plan {
         ))
     }
 
-    /// Where every splat lands, float64 of shape (n, 11): u, v, depth, conic a, b, c, x0, y0, x1, y1, cutoff; NaN where it is culled.
+    /// Where every splat lands, float64 of shape (n, 12): u, v, depth, conic a, b, c, x0, y0, x1, y1, cutoff, opacity; NaN where it is culled.
     #[pyo3(signature = (engine="fixed"))]
     fn footprints<'py>(
         &self,
@@ -265,12 +265,14 @@ impl Plan {
                 conic,
                 bounds,
                 cutoff,
+                opacity,
             }) = line
             else {
-                return vec![f64::NAN; 11];
+                return vec![f64::NAN; 12];
             };
             let bounds = bounds.map(|bound| bound as f64);
-            [&centre[..], &[depth], &conic, &bounds, &[cutoff]].concat()
+            let last = [cutoff, opacity.unwrap_or(f64::NAN)];
+            [&centre[..], &[depth], &conic, &bounds, &last].concat()
         };
         let rows: Vec<Vec<f64>> = raise(found)?.into_iter().map(row).collect();
         Ok(numpy::PyArray2::from_vec2(py, &rows)?)

@@ -69,18 +69,17 @@ pub fn mean(test: &Picture, reference: &Picture, pixels_per_degree: f64) -> f64 
 pub fn map(test: &Picture, reference: &Picture, pixels_per_degree: f64) -> Vec<f64> {
     let [test, reference] = [test, reference].map(|picture| Seen::new(picture, pixels_per_degree));
     let largest = largest_distance();
-    let pixels = test.colours.par_iter().zip(&reference.colours);
-    let features = test.features.par_iter().zip(&reference.features);
-    let flip = |((a, b), ([edge_a, point_a], [edge_b, point_b])): (
-        (&[f64; 3], _),
-        (&[f64; 2], &[f64; 2]),
-    )| {
+    let flip = |at: usize| {
+        let [a, b] = [&test, &reference].map(|picture| &picture.colours[at]);
         let colour = remapped(distance(a, b).powf(COLOUR_EXPONENT), largest);
+        let [[edge_a, point_a], [edge_b, point_b]] =
+            [&test, &reference].map(|picture| picture.features[at]);
         let feature = (edge_a - edge_b).abs().max((point_a - point_b).abs());
         let feature = (FRAC_1_SQRT_2 * feature).powf(FEATURE_EXPONENT);
         colour.powf(1.0 - feature)
     };
-    pixels.zip(features).map(flip).collect()
+    let pixels = test.colours.len().min(reference.colours.len());
+    (0..pixels).into_par_iter().map(flip).collect()
 }
 
 /// A picture as the eye takes it in.

@@ -239,13 +239,25 @@ impl Info {
         {
             let _ = writeln!(
                 text,
-                "{of:<31} {least:.4e} to {greatest:.4e}, median {median:.4e}"
+                "{of:<31} {} to {}, median {}",
+                number(*least),
+                number(*greatest),
+                number(*median)
             );
         }
         for note in &self.notes {
             let _ = writeln!(text, "note       {note}");
         }
         text
+    }
+}
+
+/// A number of a range, which may be beyond all numbers: a radius whose square overflows.
+fn number(value: f64) -> String {
+    if value.is_finite() {
+        format!("{value:.4e}")
+    } else {
+        "beyond 1.8e308".to_owned()
     }
 }
 

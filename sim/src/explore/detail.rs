@@ -62,7 +62,7 @@ pub fn detail(
     let choice = chosen(subject, found)?;
     let evaluator = Evaluator::new(subject, false);
     let all: Vec<usize> = (0..subject.frames.len()).collect();
-    let costs = costs(&evaluator, &[choice.clone()], &all)?;
+    let costs = costs(&evaluator, std::slice::from_ref(&choice), &all)?;
     let by_cycles = |frame: &usize| costs[0][*frame].pace.cycles_per_frame;
     let slowest = all
         .into_iter()

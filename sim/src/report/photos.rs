@@ -195,7 +195,7 @@ impl Shown {
         self.0.iter().map(file).collect()
     }
 
-    /// For the page: names with pictures of at most [`SMALL`] columns.
+    /// For the page: names with pictures of at most 400 columns.
     pub fn small(&self) -> Result<Vec<(String, String)>, PngError> {
         let small = |(_, name, picture): &(&'static str, String, Rgb)| {
             Ok((name.clone(), STANDARD.encode(shrunk(picture).to_png()?)))

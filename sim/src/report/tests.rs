@@ -127,7 +127,7 @@ fn the_markdown_table_marks_numbers_as_right_aligned() {
         lines[1].starts_with("| -------- | --------- | ------: |"),
         "{text}"
     );
-    assert!(lines.iter().all(|line| line.matches('|').count() == 17));
+    assert!(lines.iter().all(|line| line.matches('|').count() == 19));
 }
 
 #[test]

@@ -86,12 +86,13 @@ fn bad_input_is_exit_code_1_and_names_the_file() {
 }
 
 /// Every command that prints, with little work: what cannot be printed must not look printed.
-const PRINTING: [&[&str]; 18] = [
+const PRINTING: [&[&str]; 19] = [
     &["--help"],
     &["--version"],
     &["simulate", "--help"],
     &["render", "random:9", "--size", "8x8", "-o", "OUT/a.png"],
     &["render", "random:9", "--size", "8x8", "-o", "-"],
+    &["bake", "random:9", "-o", "OUT/scene.rs"],
     &["info", "random:9"],
     &["completions", "bash"],
     &["man", "-o", "OUT/man"],
@@ -246,7 +247,7 @@ fn absurd_coordinates_are_refused() {
         &picture,
     ];
     refused(1, &spacing, "too large or too far apart");
-    let output = splatline(&["info", &path("c.xyz")]);
+    let output = splatline(&["info", &path("h.csv")]);
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(printed.contains("framed     no ball: "), "{printed}");
     assert!(!printed.contains("inf"), "{printed}");

@@ -5,7 +5,7 @@
 //! file may replace any of it, for another device or a chip: `family = "ecp5"` names the prices that it starts from.
 
 use super::Fabric;
-use super::circuit::{Bits, ROW_JUMPS};
+use super::circuit::Bits;
 use super::synthesis::{Synthesised, SynthesisedPart, synthesised};
 use crate::primitive::SETUP_INTERVAL;
 use serde::{Deserialize, Serialize};
@@ -220,14 +220,11 @@ impl Calibration {
         *self == self.family.calibration()
     }
 
-    /// Multipliers of splat setup where a packet comes in so many cycles: C dy and S dy share theirs, and so do those of the jumps (`shared_multiply.sv`).
+    /// Multipliers of splat setup where a packet comes in so many cycles: C dy and C dy^2 share theirs (`shared_multiply.sv`), S dy has its own.
     pub(super) fn setup_dsps(&self, bits: &Bits, interval: u32) -> u64 {
-        let [linear, _, square] = bits.setup_products().map(|product| product.factors);
-        let products = [(linear, 2), (square, 1), ROW_JUMPS];
-        products
-            .into_iter()
-            .map(|(factors, count)| self.tiles(factors) * count.div_ceil(interval.max(1).into()))
-            .sum()
+        let [along, shear, _] = bits.setup_products().map(|product| product.factors);
+        let shared = 2u64.div_ceil(interval.max(1).into());
+        self.tiles(along) * shared + self.tiles(shear)
     }
 
     /// A line's kilobits in whole blocks.

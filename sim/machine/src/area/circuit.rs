@@ -76,7 +76,7 @@ impl Bits {
     pub fn row_products(&self) -> [Product; 4] {
         let m = self.mantissa;
         [
-            Product::new([33, m], [m + 1, 33]),
+            Product::new([30, m], [m + 1, 30]),
             Product::new([17, 16], [18, 17]),
             Product::new([m + 1, m], [m + 1, m + 2]),
             Product::new([m + 1, m + 1], [m + 3, m + 2]),
@@ -117,10 +117,7 @@ impl Product {
     }
 }
 
-/// Factors of the products with the rows that splat setup jumps over, and how many there are: no packet has to have one.
-pub const ROW_JUMPS: ([u64; 2], u64) = ([64, 16], 3);
-
-/// The same of a row, with the pixels before its first.
+/// Factors of a row's products with the pixels before its first.
 pub const PIXEL_JUMPS: [[u64; 2]; 2] = [[32, 5], [33, 5]];
 
 /// Bits of adders, and widths of shifters by any number of places.

@@ -21,7 +21,7 @@ fn compare_writes_all_files_and_all_designs() {
         assert!(out.join(name).is_file(), "{name}");
     }
     let report = read_report(&out.join("report.json"));
-    assert_eq!(report.table.len(), 8);
+    assert_eq!(report.table.len(), 10);
     assert_eq!(
         (report.engine.as_str(), report.reference.as_deref()),
         ("fixed", Some("float"))
@@ -66,7 +66,7 @@ fn only_restricts_the_table_and_a_file_joins_it() {
     ))
     .unwrap();
     let report = read_report(&folder.path().join("report.json"));
-    assert_eq!(report.table.len(), 10);
+    assert_eq!(report.table.len(), 12);
     assert_eq!(
         (report.design_name(), report.reference.as_deref()),
         ("mine12", Some("exact"))
@@ -422,7 +422,7 @@ fn the_demo_writes_its_report() {
     .unwrap();
     assert_eq!(
         read_report(&folder.path().join("report.json")).table.len(),
-        8
+        10
     );
     let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
     assert!(page.contains("brainsmall") && page.contains("id=\"scene\""));

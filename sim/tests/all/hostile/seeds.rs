@@ -161,7 +161,7 @@ fn sweep() -> String {
     let identity = Identity::new(&subject, text, &[]).expect("a sound sweep");
     let rows: String = [(0, 1), (1, 2), (2, 4)]
         .map(|(point, lanes)| {
-            let row = format!("{point},{lanes},,,,,,900,1,2,3,0.5,0.5,0.25,100,0,60.5,16.5,16.5,16.5,1,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.5,");
+            let row = format!("{point},{lanes},,,,,,,,,900,1,2,3,0.5,0.5,0.25,100,0,60.5,16.5,16.5,16.5,1,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.5,");
             let mut fields: Vec<String> = row.split(',').map(str::to_owned).collect();
             fields.push(row_digest(&fields));
             to_line(&fields)

@@ -284,7 +284,7 @@ fn needs_fit_and_trace_answer() {
             text(&path("x.png")),
         ],
     ));
-    assert!(fail(1, &with("fit", &["--max-error", "1e-12"])).contains("above the budget"));
+    assert!(fail(1, &with("fit", &["--max-error", "1e-12"])).contains("above --max-error"));
     for format in ["kanata", "vcd", "perfetto"] {
         let printed = succeed(&with(
             "trace",

@@ -69,7 +69,7 @@ pub trait Singles: Wide {
     /// The smaller one.
     fn single_min(self, a: Self::Single, b: Self::Single) -> Self::Single;
     /// The number, 0 where it is negative.
-    fn from_zero(self, a: Self::Single) -> Self::Single;
+    fn at_least_zero(self, a: Self::Single) -> Self::Single;
     /// a < b.
     fn single_less(self, a: Self::Single, b: Self::Single) -> Self::Choice;
     /// The number where it is true, else 0.
@@ -173,7 +173,7 @@ impl Singles for Portable {
         zip(a, b, f32::min)
     }
     #[inline(always)]
-    fn from_zero(self, a: Self::Single) -> Self::Single {
+    fn at_least_zero(self, a: Self::Single) -> Self::Single {
         a.map(|a| if a > 0.0 { a } else { 0.0 })
     }
     #[inline(always)]
@@ -313,7 +313,7 @@ mod x86 {
             op!(_mm256_min_ps(a, b))
         }
         #[inline(always)]
-        fn from_zero(self, a: __m256) -> __m256 {
+        fn at_least_zero(self, a: __m256) -> __m256 {
             op!(_mm256_max_ps(a, _mm256_setzero_ps()))
         }
         #[inline(always)]
@@ -443,7 +443,7 @@ mod x86 {
             op!(_mm512_min_ps(a, b))
         }
         #[inline(always)]
-        fn from_zero(self, a: __m512) -> __m512 {
+        fn at_least_zero(self, a: __m512) -> __m512 {
             op!(_mm512_max_ps(a, _mm512_setzero_ps()))
         }
         #[inline(always)]

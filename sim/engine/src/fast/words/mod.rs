@@ -171,6 +171,10 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
 }
 
 /// What is drawn of a footprint.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one at a time, on the stack of the loop that draws it"
+)]
 enum PreparedFootprint {
     /// Nothing of it lies in the window.
     Nothing,

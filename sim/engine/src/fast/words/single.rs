@@ -63,7 +63,8 @@ impl SingleNumbers {
             return None;
         }
         let constants = blend.constants();
-        let mut words = vec![0; entries.len().checked_sub(1)?];
+        // With the last interval: footprints of [`Rules::EWA`] end where their table does.
+        let mut words = vec![0; entries.len()];
         pack_into(&mut words, entries, widths, rules.table_range).ok()?;
         let below = i32::from(widths.radial + rules.table_range) - i32::from(widths.table);
         let interpolation = i32::from(widths.interpolation);
@@ -177,7 +178,7 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
         let alpha = lanes.fused_add(self.weight(radial), splat.peak, self.opacity);
         let alpha = lanes.single_min(lanes.single_sub(alpha, self.opacity), self.alpha_max);
         let alpha = lanes.single_keep(alpha, inside);
-        let left = lanes.from_zero(light);
+        let left = lanes.at_least_zero(light);
         let share = lanes.fused_add(left, alpha, self.whole);
         let share = lanes.single_sub(share, self.whole);
         let stop = lanes.single_less(lanes.single_sub(left, share), self.stop);
@@ -207,7 +208,11 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
         let along = lanes.whole(second.wrapping_mul(width));
         let whole = lanes.whole(second.wrapping_mul(width * (width - 1) / 2));
         SingleSplat {
-            end: lanes.whole((splat.end >> 32) as i32),
+            // At a cut-off of 0 nothing is inside, not even the rounding noise below 0.
+            end: lanes.whole(match (splat.end >> 32) as i32 {
+                0 => i32::MIN,
+                end => end,
+            }),
             peak: lanes.single(splat.peak as f32 * numbers.peak),
             colour: [0, 1, 2].map(|k| lanes.single(splat.colour[k] as f32 * numbers.colour)),
             ahead: [
@@ -296,7 +301,7 @@ mod tests {
             match spare {
                 31 => end,
                 30 => end - 1,
-                _ => (u64::from(self.bits(32)) * u64::from(end) >> 32) as u32 >> (spare % 20),
+                _ => ((u64::from(self.bits(32)) * u64::from(end)) >> 32) as u32 >> (spare % 20),
             }
         }
 
