@@ -1,9 +1,10 @@
-"""What the package costs beside the command line: `python sim/python/examples/pace.py [PAIRS]`.
+"""What the package costs beside the command line: `python sim/python/examples/pace.py SCENE [PAIRS]`.
 
-A call's overhead is the time of a picture of one pixel. The 2,000 points of a space are run by `splatline sweep` on two threads and as a study on
-two workers, in turn, each from nothing and with its start; several pairs, for machines that are not quiet.
+A call's overhead is the time of a picture of one pixel. The 2,000 points of a space are run by `splatline sweep` and as a study on two workers, in
+turn, on the same two processors, each from nothing and with its start; several pairs, for machines that are not quiet.
 """
 
+import os
 import statistics
 import subprocess
 import sys
@@ -24,10 +25,11 @@ row_fifo = [2, 4, 8, 16, 32]
 packet_fifo = [8, 16, 32, 64, 128]
 """
 STUDY = """
+import sys
 import splatline
 from splatline.study import Study
 if __name__ == "__main__":
-    plan = splatline.plan("random:2000", splatline.Camera.load("camera.json"))
+    plan = splatline.plan(sys.argv[1], splatline.Camera.load("camera.json"))
     study = Study("study.sqlite", plan, open("space.toml").read())
     study.run(workers=2, progress=False)
     study.write("study")
@@ -36,7 +38,7 @@ if __name__ == "__main__":
 
 def seconds(words, folder):
     began = time.perf_counter()
-    subprocess.run([sys.executable, *words], cwd=folder, check=True, capture_output=True)
+    subprocess.run([sys.executable, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
     return time.perf_counter() - began
 
 
@@ -53,15 +55,18 @@ def overhead():
 
 def main():
     print(f"a call: {overhead() * 1e6:.0f} us with a picture of one pixel")
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:2])
+    path = str(Path(sys.argv[1]).resolve()) if Path(sys.argv[1]).exists() else sys.argv[1]
+    camera = splatline.Camera.framing(splatline.load(path), size=(256, 256)).to_json()
     ratios = []
-    for pair in range(int(sys.argv[1]) if len(sys.argv) > 1 else 3):
+    for pair in range(int(sys.argv[2]) if len(sys.argv) > 2 else 3):
         with tempfile.TemporaryDirectory() as folder:
-            scene = splatline.load("random:2000")
-            Path(folder, "camera.json").write_text(splatline.Camera.framing(scene, size=(128, 128)).to_json())
+            Path(folder, "camera.json").write_text(camera)
             Path(folder, "space.toml").write_text(SPACE)
             Path(folder, "program.py").write_text(STUDY)
-            view = ["random:2000", "--camera", "camera.json", "--space", "space.toml"]
-            runs = {"sweep": ["-m", "splatline", "sweep", *view, "--threads", "2", "-o", "sweep"], "study": ["program.py"]}
+            view = [path, "--camera", "camera.json", "--space", "space.toml"]
+            runs = {"sweep": ["-m", "splatline", "sweep", *view, "-o", "sweep"], "study": ["program.py", path]}
             order = list(runs) if pair % 2 else list(reversed(runs))
             took = {name: seconds(runs[name], folder) for name in order}
             points = [len(Path(folder, name, "points.csv").read_text().splitlines()) - 1 for name in runs]
