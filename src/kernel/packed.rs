@@ -18,7 +18,7 @@
 //! Two more instructions are saved by what lies before and behind the table. Radial indices below 0 are rounding noise and
 //! count as 0: lanes run one *interval* ahead too, and the first word is a level one, so that no pixel clamps. And an index is as many bits
 //! of the lane as the table has, which cannot miss it. The last interval gives its place to the level one; cut-offs by opacity end at 15, one
-//! unit before the table. A host whose footprints reach the table's end packs one word more ([`pack_into`]). Lanes whose lowest bit is the position's (`radial + range == table + interpolation`) need no shift.
+//! unit before the table. A host whose footprints reach the table's end packs two words more ([`pack_into`]). Lanes whose lowest bit is the position's (`radial + range == table + interpolation`) need no shift.
 
 use crate::format::Widths;
 
@@ -66,8 +66,8 @@ pub const fn pack<const N: usize>(
     }
 }
 
-/// The same into memory that the caller lends: one word less than there are entries, or as many, of which the last is the last interval's,
-/// which [`PackedTable`] has no place for. Radial indices far below 0, which no run of setup has, must
+/// The same into memory that the caller lends: one word less than there are entries, or one more, of which the last two are the last interval's
+/// and its end's, which [`PackedTable`] has no place for. Radial indices far below 0, which no run of setup has, must
 /// be raised to 0 before they [lead](PackedTable::lead).
 pub const fn pack_into(
     words: &mut [u32],
@@ -76,7 +76,7 @@ pub const fn pack_into(
     range: u8,
 ) -> Result<(), PackedError> {
     let intervals = 1usize << widths.table;
-    if entries.len() != intervals + 1 || (words.len() != intervals && words.len() != entries.len())
+    if entries.len() != intervals + 1 || (words.len() != intervals && words.len() != intervals + 2)
     {
         return Err(PackedError::Intervals);
     }
@@ -92,7 +92,8 @@ pub const fn pack_into(
     let mut i = 0;
     while i < words.len() {
         let level = if i == 0 { 0 } else { i - 1 };
-        match word(entries[level], entries[i], i as u32, position) {
+        let end = if i < entries.len() { i } else { level };
+        match word(entries[level], entries[end], i as u32, position) {
             Some(packed) => words[i] = packed,
             None => return Err(PackedError::Room),
         }

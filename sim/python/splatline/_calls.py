@@ -127,7 +127,7 @@ def metrics(picture, reference) -> dict:
 
 def footprints(scene, camera=None, design="standard24", *, engine="fixed", **options) -> np.ndarray:
     """Where every splat lands, a structured array; NaN where it is culled. Pixels; r = a dx^2 + 2 b dx dy + c dy^2."""
-    names = ["u", "v", "depth", "conic_a", "conic_b", "conic_c", "x0", "y0", "x1", "y1", "cutoff"]
+    names = ["u", "v", "depth", "conic_a", "conic_b", "conic_c", "x0", "y0", "x1", "y1", "cutoff", "opacity"]
     rows = plan(scene, camera, design, **options).footprints(engine)
     return rows.view([(name, np.float64) for name in names]).reshape(-1)
 

@@ -64,7 +64,7 @@ impl SingleNumbers {
         }
         let constants = blend.constants();
         // With the last interval: footprints of [`Rules::EWA`] end where their table does.
-        let mut words = vec![0; entries.len()];
+        let mut words = vec![0; entries.len() + 1];
         pack_into(&mut words, entries, widths, rules.table_range).ok()?;
         let below = i32::from(widths.radial + rules.table_range) - i32::from(widths.table);
         let interpolation = i32::from(widths.interpolation);
@@ -300,7 +300,7 @@ mod tests {
             let spare = self.bits(5);
             match spare {
                 31 => end,
-                30 => end - 1,
+                30 => end.saturating_sub(1),
                 _ => ((u64::from(self.bits(32)) * u64::from(end)) >> 32) as u32 >> (spare % 20),
             }
         }
@@ -343,7 +343,7 @@ mod tests {
             for _ in 0..self.runs {
                 pixels = pixels.map(|_| self.pixel(minimum));
                 tile.set_pixels(&pixels);
-                let last = (1u32 << (28 + self.rules.table_range)) - (1 << 20);
+                let last = u32::MAX >> (4 - self.rules.table_range);
                 let end = cutoff_in_lane(self.up_to(last), WIDTHS.radial);
                 let splat = SplatNumbers {
                     end: (end as i64) << 32,
