@@ -41,7 +41,7 @@ OTHERS = (
     ["standard24", *SMALL, "--compositing", "x-ray"],
     ["lean18", *SMALL, "--orthographic"],
     ["standard24", *SMALL, "--orthographic"],
-    ["lean18", *SMALL, "--antialias", "mip"],
+    ["lean18", "--splats", "200", "--size", "24x16", "--seed", "3", "--antialias", "mip"],
     ["lean18", *SMALL, "--antialias", "swan", "--rules", "ewa"],
     ["lean18", *SMALL, "--antialias", "swan"],
     ["standard24", *SMALL, "--antialias", "none", "--traversal", "box"],

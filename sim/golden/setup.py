@@ -279,7 +279,7 @@ def bounds(widths, limit, centre, spread, cutoff):
     if extent >> 60:
         raise Cull(RANGE)
     sample = (centre << (32 - widths.subpixel)) - (1 << 31)
-    low = (sample - extent + (1 << 32) - 1) >> 32
+    low = -((extent - sample) >> 32)
     high = ((sample + extent) >> 32) + 1
     low, high = max(0, min(limit, low)), max(0, min(limit, high))
     if low >= high:
@@ -289,9 +289,7 @@ def bounds(widths, limit, centre, spread, cutoff):
 
 def colour_range(widths):
     """(2.20) Integer bits of colours and their sums."""
-    if widths.rounding == "nearest-even" and widths.accumulator > 19:
-        return max(23 - widths.accumulator, 0)
-    return 4
+    return min(4, 23 - widths.accumulator) if widths.rounding == "nearest-even" else 4
 
 
 def colour(widths, channels):
@@ -306,7 +304,7 @@ def peak_word(widths, peak):
     word = fixed(peak, widths.peak)
     if 1 <= drop <= 31:
         word = even(peak[0], drop)
-    word = max(0, min((16 << widths.peak) - 1, word))
+    word = min((16 << widths.peak) - 1, word)
     if word == 0:
         raise Cull(TRANSPARENT)
     return word
