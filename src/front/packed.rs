@@ -5,7 +5,7 @@
 //! set up: the keys of that sort lie at the end of the same memory, and the footprints take their place as they come.
 //!
 //! The first word of an entry is its rows, so that a strip passes over a footprint of other strips with one load and two comparisons. Lists by
-//! strip would save that (under 1 % of a picture of 1,000 splats on a Cortex-M0+) for two bytes more per footprint and strip.
+//! strip would save these for two bytes more per footprint and strip.
 
 use super::list::Footprints;
 use crate::footprint::Footprint;

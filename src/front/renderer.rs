@@ -21,7 +21,7 @@ use crate::view::{Pose, View};
 /// Everything that is constant for a picture. Draws nearest first by spans unless told otherwise.
 ///
 /// Where the design's words allow it ([`Micro16`](crate::Micro16)), spans are drawn nearest first by a loop of 32-bit words
-/// ([`Painter32`]): the same bits from footprints of setup, in a third of the instructions on a Cortex-M0+.
+/// ([`Painter32`]): the same bits from footprints of setup.
 ///
 /// ```
 /// use splatline::{BoundedList, Camera, Gaussian, Pixel, Renderer, Standard24};

@@ -159,7 +159,7 @@ impl FramingInput {
             (
                 thinner_side(&places, &ball, chosen),
                 0.0,
-                "a cloud is seen across its thinner horizontal side; z is up in scanners' files",
+                cloud_reason(scene.up),
             )
         };
         FramingInput {
@@ -229,6 +229,25 @@ impl FramingInput {
     }
 }
 
+/// A camera turned around an axis through `centre`, counter-clockwise seen from above, degrees.
+pub fn turned_camera(camera: &Camera, centre: Vector, up: Vector, azimuth: f64) -> Camera {
+    let up = unit(up).unwrap_or([0.0, 0.0, 1.0]);
+    let (sine, cosine) = azimuth.to_radians().sin_cos();
+    let turn = |v: Vector| {
+        let along = vector::scale(vector::dot(v, up), up);
+        let level = vector::scale(cosine, vector::subtract(v, along));
+        let sideways = vector::scale(sine, vector::cross(up, v));
+        vector::add(along, vector::add(level, sideways))
+    };
+    let eye = vector::add(centre, turn(vector::subtract(camera.eye(), centre)));
+    let rotation = camera.rotation.map(turn);
+    Camera {
+        rotation,
+        translation: vector::scale(-1.0, vector::transform(&rotation, eye)),
+        ..camera.clone()
+    }
+}
+
 /// Turned around `up` and then raised towards it; lengths 1, `front` level.
 fn turned(front: Vector, up: Vector, orbit: Orbit) -> Vector {
     let up = unit(up).unwrap_or([0.0, 0.0, 1.0]);
@@ -257,6 +276,15 @@ pub fn orbited(eye: Vector, target: Vector, up: Vector, orbit: Orbit) -> Vector 
     let elevation = (before + orbit.elevation).clamp(-89.0, 89.0);
     let towards = turned(front, up, Orbit { elevation, ..orbit });
     vector::add(target, vector::scale(distance, towards))
+}
+
+/// Why a cloud is seen so.
+fn cloud_reason(up: Vector) -> &'static str {
+    if up == [0.0, 0.0, 1.0] {
+        "a cloud is seen across its thinner horizontal side; z is up in scanners' files"
+    } else {
+        "a cloud is seen across its thinner horizontal side, and stands on its flat base"
+    }
 }
 
 /// The horizontal axis along which the framed places extend least, towards its positive end.

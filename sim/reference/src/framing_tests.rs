@@ -224,3 +224,25 @@ fn a_frame_looks_the_way_of_the_default_camera_and_shows_no_less() {
         }
     }
 }
+
+/// Turning a camera is the orbit that frames the scene anew; all the way round is back again.
+#[test]
+fn a_turned_camera_is_the_orbits() {
+    let scene = random_gaussians(200, 3, 1.0);
+    let up = Some([0.3, -1.0, 0.2]);
+    let frame = FramingInput::of_scene(&scene, up);
+    let raised = |azimuth| {
+        let elevation = 20.0;
+        let orbit = Orbit { azimuth, elevation };
+        frame.camera(Some(orbit), 40.0, 64, 48).unwrap()
+    };
+    for azimuth in [0.0, 33.0, 180.0, 271.0, 360.0] {
+        let turned = turned_camera(&raised(0.0), frame.ball.centre, frame.up, azimuth);
+        let expected = raised(azimuth);
+        let numbers =
+            |camera: &Camera| [camera.rotation.as_flattened(), &camera.translation].concat();
+        for (a, b) in numbers(&turned).iter().zip(numbers(&expected)) {
+            assert!((a - b).abs() < 1e-9, "{azimuth}: {turned:?} {expected:?}");
+        }
+    }
+}

@@ -46,7 +46,11 @@ Examples:
   splatline render hills --as surface --texture checkerboard -o hills.png
   splatline render --plan sim/plans/05-sheets.toml -o sheets.png
   splatline render guitar.ply --camera-path keys.toml --json frames.json -o frames/guitar.png
-      a picture a frame: frames/guitar-0001.png and so on, and one report over all";
+      a picture a frame: frames/guitar-0001.png and so on, and one report over all
+  splatline render guitar.ply --turntable 60 --animation turning.png -o frames/guitar.png
+  splatline render scene.ply --camera-path sparse/0 -o frames/scene.png
+      frames called after their pictures: frames/scene-IMG_0001.png and so on
+  splatline render scene.ply --camera sparse/0 --image IMG_0001.jpg --distort -o scene.png";
 
 const COMPARE_EXAMPLES: &str = "\
 Examples:
@@ -158,9 +162,15 @@ pub struct RenderOptions {
         value_name = "LIST",
         help_heading = "Output",
         value_delimiter = ',',
-        conflicts_with = "camera_path"
+        conflicts_with_all = ["camera_path", "turntable"]
     )]
     pub maps: Vec<Map>,
+    /// Also write all frames as one animated PNG, 15 a second
+    #[arg(long, value_name = "x.png", help_heading = "Output")]
+    pub animation: Option<PathBuf>,
+    /// Draw through the lens of --camera, as its photographs are
+    #[arg(long, help_heading = "Camera", requires = "camera", conflicts_with_all = ["maps", "zoom"])]
+    pub distort: bool,
 }
 
 #[derive(Debug, Args)]
@@ -187,7 +197,7 @@ pub struct CompareOptions {
         long,
         value_name = "DIR",
         help_heading = "Photographs",
-        conflicts_with = "from"
+        conflicts_with_all = ["from", "turntable"]
     )]
     pub photos: Option<PathBuf>,
     /// Views that are compared: test (every eighth), train (the others), all, or N for every Nth

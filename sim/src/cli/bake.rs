@@ -9,7 +9,7 @@ use crate::bake::{BakedScene, contributions, error, most_visible};
 use crate::fixed::QuantisedScene;
 use crate::plan::Subject;
 use crate::progress::ProgressMeter;
-use clap::Args;
+use clap::{Arg, Args};
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
@@ -22,7 +22,20 @@ scene.rs holds constants (with a camera path also its views), scene.bin what Com
 Splats that no view shows are left out; --keep leaves out those that the views show least of.";
 
 /// Which scene, seen from where, how much of it, and where it goes.
+/// Why a surface is refused.
+const GAUSSIANS_ALONE: &str =
+    "only scenes of 3D Gaussians are baked; surfaces are drawn by `splatline render`";
+
+/// Volumes and surfaces are not baked.
+fn of_gaussians(arg: Arg) -> Arg {
+    let is_surfaces = arg.get_help_heading() == Some("Surfaces");
+    let others = ["flatten", "depth_image_from", "transfer", "light"];
+    let is_other = others.contains(&arg.get_id().as_str());
+    arg.hide(is_surfaces || is_other)
+}
+
 #[derive(Debug, Args)]
+#[command(mut_args(of_gaussians))]
 pub struct BakeOptions {
     #[command(flatten)]
     pub view: ViewOptions,
@@ -43,6 +56,9 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
     let outputs = Outputs::default()
         .file(&options.output, &["rs", "bin"])?
         .json(options.json.as_ref())?;
+    if options.view.surface.kind.is_some() {
+        return Err(Failure::Usage(GAUSSIANS_ALONE.to_owned()));
+    }
     let design = DesignName("standard24".to_owned());
     let asked = PlanRequest::by_design(&options.view, &design);
     let frames = asked.frames(&options.path, &MoreScenes::default())?;
@@ -53,9 +69,7 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
     };
     warn(&first.warnings);
     let Subject::Splats(splats) = first.subject()? else {
-        let message =
-            "only scenes of 3D Gaussians are baked; surfaces are drawn by `splatline render`";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(Failure::Usage(GAUSSIANS_ALONE.to_owned()));
     };
     let (scene, rules) = (splats.scene, splats.rules);
     let cameras: Vec<_> = frames
@@ -79,7 +93,7 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
         .extension()
         .is_some_and(|end| end.eq_ignore_ascii_case("rs"))
     {
-        let path = if options.path.camera_path.is_some() {
+        let path = if options.path.is_path() {
             cameras.as_slice()
         } else {
             &[]

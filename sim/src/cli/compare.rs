@@ -19,7 +19,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         let outputs = Outputs::default().json(drawing.json.as_ref())?;
         return photos::run(options, folder, outputs);
     }
-    if options.path.camera_path.is_some() {
+    if options.path.is_path() {
         return frames::compare(options, outputs);
     }
     let asked = PlanRequest::drawing(&options.view, drawing).on(&options.machine);

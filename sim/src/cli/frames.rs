@@ -4,11 +4,12 @@ use super::args::{CompareOptions, RenderOptions};
 use super::compare::against_reference;
 use super::output::{self, Outputs, create_folder, write, write_json};
 use super::render::{check_room, write_picture};
-use super::resolve::{COMPARED, NamedFrame, PlanRequest, room_for_picture};
+use super::resolve::{COMPARED, NamedFrame, PlanRequest, PlannedFrame, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use super::view_args::MoreScenes;
 use crate::machine::summary::Spread;
 use crate::picture::EXTENSIONS;
+use crate::picture::png::animated;
 use crate::plan::compare_all;
 use crate::plan::measure::draw_alone;
 use crate::progress::ProgressMeter;
@@ -26,26 +27,40 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
     let frames = PlanRequest::drawing(&options.view, drawing)
         .planned_frames(&options.path, &MoreScenes::default())?;
     let count = frames.len();
-    let files = (1..=count).map(|number| numbered(&options.output, number));
-    Outputs::default()
-        .json(drawing.json.as_ref())?
-        .files(files, &EXTENSIONS)?
+    let files = files(&options.output, &frames);
+    let [first, last] = [files.first(), files.last()].map(|file| file.cloned().unwrap_or_default());
+    let mut outputs = Outputs::default().json(drawing.json.as_ref())?;
+    if let Some(animation) = &options.animation {
+        outputs = outputs.file(animation, &["png", "apng"])?;
+    }
+    let extensions = if options.animation.is_some() {
+        &EXTENSIONS[..1]
+    } else {
+        &EXTENSIONS[..]
+    };
+    outputs
+        .files(files.iter().cloned(), extensions)?
         .spare_inputs()?;
     let (progress, mut warnings) = (ProgressMeter::new(count), BTreeSet::new());
     let (mut rows, mut seconds) = (Vec::new(), Vec::new());
-    for (number, frame) in (1..).zip(frames) {
+    for (file, frame) in files.iter().zip(frames) {
         let NamedFrame { name, prepared } = frame.prepare();
         check_room(&prepared)?;
         progress.doing(&name);
         let (measured, report) = draw_alone(&prepared, &drawing.effort(), &progress)?;
-        let file = numbered(&options.output, number);
-        write_picture(options, &measured.drawing.picture, &file)?;
+        write_picture(options, &measured.drawing.picture, file)?;
         seconds.push(report.host.total_s);
         warnings.extend(report.warnings.iter().cloned());
         if drawing.json.is_some() {
+            let file = file.clone();
             rows.push(DrawnFrame { name, file, report });
         }
         progress.advance();
+    }
+    if let Some(animation) = &options.animation {
+        progress.doing("writing the animation");
+        let bytes = animated(&files, FRAMES_PER_SECOND)?;
+        write(animation, &bytes)?;
     }
     drop(progress);
     let spread = Spread::of(seconds);
@@ -60,8 +75,8 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
     warn(&warnings.into_iter().collect::<Vec<_>>());
     print_result(&format!(
         "{count} frames, {} to {}: worst {:.1} ms, 95 % {:.1} ms, mean {:.1} ms\n",
-        numbered(&options.output, 1).display(),
-        numbered(&options.output, count).display(),
+        first.display(),
+        last.display(),
         spread.worst * 1e3,
         spread.percentile_95 * 1e3,
         spread.mean * 1e3
@@ -113,9 +128,40 @@ pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<(), Failure
     print_result(&format!("{}\n", html.display()))
 }
 
-/// The picture of a frame, counted from 1: `x.png` becomes `x-0001.png`.
-fn numbered(path: &Path, number: usize) -> PathBuf {
+/// Speed of animations.
+const FRAMES_PER_SECOND: u16 = 15;
+
+/// The pictures of frames: called after the photographs of their cameras if those have names of their own, numbered otherwise.
+fn files(output: &Path, frames: &[PlannedFrame]) -> Vec<PathBuf> {
+    let named = frames
+        .iter()
+        .map(|frame| Some(behind(output, &plain(frame.picture.as_ref()?))));
+    let numbered = (1..=frames.len()).map(|number| behind(output, &format!("{number:04}")));
+    let all_differ =
+        |files: &Vec<PathBuf>| files.iter().collect::<BTreeSet<_>>().len() == files.len();
+    let named: Option<Vec<PathBuf>> = named.collect();
+    named
+        .filter(all_differ)
+        .unwrap_or_else(|| numbered.collect())
+}
+
+/// The name of a picture without its extension and its folders' slashes.
+fn plain(picture: &str) -> String {
+    let ends = |extension: &&str| picture.strip_suffix(&format!(".{extension}"));
+    let stem = super::photos::EXTENSIONS.iter().find_map(ends);
+    let allowed = |c: char| {
+        if c.is_alphanumeric() || "-_.".contains(c) {
+            c
+        } else {
+            '-'
+        }
+    };
+    stem.unwrap_or(picture).chars().map(allowed).collect()
+}
+
+/// `x.png` becomes `x-0001.png`.
+fn behind(path: &Path, name: &str) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}-{number:04}.{extension}"))
+    path.with_file_name(format!("{stem}-{name}.{extension}"))
 }

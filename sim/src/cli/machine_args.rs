@@ -2,7 +2,7 @@
 
 use super::drawing_args::WorkOptions;
 use super::values::{FAMILIES, PictureSize, one_of, positive};
-use super::view_args::{MoreScenes, PathOptions, ViewOptions};
+use super::view_args::{MoreScenes, PathOptions, ViewOptions, of_units};
 use crate::machine::area::Family;
 use clap::Args;
 use std::path::PathBuf;
@@ -64,6 +64,7 @@ pub struct EnergyOptions {
 }
 
 #[derive(Debug, Args)]
+#[command(mut_args(of_units))]
 pub struct ModelOptions {
     #[command(flatten)]
     pub view: ViewOptions,
@@ -72,7 +73,7 @@ pub struct ModelOptions {
     #[command(flatten)]
     pub path: PathOptions,
     /// Footprints of another rasterizer (CSV) instead of a scene
-    #[arg(long, value_name = "f.csv", conflicts_with_all = ["scene", "camera_path"])]
+    #[arg(long, value_name = "f.csv", conflicts_with_all = ["scene", "camera_path", "turntable"])]
     pub footprints: Option<PathBuf>,
     /// With --footprints: size of the screen [default: up to the largest x1 and y1]
     #[arg(long, value_name = "WxH", requires = "footprints")]
@@ -108,6 +109,7 @@ Examples:
       what a memory is asked for, in the whole picture; --format ramulator2 for Ramulator 2";
 
 #[derive(Debug, Args)]
+#[command(mut_args(of_units))]
 pub struct TraceOptions {
     #[command(flatten)]
     pub view: ViewOptions,

@@ -3,7 +3,7 @@
 use super::output::write;
 use super::say::{Failure, print_result};
 use crate::picture::{Depth, Picture, PictureFormat};
-use crate::plan::Prepared;
+use crate::plan::{Prepared, Subject};
 use crate::reference::maps::{self, MapPixel};
 use crate::report::png::Rgb;
 use crate::rules::Compositing;
@@ -103,12 +103,26 @@ impl Map {
     }
 }
 
+/// Refuses, before anything is drawn, what has no maps.
+pub fn check(prepared: &Prepared) -> Result<(), Failure> {
+    match prepared.subject()? {
+        Subject::Splats(splats) if !splats.are_composited() => Err(anyhow!(
+            "--maps are of splats that are composited one by one: leave out --points, --traversal stamp, --sheets, --deep-alpha and --spheres"
+        )
+        .into()),
+        Subject::Splats(splats) if splats.compositing != Compositing::FrontToBack => {
+            Err(anyhow!("--maps composite front to back: leave out --compositing").into())
+        }
+        Subject::Splats(_) => Ok(()),
+        Subject::Surface(..) => {
+            Err(anyhow!("--maps are of volume splats: surfaces keep fragments of their own").into())
+        }
+    }
+}
+
 /// Writes maps of what is drawn beside the picture.
 pub fn write_maps(prepared: &Prepared, asked: &[Map], picture: &Path) -> Result<(), Failure> {
     let splats = prepared.splats()?;
-    if splats.compositing != Compositing::FrontToBack {
-        return Err(anyhow!("--maps composite front to back: leave out --compositing").into());
-    }
     let pixels = maps::draw(splats.scene, splats.camera, splats.rules);
     let size = [splats.camera.width, splats.camera.height];
     let format = PictureFormat::of(picture).unwrap_or(PictureFormat::Png);

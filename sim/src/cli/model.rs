@@ -117,10 +117,11 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     }
     let asked = PlanRequest::work(&options.view, &options.work)
         .on(&options.machine)
+        .by_units()
         .keeping_order();
     let mut frames = asked.planned_frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
-    if options.path.camera_path.is_none() {
+    if !options.path.is_path() {
         refuse_kept_order(&frames[0].plan().machine)?;
     }
     match frames.len() {
@@ -144,6 +145,7 @@ fn write_json(
 fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<(), Failure> {
     let prepared = PlanRequest::work(&options.view, &options.work)
         .on(&options.machine)
+        .by_units()
         .prepare()?;
     outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);

@@ -4,7 +4,7 @@ use super::output::{self, Outputs};
 use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
 use super::values::{DesignName, TraversalChoice, VectorValue};
-use super::view_args::ViewOptions;
+use super::view_args::{ViewOptions, of_units};
 use crate::camera::Camera;
 use crate::framing::FramingInput;
 use crate::page::{Shown, html};
@@ -27,6 +27,7 @@ const LARGEST_SIDE: usize = 2048;
 
 /// Which scene, how it is seen first, and where the page goes.
 #[derive(Debug, Args)]
+#[command(mut_args(of_units))]
 pub struct PageOptions {
     #[command(flatten)]
     pub view: ViewOptions,
@@ -46,11 +47,19 @@ pub struct PageOptions {
     pub output: PathBuf,
 }
 
+/// Why a surface is refused.
+const VOLUME_SPLATS_ALONE: &str =
+    "the live page draws volume splats; surfaces are drawn by `splatline render`";
+
 pub fn run(options: &PageOptions) -> Result<(), Failure> {
     let outputs = Outputs::default().file(&options.output, &["html", "htm"])?;
     if options.traversal == Some(TraversalChoice::Stamp) {
         let message = "the live page walks box or spans; stamps are drawn by `splatline render`";
         return Err(Failure::Usage(message.to_owned()));
+    }
+    let surface = &options.view.surface;
+    if surface.kind.is_some() && surface.flatten.is_none() {
+        return Err(Failure::Usage(VOLUME_SPLATS_ALONE.to_owned()));
     }
     // Before anything is loaded or said; a camera's file has its own size, which is looked at when it is there.
     if let Some(size) = options.view.size {
@@ -95,7 +104,7 @@ pub fn write_page(
     path: &Path,
 ) -> Result<usize, Failure> {
     let Subject::Splats(splats) = prepared.subject()? else {
-        let message = "the live page draws volume splats; surfaces are drawn by `splatline render`";
+        let message = VOLUME_SPLATS_ALONE;
         return Err(Failure::Usage(message.to_owned()));
     };
     if !splats.are_composited() {

@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// Extensions of photographs, for names without one.
-const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "PNG", "JPG", "JPEG"];
+pub const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "PNG", "JPG", "JPEG"];
 
 /// Which views are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,6 +152,7 @@ fn chosen_views(
     let cameras = options.view.camera.clone();
     let path = PathOptions {
         camera_path: cameras.or_else(|| options.path.camera_path.clone()),
+        turntable: None,
     };
     let Some(file) = &path.camera_path else {
         let message = "--photos needs --camera: the COLMAP folder, transforms.json or cameras.json of the photographs";

@@ -2,16 +2,20 @@
 
 use super::args::RenderOptions;
 use super::frames;
-use super::maps::write_maps;
+use super::maps::{self, write_maps};
 use super::output::{Outputs, is_stream, write};
 use super::resolve::{COMPARED, DRAWN, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
+use crate::camera::Camera;
+use crate::cameras::{self, lens::Lens};
 use crate::picture::{Depth, EXTENSIONS, Picture, PictureFormat};
 use crate::plan::draw::on_threads;
 use crate::plan::measure::draw_alone;
 use crate::plan::{Engine, Prepared, Technique};
 use crate::progress::ProgressMeter;
+use crate::texture::image::distorted;
+use anyhow::anyhow;
 use std::path::Path;
 
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {
@@ -32,16 +36,34 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
             "--traversal has no meaning for --engine {engine}"
         )));
     }
-    if options.path.camera_path.is_some() {
+    if options.path.is_path() {
         return frames::render(options);
     }
-    let prepared = PlanRequest::drawing(&options.view, drawing).prepare()?;
+    if options.animation.is_some() {
+        let message = "--animation takes several frames: give --camera-path or --turntable";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let mut prepared = PlanRequest::drawing(&options.view, drawing).prepare()?;
     outputs.spare_inputs()?;
+    if !options.maps.is_empty() {
+        maps::check(&prepared)?;
+    }
+    let lens = if options.distort {
+        let (lens, pinhole) = behind_lens(options, &prepared)?;
+        prepared = prepared.seen_by(pinhole);
+        Some(lens)
+    } else {
+        None
+    };
     check_room(&prepared)?;
-    let progress = ProgressMeter::new(1);
+    // The second step is writing, which of large pictures takes as long.
+    let progress = ProgressMeter::new(2);
     progress.doing(format!("drawing {}", prepared.scene.name()));
     let (measured, report) = draw_alone(&prepared, &drawing.effort(), &progress)?;
-    let picture = &measured.drawing.picture;
+    progress.advance();
+    progress.doing(format!("writing {}", options.output.display()));
+    let bent = lens.map(|lens| distorted(&measured.drawing.picture, &prepared.plan.camera, &lens));
+    let picture = bent.as_ref().unwrap_or(&measured.drawing.picture);
     write_picture(options, picture, &options.output)?;
     if let Some(path) = &drawing.json {
         write(path, report.to_json()?.as_bytes())?;
@@ -52,6 +74,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
             write_maps(&prepared, &options.maps, &options.output)
         })??;
     }
+    progress.advance();
     drop(progress);
     warn(&report.warnings);
     print_error(&if_layers_were_merged(measured.drawing.merged));
@@ -62,6 +85,25 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         drawing.backdrop(),
     ));
     print_result(&of_drawing(&report))
+}
+
+/// The lens of the camera's file in the size of the picture, and the pinhole that sees as much.
+fn behind_lens(options: &RenderOptions, prepared: &Prepared) -> Result<(Lens, Camera), Failure> {
+    let poses = match &options.view.camera {
+        Some(file) => cameras::load(file, None)?,
+        None => Vec::new(),
+    };
+    let pose = cameras::choose(poses, options.view.image.as_deref())
+        .map_err(|problem| anyhow!("the camera file {problem}"))?;
+    let camera = &prepared.plan.camera;
+    let lens = pose
+        .lens
+        .ok_or_else(|| anyhow!("--distort: the file of --camera knows no lens"))?
+        .resized([camera.width, camera.height]);
+    let pinhole = lens
+        .pinhole(camera)
+        .ok_or_else(|| anyhow!("--distort: this lens sees more than a pinhole can"))?;
+    Ok((lens, pinhole))
 }
 
 /// Steps of a channel in the file; none if it holds numbers.

@@ -13,14 +13,15 @@ pub use machine::{calibration, energy_table, machine, part, refuse_kept_order};
 use super::drawing_args::{DrawingOptions, TechniqueOptions, WorkOptions};
 use super::machine_args::MachineOptions;
 use super::say::{Failure, print_error};
-use super::values::{DesignName, PictureSize, TraversalChoice, VectorValue};
+use super::values::{DesignName, PictureSize, SceneKind, TraversalChoice, VectorValue};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions};
 use crate::camera::Camera;
 use crate::design::DesignChoice;
+use crate::framing::turned_camera;
 use crate::machine::Config;
 use crate::memory;
 use crate::plan::path::{self, CameraPath};
-use crate::plan::{DesignVariant, Engine, Plan, Prepared};
+use crate::plan::{COMPOSITED_ALONE, DesignVariant, Engine, NO_SURFACE_UNIT, Plan, Prepared};
 use crate::progress::ProgressMeter;
 use crate::rules::Compositing;
 use anyhow::anyhow;
@@ -41,6 +42,7 @@ pub struct PlanRequest<'a> {
     technique: Option<&'a TechniqueOptions>,
     machine: Option<&'a MachineOptions>,
     keeps_order: bool,
+    by_units: bool,
 }
 
 /// One picture of several, with what it is called.
@@ -55,6 +57,8 @@ pub struct NamedFrame {
 pub struct PlannedFrame {
     /// The scene, and the camera where there are several.
     pub name: String,
+    /// Of the picture that its camera took.
+    pub picture: Option<String>,
     scene: Rc<Prepared>,
     /// Of a path, instead of the plan's own.
     camera: Option<Camera>,
@@ -69,6 +73,7 @@ impl PlannedFrame {
     fn only(prepared: Prepared) -> PlannedFrame {
         PlannedFrame {
             name: prepared.scene.name().to_owned(),
+            picture: None,
             scene: Rc::new(prepared),
             camera: None,
         }
@@ -104,6 +109,7 @@ impl<'a> PlanRequest<'a> {
             technique: None,
             machine: None,
             keeps_order: false,
+            by_units: false,
         }
     }
 
@@ -141,6 +147,29 @@ impl<'a> PlanRequest<'a> {
         }
     }
 
+    /// The same for what draws affine footprints one by one, as the machine's units do.
+    pub fn by_units(self) -> PlanRequest<'a> {
+        PlanRequest {
+            by_units: true,
+            ..self
+        }
+    }
+
+    /// Refuses, before anything is loaded, what the options say that no unit draws.
+    fn check_units(&self) -> Result<(), Failure> {
+        let surface = &self.view.surface;
+        let is_surface = surface.kind == Some(SceneKind::Surface) && surface.flatten.is_none();
+        let is_method = self.traversal == Some(TraversalChoice::Stamp)
+            || self
+                .technique
+                .is_some_and(|asked| asked.points.is_some() || asked.is_another_method());
+        match self.by_units {
+            true if is_surface => Err(Failure::Usage(NO_SURFACE_UNIT.to_owned())),
+            true if is_method => Err(Failure::Usage(COMPOSITED_ALONE.to_owned())),
+            _ => Ok(()),
+        }
+    }
+
     /// Refuses a machine that keeps an order where no picture comes before another.
     fn check_order(&self, machine: &Config) -> Result<(), Failure> {
         if self.keeps_order {
@@ -152,6 +181,7 @@ impl<'a> PlanRequest<'a> {
 
     /// The plan with its scene, from the options or from a file.
     pub fn prepare(&self) -> Result<Prepared, Failure> {
+        self.check_units()?;
         match &self.view.from {
             Some(file) => self.read_file(file),
             None => self.read_options(scene_of(self.view)?, None),
@@ -176,7 +206,9 @@ impl<'a> PlanRequest<'a> {
         path: &PathOptions,
         more: &MoreScenes,
     ) -> Result<Vec<PlannedFrame>, Failure> {
+        self.check_units()?;
         let size = self.view.size.map(|size| [size.width, size.height]);
+        let turntable = path.turntable;
         let path = match &path.camera_path {
             Some(file) => {
                 let loaded = path::load(file, size)?;
@@ -194,19 +226,37 @@ impl<'a> PlanRequest<'a> {
         let mut frames = Vec::new();
         for scene in scenes {
             let prepared = self.read_options(scene, path.as_ref())?;
-            let Some(path) = &path else {
-                frames.push(PlannedFrame::only(prepared));
-                continue;
+            let cameras = match (&path, turntable) {
+                (Some(path), _) => path.cameras(prepared.scene.up(), self.path_size())?,
+                (None, Some(count)) => self.turned(&prepared, count),
+                (None, None) => {
+                    frames.push(PlannedFrame::only(prepared));
+                    continue;
+                }
             };
+            let has_pictures = matches!(path, Some(CameraPath::Cameras(_)));
             let scene = Rc::new(prepared);
-            let cameras = path.cameras(scene.scene.up(), self.path_size())?;
             frames.extend(cameras.into_iter().map(|(name, camera)| PlannedFrame {
                 name: format!("{}, {name}", scene.scene.name()),
+                picture: has_pictures.then_some(name),
                 scene: Rc::clone(&scene),
                 camera: Some(camera),
             }));
         }
         Ok(frames)
+    }
+
+    /// The plan's view, turned once around what it looks at.
+    fn turned(&self, prepared: &Prepared, count: u32) -> Vec<(String, Camera)> {
+        let frame = prepared.scene.frame(self.view.up.map(|VectorValue(up)| up));
+        let target = self.view.target.map(|VectorValue(target)| target);
+        let centre = target.unwrap_or(frame.ball.centre);
+        let turned = |step: u32| {
+            let azimuth = 360.0 * f64::from(step) / f64::from(count);
+            let camera = turned_camera(&prepared.plan.camera, centre, frame.up, azimuth);
+            (format!("turned by {azimuth:.1} degrees"), camera)
+        };
+        (0..count).map(turned).collect()
     }
 
     /// Of pictures whose cameras have no size of their own.

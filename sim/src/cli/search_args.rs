@@ -9,7 +9,7 @@ use super::resolve::{
 };
 use super::say::{Failure, warn};
 use super::values::{METRICS, one_of, positive};
-use super::view_args::{MoreScenes, PathOptions, ViewOptions};
+use super::view_args::{MoreScenes, PathOptions, ViewOptions, of_units};
 use crate::explore::evaluator::Subject;
 use crate::explore::limits::Quantity;
 use clap::Args;
@@ -38,7 +38,9 @@ pub struct SearchOptions {
 impl SearchOptions {
     /// The frames that are drawn.
     pub fn frames(&self) -> Result<Vec<NamedFrame>, Failure> {
-        let request = PlanRequest::work(&self.view, &self.work).on(&self.machine);
+        let request = PlanRequest::work(&self.view, &self.work)
+            .on(&self.machine)
+            .by_units();
         request.frames(&self.path, &self.more)
     }
 
@@ -106,6 +108,7 @@ On several machines: splatline.study, in Python.
 `explore --space` is the earlier name of this command.";
 
 #[derive(Debug, Args)]
+#[command(mut_args(of_units))]
 pub struct SweepOptions {
     #[command(flatten)]
     pub search: SearchOptions,
@@ -130,6 +133,7 @@ Examples:
 `explore` with a limit is the earlier name of this command.";
 
 #[derive(Debug, Args)]
+#[command(mut_args(of_units))]
 pub struct OptimizeOptions {
     #[command(flatten)]
     pub search: SearchOptions,

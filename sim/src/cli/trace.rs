@@ -35,7 +35,9 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
             options.first
         )));
     }
-    let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
+    let asked = PlanRequest::work(&options.view, &options.work)
+        .on(&options.machine)
+        .by_units();
     let prepared = asked.prepare()?;
     outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);

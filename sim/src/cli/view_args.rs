@@ -6,7 +6,7 @@ use super::values::{
 };
 use crate::rules::{Kernel, Rules};
 use crate::texture::coefficients::Method;
-use clap::Args;
+use clap::{Arg, Args};
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -112,6 +112,42 @@ pub struct PathOptions {
     #[arg(long, value_name = "FILE", help_heading = "Camera",
         conflicts_with_all = ["from", "camera", "image", "eye", "target", "up", "fov", "orbit", "zoom"])]
     pub camera_path: Option<PathBuf>,
+    /// Once around the scene in so many frames, from the view that one picture has
+    #[arg(long, value_name = "N", help_heading = "Camera", conflicts_with_all = ["from", "camera_path"],
+        value_parser = clap::value_parser!(u32).range(2..=3600))]
+    pub turntable: Option<u32>,
+}
+
+impl PathOptions {
+    /// Are there several cameras?
+    pub fn is_path(&self) -> bool {
+        self.camera_path.is_some() || self.turntable.is_some()
+    }
+}
+
+/// Options of what the machine has no units for.
+const BEYOND_UNITS: [&str; 15] = [
+    "points",
+    "phase_bits",
+    "sheets",
+    "sheet_thickness",
+    "deep_alpha",
+    "alpha_bits",
+    "alpha_rounding",
+    "spheres",
+    "sphere_index",
+    "layers",
+    "z_threshold",
+    "edges",
+    "cull_backfaces",
+    "no_cull_backfaces",
+    "depth_image_from",
+];
+
+/// The help of what draws splats one by one does not list what it always refuses.
+pub fn of_units(arg: Arg) -> Arg {
+    let is_beyond = BEYOND_UNITS.contains(&arg.get_id().as_str());
+    arg.hide(is_beyond)
 }
 
 /// Scenes beside the first.

@@ -41,9 +41,13 @@ use splatline::format::Traversal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Why commands about cycles take no surfaces; said once for all of them.
+/// Why commands about cycles take no techniques; said once for all of them.
+pub const COMPOSITED_ALONE: &str = "the machine has units for footprints that are composited one by one: leave out --points, \
+     --traversal stamp, --sheets, --deep-alpha and --spheres";
+
+/// Why they take no surfaces.
 pub const NO_SURFACE_UNIT: &str = "the machine has no surface unit: its units set up, walk, look up and blend volume splats, and none of \
-     them gathers surfaces by depth. render, compare, footprints, fit, needs and info take surfaces; model, explore and trace take splats only";
+     them gathers surfaces by depth. render, compare, footprints, fit, profile and info take surfaces; simulate, sweep, optimize and trace take splats alone";
 
 /// Bytes of a factor of a harmonic in the machine's memory: 16 bits, of which a reader makes the words of `harmonics_unit.sv`.
 const BYTES_OF_HARMONIC: u32 = 2;
@@ -383,11 +387,7 @@ impl Prepared {
     pub fn splats(&self) -> Result<Splats<'_>> {
         match self.subject()? {
             Subject::Splats(splats) if splats.are_composited() => Ok(splats),
-            Subject::Splats(_) => bail!(
-                "{}: the machine has units for footprints that are composited one by one: leave out --points, --traversal stamp, \
-                 --sheets, --deep-alpha and --spheres",
-                self.scene.name()
-            ),
+            Subject::Splats(_) => bail!("{}: {COMPOSITED_ALONE}", self.scene.name()),
             Subject::Surface(..) => bail!("{}: {NO_SURFACE_UNIT}", self.scene.name()),
         }
     }

@@ -36,6 +36,22 @@ fn write_model(folder: &Path) {
     fs::write(sparse.join("images.txt"), images).unwrap();
 }
 
+/// A PLY of Gaussians as trainers write it; without the third scale they are flat.
+fn gaussians(scales: usize, records: &[String]) -> String {
+    let scales = (0..scales).map(|axis| format!("scale_{axis}"));
+    let names = "x y z f_dc_0 f_dc_1 f_dc_2 opacity"
+        .split(' ')
+        .map(str::to_owned);
+    let turns = (0..4).map(|part| format!("rot_{part}"));
+    let properties: String = names
+        .chain(scales)
+        .chain(turns)
+        .map(|name| format!("property float {name}\n"))
+        .collect();
+    let (count, records) = (records.len(), records.join("\n"));
+    format!("ply\nformat ascii 1.0\nelement vertex {count}\n{properties}end_header\n{records}\n")
+}
+
 /// What `exact` sees, as photographs.
 fn photograph(folder: &Path, size: &str) {
     fs::create_dir_all(folder.join("images")).unwrap();
@@ -176,18 +192,10 @@ fn maps_lie_beside_the_picture() {
 fn a_trainers_folder_is_a_scene_with_its_camera() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let names =
-        "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3";
-    let properties: String = names
-        .split(' ')
-        .map(|name| format!("property float {name}\n"))
-        .collect();
     for (iteration, colour) in [(7000, -1.0), (30000, 1.0)] {
         let place = folder.join(format!("model/point_cloud/iteration_{iteration}"));
         fs::create_dir_all(&place).unwrap();
-        let text = format!(
-            "ply\nformat ascii 1.0\nelement vertex 1\n{properties}end_header\n0 0 4 {colour} 0 0 4 -1 -1 -1 1 0 0 0\n"
-        );
+        let text = gaussians(3, &[format!("0 0 4 {colour} 0 0 4 -1 -1 -1 1 0 0 0")]);
         fs::write(place.join("point_cloud.ply"), text).unwrap();
     }
     let camera = r#"[{"id": 0, "img_name": "first", "width": 40, "height": 30, "position": [0, 0, 0],
@@ -208,4 +216,200 @@ fn a_trainers_folder_is_a_scene_with_its_camera() {
     let stretched = splatline(folder, "render model --camera model --size 80x30 -o x.png");
     let said = String::from_utf8_lossy(&stretched.stderr);
     assert!(said.contains("stretched by 2.000"), "{said}");
+}
+
+/// A small splat that is drawn through a lens lies where COLMAP's own code sees it (the second row of OPENCV in `reference/assets/lenses.tsv`).
+#[test]
+fn a_lens_bends_the_picture_as_colmap_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let table = include_str!("../../reference/assets/lenses.tsv");
+    for model in ["OPENCV", "OPENCV_FISHEYE"] {
+        let line = table
+            .lines()
+            .filter(|line| line.split('\t').next() == Some(model))
+            .nth(1);
+        let fields: Vec<&str> = line.unwrap().split('\t').collect();
+        let number = |field: usize| fields[field].parse::<f64>().unwrap();
+        let sparse = folder.join("sparse/0");
+        fs::create_dir_all(&sparse).unwrap();
+        let cameras = format!("1 {model} 1280 720 {}\n", fields[1]);
+        fs::write(sparse.join("cameras.txt"), cameras).unwrap();
+        fs::write(sparse.join("images.txt"), "1 1 0 0 0 0 0 0 1 one.png\n\n").unwrap();
+        let place = [2, 3].map(|field| 4.0 * number(field));
+        let record = format!("{} {} 4 1 1 1 4 -5 -5 -5 1 0 0 0", place[0], place[1]);
+        let text = gaussians(3, &[record]);
+        fs::write(folder.join("one.ply"), text).unwrap();
+        let said = succeed(
+            folder,
+            "render one.ply --camera sparse/0 --distort -o x.npy",
+        );
+        assert!(said.contains("1 splats"), "{said}");
+        let bytes = fs::read(folder.join("x.npy")).unwrap();
+        let pixels = bytes[bytes.len() - 1280 * 720 * 32..].as_chunks::<32>().0;
+        let mut sums = [0.0; 3];
+        for (at, pixel) in pixels.iter().enumerate() {
+            let alpha = f64::from_le_bytes(pixel[24..].try_into().unwrap());
+            let place = [(at % 1280) as f64 + 0.5, (at / 1280) as f64 + 0.5];
+            sums[0] += alpha * place[0];
+            sums[1] += alpha * place[1];
+            sums[2] += alpha;
+        }
+        let apart = (sums[0] / sums[2] - number(4)).hypot(sums[1] / sums[2] - number(5));
+        // Interpolation moves the middle of a spot of one pixel; the lens itself is held to 0.01 pixels beside its code.
+        assert!(apart < 0.05, "{model}: {apart}");
+    }
+}
+
+/// Frames are called after their cameras' pictures, or numbered; an animation holds them all.
+#[test]
+fn frames_are_called_after_their_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_model(folder);
+    let told = succeed(folder, "render random:40:3 --camera-path sparse/0 -o x.png");
+    assert!(told.contains("x-view_0.png to x-view_8.png"), "{told}");
+    assert!(folder.join("x-view_4.png").is_file());
+    let turned = "render random:40:3 --turntable 4 --size 32x24 --animation turning.png -o y.png";
+    succeed(folder, turned);
+    assert!(folder.join("turning.png").is_file() && folder.join("y-0004.png").is_file());
+    let first = fs::read(folder.join("y-0001.png")).unwrap();
+    succeed(folder, "render random:40:3 --size 32x24 -o whole.png");
+    assert_eq!(first, fs::read(folder.join("whole.png")).unwrap());
+    assert_ne!(first, fs::read(folder.join("y-0002.png")).unwrap());
+}
+
+/// What a command always refuses is not in its help, and is refused before the scene is looked for.
+#[test]
+fn what_is_always_refused_is_refused_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (command, expected) in [
+        (
+            "simulate none.ply --sheets image-aligned",
+            "leave out --points",
+        ),
+        (
+            "trace none.ply --deep-alpha opacity --format vcd -o t.vcd",
+            "leave out --points",
+        ),
+        ("optimize none.ply --as surface --fps 1", "no surface unit"),
+        (
+            "page none.ply --as surface -o p.html",
+            "the live page draws volume splats",
+        ),
+        (
+            "bake none.ply --as surface -o b.bin",
+            "only scenes of 3D Gaussians are baked",
+        ),
+    ] {
+        let output = splatline(folder, command);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{command}");
+        assert!(said.contains(expected), "{command}: {said}");
+        let help = succeed(
+            folder,
+            &format!("{} --help", command.split(' ').next().unwrap()),
+        );
+        assert!(
+            !help.contains("--sheets") && !help.contains("--layers"),
+            "{help}"
+        );
+    }
+    let maps = splatline(folder, "render sphere --as surface --maps depth -o x.png");
+    let said = String::from_utf8_lossy(&maps.stderr);
+    assert!(said.contains("--maps are of volume splats"), "{said}");
+    assert!(!folder.join("x.png").exists());
+}
+
+/// What antialiased models, and 2D Gaussians, are drawn with, by the bars of accuracy.
+#[test]
+fn antialiased_and_flat_scenes_meet_the_bars() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let records: Vec<String> = (0..300)
+        .map(|k| {
+            let wave = |frequency: f64| (frequency * f64::from(k)).sin();
+            let place = [wave(1.1), wave(2.3), wave(3.7)]
+                .map(|x| x.to_string())
+                .join(" ");
+            let colour = [wave(0.3), wave(0.5), wave(0.7)]
+                .map(|x| x.to_string())
+                .join(" ");
+            let turn = [wave(1.9), wave(2.9), wave(4.1), wave(5.3)]
+                .map(|x| x.to_string())
+                .join(" ");
+            format!(
+                "{place} {colour} {} -2 {} {turn}",
+                2.0 * wave(6.1),
+                -3.0 + wave(7.1)
+            )
+        })
+        .collect();
+    let text = gaussians(2, &records);
+    fs::write(folder.join("flat.ply"), text).unwrap();
+    for scene in ["random:1500:1", "random:1500:2", "flat.ply"] {
+        for (design, bar) in [("lean18", 85.0), ("standard24", 110.0), ("deep32", 120.0)] {
+            let command = format!(
+                "compare {scene} --antialias mip --size 256x256 --design {design} --only --json r.json -o out"
+            );
+            succeed(folder, &command);
+            let text = fs::read_to_string(folder.join("r.json")).unwrap();
+            let report: serde_json::Value = serde_json::from_str(&text).unwrap();
+            let psnr = report["error"]["rgb"]["psnr_db"].as_f64().unwrap();
+            assert!(psnr >= bar, "{scene}, {design}: {psnr}");
+        }
+    }
+}
+
+/// Rules as numbers: what each option changes, against a splat in the middle of a pixel by hand.
+#[test]
+fn opacities_are_the_rules() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // Opacity 1 - 5e-5; a ball of 0.02 four away, at 100 pixels of focal length: variance 0.25 square pixels.
+    let text = gaussians(
+        3,
+        &[format!("0 0 4 1 1 1 10 {0} {0} {0} 1 0 0 0", 0.02f64.ln())],
+    );
+    fs::write(folder.join("one.ply"), text).unwrap();
+    let sparse = folder.join("sparse/0");
+    fs::create_dir_all(&sparse).unwrap();
+    fs::write(
+        sparse.join("cameras.txt"),
+        "1 PINHOLE 9 9 100 100 4.5 4.5\n",
+    )
+    .unwrap();
+    fs::write(sparse.join("images.txt"), "1 1 0 0 0 0 0 0 1 one.png\n\n").unwrap();
+    let opacity = 1.0 / (1.0 + (-10.0f64).exp());
+    for (options, expected) in [
+        ("--rules 3dgs", 0.999),
+        ("--rules inria", 0.99),
+        ("--antialias mip", opacity * 0.25 / 0.55),
+        ("--antialias mip --low-pass 0.1", opacity * 0.25 / 0.35),
+        ("--rules inria --antialias none", 0.99),
+    ] {
+        for engine in ["fixed", "float"] {
+            succeed(
+                folder,
+                &format!("render one.ply --camera sparse/0 {options} --engine {engine} -o x.npy"),
+            );
+            let bytes = fs::read(folder.join("x.npy")).unwrap();
+            let pixel = &bytes[bytes.len() - 81 * 32..].as_chunks::<32>().0[40];
+            let alpha = f64::from_le_bytes(pixel[24..].try_into().unwrap());
+            assert!(
+                (alpha - expected).abs() < 2e-6,
+                "{options} by {engine}: {alpha} {expected}"
+            );
+        }
+    }
+    for refused in ["--low-pass -1", "--sh-degree 5", "--fov -1", "--zoom 0"] {
+        let output = splatline(folder, &format!("render one.ply {refused} -o x.npy"));
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(
+            said.contains("invalid value") && !said.contains("unexpected"),
+            "{said}"
+        );
+    }
 }

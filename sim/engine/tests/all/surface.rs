@@ -368,7 +368,10 @@ fn scanned_clouds_load() {
         (kitten.points.len(), kitten.skipped, kitten.coloured),
         (5_210, 0, false)
     );
+    // It stands on its flat base; the lion has none, and its file says that z is up.
+    assert_eq!(kitten.up, [0.0, 1.0, 0.0]);
     let lion = points::load(&folder.join("lion_takanawa.ply")).unwrap();
+    assert_eq!(lion.up, [0.0, 0.0, 1.0]);
     assert_eq!(
         (lion.points.len(), lion.skipped, lion.coloured),
         (341_989, 0, true)

@@ -203,7 +203,7 @@ mod tests {
         assert_eq!(of_machine(&widths, &fast, &prices), None);
         assert!(of_machine(&widths, &eight, &prices).is_some());
         assert_eq!(
-            of_machine(&widths, &machine, &Family::Xilinx7.calibration()),
+            of_machine(&widths, &machine, &Family::Ice40.calibration()),
             None
         );
         let queues = around(&machine, &prices).luts - nine.map_or(0, |nine| nine.luts);

@@ -222,7 +222,7 @@ pub fn statement(calibration: &Calibration) -> String {
          docs/hardware.md); sorter, binning, harmonics, readers and arbiter are their synthesis; other layouts, geometry setup and queues are counted{}; {}",
         100.0 * fitted,
         match calibration.family {
-            Family::Ecp5 =>
+            Family::Ecp5 | Family::Xilinx7 =>
                 ", but for geometry setup of a splat in eight cycles or more (docs/hardware.md)",
             _ => "",
         },

@@ -1,5 +1,8 @@
 //! Lenses: where they move a ray, in pixels. Pictures are drawn by pinholes; photographs are undistorted to them
-//! ([`crate::texture::image::undistorted`]), and elsewhere the distortion is told.
+//! ([`crate::texture::image::undistorted`]), or what a wider pinhole shows is bent as the lens does
+//! ([`crate::texture::image::distorted`]); elsewhere the distortion is told.
+
+use crate::camera::{Camera, MAX_SIZE};
 
 /// Where a lens moves a direction (x / z, y / z): the models of COLMAP, whose parameters are OpenCV's.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,6 +82,15 @@ fn moved([x, y]: [f64; 2], radial: f64, [p1, p2]: [f64; 2], [sx, sy]: [f64; 2]) 
     ]
 }
 
+/// Steps of Newton's method at most.
+const MOST_STEPS: usize = 50;
+/// How close it comes, focal lengths.
+const CLOSE: f64 = 1e-12;
+/// Step of its differences.
+const DIFFERENCE: f64 = 1e-7;
+/// Largest angle to the axis that it begins with.
+const MOST_ANGLE: f64 = 1.5;
+
 /// A lens with its sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
@@ -99,6 +111,88 @@ impl Lens {
         [0, 1].map(|axis: usize| self.focal[axis] * bent[axis] + self.principal[axis])
     }
 
+    /// The direction that is seen at a pixel, by Newton's method; nothing where the lens shows no direction.
+    pub fn direction(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
+        let sought = self.pinhole_direction(pixel);
+        let mut found = match self.distortion {
+            // Without the polynomial the radius is an angle.
+            Distortion::Fisheye { .. } => {
+                let angle = sought[0].hypot(sought[1]);
+                let to_radius = if angle > 0.0 {
+                    angle.min(MOST_ANGLE).tan() / angle
+                } else {
+                    1.0
+                };
+                sought.map(|x| x * to_radius)
+            }
+            _ => sought,
+        };
+        for _ in 0..MOST_STEPS {
+            let seen = self.distortion.apply(found);
+            let off = [seen[0] - sought[0], seen[1] - sought[1]];
+            if off[0].hypot(off[1]) < CLOSE {
+                return Some(found);
+            }
+            let step = DIFFERENCE * (1.0 + found[0].hypot(found[1]));
+            let slope = |axis: usize| {
+                let mut beside = found;
+                beside[axis] += step;
+                let beside = self.distortion.apply(beside);
+                [0, 1].map(|k: usize| (beside[k] - seen[k]) / step)
+            };
+            let [a, b] = [slope(0), slope(1)];
+            let determinant = a[0] * b[1] - b[0] * a[1];
+            // Beyond the fold of a polynomial there is nothing to be seen.
+            if determinant <= 0.0 || !determinant.is_finite() {
+                return None;
+            }
+            found[0] -= (b[1] * off[0] - b[0] * off[1]) / determinant;
+            found[1] -= (a[0] * off[1] - a[1] * off[0]) / determinant;
+        }
+        None
+    }
+
+    /// The pinhole that sees all that this lens shows of a camera's picture, with as many pixels to a focal length in the middle.
+    pub fn pinhole(&self, camera: &Camera) -> Option<Camera> {
+        let lens = self.resized([camera.width, camera.height]);
+        let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for y in 0..camera.height {
+            for x in 0..camera.width {
+                let Some(seen) = lens.direction([x, y].map(|place| place as f64 + 0.5)) else {
+                    continue;
+                };
+                for axis in 0..2 {
+                    ends[axis] = [ends[axis][0].min(seen[axis]), ends[axis][1].max(seen[axis])];
+                }
+            }
+        }
+        let focal = [camera.fx, camera.fy];
+        // A pixel beyond either end, for the interpolation.
+        let before = [0, 1].map(|axis: usize| (-ends[axis][0] * focal[axis]).ceil() + 1.0);
+        let after = [0, 1].map(|axis: usize| (ends[axis][1] * focal[axis]).ceil() + 1.0);
+        let size = [0, 1].map(|axis: usize| before[axis] + after[axis]);
+        size.iter()
+            .all(|side| (1.0..=MAX_SIZE as f64).contains(side))
+            .then(|| Camera {
+                width: size[0] as usize,
+                height: size[1] as usize,
+                cx: before[0],
+                cy: before[1],
+                ..camera.clone()
+            })
+    }
+
+    /// The lens of the same photographs in another size.
+    pub fn resized(&self, size: [usize; 2]) -> Lens {
+        let scale = [0, 1].map(|axis: usize| size[axis] as f64 / self.size[axis] as f64);
+        Lens {
+            size: size.map(|side| side as u64),
+            focal: [0, 1].map(|axis: usize| self.focal[axis] * scale[axis]),
+            principal: [0, 1].map(|axis: usize| self.principal[axis] * scale[axis]),
+            ..*self
+        }
+    }
+
     /// The direction that the pinhole of the same numbers sees at a pixel.
     pub fn pinhole_direction(&self, pixel: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis: usize| (pixel[axis] - self.principal[axis]) / self.focal[axis])
@@ -117,7 +211,7 @@ impl Lens {
         });
         let most = moved.into_iter().fold(0.0, f64::max);
         Some(format!(
-            "lens distortion of up to {most:.1} pixels at the corners is not drawn; compare --photos undistorts the photographs"
+            "lens distortion of up to {most:.1} pixels at the corners is drawn by render --distort alone; compare --photos undistorts the photographs"
         ))
     }
 }
@@ -161,9 +255,13 @@ mod tests {
             let parameters = parameters.split(' ').map(|p| p.parse().unwrap());
             let lens = colmap::lens_of(model, [1280, 720], &parameters.collect::<Vec<_>>());
             let numbers: Vec<f64> = numbers.iter().map(|n| n.parse().unwrap()).collect();
-            let [u, v] = lens.unwrap().pixel([numbers[0], numbers[1]]);
+            let lens = lens.unwrap();
+            let [u, v] = lens.pixel([numbers[0], numbers[1]]);
             let apart = (u - numbers[2]).hypot(v - numbers[3]);
             assert!(apart < 0.01, "{line}: {u} {v}");
+            let [x, y] = lens.direction([numbers[2], numbers[3]]).unwrap();
+            let apart = (x - numbers[0]).hypot(y - numbers[1]) * 900.0;
+            assert!(apart < 0.01, "{line}: {x} {y}");
             compared += 1;
         }
         assert_eq!(compared, 45);

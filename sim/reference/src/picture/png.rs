@@ -1,8 +1,11 @@
 //! PNG files by the crate `png`: written with given samples, and read whatever their depth and colour type.
 
 use crate::memory::{self, TooLarge};
-use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, Transformations};
+use png::{
+    BitDepth, ColorType, Compression, Decoder, Encoder, Limits, OutputInfo, Transformations,
+};
 use std::io::Cursor;
+use std::path::{Path, PathBuf};
 
 /// Bytes of pixels of a file at most; what it claims is not set aside beyond that.
 const LARGEST: usize = 512 << 20;
@@ -19,6 +22,12 @@ pub enum PngError {
     /// Its pixels take more memory than there is.
     #[error(transparent)]
     NoRoom(#[from] TooLarge),
+    /// A frame cannot be read again.
+    #[error(transparent)]
+    Reading(#[from] std::io::Error),
+    /// Frames of an animation differ.
+    #[error("'{0}' has another size than the first frame, and an animation has one: give --size")]
+    Sizes(String),
     /// Its pixels take more memory than anybody's picture.
     #[error("{0} x {1} pixels are more than 512 MB")]
     TooLarge(u32, u32),
@@ -64,6 +73,42 @@ impl PngSamples<'_> {
         writer.finish()?;
         Ok(file)
     }
+}
+
+/// The bytes of one file that shows these files one after the other, for ever; their samples stay as they are.
+pub fn animated(frames: &[PathBuf], per_second: u16) -> Result<Vec<u8>, PngError> {
+    let mut file = Vec::new();
+    let Some((first, others)) = frames.split_first() else {
+        return Ok(file);
+    };
+    let (info, samples) = samples_of(first)?;
+    let mut encoder = Encoder::new(&mut file, info.width, info.height);
+    encoder.set_color(info.color_type);
+    encoder.set_depth(info.bit_depth);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    encoder.set_animated(u32::try_from(frames.len()).unwrap_or(u32::MAX), 0)?;
+    encoder.set_frame_delay(1, per_second)?;
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&samples)?;
+    for frame in others {
+        let (other, samples) = samples_of(frame)?;
+        if [other.width, other.height] != [info.width, info.height] {
+            return Err(PngError::Sizes(frame.display().to_string()));
+        }
+        writer.write_image_data(&samples)?;
+    }
+    writer.finish()?;
+    Ok(file)
+}
+
+/// A file's samples as they stand.
+fn samples_of(file: &Path) -> Result<(OutputInfo, Vec<u8>), PngError> {
+    let bytes = std::fs::read(file)?;
+    let mut reader = Decoder::new(Cursor::new(&bytes)).read_info()?;
+    let mut samples = vec![0; reader.output_buffer_size().unwrap_or(0)];
+    let info = reader.next_frame(&mut samples)?;
+    Ok((info, samples))
 }
 
 /// A file's pixels: red, green, blue and opacity of 16 bits, which hold 8-bit values without loss (v / 255 = 257 v / 65535).
@@ -131,6 +176,38 @@ fn rgba(channels: usize, sample: impl Fn(usize) -> u16) -> [u16; 4] {
 mod tests {
     use super::*;
     use image::{DynamicImage, ImageFormat};
+
+    /// Frames come out of another crate's reader as they were, and sizes that differ are refused.
+    #[test]
+    fn frames_of_an_animation_are_the_files() {
+        use image::AnimationDecoder;
+        let folder = tempfile::tempdir().unwrap();
+        let path = |number: usize| folder.path().join(format!("{number}.png"));
+        for number in 0..3 {
+            let bytes: Vec<u8> = (0..5 * 4 * 3).map(|k| (k * (number + 7)) as u8).collect();
+            let file = PngSamples::rgb8([5, 4], &bytes).encode().unwrap();
+            std::fs::write(path(number), file).unwrap();
+        }
+        let file = animated(&[path(0), path(1), path(2)], 15).unwrap();
+        let decoder = image::codecs::png::PngDecoder::new(Cursor::new(&file)).unwrap();
+        let frames = decoder
+            .apng()
+            .unwrap()
+            .into_frames()
+            .collect_frames()
+            .unwrap();
+        assert_eq!(frames.len(), 3);
+        for (number, frame) in frames.iter().enumerate() {
+            let expected = image::open(path(number)).unwrap().to_rgba8();
+            assert_eq!(frame.buffer(), &expected);
+            let (milliseconds, parts) = frame.delay().numer_denom_ms();
+            assert!((f64::from(milliseconds) / f64::from(parts) - 1000.0 / 15.0).abs() < 1.0);
+        }
+        let file = PngSamples::rgb8([1, 1], &[0; 3]).encode().unwrap();
+        std::fs::write(path(1), file).unwrap();
+        let refused = animated(&[path(0), path(1)], 15).unwrap_err().to_string();
+        assert!(refused.contains("1.png' has another size"), "{refused}");
+    }
 
     /// Files by another writer, of every kind that it writes, are read as that writer's own crate reads them.
     #[test]

@@ -3,6 +3,7 @@
 //! Texture coordinates are in texels from the upper left corner: texel (i, j) is the sample at (i + 0.5, j + 0.5). As everywhere,
 //! values are linear as stored (no gamma applied).
 
+use crate::camera::Camera;
 use crate::cameras::lens::{Distortion, Lens};
 use crate::memory;
 use crate::picture::{Picture, png};
@@ -120,6 +121,20 @@ pub fn undistorted(photograph: &Picture, lens: &Lens) -> Picture {
         }
     }
     straight
+}
+
+/// What a lens shows of a picture that its wider pinhole ([`Lens::pinhole`]) has drawn; transparent where it shows nothing.
+pub fn distorted(drawn: &Picture, pinhole: &Camera, lens: &Lens) -> Picture {
+    let size = lens.size.map(|side| side as usize);
+    let mut bent = Picture::new(size[0], size[1]);
+    for (at, pixel) in bent.pixels.iter_mut().enumerate() {
+        let centre = [at % size[0], at / size[0]].map(|place| place as f64 + 0.5);
+        if let Some([x, y]) = lens.direction(centre) {
+            let place = [pinhole.fx * x + pinhole.cx, pinhole.fy * y + pinhole.cy];
+            *pixel = bilinear(drawn, place);
+        }
+    }
+    bent
 }
 
 fn bilinear(picture: &Picture, [u, v]: [f64; 2]) -> [f64; 4] {

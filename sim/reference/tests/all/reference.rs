@@ -264,6 +264,54 @@ proptest! {
     }
 }
 
+/// 2D Gaussians by their own formula (Huang et al., SIGGRAPH 2024, eq. 4): where the ray meets the splat's plane, the two axes' coordinates
+/// are the Gaussian's. `exact` draws axes of length 0 by its limit.
+#[test]
+fn flat_splats_are_where_rays_meet_their_planes() {
+    let camera = straight_camera();
+    let mut shown = 0;
+    for (turn, centre) in [
+        ([1.0, 0.2, -0.3, 0.1], [0.2, -0.1, 3.0]),
+        ([0.4, 0.7, 0.2, -0.5], [-0.4, 0.3, 2.0]),
+        ([0.9, -0.5, 0.4, 0.3], [0.0, 0.0, 5.0]),
+    ] {
+        let [a, b, _] = rotated_axes(turn, [0.5, 0.2, 0.0]);
+        let splat = Splat {
+            centre,
+            axes: [a, b, [0.0; 3]],
+            weight: 0.8,
+            colour: [1.0; 3],
+        };
+        let rules = Rules {
+            low_pass: 0.0,
+            ..SMOOTH
+        };
+        let scene = scene_of(vec![splat]);
+        let picture = exact::draw(&scene, &camera, &rules, Compositing::FrontToBack).picture;
+        for (at, pixel) in picture.pixels.iter().enumerate() {
+            let [x, y] = [at % picture.width, at / picture.width].map(|place| place as f64 + 0.5);
+            let ray = [
+                (x - camera.cx) / camera.fx,
+                (y - camera.cy) / camera.fy,
+                1.0,
+            ];
+            // t ray = centre + u a + v b.
+            let columns = [0, 1, 2].map(|k: usize| [ray[k], -a[k], -b[k]]);
+            let [_, u, v] = vector::solve(&columns, centre);
+            let expected = 0.8 * (-0.5 * (u * u + v * v)).exp();
+            if expected > 1e-3 {
+                assert!(
+                    (pixel[3] - expected).abs() < 1e-9,
+                    "{turn:?} {x} {y}: {} {expected}",
+                    pixel[3]
+                );
+                shown += 1;
+            }
+        }
+    }
+    assert!(shown > 300, "{shown}");
+}
+
 #[test]
 fn exact_converges_to_float_for_small_splats() {
     let camera = camera(false);

@@ -26,11 +26,16 @@ fn long_work_is_told() {
     for (line, expected) in [
         (
             format!("render {small} -o {photo}"),
-            &["loading random:60", "drawing random:60", "999 of 1000"][..],
+            &[
+                "loading random:60",
+                "drawing random:60",
+                "writing ",
+                "2000 of 2000",
+            ][..],
         ),
         (
             format!("render {small} --engine exact --repeat 3 -o {photo}"),
-            &["drawing random:60", "999 of 1000"],
+            &["drawing random:60", "2000 of 2000"],
         ),
         (
             format!("compare {small} --only -o {}", path("c")),

@@ -245,6 +245,7 @@ fn surface(name: &str, cloud: Cloud) -> Result<SurfaceScene, Problem> {
             "give normals of non-zero length, and no radii of 0",
         ));
     };
+    let up = orientation::up(&points);
     Ok(SurfaceScene {
         name: name.to_owned(),
         points,
@@ -253,7 +254,7 @@ fn surface(name: &str, cloud: Cloud) -> Result<SurfaceScene, Problem> {
         skipped,
         coloured,
         notes,
-        up: [0.0, 0.0, 1.0],
+        up,
     })
 }
 

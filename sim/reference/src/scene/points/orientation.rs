@@ -9,8 +9,8 @@
 //!   with normals pointing inwards -1, a flat sheet 0. By Gauss' theorem it is three volumes over the mean distance and area, so it is
 //!   positive for every closed surface with normals outwards, convex or not.
 
-use super::SurfaceScene;
 use super::neighbours::Neighbours;
+use super::{SurfacePoint, SurfaceScene};
 use crate::vector::{self, Vector};
 
 /// Least agreement of a cloud with consistent normals.
@@ -21,6 +21,43 @@ const LEAST_OUTWARD: f64 = 0.2;
 const NEIGHBOURS: usize = 4;
 /// Points that are looked at; their neighbours are searched among all.
 const SAMPLE: usize = 4_000;
+
+/// Share of the points that lie in the flat base of a figure, at least; no other side may have half as many.
+const LEAST_BASE: f64 = 0.02;
+/// Share of the height that a base is thick.
+const BASE_HEIGHT: f64 = 0.03;
+/// Share of the points beyond the ends of the height: strays.
+const STRAYS: f64 = 0.002;
+/// Cosine of the angle to the vertical of a base's normals.
+const DOWNWARDS: f64 = 0.9;
+
+/// Up of a cloud: +z, as scanners have it, unless it stands on a flat base on another side, as scanned figures do.
+pub fn up(points: &[SurfacePoint]) -> Vector {
+    let mut sides = Vec::with_capacity(6);
+    for axis in 0..3 {
+        let mut along: Vec<f64> = points.iter().map(|point| point.centre[axis]).collect();
+        along.sort_by(f64::total_cmp);
+        let stray = (along.len() as f64 * STRAYS) as usize;
+        let (Some(low), Some(high)) = (along.get(stray), along.iter().rev().nth(stray)) else {
+            continue;
+        };
+        let thick = BASE_HEIGHT * (high - low);
+        for (sign, end) in [(1.0, *low), (-1.0, -*high)] {
+            let is_base = |point: &&SurfacePoint| {
+                sign * point.centre[axis] < end + thick && sign * point.normal[axis] < -DOWNWARDS
+            };
+            let base = points.iter().filter(is_base).count();
+            let mut side = [0.0; 3];
+            side[axis] = sign;
+            sides.push((base as f64 / points.len() as f64, side));
+        }
+    }
+    sides.sort_by(|a, b| b.0.total_cmp(&a.0));
+    match sides[..] {
+        [(most, side), (second, _), ..] if most > LEAST_BASE && most > 2.0 * second => side,
+        _ => [0.0, 0.0, 1.0],
+    }
+}
 
 /// How a cloud's normals point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -261,3 +261,23 @@ fn limit(depth: Extended) -> (i64, i32) {
     let leading = depth.leading();
     (value, leading.clamp(-30_000, 30_000))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use splatline::format::Lean18;
+
+    /// The circuit has no root of the determinants' quotient, and says so instead of drawing without.
+    #[test]
+    fn compensated_opacities_are_refused_by_name() {
+        let rules = Rules {
+            compensated: true,
+            ..Rules::GAUSSIAN_3D
+        };
+        let refused = of_rules(&Lean18::WIDTHS, &rules)
+            .err()
+            .map(|error| error.to_string());
+        assert!(refused.is_some_and(|told| told.starts_with("--antialias mip: ")));
+        assert!(of_rules(&Lean18::WIDTHS, &Rules::GAUSSIAN_3D).is_ok());
+    }
+}
