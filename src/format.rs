@@ -12,6 +12,9 @@
 //! colour) [`Widths::rounding`] says how; truncation there shows as a darkening of deep stacks. Setup and the interpolation of the
 //! footprint table always round to nearest, halves up.
 
+use crate::blend::Blend;
+use crate::rules::Rules;
+
 /// What happens to the bits below a kept result in the pixel path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rounding {
@@ -49,7 +52,7 @@ pub struct Widths {
     pub subpixel: u8,
     /// Fraction bits of the radial index in the pixel lanes (8 to 44; at most 27 for 32-bit lanes: [`check_for`](Widths::check_for)).
     pub radial: u8,
-    /// Base-2 logarithm of the number of intervals of the footprint table (2 to 14).
+    /// Base-2 logarithm of the number of intervals of the footprint table (2 to 14, and at most `radial + 2`).
     pub table: u8,
     /// Bits of the interpolator's multiplier: fraction bits of the position within a table interval (0 to 20). 0 is no
     /// interpolation, the interval's own value.
@@ -64,7 +67,7 @@ pub struct Widths {
     pub transmittance: u8,
     /// Fraction bits of a splat's colour (4 to 28).
     pub colour: u8,
-    /// Fraction bits of the pixel's accumulated colour (4 to 27).
+    /// Fraction bits of the pixel's accumulated colour (4 to 27; at most 23 for [`Rounding::NearestEven`]).
     pub accumulator: u8,
     /// Rounding in the pixel path.
     pub rounding: Rounding,
@@ -158,12 +161,39 @@ impl Widths {
         }
     }
 
-    /// Are all widths within the ranges for which the datapath's bounds hold?
+    /// [`WIDTH_RANGES`] as the other widths and the rounding leave them: a table's interval is at least one step of the radial index, also
+    /// where the table ends at 4; and single precision adds to [at most 23 bits](Rounding::NearestEven).
+    pub const fn ranges(&self) -> [(&'static str, u8, u8); 13] {
+        let mut ranges = WIDTH_RANGES;
+        if self.radial < ranges[TABLE].2 - 2 {
+            ranges[TABLE].2 = self.radial + 2;
+        }
+        if let Rounding::NearestEven = self.rounding {
+            ranges[ACCUMULATOR].2 = 23;
+        }
+        ranges
+    }
+
+    /// Are all widths within the [ranges](Self::ranges) for which the datapath's bounds hold?
     pub const fn check(&self) -> Result<(), WidthError> {
+        self.check_within(self.ranges())
+    }
+
+    /// The same, and does the radial index fit lanes of `L`? Four integer bits, the sign and [`radial`](Self::radial) fraction bits must.
+    pub const fn check_for<L: Lane>(&self) -> Result<(), WidthError> {
+        let mut ranges = self.ranges();
+        let most = L::BITS.saturating_sub(5);
+        if most < ranges[RADIAL].2 as u32 {
+            ranges[RADIAL].2 = most as u8;
+        }
+        self.check_within(ranges)
+    }
+
+    const fn check_within(&self, ranges: [(&'static str, u8, u8); 13]) -> Result<(), WidthError> {
         let numbers = self.numbers();
         let mut i = 0;
         while i < numbers.len() {
-            let (field, low, high) = WIDTH_RANGES[i];
+            let (field, low, high) = ranges[i];
             if numbers[i] < low || numbers[i] > high {
                 return Err(WidthError {
                     field,
@@ -175,23 +205,12 @@ impl Widths {
         }
         Ok(())
     }
-
-    /// The same, and does the radial index fit lanes of `L`? Four integer bits, the sign and [`radial`](Self::radial) fraction bits must.
-    pub const fn check_for<L: Lane>(&self) -> Result<(), WidthError> {
-        let most = L::BITS - 5;
-        if self.radial as u32 > most {
-            return Err(WidthError {
-                field: "radial",
-                value: self.radial,
-                range: (WIDTH_RANGES[RADIAL].1, most as u8),
-            });
-        }
-        self.check()
-    }
 }
 
-/// Place of `radial` in [`WIDTH_RANGES`].
+/// Places in [`WIDTH_RANGES`].
 const RADIAL: usize = 4;
+const TABLE: usize = 5;
+const ACCUMULATOR: usize = 12;
 
 /// The word in which a pixel lane keeps the radial index and its differences.
 ///
@@ -267,7 +286,21 @@ impl Lane for i64 {
 /// let widths = Mine.widths();
 /// ```
 ///
-/// With `radial: 27` it does. Widths that are not known before run time are [`RuntimeWidths`].
+/// With `radial: 27` it does. Neither does `Widths { radial: 8, table: 12, .. }`, nor an accumulator that its rounding cannot have:
+///
+/// ```compile_fail
+/// use splatline::format::{Design, Lean18, Widths};
+///
+/// #[derive(Clone, Copy)]
+/// struct Mine;
+/// impl Design for Mine {
+///     type Lane = i32;
+///     const FIXED: Option<Widths> = Some(Widths { accumulator: 24, ..Lean18::WIDTHS });
+/// }
+/// let widths = Mine.widths();
+/// ```
+///
+/// Widths that are not known before run time are [`RuntimeWidths`].
 pub trait Design: Copy {
     /// Word of the pixel lanes: `i32` needs `radial <= 27`.
     type Lane: Lane;
@@ -286,7 +319,7 @@ const fn fixed<D: Design>() -> Widths {
         Some(widths) => {
             assert!(
                 widths.check_for::<D::Lane>().is_ok(),
-                "a width is out of its range, or lanes are too narrow for `radial`"
+                "a width is out of its range (Widths::ranges), or lanes are too narrow for `radial`"
             );
             widths
         }
@@ -399,6 +432,15 @@ impl Micro16 {
     };
 }
 
+/// What the design's description states.
+const _: () = {
+    let w = Micro16::WIDTHS;
+    assert!(4 + w.peak + w.weight <= 32 && w.transmittance + w.alpha <= 31);
+    assert!(w.transmittance + 4 + w.colour <= 30 && 2 * w.mantissa < 32);
+    assert!(w.accumulator == w.transmittance + w.colour);
+    assert!(w.radial + 4 == w.table + w.interpolation);
+};
+
 impl Lean18 {
     /// Widths of the design.
     pub const WIDTHS: Widths = Widths {
@@ -418,6 +460,15 @@ impl Lean18 {
         rounding: Rounding::NearestEven,
     };
 }
+
+/// What the design's description states.
+const _: () = {
+    let w = Lean18::WIDTHS;
+    assert!(
+        w.mantissa <= 18 && w.weight <= 18 && w.alpha <= 18 && w.colour + w.colour_range() <= 18
+    );
+    assert!(Blend::new(&w, &Rules::GAUSSIAN_3D).is_single());
+};
 
 impl Standard24 {
     /// Widths of the design.

@@ -29,9 +29,8 @@ def nearest(value, drop):
 
 
 def even(value, drop):
-    """(1.3) value / 2^drop to nearest, halves to even."""
-    whole, rest, half = value >> drop, value & ((1 << drop) - 1), (1 << drop) >> 1
-    return whole + (drop > 0 and (rest > half or (rest == half and whole & 1)))
+    """(1.3) value / 2^drop to nearest, halves to even; drop is at least 1."""
+    return (value + (1 << (drop - 1)) - 1 + ((value >> drop) & 1)) >> drop
 
 
 def floored(value, drop):
@@ -58,7 +57,7 @@ def length(number):
 
 def leading(number):
     """(1.6) Position of the leading bit."""
-    return saturated(number[1] + length(number) - 1, 32)
+    return number[1] + length(number) - 1
 
 
 def scaled(number, power):
@@ -146,10 +145,8 @@ def root_chord(normal):
 
 def root_seed(value):
     """(1.14) (root, shift) of an integer of 64 bits: sqrt(value) is about root 2^shift."""
-    if not value:
-        return 0, 0
     even = (64 - value.bit_length()) & ~1
-    return root_chord((value << even) >> 32), 8 - even // 2
+    return bool(value) * root_chord((value << even) >> 32), 8 - even // 2
 
 
 def square_root(number, bits):

@@ -13,7 +13,7 @@ import pixels
 import rows
 import setup
 import tables
-from vectors import Folder, print_of
+from vectors import Folder
 
 PACKET_VERSION = 3
 
@@ -38,9 +38,7 @@ class Check:
     def __init__(self, folder):
         self.folder = folder
         self.widths, self.rules, self.view = folder.widths(), folder.rules(), folder.view()
-        self.splats = folder.splats()
-        names = folder.names("packets")
-        self.prints = [print_of(names, record) for record in folder.records("packets")]
+        self.splats, self.prints = folder.splats(), folder.prints()
         self.drawn, self.words = [], 0
 
     def compare(self, stage, records):
@@ -77,25 +75,31 @@ class Check:
         self.compare("table", ([entry] for entry in entries))
 
     def setup(self):
-        """Section 2, a stage after the other."""
-        stages = {name: [] for name in ("camera", "projected", "columns", "covariance", "opacity")}
+        """Section 2 and (3.1), a splat after the other."""
+        names = ("camera", "projected", "columns", "covariance", "opacity")
+        fields = {name: self.folder.names(name) for name in (*names, "packets")}
+        files = {name: self.folder.records(name) for name in names}
+        box = self.folder.traversal() == "box"
+        packets = {record[-1]: record for record in self.folder.records("packets")}
         self.drawn = []
         for number, splat in enumerate(self.splats):
             records, print = setup_records(self.widths, self.view, self.rules, splat)
-            if print is not None:
-                self.drawn.append((number, print))
-            for name, record in records.items():
-                stages[name].append(record)
-        for name, records in stages.items():
-            self.compare(name, records)
+            for name in names:
+                equal(name, number, records[name], next(files[name], []), fields[name])
+            mine = packet(number, print, box) if print else []
+            equal("packets", number, mine, packets.pop(number, []), fields["packets"])
+            if print:
+                self.drawn.append(mine)
+            self.words += sum(map(len, records.values())) + len(mine)
 
     def packets(self):
-        """(2.22), (3.1) and (3.2), of what `setup` left."""
-        box = self.folder.traversal() == "box"
-        drawn = sorted(self.drawn, key=lambda pair: pair[1][0])
+        """(3.2) The order of what `setup` left."""
+        order = sorted(self.drawn, key=lambda record: record[-2])
         if self.folder.manifest["compositing"] == "back-to-front":
-            drawn.reverse()
-        self.compare("packets", (packet(number, print, box) for number, print in drawn))
+            order.reverse()
+        numbers = [record[-1] for record in self.folder.records("packets")]
+        if numbers != [record[-1] for record in order]:
+            raise Difference("packets: formulas give another order")
 
     def runs(self):
         """Sections 5 and 6."""
@@ -151,8 +155,8 @@ def flat(numbers):
 def function_record(record):
     """(1.11), (1.15), (1.17) of the argument that a record begins with."""
     x = tuple(record[:2])
-    results = [arithmetic.reciprocal(x, bits) or (0, 0) for bits in (16, 31)]
-    results += [arithmetic.square_root(x, bits) for bits in (16, 31)]
+    results = [arithmetic.reciprocal(x, bits) or (0, 0) for bits in (16, 17, 31)]
+    results += [arithmetic.square_root(x, bits) for bits in (16, 17, 31)]
     return [*flat([x, *results]), arithmetic.logarithm(x) or 0]
 
 

@@ -2,8 +2,8 @@
 
     python3 sim/golden/designs.py target/release/splatline [--random N] [--seed S] [--large]
 
-The named designs under both traversals, both rules and all operators; every width at its smallest and at its largest; N random designs;
-with --large 10^5 splats and 10^6 pixels of each named design as well.
+The named designs under both traversals, both rules and all operators; other cameras and filters; every width at its smallest and at its
+largest; N random designs; with --large 10^5 splats and 10^6 pixels of each named design as well.
 """
 
 import argparse
@@ -32,6 +32,23 @@ RANGES = {
     "colour": (4, 28),
     "accumulator": (4, 27),
 }
+SMALL = ["--splats", "72", "--size", "64x48"]
+# What only one design shows, for all to be noticed: `mutants.py` exports these and the named designs.
+OTHERS = (
+    ["lean18", *SMALL, "--traversal", "box", "--rules", "ewa"],
+    ["lean18", *SMALL, "--compositing", "back-to-front"],
+    ["lean18", *SMALL, "--compositing", "x-ray"],
+    ["standard24", *SMALL, "--compositing", "x-ray"],
+    ["lean18", *SMALL, "--orthographic"],
+    ["standard24", *SMALL, "--orthographic"],
+    ["lean18", "--splats", "200", "--size", "24x16", "--seed", "3", "--antialias", "mip"],
+    ["lean18", *SMALL, "--antialias", "swan", "--rules", "ewa"],
+    ["lean18", *SMALL, "--antialias", "swan"],
+    ["standard24", *SMALL, "--antialias", "none", "--traversal", "box"],
+    [{"interpolation": 19, "colour": 28, "rounding": "truncate"}, *SMALL],
+    [{"transmittance": 4, "colour": 24, "accumulator": 27, "peak": 4, "weight": 4, "alpha": 8, "subpixel": 4}, *SMALL],
+    [{"peak": 5, "weight": 4, "alpha": 8, "subpixel": 4, "rounding": "truncate"}, *SMALL, "--antialias", "none"],
+)
 CHOICES = {
     "--traversal": ("spans", "box"),
     "--rules": ("3dgs", "ewa"),
@@ -41,27 +58,33 @@ CHOICES = {
 
 def named(design):
     """All choices for a named design, one changed at a time from the first."""
-    yield [design, "--splats", "144"]
+    yield [design]
     for option, values in CHOICES.items():
         for value in values:
-            yield [design, "--splats", "72", "--size", "64x48", option, value]
+            yield [design, *SMALL, option, value]
+
+
+def allowed(widths, rounding="nearest"):
+    """At most what other widths and the rounding leave."""
+    if rounding == "nearest-even":
+        widths["accumulator"] = min(widths["accumulator"], 23)
+    table = min(widths.get("table", 12), widths.get("radial", 27) + 2)
+    return {**widths, "table": table, "rounding": rounding}
 
 
 def extremes():
     """Each width at its ends, beside those of standard24, and all together."""
     for name, ends in RANGES.items():
         for end in ends:
-            yield {name: end}
+            yield allowed({name: end})
     for side in range(2):
-        widths = {name: ends[side] for name, ends in RANGES.items()}
-        yield {**widths, "table": min(widths["table"], widths["radial"] + 2)}
+        yield allowed({name: ends[side] for name, ends in RANGES.items()})
 
 
 def drawn(source):
     """A design of random widths and rounding."""
     widths = {name: source.randint(*ends) for name, ends in RANGES.items()}
-    widths["table"] = min(widths["table"], widths["radial"] + 2)
-    return {**widths, "rounding": source.choice(("nearest", "truncate"))}
+    return allowed(widths, source.choice(("nearest", "nearest-even", "truncate")))
 
 
 def text(design):
@@ -72,21 +95,30 @@ def text(design):
     return "\n".join(lines) + "\n"
 
 
-def subjects(arguments, folder):
+def subjects(arguments):
     """What is exported: the design and the other options."""
     for name in NAMED:
         yield from named(name)
         if arguments.large:
             yield [name, "--splats", "100000", "--size", "4x3", "--seed", "3"]
             yield [name, "--splats", "1600", "--size", "96x64", "--seed", "3"]
+    yield from OTHERS
     source = random.Random(arguments.seed)
-    designs = list(extremes()) + [drawn(source) for _ in range(arguments.random)]
-    for number, design in enumerate(designs):
-        file = folder / f"design{number}.toml"
-        file.write_text(text(design))
+    for design in [*extremes(), *(drawn(source) for _ in range(arguments.random))]:
         traversal = source.choice(CHOICES["--traversal"])
         rules = source.choice(CHOICES["--rules"])
-        yield [str(file), "--splats", "72", "--size", "64x48", "--traversal", traversal, "--rules", rules]
+        yield [design, *SMALL, "--traversal", traversal, "--rules", rules]
+
+
+def export(splatline, out, design, options):
+    """Writes the vectors of a design by its name or its widths; the command as one would type it."""
+    if isinstance(design, dict):
+        file, widths = Path(f"{out}.toml"), design
+        file.write_text(text(widths))
+        design = str(file)
+    command = [splatline, "vectors", "export", str(out), "--design", design, *options]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return " ".join(command[2:])
 
 
 def main():
@@ -98,16 +130,15 @@ def main():
     arguments = parser.parse_args()
     words, count = 0, 0
     with tempfile.TemporaryDirectory() as folder:
-        for design, *options in subjects(arguments, Path(folder)):
+        for design, *options in subjects(arguments):
             out = Path(folder) / "vectors"
-            command = [arguments.splatline, "vectors", "export", str(out), "--design", design, *options]
-            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+            command = export(arguments.splatline, out, design, options)
             check = Check(Folder(out))
             try:
                 check.run()
             except Difference as difference:
-                content = Path(design).read_text() if design.endswith(".toml") else ""
-                sys.exit(f"{' '.join(command[2:])}: {difference}\n{content}")
+                content = text(design) if isinstance(design, dict) else ""
+                sys.exit(f"{command}: {difference}\n{content}")
             words, count = words + check.words, count + 1
     print(f"{count} exports, {words} words equal")
 

@@ -1,6 +1,8 @@
 """Which mistakes would exported vectors notice?
 
-    python3 sim/golden/mutants.py out/vectors [more folders ...] [--jobs N] [--module NAME]
+    python3 sim/golden/mutants.py target/release/splatline [--jobs N] [--module NAME]
+
+Exports the named designs as the command does by default, and the other subjects of `designs.py`.
 
 Every formula is changed in every small way: constants by one, another rounding, another comparison, another sign. A mutant is noticed if the
 check of a folder fails. One that survives needs a proof in `equivalent.txt`, beside this file, that it changes no bit; otherwise vectors lack
@@ -10,12 +12,14 @@ a case.
 import argparse
 import ast
 import copy
+import gc
 import importlib
 import os
-import signal
+import resource
 import sys
+import tempfile
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, FunctionType, ModuleType
 
 HERE = Path(__file__).parent
 PARTS = {
@@ -33,7 +37,8 @@ ROUNDINGS = {
 }
 COMPARISONS = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt}
 SIGNS = {ast.Add: ast.Sub, ast.Sub: ast.Add}
-SECONDS = 120
+# Of the processor, a mutant each: several times what all the checks take.
+SECONDS = 20
 
 
 def normalised_down(value, exponent, bits):
@@ -71,13 +76,13 @@ class Changer(ast.NodeTransformer):
     """Visits every node that is arithmetic; replaces the one whose turn it is."""
 
     def __init__(self, turn=None):
-        self.turn, self.seen, self.names = turn, 0, []
-        self.function = ""
+        self.turn, self.seen, self.names, self.counts = turn, 0, [], {}
+        self.function = self.changed = ""
 
     def visit_FunctionDef(self, node):
-        self.function = node.name
-        node.body = [node.body[0]] + [self.visit(part) for part in node.body[1:]]
-        self.function = ""
+        outer, self.function = self.function, self.function or node.name
+        node.body = [self.visit(part) for part in node.body]
+        self.function = outer
         return node
 
     def visit_Subscript(self, node):
@@ -91,9 +96,12 @@ class Changer(ast.NodeTransformer):
         for changed, name in changes(node):
             if self.turn == self.seen:
                 self.seen += 1
+                self.changed = self.function
                 return changed
             self.seen += 1
-            self.names.append(f"{self.function}:{ast.unparse(node)}:{name}")
+            name = f"{self.function}:{ast.unparse(node)}:{name}"
+            again = self.counts[name] = self.counts.get(name, 0) + 1
+            self.names.append(name if again == 1 else f"{name} ({again})")
         return super().generic_visit(node)
 
 
@@ -108,9 +116,54 @@ def mutants(module):
     return changer.names
 
 
-def is_noticed(module, turn, folders):
-    """Runs the parts of the check that the module takes part in."""
-    tree = ast.fix_missing_locations(Changer(turn).visit(tree_of(module)))
+def exported(splatline):
+    """The vectors that are to notice."""
+    from designs import NAMED, OTHERS, export
+    from vectors import Folder
+
+    with tempfile.TemporaryDirectory() as place:
+        for number, (design, *options) in enumerate([*OTHERS, *([name] for name in NAMED)]):
+            out = Path(place) / str(number)
+            command = export(splatline, out, design, options)
+            size = sum(file.stat().st_size for file in out.iterdir())
+            print(f"{command}: {size / 1e6:.1f} MB", flush=True)
+            yield Folder(out).keep()
+
+
+def callers():
+    """The parts of a check that call each formula, as (module, function): by names, so rather too many than too few."""
+    check = importlib.import_module("check")
+    formulas, found = {}, {}
+    for module in (*(importlib.import_module(name) for name in PARTS), check):
+        for name, value in vars(module).items():
+            if getattr(value, "__module__", "") == module.__name__:
+                for method in vars(value).values() if isinstance(value, type) else [value]:
+                    if isinstance(method, FunctionType):
+                        called = name if method.__name__ == "__init__" else method.__name__
+                        formulas.setdefault(called, []).append((module.__name__, method))
+    for part in PARTS["arithmetic"]:
+        todo, seen = [getattr(check.Check, part).__code__], set()
+        while todo:
+            code = todo.pop()
+            todo += [other for other in code.co_consts if isinstance(other, CodeType)]
+            for name in {*code.co_names} - seen - {*PARTS}:
+                seen.add(name)
+                for module, formula in formulas.get(name, ()):
+                    found.setdefault((module, formula.__name__), set()).add(part)
+                    todo.append(formula.__code__)
+        if part == "setup":
+            # `packets` compares what `setup` computed.
+            for parts in found.values():
+                if part in parts:
+                    parts.add("packets")
+    return found
+
+
+def is_noticed(module, turn, folders, called):
+    """Runs the parts of the check that call the formula; all of the module's for what is made when it is loaded."""
+    changer = Changer(turn)
+    tree = ast.fix_missing_locations(changer.visit(tree_of(module)))
+    formula = (module, changer.changed)
     for name in (*PARTS, "check"):
         sys.modules.pop(name, None)
     try:
@@ -127,57 +180,59 @@ def is_noticed(module, turn, folders):
         check = importlib.import_module("check")
         for folder in folders:
             one = check.Check(folder)
-            for part in PARTS[module]:
-                getattr(one, part)()
+            for part in PARTS["arithmetic"]:
+                if part in called.get(formula, PARTS[module]):
+                    getattr(one, part)()
     except Exception:
         return True
     return False
 
 
-def start(module, turn, folders):
+def start(module, turn, *subjects):
     """A process of its own for each mutant: some never end."""
     child = os.fork()
     if child == 0:
-        signal.alarm(SECONDS)
+        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
         sys.stderr = open(os.devnull, "w")
-        os._exit(1 if is_noticed(module, turn, folders) else 0)
+        os._exit(1 if is_noticed(module, turn, *subjects) else 0)
     return child
 
 
-def judged(todo, folders, jobs):
+def judged(todo, jobs, *subjects):
     """Yields every mutant with whether it was noticed; what runs out of time was."""
     running = {}
     while todo or running:
         while todo and len(running) < jobs:
             mutant = todo.pop()
-            running[start(*mutant[:2], folders)] = mutant
+            running[start(*mutant[:2], *subjects)] = mutant
         child, status = os.wait()
         yield running.pop(child), status != 0
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folders", nargs="+")
-    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("splatline")
+    parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--module", action="append", choices=PARTS)
     arguments = parser.parse_args()
-    from vectors import Folder
-
-    folders = [Folder(path).keep() for path in arguments.folders]
+    folders, called = list(exported(arguments.splatline)), callers()
+    # Nobody writes to the vectors: so that processes share them.
+    gc.disable()
+    gc.freeze()
     lines = (HERE / "equivalent.txt").read_text().splitlines()
     proofs = dict(line.split("  # ") for line in lines if line and not line.startswith("#"))
     todo = []
     for module in arguments.module or PARTS:
         todo += [(module, turn, f"{module}.{name}") for turn, name in enumerate(mutants(module))]
     count, noticed, proved, alive = len(todo), 0, 0, []
-    for (_, _, name), dead in judged(todo[::-1], folders, arguments.jobs):
+    for (_, _, name), dead in judged(todo[::-1], arguments.jobs, folders, called):
         if dead:
             noticed += 1
         elif name in proofs:
             proved += 1
         else:
             alive.append(name)
-            print("survived:", name, flush=True)
+            print(f"survived, {noticed} noticed before: {name}", flush=True)
     print(f"{count} mutants: {noticed} noticed, {proved} change nothing by proof, {len(alive)} survived")
     sys.exit(bool(alive))
 

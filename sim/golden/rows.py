@@ -29,7 +29,7 @@ def reach_of_rows(print):
 def centre_fraction(widths, print, half):
     """(5.1) Fraction bits of xc down the rows."""
     wide = half > 13 or leading(print.ldl[2]) > 12
-    return max(widths.subpixel - 2, 0) if wide else widths.subpixel + 8
+    return widths.subpixel - 2 if wide else widths.subpixel + 8
 
 
 def vertical_fraction(widths):

@@ -22,9 +22,7 @@ def difference(view, centre, position):
     tops = [saturated(leading(number) + 1, 32) for number in centre if number[0]]
     if any(eye):
         tops.append(saturated(exponent + max(abs(e).bit_length() for e in eye), 32))
-    if not tops:
-        return [0, 0, 0], 0
-    unit = saturated(max(tops) - 60, 32)
+    unit = saturated(max(tops, default=0) - 60, 32)
     down, down_eye = [saturated(unit - u[1], 32) for u in centre], saturated(unit - exponent, 32)
     exact = [nearest(u[0], s) - nearest(e, down_eye) for u, e, s in zip(centre, eye, down)]
     size = max(abs(d).bit_length() for d in exact)
@@ -47,23 +45,20 @@ def camera_point(widths, view, centre):
         tail = [part - (h << low) for part, h in zip(d, high)]
         cross = sum(w * t + nearest(rest, 30 - low) * h for w, rest, h, t in zip(row, rests, high, tail))
         point.append(sum(w * h for w, h in zip(row, high)) + nearest(cross, low))
-    return point, saturated(saturated(exponent + low, 32) - 30, 32)
+    return point, saturated(exponent + low - 30, 32)
 
 
-def exceeds(a, b):
-    """(2.3) Is a > b, exactly?"""
-    if a[0] == 0 or b[0] == 0 or (a[0] > 0) != (b[0] > 0):
-        return a[0] > b[0]
-    if leading(a) != leading(b):
-        return (leading(a) > leading(b)) == (a[0] > 0)
-    return a[0] << (64 - length(a)) > b[0] << (64 - length(b))
+def place(number):
+    """(2.3) What orders numbers by their values: sign, leading bit, mantissa."""
+    sign = (number[0] > 0) - (number[0] < 0)
+    return sign, sign * leading(number), number[0] << (64 - length(number))
 
 
 def cull_by_depth(view, z):
     """(2.3) Near and far."""
-    if not exceeds(z, view.near) or (view.perspective and z[0] <= 0):
+    if place(z) <= place(view.near) or (view.perspective and z[0] <= 0):
         raise Cull(NEAR)
-    if not exceeds(view.far, z):
+    if place(view.far) <= place(z):
         raise Cull(FAR)
 
 
@@ -75,12 +70,7 @@ def sort_key(z):
     magnitude = abs(z[0])
     top = leading(z)
     below = ((magnitude << 38) >> (magnitude.bit_length() - 1)) & ((1 << 38) - 1)
-    if top < -256:
-        key = 0
-    elif top >= 256:
-        key = positive - 1
-    else:
-        key = (top + 256) << 38 | below
+    key = max(0, min(positive - 1, (top + 256) << 38 | below))
     return positive | key if z[0] > 0 else positive - 1 - key
 
 
@@ -173,8 +163,6 @@ def columns(widths, view, ratios, gains, axes):
 
 def enlargement(widths, rules, gains):
     """(2.12) d/k beyond the distance k, otherwise None."""
-    if rules.spacing[0] <= 0:
-        return None
     across, down = gains
     smaller = across if (leading(across), across[0]) < (leading(down), down[0]) else down
     distance = multiplied(rules.spacing, smaller, widths.mantissa)
@@ -260,7 +248,7 @@ def peak_opacity(widths, rules, weight, ratios, gains, determinant):
         return weight
     bits = widths.mantissa
     slant = windowed([(1, 0, 1)] + [term(product(r, r), 2 * bits) for r in ratios], bits)
-    density = square_root(multiplied(slant, reciprocal(determinant, bits), bits), bits)
+    density = square_root(multiplied(slant, reciprocal(determinant, bits) or ZERO, bits), bits)
     area = multiplied(gains[0], gains[1], bits)
     result = multiplied(weight, area, bits)
     result = multiplied(result, density, bits)
@@ -291,7 +279,7 @@ def bounds(widths, limit, centre, spread, cutoff):
     if extent >> 60:
         raise Cull(RANGE)
     sample = (centre << (32 - widths.subpixel)) - (1 << 31)
-    low = (sample - extent + (1 << 32) - 1) >> 32
+    low = -((extent - sample) >> 32)
     high = ((sample + extent) >> 32) + 1
     low, high = max(0, min(limit, low)), max(0, min(limit, high))
     if low >= high:
@@ -301,15 +289,13 @@ def bounds(widths, limit, centre, spread, cutoff):
 
 def colour_range(widths):
     """(2.20) Integer bits of colours and their sums."""
-    if widths.rounding == "nearest-even" and widths.accumulator > 19:
-        return max(23 - widths.accumulator, 0)
-    return 4
+    return min(4, 23 - widths.accumulator) if widths.rounding == "nearest-even" else 4
 
 
 def colour(widths, channels):
     """(2.20) A splat's colour in UQ4.colour."""
     drop, most = 28 - widths.colour, (1 << (widths.colour + colour_range(widths))) - 1
-    return [min(c >> drop if widths.rounding == "truncate" else even(c, drop), most) for c in channels]
+    return [min(c >> drop if widths.rounding == "truncate" else even(2 * c, drop + 1), most) for c in channels]
 
 
 def peak_word(widths, peak):
@@ -318,7 +304,7 @@ def peak_word(widths, peak):
     word = fixed(peak, widths.peak)
     if 1 <= drop <= 31:
         word = even(peak[0], drop)
-    word = max(0, min((16 << widths.peak) - 1, word))
+    word = min((16 << widths.peak) - 1, word)
     if word == 0:
         raise Cull(TRANSPARENT)
     return word

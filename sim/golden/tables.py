@@ -19,7 +19,7 @@ def exponential(x):
 
 def rest_bits(widths, table_range):
     """(4.3) Bits of a radial index below the table's index."""
-    return max(widths.radial + table_range - widths.table, 0)
+    return widths.radial + table_range - widths.table
 
 
 def gaussian_table(widths, table_range):

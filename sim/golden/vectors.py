@@ -1,6 +1,7 @@
 """Reads a folder of vectors: manifest.json and one file per stage, a record a line."""
 
 import json
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace as Values
 
@@ -35,6 +36,7 @@ class Folder:
     def keep(self):
         """Holds all records in memory, for many checks of one folder."""
         self.kept = {stage: list(self.records(stage)) for stage in self.stages}
+        self.splats(), self.prints()
         return self
 
     def widths(self):
@@ -84,9 +86,16 @@ class Folder:
             ratio_high=v["ratio_high_q31_32"],
         )
 
+    @cache
     def splats(self):
         """The inputs."""
         return [splat(record) for record in self.records("splats")]
+
+    @cache
+    def prints(self):
+        """The footprints of packets."""
+        names = self.names("packets")
+        return [print_of(names, record) for record in self.records("packets")]
 
 
 def splat(record):

@@ -49,22 +49,28 @@ pub trait Tabled: Design {
 /// A design's table for `table_range` 2.
 #[inline(always)]
 pub const fn table_4<D: Tabled>() -> FootprintTable<'static> {
-    const { checked(D::GAUSSIAN_4, &D::WIDTHS, 2) }
+    const { checked::<D>(D::GAUSSIAN_4, 2) }
 }
 
 /// A design's table for `table_range` 4.
 #[inline(always)]
 pub const fn table_16<D: Tabled>() -> FootprintTable<'static> {
-    const { checked(D::GAUSSIAN_16, &D::WIDTHS, 4) }
+    const { checked::<D>(D::GAUSSIAN_16, 4) }
 }
 
-/// A table of another length does not compile.
-const fn checked(
-    entries: &'static [u32],
-    widths: &'static Widths,
-    range: u8,
-) -> FootprintTable<'static> {
-    match FootprintTable::new(entries, widths, range) {
+/// A table of another length does not compile, nor one for other widths than the design's.
+const fn checked<D: Tabled>(entries: &'static [u32], range: u8) -> FootprintTable<'static> {
+    if let Some(own) = D::FIXED {
+        let widths = &D::WIDTHS;
+        assert!(
+            own.radial == widths.radial
+                && own.table == widths.table
+                && own.interpolation == widths.interpolation
+                && own.weight == widths.weight,
+            "Tabled::WIDTHS must be the design's"
+        );
+    }
+    match FootprintTable::new(entries, &D::WIDTHS, range) {
         Ok(table) => table,
         Err(_) => panic!("a design's table must have kernel::entries(&WIDTHS) entries"),
     }

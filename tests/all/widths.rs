@@ -5,7 +5,10 @@ use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
-use splatline::format::{Classic8, Deep32, Design, Lean18, RuntimeWidths, Standard24, Traversal};
+use splatline::format::{
+    Classic8, Deep32, Design, Lean18, Rounding, RuntimeWidths, Standard24, Traversal, WIDTH_RANGES,
+    WidthError, Widths,
+};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
@@ -75,4 +78,43 @@ proptest! {
         check(Standard24, &list, &rules, compositing)?;
         check(Deep32, &list, &rules, compositing)?;
     }
+}
+
+fn refused<L: splatline::format::Lane>(widths: Widths) -> Option<(&'static str, u8, (u8, u8))> {
+    let WidthError {
+        field,
+        value,
+        range,
+    } = RuntimeWidths::<L>::for_lanes(widths).err()?;
+    Some((field, value, range))
+}
+
+/// Each by its name, with what is allowed beside the other widths.
+#[test]
+fn widths_that_the_arithmetic_cannot_have_are_refused() {
+    for (place, (field, low, high)) in WIDTH_RANGES.into_iter().enumerate() {
+        for value in [low - u8::from(low > 0), high + 1] {
+            let mut numbers = Deep32::WIDTHS.numbers();
+            numbers[place] = value;
+            let beside = refused::<i64>(Widths::from_numbers(numbers, Rounding::Nearest));
+            let expected = (value != low).then_some((field, value, (low, high)));
+            assert_eq!(beside, expected);
+        }
+    }
+    let short = |radial, table| Widths {
+        radial,
+        table,
+        ..Standard24::WIDTHS
+    };
+    assert_eq!(refused::<i64>(short(9, 11)), None);
+    assert_eq!(refused::<i64>(short(9, 12)), Some(("table", 12, (2, 11))));
+    assert_eq!(refused::<i64>(short(12, 14)), None);
+    let even = |accumulator| Widths {
+        accumulator,
+        ..Lean18::WIDTHS
+    };
+    assert_eq!(refused::<i64>(even(23)), None);
+    assert_eq!(refused::<i64>(even(24)), Some(("accumulator", 24, (4, 23))));
+    assert_eq!(refused::<i32>(short(28, 12)), Some(("radial", 28, (8, 27))));
+    assert_eq!(refused::<i64>(short(28, 12)), None);
 }

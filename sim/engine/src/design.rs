@@ -414,6 +414,14 @@ mod tests {
             message("base = \"lean18\"\n\nmantissa = 40\n"),
             "d.toml:3: mantissa = 40 is out of range: allowed are 8 to 31"
         );
+        assert_eq!(
+            message("base = \"lean18\"\nradial = 8\ntable = 11\n"),
+            "d.toml:3: table = 11 is out of range: allowed are 2 to 10"
+        );
+        assert_eq!(
+            message("base = \"standard24\"\nrounding = \"nearest-even\"\n"),
+            "d.toml:1: accumulator = 26 is out of range: allowed are 4 to 23"
+        );
         assert!(message("base = \"lean18\"\nmantisa = 4\n").contains("unknown field `mantisa`"));
         assert!(message("base = \"lean18\"\nmantisa = 4\n").contains("line 2"));
         assert!(message("base = \"lean\"").contains("expected one of classic8, micro16, lean18"));

@@ -2,9 +2,11 @@
 
 use super::resolve::sound_camera;
 use super::say::{Failure, print_result};
+use super::values::AntialiasChoice;
 use super::verification_args::{VectorsAction, VectorsExportOptions};
 use crate::design::DesignChoice;
 use crate::fixed::QuantisedScene;
+use crate::rules::{Antialias, Rules};
 use crate::scene::{self, LoadOptions, SortOrder};
 use crate::vectors::{self, VectorSubject};
 use std::path::Path;
@@ -29,8 +31,12 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
             vectors::room_for_splats(options.splats)?;
             let (mut view, mut splats) = vectors::hard_cases(options.splats, size, options.seed);
             splats.extend(vectors::stress_cases());
-            vectors::stress_view(&mut view, &design.widths);
-            (view, splats, crate::rules::Rules::GAUSSIAN_3D)
+            if options.orthographic {
+                vectors::stress_orthographic(&mut view, &mut splats, &design.widths);
+            } else {
+                vectors::stress_view(&mut view, &design.widths);
+            }
+            (view, splats, options.rules.unwrap_or(Rules::GAUSSIAN_3D))
         }
         Some(file) => {
             let loaded = scene::load(
@@ -56,7 +62,7 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
     };
     let subject = VectorSubject {
         design,
-        rules: options.rules.unwrap_or(rules),
+        rules: filtered(rules, options.antialias),
         compositing: options.compositing,
         view,
         splats,
@@ -73,6 +79,20 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
         counts.join(", ")
     ))?;
     Ok(())
+}
+
+/// The built-in splats' samples are as far apart as pixels are in the middle of them.
+fn filtered(rules: Rules, antialias: Option<AntialiasChoice>) -> Rules {
+    const SPACING: f64 = 1.0 / 24.0;
+    let Some(choice) = antialias else {
+        return rules;
+    };
+    rules.with_antialias(match choice {
+        AntialiasChoice::None => Antialias::None,
+        AntialiasChoice::Ewa => Antialias::Ewa(rules.low_pass),
+        AntialiasChoice::Mip => Antialias::Mip(rules.low_pass),
+        AntialiasChoice::Swan => Antialias::Swan(SPACING),
+    })
 }
 
 fn verify(folder: &Path) -> Result<(), Failure> {

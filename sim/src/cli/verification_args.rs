@@ -1,6 +1,8 @@
 //! The options of the commands that study the kernel: `stability`, `vectors`.
 
-use super::values::{COMPOSITINGS, DesignName, PictureSize, TraversalChoice, one_of};
+use super::values::{
+    AntialiasChoice, COMPOSITINGS, DesignName, PictureSize, TraversalChoice, one_of,
+};
 use crate::rules::{Compositing, Rules};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -43,8 +45,8 @@ pub struct VectorsExportOptions {
     /// Scene to take the first splats of, seen whole [default: built-in random splats and hard cases]
     #[arg(long, value_name = "SCENE")]
     pub scene: Option<PathBuf>,
-    /// Splats at most; behind the built-in ones come some 150 at the ends of formats
-    #[arg(long, value_name = "N", default_value = "144")]
+    /// Splats at most; behind the built-in ones come some 300 at the ends of formats
+    #[arg(long, value_name = "N", default_value = "128")]
     pub splats: usize,
     /// Seed of the built-in splats
     #[arg(long, value_name = "N", default_value = "1", conflicts_with = "scene")]
@@ -52,6 +54,12 @@ pub struct VectorsExportOptions {
     /// Size of the picture
     #[arg(long, value_name = "WxH", default_value = "96x64")]
     pub size: PictureSize,
+    /// The built-in splats through an orthographic camera, at the ends of its depths
+    #[arg(long, conflicts_with = "scene")]
+    pub orthographic: bool,
+    /// Protection against samples closer together than pixels, for the built-in splats [default: the rules' low-pass filter]
+    #[arg(long, value_enum, conflicts_with = "scene")]
+    pub antialias: Option<AntialiasChoice>,
     /// Rules of blending: ewa or 3dgs [default: the scene's, 3dgs for the built-in splats]
     #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
     pub rules: Option<Rules>,

@@ -38,7 +38,12 @@ pub fn fit(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(Option<Fit>, DesignError)> {
     let mut text = "[design]\n".to_owned();
-    for ((name, low, _), bits) in WIDTH_RANGES.iter().zip(subject.design.widths.numbers()) {
+    let widths = subject.design.widths;
+    for (&(name, mut low, _), bits) in WIDTH_RANGES.iter().zip(widths.numbers()) {
+        if name == "radial" {
+            // Lower, the table that it begins with is refused.
+            low = low.max(widths.table.saturating_sub(2));
+        }
         // Writing to a String cannot fail.
         let _ = writeln!(text, "{name} = {{ from = {low}, to = {bits} }}");
     }

@@ -177,6 +177,8 @@ fn change_design(facts: &mut Facts, which: usize) -> &'static str {
         2 => facts.design.push_str("traversal = \"box\"\n"),
         width => {
             let (key, low, _) = WIDTH_RANGES[width - 3];
+            // A radial index this short needs a table of fewer intervals.
+            let low = if key == "radial" { low + 2 } else { low };
             facts.design.push_str(&format!("{key} = {low}\n"));
         }
     }

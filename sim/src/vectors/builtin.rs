@@ -59,11 +59,25 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
         });
         add(&|splat| splat.weight.mantissa = mantissa);
     }
-    // At the eye, and as deep as each other.
+    // At the eye, and as deep as each other; then the eye of `stress_view` to the last bit, and small differences from it.
     add(&|splat| splat.centre = world([0.0; 3]));
-    add(&|splat| splat.colour = [U4F28::MAX; 3]);
+    let height = |mantissa, exponent| SoftFloat { mantissa, exponent };
+    add(&|splat| {
+        splat.centre = world([0.0; 3]);
+        splat.centre[1] = height(EYE_HEIGHT as i32, EYE_EXPONENT);
+    });
+    for low in 1..8 {
+        add(&|splat| splat.centre[1] = height((1 << 29) + low, EYE_EXPONENT - 3));
+    }
+    // So bright that sums leave their word where they are not shares.
+    for _ in 0..5 {
+        add(&|splat| {
+            splat.colour = [U4F28::MAX; 3];
+            splat.weight = number(1.0);
+        });
+    }
     // Around the ends of centres (2^26 pixels) and of extents (2^28 pixels).
-    for power in [22, 23, 24, 25] {
+    for power in 17..26 {
         let side = 1.4 * f64::from(1 << power);
         add(&|splat| splat.centre = world([side, 0.1, 3.0]));
         add(&|splat| splat.centre = world([0.1, -side, 3.0]));
@@ -102,16 +116,143 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
             }
         });
     }
+    // Covariances around the ends of their exponents, in all directions and between the two of the picture.
+    for mantissa in [1 << 30, 3 << 29] {
+        for exponent in (224..246).chain(-312..-294) {
+            add(&|splat| {
+                splat.axes[0].mantissa[0] = mantissa;
+                splat
+                    .axes
+                    .iter_mut()
+                    .for_each(|axis| axis.exponent = exponent);
+            });
+        }
+        for exponent in -292..-270 {
+            add(&|splat| {
+                splat.axes[0] = Axis {
+                    mantissa: [1 << 30, mantissa, 0],
+                    exponent,
+                };
+            });
+        }
+    }
+    // Long, flat and a little tilted: rows around the length and the shear where centres have fewer bits.
+    for power in 10..17 {
+        let along = |splat: &mut VolumeSplat, tilt: i32| {
+            splat.axes[0] = Axis {
+                mantissa: [858_993_459, tilt, -644_245_094],
+                exponent: power - 34,
+            };
+            splat.weight = number(0.03125);
+        };
+        add(&|splat| {
+            along(splat, 1 << (29 - power));
+            splat.axes[1].exponent = -35;
+        });
+        add(&|splat| {
+            *splat = small(world([0.1, 2.5 / 96.0, 5.0]), 0.5);
+            along(splat, 1 << (30 - power));
+            splat.axes[1].exponent = -40;
+        });
+    }
+    // Cut-offs whose slack ends in the last bit at a row's sample point, where `lean18` has the centre between two pixels.
+    for mantissa in [1_431_683_088, 1_431_683_090, 1_431_683_096] {
+        add(&|splat| {
+            *splat = small(world([0.015_625, 0.0, 3.0]), 0.0);
+            splat.weight = SoftFloat {
+                mantissa,
+                exponent: -33,
+            };
+        });
+    }
+    // A needle so thin that its box' words leave 64 bits where there is no low-pass filter.
+    add(&|splat| {
+        let thin = |exponent| Axis {
+            mantissa: [1 << 30, 1 << 30, 0],
+            exponent,
+        };
+        splat.axes = [thin(-33), thin(-62), thin(-62)];
+        splat.axes[1].mantissa[1] = -(1 << 30);
+    });
+    // Steep and bright, two pixels beside the end of a block of columns: differences leave lanes of 32 bits.
+    for step in 0..24 {
+        let right = 0.1500 + 0.0001 * f64::from(step);
+        add(&|splat| {
+            *splat = small(
+                world([3.0 * right, 0.02 * f64::from(step) - 0.25, 3.0]),
+                16.0,
+            );
+        });
+    }
     splats
 }
 
-/// Puts near and far plane where [`stress_cases`] has a centre each, to the last bit of the design's camera space.
+/// Gives the eye all its bits and the rotation its rests, and puts near and far plane where [`stress_cases`] has a centre each, to the last bit
+/// of the design's camera space.
 pub fn stress_view(view: &mut View, widths: &Widths) {
+    let (sine, cosine) = (REST_OF_SINE, REST_OF_COSINE);
+    view.pose = Eye {
+        position: [-3 << 57, EYE_HEIGHT, -4 << 57],
+        exponent: EYE_EXPONENT,
+        rotation_rest: [[cosine, 0, -sine], [0, 3, 0], [sine, 0, cosine]],
+    };
+    between(view, widths, at_near(), at_far());
+}
+
+const EYE_HEIGHT: i64 = 0x5a5a_5a5b;
+const EYE_EXPONENT: i32 = -57;
+/// What 0.6 and 0.8 have beyond 30 bits, in units of `2^-60`.
+const REST_OF_SINE: i32 = 429_496_730;
+const REST_OF_COSINE: i32 = 214_748_365;
+
+fn between(view: &mut View, widths: &Widths, near: VolumeSplat, far: VolumeSplat) {
     let depth = |splat: VolumeSplat| {
         let point = view.pose.to_camera(&view.rotation, &splat.centre, widths);
-        point.coordinate(2)
+        let depth = point.coordinate(2);
+        // The same depth in a longer word, as a camera's own has.
+        Extended {
+            value: depth.value << 1,
+            exponent: depth.exponent - 1,
+        }
     };
-    (view.near, view.far) = (depth(at_near()), depth(at_far()));
+    (view.near, view.far) = (depth(near), depth(far));
+}
+
+/// The same camera without perspective and at the origin, from `-2^329` to `2^329`, and splats on its axis at the ends of these depths and of
+/// sort keys, on both sides of the eye, and as close to it as words allow.
+pub fn stress_orthographic(view: &mut View, splats: &mut Vec<VolumeSplat>, widths: &Widths) {
+    /// The rotation's entries: what lies along them has x = 0 exactly.
+    const SINE: i32 = 644_245_094;
+    const COSINE: i32 = 858_993_459;
+    let at = |x: i32, z: i32, exponent: i32| {
+        let mut splat = usual([0.0; 3]);
+        splat.centre = [x, 0, z].map(|mantissa| SoftFloat { mantissa, exponent });
+        splat
+    };
+    view.projection = Projection::Orthographic;
+    view.focal = view.focal.map(|focal| SoftFloat {
+        exponent: focal.exponent - 3,
+        ..focal
+    });
+    view.pose = Eye {
+        position: [0; 3],
+        exponent: 0,
+        rotation_rest: [[0; 3]; 3],
+    };
+    between(view, widths, at(-SINE, -COSINE, 300), at(SINE, COSINE, 300));
+    for exponent in [-287, -286, -285, -40, 226, 227, 228, 299, 300, 301] {
+        splats.push(at(SINE, COSINE, exponent));
+        splats.push(at(-SINE, -COSINE, exponent));
+    }
+    for part in [-1, 1] {
+        splats.push(at(SINE + part, COSINE, 300));
+        splats.push(at(part - SINE, -COSINE, 300));
+        splats.push(at(COSINE, -SINE, -31 + 400 * (part + 1)));
+        // SINE x + COSINE z is one unit.
+        for exponent in [-60, 500] {
+            splats.push(at(858_993_455 * part, -644_245_091 * part, exponent));
+        }
+    }
 }
 
 fn at_near() -> VolumeSplat {
@@ -134,6 +275,15 @@ fn usual(place: [f64; 3]) -> VolumeSplat {
         weight: number(0.5),
         colour: [0.25, 0.5, 0.75].map(U4F28::from_num),
     }
+}
+
+/// Smaller than a pixel.
+fn small(centre: [SoftFloat; 3], weight: f64) -> VolumeSplat {
+    let mut splat = usual([0.0; 3]);
+    splat.centre = centre;
+    splat.axes.iter_mut().for_each(|axis| axis.exponent = -48);
+    splat.weight = number(weight);
+    splat
 }
 
 /// A place in the scene from one in the camera's space: [`view`]'s rotation and eye, undone.

@@ -5,33 +5,66 @@ use super::builtin::BuiltinRandom;
 use super::compute::{field, numbers, values};
 use splatline::math::{LOGARITHMS, RECIPROCALS, ROOTS, SoftFloat, ln, reciprocal, square_root};
 
+/// Bits of results.
+const BITS: [u32; 3] = [16, 17, 31];
+
+/// Mantissas whose results hang on a single rounding within: two of each in reciprocal and logarithm, from a walk through all of 31 bits.
+const EDGES: [i32; 14] = [
+    1_073_750_048, // the chord of the reciprocal's seed
+    1_073_766_496,
+    1_074_070_783, // what its seed lacks
+    1_074_109_344,
+    1_430_077_363, // the step that adds it
+    2_147_483_645,
+    1_109_472_809, // the logarithm's terms, from the inmost
+    1_134_511_442,
+    1_073_801_031,
+    1_073_805_336,
+    1_073_758_484,
+    1_073_758_725,
+    1_073_758_303,
+    1_073_758_363,
+];
+
 /// Arguments of which [`cases`] has the results.
 const CASES: usize = 4096;
 
-/// Reciprocal, root and logarithm of numbers of all lengths, signs and exponents, with and without the step behind the table. What has no
-/// result has zeros.
+/// Reciprocal, root and logarithm of numbers of all lengths, signs and exponents: to 16 bits, the most without the step behind the table, to 17
+/// and to 31. What has no result has zeros.
 pub fn cases() -> VectorStage {
     let mut stage = VectorStage::new(
         "functions",
-        "an argument; its reciprocal and root to 16 and 31 bits, and its logarithm; zeros where there is none",
-        numbers(["x", "reciprocal_16", "reciprocal_31", "root_16", "root_31"]).chain([field(
-            "logarithm",
-            64,
-            true,
-            32,
-        )]),
+        "an argument; its reciprocal and root to 16, 17 and 31 bits, and its logarithm; zeros where there is none",
+        numbers([
+            "x",
+            "reciprocal_16",
+            "reciprocal_17",
+            "reciprocal_31",
+            "root_16",
+            "root_17",
+            "root_31",
+        ])
+        .chain([field("logarithm", 64, true, 32)]),
     );
     let mut random = BuiltinRandom(1);
     let none = SoftFloat {
         mantissa: 0,
         exponent: 0,
     };
-    for case in 0..CASES {
-        let x = argument(&mut random, case);
+    let edges = EDGES.map(|mantissa| SoftFloat {
+        mantissa,
+        exponent: -31,
+    });
+    let random = (0..CASES).map(|case| argument(&mut random, case));
+    for x in edges.into_iter().chain(random) {
         let inverse = |bits| reciprocal(x, bits).unwrap_or(none);
         let root = |bits| square_root(x, bits);
-        let mut record: Vec<i64> =
-            values([x, inverse(16), inverse(31), root(16), root(31)]).collect();
+        let mut record: Vec<i64> = values(
+            [x].into_iter()
+                .chain(BITS.map(inverse))
+                .chain(BITS.map(root)),
+        )
+        .collect();
         record.push(ln(x).unwrap_or(0));
         stage.records.push(record);
     }

@@ -13,7 +13,8 @@ use std::str::FromStr;
 ///
 /// 1 had positions and depths in fixed point; 2 has them with exponents; 3 has a digest of the inputs; 4 has packets of version 3;
 /// 5 has all constants as integers, the functions and their tables, camera space and the centres' opacities.
-pub const FORMAT_VERSION: u32 = 5;
+/// 6 has what the rules filter by, and functions to 17 bits.
+pub const FORMAT_VERSION: u32 = 6;
 
 /// The content of `manifest.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -28,6 +29,8 @@ pub struct Manifest {
     pub constants: Vec<super::ConstantRecord>,
     /// `ewa` or `3dgs`.
     pub rules: String,
+    /// Variance of the low-pass filter, whether opacities are compensated for it, and the samples' spacing: the rules' own, or others.
+    pub filter: (f64, bool, f64),
     /// `front-to-back`, `back-to-front` or `x-ray`.
     pub compositing: String,
     /// The camera.
@@ -94,15 +97,20 @@ impl Manifest {
         };
         let design = subject.design.resolved();
         let rules = subject.rules.name.to_owned();
+        let filter = {
+            let rules = &subject.rules;
+            (rules.low_pass, rules.compensated, rules.spacing)
+        };
         let compositing = subject.compositing.name().to_owned();
         let view = ViewRecord::from(&subject.view);
-        let inputs = serde_json::json!([design, rules, compositing, view]).to_string();
+        let inputs = serde_json::json!([design, rules, filter, compositing, view]).to_string();
         Manifest {
             format_version: FORMAT_VERSION,
             packet_version: splatline::footprint::packet::VERSION,
             constants: super::constants::of(subject),
             design,
             rules,
+            filter,
             compositing,
             view,
             inputs_digest: digest(inputs.as_bytes()),
@@ -118,10 +126,17 @@ impl Manifest {
                 self.format_version
             ));
         }
+        let rules = Rules::from_str(&self.rules).map_err(|error| format!("rules: {error}"))?;
+        let (low_pass, compensated, spacing) = self.filter;
         Ok(VectorSubject {
             design: DesignChoice::try_from(self.design.clone())
                 .map_err(|error| error.to_string())?,
-            rules: Rules::from_str(&self.rules).map_err(|error| format!("rules: {error}"))?,
+            rules: Rules {
+                low_pass,
+                compensated,
+                spacing,
+                ..rules
+            },
             compositing: compositing_of(&self.compositing)?,
             view: self.view.view(),
             splats: Vec::new(),

@@ -20,7 +20,7 @@ mod manifest;
 mod stage;
 mod work;
 
-pub use builtin::{hard_cases, stress_cases, stress_view};
+pub use builtin::{hard_cases, stress_cases, stress_orthographic, stress_view};
 pub use compute::compute;
 pub use constants::ConstantRecord;
 pub use explain::explain;

@@ -198,7 +198,7 @@ fn the_first_difference_is_named_in_words() {
     assert!(message.contains("stage pixels, record 0"), "{message}");
     let message = message_after("manifest.json", 1, |_| "\"format_version\": 9,".to_owned());
     assert!(
-        message.contains("format_version is 9, expected 5"),
+        message.contains("format_version is 9, expected 6"),
         "{message}"
     );
 }

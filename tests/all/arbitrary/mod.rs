@@ -114,6 +114,10 @@ impl<'a> Source<'a> {
             1 => Rounding::NearestEven,
             _ => Rounding::Truncate,
         };
+        let ranges = Widths::from_numbers(numbers, rounding).ranges();
+        let mut of_all = ranges.iter();
+        let numbers =
+            numbers.map(|number| of_all.next().map_or(number, |(.., high)| number.min(*high)));
         Widths::from_numbers(numbers, rounding)
     }
 

@@ -28,6 +28,16 @@ pub(super) fn any_widths(widths: Widths) -> AnyWidths {
     AnyWidths::for_lanes(widths).expect("the strategies keep to the ranges")
 }
 
+/// At most what [`Widths::ranges`] leave.
+fn allowed(widths: Widths) -> Widths {
+    let ranges = widths.ranges();
+    Widths {
+        table: widths.table.min(ranges[5].2),
+        accumulator: widths.accumulator.min(ranges[12].2),
+        ..widths
+    }
+}
+
 fn widths() -> impl Strategy<Value = Widths> {
     let number = |index: usize, last: u8| WIDTH_RANGES[index].1..=WIDTH_RANGES[index].2.min(last);
     let shape = (
@@ -45,7 +55,7 @@ fn widths() -> impl Strategy<Value = Widths> {
         number(11, 28),
         number(12, 27),
     );
-    (shape, blend, 0..3u8).prop_map(|(shape, blend, rounding)| Widths {
+    let all = (shape, blend, 0..3u8).prop_map(|(shape, blend, rounding)| Widths {
         position: Standard24::WIDTHS.position,
         view: 30,
         mantissa: shape.0,
@@ -66,14 +76,15 @@ fn widths() -> impl Strategy<Value = Widths> {
         } else {
             Rounding::Nearest
         },
-    })
+    });
+    all.prop_map(allowed)
 }
 
 /// Widths near those of the named designs, where vectors can draw.
 pub(super) fn usual_widths() -> impl Strategy<Value = Widths> {
     (widths(), 0u8..5, 0u8..3).prop_map(|(random, less, more)| {
         let usual = Standard24::WIDTHS;
-        Widths {
+        allowed(Widths {
             mantissa: random.mantissa,
             radial: usual.radial - less,
             table: usual.table + more,
@@ -82,7 +93,7 @@ pub(super) fn usual_widths() -> impl Strategy<Value = Widths> {
             colour: usual.colour + less,
             rounding: random.rounding,
             ..usual
-        }
+        })
     })
 }
 
