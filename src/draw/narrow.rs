@@ -8,9 +8,9 @@ use crate::blend::{Blend, Pixel};
 use crate::draw::cutoff_in_lane;
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane};
-use crate::kernel::PackedTable;
+use crate::kernel::{Kernel, PackedTable};
 use crate::raster::{EllipseSpans, Span, Spans, Window};
-use crate::rules::Rules;
+use crate::rules::{Cutoff, Rules};
 use crate::target::Target;
 
 /// A painter with 32-bit lanes and a packed table.
@@ -48,6 +48,16 @@ pub struct Painter32<'a, D> {
     design: D,
     rules: &'a Rules,
     table: PackedTable<'a>,
+    usual: bool,
+}
+
+/// Rules whose constants a pixel loop of their own has: those of [`Rules::GAUSSIAN_3D`] and of all others that clamp and stop elsewhere.
+const fn is_usual(rules: &Rules) -> bool {
+    matches!(
+        (rules.cutoff, rules.kernel),
+        (Cutoff::Opacity, Kernel::Gaussian)
+    ) && rules.table_range == Rules::GAUSSIAN_3D.table_range
+        && rules.omit_finishing
 }
 
 /// Why a design cannot be drawn with 32-bit words.
@@ -139,6 +149,7 @@ impl<'a, D: Design> Painter32<'a, D> {
             design,
             rules,
             table,
+            usual: is_usual(rules),
         })
     }
 
@@ -184,23 +195,43 @@ impl<'a, D: Design> Painter32<'a, D> {
     /// The pixel loop: the definition of what a loop of the caller's does with a run.
     #[inline(always)]
     pub fn paint(self, run: NarrowRun) {
-        if run.clamped {
-            self.paint_as::<true>(run.pixels, run.lanes, run.footprint);
-        } else {
-            self.paint_as::<false>(run.pixels, run.lanes, run.footprint);
+        let NarrowRun {
+            pixels,
+            lanes,
+            footprint,
+            clamped,
+        } = run;
+        match (self.usual, clamped) {
+            (true, false) => self.paint_as::<true, false>(pixels, lanes, footprint),
+            (true, true) => self.paint_as::<true, true>(pixels, lanes, footprint),
+            (false, false) => self.paint_as::<false, false>(pixels, lanes, footprint),
+            (false, true) => self.paint_as::<false, true>(pixels, lanes, footprint),
         }
     }
 
-    /// A function of its own, so that the loop has all registers, and one for each way of clamping.
+    /// A function of its own, so that the loop has all registers, one for each way of clamping, and one for [`is_usual`] rules, whose range of
+    /// the table and end of a pixel are then no variables.
     #[inline(never)]
-    fn paint_as<const CLAMPED: bool>(
+    fn paint_as<const USUAL: bool, const CLAMPED: bool>(
         self,
         pixels: &mut [Pixel],
         lanes: NarrowLanes,
         footprint: &Footprint,
     ) {
         let widths = self.design.widths();
-        let blend = Blend::new(&widths, self.rules);
+        let rules = if USUAL {
+            Rules {
+                alpha_max: self.rules.alpha_max,
+                minimum_transmittance: self.rules.minimum_transmittance,
+                ..Rules::GAUSSIAN_3D
+            }
+        } else {
+            *self.rules
+        };
+        let blend = Blend::new(&widths, &rules);
+        let Some(table) = self.table.of_length(&widths) else {
+            return;
+        };
         let Footprint {
             opacity: peak,
             colour,
@@ -216,9 +247,7 @@ impl<'a, D: Design> Painter32<'a, D> {
             if is_left_out(radial, last, pixel) {
                 return;
             }
-            let weight = self
-                .table
-                .weight(radial as u32, &widths, self.rules.table_range);
+            let weight = table.weight(radial as u32, &widths, rules.table_range);
             let alpha = if CLAMPED {
                 Some(blend.opacity(peak, weight)).filter(|alpha| *alpha > 0)
             } else {

@@ -138,6 +138,13 @@ impl<'a> PackedTable<'a> {
             && self.range == range
     }
 
+    /// The same table with as many words as the widths say: where those are a constant, so is their number, and no pixel compares with it.
+    #[inline(always)]
+    pub(crate) fn of_length(self, widths: &Widths) -> Option<Self> {
+        let words = self.words.get(..1usize.wrapping_shl(widths.table.into()))?;
+        Some(PackedTable { words, ..self })
+    }
+
     /// How far lanes must run ahead of the radial index, UQ4.radial: one interval and one unit of the position within it.
     #[inline(always)]
     pub const fn lead(widths: &Widths, range: u8) -> u32 {

@@ -12,6 +12,7 @@
         study.search({"area": "minimize", "psnr_db": "maximize"}, trials=200, workers=2)    # Optuna
         study.frame()                                         # a DataFrame
         study.write("out")                                    # points.csv, front.csv and front.html, as `splatline sweep` writes them
+        study.parquet("points.parquet")                       # the rows, where pyarrow is installed
 
 Every point is stored in one SQLite file as its results arrive, with a digest over what it is of and what came out. Who runs the same study
 again goes on where it stopped; a point that is stored is not run again, whoever asked for it. A worker that dies costs the points that it was
@@ -319,28 +320,35 @@ class Study:
             setup = self._setup(threads or max(1, (os.cpu_count() or 1) // workers))
         executor = local or executor
         bar, left = _Progress(max(0, trials - done), progress), trials - done
-        open_: dict = {}
+        # Trials of the same point wait for the same job.
+        open_: dict[str, tuple] = {}
         try:
             while left > 0 or open_:
-                while left > 0 and len(open_) < workers:
+                while left > 0 and sum(len(trials) for *_, trials in open_.values()) < workers:
                     left -= 1
                     trial = study.ask()
                     point = [_suggest(trial, key, values) for key, values in self.axes.items()]
-                    known = self.stored_point(point)
-                    if known is None:
-                        flight = executor.submit(evaluate, setup, [point])
-                        open_[id(flight)] = (flight, trial, point)
-                    else:
+                    key, known = self._key(point), self.stored_point(point)
+                    if known is not None:
                         _tell(study, trial, known, objectives, limits)
                         bar.advance(1)
+                    elif key in open_:
+                        open_[key][-1].append(trial)
+                    else:
+                        open_[key] = (executor.submit(evaluate, setup, [point]), point, 1, [trial])
                 if not open_:
                     continue
                 _wait([flight for flight, *_ in open_.values()])
-                for flight, trial, point in [entry for entry in open_.values() if entry[0].done()]:
-                    del open_[id(flight)]
-                    self._store([point], *_outcome(flight))
-                    _tell(study, trial, self.stored_point(point), objectives, limits)
-                    bar.advance(1)
+                for key, (flight, point, tries, trials) in [entry for entry in open_.items() if entry[1][0].done()]:
+                    found, lost = _outcome(flight)
+                    if lost and tries < _TRIES:
+                        open_[key] = (executor.submit(evaluate, setup, [point]), point, tries + 1, trials)
+                        continue
+                    del open_[key]
+                    self._store([point], found, lost)
+                    for trial in trials:
+                        _tell(study, trial, self.stored_point(point), objectives, limits)
+                    bar.advance(len(trials))
         finally:
             if local:
                 local.shutdown()
@@ -368,6 +376,16 @@ class Study:
         import pandas
 
         return pandas.DataFrame(self.rows())
+
+    def parquet(self, path) -> None:
+        """The same as a Parquet file, with what the study is of as its metadata."""
+        import pyarrow
+        import pyarrow.parquet
+
+        rows = self.rows()
+        names = dict.fromkeys(name for row in rows for name in row)
+        table = pyarrow.table({name: [row.get(name) for row in rows] for name in names})
+        pyarrow.parquet.write_table(table.replace_schema_metadata({"splatline": self.identity}), path)
 
     def write(self, folder, title: str | None = None) -> None:
         """points.csv, front.csv and front.html, as `splatline sweep` writes them."""

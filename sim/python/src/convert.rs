@@ -51,8 +51,8 @@ pub fn picture(array: &PyReadonlyArray3<f64>) -> PyResult<Picture> {
             "a picture's array has the shape {shape:?}: allowed is (height, width, 4), red, green, blue and alpha"
         )));
     };
-    let samples = array.to_vec()?;
-    let pixels = samples.as_chunks::<4>().0.to_vec();
+    // Copied once: a picture of Rust's owns its pixels.
+    let pixels = array.as_slice()?.as_chunks::<4>().0.to_vec();
     Ok(Picture {
         width,
         height,

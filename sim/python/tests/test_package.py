@@ -50,6 +50,7 @@ def test_the_module_is_the_command_line():
     assert said.returncode == 2 and "--output" in said.stderr
 
 
+@pytest.mark.bench
 def test_the_circuit_equals_the_kernel_at_every_handshake():
     pytest.importorskip("cocotb_tools")
     pytest.importorskip("cocotbext.axi")

@@ -6,6 +6,7 @@ import pickle
 import subprocess
 import sys
 import threading
+import time
 import zlib
 
 import numpy as np
@@ -54,6 +55,20 @@ def test_the_pixels_are_not_copied(scene, camera):
     assert np.asarray(picture) is picture.rgba or np.shares_memory(np.asarray(picture), picture.rgba)
     # The drawing's own memory, which a capsule of Rust owns.
     assert picture.rgba.base is not None
+
+
+def test_a_call_costs_less_than_a_millisecond():
+    """A picture of one pixel: what is left is plan, threads, report and array."""
+    scene = splatline.load("random:1")
+    plan = splatline.plan(scene, splatline.Camera.framing(scene, size=(1, 1)))
+    splatline.render(plan)
+
+    def seconds():
+        began = time.perf_counter()
+        splatline.render(plan)
+        return time.perf_counter() - began
+
+    assert sorted(seconds() for _ in range(101))[50] < 1e-3
 
 
 def test_others_run_while_a_picture_is_drawn(scene, camera):

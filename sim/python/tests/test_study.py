@@ -11,6 +11,8 @@ import subprocess
 import sys
 import textwrap
 import time
+from collections import Counter
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import pytest
 import splatline
@@ -71,6 +73,14 @@ def test_rows_have_numbers_and_reasons(complete):
     assert isinstance(complete.frame(), pandas.DataFrame) and len(complete.frame()) == 32
 
 
+def test_parquet_holds_the_rows(complete, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    complete.parquet(tmp_path / "points.parquet")
+    table = parquet.read_table(tmp_path / "points.parquet")
+    known = [{name: row.get(name) for name in table.column_names} for row in complete.rows()]
+    assert table.to_pylist() == known and table.schema.metadata[b"splatline"].decode() == complete.identity
+
+
 def test_what_is_stored_is_not_run_again(complete, plan, tmp_path):
     path = tmp_path / "study.sqlite"
     shutil.copy(complete.path, path)
@@ -117,6 +127,16 @@ def test_a_killed_process_costs_its_points_only(complete, plan, tmp_path):
     killed = killing(study, workers)
     study.run(workers=2)
     assert killed and results(study) == results(complete)
+
+
+def test_a_search_survives_a_killed_process(complete, plan, tmp_path):
+    pytest.importorskip("optuna")
+    study = Study(tmp_path / "study.sqlite", plan, SPACE)
+    killed = killing(study, workers)
+    found = study.search({"area": "minimize"}, trials=12, workers=2)
+    known = results(complete)
+    assert killed and len(found.trials) == 12 and not any(row["failure"] for row in study.rows())
+    assert all(known[key] == values for key, values in results(study).items())
 
 
 def test_a_point_that_ends_its_worker_twice_is_stored_as_failed(complete, plan, tmp_path):
@@ -178,8 +198,6 @@ def test_a_killed_scheduler_loses_nothing_that_was_stored(complete, camera, tmp_
 
 
 def test_any_pool_of_the_standard_library_runs_it(complete, plan, tmp_path):
-    from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-
     for name, pool in {
         "threads": ThreadPoolExecutor(2),
         "processes": ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")),
@@ -227,6 +245,51 @@ def test_ray_runs_it(complete, plan, tmp_path):
         assert results(study) == results(complete)
     finally:
         ray.shutdown()
+
+
+def test_mpi_runs_it(complete, plan, camera, tmp_path):
+    pytest.importorskip("mpi4py")
+    if not shutil.which("mpirun"):
+        pytest.skip("mpirun is not installed")
+    (tmp_path / "camera.json").write_text(camera.to_json())
+    (tmp_path / "space.toml").write_text(SPACE)
+    program = """
+        import splatline
+        from mpi4py.futures import MPIPoolExecutor
+        from splatline.study import Study
+        if __name__ == "__main__":
+            plan = splatline.plan("random:300", splatline.Camera.load("camera.json"))
+            with MPIPoolExecutor() as pool:
+                assert Study("study.sqlite", plan, open("space.toml").read()).run(pool, workers=2, threads=1) == 32
+    """
+    (tmp_path / "program.py").write_text(textwrap.dedent(program))
+    words = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "3", sys.executable, "-m", "mpi4py.futures", "program.py"]
+    said = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert said.returncode == 0, said.stderr[-3000:]
+    assert results(Study(tmp_path / "study.sqlite", plan, SPACE)) == results(complete)
+
+
+class Counting:
+    """Threads that count how often each point is computed, and are slow enough for trials to meet in flight."""
+
+    def __init__(self):
+        self.threads, self.points = ThreadPoolExecutor(4), Counter()
+
+    def submit(self, function, setup, points):
+        self.points.update(map(tuple, points))
+        return self.threads.submit(lambda: time.sleep(0.05) or function(setup, points))
+
+
+def test_identical_points_are_run_once(plan, tmp_path):
+    pytest.importorskip("optuna")
+    executor, objectives = Counting(), {"area": "minimize", "cycles": "minimize"}
+    space = '[design]\nbase = ["lean18", "standard24"]\n[machine]\nlanes = [1, 2]\n'
+    study = Study(tmp_path / "study.sqlite", plan, space)
+    found = study.search(objectives, trials=24, sampler="nsga2", executor=executor, workers=4)
+    assert all(trial.state.name == "COMPLETE" for trial in found.trials) and len(found.trials) == 24
+    study.run(executor, workers=4)
+    executor.threads.shutdown()
+    assert len(executor.points) == 4 and set(executor.points.values()) == {1}
 
 
 @pytest.mark.parametrize("sampler", ["tpe", "nsga2"])

@@ -203,7 +203,6 @@ pub fn page(data: &Path) -> Result<Page> {
     page.add("## Where the work goes\n\nstandard24 on `primitive-4`; [work.csv](work.csv), [energy.csv](energy.csv).");
     page.add(tables.work.only(0, GUITAR).markdown());
     page.beside("work.csv", tables.work.csv());
-    page.add(tables.energy.only(0, GUITAR).markdown());
     page.beside("energy.csv", tables.energy.csv());
     add_plots(&mut page, &View::load(GUITAR, data, SIZE)?, &design)?;
     page.add(format!(

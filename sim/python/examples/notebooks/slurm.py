@@ -4,6 +4,7 @@
 # Any executor will do: here submitit, which makes the points one array of jobs. Without Slurm the same array runs as processes of this machine.
 
 # %%
+import logging
 import shutil
 import tempfile
 
@@ -21,6 +22,8 @@ lanes = [1, 2, 4, 8]
 scene = splatline.load("random:2000")
 plan = splatline.plan(scene, splatline.Camera.framing(scene, size=(128, 128)))
 folder = tempfile.mkdtemp()
+# A Slurm without accounting answers no sacct, which submitit says at every look.
+logging.getLogger("submitit").setLevel(logging.ERROR)
 executor = submitit.AutoExecutor(f"{folder}/logs", cluster="slurm" if shutil.which("sbatch") else "local")
 executor.update_parameters(timeout_min=10, cpus_per_task=1)
 study = Study(f"{folder}/study.sqlite", plan, space)
