@@ -295,10 +295,10 @@ fn surfaces_are_taken_by_every_command_that_they_mean_something_for() {
             path("e")
         ),
     ] {
-        let Err(Failure::Input(error)) = run_line(&line) else {
+        let Err(Failure::Usage(message)) = run_line(&line) else {
             panic!("{line} was accepted");
         };
-        assert!(explain(&error).contains(NO_SURFACE_UNIT), "{line}: {error}");
+        assert!(message.contains(NO_SURFACE_UNIT), "{line}: {message}");
     }
 }
 

@@ -31,8 +31,12 @@ const STRAYS: f64 = 0.002;
 /// Cosine of the angle to the vertical of a base's normals.
 const DOWNWARDS: f64 = 0.9;
 
-/// Up of a cloud: +z, as scanners have it, unless it stands on a flat base on another side, as scanned figures do.
+/// Up of a cloud: +z, as scanners have it, unless it is a body that stands on a flat base on another side, as scanned figures do.
 pub fn up(points: &[SurfacePoint]) -> Vector {
+    const USUAL: Vector = [0.0, 0.0, 1.0];
+    if outward(points) < LEAST_OUTWARD {
+        return USUAL;
+    }
     let mut sides = Vec::with_capacity(6);
     for axis in 0..3 {
         let mut along: Vec<f64> = points.iter().map(|point| point.centre[axis]).collect();
@@ -55,8 +59,32 @@ pub fn up(points: &[SurfacePoint]) -> Vector {
     sides.sort_by(|a, b| b.0.total_cmp(&a.0));
     match sides[..] {
         [(most, side), (second, _), ..] if most > LEAST_BASE && most > 2.0 * second => side,
-        _ => [0.0, 0.0, 1.0],
+        _ => USUAL,
     }
+}
+
+/// Flux of the places outwards, -1 to 1.
+fn outward(points: &[SurfacePoint]) -> f64 {
+    let mut sum = [0.0; 3];
+    for point in points {
+        sum = vector::add(sum, point.centre);
+    }
+    let middle = vector::scale(1.0 / points.len().max(1) as f64, sum);
+    let (mut flux, mut most) = (0.0, 0.0);
+    for point in points {
+        let from = vector::subtract(point.centre, middle);
+        // The area that the point stands for.
+        let [a, b] = point.frame;
+        let area = vector::length(vector::cross(a, b));
+        let normal = vector::length(point.normal).max(f64::MIN_POSITIVE);
+        flux += area * vector::dot(from, point.normal) / normal;
+        most += area * vector::length(from);
+    }
+    share(flux, most)
+}
+
+fn share(part: f64, whole: f64) -> f64 {
+    if whole > 0.0 { part / whole } else { 0.0 }
 }
 
 /// How a cloud's normals point.
@@ -83,25 +111,9 @@ impl Orientation {
                 agreeing += usize::from(cosine > 0.0);
             }
         }
-        let mut sum = [0.0; 3];
-        for place in &places {
-            sum = vector::add(sum, *place);
-        }
-        let middle = vector::scale(1.0 / places.len().max(1) as f64, sum);
-        let (mut flux, mut most) = (0.0, 0.0);
-        for point in points {
-            let from = vector::subtract(point.centre, middle);
-            // The area that the point stands for.
-            let [a, b] = point.frame;
-            let area = vector::length(vector::cross(a, b));
-            let normal = vector::length(point.normal).max(f64::MIN_POSITIVE);
-            flux += area * vector::dot(from, point.normal) / normal;
-            most += area * vector::length(from);
-        }
-        let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
         Orientation {
             agreement: share(agreeing as f64, pairs as f64),
-            outward: share(flux, most),
+            outward: outward(points),
         }
     }
 
@@ -138,6 +150,28 @@ mod tests {
         let found = ball(|_| false);
         assert!(found.agreement > 0.999 && found.outward > 0.99, "{found:?}");
         assert!(found.is_closed_outwards());
+    }
+
+    #[test]
+    fn a_body_stands_on_its_flat_base_and_nothing_else_does() {
+        let whole = sphere([5.0, -3.0, 2.0], 1.5, 3_000, PAINT);
+        assert_eq!(up(&whole), [0.0, 0.0, 1.0]);
+        for (axis, sign) in [(0, 1.0), (1, 1.0), (1, -1.0), (2, -1.0)] {
+            let mut side = [0.0; 3];
+            side[axis] = sign;
+            let mut cut = whole.clone();
+            let middle: Vector = [5.0, -3.0, 2.0];
+            for point in &mut cut {
+                if sign * (point.centre[axis] - middle[axis]) < -0.9 {
+                    point.centre[axis] = middle[axis] - 0.9 * sign;
+                    point.normal = vector::scale(-1.0, side);
+                }
+            }
+            assert_eq!(up(&cut), side);
+        }
+        let ground = [[1.0, 0.0, 0.2], [0.0, 1.0, 0.1]];
+        let ground = sheet([0.0; 3], ground, 0.05, |_, _| PAINT);
+        assert_eq!(up(&ground), [0.0, 0.0, 1.0]);
     }
 
     #[test]
