@@ -11,7 +11,7 @@ use splatline::format::{Traversal, WIDTH_RANGES};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
 use splatline_sim::machine::Config;
-use splatline_sim::machine::area::{Calibration, estimate, synthesis};
+use splatline_sim::machine::area::{Calibration, estimate};
 use splatline_sim::metrics::compare;
 use splatline_sim::picture::Picture;
 use splatline_sim::reference::formats::{self, BFLOAT16, FP16, FP32, RoundedStages};
@@ -194,9 +194,8 @@ pub fn page(data: &Path) -> Result<Page> {
         "PSNR of colours in dB against the float reference, {SIZE}x{SIZE} pixels, spans, {}; [widths.csv](widths.csv) and [formats.csv](formats.csv) have \
          playbot and the deep stack too. A column has its stage as narrow as the row says and everything else at \
          deep32's widths; `all` has every stage narrow. A width stays within its own range, so that a row of few bits may hold wider ones. LUT and DSP are those of \
-         the primitive with four lanes and all stages so narrow: {}.",
+         the primitive with four lanes and all stages so narrow, estimated for Xilinx 7 ([hardware](../hardware.md)).",
         VIEWS[0],
-        synthesis::statement(&Calibration::default())
     ));
     page.add(fixed.only(0, VIEWS[0]).markdown());
     page.beside("widths.csv", fixed.csv());
