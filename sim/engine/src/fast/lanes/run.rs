@@ -171,6 +171,10 @@ impl FusedLanes {
     }
 
     /// Runs the task on them.
+    #[cfg_attr(
+        not(target_arch = "x86_64"),
+        allow(unused_variables, reason = "there are none")
+    )]
     #[inline]
     pub fn run<T: FusedTask>(self, task: T) -> T::Output {
         match self {
