@@ -81,7 +81,7 @@ fn main() -> std::io::Result<()> {
 fn print_design() {
     use splatline::format::WIDTH_RANGES;
     use splatline_firmware::design::Firmware16;
-    println!("base = \"lean18\"");
+    println!("base = \"micro16\"");
     for ((name, ..), width) in WIDTH_RANGES.iter().zip(Firmware16::WIDTHS.numbers()) {
         println!("{name} = {width}");
     }
