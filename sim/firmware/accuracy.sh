@@ -11,8 +11,8 @@ splatline=${SPLATLINE:-cargo run --quiet --release --}
 mkdir -p "$out"
 (cd sim/firmware && cargo run --quiet --release --features plain --bin fixed -- design) >"$out/plain.toml"
 
-# value GROUP NAME: a number of the report's error section.
-value() { tr -d ' \n' <"$out/report.json" | sed 's/"max_at":{[^}]*},//g' | sed -n "s/.*\"error\":{.*\"$1\":{[^}]*\"$2\":\([-+.e0-9]*\).*/\1/p"; }
+# value GROUP NAME: a number of the report's error section, over all pixels.
+value() { tr -d ' \n' <"$out/report.json" | sed 's/"max_at":{[^}]*},//g; s/,"covered":{[^}]*}//g' | sed -n "s/.*\"error\":{.*\"$1\":{[^}]*\"$2\":\([-+.e0-9]*\).*/\1/p"; }
 
 # measure NAME SCENE CAMERA...
 measure() {
