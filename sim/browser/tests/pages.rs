@@ -165,6 +165,15 @@ fn the_live_page_answers() -> Result<()> {
     )?;
     browser.wait("splatline.figures().bias < -1e-7")?;
 
+    // Widths that exclude each other are refused in words.
+    browser.evaluate("splatline.choose('standard24')")?;
+    browser.evaluate(
+        "(() => { const e = document.querySelector('#rounding'); e.value = 2; e.dispatchEvent(new Event('change')); })()",
+    )?;
+    browser.wait("document.querySelector('#times').textContent.startsWith('not drawn: ')")?;
+    browser.evaluate("splatline.choose('lean18')")?;
+    browser.wait("!document.querySelector('#times').textContent.startsWith('not drawn: ')")?;
+
     // A pixel is read, and the packet of its splat, every field of it.
     let [x, y] = browser.middle("#fixed")?;
     browser.mouse("mouseMoved", [x + 3.0, y + 5.0], false)?;

@@ -133,7 +133,13 @@ function frame() {
   let wrong = wasm.draw(1);
   const fixedAt = performance.now();
   if (!wrong && anew && !alone) wrong = wasm.draw(2);
-  if (wrong) throw new Error(["", "no scene", "this camera cannot be drawn", "a width is out of its range"][wrong]);
+  if (wrong === 3) {
+    // Each slider keeps its own range; what two widths rule out together is said, and the picture stays.
+    el("times").textContent = "not drawn: a table has at most radial + 2 bits, and ties to even leave the accumulator at most 23";
+    state.design = false;
+    return;
+  }
+  if (wrong) throw new Error(["", "no scene", "this camera cannot be drawn"][wrong]);
   const floatAt = performance.now();
   if (!alone) wasm.compare(settings.percentile, el("hold").checked ? state.limit : 0);
   show(alone ? ["fixed"] : LAYERS, width, height);

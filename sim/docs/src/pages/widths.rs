@@ -65,13 +65,20 @@ fn bit_by_bit(views: &[(View, Picture)]) -> Result<Table> {
     Ok(table)
 }
 
-/// deep32 with these widths, each at most so many bits and within its range.
+/// deep32 with these widths, each at most so many bits and within its range. A table has no more intervals than there are radial indices.
 fn narrowed(keys: &[&str], bits: u8) -> Result<DesignChoice> {
     let mut text = String::from("base = \"deep32\"\n");
     let deep = splatline::format::Deep32::WIDTHS.numbers();
     for ((key, low, _), own) in WIDTH_RANGES.iter().zip(deep) {
+        let most = if *key == "table" && keys.contains(&"radial") {
+            own.min(bits + 2)
+        } else {
+            own
+        };
         if keys.contains(key) {
-            text += &format!("{key} = {}\n", bits.max(*low).min(own));
+            text += &format!("{key} = {}\n", bits.max(*low).min(most));
+        } else if most < own {
+            text += &format!("{key} = {most}\n");
         }
     }
     Ok(DesignChoice::from_toml("narrowed.toml", &text)?)
