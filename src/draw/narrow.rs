@@ -51,7 +51,8 @@ pub struct Painter32<'a, D> {
     usual: bool,
 }
 
-/// Rules whose constants a pixel loop of their own has: those of [`Rules::GAUSSIAN_3D`] and of all others that clamp and stop elsewhere.
+/// Does a pixel differ from one under [`Rules::GAUSSIAN_3D`] in nothing but its largest opacity and the transmittance at which it stops? Such
+/// rules have a pixel loop of their own, in which all else is constant.
 const fn is_usual(rules: &Rules) -> bool {
     matches!(
         (rules.cutoff, rules.kernel),
@@ -195,13 +196,8 @@ impl<'a, D: Design> Painter32<'a, D> {
     /// The pixel loop: the definition of what a loop of the caller's does with a run.
     #[inline(always)]
     pub fn paint(self, run: NarrowRun) {
-        let NarrowRun {
-            pixels,
-            lanes,
-            footprint,
-            clamped,
-        } = run;
-        match (self.usual, clamped) {
+        let (pixels, lanes, footprint) = (run.pixels, run.lanes, run.footprint);
+        match (self.usual, run.clamped) {
             (true, false) => self.paint_as::<true, false>(pixels, lanes, footprint),
             (true, true) => self.paint_as::<true, true>(pixels, lanes, footprint),
             (false, false) => self.paint_as::<false, false>(pixels, lanes, footprint),
@@ -229,6 +225,7 @@ impl<'a, D: Design> Painter32<'a, D> {
             *self.rules
         };
         let blend = Blend::new(&widths, &rules);
+        // Always: `new` has compared the table's width.
         let Some(table) = self.table.of_length(&widths) else {
             return;
         };

@@ -18,7 +18,8 @@
 //! Two more instructions are saved by what lies before and behind the table. Radial indices below 0 are rounding noise and
 //! count as 0: lanes run one *interval* ahead too, and the first word is a level one, so that no pixel clamps. And an index is as many bits
 //! of the lane as the table has, which cannot miss it. The last interval gives its place to the level one; cut-offs by opacity end at 15, one
-//! unit before the table. A host whose footprints reach the table's end packs two words more ([`pack_into`]). Lanes whose lowest bit is the position's (`radial + range == table + interpolation`) need no shift.
+//! unit before the table. A host whose footprints reach the table's end packs two words more ([`pack_into`]). Lanes whose lowest bit is the
+//! position's (`radial + range == table + interpolation`) need no shift.
 
 use crate::format::Widths;
 

@@ -5,13 +5,13 @@
 //! and the viewport alone: a [`Window`] only selects pixels, so a picture is the same whatever its tiles.
 
 mod conic;
+mod seeds;
 mod spans;
 mod stamp;
 
 pub use conic::BoxSpans;
-pub use spans::{
-    BLOCK, EllipseSpans, GUARD, REST, ROW_BLOCKS, RowBlock, RowConstants, vertical_fraction,
-};
+pub use seeds::{BLOCK, GUARD, vertical_fraction};
+pub use spans::{EllipseSpans, REST, ROW_BLOCKS, RowBlock, RowConstants};
 pub use stamp::{
     MAX_PHASE_BITS, MAX_SIDE, Placement, Stamp, StampError, StampRow, StampShape, fill_stamps,
 };

@@ -1,0 +1,222 @@
+//! Seeds of `spans`: where the sequences of a block of rows, and of the lanes along a row, begin, from a footprint's LDL form.
+//!
+//! A sequence of second order is differenced from a seed at every multiple of [`BLOCK`] rows or columns, in formats that the head of
+//! `spans.rs` lists. Both kinds of seeds are two products each and balanced alike, which bounds what a block's steps add up to.
+
+use super::Quadratic;
+use crate::footprint::Footprint;
+use crate::format::{Lane, Widths};
+use crate::math::words::shift_word;
+use crate::math::{SoftFloat, shift_round, shift_signed};
+
+/// Columns between two seeds of the radial index within a row, and rows between two seeds of the rows.
+pub const BLOCK: u16 = 32;
+
+/// Bits of A and C below their sequence's unit from which the seeds are balanced.
+pub const GUARD: u32 = 8;
+
+/// Fraction bits of C dy^2 down the rows: 4 more than the lanes have, and as many at least as 32 bits hold.
+pub const fn vertical_fraction(widths: &Widths) -> u32 {
+    let radial = widths.radial as u32;
+    4 + if radial > 22 { radial } else { 22 }
+}
+
+/// Fraction bits of xc down the rows of one footprint, see the module's head; `half` is its [`reach_of_rows`].
+pub(super) const fn centre_fraction(subpixel: u32, half: i32, shear: SoftFloat) -> u32 {
+    if half > 13 || shear.leading() > 12 {
+        subpixel.saturating_sub(2)
+    } else {
+        subpixel + 8
+    }
+}
+
+/// |dx|^2 <= 16 / A < 2^(leading + 5), hence |dx| < 2^reach in pixels within a row.
+pub(super) const fn reach_of_rows(squared_width: SoftFloat) -> i32 {
+    squared_width.leading().saturating_add(6) >> 1
+}
+
+/// What the seeds of a footprint's blocks of rows are computed from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowSeeds {
+    /// Centre, Q.subpixel.
+    pub(super) centre: [i64; 2],
+    pub(super) subpixel: u32,
+    pub(super) mantissa: u32,
+    pub(super) shear: SoftFloat,
+    pub(super) vertical: SoftFloat,
+    /// Fraction bits of xc that are not 0 in Q.32, and of C dy^2.
+    pub(super) centre_fraction: u32,
+    pub(super) vertical_fraction: u32,
+    /// S in Q.32.
+    pub(super) shear_per_row: i64,
+    pub(super) balance: Balance,
+}
+
+impl RowSeeds {
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    pub(super) fn new(widths: &Widths, footprint: &Footprint) -> Self {
+        let subpixel = u32::from(widths.subpixel);
+        let ldl = &footprint.ldl;
+        let half = reach_of_rows(ldl.squared_width);
+        let centre_fraction = centre_fraction(subpixel, half, ldl.shear);
+        let vertical_fraction = vertical_fraction(widths);
+        RowSeeds {
+            centre: footprint.centre,
+            subpixel,
+            mantissa: widths.mantissa.into(),
+            shear: ldl.shear,
+            vertical: ldl.vertical,
+            centre_fraction,
+            vertical_fraction,
+            shear_per_row: in_q32(ldl.shear.to_fixed(centre_fraction), centre_fraction),
+            balance: Balance::new(ldl.vertical.to_fixed(vertical_fraction + GUARD)),
+        }
+    }
+
+    /// xc - 1/2 (Q.32) and C dy^2 in row `y`, where a block begins.
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    pub(super) fn at(&self, y: u16) -> (i64, Quadratic) {
+        let (subpixel, bits, fraction) = (self.subpixel, self.mantissa, self.centre_fraction);
+        let half = 1i64 << (subpixel - 1);
+        let dy = ((2 * i64::from(y) + 1) << (subpixel - 1)).wrapping_sub(self.centre[1]);
+        let dy = SoftFloat::from_wide(dy, -(subpixel as i32), bits);
+        let centre = shift_signed(
+            self.centre[0].wrapping_sub(half),
+            subpixel as i32 - fraction as i32,
+        );
+        let moved = self.shear.times(dy).to_fixed(fraction);
+        let along = self.vertical.multiply(dy, bits);
+        let Balance {
+            second,
+            unit,
+            start,
+        } = self.balance;
+        let [value, first] = [along.times(dy), along.scaled_by(1).term_within(31)]
+            .map(|product| product.to_fixed(self.vertical_fraction));
+        let vertical = Quadratic {
+            value: value.wrapping_add(start),
+            first: first.wrapping_add(unit),
+            second,
+        };
+        (in_q32(centre.wrapping_add(moved), fraction), vertical)
+    }
+}
+
+/// A number of pixels with `fraction` (at most 32) fraction bits in Q.32; what leaves the word is lost.
+pub(super) const fn in_q32(value: i64, fraction: u32) -> i64 {
+    value << (32u32.saturating_sub(fraction) & 63)
+}
+
+/// Seeds of the lanes: r and its first difference at a column by two multiplications.
+///
+/// dx is held in as many bits as the mantissa has: its unit is a power of two that follows from the footprint's
+/// largest half-width, so that all alignments are constants of the footprint.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seed<L> {
+    pub(super) horizontal: i64,
+    pub(super) bits: u32,
+    pub(super) fraction: u32,
+    /// Right shifts: dx from Q.32, r and its difference to Q.fraction.
+    pub(super) drop_dx: u32,
+    pub(super) drop_radial: i32,
+    pub(super) drop_first: i32,
+    /// From the unit of C dy^2 to Q.fraction.
+    pub(super) drop_vertical: u32,
+    pub(super) balance: Balance,
+    pub(super) second: L,
+}
+
+/// The constants of a footprint's seeds along rows (of A) or down them (of C): what is added up stays within `BLOCK^2 / 32` units of A dx^2.
+///
+/// With the lanes' horizontal factor second/2 = A + e, the sum n first + n (n - 1) second/2 exceeds the truth by e n^2 if first is
+/// 2 A dx + second/2. Here first is smaller by e BLOCK and the start larger by e BLOCK^2/8, which leaves e (n^2 - n BLOCK + BLOCK^2/8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Balance {
+    /// 2 A to the nearest unit of the sequence.
+    pub(super) second: i64,
+    /// Added to 2 A dx for the first difference: second/2 - e BLOCK.
+    pub(super) unit: i64,
+    /// Added to r: e BLOCK^2/8.
+    pub(super) start: i64,
+}
+
+impl Balance {
+    /// `fine` is A with [`GUARD`] bits below the sequence's unit; wraps where A saturates, beyond any footprint of two adjacent pixels.
+    pub(super) fn new(fine: i64) -> Self {
+        let block = i64::from(BLOCK);
+        let second = shift_round(fine, GUARD - 1);
+        let rounded = second << (GUARD - 1);
+        let excess = rounded.wrapping_sub(fine);
+        Balance {
+            second,
+            unit: shift_round(rounded.wrapping_sub(excess * block), GUARD),
+            start: shift_round(excess * block * block / 8, GUARD),
+        }
+    }
+}
+
+impl<L: Lane> Seed<L> {
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    pub(super) fn new(
+        horizontal: SoftFloat,
+        squared_width: SoftFloat,
+        widths: &Widths,
+        unit_of_centre: u32,
+    ) -> Self {
+        let (bits, fraction) = (u32::from(widths.mantissa), u32::from(widths.radial));
+        // No finer than xc is.
+        let drop_dx = reach_of_rows(squared_width)
+            .saturating_add(32 - bits as i32)
+            .min(63)
+            .max(unit_of_centre as i32);
+        let power = horizontal.exponent.clamp(-1024, 1024) + drop_dx - 32;
+        let balance = Balance::new(horizontal.to_fixed(fraction + GUARD));
+        Seed {
+            horizontal: horizontal.mantissa.into(),
+            bits,
+            fraction,
+            drop_dx: drop_dx as u32,
+            drop_radial: -(power + drop_dx - 32 + bits as i32 + fraction as i32),
+            drop_first: -(power + 1 + fraction as i32),
+            drop_vertical: vertical_fraction(widths) - fraction,
+            balance,
+            second: L::from_wide(balance.second),
+        }
+    }
+
+    /// Do all products of a seed fit a signed word, and the lanes too? Then they are 32-bit products, with the same bits for every
+    /// footprint of setup: |dx| is below `2^bits` within its rows.
+    #[inline(always)]
+    pub(super) fn is_narrow(&self) -> bool {
+        self.bits <= 15 && L::BITS == 32
+    }
+
+    /// r = A dx^2 + vertical, its difference A (2 dx + 1) and 2 A at column `x`, balanced; `centre` is xc - 1/2 in Q.32.
+    #[inline(always)]
+    pub(super) fn at(&self, x: u16, centre: i64, vertical: i64) -> (L, L, L) {
+        let dx = (i64::from(x) << 32).wrapping_sub(centre);
+        if self.is_narrow() {
+            let dx = shift_signed(dx, self.drop_dx as i32) as i32;
+            let along = (self.horizontal as i32).wrapping_mul(dx);
+            let across = shift_word(along, self.bits as i32).wrapping_mul(dx);
+            let radial = shift_word(across, self.drop_radial)
+                .wrapping_add(shift_round(vertical, self.drop_vertical) as i32)
+                .wrapping_add(self.balance.start as i32);
+            let first = shift_word(along, self.drop_first).wrapping_add(self.balance.unit as i32);
+            return (
+                L::from_wide(radial.into()),
+                L::from_wide(first.into()),
+                self.second,
+            );
+        }
+        let dx = shift_round(dx, self.drop_dx);
+        let along = self.horizontal.wrapping_mul(dx);
+        let across = shift_round(along, self.bits).wrapping_mul(dx);
+        let radial = shift_signed(across, self.drop_radial)
+            .wrapping_add(shift_round(vertical, self.drop_vertical))
+            .wrapping_add(self.balance.start);
+        let first = shift_signed(along, self.drop_first).wrapping_add(self.balance.unit);
+        (L::from_wide(radial), L::from_wide(first), self.second)
+    }
+}
