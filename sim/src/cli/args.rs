@@ -19,7 +19,7 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   splatline
-      the demo: an embedded MR head, four designs against float; writes out/report.html
+      the demo: an embedded MR head, five designs against float; writes out/report.html
   splatline render guitar.ply --eye 5.5,-2.1,0.2 --target 0.1,-2.1,0.1 --up 0,-1,0 -o guitar.png
       one picture through the fixed-point kernel
   splatline compare guitar.ply --camera camera.json -o out
@@ -75,7 +75,7 @@ Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,opacity,cutoff; emp
 
 /// Fixed-point splatting against a float reference.
 ///
-/// Without a command: the demo, which draws an embedded volume with four designs and writes out/report.html.
+/// Without a command: the demo, which draws an embedded volume with five designs and writes out/report.html.
 #[derive(Debug, Parser)]
 #[command(name = "splatline", version, after_help = EXAMPLES)]
 pub struct Cli {
