@@ -7,7 +7,8 @@
 use super::bounds::FrameCounts;
 use super::space::{Space, SpacePart};
 use crate::design::{DesignChoice, traversal_name};
-use crate::fixed::{self, QuantisedScene, best_engine};
+use crate::fast::TILE;
+use crate::fixed::{Canvas, QuantisedScene};
 use crate::machine::area::{Area, Calibration, estimate};
 use crate::machine::clock::{Clock, Throughput};
 use crate::machine::config::Config;
@@ -23,6 +24,7 @@ use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
 use serde::Serialize;
 use splatline::format::{Rounding, Traversal};
+use splatline::raster::Window;
 use std::collections::{BTreeMap, HashMap};
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -32,6 +34,12 @@ const MOST_WORKLOADS: usize = 48;
 
 /// Groupings kept at most: each is as large as a frame's rows.
 const MOST_GROUPINGS: usize = 144;
+
+/// Canvases kept at most.
+const MOST_CANVASES: usize = 4;
+
+/// Tiles of a frame that are drawn alone at most before all of it is.
+const MOST_PROBED: usize = 3;
 
 /// What is explored: frames, and the design and the machine that everything starts from.
 pub struct Subject<'a> {
@@ -205,6 +213,48 @@ impl DesignError {
     }
 }
 
+/// The tile in which the largest difference of two pictures of one size lies.
+fn worst(picture: &Picture, reference: &Picture) -> Window {
+    let pixels = picture.pixels.iter().zip(&reference.pixels);
+    let size = |(a, b): (&[f64; 4], &[f64; 4])| {
+        let of = |channel: usize| (stored(a[channel]) - stored(b[channel])).abs();
+        (0..3).map(of).fold(0.0, f64::max)
+    };
+    let most = pixels
+        .map(size)
+        .enumerate()
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    let (place, width) = (most.map_or(0, |most| most.0), picture.width.max(1));
+    let at = [place % width, place / width].map(|at| at as u16);
+    let first = [0, 1].map(|axis| at[axis] - at[axis] % TILE[axis]);
+    let size = [picture.width, picture.height];
+    let end = [0, 1].map(|axis| {
+        first[axis]
+            .saturating_add(TILE[axis])
+            .min(size[axis] as u16)
+    });
+    Window { first, end }
+}
+
+/// Errors of some pixels as if all others had none: those of the whole picture are no smaller, whatever the bias.
+fn errors_inside(picture: &Picture, reference: &Picture, windows: &[Window]) -> DesignError {
+    let (mut max_abs, mut squares) = (0.0, 0.0);
+    for window in windows {
+        for row in window.first[1]..window.end[1] {
+            let columns = [window.first[0], window.end[0]];
+            let [from, to] = columns.map(|x| usize::from(row) * picture.width + usize::from(x));
+            let row = differences(&picture.pixels[from..to], &reference.pixels[from..to]);
+            max_abs = f64::max(max_abs, row[0]);
+            squares += row[1];
+        }
+    }
+    DesignError {
+        max_abs,
+        rms: (squares / (3.0 * picture.pixels.len() as f64)).sqrt(),
+        ..DesignError::default()
+    }
+}
+
 /// Largest, sum of squares and signed sum of the differences of red, green and blue; not a number counts as an infinite error.
 fn differences(fixed: &[[f64; 4]], float: &[[f64; 4]]) -> [f64; 3] {
     let mut sums = [0.0; 3];
@@ -330,6 +380,10 @@ pub struct Evaluator<'a> {
     workloads: Cache<(WorkKey, usize), Arc<Workload>>,
     groupings: Cache<(WorkKey, usize, LaneShape), Arc<LaneWork>>,
     counts: Cache<usize, FrameCounts>,
+    /// Where each frame is drawn, one after the other; who finds it taken draws on another.
+    canvases: Mutex<Vec<(usize, Canvas)>>,
+    /// Tiles in which designs erred most, by frame, the latest first.
+    worst: Mutex<HashMap<usize, Vec<Window>>>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -350,6 +404,8 @@ impl<'a> Evaluator<'a> {
             workloads: Cache::new(MOST_WORKLOADS),
             groupings: Cache::new(MOST_GROUPINGS),
             counts: Cache::new(usize::MAX),
+            canvases: Mutex::default(),
+            worst: Mutex::default(),
         }
     }
 
@@ -386,26 +442,88 @@ impl<'a> Evaluator<'a> {
             };
             let key = (design_key(variant), *frame);
             all.push(self.errors.get(key, || {
-                let picture = self.draw(variant, *frame)?;
-                if self.detail {
-                    DesignError::with_detail(&picture, reference)
-                } else {
-                    DesignError::of(&picture, reference)
-                }
+                let Some(Some(scene)) = self.scenes.get(*frame) else {
+                    let prepared = self.subject.frames[*frame];
+                    return self.compared(&prepared.draw_fixed(variant)?.picture, reference);
+                };
+                let found = self.on_canvas(scene, variant, *frame, None, |picture| {
+                    (self.compared(picture, reference), worst(picture, reference))
+                })?;
+                self.remember(*frame, found.1);
+                found.0
             })?);
         }
         Ok(Some(DesignError::over(&all)))
     }
 
-    fn draw(&self, variant: &DesignVariant, frame: usize) -> Result<Picture> {
-        let prepared = self.subject.frames[frame];
-        let Some(Some(scene)) = self.scenes.get(frame) else {
-            return Ok(prepared.draw_fixed(variant)?.picture);
-        };
-        let splats = prepared.splats()?;
-        let options = splats.options(variant);
-        let (drawing, _) = fixed::draw_quantised(scene, splats.camera, &options, best_engine());
-        Ok(drawing.picture)
+    fn compared(&self, picture: &Picture, reference: &Picture) -> Result<DesignError> {
+        if self.detail {
+            DesignError::with_detail(picture, reference)
+        } else {
+            DesignError::of(picture, reference)
+        }
+    }
+
+    /// What a design errs at least on these frames, from the few tiles in which others erred most; nothing if the detail of errors counts.
+    pub fn least_error(
+        &self,
+        variant: &DesignVariant,
+        frames: &[usize],
+    ) -> Result<Option<DesignError>> {
+        let mut all = Vec::with_capacity(frames.len());
+        for frame in frames {
+            let known = self
+                .errors
+                .map()
+                .get(&(design_key(variant), *frame))
+                .copied();
+            let windows = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
+            let windows = windows.get(frame).cloned().unwrap_or_default();
+            all.push(match (known, self.scenes.get(*frame)) {
+                (Some(known), _) => known,
+                (None, Some(Some(scene))) if !windows.is_empty() => {
+                    let reference = &self.subject.references[*frame];
+                    let of = |picture: &Picture| errors_inside(picture, reference, &windows);
+                    self.on_canvas(scene, variant, *frame, Some(&windows), of)?
+                }
+                _ => DesignError::default(),
+            });
+        }
+        Ok((!self.detail && !all.is_empty()).then(|| DesignError::over(&all)))
+    }
+
+    /// Draws a design, or of its picture these windows, and looks at it.
+    fn on_canvas<T>(
+        &self,
+        scene: &QuantisedScene,
+        variant: &DesignVariant,
+        frame: usize,
+        only: Option<&[Window]>,
+        look: impl FnOnce(&Picture) -> T,
+    ) -> Result<T> {
+        let splats = self.subject.frames[frame].splats()?;
+        let free = || self.canvases.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut canvases = free();
+        let place = canvases.iter().position(|(of, _)| *of == frame);
+        let canvas = place.map(|place| canvases.swap_remove(place).1);
+        drop(canvases);
+        let mut canvas = canvas.unwrap_or_else(|| Canvas::new(splats.camera));
+        canvas.draw(scene, &splats.options(variant), only);
+        let seen = look(&canvas.picture);
+        let mut canvases = free();
+        canvases.truncate(MOST_CANVASES - 1);
+        canvases.push((frame, canvas));
+        Ok(seen)
+    }
+
+    /// Notes where a design erred most, unless that is known.
+    fn remember(&self, frame: usize, at: Window) {
+        let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = worst.entry(frame).or_default();
+        if !known.contains(&at) {
+            known.insert(0, at);
+            known.truncate(MOST_PROBED);
+        }
     }
 
     /// Runs choices that share rows, one frame after the other. Who comes back to these rows keeps them; who does not has those of one frame alone in
@@ -612,6 +730,32 @@ mod tests {
             DesignError::of(&fixed, &float).unwrap().max_abs,
             f64::INFINITY
         );
+    }
+
+    /// Tile by tile they grow to those of the whole, and never beyond.
+    #[test]
+    fn errors_of_tiles_are_no_larger_than_the_pictures() {
+        let mut float = Picture::new(150, 70);
+        let mut fixed = Picture::new(150, 70);
+        for (place, (a, b)) in float.pixels.iter_mut().zip(&mut fixed.pixels).enumerate() {
+            *a = [0.5; 4];
+            *b = [0.5 + (place * 37 % 101) as f64 * 1e-3; 4];
+        }
+        fixed.pixels[66 * 150 + 140] = [0.9; 4];
+        let tile = worst(&fixed, &float);
+        assert_eq!((tile.first, tile.end), ([128, 64], [150, 70]));
+        let whole = DesignError::of(&fixed, &float).unwrap();
+        let part = errors_inside(&fixed, &float, &[tile]);
+        assert!(part.max_abs == whole.max_abs && part.rms < whole.rms);
+        let all = errors_inside(
+            &fixed,
+            &float,
+            &[Window {
+                first: [0; 2],
+                end: [150, 70],
+            }],
+        );
+        assert!((all.rms / whole.rms - 1.0).abs() < 1e-12);
     }
 
     #[test]
