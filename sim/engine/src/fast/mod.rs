@@ -9,6 +9,7 @@
 //! formats.
 
 mod cells;
+pub mod depth_first;
 pub mod frame;
 pub mod lanes;
 pub mod order;
@@ -22,7 +23,7 @@ pub mod tile;
 mod words;
 
 pub use paint::tile_painter;
-pub use painter::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
+pub use painter::{CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter};
 pub use tile::TILE;
 pub use words::visit::{OpacityVisitor, TakeOpacities};
 

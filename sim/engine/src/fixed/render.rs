@@ -285,6 +285,7 @@ fn draw_with<D: Design + Send + Sync + 'static>(
     let plan = FramePlan {
         viewport: view.viewport,
         back_to_front: options.compositing == Compositing::BackToFront,
+        depth_first: None,
         set_up: &|_, splats, outcomes| {
             set_up_part(design, quantised, &rules, engine, (splats, outcomes));
         },
