@@ -315,9 +315,9 @@ impl Painting<'_> {
                             let run = columns(&run, left);
                             if counts {
                                 coverage.visited += run.length as u64;
-                                path.paint(&splat, &run, tile.row(y), &mut coverage);
+                                path.paint::<true>(&splat, &run, tile.row(y), &mut coverage);
                             } else if let Some(run) = cut(run, tile.live(y), rows.second) {
-                                path.paint(&splat, &run, tile.row(y), &mut coverage);
+                                path.paint::<false>(&splat, &run, tile.row(y), &mut coverage);
                             }
                         }
                     }
