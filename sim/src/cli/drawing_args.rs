@@ -56,7 +56,7 @@ pub struct TechniqueOptions {
     #[arg(long, help_heading = "Techniques", value_parser = one_of(SHEETS), conflicts_with_all = ["from", "deep_alpha", "spheres"])]
     pub sheets: Option<SheetKind>,
     /// Thickness of a slab, scene units [default: the samples' spacing]
-    #[arg(long, help_heading = "Techniques", value_name = "T", value_parser = positive, allow_negative_numbers = true, requires = "sheets")]
+    #[arg(long, help_heading = "Techniques", value_name = "T", value_parser = positive, requires = "sheets")]
     pub sheet_thickness: Option<f64>,
     /// Composites through an alpha channel of its own width that keeps this
     #[arg(long, help_heading = "Techniques", value_parser = one_of(REPRESENTATIONS), conflicts_with_all = ["from", "spheres"])]
