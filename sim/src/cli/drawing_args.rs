@@ -125,6 +125,14 @@ impl DrawingOptions {
         }
     }
 
+    /// The same for pictures whose report is not kept: nothing is counted, so that hidden splats cost less.
+    pub fn effort_of_pictures(&self) -> Effort {
+        Effort {
+            counts: self.json.is_some(),
+            ..self.effort()
+        }
+    }
+
     /// What of this computer drawing may take.
     pub fn effort(&self) -> Effort {
         Effort {

@@ -43,7 +43,8 @@ pub struct Drawing {
     /// Seconds of this run, as the engine divides them; an engine that does not tell stages apart leaves them 0. The
     /// total is measured around the engine by [`super::measure`].
     pub stages: HostTimes,
-    /// Setup's results in the scene's order, for a machine to be timed on; empty for engines that no machine is modelled for.
+    /// Setup's results in the scene's order, for a machine to be timed on; empty for engines that no machine is modelled for, and partial where
+    /// nobody counts.
     pub footprints: Vec<Result<Footprint, Cull>>,
 }
 
@@ -341,8 +342,12 @@ fn draw_splats(
 
 /// What a frame's facts say; the picture comes when all frames have been drawn.
 fn of_frame(facts: FrameFacts, quantised: &QuantisedScene, convert_s: f64) -> Drawing {
+    let mut culled = cull_counts(facts.culled);
+    if facts.left_out > 0 {
+        culled.insert("hidden_or_outside".to_owned(), facts.left_out as u64);
+    }
     Drawing {
-        culled: cull_counts(facts.culled),
+        culled,
         clamped: quantised.clamped as u64,
         colour_log2: quantised.colour_log2,
         pixels: Some(pixels(facts.coverage)),
