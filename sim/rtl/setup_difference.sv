@@ -28,9 +28,10 @@ module setup_difference (
     magnitude = value[63] ? -value : value;
   endfunction
 
-  // A component of -2^31 counts as -(2^31 - 1).
+  // A component of -2^31 counts as -(2^31 - 1), and axes are rounded down to the bits that they need.
   function automatic logic [31:0] component(input logic [31:0] value);
     component = value == 32'h80000000 ? 32'h80000001 : value;
+    component = component & 32'hffffffff << splatline_setup_pkg::AXIS_DROP;
   endfunction
 
   // Four records follow each other, eight cycles apart.

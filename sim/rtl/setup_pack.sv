@@ -1,6 +1,6 @@
 // The last step of setup: a core's results become a packet, or the reason why there is none.
 //
-// Its words come in seven cycles, from phase 0 on; two rounds of eight phases later the packet leaves. What needs 64 bits once for a splat stands
+// Its words come in eight cycles, from phase 0 on; two rounds of eight phases later the packet leaves. What needs 64 bits once for a splat stands
 // here and not in the cores: the comparison with the planes of depth (`Extended::exceeds`), the sort key (`depth::key`), the box
 // (`bounding_box`), the fixed-point opacity. Of the conic only its exponent counts, since splats without a place for it are culled. The order of the reasons is the kernel's.
 //
@@ -33,27 +33,26 @@ module setup_pack (
   localparam SUBPIXEL = splatline_pkg::SUBPIXEL;
   localparam COLOUR = splatline_pkg::COLOUR;
 
-  // Words as they come.
-  logic signed [63:0] word_a;
+  // Words as they come; the last one stands still in the next round at once.
+  logic signed [32:0] word_a, word_b;
   logic signed [17:0] word_a_exponent, word_b_exponent;
-  logic signed [51:0] word_b;
-  logic signed [63:0] depth0, u0, v0;
+  logic [31:0] depth0, u0, v0, high_u0;
   logic signed [17:0] depth_exponent0;
-  logic signed [31:0] peak0, root_u0, root_v0, horizontal0, squared_width0, shear0, vertical0, cross0, conic0;
+  logic signed [31:0] peak0, root_u0, root_v0, horizontal0, squared_width0, shear0, vertical0;
   logic signed [17:0] peak_exponent0, root_u_exponent0, root_v_exponent0, horizontal_exponent0, squared_width_exponent0, shear_exponent0, vertical_exponent0,
       cross_exponent0, conic_exponent0;
-  logic signed [51:0] cutoff0;
+  logic signed [32:0] cutoff0;
   logic valid0, valid1, valid2;
   assign {word_a, word_a_exponent, word_b, word_b_exponent} = word;
   always_ff @(posedge clk) begin
     case (phase)
-      3'd0: {depth0, depth_exponent0, peak0, peak_exponent0} <= {word_a, word_a_exponent, word_b[31:0], word_b_exponent};
-      3'd1: {u0, cutoff0} <= {word_a, word_b};
-      3'd2: {v0, root_u0, root_u_exponent0} <= {word_a, word_b[31:0], word_b_exponent};
+      3'd0: {depth0, depth_exponent0, peak0, peak_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
+      3'd1: {u0, cutoff0} <= {word_a[31:0], word_b};
+      3'd2: {v0, root_u0, root_u_exponent0} <= {word_a[31:0], word_b[31:0], word_b_exponent};
       3'd3: {root_v0, root_v_exponent0, horizontal0, horizontal_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
       3'd4: {squared_width0, squared_width_exponent0, shear0, shear_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
-      3'd5: {vertical0, vertical_exponent0, cross0, cross_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
-      3'd6: {conic0, conic_exponent0} <= {word_a[31:0], word_a_exponent};
+      3'd5: {vertical0, vertical_exponent0, cross_exponent0} <= {word_a[31:0], word_a_exponent, word_b_exponent};
+      3'd6: {conic_exponent0, high_u0} <= {word_a_exponent, word_b[31:0]};
       default: ;
     endcase
     if (rst) {valid0, valid1, valid2} <= 0;
@@ -66,18 +65,18 @@ module setup_pack (
   // The second round of phases: all of a splat's words stand still, and what is computed from them runs through registers.
   logic signed [63:0] depth1, u1, v1;
   logic signed [17:0] depth_exponent1;
-  logic signed [31:0] peak1, root_u1, root_v1, horizontal1, squared_width1, shear1, vertical1, cross1, conic1;
-  logic signed [17:0] peak_exponent1, root_u_exponent1, root_v_exponent1, horizontal_exponent1, squared_width_exponent1, shear_exponent1, vertical_exponent1,
-      cross_exponent1, conic_exponent1;
-  logic signed [51:0] cutoff1;
+  logic signed [31:0] peak1, root_u1, root_v1, horizontal1, squared_width1, shear1, vertical1;
+  logic signed [17:0] peak_exponent1, root_u_exponent1, root_v_exponent1, horizontal_exponent1, squared_width_exponent1, shear_exponent1, vertical_exponent1;
+  logic signed [32:0] cutoff1;
   always_ff @(posedge clk) begin
     if (phase == 7) begin
-      {depth1, u1, v1, depth_exponent1, cutoff1} <= {depth0, u0, v0, depth_exponent0, cutoff0};
+      {depth1, depth_exponent1, cutoff1} <= {word_a[31:0], depth0, depth_exponent0, cutoff0};
+      {u1, v1} <= {high_u0, u0, word_b[31:0], v0};
       {peak1, root_u1, root_v1, horizontal1, squared_width1, shear1} <= {peak0, root_u0, root_v0, horizontal0, squared_width0, shear0};
-      {vertical1, cross1, conic1} <= {vertical0, cross0, conic0};
+      vertical1 <= vertical0;
       {peak_exponent1, root_u_exponent1, root_v_exponent1} <= {peak_exponent0, root_u_exponent0, root_v_exponent0};
       {horizontal_exponent1, squared_width_exponent1, shear_exponent1} <= {horizontal_exponent0, squared_width_exponent0, shear_exponent0};
-      {vertical_exponent1, cross_exponent1, conic_exponent1} <= {vertical_exponent0, cross_exponent0, conic_exponent0};
+      vertical_exponent1 <= vertical_exponent0;
     end
   end
 
