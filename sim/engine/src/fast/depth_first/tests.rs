@@ -150,7 +150,7 @@ fn drawn(
 #[test]
 fn what_is_left_out_moves_no_bit() {
     // Planes at right angles to an oblique view: each cut goes through one, whose depths differ by rounding alone.
-    let mut equal_depths = synthetic::random_gaussians(20_000, 3, 6.0);
+    let mut equal_depths = synthetic::random_gaussians(6_000, 3, 11.0);
     let oblique = [2.0, 2.0, -3.0];
     let along = Camera::look_at(oblique, [0.0; 3], [0.0, -1.0, 0.0], 40.0, 200, 136).unwrap();
     let forward = oblique.map(|e| -e / 17f64.sqrt());
@@ -159,7 +159,7 @@ fn what_is_left_out_moves_no_bit() {
         let moved = (depth * 4.0).round() / 4.0 - depth;
         splat.centre = [0, 1, 2].map(|k: usize| splat.centre[k] + forward[k] * moved);
     }
-    let mut far_off = synthetic::random_gaussians(20_000, 4, 6.0);
+    let mut far_off = synthetic::random_gaussians(6_000, 4, 11.0);
     for splat in &mut far_off.splats {
         splat.centre[0] += 1e5;
     }
@@ -175,12 +175,29 @@ fn what_is_left_out_moves_no_bit() {
     .unwrap();
     let among =
         Camera::look_at([0.1, 0.2, -0.3], [0.5; 3], [0.0, -1.0, 0.0], 70.0, 200, 136).unwrap();
-    let plain = synthetic::random_gaussians(20_000, 5, 6.0);
+    let plain = synthetic::random_gaussians(6_000, 5, 11.0);
+    let mut wild = synthetic::random_gaussians(6_000, 6, 11.0);
+    for (number, splat) in wild.splats.iter_mut().enumerate() {
+        match number % 97 {
+            0 => splat.centre[number % 3] = f64::NAN,
+            1 => splat.centre[number % 3] = f64::INFINITY,
+            2 => splat.centre = splat.centre.map(|c| c * 1e30),
+            3 => splat.axes[number % 3] = [1e20, -1e-20, 1e3],
+            4 => splat.axes = [[0.0; 3]; 3],
+            5 => splat.weight = f64::NAN,
+            6 => splat.weight = -1.0,
+            7 => splat.weight = 1e9,
+            8 => splat.colour = [1e4; 3],
+            _ => {}
+        }
+    }
     let cases = [
         (&plain, &camera),
         (&plain, &among),
         (&equal_depths, &along),
         (&far_off, &beside),
+        (&wild, &camera),
+        (&wild, &among),
     ];
     for (scene, camera) in cases {
         for stated in [rules::Rules::GAUSSIAN_3D, rules::Rules::EWA] {
