@@ -24,8 +24,8 @@ module setup_core (
     input logic [50:0] constant3,
     input logic [63:0] start17,
     // Half of the last bit that the slot's result keeps, and the bits that it keeps.
-    input logic [33:0] half21,
-    input logic [33:0] kept21,
+    input logic [15:0] half21,
+    input logic [16:0] kept21,
     // Records: written in beats, read in the round after.
     input logic load,
     input logic [3:0] load_place,
@@ -41,7 +41,7 @@ module setup_core (
   // Exponent of 0: below that of every term in use by more than a factor's, and twice it has a place.
   localparam signed [17:0] NOTHING = -18'sd49152;
 
-  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot4, slot8, slot9, slot10, slot11, slot12, slot16, slot17, slot18, slot19, slot20, slot21, slot22;
+  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot4, slot8, slot9, slot10, slot11, slot12, slot16, slot17, slot19, slot20, slot21, slot22;
   assign slot0 = slots[0+:BITS];
   assign slot1 = slots[1*BITS+:BITS];
   assign slot2 = slots[2*BITS+:BITS];
@@ -54,7 +54,6 @@ module setup_core (
   assign slot12 = slots[12*BITS+:BITS];
   assign slot16 = slots[16*BITS+:BITS];
   assign slot17 = slots[17*BITS+:BITS];
-  assign slot18 = slots[18*BITS+:BITS];
   assign slot19 = slots[19*BITS+:BITS];
   assign slot20 = slots[20*BITS+:BITS];
   assign slot21 = slots[21*BITS+:BITS];
@@ -121,7 +120,7 @@ module setup_core (
   end
 
   // 3: a plain term's value, a product's signs, the exponent.
-  logic signed [32:0] value3, plain4, plain5, plain6;
+  logic signed [32:0] value3, plain4, plain5;
   logic signed [17:0] second3, sum4, exponent5, exponent6, exponent7, exponent8, exponent9, exponent10, exponent11, exponent12, exponent13;
   logic chosen3;
   assign chosen3 = slot3.pick[1] ^ a3[32];
@@ -132,8 +131,8 @@ module setup_core (
     else if (slot3.pick != 0) {second3, value3} = chosen3 ? constant3 : {b_exponent3, b3};
   end
   always_ff @(posedge clk) begin
-    {left3, first3} <= {left2, first2};
-    left4 <= slot3.negated ? -left3 : left3;
+    {left3, first3} <= {left2 ^ {32{slot2.negated}}, first2};
+    left4 <= left3 + {31'd0, slot3.negated};
     // A table's entry is never negative, and its memory is slow.
     if (slot3.lookup != 0) right4 <= {9'd0, entry3[22:0]};
     else right4 <= b3[31:0];
@@ -143,19 +142,22 @@ module setup_core (
     else plain4 <= 0;
     sum4 <= first3 + second3;
     exponent5 <= sum4 + 18'(slot4.offset);
-    {plain5, plain6} <= {plain4, plain5};
+    plain5 <= plain4;
   end
 
   // 4 to 6: the product from parts of 17 bits and a sign: as many as a signed multiplier has.
   logic signed [35:0] high5, low5, cross5, crossed5;
-  logic signed [63:0] product6;
+  logic signed [46:0] high6;
+  logic signed [35:0] cross6;
+  logic [16:0] low6;
   always_ff @(posedge clk) begin
     high5 <= $signed(36'($signed(left4[31:17])) * 36'($signed(right4[31:17])));
     cross5 <= $signed(36'($signed(left4[31:17])) * 36'($signed({1'b0, right4[16:0]})));
     crossed5 <= $signed(36'($signed({1'b0, left4[16:0]})) * 36'($signed(right4[31:17])));
     low5 <= $signed(36'($signed({1'b0, left4[16:0]})) * 36'($signed({1'b0, right4[16:0]})));
-    product6[63:17] <= {high5[29:0], low5[33:17]} + 47'(cross5) + 47'(crossed5);
-    product6[16:0] <= low5[16:0];
+    high6 <= {high5[29:0], low5[33:17]} | {plain5, 14'd0};
+    cross6 <= cross5 + crossed5;
+    low6 <= low5[16:0];
   end
 
   // 7 to 13: the term, and the sum's unit: the largest that its terms ask for, or the first one's.
@@ -163,7 +165,7 @@ module setup_core (
   logic signed [17:0] asked8, unit9, unit10, unit11, unit12, unit13;
   assign asked8 = 18'(slot8.step) + (slot8.base == 2'd2 ? 18'sd0 : exponent8);
   always_ff @(posedge clk) begin
-    term7 <= product6 | {plain6, 31'd0};
+    term7 <= {high6 + 47'(cross6), low6};
     {exponent6, exponent7, exponent8} <= {exponent5, exponent6, exponent7};
     {term8, exponent9} <= {term7, exponent8};
     {term9, term10, term11, term12, term13} <= {term8, term9, term10, term11, term12};
@@ -213,21 +215,24 @@ module setup_core (
   end
 
   // 18 to 21: moved left until the leading bit stands below the sign, or as far as the slot says; 22: rounded; 23: carried.
-  logic [64:0] moved19;
-  logic [48:0] sixteen19;
+  logic [64:0] sum19;
+  logic [64:0] thirties19;
+  logic [48:0] sixteens19;
   logic [40:0] moved20;
   logic [33:0] moved21, rounded22;
-  logic far18, middle19, near19;
+  logic [6:0] signs19;
+  logic far19, middle19, near19, far20, middle20, near20;
   logic [2:0] rest20;
-  logic far19, far20, middle20, near20;
   logic [5:0] spare21;
   logic nothing22, carried22, over22;
-  // Is a word's beginning its sign, and nothing else?
-  assign far18 = slot18.normal ? sum18[63:31] == {33{sum18[63]}} : slot18.spare[5];
-  assign middle19 = slot19.normal ? moved19[63:47] == {17{moved19[63]}} : slot19.spare[4];
-  assign sixteen19 = middle19 ? moved19[48:0] : moved19[64:16];
-  assign near19 = slot19.normal ? sixteen19[47:39] == {9{sixteen19[47]}} : slot19.spare[3];
+  // Which bytes below the sign are nothing but signs; eight bits more for each of them that no other byte precedes.
   always_comb begin
+    far19 = &signs19[3:0];
+    middle19 = far19 ? &signs19[5:4] : &signs19[1:0];
+    near19 = far19 ? (middle19 ? signs19[6] : signs19[4]) : (middle19 ? signs19[2] : signs19[0]);
+    if (!slot19.normal) {far19, middle19, near19} = slot19.spare[5:3];
+    thirties19 = far19 ? {sum19[32:0], 32'd0} : sum19;
+    sixteens19 = middle19 ? thirties19[48:0] : thirties19[64:16];
     rest20 = slot20.spare[2:0];
     if (slot20.normal) begin
       rest20 = 3'd7;
@@ -237,12 +242,13 @@ module setup_core (
   assign over22 = rounded22[33] && !rounded22[31] && rounded22[30:1] == 0;
   assign carried22 = slot22.normal && (rounded22[32] != rounded22[33] || over22);
   always_ff @(posedge clk) begin
-    moved19 <= far18 ? {sum18[32:0], 32'd0} : {sum18[63], sum18};
-    moved20 <= near19 ? sixteen19[40:0] : sixteen19[48:8];
+    sum19 <= {sum18[63], sum18};
+    for (int i = 0; i < 7; i = i + 1) signs19[i] <= sum18[55-8*i+:9] == {9{sum18[63-8*i]}};
+    moved20 <= near19 ? sixteens19[40:0] : sixteens19[48:8];
+    {far20, middle20, near20} <= {far19, middle19, near19};
     moved21 <= 34'((moved20 << rest20) >> 7);
-    {far19, far20, middle20, near20} <= {far18, far19, middle19, near19};
     spare21 <= {far20, middle20, near20, rest20};
-    rounded22 <= (moved21 + half21) & kept21;
+    rounded22 <= (moved21 + {18'd0, half21}) & {17'h1ffff, kept21};
     exponent22 <= unit21 + 18'sd32 - $signed({12'd0, spare21});
     nothing22 <= slot21.normal && moved21[31] == moved21[32];
 

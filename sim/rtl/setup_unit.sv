@@ -77,6 +77,7 @@ module setup_unit #(
       .eye_y(eye_y[63:0]),
       .eye_z(eye_z[63:0]),
       .eye_exponent(eye_x[79:64]),
+      .eye_top(eye_y[79:64]),
       .valid(taken),
       .record,
       .place({load_side, loaded}),
@@ -135,7 +136,8 @@ module setup_unit #(
   logic [81:0] constant1, constant2, constant3;
   logic [14*64-1:0] starts;
   splatline_setup_pkg::slot_t slot3, slot20;
-  logic [33:0] half21, kept21;
+  logic [15:0] half21;
+  logic [16:0] kept21;
   logic [3:0] rule_flags;
   logic other;
   logic [5:0] constant_place;
@@ -169,8 +171,8 @@ module setup_unit #(
     {constant2, constant3} <= {constant1, constant2};
     starts <= {starts[13*64-1:0], slot3.addend ? constant3[63:0] : 64'd0};
     // A mantissa's rounding.
-    half21 <= slot20.normal ? 34'd1 << slot20.drop : 34'd0;
-    kept21 <= slot20.normal ? ~34'd1 << slot20.drop : ~34'd0;
+    half21 <= slot20.normal ? 16'd1 << slot20.drop : 16'd0;
+    kept21 <= slot20.normal ? ~17'd1 << slot20.drop : ~17'd0;
   end
 
   // Cores, and the words that leave them.
@@ -221,9 +223,9 @@ module setup_unit #(
       );
       always_ff @(posedge clk) begin
         if (out2) results[out_place2] <= {out_a, out_a_exponent, out_b, out_b_exponent};
-        result <= results[{drain_side, drain_word}];
+        result <= drain_core == 6'(i) ? results[{drain_side, drain_word}] : {WORD{1'b0}};
       end
-      assign chosen_words[i*WORD+:WORD] = drain_core1 == 6'(i) ? result : {WORD{1'b0}};
+      assign chosen_words[i*WORD+:WORD] = result;
     end
   endgenerate
 

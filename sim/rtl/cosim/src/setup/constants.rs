@@ -237,6 +237,9 @@ fn fixed() -> [Named; 13] {
     ]
 }
 
+/// Below every leading bit.
+const NO_EYE: i32 = -16_384;
+
 /// What stands in registers of its own, outside the cores.
 fn registers(view: &View, rules: &Rules) -> Result<Vec<(&'static str, i64, i32)>> {
     let eye = &view.pose;
@@ -246,11 +249,16 @@ fn registers(view: &View, rules: &Rules) -> Result<Vec<(&'static str, i64, i32)>
         | i64::from(view.viewport[0]) << 16
         | i64::from(view.viewport[1]) << 32;
     let [x, y, z] = eye.position;
+    let largest = [x, y, z].iter().fold(0, |all, c| all | c.unsigned_abs());
+    let top = match 64 - largest.leading_zeros() as i32 {
+        0 => NO_EYE,
+        length => eye.exponent + length,
+    };
     let (near, near_leading) = limit(view.near);
     let (far, far_leading) = limit(view.far);
     Ok(vec![
         ("eye_x", x, eye.exponent),
-        ("eye_y", y, eye.exponent),
+        ("eye_y", y, top),
         ("eye_z", z, eye.exponent),
         ("flags", flags, 0),
         ("near", near, near_leading),
