@@ -4,6 +4,8 @@
 //! parts of the scene: setup, keys -> tile lists -> tiles, each in a place of its own -> frame of the caller's pixels
 //! ```
 //!
+//! A deep scene takes this way slice by slice ([`depth_first`](super::depth_first)), and tiles are then resumed.
+//!
 //! Fresh memory costs as much as drawing: its first touch is a trap for every 4 KB. So nothing is allocated once a frame has been drawn, and setup
 //! notes what ordering needs while the footprints are still in the cache. Tiles are painted one after the other in memory and brought into the frame's
 //! rows afterwards, because the caller's pixels are converted there anyway.
@@ -79,7 +81,7 @@ pub struct FramePlan<'a> {
     pub viewport: [u16; 2],
     /// Are the farthest splats painted first?
     pub back_to_front: bool,
-    /// Are splats left out that finished pixels alone would see? They have no outcome.
+    /// Are splats left out that finished pixels alone would see? They have no outcome, and setup gets the others by other numbers than the scene's.
     pub depth_first: Option<DepthFirst<'a>>,
     /// Setup of some splats, numbered from the first, into as many places.
     pub set_up: &'a SetUpPart<'a>,
@@ -208,7 +210,9 @@ impl FrameMemory {
                 Start::Resumed
             };
             self.order_and_paint(&grid, plan, steps, (start, last), facts)?;
-            self.live.sum();
+            if !last {
+                self.live.sum();
+            }
         }
         Ok(())
     }

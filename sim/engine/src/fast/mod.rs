@@ -1,7 +1,7 @@
 //! The fast engine: the kernel's pictures, bit for bit, on vectors and all cores.
 //!
 //! ```text
-//! setup -> order (radix sort, tile lists) -> recurrence -> rows -> pixels of cells, or words of runs -> tile -> frame
+//! depth_first (what is hidden) -> setup -> order (radix sort, tile lists) -> recurrence -> rows -> pixels of cells, or words of runs -> tile -> frame
 //! ```
 //!
 //! The scalar painter ([`Painter`](splatline::draw::Painter)) stays the definition. What is fast here is tested against it word for word,
