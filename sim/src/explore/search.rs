@@ -91,6 +91,8 @@ pub struct Search<'a> {
     by_bounds: bool,
     /// Every design that was drawn, with its errors.
     drawn: Vec<(Choice, DesignError)>,
+    /// Those that a few tiles were enough to refuse.
+    refused: Vec<Choice>,
     /// Designs by their places on the axes.
     designs: RefCell<HashMap<Vec<usize>, DesignVariant>>,
     frames: Vec<usize>,
@@ -114,6 +116,7 @@ impl<'a> Search<'a> {
             known: HashMap::new(),
             by_bounds: false,
             drawn: Vec::new(),
+            refused: Vec::new(),
             designs: RefCell::default(),
             frames,
             simulated: 0,
@@ -161,9 +164,9 @@ impl<'a> Search<'a> {
         self.evaluator.at_best(choice, &self.frames)
     }
 
-    /// Designs drawn.
+    /// Designs drawn, or so much of them as refused them.
     pub fn designs(&self) -> usize {
-        self.drawn.len()
+        self.drawn.len() + self.refused.len()
     }
 
     /// Says what is being done, after how much, and what the best so far costs.
@@ -181,7 +184,7 @@ impl<'a> Search<'a> {
         };
         (self.progress)(&format!(
             "{what}: {} designs drawn, {} machines simulated{left}; {best}",
-            self.drawn.len(),
+            self.designs(),
             self.simulated
         ));
     }
@@ -212,6 +215,30 @@ impl<'a> Search<'a> {
         self.design_error(&choice)
     }
 
+    /// Are the limits on errors held? Where a few tiles miss them, the rest is not drawn.
+    fn holds_errors(&mut self, point: &[usize]) -> Result<bool> {
+        let choice = self.choice(point)?;
+        let same = |other: &Choice| {
+            other.variant.traversal == choice.variant.traversal
+                && other.variant.design.widths == choice.variant.design.widths
+        };
+        if self.refused.iter().any(same) {
+            return Ok(false);
+        }
+        if !self.drawn.iter().any(|(other, _)| same(other)) {
+            let least = self.evaluator.least_error(&choice.variant, &self.frames)?;
+            let mut errors = self.limits.iter().filter(|limit| limit.quantity.is_error());
+            if least
+                .is_some_and(|least| errors.any(|limit| limit.excess_of_error(Some(least)) > 0.0))
+            {
+                self.refused.push(choice);
+                self.tell("drawing", 0);
+                return Ok(false);
+            }
+        }
+        Ok(self.error_excess(point)? <= 0.0)
+    }
+
     /// By how much the limits on errors are missed, in sum.
     pub fn error_excess(&mut self, point: &[usize]) -> Result<f64> {
         let error = self.error(point)?;
@@ -228,12 +255,17 @@ impl<'a> Search<'a> {
             errors.all(|(_, limit)| limit.excess_of_error(Some(error)) <= 0.0)
         };
         let held = self.drawn.iter().filter(|(_, error)| holds(*error));
-        let cost = |(choice, _): &(Choice, DesignError)| {
+        // What was refused misses this limit if it is the only one on errors; else nobody knows.
+        let errors = self.limits.iter().filter(|limit| limit.quantity.is_error());
+        let only = errors.count() == 1;
+        let refused = self.refused.iter().filter(|_| only);
+        let cost = |choice: &Choice| {
             let machine = *machine;
             let variant = choice.variant.clone();
             self.evaluator.area(&Choice { variant, machine }).weight
         };
-        held.map(cost).min_by(f64::total_cmp)
+        let all = held.map(|(choice, _)| choice).chain(refused);
+        all.map(cost).min_by(f64::total_cmp)
     }
 
     /// Evaluates points, side by side.
@@ -363,7 +395,7 @@ impl<'a> Search<'a> {
         let (mut bad, mut good) = (0, point[axis]);
         while bad < good {
             let middle = bad + (good - bad) / 2;
-            if self.error_excess(&at(middle))? <= 0.0 {
+            if self.holds_errors(&at(middle))? {
                 good = middle
             } else {
                 bad = middle + 1
@@ -468,7 +500,7 @@ impl<'a> Search<'a> {
                 let Some(lowered) = step(self, &raised, *down, -1) else {
                     continue;
                 };
-                if self.cost(&lowered)? >= cost || self.error_excess(&lowered)? > 0.0 {
+                if self.cost(&lowered)? >= cost || !self.holds_errors(&lowered)? {
                     continue;
                 }
                 return self.lowest_width(&lowered, *down);
