@@ -9,7 +9,7 @@ pub use crate::fast::frame::Times;
 use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan, SetUpPart};
 use crate::fast::lanes::{VectorLevel, has_vectors};
 use crate::fast::setup::{self as fast, Outcome};
-use crate::fast::{PaintScratch, Results, TilePainter, tile_painter};
+use crate::fast::{PaintScratch, Results, Start, TilePainter, tile_painter};
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
@@ -310,6 +310,7 @@ fn paint_with<D: Design + Send + Sync + 'static>(
     let plan = FramePlan {
         viewport: quantised.view.viewport,
         back_to_front: options.compositing == Compositing::BackToFront,
+        depth_first: None,
         set_up: &|_, splats, outcomes| {
             set_up_part(design, quantised, &rules, engine, (splats, outcomes));
         },
@@ -378,12 +379,13 @@ impl TilePainter for ChosenTiles<'_> {
         window: Window,
         footprints: &Results,
         list: &[u32],
+        start: Start,
         pixels: &mut [Pixel],
     ) -> Coverage {
         let touches = |other: &Window| !window.intersect(other).is_empty();
         match self.only {
             Some(only) if !only.iter().any(touches) => Coverage::default(),
-            _ => (self.inner).paint(scratch, window, footprints, list, pixels),
+            _ => (self.inner).paint(scratch, window, footprints, list, start, pixels),
         }
     }
 }
