@@ -38,7 +38,7 @@ class Check:
     def __init__(self, folder):
         self.folder = folder
         self.widths, self.rules, self.view = folder.widths(), folder.rules(), folder.view()
-        self.splats, self.prints = folder.splats(), folder.prints()
+        self.splats, self.prints = folder.splats, folder.prints
         self.drawn, self.words = [], 0
 
     def compare(self, stage, records):
@@ -165,19 +165,20 @@ def setup_records(widths, view, rules, splat):
     point, exponent = setup.camera_point(widths, view, splat.centre)
     records = {"camera": [*point, exponent]}
     try:
-        z, centre, ratios, gains = setup.project(widths, view, rules, splat.centre)
+        projected = setup.project(widths, view, rules, point, exponent)
     except setup.Cull as cull:
         records["projected"] = [cull.args[0]] + [0] * 11
         records.update({"columns": [0] * 12, "covariance": [0] * 8, "opacity": [0] * 2})
         return records, None
+    z, centre, ratios, gains = projected
+    m = setup.columns(widths, view, ratios, gains, splat.axes)
+    variance = setup.covariance(widths, rules, m)
     print, culled = None, 0
     try:
-        print = setup.footprint(widths, view, rules, splat)
+        print = setup.shaped(widths, view, rules, splat, projected, m, variance)
     except setup.Cull as cull:
         culled = cull.args[0]
     records["projected"] = [culled, setup.sort_key(z), *centre, *flat(ratios + gains)]
-    m = setup.columns(widths, view, ratios, gains, splat.axes)
-    variance = setup.covariance(widths, rules, m)
     weight = splat.weight
     if rules.compensated:
         weight = setup.compensated(widths, weight, m, variance[3])

@@ -96,7 +96,7 @@ class Way:
         return place
 
     def splat(self, number):
-        splat = self.folder.splats()[number]
+        splat = self.folder.splats[number]
         self.record("splats", number)
         try:
             with Trace():

@@ -1,6 +1,6 @@
 """Which mistakes would exported vectors notice?
 
-    python3 sim/golden/mutants.py target/release/splatline [--jobs N] [--module NAME]
+    python3 sim/golden/mutants.py target/release/splatline [--jobs N] [--module NAME] [--formula MODULE.NAME]
 
 Exports the named designs as the command does by default, and the other subjects of `designs.py`.
 
@@ -214,6 +214,7 @@ def main():
     parser.add_argument("splatline")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--module", action="append", choices=PARTS)
+    parser.add_argument("--formula", default="", help="only mutants whose name begins so: arithmetic.saturated")
     arguments = parser.parse_args()
     folders, called = list(exported(arguments.splatline)), callers()
     # Nobody writes to the vectors: so that processes share them.
@@ -224,10 +225,16 @@ def main():
     todo = []
     for module in arguments.module or PARTS:
         todo += [(module, turn, f"{module}.{name}") for turn, name in enumerate(mutants(module))]
+    todo = [mutant for mutant in todo if mutant[2].startswith(arguments.formula)]
     count, noticed, proved, alive = len(todo), 0, 0, []
+    every = {f"{module}.{name}" for module in PARTS for name in mutants(module)}
+    for name in sorted(proofs.keys() - every):
+        print(f"a proof of no mutant: {name}")
     for (_, _, name), dead in judged(todo[::-1], arguments.jobs, folders, called):
         if dead:
             noticed += 1
+            if name in proofs:
+                print(f"noticed, in spite of its proof: {name}", flush=True)
         elif name in proofs:
             proved += 1
         else:

@@ -55,9 +55,10 @@ def smallest_opacity(widths, rules):
     dropped = fraction - widths.alpha
     blind = max(dropped - GUARD, 0)
     least = nearest(threshold, 60 - (fraction - blind)) << blind
-    dropped_unit = 1 << max(dropped, 0)
-    visible = {"nearest": dropped_unit >> 1, "nearest-even": (dropped_unit >> 1) + 1, "truncate": dropped_unit}
-    return max(least, visible[widths.rounding] if dropped > 0 else 1)
+    if dropped <= 0:
+        return max(least, 1)
+    half = 1 << (dropped - 1)
+    return max(least, {"nearest": half, "nearest-even": half + 1, "truncate": 2 * half}[widths.rounding])
 
 
 def last_transmittance(widths, rules):
@@ -93,7 +94,7 @@ def front_to_back(widths, blend, pixel, alpha, colour):
     """(8.7) "Over", nearest splat first."""
     transmittance = pixel[3]
     share = rounded(widths, transmittance * alpha, widths.alpha)
-    rest = max(transmittance - share, 0)
+    rest = transmittance - share
     stop = rest <= blend.minimum
     if stop and blend.omit_finishing:
         pixel[4] = 1
@@ -110,8 +111,8 @@ def back_to_front(widths, blend, pixel, alpha, colour):
     for channel in range(3):
         hidden = rounded(widths, pixel[channel] * alpha, widths.alpha)
         layer = rounded(widths, alpha * colour[channel], drop)
-        pixel[channel] = min(max(pixel[channel] - hidden, 0) + layer, WORD)
-    pixel[3] = max(pixel[3] - rounded(widths, pixel[3] * alpha, widths.alpha), 0)
+        pixel[channel] = min(pixel[channel] - hidden + layer, WORD)
+    pixel[3] -= rounded(widths, pixel[3] * alpha, widths.alpha)
 
 
 def x_ray(widths, blend, pixel, alpha, colour):

@@ -112,9 +112,8 @@ def ratio(widths, view, rules, axis, plane):
     return normalised(plane[0], plane[1], widths.mantissa)
 
 
-def project(widths, view, rules, centre):
+def project(widths, view, rules, point, exponent):
     """(2.3) to (2.9) in their order: depth, centre, ratio, gain."""
-    point, exponent = camera_point(widths, view, centre)
     x, y, z = [(value, exponent) for value in point]
     cull_by_depth(view, z)
     inverse = inverse_depth(widths, view, z)
@@ -226,7 +225,7 @@ def conic(widths, variance, horizontal):
     cross = multiplied(xy, inverse, bits)
     terms = [horizontal, negated(cross), multiplied(xx, inverse, bits)]
     exponent = max(leading(term) for term in terms if term[0]) - (bits - 1)
-    if not -512 <= exponent < 512:
+    if exponent > 511:
         raise Cull(DEGENERATE)
     return [fixed(scaled(term, -exponent), 0) for term in terms], exponent
 
@@ -312,13 +311,19 @@ def peak_word(widths, peak):
 
 def footprint(widths, view, rules, splat):
     """(2.22) All of setup; the first reason that applies culls."""
-    z, centre, ratios, gains = project(widths, view, rules, splat.centre)
-    m, weight = columns(widths, view, ratios, gains, splat.axes), splat.weight
+    projected = project(widths, view, rules, *camera_point(widths, view, splat.centre))
+    _, _, ratios, gains = projected
+    m = columns(widths, view, ratios, gains, splat.axes)
+    return shaped(widths, view, rules, splat, projected, m, covariance(widths, rules, m))
+
+
+def shaped(widths, view, rules, splat, projected, m, variance):
+    """(2.12) to (2.21) in their order."""
+    (z, centre, ratios, gains), weight = projected, splat.weight
     factor = enlargement(widths, rules, gains)
     if factor is not None:
         m = [[multiplied(c, factor, widths.mantissa) for c in column] for column in m]
-        weight = dimmed(widths, rules, weight, factor)
-    variance = covariance(widths, rules, m)
+        variance, weight = covariance(widths, rules, m), dimmed(widths, rules, weight, factor)
     if rules.compensated:
         weight = compensated(widths, weight, m, variance[3])
     form = ldl(widths, variance)

@@ -1,7 +1,7 @@
 """Reads a folder of vectors: manifest.json and one file per stage, a record a line."""
 
 import json
-from functools import cache
+from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace as Values
 
@@ -36,7 +36,7 @@ class Folder:
     def keep(self):
         """Holds all records in memory, for many checks of one folder."""
         self.kept = {stage: list(self.records(stage)) for stage in self.stages}
-        self.splats(), self.prints()
+        _ = self.splats, self.prints
         return self
 
     def widths(self):
@@ -86,12 +86,12 @@ class Folder:
             ratio_high=v["ratio_high_q31_32"],
         )
 
-    @cache
+    @cached_property
     def splats(self):
         """The inputs."""
         return [splat(record) for record in self.records("splats")]
 
-    @cache
+    @cached_property
     def prints(self):
         """The footprints of packets."""
         names = self.names("packets")

@@ -45,8 +45,8 @@ pub struct VectorsExportOptions {
     /// Scene to take the first splats of, seen whole [default: built-in random splats and hard cases]
     #[arg(long, value_name = "SCENE")]
     pub scene: Option<PathBuf>,
-    /// Splats at most; behind the built-in ones come some 300 at the ends of formats
-    #[arg(long, value_name = "N", default_value = "128")]
+    /// Splats at most; behind the built-in ones come some 350 at the ends of formats
+    #[arg(long, value_name = "N", default_value = "120")]
     pub splats: usize,
     /// Seed of the built-in splats
     #[arg(long, value_name = "N", default_value = "1", conflicts_with = "scene")]

@@ -117,8 +117,8 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
         });
     }
     // Covariances around the ends of their exponents, in all directions and between the two of the picture.
-    for mantissa in [1 << 30, 3 << 29] {
-        for exponent in (224..246).chain(-312..-294) {
+    for mantissa in [1 << 30, 7 << 28] {
+        for exponent in (194..218).chain(-302..-284) {
             add(&|splat| {
                 splat.axes[0].mantissa[0] = mantissa;
                 splat
@@ -184,7 +184,106 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
             );
         });
     }
+    splats.extend(flat_cases());
+    splats.extend(far_edges());
+    splats.extend(slants());
     splats
+}
+
+/// Hardly any height: where there is no low-pass filter, the inverse's exponent ends, in the one form of a footprint or the other, and rows lie
+/// so far apart that centres have fewer bits.
+fn flat_cases() -> impl Iterator<Item = VolumeSplat> {
+    /// An axis along the picture's rows and its exponent, and a height and its exponent.
+    const ENDS: [([i32; 3], i32, i32, i32); 5] = [
+        ([858_389_504, 0, -643_792_128], -270, 2_024_673_279, -300),
+        (
+            [1_733_005_860, 0, -1_299_754_395],
+            -274,
+            2_049_975_331,
+            -304,
+        ),
+        ([1 << 30, 0, -3 << 28], -271, 1 << 30, -299),
+        ([1 << 30, 0, -3 << 28], -274, 1 << 30, -303),
+        ([1 << 30, 2, -3 << 28], -274, 1_700_000_000, -304),
+    ];
+    let flat = |(width, exponent, height, low)| {
+        let mut splat = usual([0.0, 0.0, 0.5]);
+        let axis = |mantissa, exponent| Axis { mantissa, exponent };
+        splat.axes = [
+            axis(width, exponent),
+            axis([0, height, 0], low),
+            axis([0; 3], 0),
+        ];
+        splat
+    };
+    let tilted = |tilt| {
+        let mut splat = small(world([0.1, 2.5 / 64.0, 5.0]), 0.5);
+        splat.axes.iter_mut().for_each(|axis| axis.exponent = -40);
+        splat.axes[0] = Axis {
+            mantissa: [858_993_459, tilt, -644_245_094],
+            exponent: -21,
+        };
+        splat
+    };
+    ENDS.map(flat)
+        .into_iter()
+        .chain([180_000, 100_000].map(tilted))
+}
+
+/// Needles that begin far beside the picture and end in it: the last bits of extents decide at which pixel.
+fn far_edges() -> impl Iterator<Item = VolumeSplat> {
+    (0u32..12).map(|step| {
+        // Opacities, and 1/sqrt(2 ln(255 opacity)) for each.
+        let (weight, deviations) = [
+            (0.5, 0.321_143_02),
+            (0.6, 0.315_269_61),
+            (0.8, 0.306_623_85),
+            (0.9, 0.303_283_76),
+        ][step as usize % 4];
+        let reach = f64::from(2048u32 << (step % 3));
+        let place = f64::from(step);
+        let mut splat = small(
+            world([3.0 * (0.02 * place - 0.24 - reach), 0.06 * place - 0.4, 3.0]),
+            weight,
+        );
+        let width = (0.6 * reach * deviations / (1.0 + 1.0 / 1024.0) * 16_384.0) as i32;
+        splat.axes[0] = Axis {
+            mantissa: [4 * width, 0, -3 * width],
+            exponent: -14,
+        };
+        splat
+    })
+}
+
+/// Directions whose slant is rounded with the last of its guard bits.
+fn slants() -> impl Iterator<Item = VolumeSplat> {
+    const CENTRES: [[(i32, i32); 3]; 4] = [
+        [
+            (-1_447_683_977, -29),
+            (-2_123_898_671, -32),
+            (-1_268_099_187, -29),
+        ],
+        [
+            (-1_422_409_378, -29),
+            (2_067_257_454, -32),
+            (-1_217_554_025, -29),
+        ],
+        [
+            (-1_876_433_978, -29),
+            (-1_344_705_664, -34),
+            (-2_044_897_691, -30),
+        ],
+        [
+            (-1_281_711_169, -30),
+            (-2_051_097_418, -32),
+            (-1_086_513_205, -28),
+        ],
+    ];
+    CENTRES.into_iter().map(|centre| {
+        let mut splat = usual([0.0; 3]);
+        splat.centre = centre.map(|(mantissa, exponent)| SoftFloat { mantissa, exponent });
+        splat
+    })
 }
 
 /// Gives the eye all its bits and the rotation its rests, and puts near and far plane where [`stress_cases`] has a centre each, to the last bit
