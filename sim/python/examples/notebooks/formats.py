@@ -3,45 +3,14 @@
 #
 # The arithmetic of one lane, from the radial index to the blended pixel, in transistors of its products and sums as Yosys synthesises each
 # alone (`synth; abc -g cmos`; no registers, no timing): an estimate that ranks formats, not a layout. Float units round to nearest and flush
-# what is below their normal numbers (`lane_units.sv`). Both find the radial index from its neighbour's or its row's terms, floats by two
+# what is below their normal numbers (`lane_units.sv`, `lane_units.py`). Both find the radial index from its neighbour's or its row's terms, floats by two
 # products and three sums, which is less than they are drawn with. The fixed lane pays for its table's interpolation. Neither the table's
 # memory nor the floats' exponential is counted, nor setup.
 
 # %%
-import subprocess
-from functools import cache
-
 import matplotlib.pyplot as plt
 import splatline
-
-
-@cache
-def transistors(unit, **parameters):
-    """Of a unit alone."""
-    settings = " ".join(f"-set {name} {value}" for name, value in parameters.items())
-    script = f"read_verilog -sv lane_units.sv; chparam {settings} {unit}; synth -flatten -top {unit}; abc -g cmos; stat -tech cmos"
-    text = subprocess.run(["yosys", "-p", script], capture_output=True, text=True, check=True).stdout
-    return int(text.rsplit("Estimated number of transistors:", 1)[1].split()[0])
-
-
-def fixed_lane(w):
-    """Radial index by two differences; interpolation, opacity, share; colours and their sums, what is left of the light."""
-    products = [(w["weight"] - 2, w["interpolation"]), (w["peak"] + 4, w["weight"]), (w["transmittance"] + 1, w["alpha"])]
-    products += 3 * [(w["transmittance"] + 1, w["colour"] + 4)]
-    sums = 2 * [32] + [w["weight"] + 1, w["transmittance"] + 1] + 3 * [w["accumulator"] + 4]
-    return sum(transistors("fixed_multiply", A=a, B=b) for a, b in products if b > 0) + sum(transistors("fixed_add", A=a) for a in sums)
-
-
-FORMATS = {"fp32": (8, 23), "fp16": (5, 10), "bfloat16": (8, 7), "e4m3": (4, 3)}
-
-
-def float_lane(raster, kernel, blend):
-    total = 0
-    for form, products, sums in ((raster, 2, 3), (kernel, 1, 0), (blend, 5, 4)):
-        E, F = FORMATS[form]
-        total += products * transistors("float_multiply", E=E, F=F) + sums * transistors("float_add", E=E, F=F)
-    return total
-
+from lane_units import fixed_lane, float_lane
 
 # %% [markdown]
 # Fixed designs are fitted to a PSNR against double precision by `fit`; what floats reach is drawn with every operation rounded.
