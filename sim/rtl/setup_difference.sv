@@ -3,7 +3,7 @@
 //
 //   record | lengths | unit | choice | alignment of centre and eye (4) | difference (3) | their length | choice | alignment (4) | parts | beats (8)
 //
-// The difference is exact where coordinates cancel, whatever the offset of the scene, which is why it stands before the cores with their 34-bit factors:
+// The difference is exact where coordinates cancel, whatever the offset of the scene, which is why it stands before the cores with their factors of 32 bits:
 // it takes 64 bits. Both alignments of 64 bits, the eye's and the difference's, take turns at one aligner.
 module setup_difference (
     input logic clk,
