@@ -3,7 +3,7 @@
 //
 //   record | lengths | unit | choice | alignment of centre and eye (4) | difference (3) | their length | choice | alignment (4) | parts | beats (8)
 //
-// The difference is exact where coordinates cancel, whatever the offset of the scene, which is why it stands before the cores with their 34-bit factors:
+// The difference is exact where coordinates cancel, whatever the offset of the scene, which is why it stands before the cores with their factors of 32 bits:
 // it takes 64 bits. Both alignments of 64 bits, the eye's and the difference's, take turns at one aligner.
 module setup_difference (
     input logic clk,
@@ -13,6 +13,7 @@ module setup_difference (
     input logic signed [63:0] eye_y,
     input logic signed [63:0] eye_z,
     input logic signed [15:0] eye_exponent,
+    input logic signed [15:0] eye_top,  // one above the leading bit of the largest coordinate
     // Taken in phase 0; `place` says which core and side it is for.
     input logic valid,
     input splatline_setup_pkg::record_t record,
@@ -28,9 +29,10 @@ module setup_difference (
     magnitude = value[63] ? -value : value;
   endfunction
 
-  // A component of -2^31 counts as -(2^31 - 1).
+  // A component of -2^31 counts as -(2^31 - 1), and axes are rounded down to the bits that they need.
   function automatic logic [31:0] component(input logic [31:0] value);
     component = value == 32'h80000000 ? 32'h80000001 : value;
+    component = component & 32'hffffffff << splatline_setup_pkg::AXIS_DROP;
   endfunction
 
   // Four records follow each other, eight cycles apart.
@@ -63,9 +65,6 @@ module setup_difference (
   end
 
   // Phases 1 to 3: the unit, 60 bits below the largest leading bit.
-  logic [63:0] eye_together;
-  logic signed [15:0] eye_top;
-  logic [6:0] eye_length;
   logic signed [15:0] top_x, top_y, top_z, top_xy, top_ze, top;
   logic signed [15:0] unit, unit_held;
   assign top_xy = top_x > top_y ? top_x : top_y;
@@ -79,9 +78,6 @@ module setup_difference (
   endfunction
 
   always_ff @(posedge clk) begin
-    eye_together <= magnitude(eye_x) | magnitude(eye_y) | magnitude(eye_z);
-    eye_length <= splatline_math::length(eye_together);
-    eye_top <= eye_length == 0 ? NOTHING : eye_exponent + $signed({9'd0, eye_length});
     top_x <= place_of(centre1[31:0], exponents1[9:0]);
     top_y <= place_of(centre1[63:32], exponents1[19:10]);
     top_z <= place_of(centre1[95:64], exponents1[29:20]);

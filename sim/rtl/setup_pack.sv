@@ -1,6 +1,6 @@
 // The last step of setup: a core's results become a packet, or the reason why there is none.
 //
-// Its words come in seven cycles, from phase 0 on; two rounds of eight phases later the packet leaves. What needs 64 bits once for a splat stands
+// Its words come in eight cycles, from phase 0 on; two rounds of eight phases later the packet leaves. What needs 64 bits once for a splat stands
 // here and not in the cores: the comparison with the planes of depth (`Extended::exceeds`), the sort key (`depth::key`), the box
 // (`bounding_box`), the fixed-point opacity. Of the conic only its exponent counts, since splats without a place for it are culled. The order of the reasons is the kernel's.
 //
@@ -33,27 +33,26 @@ module setup_pack (
   localparam SUBPIXEL = splatline_pkg::SUBPIXEL;
   localparam COLOUR = splatline_pkg::COLOUR;
 
-  // Words as they come.
-  logic signed [63:0] word_a;
+  // Words as they come; the last one stands still in the next round at once.
+  logic signed [32:0] word_a, word_b;
   logic signed [17:0] word_a_exponent, word_b_exponent;
-  logic signed [51:0] word_b;
-  logic signed [63:0] depth0, u0, v0;
+  logic [31:0] depth0, u0, v0, high_u0;
   logic signed [17:0] depth_exponent0;
-  logic signed [31:0] peak0, root_u0, root_v0, horizontal0, squared_width0, shear0, vertical0, cross0, conic0;
+  logic signed [31:0] peak0, root_u0, root_v0, horizontal0, squared_width0, shear0, vertical0;
   logic signed [17:0] peak_exponent0, root_u_exponent0, root_v_exponent0, horizontal_exponent0, squared_width_exponent0, shear_exponent0, vertical_exponent0,
       cross_exponent0, conic_exponent0;
-  logic signed [51:0] cutoff0;
+  logic signed [32:0] cutoff0;
   logic valid0, valid1, valid2;
   assign {word_a, word_a_exponent, word_b, word_b_exponent} = word;
   always_ff @(posedge clk) begin
     case (phase)
-      3'd0: {depth0, depth_exponent0, peak0, peak_exponent0} <= {word_a, word_a_exponent, word_b[31:0], word_b_exponent};
-      3'd1: {u0, cutoff0} <= {word_a, word_b};
-      3'd2: {v0, root_u0, root_u_exponent0} <= {word_a, word_b[31:0], word_b_exponent};
+      3'd0: {depth0, depth_exponent0, peak0, peak_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
+      3'd1: {u0, cutoff0} <= {word_a[31:0], word_b};
+      3'd2: {v0, root_u0, root_u_exponent0} <= {word_a[31:0], word_b[31:0], word_b_exponent};
       3'd3: {root_v0, root_v_exponent0, horizontal0, horizontal_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
       3'd4: {squared_width0, squared_width_exponent0, shear0, shear_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
-      3'd5: {vertical0, vertical_exponent0, cross0, cross_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
-      3'd6: {conic0, conic_exponent0} <= {word_a[31:0], word_a_exponent};
+      3'd5: {vertical0, vertical_exponent0, cross_exponent0} <= {word_a[31:0], word_a_exponent, word_b_exponent};
+      3'd6: {conic_exponent0, high_u0} <= {word_a_exponent, word_b[31:0]};
       default: ;
     endcase
     if (rst) {valid0, valid1, valid2} <= 0;
@@ -66,18 +65,18 @@ module setup_pack (
   // The second round of phases: all of a splat's words stand still, and what is computed from them runs through registers.
   logic signed [63:0] depth1, u1, v1;
   logic signed [17:0] depth_exponent1;
-  logic signed [31:0] peak1, root_u1, root_v1, horizontal1, squared_width1, shear1, vertical1, cross1, conic1;
-  logic signed [17:0] peak_exponent1, root_u_exponent1, root_v_exponent1, horizontal_exponent1, squared_width_exponent1, shear_exponent1, vertical_exponent1,
-      cross_exponent1, conic_exponent1;
-  logic signed [51:0] cutoff1;
+  logic signed [31:0] peak1, root_u1, root_v1, horizontal1, squared_width1, shear1, vertical1;
+  logic signed [17:0] peak_exponent1, root_u_exponent1, root_v_exponent1, horizontal_exponent1, squared_width_exponent1, shear_exponent1, vertical_exponent1;
+  logic signed [32:0] cutoff1;
   always_ff @(posedge clk) begin
     if (phase == 7) begin
-      {depth1, u1, v1, depth_exponent1, cutoff1} <= {depth0, u0, v0, depth_exponent0, cutoff0};
+      {depth1, depth_exponent1, cutoff1} <= {word_a[31:0], depth0, depth_exponent0, cutoff0};
+      {u1, v1} <= {high_u0, u0, word_b[31:0], v0};
       {peak1, root_u1, root_v1, horizontal1, squared_width1, shear1} <= {peak0, root_u0, root_v0, horizontal0, squared_width0, shear0};
-      {vertical1, cross1, conic1} <= {vertical0, cross0, conic0};
+      vertical1 <= vertical0;
       {peak_exponent1, root_u_exponent1, root_v_exponent1} <= {peak_exponent0, root_u_exponent0, root_v_exponent0};
       {horizontal_exponent1, squared_width_exponent1, shear_exponent1} <= {horizontal_exponent0, squared_width_exponent0, shear_exponent0};
-      {vertical_exponent1, cross_exponent1, conic_exponent1} <= {vertical_exponent0, cross_exponent0, conic_exponent0};
+      vertical_exponent1 <= vertical_exponent0;
     end
   end
 
@@ -90,14 +89,13 @@ module setup_pack (
   logic [47:0] key;
   logic [46:0] key_magnitude;
 
-  // Is the first number greater than the second? Leading bits' places, then the bits.
+  // Is the first number greater than the second? Both have their leading bit at bit 62, or are 0. Among negative numbers an equal one counts as farther.
   function automatic logic exceeds(input logic a_negative, input logic [62:0] a, input logic signed [17:0] a_leading, input logic b_negative,
                                    input logic [62:0] b, input logic signed [17:0] b_leading);
-    logic farther, same;
-    farther = a_leading != b_leading ? a_leading > b_leading : a > b;
-    same = a_leading == b_leading && a == b;
-    if (a == 0 || b == 0 || a_negative != b_negative) exceeds = (a != 0 && !a_negative && (b == 0 || b_negative)) || (a == 0 && b != 0 && b_negative);
-    else exceeds = a_negative ? !farther && !same : farther;
+    logic farther;
+    farther = {!a_leading[17], a_leading[16:0], a, a_negative} > {!b_leading[17], b_leading[16:0], b, 1'b0};
+    if (!a[62] || !b[62] || a_negative != b_negative) exceeds = (a[62] && !a_negative && (!b[62] || b_negative)) || (!a[62] && b[62] && b_negative);
+    else exceeds = farther != a_negative;
   endfunction
 
   always_comb begin
@@ -118,13 +116,15 @@ module setup_pack (
 
   // Opacity and extents in fixed point: chosen in phases 0 to 2, with their signs and distances; there four cycles after that.
   logic signed [31:0] fixed_in;
-  logic fixed_negative;
-  logic [31:0] fixed_magnitude;
+  logic [31:0] fixed_value;
   logic signed [17:0] fixed_exponent;
-  logic signed [17:0] conic_unit, largest0, largest1;
+  logic signed [17:0] largest0, largest1;
   logic signed [15:0] fixed_shift;
   logic signed [17:0] fixed_distance;
-  logic signed [63:0] fixed_out, peak_fixed, extent_u;
+  logic signed [63:0] fixed_out, extent_u;
+  // Opacities from 0 to what is too large for the packet.
+  localparam [splatline_pkg::PEAK+4:0] PEAK_TOP = 1 << (splatline_pkg::PEAK + 4);
+  logic [splatline_pkg::PEAK+4:0] peak_fixed, peak_fixed2, peak_even;
   assign fixed_in = phase == 0 ? peak1 : phase == 1 ? root_u1 : root_v1;
   assign fixed_exponent = phase == 0 ? peak_exponent1 : phase == 1 ? root_u_exponent1 : root_v_exponent1;
 
@@ -134,15 +134,17 @@ module setup_pack (
   endfunction
 
   always_ff @(posedge clk) begin
-    fixed_negative <= fixed_in[31];
-    fixed_magnitude <= fixed_in[31] ? -fixed_in : fixed_in;
+    fixed_value <= fixed_in;
     fixed_distance <= -fixed_exponent - (phase == 0 ? 18'(splatline_pkg::PEAK) : 18'sd32);
   end
   assign fixed_shift = limited(fixed_distance);
-  align #(.BITS(32)) align_fixed (
+  align #(
+      .BITS(32),
+      .SIGNED(1)
+  ) align_fixed (
       .clk,
-      .negative(fixed_negative),
-      .magnitude(fixed_magnitude),
+      .negative(fixed_value[31]),
+      .magnitude(fixed_value),
       .shift(fixed_shift),
       .result(fixed_out)
   );
@@ -155,12 +157,11 @@ module setup_pack (
     // The largest of three exponents, one comparison a cycle: two of them are there in phase 6, the third in phase 7.
     largest0 <= horizontal_exponent0 > cross_exponent0 ? horizontal_exponent0 : cross_exponent0;
     if (phase == 7) largest1 <= largest0 > conic_exponent0 ? largest0 : conic_exponent0;
-    conic_unit <= largest1 + 18'(DROP);
     peak_dropped <= -peak_exponent1 - 18'(splatline_pkg::PEAK);
     peak_rest <= peak1 << (5'd0 - peak_dropped[4:0]);
     peak_within <= peak_dropped >= 18'sd1 && peak_dropped <= 18'sd31;
     peak_half <= peak_within && peak_rest == 32'h80000000;
-    if (phase == 5) peak_fixed <= fixed_out;
+    if (phase == 5) peak_fixed <= fixed_out[63] ? '0 : fixed_out >> (splatline_pkg::PEAK + 4) != 0 ? PEAK_TOP : fixed_out[splatline_pkg::PEAK+4:0];
     if (phase == 6) extent_u <= fixed_out;
   end
 
@@ -170,18 +171,17 @@ module setup_pack (
   endfunction
 
   function automatic logic packable(input logic signed [17:0] exponent);
-    packable = exponent >= -18'sd512 && exponent <= 18'sd511;
+    packable = exponent >= 18'(-512 - DROP) && exponent <= 18'(511 - DROP);
   endfunction
 
   logic degenerate, shear_nothing;
   always_ff @(posedge clk) begin
-    degenerate <= !packable(packed_exponent(horizontal_exponent1)) || !packable(packed_exponent(squared_width_exponent1)) ||
-        !packable(packed_exponent(vertical_exponent1)) || !packable(conic_unit);
-    shear_nothing <= packed_exponent(shear_exponent1) < -18'sd512;
+    degenerate <= !packable(horizontal_exponent1) || !packable(squared_width_exponent1) || !packable(vertical_exponent1) || !packable(largest1);
+    shear_nothing <= shear_exponent1 < 18'(-512 - DROP);
   end
 
   // The third round: what has been found stands still again.
-  logic signed [63:0] u2, v2, extent_u2, extent_v2, peak_fixed2;
+  logic signed [63:0] u2, v2, extent_u2, extent_v2;
   logic near2, far2, degenerate2, peak_half2, invisible2;
   logic [31:0] cutoff2;
   splatline_pkg::footprint_t known2;
@@ -214,14 +214,14 @@ module setup_pack (
   end
 
   // The box, its parts within the viewport, the reason.
-  logic signed [63:0] centre_u, centre_v, low_u, low_v, high_u, high_v;
+  logic signed [63:0] centre_u, centre_v, middle_u, middle_v, low_u, low_v, high_u, high_v;
   logic range, range_u, range_v, outside_u, outside_v, faint;
   logic [15:0] first_u, first_v, last_u, last_v;
-  logic signed [63:0] peak_even;
-  assign peak_even = peak_fixed2 - $signed({63'd0, peak_fixed2[0] && peak_half2});
+  assign peak_even = {peak_fixed2[splatline_pkg::PEAK+4:1], peak_fixed2[0] && !peak_half2};
 
-  function automatic logic beyond(input logic signed [63:0] value, input logic [6:0] bits);
-    beyond = (value[63] ? -value : value) >> bits != 0;
+  // Is the magnitude at least 2^58?
+  function automatic logic beyond(input logic signed [63:0] value);
+    beyond = value[63:58] != {6{value[63]}} || (value[63] && value[57:0] == 0);
   endfunction
 
   function automatic logic signed [63:0] rounded(input logic signed [63:0] position);
@@ -244,18 +244,20 @@ module setup_pack (
   assign packet_taken = packet_valid;
   always_ff @(posedge clk) begin
     {centre_u, centre_v} <= {rounded(u2), rounded(v2)};
-    low_u <= (centre_u <<< (32 - SUBPIXEL)) - extent_u2 + 64'sh7fffffff;
-    low_v <= (centre_v <<< (32 - SUBPIXEL)) - extent_v2 + 64'sh7fffffff;
-    high_u <= (centre_u <<< (32 - SUBPIXEL)) + extent_u2 + 64'sh80000000;
-    high_v <= (centre_v <<< (32 - SUBPIXEL)) + extent_v2 + 64'sh80000000;
+    // A half more: of the pixels' middles and of both ends' roundings. -x - 1 is ~x.
+    {middle_u, middle_v} <= {rounded(u2 + 64'sh80000000), rounded(v2 + 64'sh80000000)};
+    low_u <= (middle_u <<< (32 - SUBPIXEL)) + ~extent_u2;
+    low_v <= (middle_v <<< (32 - SUBPIXEL)) + ~extent_v2;
+    high_u <= (middle_u <<< (32 - SUBPIXEL)) + extent_u2;
+    high_v <= (middle_v <<< (32 - SUBPIXEL)) + extent_v2;
     {first_u, first_v} <= {clipped(low_u[63:32], columns), clipped(low_v[63:32], rows)};
     {last_u, last_v} <= {clipped(high_u[63:32], columns), clipped(high_v[63:32], rows)};
-    range <= beyond(u2, 7'd58) || beyond(v2, 7'd58);
-    range_u <= beyond(extent_u2, 7'd60);
-    range_v <= beyond(extent_v2, 7'd60);
+    range <= beyond(u2) || beyond(v2);
+    range_u <= extent_u2[62:60] != 0;
+    range_v <= extent_v2[62:60] != 0;
     outside_u <= first_u >= last_u;
     outside_v <= first_v >= last_v;
-    faint <= peak_even <= 0;
+    faint <= peak_even == 0;
 
     packet_valid <= phase == 5 && valid2 && !rst;
     cull <= near2 ? 3'd1 : far2 ? 3'd2 : range ? 3'd3 : degenerate2 ? 3'd4 : invisible2 ? 3'd5 : range_u ? 3'd3 : outside_u ? 3'd6 :
@@ -269,7 +271,7 @@ module setup_pack (
     packet.end_column <= last_u;
     packet.end_row <= last_v;
     packet.cutoff <= cutoff2;
-    packet.peak <= peak_even >> (splatline_pkg::PEAK + 4) != 0 ? {(splatline_pkg::PEAK + 4) {1'b1}} : peak_even[splatline_pkg::PEAK+3:0];
+    packet.peak <= peak_even[splatline_pkg::PEAK+4] ? {(splatline_pkg::PEAK + 4) {1'b1}} : peak_even[splatline_pkg::PEAK+3:0];
     packet.red <= shaded(colour[31:0]);
     packet.green <= shaded(colour[63:32]);
     packet.blue <= shaded(colour[95:64]);

@@ -13,19 +13,22 @@
     logic entry;  // the table's entry, not its step times the rest
     logic power;  // the first factor's leading bit's place, not the factor
     logic plain;  // the first factor, not the product
-    logic scaled;  // plain, by the second factor's exponent
-    logic [1:0] pick;  // 1: by the first factor's sign, 2: by a flag
+    logic signed [7:0] offset;  // added to the factors' exponents
+    logic [1:0] pick;  // not the first factor but the constant where it is negative (1) or is not (2), otherwise the second
+    logic by_flag;  // the second factor, not the first, where the flag is not set
     logic [1:0] flag;
     logic negated;  // negated before it is aligned
     logic subtracted;  // negated after it is aligned
     logic down;  // rounded down
     logic first;
+    logic again;  // from here on in a coarser unit
     logic last;
-    logic [1:0] base;  // 0: below the largest term, 1: from the first term, 2: step alone, 3: second factor's exponent
-    logic signed [6:0] step;
+    logic [1:0] base;  // 0: the largest that a term asks for, 1: the first term's, 2: step alone
+    logic signed [6:0] step;  // what is asked for, from the exponent on
     logic addend;  // the constant is added
     logic normal;  // rounded to a mantissa
-    logic [4:0] drop;  // of 31 - drop bits
+    logic [4:0] drop;  // of 31 - drop bits; otherwise left as it is,
+    logic [5:0] spare;  // moved left by so much
     logic write;
     logic out;
     logic [7:0] place;  // register or word of the result
@@ -48,5 +51,5 @@
   // What the cores get of it: the difference to the eye in two parts, the axes, the weight; see setup_difference.sv.
   localparam int ITEM_BITS = 44;  // {exponent 12, value 32}
   localparam int BEAT_BITS = 88;  // two of them
-  localparam int WORD_BITS = 152;  // two results with their exponents
+  localparam int WORD_BITS = 102;  // two results with their exponents
 

@@ -77,6 +77,7 @@ module setup_unit #(
       .eye_y(eye_y[63:0]),
       .eye_z(eye_z[63:0]),
       .eye_exponent(eye_x[79:64]),
+      .eye_top(eye_y[79:64]),
       .valid(taken),
       .record,
       .place({load_side, loaded}),
@@ -127,13 +128,18 @@ module setup_unit #(
   // The slots' pipeline, once for all cores.
   logic [BITS-1:0] stored;
   logic issued;
-  splatline_setup_pkg::slot_t fetched;
+  splatline_setup_pkg::slot_t fetched, issue;
   logic [24*BITS-1:0] slots;
   logic [7:0] a_place, b_place;
   logic [23*8-1:0] result_places;
   logic [3:0] splat;
   logic [81:0] constant1, constant2, constant3;
-  logic [14*64-1:0] addends;
+  logic [14*64-1:0] starts;
+  splatline_setup_pkg::slot_t slot3, slot20;
+  logic [15:0] half21;
+  logic [16:0] kept21;
+  logic [3:0] rule_flags;
+  logic other;
   logic [5:0] constant_place;
   logic [3:0] place_round;
   logic side;
@@ -141,20 +147,32 @@ module setup_unit #(
   assign splat = place_round - fetched.round;
   // The program's memory has its register to itself; a pause is a slot without effect.
   assign fetched = issued ? stored : {BITS{1'b0}};
+  // Flags are the same for all splats.
+  assign rule_flags = flags[3:0];
+  assign other = fetched.by_flag && !rule_flags[fetched.flag];
+  always_comb begin
+    issue = fetched;
+    if (other) issue.a_constant = fetched.b_constant;
+  end
+  assign slot3 = slots[3*BITS+:BITS];
+  assign slot20 = slots[20*BITS+:BITS];
   always_ff @(posedge clk) begin
     stored <= splatline_setup_pkg::microcode(cycle);
     issued <= issues;
     place_round <= round;
     fetched_side <= round[0];
-    a_place <= fetched.a + {4'd0, splat & fetched.a_turn};
+    a_place <= other ? fetched.b + {4'd0, splat & fetched.b_turn} : fetched.a + {4'd0, splat & fetched.a_turn};
     b_place <= fetched.b + {4'd0, splat & fetched.b_turn};
     result_places <= {result_places[22*8-1:0], fetched.place + {4'd0, splat & fetched.place_turn}};
-    slots <= {slots[23*BITS-1:0], fetched};
+    slots <= {slots[23*BITS-1:0], issue};
     constant_place <= fetched.constant;
     side <= fetched_side;
     constant1 <= constants[constant_place];
     {constant2, constant3} <= {constant1, constant2};
-    addends <= {addends[13*64-1:0], constant3[63:0]};
+    starts <= {starts[13*64-1:0], slot3.addend ? constant3[63:0] : 64'd0};
+    // A mantissa's rounding.
+    half21 <= slot20.normal ? 16'd1 << slot20.drop : 16'd0;
+    kept21 <= slot20.normal ? ~17'd1 << slot20.drop : ~17'd0;
   end
 
   // Cores, and the words that leave them.
@@ -179,9 +197,8 @@ module setup_unit #(
   genvar i;
   generate
     for (i = 0; i < CORES; i = i + 1) begin : gen_core
-      logic signed [63:0] out_a;
+      logic signed [32:0] out_a, out_b;
       logic signed [17:0] out_a_exponent, out_b_exponent;
-      logic signed [51:0] out_b;
       (* ram_style = "distributed" *) logic [WORD-1:0] results[0:15];
       logic [WORD-1:0] result;
       setup_core core (
@@ -190,10 +207,11 @@ module setup_unit #(
           .a_place,
           .b_place,
           .result_place(result_places[22*8+:8]),
-          .flags(flags[3:0]),
-          .constant1,
-          .constant3,
-          .constant17(addends[14*64-1-:64]),
+          .constant1({constant1[81:64], constant1[32:0]}),
+          .constant3({constant3[81:64], constant3[32:0]}),
+          .start17(starts[14*64-1-:64]),
+          .half21,
+          .kept21,
           .load(beat_valid && beat_place[5:0] == 6'(i)),
           .load_place({beat_place[6], phase - 3'd1}),
           .load_beat(beat),
@@ -205,9 +223,9 @@ module setup_unit #(
       );
       always_ff @(posedge clk) begin
         if (out2) results[out_place2] <= {out_a, out_a_exponent, out_b, out_b_exponent};
-        result <= results[{drain_side, drain_word}];
+        result <= drain_core == 6'(i) ? results[{drain_side, drain_word}] : {WORD{1'b0}};
       end
-      assign chosen_words[i*WORD+:WORD] = drain_core1 == 6'(i) ? result : {WORD{1'b0}};
+      assign chosen_words[i*WORD+:WORD] = result;
     end
   endgenerate
 

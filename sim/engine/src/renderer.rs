@@ -24,14 +24,16 @@
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
 use crate::fast::TilePainter;
+use crate::fast::depth_first::{BoundingSpheres, DepthFirst, SphereProjection};
 use crate::fast::frame::{Cancelled, FrameFacts, FrameMemory, FramePlan, Progress};
+use crate::fast::lanes::VectorLevel;
 use crate::fast::setup::Outcome;
 use crate::fixed::{
     Options, PaintEngine, QuantisedScene, best_engine, converter, painter, set_up_part,
 };
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
-use crate::scene::{self, LoadError, LoadOptions, Scene};
+use crate::scene::{self, LoadError, LoadOptions, Scene, SortOrder};
 use crate::threads;
 use rayon::{ThreadPool, ThreadPoolBuildError};
 use splatline::blend::Pixel;
@@ -55,7 +57,8 @@ pub struct Settings {
     pub traversal: Traversal,
     /// Which implementation draws; all give the same bits.
     pub engine: PaintEngine,
-    /// Are visited and covered pixels counted? If not, finished ones may be left out, and the counts are anything.
+    /// Are visited and covered pixels counted? If not, finished ones may be left out, and splats behind them are not set up: the picture is the same,
+    /// the counts are anything, and culls and outcomes lack these splats.
     pub counts: bool,
 }
 
@@ -122,6 +125,8 @@ pub struct Renderer<S = Scene> {
     /// The kernel's statement of the rules.
     rules: kernel::Rules,
     painter: Box<dyn TilePainter>,
+    /// Where splats are left out.
+    spheres: Option<BoundingSpheres>,
     memory: FrameMemory,
     /// The renderer's own threads; the caller's if it has none.
     pool: Option<ThreadPool>,
@@ -142,8 +147,12 @@ impl<S: Borrow<Scene>> Renderer<S> {
     pub fn new(scene: S, camera: &Camera, settings: Settings) -> Self {
         let quantised = QuantisedScene::new(scene.borrow(), camera, &settings.rules);
         let rules = quantised.rules(&settings.rules);
+        let hides = !settings.counts
+            && settings.compositing == Compositing::FrontToBack
+            && quantised.order == SortOrder::Depth;
         Renderer {
             painter: painter_of(&rules, &settings),
+            spheres: (hides.then(|| BoundingSpheres::new(&quantised.splats, &rules))).flatten(),
             scene,
             quantised,
             rules,
@@ -183,7 +192,9 @@ impl<S: Borrow<Scene>> Renderer<S> {
 
     /// Bytes held for splats and frames, without the scene itself.
     pub fn bytes(&self) -> usize {
-        self.memory.bytes() + self.quantised.splats.capacity() * size_of::<VolumeSplat>()
+        let spheres = self.spheres.as_ref().map_or(0, BoundingSpheres::bytes);
+        let splats = self.quantised.splats.capacity() * size_of::<VolumeSplat>();
+        self.memory.bytes() + spheres + splats
     }
 
     /// Draws a frame of the kernel's pixels, row by row.
@@ -236,11 +247,12 @@ impl<S: Borrow<Scene>> Renderer<S> {
             quantised,
             rules,
             painter,
+            spheres,
             memory,
             pool,
             ..
         } = self;
-        let painter = &**painter;
+        let painter = (&**painter, spheres.as_ref());
         let work = || {
             let facts = draw_frame(settings, quantised, rules, painter, memory, progress)?;
             let started = Instant::now();
@@ -276,16 +288,28 @@ fn draw_frame(
     settings: &Settings,
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
-    painter: &dyn TilePainter,
+    (painter, spheres): (&dyn TilePainter, Option<&BoundingSpheres>),
     memory: &mut FrameMemory,
     progress: &Progress,
 ) -> Result<FrameFacts, Cancelled> {
+    let depth_first = spheres.and_then(|spheres| {
+        let projection = SphereProjection::new(&quantised.view, &settings.design.widths, spheres)?;
+        Some(DepthFirst {
+            spheres,
+            projection,
+            vectors: match settings.engine {
+                PaintEngine::Scalar => VectorLevel::Portable,
+                PaintEngine::Vectors(choice) => choice,
+            },
+        })
+    });
     settings.design.dispatch(FrameJob {
         quantised,
         memory,
         plan: FramePlan {
             viewport: quantised.view.viewport,
             back_to_front: settings.compositing == Compositing::BackToFront,
+            depth_first,
             set_up: &|_, _, _| {},
             painter,
             progress,

@@ -53,7 +53,9 @@ def run(source):
 
 
 def main():
-    chosen = sys.argv[1:] or sorted(path.stem for path in (HERE / "notebooks").glob("*.py"))
+    # What has no cells is a module of theirs.
+    sources = (path for path in (HERE / "notebooks").glob("*.py") if path.read_text().startswith("# %%"))
+    chosen = sys.argv[1:] or sorted(path.stem for path in sources)
     for name in chosen:
         run(HERE / "notebooks" / f"{name}.py")
 

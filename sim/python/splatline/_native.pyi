@@ -1,30 +1,67 @@
 """Types of the native half; what each does is said in `help()`."""
 
 from os import PathLike
-from typing import Any
+from pathlib import Path
+from typing import Any, final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Self
 
 __version__: str
+__all__ = [
+    "__version__",
+    "Camera",
+    "Design",
+    "Error",
+    "Evaluation",
+    "Kernel",
+    "Machine",
+    "Plan",
+    "Scene",
+    "Space",
+    "command_line",
+    "encode",
+    "fit_widths",
+    "identity",
+    "metrics_of",
+    "result_names",
+    "search_cheapest",
+    "sweep_pages",
+]
 
 class Error(ValueError): ...
 
+@final
 class Scene:
-    name: str
-    kind: str
-    notes: list[str]
-    path: str | None
-    contents: Any
-    natural_rules: str | None
-    weight: str
-    up: tuple[float, float, float]
-    centres: NDArray[np.float64]
-    colours: NDArray[np.float64]
-    axes: NDArray[np.float64]
-    weights: NDArray[np.float64]
-    harmonics: tuple[NDArray[np.float32], NDArray[np.float32]] | None
-    normals: NDArray[np.float64]
+    @property
+    def name(self) -> str: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def path(self) -> Path | None: ...
+    @property
+    def contents(self) -> Any: ...
+    @property
+    def natural_rules(self) -> str | None: ...
+    @property
+    def weight(self) -> str: ...
+    @property
+    def up(self) -> tuple[float, float, float]: ...
+    @property
+    def centres(self) -> NDArray[np.float64]: ...
+    @property
+    def colours(self) -> NDArray[np.float64]: ...
+    @property
+    def axes(self) -> NDArray[np.float64]: ...
+    @property
+    def weights(self) -> NDArray[np.float64]: ...
+    @property
+    def harmonics(self) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None: ...
+    @property
+    def normals(self) -> NDArray[np.float64]: ...
     @staticmethod
     def load(path: str | PathLike[str], transfer: str | PathLike[str] | None = None, contents: Any = None) -> Scene: ...
     @staticmethod
@@ -40,14 +77,14 @@ class Scene:
     ) -> Scene: ...
     @staticmethod
     def from_arrays(
-        centres: Any,
-        weights: Any,
-        colours: Any,
+        centres: ArrayLike,
+        weights: ArrayLike,
+        colours: ArrayLike,
         *,
-        axes: Any = None,
-        scales: Any = None,
-        rotations: Any = None,
-        harmonics: Any = None,
+        axes: ArrayLike | None = None,
+        scales: ArrayLike | None = None,
+        rotations: ArrayLike | None = None,
+        harmonics: ArrayLike | None = None,
         weight: str = "opacity",
         up: tuple[float, float, float] = (0.0, -1.0, 0.0),
         name: str = "arrays",
@@ -55,12 +92,18 @@ class Scene:
     def usual_style(self) -> dict[str, Any]: ...
     def __len__(self) -> int: ...
 
+@final
 class Camera:
-    size: tuple[int, int]
-    focal: tuple[float, float]
-    principal_point: tuple[float, float]
-    eye: NDArray[np.float64]
-    world_to_camera: NDArray[np.float64]
+    @property
+    def size(self) -> tuple[int, int]: ...
+    @property
+    def focal(self) -> tuple[float, float]: ...
+    @property
+    def principal_point(self) -> tuple[float, float]: ...
+    @property
+    def eye(self) -> NDArray[np.float64]: ...
+    @property
+    def world_to_camera(self) -> NDArray[np.float64]: ...
     @staticmethod
     def look_at(
         eye: tuple[float, float, float],
@@ -84,11 +127,15 @@ class Camera:
     def resized(self, width: int, height: int) -> Camera: ...
     def zoomed(self, factor: float) -> Camera: ...
 
+@final
 class Design:
-    name: str
-    traversal: str
-    widths: dict[str, int]
-    def __init__(self, base: str = "standard24", /, **changes: int | str) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def traversal(self) -> str: ...
+    @property
+    def widths(self) -> dict[str, int]: ...
+    def __new__(cls, base: str = "standard24", /, **changes: int | str) -> Self: ...
     @staticmethod
     def from_toml(text: str, name: str = "design") -> Design: ...
     @staticmethod
@@ -96,21 +143,27 @@ class Design:
     def to_toml(self) -> str: ...
     def to_dict(self) -> dict[str, Any]: ...
 
+@final
 class Machine:
-    def __init__(self, base: str | None = None, /, **settings: int | str | bool) -> None: ...
+    def __new__(cls, base: str | None = None, /, **settings: int | str | bool) -> Self: ...
     @staticmethod
     def from_toml(text: str, name: str = "machine") -> Machine: ...
     def to_toml(self) -> str: ...
     def to_dict(self) -> dict[str, Any]: ...
 
+@final
 class Plan:
-    scene: Scene
-    camera: Camera
-    design: Design
-    machine: Machine
-    def __init__(
-        self, scene: Scene, camera: Camera, technique: Any, design: Design, engine: str, reference: str | None, machine: Machine
-    ) -> None: ...
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def camera(self) -> Camera: ...
+    @property
+    def design(self) -> Design: ...
+    @property
+    def machine(self) -> Machine: ...
+    def __new__(
+        cls, scene: Scene, camera: Camera, technique: Any, design: Design, engine: str, reference: str | None, machine: Machine
+    ) -> Self: ...
     @staticmethod
     def from_file(path: str | PathLike[str]) -> Plan: ...
     @staticmethod
@@ -127,12 +180,17 @@ class Plan:
     def footprints(self, engine: str = "fixed") -> NDArray[np.float64]: ...
     def simulate(self, part: str | None = None) -> dict[str, Any]: ...
 
+@final
 class Kernel:
-    packet_words: int
-    colour_log2: int
-    table: NDArray[np.uint32]
-    clear: list[int]
-    def __init__(self, plan: Plan) -> None: ...
+    @property
+    def packet_words(self) -> int: ...
+    @property
+    def colour_log2(self) -> int: ...
+    @property
+    def table(self) -> NDArray[np.uint32]: ...
+    @property
+    def clear(self) -> list[int]: ...
+    def __new__(cls, plan: Plan) -> Self: ...
     def layout(self) -> list[tuple[str, int, int, bool, int]]: ...
     def rules(self) -> dict[str, int]: ...
     def setup(self, indices: list[int] | None = None) -> tuple[NDArray[np.uint32], NDArray[np.int64], list[str | None]]: ...
@@ -144,21 +202,23 @@ class Kernel:
     def tile(self, packets: NDArray[np.uint32], window: tuple[int, int, int, int] | None = None) -> NDArray[np.uint32]: ...
     def vectors(self, splats: int) -> list[tuple[str, str, Any, NDArray[np.int64]]]: ...
 
+@final
 class Space:
-    def __init__(self, text: str, name: str = "space", points: bool = True) -> None: ...
+    def __new__(cls, text: str, name: str = "space", points: bool = True) -> Self: ...
     def axes(self) -> list[tuple[str, list[Any], str]]: ...
     def points(self) -> list[list[int]]: ...
 
+@final
 class Evaluation:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         plans: list[Plan],
         text: str,
         errors: bool = True,
         similarity: bool = True,
         part: str | None = None,
         threads: int | None = None,
-    ) -> None: ...
+    ) -> Self: ...
     def run(self, points: list[list[int]]) -> list[list[str]]: ...
 
 def metrics_of(picture: NDArray[np.float64], reference: NDArray[np.float64]) -> dict[str, Any]: ...

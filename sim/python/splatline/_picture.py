@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import DTypeLike, NDArray
 
 from . import _native
 
@@ -18,22 +21,22 @@ class Picture:
     that `splatline render --json` writes.
     """
 
-    rgba: np.ndarray
-    record: dict = field(default_factory=dict, repr=False)
+    rgba: NDArray[np.float64]
+    record: dict[str, Any] = field(default_factory=dict, repr=False)
     plan: _native.Plan | None = field(default=None, repr=False)
 
     @property
-    def colour(self) -> np.ndarray:
+    def colour(self) -> NDArray[np.float64]:
         """Red, green, blue, premultiplied, (height, width, 3)."""
         return self.rgba[..., :3]
 
     @property
-    def alpha(self) -> np.ndarray:
+    def alpha(self) -> NDArray[np.float64]:
         """1 - transmittance, (height, width)."""
         return self.rgba[..., 3]
 
     @property
-    def depth(self) -> np.ndarray:
+    def depth(self) -> NDArray[np.float64]:
         """Mean depth along the view, weighted as the colours are, scene units, (height, width); NaN where nothing is drawn.
 
         Drawn when it is asked for, by the same plan, with each splat's depth in place of its colour.
@@ -52,19 +55,23 @@ class Picture:
             return np.where(drawn[..., 3] > 0, drawn[..., 0] / drawn[..., 3], np.nan)
 
     @property
-    def counts(self) -> dict:
+    def counts(self) -> dict[str, Any]:
         """Splats of the scene, those culled by reason, and pixels covered and visited once per splat."""
         scene = self.record["scene"]
         return {"splats": scene["splats"], "culled": scene["culled"], "pixels": self.record["pixels"]}
 
-    def __array__(self, dtype=None, copy=None) -> np.ndarray:
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         return np.array(self.rgba, dtype=dtype, copy=bool(copy) or dtype not in (None, self.rgba.dtype))
 
-    def encode(self, format: str = "png", depth: int = 8, background=(0.0, 0.0, 0.0)) -> bytes:
+    def encode(
+        self, format: str = "png", depth: int = 8, background: tuple[float, float, float] | None = (0.0, 0.0, 0.0)
+    ) -> bytes:
         """The bytes of a png, npy or exr file; a PNG has `depth` bits a channel, and straight alpha if `background` is None."""
         return _native.encode(self.rgba, format, depth, background)
 
-    def save(self, path, depth: int = 8, background=(0.0, 0.0, 0.0)) -> None:
+    def save(
+        self, path: str | PathLike[str], depth: int = 8, background: tuple[float, float, float] | None = (0.0, 0.0, 0.0)
+    ) -> None:
         """Writes a .png, .npy or .exr file."""
         path = Path(path)
         path.write_bytes(self.encode(path.suffix[1:], depth, background))

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import copyreg
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 
 Scene = _native.Scene
 
 
-def _rotations(quaternions):
+def _rotations(quaternions: NDArray[np.float64]) -> NDArray[np.float64]:
     """Rotation matrices of quaternions w, x, y, z of any length but 0, shape (n, 3, 3)."""
     lengths = np.linalg.norm(quaternions, axis=1)
     if (lengths == 0).any():
@@ -26,19 +28,19 @@ def _rotations(quaternions):
 
 
 def from_arrays(
-    centres,
-    weights,
-    colours,
+    centres: ArrayLike,
+    weights: ArrayLike,
+    colours: ArrayLike,
     *,
-    axes=None,
-    scales=None,
-    rotations=None,
-    harmonics=None,
-    weight="opacity",
-    up=(0.0, -1.0, 0.0),
-    name="arrays",
-):
-    """A scene of n splats.
+    axes: ArrayLike | None = None,
+    scales: ArrayLike | None = None,
+    rotations: ArrayLike | None = None,
+    harmonics: ArrayLike | None = None,
+    weight: str = "opacity",
+    up: tuple[float, float, float] = (0.0, -1.0, 0.0),
+    name: str = "arrays",
+) -> Scene:
+    """A scene of n splats, from float64 arrays (float32 for harmonics); others are converted. Each is copied once, splat by splat.
 
     centres    (n, 3)     scene units
     weights    (n,)       peak opacity 0 to 1, or with weight="mass" extinction times volume in square scene units
@@ -52,17 +54,15 @@ def from_arrays(
     if (axes is None) == (scales is None):
         raise _native.Error("give axes, or scales with rotations, and not both")
     if axes is None:
-        scales = np.asarray(scales, np.float64)
-        if rotations is None:
-            rotations = np.tile([1.0, 0.0, 0.0, 0.0], (len(scales), 1))
-        rotations = np.asarray(rotations, np.float64)
-        if scales.shape != (len(centres), 3) or rotations.shape != (len(centres), 4):
+        lengths = np.asarray(scales, np.float64)
+        turns = np.tile([1.0, 0.0, 0.0, 0.0], (len(lengths), 1)) if rotations is None else np.asarray(rotations, np.float64)
+        if lengths.shape != (len(centres), 3) or turns.shape != (len(centres), 4):
             raise _native.Error(
-                f"scales has the shape {scales.shape} and rotations {rotations.shape}: allowed are "
+                f"scales has the shape {lengths.shape} and rotations {turns.shape}: allowed are "
                 f"({len(centres)}, 3) and ({len(centres)}, 4)"
             )
         # An axis is a column of R S; here it is a row.
-        axes = np.swapaxes(_rotations(rotations) * scales[:, None, :], 1, 2)
+        axes = np.swapaxes(_rotations(turns) * lengths[:, None, :], 1, 2)
     return Scene.from_axes(
         centres,
         np.ascontiguousarray(axes, np.float64),
@@ -70,12 +70,12 @@ def from_arrays(
         np.ascontiguousarray(colours, np.float64),
         None if harmonics is None else np.ascontiguousarray(harmonics, np.float32),
         weight,
-        tuple(up),
+        (up[0], up[1], up[2]),
         name,
     )
 
 
-def _reduce(scene):
+def _reduce(scene: Scene) -> tuple[Any, ...]:
     """For pickling: the file again, or its arrays."""
     if scene.path is not None:
         return Scene.load, (str(scene.path), None, scene.contents)
@@ -84,5 +84,5 @@ def _reduce(scene):
     return Scene.from_axes, (*arrays, scene.weight, scene.up, scene.name)
 
 
-Scene.from_arrays = staticmethod(from_arrays)
+Scene.from_arrays = staticmethod(from_arrays)  # type: ignore[method-assign]
 copyreg.pickle(Scene, _reduce)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 
 class FixedArray:
@@ -15,7 +18,7 @@ class FixedArray:
 
     __slots__ = ("bits", "fraction", "raw", "signed")
 
-    def __init__(self, raw, bits: int, fraction: int = 0, signed: bool = False):
+    def __init__(self, raw: ArrayLike, bits: int, fraction: int = 0, signed: bool = False):
         self.raw = np.asarray(raw)
         self.bits, self.fraction, self.signed = bits, fraction, signed
         low, high = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
@@ -25,7 +28,7 @@ class FixedArray:
             raise ValueError(f"{self.raw.min()} to {self.raw.max()} is beyond {self.q}: allowed are {low} to {high}")
 
     @classmethod
-    def from_numpy(cls, values, bits: int, fraction: int = 0, signed: bool = False) -> FixedArray:
+    def from_numpy(cls, values: ArrayLike, bits: int, fraction: int = 0, signed: bool = False) -> FixedArray:
         """Numbers rounded to the nearest of the format, ties to even; out of range is an error."""
         return cls(np.rint(np.asarray(values, np.float64) * 2.0**fraction).astype(np.int64), bits, fraction, signed)
 
@@ -35,21 +38,21 @@ class FixedArray:
         whole = self.bits - self.fraction - self.signed
         return f"{'Q' if self.signed else 'UQ'}{whole}.{self.fraction}"
 
-    def to_numpy(self) -> np.ndarray:
-        """float64."""
+    def to_numpy(self) -> NDArray[np.float64]:
+        """The numbers, float64 of the shape of `raw`."""
         return self.raw * 2.0**-self.fraction
 
-    def to_apytypes(self):
+    def to_apytypes(self) -> Any:
         """The same as an APyTypes array, whose numbers are signed: unsigned ones get a bit more."""
         import apytypes
 
         whole = self.bits - self.fraction + (not self.signed)
         return apytypes.APyFixedArray(self.raw.tolist(), int_bits=whole, frac_bits=self.fraction)
 
-    def __array__(self, dtype=None, copy=None) -> np.ndarray:
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         return self.to_numpy().astype(dtype or np.float64, copy=False)
 
-    def __getitem__(self, index) -> FixedArray:
+    def __getitem__(self, index: Any) -> FixedArray:
         return FixedArray(self.raw[index], self.bits, self.fraction, self.signed)
 
     def __len__(self) -> int:
@@ -59,14 +62,14 @@ class FixedArray:
     def shape(self) -> tuple[int, ...]:
         return self.raw.shape
 
-    def __eq__(self, other) -> np.ndarray:
+    def __eq__(self, other: object) -> NDArray[np.bool_]:  # type: ignore[override]
         if not isinstance(other, FixedArray):
             return NotImplemented
         if self.fraction != other.fraction:
             raise ValueError(f"{self.q} and {other.q} have different units: compare to_numpy()")
         return self.raw == other.raw
 
-    __hash__ = None
+    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         return f"FixedArray({self.q}, {np.array2string(self.to_numpy(), threshold=8)})"

@@ -10,12 +10,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _native
+from ._calls import SceneLike
 from ._calls import plan as _plan
+from ._native import Camera, Design
 from .fixed import FixedArray
+
+#: First column and row inside, and first beyond.
+Window: TypeAlias = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True)
@@ -40,11 +47,11 @@ class Packets:
     Those of culled splats are 0; `culled[i]` says why splat i has none, or None. `depth` are the keys by which they are sorted, which no packet holds.
     """
 
-    words: np.ndarray
-    depth: np.ndarray
+    words: NDArray[np.uint32]
+    depth: NDArray[np.int64]
     fields: dict[str, Field]
-    culled: list
-    splats: np.ndarray
+    culled: list[str | None]
+    splats: NDArray[np.int64]
 
     def __len__(self) -> int:
         return len(self.words)
@@ -85,7 +92,7 @@ class Records:
     name: str
     about: str
     fields: dict[str, Field]
-    raw: np.ndarray
+    raw: NDArray[np.int64]
 
     def __len__(self) -> int:
         return len(self.raw)
@@ -101,7 +108,7 @@ class Stages:
     Takes what `splatline.plan` takes. A window is (x0, y0, x1, y1) in pixels, first inside and first beyond; the whole picture if left out.
     """
 
-    def __init__(self, scene, camera=None, design="standard24", **options):
+    def __init__(self, scene: SceneLike, camera: Camera | None = None, design: Design | str = "standard24", **options: Any):
         self.plan = _plan(scene, camera, design, **options)
         self._kernel = _native.Kernel(self.plan)
         self.fields = {field[0]: Field(*field) for field in self._kernel.layout()}
@@ -113,28 +120,31 @@ class Stages:
         #: What a circuit is told of the rules: alpha_max, least, minimum_transmittance, omit_finishing, wide_table.
         self.rules: dict[str, int] = self._kernel.rules()
 
-    def setup(self, splats=None) -> Packets:
-        """Packets of these splats, or of all."""
-        splats = None if splats is None else [int(splat) for splat in splats]
-        words, depth, culled = self._kernel.setup(splats)
-        return Packets(words, depth, self.fields, culled, np.arange(len(words)) if splats is None else np.array(splats))
+    def setup(self, splats: ArrayLike | None = None) -> Packets:
+        """Packets of these splats (their numbers in the scene), or of all."""
+        numbers = None if splats is None else np.asarray(splats, np.int64)
+        words, depth, culled = self._kernel.setup(None if numbers is None else numbers.tolist())
+        return Packets(words, depth, self.fields, culled, np.arange(len(words)) if numbers is None else numbers)
 
-    def packets(self, words) -> Packets:
+    def packets(self, words: ArrayLike | bytes | bytearray | memoryview) -> Packets:
         """Packets from words of 32 bits, (n, words), or from their bytes, little-endian."""
         if isinstance(words, (bytes, bytearray, memoryview)):
             words = np.frombuffer(words, "<u4").reshape(-1, self.packet_words)
-        words = np.ascontiguousarray(words, np.uint32)
-        return Packets(words, np.zeros(len(words), np.int64), self.fields, [None] * len(words), np.arange(len(words)))
+        rows = np.ascontiguousarray(words, np.uint32)
+        return Packets(rows, np.zeros(len(rows), np.int64), self.fields, [None] * len(rows), np.arange(len(rows)))
 
-    def spans(self, packet, window=None) -> Records:
-        """Spans of adjacent pixels: row, column, pixels, radial index at the first, its difference, the difference's difference."""
+    def spans(self, packet: NDArray[np.uint32], window: Window | None = None) -> Records:
+        """Spans of adjacent pixels: row, column, length, radial index at the first pixel, its difference, the difference's difference.
+
+        The last three are signed, with the fraction bits that `fields` says, in squared deviations of the footprint.
+        """
         raw, fraction = self._kernel.spans_of(np.ascontiguousarray(packet, np.uint32), window)
         fields = [Field(name, 0, 16, False, 0) for name in ("row", "column", "length")]
         fields += [Field(name, 0, 64, True, fraction) for name in ("radial", "first", "second")]
         return Records("spans", "spans of adjacent pixels", {field.name: field for field in fields}, raw)
 
-    def radial(self, packet, window=None) -> Records:
-        """Pixels inside the footprint with their radial indices, in the order of the spans."""
+    def radial(self, packet: NDArray[np.uint32], window: Window | None = None) -> Records:
+        """Pixels inside the footprint: row, column, and radial index UQ4.radial in squared deviations, in the order of the spans."""
         raw = self._kernel.radial_indices(np.ascontiguousarray(packet, np.uint32), window)
         bits = self.widths["radial"]
         fields = [Field("row", 0, 16, False, 0), Field("column", 0, 16, False, 0), Field("radial", 0, bits + 4, False, bits)]
@@ -142,36 +152,39 @@ class Stages:
 
     @property
     def table(self) -> FixedArray:
-        """Entries of the footprint table."""
+        """Entries of the footprint table, UQ1.weight."""
         bits = self.widths["weight"]
         return FixedArray(self._kernel.table, bits + 1, bits)
 
     def weight(self, radial: FixedArray) -> FixedArray:
-        """The reconstruction kernel at these radial indices, by the table and its interpolation."""
+        """The reconstruction kernel at these radial indices UQ4.radial, by the table and its interpolation: UQ1.weight, 0 to 1."""
         bits = self.widths["weight"]
         return FixedArray(self._kernel.weights(np.ascontiguousarray(radial.raw, np.int64)), bits + 1, bits)
 
     def opacity(self, peak: int, weight: FixedArray) -> FixedArray:
-        """Opacities of a packet's `peak` (its integer) at these weights; 0 where the rules skip the pixel."""
+        """Opacities UQ1.alpha of a packet's `peak` (its integer) at these weights UQ1.weight; 0 where the rules skip the pixel."""
         bits = self.widths["alpha"]
         return FixedArray(self._kernel.opacities(int(peak), np.ascontiguousarray(weight.raw, np.uint32)), bits + 1, bits)
 
-    def clear(self, *shape: int) -> np.ndarray:
+    def clear(self, *shape: int) -> NDArray[np.uint32]:
         """Transparent pixels, uint32 of shape (..., 4)."""
         return np.tile(np.array(self._kernel.clear, np.uint32), (*shape, 1))
 
-    def blend(self, pixels, opacity: FixedArray, colour) -> np.ndarray:
-        """Pixels (n, 4) with an opacity each of a colour (three integers of a packet) composited into them; a new array."""
-        pixels = np.ascontiguousarray(pixels, np.uint32)
-        return self._kernel.blend(pixels, np.ascontiguousarray(opacity.raw, np.uint32), [int(part) for part in colour])
+    def blend(self, pixels: ArrayLike, opacity: FixedArray, colour: ArrayLike) -> NDArray[np.uint32]:
+        """Pixels with an opacity each of a colour (three integers of a packet) composited into them; a new array.
 
-    def tile(self, packets, window=None) -> np.ndarray:
-        """Packets (n, words) drawn in their order into a window, uint32 of shape (rows, columns, 4): red, green, blue, transmittance."""
+        pixels  (n, 4)  uint32: red, green, blue UQ4.accumulator in units of 2^colour_log2, and transmittance UQ1.transmittance, whose bit 31
+                        marks a pixel that takes no more splats
+        """
+        rows = np.ascontiguousarray(pixels, np.uint32)
+        return self._kernel.blend(rows, np.ascontiguousarray(opacity.raw, np.uint32), np.asarray(colour, np.int64).tolist())
+
+    def tile(self, packets: ArrayLike, window: Window | None = None) -> NDArray[np.uint32]:
+        """Packets (n, words) drawn in their order into a window: uint32 of shape (rows, columns, 4), pixels as `blend` has them."""
         return self._kernel.tile(np.ascontiguousarray(packets, np.uint32), window)
 
-    def rgba(self, pixels) -> np.ndarray:
-        """Pixels' integers as a picture has them: float64, exactly."""
-        pixels = np.asarray(pixels)
+    def rgba(self, pixels: NDArray[np.uint32]) -> NDArray[np.float64]:
+        """Pixels' integers as a picture has them: float64 of the same shape, exactly, in units of 1.0."""
         # The highest bit marks a pixel that takes no more splats.
         transmittance = pixels[..., 3] & 0x7FFFFFFF
         colour = pixels[..., :3] * 2.0 ** (self.colour_log2 - self.widths["accumulator"])

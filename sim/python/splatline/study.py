@@ -32,9 +32,12 @@ import sqlite3
 import sys
 import time
 from collections import deque
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from . import _native
+from ._calls import SceneLike
 from ._calls import plan as _plan
 
 #: Names of the results of a point, in their order; what they mean is said in docs/results.
@@ -139,24 +142,28 @@ class LocalExecutor:
 class RayExecutor:
     """Ray's tasks as an executor; `options` are those of `ray.remote`, num_cpus and the like."""
 
-    def __init__(self, **options):
-        import ray
-
-        self._ray, self._options = ray, {"max_retries": 0, **options}
+    def __init__(self, **options: Any):
+        self._options = {"max_retries": 0, **options}
 
     def submit(self, function, *arguments):
-        ray = self._ray
-        remote = ray.remote(**self._options)(function)
-        reference = remote.remote(*arguments)
+        import ray
 
-        class Task:
-            def done(self):
-                return bool(ray.wait([reference], timeout=0)[0])
+        return _RayTask(ray.remote(**self._options)(function).remote(*arguments))
 
-            def result(self):
-                return ray.get(reference)
 
-        return Task()
+class _RayTask:
+    def __init__(self, reference):
+        self._reference = reference
+
+    def done(self):
+        import ray
+
+        return bool(ray.wait([self._reference], timeout=0)[0])
+
+    def result(self):
+        import ray
+
+        return ray.get(self._reference)
 
 
 class Study:
@@ -169,8 +176,17 @@ class Study:
     part    whose prices of area count
     """
 
-    def __init__(self, path, frames, space: str, *, errors=True, similarity=True, part=None):
-        frames = frames if isinstance(frames, (list, tuple)) else [frames]
+    def __init__(
+        self,
+        path: str | PathLike[str],
+        frames: SceneLike | list[SceneLike],
+        space: str,
+        *,
+        errors: bool = True,
+        similarity: bool = True,
+        part: str | None = None,
+    ):
+        frames = list(frames) if isinstance(frames, (list, tuple)) else [frames]
         self.plans = [_plan(frame) for frame in frames]
         self.path, self.text = Path(path), space
         self._points: list[list[int]] | None = None
@@ -241,7 +257,7 @@ class Study:
             last = key
         return jobs
 
-    def run(self, executor=None, *, workers: int | None = None, threads: int | None = None, progress: bool | None = None) -> int:
+    def run(self, executor: Any = None, *, workers: int | None = None, threads: int | None = None, progress: bool | None = None) -> int:
         """Evaluates all points of the space that are not stored; the number of those that are new.
 
         executor  anything with submit(function, *arguments) whose jobs have done() and result(); without one, processes of this machine
@@ -294,7 +310,19 @@ class Study:
 
     # Searching.
 
-    def search(self, objectives: dict[str, str], *, limits=None, trials: int, executor=None, workers=2, threads=None, sampler="tpe", seed=1, progress=None):
+    def search(
+        self,
+        objectives: dict[str, Any],
+        *,
+        limits: dict[str, tuple[float | None, float | None]] | None = None,
+        trials: int,
+        executor: Any = None,
+        workers: int = 2,
+        threads: int | None = None,
+        sampler: Any = "tpe",
+        seed: int = 1,
+        progress: bool | None = None,
+    ) -> Any:
         """Searches the space by Optuna with `workers` trials in flight; the Optuna study, which lies in the same file.
 
         objectives  result -> "minimize" or "maximize"
@@ -324,7 +352,7 @@ class Study:
         open_: dict[str, tuple] = {}
         try:
             while left > 0 or open_:
-                while left > 0 and sum(len(trials) for *_, trials in open_.values()) < workers:
+                while left > 0 and sum(len(waiting) for *_, waiting in open_.values()) < workers:
                     left -= 1
                     trial = study.ask()
                     point = [_suggest(trial, key, values) for key, values in self.axes.items()]
@@ -339,16 +367,16 @@ class Study:
                 if not open_:
                     continue
                 _wait([flight for flight, *_ in open_.values()])
-                for key, (flight, point, tries, trials) in [entry for entry in open_.items() if entry[1][0].done()]:
+                for key, (flight, point, tries, waiting) in [entry for entry in open_.items() if entry[1][0].done()]:
                     found, lost = _outcome(flight)
                     if lost and tries < _TRIES:
-                        open_[key] = (executor.submit(evaluate, setup, [point]), point, tries + 1, trials)
+                        open_[key] = (executor.submit(evaluate, setup, [point]), point, tries + 1, waiting)
                         continue
                     del open_[key]
                     self._store([point], found, lost)
-                    for trial in trials:
+                    for trial in waiting:
                         _tell(study, trial, self.stored_point(point), objectives, limits)
-                    bar.advance(len(trials))
+                    bar.advance(len(waiting))
         finally:
             if local:
                 local.shutdown()
@@ -360,24 +388,24 @@ class Study:
         with self._database:
             return self._database.execute("DELETE FROM splatline_points WHERE failure IS NOT NULL").rowcount
 
-    def stored_point(self, point) -> dict | None:
+    def stored_point(self, point: list[int]) -> dict[str, Any] | None:
         """Results of a point by name, empty if it was left out or failed; None if it is not stored."""
         row = self._database.execute("SELECT results FROM splatline_points WHERE point = ?", (self._key(point),)).fetchone()
         return None if row is None else _numbers(json.loads(row[0]))
 
     # What came of it.
 
-    def rows(self) -> list[dict]:
+    def rows(self) -> list[dict[str, Any]]:
         """Every stored point: its values by axis, its results by name, and `failure`."""
         return [{**json.loads(point), **_numbers(results), "failure": failure} for point, (results, failure) in self.stored().items()]
 
-    def frame(self):
+    def frame(self) -> Any:
         """The same as a pandas DataFrame."""
         import pandas
 
         return pandas.DataFrame(self.rows())
 
-    def parquet(self, path) -> None:
+    def parquet(self, path: str | PathLike[str]) -> None:
         """The same as a Parquet file, with what the study is of as its metadata."""
         import pyarrow
         import pyarrow.parquet
@@ -387,7 +415,7 @@ class Study:
         table = pyarrow.table({name: [row.get(name) for row in rows] for name in names})
         pyarrow.parquet.write_table(table.replace_schema_metadata({"splatline": self.identity}), path)
 
-    def write(self, folder, title: str | None = None) -> None:
+    def write(self, folder: str | PathLike[str], title: str | None = None) -> None:
         """points.csv, front.csv and front.html, as `splatline sweep` writes them."""
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)

@@ -20,7 +20,7 @@ pub struct Camera(pub camera::Camera);
 impl Camera {
     /// A perspective camera at `eye` that looks at `target`, with `up` pointing up; `fov` is the vertical field of view in degrees.
     #[staticmethod]
-    #[pyo3(signature = (eye, target, up, fov=USUAL_FOV, size=(512, 512)))]
+    #[pyo3(signature = (eye, target, up, fov=USUAL_FOV, size=(512, 512)), text_signature = "(eye, target, up, fov=45.0, size=(512, 512))")]
     fn look_at(
         eye: [f64; 3],
         target: [f64; 3],
@@ -36,7 +36,7 @@ impl Camera {
 
     /// A camera that shows the whole of a scene, from its front: what the command line takes where none is named.
     #[staticmethod]
-    #[pyo3(signature = (scene, fov=USUAL_FOV, size=(512, 512), up=None))]
+    #[pyo3(signature = (scene, fov=USUAL_FOV, size=(512, 512), up=None), text_signature = "(scene, fov=45.0, size=(512, 512), up=None)")]
     fn framing(
         scene: &Scene,
         fov: f64,

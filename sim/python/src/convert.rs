@@ -51,7 +51,7 @@ pub fn picture(array: &PyReadonlyArray3<f64>) -> PyResult<Picture> {
             "a picture's array has the shape {shape:?}: allowed is (height, width, 4), red, green, blue and alpha"
         )));
     };
-    // Copied once: a picture of Rust's owns its pixels.
+    // Copied once: Python may write into its array while the lock is released.
     let pixels = array.as_slice()?.as_chunks::<4>().0.to_vec();
     Ok(Picture {
         width,

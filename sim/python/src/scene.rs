@@ -36,18 +36,20 @@ struct Arrays<'a> {
     colours: PyReadonlyArray2<'a, f64>,
 }
 
-/// The numbers of an array of this shape in its order, all of them finite.
-fn numbers<T: Element + Copy + Into<f64>, D: numpy::ndarray::Dimension>(
+/// The numbers of an array of this shape, where they lie, all of them finite.
+fn numbers<'a, T: Element + Copy + Into<f64>, D: numpy::ndarray::Dimension>(
     name: &str,
-    array: &numpy::PyReadonlyArray<'_, T, D>,
+    array: &'a numpy::PyReadonlyArray<'_, T, D>,
     shape: &[usize],
-) -> Result<Vec<T>> {
+) -> Result<&'a [T]> {
     ensure!(
         array.shape() == shape,
         "{name} has the shape {:?}: allowed is {shape:?}",
         array.shape()
     );
-    let numbers: Vec<T> = array.as_array().iter().copied().collect();
+    let numbers = array
+        .as_slice()
+        .with_context(|| format!("{name}: not in rows"))?;
     let place = numbers
         .iter()
         .position(|number| !(*number).into().is_finite());
@@ -61,30 +63,25 @@ fn numbers<T: Element + Copy + Into<f64>, D: numpy::ndarray::Dimension>(
 }
 
 impl Arrays<'_> {
+    /// The only copy: a splat's numbers lie together, an array's apart.
     fn splats(&self) -> Result<Vec<Splat>> {
         let count = self.centres.shape()[0];
-        let centres = numbers("centres", &self.centres, &[count, 3])?;
-        let axes = numbers("axes", &self.axes, &[count, 3, 3])?;
-        let weights = numbers("weights", &self.weights, &[count])?;
-        let colours = numbers("colours", &self.colours, &[count, 3])?;
-        let axes = axes.as_chunks::<3>().0.as_chunks::<3>().0;
-        let parts = centres
+        let centres = numbers("centres", &self.centres, &[count, 3])?
             .as_chunks::<3>()
-            .0
-            .iter()
-            .zip(axes)
-            .zip(weights)
-            .zip(colours.as_chunks::<3>().0);
-        let splat = |(((centre, axes), weight), colour): (
-            ((&[f64; 3], &[[f64; 3]; 3]), f64),
-            &[f64; 3],
-        )| Splat {
-            centre: *centre,
-            axes: *axes,
-            weight,
-            colour: colour.map(|value| value.max(0.0)),
+            .0;
+        let axes = numbers("axes", &self.axes, &[count, 3, 3])?;
+        let axes = axes.as_chunks::<3>().0.as_chunks::<3>().0;
+        let weights = numbers("weights", &self.weights, &[count])?;
+        let colours = numbers("colours", &self.colours, &[count, 3])?
+            .as_chunks::<3>()
+            .0;
+        let splat = |index: usize| Splat {
+            centre: centres[index],
+            axes: axes[index],
+            weight: weights[index],
+            colour: colours[index].map(|value| value.max(0.0)),
         };
-        Ok(parts.map(splat).collect())
+        Ok((0..count).map(splat).collect())
     }
 }
 
@@ -228,7 +225,10 @@ impl Scene {
 
     /// Splats from arrays: see `splatline.Scene.from_arrays`, which takes scales and rotations as well.
     #[staticmethod]
-    #[pyo3(signature = (centres, axes, weights, colours, harmonics=None, weight="opacity", up=[0.0, -1.0, 0.0], name="arrays"))]
+    #[pyo3(
+        signature = (centres, axes, weights, colours, harmonics=None, weight="opacity", up=[0.0, -1.0, 0.0], name="arrays"),
+        text_signature = "(centres, axes, weights, colours, harmonics=None, weight='opacity', up=(0.0, -1.0, 0.0), name='arrays')"
+    )]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn from_axes<'py>(
         centres: PyReadonlyArray2<'py, f64>,

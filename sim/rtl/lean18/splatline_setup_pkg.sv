@@ -5,12 +5,12 @@ package splatline_setup_pkg;
   localparam int LOW = 0;  // those of its low part
   localparam int MANTISSA = 18;  // magnitude bits of a mantissa
   localparam int AXIS_DROP = 7;  // bits of an axis' components that are 0
-  localparam int ROUND = 180;  // cycles of a round
+  localparam int ROUND = 185;  // cycles of a round
   localparam int LATENCY = 24;  // cycles from a sum's last slot to its use
   localparam int LOAD_AHEAD = 48;  // cycles before a round's end from which its records are full
   localparam int OUT_ROUND = 8;  // round in which a splat's results come
-  localparam int OUT_SLOT = 93;  // their first slot
-  localparam int WORDS = 7;  // slots with results
+  localparam int OUT_SLOT = 79;  // their first slot
+  localparam int WORDS = 8;  // slots with results
   localparam int FIRST_REGISTER = 64;  // address of the first number outside the cores
   localparam int EYE_X = 64;
   localparam int EYE_Y = 65;
@@ -18,7 +18,7 @@ package splatline_setup_pkg;
   localparam int FLAGS = 67;
   localparam int NEAR = 68;
   localparam int FAR = 69;
-  localparam int SLOT_BITS = 82;
+  localparam int SLOT_BITS = 97;
 
   // One issue slot of a core: a term of a sum. What the fields mean stands in setup_core.sv.
   typedef struct packed {
@@ -35,19 +35,22 @@ package splatline_setup_pkg;
     logic entry;  // the table's entry, not its step times the rest
     logic power;  // the first factor's leading bit's place, not the factor
     logic plain;  // the first factor, not the product
-    logic scaled;  // plain, by the second factor's exponent
-    logic [1:0] pick;  // 1: by the first factor's sign, 2: by a flag
+    logic signed [7:0] offset;  // added to the factors' exponents
+    logic [1:0] pick;  // not the first factor but the constant where it is negative (1) or is not (2), otherwise the second
+    logic by_flag;  // the second factor, not the first, where the flag is not set
     logic [1:0] flag;
     logic negated;  // negated before it is aligned
     logic subtracted;  // negated after it is aligned
     logic down;  // rounded down
     logic first;
+    logic again;  // from here on in a coarser unit
     logic last;
-    logic [1:0] base;  // 0: below the largest term, 1: from the first term, 2: step alone, 3: second factor's exponent
-    logic signed [6:0] step;
+    logic [1:0] base;  // 0: the largest that a term asks for, 1: the first term's, 2: step alone
+    logic signed [6:0] step;  // what is asked for, from the exponent on
     logic addend;  // the constant is added
     logic normal;  // rounded to a mantissa
-    logic [4:0] drop;  // of 31 - drop bits
+    logic [4:0] drop;  // of 31 - drop bits; otherwise left as it is,
+    logic [5:0] spare;  // moved left by so much
     logic write;
     logic out;
     logic [7:0] place;  // register or word of the result
@@ -70,180 +73,186 @@ package splatline_setup_pkg;
   // What the cores get of it: the difference to the eye in two parts, the axes, the weight; see setup_difference.sv.
   localparam int ITEM_BITS = 44;  // {exponent 12, value 32}
   localparam int BEAT_BITS = 88;  // two of them
-  localparam int WORD_BITS = 152;  // two results with their exponents
+  localparam int WORD_BITS = 102;  // two results with their exponents
 
   // The slot that is issued in each cycle of a round.
-  function automatic logic [81:0] microcode(input logic [7:0] cycle);
+  function automatic logic [96:0] microcode(input logic [7:0] cycle);
     case (cycle)
-      8'd0: microcode = 82'h20008000c0009000000f;  // z
-      8'd1: microcode = 82'h20108000e0001000000f;  // z
-      8'd2: microcode = 82'h2020800100005000200f;  // z
-      8'd3: microcode = 82'h200080006000900948d0;  // y
-      8'd4: microcode = 82'h201080008000100948d0;  // y
-      8'd5: microcode = 82'h20208000a000500968d0;  // y
-      8'd6: microcode = 82'h200080000000900948c0;  // x
-      8'd7: microcode = 82'h201080002000100948c0;  // x
-      8'd8: microcode = 82'h202080004000500968c0;  // x
-      8'd9: microcode = 82'h209080018001946b4781;  // axis 1, row 1
-      8'd10: microcode = 82'h20a08001a001146b4781;  // axis 1, row 1
-      8'd11: microcode = 82'h20b08001c001546b6781;  // axis 1, row 1
-      8'd12: microcode = 82'h20908001e001946b47a1;  // axis 1, row 2
-      8'd13: microcode = 82'h20a080020001146b47a1;  // axis 1, row 2
-      8'd14: microcode = 82'h20b080022001546b67a1;  // axis 1, row 2
-      8'd15: microcode = 82'h20c080018001946b47e1;  // axis 2, row 1
-      8'd16: microcode = 82'h20d08001a001146b47e1;  // axis 2, row 1
-      8'd17: microcode = 82'h20e08001c001546b67e1;  // axis 2, row 1
-      8'd18: microcode = 82'h20608001e001946b4741;  // axis 0, row 2
-      8'd19: microcode = 82'h207080020001146b4741;  // axis 0, row 2
-      8'd20: microcode = 82'h208080022001546b6741;  // axis 0, row 2
-      8'd21: microcode = 82'h20c08001e001946b4801;  // axis 2, row 2
-      8'd22: microcode = 82'h20d080020001146b4801;  // axis 2, row 2
-      8'd23: microcode = 82'h20e080022001546b6801;  // axis 2, row 2
-      8'd24: microcode = 82'h209080012001946b4761;  // axis 1, row 0
-      8'd25: microcode = 82'h20a080014001146b4761;  // axis 1, row 0
-      8'd26: microcode = 82'h20b080016001546b6761;  // axis 1, row 0
-      8'd27: microcode = 82'h20c080012001946b47c1;  // axis 2, row 0
-      8'd28: microcode = 82'h20d080014001146b47c1;  // axis 2, row 0
-      8'd29: microcode = 82'h20e080016001546b67c1;  // axis 2, row 0
-      8'd30: microcode = 82'h206080012001946b4701;  // axis 0, row 0
-      8'd31: microcode = 82'h207080014001146b4701;  // axis 0, row 0
-      8'd32: microcode = 82'h208080016001546b6701;  // axis 0, row 0
-      8'd33: microcode = 82'h206080018001946b4721;  // axis 0, row 1
-      8'd34: microcode = 82'h20708001a001146b4721;  // axis 0, row 1
-      8'd35: microcode = 82'h20808001c001546b6721;  // axis 0, row 1
-      8'd36: microcode = 82'h20f000000100d0002107;  // weight
-      8'd37: microcode = 82'hf00000100d00968e0;  // z
-      8'd38: microcode = 82'h493000030100ec102970;  // above the least ratio
-      8'd39: microcode = 82'h494000000100d00b69e0;  // ratio
-      8'd40: microcode = 82'h493000000100d00b6990;  // ratio
-      8'd41: microcode = 82'h494000038100ec1029c0;  // above the least ratio
-      8'd42: microcode = 82'h49400003a102ec1029d0;  // below the largest ratio
-      8'd43: microcode = 82'h493000032102ec102980;  // below the largest ratio
-      8'd44: microcode = 82'h8a6056000001834b4b20;  // minor
-      8'd45: microcode = 82'h8a8055000005434b6b20;  // minor
-      8'd46: microcode = 82'h8a2056000001834b4b10;  // minor
-      8'd47: microcode = 82'h8a4055000005434b6b10;  // minor
-      8'd48: microcode = 82'h828700000101834b4af0;  // trace
-      8'd49: microcode = 82'h8ad000000101434b6af0;  // trace
-      8'd50: microcode = 82'hcb800000150090080b90;  // density, seed
-      8'd51: microcode = 82'hcb800000100050082b90;  // density, seed
-      8'd52: microcode = 82'h49504b000000d00b6be0;  // area
-      8'd53: microcode = 82'h106835e800000d00b6bf0;  // peak of the profile
-      8'd54: microcode = 82'h1500000046100ac400c10;  // 1/4 - d/5
-      8'd55: microcode = 82'h14881800480026c402c10;  // 1/4 - d/5
-      8'd56: microcode = 82'h18c5000052100ec102c60;  // logarithm over the least
-      8'd57: microcode = 82'h8ad000000101834b4307;  // yy
-      8'd58: microcode = 82'h900000040101434b6307;  // yy
-      8'd59: microcode = 82'h1c8a100000100d00beca0;  // cut-off, 16 bits
-      8'd60: microcode = 82'hcae05b800000d00b6587;  // cross
-      8'd61: microcode = 82'h8e000000d00900008f0;  // 1/z, seed
-      8'd62: microcode = 82'h8e000000804500028f0;  // 1/z, seed
-      8'd63: microcode = 82'hcae01c380000d00b6507;  // shear
-      8'd64: microcode = 82'h49704c834120d00029a0;  // ratio, from below
-      8'd65: microcode = 82'h49c04f03c120d00029f0;  // ratio, from below
-      8'd66: microcode = 82'h8a2052000001834b4ae0;  // xy
-      8'd67: microcode = 82'h8a6054000001034b4ae0;  // xy
-      8'd68: microcode = 82'h8aa056000001434b6ae0;  // xy
-      8'd69: microcode = 82'h500000028100ac000187;  // position
-      8'd70: microcode = 82'h49308002a0006c002187;  // position
-      8'd71: microcode = 82'h50000002c100ac000207;  // position
-      8'd72: microcode = 82'h49408002e0006c002207;  // position
-      8'd73: microcode = 82'h8b0058000001834b4821;  // determinant
-      8'd74: microcode = 82'h8b1058800001034b4821;  // determinant
-      8'd75: microcode = 82'h8b2059000001034b4821;  // determinant
-      8'd76: microcode = 82'h8af080040001434b6821;  // determinant
-      8'd77: microcode = 82'hcb9000000d0090000ba0;  // 1/density, seed
-      8'd78: microcode = 82'hcb900000080450002ba0;  // 1/density, seed
-      8'd79: microcode = 82'h41075f000000d00b6683;  // weight of the area
-      8'd80: microcode = 82'h10bf080042000d00b6c00;  // peak, normalised
-      8'd81: microcode = 82'h148816084a002ec502c20;  // 1/3 - d (1/4 ..)
-      8'd82: microcode = 82'h18c6080054180ec802c70;  // cut-off, unlimited
-      8'd83: microcode = 82'h830700000d0090000b30;  // 1/yy, seed
-      8'd84: microcode = 82'h83070000080450002b30;  // 1/yy, seed
-      8'd85: microcode = 82'h1cca014380000d00becb0;  // extent squared
-      8'd86: microcode = 82'h8e047824004ea302900;  // 1/z, defect
-      8'd87: microcode = 82'h1cca018380000d00becd0;  // extent squared
-      8'd88: microcode = 82'h49804d036120d00029b0;  // ratio, from above
-      8'd89: microcode = 82'h49d04f83e120d0002a00;  // ratio, from above
-      8'd90: microcode = 82'hc2875b800000d00b6607;  // conic c
-      8'd91: microcode = 82'hc8211c380000d00b6487;  // squared_width
-      8'd92: microcode = 82'hc3075b800000d00b6407;  // horizontal
-      8'd93: microcode = 82'h2000f3618000090001000;  // results
-      8'd94: microcode = 82'h201874508000010001010;  // results
-      8'd95: microcode = 82'h202076600000010001020;  // results
-      8'd96: microcode = 82'h20ce02038000010001030;  // results
-      8'd97: microcode = 82'h204872838000010001040;  // results
-      8'd98: microcode = 82'h203872c38000010001050;  // results
-      8'd99: microcode = 82'h206073038000050001060;  // results
-      8'd100: microcode = 82'h882100000d0090000b50;  // 1/determinant, seed
-      8'd101: microcode = 82'h88210000080450002b50;  // 1/determinant, seed
-      8'd102: microcode = 82'hcb905d024004ea302bb0;  // 1/density, defect
-      8'd104: microcode = 82'h10c0008380148d00026c3;  // peak
-      8'd105: microcode = 82'h148816104c002ec502c30;  // 1/2 - d (1/3 ..)
-      8'd106: microcode = 82'h18c7000056102ec902c80;  // before the end
-      8'd108: microcode = 82'h830759824004ea302b40;  // 1/yy, defect
-      8'd110: microcode = 82'h8f0000001009c494910;  // 1/z
-      8'd111: microcode = 82'h8f0480000005c496910;  // 1/z
-      8'd113: microcode = 82'h478100000101834b4a70;  // sheared
-      8'd114: microcode = 82'h4a003d080005434b6a70;  // sheared
-      8'd115: microcode = 82'h472100000101834b4a30;  // sheared
-      8'd116: microcode = 82'h4a003a080005434b6a30;  // sheared
-      8'd117: microcode = 82'h476100000101834b4a50;  // sheared
-      8'd118: microcode = 82'h49b03d080005434b6a50;  // sheared
-      8'd119: microcode = 82'h47c100000101834b4a90;  // sheared
-      8'd120: microcode = 82'h49b040080005434b6a90;  // sheared
-      8'd121: microcode = 82'h470100000101834b4a10;  // sheared
-      8'd122: microcode = 82'h49b03a080005434b6a10;  // sheared
-      8'd123: microcode = 82'h47e100000101834b4ab0;  // sheared
-      8'd124: microcode = 82'h4a0040080005434b6ab0;  // sheared
-      8'd125: microcode = 82'h88215a824004ea302b60;  // 1/determinant, defect
-      8'd126: microcode = 82'h500000026101834b4841;  // slant
-      8'd127: microcode = 82'h49b04d800001034b4841;  // slant
-      8'd128: microcode = 82'h4a0050000001434b6841;  // slant
-      8'd129: microcode = 82'hcba0000001009c480bc0;  // 1/density
-      8'd130: microcode = 82'hcba05d8000005c482bc0;  // 1/density
-      8'd131: microcode = 82'h106c300000100d0082861;  // peak, 31 bits
-      8'd132: microcode = 82'h1488161800000eb802c40;  // d (1/2 ..)
-      8'd133: microcode = 82'h18c8063856120d0002c90;  // cut-off, limited
-      8'd135: microcode = 82'h91080026140d0002920;  // 1/z or 1
-      8'd136: microcode = 82'h8b30000001009c4b4387;  // 1/yy
-      8'd137: microcode = 82'h8b305a0000005c4b6387;  // 1/yy
-      8'd138: microcode = 82'h4a704b000000d00b6a80;  // column
-      8'd140: microcode = 82'h4a304b000000d00b6a40;  // column
-      8'd142: microcode = 82'h4a504a800000d00b6a60;  // column
-      8'd144: microcode = 82'h4a904a800000d00b6aa0;  // column
-      8'd146: microcode = 82'h4a104a800000d00b6a20;  // column
-      8'd148: microcode = 82'h4ab04b000000d00b6ac0;  // column
-      8'd149: microcode = 82'h8b50000001009c4b4b70;  // 1/determinant
-      8'd150: microcode = 82'h8b505b0000005c4b6b70;  // 1/determinant
-      8'd151: microcode = 82'h1ccb000001500900bccc0;  // extent
-      8'd152: microcode = 82'h1ccb000001000500becc0;  // extent
-      8'd154: microcode = 82'hcb900000010190cb4bd0;  // density, twice
-      8'd155: microcode = 82'hcb805e00000150cb6bd0;  // density, twice
-      8'd156: microcode = 82'h1086100045800eb902881;  // rest
-      8'd157: microcode = 82'h18c9080058150d00028a1;  // cut-off
-      8'd159: microcode = 82'h8c049000000d0096930;  // on plane
-      8'd160: microcode = 82'h8d049000000d0096940;  // on plane
-      8'd161: microcode = 82'h9208002a000d00b6950;  // gain
-      8'd162: microcode = 82'h9208002e000d00b6960;  // gain
-      8'd163: microcode = 82'h148618004e200ab000c50;  // logarithm, 40 bits
-      8'd164: microcode = 82'h14861800502002b000c50;  // logarithm, 40 bits
-      8'd165: microcode = 82'h1486100001d002b000c50;  // logarithm, 40 bits
-      8'd166: microcode = 82'h14881000001002b000c50;  // logarithm, 40 bits
-      8'd167: microcode = 82'h14881620000026b002c50;  // logarithm, 40 bits
-      8'd168: microcode = 82'h1ccd000001500900bcce0;  // extent
-      8'd169: microcode = 82'h1ccd000001000500bece0;  // extent
-      8'd170: microcode = 82'h4a2054000001834b4b00;  // minor
-      8'd171: microcode = 82'h4a4053000005434b6b00;  // minor
-      8'd172: microcode = 82'h4a4052000001834b4ad0;  // yy, sharp
-      8'd173: microcode = 82'h4a8054000001034b4ad0;  // yy, sharp
-      8'd174: microcode = 82'h4ac056000001434b6ad0;  // yy, sharp
-      8'd175: microcode = 82'h4a2051000001834b4287;  // xx
-      8'd176: microcode = 82'h4a6053000001034b4287;  // xx
-      8'd177: microcode = 82'h4aa055000001034b4287;  // xx
-      8'd178: microcode = 82'h500000040101434b6287;  // xx
-      8'd179: microcode = 82'h88415b800000d00b6b80;  // density squared
-      default: microcode = 82'h0;
+      8'd0: microcode = 97'h100040006000004402580b20;  // z
+      8'd1: microcode = 97'h100840007000000402580b20;  // z
+      8'd2: microcode = 97'h101040008000001402582b20;  // z
+      8'd3: microcode = 97'h800000090f08014f800200f;  // z, high
+      8'd4: microcode = 97'h800000090f08014f808210f;  // z, low
+      8'd5: microcode = 97'h100040000000004402580b00;  // x
+      8'd6: microcode = 97'h100840001000000402580b00;  // x
+      8'd7: microcode = 97'h101040002000001402582b00;  // x
+      8'd8: microcode = 97'h100040003000004402580b10;  // y
+      8'd9: microcode = 97'h100840004000000402580b10;  // y
+      8'd10: microcode = 97'h101040005000001402582b10;  // y
+      8'd11: microcode = 97'h10604001000000c51ad80a41;  // axis 2, row 2
+      8'd12: microcode = 97'h10684001100000851ad80a41;  // axis 2, row 2
+      8'd13: microcode = 97'h10704001200000951ad82a41;  // axis 2, row 2
+      8'd14: microcode = 97'h10304000a00000c51ad80941;  // axis 0, row 0
+      8'd15: microcode = 97'h10384000b00000851ad80941;  // axis 0, row 0
+      8'd16: microcode = 97'h10404000c00000951ad82941;  // axis 0, row 0
+      8'd17: microcode = 97'h10304001000000c51ad80981;  // axis 0, row 2
+      8'd18: microcode = 97'h10384001100000851ad80981;  // axis 0, row 2
+      8'd19: microcode = 97'h10404001200000951ad82981;  // axis 0, row 2
+      8'd20: microcode = 97'h10484000a00000c51ad809a1;  // axis 1, row 0
+      8'd21: microcode = 97'h10504000b00000851ad809a1;  // axis 1, row 0
+      8'd22: microcode = 97'h10584000c00000951ad829a1;  // axis 1, row 0
+      8'd23: microcode = 97'h10604000a00000c51ad80a01;  // axis 2, row 0
+      8'd24: microcode = 97'h10684000b00000851ad80a01;  // axis 2, row 0
+      8'd25: microcode = 97'h10704000c00000951ad82a01;  // axis 2, row 0
+      8'd26: microcode = 97'h10604000d00000c51ad80a21;  // axis 2, row 1
+      8'd27: microcode = 97'h10684000e00000851ad80a21;  // axis 2, row 1
+      8'd28: microcode = 97'h10704000f00000951ad82a21;  // axis 2, row 1
+      8'd29: microcode = 97'h10304000d00000c51ad80961;  // axis 0, row 1
+      8'd30: microcode = 97'h10384000e00000851ad80961;  // axis 0, row 1
+      8'd31: microcode = 97'h10404000f00000951ad82961;  // axis 0, row 1
+      8'd32: microcode = 97'h10484001000000c51ad809e1;  // axis 1, row 2
+      8'd33: microcode = 97'h10504001100000851ad809e1;  // axis 1, row 2
+      8'd34: microcode = 97'h10584001200000951ad829e1;  // axis 1, row 2
+      8'd35: microcode = 97'h10484000d00000c51ad809c1;  // axis 1, row 1
+      8'd36: microcode = 97'h10504000e00000851ad809c1;  // axis 1, row 1
+      8'd37: microcode = 97'h10584000f00000951ad829c1;  // axis 1, row 1
+      8'd38: microcode = 97'h1078000000f08054f8082207;  // weight
+      8'd39: microcode = 97'h590000006d30044f8080b30;  // 1/z, seed
+      8'd40: microcode = 97'h590000004578214f8082b30;  // 1/z, seed
+      8'd41: microcode = 97'h2600308210f0a054f8082c30;  // ratio, from below
+      8'd42: microcode = 97'h25d82f41d0f0a054f8082be0;  // ratio, from below
+      8'd43: microcode = 97'h469834c0000000c122d80d60;  // determinant
+      8'd44: microcode = 97'h46a035000000008122d80d60;  // determinant
+      8'd45: microcode = 97'h46a835400000008122d80d60;  // determinant
+      8'd46: microcode = 97'h469040023000009122d82d60;  // determinant
+      8'd47: microcode = 97'h66e8000006d30044f8080de0;  // 1/density, seed
+      8'd48: microcode = 97'h66e8000004578214f8082de0;  // 1/density, seed
+      8'd49: microcode = 97'h2103b8800000005402d82903;  // weight of the area
+      8'd50: microcode = 97'h8720081c00f09454f8082887;  // peak
+      8'd51: microcode = 97'ha560b9829000015b14082e70;  // 1/2 - d (1/3 ..)
+      8'd52: microcode = 97'hc7503a4090f0a054f8082ec0;  // cut-off above 0
+      8'd53: microcode = 97'h4283800006d30044f8080d70;  // 1/yy, seed
+      8'd54: microcode = 97'h4283800004578214f8082d70;  // 1/yy, seed
+      8'd55: microcode = 97'h2800000180f0804b00000387;  // position, high
+      8'd56: microcode = 97'h2800000190f0800b00000387;  // position, high
+      8'd57: microcode = 97'h25c04001a000001b00002387;  // position, high
+      8'd58: microcode = 97'h2800000090f0801b00082407;  // position, low
+      8'd59: microcode = 97'h2800000150f0804b00000287;  // position, high
+      8'd60: microcode = 97'h2800000160f0800b00000287;  // position, high
+      8'd61: microcode = 97'h25b840017000001b00002287;  // position, high
+      8'd62: microcode = 97'h2800000090f0801b00082307;  // position, low
+      8'd63: microcode = 97'he770121c0000005402f82ef0;  // extent squared
+      8'd64: microcode = 97'h5902cc13000025a8c082b40;  // 1/z, defect
+      8'd65: microcode = 97'h260830c220f0a054f8082c40;  // ratio, from above
+      8'd66: microcode = 97'h25e02f81e0f0a054f8082bf0;  // ratio, from above
+      8'd67: microcode = 97'he770141c0000005402f82f10;  // extent squared
+      8'd68: microcode = 97'h6243b6c00000005402d82807;  // conic c
+      8'd69: microcode = 97'h6530b6c00000005402d82787;  // cross
+      8'd70: microcode = 97'h46b0000006d30044f8080d90;  // 1/determinant, seed
+      8'd71: microcode = 97'h46b0000004578214f8082d90;  // 1/determinant, seed
+      8'd72: microcode = 97'h66e837813000025a8c082df0;  // 1/density, defect
+      8'd73: microcode = 97'h6283b6c00000005402d82607;  // horizontal
+      8'd74: microcode = 97'h8443800000f08054fa082aa1;  // peak, 31 bits
+      8'd75: microcode = 97'ha560b9c00000005ae0082e80;  // d (1/2 ..)
+      8'd76: microcode = 97'hc7583b02e0f0c054f8082ed0;  // cut-off, limited
+      8'd78: microcode = 97'h4283b5c13000025a8c082d80;  // 1/yy, defect
+      8'd79: microcode = 97'h10087a21c0000004400081000;  // results
+      8'd80: microcode = 97'h10183ab840000000400081010;  // results
+      8'd81: microcode = 97'h10203bc000000000400081020;  // results
+      8'd82: microcode = 97'h10790181c0000000400081030;  // results
+      8'd83: microcode = 97'h103439c1c0000000400081040;  // results
+      8'd84: microcode = 97'h102c39e1c0000000400081050;  // results
+      8'd85: microcode = 97'h104038a1c0000000400081060;  // results
+      8'd86: microcode = 97'h100078e1c0000001400081070;  // results
+      8'd88: microcode = 97'h598000000f080440a580b50;  // 1/z
+      8'd89: microcode = 97'h5982d00000000140a582b50;  // 1/z
+      8'd90: microcode = 97'h24a0800000f080c122d80c50;  // sheared
+      8'd91: microcode = 97'h25f826040000029122d82c50;  // sheared
+      8'd92: microcode = 97'h24e0800000f080c122d80cb0;  // sheared
+      8'd93: microcode = 97'h262027840000029122d82cb0;  // sheared
+      8'd94: microcode = 97'h2500800000f080c122d80cd0;  // sheared
+      8'd95: microcode = 97'h25f829040000029122d82cd0;  // sheared
+      8'd96: microcode = 97'h24d0800000f080c122d80c90;  // sheared
+      8'd97: microcode = 97'h25f827840000029122d82c90;  // sheared
+      8'd98: microcode = 97'h24b0800000f080c122d80c70;  // sheared
+      8'd99: microcode = 97'h262026040000029122d82c70;  // sheared
+      8'd100: microcode = 97'h2510800000f080c122d80cf0;  // sheared
+      8'd101: microcode = 97'h262029040000029122d82cf0;  // sheared
+      8'd102: microcode = 97'h46b036413000025a8c082da0;  // 1/determinant, defect
+      8'd103: microcode = 97'h2800000140f080c122d80a81;  // slant
+      8'd104: microcode = 97'h25f82fc00000008122d80a81;  // slant
+      8'd105: microcode = 97'h262031000000009122d82a81;  // slant
+      8'd106: microcode = 97'h66f0000000f080440a080e00;  // 1/density
+      8'd107: microcode = 97'h66f037c0000000140a082e00;  // 1/density
+      8'd108: microcode = 97'h855080025c69005ae4082ac1;  // rest
+      8'd109: microcode = 97'hc7684002f0f09854f8082ae1;  // cut-off
+      8'd110: microcode = 97'h46b8000000f080440ad80587;  // 1/yy
+      8'd111: microcode = 97'h46b83600000000140ad82587;  // 1/yy
+      8'd113: microcode = 97'h5a8400140f09054f8082b60;  // 1/z or 1
+      8'd115: microcode = 97'h26282e400000005402d82c60;  // column
+      8'd117: microcode = 97'h26582e800000005402d82cc0;  // column
+      8'd119: microcode = 97'h26682e400000005402d82ce0;  // column
+      8'd121: microcode = 97'h26482e400000005402d82ca0;  // column
+      8'd123: microcode = 97'h26382e800000005402d82c80;  // column
+      8'd125: microcode = 97'h26782e800000005402d82d00;  // column
+      8'd126: microcode = 97'h46c8000000f080440ad80db0;  // 1/determinant
+      8'd127: microcode = 97'h46c83680000000140ad82db0;  // 1/determinant
+      8'd128: microcode = 97'he78800000aec8044faf80f20;  // extent
+      8'd129: microcode = 97'he788000008740014faf82f20;  // extent
+      8'd131: microcode = 97'h66e8000000f080c52ad80e10;  // density, twice
+      8'd132: microcode = 97'h66e03800000000952ad82e10;  // density, twice
+      8'd133: microcode = 97'h8800000260f0804b10080e50;  // 1/4 - d/5
+      8'd134: microcode = 97'h8560c0027000011b10082e50;  // 1/4 - d/5
+      8'd135: microcode = 97'hc570800000f10054faf82ee0;  // cut-off, 16 bits
+      8'd136: microcode = 97'h4530961c0000005402d82707;  // shear
+      8'd137: microcode = 97'h5802d800000005402582b70;  // on plane
+      8'd138: microcode = 97'h5882d800000005402582b80;  // on plane
+      8'd139: microcode = 97'h5b04001a000005402d82ba0;  // gain
+      8'd140: microcode = 97'h5b040017000005402d82b90;  // gain
+      8'd141: microcode = 97'h46b0161c0000005402d82687;  // squared_width
+      8'd142: microcode = 97'he77800000aec8044faf80f00;  // extent
+      8'd143: microcode = 97'he778000008740014faf82f00;  // extent
+      8'd145: microcode = 97'h26303180000000c122d80487;  // xx
+      8'd146: microcode = 97'h265032800000008122d80487;  // xx
+      8'd147: microcode = 97'h267033800000008122d80487;  // xx
+      8'd148: microcode = 97'h2800000230f0809122d82487;  // xx
+      8'd149: microcode = 97'h26403200000000c122d80d10;  // yy, sharp
+      8'd150: microcode = 97'h266033000000008122d80d10;  // yy, sharp
+      8'd151: microcode = 97'h268034000000009122d82d10;  // yy, sharp
+      8'd152: microcode = 97'h26303300000000c122d80d30;  // minor
+      8'd153: microcode = 97'h264032800000029122d82d30;  // minor
+      8'd154: microcode = 97'h26503400000000c122d80d50;  // minor
+      8'd155: microcode = 97'h266033800000029122d82d50;  // minor
+      8'd156: microcode = 97'h26303400000000c122d80d40;  // minor
+      8'd157: microcode = 97'h264033800000029122d82d40;  // minor
+      8'd158: microcode = 97'h4540b6c00000005402d82dc0;  // density squared
+      8'd159: microcode = 97'h6481b8400000005402d82e30;  // peak of the profile
+      8'd160: microcode = 97'h8560b9428000015b14082e60;  // 1/3 - d (1/4 ..)
+      8'd161: microcode = 97'h5b80001b0f0805b04002bb0;  // above the least ratio
+      8'd162: microcode = 97'h5c00001f0f0805b04002c00;  // above the least ratio
+      8'd163: microcode = 97'h5b8000000f08054fad82bd0;  // ratio
+      8'd164: microcode = 97'h5c0000000f08054fad82c20;  // ratio
+      8'd165: microcode = 97'h5c0000200f0815b04002c10;  // below the largest ratio
+      8'd166: microcode = 97'h5b80001c0f0815b04002bc0;  // below the largest ratio
+      8'd167: microcode = 97'h5c82e800000005402d82e20;  // area
+      8'd168: microcode = 97'ha5508002aee0804ac4054e90;  // cut-off, unlimited
+      8'd169: microcode = 97'ha550c002b100000ac0054e90;  // cut-off, unlimited
+      8'd170: microcode = 97'ha550c002c100000ac0054e90;  // cut-off, unlimited
+      8'd171: microcode = 97'ha560800000f0800ac0054e90;  // cut-off, unlimited
+      8'd172: microcode = 97'ha560ba000000011ac0056e90;  // cut-off, unlimited
+      8'd173: microcode = 97'ha800000090f0801ac0002ea0;  // above 0
+      8'd174: microcode = 97'ha8000002d0f0811ac0002eb0;  // beyond the end
+      8'd175: microcode = 97'h2243800000f080c122d80d20;  // trace
+      8'd176: microcode = 97'h2688000000f0809122d82d20;  // trace
+      8'd177: microcode = 97'h2688000000f080c122d80507;  // yy
+      8'd178: microcode = 97'h2800000230f0809122d82507;  // yy
+      8'd179: microcode = 97'h26303200000000c122d80a61;  // xy
+      8'd180: microcode = 97'h265033000000008122d80a61;  // xy
+      8'd181: microcode = 97'h267034000000009122d82a61;  // xy
+      8'd182: microcode = 97'h46e000000aec8044fa080dd0;  // density, seed
+      8'd183: microcode = 97'h46e0000008740014fa082dd0;  // density, seed
+      8'd184: microcode = 97'h671840024000005402d82e40;  // peak, normalised
+      default: microcode = 97'h0;
     endcase
   endfunction
 

@@ -56,7 +56,7 @@ pub struct TechniqueOptions {
     #[arg(long, help_heading = "Techniques", value_parser = one_of(SHEETS), conflicts_with_all = ["from", "deep_alpha", "spheres"])]
     pub sheets: Option<SheetKind>,
     /// Thickness of a slab, scene units [default: the samples' spacing]
-    #[arg(long, help_heading = "Techniques", value_name = "T", value_parser = positive, allow_negative_numbers = true, requires = "sheets")]
+    #[arg(long, help_heading = "Techniques", value_name = "T", value_parser = positive, requires = "sheets")]
     pub sheet_thickness: Option<f64>,
     /// Composites through an alpha channel of its own width that keeps this
     #[arg(long, help_heading = "Techniques", value_parser = one_of(REPRESENTATIONS), conflicts_with_all = ["from", "spheres"])]
@@ -122,6 +122,14 @@ impl DrawingOptions {
             (true, _) => Backdrop::Transparent,
             (false, Some(Colour(colour))) => Backdrop::Colour(colour),
             (false, None) => Backdrop::default(),
+        }
+    }
+
+    /// The same for pictures whose report is not kept: nothing is counted, so that hidden splats cost less.
+    pub fn effort_of_pictures(&self) -> Effort {
+        Effort {
+            counts: self.json.is_some(),
+            ..self.effort()
         }
     }
 

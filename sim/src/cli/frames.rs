@@ -47,7 +47,8 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         let NamedFrame { name, prepared } = frame.prepare();
         check_room(&prepared)?;
         progress.doing(&name);
-        let (measured, report) = draw_alone(&prepared, &drawing.effort(), &progress)?;
+        let effort = drawing.effort_of_pictures();
+        let (measured, report) = draw_alone(&prepared, &effort, &progress)?;
         write_picture(options, &measured.drawing.picture, file)?;
         seconds.push(report.host.total_s);
         warnings.extend(report.warnings.iter().cloned());

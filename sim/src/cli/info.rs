@@ -117,6 +117,9 @@ impl Info {
         ];
         Info {
             kind: match scene.weight {
+                Weight::Opacity if splats().all(|splat| splat.axes[2] == [0.0; 3]) => {
+                    "2D Gaussians, drawn as flat 3D ones"
+                }
                 Weight::Opacity => "3D Gaussians",
                 Weight::Mass => "volume, a splat per voxel that the transfer function shows",
             },

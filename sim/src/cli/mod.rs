@@ -43,7 +43,7 @@ pub use say::{Failure, explain, finish, print_result, printable};
 
 use crate::plan::Prepared;
 use args::{Cli, Command};
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 use resolve::PlanRequest;
 use say::printed;
 use search_args::{ExploreOptions, OptimizeOptions, SweepOptions};
@@ -58,7 +58,7 @@ pub fn run() -> ExitCode {
 
 /// The same for words that a program hands over, the first of them its name; the exit code.
 pub fn run_from<T: Into<OsString> + Clone>(words: impl IntoIterator<Item = T>) -> u8 {
-    finish(match Cli::try_parse_from(words) {
+    finish(match parsed(words) {
         Ok(cli) => {
             if let Some(megabytes) = cli.memory {
                 crate::memory::limit_to(megabytes.saturating_mul(1_000_000));
@@ -75,11 +75,31 @@ pub fn run_from<T: Into<OsString> + Clone>(words: impl IntoIterator<Item = T>) -
     })
 }
 
+fn parsed<T: Into<OsString> + Clone>(
+    words: impl IntoIterator<Item = T>,
+) -> Result<Cli, clap::Error> {
+    let matches = with_negative_numbers(Cli::command()).try_get_matches_from(words)?;
+    Cli::from_arg_matches(&matches)
+}
+
+/// A negative number after an option is its value, of which the range can be said, and not an option of that name.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let command = command.mut_args(|arg| {
+        let is_option = !arg.is_positional() && arg.get_action().takes_values();
+        if is_option {
+            arg.allow_negative_numbers(true)
+        } else {
+            arg
+        }
+    });
+    command.mut_subcommands(with_negative_numbers)
+}
+
 /// The plan of the words that `compare` takes, with its scene loaded; what would be said on the way goes to stderr.
 pub fn prepared(words: Vec<String>) -> anyhow::Result<Prepared> {
     say::divert();
     let command = ["splatline", "compare", "--output", "."].map(str::to_owned);
-    let Cli { command, .. } = Cli::try_parse_from(command.into_iter().chain(words))?;
+    let Cli { command, .. } = parsed(command.into_iter().chain(words))?;
     let Some(Command::Compare(options)) = command else {
         anyhow::bail!("name a scene");
     };

@@ -59,7 +59,8 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     // The second step is writing, which of large pictures takes as long.
     let progress = ProgressMeter::new(2);
     progress.doing(format!("drawing {}", prepared.scene.name()));
-    let (measured, report) = draw_alone(&prepared, &drawing.effort(), &progress)?;
+    let effort = drawing.effort_of_pictures();
+    let (measured, report) = draw_alone(&prepared, &effort, &progress)?;
     progress.advance();
     progress.doing(format!("writing {}", options.output.display()));
     let bent = lens.map(|lens| distorted(&measured.drawing.picture, &prepared.plan.camera, &lens));

@@ -182,19 +182,19 @@ pub struct ExploreOptions {
 #[command(next_help_heading = "Limits (at least one; --part adds what it holds)")]
 pub struct LimitOptions {
     /// Frames a second at least, of the slowest frame
-    #[arg(long, value_name = "N", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = positive)]
     pub fps: Option<f64>,
     /// Largest error of a colour at most, units of 1.0
-    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", value_parser = positive)]
     pub max_error: Option<f64>,
     /// Error that 99 % of the samples of colours do not exceed, in the worst frame, units of 1.0
-    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", value_parser = positive)]
     pub p99: Option<f64>,
     /// Mean FLIP of the worst frame at most, 0 to 1, at 67 pixels per degree
-    #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "F", value_parser = positive)]
     pub flip: Option<f64>,
     /// PSNR of the colours at least
-    #[arg(long, value_name = "dB", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "dB", value_parser = positive)]
     pub psnr: Option<f64>,
     /// Look-up tables at most
     #[arg(long, value_name = "N")]
@@ -206,10 +206,10 @@ pub struct LimitOptions {
     #[arg(long, value_name = "kbit")]
     pub bram: Option<u32>,
     /// What the memory moves, both directions together: the machine's channels are no wider
-    #[arg(long, value_name = "MB/s", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MB/s", value_parser = positive)]
     pub bandwidth: Option<f64>,
     /// Energy of the most expensive frame at most; an estimate by --energy's table
-    #[arg(long, value_name = "mJ", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "mJ", value_parser = positive)]
     pub max_energy: Option<f64>,
 }
 
@@ -232,16 +232,16 @@ pub struct FitOptions {
     #[command(flatten)]
     pub work: WorkOptions,
     /// Error that the design may have, colours, in units of 1.0
-    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", value_parser = positive)]
     pub max_error: Option<f64>,
     /// Which error --max-error is about
     #[arg(long, value_parser = one_of(METRICS), default_value = "largest")]
     pub metric: Quantity,
     /// Error that 99 % of the samples of colours may have, units of 1.0
-    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", value_parser = positive)]
     pub p99: Option<f64>,
     /// Mean FLIP that the design may have, 0 to 1
-    #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "F", value_parser = positive)]
     pub flip: Option<f64>,
     /// Design file to write
     #[arg(short, long, value_name = "file.toml", help_heading = "Output")]
@@ -270,7 +270,7 @@ pub struct ProfileOptions {
     #[command(flatten)]
     pub machine: MachineOptions,
     /// Also find the smallest widths within this error (as `splatline fit` does)
-    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", value_parser = positive)]
     pub max_error: Option<f64>,
     /// Also write the answer as JSON
     #[arg(long, value_name = "n.json")]

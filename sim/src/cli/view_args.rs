@@ -59,7 +59,7 @@ pub struct ViewOptions {
     )]
     pub up: Option<VectorValue>,
     /// Vertical field of view in degrees [default: 45]
-    #[arg(long, value_name = "deg", help_heading = "Camera", value_parser = field_of_view, allow_negative_numbers = true)]
+    #[arg(long, value_name = "deg", help_heading = "Camera", value_parser = field_of_view)]
     pub fov: Option<f64>,
     /// Turn around up (counter-clockwise seen from above) and rise over the horizon, degrees
     #[arg(
@@ -70,7 +70,7 @@ pub struct ViewOptions {
     )]
     pub orbit: Option<OrbitChoice>,
     /// Enlarge the picture about its middle
-    #[arg(long, value_name = "Z", help_heading = "Camera", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "Z", help_heading = "Camera", value_parser = positive)]
     pub zoom: Option<f64>,
     /// Size of the picture [default: the camera file's, or 512x512]
     #[arg(long, value_name = "WxH", help_heading = "Camera")]
@@ -82,7 +82,7 @@ pub struct ViewOptions {
     #[arg(long, help_heading = "Splats", value_enum)]
     pub antialias: Option<AntialiasChoice>,
     /// Variance of the low-pass filter, square pixels [default: the rules': 1 of ewa, 0.3 of the others]
-    #[arg(long, value_name = "V", help_heading = "Splats", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "V", help_heading = "Splats", value_parser = positive)]
     pub low_pass: Option<f64>,
     /// Spherical harmonics up to this degree only
     #[arg(long, value_name = "0..4", help_heading = "Splats", value_parser = clap::value_parser!(u8).range(0..=4))]
@@ -170,7 +170,7 @@ pub struct SurfaceArgs {
     #[arg(long, value_name = "N", value_parser = layers, requires = "kind")]
     pub layers: Option<usize>,
     /// Depths closer than this are one surface, scene units [default: three radii]
-    #[arg(long, value_name = "Z", value_parser = positive, allow_negative_numbers = true, requires = "kind")]
+    #[arg(long, value_name = "Z", value_parser = positive, requires = "kind")]
     pub z_threshold: Option<f64>,
     /// Antialias edges by the weight sum
     #[arg(long, requires = "kind")]
@@ -182,10 +182,10 @@ pub struct SurfaceArgs {
     #[arg(long, value_name = "METHOD", default_value = "optimised", value_parser = Method::from_str, requires = "texture")]
     pub coefficients: Method,
     /// Distance of neighbouring heights of a height field, in units of height [default: 0.1]
-    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true, requires = "kind")]
+    #[arg(long, value_name = "D", value_parser = positive, requires = "kind")]
     pub spacing: Option<f64>,
     /// Draws the points as volume kernels whose axis along the normal is divided by S
-    #[arg(long, value_name = "S", help_heading = "Techniques", value_parser = positive, allow_negative_numbers = true, requires = "kind")]
+    #[arg(long, value_name = "S", help_heading = "Techniques", value_parser = positive, requires = "kind")]
     pub flatten: Option<f64>,
     /// Draws the pixels of a depth image that this camera takes of the surface, warped to the view
     #[arg(

@@ -5,9 +5,11 @@
 //! some; a sweep does not, so it keeps none and holds the rows of one frame alone in memory.
 
 use super::bounds::FrameCounts;
+pub use super::errors::{DesignError, ErrorDetail};
+use super::errors::{errors_inside, worst};
 use super::space::{Space, SpacePart};
 use crate::design::{DesignChoice, traversal_name};
-use crate::fixed::{self, QuantisedScene, best_engine};
+use crate::fixed::{Canvas, QuantisedScene};
 use crate::machine::area::{Area, Calibration, estimate};
 use crate::machine::clock::{Clock, Throughput};
 use crate::machine::config::Config;
@@ -16,13 +18,13 @@ use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::summary::Spread;
 use crate::machine::workload::{Workload, extract_if_room};
 use crate::machine::{Timing, simulate};
-use crate::metrics::{self, Percentiles, stored};
 use crate::picture::Picture;
 use crate::plan::{self, DesignVariant, Engine, Prepared};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 use splatline::format::{Rounding, Traversal};
+use splatline::raster::Window;
 use std::collections::{BTreeMap, HashMap};
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -32,6 +34,12 @@ const MOST_WORKLOADS: usize = 48;
 
 /// Groupings kept at most: each is as large as a frame's rows.
 const MOST_GROUPINGS: usize = 144;
+
+/// Canvases kept at most.
+const MOST_CANVASES: usize = 4;
+
+/// Tiles of a frame that are drawn alone at most before all of it is.
+const MOST_PROBED: usize = 3;
 
 /// What is explored: frames, and the design and the machine that everything starts from.
 pub struct Subject<'a> {
@@ -91,137 +99,6 @@ pub struct Choice {
     pub variant: DesignVariant,
     /// The machine.
     pub machine: Config,
-}
-
-/// Errors of one design over all frames. Colours only, units of 1.0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct DesignError {
-    /// Largest absolute error.
-    pub max_abs: f64,
-    /// Root mean square error.
-    pub rms: f64,
-    /// Mean of fixed minus float.
-    pub bias: f64,
-    /// What takes thirty times as long as drawing, where it is asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub detail: Option<ErrorDetail>,
-}
-
-/// What [`metrics::compare_and_look`] finds beside that.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct ErrorDetail {
-    /// Mean structural similarity.
-    pub ssim: f64,
-    /// 95 % and 99 % of the samples differ by no more.
-    #[serde(flatten)]
-    pub percentiles: Percentiles,
-    /// Mean FLIP.
-    pub flip: f64,
-}
-
-impl DesignError {
-    /// That of the reference itself, by every measure.
-    pub fn none() -> DesignError {
-        DesignError {
-            detail: Some(ErrorDetail {
-                ssim: 1.0,
-                ..ErrorDetail::default()
-            }),
-            ..DesignError::default()
-        }
-    }
-
-    /// How far the colours of a picture are from the reference's: what [`metrics::compare`] says of them, without detail.
-    pub fn of(picture: &Picture, reference: &Picture) -> Result<DesignError> {
-        let size = |picture: &Picture| (picture.width, picture.height, picture.pixels.len());
-        if size(picture) != size(reference) || picture.pixels.is_empty() {
-            bail!("the pictures cannot be compared: their sizes differ or are 0");
-        }
-        let width = picture.width;
-        let rows = picture.pixels.par_chunks(width);
-        let sums: Vec<[f64; 3]> = rows
-            .zip(reference.pixels.par_chunks(width))
-            .map(|(fixed, float)| differences(fixed, float))
-            .collect();
-        // Row by row in their order, so that the sums do not depend on the threads.
-        let [max_abs, squares, signed] = sums.iter().fold([0.0; 3], |all, row| {
-            [f64::max(all[0], row[0]), all[1] + row[1], all[2] + row[2]]
-        });
-        let samples = 3.0 * picture.pixels.len() as f64;
-        Ok(DesignError {
-            max_abs,
-            rms: (squares / samples).sqrt(),
-            bias: signed / samples,
-            detail: None,
-        })
-    }
-
-    fn with_detail(picture: &Picture, reference: &Picture) -> Result<DesignError> {
-        let found = metrics::compare_and_look(picture, reference);
-        let (errors, flip) = found.context("the pictures cannot be compared")?;
-        let colour = errors.colour;
-        Ok(DesignError {
-            max_abs: colour.max_abs,
-            rms: colour.rms(),
-            bias: colour.bias,
-            detail: Some(ErrorDetail {
-                ssim: colour.ssim,
-                percentiles: colour.percentiles,
-                flip,
-            }),
-        })
-    }
-
-    /// Over several pictures: the largest error, percentile and FLIP of any, the root of the mean square, and the means of bias and similarity.
-    pub fn over(all: &[DesignError]) -> DesignError {
-        let [one] = all else {
-            let count = all.len().max(1) as f64;
-            let mean = |of: fn(&DesignError) -> f64| all.iter().map(of).sum::<f64>() / count;
-            let details: Option<Vec<ErrorDetail>> = all.iter().map(|one| one.detail).collect();
-            let over = |details: Vec<ErrorDetail>| {
-                let most = |of: fn(&ErrorDetail) -> f64| details.iter().map(of).fold(0.0, f64::max);
-                ErrorDetail {
-                    ssim: details.iter().map(|one| one.ssim).sum::<f64>() / count,
-                    percentiles: Percentiles {
-                        p95: most(|one| one.percentiles.p95),
-                        p99: most(|one| one.percentiles.p99),
-                    },
-                    flip: most(|one| one.flip),
-                }
-            };
-            return DesignError {
-                max_abs: all.iter().map(|one| one.max_abs).fold(0.0, f64::max),
-                rms: mean(|one| one.rms * one.rms).sqrt(),
-                bias: mean(|one| one.bias),
-                detail: details.map(over),
-            };
-        };
-        *one
-    }
-
-    /// Peak signal-to-noise ratio, decibels; infinite for equal pictures.
-    pub fn psnr_db(&self) -> f64 {
-        -20.0 * self.rms.log10()
-    }
-}
-
-/// Largest, sum of squares and signed sum of the differences of red, green and blue; not a number counts as an infinite error.
-fn differences(fixed: &[[f64; 4]], float: &[[f64; 4]]) -> [f64; 3] {
-    let mut sums = [0.0; 3];
-    for (fixed, float) in fixed.iter().zip(float) {
-        for channel in 0..3 {
-            let difference = stored(fixed[channel]) - stored(float[channel]);
-            let size = if difference.is_nan() {
-                f64::INFINITY
-            } else {
-                difference.abs()
-            };
-            sums[0] = f64::max(sums[0], size);
-            sums[1] += size * size;
-            sums[2] += difference;
-        }
-    }
-    sums
 }
 
 /// What a choice takes on one frame.
@@ -330,6 +207,10 @@ pub struct Evaluator<'a> {
     workloads: Cache<(WorkKey, usize), Arc<Workload>>,
     groupings: Cache<(WorkKey, usize, LaneShape), Arc<LaneWork>>,
     counts: Cache<usize, FrameCounts>,
+    /// Where each frame is drawn, one after the other; who finds it taken draws on another.
+    canvases: Mutex<Vec<(usize, Canvas)>>,
+    /// Tiles in which designs erred most, by frame, the latest first.
+    worst: Mutex<HashMap<usize, Vec<Window>>>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -350,6 +231,8 @@ impl<'a> Evaluator<'a> {
             workloads: Cache::new(MOST_WORKLOADS),
             groupings: Cache::new(MOST_GROUPINGS),
             counts: Cache::new(usize::MAX),
+            canvases: Mutex::default(),
+            worst: Mutex::default(),
         }
     }
 
@@ -386,26 +269,88 @@ impl<'a> Evaluator<'a> {
             };
             let key = (design_key(variant), *frame);
             all.push(self.errors.get(key, || {
-                let picture = self.draw(variant, *frame)?;
-                if self.detail {
-                    DesignError::with_detail(&picture, reference)
-                } else {
-                    DesignError::of(&picture, reference)
-                }
+                let Some(Some(scene)) = self.scenes.get(*frame) else {
+                    let prepared = self.subject.frames[*frame];
+                    return self.compared(&prepared.draw_fixed(variant)?.picture, reference);
+                };
+                let found = self.on_canvas(scene, variant, *frame, None, |picture| {
+                    (self.compared(picture, reference), worst(picture, reference))
+                })?;
+                self.remember(*frame, found.1);
+                found.0
             })?);
         }
         Ok(Some(DesignError::over(&all)))
     }
 
-    fn draw(&self, variant: &DesignVariant, frame: usize) -> Result<Picture> {
-        let prepared = self.subject.frames[frame];
-        let Some(Some(scene)) = self.scenes.get(frame) else {
-            return Ok(prepared.draw_fixed(variant)?.picture);
-        };
-        let splats = prepared.splats()?;
-        let options = splats.options(variant);
-        let (drawing, _) = fixed::draw_quantised(scene, splats.camera, &options, best_engine());
-        Ok(drawing.picture)
+    fn compared(&self, picture: &Picture, reference: &Picture) -> Result<DesignError> {
+        if self.detail {
+            DesignError::with_detail(picture, reference)
+        } else {
+            DesignError::of(picture, reference)
+        }
+    }
+
+    /// What a design errs at least on these frames, from the few tiles in which others erred most; nothing if the detail of errors counts.
+    pub fn least_error(
+        &self,
+        variant: &DesignVariant,
+        frames: &[usize],
+    ) -> Result<Option<DesignError>> {
+        let mut all = Vec::with_capacity(frames.len());
+        for frame in frames {
+            let known = self
+                .errors
+                .map()
+                .get(&(design_key(variant), *frame))
+                .copied();
+            let windows = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
+            let windows = windows.get(frame).cloned().unwrap_or_default();
+            all.push(match (known, self.scenes.get(*frame)) {
+                (Some(known), _) => known,
+                (None, Some(Some(scene))) if !windows.is_empty() => {
+                    let reference = &self.subject.references[*frame];
+                    let of = |picture: &Picture| errors_inside(picture, reference, &windows);
+                    self.on_canvas(scene, variant, *frame, Some(&windows), of)?
+                }
+                _ => DesignError::default(),
+            });
+        }
+        Ok((!self.detail && !all.is_empty()).then(|| DesignError::over(&all)))
+    }
+
+    /// Draws a design, or of its picture these windows, and looks at it.
+    fn on_canvas<T>(
+        &self,
+        scene: &QuantisedScene,
+        variant: &DesignVariant,
+        frame: usize,
+        only: Option<&[Window]>,
+        look: impl FnOnce(&Picture) -> T,
+    ) -> Result<T> {
+        let splats = self.subject.frames[frame].splats()?;
+        let free = || self.canvases.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut canvases = free();
+        let place = canvases.iter().position(|(of, _)| *of == frame);
+        let canvas = place.map(|place| canvases.swap_remove(place).1);
+        drop(canvases);
+        let mut canvas = canvas.unwrap_or_else(|| Canvas::new(splats.camera));
+        canvas.draw(scene, &splats.options(variant), only);
+        let seen = look(&canvas.picture);
+        let mut canvases = free();
+        canvases.truncate(MOST_CANVASES - 1);
+        canvases.push((frame, canvas));
+        Ok(seen)
+    }
+
+    /// Notes where a design erred most, unless that is known.
+    fn remember(&self, frame: usize, at: Window) {
+        let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = worst.entry(frame).or_default();
+        if !known.contains(&at) {
+            known.insert(0, at);
+            known.truncate(MOST_PROBED);
+        }
     }
 
     /// Runs choices that share rows, one frame after the other. Who comes back to these rows keeps them; who does not has those of one frame alone in
@@ -579,51 +524,4 @@ fn changed(start: &DesignChoice, settings: &[(&str, &toml::Value)]) -> Result<De
         table.insert((*key).to_owned(), (*value).clone());
     }
     Ok(DesignChoice::from_toml("space.toml", &table.to_string())?)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Beside the whole comparison, on a picture with large and with tiny errors and one beyond 0 to 1.
-    #[test]
-    fn quick_errors_are_those_of_the_whole_comparison() {
-        let mut float = Picture::new(40, 30);
-        let mut fixed = Picture::new(40, 30);
-        for (place, (a, b)) in float.pixels.iter_mut().zip(&mut fixed.pixels).enumerate() {
-            let value = (place * 37 % 101) as f64 / 90.0;
-            *a = [value, value / 2.0, 1.0 - value, 1.0];
-            *b = a.map(|value| value + (place % 7) as f64 * 1e-4 - 2e-4);
-        }
-        fixed.pixels[77] = [0.9; 4];
-        let quick = DesignError::of(&fixed, &float).unwrap();
-        let whole = metrics::compare(&fixed, &float).unwrap().colour;
-        assert_eq!(quick.max_abs, whole.max_abs);
-        assert!((quick.rms / whole.rms() - 1.0).abs() < 1e-12);
-        assert!((quick.bias - whole.bias).abs() < 1e-15);
-        assert!((quick.psnr_db() - whole.psnr_db).abs() < 1e-9);
-        assert_eq!(
-            DesignError::of(&float, &float).unwrap(),
-            DesignError::default()
-        );
-        assert!(DesignError::of(&float, &Picture::new(30, 40)).is_err());
-        fixed.pixels[3][0] = f64::NAN;
-        assert_eq!(
-            DesignError::of(&fixed, &float).unwrap().max_abs,
-            f64::INFINITY
-        );
-    }
-
-    #[test]
-    fn errors_over_pictures_are_the_largest_and_the_mean() {
-        let one = |max_abs, rms, bias| DesignError {
-            max_abs,
-            rms,
-            bias,
-            detail: None,
-        };
-        let over = DesignError::over(&[one(0.1, 3.0, 0.5), one(0.4, 4.0, -0.1)]);
-        assert_eq!(over.max_abs, 0.4);
-        assert!((over.rms - 12.5f64.sqrt()).abs() < 1e-12 && (over.bias - 0.2).abs() < 1e-12);
-    }
 }

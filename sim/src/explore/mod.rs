@@ -11,6 +11,7 @@ pub mod answer_page;
 mod answer_text;
 mod bounds;
 pub mod detail;
+mod errors;
 pub mod evaluator;
 pub mod fit;
 pub mod folder;

@@ -1,36 +1,27 @@
-//! From a prepared plan to a picture, by any engine: the engines' different results become one [`Drawing`].
+//! From a prepared plan to a picture through the kernel: the systems' different results become one [`Drawing`].
 
-use super::{
-    AlphaChannel, DesignVariant, Engine, Prepared, SheetBuffers, SplatMethod, Splats, Subject,
-};
-use crate::camera::Camera;
+use super::{AlphaChannel, DesignVariant, Prepared, SheetBuffers, SplatMethod, Splats, Subject};
 use crate::fast::frame::FrameFacts;
 use crate::fast::lanes::VectorLevel;
 use crate::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
 use crate::fixed::{self, HybridRenderer, QuantisedScene};
-use crate::hybrid::Hybrid;
 use crate::machine::config::Binning;
 use crate::machine::workload::{
     InOrder, Workload, extract_from, extract_if_room, extract_in_order, room_for,
 };
 use crate::machine::{Config, Timing, simulate_alone};
 use crate::picture::Picture;
-use crate::reference::compositor::{self, RowProgress as Rows};
+use crate::reference::compositor::RowProgress as Rows;
 use crate::reference::sphere::{self, Shape};
-use crate::reference::{self, Counts, Culled, FloatDrawing, PixelBox, exact, float, formats};
 use crate::renderer::{Drawn, Renderer, Settings};
 use crate::report::facts::{ReasonCounts, SceneFacts};
 use crate::report::{HostTimes, PixelCounts};
-use crate::rules::{self, Compositing, Rules};
 use crate::scene::Scene;
 use crate::surface::Style;
 use crate::threads;
-use anyhow::{Context, Error, Result, bail};
-use rayon::prelude::*;
+use anyhow::{Context, Error, Result};
 use splatline::draw::Coverage;
-use splatline::footprint::surface::SurfaceFootprint;
-use splatline::footprint::{Footprint, depth};
-use splatline::format::Widths;
+use splatline::footprint::Footprint;
 use splatline::setup::{self as kernel, Cull};
 use std::time::Instant;
 
@@ -52,25 +43,9 @@ pub struct Drawing {
     /// Seconds of this run, as the engine divides them; an engine that does not tell stages apart leaves them 0. The
     /// total is measured around the engine by [`super::measure`].
     pub stages: HostTimes,
-    /// Setup's results in the scene's order, for a machine to be timed on; empty for engines that no machine is modelled for.
+    /// Setup's results in the scene's order, for a machine to be timed on; empty for engines that no machine is modelled for, and partial where
+    /// nobody counts.
     pub footprints: Vec<Result<Footprint, Cull>>,
-}
-
-/// Where one splat lands. Pixels; the conic is that of the radial index `r = a dx^2 + 2 b dx dy + c dy^2`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FootprintLine {
-    /// Centre.
-    pub centre: [f64; 2],
-    /// What it is sorted by: the depth along the view, or the distance from the eye where the scene says so.
-    pub depth: f64,
-    /// a, b, c.
-    pub conic: [f64; 3],
-    /// x0, y0, x1, y1: first pixel inside, first pixel beyond.
-    pub bounds: [usize; 4],
-    /// Opacity at the centre, before any clamp; nothing where points of a surface have none of their own.
-    pub opacity: Option<f64>,
-    /// Radial index at which the footprint ends.
-    pub cutoff: f64,
 }
 
 /// Runs `work` on so many threads.
@@ -125,97 +100,6 @@ impl Prepared {
                 let points = QuantisedPoints::new(scene, camera);
                 let renderer = SurfaceRenderer::new(points, scene, camera, &options);
                 KernelDrawing::Surface(Box::new(renderer), style, Picture::new(0, 0))
-            }
-        })
-    }
-
-    /// Draws by one of the double-precision engines.
-    pub fn draw_reference(&self, engine: Engine, rows: Rows) -> Result<Drawing> {
-        let drawing = match self.subject()? {
-            Subject::Splats(splats) => draw_splats_reference(engine, splats, rows)?,
-            Subject::Surface(..) if engine.stages().is_some() => {
-                let name = engine.name();
-                bail!("engine '{name}' draws splats and no surfaces: use fixed or float")
-            }
-            Subject::Surface(scene, style) => {
-                let drawn = reference::surface::draw(scene, &self.plan.camera, style);
-                let culled = reference_culled(&drawn.counts);
-                return Ok(Drawing {
-                    culled: with_backfaces(culled, style, drawn.counts.backfaces),
-                    ..plain(drawn.picture)
-                });
-            }
-        };
-        Ok(Drawing {
-            culled: reference_culled(&drawing.counts),
-            ..plain(drawing.picture)
-        })
-    }
-
-    /// Footprints by the kernel's setup, in the scene's order; nothing for what is culled.
-    pub fn fixed_footprints(&self, entry: &DesignVariant) -> Result<Vec<Option<FootprintLine>>> {
-        let widths = &entry.design.widths;
-        Ok(match self.subject()? {
-            Subject::Splats(splats) => {
-                refuse_spheres(&splats)?;
-                let found = fixed::footprints(splats.scene, splats.camera, &splats.options(entry));
-                let line = |footprint: &Footprint| line_of(footprint, widths);
-                found.iter().map(|f| f.as_ref().ok().map(line)).collect()
-            }
-            Subject::Surface(scene, style) => {
-                let points = fixed::surface::QuantisedPoints::new(scene, &self.plan.camera);
-                // Surfaces are drawn in units in which their scene fills the depths' range.
-                let unit = f64::from(-points.scale_log2).exp2();
-                let found = fixed::surface::footprints(&points, style, &entry.design);
-                let drawn = found.iter().map(|f| f.as_ref().ok());
-                let line = |surface: &SurfaceFootprint| {
-                    let line = line_of(&surface.footprint, widths);
-                    let depth = line.depth * unit;
-                    FootprintLine {
-                        depth,
-                        opacity: None,
-                        ..line
-                    }
-                };
-                drawn
-                    .map(|f| f.filter(|f| !(style.cull_backfaces && f.back)))
-                    .map(|f| f.map(line))
-                    .collect()
-            }
-        })
-    }
-
-    /// Footprints in double precision, in the scene's order; nothing for what is culled.
-    pub fn float_footprints(&self) -> Result<Vec<Option<FootprintLine>>> {
-        Ok(match self.subject()? {
-            Subject::Splats(splats) => {
-                refuse_spheres(&splats)?;
-                float::footprints(splats.scene, splats.camera, splats.rules)
-                    .iter()
-                    .map(|f| f.as_ref().ok())
-                    .map(|f| {
-                        f.map(|f| {
-                            line(
-                                f.centre,
-                                f.place,
-                                f.conic,
-                                &f.bounds,
-                                (Some(f.peak), f.cutoff),
-                            )
-                        })
-                    })
-                    .collect()
-            }
-            Subject::Surface(scene, style) => {
-                let project = |point| -> Result<_, Culled> {
-                    reference::surface::project(point, &self.plan.camera, style)
-                };
-                let found = scene.points.par_iter().map(|point| project(point).ok());
-                found
-                    .map(|f| {
-                        f.map(|f| line(f.centre, f.depth, f.conic, &f.bounds, (None, style.cutoff)))
-                    })
-                    .collect()
             }
         })
     }
@@ -284,7 +168,7 @@ impl Prepared {
 }
 
 /// A picture of which nothing else is known.
-fn plain(picture: Picture) -> Drawing {
+pub(super) fn plain(picture: Picture) -> Drawing {
     Drawing {
         picture,
         culled: ReasonCounts::new(),
@@ -295,103 +179,6 @@ fn plain(picture: Picture) -> Drawing {
         stages: HostTimes::default(),
         footprints: Vec::new(),
     }
-}
-
-fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<FloatDrawing> {
-    let Splats {
-        scene,
-        camera,
-        rules,
-        compositing,
-        method,
-    } = splats;
-    // A deep alpha channel shows all of its error: no pixel finishes.
-    let endless = Rules {
-        minimum_transmittance: 0.0,
-        omit_finishing: false,
-        ..*rules
-    };
-    let composited = |rules: &Rules| match engine {
-        Engine::Exact => {
-            let footprints = exact::footprints(scene, camera, rules);
-            compositor::draw(&footprints, camera, rules, compositing, rows)
-        }
-        _ => {
-            let footprints = float::footprints(scene, camera, rules);
-            compositor::draw(&footprints, camera, rules, compositing, rows)
-        }
-    };
-    match (engine, method) {
-        (Engine::Fixed, _) => bail!("engine 'fixed' is not a reference"),
-        (Engine::Float | Engine::Exact, SplatMethod::Composited) => Ok(composited(rules)),
-        (Engine::Float | Engine::Exact, SplatMethod::DeepAlpha(_)) => Ok(composited(&endless)),
-        // The ray integral is what every shape of a sphere stands for.
-        (Engine::Exact, SplatMethod::Spheres(_)) => Ok(composited(rules)),
-        (Engine::Float, SplatMethod::Spheres(shape)) => {
-            Ok(sphere::draw(scene, camera, rules, compositing, *shape))
-        }
-        (Engine::Float, SplatMethod::Points(hybrid)) => {
-            Ok(draw_hybrid_reference(scene, camera, rules, hybrid))
-        }
-        (Engine::Float, SplatMethod::Sheets(sheets)) => {
-            let plan = sheets.plan(scene, camera);
-            Ok(reference::sheets::draw(scene, camera, rules, &plan))
-        }
-        (
-            Engine::Fp32 | Engine::Fp16 | Engine::Bfloat16 | Engine::Fp8Fp16,
-            SplatMethod::Composited,
-        ) => draw_format(engine, &splats),
-        _ => bail!(
-            "engine '{}' composites footprints one by one: leave out --points, --traversal stamp, --sheets, --deep-alpha and --spheres, \
-             or use float",
-            engine.name()
-        ),
-    }
-}
-
-/// What floating-point formats draw: Gaussians from front to back.
-fn draw_format(engine: Engine, splats: &Splats) -> Result<FloatDrawing> {
-    let name = engine.name();
-    if splats.compositing != Compositing::FrontToBack
-        || splats.rules.kernel != rules::Kernel::Gaussian
-    {
-        bail!(
-            "engine '{name}' draws Gaussians from front to back: leave --compositing and --kernel out, or use float"
-        );
-    }
-    if splats.rules.spacing > 0.0 {
-        bail!("engine '{name}' knows no scaling by distance: leave --antialias out, or use float");
-    }
-    let single = formats::RoundedStages::pixels(formats::FP32);
-    let stages = engine.stages().unwrap_or(single);
-    Ok(formats::draw(
-        splats.scene,
-        splats.camera,
-        splats.rules,
-        &stages,
-    ))
-}
-
-/// Points and splats in double precision, centres of points where they are and not at a stamp's phase.
-fn draw_hybrid_reference(
-    scene: &Scene,
-    camera: &Camera,
-    rules: &Rules,
-    hybrid: &Hybrid,
-) -> FloatDrawing {
-    let hybrid = Hybrid {
-        phase_bits: None,
-        ..*hybrid
-    };
-    reference::hybrid::draw(scene, camera, rules, &hybrid)
-}
-
-/// Spheres have outlines of their own and no affine footprint.
-fn refuse_spheres(splats: &Splats) -> Result<()> {
-    if matches!(splats.method, SplatMethod::Spheres(_)) {
-        bail!("projected spheres have no affine footprints: leave out --spheres");
-    }
-    Ok(())
 }
 
 /// What a setup tells of splats that are drawn by a method which keeps no counts of its own; no picture.
@@ -555,8 +342,12 @@ fn draw_splats(
 
 /// What a frame's facts say; the picture comes when all frames have been drawn.
 fn of_frame(facts: FrameFacts, quantised: &QuantisedScene, convert_s: f64) -> Drawing {
+    let mut culled = cull_counts(facts.culled);
+    if facts.left_out > 0 {
+        culled.insert("hidden_or_outside".to_owned(), facts.left_out as u64);
+    }
     Drawing {
-        culled: cull_counts(facts.culled),
+        culled,
         clamped: quantised.clamped as u64,
         colour_log2: quantised.colour_log2,
         pixels: Some(pixels(facts.coverage)),
@@ -613,42 +404,6 @@ fn pixels(
     PixelCounts { covered, visited }
 }
 
-fn line(
-    centre: [f64; 2],
-    depth: f64,
-    conic: [f64; 3],
-    bounds: &PixelBox,
-    (opacity, cutoff): (Option<f64>, f64),
-) -> FootprintLine {
-    FootprintLine {
-        centre,
-        depth,
-        conic,
-        bounds: [bounds.x0, bounds.y0, bounds.x1, bounds.y1],
-        opacity,
-        cutoff,
-    }
-}
-
-/// A packet's integers as numbers: depth as a sort key, Q27.subpixel centre, conic mantissas with their exponent.
-fn line_of(footprint: &Footprint, widths: &Widths) -> FootprintLine {
-    let depth = depth::number(footprint.depth);
-    let power_of_two = |power: i32| f64::from(power).exp2();
-    let step = power_of_two(-i32::from(widths.subpixel));
-    let ([x0, y0], [x1, y1]) = (footprint.first, footprint.end);
-    FootprintLine {
-        centre: footprint.centre.map(|coordinate| coordinate as f64 * step),
-        depth: depth.value as f64 * power_of_two(depth.exponent),
-        conic: footprint
-            .conic
-            .mantissa
-            .map(|m| f64::from(m) * power_of_two(footprint.conic.exponent)),
-        bounds: [x0, y0, x1, y1].map(usize::from),
-        opacity: Some(f64::from(footprint.opacity) * power_of_two(-i32::from(widths.peak))),
-        cutoff: f64::from(footprint.cutoff) * power_of_two(-28),
-    }
-}
-
 /// The kernel's counts under the reports' names, in the order of [`Cull::ALL`].
 fn cull_counts(culled: [usize; Cull::ALL.len()]) -> ReasonCounts {
     let name = |reason: &Cull| match reason {
@@ -665,22 +420,12 @@ fn cull_counts(culled: [usize; Cull::ALL.len()]) -> ReasonCounts {
         .collect()
 }
 
-fn reference_culled(counts: &Counts) -> ReasonCounts {
-    let reasons = [
-        ("near", counts.near),
-        ("far", counts.far),
-        ("outside", counts.outside),
-        ("transparent", counts.transparent),
-        ("degenerate", counts.degenerate),
-        ("non_finite", counts.non_finite),
-    ];
-    reasons
-        .map(|(reason, count)| (reason.to_owned(), count as u64))
-        .into()
-}
-
 /// Backs among the reasons for culling, where they are left out.
-fn with_backfaces(mut culled: ReasonCounts, style: &Style, backfaces: usize) -> ReasonCounts {
+pub(super) fn with_backfaces(
+    mut culled: ReasonCounts,
+    style: &Style,
+    backfaces: usize,
+) -> ReasonCounts {
     if style.cull_backfaces {
         culled.insert("backface".to_owned(), backfaces as u64);
     }

@@ -29,6 +29,8 @@ pub struct Effort {
     pub repeat: usize,
     /// Vectors of the engine `fixed`; the processor's best if none are named.
     pub vectors: Option<VectorLevel>,
+    /// Are culled splats and pixels counted? If not, the engine `fixed` sets up no splat that finished pixels alone would see.
+    pub counts: bool,
 }
 
 impl Effort {
@@ -39,6 +41,7 @@ impl Effort {
             threads: threads.unwrap_or_else(all),
             repeat,
             vectors: None,
+            counts: true,
         }
     }
 }
@@ -116,7 +119,7 @@ fn measure_fixed(
     progress: &ProgressMeter,
 ) -> Result<Measured> {
     let started = Instant::now();
-    let prepare = || prepared.kernel(entry, effort.vectors, true);
+    let prepare = || prepared.kernel(entry, effort.vectors, effort.counts);
     let mut kernel = on_threads(effort.threads, prepare)??;
     let prepare_s = started.elapsed().as_secs_f64();
     let mut measured = measure(effort, progress, || {

@@ -7,20 +7,23 @@
 //! A [`Plan`] is data, without a command line and without a scene: `report.json` records it, a plan file (TOML) states it, and
 //! [`Prepared::from_file`] reads either and loads its scene, so that what a report shows can be drawn again bit for bit. Its [`Technique`]
 //! is which of the papers' systems draw it. Each step sees only what the step before gave it: [`load`] turns a [`Source`] into a scene of
-//! any kind, [`draw`] a [`Prepared`] plan into a [`Drawing`], [`measure`] repeats and compares drawings, [`record`] states them as a report,
+//! any kind, [`draw`] (the kernel) and `reference` a [`Prepared`] plan into a [`Drawing`], [`measure`] repeats and compares drawings, [`record`] states them as a report,
 //! and [`golden`] as a line of the table that every change is held against.
 
 pub mod draw;
+mod footprints;
 pub mod exercised;
 pub mod golden;
 pub mod load;
 pub mod measure;
 pub mod path;
 pub mod record;
+mod reference;
 pub mod technique;
 mod text;
 
-pub use draw::{Drawing, FootprintLine};
+pub use draw::Drawing;
+pub use footprints::FootprintLine;
 pub use load::{AnyScene, Contents, LoadedScene, Source};
 pub use measure::{Comparison, Effort, Measured, all_entries, compare_all};
 pub use technique::{AlphaChannel, SheetBuffers, SplatMethod, Technique};

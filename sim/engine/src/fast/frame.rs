@@ -4,13 +4,16 @@
 //! parts of the scene: setup, keys -> tile lists -> tiles, each in a place of its own -> frame of the caller's pixels
 //! ```
 //!
+//! A deep scene takes this way slice by slice ([`depth_first`](super::depth_first)), and tiles are then resumed.
+//!
 //! Fresh memory costs as much as drawing: its first touch is a trap for every 4 KB. So nothing is allocated once a frame has been drawn, and setup
 //! notes what ordering needs while the footprints are still in the cache. Tiles are painted one after the other in memory and brought into the frame's
 //! rows afterwards, because the caller's pixels are converted there anyway.
 
 use super::TILE;
+use super::depth_first::{DepthFirst, LiveBlocks, Slices, live_blocks};
 use super::order::{Grid, Key, TileOrder, part_length};
-use super::painter::{PaintScratch, Results, TilePainter};
+use super::painter::{PaintScratch, Results, Start, TilePainter};
 use super::setup::Outcome;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
@@ -24,6 +27,9 @@ use std::time::Instant;
 
 /// Pixels of a tile.
 pub(crate) const AREA: usize = TILE[0] as usize * TILE[1] as usize;
+
+/// Splats of a slice that are brought together for setup.
+const GATHERED: usize = 64;
 
 thread_local! {
     /// A thread's memory for the tile that it paints, kept from frame to frame.
@@ -49,6 +55,8 @@ pub type CullCounts = [usize; Cull::ALL.len()];
 pub struct FrameFacts {
     /// Splats culled, by reason.
     pub culled: CullCounts,
+    /// Splats that were not set up, because no pixel in work was in their reach.
+    pub left_out: usize,
     /// Pixels visited and covered.
     pub coverage: Coverage,
     /// Time taken.
@@ -73,6 +81,8 @@ pub struct FramePlan<'a> {
     pub viewport: [u16; 2],
     /// Are the farthest splats painted first?
     pub back_to_front: bool,
+    /// Are splats left out that finished pixels alone would see? They have no outcome, and setup gets the others by other numbers than the scene's.
+    pub depth_first: Option<DepthFirst<'a>>,
     /// Setup of some splats, numbered from the first, into as many places.
     pub set_up: &'a SetUpPart<'a>,
     /// Paints a tile.
@@ -86,6 +96,8 @@ pub struct FramePlan<'a> {
 pub struct FrameMemory {
     outcomes: Vec<Outcome>,
     order: TileOrder,
+    slices: Slices,
+    live: LiveBlocks,
     /// Tile after tile, each row by row.
     pixels: Vec<Pixel>,
     viewport: [u16; 2],
@@ -131,35 +143,103 @@ impl FrameMemory {
     ) -> Result<FrameFacts, Cancelled> {
         let started = Instant::now();
         let grid = Grid::new(plan.viewport, TILE);
+        self.live.open(plan.viewport);
+        let sliced = (plan.depth_first.as_ref())
+            .is_some_and(|front| self.slices.cut(front, splats, plan.set_up, &self.live));
+        let slices = if sliced { self.slices.count() } else { 1 };
         let parts = splats.len().div_ceil(part_length(splats.len()));
         let steps = FrameSteps {
             progress: plan.progress,
             done: AtomicUsize::new(0),
-            of: parts + grid.len(),
+            of: if sliced {
+                slices * grid.len()
+            } else {
+                parts + grid.len()
+            },
             cancelled: AtomicBool::new(false),
         };
-        let culled = self.set_up(splats, plan, &steps);
+        let mut facts = FrameFacts::default();
+        let painted = if slices == 1 {
+            facts.culled = self.set_up(splats, plan, &steps);
+            self.order_and_paint(&grid, plan, &steps, (Start::Clear, true), &mut facts)
+        } else {
+            self.draw_slices(splats, plan, &steps, &mut facts)
+        };
+        painted?;
+        let whole = started.elapsed().as_secs_f64();
+        facts.times.setup = whole - facts.times.sort - facts.times.raster;
+        Ok(facts)
+    }
+
+    /// From the front, slice by slice, those of its splats that may reach a pixel in work.
+    fn draw_slices(
+        &mut self,
+        splats: &[VolumeSplat],
+        plan: &FramePlan,
+        steps: &FrameSteps,
+        facts: &mut FrameFacts,
+    ) -> Result<(), Cancelled> {
+        let grid = Grid::new(plan.viewport, TILE);
+        facts.left_out = splats.len();
+        for slice in 0..self.slices.count() {
+            let seen = self.slices.seen(slice, &self.live);
+            facts.left_out -= seen.len();
+            self.outcomes.resize(seen.len(), Err(Cull::Near));
+            let culled = self.order.fill(
+                seen,
+                &mut self.outcomes,
+                &|work| work(),
+                &|seen, outcomes, first, keys| {
+                    let groups = seen.chunks(GATHERED).zip(outcomes.chunks_mut(GATHERED));
+                    for (seen, outcomes) in groups {
+                        let mut group = [VolumeSplat::EMPTY; GATHERED];
+                        for (splat, index) in group.iter_mut().zip(seen) {
+                            *splat = splats[*index as usize];
+                        }
+                        (plan.set_up)(first, &group[..seen.len()], outcomes);
+                    }
+                    note(outcomes, first, keys)
+                },
+                add_counts,
+            );
+            facts.culled = add_counts(facts.culled, culled);
+            let last = slice + 1 == self.slices.count();
+            let start = if slice == 0 {
+                Start::Clear
+            } else {
+                Start::Resumed
+            };
+            self.order_and_paint(&grid, plan, steps, (start, last), facts)?;
+            if !last {
+                self.live.sum();
+            }
+        }
+        Ok(())
+    }
+
+    /// Orders what has been set up, and paints it into the tiles, whose last footprints they are or not.
+    fn order_and_paint(
+        &mut self,
+        grid: &Grid,
+        plan: &FramePlan,
+        steps: &FrameSteps,
+        (start, last): (Start, bool),
+        facts: &mut FrameFacts,
+    ) -> Result<(), Cancelled> {
         steps.check()?;
-        let set_up_at = started.elapsed().as_secs_f64();
-        self.order.sort(&grid);
+        let started = Instant::now();
+        self.order.sort(grid);
         if plan.back_to_front {
             self.order.reverse();
         }
-        let sorted_at = started.elapsed().as_secs_f64();
-        let coverage = self.paint(&grid, plan, &steps);
-        steps.check()?;
-        Ok(FrameFacts {
-            culled,
-            coverage,
-            times: Times {
-                setup: set_up_at,
-                sort: sorted_at - set_up_at,
-                raster: started.elapsed().as_secs_f64() - sorted_at,
-            },
-        })
+        let sorted = started.elapsed().as_secs_f64();
+        facts.coverage += self.paint(grid, plan, steps, (start, last));
+        facts.times.sort += sorted;
+        facts.times.raster += started.elapsed().as_secs_f64() - sorted;
+        steps.check()
     }
 
-    /// What setup made of every splat of the last frame, in the scene's order.
+    /// What setup made of every splat of the last frame, in the scene's order; of its last slice alone if splats were left out.
     pub fn outcomes(&self) -> &Results {
         &self.outcomes
     }
@@ -174,6 +254,8 @@ impl FrameMemory {
         self.outcomes.capacity() * size_of::<Outcome>()
             + self.pixels.capacity() * size_of::<Pixel>()
             + self.order.bytes()
+            + self.slices.bytes()
+            + self.live.bytes()
     }
 
     fn set_up(
@@ -194,36 +276,49 @@ impl FrameMemory {
                 (plan.set_up)(first, splats, outcomes);
                 note(outcomes, first, keys)
             },
-            |mut sum, part| {
-                let sums = sum.iter_mut().zip(part);
-                sums.for_each(|(sum, part)| *sum += part);
-                sum
-            },
+            add_counts,
         )
     }
 
     /// Every tile on some core. Not inlined, so that a profiler can tell it from the rest.
     #[inline(never)]
-    fn paint(&mut self, grid: &Grid, plan: &FramePlan, steps: &FrameSteps) -> Coverage {
+    fn paint(
+        &mut self,
+        grid: &Grid,
+        plan: &FramePlan,
+        steps: &FrameSteps,
+        (start, last): (Start, bool),
+    ) -> Coverage {
         let FrameMemory {
             outcomes,
             order,
             pixels,
             viewport,
+            live,
+            ..
         } = self;
         *viewport = plan.viewport;
         pixels.resize(grid.len() * AREA, Pixel::default());
         // One by one: a thread that has drawn its own empty ones takes over from another's full ones.
-        let tiles = pixels.par_chunks_mut(AREA).enumerate().with_max_len(1);
+        let tiles = pixels.par_chunks_mut(AREA).zip(&mut live.tiles);
+        let tiles = tiles.enumerate().with_max_len(1);
         tiles
-            .map(|(tile, pixels)| {
+            .map(|(tile, (pixels, live))| {
                 let window = grid.window(tile);
                 let pixels = &mut pixels[..window.pixels()];
                 steps.step(|| {
-                    SCRATCH.with_borrow_mut(|scratch| {
-                        let list = order.list(tile);
-                        plan.painter.paint(scratch, window, outcomes, list, pixels)
-                    })
+                    let list = order.list(tile);
+                    if start == Start::Resumed && (list.is_empty() || *live == 0) {
+                        return Coverage::default();
+                    }
+                    let coverage = SCRATCH.with_borrow_mut(|scratch| {
+                        let painter = plan.painter;
+                        painter.paint(scratch, window, outcomes, list, start, pixels)
+                    });
+                    if !last {
+                        *live = live_blocks(&window, pixels);
+                    }
+                    coverage
                 })
             })
             .reduce(Coverage::default, |mut sum, part| {
@@ -260,6 +355,12 @@ pub(crate) fn copy_tiles<P: Sync, T: Send>(
             }
         }
     });
+}
+
+fn add_counts(mut sum: CullCounts, part: CullCounts) -> CullCounts {
+    let sums = sum.iter_mut().zip(part);
+    sums.for_each(|(sum, part)| *sum += part);
+    sum
 }
 
 /// Lists the keys of the splats that have a footprint, numbered from `first`, and counts the others.

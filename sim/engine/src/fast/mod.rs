@@ -1,7 +1,7 @@
 //! The fast engine: the kernel's pictures, bit for bit, on vectors and all cores.
 //!
 //! ```text
-//! setup -> order (radix sort, tile lists) -> recurrence -> rows -> pixels of cells, or words of runs -> tile -> frame
+//! depth_first (what is hidden) -> setup -> order (radix sort, tile lists) -> recurrence -> rows -> pixels of cells, or words of runs -> tile -> frame
 //! ```
 //!
 //! The scalar painter ([`Painter`](splatline::draw::Painter)) stays the definition. What is fast here is tested against it word for word,
@@ -9,6 +9,7 @@
 //! formats.
 
 mod cells;
+pub mod depth_first;
 pub mod frame;
 pub mod lanes;
 pub mod order;
@@ -22,7 +23,7 @@ pub mod tile;
 mod words;
 
 pub use paint::tile_painter;
-pub use painter::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
+pub use painter::{CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter};
 pub use tile::TILE;
 pub use words::visit::{OpacityVisitor, TakeOpacities};
 

@@ -2,7 +2,7 @@
 
 use super::cells::FusedPainter;
 use super::lanes::VectorLevel;
-use super::painter::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
+use super::painter::{CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter};
 use super::words::WordPainter;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
@@ -68,11 +68,14 @@ impl<D: Design + Send + Sync> TilePainter for ScalarPainter<D> {
         window: Window,
         footprints: &Results,
         list: &[u32],
+        start: Start,
         pixels: &mut [Pixel],
     ) -> Coverage {
         let (table, order) = (self.table.table(), self.order);
         let painter = Painter::new(self.design, &self.rules, table, order, self.traversal);
-        pixels.fill(Pixel::clear(&self.design.widths()));
+        if start == Start::Clear {
+            pixels.fill(Pixel::clear(&self.design.widths()));
+        }
         let mut coverage = Coverage::default();
         let columns = usize::from(window.end[0] - window.first[0]);
         let Ok(mut target) = Target::new(pixels, window, columns) else {

@@ -54,15 +54,25 @@ pub struct PaintScratch {
 /// What setup made of every splat, in the scene's order.
 pub type Results = [Result<Footprint, Cull>];
 
+/// What a tile's pixels are before it is painted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// Transparent, whatever they hold.
+    Clear,
+    /// What nearer footprints left.
+    Resumed,
+}
+
 /// Paints tiles along spans, whatever the design.
 pub trait TilePainter: Send + Sync {
-    /// Paints the footprints of `list`, in this order, into the transparent pixels of `window`, and writes these to `pixels`, row by row.
+    /// Paints the footprints of `list`, in this order, into the pixels of `window`, which lie row by row.
     fn paint(
         &self,
         scratch: &mut PaintScratch,
         window: Window,
         footprints: &Results,
         list: &[u32],
+        start: Start,
         pixels: &mut [Pixel],
     ) -> Coverage;
 }

@@ -5,6 +5,7 @@ use super::cells::FusedPainter;
 use super::lanes::{FusedLanes, VectorLevel};
 use super::painter::{PaintScratch, TilePainter};
 use super::words::WordPainter;
+use crate::fast::Start;
 use crate::fixed::{QuantisedScene, kernel_rules, table, table_entries};
 use crate::rules;
 use crate::scene::synthetic;
@@ -188,7 +189,14 @@ fn painted(
     let list: Vec<u32> = (0..footprints.len() as u32).collect();
     let mut pixels = vec![Pixel::default(); columns * rows];
     let scratch = &mut PaintScratch::default();
-    let coverage = painter.paint(scratch, window, footprints, &list, &mut pixels);
+    let coverage = painter.paint(
+        scratch,
+        window,
+        footprints,
+        &list,
+        Start::Clear,
+        &mut pixels,
+    );
     (pixels, coverage)
 }
 

@@ -8,7 +8,7 @@ use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan};
 use crate::fast::setup::Outcome;
-use crate::fast::{PaintScratch, Results, TableMemory, TilePainter};
+use crate::fast::{PaintScratch, Results, Start, TableMemory, TilePainter};
 use crate::fixed::frame::converter;
 use crate::hybrid::{Hybrid, Points, deviation};
 use crate::picture::Picture;
@@ -239,6 +239,7 @@ impl DesignJob for HybridFrameJob<'_, '_> {
         let plan = FramePlan {
             viewport: quantised.view.viewport,
             back_to_front: options.compositing == crate::rules::Compositing::BackToFront,
+            depth_first: None,
             set_up: &|first, splats, outcomes| setup.set_up(first, splats, outcomes, shape),
             painter: if plain { &**painter } else { &among_points },
             progress: &|_, _| true,
@@ -394,9 +395,12 @@ impl<D: Design + Send + Sync> TilePainter for PointTiles<'_, D> {
         window: Window,
         footprints: &Results,
         list: &[u32],
+        start: Start,
         pixels: &mut [Pixel],
     ) -> Coverage {
-        pixels.fill(self.clear);
+        if start == Start::Clear {
+            pixels.fill(self.clear);
+        }
         let columns = usize::from(window.columns());
         let Ok(mut target) = Target::new(pixels, window, columns) else {
             unreachable!("the tile's memory has just been made for its window")

@@ -19,8 +19,8 @@ pub use harmonics::harmonic_colours;
 pub use hybrid::{HybridDrawing, HybridFacts, HybridRenderer, draw_hybrid};
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
 pub use render::{
-    FixedDrawing, Options, PaintEngine, Times, best_engine, conics, culls, draw, draw_quantised,
-    draw_with_footprints, footprints, variances,
+    Canvas, FixedDrawing, Options, PaintEngine, Times, best_engine, conics, culls, draw,
+    draw_quantised, draw_with_footprints, footprints, variances,
 };
 pub use render::{painter, set_up_part};
 pub use sphere::draw_spheres;

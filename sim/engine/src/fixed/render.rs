@@ -1,15 +1,15 @@
 //! Drawing a quantised scene: setup of every splat, depth order, tiles on all cores.
 
-use super::frame::to_picture;
+use super::frame::{converter, to_picture};
 use super::quantise::{QuantisedScene, kernel_compositing};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
 pub(super) use crate::fast::CHECK_INTERVAL;
 pub use crate::fast::frame::Times;
-use crate::fast::frame::{FrameMemory, FramePlan, SetUpPart};
+use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan, SetUpPart};
 use crate::fast::lanes::{VectorLevel, has_vectors};
 use crate::fast::setup::{self as fast, Outcome};
-use crate::fast::{TilePainter, tile_painter};
+use crate::fast::{PaintScratch, Results, Start, TilePainter, tile_painter};
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
@@ -18,6 +18,7 @@ use splatline::blend::Pixel;
 use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Traversal, Widths};
+use splatline::raster::Window;
 use splatline::rules as kernel;
 use splatline::setup::{
     Covariance2d, Cull, conic, covariance, distance, ldl, project, project_axes, setup,
@@ -279,27 +280,15 @@ fn draw_with<D: Design + Send + Sync + 'static>(
     options: &Options,
     engine: PaintEngine,
 ) -> (FixedDrawing, Vec<Outcome>) {
-    let QuantisedScene { view, splats, .. } = quantised;
+    let mut memory = FrameMemory::default();
     let rules = quantised.rules(options.rules);
     let painter = painter(design, &rules, options, engine, true);
-    let plan = FramePlan {
-        viewport: view.viewport,
-        back_to_front: options.compositing == Compositing::BackToFront,
-        set_up: &|_, splats, outcomes| {
-            set_up_part(design, quantised, &rules, engine, (splats, outcomes));
-        },
-        painter: &*painter,
-        progress: &|_, _| true,
-    };
-    let mut memory = FrameMemory::default();
-    let Ok(facts) = memory.draw(splats, &plan) else {
-        unreachable!("nobody cancels")
-    };
+    let facts = paint_with(design, quantised, options, engine, &*painter, &mut memory);
     let pixels = copied(&memory, camera);
     let drawing = FixedDrawing {
         picture: to_picture(&pixels, camera, &design.widths(), quantised.colour_log2),
         pixels,
-        splats: splats.len(),
+        splats: quantised.splats.len(),
         culled: facts.culled,
         clamped: quantised.clamped,
         colour_log2: quantised.colour_log2,
@@ -307,6 +296,98 @@ fn draw_with<D: Design + Send + Sync + 'static>(
         times: facts.times,
     };
     (drawing, memory.into_outcomes())
+}
+
+fn paint_with<D: Design + Send + Sync + 'static>(
+    design: D,
+    quantised: &QuantisedScene,
+    options: &Options,
+    engine: PaintEngine,
+    painter: &dyn TilePainter,
+    memory: &mut FrameMemory,
+) -> FrameFacts {
+    let rules = quantised.rules(options.rules);
+    let plan = FramePlan {
+        viewport: quantised.view.viewport,
+        back_to_front: options.compositing == Compositing::BackToFront,
+        depth_first: None,
+        set_up: &|_, splats, outcomes| {
+            set_up_part(design, quantised, &rules, engine, (splats, outcomes));
+        },
+        painter,
+        progress: &|_, _| true,
+    };
+    let Ok(facts) = memory.draw(&quantised.splats, &plan) else {
+        unreachable!("nobody cancels")
+    };
+    facts
+}
+
+/// What draws a scene by one design after the other: fresh memory costs as much as drawing, so a picture lies where the last one lay.
+#[derive(Clone, Debug)]
+pub struct Canvas {
+    memory: FrameMemory,
+    /// What was drawn last.
+    pub picture: Picture,
+}
+
+impl Canvas {
+    /// Of a camera's size.
+    pub fn new(camera: &Camera) -> Canvas {
+        Canvas {
+            memory: FrameMemory::default(),
+            picture: Picture::new(camera.width, camera.height),
+        }
+    }
+
+    /// The picture that [`draw_quantised`] draws; `only` names windows without whose tiles the rest of it means nothing.
+    pub fn draw(&mut self, quantised: &QuantisedScene, options: &Options, only: Option<&[Window]>) {
+        struct CanvasJob<'a>(
+            &'a mut Canvas,
+            &'a QuantisedScene,
+            &'a Options<'a>,
+            Option<&'a [Window]>,
+        );
+        impl DesignJob for CanvasJob<'_> {
+            type Output = ();
+            fn run<D: Design + Send + Sync + 'static>(self, design: D) {
+                let CanvasJob(canvas, quantised, options, only) = self;
+                let (engine, rules) = (best_engine(), quantised.rules(options.rules));
+                let inner = painter(design, &rules, options, engine, false);
+                let chosen = ChosenTiles { inner, only };
+                let memory = &mut canvas.memory;
+                paint_with(design, quantised, options, engine, &chosen, memory);
+                let convert = converter(&design.widths(), quantised.colour_log2);
+                memory.copy(&mut canvas.picture.pixels, convert);
+            }
+        }
+        let design = options.design;
+        design.dispatch(CanvasJob(self, quantised, options, only));
+    }
+}
+
+/// Paints the tiles that touch one of some windows, or all.
+struct ChosenTiles<'a> {
+    inner: Box<dyn TilePainter>,
+    only: Option<&'a [Window]>,
+}
+
+impl TilePainter for ChosenTiles<'_> {
+    fn paint(
+        &self,
+        scratch: &mut PaintScratch,
+        window: Window,
+        footprints: &Results,
+        list: &[u32],
+        start: Start,
+        pixels: &mut [Pixel],
+    ) -> Coverage {
+        let touches = |other: &Window| !window.intersect(other).is_empty();
+        match self.only {
+            Some(only) if !only.iter().any(touches) => Coverage::default(),
+            _ => (self.inner).paint(scratch, window, footprints, list, start, pixels),
+        }
+    }
 }
 
 /// A frame's pixels, row by row. Compiled once, not for every design.

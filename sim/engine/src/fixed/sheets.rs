@@ -6,7 +6,7 @@ use super::render::{Options, PaintEngine, painter, seen};
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::fast::setup::Outcome;
-use crate::fast::{PaintScratch, TilePainter};
+use crate::fast::{PaintScratch, Start, TilePainter};
 use crate::picture::Picture;
 use crate::rules::Compositing;
 use crate::scene::Scene;
@@ -111,7 +111,14 @@ impl Sheets<'_> {
             let touched = self.touched(of_slab, &window);
             let sheet = &mut memory[..touched.pixels()];
             let footprints = self.footprints;
-            (self.painter).paint(&mut scratch, touched, footprints, of_slab, sheet);
+            (self.painter).paint(
+                &mut scratch,
+                touched,
+                footprints,
+                of_slab,
+                Start::Clear,
+                sheet,
+            );
             let sheet = SheetBuffer::drawn(sheet, touched, columns(&touched), &self.widths);
             if let Ok(mut sheet) = sheet {
                 sheet.composite_behind(&self.blend, &mut target);

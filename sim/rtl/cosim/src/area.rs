@@ -65,7 +65,7 @@ fn fabric(cells: &BTreeMap<String, u64>) -> Fabric {
 fn synthesis(family: Family, unit: &RtlUnit) -> &'static str {
     match family {
         Family::Ice40 => "synth_ice40 -dsp -noflatten",
-        Family::Ecp5 if *unit == SETUP => "synth_ecp5 -noflatten",
+        Family::Ecp5 if *unit == SETUP => "synth_ecp5 -abc9 -noflatten",
         Family::Ecp5 => "synth_ecp5 -abc9",
         Family::Xilinx7 => "synth_xilinx -family xc7 -noiopad -noclkbuf",
     }

@@ -13,7 +13,7 @@ pub mod tile;
 
 use super::lanes::fused::Fused;
 use super::lanes::{FusedLanes, FusedTask, VectorLevel, prefetch};
-use super::painter::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
+use super::painter::{CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter};
 use super::rows::is_tame;
 use batch::{Batch, CellFootprint, Prepare};
 use fused::{FusedPixels, FusedScheme};
@@ -107,6 +107,7 @@ impl<D: Design + Send + Sync> TilePainter for FusedPainter<D> {
         window: Window,
         footprints: &Results,
         list: &[u32],
+        start: Start,
         pixels: &mut [Pixel],
     ) -> Coverage {
         let scale = self.scheme.scale();
@@ -120,6 +121,7 @@ impl<D: Design + Send + Sync> TilePainter for FusedPainter<D> {
             window,
             clear: Pixel::clear(&self.design.widths()),
             list,
+            start,
             pixels,
         })
     }
@@ -136,6 +138,7 @@ struct CellPainting<'a> {
     window: Window,
     clear: Pixel,
     list: &'a [u32],
+    start: Start,
     /// The tile's pixels, row by row.
     pixels: &'a mut [Pixel],
 }
@@ -166,12 +169,16 @@ impl CellPainting<'_> {
             window,
             clear,
             list,
+            start,
             pixels,
         } = self;
         let path = FusedPixels::<L, STOP_BEFORE, DEEP>::new(lanes, scheme, rules);
         let mut coverage = Coverage::default();
         let mut batch = Batch::<DEEP>::new();
         tile.open(window, clear, scheme.scale());
+        if start == Start::Resumed {
+            tile.set_pixels(pixels);
+        }
         for chunk in list.chunks(CHECK_INTERVAL) {
             let mut rest = chunk;
             while let Some((first, others)) = rest.split_first() {

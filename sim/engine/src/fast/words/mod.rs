@@ -14,7 +14,7 @@ use super::lanes::Wide;
 use super::lanes::sums::PixelSums;
 use super::lanes::{Doubles, PixelTask, VectorLevel, VectorTask};
 use super::lanes::{dispatch_pixels, dispatch_vectors, prefetch};
-use super::painter::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
+use super::painter::{CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter};
 use super::rows::{RowBatch, RunWords};
 use path::{BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers, PixelPath};
 use path::{Pixels, SplatNumbers, WordPixels, X_RAY};
@@ -123,6 +123,7 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
         window: Window,
         footprints: &Results,
         list: &[u32],
+        start: Start,
         pixels: &mut [Pixel],
     ) -> Coverage {
         let clear = Pixel::clear(&self.design.widths());
@@ -130,11 +131,16 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
             operator: self.numbers.operator,
             prepare: &|list, window| self.prepare(footprints, list, window),
             list,
+            start,
             counts: self.counts,
         };
         let in_singles = self.single.as_ref().and_then(|numbers| {
             let tile = scratch.singles.get_or_insert_with(WordTile::new);
-            tile.open(window, clear);
+            tile.start(window, clear, start, pixels);
+            // Colours beyond their format, drawn by the kernel, make sums beyond theirs: 64-bit words hold them.
+            if tile.has_overflowed() {
+                return None;
+            }
             let task = SinglePainting {
                 painting,
                 numbers,
@@ -142,7 +148,6 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
                 tile,
             };
             let coverage = dispatch_vectors(self.choice, task).ok()?;
-            // Colours beyond their format, drawn by the kernel, make sums beyond theirs: 64-bit words hold them.
             if tile.has_overflowed() {
                 return None;
             }
@@ -151,7 +156,7 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
         });
         let coverage = in_singles.unwrap_or_else(|| {
             let tile = scratch.words.get_or_insert_with(WordTile::new);
-            tile.open(window, clear);
+            tile.start(window, clear, start, pixels);
             let task = WordPainting {
                 painting,
                 numbers: &self.numbers,
@@ -190,6 +195,7 @@ struct Painting<'a> {
     operator: u8,
     prepare: &'a dyn Fn(&[u32], &Window) -> PreparedFootprint,
     list: &'a [u32],
+    start: Start,
     counts: bool,
 }
 
@@ -274,6 +280,7 @@ impl Painting<'_> {
         let Painting {
             prepare,
             list,
+            start,
             counts,
             ..
         } = self;
@@ -281,6 +288,13 @@ impl Painting<'_> {
         let mut coverage = Coverage::default();
         let mut window = tile.window();
         let left = window.first[0];
+        if start == Start::Resumed && !counts {
+            tile.look(|row| path.finished(row));
+            match tile.live_window() {
+                Some(live) => window = live,
+                None => return coverage,
+            }
+        }
         for part in list.chunks(CHECK_INTERVAL) {
             for (number, index) in part.iter().enumerate() {
                 let (rows, splat) = match prepare(&part[number..], &window) {
@@ -301,9 +315,9 @@ impl Painting<'_> {
                             let run = columns(&run, left);
                             if counts {
                                 coverage.visited += run.length as u64;
-                                path.paint(&splat, &run, tile.row(y), &mut coverage);
+                                path.paint::<true>(&splat, &run, tile.row(y), &mut coverage);
                             } else if let Some(run) = cut(run, tile.live(y), rows.second) {
-                                path.paint(&splat, &run, tile.row(y), &mut coverage);
+                                path.paint::<false>(&splat, &run, tile.row(y), &mut coverage);
                             }
                         }
                     }

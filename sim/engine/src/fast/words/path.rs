@@ -30,8 +30,8 @@ pub trait PixelPath {
     type Splat: Copy;
     /// A footprint's constants, for rows with this second difference.
     fn splat(&self, numbers: &SplatNumbers, second: i64) -> Self::Splat;
-    /// Paints some pixels of a row; covered ones, and those of them that had finished, are counted.
-    fn paint(
+    /// Paints some pixels of a row; covered ones, and those of them that had finished, are counted if `COUNTS` says so.
+    fn paint<const COUNTS: bool>(
         &self,
         splat: &Self::Splat,
         pixels: &Pixels,
@@ -351,7 +351,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
 
     /// One vector of pixels.
     #[inline(always)]
-    fn blend(
+    fn blend<const COUNTS: bool>(
         &self,
         splat: &SplatWords<L>,
         radial: L::Word,
@@ -367,9 +367,11 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let light = lanes.read(plane_of_light, x);
         let live = lanes.except(inside, lanes.marked(light));
         let flags = lanes.flags(live);
-        let covered = lanes.flags(inside).count_ones();
-        counts.covered += u64::from(covered);
-        counts.finished += u64::from(covered - flags.count_ones());
+        if COUNTS {
+            let covered = lanes.flags(inside).count_ones();
+            counts.covered += u64::from(covered);
+            counts.finished += u64::from(covered - flags.count_ones());
+        }
         if flags == 0 {
             return;
         }
@@ -497,7 +499,7 @@ impl<L: PixelWords, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR
     }
 
     #[inline(always)]
-    fn paint(
+    fn paint<const COUNTS: bool>(
         &self,
         splat: &SplatWords<L>,
         pixels: &Pixels,
@@ -509,13 +511,13 @@ impl<L: PixelWords, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR
         let (mut x, mut rest) = (pixels.x, pixels.length);
         while rest > L::WIDE {
             let inside = lanes.wide_greater(splat.end, radial);
-            self.blend(splat, radial, inside, x, row, counts);
+            self.blend::<COUNTS>(splat, radial, inside, x, row, counts);
             [radial, difference] = self.step(splat, [radial, difference]);
             x += L::WIDE;
             rest -= L::WIDE;
         }
         let inside = self.inside(splat, radial, rest);
-        self.blend(splat, radial, inside, x, row, counts);
+        self.blend::<COUNTS>(splat, radial, inside, x, row, counts);
     }
 
     #[inline(always)]

@@ -154,7 +154,7 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
 
     /// One vector of pixels.
     #[inline(always)]
-    fn blend(
+    fn blend<const COUNTS: bool>(
         &self,
         splat: &SingleSplat<L>,
         radial: L::Whole,
@@ -170,8 +170,10 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
         let light = lanes.single_read(plane_of_light, x);
         let covered = lanes.chosen(inside);
         let live = covered & !lanes.signs(light);
-        counts.covered += u64::from(covered.count_ones());
-        counts.finished += u64::from((covered & !live).count_ones());
+        if COUNTS {
+            counts.covered += u64::from(covered.count_ones());
+            counts.finished += u64::from((covered & !live).count_ones());
+        }
         if live == 0 {
             return;
         }
@@ -224,7 +226,7 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
     }
 
     #[inline(always)]
-    fn paint(
+    fn paint<const COUNTS: bool>(
         &self,
         splat: &SingleSplat<L>,
         pixels: &Pixels,
@@ -241,7 +243,7 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
         let (mut x, mut rest) = (pixels.x, pixels.length);
         while rest > L::SINGLES {
             let inside = lanes.whole_greater(splat.end, radial);
-            self.blend(splat, radial, inside, x, row, counts);
+            self.blend::<COUNTS>(splat, radial, inside, x, row, counts);
             radial = lanes.whole_add(radial, difference);
             difference = lanes.whole_add(difference, splat.second);
             x += L::SINGLES;
@@ -249,7 +251,7 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
         }
         let inside = lanes.whole_greater(splat.end, radial);
         let inside = lanes.choose_both(inside, lanes.choose_first(rest));
-        self.blend(splat, radial, inside, x, row, counts);
+        self.blend::<COUNTS>(splat, radial, inside, x, row, counts);
     }
 
     #[inline(always)]
@@ -359,7 +361,7 @@ mod tests {
                     first: i64::from(self.bits(32) as i32 >> self.bits(4).max(6)),
                 };
                 let second = i64::from(self.up_to(1 << 24));
-                path.paint(&path.splat(&splat, second), &run, tile.row(0), &mut counts);
+                path.paint::<true>(&path.splat(&splat, second), &run, tile.row(0), &mut counts);
                 let (mut radial, mut first) = (run.radial as i32, run.first as i32);
                 for pixel in &mut pixels[x..x + run.length] {
                     let index = radial.max(0) as u64;

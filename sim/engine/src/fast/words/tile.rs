@@ -1,6 +1,7 @@
 //! A tile's pixels as words of a [`PixelPath`](super::path::PixelPath): one plane per quantity in every row, so that adjacent pixels are a vector.
 
 use super::single::WHOLE;
+use crate::fast::painter::Start;
 use crate::fast::tile::{TILE, extent};
 use splatline::blend::{FINISHED, Pixel};
 use splatline::raster::Window;
@@ -116,6 +117,14 @@ impl<W: PixelWord> WordTile<W> {
             }
             // Nothing that a vector finds beyond the tile counts as a pixel.
             row[0][columns..].fill(W::FINISHED);
+        }
+    }
+
+    /// Opens it for painting: with transparent pixels, or with those of nearer footprints.
+    pub fn start(&mut self, window: Window, clear: Pixel, start: Start, pixels: &[Pixel]) {
+        self.open(window, clear);
+        if start == Start::Resumed {
+            self.set_pixels(pixels);
         }
     }
 

@@ -70,7 +70,9 @@ pub enum Pick {
     #[default]
     None,
     /// The slot's constant where the first factor is negative, otherwise the second.
-    Sign,
+    Negative,
+    /// The constant where it is not negative, otherwise the second.
+    NotNegative,
     /// The first where the rules' or the view's flag is set, otherwise the second.
     Flag(u8),
 }
@@ -82,18 +84,20 @@ pub struct Term {
     pub a: Operand,
     /// Second factor.
     pub b: Operand,
-    /// The constant that `Pick::Sign` picks.
+    /// The constant that is picked by the sign.
     pub picked: Option<&'static str>,
     /// The term is `a`, not the product.
     pub plain: bool,
-    /// A plain term's exponent is that of a and b together.
-    pub scaled: bool,
+    /// Twice as much.
+    pub doubled: bool,
     /// Negated before it is aligned.
     pub before: bool,
     /// Negated after it is aligned.
     pub after: bool,
     /// Rounded down, not to nearest.
     pub floor: bool,
+    /// The sum so far goes on in a unit coarser by the difference's low part, which this term gives.
+    pub again: bool,
     /// Table of which `a` is the argument.
     pub table: Table,
     /// The table's entry itself; otherwise its step times the argument's rest.
@@ -113,8 +117,6 @@ pub enum Unit {
     First(i32),
     /// There.
     At(i32),
-    /// The exponent of the first term's second factor.
-    Second,
 }
 
 /// A sum of terms, or the words of the result.
@@ -128,8 +130,12 @@ pub struct Operation {
     pub unit: Unit,
     /// A constant in that unit, added.
     pub addend: Option<&'static str>,
-    /// Rounded to a mantissa of so many bits, otherwise left as it is.
+    /// Rounded to a mantissa of so many bits, otherwise a word of the sum.
     pub bits: Option<u32>,
+    /// Bits of the sum below the word.
+    pub below: u32,
+    /// Goes on with the sum of the operation before, right behind it.
+    pub follows: bool,
     /// Its terms' factors leave the core; there is no result.
     pub out: bool,
 }
@@ -242,7 +248,8 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
     let mut rest = vec![0; operations.len()];
     for (index, operation) in operations.iter().enumerate().rev() {
         let length = rest[index] + operation.terms.len() - 1 + LATENCY;
-        for value in read(operation) {
+        let before = operation.follows.then(|| index - 1);
+        for value in read(operation).chain(before) {
             rest[value] = rest[value].max(length);
         }
     }
@@ -257,12 +264,15 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
     }
     let mut left: Vec<usize> = (0..operations.len()).collect();
     while !left.is_empty() {
-        let can = left.iter().copied().filter(|index| waits[*index] == 0);
+        let can = left.iter().copied();
+        let can = can.filter(|index| waits[*index] == 0 && !operations[*index].follows);
         let first = can.min_by_key(|index| {
             let input = !reads_input(&operations[*index]);
             (input, usize::MAX - rest[*index] - stir[*index], *index)
         })?;
-        let length = operations[first].terms.len();
+        let behind = operations[first + 1..].iter();
+        let last = first + behind.take_while(|operation| operation.follows).count();
+        let length: usize = operations[first..=last].iter().map(|o| o.terms.len()).sum();
         // The last results are counted before their round ends.
         let after = if operations[first].out { 4 } else { 0 };
         let fits = |time: &usize| {
@@ -276,11 +286,15 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
             return None;
         }
         taken[time % round..time % round + length].fill(true);
-        times[first] = time;
-        left.retain(|index| *index != first);
-        for reader in &readers[first] {
-            waits[*reader] -= 1;
-            ready[*reader] = ready[*reader].max(time + length - 1 + LATENCY);
+        left.retain(|index| !(first..=last).contains(index));
+        let mut end = time;
+        for index in first..=last {
+            times[index] = end;
+            end += operations[index].terms.len();
+            for reader in &readers[index] {
+                waits[*reader] -= 1;
+                ready[*reader] = ready[*reader].max(end - 1 + LATENCY);
+            }
         }
     }
     Some(times)

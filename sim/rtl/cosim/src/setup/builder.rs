@@ -23,10 +23,11 @@ pub(super) const fn product(a: Operand, b: Operand) -> Term {
         b,
         picked: None,
         plain: false,
-        scaled: false,
         before: false,
         after: false,
         floor: false,
+        again: false,
+        doubled: false,
         table: Table::None,
         entry: false,
         power: false,
@@ -88,6 +89,8 @@ impl Builder {
             unit,
             addend: None,
             bits,
+            below: 0,
+            follows: false,
             out: false,
         });
         self.operations.len() - 1
@@ -104,6 +107,25 @@ impl Builder {
         let value = self.add(name, terms, unit, None);
         self.operations[value].addend = Some(addend);
         value
+    }
+
+    /// Only the word of the result that begins so many bits up.
+    pub(super) fn from(&mut self, value: Value, below: u32) -> Value {
+        self.operations[value].below = below;
+        value
+    }
+
+    /// The sum of the last operation, and this term, in another form.
+    pub(super) fn further(&mut self, name: &str, term: Term, below: u32) -> Value {
+        let unit = self.operations[self.operations.len() - 1].unit;
+        let value = self.add(name, vec![term], unit, None);
+        self.operations[value].follows = true;
+        self.from(value, below)
+    }
+
+    /// The same without another term.
+    pub(super) fn word(&mut self, name: &str, below: u32) -> Value {
+        self.further(name, plain(constant("nothing")), below)
     }
 
     /// `sum_of_products`.
@@ -188,7 +210,7 @@ impl Builder {
     }
 
     /// The factors of these results as the core's outputs, and the program.
-    pub(super) fn finish(mut self, results: [[Value; 2]; 7]) -> Result<Program> {
+    pub(super) fn finish(mut self, results: [[Value; 2]; 8]) -> Result<Program> {
         let terms = results.map(|[a, b]| product(value(a), value(b)));
         let out = self.add("results", terms.to_vec(), Unit::First(0), None);
         self.operations[out].out = true;

@@ -25,7 +25,7 @@ pub fn constants(
 ) -> Result<Vec<Constant>> {
     let known = [
         turn(widths, view),
-        screen(widths, view, rules),
+        screen(widths, view, rules)?,
         of_rules(widths, rules)?,
         distance_scaling(names, view, rules)?,
         fixed().to_vec(),
@@ -54,6 +54,9 @@ pub fn constants(
     Ok(words)
 }
 
+/// Beyond every fixed-point number of a core.
+const BEYOND: i64 = 1 << 62;
+
 type Named = (String, i64, i32);
 
 fn named(name: &str, value: i64, exponent: i32) -> Named {
@@ -70,7 +73,7 @@ fn number(name: &str, value: SoftFloat) -> Named {
 }
 
 /// The exponent of 0 in `setup_core.sv`.
-const ZERO_EXPONENT: i32 = -(1 << 16) + 1;
+const ZERO_EXPONENT: i32 = -3 << 14;
 
 /// W for positions, in two parts where they have two, and for axes.
 fn turn(widths: &Widths, view: &View) -> Vec<Named> {
@@ -97,36 +100,42 @@ fn turn(widths: &Widths, view: &View) -> Vec<Named> {
     all
 }
 
-fn screen(widths: &Widths, view: &View, rules: &Rules) -> Vec<Named> {
+fn screen(widths: &Widths, view: &View, rules: &Rules) -> Result<Vec<Named>> {
     let bits = u32::from(widths.mantissa);
     let perspective = view.projection == Projection::Perspective;
     let mut all = Vec::new();
     for (axis, name) in ["u", "v"].into_iter().enumerate() {
-        all.push(number(&format!("focal_{name}"), view.focal[axis]));
-        all.push(named(
-            &format!("principal_{name}"),
-            view.principal[axis].to_bits(),
-            -32,
-        ));
-        let (low, high) = (
-            view.limits.low[axis].to_bits(),
-            view.limits.high[axis].to_bits(),
+        let ends = [view.limits.low[axis], view.limits.high[axis]].map(|end| end.to_bits());
+        let fits = |number: i64| number.unsigned_abs() < 1 << 59;
+        ensure!(
+            fits(view.principal[axis].to_bits()),
+            "principal point: the setup unit takes it within 2^27 pixels"
         );
+        ensure!(
+            !rules.clamp_jacobian || ends.into_iter().all(fits),
+            "limits: the setup unit takes them below 2^27"
+        );
+        all.push(number(&format!("focal_{name}"), view.focal[axis]));
+        let principal = view.principal[axis].to_bits();
+        let (high, low) = (principal >> 31, principal & 0x7fff_ffff);
+        all.push(named(&format!("principal_{name}_high"), high, -1));
+        all.push(named(&format!("principal_{name}_low"), low, -32));
+        let [low, high] = ends;
         let (below, above, least, most) = if !perspective {
             // Everything lies below the limit, which is 0.
-            (i64::MIN, i64::MAX, SoftFloat::ZERO, SoftFloat::ZERO)
+            (-BEYOND, BEYOND, SoftFloat::ZERO, SoftFloat::ZERO)
         } else if rules.clamp_jacobian {
             let limit = |fixed| SoftFloat::from_wide(fixed, -32, bits);
             (low.saturating_neg(), high, limit(low), limit(high))
         } else {
-            (i64::MAX, i64::MAX, SoftFloat::ZERO, SoftFloat::ZERO)
+            (BEYOND, BEYOND, SoftFloat::ZERO, SoftFloat::ZERO)
         };
         all.push(named(&format!("below_{name}"), below, -32));
         all.push(named(&format!("above_{name}"), above, -32));
         all.push(number(&format!("least_{name}"), least));
         all.push(number(&format!("most_{name}"), most));
     }
-    all
+    Ok(all)
 }
 
 fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
@@ -163,8 +172,8 @@ fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
             integral.mantissa.into(),
             integral.exponent - 1,
         ),
-        named("ln_least", -least, -32),
-        named("cutoff", cutoff.into(), -28),
+        named("ln_least", LN_2 * 30 + ((9 - (least << 1)) << 7), -40),
+        named("cutoff", cutoff.into(), -29),
     ])
 }
 
@@ -213,7 +222,6 @@ fn by_opacity(rules: &Rules) -> bool {
 fn fixed() -> [Named; 13] {
     [
         named("one", 1 << 30, -30),
-        named("two", 1, 1),
         named("reciprocal_one", 1 << 47, -47),
         named("below_one", (1 << 47) - 1, -47),
         named("logarithm_one", -(1 << 36), -36),
@@ -221,12 +229,16 @@ fn fixed() -> [Named; 13] {
         named("quarter", fraction(4).into(), -30),
         named("third", fraction(3).into(), -30),
         named("half", fraction(2).into(), -30),
-        named("ln_2_high", LN_2 >> 20, -20),
-        named("ln_2_low", LN_2 & 0xf_ffff, -40),
-        named("cutoff_end", 15 << 28, -28),
+        named("logarithm_end", 15 << 20, -21),
+        named("ln_2_high", LN_2 >> 9, -40),
+        named("ln_2_low", LN_2 & 0x1ff, -49),
+        named("cutoff_end", 15 << 28, -29),
         named("nothing", 0, ZERO_EXPONENT),
     ]
 }
+
+/// Below every leading bit.
+const NO_EYE: i32 = -16_384;
 
 /// What stands in registers of its own, outside the cores.
 fn registers(view: &View, rules: &Rules) -> Result<Vec<(&'static str, i64, i32)>> {
@@ -237,11 +249,16 @@ fn registers(view: &View, rules: &Rules) -> Result<Vec<(&'static str, i64, i32)>
         | i64::from(view.viewport[0]) << 16
         | i64::from(view.viewport[1]) << 32;
     let [x, y, z] = eye.position;
+    let largest = [x, y, z].iter().fold(0, |all, c| all | c.unsigned_abs());
+    let top = match 64 - largest.leading_zeros() as i32 {
+        0 => NO_EYE,
+        length => eye.exponent + length,
+    };
     let (near, near_leading) = limit(view.near);
     let (far, far_leading) = limit(view.far);
     Ok(vec![
         ("eye_x", x, eye.exponent),
-        ("eye_y", y, eye.exponent),
+        ("eye_y", y, top),
         ("eye_z", z, eye.exponent),
         ("flags", flags, 0),
         ("near", near, near_leading),

@@ -15,8 +15,6 @@ pub(super) struct EnlargementTerms {
     factor: Value,
     /// Negative where it lies at k or nearer.
     beyond: Value,
-    /// Negative where it lies beyond k.
-    nearer: Value,
 }
 
 /// `enlargement`.
@@ -27,16 +25,11 @@ pub(super) fn enlargement(builder: &mut Builder, inverse: Value, bits: u32) -> E
     // Mantissas have 31 bits at most: below 1 is at most 1 - 2^-31.
     let off = vec![taken_off(plain(value(distance)))];
     let beyond = builder.add_to("beyond k", "below_one", off, Unit::At(-47));
-    let off = vec![taken_off(plain(value(beyond)))];
-    let nearer = builder.add("nearer than k", off, Unit::At(-47), None);
+    let beyond = builder.from(beyond, 32);
     let factor = builder.reciprocal("d/k", distance, bits);
     let one = Some("one");
-    let factor = builder.pick("d/k or 1", Pick::Sign, beyond, value(factor), one);
-    EnlargementTerms {
-        factor,
-        beyond,
-        nearer,
-    }
+    let factor = builder.pick("d/k or 1", Pick::Negative, beyond, value(factor), one);
+    EnlargementTerms { factor, beyond }
 }
 
 /// `enlarge`.
@@ -62,18 +55,18 @@ pub(super) fn dim(
     let dimmed = builder.multiply("weight k/d", value(weight), inverse, bits);
     let dimmed = builder.multiply("weight (k/d)^2", value(dimmed), inverse, bits);
     let nothing = Some("nothing");
-    let EnlargementTerms { beyond, nearer, .. } = *enlargement;
+    let beyond = enlargement.beyond;
     let dimmed = builder.pick(
         "beyond k, dimmed",
-        Pick::Sign,
+        Pick::Negative,
         beyond,
         value(dimmed),
         nothing,
     );
     let kept = builder.pick(
         "nearer, as it is",
-        Pick::Sign,
-        nearer,
+        Pick::NotNegative,
+        beyond,
         value(weight),
         nothing,
     );

@@ -49,7 +49,7 @@ fn of_setup(widths: &Widths, scales: bool) -> Result<Program> {
     let mut all = Builder::default();
     let builder = &mut all;
     let (view, mantissa) = (u32::from(widths.view), u32::from(widths.mantissa));
-    let [x, y, z] = to_camera(builder, widths);
+    let [x, y, z, depth_high, depth_low] = to_camera(builder, widths);
     let weight = Operand::Input(WEIGHT);
     let weight = builder.add("weight", vec![plain(weight)], Unit::First(0), None);
     let turned = turned_axes(builder, mantissa);
@@ -68,14 +68,16 @@ fn of_setup(widths: &Widths, scales: bool) -> Result<Program> {
     let peak = builder.pick("peak", rule, normalised, value(dimmed), None);
     let cutoff = cutoff(builder, peak);
     let roots = extents(builder, cutoff, &covariance);
+    let [[high_u, low_u], [high_v, low_v]] = projected.position;
     all.finish([
-        [z, peak],
-        [projected.position[0], cutoff],
-        [projected.position[1], roots[0]],
+        [depth_low, peak],
+        [low_u, cutoff],
+        [low_v, roots[0]],
         [roots[1], shape.horizontal],
         [shape.squared_width, shape.shear],
         [shape.vertical, shape.cross],
-        [shape.conic_c, shape.conic_c],
+        [shape.conic_c, high_u],
+        [depth_high, high_v],
     ])
 }
 
@@ -91,7 +93,8 @@ pub fn units(widths: &Widths) -> Result<Program> {
         Unit::First(0),
         None,
     );
-    let nothing = plain(Operand::Input(AXES));
+    let nothing = builder.round("nothing", Operand::Input(AXES), 31);
+    let nothing = plain(value(nothing));
     let whole = builder.round("31 bits", value(given), 31);
     let shear = builder.sum("rounded", vec![plain(value(whole)), nothing], bits);
     let vertical = builder.reciprocal("reciprocal", whole, bits);
@@ -108,7 +111,8 @@ pub fn units(widths: &Widths) -> Result<Program> {
         [given, twice],
         [squared_width, shear],
         [vertical, shear],
-        [shear, shear],
+        [shear, given],
+        [given, given],
     ])
 }
 
@@ -128,11 +132,11 @@ const AXIS: [[&str; 3]; 3] = [
     ["axis_zx", "axis_zy", "axis_zz"],
 ];
 
-/// `Eye::to_camera` from the difference on: x and y as mantissas of the view, z in 64 bits.
-fn to_camera(builder: &mut Builder, widths: &Widths) -> [Value; 3] {
+/// `Eye::to_camera` from the difference on: mantissas of the view, and z in 64 bits, the upper 32 and the lower.
+fn to_camera(builder: &mut Builder, widths: &Widths) -> [Value; 5] {
     let names = ["x", "y", "z"];
-    [0, 1, 2].map(|row| {
-        let bits = (row < 2).then_some(u32::from(widths.view));
+    let [x, y, z] = [0, 1, 2].map(|row| {
+        let bits = Some(u32::from(widths.view));
         let high = |i: usize| Operand::Input(HIGH + i as u8);
         let mut terms: Vec<Term> = (0..3)
             .map(|i| product(high(i), constant(TURN[row][i])))
@@ -141,17 +145,14 @@ fn to_camera(builder: &mut Builder, widths: &Widths) -> [Value; 3] {
             let low = |i: usize| Operand::Input(LOW + i as u8);
             let tails = (0..3).map(|i| product(low(i), constant(TURN[row][i])));
             let rests = (0..3).map(|i| product(high(i), constant(REST[row][i])));
-            let cross = tails.chain(rests).collect();
-            let cross = builder.add(
-                &format!("{}, cross", names[row]),
-                cross,
-                Unit::First(0),
-                None,
-            );
-            terms.push(plain(value(cross)));
+            terms[0].again = true;
+            terms = tails.chain(rests).chain(terms).collect();
         }
         builder.add(names[row], terms, Unit::First(0), bits)
-    })
+    });
+    let [high, low] =
+        [("z, high", 32), ("z, low", 0)].map(|(name, below)| builder.word(name, below));
+    [x, y, z, high, low]
 }
 
 /// `rotate_axis` for the three axes.
@@ -171,7 +172,7 @@ fn turned_axes(builder: &mut Builder, bits: u32) -> [[Value; 3]; 3] {
 
 struct ProjectedTerms {
     inverse: Value,
-    position: [Value; 2],
+    position: [[Value; 2]; 2],
     ratio: [Value; 2],
     gain: [Value; 2],
 }
@@ -184,8 +185,10 @@ fn project(
     mantissa: u32,
 ) -> ProjectedTerms {
     const FOCAL: [&str; 2] = ["focal_u", "focal_v"];
-    const PRINCIPAL: [&str; 2] = ["principal_u", "principal_v"];
-    let z = builder.round("z", value(z), view);
+    const PRINCIPAL: [[&str; 2]; 2] = [
+        ["principal_u_high", "principal_u_low"],
+        ["principal_v_high", "principal_v_low"],
+    ];
     let inverse = builder.reciprocal("1/z", z, view);
     let inverse = builder.pick(
         "1/z or 1",
@@ -196,11 +199,11 @@ fn project(
     );
     let on_plane = [x, y].map(|c| builder.multiply("on plane", value(c), value(inverse), view));
     let position = [0, 1].map(|axis| {
-        let terms = vec![
-            plain(constant(PRINCIPAL[axis])),
-            product(value(on_plane[axis]), constant(FOCAL[axis])),
-        ];
-        builder.add("position", terms, Unit::At(-32), None)
+        let [high, low] = PRINCIPAL[axis].map(|part| plain(constant(part)));
+        let offset = product(value(on_plane[axis]), constant(FOCAL[axis]));
+        let terms = vec![high, low, offset];
+        let high = builder.add("position, high", terms, Unit::At(-32), None);
+        [builder.from(high, 32), builder.word("position, low", 0)]
     });
     let gain =
         FOCAL.map(|focal| builder.multiply("gain", value(inverse), constant(focal), mantissa));
@@ -228,17 +231,18 @@ fn ratio(builder: &mut Builder, on_plane: Value, axis: usize, bits: u32) -> Valu
         under_high,
         Unit::At(-32),
     );
+    let [over_low, under_high] = [over_low, under_high].map(|side| builder.from(side, 32));
     let free = builder.round("ratio", value(on_plane), bits);
     let low = builder.pick(
         "ratio, from below",
-        Pick::Sign,
+        Pick::Negative,
         over_low,
         value(free),
         Some(FIRST[axis]),
     );
     builder.pick(
         "ratio, from above",
-        Pick::Sign,
+        Pick::Negative,
         under_high,
         value(low),
         Some(LAST[axis]),
@@ -379,31 +383,29 @@ fn cutoff(builder: &mut Builder, peak: Value) -> Value {
         ..product(value(whole), constant(half))
     };
     let logarithm = vec![
+        entry,
         power("ln_2_high"),
         power("ln_2_low"),
-        entry,
         plain(value(rest)),
         by(value(bent)),
     ];
-    let logarithm = builder.add("logarithm, 40 bits", logarithm, Unit::At(-40), None);
-    let rounded = vec![plain(value(logarithm))];
-    let difference = builder.add_to(
-        "logarithm over the least",
-        "ln_least",
-        rounded,
-        Unit::At(-32),
+    // Twice the difference to the logarithm of the least opacity, and its roundings, from the same sum.
+    let cutoff = builder.add_to("cut-off, unlimited", "ln_least", logarithm, Unit::At(-40));
+    let cutoff = builder.from(cutoff, 11);
+    let above = builder.word("above 0", 32);
+    let end = taken_off(plain(constant("logarithm_end")));
+    let beyond = builder.further("beyond the end", end, 32);
+    let nothing = Some("nothing");
+    let cutoff = builder.pick(
+        "cut-off above 0",
+        Pick::Negative,
+        above,
+        value(cutoff),
+        nothing,
     );
-    let doubled = Term {
-        b: constant("two"),
-        scaled: true,
-        ..plain(value(difference))
-    };
-    let cutoff = builder.add("cut-off, unlimited", vec![doubled], Unit::At(-28), None);
-    let beyond = vec![taken_off(plain(value(cutoff)))];
-    let beyond = builder.add_to("before the end", "cutoff_end", beyond, Unit::At(-28));
     let cutoff = builder.pick(
         "cut-off, limited",
-        Pick::Sign,
+        Pick::NotNegative,
         beyond,
         value(cutoff),
         Some("cutoff_end"),
@@ -414,7 +416,11 @@ fn cutoff(builder: &mut Builder, peak: Value) -> Value {
 
 /// The roots of `bounding_box`; the rest of it is `setup_pack.sv`'s.
 fn extents(builder: &mut Builder, cutoff: Value, covariance: &Covariance) -> [Value; 2] {
-    let cutoff = builder.round("cut-off, 16 bits", value(cutoff), 16);
+    let doubled = Term {
+        doubled: true,
+        ..plain(value(cutoff))
+    };
+    let cutoff = builder.add("cut-off, 16 bits", vec![doubled], Unit::First(0), Some(16));
     [covariance.xx, covariance.yy].map(|variance| {
         let squared = builder.multiply("extent squared", value(cutoff), value(variance), 16);
         builder.root("extent", squared, 16)

@@ -20,7 +20,7 @@ pub const FIRST_REGISTER: u8 = 64;
 pub const REGISTERS: [&str; 6] = ["eye_x", "eye_y", "eye_z", "flags", "near", "far"];
 
 /// Fields of a slot in the order of `setup_types.svh`, first the most significant: name and bits.
-const FIELDS: [(&str, u32); 30] = [
+const FIELDS: [(&str, u32); 33] = [
     ("round", 4),
     ("a_input", 1),
     ("a_constant", 1),
@@ -34,19 +34,22 @@ const FIELDS: [(&str, u32); 30] = [
     ("entry", 1),
     ("power", 1),
     ("plain", 1),
-    ("scaled", 1),
+    ("offset", 8),
     ("pick", 2),
+    ("by_flag", 1),
     ("flag", 2),
     ("negated", 1),
     ("subtracted", 1),
     ("down", 1),
     ("first", 1),
+    ("again", 1),
     ("last", 1),
     ("base", 2),
     ("step", 7),
     ("addend", 1),
     ("normal", 1),
     ("drop", 5),
+    ("spare", 6),
     ("write", 1),
     ("out", 1),
     ("place", 8),
@@ -210,18 +213,20 @@ fn meaning(values: &mut Vec<(&'static str, i64)>, slot: &Term) {
         Table::Root => 2,
         Table::Logarithm => 3,
     };
-    let (pick, flag) = match slot.pick {
-        Pick::None => (0, 0),
-        Pick::Sign => (1, 0),
-        Pick::Flag(flag) => (2, flag.into()),
+    let (pick, by_flag, flag) = match slot.pick {
+        Pick::None => (0, false, 0),
+        Pick::Negative => (1, false, 0),
+        Pick::NotNegative => (2, false, 0),
+        Pick::Flag(flag) => (0, true, flag.into()),
     };
     values.extend([
         ("lookup", table),
         ("entry", slot.entry.into()),
         ("power", slot.power.into()),
         ("plain", slot.plain.into()),
-        ("scaled", slot.scaled.into()),
+        ("offset", offset(slot)),
         ("pick", pick),
+        ("by_flag", by_flag.into()),
         ("flag", flag),
         ("negated", slot.before.into()),
         ("subtracted", slot.after.into()),
@@ -229,20 +234,41 @@ fn meaning(values: &mut Vec<(&'static str, i64)>, slot: &Term) {
     ]);
 }
 
+/// Bits by which a plain term stands higher in the core than its exponent says: those of a mantissa.
+const PLAIN: i32 = 31;
+
+/// What the core adds to the factors' exponents: tables have those of their own.
+fn offset(slot: &Term) -> i64 {
+    let table = match (slot.table, slot.entry) {
+        (Table::None, _) => 0,
+        (Table::Reciprocal, true) => -59,
+        (Table::Reciprocal, false) => -81,
+        (Table::Root, true) => -8,
+        (Table::Root, false) => -24,
+        (Table::Logarithm, true) => -32,
+        (Table::Logarithm, false) => -46,
+    };
+    table + i64::from(slot.doubled) - if slot.plain { i64::from(PLAIN) } else { 0 }
+}
+
 fn sum(values: &mut Vec<(&'static str, i64)>, operation: &Operation, term: usize) {
     let (unit, step) = match operation.unit {
-        Unit::Below(bits) => (0, bits),
+        Unit::Below(bits) => (0, 2 * PLAIN - bits),
+        Unit::First(step) if operation.terms[0].plain => (1, step + PLAIN),
         Unit::First(step) => (1, step),
         Unit::At(exponent) => (2, exponent),
-        Unit::Second => (3, 0),
     };
+    let coarser = |term: &Term| term.again;
+    let last = operation.terms.get(term + 1).is_none_or(coarser);
     values.extend([
-        ("first", (term == 0).into()),
-        ("last", (term + 1 == operation.terms.len()).into()),
+        ("first", (term == 0 && !operation.follows).into()),
+        ("again", operation.terms[term].again.into()),
+        ("last", last.into()),
         ("base", unit),
         ("step", step.into()),
         ("addend", (term == 0 && operation.addend.is_some()).into()),
         ("normal", operation.bits.is_some().into()),
         ("drop", i64::from(31 - operation.bits.unwrap_or(31))),
+        ("spare", 32 - i64::from(operation.below)),
     ]);
 }

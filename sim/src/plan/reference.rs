@@ -1,0 +1,140 @@
+//! From a prepared plan to a picture in double precision or in an emulated format.
+
+use super::draw::{plain, with_backfaces};
+use super::{Drawing, Engine, Prepared, SplatMethod, Splats, Subject};
+use crate::camera::Camera;
+use crate::hybrid::Hybrid;
+use crate::reference::compositor::{self, RowProgress as Rows};
+use crate::reference::{self, Counts, FloatDrawing, exact, float, formats, sphere};
+use crate::report::facts::ReasonCounts;
+use crate::rules::{self, Compositing, Rules};
+use crate::scene::Scene;
+use anyhow::{Result, bail};
+
+impl Prepared {
+    /// Draws by one of the double-precision engines.
+    pub fn draw_reference(&self, engine: Engine, rows: Rows) -> Result<Drawing> {
+        let drawing = match self.subject()? {
+            Subject::Splats(splats) => draw_splats_reference(engine, splats, rows)?,
+            Subject::Surface(..) if engine.stages().is_some() => {
+                let name = engine.name();
+                bail!("engine '{name}' draws splats and no surfaces: use fixed or float")
+            }
+            Subject::Surface(scene, style) => {
+                let drawn = reference::surface::draw(scene, &self.plan.camera, style);
+                let culled = reference_culled(&drawn.counts);
+                return Ok(Drawing {
+                    culled: with_backfaces(culled, style, drawn.counts.backfaces),
+                    ..plain(drawn.picture)
+                });
+            }
+        };
+        Ok(Drawing {
+            culled: reference_culled(&drawing.counts),
+            ..plain(drawing.picture)
+        })
+    }
+}
+
+fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<FloatDrawing> {
+    let Splats {
+        scene,
+        camera,
+        rules,
+        compositing,
+        method,
+    } = splats;
+    // A deep alpha channel shows all of its error: no pixel finishes.
+    let endless = Rules {
+        minimum_transmittance: 0.0,
+        omit_finishing: false,
+        ..*rules
+    };
+    let composited = |rules: &Rules| match engine {
+        Engine::Exact => {
+            let footprints = exact::footprints(scene, camera, rules);
+            compositor::draw(&footprints, camera, rules, compositing, rows)
+        }
+        _ => {
+            let footprints = float::footprints(scene, camera, rules);
+            compositor::draw(&footprints, camera, rules, compositing, rows)
+        }
+    };
+    match (engine, method) {
+        (Engine::Fixed, _) => bail!("engine 'fixed' is not a reference"),
+        (Engine::Float | Engine::Exact, SplatMethod::Composited) => Ok(composited(rules)),
+        (Engine::Float | Engine::Exact, SplatMethod::DeepAlpha(_)) => Ok(composited(&endless)),
+        // The ray integral is what every shape of a sphere stands for.
+        (Engine::Exact, SplatMethod::Spheres(_)) => Ok(composited(rules)),
+        (Engine::Float, SplatMethod::Spheres(shape)) => {
+            Ok(sphere::draw(scene, camera, rules, compositing, *shape))
+        }
+        (Engine::Float, SplatMethod::Points(hybrid)) => {
+            Ok(draw_hybrid_reference(scene, camera, rules, hybrid))
+        }
+        (Engine::Float, SplatMethod::Sheets(sheets)) => {
+            let plan = sheets.plan(scene, camera);
+            Ok(reference::sheets::draw(scene, camera, rules, &plan))
+        }
+        (
+            Engine::Fp32 | Engine::Fp16 | Engine::Bfloat16 | Engine::Fp8Fp16,
+            SplatMethod::Composited,
+        ) => draw_format(engine, &splats),
+        _ => bail!(
+            "engine '{}' composites footprints one by one: leave out --points, --traversal stamp, --sheets, --deep-alpha and --spheres, \
+             or use float",
+            engine.name()
+        ),
+    }
+}
+
+/// What floating-point formats draw: Gaussians from front to back.
+fn draw_format(engine: Engine, splats: &Splats) -> Result<FloatDrawing> {
+    let name = engine.name();
+    if splats.compositing != Compositing::FrontToBack
+        || splats.rules.kernel != rules::Kernel::Gaussian
+    {
+        bail!(
+            "engine '{name}' draws Gaussians from front to back: leave --compositing and --kernel out, or use float"
+        );
+    }
+    if splats.rules.spacing > 0.0 {
+        bail!("engine '{name}' knows no scaling by distance: leave --antialias out, or use float");
+    }
+    let single = formats::RoundedStages::pixels(formats::FP32);
+    let stages = engine.stages().unwrap_or(single);
+    Ok(formats::draw(
+        splats.scene,
+        splats.camera,
+        splats.rules,
+        &stages,
+    ))
+}
+
+/// Points and splats in double precision, centres of points where they are and not at a stamp's phase.
+fn draw_hybrid_reference(
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
+    hybrid: &Hybrid,
+) -> FloatDrawing {
+    let hybrid = Hybrid {
+        phase_bits: None,
+        ..*hybrid
+    };
+    reference::hybrid::draw(scene, camera, rules, &hybrid)
+}
+
+fn reference_culled(counts: &Counts) -> ReasonCounts {
+    let reasons = [
+        ("near", counts.near),
+        ("far", counts.far),
+        ("outside", counts.outside),
+        ("transparent", counts.transparent),
+        ("degenerate", counts.degenerate),
+        ("non_finite", counts.non_finite),
+    ];
+    reasons
+        .map(|(reason, count)| (reason.to_owned(), count as u64))
+        .into()
+}
