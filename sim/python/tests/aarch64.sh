@@ -12,12 +12,11 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 mkdir -p "$folder"/{lists/partial,archives/partial,root}
 touch "$folder/status"
-echo 'deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian bookworm main' >"$folder/sources"
 cat >"$folder/apt.conf" <<END
 APT::Architecture "arm64";
 APT::Architectures { "arm64"; };
 APT::Sandbox::User "root";
-Dir { State "$folder"; State::status "$folder/status"; Cache "$folder"; Etc::sourcelist "$folder/sources"; Etc::sourceparts "/dev/null"; };
+Dir { State "$folder"; State::status "$folder/status"; Cache "$folder"; };
 END
 export APT_CONFIG=$folder/apt.conf
 apt-get update -qq
