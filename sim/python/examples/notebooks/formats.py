@@ -32,7 +32,7 @@ def fixed_lane(w):
     return sum(transistors("fixed_multiply", A=a, B=b) for a, b in products if b > 0) + sum(transistors("fixed_add", A=a) for a in sums)
 
 
-FORMATS = {"fp32": (8, 23), "fp16": (5, 10), "bfloat16": (8, 7), "e4m3": (4, 3)}
+FORMATS = {"fp32": (8, 23), "fp16": (5, 10), "bfloat16": (8, 7), "e4m3": (4, 3), "e5m2": (5, 2)}
 
 
 def float_lane(raster, kernel, blend):
@@ -62,6 +62,8 @@ for engine, stages in {
     "fp16": ("fp16", "fp16", "fp16"),
     "bfloat16": ("bfloat16", "bfloat16", "bfloat16"),
     "fp8-fp16": ("fp16", "e4m3", "fp16"),
+    "e5m2-fp16": ("fp16", "e5m2", "fp16"),
+    "fp8": ("e4m3", "e4m3", "e4m3"),
 }.items():
     picture = splatline.render(scene, camera, engine=engine)
     floats[engine] = (splatline.metrics(picture, reference)["rgb"]["psnr_db"], float_lane(*stages))
