@@ -79,7 +79,7 @@ def plan(
     method       how splats become pixels: composited, or as a plan file has it, {"sheets": {...}}, {"spheres": {...}}, ...
     style        changes of a surface's settings
     technique    all of the last four at once, as a plan file has it
-    engine       fixed (the kernel), float, exact, fp32, fp16, bfloat16
+    engine       fixed (the kernel), float, exact, fp32, fp16, bfloat16, fp8 (E4M3), and mixes: fp8-fp16, e5m2-fp16
     reference    what `compare` compares with: float or exact
     machine      a Machine or its name
     """

@@ -18,7 +18,7 @@ use splatline_sim::machine::area::Calibration;
 use splatline_sim::machine::energy::EnergyTable;
 use splatline_sim::machine::parts::{Part, Parts};
 use splatline_sim::machine::record::{CostedMachine, Prices};
-use splatline_sim::plan::draw::FootprintLine;
+use splatline_sim::plan::FootprintLine;
 use splatline_sim::plan::measure::draw_alone;
 use splatline_sim::plan::{
     self, DesignVariant, Effort, Engine, Prepared, Technique, all_entries, compare_all,

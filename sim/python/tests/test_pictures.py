@@ -84,7 +84,7 @@ def test_others_run_while_a_picture_is_drawn(scene, camera):
     assert turns > 100
 
 
-@pytest.mark.parametrize("engine", ["fixed", "float", "exact", "fp32", "fp16", "bfloat16"])
+@pytest.mark.parametrize("engine", ["fixed", "float", "exact", "fp32", "fp16", "bfloat16", "fp8-fp16", "e5m2-fp16", "fp8"])
 def test_every_engine_draws(scene, camera, engine):
     picture = splatline.render(scene, camera, engine=engine)
     assert picture.alpha.max() > 0.5 and picture.record["engine"] == engine

@@ -189,7 +189,7 @@ pub struct CompareOptions {
     /// Draw the chosen design only, instead of all named designs by both traversals
     #[arg(long)]
     pub only: bool,
-    /// Also draw in fp32, fp16, bfloat16 and a mix of fp8 and fp16, every operation rounded, and report how far each is from the reference
+    /// Also draw in fp32, fp16, bfloat16, fp8 and mixes of fp8 and fp16, every operation rounded, and report how far each is from the reference
     #[arg(long)]
     pub formats: bool,
     /// Photographs (.png, .jpg) of the views of --camera: PSNR, SSIM and FLIP of what is drawn against them

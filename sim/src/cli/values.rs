@@ -68,6 +68,16 @@ pub const ENGINES: &Choices<Engine> = &[
         "The same with offsets and sums in 16-bit floats, kernel and opacity in 8-bit floats (E4M3)",
         Engine::Fp8Fp16,
     ),
+    (
+        "e5m2-fp16",
+        "The same with kernel and opacity in the other 8-bit floats (E5M2)",
+        Engine::E5m2Fp16,
+    ),
+    (
+        "fp8",
+        "Setup in single precision, pixels in 8-bit floats (E4M3)",
+        Engine::Fp8,
+    ),
 ];
 
 /// Which samples become points.

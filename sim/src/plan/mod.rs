@@ -75,6 +75,11 @@ pub enum Engine {
     /// Setup in single precision, offsets and sums in IEEE halves, kernel and opacity in 8 bits (E4M3), every operation rounded.
     #[serde(rename = "fp8-fp16")]
     Fp8Fp16,
+    /// The same with kernel and opacity in the other 8 bits (E5M2).
+    #[serde(rename = "e5m2-fp16")]
+    E5m2Fp16,
+    /// Setup in single precision, pixels in 8 bits (E4M3), every operation rounded.
+    Fp8,
 }
 
 impl Engine {
@@ -88,15 +93,19 @@ impl Engine {
             Engine::Fp16 => "fp16",
             Engine::Bfloat16 => "bfloat16",
             Engine::Fp8Fp16 => "fp8-fp16",
+            Engine::E5m2Fp16 => "e5m2-fp16",
+            Engine::Fp8 => "fp8",
         }
     }
 
     /// The engines that compute in a floating-point format of few bits.
-    pub const FORMATS: [Engine; 4] = [
+    pub const FORMATS: [Engine; 6] = [
         Engine::Fp32,
         Engine::Fp16,
         Engine::Bfloat16,
         Engine::Fp8Fp16,
+        Engine::E5m2Fp16,
+        Engine::Fp8,
     ];
 
     /// The formats of the stages, of an engine that has them.
@@ -109,6 +118,11 @@ impl Engine {
                 kernel: formats::FP8,
                 ..RoundedStages::pixels(formats::FP16)
             }),
+            Engine::E5m2Fp16 => Some(RoundedStages {
+                kernel: formats::FP8_WIDE,
+                ..RoundedStages::pixels(formats::FP16)
+            }),
+            Engine::Fp8 => Some(RoundedStages::pixels(formats::FP8)),
             Engine::Fixed | Engine::Float | Engine::Exact => None,
         }
     }

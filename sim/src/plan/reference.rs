@@ -76,10 +76,9 @@ fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<F
             let plan = sheets.plan(scene, camera);
             Ok(reference::sheets::draw(scene, camera, rules, &plan))
         }
-        (
-            Engine::Fp32 | Engine::Fp16 | Engine::Bfloat16 | Engine::Fp8Fp16,
-            SplatMethod::Composited,
-        ) => draw_format(engine, &splats),
+        (format, SplatMethod::Composited) if format.stages().is_some() => {
+            draw_format(engine, &splats)
+        }
         _ => bail!(
             "engine '{}' composites footprints one by one: leave out --points, --traversal stamp, --sheets, --deep-alpha and --spheres, \
              or use float",

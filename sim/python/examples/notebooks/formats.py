@@ -31,6 +31,8 @@ for engine, stages in {
     "fp16": ("fp16", "fp16", "fp16"),
     "bfloat16": ("bfloat16", "bfloat16", "bfloat16"),
     "fp8-fp16": ("fp16", "e4m3", "fp16"),
+    "e5m2-fp16": ("fp16", "e5m2", "fp16"),
+    "fp8": ("e4m3", "e4m3", "e4m3"),
 }.items():
     picture = splatline.render(scene, camera, engine=engine)
     floats[engine] = (splatline.metrics(picture, reference)["rgb"]["psnr_db"], float_lane(*stages))

@@ -24,7 +24,7 @@ def fixed_lane(w):
     return sum(transistors("fixed_multiply", A=a, B=b) for a, b in products if b > 0) + sum(transistors("fixed_add", A=a) for a in sums)
 
 
-FORMATS = {"fp32": (8, 23), "fp16": (5, 10), "bfloat16": (8, 7), "e4m3": (4, 3)}
+FORMATS = {"fp32": (8, 23), "fp16": (5, 10), "bfloat16": (8, 7), "e4m3": (4, 3), "e5m2": (5, 2)}
 
 
 def float_lane(raster, kernel, blend):

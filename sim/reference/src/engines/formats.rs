@@ -65,6 +65,13 @@ pub const FP8: FloatFormat = FloatFormat {
     max_exponent: 8,
 };
 
+/// 8 bits, of which 5 are the exponent's (E5M2).
+pub const FP8_WIDE: FloatFormat = FloatFormat {
+    fraction_bits: 2,
+    min_exponent: -14,
+    max_exponent: 15,
+};
+
 impl FloatFormat {
     /// The nearest value of the format.
     pub fn round(self, value: f64) -> f64 {

@@ -174,7 +174,7 @@ fn machines_of_others_stand_beside_ours() {
 fn floating_point_datapaths_are_engines() {
     let folder = tempfile::tempdir().unwrap();
     let (picture, out) = (folder.path().join("x.png"), folder.path().join("out"));
-    for engine in ["fp32", "fp16", "bfloat16"] {
+    for engine in ["fp32", "fp16", "bfloat16", "e5m2-fp16", "fp8"] {
         succeed(&with("render", &["--engine", engine, "-o", text(&picture)]));
     }
     let printed = succeed(&with("compare", &["--only", "--formats", "-o", text(&out)]));
