@@ -19,9 +19,10 @@ APT::Sandbox::User "root";
 Dir { State "$folder"; State::status "$folder/status"; Cache "$folder"; };
 END
 export APT_CONFIG=$folder/apt.conf
-apt-get update -qq
+nothing() { echo "aarch64.sh: this machine's package sources have no arm64 packages" >&2; exit 77; }
+apt-get update -qq || nothing
 # shellcheck disable=SC2086 # A list of words.
-(cd "$folder" && apt-get download -qq $packages)
+(cd "$folder" && apt-get download -qq $packages) || nothing
 for each in "$folder"/*.deb; do dpkg-deb -x "$each" "$folder/root"; done
 python3 -m pip -q install --target "$folder/site" --python-version "$version" --only-binary=:all: --platform manylinux_2_28_aarch64 \
     --platform manylinux_2_27_aarch64 --platform manylinux_2_17_aarch64 --platform manylinux2014_aarch64 numpy pytest "$wheel"
