@@ -41,7 +41,7 @@ pub fn cuts(front: &DepthFirst, sample: &mut Vec<[f32; 2]>, cuts: &mut Vec<Cut>)
         let [left, top, right, bottom] = bounds;
         for k in 0..TOGETHER {
             let area = (right[k] - left[k]) * (bottom[k] - top[k]) * unit;
-            if least[k] > 0.0 && area > 0.0 {
+            if least[k] > 0.0 && most[k].is_finite() && area > 0.0 {
                 sample.push([most[k], area]);
             }
         }

@@ -5,7 +5,7 @@
 //! (`splatline::setup`'s bounds). All is computed in single precision for the nearest point that the errors allow:
 //!
 //! - The camera-space error E is at most (2^-21 + 2^(3 - position)) (|u|_1 + |e|_1): six roundings of 2^-24 of the terms here, and in the kernel the
-//!   difference and the rotation, each rounded to `position` bits of the largest coordinate.
+//!   difference and the rotation, each rounded to `position` bits of the largest coordinate. The smallest normal number covers what is below the normal ones.
 //! - x/z is then off by at most E / (z - E) (1 + 2 |rho|), and f x/z by the kernel's three roundings to `view` bits.
 //! - A variance goes through a dozen roundings to `mantissa` bits and the cut-off and the root have 16: with at least [`LEAST_BITS`] bits that is
 //!   below 1/64 of the extent. Two pixels more are for the subpixel grid, the samples' places and the principal point.
@@ -60,13 +60,9 @@ impl BoundingSpheres {
             }
             group
         });
-        let largest = match rules.cutoff {
-            Cutoff::Radial(_) => radial_cutoff(rules),
-            Cutoff::Opacity => LARGEST_CUTOFF,
-        };
         Some(BoundingSpheres {
             groups: groups.collect(),
-            filter: (number(rules.low_pass) * largest) as f32,
+            filter: (number(rules.low_pass) * largest_cutoff(rules)) as f32,
         })
     }
 
@@ -84,7 +80,7 @@ fn extended(value: Extended) -> f64 {
     value.value as f64 * exp2(value.exponent)
 }
 
-fn radial_cutoff(rules: &Rules) -> f64 {
+fn largest_cutoff(rules: &Rules) -> f64 {
     let Cutoff::Radial(cutoff) = rules.cutoff else {
         return LARGEST_CUTOFF;
     };
@@ -106,11 +102,16 @@ fn sphere(splat: &VolumeSplat, rules: &Rules) -> [f32; 4] {
                 0.0
             }
         }
-        _ => radial_cutoff(rules),
+        _ => largest_cutoff(rules),
     };
     let [x, y, z] = splat.centre.map(|coordinate| number(coordinate) as f32);
     let radius = (squares.sum::<f64>() * cutoff).sqrt();
-    [x, y, z, (radius * (1.0 + exp2(-20))) as f32]
+    [
+        x,
+        y,
+        z,
+        (radius * (1.0 + exp2(-20))) as f32 + f32::MIN_POSITIVE,
+    ]
 }
 
 /// How a view sees spheres.
@@ -199,7 +200,7 @@ impl SphereProjection {
             b[0] * x + b[1] * y + b[2] * z,
             c[0] * x + c[1] * y + c[2] * z,
         ];
-        (point, self.relative * size)
+        (point, self.relative * size + f32::MIN_POSITIVE)
     }
 
     /// Left, top, right and bottom of the box in pixels, within the viewport. What is not certain is the whole viewport.
