@@ -6,6 +6,7 @@ mod common;
 
 #[cfg(feature = "float")]
 mod front;
+mod scenes;
 mod independence;
 mod independence_pixels;
 mod kernels;

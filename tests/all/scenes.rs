@@ -1,0 +1,150 @@
+//! Scenes that are converted once, packed lists, and parts of a picture, from the front door.
+
+use super::front::camera;
+use crate::common::SIZE;
+use splatline::Gaussian;
+use splatline::blend::Pixel;
+use splatline::format::Micro16;
+use splatline::front::{
+    COMPACT_HEADER, COMPACT_MAGIC, CompactScene, PackedList, Renderer, Scene, SceneFull, Splats,
+    packed_words,
+};
+use splatline::raster::Window;
+use splatline::splat::VolumeSplat;
+
+const PIXELS: usize = SIZE as usize * SIZE as usize;
+
+/// Splats in a row from the eye: all visible but those out of sight.
+fn row_of(visible: usize, hidden: usize) -> Vec<VolumeSplat> {
+    let at = |mean| Gaussian {
+        mean,
+        scales: [0.1; 3],
+        ..Gaussian::UNIT
+    };
+    let seen = (0..visible).map(|i| at([0.0, 0.0, i as f32]));
+    let unseen = (0..hidden).map(|i| at([90.0, 0.0, 10.0 + i as f32]));
+    seen.chain(unseen)
+        .map(|gaussian| gaussian.splat().unwrap())
+        .collect()
+}
+
+/// The memory that the error asks for suffices, and one footprint less does not, however many splats need a key and no place.
+#[test]
+fn a_packed_list_that_is_full_says_how_much_it_lacks() {
+    let view = camera().view().unwrap();
+    let renderer = Renderer::new(Micro16);
+    let entry = packed_words(&Micro16::WIDTHS);
+    for (visible, hidden) in [(5, 0), (5, 3), (5, 40), (0, 40), (40, 5)] {
+        let scene = row_of(visible, hidden);
+        let set_up = |capacity: usize| {
+            let mut words = vec![0; capacity * entry];
+            let mut list = PackedList::new(Micro16, &mut words);
+            assert_eq!(list.capacity(), capacity);
+            let counts = renderer.set_up_scene(&view, scene.as_slice(), &mut list);
+            assert_eq!(list.is_empty(), counts.is_err() || visible == 0);
+            counts
+        };
+        let mut capacity = 0;
+        while let Err(full) = set_up(capacity) {
+            assert_eq!(full.capacity, capacity);
+            assert!(full.needed > capacity, "{full}");
+            capacity = full.needed;
+        }
+        assert!(capacity >= visible);
+        assert!(set_up(capacity.saturating_sub(1)).is_err());
+        assert_eq!(
+            set_up(capacity).map(|counts| counts.drawn),
+            Ok(visible as u32)
+        );
+    }
+}
+
+#[test]
+fn a_scene_is_converted_once() {
+    let gaussians = [
+        Gaussian::UNIT,
+        Gaussian {
+            opacity: f32::NAN,
+            ..Gaussian::UNIT
+        },
+        Gaussian {
+            mean: [1.0, 0.0, 0.0],
+            ..Gaussian::UNIT
+        },
+    ];
+    let mut memory = [VolumeSplat::EMPTY; 2];
+    let scene = Scene::collect(&mut memory, gaussians.iter().map(Gaussian::splat)).unwrap();
+    assert_eq!(
+        (scene.len(), scene.invalid(), scene.is_empty()),
+        (2, 1, false)
+    );
+    assert_eq!(scene.splat(1), gaussians[2].splat());
+    assert_eq!((scene.splat(2), scene.centre(2)), (None, None));
+    let short = Scene::collect(&mut memory[..1], gaussians.iter().map(Gaussian::splat));
+    assert_eq!(
+        short.unwrap_err(),
+        SceneFull {
+            capacity: 1,
+            needed: 2
+        }
+    );
+}
+
+/// Numbers of a compact splat, read by hand from the table of its bytes.
+#[test]
+fn a_compact_splat_is_what_its_bytes_say() {
+    let mut bytes = Vec::from(COMPACT_MAGIC);
+    for word in [1000, -2000, 0, -10, -20, 1 << 20, 1] {
+        bytes.extend_from_slice(&i32::to_le_bytes(word));
+    }
+    assert_eq!(bytes.len(), COMPACT_HEADER);
+    for number in [24i16, -48, 32_767, 16_384, -8_192, 5, 20_000, 1, 32_767] {
+        bytes.extend_from_slice(&number.to_le_bytes());
+    }
+    bytes.extend_from_slice(&(3u16 | 31 << 5 | 7 << 10).to_le_bytes());
+    bytes.extend_from_slice(&[0, 1, 255, 51]);
+    let scene = CompactScene::read(&bytes).unwrap();
+    let splat = scene.splat(0).unwrap();
+    let value = |mantissa: i32, exponent: i32| f64::from(mantissa) * f64::from(exponent).exp2();
+    let centre = splat.centre.map(|c| value(c.mantissa, c.exponent) * 1024.0);
+    assert_eq!(centre, [1024.0, -2048.0, 32_767.0]);
+    let axes = splat
+        .axes
+        .map(|axis| axis.mantissa.map(|m| value(m, axis.exponent + 20)));
+    let [first, second, third] = [3, 31, 7].map(|e: i32| f64::from(e).exp2());
+    assert_eq!(axes[0], [16_384.0 * first, -8_192.0 * first, 5.0 * first]);
+    assert_eq!(axes[1], [0.0, 20_000.0 * second, second]);
+    assert_eq!(axes[2], [0.0, 0.0, 32_767.0 * third]);
+    let opacity = value(splat.weight.mantissa, splat.weight.exponent);
+    assert!((opacity - 0.2).abs() < 1e-7, "{opacity}");
+    assert_eq!(splat.colour.map(|c| c.to_bits()), [0, 1 << 20, 255 << 20]);
+    assert_eq!((scene.splat(1), scene.centre(1)), (None, None));
+    for damaged in [&bytes[1..], &bytes[..bytes.len() - 1], &bytes[..20], &[]] {
+        assert_eq!(CompactScene::read(damaged), None);
+    }
+}
+
+/// A rectangle drawn anew has the pixels of the whole picture.
+#[test]
+fn a_part_of_the_picture_can_be_drawn_alone() {
+    let view = camera().view().unwrap();
+    let renderer = Renderer::new(Micro16);
+    let scene = row_of(4, 0);
+    let mut words = vec![0; 4 * packed_words(&Micro16::WIDTHS)];
+    let mut list = PackedList::new(Micro16, &mut words);
+    renderer
+        .set_up_scene(&view, scene.as_slice(), &mut list)
+        .unwrap();
+    let (mut whole, mut part) = ([Pixel::EMPTY; PIXELS], [Pixel::EMPTY; PIXELS]);
+    let whole = renderer.draw(&list, view.window(), &mut whole).unwrap();
+    let changed = list
+        .footprint(0)
+        .map(|footprint| Window::of(&footprint))
+        .unwrap();
+    let part = renderer.draw(&list, changed, &mut part).unwrap();
+    for (x, y) in (0..SIZE).flat_map(|x| (0..SIZE).map(move |y| (x, y))) {
+        let pixel = part.pixel(x, y);
+        assert!(pixel.is_none() || pixel == whole.pixel(x, y), "{x} {y}");
+    }
+    assert_eq!(part.pixels.len(), changed.pixels());
+}
