@@ -8,7 +8,7 @@ use super::compute::{field, pixel_values, reason};
 use super::{VectorStage, VectorSubject};
 use crate::fixed::kernel_rules;
 use fixed::types::{I2F30, I4F28, U4F28};
-use splatline::blend::deep::{Channel, ChannelRounding, DeepPixel, Representation};
+use splatline::blend::deep::{Channel, ChannelRounding, DeepPixel, Representation, octaves};
 use splatline::blend::edge::EdgeFilter;
 use splatline::blend::layers::Layers;
 use splatline::blend::points::Slab;
@@ -23,8 +23,10 @@ use splatline::math::SoftFloat;
 use splatline::rules::Rules;
 use splatline::setup::harmonics::{COEFFICIENTS, Harmonics, direction};
 use splatline::setup::{self, Cull, Ellipse, Index, PointFilter};
-use splatline::splat::SphereSplat;
+use splatline::splat::Axis;
 use splatline::splat::surface::SurfaceSplat;
+use splatline::splat::{SphereSplat, VolumeSplat};
+use splatline::view::View;
 
 /// Records of the stages that go through pixels.
 const STEPS: u32 = 1500;
@@ -42,6 +44,7 @@ pub fn stages<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStage>
         colours(&widths, subject),
         surfaces(design, subject, &rules),
         samples(&widths),
+        octaves(),
         deep(),
         points(design, subject),
         gathers(&widths, &rules),
@@ -171,6 +174,18 @@ impl BuiltinRandom {
         SoftFloat { mantissa, exponent }
     }
 
+    /// Every eighth is -1, 0 or 1.
+    fn weight(&mut self, usual: SoftFloat) -> SoftFloat {
+        let mantissa = self.within(1);
+        if self.up_to(7) > 0 {
+            return usual;
+        }
+        SoftFloat {
+            mantissa,
+            exponent: 0,
+        }
+    }
+
     /// Three words.
     fn three(&mut self, most: u32) -> [u32; 3] {
         [(); 3].map(|()| self.up_to(most))
@@ -213,13 +228,18 @@ fn surfaces<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vec
         "surfaces",
         "surface splats of the splats' first two axes and the third for a normal: print, plane, attributes, depth at the box's end",
         &format!(
-            "colour*3:32.28 opacity:32.28 {PRINT} plane*3:-64.32 share*4:32.{f} normal*3:-32.{f} back:1 lane:-64.32 last:32.23"
+            "colour*3:32.28 opacity:32.28 weight*2:-32 normal*4:-32 {PRINT} plane*3:-64.32 share*4:32.{f} normal*3:-32.{f} back:1 lane:-64.32 last:32.23"
         ),
     );
     let mut random = BuiltinRandom(2);
     for splat in &subject.splats {
         let [first, second, normal] = splat.axes;
-        let (centre, weight) = (splat.centre, splat.weight);
+        let (centre, weight) = (splat.centre, random.weight(splat.weight));
+        let normal = if random.up_to(7) == 0 {
+            Axis::default()
+        } else {
+            normal
+        };
         let colour = [(); 3].map(|()| U4F28::from_bits(random.shorter(1 << 29)));
         let opacity = U4F28::from_bits(random.shorter(1 << 29));
         let splat = SurfaceSplat {
@@ -237,7 +257,11 @@ fn surfaces<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vec
             let plane = record![found.plane.origin; found.plane.step];
             record![found.footprint; plane; found.attributes; found.back; lane; depth_in_pixel(lane)]
         });
-        push(&mut stage, record![colour; opacity], words);
+        push(
+            &mut stage,
+            record![colour; opacity; weight; normal.mantissa; normal.exponent],
+            words,
+        );
     }
     stage
 }
@@ -253,7 +277,7 @@ fn samples(widths: &Widths) -> VectorStage {
         "samples",
         "a sample; what it adds to a pixel of one fragment and to one of two layers; the first divided, covered, and both resolved",
         &format!(
-            "pixel:32 threshold:32.23 tau:32.30 alpha:32.{} rounded:32.{s} weight:32.{s} depth:32.23 share*4:32.{f} normal*3:-32.{f} \
+            "lane:-64.32 lane_depth:32.23 pixel:32 threshold:32.23 tau:32.30 alpha:32.{} rounded:32.{s} weight:32.{s} depth:32.23 share*4:32.{f} normal*3:-32.{f} \
              material:8 {fragment} {fragment} {fragment} merges:32 divided*4:32.{a} normal*3:-32.30 coverage:32.30 {pixel} {pixel}",
             widths.alpha
         ),
@@ -265,7 +289,7 @@ fn samples(widths: &Widths) -> VectorStage {
         let pixel = step / 12;
         if step % 12 == 0 {
             (one, two) = (Accumulation::EMPTY, Layers::EMPTY);
-            (base, tau) = (random.up_to(u32::MAX), random.up_to(1 << 31));
+            (base, tau) = (random.up_to(u32::MAX), random.up_to(u32::MAX));
             threshold = random.up_to(1 << (pixel % 30));
         }
         let (gather, edges) = (WeightedSum::new(widths, threshold), EdgeFilter::new(tau));
@@ -282,6 +306,8 @@ fn samples(widths: &Widths) -> VectorStage {
         // Every eighth pixel fills its weight sums.
         let full = u32::from(pixel % 8 == 7) * i32::MAX as u32;
         let weight = random.up_to(full).max(rounded).max(1);
+        let weight = if pixel % 8 == 3 { ONE } else { weight };
+        let lane = i64::from(random.within(i32::MAX as u32)) << random.up_to(32);
         // Near each other, at the threshold or one beside it.
         let depth = base.saturating_add(threshold.saturating_mul(random.up_to(5)));
         let depth = depth.saturating_add(random.up_to(2)).saturating_sub(1);
@@ -297,12 +323,36 @@ fn samples(widths: &Widths) -> VectorStage {
         let divided = gather.normalise(&sum);
         let resolve = Resolve::new(widths, gather, None, edges);
         stage.records.push(record![
+            record![lane; depth_in_pixel(lane)];
             record![pixel; threshold; tau; alpha; rounded; weight; depth; attributes; material; sum];
             record![of(two.fragments(), 0); of(two.fragments(), 1); two.merges()];
             record![divided.colour; divided.opacity; divided.normal];
             edges.map_or(ONE, |edges| edges.coverage(sum.weight, s));
             record![resolve.pixel(&one, 0, 0); resolve.pixel(&two, 0, 0)];
         ]);
+    }
+    stage
+}
+
+fn octaves() -> VectorStage {
+    let mut stage = stage(
+        "octaves",
+        "an opacity and its optical depth, an optical depth and what shines through it",
+        "alpha:32.31 octaves:64.44 depth:32.28 through:32.31",
+    );
+    let (mut random, dark) = (
+        BuiltinRandom(10),
+        Channel::new(Representation::OpticalDepth, ChannelRounding::Nearest, 32),
+    );
+    for _ in 0..2 * STEPS {
+        let (alpha, depth) = (
+            random.up_to(1 << 31),
+            random.up_to(u32::MAX) >> (random.bits() >> 29),
+        );
+        let through = dark.map_or(0, |dark| dark.transmittance(depth));
+        stage
+            .records
+            .push(record![alpha; octaves::of_opacity(alpha); depth; through]);
     }
     stage
 }
@@ -349,7 +399,9 @@ fn points<D: Design>(design: D, subject: &VectorSubject) -> VectorStage {
     let mut stage = stage(
         "points",
         "the splats as points by the rules ewa: is it one, has the filter an area, its footprint",
-        &format!("spacing*2:-32 deviation*2:-32 normalised:1 minified:1 filter:1 {PRINT}"),
+        &format!(
+            "spacing*2:-32 deviation*2:-32 weight*2:-32 normalised:1 minified:1 filter:1 {PRINT}"
+        ),
     );
     let (mut random, widths) = (BuiltinRandom(5), design.widths());
     for (number, splat) in subject.splats.iter().enumerate() {
@@ -362,10 +414,13 @@ fn points<D: Design>(design: D, subject: &VectorSubject) -> VectorStage {
         };
         let filter = PointFilter::new(&widths, &rules, deviation);
         let minified = setup::is_minified(&widths, &subject.view, &rules, splat);
-        let operands = record![spacing; deviation; normalised; minified; filter.is_some()];
+        let weight = random.weight(splat.weight);
+        let splat = VolumeSplat { weight, ..*splat };
+        let operands =
+            record![spacing; deviation; splat.weight; normalised; minified; filter.is_some()];
         let found = filter.ok_or(Cull::Degenerate);
         let found = found
-            .and_then(|filter| setup::setup_point(design, &subject.view, &rules, splat, &filter));
+            .and_then(|filter| setup::setup_point(design, &subject.view, &rules, &splat, &filter));
         push(&mut stage, operands, found.map(|print| record![print]));
     }
     stage
@@ -392,7 +447,10 @@ fn gathers(widths: &Widths, rules: &Rules) -> VectorStage {
             (range, depth) = (random.up_to(1 << 20), random.up_to(u32::MAX));
         }
         depth = depth.saturating_add(random.shorter(range) + random.up_to(2) / 2);
-        let opacity = random.shorter(1 << alpha).max(1);
+        // Every fourth pixel is full of what is almost opaque.
+        let full = u32::from(number % 4 == 3) << alpha;
+        let most = full.saturating_sub(random.up_to(1 << (alpha / 2)));
+        let opacity = random.shorter(1 << alpha).max(most).max(1);
         let light = random.three(u32::MAX >> (32 - c - widths.colour_range()));
         blend.gather(&mut pixel, &mut slab, opacity, &light, depth, range);
         let mut closed = pixel;
@@ -429,27 +487,48 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
         "spheres",
         "the splats as spheres: exact or approximate; affine, perspective or by rays; the footprint and what corrects its index",
         &format!(
-            "deviation*2:-32 ellipse:8 index:8 {PRINT} spread:32.32 slant*2:-32 corrected_end:32.28"
+            "deviation*2:-32 weight*2:-32 ellipse:8 index:8 {PRINT} spread:32.32 slant*2:-32 corrected_end:32.28"
         ),
     );
     let mut random = BuiltinRandom(8);
     for (number, splat) in subject.splats.iter().enumerate() {
-        let deviation = random.number(2 - (number % 8) as i32);
+        let mut deviation = random.number(2 - (number % 8) as i32);
         let (ellipse, index) = (number % 2, number / 2 % 3);
+        let ellipses = [Ellipse::Exact, Ellipse::Approximate];
         let indices = [Index::Affine, Index::Perspective, Index::Ray];
-        let choice = (
-            [Ellipse::Exact, Ellipse::Approximate][ellipse],
-            indices[index],
-        );
-        let (centre, weight, colour) = (splat.centre, splat.weight, splat.colour);
-        let splat = SphereSplat {
-            centre,
-            deviation,
-            weight,
-            colour,
+        let choice = (ellipses[ellipse], indices[index]);
+        let (centre, weight) = (splat.centre, random.weight(splat.weight));
+        let found = |deviation| {
+            let colour = splat.colour;
+            let splat = SphereSplat {
+                centre,
+                deviation,
+                weight,
+                colour,
+            };
+            setup::setup_sphere(design, &subject.view, rules, &splat, choice)
         };
-        let found = setup::setup_sphere(design, &subject.view, rules, &splat, choice);
-        let words = found.map(|found| {
+        if number % 4 == 3 {
+            // The largest sphere that does not reach the eye, or the smallest that does.
+            deviation = SoftFloat {
+                mantissa: 0,
+                exponent: -16,
+            };
+            for bit in (0..31).rev() {
+                let mantissa = deviation.mantissa | 1 << bit;
+                if found(SoftFloat {
+                    mantissa,
+                    ..deviation
+                }) != Err(Cull::Near)
+                {
+                    deviation.mantissa = mantissa;
+                }
+            }
+            deviation.mantissa = deviation
+                .mantissa
+                .saturating_add((number / 4 % 4 / 3) as i32);
+        }
+        let words = found(deviation).map(|found| {
             let slant = found
                 .slant
                 .map_or([0; 2], |slant| [slant.mantissa, slant.exponent]);
@@ -457,7 +536,7 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
         });
         push(
             &mut stage,
-            record![deviation; ellipse as i64; index as i64],
+            record![deviation; weight; ellipse as i64; index as i64],
             words,
         );
     }
@@ -489,23 +568,28 @@ fn indices(widths: &Widths, subject: &VectorSubject) -> VectorStage {
         "indices",
         "a sphere's radial index; a spread and what it makes of it; a pixel, L, the squared length of its ray and what they make of it",
         &format!(
-            "radial:64.{bits} spread:32.32 by_spread:64.{bits} pixel*2:16 slant*2:-32 squared:-64.28 by_ray:64.{bits}"
+            "radial:64.{bits} spread:32.32 by_spread:64.{bits} pixel*2:16 focal*4:-32 slant*2:-32 squared:-64.28 by_ray:64.{bits}"
         ),
     );
     let entries = perspective_entries();
-    let (table, rays) = (PerspectiveTable::new(&entries), Rays::new(&subject.view));
+    let table = PerspectiveTable::new(&entries);
     let mut random = BuiltinRandom(9);
-    for step in 0..STEPS {
+    for step in 0..4 * STEPS {
         let radial = (u128::from(random.up_to(u32::MAX)) << bits >> 28) as u64 >> (2 * (step % 2));
         let spread = random.up_to(u32::MAX) >> (4 * (step / 2 % 2));
         let pixel = [(); 2].map(|()| random.up_to(u16::MAX.into()) as u16);
+        let focal = [(); 2].map(|()| random.number(2 + (step % 16) as i32));
+        let rays = Rays::new(&View {
+            focal,
+            ..subject.view
+        });
         let slant = (ONE + random.up_to(ONE - 1)).into();
-        let slant = SoftFloat::from_wide(slant, random.up_to(3) as i32 - 30, 31);
+        let slant = SoftFloat::from_wide(slant, random.up_to(16) as i32 - 30, 31);
         let by_spread = table.index(spread, bits.into()).correct(radial);
         let by_ray = rays.correct(pixel, radial, slant);
-        stage
-            .records
-            .push(record![radial; spread; by_spread; pixel; slant; rays.squared(pixel); by_ray]);
+        stage.records.push(
+            record![radial; spread; by_spread; pixel; focal; slant; rays.squared(pixel); by_ray],
+        );
     }
     stage
 }
