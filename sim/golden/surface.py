@@ -221,6 +221,5 @@ def merged(widths, front, back):
         nearest(n * opacity, a) + nearest(nearest(b * rest, a) * behind[3], a)
         for n, b in zip(fore[4:], behind[4:])
     ]
-    normals = [max(-(1 << 30), min(1 << 30, n)) for n in normals]
     sums = [nearest(c * most, a) for c in colours] + [nearest(n * most, 30) for n in normals]
     return [most, *sums, front[NEAR], back[FAR], front[MATERIAL]]

@@ -283,15 +283,15 @@ fn samples(widths: &Widths) -> VectorStage {
         ),
     );
     let mut random = BuiltinRandom(3);
-    let (mut one, mut two, mut base, mut threshold, mut tau) =
-        (Accumulation::EMPTY, Layers::<2>::EMPTY, 0, 0, 0);
+    let (mut one, mut two) = (Accumulation::EMPTY, Layers::<2>::EMPTY);
+    let (mut base, mut threshold) = (0, 0);
     for step in 0..STEPS {
         let pixel = step / 12;
         if step % 12 == 0 {
             (one, two) = (Accumulation::EMPTY, Layers::EMPTY);
-            (base, tau) = (random.up_to(u32::MAX), random.up_to(u32::MAX));
-            threshold = random.up_to(1 << (pixel % 30));
+            (base, threshold) = (random.up_to(u32::MAX), random.up_to(1 << (pixel % 30)));
         }
+        let tau = random.up_to(u32::MAX);
         let (gather, edges) = (WeightedSum::new(widths, threshold), EdgeFilter::new(tau));
         let normal = [(); 3].map(|()| random.within(1 << f));
         let material = (random.bits() >> 30) as u8;
@@ -306,7 +306,7 @@ fn samples(widths: &Widths) -> VectorStage {
         // Every eighth pixel fills its weight sums.
         let full = u32::from(pixel % 8 == 7) * i32::MAX as u32;
         let weight = random.up_to(full).max(rounded).max(1);
-        let weight = if pixel % 8 == 3 { ONE } else { weight };
+        let weight = if pixel % 8 == 3 { ONE / 2 } else { weight };
         let lane = i64::from(random.within(i32::MAX as u32)) << random.up_to(32);
         // Near each other, at the threshold or one beside it.
         let depth = base.saturating_add(threshold.saturating_mul(random.up_to(5)));
