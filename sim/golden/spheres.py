@@ -151,11 +151,11 @@ def evaluated(common, spread):
     return fixed(product(r, reciprocal(normalised(divisor, -58, 31), 31)), 28)
 
 
-def squared(view, focal, pixel):
+def squared(principal, focal, pixel):
     """(9.26) |v|^2 of a pixel's ray, UQ7.28."""
     result = 1 << 28
     for axis in range(2):
-        offset = normalised(((2 * pixel[axis] + 1) << 31) - view.principal[axis], -32, 31)
+        offset = normalised(((2 * pixel[axis] + 1) << 31) - principal[axis], -32, 31)
         slope = fixed(product(offset, reciprocal(focal[axis], 31) or ZERO), 28)
         slope = max(-(7 << 28), min(7 << 28, slope))
         result += nearest(slope * slope, 28)

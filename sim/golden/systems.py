@@ -162,11 +162,11 @@ def as_spheres(check, records):
 def indices(check, records):
     """(9.25), (9.26)."""
     for record in records:
-        (radial, spread, _), pixel, slant = record[:3], record[3:5], tuple(record[9:11])
+        (radial, spread, _), pixel, slant = record[:3], record[3:5], tuple(record[11:13])
         focal = [tuple(record[5:7]), tuple(record[7:9])]
-        squared = spheres.squared(check.view, focal, pixel)
+        squared = spheres.squared(record[9:11], focal, pixel)
         corrected = spheres.by_spread(check.widths, radial, spread)
-        yield [radial, spread, corrected, *record[3:11], squared, spheres.by_ray(squared, radial, slant)]
+        yield [radial, spread, corrected, *record[3:13], squared, spheres.by_ray(squared, radial, slant)]
 
 
 STAGES = {

@@ -4,10 +4,10 @@
 //! the ends of their formats. A record has the operands, then the results.
 
 use super::builtin::BuiltinRandom;
-use super::compute::{field, pixel_values, reason};
+use super::record::{Words, push, record, stage};
 use super::{VectorStage, VectorSubject};
 use crate::fixed::kernel_rules;
-use fixed::types::{I2F30, I4F28, U4F28};
+use fixed::types::{I2F30, I4F28, I32F32, U4F28};
 use splatline::blend::deep::{Channel, ChannelRounding, DeepPixel, Representation, octaves};
 use splatline::blend::edge::EdgeFilter;
 use splatline::blend::layers::Layers;
@@ -15,7 +15,6 @@ use splatline::blend::points::Slab;
 use splatline::blend::resolve::Resolve;
 use splatline::blend::surface::{Accumulation, Cell, Fragment, Sample, WeightedSum, sum_fraction};
 use splatline::blend::{Blend, Pixel};
-use splatline::footprint::Footprint;
 use splatline::footprint::surface::{Attributes, attribute_fraction, depth_in_pixel};
 use splatline::format::{Design, Widths};
 use splatline::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, Rays, fill_perspective};
@@ -53,143 +52,6 @@ pub fn stages<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStage>
         perspective(),
         indices(&widths, subject),
     ]
-}
-
-/// A stage of fields `name*count:-bits.fraction`; without `*` one, without `-` not signed, without `.` an integer.
-fn stage(name: &'static str, about: &'static str, fields: &str) -> VectorStage {
-    let fields = fields.split_whitespace().flat_map(|text| {
-        let (name, format) = text.split_once(':').unwrap_or((text, "32"));
-        let (name, count) = name.split_once('*').unwrap_or((name, "1"));
-        let (bits, fraction) = format.split_once('.').unwrap_or((format, "0"));
-        let number = |text: &str| text.trim_start_matches('-').parse().unwrap_or(1);
-        let count = number(count);
-        (0..count).map(move |place| {
-            let name = [name.to_owned(), format!("{name}_{place}")];
-            let (signed, fraction) = (bits.starts_with('-'), number(fraction) as u8);
-            field(
-                &name[usize::from(count > 1)],
-                number(bits),
-                signed,
-                fraction,
-            )
-        })
-    });
-    VectorStage::new(name, about, fields)
-}
-
-/// What a record is made of.
-trait Words {
-    fn put(&self, record: &mut Vec<i64>);
-}
-
-macro_rules! words {
-    ($($type:ty: |$value:ident| $word:expr;)*) => {
-        $(impl Words for $type {
-            fn put(&self, record: &mut Vec<i64>) {
-                let $value = self;
-                $word.put(record);
-            }
-        })*
-    };
-}
-
-macro_rules! record {
-    ($($part:expr);* $(;)?) => {{
-        let mut record = Vec::new();
-        $($part.put(&mut record);)*
-        record
-    }};
-}
-
-impl Words for i64 {
-    fn put(&self, record: &mut Vec<i64>) {
-        record.push(*self);
-    }
-}
-
-impl<T: Words> Words for [T] {
-    fn put(&self, record: &mut Vec<i64>) {
-        self.iter().for_each(|word| word.put(record));
-    }
-}
-
-words! {
-    bool: |word| i64::from(*word);
-    u8: |word| i64::from(*word);
-    u16: |word| i64::from(*word);
-    u32: |word| i64::from(*word);
-    i32: |word| i64::from(*word);
-    u64: |word| (*word as i64);
-    I2F30: |word| word.to_bits();
-    I4F28: |word| word.to_bits();
-    U4F28: |word| word.to_bits();
-    SoftFloat: |number| [number.mantissa, number.exponent];
-    Pixel: |pixel| pixel_values(pixel);
-    DeepPixel: |pixel| record![pixel.colour; pixel.alpha];
-    Attributes: |own| record![own.colour; own.opacity; own.normal];
-    Slab: |slab| record![slab.colour; slab.opacity; slab.first];
-    Fragment: |sum| record![sum.weight; sum.colour; sum.opacity; sum.normal; sum.near; sum.far; sum.material];
-    Footprint: |print| record![
-        0i64; print.depth; print.centre; print.first; print.end; print.ldl.horizontal; print.ldl.squared_width; print.ldl.shear;
-        print.ldl.vertical; print.cutoff; print.opacity;
-    ];
-}
-
-/// Operands and results, zeros where there are none.
-fn push(stage: &mut VectorStage, mut record: Vec<i64>, found: Result<Vec<i64>, Cull>) {
-    record.extend(found.as_ref().unwrap_or(&vec![reason(&found)]));
-    record.resize(stage.fields.len(), 0);
-    stage.records.push(record);
-}
-
-/// Operands.
-impl BuiltinRandom {
-    /// Of 0 to `most`: every fourth at an end or next to one, every fourth short.
-    fn up_to(&mut self, most: u32) -> u32 {
-        let (word, choice) = (self.bits(), self.bits() >> 24);
-        let last = choice & 8 != 0;
-        match choice & 7 {
-            0 => u32::from(last) * most,
-            1 if last => most.saturating_sub(word >> 30),
-            1 => (word >> 30).min(most),
-            2 | 3 => (word >> (choice >> 3)).min(most),
-            _ => ((u64::from(word) * (u64::from(most) + 1)) >> 32) as u32,
-        }
-    }
-
-    /// The same, the half of them halved up to three times.
-    fn shorter(&mut self, most: u32) -> u32 {
-        self.up_to(most) >> (self.bits() >> 30)
-    }
-
-    /// The same with either sign.
-    fn within(&mut self, most: u32) -> i32 {
-        self.up_to(most) as i32 * (1 - 2 * (self.bits() >> 31) as i32)
-    }
-
-    /// Below 2^power.
-    fn number(&mut self, power: i32) -> SoftFloat {
-        let (mantissa, lower) = (self.up_to(i32::MAX as u32) as i32, self.up_to(2) as i32);
-        let exponent = power - 31 - lower;
-        SoftFloat { mantissa, exponent }
-    }
-
-    /// Every eighth is -1, 0 or 1.
-    fn weight(&mut self, usual: SoftFloat) -> SoftFloat {
-        let mantissa = self.within(1);
-        if self.up_to(7) > 0 {
-            return usual;
-        }
-        SoftFloat {
-            mantissa,
-            exponent: 0,
-        }
-    }
-
-    /// Three words.
-    fn three(&mut self, most: u32) -> [u32; 3] {
-        [(); 3].map(|()| self.up_to(most))
-    }
 }
 
 fn colours(widths: &Widths, subject: &VectorSubject) -> VectorStage {
@@ -303,10 +165,15 @@ fn samples(widths: &Widths) -> VectorStage {
         };
         let alpha = random.up_to(1 << widths.alpha);
         let rounded = gather.weight(alpha);
-        // Every eighth pixel fills its weight sums.
+        // Every eighth pixel fills its weight sums, every fourth to the last bit.
         let full = u32::from(pixel % 8 == 7) * i32::MAX as u32;
         let weight = random.up_to(full).max(rounded).max(1);
-        let weight = if pixel % 8 == 3 { ONE / 2 } else { weight };
+        let whole = pixel % 4 == 1;
+        let weight = if whole {
+            ONE >> (pixel / 4 % 3)
+        } else {
+            weight
+        };
         let lane = i64::from(random.within(i32::MAX as u32)) << random.up_to(32);
         // Near each other, at the threshold or one beside it.
         let depth = base.saturating_add(threshold.saturating_mul(random.up_to(5)));
@@ -344,10 +211,10 @@ fn octaves() -> VectorStage {
         BuiltinRandom(10),
         Channel::new(Representation::OpticalDepth, ChannelRounding::Nearest, 32),
     );
-    for _ in 0..2 * STEPS {
+    for step in 0..3 * STEPS {
         let (alpha, depth) = (
             random.up_to(1 << 31),
-            random.up_to(u32::MAX) >> (random.bits() >> 29),
+            random.up_to(u32::MAX >> (4 * (step % 8).min(1))),
         );
         let through = dark.map_or(0, |dark| dark.transmittance(depth));
         stage
@@ -497,7 +364,13 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
         let ellipses = [Ellipse::Exact, Ellipse::Approximate];
         let indices = [Index::Affine, Index::Perspective, Index::Ray];
         let choice = (ellipses[ellipse], indices[index]);
-        let (centre, weight) = (splat.centre, random.weight(splat.weight));
+        // Every tenth is hardly above 1/255, so that it ends near its middle.
+        let (mantissa, exponent) = (1_077_952_576 + random.up_to(1 << 28) as i32, -38);
+        let weight = match number % 10 {
+            9 => SoftFloat { mantissa, exponent },
+            _ => random.weight(splat.weight),
+        };
+        let centre = splat.centre;
         let found = |deviation| {
             let colour = splat.colour;
             let splat = SphereSplat {
@@ -508,13 +381,13 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
             };
             setup::setup_sphere(design, &subject.view, rules, &splat, choice)
         };
-        if number % 4 == 3 {
-            // The largest sphere that does not reach the eye, or the smallest that does.
+        if number % 5 == 4 {
+            // The largest sphere that does not reach the eye, more or less exactly, or the smallest that does.
             deviation = SoftFloat {
                 mantissa: 0,
-                exponent: -16,
+                exponent: -27,
             };
-            for bit in (0..31).rev() {
+            for bit in (random.up_to(12)..31).rev() {
                 let mantissa = deviation.mantissa | 1 << bit;
                 if found(SoftFloat {
                     mantissa,
@@ -526,7 +399,7 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
             }
             deviation.mantissa = deviation
                 .mantissa
-                .saturating_add((number / 4 % 4 / 3) as i32);
+                .saturating_add((number / 5 % 4 / 3) as i32);
         }
         let words = found(deviation).map(|found| {
             let slant = found
@@ -568,7 +441,7 @@ fn indices(widths: &Widths, subject: &VectorSubject) -> VectorStage {
         "indices",
         "a sphere's radial index; a spread and what it makes of it; a pixel, L, the squared length of its ray and what they make of it",
         &format!(
-            "radial:64.{bits} spread:32.32 by_spread:64.{bits} pixel*2:16 focal*4:-32 slant*2:-32 squared:-64.28 by_ray:64.{bits}"
+            "radial:64.{bits} spread:32.32 by_spread:64.{bits} pixel*2:16 focal*4:-32 principal*2:-64.32 slant*2:-32 squared:-64.28 by_ray:64.{bits}"
         ),
     );
     let entries = perspective_entries();
@@ -579,8 +452,10 @@ fn indices(widths: &Widths, subject: &VectorSubject) -> VectorStage {
         let spread = random.up_to(u32::MAX) >> (4 * (step / 2 % 2));
         let pixel = [(); 2].map(|()| random.up_to(u16::MAX.into()) as u16);
         let focal = [(); 2].map(|()| random.number(2 + (step % 16) as i32));
+        let principal = [(); 2].map(|()| i64::from(random.within(i32::MAX as u32)) << 6);
         let rays = Rays::new(&View {
             focal,
+            principal: principal.map(I32F32::from_bits),
             ..subject.view
         });
         let slant = (ONE + random.up_to(ONE - 1)).into();
@@ -588,7 +463,7 @@ fn indices(widths: &Widths, subject: &VectorSubject) -> VectorStage {
         let by_spread = table.index(spread, bits.into()).correct(radial);
         let by_ray = rays.correct(pixel, radial, slant);
         stage.records.push(
-            record![radial; spread; by_spread; pixel; focal; slant; rays.squared(pixel); by_ray],
+            record![radial; spread; by_spread; pixel; focal; principal; slant; rays.squared(pixel); by_ray],
         );
     }
     stage
