@@ -522,7 +522,7 @@ mod tests {
         fn every_word_is_as_stated(
             widths in any_widths(), alpha_max: u32, omit_finishing: bool, radial: bool,
             alpha_min in prop_oneof![Just(0), 0u64..1 << THRESHOLD, Just(Rules::GAUSSIAN_3D.alpha_min)],
-            minimum_transmittance in prop_oneof![Just(0), 0u64..1 << THRESHOLD, 0u64..1 << 40],
+            minimum_transmittance in prop_oneof![Just(0), Just(1 << 57), 0u64..1 << THRESHOLD, 0u64..1 << 40],
             layers in prop::collection::vec(any::<[u32; 5]>(), 1..12),
         ) {
             let cutoff = if radial { Cutoff::Radial(4 << 28) } else { Cutoff::Opacity };
@@ -534,6 +534,19 @@ mod tests {
             let blind = (peak + weight - alpha - GUARD).max(0);
             let least = rounded(least, THRESHOLD as i32 - (peak + weight - blind), Rounding::Nearest) << blind;
             let most = rounded(alpha_max.into(), 31 - alpha, Rounding::Nearest).min(1 << alpha);
+            let constants = blend.constants();
+            let stop = u128::from(minimum_transmittance).saturating_sub(1) >> (THRESHOLD as i32 - t);
+            prop_assert_eq!(u128::from(constants.minimum_transmittance), stop);
+            // The least product that is drawn, and the one below it.
+            let smallest = u128::from(constants.opacity_min);
+            let is_drawn = |product| rounded(product, peak + weight - alpha, rounding) > 0 && product >= least;
+            prop_assert!(is_drawn(smallest) && !is_drawn(smallest - 1));
+            if smallest < 1 << (4 + peak) {
+                let opacities = [0, 1].map(|below| blend.opacity(smallest as u32 - below, 1));
+                prop_assert!(opacities[0] > 0 || most == 0);
+                prop_assert_eq!(opacities[1], 0);
+            }
+            prop_assert_eq!(blend.is_clamped(1 << peak, widths.weight), most < 1 << alpha);
             let [mut front, mut back, mut sum] = [Pixel::clear(&widths); 3];
             for [p, w, colours @ ..] in layers {
                 let (p, w) = (word(4 + peak as u32, p), word(weight as u32, w) + (w >> 31));
@@ -552,7 +565,10 @@ mod tests {
                     continue;
                 }
                 let before = front;
+                let mut unsaturated = front;
                 blend.front_to_back(&mut front, a as u32, &k);
+                blend.front_to_back_of_opacity(&mut unsaturated, a as u32, &k);
+                prop_assert_eq!(unsaturated, front);
                 let taken = rounded(u128::from(before.transmittance) * a, alpha, rounding);
                 let rest = u128::from(before.transmittance) - taken;
                 let stops = rest == 0 || rest << (THRESHOLD as i32 - t) < u128::from(minimum_transmittance);
@@ -667,6 +683,32 @@ mod tests {
                 .is_narrow(),
                 narrow
             );
+        }
+        // Others end where the word ends.
+        let others = Blend::new(
+            &Widths {
+                accumulator: 11,
+                ..fitting
+            },
+            &Rules::EWA,
+        );
+        let mut bright = Pixel {
+            colour: [u32::MAX; 3],
+            ..Pixel::clear(&fitting)
+        };
+        others.front_to_back(&mut bright, 1 << 11, &[1 << 10; 3]);
+        assert_eq!(bright.colour, [u32::MAX; 3]);
+        // The largest factors of products that fit 32 bits, or just do not.
+        for (peak, alpha) in (4..=24).flat_map(|peak| (4..=28).map(move |alpha| (peak, alpha))) {
+            let widths = Widths {
+                peak,
+                alpha,
+                weight: 28 - peak,
+                ..Standard24::WIDTHS
+            };
+            let full = Blend::new(&widths, &Rules::EWA)
+                .opacity(u32::MAX >> (28 - peak), 1 << widths.weight);
+            assert_eq!(full, 1 << alpha, "{peak} {alpha}");
         }
         let narrow = Blend::new(&Lean18::WIDTHS, &Rules::EWA);
         assert!(narrow.is_narrow());
