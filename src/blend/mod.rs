@@ -698,6 +698,35 @@ mod tests {
         };
         others.front_to_back(&mut bright, 1 << 11, &[1 << 10; 3]);
         assert_eq!(bright.colour, [u32::MAX; 3]);
+        // Nothing is dropped.
+        let whole = Widths {
+            peak: 8,
+            weight: 8,
+            alpha: 16,
+            transmittance: 12,
+            ..fitting
+        };
+        assert!(Blend::new(&whole, &Rules::EWA).is_narrow());
+        // As many bits dropped as the first factor has zeros.
+        for (peak, weight) in (4u8..=28).flat_map(|peak| (4..=28).map(move |weight| (peak, weight))) {
+            let alpha = (2 * peak + weight).saturating_sub(28u8);
+            if (4..=28).contains(&alpha) {
+                let widths = Widths {
+                    peak,
+                    weight,
+                    alpha,
+                    ..Standard24::WIDTHS
+                };
+                let (p, w) = ((1u32 << peak) - 1, (1u32 << weight) - 1);
+                let by = i32::from(peak + weight) - i32::from(alpha);
+                let expected = rounded(u128::from(p) * u128::from(w), by, widths.rounding);
+                assert_eq!(
+                    u128::from(Blend::new(&widths, &Rules::EWA).opacity(p, w)),
+                    expected,
+                    "{peak} {weight}"
+                );
+            }
+        }
         // The largest factors of products that fit 32 bits, or just do not.
         for (peak, alpha) in (4..=24).flat_map(|peak| (4..=28).map(move |alpha| (peak, alpha))) {
             let widths = Widths {

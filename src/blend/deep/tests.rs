@@ -95,7 +95,7 @@ proptest! {
                 deepest.min(u64::from(word) + step)
             }
         };
-        let before = before.map(|c| c.min(deepest as u32));
+        let before = before.map(|c| c >> (32 - channel.width()));
         let (mut front, mut back) = (DeepPixel { colour: before, alpha: word }, DeepPixel { colour: before, alpha: word });
         front.front_to_back(&channel, alpha, &colour, place, layer);
         back.back_to_front(&channel, alpha, &colour, place, layer);
