@@ -708,7 +708,8 @@ mod tests {
         };
         assert!(Blend::new(&whole, &Rules::EWA).is_narrow());
         // As many bits dropped as the first factor has zeros.
-        for (peak, weight) in (4u8..=28).flat_map(|peak| (4..=28).map(move |weight| (peak, weight))) {
+        for (peak, weight) in (4u8..=28).flat_map(|peak| (4..=28).map(move |weight| (peak, weight)))
+        {
             let alpha = (2 * peak + weight).saturating_sub(28u8);
             if (4..=28).contains(&alpha) {
                 let widths = Widths {
