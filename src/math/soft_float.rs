@@ -441,6 +441,18 @@ mod tests {
                 "{bits}"
             );
         }
+        for bits in 8..=31 {
+            // A single bit at the window's end.
+            let least = Product {
+                value: 1,
+                exponent: 0,
+                length: bits + GUARD,
+            };
+            assert_eq!(
+                sum_of_products([least], bits),
+                SoftFloat::from_wide(1, 0, bits)
+            );
+        }
         let far = Product {
             value: 1 << 62,
             exponent: 0,

@@ -131,20 +131,20 @@ fn slabs_count_away_from_the_eye() {
 fn a_composited_sheet_is_empty_again() {
     let window = Window {
         first: [5, 2],
-        end: [8, 4],
+        end: [8, 10],
     };
     // One that lacks the sheet's first column and its last row.
     let part = Window {
         first: [6, 1],
-        end: [9, 3],
+        end: [9, 9],
     };
     let blend = Blend::new(&WIDTHS, &Rules::EWA);
     for over in [false, true] {
-        let (mut memory, mut frame) = ([Pixel::default(); 6], [Pixel::clear(&WIDTHS); 6]);
+        let (mut memory, mut frame) = ([Pixel::default(); 24], [Pixel::clear(&WIDTHS); 24]);
         let mut sheet = SheetBuffer::new(&mut memory, window, 3, &WIDTHS).unwrap();
         let mut target = Target::new(&mut frame, part, 3).unwrap();
-        for (y, count) in [(2, 3), (3, 3)] {
-            for pixel in sheet.target().row(y, 5, count) {
+        for y in [2, 8, 9] {
+            for pixel in sheet.target().row(y, 5, 3) {
                 blend.x_ray(pixel, 1 << (WIDTHS.alpha - 1), &[1 << WIDTHS.colour; 3]);
             }
         }
@@ -152,7 +152,7 @@ fn a_composited_sheet_is_empty_again() {
             true => sheet.composite_over(&blend, &mut target),
             false => sheet.composite_behind(&blend, &mut target),
         };
-        assert_eq!([composite(), composite()], [2, 0]);
+        assert_eq!([composite(), composite()], [4, 0]);
         assert_eq!(
             target.row(2, 6, 3).iter().map(value).collect::<Vec<_>>(),
             [[0.5; 4], [0.5; 4], [0.0, 0.0, 0.0, 1.0]]
@@ -211,4 +211,14 @@ fn slabs_begin_at_the_nearest_depth() {
     let share = |slab| slabs.fraction_in(slab, 3 << 23, SoftFloat::ZERO);
     assert_eq!([2, 3, 4].map(share), [0, 1 << 16, 0]);
     assert!(Facing::new([I2F30::ZERO; 3]).ascending);
+    let last = |per_unit, spread| {
+        DepthSlabs {
+            nearest: 0,
+            per_unit,
+        }
+        .reach(0, spread)
+        .1
+    };
+    assert_eq!(last((1 << 31) - 1, one), 98_303);
+    assert_eq!(last(1 << 16, one.scaled_by(60)), 3 << 24);
 }
