@@ -4,7 +4,9 @@ use super::*;
 use crate::format::Standard24;
 use crate::math::SoftFloat;
 use crate::rules::Rules;
-use fixed::types::{I2F30, I8F24};
+use crate::splat::Axis;
+use crate::view::View;
+use fixed::types::{I2F30, I8F24, I32F32};
 use proptest::prelude::*;
 extern crate std;
 use std::vec::Vec;
@@ -221,4 +223,64 @@ fn slabs_begin_at_the_nearest_depth() {
     };
     assert_eq!(last((1 << 31) - 1, one), 98_303);
     assert_eq!(last(1 << 16, one.scaled_by(60)), 3 << 24);
+}
+
+/// The root of the squared depths of the axes, in double precision; exponents end where the format's do, and the least mantissa is the greatest's negative.
+#[test]
+fn spreads_are_lengths_along_the_view() {
+    let end = |value| crate::math::Extended { value, exponent: 0 };
+    let row = [0.48, -0.6, 0.64].map(I2F30::from_num);
+    let view = View {
+        rotation: [[I2F30::ONE; 3], [I2F30::ZERO; 3], row],
+        pose: crate::view::Eye::ORIGIN,
+        focal: [SoftFloat::from_wide(1, 0, 31); 2],
+        principal: [I32F32::ZERO; 2],
+        near: end(0),
+        far: end(1),
+        viewport: [1; 2],
+        projection: crate::view::Projection::Orthographic,
+        limits: crate::view::RatioLimits {
+            low: [I32F32::MIN; 2],
+            high: [I32F32::MAX; 2],
+        },
+    };
+    assert_eq!(
+        Facing::of_view(&view),
+        Facing {
+            axis: 2,
+            ascending: true
+        }
+    );
+    let mantissas = [
+        [1 << 30, 5 << 27, -3 << 26],
+        [i32::MIN, 7, 1 << 29],
+        [-9 << 24, i32::MAX, 1 << 30],
+    ];
+    let spread = |mantissas: [[i32; 3]; 3], exponent| {
+        depth_spread(
+            &view,
+            &mantissas.map(|mantissa| Axis { mantissa, exponent }),
+        )
+    };
+    let depths = mantissas.map(|axis| {
+        (0..3)
+            .map(|i| row[i].to_num::<f64>() * f64::from(axis[i]))
+            .sum::<f64>()
+    });
+    let exact = depths.iter().map(|depth| depth * depth).sum::<f64>().sqrt();
+    let found = spread(mantissas, 0);
+    let length = f64::from(found.mantissa) * f64::from(found.exponent).exp2();
+    assert!(
+        (length / exact - 1.0).abs() < 2f64.powi(-23),
+        "{length} {exact}"
+    );
+    assert_eq!(found.mantissa.ilog2(), 23);
+    for exponent in [-600, -512, -100, 511, 600] {
+        assert_eq!(
+            spread(mantissas, exponent),
+            found.scaled_by(exponent.clamp(-512, 511))
+        );
+    }
+    let [least, negative] = [i32::MIN, -i32::MAX].map(|mantissa| spread([[0, 0, mantissa]; 3], 0));
+    assert_eq!(least, negative);
 }
