@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn coverage_is_the_quotient_to_a_unit() {
         for step in 1..20_000u32 {
-            let threshold = step * 53_687;
+            let threshold = step * 107_374;
             let filter = EdgeFilter::new(threshold).unwrap();
             for part in [7u64, 8, 9] {
                 let weight = (u64::from(threshold) * part / 10) as u32;

@@ -296,12 +296,16 @@ mod tests {
         let gather = WeightedSum::new(&widths, THRESHOLD);
         let one = 1 << sum_fraction(&widths);
         for (front, back) in [(40, 39), (64, 62), (64, 63), (126, 127), (1, 127)] {
-            let mut layers = Layers::<2>::EMPTY;
+            let mut layers = Layers::<3>::EMPTY;
             let shares = [
                 [1.0, 1.0, 0.0, 0.5, 1.0, 0.0, -1.0],
                 [0.5, 0.0, 1.0, 1.0, 0.0, 1.0, -1.0],
             ];
-            for (shares, count, depth) in [(shares[0], front, 1000), (shares[1], back, 1180)] {
+            for (shares, count, depth) in [
+                (shares[0], front, 1000),
+                (shares[1], back, 1190),
+                (shares[0], 1, 9000),
+            ] {
                 for _ in 0..count {
                     added(
                         &gather,
@@ -317,9 +321,10 @@ mod tests {
                 &(shares[0], one, 1090),
                 attribute_fraction(&widths),
             );
-            let [joined] = layers.fragments() else {
-                panic!("one layer");
+            let [joined, behind] = layers.fragments() else {
+                panic!("two layers");
             };
+            assert_eq!((behind.near, layers.merges()), (9000, 0));
             let front = front + 1;
             let sum = front + back;
             let expected = if sum >= 128 {
@@ -329,7 +334,7 @@ mod tests {
             };
             assert_eq!(
                 (joined.weight, joined.near, joined.far),
-                (expected, 1000, 1180)
+                (expected, 1000, 1190)
             );
             let seen = gather.normalise(joined);
             for i in 0..3 {

@@ -138,7 +138,7 @@ impl Blend {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::Standard24;
+    use crate::format::{Standard24, Widths};
     use crate::rules::Rules;
 
     fn unit(value: f64, bits: u8) -> u32 {
@@ -175,13 +175,20 @@ mod tests {
     /// Points in one range are summed, points of two ranges composited; also where opacities sum to more than 1.
     #[test]
     fn sums_within_and_composites_between_ranges() {
-        let widths = Standard24::WIDTHS;
-        let blend = Blend::new(&widths, &Rules::EWA);
-        let colour = [1.0, 0.5, 0.25].map(|c| unit(c, widths.colour));
-        for opacities in [[0.2, 0.3, 0.4], [0.7, 0.6, 0.9]] {
+        let odd = Widths {
+            transmittance: 23,
+            ..Standard24::WIDTHS
+        };
+        let opacities = [[0.2, 0.3, 0.4], [0.7, 0.6, 0.9]];
+        for (widths, opacities) in [Standard24::WIDTHS, odd]
+            .into_iter()
+            .flat_map(|w| opacities.map(|o| (w, o)))
+        {
+            let blend = Blend::new(&widths, &Rules::EWA);
+            let colour = [1.0, 0.5, 0.25].map(|c| unit(c, widths.colour));
             let mut pixel = Pixel::clear(&widths);
             let mut slab = Slab::default();
-            for (alpha, depth) in opacities.iter().zip([100, 110, 300]) {
+            for (alpha, depth) in opacities.iter().zip([100, 150, 300]) {
                 blend.gather(
                     &mut pixel,
                     &mut slab,
@@ -200,6 +207,35 @@ mod tests {
             assert_eq!(slab, Slab::default());
             assert_eq!(pixel.is_finished(), first == 1.0);
         }
+    }
+
+    /// The faintest point begins a slab of its own, and takes of the light; a finished pixel is left as it is.
+    #[test]
+    fn faint_points_and_finished_pixels() {
+        let widths = Standard24::WIDTHS;
+        let blend = Blend::new(&widths, &Rules::EWA);
+        let (mut pixel, mut slab) = (Pixel::clear(&widths), Slab::default());
+        for depth in [100, 300] {
+            blend.gather(&mut pixel, &mut slab, 1, &[0; 3], depth, 50);
+        }
+        assert_eq!((slab.first, slab.opacity), (300, 1));
+        blend.close(&mut pixel, &mut slab);
+        let taken = 2 << (widths.transmittance - widths.alpha);
+        assert_eq!(pixel.transmittance, (1 << widths.transmittance) - taken);
+        let finished = Pixel {
+            transmittance: super::super::FINISHED | 1 << 20,
+            ..pixel
+        };
+        let mut after = finished;
+        blend.close(
+            &mut after,
+            &mut Slab {
+                opacity: 1 << 20,
+                colour: [9; 3],
+                first: 5,
+            },
+        );
+        assert_eq!(after, finished);
     }
 
     #[test]

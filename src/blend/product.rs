@@ -111,3 +111,32 @@ impl Product {
         result
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All small factors, among which every tie is, in one word and in 64 bits.
+    #[test]
+    fn ties_go_to_the_even_sum() {
+        for rounding in [Rounding::Nearest, Rounding::NearestEven, Rounding::Truncate] {
+            for (by, sum) in (0..7).flat_map(|by| (0..4u32).map(move |sum| (by, sum))) {
+                let product = Product::new([64, 64], by, rounding);
+                for (a, b) in (0..=64u32).flat_map(|a| (0..=64u32).map(move |b| (a, b))) {
+                    let exact = (sum << by) + a * b;
+                    let half = if by > 0 { 1u32 << (by - 1) } else { 0 };
+                    let up = match rounding {
+                        Rounding::Nearest => half,
+                        Rounding::NearestEven if by > 0 => half - 1 + (exact >> by & 1),
+                        _ => 0,
+                    };
+                    let expected = u64::from(((exact + up) >> by) - sum);
+                    assert_eq!(
+                        [product, product.wide()].map(|form| form.added_to(sum, a, b)),
+                        [expected; 2]
+                    );
+                }
+            }
+        }
+    }
+}

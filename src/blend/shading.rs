@@ -275,34 +275,63 @@ mod tests {
         }
     }
 
-    /// Without a normal, or away from the light, nothing but the ambient share is seen; whatever the bits, nothing is below black.
+    /// What is exactly known: no light from behind, or without a normal; a mirror's image at an angle; and black that stays black.
     #[test]
-    fn what_is_dark_has_its_ambient_share() {
-        let material = Material {
+    fn light_at_its_ends() {
+        const UNIT: u32 = 1 << 27;
+        let glossy = Material {
             ambient: 1 << 26,
             diffuse: 1 << 30,
             specular: 1 << 30,
             exponent: 0,
         };
-        let (materials, view) = ([material], view(Projection::Perspective));
-        let shading = Shading::new(
-            &crate::format::Deep32::WIDTHS,
-            &materials,
-            [0, 0, -(ONE as i32)],
-            &view,
-        );
-        for (normal, seen) in [
-            ([0; 3], 1 << 20),
-            ([0, 0, ONE as i32], 1 << 20),
-            ([ONE as i32, 0, 0], 1 << 20),
-        ] {
+        let mirror = Material {
+            ambient: 0,
+            diffuse: 0,
+            specular: 1 << 30,
+            exponent: 1,
+        };
+        let black = Material {
+            specular: 0,
+            ..mirror
+        };
+        let one = ONE as i32;
+        // In fives: 3, 4.
+        let [across, towards] = [644_245_094, 858_993_459];
+        let eye = [0, 0, -one];
+        let cases = [
+            (glossy, eye, [0; 3], 1 << 26),
+            (glossy, eye, [0, 0, one], 1 << 26),
+            (glossy, eye, [one, 0, 0], 1 << 26),
+            // The least light that is any.
+            (glossy, [0, 0, -1], eye, (1 << 26) + 1 + (1 << 30)),
+            (mirror, [across, 0, -towards], eye, towards as u32),
+            (mirror, [0, across, -towards], eye, towards as u32),
+            // Its image lies behind the eye.
+            (
+                mirror,
+                [-one / 2, 0, -929_887_697],
+                [towards, 0, -across],
+                0,
+            ),
+            (black, eye, eye, 0),
+        ];
+        for (material, light, normal, seen) in cases {
+            let (materials, view) = ([material], view(Projection::Orthographic));
+            let shading = Shading::new(&crate::format::Deep32::WIDTHS, &materials, light, &view);
             let filtered = Filtered {
-                colour: [1 << 21, 0, 0],
-                opacity: 1 << 20,
+                colour: [UNIT; 3],
+                opacity: UNIT,
                 normal,
                 material: 0,
             };
-            assert_eq!(shading.shade(&filtered, 40, 30), [seen, 0, 0], "{normal:?}");
+            assert_eq!(
+                shading.shade(&filtered, 40, 30),
+                [seen; 3],
+                "{material:?} {light:?} {normal:?}"
+            );
         }
+        let got = power(ONE * 99 / 100, 200) as f64 / ONE as f64;
+        assert!((got - 0.99f64.powi(200)).abs() < 1e-6, "{got}");
     }
 }

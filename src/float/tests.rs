@@ -497,6 +497,12 @@ fn a_surfel_has_the_normal_of_its_plane() {
     };
     let splat = surfel.splat().unwrap();
     assert_eq!(splat.normal, axis([0.0, 0.0, 1.0]));
+    let longest = Surfel {
+        tangents: [[f32::MAX, 0.0, 0.0], [0.0, f32::MAX, f32::MAX]],
+        ..surfel
+    };
+    let part = 1.0 / 2f64.sqrt();
+    assert_eq!(longest.splat().unwrap().normal, axis([0.0, -part, part]));
     assert_eq!(splat.colour, [1.0, 0.5, 0.0].map(U4F28::from_num));
     let flat = Surfel {
         tangents: [[1.0, 2.0, 3.0]; 2],

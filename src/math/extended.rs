@@ -77,6 +77,10 @@ mod tests {
             let wide = |number: Extended| i128::from(number.value) << number.exponent;
             prop_assert_eq!(a.exceeds(b), wide(a) > wide(b));
             prop_assert_eq!(b.exceeds(a), wide(b) > wide(a));
+            prop_assert!(a.value == 0 || wide(a).unsigned_abs() >> a.leading() == 1);
+            let half = Extended { value: 1, exponent: a.exponent - 1 };
+            let whole = Extended { value: 1, ..a };
+            prop_assert!(whole.exceeds(half));
         }
 
         #[test]

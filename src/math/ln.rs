@@ -109,6 +109,7 @@ mod tests {
             let found = logarithm(u128::from(16 + sixteenth) << 56) as f64 / 2f64.powi(60);
             assert!((found - y.ln()).abs() < 2f64.powi(-52), "{y}: {found}");
         }
+        assert_eq!(logarithm(1 << 60), 0);
         for exponent in -60..60 {
             assert!(
                 error(1_234_567_891, exponent) <= 2f64.powi(-30),
@@ -133,7 +134,7 @@ mod tests {
                     mantissa: 1,
                     exponent
                 })
-                .is_some()
+                .is_some_and(|logarithm| (logarithm < 0) == (exponent < 0))
             );
         }
         assert_eq!(

@@ -86,6 +86,8 @@ mod tests {
             "{:.2} bits",
             -worst.log2()
         );
+        // The step that longer results take would do better.
+        assert!(worst > 2f64.powi(-16) + 2f64.powi(-28));
     }
 
     #[test]

@@ -74,6 +74,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn shifts_end_where_the_word_ends() {
+        assert_eq!([63, 64].map(|shift| shift_round(i64::MIN, shift)), [-1, 0]);
+        let moved = |value, shift| shift_unsigned(value, shift, Rounding::Nearest);
+        assert_eq!([-64, -63].map(|shift| moved(1, shift)), [0, 1 << 63]);
+        assert_eq!([63, 64].map(|shift| moved(1 << 62, shift)), [1, 0]);
+    }
+
+    #[test]
     fn halves_go_up() {
         let table: [(i64, u32, i64); 8] = [
             (5, 1, 3),

@@ -409,6 +409,59 @@ mod tests {
     }
 
     #[test]
+    fn short_numbers_by_words_are_rounded_alike() {
+        for bits in [1, 4, 8, 12, 16] {
+            for value in -40_000..40_000 {
+                let wide = SoftFloat::from_wide(value.into(), 3, bits);
+                assert_eq!(SoftFloat::from_word(value, 3, bits), wide, "{value} {bits}");
+            }
+        }
+    }
+
+    /// Four of the largest terms, alone and with mantissas of half a word.
+    #[test]
+    fn the_largest_sums_fit() {
+        for bits in 8..=31 {
+            let most = SoftFloat {
+                mantissa: i32::MAX >> (31 - bits),
+                exponent: 0,
+            };
+            let term = most.times_within(most, 2 * bits);
+            assert_eq!(
+                term.value,
+                i64::from(most.mantissa) * i64::from(most.mantissa)
+            );
+            let drop = (2 * bits).saturating_sub(bits + GUARD);
+            let sum = 4 * (term.value >> drop);
+            let unit = 2 * bits as i32 - (bits + GUARD) as i32;
+            let sum = if unit < 0 { sum << -unit } else { sum };
+            assert_eq!(
+                sum_of_products([term; 4], bits),
+                SoftFloat::from_wide(sum, unit, bits),
+                "{bits}"
+            );
+        }
+        for bits in 8..=31 {
+            // A single bit at the window's end.
+            let least = Product {
+                value: 1,
+                exponent: 0,
+                length: bits + GUARD,
+            };
+            assert_eq!(
+                sum_of_products([least], bits),
+                SoftFloat::from_wide(1, 0, bits)
+            );
+        }
+        let far = Product {
+            value: 1 << 62,
+            exponent: 0,
+            length: 63,
+        };
+        assert_eq!(sum_below([far], 200, 8), SoftFloat::ZERO);
+    }
+
+    #[test]
     fn fixed_point_saturates() {
         let number = SoftFloat {
             mantissa: 3,

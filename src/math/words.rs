@@ -276,7 +276,8 @@ mod tests {
         #[test]
         fn products_agree(a: i32, b: i32, drop in 0u32..32) {
             let (a, b) = (a, b >> drop);
-            for (a, b) in [(a, b), (b, a), (a >> drop, b), (i32::MIN, b), (i32::MIN, i32::MIN), (i32::MAX, b)] {
+            let long = [(90_000, 90_000), (-32_768, 98_000), (98_000, -32_768), (0x7_8000, 0x5_8000)];
+            for (a, b) in [(a, b), (b, a), (a >> drop, b), (i32::MIN, b), (i32::MIN, i32::MIN), (i32::MAX, b)].into_iter().chain(long) {
                 prop_assert_eq!(by_words::product_by_halves(a, b), plain::product(a, b));
                 prop_assert_eq!(by_words::product(a, b), plain::product(a, b));
             }

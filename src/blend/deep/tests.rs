@@ -82,7 +82,7 @@ proptest! {
     ) {
         let deepest = (1u64 << channel.width()) - 1;
         let one = 1u32 << channel.fraction();
-        let word = word.min(deepest as u32);
+        let word = if layer % 2 == 0 { word.min(deepest as u32) } else { word >> (32 - channel.width()) };
         let random = noise(place[0], place[1], layer);
         let opaque = alpha.min(ONE);
         let round = |value, shift, noise| rounded(&channel, value, shift, noise);
@@ -95,7 +95,7 @@ proptest! {
                 deepest.min(u64::from(word) + step)
             }
         };
-        let before = before.map(|c| c.min(deepest as u32));
+        let before = before.map(|c| c >> (32 - channel.width()));
         let (mut front, mut back) = (DeepPixel { colour: before, alpha: word }, DeepPixel { colour: before, alpha: word });
         front.front_to_back(&channel, alpha, &colour, place, layer);
         back.back_to_front(&channel, alpha, &colour, place, layer);

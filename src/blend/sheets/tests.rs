@@ -4,8 +4,12 @@ use super::*;
 use crate::format::Standard24;
 use crate::math::SoftFloat;
 use crate::rules::Rules;
-use fixed::types::{I2F30, I8F24};
+use crate::splat::Axis;
+use crate::view::View;
+use fixed::types::{I2F30, I8F24, I32F32};
 use proptest::prelude::*;
+extern crate std;
+use std::vec::Vec;
 
 const WIDTHS: Widths = Standard24::WIDTHS;
 
@@ -128,18 +132,155 @@ fn slabs_count_away_from_the_eye() {
 #[test]
 fn a_composited_sheet_is_empty_again() {
     let window = Window {
-        first: [0, 0],
-        end: [3, 2],
+        first: [5, 2],
+        end: [8, 10],
     };
-    let (mut memory, mut frame) = ([Pixel::default(); 6], [Pixel::clear(&WIDTHS); 6]);
-    let mut sheet = SheetBuffer::new(&mut memory, window, 3, &WIDTHS).unwrap();
-    let mut target = Target::new(&mut frame, window, 3).unwrap();
+    // One that lacks the sheet's first column and its last row.
+    let part = Window {
+        first: [6, 1],
+        end: [9, 9],
+    };
     let blend = Blend::new(&WIDTHS, &Rules::EWA);
-    for pixel in sheet.target().row(1, 0, 2) {
-        blend.x_ray(pixel, 1 << (WIDTHS.alpha - 1), &[1 << WIDTHS.colour; 3]);
+    for over in [false, true] {
+        let (mut memory, mut frame) = ([Pixel::default(); 24], [Pixel::clear(&WIDTHS); 24]);
+        let mut sheet = SheetBuffer::new(&mut memory, window, 3, &WIDTHS).unwrap();
+        let mut target = Target::new(&mut frame, part, 3).unwrap();
+        for y in [2, 8, 9] {
+            for pixel in sheet.target().row(y, 5, 3) {
+                blend.x_ray(pixel, 1 << (WIDTHS.alpha - 1), &[1 << WIDTHS.colour; 3]);
+            }
+        }
+        let mut composite = || match over {
+            true => sheet.composite_over(&blend, &mut target),
+            false => sheet.composite_behind(&blend, &mut target),
+        };
+        assert_eq!([composite(), composite()], [4, 0]);
+        assert_eq!(
+            target.row(2, 6, 3).iter().map(value).collect::<Vec<_>>(),
+            [[0.5; 4], [0.5; 4], [0.0, 0.0, 0.0, 1.0]]
+        );
+        assert_eq!(value(&target.row(1, 6, 1)[0]), [0.0, 0.0, 0.0, 1.0]);
     }
-    assert_eq!(sheet.composite_behind(&blend, &mut target), 2);
-    assert_eq!(sheet.composite_behind(&blend, &mut target), 0);
-    assert_eq!(value(&target.row(1, 1, 1)[0]), [0.5; 4]);
-    assert_eq!(value(&target.row(0, 0, 1)[0]), [0.0, 0.0, 0.0, 1.0]);
+}
+
+/// As between splats: what is left of the light at the threshold stops a pixel, and may itself be left out.
+#[test]
+fn a_sheet_finishes_a_pixel_at_the_threshold() {
+    for omit_finishing in [false, true] {
+        let blend = Blend::new(
+            &WIDTHS,
+            &Rules {
+                omit_finishing,
+                ..Rules::EWA
+            },
+        );
+        let least = blend.constants().minimum_transmittance;
+        for (transmittance, stops) in [(least, true), (least + 1, false), (1 << 20, false)] {
+            let sheet = Pixel {
+                colour: [1 << 20; 3],
+                transmittance,
+            };
+            let mut pixel = Pixel::clear(&WIDTHS);
+            blend.sheet_behind(&mut pixel, &sheet);
+            let left_out = stops && omit_finishing;
+            assert_eq!(pixel.is_finished(), stops);
+            assert_eq!(
+                pixel.transmittance(),
+                if left_out {
+                    1 << WIDTHS.transmittance
+                } else {
+                    transmittance
+                }
+            );
+            assert_eq!(pixel.colour, [if left_out { 0 } else { 1 << 20 }; 3]);
+        }
+    }
+}
+
+#[test]
+fn slabs_begin_at_the_nearest_depth() {
+    let slabs = DepthSlabs {
+        nearest: 2 << 23,
+        per_unit: 3 << 16,
+    };
+    let numbers = [0, 1 << 23, 2 << 23, 9 << 22, u32::MAX].map(|depth| slabs.slab(depth));
+    assert_eq!(numbers, [0, 0, 0, 7, 1529]);
+    let one = SoftFloat::from_wide(1, 0, 31);
+    // Three standard deviations of three slabs each.
+    assert_eq!(slabs.reach(3 << 23, one), (0, 12));
+    // A sheet itself lies in one slab, also where that begins.
+    assert_eq!(slabs.reach(3 << 23, SoftFloat::ZERO), (3, 3));
+    let share = |slab| slabs.fraction_in(slab, 3 << 23, SoftFloat::ZERO);
+    assert_eq!([2, 3, 4].map(share), [0, 1 << 16, 0]);
+    assert!(Facing::new([I2F30::ZERO; 3]).ascending);
+    let last = |per_unit, spread| {
+        DepthSlabs {
+            nearest: 0,
+            per_unit,
+        }
+        .reach(0, spread)
+        .1
+    };
+    assert_eq!(last((1 << 31) - 1, one), 98_303);
+    assert_eq!(last(1 << 16, one.scaled_by(60)), 3 << 24);
+}
+
+/// The root of the squared depths of the axes, in double precision; exponents end where the format's do, and the least mantissa is the greatest's negative.
+#[test]
+fn spreads_are_lengths_along_the_view() {
+    let end = |value| crate::math::Extended { value, exponent: 0 };
+    let row = [0.48, -0.6, 0.64].map(I2F30::from_num);
+    let view = View {
+        rotation: [[I2F30::ONE; 3], [I2F30::ZERO; 3], row],
+        pose: crate::view::Eye::ORIGIN,
+        focal: [SoftFloat::from_wide(1, 0, 31); 2],
+        principal: [I32F32::ZERO; 2],
+        near: end(0),
+        far: end(1),
+        viewport: [1; 2],
+        projection: crate::view::Projection::Orthographic,
+        limits: crate::view::RatioLimits {
+            low: [I32F32::MIN; 2],
+            high: [I32F32::MAX; 2],
+        },
+    };
+    assert_eq!(
+        Facing::of_view(&view),
+        Facing {
+            axis: 2,
+            ascending: true
+        }
+    );
+    let mantissas = [
+        [1 << 30, 5 << 27, -3 << 26],
+        [i32::MIN, 7, 1 << 29],
+        [-9 << 24, i32::MAX, 1 << 30],
+    ];
+    let spread = |mantissas: [[i32; 3]; 3], exponent| {
+        depth_spread(
+            &view,
+            &mantissas.map(|mantissa| Axis { mantissa, exponent }),
+        )
+    };
+    let depths = mantissas.map(|axis| {
+        (0..3)
+            .map(|i| row[i].to_num::<f64>() * f64::from(axis[i]))
+            .sum::<f64>()
+    });
+    let exact = depths.iter().map(|depth| depth * depth).sum::<f64>().sqrt();
+    let found = spread(mantissas, 0);
+    let length = f64::from(found.mantissa) * f64::from(found.exponent).exp2();
+    assert!(
+        (length / exact - 1.0).abs() < 2f64.powi(-23),
+        "{length} {exact}"
+    );
+    assert_eq!(found.mantissa.ilog2(), 23);
+    for exponent in [-600, -512, -100, 511, 600] {
+        assert_eq!(
+            spread(mantissas, exponent),
+            found.scaled_by(exponent.clamp(-512, 511))
+        );
+    }
+    let [least, negative] = [i32::MIN, -i32::MAX].map(|mantissa| spread([[0, 0, mantissa]; 3], 0));
+    assert_eq!(least, negative);
 }
