@@ -5,6 +5,7 @@
 use super::evaluator::{Choice, DesignError, Evaluator, Reached, work_key};
 use super::limits::{Limit, missed};
 use super::space::{Space, SpacePart};
+use crate::machine::area::lane::fixed_lane;
 use crate::plan::DesignVariant;
 use anyhow::Result;
 use rayon::prelude::*;
@@ -130,6 +131,16 @@ impl<'a> Search<'a> {
         self.drawn.len() + self.refused.len()
     }
 
+    /// PSNR and transistors a lane of the designs that were drawn whole.
+    pub fn drawn_lanes(&self) -> Vec<[f64; 2]> {
+        let prices = &self.evaluator.subject.calibration;
+        let lane = |(choice, error): &(Choice, DesignError)| {
+            let units = fixed_lane(&choice.variant.design.widths, prices);
+            [error.psnr_db(), units.transistors as f64]
+        };
+        self.drawn.iter().map(lane).collect()
+    }
+
     /// Says what is being done, after how much, and what the best so far costs.
     fn tell(&self, what: &str, left: usize) {
         let holds = |reached: &&Reached| missed(self.limits, None, reached) <= 0.0;
@@ -178,6 +189,11 @@ impl<'a> Search<'a> {
 
     /// Are the limits on errors held? Where a few tiles miss them, the rest is not drawn.
     fn holds_errors(&mut self, point: &[usize]) -> Result<bool> {
+        Ok(self.could_hold_errors(point)? && self.error_excess(point)? <= 0.0)
+    }
+
+    /// Could they be, by a few tiles alone? Of what is drawn already or has to be drawn whole, the answer is exact.
+    fn could_hold_errors(&mut self, point: &[usize]) -> Result<bool> {
         let choice = self.choice(point)?;
         let same = |other: &Choice| {
             other.variant.traversal == choice.variant.traversal
@@ -186,18 +202,17 @@ impl<'a> Search<'a> {
         if self.refused.iter().any(same) {
             return Ok(false);
         }
-        if !self.drawn.iter().any(|(other, _)| same(other)) {
-            let least = self.evaluator.least_error(&choice.variant, &self.frames)?;
-            let mut errors = self.limits.iter().filter(|limit| limit.quantity.is_error());
-            if least
-                .is_some_and(|least| errors.any(|limit| limit.excess_of_error(Some(least)) > 0.0))
-            {
-                self.refused.push(choice);
-                self.tell("drawing", 0);
-                return Ok(false);
-            }
+        let least = self.evaluator.least_error(&choice.variant, &self.frames)?;
+        if least.is_none() || self.drawn.iter().any(|(other, _)| same(other)) {
+            return Ok(self.error_excess(point)? <= 0.0);
         }
-        Ok(self.error_excess(point)? <= 0.0)
+        let mut errors = self.limits.iter().filter(|limit| limit.quantity.is_error());
+        let refused = errors.any(|limit| limit.excess_of_error(least) > 0.0);
+        if refused {
+            self.refused.push(choice);
+            self.tell("drawing", 0);
+        }
+        Ok(!refused)
     }
 
     /// By how much the limits on errors are missed, in sum.
