@@ -125,3 +125,32 @@ pub enum Compositing {
     /// Plain summation of opacity and of opacity times colour.
     XRay,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_are_the_nearest() {
+        for (numerator, denominator) in [
+            (0, 7),
+            (1, 255),
+            (999, 1000),
+            (1, 10_000),
+            (1, 1),
+            (2, 3),
+            (5, 8),
+        ] {
+            for fraction in [1, 2, 31, THRESHOLD] {
+                let twice = 2
+                    * u128::from(ratio(numerator, denominator, fraction))
+                    * u128::from(denominator);
+                let exact = 2 * (u128::from(numerator) << fraction);
+                assert!(
+                    twice + u128::from(denominator) >= exact
+                        && twice <= exact + u128::from(denominator)
+                );
+            }
+        }
+    }
+}

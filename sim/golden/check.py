@@ -12,6 +12,7 @@ import arithmetic
 import pixels
 import rows
 import setup
+import systems
 import tables
 from vectors import Folder
 
@@ -141,9 +142,14 @@ class Check:
                     composite(widths, blend, pixel, alpha, print.colour)
                 yield [number, y, column, radial, alpha, *pixel]
 
+    def systems(self):
+        """Section 9."""
+        systems.systems(self)
+
     def run(self):
         """All stages; the first difference is raised."""
-        for part in (self.constants, self.tables, self.setup, self.packets, self.runs, self.pixels):
+        picture = (self.tables, self.setup, self.packets, self.runs, self.pixels)
+        for part in (self.constants, *([self.systems] if "colours" in self.folder.stages else picture)):
             part()
 
 

@@ -3,7 +3,7 @@
     python3 sim/golden/designs.py target/release/splatline [--random N] [--seed S] [--large]
 
 The named designs under both traversals, both rules and all operators; other cameras and filters; every width at its smallest and at its
-largest; N random designs. With --large 10^5 splats and a million pixels of each named design, each random design and each end of a width
+largest; N random designs; steps of the other systems for each of them. With --large 10^5 splats and a million pixels of each named design, each random design and each end of a width
 instead: half an hour of one processor.
 """
 
@@ -35,6 +35,14 @@ RANGES = {
     "accumulator": (4, 27),
 }
 SMALL = ["--splats", "72", "--size", "64x48"]
+# Stages of the other systems, by designs of which one rounds each way, through two cameras and by two rules.
+SYSTEMS = (
+    ["micro16", *SMALL, "--systems", "--rules", "ewa"],
+    ["lean18", *SMALL, "--systems"],
+    ["standard24", *SMALL, "--systems", "--orthographic"],
+    ["classic8", *SMALL, "--systems"],
+    ["deep32", *SMALL, "--systems", "--rules", "ewa", "--antialias", "none"],
+)
 LARGE = ["--splats", "100000", "--size", "9x6", "--seed", "3"]
 # What only one design shows, for all to be noticed: `mutants.py` exports these and the named designs.
 OTHERS = (
@@ -108,11 +116,12 @@ def subjects(arguments):
         return
     for name in NAMED:
         yield from named(name)
-    yield from OTHERS
+    yield from (*OTHERS, *SYSTEMS)
     for design in widths:
         traversal = source.choice(CHOICES["--traversal"])
         rules = source.choice(CHOICES["--rules"])
         yield [design, *SMALL, "--traversal", traversal, "--rules", rules]
+        yield [design, *SMALL, "--systems", "--rules", rules]
 
 
 def export(splatline, out, design, options):

@@ -93,7 +93,9 @@ class Folder:
 
     @cached_property
     def prints(self):
-        """The footprints of packets."""
+        """The footprints of packets, which vectors of systems do not have."""
+        if "packets" not in self.stages:
+            return []
         names = self.names("packets")
         return [print_of(names, record) for record in self.records("packets")]
 

@@ -53,7 +53,28 @@ mod tests {
             let got = f64::from(filter.coverage((q * 2f64.powi(24)) as u32, 24)) / 2f64.powi(30);
             assert!((got - expected).abs() < 1e-6, "q = {q}: {got}");
         }
-        assert_eq!(filter.coverage(u32::MAX, 4), 1 << 30);
+        assert_eq!(
+            (filter.coverage(0, 24), filter.coverage(u32::MAX, 4)),
+            (0, 1 << 30)
+        );
         assert!(EdgeFilter::new(0).is_none());
+    }
+
+    /// Half a unit of the reciprocal, half of the result's rounding.
+    #[test]
+    fn coverage_is_the_quotient_to_a_unit() {
+        for step in 1..20_000u32 {
+            let threshold = step * 53_687;
+            let filter = EdgeFilter::new(threshold).unwrap();
+            for part in [7u64, 8, 9] {
+                let weight = (u64::from(threshold) * part / 10) as u32;
+                let exact = f64::from(weight) / f64::from(threshold) * 2f64.powi(30);
+                let found = f64::from(filter.coverage(weight, 30));
+                assert!(
+                    (found - exact).abs() <= 1.01,
+                    "{weight} of {threshold}: {found}, {exact}"
+                );
+            }
+        }
     }
 }

@@ -187,38 +187,165 @@ mod tests {
     use crate::footprint::surface::{Attributes, attribute_fraction};
     use crate::format::{Design, Standard24};
 
-    /// Two half transparent surfaces in a buffer of one layer: three quarters opaque, half of the back's colour shows, and later samples
-    /// of either or between them are averaged with both.
-    #[test]
-    fn a_merged_layer_is_the_front_over_the_back() {
-        let widths = Standard24.widths();
-        let one = 1 << attribute_fraction(&widths);
-        let gather = WeightedSum::new(&widths, 100);
-        let mut layers = Layers::<1>::EMPTY;
-        for (depth, red) in [(1000, one / 4), (5000, one / 2)] {
-            let attributes = Attributes {
-                colour: [red, 0, 0],
-                opacity: one / 2,
-                normal: [0, 0, -(one as i32)],
-                material: (depth / 1000) as u8,
-            };
-            let sample = Sample {
-                weight: 1 << sum_fraction(&widths),
+    use crate::format::Classic8;
+    use proptest::prelude::*;
+
+    const THRESHOLD: u32 = 100;
+
+    /// Shares of 1: opacity, colour of that, normal; then the weight and the depth.
+    type Surface = ([f64; 7], u32, u32);
+
+    fn added<const L: usize>(
+        gather: &WeightedSum,
+        layers: &mut Layers<L>,
+        surface: &Surface,
+        fraction: u8,
+    ) {
+        let ([opacity, r, g, b, normal @ ..], weight, depth) = *surface;
+        let fixed = |value: f64| (value * f64::from(1 << fraction)) as i32;
+        let attributes = Attributes {
+            colour: [r, g, b].map(|c| fixed(c * opacity) as u32),
+            opacity: fixed(opacity) as u32,
+            normal: normal.map(fixed),
+            material: (depth / 1000) as u8,
+        };
+        layers.add(
+            gather,
+            &Sample {
+                weight,
                 depth,
                 attributes: &attributes,
-            };
-            layers.add(&gather, &sample);
+            },
+        );
+    }
+
+    fn surfaces() -> impl Strategy<Value = ([f64; 7], u32)> {
+        let share = || prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0];
+        let side = || prop_oneof![Just(-1.0), Just(1.0), -1.0..=1.0];
+        (
+            [share(), share(), share(), share(), side(), side(), side()],
+            1u32 << 20..=1 << 24,
+        )
+    }
+
+    proptest! {
+        /// Three surfaces in a buffer of two layers, in any order: of the pair with the smaller gap the front is over the back.
+        #[test]
+        fn the_nearest_pair_merges(all in [surfaces(), surfaces(), surfaces()], gaps in [1000u32..4000, 1000u32..4000], order in 0usize..6) {
+            let widths = Standard24.widths();
+            let gather = WeightedSum::new(&widths, THRESHOLD);
+            let mut depth = 1000;
+            let mut placed = [0, 1, 2].map(|i| {
+                depth += if i > 0 { gaps[i - 1] } else { 0 };
+                (all[i].0, all[i].1, depth)
+            });
+            let sorted = placed;
+            placed.swap(0, order / 2);
+            placed.swap(1, 1 + order % 2);
+            let mut layers = Layers::<2>::EMPTY;
+            for surface in &placed {
+                added(&gather, &mut layers, surface, attribute_fraction(&widths));
+            }
+            prop_assert_eq!(layers.merges(), 1);
+            let first = usize::from(gaps[1] < gaps[0]);
+            let (front, back) = (&sorted[first], &sorted[first + 1]);
+            let merged = &layers.fragments()[first];
+            prop_assert_eq!((merged.near, merged.far, merged.weight), (front.2, back.2, front.1.max(back.1)));
+            prop_assert_eq!(u32::from(merged.material), front.2 / 1000);
+            let alone = &sorted[2 - 2 * first];
+            let other = &layers.fragments()[1 - first];
+            prop_assert_eq!((other.near, other.far, other.weight), (alone.2, alone.2, alone.1));
+            let [front, back] = [front, back].map(|(values, ..)| values);
+            let rest = 1.0 - front[0];
+            let seen = gather.normalise(merged);
+            let close = |found: f64, expected: f64| (found - expected).abs() < 3e-5;
+            let share = |value: u32| f64::from(value) / gather.one() as f64;
+            prop_assert!(close(share(seen.opacity), front[0] + rest * back[0]), "{:?}", seen);
+            for i in 0..3 {
+                let colour = front[0] * front[1 + i] + rest * back[0] * back[1 + i];
+                let normal = front[0] * front[4 + i] + rest * back[0] * back[4 + i];
+                prop_assert!(close(share(seen.colour[i]), colour), "{:?}", seen);
+                prop_assert!(close(f64::from(seen.normal[i]) / 2f64.powi(30), normal), "{:?}", seen);
+            }
         }
-        let [merged] = layers.fragments() else {
-            panic!("one layer");
-        };
-        assert_eq!((merged.near, merged.far, merged.material), (1000, 5000, 1));
-        assert_eq!(layers.merges(), 1);
-        let seen = gather.normalise(merged);
-        let share = |value: u32| f64::from(value) / gather.one() as f64;
-        assert!((share(seen.opacity) - 0.75).abs() < 1e-4, "{seen:?}");
-        assert!((share(seen.colour[0]) - 0.5).abs() < 1e-4, "{seen:?}");
-        // (0.5 + 0.5 * 0.5 * 0.5) of the direction that both have.
-        assert!(seen.normal[2] < -(1 << 28), "{seen:?}");
+    }
+
+    #[test]
+    fn black_over_black_is_black() {
+        let gather = WeightedSum::new(&Classic8.widths(), THRESHOLD);
+        let mut layers = Layers::<1>::EMPTY;
+        for depth in [1000, 5000] {
+            let weight = 1 << sum_fraction(&Classic8.widths());
+            added(
+                &gather,
+                &mut layers,
+                &([0.0; 7], weight, depth),
+                attribute_fraction(&Classic8.widths()),
+            );
+        }
+        assert_eq!(
+            layers.fragments().first().map(|f| (f.colour, f.opacity)),
+            Some(([0; 3], 0))
+        );
+    }
+
+    /// Two surfaces that a sample between them joins: sums as long as these fit, their halves otherwise, and always the average.
+    #[test]
+    fn joined_layers_are_averaged() {
+        let widths = Standard24.widths();
+        let gather = WeightedSum::new(&widths, THRESHOLD);
+        let one = 1 << sum_fraction(&widths);
+        for (front, back) in [(40, 39), (64, 62), (64, 63), (126, 127), (1, 127)] {
+            let mut layers = Layers::<2>::EMPTY;
+            let shares = [
+                [1.0, 1.0, 0.0, 0.5, 1.0, 0.0, -1.0],
+                [0.5, 0.0, 1.0, 1.0, 0.0, 1.0, -1.0],
+            ];
+            for (shares, count, depth) in [(shares[0], front, 1000), (shares[1], back, 1180)] {
+                for _ in 0..count {
+                    added(
+                        &gather,
+                        &mut layers,
+                        &(shares, one, depth),
+                        attribute_fraction(&widths),
+                    );
+                }
+            }
+            added(
+                &gather,
+                &mut layers,
+                &(shares[0], one, 1090),
+                attribute_fraction(&widths),
+            );
+            let [joined] = layers.fragments() else {
+                panic!("one layer");
+            };
+            let front = front + 1;
+            let sum = front + back;
+            let expected = if sum >= 128 {
+                sum * (one / 2)
+            } else {
+                sum * one
+            };
+            assert_eq!(
+                (joined.weight, joined.near, joined.far),
+                (expected, 1000, 1180)
+            );
+            let seen = gather.normalise(joined);
+            for i in 0..3 {
+                let average =
+                    |a: f64, b: f64| (a * f64::from(front) + b * f64::from(back)) / f64::from(sum);
+                let colour = average(shares[0][1 + i], shares[1][1 + i] * 0.5);
+                let normal = average(shares[0][4 + i], shares[1][4 + i]);
+                assert!(
+                    (f64::from(seen.colour[i]) / gather.one() as f64 - colour).abs() < 1e-5,
+                    "{seen:?}"
+                );
+                assert!(
+                    (f64::from(seen.normal[i]) / 2f64.powi(30) - normal).abs() < 1e-5,
+                    "{seen:?}"
+                );
+            }
+        }
     }
 }

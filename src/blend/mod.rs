@@ -415,8 +415,11 @@ const fn from_rules(value: u32, bits: i32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    extern crate std;
     use crate::format::{Classic8, Lean18, Standard24};
     use proptest::prelude::*;
+    use std::vec;
+    use std::vec::Vec;
 
     /// Widths for which all three products fit words of 32 bits or two of them, up to the limits.
     const NARROW: [Widths; 5] = [
@@ -459,6 +462,240 @@ mod tests {
                 assert_eq!(blend.opacity_unclamped(least - 1, 1), None);
                 assert_eq!(blend.opacity(least - 1, 1), 0);
             }
+        }
+    }
+
+    /// `value / 2^by`, rounded, in numbers that are wide enough.
+    fn rounded(value: u128, by: i32, rounding: Rounding) -> u128 {
+        if by <= 0 {
+            return value << -by;
+        }
+        let (half, odd) = (1u128 << (by - 1), value >> by & 1);
+        match rounding {
+            Rounding::Nearest => (value + half) >> by,
+            Rounding::NearestEven => (value + half - 1 + odd) >> by,
+            Rounding::Truncate => value >> by,
+        }
+    }
+
+    fn any_widths() -> impl Strategy<Value = Widths> {
+        (
+            (4u8..=28, 4u8..=28, 4u8..=28),
+            (4u8..=30, 4u8..=28, 4u8..=27),
+            prop::sample::select(vec![
+                Rounding::Nearest,
+                Rounding::NearestEven,
+                Rounding::Truncate,
+            ]),
+        )
+            .prop_map(
+                |((weight, peak, alpha), (transmittance, colour, accumulator), rounding)| Widths {
+                    weight,
+                    peak,
+                    alpha,
+                    transmittance,
+                    colour,
+                    accumulator: accumulator.min(if rounding == Rounding::NearestEven {
+                        23
+                    } else {
+                        27
+                    }),
+                    rounding,
+                    ..Standard24::WIDTHS
+                },
+            )
+    }
+
+    /// A word of so many bits, often at the format's end.
+    fn word(bits: u32, random: u32) -> u32 {
+        let end = ((1u64 << bits) - 1) as u32;
+        if random & 3 == 0 {
+            end
+        } else {
+            (random >> 2 | random << 30) & end
+        }
+    }
+
+    proptest! {
+        /// The formulas at the module's head, word for word, for all widths and any thresholds.
+        #[test]
+        fn every_word_is_as_stated(
+            widths in any_widths(), alpha_max: u32, omit_finishing: bool, radial: bool,
+            alpha_min in prop_oneof![Just(0), 0u64..1 << THRESHOLD, Just(Rules::GAUSSIAN_3D.alpha_min)],
+            minimum_transmittance in prop_oneof![Just(0), 0u64..1 << THRESHOLD, 0u64..1 << 40],
+            layers in prop::collection::vec(any::<[u32; 5]>(), 1..12),
+        ) {
+            let cutoff = if radial { Cutoff::Radial(4 << 28) } else { Cutoff::Opacity };
+            let rules = Rules { alpha_max, omit_finishing, alpha_min, minimum_transmittance, cutoff, ..Rules::GAUSSIAN_3D };
+            let blend = Blend::new(&widths, &rules);
+            let Widths { weight, peak, alpha, transmittance, colour, accumulator, rounding, .. } = widths;
+            let [weight, peak, alpha, t, c, s] = [weight, peak, alpha, transmittance, colour, accumulator].map(i32::from);
+            let least = if radial { u128::from(alpha_min) } else { 0 };
+            let blind = (peak + weight - alpha - GUARD).max(0);
+            let least = rounded(least, THRESHOLD as i32 - (peak + weight - blind), Rounding::Nearest) << blind;
+            let most = rounded(alpha_max.into(), 31 - alpha, Rounding::Nearest).min(1 << alpha);
+            let [mut front, mut back, mut sum] = [Pixel::clear(&widths); 3];
+            for [p, w, colours @ ..] in layers {
+                let (p, w) = (word(4 + peak as u32, p), word(weight as u32, w) + (w >> 31));
+                let w = w.min(1 << weight);
+                let product = u128::from(p) * u128::from(w);
+                let free = rounded(product, peak + weight - alpha, rounding);
+                let drawn = free > 0 && product >= least;
+                let a = if drawn { free.min(most) } else { 0 };
+                prop_assert_eq!(u128::from(blend.opacity(p, w)), a);
+                prop_assert_eq!(blend.is_clamped(p, widths.weight), rounded(u128::from(p) << weight, peak + weight - alpha, rounding) > most);
+                if free <= most {
+                    prop_assert_eq!(blend.opacity_unclamped(p, w), drawn.then_some(a as u32));
+                }
+                let k = colours.map(|k| word(u32::from(widths.colour_range()) + c as u32, k));
+                if a == 0 || front.is_finished() {
+                    continue;
+                }
+                let before = front;
+                blend.front_to_back(&mut front, a as u32, &k);
+                let taken = rounded(u128::from(before.transmittance) * a, alpha, rounding);
+                let rest = u128::from(before.transmittance) - taken;
+                let stops = rest == 0 || rest << (THRESHOLD as i32 - t) < u128::from(minimum_transmittance);
+                prop_assert_eq!(front.is_finished(), stops);
+                let left_out = stops && omit_finishing;
+                prop_assert_eq!(u128::from(front.transmittance()), if left_out { before.transmittance.into() } else { rest });
+                let layer = |i: usize, old: u32| {
+                    let (product, by) = (taken * u128::from(k[i]), t + c - s);
+                    let odd = rounding == Rounding::NearestEven && by > 0;
+                    let fused = rounded((u128::from(old) << by.max(0)) + product, by, rounding);
+                    if odd { fused } else { u128::from(old) + rounded(product, by, rounding) }
+                };
+                let over: Vec<u32> = (0..3).map(|i| match left_out {
+                    true => before.colour[i],
+                    false => layer(i, before.colour[i]).min(u32::MAX.into()) as u32,
+                }).collect();
+                prop_assert_eq!(&front.colour[..], &over[..]);
+                let (old_back, old_sum) = (back, sum);
+                blend.back_to_front(&mut back, a as u32, &k);
+                blend.x_ray(&mut sum, a as u32, &k);
+                let hidden = |value: u32| value.saturating_sub(rounded(u128::from(value) * a, alpha, rounding) as u32);
+                for i in 0..3 {
+                    let light = rounded(a * u128::from(k[i]), alpha + c - s, rounding) as u32;
+                    prop_assert_eq!(back.colour[i], hidden(old_back.colour[i]).saturating_add(light));
+                    prop_assert_eq!(sum.colour[i], old_sum.colour[i].saturating_add(light));
+                }
+                prop_assert_eq!(back.transmittance, hidden(old_back.transmittance));
+                let whole = rounded(a, alpha - t, rounding) as u32;
+                prop_assert_eq!(sum.transmittance, old_sum.transmittance.saturating_sub(whole));
+            }
+        }
+    }
+
+    /// Each limit of single precision by itself, at it and beyond.
+    #[test]
+    fn single_precision_ends_where_it_is_stated() {
+        let single = |widths: Widths| Blend::new(&widths, &Rules::EWA).is_single();
+        let most = Widths {
+            peak: 20,
+            weight: 24,
+            alpha: 19,
+            transmittance: 23,
+            colour: 19,
+            accumulator: 19,
+            rounding: Rounding::NearestEven,
+            ..Standard24::WIDTHS
+        };
+        assert!(single(most));
+        for beyond in [
+            Widths { peak: 21, ..most },
+            Widths { weight: 25, ..most },
+            Widths { alpha: 20, ..most },
+            Widths {
+                transmittance: 24,
+                ..most
+            },
+            Widths { colour: 20, ..most },
+            Widths {
+                accumulator: 24,
+                ..most
+            },
+            Widths {
+                accumulator: 18,
+                ..most
+            },
+            Widths {
+                peak: 9,
+                weight: 10,
+                ..most
+            },
+            Widths {
+                transmittance: 10,
+                colour: 9,
+                ..most
+            },
+            Widths {
+                rounding: Rounding::Nearest,
+                ..most
+            },
+        ] {
+            assert!(!single(beyond), "{beyond:?}");
+        }
+        assert!(single(Widths {
+            peak: 10,
+            weight: 10,
+            ..most
+        }));
+        assert!(single(Widths {
+            transmittance: 11,
+            colour: 9,
+            ..most
+        }));
+        // Sums that just fit their format.
+        let fitting = Widths {
+            peak: 12,
+            weight: 12,
+            alpha: 12,
+            transmittance: 16,
+            colour: 10,
+            accumulator: 12,
+            ..Standard24::WIDTHS
+        };
+        for (accumulator, narrow) in [(12, true), (11, false)] {
+            assert_eq!(
+                Blend::new(
+                    &Widths {
+                        accumulator,
+                        ..fitting
+                    },
+                    &Rules::EWA
+                )
+                .is_narrow(),
+                narrow
+            );
+        }
+        let narrow = Blend::new(&Lean18::WIDTHS, &Rules::EWA);
+        assert!(narrow.is_narrow());
+        let [opacity, contribution, colour] =
+            [narrow.opacity, narrow.contribution, narrow.colour].map(Product::wide);
+        for wide in [
+            Blend { opacity, ..narrow },
+            Blend {
+                contribution,
+                ..narrow
+            },
+            Blend { colour, ..narrow },
+            Blend {
+                sums_fit: false,
+                ..narrow
+            },
+        ] {
+            assert!(!wide.is_narrow());
+        }
+        let radial = Rules {
+            cutoff: Cutoff::Radial(4 << 28),
+            ..Rules::GAUSSIAN_3D
+        };
+        for (rules, all) in [
+            (Rules::EWA, true),
+            (Rules::GAUSSIAN_3D, true),
+            (radial, false),
+        ] {
+            assert_eq!(Blend::new(&Lean18::WIDTHS, &rules).draws_all_visible(), all);
         }
     }
 

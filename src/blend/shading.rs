@@ -177,6 +177,8 @@ fn scale(coefficient: i64, value: u32) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fixed::types::{I2F30, I32F32};
+    use proptest::prelude::*;
 
     #[test]
     fn powers_of_a_half() {
@@ -201,5 +203,106 @@ mod tests {
             assert!((length - 1.0).abs() < 1e-6, "{vector:?}: {length}");
         }
         assert_eq!(unit([SoftFloat::ZERO; 3], 24), [0; 3]);
+    }
+
+    fn view(projection: Projection) -> View {
+        let (one, zero) = (I2F30::from_bits(1 << 30), I2F30::ZERO);
+        let end = |value| crate::math::Extended { value, exponent: 0 };
+        View {
+            rotation: [[one, zero, zero], [zero, one, zero], [zero, zero, one]],
+            pose: crate::view::Eye::ORIGIN,
+            focal: [80, 100].map(|focal| SoftFloat::from_wide(focal, 0, 31)),
+            principal: [40, 30].map(I32F32::from_num),
+            near: end(0),
+            far: end(1 << 40),
+            viewport: [96; 2],
+            projection,
+            limits: crate::view::RatioLimits {
+                low: [I32F32::MIN; 2],
+                high: [I32F32::MAX; 2],
+            },
+        }
+    }
+
+    fn length(vector: [f64; 3]) -> f64 {
+        vector.map(|v| v * v).iter().sum::<f64>().sqrt()
+    }
+
+    proptest! {
+        /// The formula at the module's head in double precision, each material by its number and others unlit.
+        #[test]
+        fn shading_is_the_formula(
+            terms in [0.0f64..4.0, 0.0..4.0, 0.0..4.0], exponent in 0u8..24, light in [-1.0f64..1.0, -1.0..1.0, -1.0..1.0],
+            normal in [-1.0f64..1.0, -1.0..1.0, -1.0..0.0], colour in [0.0f64..1.0, 0.0..1.0, 0.0..1.0], opacity in 0.0f64..=1.0,
+            x in 0u16..96, y in 0u16..96, flat: bool, number in 0u8..3,
+        ) {
+            prop_assume!(length(normal) > 0.1 && length(light) > 0.1);
+            let widths = crate::format::Deep32::WIDTHS;
+            let light = light.map(|l| l / length(light).max(1.0));
+            let normal = normal.map(|n| n / length(normal).max(1.0));
+            let projection = if flat { Projection::Orthographic } else { Projection::Perspective };
+            let view = view(projection);
+            let [ambient, diffuse, specular] = terms.map(|t| (t * f64::from(1 << COEFFICIENT)) as u32);
+            let material = Material { ambient, diffuse, specular, exponent };
+            let materials = [Material::UNLIT, material];
+            let fixed = |vector: [f64; 3]| vector.map(|v| (v * ONE as f64) as i32);
+            let shading = Shading::new(&widths, &materials, fixed(light), &view);
+            let one = f64::from(1u32 << widths.accumulator);
+            let filtered = Filtered {
+                colour: colour.map(|c| (c * one) as u32),
+                opacity: (opacity * one) as u32,
+                normal: fixed(normal),
+                material: number,
+            };
+            let found = shading.shade(&filtered, x, y).map(|c| f64::from(c) / one);
+            let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            let n = normal.map(|v| v / length(normal));
+            let cosine = dot(n, light);
+            prop_assume!(cosine.abs() > 1e-6);
+            let ray = match projection {
+                Projection::Orthographic => [0.0, 0.0, 1.0],
+                _ => [(f64::from(x) + 0.5 - 40.0) / 80.0, (f64::from(y) + 0.5 - 30.0) / 100.0, 1.0],
+            };
+            let towards = ray.map(|r| -r / length(ray));
+            let reflected = [0, 1, 2].map(|i: usize| 2.0 * cosine * n[i] - light[i]);
+            let lit = cosine > 0.0;
+            let glint = if lit { dot(reflected, towards).clamp(0.0, 1.0).powi(exponent.into()) } else { 0.0 };
+            let [ambient, diffuse, specular] = if number == 1 { terms } else { [1.0, 0.0, 0.0] };
+            for i in 0..3 {
+                let exact = (ambient + diffuse * cosine.max(0.0)) * colour[i] + specular * glint * opacity;
+                prop_assert!((found[i] - exact).abs() < 2e-6, "{} {}", found[i], exact);
+            }
+        }
+    }
+
+    /// Without a normal, or away from the light, nothing but the ambient share is seen; whatever the bits, nothing is below black.
+    #[test]
+    fn what_is_dark_has_its_ambient_share() {
+        let material = Material {
+            ambient: 1 << 26,
+            diffuse: 1 << 30,
+            specular: 1 << 30,
+            exponent: 0,
+        };
+        let (materials, view) = ([material], view(Projection::Perspective));
+        let shading = Shading::new(
+            &crate::format::Deep32::WIDTHS,
+            &materials,
+            [0, 0, -(ONE as i32)],
+            &view,
+        );
+        for (normal, seen) in [
+            ([0; 3], 1 << 20),
+            ([0, 0, ONE as i32], 1 << 20),
+            ([ONE as i32, 0, 0], 1 << 20),
+        ] {
+            let filtered = Filtered {
+                colour: [1 << 21, 0, 0],
+                opacity: 1 << 20,
+                normal,
+                material: 0,
+            };
+            assert_eq!(shading.shade(&filtered, 40, 30), [seen, 0, 0], "{normal:?}");
+        }
     }
 }

@@ -8,9 +8,9 @@ use crate::blend::{Blend, Pixel};
 use crate::draw::cutoff_in_lane;
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane};
-use crate::kernel::{Kernel, PackedTable};
+use crate::kernel::PackedTable;
 use crate::raster::{EllipseSpans, Span, Spans, Window};
-use crate::rules::{Cutoff, Rules};
+use crate::rules::Rules;
 use crate::target::Target;
 
 /// A painter with 32-bit lanes and a packed table.
@@ -48,17 +48,8 @@ pub struct Painter32<'a, D> {
     design: D,
     rules: &'a Rules,
     table: PackedTable<'a>,
+    /// Does it draw pixels as [`Rules::GAUSSIAN_3D`] do? Those have a loop of their own, in which all constants of blending are known.
     usual: bool,
-}
-
-/// Does a pixel differ from one under [`Rules::GAUSSIAN_3D`] in nothing but its largest opacity and the transmittance at which it stops? Such
-/// rules have a pixel loop of their own, in which all else is constant.
-const fn is_usual(rules: &Rules) -> bool {
-    matches!(
-        (rules.cutoff, rules.kernel),
-        (Cutoff::Opacity, Kernel::Gaussian)
-    ) && rules.table_range == Rules::GAUSSIAN_3D.table_range
-        && rules.omit_finishing
 }
 
 /// Why a design cannot be drawn with 32-bit words.
@@ -101,18 +92,18 @@ pub struct NarrowRun<'t, 'f> {
 
 /// The runs of one footprint, row by row, for a pixel loop of the caller's: [`Painter32::runs`].
 #[derive(Clone, Debug)]
-pub struct NarrowRuns<'f, L> {
-    rows: EllipseSpans<L>,
+pub struct NarrowRuns<'f, D: Design> {
+    rows: EllipseSpans<D>,
     footprint: &'f Footprint,
     clamped: bool,
     lead: i32,
     last: i32,
 }
 
-impl<'f, L: Lane> NarrowRuns<'f, L> {
+impl<'f, D: Design> NarrowRuns<'f, D> {
     /// The next run, without its pixels.
     #[inline(always)]
-    pub fn next_span(&mut self) -> Option<Span<L>> {
+    pub fn next_span(&mut self) -> Option<Span<D::Lane>> {
         self.rows.next_span()
     }
 
@@ -120,7 +111,7 @@ impl<'f, L: Lane> NarrowRuns<'f, L> {
     ///
     /// Not joined with [`next_span`](NarrowRuns::next_span): an `Option` of all this costs Cortex-M five instructions a run.
     #[inline(always)]
-    pub fn with_pixels<'t>(&self, run: Span<L>, target: &'t mut Target) -> NarrowRun<'t, 'f> {
+    pub fn with_pixels<'t>(&self, run: Span<D::Lane>, target: &'t mut Target) -> NarrowRun<'t, 'f> {
         NarrowRun {
             pixels: target.row(run.y, run.x, run.length),
             lanes: NarrowLanes {
@@ -150,7 +141,8 @@ impl<'a, D: Design> Painter32<'a, D> {
             design,
             rules,
             table,
-            usual: is_usual(rules),
+            usual: rules.table_range == Rules::GAUSSIAN_3D.table_range
+                && Blend::new(&widths, rules) == Blend::new(&widths, &Rules::GAUSSIAN_3D),
         })
     }
 
@@ -169,11 +161,7 @@ impl<'a, D: Design> Painter32<'a, D> {
 
     /// The runs of one footprint in a window; `None` if no pixel can lie inside it.
     #[inline(always)]
-    pub fn runs<'f>(
-        self,
-        footprint: &'f Footprint,
-        window: &Window,
-    ) -> Option<NarrowRuns<'f, D::Lane>> {
+    pub fn runs<'f>(self, footprint: &'f Footprint, window: &Window) -> Option<NarrowRuns<'f, D>> {
         let widths = self.design.widths();
         let range = self.rules.table_range;
         let lead = PackedTable::lead(&widths, range);
@@ -205,8 +193,7 @@ impl<'a, D: Design> Painter32<'a, D> {
         }
     }
 
-    /// A function of its own, so that the loop has all registers, one for each way of clamping, and one for [`is_usual`] rules, whose range of
-    /// the table and end of a pixel are then no variables.
+    /// A function of its own, so that the loop has all registers, one for each way of clamping, and one for usual rules.
     #[inline(never)]
     fn paint_as<const USUAL: bool, const CLAMPED: bool>(
         self,
@@ -216,11 +203,7 @@ impl<'a, D: Design> Painter32<'a, D> {
     ) {
         let widths = self.design.widths();
         let rules = if USUAL {
-            Rules {
-                alpha_max: self.rules.alpha_max,
-                minimum_transmittance: self.rules.minimum_transmittance,
-                ..Rules::GAUSSIAN_3D
-            }
+            Rules::GAUSSIAN_3D
         } else {
             *self.rules
         };

@@ -62,6 +62,46 @@ impl PixelReader {
     /// Red, green, blue in 5, 6 and 5 bits, red highest; the background in the same format.
     #[inline]
     pub fn rgb565(&self, pixel: &Pixel, background: u16) -> u16 {
+        let Some(fraction) = self.plain_fraction(pixel, 6) else {
+            return self.saturated_565(pixel, background);
+        };
+        let [red, green, blue] = pixel.colour;
+        let (a, t) = (self.accumulator as u32, self.transmittance as u32);
+        let light = fraction - a;
+        let behind = pixel.transmittance().wrapping_shl(fraction - t);
+        let half = 1u32.wrapping_shl(fraction) >> 1;
+        let level = |colour: u32, shift: u32, top: u16| {
+            let light = colour.wrapping_shl(light).wrapping_mul(top.into());
+            let behind = behind.wrapping_mul((background >> shift & top).into());
+            let sum = light.wrapping_add(behind).wrapping_add(half);
+            sum.wrapping_shr(fraction) << shift
+        };
+        (level(red, 11, 31) | level(green, 5, 63) | level(blue, 0, 31)) as u16
+    }
+
+    /// Fraction bits of light and background where they are at most 1 together in every channel, as compositing leaves colours of up to 1, and
+    /// where levels of `bits` bits fit a word with them: then neither a term nor the sum saturates.
+    #[inline(always)]
+    const fn plain_fraction(&self, pixel: &Pixel, bits: u32) -> Option<u32> {
+        let (a, t) = (self.accumulator as u32, self.transmittance as u32);
+        let fraction = if a > t { a } else { t };
+        let one = 1u32.wrapping_shl(t);
+        let transmittance = pixel.transmittance();
+        if fraction + bits > 32 || transmittance > one {
+            return None;
+        }
+        let left = (one - transmittance).wrapping_shl(fraction - t);
+        let [red, green, blue] = pixel.colour;
+        let highest = if red > green { red } else { green };
+        let highest = if highest > blue { highest } else { blue };
+        if highest > left.wrapping_shr(fraction - a) {
+            return None;
+        }
+        Some(fraction)
+    }
+
+    #[inline(never)]
+    fn saturated_565(&self, pixel: &Pixel, background: u16) -> u16 {
         let [red, green, blue] = pixel.colour;
         let transmittance = pixel.transmittance();
         let level = |colour, shift: u32, top: u8| {

@@ -160,14 +160,15 @@ impl<D: Design> Footprints for PackedList<'_, D> {
 
     #[inline(always)]
     fn visit(&self, window: &Window, compositing: Compositing, mut draw: impl FnMut(&Footprint)) {
+        let used = self.used.saturating_mul(self.entry());
+        let entries = self.words.get(..used).unwrap_or_default();
+        let mut entries = entries.chunks_exact(self.entry().max(1));
         let backwards = compositing == Compositing::BackToFront;
-        for place in 0..self.used {
-            let place = if backwards {
-                self.used - 1 - place
-            } else {
-                place
-            };
-            let entry = self.at(place);
+        while let Some(entry) = if backwards {
+            entries.next_back()
+        } else {
+            entries.next()
+        } {
             let rows = entry.first().copied().unwrap_or_default();
             let (first, end) = (rows as u16, (rows >> 16) as u16);
             if first < window.end[1] && end > window.first[1] {

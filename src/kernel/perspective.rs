@@ -131,8 +131,9 @@ impl PerspectiveIndex<'_> {
 fn evaluate(radial: u64, spread: u32) -> u64 {
     let radial = SoftFloat::from_wide((radial & 0xffff_ffff) as i64, -(FRACTION as i32), 31);
     let spread = SoftFloat::from_wide(spread.into(), -32, 31);
-    let divisor = (1i64 << 60).saturating_add(radial.times(spread).to_fixed(60));
-    let inverse = reciprocal(SoftFloat::from_wide(divisor, -60, 31), 31).unwrap_or(SoftFloat::ZERO);
+    // 1 + r s is below 17.
+    let divisor = (1i64 << 58).saturating_add(radial.times(spread).to_fixed(58));
+    let inverse = reciprocal(SoftFloat::from_wide(divisor, -58, 31), 31).unwrap_or(SoftFloat::ZERO);
     radial.times(inverse).to_fixed(FRACTION).max(0) as u64
 }
 
@@ -171,6 +172,13 @@ mod tests {
             }
         }
         assert!(worst[0] < 6.2e-5 && worst[1] < 1e-7, "{worst:?}");
+    }
+
+    #[test]
+    fn the_largest_divisor_fits() {
+        let index = PerspectiveTable::new(&TABLE).index(u32::MAX, 27);
+        let got = index.correct((16 << 27) - 1) as f64 / 2f64.powi(27);
+        assert!((got - 16.0 / 17.0).abs() < 1e-7, "{got}");
     }
 
     #[test]

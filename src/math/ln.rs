@@ -104,6 +104,11 @@ mod tests {
             let error = error(mantissa, -30);
             assert!(error <= 2f64.powi(-31), "{mantissa}: {error:e}");
         }
+        for sixteenth in 0..=16u32 {
+            let y = 1.0 + f64::from(sixteenth) / 16.0;
+            let found = logarithm(u128::from(16 + sixteenth) << 56) as f64 / 2f64.powi(60);
+            assert!((found - y.ln()).abs() < 2f64.powi(-52), "{y}: {found}");
+        }
         for exponent in -60..60 {
             assert!(
                 error(1_234_567_891, exponent) <= 2f64.powi(-30),

@@ -95,7 +95,33 @@ mod by_words {
     /// In line it would cost Armv6-M more in registers than the call costs.
     #[inline(never)]
     const fn called_zeros(value: u32) -> u32 {
-        zeros_by_halving(value)
+        zeros_by_table(value)
+    }
+
+    /// Leading zeros of a byte as a word.
+    static BYTE_ZEROS: [u8; 256] = {
+        let mut zeros = [0; 256];
+        let mut byte = 0;
+        while byte < 256 {
+            zeros[byte] = (byte as u32).leading_zeros() as u8;
+            byte += 1;
+        }
+        zeros
+    };
+
+    /// Half the instructions of [`zeros_by_halving`], where a branch costs little.
+    #[inline(always)]
+    pub const fn zeros_by_table(value: u32) -> u32 {
+        let (mut rest, mut above) = (value, 0);
+        if rest >> 16 != 0 {
+            rest >>= 16;
+            above = 16;
+        }
+        if rest >> 8 != 0 {
+            rest >>= 8;
+            above += 8;
+        }
+        BYTE_ZEROS[(rest & 0xff) as usize] as u32 - above
     }
 
     /// Some 20 executed instructions instead of the library's 36 (Armv6-M) or the compiler's 40 (RV32).
@@ -223,6 +249,7 @@ mod tests {
         fn counts_agree(value: u64, drop in 0u32..64) {
             let value = value >> drop;
             prop_assert_eq!(by_words::zeros_by_halving(value as u32), plain::leading_zeros(value as u32));
+            prop_assert_eq!(by_words::zeros_by_table(value as u32), plain::leading_zeros(value as u32));
             prop_assert_eq!(by_words::leading_zeros(value as u32), plain::leading_zeros(value as u32));
             prop_assert_eq!(by_words::leading_zeros_wide(value), plain::leading_zeros_wide(value));
         }
@@ -266,6 +293,7 @@ mod tests {
     fn ends() {
         for value in [0, 1, 2, 3, u32::MAX, 1 << 31] {
             assert_eq!(by_words::zeros_by_halving(value), value.leading_zeros());
+            assert_eq!(by_words::zeros_by_table(value), value.leading_zeros());
         }
         for value in [i32::MIN, -1, 0, 1, i32::MAX] {
             for shift in 1..70 {

@@ -4,8 +4,8 @@
 //! `spans.rs` lists. Both kinds of seeds are two products each and balanced alike, which bounds what a block's steps add up to.
 
 use super::Quadratic;
-use crate::footprint::Footprint;
-use crate::format::{Lane, Widths};
+use crate::footprint::{Footprint, Ldl};
+use crate::format::{Design, Lane, Widths};
 use crate::math::words::shift_word;
 use crate::math::{SoftFloat, shift_round, shift_signed};
 
@@ -113,18 +113,15 @@ pub(super) const fn in_q32(value: i64, fraction: u32) -> i64 {
 /// dx is held in as many bits as the mantissa has: its unit is a power of two that follows from the footprint's
 /// largest half-width, so that all alignments are constants of the footprint.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seed<L> {
+pub(super) struct Seed<D: Design> {
+    pub(super) design: D,
     pub(super) horizontal: i64,
-    pub(super) bits: u32,
-    pub(super) fraction: u32,
     /// Right shifts: dx from Q.32, r and its difference to Q.fraction.
     pub(super) drop_dx: u32,
     pub(super) drop_radial: i32,
     pub(super) drop_first: i32,
-    /// From the unit of C dy^2 to Q.fraction.
-    pub(super) drop_vertical: u32,
     pub(super) balance: Balance,
-    pub(super) second: L,
+    pub(super) second: D::Lane,
 }
 
 /// The constants of a footprint's seeds along rows (of A) or down them (of C): what is added up stays within `BLOCK^2 / 32` units of A dx^2.
@@ -156,32 +153,26 @@ impl Balance {
     }
 }
 
-impl<L: Lane> Seed<L> {
+impl<D: Design> Seed<D> {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    pub(super) fn new(
-        horizontal: SoftFloat,
-        squared_width: SoftFloat,
-        widths: &Widths,
-        unit_of_centre: u32,
-    ) -> Self {
+    pub(super) fn new(design: D, ldl: &Ldl, unit_of_centre: u32) -> Self {
+        let widths = design.widths();
         let (bits, fraction) = (u32::from(widths.mantissa), u32::from(widths.radial));
         // No finer than xc is.
-        let drop_dx = reach_of_rows(squared_width)
+        let drop_dx = reach_of_rows(ldl.squared_width)
             .saturating_add(32 - bits as i32)
             .min(63)
             .max(unit_of_centre as i32);
-        let power = horizontal.exponent.clamp(-1024, 1024) + drop_dx - 32;
-        let balance = Balance::new(horizontal.to_fixed(fraction + GUARD));
+        let power = ldl.horizontal.exponent.clamp(-1024, 1024) + drop_dx - 32;
+        let balance = Balance::new(ldl.horizontal.to_fixed(fraction + GUARD));
         Seed {
-            horizontal: horizontal.mantissa.into(),
-            bits,
-            fraction,
+            design,
+            horizontal: ldl.horizontal.mantissa.into(),
             drop_dx: drop_dx as u32,
             drop_radial: -(power + drop_dx - 32 + bits as i32 + fraction as i32),
             drop_first: -(power + 1 + fraction as i32),
-            drop_vertical: vertical_fraction(widths) - fraction,
             balance,
-            second: L::from_wide(balance.second),
+            second: D::Lane::from_wide(balance.second),
         }
     }
 
@@ -189,34 +180,77 @@ impl<L: Lane> Seed<L> {
     /// footprint of setup: |dx| is below `2^bits` within its rows.
     #[inline(always)]
     pub(super) fn is_narrow(&self) -> bool {
-        self.bits <= 15 && L::BITS == 32
+        self.design.widths().mantissa <= 15 && D::Lane::BITS == 32
     }
 
-    /// r = A dx^2 + vertical, its difference A (2 dx + 1) and 2 A at column `x`, balanced; `centre` is xc - 1/2 in Q.32.
+    /// Does C dy^2 fit a signed word as well, within the box of a footprint of setup?
     #[inline(always)]
-    pub(super) fn at(&self, x: u16, centre: i64, vertical: i64) -> (L, L, L) {
+    fn is_narrow_down(&self) -> bool {
+        self.is_narrow() && vertical_fraction(&self.design.widths()) <= 26
+    }
+
+    /// What a row leaves of the cut-off, in the unit of C dy^2.
+    #[inline(always)]
+    pub(super) fn rest(&self, reach: i64, vertical: i64) -> i64 {
+        if self.is_narrow_down() {
+            return (reach as i32).wrapping_sub(vertical as i32).into();
+        }
+        reach.wrapping_sub(vertical)
+    }
+
+    /// C dy^2 brought to the lanes' unit, and what balances a run added.
+    #[inline(always)]
+    pub(super) fn down(&self, vertical: i64) -> i64 {
+        let widths = self.design.widths();
+        let drop = vertical_fraction(&widths) - u32::from(widths.radial);
+        let down = if self.is_narrow_down() {
+            shift_word(vertical as i32, drop as i32).into()
+        } else {
+            shift_round(vertical, drop)
+        };
+        self.balance.start.wrapping_add(down)
+    }
+
+    /// r = A dx^2 + C dy^2, its difference A (2 dx + 1) and 2 A at column `x`, balanced; `centre` is xc - 1/2 in Q.32, `down` the row's
+    /// [`Seed::down`].
+    #[inline(always)]
+    pub(super) fn at(&self, x: u16, centre: i64, down: i64) -> (D::Lane, D::Lane, D::Lane) {
         let dx = (i64::from(x) << 32).wrapping_sub(centre);
+        let bits = u32::from(self.design.widths().mantissa);
         if self.is_narrow() {
-            let dx = shift_signed(dx, self.drop_dx as i32) as i32;
+            let dx = word_of(dx, self.drop_dx);
             let along = (self.horizontal as i32).wrapping_mul(dx);
-            let across = shift_word(along, self.bits as i32).wrapping_mul(dx);
-            let radial = shift_word(across, self.drop_radial)
-                .wrapping_add(shift_round(vertical, self.drop_vertical) as i32)
-                .wrapping_add(self.balance.start as i32);
+            let across = shift_word(along, bits as i32).wrapping_mul(dx);
+            let radial = shift_word(across, self.drop_radial).wrapping_add(down as i32);
             let first = shift_word(along, self.drop_first).wrapping_add(self.balance.unit as i32);
             return (
-                L::from_wide(radial.into()),
-                L::from_wide(first.into()),
+                D::Lane::from_wide(radial.into()),
+                D::Lane::from_wide(first.into()),
                 self.second,
             );
         }
         let dx = shift_round(dx, self.drop_dx);
         let along = self.horizontal.wrapping_mul(dx);
-        let across = shift_round(along, self.bits).wrapping_mul(dx);
-        let radial = shift_signed(across, self.drop_radial)
-            .wrapping_add(shift_round(vertical, self.drop_vertical))
-            .wrapping_add(self.balance.start);
+        let across = shift_round(along, bits).wrapping_mul(dx);
+        let radial = shift_signed(across, self.drop_radial).wrapping_add(down);
         let first = shift_signed(along, self.drop_first).wrapping_add(self.balance.unit);
-        (L::from_wide(radial), L::from_wide(first), self.second)
+        (
+            D::Lane::from_wide(radial),
+            D::Lane::from_wide(first),
+            self.second,
+        )
+    }
+}
+
+/// The low word of `value * 2^-drop`, rounded to nearest, halves up.
+#[inline(always)]
+fn word_of(value: i64, drop: u32) -> i32 {
+    let (high, low) = ((value >> 32) as i32, value as u32);
+    match drop {
+        1..=31 => {
+            let whole = low >> drop | (high as u32).wrapping_shl(32 - drop);
+            whole.wrapping_add(low >> (drop - 1) & 1) as i32
+        }
+        _ => shift_signed(value, drop as i32) as i32,
     }
 }

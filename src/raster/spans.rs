@@ -31,7 +31,7 @@
 use super::seeds::{BLOCK, RowSeeds, Seed, vertical_fraction};
 use super::{Quadratic, Span, Spans, Window};
 use crate::footprint::Footprint;
-use crate::format::{Design, Lane};
+use crate::format::{Design, Lane, Widths};
 use crate::math::{SoftFloat, root_seed, shift_signed};
 
 /// Fraction bits of what a row leaves of the cut-off, from which its half-width follows: with 18 bits of 1 / A two products of words.
@@ -42,7 +42,7 @@ const SLACK: u32 = 10;
 
 /// The runs of one footprint under the traversal `spans`.
 #[derive(Clone, Debug)]
-pub struct EllipseSpans<L> {
+pub struct EllipseSpans<D: Design> {
     /// Rows still to come: `y .. end_row`.
     y: u16,
     end_row: u16,
@@ -57,7 +57,7 @@ pub struct EllipseSpans<L> {
     /// Cut-off and slack, in the unit of C dy^2.
     reach: i64,
     half_width: HalfWidth,
-    seed: Seed<L>,
+    seed: Seed<D>,
     row: SpanRow,
 }
 
@@ -159,20 +159,20 @@ struct SpanRow {
     x: u16,
     end: u16,
     centre: i64,
+    /// C dy^2 in the lanes' unit, with what balances a run.
     vertical: i64,
 }
 
-impl<L: Lane> EllipseSpans<L> {
+impl<D: Design> EllipseSpans<D> {
     /// Prepares the rows of `footprint` that lie in `window`.
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline)]
-    pub fn new<D: Design<Lane = L>>(design: D, footprint: &Footprint, window: &Window) -> Self {
-        let widths = design.widths();
+    pub fn new(design: D, footprint: &Footprint, window: &Window) -> Self {
         let ldl = &footprint.ldl;
         let bounds = Window::of(footprint);
         let visible = bounds.intersect(window);
-        let fraction = vertical_fraction(&widths);
-        let seeds = RowSeeds::new(&widths, footprint);
+        let fraction = vertical_fraction(&design.widths());
+        let seeds = RowSeeds::new(&design.widths(), footprint);
         let y = visible.first[1];
         let origin = bounds.first[1].max(y - y % BLOCK);
         let (centre, vertical) = seeds.at(origin);
@@ -189,13 +189,8 @@ impl<L: Lane> EllipseSpans<L> {
             vertical,
             reach: shift_signed(footprint.cutoff.into(), 28 - fraction as i32)
                 + (1 << (fraction - SLACK)),
-            half_width: HalfWidth::new(ldl.squared_width, fraction),
-            seed: Seed::new(
-                ldl.horizontal,
-                ldl.squared_width,
-                &widths,
-                32 - seeds.centre_fraction,
-            ),
+            half_width: HalfWidth::new(ldl.squared_width),
+            seed: Seed::new(design, ldl, 32 - seeds.centre_fraction),
             seeds,
             row: SpanRow::default(),
         };
@@ -207,8 +202,9 @@ impl<L: Lane> EllipseSpans<L> {
 
     /// What the rows to come are computed from.
     #[inline(always)]
-    pub fn constants(&self) -> RowConstants<L> {
+    pub fn constants(&self) -> RowConstants<D::Lane> {
         let (half, seed) = (&self.half_width, &self.seed);
+        let bits = seed.design.widths().mantissa.into();
         let mut rows = [self.y, self.y.max(self.end_row)];
         let mut next = RowBlock {
             end: self.y,
@@ -236,8 +232,8 @@ impl<L: Lane> EllipseSpans<L> {
             reach: self.reach,
             squared_width: (half.mantissa.into(), half.odd, half.power),
             horizontal: seed.horizontal,
-            drops: (seed.drop_dx, seed.bits, seed.drop_radial, seed.drop_first),
-            fraction: seed.fraction,
+            drops: (seed.drop_dx, bits, seed.drop_radial, seed.drop_first),
+            fraction: self.fraction(),
             unit: seed.balance.unit,
             start: seed.balance.start,
             second: seed.second,
@@ -252,18 +248,22 @@ impl<L: Lane> EllipseSpans<L> {
     }
 
     /// Opens the next row: its span within the window, from the block that contains the window's first column.
-    #[inline(always)]
+    ///
+    /// Small processors call it, so that what a run needs is not computed before it is known whether a row begins.
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
     fn next_row(&mut self) {
         let mut row = SpanRow {
             y: self.y,
             x: 0,
             end: 0,
             centre: self.centre,
-            vertical: self.vertical.value,
+            vertical: 0,
         };
-        let rest = self.reach.wrapping_sub(row.vertical);
+        let rest = self.seed.rest(self.reach, self.vertical.value);
         if rest > 0 {
-            let half = self.half_width.of(rest, self.seed.bits <= 18);
+            row.vertical = self.seed.down(self.vertical.value);
+            let half = self.half_width.of(rest, &self.seed.design.widths());
             let (low, high) = ends(row.centre, half, self.seed.is_narrow());
             let [first, last] = self.bounds.map(i32::from);
             // Not `clamp`, which panics if first > last: an open row has first < last, but the compiler cannot know.
@@ -284,7 +284,7 @@ impl<L: Lane> EllipseSpans<L> {
     ///
     /// A window that begins inside a block drops the block's head, so that the seed is the same for every tiling.
     #[inline(always)]
-    fn next_block(&mut self) -> Option<Span<L>> {
+    fn next_block(&mut self) -> Option<Span<D::Lane>> {
         let SpanRow {
             y,
             x,
@@ -315,17 +315,17 @@ impl<L: Lane> EllipseSpans<L> {
     }
 }
 
-impl<L: Lane> Spans for EllipseSpans<L> {
-    type Lane = L;
+impl<D: Design> Spans for EllipseSpans<D> {
+    type Lane = D::Lane;
 
     #[inline(always)]
     fn fraction(&self) -> u32 {
-        self.seed.fraction
+        self.seed.design.widths().radial.into()
     }
 
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline)]
-    fn next_span(&mut self) -> Option<Span<L>> {
+    fn next_span(&mut self) -> Option<Span<D::Lane>> {
         loop {
             while self.row.x < self.row.end {
                 if let Some(run) = self.next_block() {
@@ -362,28 +362,25 @@ struct HalfWidth {
     mantissa: u32,
     odd: u32,
     power: i32,
-    /// From the unit of C dy^2 to Q.24.
-    drop: u32,
 }
 
 impl HalfWidth {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    fn new(squared_width: SoftFloat, fraction: u32) -> Self {
+    fn new(squared_width: SoftFloat) -> Self {
         let odd = squared_width.exponent & 1;
         // With rest in Q.24: sqrt(m rest 2^(e - 24)) = root 2^(shift + (e - odd)/2 - 12), then Q.32.
         HalfWidth {
             mantissa: squared_width.mantissa.unsigned_abs(),
             odd: odd as u32,
             power: ((squared_width.exponent - odd) / 2).saturating_add(32 - REST as i32 / 2),
-            drop: fraction.saturating_sub(REST),
         }
     }
 
     /// Half-width in Q.32 pixels for `rest` in the unit of C dy^2, 0 < rest < 32.
     #[inline(always)]
-    fn of(&self, rest: i64, narrow: bool) -> i64 {
-        let rest = (rest as u64) >> (self.drop & 63);
-        let squared = if narrow {
+    fn of(&self, rest: i64, widths: &Widths) -> i64 {
+        let rest = (rest as u64) >> (vertical_fraction(widths) - REST);
+        let squared = if widths.mantissa <= 18 {
             // 18 bits by 14 and 14 bits.
             let (low, high) = (rest as u32 & 0x3fff, rest as u32 >> 14);
             (u64::from(self.mantissa.wrapping_mul(high)) << 14)
@@ -404,7 +401,7 @@ impl HalfWidth {
 mod tests {
     use super::super::seeds::{Balance, GUARD};
     use super::*;
-    use crate::format::{Lean18, RuntimeWidths, Standard24, Widths};
+    use crate::format::{Lean18, RuntimeWidths, Standard24};
     use proptest::prelude::*;
 
     /// A number rounded to a mantissa.
@@ -501,7 +498,7 @@ mod tests {
                 prop_assert!(rows.vertical.value.unsigned_abs() >> (rows.seeds.vertical_fraction + 5) == 0);
                 let rest = rows.reach - rows.vertical.value;
                 if rest > 0 {
-                    let half = rows.half_width.of(rest, false);
+                    let half = rows.half_width.of(rest, &widths);
                     let span = |centre| {
                         let (low, high) = ends(centre, half, false);
                         (low.clamp(0, 8192), high.clamp(0, 8192))

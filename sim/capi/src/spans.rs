@@ -7,7 +7,7 @@ use crate::memory::{modify, read, write};
 use crate::status::{Error, SPLATLINE_OK, code};
 use crate::types::*;
 use core::mem::MaybeUninit;
-use splatline::format::{Design, RuntimeWidths, Traversal};
+use splatline::format::{RuntimeWidths, Traversal};
 use splatline::math::shift_signed;
 use splatline::raster::{BoxSpans, EllipseSpans, Span, Spans};
 
@@ -46,7 +46,7 @@ pub struct SplatlineSpan {
     pub length: u16,
 }
 
-type SpanEllipse = EllipseSpans<<RuntimeWidths as Design>::Lane>;
+type SpanEllipse = EllipseSpans<RuntimeWidths>;
 
 /// Both states consist of integers alone and fit the memory, so that any content of it is a valid state.
 const _: () = assert!(

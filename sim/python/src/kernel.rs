@@ -123,6 +123,7 @@ impl Kernel {
                     compositing: splats.compositing,
                     view: scene.view,
                     splats: scene.splats.clone(),
+                    systems: false,
                 },
                 design,
                 traversal: entry.traversal,

@@ -66,6 +66,7 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
         compositing: options.compositing,
         view,
         splats,
+        systems: options.systems,
     };
     let manifest = vectors::export(&options.folder, &subject)?;
     let counts: Vec<String> = manifest

@@ -57,6 +57,9 @@ pub struct VectorsExportOptions {
     /// The built-in splats through an orthographic camera, at the ends of its depths
     #[arg(long, conflicts_with = "scene")]
     pub orthographic: bool,
+    /// Stages of the other systems instead: view-dependent colour, surfaces, deep channel, points, sheets, spheres
+    #[arg(long)]
+    pub systems: bool,
     /// Protection against samples closer together than pixels, for the built-in splats [default: the rules' low-pass filter]
     #[arg(long, value_enum, conflicts_with = "scene")]
     pub antialias: Option<AntialiasChoice>,

@@ -1,6 +1,6 @@
 //! Every stage of the kernel, run one after the other, with what crosses each boundary written down.
 
-use super::{VectorStage, VectorSubject, functions};
+use super::{VectorStage, VectorSubject, functions, systems};
 use crate::design::DesignJob;
 use crate::fixed::{kernel_compositing, kernel_rules};
 use crate::rules::Compositing as Order;
@@ -33,6 +33,12 @@ pub fn compute(subject: &VectorSubject) -> Vec<VectorStage> {
 fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStage> {
     let widths = design.widths();
     let rules = kernel_rules(&subject.rules);
+    if subject.systems {
+        let mut splats = SetupStages::new(&widths).splats;
+        splats.records = subject.splats.iter().map(splat_values).collect();
+        let systems = systems::stages(design, subject);
+        return [splats].into_iter().chain(systems).collect();
+    }
     let mut setup = SetupStages::new(&widths);
     let mut visible = Vec::new();
     for (index, splat) in subject.splats.iter().enumerate() {
@@ -120,7 +126,7 @@ struct SetupStages {
 }
 
 /// The `culled` field: 0, or the place of the reason in [`Cull::ALL`] counted from 1.
-fn reason<T>(result: &Result<T, Cull>) -> i64 {
+pub(super) fn reason<T>(result: &Result<T, Cull>) -> i64 {
     result
         .as_ref()
         .err()
@@ -454,7 +460,7 @@ impl<D: Design> RasterStages<D> {
     }
 }
 
-fn pixel_values(pixel: &Pixel) -> [i64; 5] {
+pub(super) fn pixel_values(pixel: &Pixel) -> [i64; 5] {
     let [r, g, b] = pixel.colour.map(i64::from);
     [
         r,

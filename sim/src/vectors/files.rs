@@ -239,8 +239,8 @@ impl Owners {
 
     fn describe(&self, stage: &VectorStage, index: usize) -> String {
         let splat = match stage.name {
-            "table" => return String::new(),
-            "tile" => return String::new(),
+            "table" | "tile" | "samples" | "deep" | "gathers" | "sheets" | "perspective"
+            | "indices" => return String::new(),
             "packets" => self.of_packet.get(index).copied(),
             "runs" | "pixels" => {
                 let packet = stage.records.get(index).and_then(|record| record.first());

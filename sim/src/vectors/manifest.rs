@@ -140,6 +140,7 @@ impl Manifest {
             compositing: compositing_of(&self.compositing)?,
             view: self.view.view(),
             splats: Vec::new(),
+            systems: self.stages.iter().any(|stage| stage.name == "colours"),
         })
     }
 }

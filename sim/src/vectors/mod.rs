@@ -18,6 +18,7 @@ mod files;
 mod functions;
 mod manifest;
 mod stage;
+mod systems;
 mod work;
 
 pub use builtin::{hard_cases, stress_cases, stress_orthographic, stress_view};
@@ -47,4 +48,6 @@ pub struct VectorSubject {
     pub view: View,
     /// The splats in the kernel's formats.
     pub splats: Vec<VolumeSplat>,
+    /// Stages of the other systems instead of those of the picture.
+    pub systems: bool,
 }

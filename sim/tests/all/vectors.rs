@@ -29,6 +29,7 @@ fn subject(
         compositing,
         view,
         splats,
+        systems: false,
     }
 }
 
@@ -135,6 +136,13 @@ fn what_is_exported_verifies() {
     assert!(manifest.stages.iter().all(|stage| stage.records > 0));
     fs::remove_file(folder.path().join("columns.hex")).unwrap();
     assert_eq!(verify(folder.path()).unwrap().missing, ["columns"]);
+    let systems = VectorSubject {
+        systems: true,
+        ..small()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let stages = export(folder.path(), &systems).unwrap().stages.len();
+    assert_eq!(verify(folder.path()).unwrap().stages.len(), stages);
 }
 
 #[test]

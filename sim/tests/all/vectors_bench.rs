@@ -21,6 +21,7 @@ fn a_simulator_steps_exported_runs_to_the_same_radial_indices() {
         compositing: Compositing::FrontToBack,
         view,
         splats,
+        systems: false,
     };
     assert_eq!(subject.design.traversal, Traversal::Spans);
     let folder = tempfile::tempdir().unwrap();

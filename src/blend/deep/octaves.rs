@@ -148,3 +148,33 @@ const fn inverse_root_of_two(roots: u32) -> u64 {
     }
     value
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the compiler evaluates, at run time: the logarithm against double precision, the root by its square.
+    #[test]
+    fn tables_are_made_of_the_nearest_numbers() {
+        let two = 1u64 << 63;
+        for x in RECIPROCALS
+            .map(|r| u64::from(r) << 32)
+            .into_iter()
+            .chain([two - 1, two + 1])
+        {
+            let exact = (x as f64 / 2f64.powi(62)).log2() * 2f64.powi(44);
+            let found = log2_by_squaring(x);
+            assert!((found as f64 - exact).abs() < 0.51, "{x}: {found}, {exact}");
+        }
+        assert_eq!(log2_by_squaring(two), 1 << 44);
+        assert_eq!(inverse_root_of_two(0), 1 << 61);
+        for roots in 1..20 {
+            let square = u128::from(inverse_root_of_two(roots - 1)) << 62;
+            let root = u128::from(inverse_root_of_two(roots));
+            assert!(
+                root * root <= square && square < (root + 1) * (root + 1),
+                "{roots}"
+            );
+        }
+    }
+}

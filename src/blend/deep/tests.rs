@@ -59,6 +59,80 @@ proptest! {
     }
 }
 
+/// Rounding as the table at the module's head has it, in numbers that are wide enough.
+fn rounded(channel: &Channel, value: u64, shift: u32, noise: u32) -> u64 {
+    let addend = match channel.rounding() {
+        ChannelRounding::Nearest => 1 << (shift - 1),
+        ChannelRounding::Truncate => 0,
+        ChannelRounding::Dither => (u128::from(noise) << shift) >> 32,
+    };
+    ((u128::from(value) + addend) >> shift) as u64
+}
+
+/// A word with many at the ends of what it may hold.
+fn words(one: u32) -> impl Strategy<Value = u32> {
+    prop_oneof![Just(0), Just(1), Just(one - 1), Just(one), any::<u32>()]
+}
+
+proptest! {
+    /// Words are rounded once, and colours get what the channel lost, or their share of it.
+    #[test]
+    fn every_bit_is_as_stated(
+        channel in channels(), word in words(ONE), alpha in words(ONE), colour: [u32; 3], before: [u32; 3], place: [u16; 2], layer: u32,
+    ) {
+        let deepest = (1u64 << channel.width()) - 1;
+        let one = 1u32 << channel.fraction();
+        let word = word.min(deepest as u32);
+        let random = noise(place[0], place[1], layer);
+        let opaque = alpha.min(ONE);
+        let round = |value, shift, noise| rounded(&channel, value, shift, noise);
+        let part = |value: u32, share: u32| u64::from(value) * u64::from(share);
+        let next = match channel.representation() {
+            Representation::Opacity => u64::from(word.min(one)) + round(part(one - word.min(one), opaque), 31, random),
+            Representation::Transmittance => round(part(word.min(one), ONE - opaque), 31, random),
+            Representation::OpticalDepth => {
+                let step = round(octaves::of_opacity(opaque), 44 - channel.fraction(), random);
+                deepest.min(u64::from(word) + step)
+            }
+        };
+        let before = before.map(|c| c.min(deepest as u32));
+        let (mut front, mut back) = (DeepPixel { colour: before, alpha: word }, DeepPixel { colour: before, alpha: word });
+        front.front_to_back(&channel, alpha, &colour, place, layer);
+        back.back_to_front(&channel, alpha, &colour, place, layer);
+        prop_assert_eq!([front.alpha, back.alpha].map(u64::from), [next; 2]);
+        let lost = channel.transmittance(word).saturating_sub(channel.transmittance(front.alpha));
+        for c in 0..3 {
+            let random = random.rotate_left(8 * (c as u32 + 1));
+            let light = |share, noise| round(part(share, colour[c].min((1 << 29) - 1)), 60 - u32::from(channel.width()), noise);
+            let sum = u64::from(before[c]) + light(lost, random);
+            prop_assert_eq!(u64::from(front.colour[c]), sum.min(deepest));
+            let kept = round(part(before[c], ONE - opaque), 31, random);
+            prop_assert_eq!(u64::from(back.colour[c]), (kept + light(opaque, random.rotate_left(4))).min(deepest));
+        }
+    }
+}
+
+#[test]
+fn a_clear_pixel_lets_all_through_and_the_deepest_nothing() {
+    for representation in REPRESENTATIONS {
+        for width in [8, 16, 32] {
+            let channel = Channel::new(representation, ChannelRounding::Dither, width).unwrap();
+            let clear = DeepPixel::clear(&channel);
+            assert_eq!(
+                (clear.colour, channel.transmittance(clear.alpha)),
+                ([0; 3], ONE)
+            );
+            let deepest = (1u64 << width) - 1;
+            let expected = if representation == Representation::Transmittance {
+                ONE
+            } else {
+                0
+            };
+            assert_eq!(channel.transmittance(deepest as u32), expected);
+        }
+    }
+}
+
 #[test]
 fn the_logarithm_is_accurate() {
     let mut worst = (0.0f64, 0.0f64);
@@ -80,14 +154,23 @@ fn the_logarithm_is_accurate() {
 
 #[test]
 fn the_exponential_is_accurate() {
-    let mut worst = 0.0f64;
+    let (mut worst, mut bias) = (0.0f64, 0.0);
     for depth in (0..4_000_000u32).map(|i| i.wrapping_mul(1073)) {
         let exact = (-f64::from(depth) / 2f64.powi(28)).exp2();
-        worst = worst.max((unit(octaves::transmittance(depth, 28)) - exact).abs());
+        let error = unit(octaves::transmittance(depth, 28)) - exact;
+        worst = worst.max(error.abs());
+        bias += error * 2f64.powi(31) / 4e6;
     }
     assert!(worst < 2f64.powi(-30), "2^{:.1}", worst.log2());
+    assert!(bias.abs() < 5e-3, "{bias}");
     assert_eq!(octaves::transmittance(0, 28), ONE);
     assert_eq!(octaves::transmittance(3 << 4, 4), ONE / 8);
+    assert_eq!(
+        [31, 32].map(|octaves| octaves::transmittance(octaves << 4, 4)),
+        [1, 0]
+    );
+    // More fraction bits than the format has count as what it has.
+    assert_eq!(octaves::transmittance(1 << 28, 40), ONE / 2);
 }
 
 /// What each rounding does to 40,000 layers of 2^-14 in a word of 16 bits: only dithering comes down to 1 - e^-2.44.
@@ -158,6 +241,22 @@ fn shares_and_the_last_transmittance_sum_to_one() {
         let rest = channel.transmittance(pixel.alpha);
         let light = unit(pixel.colour[0]) + unit(rest);
         assert!((light - 1.0).abs() < 1e-6, "{representation:?}: {light}");
+    }
+}
+
+/// Pictures repeat on every machine and after every change: numbers of a program in another language.
+#[test]
+fn noise_is_the_hash_that_is_documented() {
+    let table = [
+        ((0, 0, 0), 0xea2d_3c4a),
+        ((1, 0, 0), 0x583e_6b2e),
+        ((0, 1, 0), 0x77e8_dd99),
+        ((0, 0, 1), 0x4846_6855),
+        ((639, 479, 12_345), 0xe1e2_83de),
+        ((u16::MAX, u16::MAX, u32::MAX), 0x5ace_28d6),
+    ];
+    for ((x, y, layer), expected) in table {
+        assert_eq!(noise(x, y, layer), expected, "{x} {y} {layer}");
     }
 }
 

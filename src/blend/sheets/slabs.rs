@@ -211,6 +211,11 @@ mod tests {
             let found = normal_integral(index as i64 - (4 << 12)) as f64;
             assert!((found - exact).abs() < 3.0, "{index}: {found}, {exact}");
         }
+        for index in 0..=2 * STEPS {
+            let exact = density(-4.0 + index as f64 / 64.0) * 2f64.powi(31);
+            let found = density_at(index) as f64;
+            assert!((found - exact).abs() < 64.0, "{index}: {found}, {exact}");
+        }
         assert_eq!(normal_integral(-1 << 40), 0);
         assert_eq!(normal_integral(1 << 40), 1 << 16);
     }

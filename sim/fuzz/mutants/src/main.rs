@@ -20,6 +20,7 @@ sim/fuzz/mutants.sh                      all that are chosen at run time: half a
 sim/fuzz/mutants.sh --sample SEED 8      others each time, for as many minutes; the seed repeats a sample
 sim/fuzz/mutants.sh --in src/math,Blend  those whose name contains one of these
 sim/fuzz/mutants.sh --again              those that survived the last run
+sim/fuzz/mutants.sh --own                against the kernel's unit tests alone: minutes, and more survive
 sim/fuzz/mutants.sh --compiled           those in constants, each compiled singly: a night; with --again the survivors
 sim/fuzz/mutants.sh --list               names only
 Survivors that change nothing stand in sim/fuzz/mutants/equivalent.txt: a name, and indented below it the proof.";
@@ -29,6 +30,7 @@ struct Options {
     sample: Option<(u64, u64)>,
     part: Option<String>,
     again: bool,
+    own: bool,
     compiled: bool,
     list: bool,
 }
@@ -46,6 +48,7 @@ fn options() -> Result<Options, Failure> {
             "--sample" => options.sample = Some((value()?.parse()?, value()?.parse()?)),
             "--in" => options.part = Some(value()?),
             "--again" => options.again = true,
+            "--own" => options.own = true,
             "--compiled" => options.compiled = true,
             "--list" => options.list = true,
             _ => return Err(HELP.into()),
@@ -160,7 +163,8 @@ fn trials(
     work: &Path,
 ) -> Result<(usize, Vec<usize>), Failure> {
     let mut tried = open.len();
-    for (stage, arguments) in SUITES.iter().enumerate() {
+    let suites = if options.own { &SUITES[..1] } else { &SUITES };
+    for (stage, arguments) in suites.iter().enumerate() {
         if open.is_empty() {
             break;
         }
@@ -188,11 +192,13 @@ fn trials(
             match verdict {
                 Verdict::Noticed(by) => println!("noticed   {} by {by}", copy.mutants[mutant].key),
                 Verdict::Endless(by) => println!("endless   {} in {by}", copy.mutants[mutant].key),
-                Verdict::Survived | Verdict::Unreached => {
-                    println!(
-                        "open      {}:{}",
-                        copy.mutants[mutant].key, copy.mutants[mutant].line
-                    );
+                verdict => {
+                    let word = match verdict {
+                        Verdict::Unreached => "unreached",
+                        _ => "open     ",
+                    };
+                    let open = &copy.mutants[mutant];
+                    println!("{word} {}:{}", open.key, open.line);
                     survivors.push(mutant);
                 }
             }

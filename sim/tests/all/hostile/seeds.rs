@@ -179,6 +179,7 @@ pub fn few_vectors(size: [u16; 2]) -> vectors::VectorSubject {
         compositing: Compositing::FrontToBack,
         view,
         splats,
+        systems: false,
     }
 }
 

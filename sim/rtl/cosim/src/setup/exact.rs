@@ -61,6 +61,7 @@ pub fn exact(count: usize, seed: u64) -> Vec<SetupLoad> {
     }
     loads.push(least_components(count / 10));
     loads.push(on_the_edge(count / 10));
+    loads.push(flat_and_slanted(count / 3));
     loads
 }
 
@@ -111,6 +112,32 @@ fn on_the_edge(count: usize) -> SetupLoad {
         name: "on the edge, ewa".to_owned(),
         view: straight(Projection::Orthographic, FOCAL),
         rules: KernelRules::EWA,
+        splats: (0..count).map(splat).collect(),
+    }
+}
+
+/// Without a low-pass filter, four million times as wide as high and slanted: of all that has an exponent the conic's last coefficient is the largest,
+/// and alone beyond the packet's exponents where `1 / Vyy` still has a place.
+fn flat_and_slanted(count: usize) -> SetupLoad {
+    let axis = |mantissa, exponent| Axis { mantissa, exponent };
+    let size = |index: usize| -286 + (index / 7 % 10) as i32;
+    let splat = |index: usize| VolumeSplat {
+        centre: [0, 0, 1].map(|mantissa| soft_float(mantissa, 0)),
+        axes: [
+            axis([1 << 30, 1 << 8, 0], size(index)),
+            axis([0, 1 << 30, 0], size(index) - 22 - (index % 7) as i32),
+            axis([0; 3], 0),
+        ],
+        weight: soft_float(1, -1),
+        colour: [0.0, 0.5, 1.0].map(float::colour),
+    };
+    SetupLoad {
+        name: "flat and slanted, 3dgs".to_owned(),
+        view: straight(Projection::Orthographic, FOCAL),
+        rules: KernelRules {
+            low_pass: SoftFloat::ZERO,
+            ..KernelRules::GAUSSIAN_3D
+        },
         splats: (0..count).map(splat).collect(),
     }
 }

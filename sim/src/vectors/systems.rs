@@ -1,0 +1,511 @@
+//! Stages of the other systems: view-dependent colour, surfaces, the deep channel, points, sheets and spheres.
+//!
+//! Each takes the subject's splats through a system's own setup, or pixels through its own blending, with operands of all lengths up to
+//! the ends of their formats. A record has the operands, then the results.
+
+use super::builtin::BuiltinRandom;
+use super::compute::{field, pixel_values, reason};
+use super::{VectorStage, VectorSubject};
+use crate::fixed::kernel_rules;
+use fixed::types::{I2F30, I4F28, U4F28};
+use splatline::blend::deep::{Channel, ChannelRounding, DeepPixel, Representation};
+use splatline::blend::edge::EdgeFilter;
+use splatline::blend::layers::Layers;
+use splatline::blend::points::Slab;
+use splatline::blend::resolve::Resolve;
+use splatline::blend::surface::{Accumulation, Cell, Fragment, Sample, WeightedSum, sum_fraction};
+use splatline::blend::{Blend, Pixel};
+use splatline::footprint::Footprint;
+use splatline::footprint::surface::{Attributes, attribute_fraction, depth_in_pixel};
+use splatline::format::{Design, Widths};
+use splatline::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, Rays, fill_perspective};
+use splatline::math::SoftFloat;
+use splatline::rules::Rules;
+use splatline::setup::harmonics::{COEFFICIENTS, Harmonics, direction};
+use splatline::setup::{self, Cull, Ellipse, Index, PointFilter};
+use splatline::splat::SphereSplat;
+use splatline::splat::surface::SurfaceSplat;
+
+/// Records of the stages that go through pixels.
+const STEPS: u32 = 1500;
+/// 1.0 of directions.
+const ONE: u32 = 1 << 30;
+/// A footprint behind the reason why there is none.
+const PRINT: &str =
+    "culled:4 depth:48 centre*2:-64 first*2:16 end*2:16 ldl*8:-32 cutoff:32.28 peak:32";
+
+/// All of them, in the order of the specification.
+pub fn stages<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStage> {
+    let rules = kernel_rules(&subject.rules);
+    let widths = design.widths();
+    vec![
+        colours(&widths, subject),
+        surfaces(design, subject, &rules),
+        samples(&widths),
+        deep(),
+        points(design, subject),
+        gathers(&widths, &rules),
+        sheets(&widths, &rules),
+        spheres(design, subject, &rules),
+        perspective(),
+        indices(&widths, subject),
+    ]
+}
+
+/// A stage of fields `name*count:-bits.fraction`; without `*` one, without `-` not signed, without `.` an integer.
+fn stage(name: &'static str, about: &'static str, fields: &str) -> VectorStage {
+    let fields = fields.split_whitespace().flat_map(|text| {
+        let (name, format) = text.split_once(':').unwrap_or((text, "32"));
+        let (name, count) = name.split_once('*').unwrap_or((name, "1"));
+        let (bits, fraction) = format.split_once('.').unwrap_or((format, "0"));
+        let number = |text: &str| text.trim_start_matches('-').parse().unwrap_or(1);
+        let count = number(count);
+        (0..count).map(move |place| {
+            let name = [name.to_owned(), format!("{name}_{place}")];
+            let (signed, fraction) = (bits.starts_with('-'), number(fraction) as u8);
+            field(
+                &name[usize::from(count > 1)],
+                number(bits),
+                signed,
+                fraction,
+            )
+        })
+    });
+    VectorStage::new(name, about, fields)
+}
+
+/// What a record is made of.
+trait Words {
+    fn put(&self, record: &mut Vec<i64>);
+}
+
+macro_rules! words {
+    ($($type:ty: |$value:ident| $word:expr;)*) => {
+        $(impl Words for $type {
+            fn put(&self, record: &mut Vec<i64>) {
+                let $value = self;
+                $word.put(record);
+            }
+        })*
+    };
+}
+
+macro_rules! record {
+    ($($part:expr);* $(;)?) => {{
+        let mut record = Vec::new();
+        $($part.put(&mut record);)*
+        record
+    }};
+}
+
+impl Words for i64 {
+    fn put(&self, record: &mut Vec<i64>) {
+        record.push(*self);
+    }
+}
+
+impl<T: Words> Words for [T] {
+    fn put(&self, record: &mut Vec<i64>) {
+        self.iter().for_each(|word| word.put(record));
+    }
+}
+
+words! {
+    bool: |word| i64::from(*word);
+    u8: |word| i64::from(*word);
+    u16: |word| i64::from(*word);
+    u32: |word| i64::from(*word);
+    i32: |word| i64::from(*word);
+    u64: |word| (*word as i64);
+    I2F30: |word| word.to_bits();
+    I4F28: |word| word.to_bits();
+    U4F28: |word| word.to_bits();
+    SoftFloat: |number| [number.mantissa, number.exponent];
+    Pixel: |pixel| pixel_values(pixel);
+    DeepPixel: |pixel| record![pixel.colour; pixel.alpha];
+    Attributes: |own| record![own.colour; own.opacity; own.normal];
+    Slab: |slab| record![slab.colour; slab.opacity; slab.first];
+    Fragment: |sum| record![sum.weight; sum.colour; sum.opacity; sum.normal; sum.near; sum.far; sum.material];
+    Footprint: |print| record![
+        0i64; print.depth; print.centre; print.first; print.end; print.ldl.horizontal; print.ldl.squared_width; print.ldl.shear;
+        print.ldl.vertical; print.cutoff; print.opacity;
+    ];
+}
+
+/// Operands and results, zeros where there are none.
+fn push(stage: &mut VectorStage, mut record: Vec<i64>, found: Result<Vec<i64>, Cull>) {
+    record.extend(found.as_ref().unwrap_or(&vec![reason(&found)]));
+    record.resize(stage.fields.len(), 0);
+    stage.records.push(record);
+}
+
+/// Operands.
+impl BuiltinRandom {
+    /// Of 0 to `most`: every fourth at an end or next to one, every fourth short.
+    fn up_to(&mut self, most: u32) -> u32 {
+        let (word, choice) = (self.bits(), self.bits() >> 24);
+        let last = choice & 8 != 0;
+        match choice & 7 {
+            0 => u32::from(last) * most,
+            1 if last => most.saturating_sub(word >> 30),
+            1 => (word >> 30).min(most),
+            2 | 3 => (word >> (choice >> 3)).min(most),
+            _ => ((u64::from(word) * (u64::from(most) + 1)) >> 32) as u32,
+        }
+    }
+
+    /// The same, the half of them halved up to three times.
+    fn shorter(&mut self, most: u32) -> u32 {
+        self.up_to(most) >> (self.bits() >> 30)
+    }
+
+    /// The same with either sign.
+    fn within(&mut self, most: u32) -> i32 {
+        self.up_to(most) as i32 * (1 - 2 * (self.bits() >> 31) as i32)
+    }
+
+    /// Below 2^power.
+    fn number(&mut self, power: i32) -> SoftFloat {
+        let (mantissa, lower) = (self.up_to(i32::MAX as u32) as i32, self.up_to(2) as i32);
+        let exponent = power - 31 - lower;
+        SoftFloat { mantissa, exponent }
+    }
+
+    /// Three words.
+    fn three(&mut self, most: u32) -> [u32; 3] {
+        [(); 3].map(|()| self.up_to(most))
+    }
+}
+
+fn colours(widths: &Widths, subject: &VectorSubject) -> VectorStage {
+    let mut stage = stage(
+        "colours",
+        "view-dependent colour, one splat a record: the direction to it; that of the colour, base, coefficients, colour",
+        "view*3:-32.30 direction*3:-32.30 base*3:-32.28 count:8 coefficient*72:-32.28 colour*3:32.28",
+    );
+    let mut random = BuiltinRandom(1);
+    for (number, splat) in subject.splats.iter().enumerate() {
+        let view = direction(widths, &subject.view, &splat.centre);
+        // Not longer than a unit vector: along an axis, or anywhere in the cube of half of it.
+        let most = |axis| match number % 4 {
+            1 => u32::from(axis == number / 4 % 3) * ONE,
+            _ => ONE / 2,
+        };
+        let other = [0, 1, 2].map(|axis| I2F30::from_bits(random.within(most(axis))));
+        let direction = if number % 2 == 0 { view } else { other };
+        let drop = random.up_to(12);
+        let mut some =
+            || [(); 3].map(|()| I4F28::from_bits(random.within(i32::MAX as u32) >> drop));
+        let (base, all) = (some(), [(); COEFFICIENTS].map(|()| some()));
+        let count = [0, 3, 8, 15, 24][number % 5];
+        let coefficients = &all[..count];
+        let colour = Harmonics { base, coefficients }.colour(direction);
+        stage
+            .records
+            .push(record![view; direction; base; count as i64; all.as_flattened(); colour]);
+    }
+    stage
+}
+
+fn surfaces<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> VectorStage {
+    let f = attribute_fraction(&design.widths());
+    let mut stage = stage(
+        "surfaces",
+        "surface splats of the splats' first two axes and the third for a normal: print, plane, attributes, depth at the box's end",
+        &format!(
+            "colour*3:32.28 opacity:32.28 {PRINT} plane*3:-64.32 share*4:32.{f} normal*3:-32.{f} back:1 lane:-64.32 last:32.23"
+        ),
+    );
+    let mut random = BuiltinRandom(2);
+    for splat in &subject.splats {
+        let [first, second, normal] = splat.axes;
+        let (centre, weight) = (splat.centre, splat.weight);
+        let colour = [(); 3].map(|()| U4F28::from_bits(random.shorter(1 << 29)));
+        let opacity = U4F28::from_bits(random.shorter(1 << 29));
+        let splat = SurfaceSplat {
+            centre,
+            frame: [first, second],
+            normal,
+            weight,
+            colour,
+            opacity,
+            material: 0,
+        };
+        let found = setup::setup_surface(design, &subject.view, rules, &splat);
+        let words = found.map(|found| {
+            let lane = found.depth_at(found.footprint.end[0] - 1, found.footprint.end[1] - 1);
+            let plane = record![found.plane.origin; found.plane.step];
+            record![found.footprint; plane; found.attributes; found.back; lane; depth_in_pixel(lane)]
+        });
+        push(&mut stage, record![colour; opacity], words);
+    }
+    stage
+}
+
+fn samples(widths: &Widths) -> VectorStage {
+    let (f, s) = (attribute_fraction(widths), sum_fraction(widths));
+    let (a, t) = (widths.accumulator, widths.transmittance);
+    let fragment = format!(
+        "weight:32.{s} sum*4:32.{s} normal:-32.{s} normal_y:-32.{s} normal_z:-32.{s} near:32.23 far:32.23 of:8"
+    );
+    let pixel = format!("colour*3:32.{a} transmittance:31.{t} finished:1");
+    let mut stage = stage(
+        "samples",
+        "a sample; what it adds to a pixel of one fragment and to one of two layers; the first divided, covered, and both resolved",
+        &format!(
+            "pixel:32 threshold:32.23 tau:32.30 alpha:32.{} rounded:32.{s} weight:32.{s} depth:32.23 share*4:32.{f} normal*3:-32.{f} \
+             material:8 {fragment} {fragment} {fragment} merges:32 divided*4:32.{a} normal*3:-32.30 coverage:32.30 {pixel} {pixel}",
+            widths.alpha
+        ),
+    );
+    let mut random = BuiltinRandom(3);
+    let (mut one, mut two, mut base, mut threshold, mut tau) =
+        (Accumulation::EMPTY, Layers::<2>::EMPTY, 0, 0, 0);
+    for step in 0..STEPS {
+        let pixel = step / 12;
+        if step % 12 == 0 {
+            (one, two) = (Accumulation::EMPTY, Layers::EMPTY);
+            (base, tau) = (random.up_to(u32::MAX), random.up_to(1 << 31));
+            threshold = random.up_to(1 << (pixel % 30));
+        }
+        let (gather, edges) = (WeightedSum::new(widths, threshold), EdgeFilter::new(tau));
+        let normal = [(); 3].map(|()| random.within(1 << f));
+        let material = (random.bits() >> 30) as u8;
+        let attributes = Attributes {
+            colour: random.three(1 << f),
+            opacity: random.up_to(1 << f),
+            normal,
+            material,
+        };
+        let alpha = random.up_to(1 << widths.alpha);
+        let rounded = gather.weight(alpha);
+        // Every eighth pixel fills its weight sums.
+        let full = u32::from(pixel % 8 == 7) * i32::MAX as u32;
+        let weight = random.up_to(full).max(rounded).max(1);
+        // Near each other, at the threshold or one beside it.
+        let depth = base.saturating_add(threshold.saturating_mul(random.up_to(5)));
+        let depth = depth.saturating_add(random.up_to(2)).saturating_sub(1);
+        let sample = Sample {
+            weight,
+            depth,
+            attributes: &attributes,
+        };
+        one.add(&gather, &sample);
+        two.add(&gather, &sample);
+        let of = |layers: &[Fragment], place| layers.get(place).copied().unwrap_or(Fragment::EMPTY);
+        let sum = of(one.fragments(), 0);
+        let divided = gather.normalise(&sum);
+        let resolve = Resolve::new(widths, gather, None, edges);
+        stage.records.push(record![
+            record![pixel; threshold; tau; alpha; rounded; weight; depth; attributes; material; sum];
+            record![of(two.fragments(), 0); of(two.fragments(), 1); two.merges()];
+            record![divided.colour; divided.opacity; divided.normal];
+            edges.map_or(ONE, |edges| edges.coverage(sum.weight, s));
+            record![resolve.pixel(&one, 0, 0); resolve.pixel(&two, 0, 0)];
+        ]);
+    }
+    stage
+}
+
+fn deep() -> VectorStage {
+    let mut stage = stage(
+        "deep",
+        "a layer over a pixel: opacity, transmittance or optical depth; to nearest, down or dithered; bits. What still shines through; \
+         the pixel after it front to back, and back to front",
+        "what:8 rounding:8 bits:8 place*2:16 layer:32 alpha:32.31 light*3:32.28 before*4:32 through:32.31 front*4:32 back*4:32",
+    );
+    let mut random = BuiltinRandom(4);
+    use ChannelRounding::{Dither, Nearest, Truncate};
+    use Representation::{Opacity, OpticalDepth, Transmittance};
+    let (kinds, roundings) = (
+        [Opacity, Transmittance, OpticalDepth],
+        [Nearest, Truncate, Dither],
+    );
+    for step in 0..2 * STEPS as usize {
+        let (what, rounding, bits) = (step % 3, step / 3 % 3, 8 + random.up_to(24) as u8);
+        let Ok(channel) = Channel::new(kinds[what], roundings[rounding], bits) else {
+            continue;
+        };
+        let place = [(); 2].map(|()| random.up_to(u16::MAX.into()) as u16);
+        let (layer, opacity) = (random.up_to(u32::MAX), random.shorter(1 << 31));
+        let light = random.three((1 << 29) + 1);
+        let most = u32::MAX >> (32 - bits);
+        let (colour, half) = (random.three(most), most / 2 + 1);
+        let alpha = random.up_to([half, half, most][what]);
+        let before = DeepPixel { colour, alpha };
+        let (mut front, mut back) = (before, before);
+        front.front_to_back(&channel, opacity, &light, place, layer);
+        back.back_to_front(&channel, opacity, &light, place, layer);
+        let operands =
+            record![what as i64; rounding as i64; bits; place; layer; opacity; light; before];
+        stage
+            .records
+            .push(record![operands; channel.transmittance(before.alpha); front; back]);
+    }
+    stage
+}
+
+fn points<D: Design>(design: D, subject: &VectorSubject) -> VectorStage {
+    let mut stage = stage(
+        "points",
+        "the splats as points by the rules ewa: is it one, has the filter an area, its footprint",
+        &format!("spacing*2:-32 deviation*2:-32 normalised:1 minified:1 filter:1 {PRINT}"),
+    );
+    let (mut random, widths) = (BuiltinRandom(5), design.widths());
+    for (number, splat) in subject.splats.iter().enumerate() {
+        let (spacing, deviation, normalised) =
+            (random.number(-4), random.number(-4), number % 2 == 0);
+        let rules = Rules {
+            spacing,
+            normalised,
+            ..Rules::EWA
+        };
+        let filter = PointFilter::new(&widths, &rules, deviation);
+        let minified = setup::is_minified(&widths, &subject.view, &rules, splat);
+        let operands = record![spacing; deviation; normalised; minified; filter.is_some()];
+        let found = filter.ok_or(Cull::Degenerate);
+        let found = found
+            .and_then(|filter| setup::setup_point(design, &subject.view, &rules, splat, &filter));
+        push(&mut stage, operands, found.map(|print| record![print]));
+    }
+    stage
+}
+
+fn gathers(widths: &Widths, rules: &Rules) -> VectorStage {
+    let (c, a, t) = (widths.colour, widths.accumulator, widths.transmittance);
+    let alpha = widths.alpha;
+    let pixel = format!("colour*3:32.{a} transmittance:31.{t} finished:1");
+    let mut stage = stage(
+        "gathers",
+        "points gathered by a pixel: pixel and slab after each, and the pixel if the slab is closed then",
+        &format!(
+            "pixel:32 range:32.23 alpha:32.{alpha} light*3:32.{c} depth:32.23 {pixel} slab*3:32.{a} sum:32.{alpha} first:32.23 {pixel}"
+        ),
+    );
+    let (mut random, blend) = (BuiltinRandom(6), Blend::new(widths, rules));
+    let (mut pixel, mut slab) = (Pixel::clear(widths), Slab::default());
+    let (mut range, mut depth, mut number) = (0, 0, 0u32);
+    for step in 0..STEPS {
+        if step % 16 == 0 || pixel.is_finished() {
+            number += 1;
+            (pixel, slab) = (Pixel::clear(widths), Slab::default());
+            (range, depth) = (random.up_to(1 << 20), random.up_to(u32::MAX));
+        }
+        depth = depth.saturating_add(random.shorter(range) + random.up_to(2) / 2);
+        let opacity = random.shorter(1 << alpha).max(1);
+        let light = random.three(u32::MAX >> (32 - c - widths.colour_range()));
+        blend.gather(&mut pixel, &mut slab, opacity, &light, depth, range);
+        let mut closed = pixel;
+        blend.close(&mut closed, &mut slab.clone());
+        stage
+            .records
+            .push(record![number; range; opacity; light; depth; pixel; slab; closed]);
+    }
+    stage
+}
+
+fn sheets(widths: &Widths, rules: &Rules) -> VectorStage {
+    let (a, t) = (widths.accumulator, widths.transmittance);
+    let pixel = format!("colour*3:32.{a} transmittance:31.{t} finished:1");
+    let about =
+        "a pixel, a sheet's pixel; the first with the sheet behind it, and with the sheet over it";
+    let mut stage = stage("sheets", about, &format!("{pixel} {pixel} {pixel} {pixel}"));
+    let (mut random, blend) = (BuiltinRandom(7), Blend::new(widths, rules));
+    for _ in 0..STEPS {
+        let [pixel, sheet] = [(); 2].map(|()| Pixel {
+            colour: random.three(u32::MAX),
+            transmittance: random.up_to(1 << t),
+        });
+        let (mut behind, mut over) = (pixel, pixel);
+        blend.sheet_behind(&mut behind, &sheet);
+        blend.sheet_over(&mut over, &sheet);
+        stage.records.push(record![pixel; sheet; behind; over]);
+    }
+    stage
+}
+
+fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> VectorStage {
+    let mut stage = stage(
+        "spheres",
+        "the splats as spheres: exact or approximate; affine, perspective or by rays; the footprint and what corrects its index",
+        &format!(
+            "deviation*2:-32 ellipse:8 index:8 {PRINT} spread:32.32 slant*2:-32 corrected_end:32.28"
+        ),
+    );
+    let mut random = BuiltinRandom(8);
+    for (number, splat) in subject.splats.iter().enumerate() {
+        let deviation = random.number(2 - (number % 8) as i32);
+        let (ellipse, index) = (number % 2, number / 2 % 3);
+        let indices = [Index::Affine, Index::Perspective, Index::Ray];
+        let choice = (
+            [Ellipse::Exact, Ellipse::Approximate][ellipse],
+            indices[index],
+        );
+        let (centre, weight, colour) = (splat.centre, splat.weight, splat.colour);
+        let splat = SphereSplat {
+            centre,
+            deviation,
+            weight,
+            colour,
+        };
+        let found = setup::setup_sphere(design, &subject.view, rules, &splat, choice);
+        let words = found.map(|found| {
+            let slant = found
+                .slant
+                .map_or([0; 2], |slant| [slant.mantissa, slant.exponent]);
+            record![found.footprint; found.spread; slant; found.end]
+        });
+        push(
+            &mut stage,
+            record![deviation; ellipse as i64; index as i64],
+            words,
+        );
+    }
+    stage
+}
+
+fn perspective_entries() -> [u32; PERSPECTIVE_ENTRIES] {
+    let mut entries = [0; PERSPECTIVE_ENTRIES];
+    fill_perspective(&mut entries);
+    entries
+}
+
+fn perspective() -> VectorStage {
+    let mut stage = stage(
+        "perspective",
+        "entries of the two-index table, row by row of the spread",
+        "entry:32.28",
+    );
+    stage.records = perspective_entries()
+        .iter()
+        .map(|entry| record![entry])
+        .collect();
+    stage
+}
+
+fn indices(widths: &Widths, subject: &VectorSubject) -> VectorStage {
+    let bits = widths.radial;
+    let mut stage = stage(
+        "indices",
+        "a sphere's radial index; a spread and what it makes of it; a pixel, L, the squared length of its ray and what they make of it",
+        &format!(
+            "radial:64.{bits} spread:32.32 by_spread:64.{bits} pixel*2:16 slant*2:-32 squared:-64.28 by_ray:64.{bits}"
+        ),
+    );
+    let entries = perspective_entries();
+    let (table, rays) = (PerspectiveTable::new(&entries), Rays::new(&subject.view));
+    let mut random = BuiltinRandom(9);
+    for step in 0..STEPS {
+        let radial = (u128::from(random.up_to(u32::MAX)) << bits >> 28) as u64 >> (2 * (step % 2));
+        let spread = random.up_to(u32::MAX) >> (4 * (step / 2 % 2));
+        let pixel = [(); 2].map(|()| random.up_to(u16::MAX.into()) as u16);
+        let slant = (ONE + random.up_to(ONE - 1)).into();
+        let slant = SoftFloat::from_wide(slant, random.up_to(3) as i32 - 30, 31);
+        let by_spread = table.index(spread, bits.into()).correct(radial);
+        let by_ray = rays.correct(pixel, radial, slant);
+        stage
+            .records
+            .push(record![radial; spread; by_spread; pixel; slant; rays.squared(pixel); by_ray]);
+    }
+    stage
+}
