@@ -189,11 +189,6 @@ impl<'a> Search<'a> {
 
     /// Are the limits on errors held? Where a few tiles miss them, the rest is not drawn.
     fn holds_errors(&mut self, point: &[usize]) -> Result<bool> {
-        Ok(self.could_hold_errors(point)? && self.error_excess(point)? <= 0.0)
-    }
-
-    /// Could they be, by a few tiles alone? Of what is drawn already or has to be drawn whole, the answer is exact.
-    fn could_hold_errors(&mut self, point: &[usize]) -> Result<bool> {
         let choice = self.choice(point)?;
         let same = |other: &Choice| {
             other.variant.traversal == choice.variant.traversal
@@ -202,17 +197,18 @@ impl<'a> Search<'a> {
         if self.refused.iter().any(same) {
             return Ok(false);
         }
-        let least = self.evaluator.least_error(&choice.variant, &self.frames)?;
-        if least.is_none() || self.drawn.iter().any(|(other, _)| same(other)) {
-            return Ok(self.error_excess(point)? <= 0.0);
+        if !self.drawn.iter().any(|(other, _)| same(other)) {
+            let least = self.evaluator.least_error(&choice.variant, &self.frames)?;
+            let mut errors = self.limits.iter().filter(|limit| limit.quantity.is_error());
+            if least
+                .is_some_and(|least| errors.any(|limit| limit.excess_of_error(Some(least)) > 0.0))
+            {
+                self.refused.push(choice);
+                self.tell("drawing", 0);
+                return Ok(false);
+            }
         }
-        let mut errors = self.limits.iter().filter(|limit| limit.quantity.is_error());
-        let refused = errors.any(|limit| limit.excess_of_error(least) > 0.0);
-        if refused {
-            self.refused.push(choice);
-            self.tell("drawing", 0);
-        }
-        Ok(!refused)
+        Ok(self.error_excess(point)? <= 0.0)
     }
 
     /// By how much the limits on errors are missed, in sum.

@@ -50,30 +50,23 @@ pub const EXCHANGED: [&str; 12] = [
 ];
 
 impl Search<'_> {
-    /// The least index of a width up to the point's that holds the limits on errors. A few tiles bisect it; only where that ends is drawn whole, and
-    /// what fails then has shown the tile that the next bisection looks at.
+    /// The least index of a width up to the point's that holds the limits on errors.
     fn lowest_width(&mut self, point: &[usize], axis: usize) -> Result<Vec<usize>> {
         let at = |index: usize| {
             let mut moved = point.to_vec();
             moved[axis] = index;
             moved
         };
-        let (mut least, given) = (0, point[axis]);
-        loop {
-            let mut good = given;
-            while least < good {
-                let middle = least + (good - least) / 2;
-                if self.could_hold_errors(&at(middle))? {
-                    good = middle
-                } else {
-                    least = middle + 1
-                }
+        let (mut bad, mut good) = (0, point[axis]);
+        while bad < good {
+            let middle = bad + (good - bad) / 2;
+            if self.holds_errors(&at(middle))? {
+                good = middle
+            } else {
+                bad = middle + 1
             }
-            if good == given || self.holds_errors(&at(good))? {
-                return Ok(at(good));
-            }
-            least = good + 1;
         }
+        Ok(at(good))
     }
 
     /// Moves a point until a round of moves leaves it where it is.
