@@ -144,7 +144,7 @@ class Check:
 
     def systems(self):
         """Section 9."""
-        systems.systems(self)
+        systems.systems(self, systems.STAGES)
 
     def run(self):
         """All stages; the first difference is raised."""

@@ -119,7 +119,7 @@ def noise(place, layer):
 
 def turned(word, by):
     """(9.18) A word of 32 bits, rotated to the left."""
-    return (word << by | word >> (32 - by)) & 0xFFFFFFFF
+    return (word << by | word >> (32 - by)) % (1 << 32)
 
 
 def light(channel, share, colour, noise):
@@ -130,7 +130,7 @@ def light(channel, share, colour, noise):
 def front_to_back(channel, pixel, alpha, colour, noise):
     """(9.18) The pixel with a layer behind it."""
     word, most = over(channel, pixel[3], alpha, noise), (1 << channel[2]) - 1
-    share = max(through(channel, pixel[3]) - through(channel, word), 0)
+    share = through(channel, pixel[3]) - through(channel, word)
     parts = [light(channel, share, c, turned(noise, 8 * n)) for n, c in enumerate(colour, 1)]
     return [*(min(total + part, most) for total, part in zip(pixel, parts)), word]
 

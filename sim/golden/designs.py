@@ -42,6 +42,8 @@ SYSTEMS = (
     ["standard24", *SMALL, "--systems", "--orthographic"],
     ["classic8", *SMALL, "--systems"],
     ["deep32", *SMALL, "--systems", "--rules", "ewa", "--antialias", "none"],
+    ["deep32", *SMALL, "--systems"],
+    [{"colour": 28, "accumulator": 20, "rounding": "nearest-even"}, *SMALL, "--systems"],
 )
 LARGE = ["--splats", "100000", "--size", "9x6", "--seed", "3"]
 # What only one design shows, for all to be noticed: `mutants.py` exports these and the named designs.

@@ -1,8 +1,10 @@
 """Formulas 9.1 to 9.4 of docs/specification.md: view-dependent colour."""
 
+from functools import cache
 from math import isqrt
 
 from arithmetic import *
+from surface import times
 
 ONE = 1 << 30
 
@@ -19,6 +21,7 @@ def inverse_tangent(n):
 PI = 16 * inverse_tangent(5) - 4 * inverse_tangent(239)
 
 
+@cache
 def constant(n, d):
     """(9.3) sqrt(n/(d pi)), Q2.29 to nearest."""
     return (isqrt((n << 160) // (d * PI)) + 1) >> 1
@@ -36,14 +39,14 @@ def towards(widths, view, centre, camera_point):
 
 def unit_vector(vector, bits):
     """(9.1) A vector over its length, Q1.30; 0 of 0."""
-    squares = [(*product(part, part), 2 * length(part)) for part in vector]
-    inverse = reciprocal(square_root(windowed(squares, bits), bits), bits)
+    square = windowed([times(part, part) for part in vector], bits)
+    inverse = reciprocal(square_root(square, bits), bits)
     if inverse is None:
         return [0, 0, 0]
     return [max(-ONE, min(ONE, fixed(product(part, inverse), 30))) for part in vector]
 
 
-def times(a, b):
+def q(a, b):
     """(9.2) A product in Q.30."""
     return nearest(a * b, 30)
 
@@ -51,11 +54,11 @@ def times(a, b):
 def polynomials(direction):
     """(9.2) The polynomials of degree 1 to 4 in the trainers' order, Q3.30, each with the n and d of its constant and its sign."""
     x, y, z = direction
-    xx, yy, zz, xy, yz, xz = times(x, x), times(y, y), times(z, z), times(x, y), times(y, z), times(x, z)
+    xx, yy, zz, xy, yz, xz = q(x, x), q(y, y), q(z, z), q(x, y), q(y, z), q(x, z)
     rr = xx + yy + zz
     c, s, d = xx - 3 * yy, 3 * xx - yy, xx - yy
-    p, q, o = 5 * zz - rr, 7 * zz - rr, 7 * zz - 3 * rr
-    middle = nearest(times(35 * zz - 30 * rr, zz) + times(3 * rr, rr), 1)
+    five, seven, odd = 5 * zz - rr, 7 * zz - rr, 7 * zz - 3 * rr
+    middle = nearest(q(35 * zz - 30 * rr, zz) + q(3 * rr, rr), 1)
     return [
         (-1, 3, 4, y),
         (1, 3, 4, z),
@@ -65,39 +68,32 @@ def polynomials(direction):
         (1, 5, 16, 3 * zz - rr),
         (-1, 15, 4, xz),
         (1, 15, 16, d),
-        (-1, 35, 32, times(y, s)),
-        (1, 105, 4, times(xy, z)),
-        (-1, 21, 32, times(y, p)),
-        (1, 7, 16, times(z, 5 * zz - 3 * rr)),
-        (-1, 21, 32, times(x, p)),
-        (1, 105, 16, times(z, d)),
-        (-1, 35, 32, times(x, c)),
-        (1, 315, 16, times(xy, d)),
-        (-1, 315, 32, times(yz, s)),
-        (1, 45, 16, times(xy, q)),
-        (-1, 45, 32, times(yz, o)),
+        (-1, 35, 32, q(y, s)),
+        (1, 105, 4, q(xy, z)),
+        (-1, 21, 32, q(y, five)),
+        (1, 7, 16, q(z, 5 * zz - 3 * rr)),
+        (-1, 21, 32, q(x, five)),
+        (1, 105, 16, q(z, d)),
+        (-1, 35, 32, q(x, c)),
+        (1, 315, 16, q(xy, d)),
+        (-1, 315, 32, q(yz, s)),
+        (1, 45, 16, q(xy, seven)),
+        (-1, 45, 32, q(yz, odd)),
         (1, 9, 64, middle),
-        (-1, 45, 32, times(xz, o)),
-        (1, 45, 64, times(d, q)),
-        (-1, 315, 32, times(xz, c)),
-        (1, 315, 256, times(xx, c) - times(yy, s)),
+        (-1, 45, 32, q(xz, odd)),
+        (1, 45, 64, q(d, seven)),
+        (-1, 315, 32, q(xz, c)),
+        (1, 315, 256, q(xx, c) - q(yy, s)),
     ]
-
-
-CONSTANTS = {(n, d): constant(n, d) for _, n, d, _ in polynomials((0, 0, 0))}
 
 
 def harmonics(direction):
     """(9.3) The harmonics, Q2.28."""
-    values = []
-    for sign, n, d, polynomial in polynomials(direction):
-        within = max(-4 * ONE, min(4 * ONE - 1, polynomial))
-        values.append(saturated(nearest(sign * CONSTANTS[n, d] * within, 31), 32))
-    return values
+    return [nearest(sign * constant(n, d) * value, 31) for sign, n, d, value in polynomials(direction)]
 
 
 def lit(base, coefficients, values):
     """(9.4) A channel's colour, UQ4.28."""
     total = (base << 12) + sum(nearest(value * coefficient, 16) for value, coefficient in zip(values, coefficients))
-    lost = total % 4096 > 0
+    lost = bool(total % 4096)
     return max(0, min((1 << 32) - 1, (total >> 12) | lost))

@@ -22,13 +22,22 @@ from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 
 HERE = Path(__file__).parent
-PARTS = {
+PICTURE = {
     "arithmetic": ("constants", "tables", "setup", "packets", "runs", "pixels"),
     "setup": ("constants", "setup", "packets"),
     "tables": ("tables", "pixels"),
     "rows": ("runs",),
     "pixels": ("constants", "pixels"),
 }
+# Stages of the other systems.
+SYSTEMS = {
+    "harmonics": ("colours",),
+    "surface": ("surfaces", "samples"),
+    "deep": ("octaves", "deep"),
+    "points": ("points", "gathers", "sheets"),
+    "spheres": ("spheres", "perspective", "indices"),
+}
+PARTS = {**PICTURE, **SYSTEMS}
 ROUNDINGS = {
     "nearest": ("floored",),
     "floored": ("nearest",),
@@ -116,13 +125,16 @@ def mutants(module):
     return changer.names
 
 
-def exported(splatline):
+def exported(splatline, modules):
     """The vectors that are to notice."""
+    import designs
     from designs import NAMED, OTHERS, export
     from vectors import Folder
 
+    subjects = [*OTHERS, *([name] for name in NAMED)] if {*PICTURE} & {*modules} else []
+    subjects += designs.SYSTEMS if {*SYSTEMS} & {*modules} else []
     with tempfile.TemporaryDirectory() as place:
-        for number, (design, *options) in enumerate([*OTHERS, *([name] for name in NAMED)]):
+        for number, (design, *options) in enumerate(subjects):
             out = Path(place) / str(number)
             command = export(splatline, out, design, options)
             size = sum(file.stat().st_size for file in out.iterdir())
@@ -134,7 +146,7 @@ def callers():
     """The parts of a check that call each formula, as (module, function): by names, so rather too many than too few."""
     check = importlib.import_module("check")
     formulas, found = {}, {}
-    for module in (*(importlib.import_module(name) for name in PARTS), check):
+    for module in (*(importlib.import_module(name) for name in PICTURE), check):
         for name, value in vars(module).items():
             if getattr(value, "__module__", "") == module.__name__:
                 for method in vars(value).values() if isinstance(value, type) else [value]:
@@ -160,11 +172,11 @@ def callers():
 
 
 def is_noticed(module, turn, folders, called):
-    """Runs the parts of the check that call the formula; all of the module's for what is made when it is loaded."""
+    """Runs the parts of the check that call the formula; all of the module's for what is made when it is loaded, and of systems."""
     changer = Changer(turn)
     tree = ast.fix_missing_locations(changer.visit(tree_of(module)))
     formula = (module, changer.changed)
-    for name in (*PARTS, "check"):
+    for name in (*PARTS, "check", "systems"):
         sys.modules.pop(name, None)
     try:
         changed = ModuleType(module)
@@ -179,7 +191,12 @@ def is_noticed(module, turn, folders, called):
             names.update({n: getattr(arithmetic, n) for n in ("floored", "nearest")})
         check = importlib.import_module("check")
         for folder in folders:
+            if ("colours" in folder.stages) != (module in SYSTEMS):
+                continue
             one = check.Check(folder)
+            if module in SYSTEMS:
+                check.systems.systems(one, SYSTEMS[module])
+                continue
             for part in PARTS["arithmetic"]:
                 if part in called.get(formula, PARTS[module]):
                     getattr(one, part)()
@@ -216,14 +233,15 @@ def main():
     parser.add_argument("--module", action="append", choices=PARTS)
     parser.add_argument("--formula", default="", help="only mutants whose name begins so: arithmetic.saturated")
     arguments = parser.parse_args()
-    folders, called = list(exported(arguments.splatline)), callers()
+    modules = arguments.module or PARTS
+    folders, called = list(exported(arguments.splatline, modules)), callers()
     # Nobody writes to the vectors: so that processes share them.
     gc.disable()
     gc.freeze()
     lines = (HERE / "equivalent.txt").read_text().splitlines()
     proofs = dict(line.split("  # ") for line in lines if line and not line.startswith("#"))
     todo = []
-    for module in arguments.module or PARTS:
+    for module in modules:
         todo += [(module, turn, f"{module}.{name}") for turn, name in enumerate(mutants(module))]
     todo = [mutant for mutant in todo if mutant[2].startswith(arguments.formula)]
     count, noticed, proved, alive = len(todo), 0, 0, []

@@ -10,8 +10,8 @@ def minified(widths, view, rules, splat):
     try:
         projected = setup.project(widths, view, rules, *setup.camera_point(widths, view, splat.centre))
     except setup.Cull:
-        return 0
-    return int(rules.spacing[0] > 0 and setup.enlargement(widths, rules, projected[3]) is not None)
+        return False
+    return setup.enlargement(widths, rules, projected[3]) is not None
 
 
 def point_filter(widths, rules, deviation):
@@ -69,7 +69,7 @@ def close(widths, blend, pixel, slab):
         return
     one = 1 << widths.alpha
     if opacity > one:
-        factor = min(fixed(reciprocal(normalised(opacity, -widths.alpha, 31), 31), 31), 1 << 31)
+        factor = fixed(reciprocal(normalised(opacity, -widths.alpha, 31), 31), 31)
         colour, opacity = [nearest(c * factor, 31) for c in colour], one
     rest = pixel[3] - rounded(widths, pixel[3] * opacity, widths.alpha)
     layer(widths, blend, pixel, colour, rest)
@@ -94,7 +94,7 @@ def hidden(widths, value, sheet):
 
 def sheet_behind(widths, blend, pixel, sheet):
     """(9.22) The sheet behind the pixel."""
-    layer(widths, blend, pixel, sheet[:3], pixel[3] - hidden(widths, pixel[3], sheet))
+    layer(widths, blend, pixel, sheet, pixel[3] - hidden(widths, pixel[3], sheet))
 
 
 def sheet_over(widths, pixel, sheet):

@@ -14,8 +14,10 @@ AFFINE, PERSPECTIVE, BY_RAYS = range(3)
 def peak(widths, rules, weight, deviation):
     """(9.24) The opacity in the middle."""
     bits = widths.mantissa
-    if weight[0] <= 0 or not rules.normalised:
-        return weight if weight[0] > 0 else ZERO
+    if weight[0] <= 0:
+        return ZERO
+    if not rules.normalised:
+        return weight
     inverse = reciprocal(multiplied(deviation, deviation, bits), bits) or ZERO
     return multiplied(multiplied(weight, inverse, bits), rules.inverse_integral, bits)
 
@@ -46,8 +48,8 @@ def cone(widths, view, ratios, gains, deviation, end, ellipse, index):
     if index == PERSPECTIVE:
         shrink = total(bits, ONE, times(negated(limit), inverse_slant))
         wide = multiplied(normalised(end, -28, bits), reciprocal(shrink, bits), bits)
-        cutoff = max(0, min(MOST, fixed(wide, 28)))
-        word = max(0, min((1 << 32) - 1, fixed(multiplied(spread, inverse_slant, bits), 32)))
+        cutoff = min(MOST, fixed(wide, 28))
+        word = min((1 << 32) - 1, fixed(multiplied(spread, inverse_slant, bits), 32))
     if ellipse == APPROXIMATE:
         return ONE, ONE, cutoff, word, (0, 0)
     inverse = reciprocal(rest, bits)
@@ -63,7 +65,7 @@ def covering(bits, end, aside, limit, rest):
     squared = total(bits, ONE, times(farthest, farthest))
     cutoff = multiplied(multiplied(normalised(end, -28, bits), squared, bits), reciprocal(slant, bits), bits)
     word = fixed(cutoff, 28)
-    return max(0, min(MOST, word + (word >> 12)))
+    return min(MOST, word + (word >> 12))
 
 
 def covariance(widths, rules, ratios, gains, deviation, inverse, shrink):
@@ -149,18 +151,18 @@ def evaluated(common, spread):
     return fixed(product(r, reciprocal(normalised(divisor, -58, 31), 31)), 28)
 
 
-def squared(view, pixel):
+def squared(principal, focal, pixel):
     """(9.26) |v|^2 of a pixel's ray, UQ7.28."""
     result = 1 << 28
     for axis in range(2):
-        offset = normalised(((2 * pixel[axis] + 1) << 31) - view.principal[axis], -32, 31)
-        slope = fixed(product(offset, reciprocal(view.focal[axis], 31)), 28)
+        offset = normalised(((2 * pixel[axis] + 1) << 31) - principal[axis], -32, 31)
+        slope = fixed(product(offset, reciprocal(focal[axis], 31) or ZERO), 28)
         slope = max(-(7 << 28), min(7 << 28, slope))
         result += nearest(slope * slope, 28)
     return result
 
 
-def by_ray(view, pixel, radial, slant):
+def by_ray(squared, radial, slant):
     """(9.26) The corrected index, UQ4.radial, at most 2^62."""
-    factor = multiplied(slant, reciprocal(normalised(squared(view, pixel), -28, 31), 31), 31)
+    factor = multiplied(slant, reciprocal(normalised(squared, -28, 31), 31), 31)
     return min(fixed(product(normalised(radial >> 1, 1, 31), factor), 0), 1 << 62)

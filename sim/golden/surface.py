@@ -110,9 +110,7 @@ def surface(widths, view, rules, splat, normal):
 
 def halves_up(widths, value, drop):
     """(9.9) By the design's rounding, with halves to even as halves up."""
-    if drop <= 0 or widths.rounding != "truncate":
-        return nearest(value, drop)
-    return value >> drop
+    return (floored if widths.rounding == "truncate" else nearest)(value, drop)
 
 
 def sum_fraction(widths):
@@ -154,9 +152,7 @@ def single(widths, threshold, fragment, sample):
 
 def divided(widths, fragment):
     """(9.11) Colour, opacity and normal over the weight sum."""
-    inverse = reciprocal(normalised(fragment[WEIGHT], 0, 31), widths.mantissa)
-    if inverse is None:
-        return [0] * 7
+    inverse = reciprocal((fragment[WEIGHT], 0), widths.mantissa)
 
     def divide(value, bits):
         return max(-(1 << bits), min(1 << bits, fixed(product((value, 0), inverse), bits)))
@@ -207,12 +203,12 @@ def layered(widths, threshold, layers, most, sample):
 
 def join(threshold, layers, place):
     """(9.14) Adds the next layer if the gap is closed; halves both where the weight sum would be full."""
-    for back in layers[place + 1 : place + 2]:
-        front = layers[place]
-        if back[NEAR] - front[FAR] <= threshold:
-            half = front[WEIGHT] + back[WEIGHT] >= FULL
-            sums = [(a >> half) + (b >> half) for a, b in zip(front[:NEAR], back)]
-            layers[place : place + 2] = [[*sums, front[NEAR], back[FAR], front[MATERIAL]]]
+    if place + 1 == len(layers) or layers[place + 1][NEAR] - layers[place][FAR] > threshold:
+        return
+    front, back = layers[place], layers.pop(place + 1)
+    half = front[WEIGHT] + back[WEIGHT] >= FULL
+    sums = [(a >> half) + (b >> half) for a, b in zip(front[:NEAR], back)]
+    layers[place] = [*sums, front[NEAR], back[FAR], front[MATERIAL]]
 
 
 def merged(widths, front, back):
@@ -225,6 +221,5 @@ def merged(widths, front, back):
         nearest(n * opacity, a) + nearest(nearest(b * rest, a) * behind[3], a)
         for n, b in zip(fore[4:], behind[4:])
     ]
-    normals = [max(-(1 << 30), min(1 << 30, n)) for n in normals]
     sums = [nearest(c * most, a) for c in colours] + [nearest(n * most, 30) for n in normals]
     return [most, *sums, front[NEAR], back[FAR], front[MATERIAL]]

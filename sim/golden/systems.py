@@ -23,13 +23,10 @@ EWA = {
 }
 
 
-def systems(check):
-    """Every stage of the other systems."""
-    folder = check.folder
-    if "colours" not in folder.stages:
-        return
-    for stage, formulas in STAGES.items():
-        check.compare(stage, formulas(check, folder.records(stage)))
+def systems(check, stages):
+    """Stages of the other systems."""
+    for stage in stages:
+        check.compare(stage, STAGES[stage](check, check.folder.records(stage)))
 
 
 def colours(check, records):
@@ -57,35 +54,40 @@ def padded(record, operands):
 def surfaces(check, records):
     """(9.5) to (9.8)."""
     for splat, record in zip(check.splats, records):
-        colour, opacity = record[:3], record[3]
+        colour, opacity, normal, splat = record[:3], record[3], (record[6:9], record[9]), copy(splat)
+        splat.weight = tuple(record[4:6])
         try:
-            print, plane, (normal, back) = surface.surface(
-                check.widths, check.view, check.rules, splat, splat.axes[2]
-            )
+            print, plane, (normal, back) = surface.surface(check.widths, check.view, check.rules, splat, normal)
         except Cull as cull:
-            yield padded([*colour, opacity, cull.args[0]], record)
+            yield padded([*record[:10], cull.args[0]], record)
             continue
         lane = surface.depth_at(plane, *(end - first - 1 for first, end in print[2]))
         attributes = surface.attributes(check.widths, colour, opacity)
         own = [*plane, *attributes, *normal, back, lane, surface.pixel_depth(lane)]
-        yield [*colour, opacity, *printed(print), *own]
+        yield [*record[:10], *printed(print), *own]
 
 
 def samples(check, records):
     """(9.9) to (9.14)."""
     widths, at = check.widths, None
-    for record in records:
+    for lane, _, *record in records:
         pixel, threshold, tau, alpha, _, weight, depth, *rest = record[:15]
         if pixel != at:
             at, one, two, merges = pixel, list(surface.EMPTY), [], 0
         sample = weight, depth, rest[:4], rest[4:7], rest[7]
         surface.single(widths, threshold, one, sample)
         merges += surface.layered(widths, threshold, two, 2, sample)
-        operands = [pixel, threshold, tau, alpha, surface.weight(widths, alpha), weight, depth, *rest]
+        operands = [lane, surface.pixel_depth(lane), pixel, threshold, tau, alpha, surface.weight(widths, alpha), weight, depth, *rest]
         layers = [*two, surface.EMPTY, surface.EMPTY]
         filtered = [*surface.divided(widths, one), surface.coverage(widths, one, tau)]
         resolved = [surface.resolved(widths, layers, tau) for layers in ([one] if one[0] else [], two)]
         yield [*operands, *one, *layers[0], *layers[1], merges, *filtered, *resolved[0], *resolved[1]]
+
+
+def octaves(check, records):
+    """(9.16), (9.17), as fine as they are."""
+    for alpha, _, word, _ in records:
+        yield [alpha, deep.octaves(alpha), word, deep.through((deep.OPTICAL_DEPTH, 0, 32), word)]
 
 
 def channel(check, records):
@@ -100,11 +102,13 @@ def channel(check, records):
 def as_points(check, records):
     """(9.19)."""
     for splat, record in zip(check.splats, records):
-        spacing, deviation, normalised = tuple(record[:2]), tuple(record[2:4]), record[4]
+        spacing, deviation, weight = [tuple(record[at : at + 2]) for at in (0, 2, 4)]
+        normalised, splat = record[6], copy(splat)
+        splat.weight = weight
         rules = copy(check.rules)
         vars(rules).update(EWA, spacing=spacing, normalised=normalised)
         filter = points.point_filter(check.widths, rules, deviation)
-        found = [*record[:5], points.minified(check.widths, check.view, rules, splat), filter is not None]
+        found = [*record[:7], points.minified(check.widths, check.view, rules, splat), filter is not None]
         try:
             if filter is None:
                 raise Cull(setup.DEGENERATE)
@@ -143,30 +147,33 @@ def sheets(check, records):
 def as_spheres(check, records):
     """(9.24)."""
     for splat, record in zip(check.splats, records):
-        deviation, ellipse, index = tuple(record[:2]), *record[2:4]
+        deviation, (ellipse, index), splat = tuple(record[:2]), record[4:6], copy(splat)
+        splat.weight = tuple(record[2:4])
         try:
             print, spread, slant, end = spheres.sphere(
                 check.widths, check.view, check.rules, splat, deviation, ellipse, index
             )
         except Cull as cull:
-            yield padded([*record[:4], cull.args[0]], record)
+            yield padded([*record[:6], cull.args[0]], record)
             continue
-        yield [*record[:4], *printed(print), spread, *slant, end]
+        yield [*record[:6], *printed(print), spread, *slant, end]
 
 
 def indices(check, records):
     """(9.25), (9.26)."""
     for record in records:
-        (radial, spread, _), pixel, slant = record[:3], record[3:5], tuple(record[5:7])
-        squared = spheres.squared(check.view, pixel)
+        (radial, spread, _), pixel, slant = record[:3], record[3:5], tuple(record[11:13])
+        focal = [tuple(record[5:7]), tuple(record[7:9])]
+        squared = spheres.squared(record[9:11], focal, pixel)
         corrected = spheres.by_spread(check.widths, radial, spread)
-        yield [radial, spread, corrected, *pixel, *slant, squared, spheres.by_ray(check.view, pixel, radial, slant)]
+        yield [radial, spread, corrected, *record[3:13], squared, spheres.by_ray(squared, radial, slant)]
 
 
 STAGES = {
     "colours": colours,
     "surfaces": surfaces,
     "samples": samples,
+    "octaves": octaves,
     "deep": channel,
     "points": as_points,
     "gathers": gathers,

@@ -151,11 +151,22 @@ impl<'a, D: Design> Painter32<'a, D> {
     /// At most as many steps as the window has pixels, plus one per row, whatever the footprint's bits.
     #[inline(always)]
     pub fn draw(self, footprint: &Footprint, target: &mut Target) {
+        self.draw_with(footprint, target, |painter, run| painter.paint(run));
+    }
+
+    /// The same with a pixel loop of the caller's.
+    #[inline(always)]
+    pub fn draw_with(
+        self,
+        footprint: &Footprint,
+        target: &mut Target,
+        paint: impl Fn(Self, NarrowRun),
+    ) {
         let Some(mut runs) = self.runs(footprint, &target.window()) else {
             return;
         };
         while let Some(run) = runs.next_span() {
-            self.paint(runs.with_pixels(run, target));
+            paint(self, runs.with_pixels(run, target));
         }
     }
 

@@ -6,7 +6,7 @@ use super::{
     Splats, sort_by_key,
 };
 use crate::blend::{Blend, Pixel};
-use crate::draw::{Coverage, Painter, Painter32};
+use crate::draw::{Coverage, NarrowRun, Painter, Painter32};
 use crate::footprint::{Footprint, depth};
 use crate::format::{Design, Traversal};
 use crate::kernel::{
@@ -288,6 +288,18 @@ impl<'t, D: Design> Renderer<'t, D> {
         window: Window,
         pixels: &'p mut [Pixel],
     ) -> Result<Frame<'p>, TargetError> {
+        self.draw_with(list, window, pixels, |painter, run| painter.paint(run))
+    }
+
+    /// [`draw`](Renderer::draw) with a pixel loop of one's own, which does with a run what [`Painter32::paint`] does, where runs of 32-bit words
+    /// are drawn; elsewhere it is not called.
+    pub fn draw_with<'p, L: Footprints>(
+        &self,
+        list: &L,
+        window: Window,
+        pixels: &'p mut [Pixel],
+        paint: impl Fn(Painter32<'static, D>, NarrowRun),
+    ) -> Result<Frame<'p>, TargetError> {
         let widths = self.design.widths();
         let needed = window.pixels();
         let found = pixels.len();
@@ -299,7 +311,7 @@ impl<'t, D: Design> Renderer<'t, D> {
         let coverage = match self.narrow(L::CONIC) {
             Some(painter) => {
                 list.visit(&window, Compositing::FrontToBack, |footprint| {
-                    painter.draw(footprint, &mut target)
+                    painter.draw_with(footprint, &mut target, &paint)
                 });
                 None
             }

@@ -380,15 +380,16 @@ impl HalfWidth {
     #[inline(always)]
     fn of(&self, rest: i64, widths: &Widths) -> i64 {
         let rest = (rest as u64) >> (vertical_fraction(widths) - REST);
-        let squared = if widths.mantissa <= 18 {
+        let squared = if widths.mantissa <= 17 {
             // 18 bits by 14 and 14 bits.
+            let mantissa = self.mantissa << self.odd;
             let (low, high) = (rest as u32 & 0x3fff, rest as u32 >> 14);
-            (u64::from(self.mantissa.wrapping_mul(high)) << 14)
-                .wrapping_add(self.mantissa.wrapping_mul(low).into())
+            (u64::from(mantissa.wrapping_mul(high)) << 14)
+                .wrapping_add(mantissa.wrapping_mul(low).into())
         } else {
-            u64::from(self.mantissa).wrapping_mul(rest)
+            u64::from(self.mantissa).wrapping_mul(rest) << self.odd
         };
-        let (root, shift) = root_seed(squared << self.odd);
+        let (root, shift) = root_seed(squared);
         let root = SoftFloat {
             mantissa: root as i32,
             exponent: shift.saturating_add(self.power),

@@ -7,8 +7,9 @@ use super::search_args::{FitOptions, subject};
 use crate::design::DesignChoice;
 use crate::explore::evaluator::ErrorDetail;
 use crate::explore::fit::{Fit, design_toml, fit, refusal};
+use crate::explore::formats;
 use crate::explore::limits::{Limit, Quantity};
-use crate::plan::DesignVariant;
+use crate::plan::{DesignVariant, Engine};
 use crate::progress::ProgressMeter;
 use anyhow::anyhow;
 use splatline::format::WIDTH_RANGES;
@@ -26,8 +27,9 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
         warn(&frame.prepared.setup_warnings()?);
     }
     let DesignVariant { design, traversal } = &frames[0].prepared.plan.entry;
-    let fitted = fitted(&frames, &limits(options)?)?;
+    let fitted = fitted(&frames, &limits(options)?, &options.formats.formats)?;
     print_result(&text(design, &fitted))?;
+    print_result(&formats::text(&fitted.formats))?;
     if frames.len() > 1 {
         print_result(&format!("over {} frames\n", frames.len()))?;
     }
@@ -45,22 +47,25 @@ fn limits(options: &FitOptions) -> Result<Vec<Limit>, Failure> {
         (options.metric, options.max_error, "--max-error"),
         (Quantity::Percentile99, options.p99, "--p99"),
         (Quantity::Flip, options.flip, "--flip"),
+        (Quantity::PsnrDb, options.psnr, "--psnr"),
     ];
     let limits: Vec<Limit> = given
         .into_iter()
         .filter_map(|(quantity, bound, of)| Some(Limit::new(quantity, bound?, of)))
         .collect();
     if limits.is_empty() {
-        let message = "there is no limit: give one or more of --max-error, --p99 and --flip";
+        let message =
+            "there is no limit: give one or more of --max-error, --p99, --flip and --psnr";
         return Err(Failure::Usage(message.to_owned()));
     }
     Ok(limits)
 }
 
 /// Fits what is planned for all frames, starting from their design.
-pub fn fitted(frames: &[NamedFrame], limits: &[Limit]) -> Result<Fit, Failure> {
+pub fn fitted(frames: &[NamedFrame], limits: &[Limit], formats: &[Engine]) -> Result<Fit, Failure> {
     let mut subject = subject(frames, true)?;
     subject.traversal = Some(frames[0].prepared.plan.entry.traversal);
+    subject.formats = formats.to_vec();
     let progress = ProgressMeter::spinner("searching");
     let (fitted, error) = fit(&subject, limits, &|what| progress.doing(what))?;
     Ok(fitted.ok_or_else(|| anyhow!(refusal(&subject.design.name, limits, &error)))?)

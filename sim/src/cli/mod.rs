@@ -140,6 +140,7 @@ fn explored(options: ExploreOptions) -> Result<(), Failure> {
         search,
         space,
         limits,
+        formats,
         no_error,
         output,
     } = options;
@@ -159,6 +160,7 @@ fn explored(options: ExploreOptions) -> Result<(), Failure> {
             search,
             space,
             limits,
+            formats,
             output,
         }),
     }

@@ -67,8 +67,10 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     let frames = search.frames()?;
     let errors = limits.iter().any(|limit| limit.quantity.is_error());
     // Without a limit on errors the error of one picture is reported, those of many are not worth their memory.
-    let measured = errors || frames.len() == 1;
+    let formats = &options.formats.formats;
+    let measured = errors || frames.len() == 1 || !formats.is_empty();
     let mut subject = search.subject(&frames, false)?;
+    subject.formats.clone_from(formats);
     let space = match &options.space {
         Some(file) => {
             let text = read_settings(file)?;

@@ -97,6 +97,7 @@ fn one(
             let fitted = fit::fitted(
                 only,
                 &[Limit::new(Quantity::LargestError, budget, "--max-error")],
+                &[],
             )?;
             print_result(&fit::text(design, &fitted))?;
             answer.insert("fit".to_owned(), json!(fitted));

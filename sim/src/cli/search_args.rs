@@ -8,10 +8,11 @@ use super::resolve::{
     room_for_picture,
 };
 use super::say::{Failure, warn};
-use super::values::{METRICS, one_of, positive};
+use super::values::{FORMATS, METRICS, one_of, positive};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions, of_units};
 use crate::explore::evaluator::Subject;
 use crate::explore::limits::Quantity;
+use crate::plan::Engine;
 use clap::Args;
 use splatline::format::Traversal;
 use std::path::PathBuf;
@@ -129,6 +130,7 @@ Examples:
       the cheapest design and machine that hold all of it, the next three, and what binds
   splatline optimize guitar.ply playbot.ply --fps 60 --lut 63000 --dsp 240 --psnr 50 --set clock_mhz=100 -o out
   splatline optimize guitar.ply --space space.toml --max-error 0.004 -o out      over fields and values of your own, as `sweep` takes them
+  splatline optimize guitar.ply --fps 60 --psnr 40 --formats fp16,bfloat16,fp8 -o out      machines with float lanes beside the answer
 
 `explore` with a limit is the earlier name of this command.";
 
@@ -142,6 +144,8 @@ pub struct OptimizeOptions {
     pub space: Option<PathBuf>,
     #[command(flatten)]
     pub limits: LimitOptions,
+    #[command(flatten)]
+    pub formats: FormatOptions,
     /// Folder for answer.html, answer.json, and design.toml and machine.toml of the answer
     #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: Option<PathBuf>,
@@ -162,6 +166,8 @@ pub struct ExploreOptions {
     pub space: Option<PathBuf>,
     #[command(flatten)]
     pub limits: LimitOptions,
+    #[command(flatten)]
+    pub formats: FormatOptions,
     /// Leave the float reference out: cycles and area only
     #[arg(long)]
     pub no_error: bool,
@@ -174,6 +180,14 @@ pub struct ExploreOptions {
         required_unless_present = "limits"
     )]
     pub output: Option<PathBuf>,
+}
+
+/// What stands beside the answer.
+#[derive(Debug, Default, Args)]
+pub struct FormatOptions {
+    /// Floating-point formats beside the fixed design, with error, area and energy: fp32, fp16, bfloat16, fp8-fp16, e5m2-fp16, fp8
+    #[arg(long, value_name = "A,B,...", value_delimiter = ',', value_parser = one_of(FORMATS))]
+    pub formats: Vec<Engine>,
 }
 
 /// What the answer must hold.
@@ -218,6 +232,7 @@ Examples:
   splatline fit guitar.ply --max-error 0.004          largest error of any pixel, 1/255
   splatline fit guitar.ply --max-error 1e-3 --metric rms -o fitted.toml
   splatline fit guitar.ply --p99 0.004 --flip 0.01       99 % of the samples, and what an eye sees
+  splatline fit guitar.ply --psnr 40 --formats fp16,bfloat16     which is cheaper, 16-bit floats or the fixed design that suffices
   splatline fit guitar.ply playbot.ply --max-error 0.004      one design for both
   splatline simulate guitar.ply --design fitted.toml             the design that was found, in any command";
 
@@ -243,6 +258,11 @@ pub struct FitOptions {
     /// Mean FLIP that the design may have, 0 to 1
     #[arg(long, value_name = "F", value_parser = positive)]
     pub flip: Option<f64>,
+    /// PSNR of the colours at least
+    #[arg(long, value_name = "dB", value_parser = positive)]
+    pub psnr: Option<f64>,
+    #[command(flatten)]
+    pub formats: FormatOptions,
     /// Design file to write
     #[arg(short, long, value_name = "file.toml", help_heading = "Output")]
     pub output: Option<PathBuf>,

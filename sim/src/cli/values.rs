@@ -80,6 +80,9 @@ pub const ENGINES: &Choices<Engine> = &[
     ),
 ];
 
+/// Those that compute in a floating-point format.
+pub const FORMATS: &Choices<Engine> = ENGINES.split_at(3).1;
+
 /// Which samples become points.
 pub const POINTS: &Choices<Points> = &[
     ("auto", "Those closer together than pixels", Points::Auto),

@@ -8,6 +8,7 @@
 //! search, which begins again. So the answer holds for every frame, and most frames are looked at once.
 
 use super::evaluator::{Choice, Evaluator, FrameCost, Reached, Subject};
+use super::formats::{self, FormatRow};
 use super::limits::{Limit, missed};
 use super::refusal::{RuledOut, has_only_widths, ruled_out};
 use super::search::{Score, Search, compare};
@@ -92,6 +93,12 @@ pub struct Answer {
     pub looked_at: Vec<LookedAt>,
     /// Were widths searched, or was the design kept because no limit was on the error?
     pub searched_designs: bool,
+    /// Floating-point formats beside the first point, if they were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub formats: Vec<FormatRow>,
+    /// PSNR and transistors a lane of every fixed design that was drawn.
+    #[serde(skip)]
+    pub fixed_lanes: Vec<[f64; 2]>,
 }
 
 /// The space that is searched where none is given: every width where errors are limited, and the usual machines, with what the search starts from.
@@ -176,6 +183,8 @@ fn refused(search: &Search, ruled_out: Vec<RuledOut>, frames: usize) -> Answer {
         frames: [frames.min(FEW_FRAMES), frames],
         ruled_out,
         looked_at: Vec::new(),
+        formats: Vec::new(),
+        fixed_lanes: Vec::new(),
         searched_designs: !search.split_axes().0.is_empty(),
     }
 }
@@ -209,7 +218,7 @@ pub fn optimize(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Answer> {
     let detail = limits.iter().any(|limit| limit.quantity.is_detail());
-    let evaluator = Evaluator::new(subject, detail);
+    let mut evaluator = Evaluator::new(subject, detail);
     let all: Vec<usize> = (0..subject.frames.len()).collect();
     let mut searched = if all.len() > FEW_FRAMES {
         heaviest(&evaluator, space)?
@@ -229,6 +238,16 @@ pub fn optimize(
             Attempt::MissedBy(frame) => searched.push(frame),
             Attempt::Met(mut answer) => {
                 answer.frames = [searched.len(), all.len()];
+                answer.fixed_lanes = search.drawn_lanes();
+                if !subject.formats.is_empty() {
+                    answer.formats = formats::beside_point(
+                        &mut evaluator,
+                        (space, limits),
+                        (&searched, &found.point),
+                        &|reached| score(limits, reached),
+                        progress,
+                    )?;
+                }
                 return Ok(*answer);
             }
         }
@@ -248,7 +267,7 @@ fn heaviest(evaluator: &Evaluator, space: &Space) -> Result<Vec<usize>> {
 }
 
 /// What a choice takes on each of all frames.
-fn on_all_frames(evaluator: &Evaluator, choice: &Choice) -> Result<Vec<FrameCost>> {
+pub(super) fn on_all_frames(evaluator: &Evaluator, choice: &Choice) -> Result<Vec<FrameCost>> {
     let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
     let costs = Mutex::default();
     evaluator.run(std::slice::from_ref(choice), &all, false, &|_, found| {
@@ -402,6 +421,8 @@ fn answered(search: &Search, best: &BestPoint, searched: &[usize]) -> Result<Att
         ruled_out: Vec::new(),
         looked_at: search.known.values().flatten().map(looked_at).collect(),
         searched_designs: !search.split_axes().0.is_empty(),
+        formats: Vec::new(),
+        fixed_lanes: Vec::new(),
         found,
     };
     Ok(Attempt::Met(Box::new(answer)))

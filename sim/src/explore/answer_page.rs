@@ -3,6 +3,7 @@
 
 use super::answer::{Answer, Found};
 use super::detail::{Detail, Knob};
+use super::formats::{self, FormatRow};
 use super::refusal;
 use crate::machine::config::Config;
 use crate::machine::timing::Timing;
@@ -42,6 +43,9 @@ pub fn page(title: &str, answer: &Answer, detail: Option<&Detail>, note: &str) -
             &limits(answer),
         );
         body += &section("What was looked at", &looked_at(answer));
+        if !answer.formats.is_empty() {
+            body += &section("In floating-point formats", &in_formats(answer));
+        }
         if let Some(detail) = detail {
             body += &of_machine(first, detail);
         }
@@ -185,6 +189,64 @@ fn looked_at(answer: &Answer) -> String {
         "<p class=\"read\">Red is the answer, green holds all limits, grey misses one. What could not be better was not simulated.</p>\n\
          <div class=\"diagram\">{}</div>",
         chart.finish()
+    )
+}
+
+/// PSNR against the transistors of a lane: formats, and every fixed design that was drawn.
+fn in_formats(answer: &Answer) -> String {
+    let frame = Rectangle {
+        left: 64.0,
+        top: 34.0,
+        width: WIDTH - 78.0,
+        height: 220.0,
+    };
+    let base = frame.top + frame.height;
+    let psnr = |row: &FormatRow| row.error.map_or(0.0, |error| error.psnr_db());
+    let of_formats = || {
+        answer
+            .formats
+            .iter()
+            .map(|row| [psnr(row), row.transistors as f64])
+    };
+    let all = || of_formats().chain(answer.fixed_lanes.iter().copied());
+    let finite = || all().map(|[x, _]| x).filter(|x| x.is_finite());
+    let range = [
+        finite().fold(0.0, f64::min),
+        finite().fold(10.0, f64::max) + 5.0,
+    ];
+    let across = Axis::linear(range, [frame.left, frame.left + frame.width]);
+    let up = Axis::of_values(all().map(|[_, y]| y), 10.0, [base, frame.top]);
+    let mut chart = Chart::new(
+        WIDTH,
+        base + 46.0,
+        "error and transistors of a lane by format",
+    );
+    chart.rows(&frame, &up, &up.ticks(5));
+    chart.columns(&frame, &across, &across.ticks(5));
+    chart.names(&frame, "PSNR, dB", "transistors a lane");
+    for [x, y] in answer.fixed_lanes.iter().filter(|[x, _]| x.is_finite()) {
+        let words = format!("fixed: {x:.1} dB, {y:.0} transistors a lane");
+        let place = (across.at(*x), up.at(*y));
+        chart.disc(place, 2.5, "class=\"mark s5\" opacity=\"0.45\"", &words);
+    }
+    for (row, [x, y]) in answer.formats.iter().zip(of_formats()) {
+        let place = (across.at(x.min(range[1])), up.at(y));
+        let class = if row.holds {
+            "class=\"mark s2\""
+        } else {
+            "class=\"mark s0\""
+        };
+        let words = format!("{}: {x:.1} dB, {y:.0} transistors a lane", row.format);
+        chart.disc(place, 5.0, class, &words);
+        chart.text((place.0 - 8.0, place.1), Anchor::End, "", row.format);
+    }
+    let (headings, lines) = formats::table(&answer.formats);
+    format!(
+        "<p class=\"read\">{}. Green holds all limits, red misses one, grey are fixed designs of the search. {}.</p>\n<div class=\"diagram\">{}</div>\n{}",
+        escape(&formats::verdict(&answer.formats)),
+        escape(formats::NOTE),
+        chart.finish(),
+        table(&headings, &lines)
     )
 }
 

@@ -1,7 +1,7 @@
 //! An answer for people: the lines that matter. All of it is in answer.json and on the page.
 
 use super::answer::{Answer, Found, Standing};
-use super::refusal;
+use super::{formats, refusal};
 use crate::machine::config::Config;
 use std::fmt::Write;
 
@@ -40,7 +40,7 @@ impl Answer {
             text += &self.limits();
             text += &self.failing();
         }
-        text
+        text + &formats::text(&self.formats)
     }
 
     /// The tightest limits, and what the answer would cost without them.

@@ -10,6 +10,7 @@ use super::errors::{errors_inside, worst};
 use super::space::{Space, SpacePart};
 use crate::design::{DesignChoice, traversal_name};
 use crate::fixed::{Canvas, QuantisedScene};
+use crate::machine::area::lane::{FloatLane, in_format};
 use crate::machine::area::{Area, Calibration, estimate};
 use crate::machine::clock::{Clock, Throughput};
 use crate::machine::config::Config;
@@ -57,6 +58,8 @@ pub struct Subject<'a> {
     pub calibration: Calibration,
     /// Energies of actions.
     pub energy: EnergyTable,
+    /// Floating-point formats that stand beside the answer.
+    pub formats: Vec<Engine>,
 }
 
 impl<'a> Subject<'a> {
@@ -78,6 +81,7 @@ impl<'a> Subject<'a> {
             machine,
             calibration: Calibration::default(),
             energy: EnergyTable::default(),
+            formats: Vec::new(),
             frames,
         })
     }
@@ -201,6 +205,8 @@ pub type Sink<'a> = &'a (dyn Fn(usize, Vec<FrameCost>) -> Result<()> + Sync);
 pub struct Evaluator<'a> {
     /// What is explored.
     pub subject: &'a Subject<'a>,
+    /// What lanes compute in, if not in fixed point.
+    pub format: Option<Engine>,
     detail: bool,
     scenes: Vec<Option<QuantisedScene>>,
     errors: Cache<(DesignKey, usize), DesignError>,
@@ -225,6 +231,7 @@ impl<'a> Evaluator<'a> {
         };
         Evaluator {
             subject,
+            format: None,
             detail,
             scenes: with_references.map(quantised).collect(),
             errors: Cache::new(usize::MAX),
@@ -234,6 +241,17 @@ impl<'a> Evaluator<'a> {
             canvases: Mutex::default(),
             worst: Mutex::default(),
         }
+    }
+
+    /// From here on lanes compute in a floating-point format. Rows stay those of the fixed design.
+    pub fn draw_in(&mut self, format: Option<Engine>) {
+        self.format = format;
+        self.errors.map().clear();
+    }
+
+    /// The lane of the format.
+    pub fn lane(&self) -> Option<FloatLane> {
+        self.format.and_then(Engine::lane)
     }
 
     /// The design and the machine of a point.
@@ -269,6 +287,10 @@ impl<'a> Evaluator<'a> {
             };
             let key = (design_key(variant), *frame);
             all.push(self.errors.get(key, || {
+                if let Some(format) = self.format {
+                    let drawing = self.subject.frames[*frame].draw_reference(format, &|_, _| ())?;
+                    return self.compared(&drawing.picture, reference);
+                }
                 let Some(Some(scene)) = self.scenes.get(*frame) else {
                     let prepared = self.subject.frames[*frame];
                     return self.compared(&prepared.draw_fixed(variant)?.picture, reference);
@@ -421,7 +443,15 @@ impl<'a> Evaluator<'a> {
     fn cost(&self, choice: &Choice, timing: &Timing) -> FrameCost {
         let Choice { variant, machine } = choice;
         let (widths, table) = (&variant.design.widths, &self.subject.energy);
-        let energy = energy::estimate(widths, variant.traversal, machine, timing, table);
+        let lane = self.lane();
+        let energy = energy::estimate_in(
+            lane.as_ref(),
+            widths,
+            variant.traversal,
+            machine,
+            timing,
+            table,
+        );
         let lanes = timing.units.get("lanes");
         FrameCost {
             pace: self.throughput(choice, timing),
@@ -450,7 +480,11 @@ impl<'a> Evaluator<'a> {
     pub fn area(&self, choice: &Choice) -> Area {
         let Choice { variant, machine } = choice;
         let (widths, prices) = (&variant.design.widths, &self.subject.calibration);
-        estimate(widths, variant.traversal, machine, prices)
+        let area = estimate(widths, variant.traversal, machine, prices);
+        match self.lane() {
+            Some(lane) => in_format(area, &lane, widths, machine, prices),
+            None => area,
+        }
     }
 
     /// What a choice reaches that takes this on each frame.

@@ -6,6 +6,7 @@
 //! drawings for designs of the same area).
 
 use super::evaluator::{DesignError, Evaluator, Subject};
+use super::formats::{FormatRow, beside_design};
 use super::limits::Limit;
 use super::search::Search;
 use super::space::Space;
@@ -29,6 +30,9 @@ pub struct Fit {
     pub binding: Option<&'static str>,
     /// Designs drawn.
     pub drawings: usize,
+    /// Floating-point formats beside it, if they were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub formats: Vec<FormatRow>,
 }
 
 /// Fits a design, starting from the subject's. Nothing if that itself misses a limit; then its error is the second part.
@@ -49,7 +53,7 @@ pub fn fit(
     }
     let space = Space::without_points("the design's widths", &text)?;
     let detail = limits.iter().any(|limit| limit.quantity.is_detail());
-    let evaluator = Evaluator::new(subject, detail);
+    let mut evaluator = Evaluator::new(subject, detail);
     let frames = (0..subject.frames.len()).collect();
     let mut search = Search::new(&evaluator, &space, limits, frames, progress);
 
@@ -89,17 +93,23 @@ pub fn fit(
         .iter()
         .max_by(|a, b| excess(a.1).total_cmp(&excess(b.1)))
         .map(|(name, _)| *name);
-    let widths = search.choice(&point)?.variant.design.widths.numbers();
+    let fitted = search.choice(&point)?.variant;
+    let drawings = search.designs();
+    let formats = match subject.formats[..] {
+        [] => Vec::new(),
+        _ => beside_design(&mut evaluator, &fitted, limits)?,
+    };
     let fitted = Fit {
         widths: WIDTH_RANGES
             .iter()
             .map(|(name, ..)| *name)
-            .zip(widths)
+            .zip(fitted.design.widths.numbers())
             .collect(),
         error,
         one_bit_less,
         binding,
-        drawings: search.designs(),
+        drawings,
+        formats,
     };
     Ok((Some(fitted), error))
 }

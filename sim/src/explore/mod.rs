@@ -15,6 +15,7 @@ mod errors;
 pub mod evaluator;
 pub mod fit;
 pub mod folder;
+pub mod formats;
 pub mod front;
 pub mod identity;
 pub mod limits;

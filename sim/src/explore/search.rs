@@ -5,6 +5,7 @@
 use super::evaluator::{Choice, DesignError, Evaluator, Reached, work_key};
 use super::limits::{Limit, missed};
 use super::space::{Space, SpacePart};
+use crate::machine::area::lane::fixed_lane;
 use crate::plan::DesignVariant;
 use anyhow::Result;
 use rayon::prelude::*;
@@ -128,6 +129,16 @@ impl<'a> Search<'a> {
     /// Designs drawn, or so much of them as refused them.
     pub fn designs(&self) -> usize {
         self.drawn.len() + self.refused.len()
+    }
+
+    /// PSNR and transistors a lane of the designs that were drawn whole.
+    pub fn drawn_lanes(&self) -> Vec<[f64; 2]> {
+        let prices = &self.evaluator.subject.calibration;
+        let lane = |(choice, error): &(Choice, DesignError)| {
+            let units = fixed_lane(&choice.variant.design.widths, prices);
+            [error.psnr_db(), units.transistors as f64]
+        };
+        self.drawn.iter().map(lane).collect()
     }
 
     /// Says what is being done, after how much, and what the best so far costs.

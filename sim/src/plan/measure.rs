@@ -9,6 +9,7 @@ use crate::fast::lanes::VectorLevel;
 use crate::machine::Timing;
 use crate::machine::area::Family;
 use crate::machine::clock::{Clock, Throughput};
+use crate::machine::energy::{EnergyTable, of_pixel};
 use crate::metrics::compare_and_look;
 use crate::picture::{Backdrop, Depth, Picture};
 use crate::progress::ProgressMeter;
@@ -268,9 +269,14 @@ impl Comparison {
             let picture = prepared.draw_reference(engine, &|_, _| ())?.picture;
             let (errors, flip) = compare_and_look(&picture, &self.float)
                 .with_context(|| format!("engine {} cannot be compared", engine.name()))?;
+            let lane = engine.lane();
+            let units = lane.map(|lane| lane.units(Family::default()));
+            let widths = &prepared.plan.entry.design.widths;
             self.report.formats.push(FormatRow {
                 engine: engine.name().to_owned(),
                 error: ErrorFacts::new(&errors, flip),
+                transistors: units.unwrap_or_default().transistors,
+                pj_per_pixel: of_pixel(lane.as_ref(), widths, &EnergyTable::default()),
             });
         }
         Ok(())

@@ -30,8 +30,9 @@ pub use technique::{AlphaChannel, SheetBuffers, SplatMethod, Technique};
 
 use crate::camera::Camera;
 use crate::design::{DesignChoice, traversal_name};
+use crate::machine::area::lane::FloatLane;
 use crate::machine::{Config, others};
-use crate::reference::formats::{self, RoundedStages};
+use crate::reference::formats::{self, FloatFormat, RoundedStages};
 use crate::rules::{Compositing, Rules};
 use crate::scene::points::SurfaceScene;
 use crate::scene::points::flatten::flattened;
@@ -125,6 +126,15 @@ impl Engine {
             Engine::Fp8 => Some(RoundedStages::pixels(formats::FP8)),
             Engine::Fixed | Engine::Float | Engine::Exact => None,
         }
+    }
+
+    /// The lane of an engine that computes in a floating-point format.
+    pub fn lane(self) -> Option<FloatLane> {
+        let stages = self.stages()?;
+        Some(FloatLane {
+            stages: [stages.raster, stages.kernel, stages.blend].map(FloatFormat::name),
+            bits: stages.blend.bits().into(),
+        })
     }
 }
 

@@ -11,21 +11,24 @@ pub(super) fn formats_section(report: &Report) -> String {
     let line = |row: &FormatRow| {
         let error = &row.error.rgb;
         format!(
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.5}</td><td>{}</td></tr>\n",
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.5}</td><td>{}</td><td>{}</td><td>{:.1}</td></tr>\n",
             row.engine,
             decibels(error.psnr_db),
             scientific(error.max_abs),
             scientific(error.percentiles.p99),
             signed(error.bias),
             error.ssim,
-            flip_text(row.error.flip)
+            flip_text(row.error.flip),
+            row.transistors,
+            row.pj_per_pixel
         )
     };
     let lines: String = report.formats.iter().map(line).collect();
     format!(
         "<section>\n<h2>Floating-point datapaths</h2>\n<p class=\"read\">The usual formulas, every operation rounded. fp16 and bfloat16 have setup \
-         in single precision and a centre relative to its tile.</p>\n<div class=\"scroll\"><table>\n<tr><th>engine</th><th>PSNR dB</th><th>max \
-         error</th><th>p99</th><th>bias</th><th>SSIM</th><th>FLIP</th></tr>\n{lines}</table></div>\n</section>\n"
+         in single precision and a centre relative to its tile. Transistors \
+         and energy are estimates of a lane's arithmetic.</p>\n<div class=\"scroll\"><table>\n<tr><th>engine</th><th>PSNR dB</th><th>max \
+         error</th><th>p99</th><th>bias</th><th>SSIM</th><th>FLIP</th><th>transistors a lane</th><th>pJ a pixel</th></tr>\n{lines}</table></div>\n</section>\n"
     )
 }
 
@@ -34,14 +37,16 @@ pub fn formats_text(report: &Report) -> String {
     let line = |row: &FormatRow| {
         let error = &row.error.rgb;
         format!(
-            "{:<9} PSNR {} dB, max error {}, p99 {}, bias {}, SSIM {:.6}, FLIP {}\n",
+            "{:<9} PSNR {} dB, max error {}, p99 {}, bias {}, SSIM {:.6}, FLIP {}, {} transistors a lane, {:.1} pJ a pixel\n",
             row.engine,
             decibels(error.psnr_db),
             scientific(error.max_abs),
             scientific(error.percentiles.p99),
             signed(error.bias),
             error.ssim,
-            flip_text(row.error.flip)
+            flip_text(row.error.flip),
+            row.transistors,
+            row.pj_per_pixel
         )
     };
     report.formats.iter().map(line).collect()

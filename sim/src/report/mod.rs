@@ -216,6 +216,12 @@ pub struct FormatRow {
     pub engine: String,
     /// Its errors.
     pub error: ErrorFacts,
+    /// Transistors of the arithmetic of a lane, an estimate.
+    #[serde(default)]
+    pub transistors: u64,
+    /// Energy of a pixel in the lane and in the tile's buffer, picojoules, an estimate.
+    #[serde(default)]
+    pub pj_per_pixel: f64,
 }
 
 /// One line of the speed-against-error sweep.

@@ -17,6 +17,7 @@ mod explain;
 mod files;
 mod functions;
 mod manifest;
+mod record;
 mod stage;
 mod systems;
 mod work;

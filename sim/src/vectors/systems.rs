@@ -4,18 +4,17 @@
 //! the ends of their formats. A record has the operands, then the results.
 
 use super::builtin::BuiltinRandom;
-use super::compute::{field, pixel_values, reason};
+use super::record::{Words, push, record, stage};
 use super::{VectorStage, VectorSubject};
 use crate::fixed::kernel_rules;
-use fixed::types::{I2F30, I4F28, U4F28};
-use splatline::blend::deep::{Channel, ChannelRounding, DeepPixel, Representation};
+use fixed::types::{I2F30, I4F28, I32F32, U4F28};
+use splatline::blend::deep::{Channel, ChannelRounding, DeepPixel, Representation, octaves};
 use splatline::blend::edge::EdgeFilter;
 use splatline::blend::layers::Layers;
 use splatline::blend::points::Slab;
 use splatline::blend::resolve::Resolve;
 use splatline::blend::surface::{Accumulation, Cell, Fragment, Sample, WeightedSum, sum_fraction};
 use splatline::blend::{Blend, Pixel};
-use splatline::footprint::Footprint;
 use splatline::footprint::surface::{Attributes, attribute_fraction, depth_in_pixel};
 use splatline::format::{Design, Widths};
 use splatline::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, Rays, fill_perspective};
@@ -23,8 +22,10 @@ use splatline::math::SoftFloat;
 use splatline::rules::Rules;
 use splatline::setup::harmonics::{COEFFICIENTS, Harmonics, direction};
 use splatline::setup::{self, Cull, Ellipse, Index, PointFilter};
-use splatline::splat::SphereSplat;
+use splatline::splat::Axis;
 use splatline::splat::surface::SurfaceSplat;
+use splatline::splat::{SphereSplat, VolumeSplat};
+use splatline::view::View;
 
 /// Records of the stages that go through pixels.
 const STEPS: u32 = 1500;
@@ -42,6 +43,7 @@ pub fn stages<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStage>
         colours(&widths, subject),
         surfaces(design, subject, &rules),
         samples(&widths),
+        octaves(),
         deep(),
         points(design, subject),
         gathers(&widths, &rules),
@@ -50,131 +52,6 @@ pub fn stages<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStage>
         perspective(),
         indices(&widths, subject),
     ]
-}
-
-/// A stage of fields `name*count:-bits.fraction`; without `*` one, without `-` not signed, without `.` an integer.
-fn stage(name: &'static str, about: &'static str, fields: &str) -> VectorStage {
-    let fields = fields.split_whitespace().flat_map(|text| {
-        let (name, format) = text.split_once(':').unwrap_or((text, "32"));
-        let (name, count) = name.split_once('*').unwrap_or((name, "1"));
-        let (bits, fraction) = format.split_once('.').unwrap_or((format, "0"));
-        let number = |text: &str| text.trim_start_matches('-').parse().unwrap_or(1);
-        let count = number(count);
-        (0..count).map(move |place| {
-            let name = [name.to_owned(), format!("{name}_{place}")];
-            let (signed, fraction) = (bits.starts_with('-'), number(fraction) as u8);
-            field(
-                &name[usize::from(count > 1)],
-                number(bits),
-                signed,
-                fraction,
-            )
-        })
-    });
-    VectorStage::new(name, about, fields)
-}
-
-/// What a record is made of.
-trait Words {
-    fn put(&self, record: &mut Vec<i64>);
-}
-
-macro_rules! words {
-    ($($type:ty: |$value:ident| $word:expr;)*) => {
-        $(impl Words for $type {
-            fn put(&self, record: &mut Vec<i64>) {
-                let $value = self;
-                $word.put(record);
-            }
-        })*
-    };
-}
-
-macro_rules! record {
-    ($($part:expr);* $(;)?) => {{
-        let mut record = Vec::new();
-        $($part.put(&mut record);)*
-        record
-    }};
-}
-
-impl Words for i64 {
-    fn put(&self, record: &mut Vec<i64>) {
-        record.push(*self);
-    }
-}
-
-impl<T: Words> Words for [T] {
-    fn put(&self, record: &mut Vec<i64>) {
-        self.iter().for_each(|word| word.put(record));
-    }
-}
-
-words! {
-    bool: |word| i64::from(*word);
-    u8: |word| i64::from(*word);
-    u16: |word| i64::from(*word);
-    u32: |word| i64::from(*word);
-    i32: |word| i64::from(*word);
-    u64: |word| (*word as i64);
-    I2F30: |word| word.to_bits();
-    I4F28: |word| word.to_bits();
-    U4F28: |word| word.to_bits();
-    SoftFloat: |number| [number.mantissa, number.exponent];
-    Pixel: |pixel| pixel_values(pixel);
-    DeepPixel: |pixel| record![pixel.colour; pixel.alpha];
-    Attributes: |own| record![own.colour; own.opacity; own.normal];
-    Slab: |slab| record![slab.colour; slab.opacity; slab.first];
-    Fragment: |sum| record![sum.weight; sum.colour; sum.opacity; sum.normal; sum.near; sum.far; sum.material];
-    Footprint: |print| record![
-        0i64; print.depth; print.centre; print.first; print.end; print.ldl.horizontal; print.ldl.squared_width; print.ldl.shear;
-        print.ldl.vertical; print.cutoff; print.opacity;
-    ];
-}
-
-/// Operands and results, zeros where there are none.
-fn push(stage: &mut VectorStage, mut record: Vec<i64>, found: Result<Vec<i64>, Cull>) {
-    record.extend(found.as_ref().unwrap_or(&vec![reason(&found)]));
-    record.resize(stage.fields.len(), 0);
-    stage.records.push(record);
-}
-
-/// Operands.
-impl BuiltinRandom {
-    /// Of 0 to `most`: every fourth at an end or next to one, every fourth short.
-    fn up_to(&mut self, most: u32) -> u32 {
-        let (word, choice) = (self.bits(), self.bits() >> 24);
-        let last = choice & 8 != 0;
-        match choice & 7 {
-            0 => u32::from(last) * most,
-            1 if last => most.saturating_sub(word >> 30),
-            1 => (word >> 30).min(most),
-            2 | 3 => (word >> (choice >> 3)).min(most),
-            _ => ((u64::from(word) * (u64::from(most) + 1)) >> 32) as u32,
-        }
-    }
-
-    /// The same, the half of them halved up to three times.
-    fn shorter(&mut self, most: u32) -> u32 {
-        self.up_to(most) >> (self.bits() >> 30)
-    }
-
-    /// The same with either sign.
-    fn within(&mut self, most: u32) -> i32 {
-        self.up_to(most) as i32 * (1 - 2 * (self.bits() >> 31) as i32)
-    }
-
-    /// Below 2^power.
-    fn number(&mut self, power: i32) -> SoftFloat {
-        let (mantissa, lower) = (self.up_to(i32::MAX as u32) as i32, self.up_to(2) as i32);
-        let exponent = power - 31 - lower;
-        SoftFloat { mantissa, exponent }
-    }
-
-    /// Three words.
-    fn three(&mut self, most: u32) -> [u32; 3] {
-        [(); 3].map(|()| self.up_to(most))
-    }
 }
 
 fn colours(widths: &Widths, subject: &VectorSubject) -> VectorStage {
@@ -213,13 +90,18 @@ fn surfaces<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vec
         "surfaces",
         "surface splats of the splats' first two axes and the third for a normal: print, plane, attributes, depth at the box's end",
         &format!(
-            "colour*3:32.28 opacity:32.28 {PRINT} plane*3:-64.32 share*4:32.{f} normal*3:-32.{f} back:1 lane:-64.32 last:32.23"
+            "colour*3:32.28 opacity:32.28 weight*2:-32 normal*4:-32 {PRINT} plane*3:-64.32 share*4:32.{f} normal*3:-32.{f} back:1 lane:-64.32 last:32.23"
         ),
     );
     let mut random = BuiltinRandom(2);
     for splat in &subject.splats {
         let [first, second, normal] = splat.axes;
-        let (centre, weight) = (splat.centre, splat.weight);
+        let (centre, weight) = (splat.centre, random.weight(splat.weight));
+        let normal = if random.up_to(7) == 0 {
+            Axis::default()
+        } else {
+            normal
+        };
         let colour = [(); 3].map(|()| U4F28::from_bits(random.shorter(1 << 29)));
         let opacity = U4F28::from_bits(random.shorter(1 << 29));
         let splat = SurfaceSplat {
@@ -237,7 +119,11 @@ fn surfaces<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vec
             let plane = record![found.plane.origin; found.plane.step];
             record![found.footprint; plane; found.attributes; found.back; lane; depth_in_pixel(lane)]
         });
-        push(&mut stage, record![colour; opacity], words);
+        push(
+            &mut stage,
+            record![colour; opacity; weight; normal.mantissa; normal.exponent],
+            words,
+        );
     }
     stage
 }
@@ -253,21 +139,21 @@ fn samples(widths: &Widths) -> VectorStage {
         "samples",
         "a sample; what it adds to a pixel of one fragment and to one of two layers; the first divided, covered, and both resolved",
         &format!(
-            "pixel:32 threshold:32.23 tau:32.30 alpha:32.{} rounded:32.{s} weight:32.{s} depth:32.23 share*4:32.{f} normal*3:-32.{f} \
+            "lane:-64.32 lane_depth:32.23 pixel:32 threshold:32.23 tau:32.30 alpha:32.{} rounded:32.{s} weight:32.{s} depth:32.23 share*4:32.{f} normal*3:-32.{f} \
              material:8 {fragment} {fragment} {fragment} merges:32 divided*4:32.{a} normal*3:-32.30 coverage:32.30 {pixel} {pixel}",
             widths.alpha
         ),
     );
     let mut random = BuiltinRandom(3);
-    let (mut one, mut two, mut base, mut threshold, mut tau) =
-        (Accumulation::EMPTY, Layers::<2>::EMPTY, 0, 0, 0);
+    let (mut one, mut two) = (Accumulation::EMPTY, Layers::<2>::EMPTY);
+    let (mut base, mut threshold) = (0, 0);
     for step in 0..STEPS {
         let pixel = step / 12;
         if step % 12 == 0 {
             (one, two) = (Accumulation::EMPTY, Layers::EMPTY);
-            (base, tau) = (random.up_to(u32::MAX), random.up_to(1 << 31));
-            threshold = random.up_to(1 << (pixel % 30));
+            (base, threshold) = (random.up_to(u32::MAX), random.up_to(1 << (pixel % 30)));
         }
+        let tau = random.up_to(u32::MAX);
         let (gather, edges) = (WeightedSum::new(widths, threshold), EdgeFilter::new(tau));
         let normal = [(); 3].map(|()| random.within(1 << f));
         let material = (random.bits() >> 30) as u8;
@@ -279,9 +165,16 @@ fn samples(widths: &Widths) -> VectorStage {
         };
         let alpha = random.up_to(1 << widths.alpha);
         let rounded = gather.weight(alpha);
-        // Every eighth pixel fills its weight sums.
+        // Every eighth pixel fills its weight sums, every fourth to the last bit.
         let full = u32::from(pixel % 8 == 7) * i32::MAX as u32;
         let weight = random.up_to(full).max(rounded).max(1);
+        let whole = pixel % 4 == 1;
+        let weight = if whole {
+            ONE >> (pixel / 4 % 3)
+        } else {
+            weight
+        };
+        let lane = i64::from(random.within(i32::MAX as u32)) << random.up_to(32);
         // Near each other, at the threshold or one beside it.
         let depth = base.saturating_add(threshold.saturating_mul(random.up_to(5)));
         let depth = depth.saturating_add(random.up_to(2)).saturating_sub(1);
@@ -297,12 +190,36 @@ fn samples(widths: &Widths) -> VectorStage {
         let divided = gather.normalise(&sum);
         let resolve = Resolve::new(widths, gather, None, edges);
         stage.records.push(record![
+            record![lane; depth_in_pixel(lane)];
             record![pixel; threshold; tau; alpha; rounded; weight; depth; attributes; material; sum];
             record![of(two.fragments(), 0); of(two.fragments(), 1); two.merges()];
             record![divided.colour; divided.opacity; divided.normal];
             edges.map_or(ONE, |edges| edges.coverage(sum.weight, s));
             record![resolve.pixel(&one, 0, 0); resolve.pixel(&two, 0, 0)];
         ]);
+    }
+    stage
+}
+
+fn octaves() -> VectorStage {
+    let mut stage = stage(
+        "octaves",
+        "an opacity and its optical depth, an optical depth and what shines through it",
+        "alpha:32.31 octaves:64.44 depth:32.28 through:32.31",
+    );
+    let (mut random, dark) = (
+        BuiltinRandom(10),
+        Channel::new(Representation::OpticalDepth, ChannelRounding::Nearest, 32),
+    );
+    for step in 0..3 * STEPS {
+        let (alpha, depth) = (
+            random.up_to(1 << 31),
+            random.up_to(u32::MAX >> (4 * (step % 8).min(1))),
+        );
+        let through = dark.map_or(0, |dark| dark.transmittance(depth));
+        stage
+            .records
+            .push(record![alpha; octaves::of_opacity(alpha); depth; through]);
     }
     stage
 }
@@ -349,7 +266,9 @@ fn points<D: Design>(design: D, subject: &VectorSubject) -> VectorStage {
     let mut stage = stage(
         "points",
         "the splats as points by the rules ewa: is it one, has the filter an area, its footprint",
-        &format!("spacing*2:-32 deviation*2:-32 normalised:1 minified:1 filter:1 {PRINT}"),
+        &format!(
+            "spacing*2:-32 deviation*2:-32 weight*2:-32 normalised:1 minified:1 filter:1 {PRINT}"
+        ),
     );
     let (mut random, widths) = (BuiltinRandom(5), design.widths());
     for (number, splat) in subject.splats.iter().enumerate() {
@@ -362,10 +281,13 @@ fn points<D: Design>(design: D, subject: &VectorSubject) -> VectorStage {
         };
         let filter = PointFilter::new(&widths, &rules, deviation);
         let minified = setup::is_minified(&widths, &subject.view, &rules, splat);
-        let operands = record![spacing; deviation; normalised; minified; filter.is_some()];
+        let weight = random.weight(splat.weight);
+        let splat = VolumeSplat { weight, ..*splat };
+        let operands =
+            record![spacing; deviation; splat.weight; normalised; minified; filter.is_some()];
         let found = filter.ok_or(Cull::Degenerate);
         let found = found
-            .and_then(|filter| setup::setup_point(design, &subject.view, &rules, splat, &filter));
+            .and_then(|filter| setup::setup_point(design, &subject.view, &rules, &splat, &filter));
         push(&mut stage, operands, found.map(|print| record![print]));
     }
     stage
@@ -392,7 +314,10 @@ fn gathers(widths: &Widths, rules: &Rules) -> VectorStage {
             (range, depth) = (random.up_to(1 << 20), random.up_to(u32::MAX));
         }
         depth = depth.saturating_add(random.shorter(range) + random.up_to(2) / 2);
-        let opacity = random.shorter(1 << alpha).max(1);
+        // Every fourth pixel is full of what is almost opaque.
+        let full = u32::from(number % 4 == 3) << alpha;
+        let most = full.saturating_sub(random.up_to(1 << (alpha / 2)));
+        let opacity = random.shorter(1 << alpha).max(most).max(1);
         let light = random.three(u32::MAX >> (32 - c - widths.colour_range()));
         blend.gather(&mut pixel, &mut slab, opacity, &light, depth, range);
         let mut closed = pixel;
@@ -429,27 +354,54 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
         "spheres",
         "the splats as spheres: exact or approximate; affine, perspective or by rays; the footprint and what corrects its index",
         &format!(
-            "deviation*2:-32 ellipse:8 index:8 {PRINT} spread:32.32 slant*2:-32 corrected_end:32.28"
+            "deviation*2:-32 weight*2:-32 ellipse:8 index:8 {PRINT} spread:32.32 slant*2:-32 corrected_end:32.28"
         ),
     );
     let mut random = BuiltinRandom(8);
     for (number, splat) in subject.splats.iter().enumerate() {
-        let deviation = random.number(2 - (number % 8) as i32);
+        let mut deviation = random.number(2 - (number % 8) as i32);
         let (ellipse, index) = (number % 2, number / 2 % 3);
+        let ellipses = [Ellipse::Exact, Ellipse::Approximate];
         let indices = [Index::Affine, Index::Perspective, Index::Ray];
-        let choice = (
-            [Ellipse::Exact, Ellipse::Approximate][ellipse],
-            indices[index],
-        );
-        let (centre, weight, colour) = (splat.centre, splat.weight, splat.colour);
-        let splat = SphereSplat {
-            centre,
-            deviation,
-            weight,
-            colour,
+        let choice = (ellipses[ellipse], indices[index]);
+        // Every tenth is hardly above 1/255, so that it ends near its middle.
+        let (mantissa, exponent) = (1_077_952_576 + random.up_to(1 << 28) as i32, -38);
+        let weight = match number % 10 {
+            9 => SoftFloat { mantissa, exponent },
+            _ => random.weight(splat.weight),
         };
-        let found = setup::setup_sphere(design, &subject.view, rules, &splat, choice);
-        let words = found.map(|found| {
+        let centre = splat.centre;
+        let found = |deviation| {
+            let colour = splat.colour;
+            let splat = SphereSplat {
+                centre,
+                deviation,
+                weight,
+                colour,
+            };
+            setup::setup_sphere(design, &subject.view, rules, &splat, choice)
+        };
+        if number % 5 == 4 {
+            // The largest sphere that does not reach the eye, more or less exactly, or the smallest that does.
+            deviation = SoftFloat {
+                mantissa: 0,
+                exponent: -27,
+            };
+            for bit in (random.up_to(12)..31).rev() {
+                let mantissa = deviation.mantissa | 1 << bit;
+                if found(SoftFloat {
+                    mantissa,
+                    ..deviation
+                }) != Err(Cull::Near)
+                {
+                    deviation.mantissa = mantissa;
+                }
+            }
+            deviation.mantissa = deviation
+                .mantissa
+                .saturating_add((number / 5 % 4 / 3) as i32);
+        }
+        let words = found(deviation).map(|found| {
             let slant = found
                 .slant
                 .map_or([0; 2], |slant| [slant.mantissa, slant.exponent]);
@@ -457,7 +409,7 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
         });
         push(
             &mut stage,
-            record![deviation; ellipse as i64; index as i64],
+            record![deviation; weight; ellipse as i64; index as i64],
             words,
         );
     }
@@ -489,23 +441,30 @@ fn indices(widths: &Widths, subject: &VectorSubject) -> VectorStage {
         "indices",
         "a sphere's radial index; a spread and what it makes of it; a pixel, L, the squared length of its ray and what they make of it",
         &format!(
-            "radial:64.{bits} spread:32.32 by_spread:64.{bits} pixel*2:16 slant*2:-32 squared:-64.28 by_ray:64.{bits}"
+            "radial:64.{bits} spread:32.32 by_spread:64.{bits} pixel*2:16 focal*4:-32 principal*2:-64.32 slant*2:-32 squared:-64.28 by_ray:64.{bits}"
         ),
     );
     let entries = perspective_entries();
-    let (table, rays) = (PerspectiveTable::new(&entries), Rays::new(&subject.view));
+    let table = PerspectiveTable::new(&entries);
     let mut random = BuiltinRandom(9);
-    for step in 0..STEPS {
+    for step in 0..4 * STEPS {
         let radial = (u128::from(random.up_to(u32::MAX)) << bits >> 28) as u64 >> (2 * (step % 2));
         let spread = random.up_to(u32::MAX) >> (4 * (step / 2 % 2));
         let pixel = [(); 2].map(|()| random.up_to(u16::MAX.into()) as u16);
+        let focal = [(); 2].map(|()| random.number(2 + (step % 16) as i32));
+        let principal = [(); 2].map(|()| i64::from(random.within(i32::MAX as u32)) << 6);
+        let rays = Rays::new(&View {
+            focal,
+            principal: principal.map(I32F32::from_bits),
+            ..subject.view
+        });
         let slant = (ONE + random.up_to(ONE - 1)).into();
-        let slant = SoftFloat::from_wide(slant, random.up_to(3) as i32 - 30, 31);
+        let slant = SoftFloat::from_wide(slant, random.up_to(16) as i32 - 30, 31);
         let by_spread = table.index(spread, bits.into()).correct(radial);
         let by_ray = rays.correct(pixel, radial, slant);
-        stage
-            .records
-            .push(record![radial; spread; by_spread; pixel; slant; rays.squared(pixel); by_ray]);
+        stage.records.push(
+            record![radial; spread; by_spread; pixel; focal; principal; slant; rays.squared(pixel); by_ray],
+        );
     }
     stage
 }

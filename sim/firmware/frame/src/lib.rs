@@ -79,7 +79,14 @@ pub fn draw(
     };
     for window in view.window().strips(STRIP) {
         draw();
-        let frame = renderer.draw(&list, window, strip).ok()?;
+        // The pixel loop in assembly, which this processor's compiler cannot equal.
+        #[cfg(all(target_arch = "arm", not(target_has_atomic = "32")))]
+        let frame = renderer.draw_with(&list, window, strip, |_, run| {
+            splatline_firmware::pixel_loop::paint(run);
+        });
+        #[cfg(not(all(target_arch = "arm", not(target_has_atomic = "32"))))]
+        let frame = renderer.draw(&list, window, strip);
+        let frame = frame.ok()?;
         for (sent, pixel) in sent.iter_mut().zip(frame.rgb565(BACKGROUND)) {
             *sent = pixel;
         }

@@ -9,6 +9,7 @@
 mod calibration;
 mod check;
 pub(super) mod circuit;
+pub mod lane;
 pub mod setup;
 pub mod synthesis;
 pub mod units;
@@ -142,11 +143,11 @@ fn rows(bits: &Bits, traversal: Traversal, config: &Config, calibration: &Calibr
 /// All lanes with their queues, tables and banks. Only with the layout `rows` has each lane a queue of its own.
 fn lanes(bits: &Bits, config: &Config, calibration: &Calibration) -> Fabric {
     let lanes = u64::from(config.lanes);
-    let or_lanes = |count: u32| if count == 0 { lanes } else { count.into() };
-    let (ports, banks) = (
-        or_lanes(config.table_ports).min(lanes),
-        or_lanes(config.buffer_banks),
-    );
+    let banks = match config.buffer_banks {
+        0 => lanes,
+        banks => banks.into(),
+    };
+    let ports = table_ports(config);
     let queues = if config.layout == LaneLayout::Rows {
         lanes
     } else {
@@ -161,11 +162,6 @@ fn lanes(bits: &Bits, config: &Config, calibration: &Calibration) -> Fabric {
     let lane = |lines: &Lines| (lanes as f64 * lines.lane.at(bits.lane)).round() as u64;
     // The lines hold a lane with the circuit's queue.
     let luts = lane(&calibration.luts) + lanes * mask + queues * queue(config.row_fifo).luts;
-    let [opacity, share, colour] = bits.blend_products().map(|product| product.factors);
-    let blend = |products: &[[u64; 2]]| shared(products, config.blend_interval, calibration);
-    let interpolation = bits
-        .interpolation_product()
-        .map_or(0, |product| calibration.tiles(product.factors));
     let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
     let [words, entry] = bits.table;
     let bank: u64 = bits
@@ -176,12 +172,30 @@ fn lanes(bits: &Bits, config: &Config, calibration: &Calibration) -> Fabric {
     Fabric {
         luts: luts.saturating_sub(lanes * queue(QUEUE).luts),
         flip_flops: lane(&calibration.flip_flops),
-        dsps: lanes * (blend(&[opacity]) + blend(&[share]) + blend(&[colour; 3]))
-            + ports * interpolation,
+        dsps: lane_dsps(bits, config, calibration),
         memory_kbit: ports * calibration.memory(words, entry)
             + banks * u64::from(config.tile_buffers) * bank
             + queues * queue(config.row_fifo).memory_kbit,
     }
+}
+
+/// Ports of the footprint table, one a lane unless they are given.
+fn table_ports(config: &Config) -> u64 {
+    match config.table_ports {
+        0 => config.lanes.into(),
+        ports => ports.min(config.lanes).into(),
+    }
+}
+
+/// Multipliers of all lanes of a raster unit.
+fn lane_dsps(bits: &Bits, config: &Config, calibration: &Calibration) -> u64 {
+    let [opacity, share, colour] = bits.blend_products().map(|product| product.factors);
+    let blend = |products: &[[u64; 2]]| shared(products, config.blend_interval, calibration);
+    let interpolation = bits
+        .interpolation_product()
+        .map_or(0, |product| calibration.tiles(product.factors));
+    u64::from(config.lanes) * (blend(&[opacity]) + blend(&[share]) + blend(&[colour; 3]))
+        + table_ports(config) * interpolation
 }
 
 /// Geometry setup where no circuit was synthesised ([`setup`], [`circuit::Geometry`]): more often than once in eight cycles, or for another family.

@@ -5,6 +5,7 @@
 //! the memory interface by bytes.
 
 use super::super::area::circuit::{Bits, GeometryCircuit, Product, SetupStage};
+use super::super::area::lane::{FloatLane, OPERATIONS};
 use super::super::config::{Config, Overlap};
 use super::super::timing::Timing;
 use super::EnergyTable;
@@ -101,6 +102,21 @@ impl<'a> UnitActions<'a> {
         );
     }
 
+    /// A stage of a lane in floating point, so often.
+    fn stage_of(&mut self, lane: &FloatLane, stage: usize, count: u64) {
+        let [sums, products] = OPERATIONS[stage];
+        let [add, multiply] = self.table.float_operations(lane.stages[stage]);
+        let bits = [lane.bits; 2];
+        self.add("float_adder", "add", bits, sums * count, add);
+        self.add(
+            "float_multiplier",
+            "multiply",
+            bits,
+            products * count,
+            multiply,
+        );
+    }
+
     /// Reads and writes of a memory of so many words.
     pub fn memory(
         &mut self,
@@ -167,6 +183,39 @@ pub fn of<'a>(
         units.push(unit);
     }
     units
+}
+
+/// Puts a lane in floating point into the place of the kernel's. Its exponential is a table of 256 entries with their steps.
+pub fn put_lane(units: &mut [UnitActions], lane: &FloatLane, config: &Config, timing: &Timing) {
+    let (pixels, bits) = (&timing.pixels, lane.bits);
+    for unit in units {
+        match unit.name {
+            "lanes" => {
+                unit.actions.clear();
+                unit.stage_of(lane, 0, pixels.visited);
+                unit.stage_of(lane, 1, pixels.covered);
+                unit.memory("table", 256, 2 * bits, [pixels.covered, 0]);
+            }
+            "blend" => {
+                unit.actions.clear();
+                unit.stage_of(lane, 2, pixels.live);
+                let words = bank_words(config);
+                unit.memory("tile_buffer", words, bits, [pixels.covered, pixels.live]);
+                unit.memory("tile_buffer", words, 3 * bits, [pixels.live; 2]);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Pixels of a bank of the tile buffer.
+fn bank_words(config: &Config) -> u64 {
+    let banks = match config.buffer_banks {
+        0 => config.lanes,
+        banks => banks,
+    };
+    let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
+    pixels.div_ceil(banks.into())
 }
 
 fn operands<const N: usize>(products: [Product; N]) -> [[u64; 2]; N] {
@@ -304,7 +353,7 @@ impl<'t> CountedPicture<'_, 't> {
         unit.adders(self.bits.transmittance + 2, pixels.live);
         unit.adders(self.bits.accumulator + self.bits.range + 1, 3 * pixels.live);
         let [transmittance, sums] = self.bits.pixel;
-        let words = self.bank_words();
+        let words = bank_words(self.config);
         unit.memory(
             "tile_buffer",
             words,
@@ -320,20 +369,9 @@ impl<'t> CountedPicture<'_, 't> {
         let written = self.timing.bytes.pixels_written / u64::from(self.config.pixel_bytes);
         let mut unit = self.unit("write_back");
         for bits in self.bits.pixel {
-            unit.memory("tile_buffer", self.bank_words(), bits, [written; 2]);
+            unit.memory("tile_buffer", bank_words(self.config), bits, [written; 2]);
         }
         unit.dram("write", self.timing.bytes.pixels_written);
         unit
-    }
-
-    /// Pixels of a bank of the tile buffer.
-    fn bank_words(&self) -> u64 {
-        let config = self.config;
-        let banks = match config.buffer_banks {
-            0 => config.lanes,
-            banks => banks,
-        };
-        let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
-        pixels.div_ceil(banks.into())
     }
 }

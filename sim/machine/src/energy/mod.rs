@@ -12,6 +12,7 @@ pub use accelergy::action_counts;
 pub use actions::Action;
 pub use table::{EnergyTable, SHIPPED};
 
+use super::area::lane::FloatLane;
 use super::config::Config;
 use super::timing::Timing;
 use serde::Serialize;
@@ -63,13 +64,39 @@ pub fn estimate(
     timing: &Timing,
     table: &EnergyTable,
 ) -> Energy {
-    let units = actions::of(widths, traversal, config, timing, table);
+    estimate_in(None, widths, traversal, config, timing, table)
+}
+
+/// The same with the lanes' arithmetic in floating point, if a lane is given.
+pub fn estimate_in(
+    lane: Option<&FloatLane>,
+    widths: &Widths,
+    traversal: Traversal,
+    config: &Config,
+    timing: &Timing,
+    table: &EnergyTable,
+) -> Energy {
+    let mut units = actions::of(widths, traversal, config, timing, table);
+    if let Some(lane) = lane {
+        actions::put_lane(&mut units, lane, config, timing);
+    }
     let pixels = timing.bytes.pixels_written / u64::from(config.pixel_bytes);
     sum(
         units,
         [pixels, timing.splats.fetched, timing.pixels.live],
         table,
     )
+}
+
+/// Picojoules of a lane's arithmetic and its pixel's words for one pixel that is visited, covered and blended.
+pub fn of_pixel(lane: Option<&FloatLane>, widths: &Widths, table: &EnergyTable) -> f64 {
+    let (config, mut timing) = (Config::default(), Timing::default());
+    let pixels = &mut timing.pixels;
+    (pixels.visited, pixels.covered, pixels.live) = (1, 1, 1);
+    let energy = estimate_in(lane, widths, Traversal::Spans, &config, &timing, table);
+    let mut units = energy.units.iter();
+    let of_lane = |unit: &&UnitEnergy| ["lanes", "blend"].contains(&unit.unit);
+    total(units.by_ref().filter(of_lane).map(|unit| unit.attojoules)) as f64 / PICO
 }
 
 /// Adds up units. Sums stay at the largest number of 64 bits, which is 18 J a picture.

@@ -4,6 +4,7 @@
 //! neighbours: adders grow about linearly, multipliers with the product of their operands, memories with the root of their capacity, and
 //! the figures that ship have just these slopes.
 
+use super::super::area::lane::transistors;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
@@ -145,6 +146,19 @@ impl EnergyTable {
     /// Of a floating-point product.
     pub fn float_multiplier(&self, bits: u64) -> u64 {
         whole(self.scale * self.float_multiplier.at((bits * bits) as f64))
+    }
+
+    /// Of a sum and a product in a format by its name: half and single precision as the table has them, others as half precision by their
+    /// units' transistors.
+    pub fn float_operations(&self, format: &str) -> [u64; 2] {
+        let bits = if format == "fp32" { 32 } else { 16 };
+        let published = [self.float_adder(bits), self.float_multiplier(bits)];
+        if ["fp32", "fp16"].contains(&format) {
+            return published;
+        }
+        let (own, half) = (transistors(format), transistors("fp16"));
+        let share = |which: usize| own[which] as f64 / half[which].max(1) as f64;
+        [0, 1].map(|which| (published[which] as f64 * share(which)).round() as u64)
     }
 
     /// Of reading or writing a word of a memory of so many bytes.
@@ -341,6 +355,20 @@ mod tests {
         assert!(
             numbers > 20 && sources == entries,
             "{numbers} {sources} {entries}"
+        );
+    }
+
+    /// Published where it is, else by area.
+    #[test]
+    fn formats_of_less_area_take_less() {
+        let table = EnergyTable::default();
+        assert_eq!(table.float_operations("fp16"), [400_000, 1_100_000]);
+        assert_eq!(table.float_operations("fp32"), [900_000, 3_700_000]);
+        let products =
+            ["fp32", "fp16", "bfloat16", "e4m3"].map(|name| table.float_operations(name)[1]);
+        assert!(
+            products.is_sorted_by(|wide, narrow| wide > narrow),
+            "{products:?}"
         );
     }
 

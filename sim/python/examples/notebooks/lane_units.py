@@ -1,5 +1,6 @@
 """Transistors of one lane's arithmetic, unit by unit as Yosys synthesises it."""
 
+import json
 import subprocess
 from functools import cache
 from pathlib import Path
@@ -33,3 +34,34 @@ def float_lane(raster, kernel, blend):
         E, F = FORMATS[form]
         total += products * transistors("float_multiply", E=E, F=F) + sums * transistors("float_add", E=E, F=F)
     return total
+
+
+FAMILIES = {"xilinx7": "synth_xilinx -family xc7 -noiopad -noclkbuf -flatten", "ecp5": "synth_ecp5 -abc9", "ice40": "synth_ice40 -dsp"}
+CELLS = {"CCU2C": ("luts", 2), "SB_LUT4": ("luts", 1), "SB_MAC16": ("dsps", 1), "MULT18X18D": ("dsps", 1), "DSP48E1": ("dsps", 1)}
+
+
+def fabric(unit, command, **parameters):
+    """Look-up tables and multipliers of a unit alone, counted as `rtl -- area` of sim/rtl/cosim counts them."""
+    settings = " ".join(f"-set {name} {value}" for name, value in parameters.items())
+    script = f"read_verilog -sv {UNITS}; chparam {settings} {unit}; {command} -top {unit}; tee -o /dev/stdout stat -json"
+    text = subprocess.run(["yosys", "-q", "-p", script], capture_output=True, text=True, check=True).stdout
+    cells = json.loads(text[text.index("{") :])["design"]["num_cells_by_type"]
+    found = {"luts": 0, "dsps": 0}
+    for kind, number in cells.items():
+        what, each = CELLS.get(kind, ("luts" if kind.startswith("LUT") else None, 1))
+        if what:
+            found[what] += each * number
+    return found
+
+
+if __name__ == "__main__":  # Prints sim/machine/src/area/lane_units.csv.
+    print("unit,format,transistors,family,luts,flip_flops,dsps,memory_kbit")
+    floats = {name: {"E": e, "F": f} for name, (e, f) in FORMATS.items()}
+    products = {f"{a}x{b}": {"A": a, "B": b} for a, b in ((6, 6), (6, 9), (8, 8), (12, 12), (16, 16), (18, 26))}
+    sums = {str(a): {"A": a} for a in (8, 16, 32)}
+    for unit, sizes in {"float_multiply": floats, "float_add": floats, "fixed_multiply": products, "fixed_add": sums}.items():
+        for size, parameters in sizes.items():
+            count = transistors(unit, **parameters)
+            for family, command in FAMILIES.items():
+                found = fabric(unit, command, **parameters)
+                print(f"{unit},{size},{count},{family},{found['luts']},0,{found['dsps']},0", flush=True)

@@ -94,6 +94,18 @@ impl FloatFormat {
         (2.0 - power(-self.fraction_bits)) * power(self.max_exponent)
     }
 
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            FP32 => "fp32",
+            FP16 => "fp16",
+            BFLOAT16 => "bfloat16",
+            FP8 => "e4m3",
+            FP8_WIDE => "e5m2",
+            _ => "a format of your own",
+        }
+    }
+
     /// Bits of a number: sign, exponent and fraction.
     pub fn bits(self) -> u32 {
         let exponents = (self.max_exponent - self.min_exponent + 3) as u32;

@@ -202,6 +202,52 @@ fn floating_point_datapaths_are_engines() {
     assert!(fail(2, &with("compare", &wrong)).contains("--formats"));
 }
 
+/// Beside what is fitted and beside the cheapest machine; a format whose error is too large holds nothing.
+#[test]
+fn formats_stand_beside_fixed_designs() {
+    let folder = tempfile::tempdir().unwrap();
+    let asked = ["--psnr", "40", "--formats", "fp16,bfloat16,fp8"];
+    let printed = succeed(&with("fit", &asked));
+    let line = |name: &str| {
+        let mut lines = printed
+            .lines()
+            .filter(|line| line.trim_start().starts_with(name));
+        lines.next().unwrap_or_else(|| panic!("{name}: {printed}"))
+    };
+    assert!(
+        line("fp16").ends_with("yes") && line("fp8").ends_with("no"),
+        "{printed}"
+    );
+    let cells: Vec<&str> = line("fixed").split_whitespace().collect();
+    let psnr: f64 = cells[1].parse().unwrap();
+    assert!((40.0..60.0).contains(&psnr), "{printed}");
+    assert!(
+        printed.contains("Cheapest: fixed; bfloat16 takes"),
+        "{printed}"
+    );
+    let out = folder.path().join("out");
+    let machine = ["--fps", "60", "-o", text(&out)];
+    succeed(&with("optimize", &[&asked[..], &machine].concat()));
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("answer.json")).unwrap()).unwrap();
+    let rows = json["answer"]["formats"].as_array().unwrap();
+    let names: Vec<&str> = rows
+        .iter()
+        .map(|row| row["format"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["fixed", "fp16", "bfloat16", "fp8"]);
+    let of = |row: usize, field: &str| rows[row]["machine"][field].as_f64().unwrap();
+    assert!(of(1, "luts_in_all") > of(2, "luts_in_all"));
+    assert!(of(2, "luts_in_all") > of(0, "luts_in_all"));
+    assert!(of(1, "mj_per_frame") > of(2, "mj_per_frame"));
+    let page = std::fs::read_to_string(out.join("answer.html")).unwrap();
+    assert!(
+        page.contains("In floating-point formats")
+            && page.contains("error and transistors of a lane")
+    );
+    assert!(fail(2, &with("fit", &["--psnr", "40", "--formats", "fp12"])).contains("fp12"));
+}
+
 #[test]
 fn area_is_counted_for_a_family_or_by_prices_of_ones_own() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,0 +1,153 @@
+//! What the stages of [`systems`](super::systems) are made of: fields by a line of text, records of anything, operands of all lengths.
+
+use super::VectorStage;
+use super::builtin::BuiltinRandom;
+use super::compute::{field, pixel_values, reason};
+use fixed::types::{I2F30, I4F28, U4F28};
+use splatline::blend::Pixel;
+use splatline::blend::deep::DeepPixel;
+use splatline::blend::points::Slab;
+use splatline::blend::surface::Fragment;
+use splatline::footprint::Footprint;
+use splatline::footprint::surface::Attributes;
+use splatline::math::SoftFloat;
+use splatline::setup::Cull;
+
+/// A stage of fields `name*count:-bits.fraction`; without `*` one, without `-` not signed, without `.` an integer.
+pub(super) fn stage(name: &'static str, about: &'static str, fields: &str) -> VectorStage {
+    let fields = fields.split_whitespace().flat_map(|text| {
+        let (name, format) = text.split_once(':').unwrap_or((text, "32"));
+        let (name, count) = name.split_once('*').unwrap_or((name, "1"));
+        let (bits, fraction) = format.split_once('.').unwrap_or((format, "0"));
+        let number = |text: &str| text.trim_start_matches('-').parse().unwrap_or(1);
+        let count = number(count);
+        (0..count).map(move |place| {
+            let name = [name.to_owned(), format!("{name}_{place}")];
+            let (signed, fraction) = (bits.starts_with('-'), number(fraction) as u8);
+            field(
+                &name[usize::from(count > 1)],
+                number(bits),
+                signed,
+                fraction,
+            )
+        })
+    });
+    VectorStage::new(name, about, fields)
+}
+
+/// What a record is made of.
+pub(super) trait Words {
+    fn put(&self, record: &mut Vec<i64>);
+}
+
+macro_rules! words {
+    ($($type:ty: |$value:ident| $word:expr;)*) => {
+        $(impl Words for $type {
+            fn put(&self, record: &mut Vec<i64>) {
+                let $value = self;
+                $word.put(record);
+            }
+        })*
+    };
+}
+
+macro_rules! record {
+    ($($part:expr);* $(;)?) => {{
+        let mut record = Vec::new();
+        $($part.put(&mut record);)*
+        record
+    }};
+}
+
+impl Words for i64 {
+    fn put(&self, record: &mut Vec<i64>) {
+        record.push(*self);
+    }
+}
+
+impl<T: Words> Words for [T] {
+    fn put(&self, record: &mut Vec<i64>) {
+        self.iter().for_each(|word| word.put(record));
+    }
+}
+
+words! {
+    bool: |word| i64::from(*word);
+    u8: |word| i64::from(*word);
+    u16: |word| i64::from(*word);
+    u32: |word| i64::from(*word);
+    i32: |word| i64::from(*word);
+    u64: |word| (*word as i64);
+    I2F30: |word| word.to_bits();
+    I4F28: |word| word.to_bits();
+    U4F28: |word| word.to_bits();
+    SoftFloat: |number| [number.mantissa, number.exponent];
+    Pixel: |pixel| pixel_values(pixel);
+    DeepPixel: |pixel| record![pixel.colour; pixel.alpha];
+    Attributes: |own| record![own.colour; own.opacity; own.normal];
+    Slab: |slab| record![slab.colour; slab.opacity; slab.first];
+    Fragment: |sum| record![sum.weight; sum.colour; sum.opacity; sum.normal; sum.near; sum.far; sum.material];
+    Footprint: |print| record![
+        0i64; print.depth; print.centre; print.first; print.end; print.ldl.horizontal; print.ldl.squared_width; print.ldl.shear;
+        print.ldl.vertical; print.cutoff; print.opacity;
+    ];
+}
+
+/// Operands and results, zeros where there are none.
+pub(super) fn push(stage: &mut VectorStage, mut record: Vec<i64>, found: Result<Vec<i64>, Cull>) {
+    record.extend(found.as_ref().unwrap_or(&vec![reason(&found)]));
+    record.resize(stage.fields.len(), 0);
+    stage.records.push(record);
+}
+
+pub(super) use record;
+
+/// Operands.
+impl BuiltinRandom {
+    /// Of 0 to `most`: every fourth at an end or next to one, every fourth short.
+    pub(super) fn up_to(&mut self, most: u32) -> u32 {
+        let (word, choice) = (self.bits(), self.bits() >> 24);
+        let last = choice & 8 != 0;
+        match choice & 7 {
+            0 => u32::from(last) * most,
+            1 if last => most.saturating_sub(word >> 30),
+            1 => (word >> 30).min(most),
+            2 | 3 => (word >> (choice >> 3)).min(most),
+            _ => ((u64::from(word) * (u64::from(most) + 1)) >> 32) as u32,
+        }
+    }
+
+    /// The same, the half of them halved up to three times.
+    pub(super) fn shorter(&mut self, most: u32) -> u32 {
+        self.up_to(most) >> (self.bits() >> 30)
+    }
+
+    /// The same with either sign.
+    pub(super) fn within(&mut self, most: u32) -> i32 {
+        self.up_to(most) as i32 * (1 - 2 * (self.bits() >> 31) as i32)
+    }
+
+    /// Below 2^power.
+    pub(super) fn number(&mut self, power: i32) -> SoftFloat {
+        let (mantissa, lower) = (self.up_to(i32::MAX as u32) as i32, self.up_to(2) as i32);
+        let exponent = power - 31 - lower;
+        SoftFloat { mantissa, exponent }
+    }
+
+    /// Every eighth is -1, 0 or 1.
+    pub(super) fn weight(&mut self, usual: SoftFloat) -> SoftFloat {
+        let mantissa = self.within(1);
+        if self.up_to(7) > 0 {
+            return usual;
+        }
+        SoftFloat {
+            mantissa,
+            exponent: 0,
+        }
+    }
+
+    /// Three words.
+    pub(super) fn three(&mut self, most: u32) -> [u32; 3] {
+        [(); 3].map(|()| self.up_to(most))
+    }
+}
