@@ -185,7 +185,7 @@ mod tests {
     use super::super::surface::sum_fraction;
     use super::*;
     use crate::footprint::surface::{Attributes, attribute_fraction};
-    use crate::format::{Design, Standard24};
+    use crate::format::{Design, Standard24, Widths};
 
     use crate::format::Classic8;
     use proptest::prelude::*;
@@ -272,6 +272,13 @@ mod tests {
 
     #[test]
     fn black_over_black_is_black() {
+        let fraction = |accumulator| {
+            sum_fraction(&Widths {
+                accumulator,
+                ..Standard24.widths()
+            })
+        };
+        assert_eq!([23, 24, 26].map(fraction), [23, 24, 24]);
         let gather = WeightedSum::new(&Classic8.widths(), THRESHOLD);
         let mut layers = Layers::<1>::EMPTY;
         for depth in [1000, 5000] {
