@@ -2,7 +2,8 @@
 
     python3 sim/golden/explain.py out/vectors pixels:4711
 
-STAGE:NUMBER is a record of splats, any stage of setup, packets, runs, pixels or tile (of which the last splat over the pixel is shown).
+STAGE:NUMBER is a record of splats, any stage of setup, packets, runs, pixels or tile (of which the last splat over the pixel is shown), or of a
+stage of the other systems.
 A line is a formula, its name, what it was given and what it gives; what a formula asks others for stands below it, further to the right.
 """
 
@@ -10,15 +11,23 @@ import inspect
 import sys
 
 import arithmetic
+import deep
+import harmonics
 import pixels
+import points
 import rows
 import setup
+import spheres
+import surface
+import systems
 import tables
 from vectors import Folder, print_of
 
-FILES = {module.__file__ for module in (arithmetic, setup, rows, tables, pixels)}
+FILES = {module.__file__ for module in (arithmetic, setup, rows, tables, pixels, harmonics, surface, deep, points, spheres)}
 # What every formula uses says little by itself.
 QUIET = ("1.1)", "1.2)", "1.6)")
+# Records whose sums go on from those before them, and the field that they share.
+SUMS = {"samples": 2, "gathers": 0}
 SPLATS = ("splats", "camera", "projected", "columns", "covariance", "opacity")
 
 
@@ -167,6 +176,20 @@ class Way:
         mine = [packet, y, x, radial, alpha, *before]
         print("equal to the file's record" if mine == record else f"the file differs: {shown(record)}")
 
+    def system(self, stage, number):
+        """A record of the other systems; of a sum that goes on, the last step is shown."""
+        record, records, first = self.record(stage, number), list(self.folder.records(stage)), number
+        while stage in SUMS and first > 0 and records[first - 1][SUMS[stage]] == record[SUMS[stage]]:
+            first -= 1
+        # A stage finds splats by a record's place.
+        self.splats = self.folder.splats[first:]
+        steps = systems.STAGES[stage](self, records[first : number + 1])
+        for _ in range(first, number):
+            next(steps)
+        with Trace():
+            mine = next(steps)
+        print("equal to the file's record" if list(map(int, mine)) == record else f"the file differs: {shown(mine)}")
+
     def explain(self, stage, number):
         if stage in SPLATS:
             if stage != "splats":
@@ -185,8 +208,11 @@ class Way:
             places = [at for at, r in enumerate(self.folder.records("pixels")) if r[1:3] == [y, x]]
             if places:
                 self.pixel(places[-1])
+        elif stage in systems.STAGES and stage != "perspective":
+            self.system(stage, number)
         else:
-            sys.exit(f"'{stage}' has no way to explain: give a record of splats, {', '.join(SPLATS[1:])}, packets, runs, pixels or tile")
+            known = [*SPLATS, "packets", "runs", "pixels", "tile", *(stage for stage in systems.STAGES if stage != "perspective")]
+            sys.exit(f"'{stage}' has no way to explain: give a record of {', '.join(known)}")
 
 
 def main(arguments):

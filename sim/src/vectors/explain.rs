@@ -8,12 +8,18 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// The model's files, each after those that it uses.
-const MODULES: [(&str, &str); 7] = [
+const MODULES: [(&str, &str); 13] = [
     ("arithmetic", include_str!("../../golden/arithmetic.py")),
     ("setup", include_str!("../../golden/setup.py")),
     ("tables", include_str!("../../golden/tables.py")),
     ("rows", include_str!("../../golden/rows.py")),
     ("pixels", include_str!("../../golden/pixels.py")),
+    ("surface", include_str!("../../golden/surface.py")),
+    ("harmonics", include_str!("../../golden/harmonics.py")),
+    ("deep", include_str!("../../golden/deep.py")),
+    ("points", include_str!("../../golden/points.py")),
+    ("spheres", include_str!("../../golden/spheres.py")),
+    ("systems", include_str!("../../golden/systems.py")),
     ("vectors", include_str!("../../golden/vectors.py")),
     ("explain", include_str!("../../golden/explain.py")),
 ];

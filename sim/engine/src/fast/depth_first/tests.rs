@@ -90,9 +90,9 @@ proptest! {
         let projection = SphereProjection::new(&view, &widths, &spheres).unwrap();
         let seen = projection.project(&spheres.groups[0]);
         let Projected { least, most, bounds } = seen;
-        // Through a splat.
-        let middle = (least[0] + most[0]) / 2.0;
-        let cuts = [Cut::at(if middle > 0.0 { middle } else { 1.0 })];
+        // Through a splat; a frame's cuts are finite.
+        let middle = least[0] / 2.0 + most[0] / 2.0;
+        let cuts = [Cut::at(if middle > 0.0 && middle.is_finite() { middle } else { 1.0 })];
         let [low, high] = cuts::slices_of_depths(&cuts, &seen);
         for (k, splat) in splats.iter().enumerate() {
             let Ok(footprint) = setup(design, &view, &rules, splat) else { continue };
