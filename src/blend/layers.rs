@@ -185,9 +185,7 @@ mod tests {
     use super::super::surface::sum_fraction;
     use super::*;
     use crate::footprint::surface::{Attributes, attribute_fraction};
-    use crate::format::{Design, Standard24, Widths};
-
-    use crate::format::Classic8;
+    use crate::format::{Classic8, Design, Standard24, Widths};
     use proptest::prelude::*;
 
     const THRESHOLD: u32 = 100;
@@ -268,6 +266,30 @@ mod tests {
                 prop_assert!(close(f64::from(seen.normal[i]) / 2f64.powi(30), normal), "{:?}", seen);
             }
         }
+    }
+
+    /// Two half transparent surfaces in a buffer of one layer: three quarters opaque, half of the back's colour shows.
+    #[test]
+    fn a_merged_layer_is_the_front_over_the_back() {
+        let widths = Standard24.widths();
+        let gather = WeightedSum::new(&widths, THRESHOLD);
+        let mut layers = Layers::<1>::EMPTY;
+        for (depth, red) in [(1000, 0.5), (5000, 1.0)] {
+            let shares = [0.5, red, 0.0, 0.0, 0.0, 0.0, -1.0];
+            let surface = (shares, 1 << sum_fraction(&widths), depth);
+            added(&gather, &mut layers, &surface, attribute_fraction(&widths));
+        }
+        let [merged] = layers.fragments() else {
+            panic!("one layer");
+        };
+        assert_eq!((merged.near, merged.far, merged.material), (1000, 5000, 1));
+        assert_eq!(layers.merges(), 1);
+        let seen = gather.normalise(merged);
+        let share = |value: u32| f64::from(value) / gather.one() as f64;
+        assert!((share(seen.opacity) - 0.75).abs() < 1e-4, "{seen:?}");
+        assert!((share(seen.colour[0]) - 0.5).abs() < 1e-4, "{seen:?}");
+        // (0.5 + 0.5 * 0.5 * 0.5) of the direction that both have.
+        assert!(seen.normal[2] < -(1 << 28), "{seen:?}");
     }
 
     #[test]

@@ -67,11 +67,11 @@ impl PixelReader {
         };
         let [red, green, blue] = pixel.colour;
         let (a, t) = (self.accumulator as u32, self.transmittance as u32);
-        let light = fraction - a;
         let behind = pixel.transmittance().wrapping_shl(fraction - t);
         let half = 1u32.wrapping_shl(fraction) >> 1;
         let level = |colour: u32, shift: u32, top: u16| {
-            let light = colour.wrapping_shl(light).wrapping_mul(top.into());
+            let light = colour.wrapping_shl(fraction - a);
+            let light = light.wrapping_mul(top.into());
             let behind = behind.wrapping_mul((background >> shift & top).into());
             let sum = light.wrapping_add(behind).wrapping_add(half);
             sum.wrapping_shr(fraction) << shift
@@ -100,6 +100,7 @@ impl PixelReader {
         Some(fraction)
     }
 
+    /// Channel by channel, out of the way of loops over usual pixels.
     #[inline(never)]
     fn saturated_565(&self, pixel: &Pixel, background: u16) -> u16 {
         let [red, green, blue] = pixel.colour;
@@ -190,7 +191,7 @@ impl<'p> Frame<'p> {
 mod tests {
     use super::*;
     use crate::blend::FINISHED;
-    use crate::format::{Classic8, Deep32, Micro16, Standard24};
+    use crate::format::{Classic8, Deep32, Lean18, Micro16, Standard24};
     use proptest::prelude::*;
 
     proptest! {
@@ -212,6 +213,30 @@ mod tests {
                 let rounded = ((exact << 1) + (1 << (a + t))) >> (a + t + 1);
                 let expected = rounded.min(top.into()) as u8;
                 prop_assert_eq!(PixelReader::new(&widths).level(colour, transmittance, background, top), expected);
+            }
+        }
+
+        /// The oracle is each channel's level: pixels as compositing leaves them, next to them and of any bits.
+        #[test]
+        fn display_words_are_levels(
+            choice in 0usize..4, shares in prop::array::uniform3(0.0f64..=1.0), transmittance in 0u32..=1 << 30, beyond in 0u32..3,
+            wild in any::<Option<u32>>(), background: u16,
+        ) {
+            let widths = [Classic8::WIDTHS, Lean18::WIDTHS, Standard24::WIDTHS, Micro16::WIDTHS][choice];
+            let (a, t) = (u32::from(widths.accumulator), u32::from(widths.transmittance));
+            let transmittance = transmittance >> (30 - t);
+            let most = f64::from((1 << t) - transmittance) * f64::from(a as i32 - t as i32).exp2();
+            let mut colour = shares.map(|share| (share * most) as u32 + beyond);
+            colour[0] = wild.unwrap_or(colour[0]);
+            let reader = PixelReader::new(&widths);
+            for transmittance in [transmittance, transmittance | FINISHED, wild.unwrap_or(1)] {
+                let pixel = Pixel { colour, transmittance };
+                let light = pixel.transmittance();
+                let level = |channel: usize, shift: u32, top: u8| {
+                    u16::from(reader.level(colour[channel], light, (background >> shift) as u8 & top, top)) << shift
+                };
+                let expected = level(0, 11, 31) | level(1, 5, 63) | level(2, 0, 31);
+                prop_assert_eq!(reader.rgb565(&pixel, background), expected);
             }
         }
 

@@ -6,7 +6,7 @@
 use super::Quadratic;
 use crate::footprint::{Footprint, Ldl};
 use crate::format::{Design, Lane, Widths};
-use crate::math::words::shift_word;
+use crate::math::words::{rounded_down, shift_word};
 use crate::math::{SoftFloat, shift_round, shift_signed};
 
 /// Columns between two seeds of the radial index within a row, and rows between two seeds of the rows.
@@ -218,7 +218,7 @@ impl<D: Design> Seed<D> {
         let dx = (i64::from(x) << 32).wrapping_sub(centre);
         let bits = u32::from(self.design.widths().mantissa);
         if self.is_narrow() {
-            let dx = word_of(dx, self.drop_dx);
+            let dx = rounded_down(dx, self.drop_dx) as i32;
             let along = (self.horizontal as i32).wrapping_mul(dx);
             let across = shift_word(along, bits as i32).wrapping_mul(dx);
             let radial = shift_word(across, self.drop_radial).wrapping_add(down as i32);
@@ -239,18 +239,5 @@ impl<D: Design> Seed<D> {
             D::Lane::from_wide(first),
             self.second,
         )
-    }
-}
-
-/// The low word of `value * 2^-drop`, rounded to nearest, halves up.
-#[inline(always)]
-fn word_of(value: i64, drop: u32) -> i32 {
-    let (high, low) = ((value >> 32) as i32, value as u32);
-    match drop {
-        1..=31 => {
-            let whole = low >> drop | (high as u32).wrapping_shl(32 - drop);
-            whole.wrapping_add(low >> (drop - 1) & 1) as i32
-        }
-        _ => shift_signed(value, drop as i32) as i32,
     }
 }

@@ -4,13 +4,14 @@ use super::front::camera;
 use crate::common::SIZE;
 use splatline::Gaussian;
 use splatline::blend::Pixel;
-use splatline::format::Micro16;
+use splatline::format::{Micro16, Standard24};
 use splatline::front::{
     COMPACT_HEADER, COMPACT_MAGIC, CompactScene, PackedList, Renderer, Scene, SceneFull, Splats,
     packed_words,
 };
 use splatline::raster::Window;
 use splatline::splat::VolumeSplat;
+use std::cell::Cell;
 
 const PIXELS: usize = SIZE as usize * SIZE as usize;
 
@@ -122,6 +123,53 @@ fn a_compact_splat_is_what_its_bytes_say() {
     for damaged in [&bytes[1..], &bytes[..bytes.len() - 1], &bytes[..20], &[]] {
         assert_eq!(CompactScene::read(damaged), None);
     }
+}
+
+/// A pixel loop of the caller's gets every run, and what it does is what is drawn; a design of wider words has none.
+#[test]
+fn a_callers_pixel_loop_draws_the_picture() {
+    let (view, scene) = (camera().view().unwrap(), row_of(4, 0));
+    let runs = Cell::new(0);
+    let mut words = vec![0; 4 * packed_words(&Micro16::WIDTHS)];
+    let mut list = PackedList::new(Micro16, &mut words);
+    let renderer = Renderer::new(Micro16);
+    renderer
+        .set_up_scene(&view, scene.as_slice(), &mut list)
+        .unwrap();
+    let [mut own, mut theirs, mut none] = [[Pixel::EMPTY; PIXELS]; 3];
+    let own = renderer.draw(&list, view.window(), &mut own).unwrap();
+    let theirs = renderer.draw_with(&list, view.window(), &mut theirs, |painter, run| {
+        runs.set(runs.get() + 1);
+        painter.paint(run);
+    });
+    assert_eq!(own.pixels, theirs.unwrap().pixels);
+    let rows = list.footprint(0).unwrap();
+    assert!(
+        runs.get() >= Window::of(&rows).rows(),
+        "{} runs",
+        runs.get()
+    );
+    let none = renderer.draw_with(&list, view.window(), &mut none, |_, _| ());
+    assert!(
+        none.unwrap()
+            .pixels
+            .iter()
+            .all(|pixel| pixel.colour == [0; 3])
+    );
+
+    let mut words = vec![0; 4 * packed_words(&Standard24::WIDTHS)];
+    let mut list = PackedList::new(Standard24, &mut words);
+    let renderer = Renderer::new(Standard24);
+    renderer
+        .set_up_scene(&view, scene.as_slice(), &mut list)
+        .unwrap();
+    let mut wide = [Pixel::EMPTY; PIXELS];
+    let wide = renderer.draw_with(&list, view.window(), &mut wide, |_, _| panic!("no run"));
+    assert!(
+        wide.unwrap()
+            .coverage
+            .is_some_and(|coverage| coverage.covered > 0)
+    );
 }
 
 /// A rectangle drawn anew has the pixels of the whole picture.
