@@ -138,6 +138,7 @@ impl CostedMachine<'_> {
             pace: self.throughput(&cycles),
             area: self.area(),
             energy: energy::estimate(
+                None,
                 self.widths,
                 self.traversal,
                 self.config,

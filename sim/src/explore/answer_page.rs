@@ -141,15 +141,21 @@ fn limits(answer: &Answer) -> String {
     table(&headings, &rows)
 }
 
-/// Cost against frames a second of every machine that was simulated.
-fn looked_at(answer: &Answer) -> String {
+/// Where a plot lies that has so much room for numbers on its left, and its lower edge.
+fn plot(left: f64) -> (Rectangle, f64) {
     let frame = Rectangle {
-        left: 52.0,
+        left,
         top: 34.0,
-        width: WIDTH - 66.0,
+        width: WIDTH - left - 14.0,
         height: 220.0,
     };
     let base = frame.top + frame.height;
+    (frame, base)
+}
+
+/// Cost against frames a second of every machine that was simulated.
+fn looked_at(answer: &Answer) -> String {
+    let (frame, base) = plot(52.0);
     let rates = answer.looked_at.iter().map(|one| one.frames_per_s);
     let costs = answer.looked_at.iter().map(|one| one.cost);
     let across = Axis::of_values(costs, 100.0, [frame.left, frame.left + frame.width]);
@@ -194,13 +200,7 @@ fn looked_at(answer: &Answer) -> String {
 
 /// PSNR against the transistors of a lane: formats, and every fixed design that was drawn.
 fn in_formats(answer: &Answer) -> String {
-    let frame = Rectangle {
-        left: 64.0,
-        top: 34.0,
-        width: WIDTH - 78.0,
-        height: 220.0,
-    };
-    let base = frame.top + frame.height;
+    let (frame, base) = plot(64.0);
     let psnr = |row: &FormatRow| row.error.map_or(0.0, |error| error.psnr_db());
     let of_formats = || {
         answer

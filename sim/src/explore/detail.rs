@@ -75,7 +75,14 @@ pub fn detail(
     let timing = simulate(&workload, &work, machine);
     let watched = watch(&workload, &work, machine, &timing);
     let widths = &variant.design.widths;
-    let energy = energy::estimate(widths, variant.traversal, machine, &timing, &subject.energy);
+    let energy = energy::estimate(
+        None,
+        widths,
+        variant.traversal,
+        machine,
+        &timing,
+        &subject.energy,
+    );
     let knobs = knobs(&evaluator, limits, space, (&choice, found), slowest)?;
     let columns = workload.columns;
     Ok(Some(Detail {

@@ -444,7 +444,7 @@ impl<'a> Evaluator<'a> {
         let Choice { variant, machine } = choice;
         let (widths, table) = (&variant.design.widths, &self.subject.energy);
         let lane = self.lane();
-        let energy = energy::estimate_in(
+        let energy = energy::estimate(
             lane.as_ref(),
             widths,
             variant.traversal,

@@ -9,6 +9,7 @@ mod hostile;
 mod machine_commands;
 mod outputs;
 mod photos;
+mod refusals;
 mod stability;
 mod texture;
 mod vectors;

@@ -138,6 +138,7 @@ impl Tables {
                 .push(cells.into_iter().chain([percent(count, whole)]));
         }
         let energy = estimate(
+            None,
             &design.widths,
             design.traversal,
             &config,

@@ -56,19 +56,8 @@ pub struct Energy {
     pub units: Vec<UnitEnergy>,
 }
 
-/// Energy of a picture that took `timing` on a machine that carries a design.
+/// Energy of a picture that took `timing` on a machine that carries a design, with the arithmetic of its lanes in floating point if a lane is given.
 pub fn estimate(
-    widths: &Widths,
-    traversal: Traversal,
-    config: &Config,
-    timing: &Timing,
-    table: &EnergyTable,
-) -> Energy {
-    estimate_in(None, widths, traversal, config, timing, table)
-}
-
-/// The same with the lanes' arithmetic in floating point, if a lane is given.
-pub fn estimate_in(
     lane: Option<&FloatLane>,
     widths: &Widths,
     traversal: Traversal,
@@ -93,7 +82,7 @@ pub fn of_pixel(lane: Option<&FloatLane>, widths: &Widths, table: &EnergyTable) 
     let (config, mut timing) = (Config::default(), Timing::default());
     let pixels = &mut timing.pixels;
     (pixels.visited, pixels.covered, pixels.live) = (1, 1, 1);
-    let energy = estimate_in(lane, widths, Traversal::Spans, &config, &timing, table);
+    let energy = estimate(lane, widths, Traversal::Spans, &config, &timing, table);
     let mut units = energy.units.iter();
     let of_lane = |unit: &&UnitEnergy| ["lanes", "blend"].contains(&unit.unit);
     total(units.by_ref().filter(of_lane).map(|unit| unit.attojoules)) as f64 / PICO

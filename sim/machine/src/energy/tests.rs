@@ -8,6 +8,7 @@ use splatline::format::{Classic8, Lean18, Standard24};
 fn estimated(workload: &Workload, config: &Config, table: &EnergyTable) -> Energy {
     let timing = simulate_alone(workload, config);
     estimate(
+        None,
         &Standard24::WIDTHS,
         Traversal::Spans,
         config,
@@ -129,7 +130,8 @@ fn narrow_designs_take_less_and_a_table_of_ones_own_is_said_to_be_so() {
     };
     let timing = simulate_alone(&workload, &config);
     let table = EnergyTable::default();
-    let of = |widths| estimate(&widths, Traversal::Spans, &config, &timing, &table).attojoules;
+    let of =
+        |widths| estimate(None, &widths, Traversal::Spans, &config, &timing, &table).attojoules;
     let energies = [
         of(Classic8::WIDTHS),
         of(Lean18::WIDTHS),
@@ -138,6 +140,7 @@ fn narrow_designs_take_less_and_a_table_of_ones_own_is_said_to_be_so() {
     assert!(energies.is_sorted(), "{energies:?}");
     let own = EnergyTable::from_toml("e.toml", &SHIPPED.replace("pj = 1950", "pj = 195")).unwrap();
     let cheaper = estimate(
+        None,
         &Standard24::WIDTHS,
         Traversal::Spans,
         &config,

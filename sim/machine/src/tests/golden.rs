@@ -109,7 +109,14 @@ fn row(words: &str, name: &str, design: &DesignChoice, workload: &Workload) -> S
     let timing: Timing = simulate_observed(workload, &work, &config, &mut events);
     let requests = timing::accesses(workload, &work, &config).unwrap_or_default();
     let (widths, traversal) = (&design.widths, design.traversal);
-    let energy = energy::estimate(widths, traversal, &config, &timing, &EnergyTable::default());
+    let energy = energy::estimate(
+        None,
+        widths,
+        traversal,
+        &config,
+        &timing,
+        &EnergyTable::default(),
+    );
     let mut line = format!(
         "{words},{name},{},{},{},{},{},{},{:08x},{:08x},{:08x},{:08x},{:08x}",
         timing.total,

@@ -3,15 +3,8 @@
 mod questions;
 mod sweeps;
 
+use super::command_line::splatline;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn splatline(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_splatline"))
-        .args(arguments)
-        .output()
-        .unwrap()
-}
 
 fn succeed(arguments: &[&str]) -> String {
     let output = splatline(arguments);

@@ -1,6 +1,7 @@
 //! Sweeps: resuming, and what is refused because it belongs to another sweep.
 
 use super::*;
+use std::process::Command;
 
 #[test]
 fn a_sweep_is_resumed_and_has_a_front() {
