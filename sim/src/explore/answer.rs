@@ -37,6 +37,9 @@ const APART: f64 = 0.01;
 /// A point of an answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Found {
+    /// Its place on every axis of the space.
+    #[serde(skip)]
+    pub point: Vec<usize>,
     /// The design, by its widths.
     pub design: ResolvedDesign,
     /// The machine.
@@ -240,10 +243,11 @@ pub fn optimize(
                 answer.frames = [searched.len(), all.len()];
                 answer.fixed_lanes = search.drawn_lanes();
                 if !subject.formats.is_empty() {
+                    let first = answer.found.first().context("the first point was found")?;
                     answer.formats = formats::beside_point(
                         &mut evaluator,
                         (space, limits),
-                        (&searched, &found.point),
+                        (&searched, &first.point),
                         &|reached| score(limits, reached),
                         progress,
                     )?;
@@ -383,6 +387,7 @@ fn answered(search: &Search, best: &BestPoint, searched: &[usize]) -> Result<Att
             continue;
         }
         found.push(Found {
+            point: point.clone(),
             design: choice.variant.design.resolved(),
             machine: choice.machine,
             reached,

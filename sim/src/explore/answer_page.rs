@@ -82,7 +82,7 @@ fn headline(found: &Found) -> String {
             "frames a second",
             format!("{:.1}", reached.pace.frames_per_s)
         ),
-        entry("LUT in all", count(reached.cost() as u64)),
+        entry("LUT in all", count(reached.cost().round() as u64)),
         entry("mJ a frame", format!("{:.3}", reached.millijoules)),
         entry(
             "MB a frame",

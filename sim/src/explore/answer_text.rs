@@ -151,6 +151,7 @@ fn point(found: &Found) -> String {
         design,
         machine,
         reached,
+        ..
     } = found;
     let widths: Vec<String> = design
         .widths

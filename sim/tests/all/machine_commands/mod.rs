@@ -230,6 +230,13 @@ fn formats_stand_beside_fixed_designs() {
         .collect();
     assert_eq!(names, ["fixed", "fp16", "bfloat16", "fp8"]);
     let of = |row: usize, field: &str| rows[row]["machine"][field].as_f64().unwrap();
+    // The fixed row is the answer itself.
+    let reached = &json["answer"]["found"][0]["reached"];
+    assert_eq!(Some(of(0, "mj_per_frame")), reached["millijoules"].as_f64());
+    assert_eq!(
+        Some(of(0, "luts_in_all")),
+        reached["area"]["weight"].as_f64()
+    );
     assert!(of(1, "luts_in_all") > of(2, "luts_in_all"));
     assert!(of(2, "luts_in_all") > of(0, "luts_in_all"));
     assert!(of(1, "mj_per_frame") > of(2, "mj_per_frame"));
