@@ -100,6 +100,26 @@ impl PixelReader {
         Some(fraction)
     }
 
+    /// The same of pixels none of whose channels exceeds 1 - T, in a function of its own: a pixel then costs Cortex-M0+ 30 instructions less.
+    /// Widths of at most 26 bits, to which light and background are scaled: six bits of levels fit the word above them.
+    #[inline(never)]
+    fn write_bounded_565(&self, pixels: &[Pixel], background: u16, sent: &mut [u16]) {
+        const HALF: u32 = 1 << 25;
+        let scaled = |level: u32, bits: u8| level.wrapping_shl(26 - u32::from(bits));
+        let top = [31, 63, 31].map(|level| scaled(level, self.accumulator));
+        let behind = [background >> 11, background >> 5 & 63, background & 31];
+        let behind = behind.map(|level| scaled(level.into(), self.transmittance));
+        for (sent, pixel) in sent.iter_mut().zip(pixels) {
+            let transmittance = pixel.transmittance();
+            let level = |channel: usize| {
+                let light = pixel.colour[channel].wrapping_mul(top[channel]);
+                let hidden = transmittance.wrapping_mul(behind[channel]);
+                hidden.wrapping_add(HALF).wrapping_add(light) >> 26
+            };
+            *sent = ((level(0) << 6 | level(1)) << 5 | level(2)) as u16;
+        }
+    }
+
     /// Channel by channel, out of the way of loops over usual pixels.
     #[inline(never)]
     fn saturated_565(&self, pixel: &Pixel, background: u16) -> u16 {
@@ -158,6 +178,8 @@ pub struct Frame<'p> {
     pub coverage: Option<Coverage>,
     /// How to read the pixels.
     pub reader: PixelReader,
+    /// Does no channel of them exceed 1 - T?
+    pub(super) bounded: bool,
 }
 
 impl<'p> Frame<'p> {
@@ -173,6 +195,18 @@ impl<'p> Frame<'p> {
         let reader = self.reader;
         let pixels = self.pixels.iter();
         pixels.map(move |pixel| reader.rgb565(pixel, background))
+    }
+
+    /// The same into memory, as many as there is room for: what a DMA channel sends. Faster where the loop of 32-bit words drew colours of at
+    /// most 1; of footprints that no setup made, levels may then wrap where [`rgb565`](Frame::rgb565) saturates.
+    pub fn write_rgb565(&self, background: u16, sent: &mut [u16]) {
+        let fraction = self.reader.accumulator.max(self.reader.transmittance);
+        if self.bounded && fraction <= 26 {
+            return self.reader.write_bounded_565(self.pixels, background, sent);
+        }
+        for (sent, bits) in sent.iter_mut().zip(self.rgb565(background)) {
+            *sent = bits;
+        }
     }
 
     /// The pixel at column `x` and row `y` of the screen, if it lies in the window.
@@ -289,6 +323,7 @@ mod tests {
             },
             coverage: None,
             reader: PixelReader::new(&Standard24::WIDTHS),
+            bounded: false,
         };
         for (x, y) in (0..12).flat_map(|x| (0..12).map(move |y| (x, y))) {
             let inside = (3..7).contains(&x) && (5..8).contains(&y);

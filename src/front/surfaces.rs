@@ -101,6 +101,7 @@ impl<'r, D: Tabled> SurfaceRenderer<'r, D> {
             window,
             coverage: Some(coverage),
             reader: PixelReader::new(&D::WIDTHS),
+            bounded: false,
         };
         Ok((frame, counts))
     }

@@ -7,6 +7,7 @@ use splatline::blend::Pixel;
 use splatline::draw::{NarrowError, Painter, Painter32};
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Lean18, Micro16, Rounding, RuntimeWidths, Traversal, Widths};
+use splatline::front::DisplayList;
 use splatline::kernel::{FootprintTable, PackedError, PackedTable, entries, fill_gaussian, pack};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
@@ -14,6 +15,7 @@ use splatline::setup::setup;
 use splatline::splat::VolumeSplat;
 use splatline::target::Target;
 use splatline::view::Projection;
+use splatline::{BoundedList, Renderer};
 
 const RANGE: u8 = 4;
 
@@ -139,6 +141,27 @@ proptest! {
         let design = narrow(FIRMWARE);
         let painter = Painter32::new(design, &Rules::GAUSSIAN_3D, packed).unwrap();
         in_strips(&FIRMWARE, |target| painter.draw(&source.footprint(), target));
+    }
+}
+
+proptest! {
+    /// What is written for a display is what its iterator gives, of colours up to 1 and beyond.
+    #[test]
+    fn display_words_are_written_as_they_are_read(list in prop::collection::vec(splats(), 1..16), beyond in 0u32..2, background: u16) {
+        let view = view(0.3, -0.2, Projection::Perspective);
+        let mut footprints = BoundedList::<16>::new();
+        for splat in &list {
+            if let Ok(mut footprint) = setup(Micro16, &view, &Rules::GAUSSIAN_3D, splat) {
+                footprint.colour = footprint.colour.map(|c| c.min((1 << FIRMWARE.colour) + beyond));
+                footprints.push(&footprint).unwrap();
+            }
+        }
+        footprints.sort();
+        let mut pixels = vec![Pixel::EMPTY; view.window().pixels()];
+        let frame = Renderer::new(Micro16).draw(&footprints, view.window(), &mut pixels).unwrap();
+        let mut sent = vec![0; frame.pixels.len()];
+        frame.write_rgb565(background, &mut sent);
+        prop_assert_eq!(sent, frame.rgb565(background).collect::<Vec<u16>>());
     }
 }
 
