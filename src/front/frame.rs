@@ -19,6 +19,8 @@ use crate::raster::Window;
 pub struct PixelReader {
     accumulator: u8,
     transmittance: u8,
+    /// Does no channel of the frame's pixels exceed 1 - T?
+    bounded: bool,
 }
 
 impl PixelReader {
@@ -27,7 +29,13 @@ impl PixelReader {
         PixelReader {
             accumulator: widths.accumulator,
             transmittance: widths.transmittance,
+            bounded: false,
         }
+    }
+
+    /// The same for pixels no channel of which exceeds 1 - T, if that is so.
+    pub(super) const fn where_bounded(self, bounded: bool) -> Self {
+        PixelReader { bounded, ..self }
     }
 
     /// One channel in levels of `1 / top`: colour UQ4.accumulator, transmittance UQ1.transmittance, background in the same levels. Saturates.
@@ -178,8 +186,6 @@ pub struct Frame<'p> {
     pub coverage: Option<Coverage>,
     /// How to read the pixels.
     pub reader: PixelReader,
-    /// Does no channel of them exceed 1 - T?
-    pub(super) bounded: bool,
 }
 
 impl<'p> Frame<'p> {
@@ -200,9 +206,9 @@ impl<'p> Frame<'p> {
     /// The same into memory, as many as there is room for: what a DMA channel sends. Faster where the loop of 32-bit words drew colours of at
     /// most 1; of footprints that no setup made, levels may then wrap where [`rgb565`](Frame::rgb565) saturates.
     pub fn write_rgb565(&self, background: u16, sent: &mut [u16]) {
-        let fraction = self.reader.accumulator.max(self.reader.transmittance);
-        if self.bounded && fraction <= 26 {
-            return self.reader.write_bounded_565(self.pixels, background, sent);
+        let Frame { pixels, reader, .. } = self;
+        if reader.bounded && reader.accumulator.max(reader.transmittance) <= 26 {
+            return reader.write_bounded_565(pixels, background, sent);
         }
         for (sent, bits) in sent.iter_mut().zip(self.rgb565(background)) {
             *sent = bits;
@@ -323,7 +329,6 @@ mod tests {
             },
             coverage: None,
             reader: PixelReader::new(&Standard24::WIDTHS),
-            bounded: false,
         };
         for (x, y) in (0..12).flat_map(|x| (0..12).map(move |y| (x, y))) {
             let inside = (3..7).contains(&x) && (5..8).contains(&y);
