@@ -189,7 +189,7 @@ impl<'p> Frame<'p> {
 mod tests {
     use super::*;
     use crate::blend::FINISHED;
-    use crate::format::{Classic8, Deep32, Lean18, Micro16, Standard24};
+    use crate::format::{Classic8, Deep32, Micro16, Standard24};
     use proptest::prelude::*;
 
     proptest! {

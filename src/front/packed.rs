@@ -299,8 +299,8 @@ mod tests {
             ..Standard24::WIDTHS
         });
         for widths in named.into_iter().chain(drawn) {
-            let mut sum = 0;
-            fields(&mut Footprint::EMPTY, &widths, |value, bits| {
+            let (mut sum, mut footprint) = (0, Footprint::EMPTY);
+            fields(&mut footprint, &widths, |value, bits| {
                 sum += bits as usize;
                 value
             });
