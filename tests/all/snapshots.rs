@@ -9,8 +9,8 @@ use splatline::blend::Pixel;
 use splatline::draw::Painter;
 use splatline::footprint::packet::{Layout, VersionError};
 use splatline::footprint::{Footprint, Ldl};
-use splatline::format::{Classic8, Deep32, Design, Lean18, Standard24, Traversal};
-use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::format::{Classic8, Deep32, Design, Lean18, Micro16, Standard24, Traversal};
+use splatline::kernel::{FootprintTable, Kernel, entries, fill, fill_gaussian};
 use splatline::math::SoftFloat;
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
@@ -276,4 +276,63 @@ fn another_version_is_refused() {
     let mut packet = layout.encode(&footprint);
     packet[0] ^= 3;
     assert_eq!(layout.decode(&packet), Err(VersionError { found: 0 }));
+}
+
+/// Every table of the kernels: first, middle and last word, and a digest (FNV-1a) of all.
+fn table_words() -> String {
+    let mut text = String::new();
+    let designs = [
+        Classic8::WIDTHS,
+        Micro16::WIDTHS,
+        Lean18::WIDTHS,
+        Standard24::WIDTHS,
+        Deep32::WIDTHS,
+    ];
+    for kernel in Kernel::ALL {
+        for widths in designs {
+            let mut table = vec![0; entries(&widths)];
+            fill(&mut table, &widths, kernel.table_range(), kernel);
+            let bytes = table.iter().flat_map(|word: &u32| word.to_le_bytes());
+            let digest = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+                (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+            });
+            let [first, middle, last] = [0, table.len() / 2, table.len() - 1].map(|at| table[at]);
+            let length = table.len();
+            writeln!(
+                text,
+                "{kernel:?} {length}: {first:x} {middle:x} {last:x} {digest:016x}"
+            )
+            .unwrap();
+        }
+    }
+    text
+}
+
+const TABLES: &str = "\
+Gaussian 257: fc 5 0 b593813574767082
+Gaussian 129: 3ffb 12c 5 d31419ddb26e340f
+Gaussian 1025: 3ffff 12c1 58 4091422275a4f53c
+Gaussian 4097: 3ffffe9 12c155 57f1 7c7f4758e1c138ae
+Gaussian 4097: fffffaa 4b0555 15fc2 4b6f5ec001457988
+Cubic 257: fd 4 0 da5907c216440341
+Cubic 129: 4000 106 0 88f38e501d7f32b7
+Cubic 1025: 40000 1058 0 191cf7ca191d82ab
+Cubic 4097: 3fffff9 105840 0 e44ade73bf5b90fc
+Cubic 4097: fffffe3 4160ff 0 210356c5ae688f08
+Quadratic 257: ff 55 0 a7d3734a733267f5
+Quadratic 129: 4000 1555 0 e298c4257b5dbd75
+Quadratic 1025: 40000 15555 0 96ae073157da1251
+Quadratic 4097: 4000000 1555555 0 82091512a8a67029
+Quadratic 4097: 10000000 5555555 0 eb9a54425de6e0c5
+Disc 257: 100 100 100 a70ed5ae83934d4a
+Disc 129: 4000 4000 4000 07c7c422efd81135
+Disc 1025: 40000 40000 40000 45f2350438b74751
+Disc 4097: 4000000 4000000 4000000 1945a656b6ed0d29
+Disc 4097: 10000000 10000000 10000000 da366c0f2177f8c5
+";
+
+#[test]
+fn the_tables_hold_these_words() {
+    let tables = table_words();
+    assert!(tables == TABLES, "\n{tables}");
 }
