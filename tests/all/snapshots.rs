@@ -10,7 +10,9 @@ use splatline::draw::Painter;
 use splatline::footprint::packet::{Layout, VersionError};
 use splatline::footprint::{Footprint, Ldl};
 use splatline::format::{Classic8, Deep32, Design, Lean18, Micro16, Standard24, Traversal};
-use splatline::kernel::{FootprintTable, Kernel, entries, fill, fill_gaussian};
+use splatline::kernel::{
+    FootprintTable, Kernel, PERSPECTIVE_ENTRIES, entries, fill, fill_gaussian, fill_perspective,
+};
 use splatline::math::SoftFloat;
 use splatline::raster::{Stamp, StampShape, Window, fill_stamps};
 use splatline::rules::{Compositing, Rules};
@@ -310,6 +312,15 @@ fn table_words() -> String {
             .unwrap();
         }
     }
+    let mut rays = [0; PERSPECTIVE_ENTRIES];
+    fill_perspective(&mut rays);
+    let [first, middle, last] = [0, rays.len() / 2, rays.len() - 1].map(|at| rays[at]);
+    let (length, digest) = (rays.len(), digest(&rays));
+    writeln!(
+        text,
+        "Perspective {length}: {first:x} {middle:x} {last:x} {digest:016x}"
+    )
+    .unwrap();
     text
 }
 
@@ -334,6 +345,7 @@ Disc 129: 4000 4000 4000 07c7c422efd81135
 Disc 1025: 40000 40000 40000 45f2350438b74751
 Disc 4097: 4000000 4000000 4000000 1945a656b6ed0d29
 Disc 4097: 10000000 10000000 10000000 da366c0f2177f8c5
+Perspective 2145: 0 1e1e1e1e 33333333 90a81e35f0b700ad
 ";
 
 #[test]
