@@ -54,7 +54,9 @@ fn document() -> (Value, Vec<u8>) {
         "meshes": [{"primitives": [{
             "attributes": attributes,
             "mode": 0,
-            "extensions": {EXTENSION: {"kernel": "ellipse", "sortingMethod": "zDepth"}}
+            "extensions": {EXTENSION: {
+                "kernel": "ellipse", "projection": "perspective", "colorSpace": "srgb_rec709_display", "sortingMethod": "zDepth"
+            }}
         }]}],
         "accessors": accessors,
         "bufferViews": views,
@@ -157,20 +159,6 @@ fn integers_are_normalised() {
     assert_eq!([scene.splats[0].weight, scene.splats[1].weight], [0.2, 1.0]);
 }
 
-#[test]
-fn what_is_drawn_otherwise_is_told() {
-    let with = |key: &str, value: &str| {
-        let bytes = changed(|document| {
-            document["meshes"][0]["primitives"][0]["extensions"][EXTENSION][key] = json!(value);
-        });
-        load(&bytes, None, "x").unwrap().1
-    };
-    assert!(with("sortingMethod", "zDepth").is_empty());
-    assert!(with("sortingMethod", "cameraDistance").is_empty());
-    assert!(with("sortingMethod", "radix")[0].contains("drawn in order of depth"));
-    assert!(with("colorSpace", "lin_rec709_display")[0].contains("drawn as stored"));
-}
-
 /// The extension's own default is the distance.
 #[test]
 fn the_order_is_the_files() {
@@ -223,7 +211,22 @@ fn each_message_names_the_field_and_the_fix() {
         ),
         (
             at(&format!("{extension}/kernel"), json!("cube")),
-            "kernel: 'cube' is not read",
+            "kernel: 'cube' is not read; export the scene with 'ellipse'",
+        ),
+        (
+            at(&format!("{extension}/projection"), json!("fisheye")),
+            "projection: 'fisheye' is not read; export the scene with 'perspective'",
+        ),
+        (
+            at(
+                &format!("{extension}/colorSpace"),
+                json!("lin_rec709_display"),
+            ),
+            "colorSpace: 'lin_rec709_display' is not read; export the scene with 'srgb_rec709_display'",
+        ),
+        (
+            at(&format!("{extension}/sortingMethod"), json!("radix")),
+            "sortingMethod: 'radix' is not read; export the scene with 'cameraDistance' or 'zDepth'",
         ),
         (
             at("/meshes/0/primitives/0/extensions", json!({})),
