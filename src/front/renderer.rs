@@ -308,20 +308,23 @@ impl<'t, D: Design> Renderer<'t, D> {
         };
         let mut target = Target::new(pixels, window, window.columns().into())?;
         target.clear(&widths);
-        let coverage = match self.narrow(L::CONIC) {
+        let (coverage, bounded) = match self.narrow(L::CONIC) {
             Some(painter) => {
+                // Nothing is rounded where sums have the bits of their products: of colours up to 1 they are at most 1 - T.
+                let mut bounded = widths.accumulator == widths.transmittance + widths.colour;
                 list.visit(&window, Compositing::FrontToBack, |footprint| {
+                    bounded &= footprint.colour.iter().all(|c| *c <= 1 << widths.colour);
                     painter.draw_with(footprint, &mut target, &paint)
                 });
-                None
+                (None, bounded)
             }
-            None => Some(self.paint(list, &mut target)),
+            None => (Some(self.paint(list, &mut target)), false),
         };
         Ok(Frame {
             pixels,
             window,
             coverage,
-            reader: PixelReader::new(&widths),
+            reader: PixelReader::new(&widths).where_bounded(bounded),
         })
     }
 

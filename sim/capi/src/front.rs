@@ -156,9 +156,7 @@ pub unsafe extern "C" fn splatline_draw_rgb565(
         };
         let frame = Renderer::new(Micro16).draw(&list, window.into(), pixels);
         let frame = frame.map_err(|_| Error::Size)?;
-        for (sent, pixel) in sent.iter_mut().zip(frame.rgb565(background)) {
-            *sent = pixel;
-        }
+        frame.write_rgb565(background, sent);
         Ok(SPLATLINE_OK)
     };
     code(draw())

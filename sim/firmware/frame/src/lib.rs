@@ -87,9 +87,7 @@ pub fn draw(
         #[cfg(not(all(target_arch = "arm", not(target_has_atomic = "32"))))]
         let frame = renderer.draw(&list, window, strip);
         let frame = frame.ok()?;
-        for (sent, pixel) in sent.iter_mut().zip(frame.rgb565(BACKGROUND)) {
-            *sent = pixel;
-        }
+        frame.write_rgb565(BACKGROUND, sent);
         phase_rest();
         for pixel in sent.iter().take(window.pixels()) {
             outcome.checksum.add((*pixel).into());

@@ -64,9 +64,7 @@ unsafe fn draw_strip(core: usize, number: usize) {
         return;
     };
     if let Ok(frame) = Renderer::new(Micro16).draw(list, window, &mut strip.pixels) {
-        for (sent, pixel) in strip.sent.iter_mut().zip(frame.rgb565(BACKGROUND)) {
-            *sent = pixel;
-        }
+        frame.write_rgb565(BACKGROUND, &mut strip.sent);
     }
 }
 

@@ -5,7 +5,7 @@
 //! gathered, each through its nodes' transforms; harmonics turn with them. y is up in glTF.
 //!
 //! The structures are read with serde: the crate `gltf` knows no extension of this kind and would not save much. What the
-//! extension states beyond that (kernel, projection, colour space) must be what is drawn here; its order of drawing becomes the scene's.
+//! extension states beyond that (kernel, projection, colour space) is checked; its order of drawing becomes the scene's.
 
 mod buffers;
 mod transform;
@@ -240,7 +240,7 @@ fn gather(
     ))
 }
 
-/// Refuses what would be drawn wrongly, and gives the order of drawing.
+/// Refuses what would be drawn otherwise than stated, and gives the order of drawing.
 fn check(stated: &serde_json::Value) -> Result<SortOrder, Problem> {
     let stated: Splatting = Deserialize::deserialize(stated).map_err(|error| {
         Problem::malformed(
@@ -253,28 +253,36 @@ fn check(stated: &serde_json::Value) -> Result<SortOrder, Problem> {
         Problem::malformed(
             format!("{EXTENSION}.{field}"),
             format!("'{}' is not read", shorten(found)),
-            format!("export the scene {fix}"),
+            fix,
         )
     };
     if let Some(compression) = stated.extensions.keys().next() {
-        return Err(refused("extensions", compression, "without compression"));
+        return Err(refused(
+            "extensions",
+            compression,
+            "export the scene without compression",
+        ));
     }
-    // Linear light would need a transfer curve behind the blending, in every picture; what is drawn here is shown as stored.
-    let fields = [
+    let asked = [
         ("kernel", &stated.kernel, "ellipse"),
         ("projection", &stated.projection, "perspective"),
+        // Pictures hold the stored numbers: linear ones would have to be encoded for a display, which no engine here does.
         ("colorSpace", &stated.color_space, "srgb_rec709_display"),
     ];
-    for (field, found, drawn) in fields {
-        if let Some(other) = found.as_deref().filter(|found| *found != drawn) {
-            return Err(refused(field, other, &format!("with '{drawn}'")));
+    for (field, found, read) in asked {
+        if let Some(other) = found.as_deref().filter(|found| *found != read) {
+            return Err(refused(
+                field,
+                other,
+                &format!("export the scene with '{read}'"),
+            ));
         }
     }
     match stated.sorting_method.as_deref() {
         Some("zDepth") => Ok(SortOrder::Depth),
         None | Some("cameraDistance") => Ok(SortOrder::Distance),
         Some(other) => {
-            let fix = "with 'cameraDistance' or 'zDepth'";
+            let fix = "export the scene with 'cameraDistance' or 'zDepth'";
             Err(refused("sortingMethod", other, fix))
         }
     }
