@@ -46,7 +46,7 @@ SYSTEMS = (
     [{"colour": 28, "accumulator": 20, "rounding": "nearest-even"}, *SMALL, "--systems"],
 )
 LARGE = ["--splats", "100000", "--size", "9x6", "--seed", "3"]
-# What only one design shows, for all to be noticed: `mutants.py` exports these and the named designs.
+# What only one design shows, for all to be noticed: mutants are held against these, the named designs and those of the other systems.
 OTHERS = (
     ["lean18", *SMALL, "--traversal", "box", "--rules", "ewa"],
     ["lean18", *SMALL, "--compositing", "back-to-front"],
@@ -112,6 +112,9 @@ def text(design):
 def subjects(arguments):
     """What is exported: the design and the other options."""
     source = random.Random(arguments.seed)
+    if arguments.keep:
+        yield from (*([design] for design in NAMED), *OTHERS, *SYSTEMS)
+        return
     widths = [*(drawn(source) for _ in range(arguments.random)), *extremes()]
     if arguments.large:
         yield from ([design, *LARGE] for design in [*NAMED, *widths])
@@ -127,14 +130,14 @@ def subjects(arguments):
 
 
 def export(splatline, out, design, options):
-    """Writes the vectors of a design by its name or its widths; the command as one would type it."""
+    """Writes the vectors of a design by its name or its widths; the options as one would type them."""
     if isinstance(design, dict):
         file, widths = Path(f"{out}.toml"), design
         file.write_text(text(widths))
         design = str(file)
     command = [splatline, "vectors", "export", str(out), "--design", design, *options]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    return " ".join(command[2:])
+    return command[4:]
 
 
 def main():
@@ -143,14 +146,19 @@ def main():
     parser.add_argument("--random", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--large", action="store_true")
+    parser.add_argument("--keep", type=Path, metavar="FOLDER", help="only what mutants are held against; left there, numbered, with the options")
     arguments = parser.parse_args()
+    if arguments.keep:
+        arguments.keep.mkdir(parents=True)
     words, count = 0, 0
     # Records are trees: looking for cycles among millions of them takes a tenth of the time.
     gc.disable()
     with tempfile.TemporaryDirectory() as folder:
         for design, *options in subjects(arguments):
-            out = Path(folder) / "vectors"
-            command = export(arguments.splatline, out, design, options)
+            out = arguments.keep / str(count) if arguments.keep else Path(folder) / "vectors"
+            options = export(arguments.splatline, out, design, options)
+            out.with_suffix(".options").write_text("\n".join(options))
+            command = " ".join(options)
             check = Check(Folder(out))
             try:
                 check.run()

@@ -136,7 +136,7 @@ def exported(splatline, modules):
     with tempfile.TemporaryDirectory() as place:
         for number, (design, *options) in enumerate(subjects):
             out = Path(place) / str(number)
-            command = export(splatline, out, design, options)
+            command = " ".join(export(splatline, out, design, options))
             size = sum(file.stat().st_size for file in out.iterdir())
             print(f"{command}: {size / 1e6:.1f} MB", flush=True)
             yield Folder(out).keep()

@@ -66,6 +66,11 @@ mod tests {
             counts.reject(Rejected::Culled(reason));
             assert_eq!(counts.culled[place], 1);
             assert_eq!((counts.culled_for(reason), counts.total()), (1, 1));
+            let others = Cull::ALL.into_iter().filter(|other| *other != reason);
+            assert!(others.map(|other| counts.culled_for(other)).all(|n| n == 0));
+            counts.drawn = 3;
+            counts += counts;
+            assert_eq!((counts.drawn, counts.culled[place]), (6, 2));
         }
         let mut counts = Counts::default();
         counts.reject(Rejected::Invalid);

@@ -19,6 +19,8 @@ use crate::raster::Window;
 pub struct PixelReader {
     accumulator: u8,
     transmittance: u8,
+    /// Does no channel of the frame's pixels exceed 1 - T?
+    bounded: bool,
 }
 
 impl PixelReader {
@@ -27,7 +29,13 @@ impl PixelReader {
         PixelReader {
             accumulator: widths.accumulator,
             transmittance: widths.transmittance,
+            bounded: false,
         }
+    }
+
+    /// The same for pixels no channel of which exceeds 1 - T, if that is so.
+    pub(super) const fn where_bounded(self, bounded: bool) -> Self {
+        PixelReader { bounded, ..self }
     }
 
     /// One channel in levels of `1 / top`: colour UQ4.accumulator, transmittance UQ1.transmittance, background in the same levels. Saturates.
@@ -59,45 +67,15 @@ impl PixelReader {
         ]
     }
 
-    /// Red, green, blue in 5, 6 and 5 bits, red highest; the background in the same format.
-    #[inline]
+    /// Red, green, blue in 5, 6 and 5 bits, red highest; the background in the same format. [`Frame::write_rgb565`] is quicker.
     pub fn rgb565(&self, pixel: &Pixel, background: u16) -> u16 {
-        let Some(fraction) = self.plain_fraction(pixel, 6) else {
-            return self.saturated_565(pixel, background);
-        };
         let [red, green, blue] = pixel.colour;
-        let (a, t) = (self.accumulator as u32, self.transmittance as u32);
-        let behind = pixel.transmittance().wrapping_shl(fraction - t);
-        let half = 1u32.wrapping_shl(fraction) >> 1;
-        let level = |colour: u32, shift: u32, top: u16| {
-            let light = colour.wrapping_shl(fraction - a);
-            let light = light.wrapping_mul(top.into());
-            let behind = behind.wrapping_mul((background >> shift & top).into());
-            let sum = light.wrapping_add(behind).wrapping_add(half);
-            sum.wrapping_shr(fraction) << shift
-        };
-        (level(red, 11, 31) | level(green, 5, 63) | level(blue, 0, 31)) as u16
-    }
-
-    /// Fraction bits of light and background where they are at most 1 together in every channel, as compositing leaves colours of up to 1, and
-    /// where levels of `bits` bits fit a word with them: then neither a term nor the sum saturates.
-    #[inline(always)]
-    const fn plain_fraction(&self, pixel: &Pixel, bits: u32) -> Option<u32> {
-        let (a, t) = (self.accumulator as u32, self.transmittance as u32);
-        let fraction = if a > t { a } else { t };
-        let one = 1u32.wrapping_shl(t);
         let transmittance = pixel.transmittance();
-        if fraction + bits > 32 || transmittance > one {
-            return None;
-        }
-        let left = (one - transmittance).wrapping_shl(fraction - t);
-        let [red, green, blue] = pixel.colour;
-        let highest = if red > green { red } else { green };
-        let highest = if highest > blue { highest } else { blue };
-        if highest > left.wrapping_shr(fraction - a) {
-            return None;
-        }
-        Some(fraction)
+        let level = |colour, shift: u32, top: u8| {
+            let behind = (background >> shift) as u8 & top;
+            u16::from(self.level(colour, transmittance, behind, top)) << shift
+        };
+        level(red, 11, 31) | level(green, 5, 63) | level(blue, 0, 31)
     }
 
     /// The same of pixels none of whose channels exceeds 1 - T, in a function of its own: a pixel then costs Cortex-M0+ 30 instructions less.
@@ -118,18 +96,6 @@ impl PixelReader {
             };
             *sent = ((level(0) << 6 | level(1)) << 5 | level(2)) as u16;
         }
-    }
-
-    /// Channel by channel, out of the way of loops over usual pixels.
-    #[inline(never)]
-    fn saturated_565(&self, pixel: &Pixel, background: u16) -> u16 {
-        let [red, green, blue] = pixel.colour;
-        let transmittance = pixel.transmittance();
-        let level = |colour, shift: u32, top: u8| {
-            let behind = (background >> shift) as u8 & top;
-            u16::from(self.level(colour, transmittance, behind, top)) << shift
-        };
-        level(red, 11, 31) | level(green, 5, 63) | level(blue, 0, 31)
     }
 }
 
@@ -178,8 +144,6 @@ pub struct Frame<'p> {
     pub coverage: Option<Coverage>,
     /// How to read the pixels.
     pub reader: PixelReader,
-    /// Does no channel of them exceed 1 - T?
-    pub(super) bounded: bool,
 }
 
 impl<'p> Frame<'p> {
@@ -200,9 +164,9 @@ impl<'p> Frame<'p> {
     /// The same into memory, as many as there is room for: what a DMA channel sends. Faster where the loop of 32-bit words drew colours of at
     /// most 1; of footprints that no setup made, levels may then wrap where [`rgb565`](Frame::rgb565) saturates.
     pub fn write_rgb565(&self, background: u16, sent: &mut [u16]) {
-        let fraction = self.reader.accumulator.max(self.reader.transmittance);
-        if self.bounded && fraction <= 26 {
-            return self.reader.write_bounded_565(self.pixels, background, sent);
+        let Frame { pixels, reader, .. } = self;
+        if reader.bounded && reader.accumulator.max(reader.transmittance) <= 26 {
+            return reader.write_bounded_565(pixels, background, sent);
         }
         for (sent, bits) in sent.iter_mut().zip(self.rgb565(background)) {
             *sent = bits;
@@ -225,7 +189,7 @@ impl<'p> Frame<'p> {
 mod tests {
     use super::*;
     use crate::blend::FINISHED;
-    use crate::format::{Classic8, Deep32, Lean18, Micro16, Standard24};
+    use crate::format::{Classic8, Deep32, Micro16, Standard24};
     use proptest::prelude::*;
 
     proptest! {
@@ -247,30 +211,6 @@ mod tests {
                 let rounded = ((exact << 1) + (1 << (a + t))) >> (a + t + 1);
                 let expected = rounded.min(top.into()) as u8;
                 prop_assert_eq!(PixelReader::new(&widths).level(colour, transmittance, background, top), expected);
-            }
-        }
-
-        /// The oracle is each channel's level: pixels as compositing leaves them, next to them and of any bits.
-        #[test]
-        fn display_words_are_levels(
-            choice in 0usize..4, shares in prop::array::uniform3(0.0f64..=1.0), transmittance in 0u32..=1 << 30, beyond in 0u32..3,
-            wild in any::<Option<u32>>(), background: u16,
-        ) {
-            let widths = [Classic8::WIDTHS, Lean18::WIDTHS, Standard24::WIDTHS, Micro16::WIDTHS][choice];
-            let (a, t) = (u32::from(widths.accumulator), u32::from(widths.transmittance));
-            let transmittance = transmittance >> (30 - t);
-            let most = f64::from((1 << t) - transmittance) * f64::from(a as i32 - t as i32).exp2();
-            let mut colour = shares.map(|share| (share * most) as u32 + beyond);
-            colour[0] = wild.unwrap_or(colour[0]);
-            let reader = PixelReader::new(&widths);
-            for transmittance in [transmittance, transmittance | FINISHED, wild.unwrap_or(1)] {
-                let pixel = Pixel { colour, transmittance };
-                let light = pixel.transmittance();
-                let level = |channel: usize, shift: u32, top: u8| {
-                    u16::from(reader.level(colour[channel], light, (background >> shift) as u8 & top, top)) << shift
-                };
-                let expected = level(0, 11, 31) | level(1, 5, 63) | level(2, 0, 31);
-                prop_assert_eq!(reader.rgb565(&pixel, background), expected);
             }
         }
 
@@ -323,7 +263,6 @@ mod tests {
             },
             coverage: None,
             reader: PixelReader::new(&Standard24::WIDTHS),
-            bounded: false,
         };
         for (x, y) in (0..12).flat_map(|x| (0..12).map(move |y| (x, y))) {
             let inside = (3..7).contains(&x) && (5..8).contains(&y);

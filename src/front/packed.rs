@@ -263,3 +263,117 @@ impl Bits {
         value & u32::MAX.wrapping_shr(32u32.wrapping_sub(bits))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::{Classic8, Deep32, Lean18, Micro16, RuntimeWidths, Standard24};
+    extern crate std;
+    use std::vec;
+    use std::vec::Vec;
+
+    /// Fields of all bits, and of none.
+    fn extreme(widths: &Widths, ones: bool) -> Footprint {
+        let mut footprint = Footprint::EMPTY;
+        fields(&mut footprint, widths, |_, bits| {
+            if ones { u32::MAX >> (32 - bits) } else { 0 }
+        });
+        footprint
+    }
+
+    #[test]
+    fn entries_have_room_for_their_fields_and_no_more() {
+        let named = [
+            Classic8::WIDTHS,
+            Micro16::WIDTHS,
+            Lean18::WIDTHS,
+            Standard24::WIDTHS,
+            Deep32::WIDTHS,
+        ];
+        let shapes = (8..=31u8).flat_map(|mantissa| (4..=28u8).map(move |bits| (mantissa, bits)));
+        let drawn = shapes.map(|(mantissa, bits)| Widths {
+            mantissa,
+            peak: bits,
+            colour: 28 - bits + 4,
+            subpixel: 2 + (bits * 7 + mantissa) % 23,
+            ..Standard24::WIDTHS
+        });
+        for widths in named.into_iter().chain(drawn) {
+            let (mut sum, mut footprint) = (0, Footprint::EMPTY);
+            fields(&mut footprint, &widths, |value, bits| {
+                sum += bits as usize;
+                value
+            });
+            assert_eq!(packed_words(&widths), sum.div_ceil(32), "{widths:?}");
+        }
+    }
+
+    #[test]
+    fn every_bit_of_a_field_is_kept() {
+        for widths in [Micro16::WIDTHS, Standard24::WIDTHS, Deep32::WIDTHS] {
+            let design = RuntimeWidths::<i64>::for_lanes(widths).unwrap();
+            let mut words = vec![u32::MAX; 3 * packed_words(&widths)];
+            let mut list = PackedList::new(design, &mut words);
+            assert!(list.is_empty() && list.footprint(0).is_none());
+            let entries = [
+                extreme(&widths, true),
+                extreme(&widths, false),
+                extreme(&widths, true),
+            ];
+            for (place, entry) in entries.iter().enumerate() {
+                assert_eq!(list.push(entry, 3 * packed_words(&widths)), Some(()));
+                assert_eq!(list.footprint(place + 1), None);
+            }
+            assert!(list.push(&entries[0], usize::MAX).is_none());
+            for (place, entry) in entries.iter().enumerate() {
+                assert_eq!(list.footprint(place), Some(*entry), "{place}");
+            }
+            let used = list.len();
+            let words = list.into_words();
+            assert_eq!(
+                PackedList::filled(design, words, used)
+                    .unwrap()
+                    .footprint(2),
+                Some(entries[2])
+            );
+            assert!(PackedList::filled(design, words, used + 1).is_none());
+        }
+    }
+
+    /// Every list shows a strip exactly those footprints that have rows in it.
+    #[test]
+    fn strips_visit_their_own_footprints() {
+        let with_rows = |[first, end]: [u16; 2]| Footprint {
+            first: [0, first],
+            end: [1, end],
+            ..Footprint::EMPTY
+        };
+        let rows = [[0, 3], [2, 5], [4, 5], [3, 40_000], [5, 8]];
+        let mut words = vec![0; rows.len() * packed_words(&Micro16::WIDTHS)];
+        let mut packed = PackedList::new(Micro16, &mut words);
+        let mut list = crate::BoundedList::<5>::new();
+        for rows in rows {
+            packed.push(&with_rows(rows), usize::MAX).unwrap();
+            crate::front::DisplayList::push(&mut list, &with_rows(rows)).unwrap();
+        }
+        let small = (0..9).flat_map(|first| (first + 1..10).map(move |end| (first, end)));
+        for (first, end) in small.chain([(39_999, 40_000), (40_000, 40_001)]) {
+            let window = Window {
+                first: [0, first],
+                end: [1, end],
+            };
+            let meets = |rows: &&[u16; 2]| (rows[0]..rows[1]).any(|y| (first..end).contains(&y));
+            let expected: Vec<[u16; 2]> = rows.iter().filter(meets).copied().collect();
+            let mut seen = [Vec::new(), Vec::new()];
+            let [a, b] = &mut seen;
+            let order = Compositing::FrontToBack;
+            packed.visit(&window, order, |footprint| {
+                a.push([footprint.first[1], footprint.end[1]])
+            });
+            list.visit(&window, order, |footprint| {
+                b.push([footprint.first[1], footprint.end[1]])
+            });
+            assert_eq!(seen, [expected.clone(), expected], "{first} {end}");
+        }
+    }
+}

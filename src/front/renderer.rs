@@ -324,8 +324,7 @@ impl<'t, D: Design> Renderer<'t, D> {
             pixels,
             window,
             coverage,
-            reader: PixelReader::new(&widths),
-            bounded,
+            reader: PixelReader::new(&widths).where_bounded(bounded),
         })
     }
 

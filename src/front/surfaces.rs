@@ -101,7 +101,6 @@ impl<'r, D: Tabled> SurfaceRenderer<'r, D> {
             window,
             coverage: Some(coverage),
             reader: PixelReader::new(&D::WIDTHS),
-            bounded: false,
         };
         Ok((frame, counts))
     }

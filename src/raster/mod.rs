@@ -131,7 +131,7 @@ impl<L: Lane> Span<L> {
     #[inline(always)]
     fn skip(self, count: u16) -> Span<L> {
         let n = i64::from(count);
-        let pairs = n * (n - 1).max(0) / 2;
+        let pairs = n * (n - 1) / 2;
         let (radial, first, second) = (
             self.radial.to_wide(),
             self.first.to_wide(),
@@ -178,7 +178,7 @@ impl Quadratic {
     /// `count` steps at once.
     fn jump(&mut self, count: u16) {
         let n = i64::from(count);
-        let pairs = n * (n - 1).max(0) / 2;
+        let pairs = n * (n - 1) / 2;
         self.value = self
             .value
             .wrapping_add(n.wrapping_mul(self.first))
@@ -191,6 +191,23 @@ impl Quadratic {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn strips_keep_the_columns_and_share_the_rows() {
+        let window = Window {
+            first: [7, 3],
+            end: [9, 13],
+        };
+        let rows = window.strips(4).map(|strip| {
+            assert_eq!([strip.first[0], strip.end[0]], [7, 9]);
+            assert!(!strip.is_empty());
+            [strip.first[1], strip.end[1]]
+        });
+        assert!(rows.eq([[3, 7], [7, 11], [11, 13]]));
+        for end in [[7, 13], [9, 3], [6, 13], [9, 2]] {
+            assert!(Window { end, ..window }.is_empty(), "{end:?}");
+        }
+    }
 
     proptest! {
         #[test]

@@ -6,9 +6,13 @@ use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{NarrowError, Painter, Painter32};
 use splatline::footprint::Footprint;
-use splatline::format::{Design, Lean18, Micro16, Rounding, RuntimeWidths, Traversal, Widths};
+use splatline::format::{
+    Design, Lean18, Micro16, Rounding, RuntimeWidths, Standard24, Traversal, Widths,
+};
 use splatline::front::DisplayList;
-use splatline::kernel::{FootprintTable, PackedError, PackedTable, entries, fill_gaussian, pack};
+use splatline::kernel::{
+    FootprintTable, PackedError, PackedTable, Tabled, entries, fill_gaussian, pack,
+};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::setup;
@@ -145,24 +149,41 @@ proptest! {
 }
 
 proptest! {
-    /// What is written for a display is what its iterator gives, of colours up to 1 and beyond.
+    /// What is written for a display is what its iterator gives, of colours up to 1 and beyond, and of designs that round their sums.
     #[test]
-    fn display_words_are_written_as_they_are_read(list in prop::collection::vec(splats(), 1..16), beyond in 0u32..2, background: u16) {
-        let view = view(0.3, -0.2, Projection::Perspective);
-        let mut footprints = BoundedList::<16>::new();
-        for splat in &list {
-            if let Ok(mut footprint) = setup(Micro16, &view, &Rules::GAUSSIAN_3D, splat) {
-                footprint.colour = footprint.colour.map(|c| c.min((1 << FIRMWARE.colour) + beyond));
-                footprints.push(&footprint).unwrap();
-            }
-        }
-        footprints.sort();
-        let mut pixels = vec![Pixel::EMPTY; view.window().pixels()];
-        let frame = Renderer::new(Micro16).draw(&footprints, view.window(), &mut pixels).unwrap();
-        let mut sent = vec![0; frame.pixels.len()];
-        frame.write_rgb565(background, &mut sent);
-        prop_assert_eq!(sent, frame.rgb565(background).collect::<Vec<u16>>());
+    fn display_words_are_written_as_they_are_read(
+        list in prop::collection::vec(splats(), 1..16), beyond in prop_oneof![Just(0u32), Just(1), Just(1 << 12)], background: u16,
+    ) {
+        written_as_read(Micro16, &list, beyond, background)?;
+        written_as_read(Lean18, &list, beyond, background)?;
+        written_as_read(Standard24, &list, beyond, background)?;
     }
+}
+
+fn written_as_read<D: Tabled>(
+    design: D,
+    list: &[VolumeSplat],
+    beyond: u32,
+    background: u16,
+) -> Result<(), TestCaseError> {
+    let view = view(0.3, -0.2, Projection::Perspective);
+    let most = (1 << design.widths().colour) + beyond;
+    let mut footprints = BoundedList::<16>::new();
+    for splat in list {
+        if let Ok(mut footprint) = setup(design, &view, &Rules::GAUSSIAN_3D, splat) {
+            footprint.colour = footprint.colour.map(|c| c.min(most));
+            footprints.push(&footprint).unwrap();
+        }
+    }
+    footprints.sort();
+    let mut pixels = vec![Pixel::EMPTY; view.window().pixels()];
+    let renderer = Renderer::new(design);
+    let frame = renderer.draw(&footprints, view.window(), &mut pixels);
+    let frame = frame.unwrap();
+    let mut sent = vec![0; frame.pixels.len()];
+    frame.write_rgb565(background, &mut sent);
+    prop_assert_eq!(sent, frame.rgb565(background).collect::<Vec<u16>>());
+    Ok(())
 }
 
 /// Every position of every interval, and the level before 0.

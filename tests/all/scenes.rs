@@ -4,14 +4,20 @@ use super::front::camera;
 use crate::common::SIZE;
 use splatline::Gaussian;
 use splatline::blend::Pixel;
-use splatline::format::{Micro16, Standard24};
+use splatline::format::{Deep32, Micro16, Standard24};
 use splatline::front::{
     COMPACT_HEADER, COMPACT_MAGIC, CompactScene, PackedList, Renderer, Scene, SceneFull, Splats,
     packed_words,
 };
+use splatline::math::SoftFloat;
 use splatline::raster::Window;
+use splatline::rules::Compositing;
+use splatline::splat::Position;
 use splatline::splat::VolumeSplat;
+use splatline::view::Eye;
+use splatline::{BoundedList, DisplayList};
 use std::cell::Cell;
+use std::collections::HashSet;
 
 const PIXELS: usize = SIZE as usize * SIZE as usize;
 
@@ -80,7 +86,12 @@ fn a_scene_is_converted_once() {
         (2, 1, false)
     );
     assert_eq!(scene.splat(1), gaussians[2].splat());
+    assert_eq!(scene.centre(1), scene.splat(1).map(|splat| splat.centre));
     assert_eq!((scene.splat(2), scene.centre(2)), (None, None));
+    let none = Scene::collect(&mut [], [None]).unwrap();
+    assert_eq!((none.is_empty(), none.len(), none.invalid()), (true, 0, 1));
+    let one = Scene::collect(&mut memory, gaussians[..1].iter().map(Gaussian::splat)).unwrap();
+    assert_eq!((one.is_empty(), one.invalid()), (false, 0));
     let short = Scene::collect(&mut memory[..1], gaussians.iter().map(Gaussian::splat));
     assert_eq!(
         short.unwrap_err(),
@@ -89,6 +100,65 @@ fn a_scene_is_converted_once() {
             needed: 2
         }
     );
+}
+
+/// Splats next to each other in depth, and far apart, come in the order of a list that is sorted by footprints.
+#[test]
+fn keys_sort_as_footprints_do() {
+    let at = |number: usize| Gaussian {
+        mean: [
+            number as f32 * 0.01 - 0.2,
+            0.0,
+            ((number * 29) % 41) as f32 * (2.0f32).powi(number as i32 % 3 * 10 - 26),
+        ],
+        scales: [0.01; 3],
+        ..Gaussian::UNIT
+    };
+    let scene: Vec<VolumeSplat> = (0..41).map(|number| at(number).splat().unwrap()).collect();
+    let (view, renderer) = (camera().view().unwrap(), Renderer::new(Deep32));
+    let mut words = vec![0; 60 * packed_words(&Deep32::WIDTHS)];
+    let mut packed = PackedList::new(Deep32, &mut words);
+    let mut list = BoundedList::<41>::new();
+    renderer
+        .set_up_scene(&view, scene.as_slice(), &mut packed)
+        .unwrap();
+    renderer
+        .set_up(&view, scene.iter().copied(), &mut list)
+        .unwrap();
+    let keys: HashSet<u64> = list.footprints().iter().map(|f| f.depth & 0xffff).collect();
+    assert!(keys.len() > 10, "low bits of depths differ");
+    for (place, footprint) in list.in_order(Compositing::FrontToBack).enumerate() {
+        assert_eq!(packed.footprint(place).unwrap().centre, footprint.centre);
+    }
+}
+
+/// A scene of whose two splats one has no centre and one no numbers: both count, neither is drawn; a list that is full is empty afterwards.
+#[test]
+fn splats_that_are_none_are_counted() {
+    struct Without(Vec<VolumeSplat>);
+    impl Splats<Eye> for Without {
+        fn len(&self) -> usize {
+            self.0.len() + 2
+        }
+        fn centre(&self, number: usize) -> Option<Position> {
+            (number > 0).then_some(self.0[0].centre)
+        }
+        fn splat(&self, number: usize) -> Option<VolumeSplat> {
+            self.0.get(number.checked_sub(2)?).copied()
+        }
+    }
+    let (view, renderer) = (camera().view().unwrap(), Renderer::new(Micro16));
+    let mut words = vec![0; 4 * packed_words(&Micro16::WIDTHS)];
+    let mut list = PackedList::new(Micro16, &mut words);
+    let scene = Without(row_of(1, 0));
+    for _ in 0..2 {
+        let counts = renderer.set_up_scene(&view, &scene, &mut list).unwrap();
+        assert_eq!((counts.drawn, counts.invalid, list.len()), (1, 2, 1));
+    }
+    let many = row_of(9, 0);
+    let full = renderer.set_up_scene(&view, many.as_slice(), &mut list);
+    assert_eq!(full.unwrap_err().capacity, 4);
+    assert!(list.is_empty() && list.footprint(0).is_none());
 }
 
 /// Numbers of a compact splat, read by hand from the table of its bytes.
@@ -119,8 +189,22 @@ fn a_compact_splat_is_what_its_bytes_say() {
     let opacity = value(splat.weight.mantissa, splat.weight.exponent);
     assert!((opacity - 0.2).abs() < 1e-7, "{opacity}");
     assert_eq!(splat.colour.map(|c| c.to_bits()), [0, 1 << 20, 255 << 20]);
+    assert_eq!(
+        splat.weight,
+        SoftFloat::from_wide(51 * 0x0080_8080, -31, 31)
+    );
+    assert_eq!((scene.len(), scene.is_empty()), (1, false));
     assert_eq!((scene.splat(1), scene.centre(1)), (None, None));
-    for damaged in [&bytes[1..], &bytes[..bytes.len() - 1], &bytes[..20], &[]] {
+    let trailing = [bytes.as_slice(), &[0]].concat();
+    let two = [bytes.as_slice(), &bytes[COMPACT_HEADER..]].concat();
+    for damaged in [
+        &bytes[1..],
+        &bytes[..bytes.len() - 1],
+        &bytes[..20],
+        &[],
+        &trailing,
+        &two,
+    ] {
         assert_eq!(CompactScene::read(damaged), None);
     }
 }

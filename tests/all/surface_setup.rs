@@ -5,9 +5,9 @@ use proptest::prelude::*;
 use splatline::format::{Classic8, Deep32, Standard24};
 use splatline::math::{Extended, SoftFloat};
 use splatline::rules::Rules;
-use splatline::setup::setup_surface;
-use splatline::splat::Axis;
+use splatline::setup::{setup, setup_surface};
 use splatline::splat::surface::SurfaceSplat;
+use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Eye, Projection, RatioLimits, View};
 
 /// Largest error of the conic relative to its trace, and of the depth lane relative to the splat's radius, in `standard24`.
@@ -140,6 +140,37 @@ proptest! {
         // Without the filter the weight does not depend on the view.
         let peak = f64::from(got.footprint.opacity) / 2f64.powi(28);
         prop_assert!((peak - 1.0).abs() < 1e-4, "{peak}");
+    }
+
+    /// A 2D Gaussian is a volume splat whose third axis is 0. Its footprint is the surface splat's, bit for bit; its peak is the opacity, and
+    /// compensated for the filter it is SURF's weight.
+    #[test]
+    fn a_flat_volume_splat_has_the_footprint_of_a_surface_splat(
+        x in -1.5f64..1.5, y in -1.5f64..1.5, z in 1.0f64..40.0,
+        frame in proptest::array::uniform2(proptest::array::uniform3(-0.3f64..0.3)), compensated: bool,
+    ) {
+        let surface = splat([x, y, z], frame);
+        let flat = VolumeSplat {
+            centre: surface.centre,
+            axes: [surface.frame[0], surface.frame[1], Axis::default()],
+            weight: surface.weight,
+            colour: surface.colour,
+        };
+        let rules = Rules { compensated, ..Rules::GAUSSIAN_3D };
+        let (Ok(flat), Ok(surface)) = (
+            setup(Standard24, &view(), &rules, &flat),
+            setup_surface(Standard24, &view(), &rules, &surface),
+        ) else {
+            return Err(TestCaseError::reject("culled"));
+        };
+        let surface = surface.footprint;
+        prop_assert_eq!(
+            (flat.depth, flat.centre, flat.ldl, flat.conic),
+            (surface.depth, surface.centre, surface.ldl, surface.conic)
+        );
+        let [peak, weight] = [flat.opacity, surface.opacity].map(f64::from);
+        let expected = if compensated { weight } else { 2f64.powi(28) };
+        prop_assert!((peak / expected - 1.0).abs() < 1e-6, "{peak} {expected}");
     }
 
     /// The lane's slope is the regression of depth on the filtered position, in double precision by the textbook formula.

@@ -1,8 +1,8 @@
 //! Both traversals against a naive loop over all pixels, and tiles against the whole.
 
-use crate::common::{SIZE, double, splats, tolerances, view};
+use crate::common::{SIZE, double, scaled, splats, tolerances, view};
 use proptest::prelude::*;
-use splatline::blend::Pixel;
+use splatline::blend::{Blend, Pixel};
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::format::{Deep32, Design, Lane, Lean18, Standard24, Traversal};
@@ -54,6 +54,70 @@ fn naive(footprint: &Footprint, subpixel: u8, x: u16, y: u16) -> f64 {
     let dy = f64::from(y) + 0.5 - v;
     let dx = f64::from(x) + 0.5 - u - double(footprint.ldl.shear) * dy;
     double(footprint.ldl.horizontal) * dx * dx + double(footprint.ldl.vertical) * dy * dy
+}
+
+/// What a painter visits is what it draws, and a pixel that finished before is counted, not drawn.
+fn check_visits<D: Design>(
+    design: D,
+    list: &[VolumeSplat],
+    traversal: Traversal,
+) -> Result<(), TestCaseError> {
+    let (widths, rules) = (design.widths(), Rules::GAUSSIAN_3D);
+    let mut memory = vec![0; entries(&widths)];
+    fill_gaussian(&mut memory, &widths, rules.table_range);
+    let table = FootprintTable::new(&memory, &widths, rules.table_range).unwrap();
+    let painter = Painter::new(design, &rules, table, Compositing::FrontToBack, traversal);
+    let blend = Blend::new(&widths, &rules);
+    let view = view(0.3, 0.2, Projection::Perspective);
+    let window = Window {
+        first: [9, 5],
+        end: [SIZE, SIZE - 3],
+    };
+    let columns = usize::from(window.columns());
+    let [mut drawn, mut visited] = [(); 2].map(|()| vec![Pixel::clear(&widths); window.pixels()]);
+    for splat in list {
+        let Ok(footprint) = setup(design, &view, &rules, splat) else {
+            continue;
+        };
+        let place = |x: u16, y: u16| usize::from(y - 5) * columns + usize::from(x - 9);
+        let before = visited.clone();
+        let mut inside = Vec::new();
+        let visits = painter.visit(&footprint, &window, |x, y, alpha| {
+            let pixel = &mut visited[place(x, y)];
+            inside.push(place(x, y));
+            if !pixel.is_finished() {
+                blend.front_to_back(pixel, alpha, &footprint.colour);
+            }
+        });
+        let mut target = Target::new(&mut drawn, window, columns).unwrap();
+        let coverage = painter.draw(&footprint, &mut target);
+        prop_assert_eq!(
+            (coverage.visited, coverage.covered),
+            (visits.visited, visits.covered)
+        );
+        let finished = inside
+            .iter()
+            .filter(|place| before[**place].is_finished())
+            .count() as u64;
+        let skipped = visits.covered - inside.len() as u64;
+        prop_assert!((finished..=finished + skipped).contains(&coverage.finished));
+        let mut sum = coverage;
+        sum += coverage;
+        prop_assert_eq!(sum.finished, 2 * coverage.finished);
+        prop_assert_eq!(&drawn, &visited);
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn what_is_visited_is_what_is_drawn(list in prop::collection::vec(splats(), 1..12)) {
+        let opaque: Vec<VolumeSplat> = list.iter().map(|splat| VolumeSplat { weight: scaled(0.999), ..*splat }).collect();
+        let both = [opaque, list].concat();
+        check_visits(Standard24, &both, Traversal::Spans)?;
+        check_visits(Lean18, &both, Traversal::Box)?;
+    }
 }
 
 fn check<D: Design>(

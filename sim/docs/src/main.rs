@@ -6,7 +6,7 @@ use splatline_docs::pages::check::differences;
 use splatline_docs::pages::{Page, accuracy, machines, packet, picture, speed, systems, widths};
 use splatline_sim::cli::{Failure, create_folder, finish, print_result, write};
 use splatline_sim::fast::lanes::VectorLevel;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Prints splatline's documentation.
@@ -25,6 +25,15 @@ enum PageCommand {
     /// Measure the figures that the documentation states and write its pages.
     #[command(after_help = RESULTS_EXAMPLES)]
     Results(ResultsOptions),
+    /// Draw the pictures of README and pages: results/demo.png and pictures/trained.png.
+    Pictures {
+        /// Folder of the scenes.
+        #[arg(long, value_name = "DIR", default_value = "../shared/data")]
+        data: PathBuf,
+        /// Folder of the pages.
+        #[arg(short, long, value_name = "DIR", default_value = "docs")]
+        output: PathBuf,
+    },
 }
 
 const RESULTS_EXAMPLES: &str = "\
@@ -73,6 +82,7 @@ fn main() -> ExitCode {
     let code = finish(match Program::parse().command {
         PageCommand::Gallery(options) => gallery::run(&options),
         PageCommand::Results(options) => results(&options),
+        PageCommand::Pictures { data, output } => pictures(&data, &output),
     });
     code.into()
 }
@@ -82,14 +92,23 @@ fn results(options: &ResultsOptions) -> Result<(), Failure> {
         return check(options);
     }
     create_folder(&options.output)?;
-    if options.only.is_empty() {
-        let panels = picture::panels(300)?.to_png()?;
-        write(&options.output.join(picture::FILE), &panels)?;
-    }
     for name in asked(options) {
         let page = print(name, options)?;
         page.write(&options.output)?;
         print_result(&page.files[0].1)?;
+    }
+    Ok(())
+}
+
+fn pictures(data: &Path, output: &Path) -> Result<(), Failure> {
+    for (file, picture) in [
+        ("results/demo.png", picture::demo(300)?),
+        ("pictures/trained.png", picture::trained(data, 256)?),
+    ] {
+        let file = output.join(file);
+        create_folder(file.parent().unwrap_or(output))?;
+        write(&file, &picture.to_png()?)?;
+        print_result(&format!("{}\n", file.display()))?;
     }
     Ok(())
 }

@@ -44,7 +44,11 @@ impl Camera {
         up: Option<[f64; 3]>,
     ) -> PyResult<Camera> {
         let frame = scene.scene.frame(up);
-        raise(frame.camera(None, fov, size.0, size.1)).map(Camera)
+        let camera = raise(frame.camera(None, fov, size.0, size.1))?;
+        Ok(Camera(match scene.scene.splats() {
+            Some(splats) => frame.filled(camera, splats).0,
+            None => camera,
+        }))
     }
 
     /// The camera of a file, or the one of this name: our JSON, a report.json, a COLMAP folder, transforms.json, cameras.json.

@@ -5,6 +5,8 @@
 //! nothing else). The eye lies on the scene's front, at the distance where the ball touches the narrower side of the picture.
 //! Up and front are conventions of the kind of scene ([`FramingInput`]); neither can be read off a file, so both are printed.
 
+mod fill;
+
 use crate::camera::{Camera, CameraError};
 use crate::scene::points::SurfaceScene;
 use crate::scene::{Scene, Weight};
@@ -207,6 +209,14 @@ impl FramingInput {
             near: camera.near.min(0.1 * free),
             ..camera
         })
+    }
+
+    /// Such a camera moved so that a capture fills the picture, and how many outlying splats it leaves outside; other scenes keep theirs.
+    pub fn filled(&self, camera: Camera, scene: &Scene) -> (Camera, usize) {
+        match scene.is_capture() {
+            true => fill::filled(camera, scene, self.ball.centre),
+            false => (camera, 0),
+        }
     }
 
     /// The rule and what it chose.

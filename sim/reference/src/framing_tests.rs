@@ -82,20 +82,59 @@ fn strays_are_counted_and_do_not_push_the_camera_away() {
     assert!((after.radius / before.radius - 1.0).abs() < 0.05);
 }
 
+/// A capture reaches both sides of its picture's narrower extent, all of it is seen, and faint floaters around it change nothing.
+#[test]
+fn a_capture_fills_its_picture_whatever_floats_around_it() {
+    let mut scene = random_gaussians(2000, 3, 1.0);
+    scene.name = "capture.ply".to_owned();
+    for splat in &mut scene.splats {
+        splat.centre[1] *= 3.0;
+        splat.axes = [[0.01, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 0.01]];
+        splat.weight = 0.8;
+    }
+    let view = |scene: &Scene| {
+        let frame = FramingInput::of_scene(scene, None);
+        let ball = frame.camera(None, 45.0, 400, 300).unwrap();
+        let (camera, outside) = frame.filled(ball.clone(), scene);
+        (ball, camera, outside)
+    };
+    let (_, camera, outside) = view(&scene);
+    let shown = centres(&scene);
+    assert!(outside == 0 && all_in_view(&shown, &camera));
+    let rows = shown.iter().map(|place| {
+        let [_, y, z] = camera.to_camera(*place);
+        camera.fy * y / z + camera.cy
+    });
+    let (least, most) = rows.fold((f64::INFINITY, 0.0_f64), |(least, most), v| {
+        (least.min(v), most.max(v))
+    });
+    assert!(least < 15.0 && most > 285.0, "{least} {most}");
+    for index in 0..60 {
+        let mut floater = scene.splats[index];
+        floater.centre = floater.centre.map(|place| 4.0 * place);
+        floater.weight = 0.03;
+        scene.splats.push(floater);
+    }
+    let (ball, again, outside) = view(&scene);
+    let distance = |camera: &Camera| vector::length(camera.eye());
+    assert!(distance(&ball) > 1.5 * distance(&again));
+    assert!(all_in_view(&shown, &again) && outside > 0);
+    let farther = distance(&again) / distance(&camera);
+    assert!(farther < 1.5, "{farther}");
+}
+
 #[test]
 fn one_splat_and_none_can_be_framed() {
     let mut scene = random_gaussians(1, 1, 1.0);
-    assert!(
-        FramingInput::of_scene(&scene, None)
-            .camera(None, 45.0, 8, 8)
-            .is_ok()
-    );
+    scene.name = "capture.ply".to_owned();
+    let view = |scene: &Scene| {
+        let frame = FramingInput::of_scene(scene, None);
+        let camera = frame.camera(None, 45.0, 8, 8).unwrap();
+        frame.filled(camera, scene).0
+    };
+    assert!(all_in_view(&centres(&scene), &view(&scene)));
     scene.splats.clear();
-    assert!(
-        FramingInput::of_scene(&scene, None)
-            .camera(None, 45.0, 8, 8)
-            .is_ok()
-    );
+    assert!(view(&scene).is_sound());
 }
 
 #[test]

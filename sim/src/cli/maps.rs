@@ -127,16 +127,18 @@ pub fn write_maps(prepared: &Prepared, asked: &[Map], picture: &Path) -> Result<
     let size = [splats.camera.width, splats.camera.height];
     let format = PictureFormat::of(picture).unwrap_or(PictureFormat::Png);
     for map in asked {
-        let numbers: Vec<[f64; 4]> = pixels.iter().map(|pixel| map.numbers(pixel)).collect();
         let file = map.file(picture);
         let (bytes, scale) = match format {
-            PictureFormat::Png => in_colours(*map, &numbers, size)?,
+            PictureFormat::Png => {
+                let (picture, scale) = in_colours(*map, &pixels, size);
+                (picture.to_png().map_err(anyhow::Error::from)?, scale)
+            }
             format => {
                 let [width, height] = size;
                 let numbers = Picture {
                     width,
                     height,
-                    pixels: numbers,
+                    pixels: pixels.iter().map(|pixel| map.numbers(pixel)).collect(),
                 };
                 let depth = Depth::default();
                 (
@@ -151,12 +153,9 @@ pub fn write_maps(prepared: &Prepared, asked: &[Map], picture: &Path) -> Result<
     Ok(())
 }
 
-/// False colours, and what they say.
-fn in_colours(
-    map: Map,
-    numbers: &[[f64; 4]],
-    [width, height]: [usize; 2],
-) -> Result<(Vec<u8>, String), Failure> {
+/// A map of a whole picture in false colours, and what they say.
+pub fn in_colours(map: Map, pixels: &[MapPixel], [width, height]: [usize; 2]) -> (Rgb, String) {
+    let numbers: Vec<[f64; 4]> = pixels.iter().map(|pixel| map.numbers(pixel)).collect();
     let value = |numbers: &[f64; 4]| {
         if map == Map::Depth {
             numbers[1]
@@ -192,7 +191,7 @@ fn in_colours(
             0.5 * (least + most)
         ),
     };
-    Ok((picture.to_png().map_err(anyhow::Error::from)?, scale))
+    (picture, scale)
 }
 
 /// From violet over blue and green to yellow.

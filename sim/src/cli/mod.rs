@@ -38,6 +38,7 @@ mod values;
 mod vectors;
 mod view_args;
 
+pub use maps::{Map, in_colours};
 pub use output::{create_folder, write};
 pub use say::{Failure, explain, finish, print_result, printable};
 

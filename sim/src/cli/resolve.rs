@@ -181,7 +181,7 @@ impl<'a> PlanRequest<'a> {
         self.check_units()?;
         match &self.view.from {
             Some(file) => self.read_file(file),
-            None => self.read_options(scene_of(self.view)?, None),
+            None => self.read_options(scene_of(self.view)?, None, true),
         }
     }
 
@@ -222,7 +222,8 @@ impl<'a> PlanRequest<'a> {
         let scenes = std::iter::once(scene_of(self.view)?).chain(&more.others);
         let mut frames = Vec::new();
         for scene in scenes {
-            let prepared = self.read_options(scene, path.as_ref())?;
+            // Turned, a scene shows its other sides: there the whole of it has room.
+            let prepared = self.read_options(scene, path.as_ref(), turntable.is_none())?;
             let cameras = match (&path, turntable) {
                 (Some(path), _) => path.cameras(prepared.scene.up(), self.path_size())?,
                 (None, Some(count)) => self.turned(&prepared, count),
@@ -273,7 +274,12 @@ impl<'a> PlanRequest<'a> {
         Ok(prepared)
     }
 
-    fn read_options(&self, scene: &Path, path: Option<&CameraPath>) -> Result<Prepared, Failure> {
+    fn read_options(
+        &self,
+        scene: &Path,
+        path: Option<&CameraPath>,
+        fills: bool,
+    ) -> Result<Prepared, Failure> {
         let view = self.view;
         let source = self.source(scene)?;
         let machine = match self.machine {
@@ -293,7 +299,10 @@ impl<'a> PlanRequest<'a> {
                 let (_, camera) = first.ok_or_else(|| anyhow!("the camera path is empty"))?;
                 (camera, Vec::new())
             }
-            None => camera(view, loaded.scene.up(), scene, frame)?,
+            None => {
+                let filling = loaded.scene.splats().filter(|_| fills);
+                camera(view, loaded.scene.up(), scene, frame, filling)?
+            }
         };
         drop(progress);
         for note in &loaded.notes {

@@ -304,6 +304,14 @@ impl AnyScene {
         }
     }
 
+    /// Its splats, unless it is a surface.
+    pub fn splats(&self) -> Option<&Scene> {
+        match self {
+            AnyScene::Splats(scene) => Some(scene),
+            AnyScene::Surface { .. } => None,
+        }
+    }
+
     /// How it is seen whole.
     pub fn frame(&self, up: Option<Vector>) -> FramingInput {
         match self {

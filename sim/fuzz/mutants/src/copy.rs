@@ -186,6 +186,20 @@ impl Copy {
         Ok(programs)
     }
 
+    /// The folder of the copy.
+    pub fn tree(&self) -> &Path {
+        &self.tree
+    }
+
+    /// Compiles the command of the copy.
+    pub fn program(&self) -> Result<PathBuf, Failure> {
+        let output = self.cargo(&["build", "-p", "splatline-sim", "--bin", "splatline"], 0)?;
+        let built = messages(&output).filter_map(|m| m["executable"].as_str().map(PathBuf::from));
+        built
+            .last()
+            .ok_or("the command of the copy does not compile".into())
+    }
+
     fn cargo(&self, arguments: &[&str], compiled: usize) -> Result<Vec<u8>, Failure> {
         let output = Command::new("cargo")
             .args(arguments)

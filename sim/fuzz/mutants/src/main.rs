@@ -5,13 +5,16 @@
 mod copy;
 mod sites;
 mod trial;
+mod words;
 
 use copy::Copy;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use trial::{Suite, Verdict};
+use words::Words;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -125,12 +128,12 @@ fn run() -> Result<(), Failure> {
     let end = options
         .sample
         .map(|(_, minutes)| Instant::now() + Duration::from_secs(60 * minutes));
-    let (tried, survivors) = trials(&copy, chosen, &options, end, &work)?;
-    let explained = |m: &&usize| reason(&names, &copy.mutants[**m].key).is_some();
-    let (explained, unexplained): (Vec<&usize>, Vec<&usize>) =
-        survivors.iter().partition(explained);
+    let explained = |m: &usize| reason(&names, &copy.mutants[*m].key).is_some();
+    let (tried, survivors) = trials(&copy, chosen, &options, end, &work, explained)?;
+    let (explained, unexplained): (Vec<usize>, Vec<usize>) =
+        survivors.into_iter().partition(explained);
     let mut text = String::new();
-    for &&m in &unexplained {
+    for &m in &unexplained {
         println!("SURVIVED {}:{}", copy.mutants[m].key, copy.mutants[m].line);
         text += &format!("{}\n", copy.mutants[m].key);
     }
@@ -147,65 +150,152 @@ fn run() -> Result<(), Failure> {
     }
 }
 
-/// The kernel's own tests, and the engine's for what these do not notice.
-const SUITES: [&[&str]; 3] = [
-    &["-p", "splatline", "--lib"],
-    &["-p", "splatline", "--test", "all"],
-    &["-p", "splatline-engine", "--lib", "--test", "all"],
+/// What mutants are held against.
+enum Stage {
+    /// Tests of a package.
+    Tests(&'static [&'static str]),
+    /// Words of the specification.
+    Words,
+}
+
+/// The kernel's own tests, and what else may notice: the quick ones first.
+const STAGES: [Stage; 4] = [
+    Stage::Tests(&["-p", "splatline", "--lib"]),
+    Stage::Tests(&["-p", "splatline", "--test", "all"]),
+    Stage::Words,
+    Stage::Tests(&["-p", "splatline-engine", "--lib", "--test", "all"]),
 ];
 
-/// Tries mutants against one suite after the other, as long as some survive. Returns how many were tried, and the survivors.
+/// A stage, ready to judge.
+enum Judge {
+    Tests(Suite),
+    Words(Words),
+}
+
+impl Judge {
+    fn new(stage: &Stage, copy: &Copy, work: &Path) -> Result<Judge, Failure> {
+        match stage {
+            Stage::Tests(arguments) => {
+                let suite = Suite::new(copy.programs(0, arguments)?, work)?;
+                println!(
+                    "against {} tests of {}",
+                    suite.tests.len(),
+                    arguments.join(" ")
+                );
+                Ok(Judge::Tests(suite))
+            }
+            Stage::Words => {
+                let words = Words::new(copy.program()?, copy.tree(), work)?;
+                println!("against the words of {} exports", words.len());
+                Ok(Judge::Words(words))
+            }
+        }
+    }
+
+    fn judge(
+        &self,
+        mutant: usize,
+        compiled: bool,
+        copy: &Copy,
+        stage: &Stage,
+    ) -> Result<Verdict, Failure> {
+        match (self, stage) {
+            (Judge::Tests(suite), Stage::Tests(arguments)) if compiled => {
+                match copy.programs(mutant, arguments) {
+                    Ok(programs) => suite.try_built(&programs, mutant),
+                    Err(_) => Ok(Verdict::Noticed("the compiler".into())),
+                }
+            }
+            (Judge::Tests(suite), _) => suite.try_mutant(mutant),
+            // The program of another build is not compiled.
+            (Judge::Words(_), _) if compiled => Ok(Verdict::Unreached),
+            (Judge::Words(words), _) => words.try_mutant(mutant),
+        }
+    }
+}
+
+/// Tries mutants against one stage after the other, as long as some survive and nothing explains why. Returns how many were tried, and the
+/// survivors.
 fn trials(
     copy: &Copy,
     mut open: Vec<usize>,
     options: &Options,
     end: Option<Instant>,
     work: &Path,
+    explained: impl Fn(&usize) -> bool,
 ) -> Result<(usize, Vec<usize>), Failure> {
     let mut tried = open.len();
-    let suites = if options.own { &SUITES[..1] } else { &SUITES };
-    for (stage, arguments) in suites.iter().enumerate() {
+    let mut survivors = Vec::new();
+    let stages = if options.own { &STAGES[..1] } else { &STAGES };
+    for (number, stage) in stages.iter().enumerate() {
         if open.is_empty() {
             break;
         }
-        let mut suite = Suite::new(copy.programs(0, arguments)?, work)?;
-        println!(
-            "{} against {} tests of {}",
-            open.len(),
-            suite.tests.len(),
-            arguments.join(" ")
-        );
-        let mut survivors = Vec::new();
-        for (i, &mutant) in open.iter().enumerate() {
-            // What was begun goes through all suites.
-            if stage == 0 && end.is_some_and(|end| Instant::now() > end) {
-                tried = i;
-                break;
+        println!("{} mutants", open.len());
+        let judge = Judge::new(stage, copy, work)?;
+        // What was begun goes through all stages.
+        let end = end.filter(|_| number == 0);
+        let judged = in_parallel(&open, options.compiled, end, |mutant| {
+            let verdict = judge
+                .judge(mutant, options.compiled, copy, stage)
+                .map_err(|error| error.to_string())?;
+            let mutation = &copy.mutants[mutant];
+            match &verdict {
+                Verdict::Noticed(by) => println!("noticed   {} by {by}", mutation.key),
+                Verdict::Endless(by) => println!("endless   {} in {by}", mutation.key),
+                Verdict::Unreached => println!("unreached {}:{}", mutation.key, mutation.line),
+                Verdict::Survived => println!("open      {}:{}", mutation.key, mutation.line),
             }
-            let verdict = match options.compiled {
-                true => match copy.programs(mutant, arguments) {
-                    Ok(programs) => suite.with(programs).try_mutant(mutant, true)?,
-                    Err(_) => Verdict::Noticed("the compiler".into()),
-                },
-                false => suite.try_mutant(mutant, false)?,
-            };
-            match verdict {
-                Verdict::Noticed(by) => println!("noticed   {} by {by}", copy.mutants[mutant].key),
-                Verdict::Endless(by) => println!("endless   {} in {by}", copy.mutants[mutant].key),
-                verdict => {
-                    let word = match verdict {
-                        Verdict::Unreached => "unreached",
-                        _ => "open     ",
-                    };
-                    let open = &copy.mutants[mutant];
-                    println!("{word} {}:{}", open.key, open.line);
-                    survivors.push(mutant);
-                }
-            }
+            Ok(matches!(verdict, Verdict::Unreached | Verdict::Survived))
+        })?;
+        if number == 0 {
+            tried = judged.len();
         }
-        open = survivors;
+        let alive = judged.into_iter().filter(|(_, survived)| *survived);
+        let (known, unknown) = alive
+            .map(|(mutant, _)| mutant)
+            .partition::<Vec<_>, _>(&explained);
+        survivors.extend(known);
+        open = unknown;
     }
-    Ok((tried, open))
+    survivors.extend(open);
+    Ok((tried, survivors))
+}
+
+/// Which mutants survive, by all processors, in their order; those that are compiled in by one, since each is a build.
+fn in_parallel(
+    mutants: &[usize],
+    compiled: bool,
+    end: Option<Instant>,
+    judge: impl Fn(usize) -> Result<bool, String> + Sync,
+) -> Result<Vec<(usize, bool)>, Failure> {
+    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    let workers = if compiled { 1 } else { workers };
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut judged = Vec::new();
+        while end.is_none_or(|end| Instant::now() < end) {
+            let place = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&mutant) = mutants.get(place) else {
+                break;
+            };
+            judged.push((place, mutant, judge(mutant)?));
+        }
+        Ok::<_, String>(judged)
+    };
+    let mut judged = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
+        let mut all = Vec::new();
+        for worker in workers {
+            all.extend(worker.join().map_err(|_| "a worker panicked")??);
+        }
+        Ok::<_, Failure>(all)
+    })?;
+    judged.sort_by_key(|(place, ..)| *place);
+    Ok(judged
+        .into_iter()
+        .map(|(_, mutant, survived)| (mutant, survived))
+        .collect())
 }
 
 /// Numbers of the mutants to try, in their order.

@@ -43,9 +43,12 @@ impl Suite {
             tests: Vec::new(),
         };
         for program in 0..suite.programs.len() {
-            let list = suite
-                .command(program, &["--list", "--format", "terse"], "20")
-                .output()?;
+            let list = command(
+                &suite.programs[program],
+                &["--list", "--format", "terse"],
+                "20",
+            )
+            .output()?;
             for line in String::from_utf8(list.stdout)?.lines() {
                 let Some(name) = line.strip_suffix(": test") else {
                     continue;
@@ -57,16 +60,9 @@ impl Suite {
         Ok(suite)
     }
 
-    /// The same tests in other builds.
-    pub fn with(&mut self, programs: Vec<Program>) -> &Suite {
-        self.programs = programs;
-        self
-    }
-
     fn try_once(&mut self, program: usize, name: &str, work: &Path) -> Result<(), Failure> {
         let record = work.join("reached");
-        let mut command = self.command(program, &["--exact", name], "600");
-        let output = command
+        let output = command(&self.programs[program], &["--exact", name], "600")
             .env("MUTANT_RECORD", &record)
             .stderr(Stdio::piped())
             .output()?;
@@ -91,37 +87,23 @@ impl Suite {
         Ok(())
     }
 
-    /// A test program with limits of processor time in seconds and of memory. Random cases are the same ones each time.
-    fn command(&self, program: usize, arguments: &[&str], seconds: &str) -> Command {
-        let program = &self.programs[program];
-        let mut command = Command::new("sh");
-        command
-            .args([
-                "-c",
-                "ulimit -c 0; ulimit -t $0; ulimit -v 8000000; \"$@\" 2>/dev/null; c=$?; times >&2; exit $c",
-                seconds,
-            ])
-            .arg(&program.path)
-            .args(arguments)
-            .args(["--test-threads=1", "-Zunstable-options", "--fail-fast"])
-            .env("RUSTC_BOOTSTRAP", "1")
-            .env("PROPTEST_RNG_SEED", "1")
-            .env("PROPTEST_MAX_SHRINK_ITERS", "0")
-            .env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "1")
-            .env("RUST_BACKTRACE", "0")
-            .current_dir(&program.folder)
-            .stdin(Stdio::null())
-            .stderr(Stdio::null());
-        command
+    /// Tries one mutant by the tests that reach it.
+    pub fn try_mutant(&self, mutant: usize) -> Result<Verdict, Failure> {
+        let reaching = self.tests.iter().filter(|t| t.reached.contains(&mutant));
+        self.attempt(&self.programs, reaching.collect(), mutant)
     }
 
-    /// Tries one mutant. `compiled` says that it is built in: then tests that reach it are not known.
-    pub fn try_mutant(&self, mutant: usize, compiled: bool) -> Result<Verdict, Failure> {
-        let all: Vec<&Test> = self
-            .tests
-            .iter()
-            .filter(|t| compiled || t.reached.contains(&mutant))
-            .collect();
+    /// The same in builds that hold the mutant: which tests reach it is not known.
+    pub fn try_built(&self, programs: &[Program], mutant: usize) -> Result<Verdict, Failure> {
+        self.attempt(programs, self.tests.iter().collect(), mutant)
+    }
+
+    fn attempt(
+        &self,
+        programs: &[Program],
+        all: Vec<&Test>,
+        mutant: usize,
+    ) -> Result<Verdict, Failure> {
         if all.is_empty() {
             return Ok(Verdict::Unreached);
         }
@@ -129,7 +111,7 @@ impl Suite {
         while !rest.is_empty() {
             let (now, later) = rest.split_at(group(rest));
             rest = later;
-            for program in 0..self.programs.len() {
+            for (program, built) in programs.iter().enumerate() {
                 let tests: Vec<&Test> = now
                     .iter()
                     .copied()
@@ -142,8 +124,7 @@ impl Suite {
                 let seconds = (1 + LIMIT * time.as_millis() / 1000).to_string();
                 let mut arguments = vec!["--exact"];
                 arguments.extend(tests.iter().map(|t| t.name.as_str()));
-                let output = self
-                    .command(program, &arguments, &seconds)
+                let output = command(built, &arguments, &seconds)
                     .env("MUTANT", mutant.to_string())
                     .output()?;
                 if !output.status.success() {
@@ -155,8 +136,31 @@ impl Suite {
     }
 }
 
+/// A test program with limits of processor time in seconds and of memory. Random cases are the same ones each time.
+fn command(program: &Program, arguments: &[&str], seconds: &str) -> Command {
+    let mut command = Command::new("sh");
+    command
+        .args([
+            "-c",
+            "ulimit -c 0; ulimit -t $0; ulimit -v 8000000; \"$@\" 2>/dev/null; c=$?; times >&2; exit $c",
+            seconds,
+        ])
+        .arg(&program.path)
+        .args(arguments)
+        .args(["--test-threads=1", "-Zunstable-options", "--fail-fast"])
+        .env("RUSTC_BOOTSTRAP", "1")
+        .env("PROPTEST_RNG_SEED", "1")
+        .env("PROPTEST_MAX_SHRINK_ITERS", "0")
+        .env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "1")
+        .env("RUST_BACKTRACE", "0")
+        .current_dir(&program.folder)
+        .stdin(Stdio::null())
+        .stderr(Stdio::null());
+    command
+}
+
 /// Of a shell's children, from the last line of what `times` prints: `0m1.25s 0m0.01s`.
-fn processor_time(text: &str) -> Duration {
+pub fn processor_time(text: &str) -> Duration {
     let part = |word: &str| {
         let (minutes, seconds) = word.trim_end_matches('s').split_once('m')?;
         Some(60.0 * minutes.parse::<f64>().ok()? + seconds.parse::<f64>().ok()?)

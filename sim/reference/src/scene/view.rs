@@ -58,6 +58,11 @@ impl Scene {
         Some(bounds)
     }
 
+    /// Is it a capture? Its view fills the picture; made scenes keep theirs from version to version.
+    pub fn is_capture(&self) -> bool {
+        self.weight == Weight::Opacity && !synthetic::is_synthetic(&self.name)
+    }
+
     /// The view that figures in `docs` are taken from, close enough that outer parts may be cut off; the command line frames by
     /// [`crate::framing::FramingInput`], which looks the same way and shows all.
     ///

@@ -6,6 +6,7 @@ use crate::cli::say::{Failure, print_error, print_result};
 use crate::cli::values::{OrbitChoice, PictureSize, VectorValue};
 use crate::cli::view_args::ViewOptions;
 use crate::framing::{Ball, FramingInput, USUAL_FOV, orbited};
+use crate::scene::Scene;
 use anyhow::anyhow;
 use std::path::Path;
 
@@ -15,12 +16,14 @@ pub(super) const USUAL_SIZE: PictureSize = PictureSize {
     height: 512,
 };
 
-/// The camera of the options, or one that shows the whole scene, and what had to be corrected. `up` is used where the options do not say.
+/// The camera of the options, or one that shows the whole scene (a capture that is `filling` fills the picture), and what had to be corrected.
+/// `up` is used where the options do not say.
 pub(super) fn camera(
     options: &ViewOptions,
     up: [f64; 3],
     scene: &Path,
     frame: impl FnOnce() -> FramingInput,
+    filling: Option<&Scene>,
 ) -> Result<(Camera, Vec<String>), Failure> {
     let (camera, warnings) = match (&options.camera, options.eye, options.target) {
         (Some(path), ..) => camera_from_file(path, options)?,
@@ -29,7 +32,7 @@ pub(super) fn camera(
         }
         _ => match trained_camera(scene, options)? {
             Some(found) => found,
-            None => (framed(&frame(), scene, options)?, Vec::new()),
+            None => (framed(&frame(), filling, scene, options)?, Vec::new()),
         },
     };
     let camera = match options.zoom {
@@ -141,8 +144,13 @@ fn too_large(scene: &str) -> Failure {
     .into()
 }
 
-/// The whole scene, and a line that tells by which rule.
-fn framed(frame: &FramingInput, scene: &Path, options: &ViewOptions) -> Result<Camera, Failure> {
+/// The whole scene, or as much as fills the picture with `filling`, and a line that tells by which rule.
+fn framed(
+    frame: &FramingInput,
+    filling: Option<&Scene>,
+    scene: &Path,
+    options: &ViewOptions,
+) -> Result<Camera, Failure> {
     let PictureSize { width, height } = options.size.unwrap_or(USUAL_SIZE);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     let orbit = options.orbit.map(|OrbitChoice(orbit)| orbit);
@@ -152,7 +160,15 @@ fn framed(frame: &FramingInput, scene: &Path, options: &ViewOptions) -> Result<C
         Ok(camera) => sound_camera(camera, &scene)?,
         Err(error) => return Err(why_not_framed(error, frame, &scene, place)),
     };
-    print_result(&format!("{}\n", frame.describe(fov)))?;
+    let (camera, outside) = match filling {
+        Some(splats) => frame.filled(camera, splats),
+        None => (camera, 0),
+    };
+    let outside = match outside {
+        0 => String::new(),
+        count => format!("; {count} outlying splats do not count"),
+    };
+    print_result(&format!("{}{outside}\n", frame.describe(fov)))?;
     Ok(camera)
 }
 

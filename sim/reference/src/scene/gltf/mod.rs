@@ -5,7 +5,7 @@
 //! gathered, each through its nodes' transforms; harmonics turn with them. y is up in glTF.
 //!
 //! The structures are read with serde: the crate `gltf` knows no extension of this kind and would not save much. What the
-//! extension states beyond that (its kernel and colour space) is checked or told in [`Notes`]; its order of drawing becomes the scene's.
+//! extension states beyond that (kernel, projection, colour space) is checked; its order of drawing becomes the scene's.
 
 mod buffers;
 mod transform;
@@ -198,7 +198,7 @@ fn gather(
         for primitive in &mesh.primitives {
             match primitive.extensions.get(EXTENSION) {
                 Some(stated) => {
-                    orders.push(check(stated, &mut notes)?);
+                    orders.push(check(stated)?);
                     parts.push(attributes(primitive, document, buffers, *transform)?);
                 }
                 None => note(&mut notes, "primitives without Gaussians are left out"),
@@ -240,8 +240,8 @@ fn gather(
     ))
 }
 
-/// Refuses what would be drawn wrongly, tells what is drawn otherwise, and gives the order of drawing.
-fn check(stated: &serde_json::Value, notes: &mut Notes) -> Result<SortOrder, Problem> {
+/// Refuses what would be drawn otherwise than stated, and gives the order of drawing.
+fn check(stated: &serde_json::Value) -> Result<SortOrder, Problem> {
     let stated: Splatting = Deserialize::deserialize(stated).map_err(|error| {
         Problem::malformed(
             EXTENSION,
@@ -263,42 +263,29 @@ fn check(stated: &serde_json::Value, notes: &mut Notes) -> Result<SortOrder, Pro
             "export the scene without compression",
         ));
     }
-    match stated.kernel.as_deref() {
-        None | Some("ellipse") => {}
-        Some(other) => return Err(refused("kernel", other, "export the scene with 'ellipse'")),
-    }
-    match stated.projection.as_deref() {
-        None | Some("perspective") => {}
-        Some(other) => {
+    let asked = [
+        ("kernel", &stated.kernel, "ellipse"),
+        ("projection", &stated.projection, "perspective"),
+        // Pictures hold the stored numbers: linear ones would have to be encoded for a display, which no engine here does.
+        ("colorSpace", &stated.color_space, "srgb_rec709_display"),
+    ];
+    for (field, found, read) in asked {
+        if let Some(other) = found.as_deref().filter(|found| *found != read) {
             return Err(refused(
-                "projection",
+                field,
                 other,
-                "export the scene with 'perspective'",
+                &format!("export the scene with '{read}'"),
             ));
         }
     }
-    match stated.color_space.as_deref() {
-        None | Some("srgb_rec709_display") => {}
-        Some(other) => note(
-            notes,
-            &format!(
-                "colour space '{}': numbers are drawn as stored",
-                shorten(other)
-            ),
-        ),
-    }
-    Ok(match stated.sorting_method.as_deref() {
-        Some("zDepth") => SortOrder::Depth,
-        None | Some("cameraDistance") => SortOrder::Distance,
+    match stated.sorting_method.as_deref() {
+        Some("zDepth") => Ok(SortOrder::Depth),
+        None | Some("cameraDistance") => Ok(SortOrder::Distance),
         Some(other) => {
-            let name = shorten(other);
-            note(
-                notes,
-                &format!("sorting method '{name}': drawn in order of depth"),
-            );
-            SortOrder::Depth
+            let fix = "export the scene with 'cameraDistance' or 'zDepth'";
+            Err(refused("sortingMethod", other, fix))
         }
-    })
+    }
 }
 
 /// Said once, however many primitives it holds for.

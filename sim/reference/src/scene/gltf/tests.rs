@@ -158,17 +158,20 @@ fn integers_are_normalised() {
 }
 
 #[test]
-fn what_is_drawn_otherwise_is_told() {
-    let with = |key: &str, value: &str| {
+fn what_would_be_drawn_otherwise_is_refused_by_name() {
+    for (field, value) in [
+        ("kernel", "box"),
+        ("projection", "orthographic"),
+        ("colorSpace", "lin_rec709_display"),
+        ("sortingMethod", "radix"),
+    ] {
         let bytes = changed(|document| {
-            document["meshes"][0]["primitives"][0]["extensions"][EXTENSION][key] = json!(value);
+            document["meshes"][0]["primitives"][0]["extensions"][EXTENSION][field] = json!(value);
         });
-        load(&bytes, None, "x").unwrap().1
-    };
-    assert!(with("sortingMethod", "zDepth").is_empty());
-    assert!(with("sortingMethod", "cameraDistance").is_empty());
-    assert!(with("sortingMethod", "radix")[0].contains("drawn in order of depth"));
-    assert!(with("colorSpace", "lin_rec709_display")[0].contains("drawn as stored"));
+        let error = load(&bytes, None, "x").unwrap_err().to_string();
+        let named = error.contains(&format!("{EXTENSION}.{field}")) && error.contains(value);
+        assert!(named && error.contains("export the scene with"), "{error}");
+    }
 }
 
 /// The extension's own default is the distance.
