@@ -105,6 +105,11 @@ pub struct LaneWork {
 }
 
 impl LaneWork {
+    /// Bytes of its lists.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.bands) + size_of_val(&*self.pairs) + size_of_val(&*self.tiles)
+    }
+
     /// Groups every row of `workload` for lanes of this shape. `lanes` must be at most 64.
     pub fn new(workload: &Workload, shape: LaneShape) -> LaneWork {
         let parts: Vec<LaneWork> = (0..workload.tiles.len())

@@ -26,15 +26,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 use splatline::format::{Rounding, Traversal};
 use splatline::raster::Window;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Rows kept at most, in frames of designs and tiles.
-const MOST_WORKLOADS: usize = 48;
-
-/// Groupings kept at most: each is as large as a frame's rows.
-const MOST_GROUPINGS: usize = 144;
+/// Bytes of rows kept at most, and of their groupings.
+const MOST_BYTES: usize = 600_000_000;
 
 /// Canvases kept at most.
 const MOST_CANVASES: usize = 4;
@@ -166,16 +163,29 @@ pub fn work_key(choice: &Choice) -> WorkKey {
     (design_key(&choice.variant), tile)
 }
 
-/// Results by what they depend on. Where it is full it is emptied: what a search needs again is mostly what it needed last.
+/// Results by what they depend on, as long as all take no more than so many bytes: the oldest leave first.
 struct Cache<K, V> {
     most: usize,
+    bytes: fn(&V) -> usize,
     known: Mutex<HashMap<K, V>>,
+    /// Keys of what leaves, as it came.
+    order: Mutex<VecDeque<K>>,
 }
 
-impl<K: Hash + Eq, V: Clone> Cache<K, V> {
-    fn new(most: usize) -> Cache<K, V> {
-        let known = Mutex::default();
-        Cache { most, known }
+impl<K: Hash + Eq + Clone, V: Clone> Cache<K, V> {
+    fn new(most: usize, bytes: fn(&V) -> usize) -> Cache<K, V> {
+        let (known, order) = Default::default();
+        Cache {
+            most,
+            bytes,
+            known,
+            order,
+        }
+    }
+
+    /// Of what is so small that all of it stays.
+    fn of_all() -> Cache<K, V> {
+        Cache::new(usize::MAX, |_| 0)
     }
 
     fn map(&self) -> MutexGuard<'_, HashMap<K, V>> {
@@ -190,8 +200,15 @@ impl<K: Hash + Eq, V: Clone> Cache<K, V> {
         // Not under the lock: others may look meanwhile.
         let made = make()?;
         let mut map = self.map();
-        if map.len() >= self.most {
-            map.clear();
+        if self.most < usize::MAX {
+            let mut held: usize = map.values().map(self.bytes).sum();
+            let mut order = self.order.lock().unwrap_or_else(PoisonError::into_inner);
+            while held + (self.bytes)(&made) > self.most
+                && let Some(oldest) = order.pop_front()
+            {
+                held -= map.remove(&oldest).as_ref().map_or(0, self.bytes);
+            }
+            order.push_back(key.clone());
         }
         map.insert(key, made.clone());
         Ok(made)
@@ -234,10 +251,10 @@ impl<'a> Evaluator<'a> {
             format: None,
             detail,
             scenes: with_references.map(quantised).collect(),
-            errors: Cache::new(usize::MAX),
-            workloads: Cache::new(MOST_WORKLOADS),
-            groupings: Cache::new(MOST_GROUPINGS),
-            counts: Cache::new(usize::MAX),
+            errors: Cache::of_all(),
+            workloads: Cache::new(MOST_BYTES, |work| work.bytes()),
+            groupings: Cache::new(MOST_BYTES, |work| work.bytes()),
+            counts: Cache::of_all(),
             canvases: Mutex::default(),
             worst: Mutex::default(),
         }
@@ -296,7 +313,7 @@ impl<'a> Evaluator<'a> {
                 }
                 let Some(Some(scene)) = self.scenes.get(*frame) else {
                     let prepared = self.subject.frames[*frame];
-                    return self.compared(&prepared.draw_fixed(variant)?.picture, reference);
+                    return self.compared(&prepared.picture_of(variant)?, reference);
                 };
                 let found = self.on_canvas(scene, variant, *frame, None, |picture| {
                     (self.compared(picture, reference), worst(picture, reference))

@@ -66,6 +66,14 @@ impl Prepared {
         Ok(drawing)
     }
 
+    /// The same picture alone, of which nothing is counted.
+    pub fn picture_of(&self, entry: &DesignVariant) -> Result<Picture> {
+        let mut kernel = self.kernel(entry, None, false)?;
+        let mut drawing = kernel.draw(&|_, _| ())?;
+        kernel.finish(&mut drawing);
+        Ok(drawing.picture)
+    }
+
     /// What draws through the kernel again and again: the scene in its formats. Pixels are counted if `counts` asks for it.
     pub fn kernel<'a>(
         &'a self,

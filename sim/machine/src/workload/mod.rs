@@ -147,6 +147,14 @@ impl Workload {
             .map_or(&[], |tile| &self.pairs[first..tile.pairs_end as usize])
     }
 
+    /// Bytes of its lists.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.rows)
+            + size_of_val(&*self.pairs)
+            + size_of_val(&*self.splats)
+            + size_of_val(&*self.tiles)
+    }
+
     /// Splats that are not culled.
     pub fn visible(&self) -> usize {
         self.splats.iter().filter(|splat| splat.tiles > 0).count()
