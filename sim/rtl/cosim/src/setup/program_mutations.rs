@@ -68,7 +68,8 @@ pub const COMPENSATION_MUTATIONS: [(&str, SetupProgram); 5] = [
     }),
     ("twice the root", |widths| {
         edited(with_compensation, widths, |all| {
-            factor(all, "kept, root", constant("one"))
+            let twice = place(all, "kept, root, twice");
+            factor(all, "weight, compensated", value(twice));
         })
     }),
     ("without the root", |widths| {
