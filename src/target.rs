@@ -97,3 +97,101 @@ impl<'a> Target<'a> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::cells::CellTarget;
+    use super::*;
+    use crate::blend::FINISHED;
+    use crate::blend::surface::{Accumulation, Cell};
+    use crate::format::Standard24;
+    extern crate std;
+    use std::{vec, vec::Vec};
+
+    const WINDOW: Window = Window {
+        first: [3, 5],
+        end: [7, 8],
+    };
+
+    /// Every run of every row on and around the window: its own pixels, or none.
+    #[test]
+    fn rows_are_the_windows_own() {
+        for (stride, short) in [(4, 1), (6, 1), (4, 12), (3, 0)] {
+            let needed = 2 * stride + 4;
+            let mut pixels: Vec<Pixel> = (0..needed as u32)
+                .map(|transmittance| Pixel {
+                    colour: [0; 3],
+                    transmittance,
+                })
+                .collect();
+            if stride < 4 {
+                assert!(Target::new(&mut pixels, WINDOW, stride).is_err());
+                continue;
+            }
+            let lent = needed - short;
+            let error = Target::new(&mut pixels[..lent], WINDOW, stride).unwrap_err();
+            assert_eq!((error.needed, error.found), (needed, lent));
+            let mut target = Target::new(&mut pixels, WINDOW, stride).unwrap();
+            for (y, x, length) in runs() {
+                let found = target.row(y, x, length).iter();
+                let found: Vec<u32> = found.map(|pixel| pixel.transmittance).collect();
+                let start =
+                    (u32::from(y.wrapping_sub(5)) * stride as u32) + u32::from(x.wrapping_sub(3));
+                let expected = match is_inside(y, x, length) {
+                    true => (start..start + u32::from(length)).collect(),
+                    false => vec![],
+                };
+                assert_eq!(found, expected, "{y} {x} {length}");
+            }
+        }
+    }
+
+    #[test]
+    fn cells_are_the_windows_own() {
+        let mut cells = vec![<Accumulation as Cell>::EMPTY; 12];
+        let error = CellTarget::new(&mut cells[1..], WINDOW).unwrap_err();
+        assert_eq!((error.needed, error.found), (12, 11));
+        let mut target = CellTarget::new(&mut cells, WINDOW).unwrap();
+        let start = target.row(5, 3, 1).as_ptr();
+        for (y, x, length) in runs() {
+            let found = target.row(y, x, length);
+            match is_inside(y, x, length) {
+                true => {
+                    let offset = usize::from(y - 5) * 4 + usize::from(x - 3);
+                    assert_eq!(
+                        (found.len(), found.as_ptr()),
+                        (length.into(), start.wrapping_add(offset))
+                    );
+                }
+                false => assert!(found.is_empty(), "{y} {x} {length}"),
+            }
+        }
+    }
+
+    fn runs() -> impl Iterator<Item = (u16, u16, u16)> {
+        let places = (3..10).flat_map(|y| (1..10).map(move |x| (y, x)));
+        places.flat_map(|(y, x)| (1..7).map(move |length| (y, x, length)))
+    }
+
+    fn is_inside(y: u16, x: u16, length: u16) -> bool {
+        (5..8).contains(&y) && (x..x + length).all(|x| (3..7).contains(&x))
+    }
+
+    /// One pixel of the window that has not finished is enough; pixels between its rows do not count.
+    #[test]
+    fn a_window_has_finished_with_its_last_pixel() {
+        let mut pixels = vec![Pixel::clear(&Standard24::WIDTHS); 16];
+        for (row, column) in (0..3).flat_map(|row| (0..4).map(move |column| (row, column))) {
+            pixels[6 * row + column].transmittance |= FINISHED;
+        }
+        assert!(Target::new(&mut pixels, WINDOW, 6).unwrap().is_finished());
+        for place in (0..3).flat_map(|row| (0..4).map(move |column| 6 * row + column)) {
+            let mut open = pixels.clone();
+            open[place].transmittance &= !FINISHED;
+            assert!(
+                !Target::new(&mut open, WINDOW, 6).unwrap().is_finished(),
+                "{place}"
+            );
+        }
+    }
+}

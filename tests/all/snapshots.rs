@@ -10,9 +10,11 @@ use splatline::draw::Painter;
 use splatline::footprint::packet::{Layout, VersionError};
 use splatline::footprint::{Footprint, Ldl};
 use splatline::format::{Classic8, Deep32, Design, Lean18, Micro16, Standard24, Traversal};
-use splatline::kernel::{FootprintTable, Kernel, entries, fill, fill_gaussian};
+use splatline::kernel::{
+    FootprintTable, Kernel, PERSPECTIVE_ENTRIES, entries, fill, fill_gaussian, fill_perspective,
+};
 use splatline::math::SoftFloat;
-use splatline::raster::Window;
+use splatline::raster::{Stamp, StampShape, Window, fill_stamps};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::setup;
 use splatline::splat::{Axis, VolumeSplat};
@@ -278,7 +280,15 @@ fn another_version_is_refused() {
     assert_eq!(layout.decode(&packet), Err(VersionError { found: 0 }));
 }
 
-/// Every table of the kernels: first, middle and last word, and a digest (FNV-1a) of all.
+/// FNV-1a of the words' bytes.
+fn digest(words: &[u32]) -> u64 {
+    let bytes = words.iter().flat_map(|word| word.to_le_bytes());
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+
+/// Every table of the kernels: first, middle and last word, and a digest of all.
 fn table_words() -> String {
     let mut text = String::new();
     let designs = [
@@ -292,10 +302,7 @@ fn table_words() -> String {
         for widths in designs {
             let mut table = vec![0; entries(&widths)];
             fill(&mut table, &widths, kernel.table_range(), kernel);
-            let bytes = table.iter().flat_map(|word: &u32| word.to_le_bytes());
-            let digest = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-                (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-            });
+            let digest = digest(&table);
             let [first, middle, last] = [0, table.len() / 2, table.len() - 1].map(|at| table[at]);
             let length = table.len();
             writeln!(
@@ -305,6 +312,15 @@ fn table_words() -> String {
             .unwrap();
         }
     }
+    let mut rays = [0; PERSPECTIVE_ENTRIES];
+    fill_perspective(&mut rays);
+    let [first, middle, last] = [0, rays.len() / 2, rays.len() - 1].map(|at| rays[at]);
+    let (length, digest) = (rays.len(), digest(&rays));
+    writeln!(
+        text,
+        "Perspective {length}: {first:x} {middle:x} {last:x} {digest:016x}"
+    )
+    .unwrap();
     text
 }
 
@@ -329,10 +345,70 @@ Disc 129: 4000 4000 4000 07c7c422efd81135
 Disc 1025: 40000 40000 40000 45f2350438b74751
 Disc 4097: 4000000 4000000 4000000 1945a656b6ed0d29
 Disc 4097: 10000000 10000000 10000000 da366c0f2177f8c5
+Perspective 2145: 0 1e1e1e1e 33333333 90a81e35f0b700ad
 ";
 
 #[test]
 fn the_tables_hold_these_words() {
     let tables = table_words();
     assert!(tables == TABLES, "\n{tables}");
+}
+
+/// Stamps of the leaf at some phases: sides, where copies begin and end, and a digest of all kernel values.
+fn stamp_words<D: Design>(design: D, phase_bits: u8) -> String {
+    let (widths, rules) = (design.widths(), Rules::GAUSSIAN_3D);
+    let footprint = setup(design, &small_view(), &rules, &leaf()).unwrap();
+    let mut memory = vec![0; entries(&widths)];
+    fill_gaussian(&mut memory, &widths, rules.table_range);
+    let table = FootprintTable::new(&memory, &widths, rules.table_range).unwrap();
+    let shape = StampShape::new(&footprint, phase_bits).unwrap();
+    let mut words = vec![u32::MAX; shape.words()];
+    assert!(fill_stamps(&mut words, design, &table, &shape, &footprint));
+    assert!(!fill_stamps(
+        &mut words[1..],
+        design,
+        &table,
+        &shape,
+        &footprint
+    ));
+    let mut text = format!(
+        "{:?}, {phase_bits} bits, {:016x}:",
+        shape.side(),
+        digest(&words)
+    );
+    for [x, y] in [[0.0, 0.0], [5.49, 7.51], [-3.26, 19.9], [27.7, -9.3]] {
+        let centre = [x, y].map(|c: f64| (c * f64::from(widths.subpixel).exp2()) as i64);
+        let placement = shape.place(centre, widths.subpixel);
+        let Window { first, end } = shape.bounds(&placement, [28, 20]);
+        let stamp = Stamp::new(&words, shape).unwrap();
+        let window = Window {
+            first: [2, 3],
+            end: [26, 17],
+        };
+        let rows = stamp
+            .rows(placement, &window)
+            .map(|row| digest(row.weights) ^ u64::from(row.y) << 32 ^ u64::from(row.x));
+        let rows = rows.fold(0, |sum: u64, row| sum.rotate_left(7) ^ row);
+        write!(text, " {first:?} {end:?} {rows:x}").unwrap();
+    }
+    text + "\n"
+}
+
+const STAMPS: &str = "\
+[19, 12], 0 bits, 12257bed277d9ee4: [0, 0] [10, 6] 8d77f99d1398df6d [0, 2] [15, 14] 4783fe7a587bfb90 [0, 14] [7, 20] d2c44ea552826961 [19, 0] [28, 0] 0
+[19, 12], 2 bits, 26e21676ca7caa47: [0, 0] [10, 6] 94566d8f26acec57 [0, 2] [15, 14] fb8b5673b35ea4a7 [0, 14] [6, 20] 9fc21ca6c654b5ab [18, 0] [28, 0] 0
+[19, 12], 1 bits, 2536b4f8453b52f8: [0, 0] [10, 6] 9f8bee75ce1673ef [0, 2] [15, 14] 48ade4ec2deaa7ea [0, 14] [6, 20] 9fc21ca6c654b5ab [18, 0] [28, 0] 0
+[19, 12], 3 bits, 52f50e01cc6c7ae6: [0, 0] [10, 6] 4ba80caa61aedf33 [0, 2] [15, 14] d513d6fdee00c065 [0, 14] [6, 20] 9fc21ca6c654b5ab [18, 0] [28, 0] 0
+";
+
+#[test]
+fn stamps_hold_these_words() {
+    let stamps = [
+        stamp_words(Classic8, 0),
+        stamp_words(Lean18, 2),
+        stamp_words(Standard24, 1),
+        stamp_words(Deep32, 3),
+    ]
+    .concat();
+    assert!(stamps == STAMPS, "\n{stamps}");
 }

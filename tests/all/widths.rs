@@ -6,8 +6,8 @@ use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::format::{
-    Classic8, Deep32, Design, Lean18, Rounding, RuntimeWidths, Standard24, Traversal, WIDTH_RANGES,
-    WidthError, Widths,
+    Classic8, Deep32, Design, Lane, Lean18, Rounding, RuntimeWidths, Standard24, Traversal,
+    WIDTH_RANGES, WidthError, Widths,
 };
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::raster::Window;
@@ -117,4 +117,46 @@ fn widths_that_the_arithmetic_cannot_have_are_refused() {
     assert_eq!(refused::<i64>(even(24)), Some(("accumulator", 24, (4, 23))));
     assert_eq!(refused::<i32>(short(28, 12)), Some(("radial", 28, (8, 27))));
     assert_eq!(refused::<i64>(short(28, 12)), None);
+}
+
+/// What other widths leave of a range is never more than the range itself, and exactly what the rules of the format say.
+#[test]
+fn ranges_shrink_as_stated() {
+    for (radial, accumulator) in (8..=44u8).flat_map(|r| (4..=27u8).map(move |a| (r, a))) {
+        for rounding in [Rounding::Nearest, Rounding::NearestEven, Rounding::Truncate] {
+            let widths = Widths {
+                radial,
+                accumulator,
+                rounding,
+                ..Standard24::WIDTHS
+            };
+            let single = rounding == Rounding::NearestEven;
+            let left = if single {
+                23u8.saturating_sub(accumulator)
+            } else {
+                4
+            };
+            assert_eq!(
+                widths.colour_range(),
+                left.min(4),
+                "{accumulator} {rounding:?}"
+            );
+            for ((field, low, high), (_, first, most)) in
+                widths.ranges().into_iter().zip(WIDTH_RANGES)
+            {
+                let expected = match field {
+                    "table" => most.min(radial + 2),
+                    "accumulator" if single => 23,
+                    _ => most,
+                };
+                assert_eq!(
+                    (low, high),
+                    (first, expected),
+                    "{field} beside {radial}, {rounding:?}"
+                );
+            }
+        }
+    }
+    assert_eq!([-1, 0, 1].map(|lane: i32| lane.at_least_zero()), [0, 0, 1]);
+    assert_eq!([-1, 0, 1].map(|lane: i64| lane.at_least_zero()), [0, 0, 1]);
 }
