@@ -100,6 +100,8 @@ pub struct LaneWork {
     pub tiles: Vec<TileWork>,
     /// Tiles in a row of the screen; 0 if that is not known.
     pub columns: u32,
+    /// Fragments that a surface unit normalises of each tile; nothing without one.
+    pub resolved: Vec<u32>,
 }
 
 impl LaneWork {
@@ -114,6 +116,7 @@ impl LaneWork {
             pairs: Vec::with_capacity(workload.pairs.len()),
             tiles: Vec::with_capacity(parts.len()),
             columns: workload.columns,
+            resolved: (workload.surface.as_ref()).map_or(Vec::new(), |work| work.resolved.clone()),
         };
         for (part, tile) in parts.into_iter().zip(&workload.tiles) {
             let base = work.bands.len() as u32;

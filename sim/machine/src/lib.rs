@@ -13,7 +13,7 @@
 //! [`LaneWork`](lanes::LaneWork) once per lane layout; every further machine configuration reuses both.
 
 use splatline_engine::{
-    camera, design, fixed, input, memory as host_memory, picture, rules, scene,
+    camera, design, fixed, input, memory as host_memory, picture, rules, scene, surface,
 };
 
 pub mod accounts;

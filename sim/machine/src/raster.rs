@@ -11,6 +11,7 @@
 //! can decrease when a service time or latency grows.
 
 use super::accounts::{Account, Cause, Fifo};
+use super::area::surface::RESOLVE_LATENCY;
 use super::cache::PacketCache;
 use super::config::{Config, LaneLayout, Overlap};
 use super::lanes::{Band, PairWork};
@@ -34,6 +35,8 @@ struct Costs {
     prefetch: usize,
     write_back: u64,
     clear: u64,
+    /// Between two fragments that a surface unit normalises.
+    resolve: u64,
 }
 
 /// One raster unit's state.
@@ -68,6 +71,8 @@ const HAND_OVER: u64 = 2;
 pub(super) struct TileJob<'a> {
     pub tile: u32,
     pub pixels: u32,
+    /// Fragments of surfaces that are normalised while the tile is read out.
+    pub resolved: u32,
     /// The pairs that are drawn, the first one's first band, and the pairs that follow them.
     pub pairs: &'a [PairWork],
     pub first_pair: usize,
@@ -110,6 +115,7 @@ impl RasterUnit {
             prefetch: config.packet_fifo as usize,
             write_back: config.write_back_cycles.into(),
             clear: config.clear_cycles.into(),
+            resolve: config.resolve_interval.into(),
         };
         RasterUnit {
             number,
@@ -483,7 +489,8 @@ impl RasterUnit {
         let blended = if job.pairs.is_empty() {
             buffer
         } else {
-            last.max(buffer) + self.costs.drain
+            let resolve = if job.resolved > 0 { RESOLVE_LATENCY } else { 0 };
+            last.max(buffer) + self.costs.drain + resolve
         };
         let gap = blended.saturating_sub(self.write_back.at());
         let filled = self.owed.min(gap);
@@ -494,7 +501,11 @@ impl RasterUnit {
             pixels: job.pixels,
             blended,
             begin: self.costs.write_back,
-            least: if primitive { job.pixels.into() } else { 0 },
+            least: if primitive {
+                job.pixels.into()
+            } else {
+                u64::from(job.resolved) * self.costs.resolve
+            },
             clear: self.costs.clear,
         };
         let (start, free) = memory.tile(&mut self.write_back, &tile);

@@ -105,7 +105,7 @@ impl CostedMachine<'_> {
             raster: area.raster,
             around: area.around,
             luts_in_all: area.weight,
-            of: synthesis::statement(prices),
+            of: synthesis::statement_of(prices, self.config),
             part: self.prices.part.as_ref().map(|(_, part)| part.clone()),
         }
     }

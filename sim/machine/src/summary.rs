@@ -164,6 +164,19 @@ pub fn text(name: &str, timing: &Timing) -> String {
         pixels.covered,
         pixels.live
     );
+    if let Some(work) = &timing.surface {
+        let _ = writeln!(
+            text,
+            "surface unit (estimate): {} samples = {} begun + {} accumulated + {} discarded; {} merges, {} fragments normalised, in {} pixels",
+            work.samples,
+            work.begun,
+            work.accumulated,
+            work.discarded,
+            work.merges,
+            work.fragments,
+            work.pixels
+        );
+    }
     let _ = writeln!(
         text,
         "per raster cycle and lane: {:.4} covered, {:.4} live",

@@ -14,7 +14,7 @@ use super::observe::{Blind, Observer};
 use super::order::SortStep;
 use super::raster::{RasterUnit, TileDrawing, TileJob};
 use super::tile_order::sequence;
-use super::workload::Workload;
+use super::workload::{SurfaceCounts, Workload};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -39,6 +39,9 @@ pub struct Timing {
     pub bytes: Bytes,
     /// Work of the lanes.
     pub pixels: PixelWork,
+    /// Work of the surface unit, if surfaces are drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface: Option<SurfaceCounts>,
     /// What a memory part did, if the machine has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub memory: Option<MemoryFacts>,
@@ -217,7 +220,10 @@ fn phases<M: Memory>(
         .end_of_phase(geometry.cycles())
         .max(geometry.cycles());
     let mut sort = Account::default();
-    let steps = SortStep::all(config, workload, geometry.packets, geometry.entries);
+    let steps = match workload.surface {
+        None => SortStep::all(config, workload, geometry.packets, geometry.entries),
+        Some(_) => Vec::new(),
+    };
     memory.sort(&mut sort, &steps);
     sort.wait(Cause::Port, memory.end_of_phase(sort.at()));
     let fill = filled(&geometry, config, memory);
@@ -236,6 +242,7 @@ fn phases<M: Memory>(
         sort: sort_cycles,
         raster: raster_cycles,
         memory: memory.facts(total),
+        surface: workload.surface.as_ref().map(|work| work.counts),
         ..Timing::default()
     };
     timing.add_units(&geometry, &sort, fill.as_ref(), &raster);
@@ -430,6 +437,7 @@ impl<'a> Tiles<'a> {
         TileJob {
             tile: number as u32,
             pixels: tile.pixels,
+            resolved: work.resolved.get(number).copied().unwrap_or(0),
             pairs,
             first_pair,
             first_band,

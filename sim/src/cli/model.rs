@@ -20,7 +20,7 @@ use crate::machine::summary::OverFrames;
 use crate::machine::timing::Timing;
 use crate::machine::workload::{TableOptions, Workload, read_table};
 use crate::machine::{Config, config, energy, others, simulate_alone};
-use crate::plan::DesignVariant;
+use crate::plan::{DesignVariant, Subject};
 use crate::progress::ProgressMeter;
 use crate::report::machine::{page, watch};
 use crate::scene::Scene;
@@ -289,8 +289,10 @@ fn simulated(frames: Vec<PlannedFrame>, prices: &Prices) -> Result<Vec<FrameReco
 fn announce(frame: &NamedFrame) -> Result<(), Failure> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
-    let scene = prepared.splats()?.scene;
-    print_result(&charged(scene, &prepared.plan.machine))
+    match prepared.subject()? {
+        Subject::Splats(splats) => print_result(&charged(splats.scene, &prepared.plan.machine)),
+        Subject::Surface(..) => Ok(()),
+    }
 }
 
 fn from_scene(frame: &NamedFrame) -> Result<Modelled, Failure> {

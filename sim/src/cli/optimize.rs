@@ -95,7 +95,7 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
         started.elapsed().as_secs_f64()
     ))?;
     print_result(&answer.text())?;
-    let note = synthesis::statement(&subject.calibration);
+    let note = synthesis::statement_of(&subject.calibration, &subject.machine);
     let clock = answer.found.first().map(|found| &found.reached.pace.clock);
     let of = clock.map_or(String::new(), |clock| {
         format!("  {} MHz: {}\n", clock.mhz, clock.of)

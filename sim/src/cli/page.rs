@@ -4,7 +4,7 @@ use super::output::{self, Outputs};
 use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
 use super::values::{DesignName, TraversalChoice, VectorValue};
-use super::view_args::{ViewOptions, of_units};
+use super::view_args::{ViewOptions, of_volumes};
 use crate::camera::Camera;
 use crate::framing::FramingInput;
 use crate::page::{Shown, html};
@@ -27,7 +27,7 @@ const LARGEST_SIDE: usize = 2048;
 
 /// Which scene, how it is seen first, and where the page goes.
 #[derive(Debug, Args)]
-#[command(mut_args(of_units))]
+#[command(mut_args(of_volumes))]
 pub struct PageOptions {
     #[command(flatten)]
     pub view: ViewOptions,

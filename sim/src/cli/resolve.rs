@@ -13,7 +13,7 @@ pub use machine::{calibration, energy_table, machine, part, refuse_kept_order};
 use super::drawing_args::{DrawingOptions, TechniqueOptions, WorkOptions};
 use super::machine_args::MachineOptions;
 use super::say::{Failure, print_error};
-use super::values::{DesignName, PictureSize, SceneKind, TraversalChoice, VectorValue};
+use super::values::{DesignName, PictureSize, TraversalChoice, VectorValue};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions};
 use crate::camera::Camera;
 use crate::design::DesignChoice;
@@ -21,7 +21,7 @@ use crate::framing::turned_camera;
 use crate::machine::Config;
 use crate::memory;
 use crate::plan::path::{self, CameraPath};
-use crate::plan::{COMPOSITED_ALONE, DesignVariant, Engine, NO_SURFACE_UNIT, Plan, Prepared};
+use crate::plan::{COMPOSITED_ALONE, DesignVariant, Engine, Plan, Prepared};
 use crate::progress::ProgressMeter;
 use crate::rules::Compositing;
 use anyhow::anyhow;
@@ -157,14 +157,11 @@ impl<'a> PlanRequest<'a> {
 
     /// Refuses, before anything is loaded, what the options say that no unit draws.
     fn check_units(&self) -> Result<(), Failure> {
-        let surface = &self.view.surface;
-        let is_surface = surface.kind == Some(SceneKind::Surface) && surface.flatten.is_none();
         let is_method = self.traversal == Some(TraversalChoice::Stamp)
             || self
                 .technique
                 .is_some_and(|asked| asked.points.is_some() || asked.is_another_method());
         match self.by_units {
-            true if is_surface => Err(Failure::Usage(NO_SURFACE_UNIT.to_owned())),
             true if is_method => Err(Failure::Usage(COMPOSITED_ALONE.to_owned())),
             _ => Ok(()),
         }

@@ -53,9 +53,11 @@ impl SearchOptions {
     ) -> Result<Subject<'a>, Failure> {
         for frame in frames {
             warn(&frame.prepared.setup_warnings()?);
-            frame.prepared.splats()?;
         }
         let mut subject = subject(frames, errors)?;
+        for frame in frames {
+            frame.prepared.check_machine(&subject.machine)?;
+        }
         // What nobody asked for, each design of a space decides.
         let recorded = &frames[0].prepared.plan.entry.traversal;
         let recorded = self.view.from.as_ref().map(|_| *recorded);

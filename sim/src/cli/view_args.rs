@@ -126,7 +126,7 @@ impl PathOptions {
 }
 
 /// Options of what the machine has no units for.
-const BEYOND_UNITS: [&str; 15] = [
+const BEYOND_UNITS: [&str; 9] = [
     "points",
     "phase_bits",
     "sheets",
@@ -136,6 +136,10 @@ const BEYOND_UNITS: [&str; 15] = [
     "alpha_rounding",
     "spheres",
     "sphere_index",
+];
+
+/// Options of surfaces.
+const OF_SURFACES: [&str; 6] = [
     "layers",
     "z_threshold",
     "edges",
@@ -147,6 +151,13 @@ const BEYOND_UNITS: [&str; 15] = [
 /// The help of what draws splats one by one does not list what it always refuses.
 pub fn of_units(arg: Arg) -> Arg {
     let is_beyond = BEYOND_UNITS.contains(&arg.get_id().as_str());
+    arg.hide(is_beyond)
+}
+
+/// The same of what draws volume splats alone.
+pub fn of_volumes(arg: Arg) -> Arg {
+    let id = arg.get_id().as_str();
+    let is_beyond = BEYOND_UNITS.contains(&id) || OF_SURFACES.contains(&id);
     arg.hide(is_beyond)
 }
 

@@ -111,6 +111,9 @@ pub fn usual_space(
     designs: bool,
 ) -> Result<Space, SpaceError> {
     let mut text = USUAL.to_owned();
+    if machine.surface_layers > 0 {
+        text += "resolve_interval = [1, 2, 4, 8, 16, 32]\n";
+    }
     if designs {
         text += "[design]\n";
         for (name, low, high) in WIDTH_RANGES {

@@ -7,7 +7,7 @@ use crate::explore::folder::Appender;
 use crate::explore::limits::{Quantity, tightest};
 use crate::explore::sweep;
 use crate::explore::table::{ResultTable, heading};
-use crate::plan::{DesignVariant, Prepared};
+use crate::plan::{DesignVariant, Plan, Prepared};
 use crate::scene::synthetic;
 
 const SPACE: &str = "[design]\nmantissa = [14, 16, 20, 24]\nalpha = [8, 10, 16, 24]\ncolour = [8, 12, 24]\n\
@@ -26,7 +26,7 @@ fn frames(zooms: &[f64]) -> Vec<Prepared> {
 
 fn subject(frames: &[Prepared]) -> Subject<'_> {
     let mut subject = Subject::new(frames.iter().collect()).unwrap();
-    subject.machine = machine();
+    subject.machine.clock_mhz = machine().clock_mhz;
     subject.draw_references().unwrap();
     subject
 }
@@ -200,12 +200,14 @@ fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
 /// The page's arrows carry every byte, its units all of the energy, and each change of a setting is what the machine so changed reaches.
 #[test]
 fn the_page_shows_all_bytes_and_all_energy() {
-    let frames = frames(&[1.0, 1.3]);
-    let subject = subject(&frames);
+    shows_all(&subject(&frames(&[1.0, 1.3])));
+}
+
+fn shows_all(subject: &Subject) {
     let space = Space::from_toml("s.toml", SPACE).unwrap();
     let limits = [limit(Quantity::FramesPerSecond, 2_000.0)];
-    let answer = optimize(&subject, &limits, &space, &|_| ()).unwrap();
-    let detail = detail(&subject, &limits, &space, &answer).unwrap().unwrap();
+    let answer = optimize(subject, &limits, &space, &|_| ()).unwrap();
+    let detail = detail(subject, &limits, &space, &answer).unwrap().unwrap();
     let reached = &answer.found[0].reached;
     assert_eq!(detail.timing.total, reached.pace.cycles_per_frame);
     assert_eq!(
@@ -226,6 +228,26 @@ fn the_page_shows_all_bytes_and_all_energy() {
     assert!(page.contains("&lt;random&gt;</h1>") && page.contains("area of &lt;nothing&gt;"));
     assert_eq!(page.matches("<svg").count(), 6);
     assert!(!page.contains("NaN") && !page.contains("inf "));
+}
+
+/// A surface's answer too.
+#[test]
+fn a_surface_is_answered_with_all_bytes_and_all_energy() {
+    let plan = Plan::from_toml(include_str!("../../plans/11-layers.toml")).unwrap();
+    let frames = [Prepared::load(plan, &|_| ()).unwrap()];
+    let subject = subject(&frames);
+    assert!(subject.machine.surface_layers > 1);
+    shows_all(&subject);
+    // A machine without its unit, or with another one, is refused.
+    let space = Space::from_toml("s.toml", "[machine]\nsurface_layers = [1, 0]\n").unwrap();
+    let evaluator = Evaluator::new(&subject, false);
+    for point in [[0], [1]] {
+        let error = evaluator.choice(&space, &point).unwrap_err().to_string();
+        assert!(
+            error.contains("it needs a machine with surface_layers"),
+            "{error}"
+        );
+    }
 }
 
 /// An error below what the widest design makes is refused for that.

@@ -4,7 +4,7 @@
 //! refused in a second instead of after a search.
 
 use crate::machine::timing::{Bytes, PixelWork, SplatCounts};
-use crate::machine::workload::Workload;
+use crate::machine::workload::{SurfaceCounts, Workload};
 use crate::machine::{Config, Timing};
 
 /// Counts are those of the design that a search starts from. Another one may blend fewer pixels, where its opacities round to 0: this part is counted.
@@ -84,6 +84,7 @@ impl FrameCounts {
                 ..PixelWork::default()
             },
             bytes,
+            surface: (machine.surface_layers > 0).then(SurfaceCounts::default),
             ..Timing::default()
         }
     }

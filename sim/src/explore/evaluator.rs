@@ -17,7 +17,7 @@ use crate::machine::config::Config;
 use crate::machine::energy::{self, EnergyTable};
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::summary::Spread;
-use crate::machine::workload::{Workload, extract_if_room};
+use crate::machine::workload::Workload;
 use crate::machine::{Timing, simulate};
 use crate::picture::Picture;
 use crate::plan::{self, DesignVariant, Engine, Prepared};
@@ -275,6 +275,9 @@ impl<'a> Evaluator<'a> {
         let mut machine = self.subject.machine;
         let settings = space.settings(point, |part| part != SpacePart::Design);
         machine.set_all("space", &settings)?;
+        for frame in &self.subject.frames {
+            frame.check_machine(&machine)?;
+        }
         Ok(machine)
     }
 
@@ -430,10 +433,8 @@ impl<'a> Evaluator<'a> {
         tile: [u16; 2],
         frame: usize,
     ) -> Result<Arc<Workload>> {
-        let splats = self.subject.frames[frame].splats()?;
-        let options = splats.options(variant);
-        let workload = extract_if_room(splats.scene, splats.camera, &options, tile)?;
-        Ok(Arc::new(workload))
+        let frame = self.subject.frames[frame];
+        Ok(Arc::new(frame.workload_of(variant, tile)?))
     }
 
     fn frame_cost(&self, choice: &Choice, workload: &Workload, work: &LaneWork) -> FrameCost {

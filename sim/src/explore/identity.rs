@@ -12,7 +12,7 @@ use crate::difference::{Difference, differences};
 use crate::digest::Digest;
 use crate::machine::area::synthesis;
 use crate::machine::config;
-use crate::plan::Prepared;
+use crate::plan::{Prepared, Subject as Drawn};
 use crate::scene::{Harmonics, Scene, Weight};
 use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
@@ -43,15 +43,14 @@ impl Identity {
             .collect();
         let (first, more) = subject.frames.split_first().context("there is no frame")?;
         let mut scenes = SceneDigests::default();
-        let scene = &first.splats()?.scene;
         let look = technique(first)?;
         Ok(Identity(json!({
             "format": FORMAT,
             "program": { "version": env!("CARGO_PKG_VERSION"), "sources_sha256": env!("SPLATLINE_SOURCES") },
             "scene": {
-                "name": scene.name,
-                "splats": scene.splats.len(),
-                "sha256": scenes.of(scene),
+                "name": first.scene.name(),
+                "splats": first.scene.len(),
+                "sha256": scenes.of(first)?,
             },
             "camera": serde_json::from_str::<Value>(&first.plan.camera.to_json())?,
             "more_frames": more.iter().map(|frame| scenes.frame(frame)).collect::<Result<Vec<_>>>()?,
@@ -119,34 +118,44 @@ impl Identity {
     }
 }
 
-/// Rules, order and method of blending, as a plan records them.
+/// Rules, order and method of blending as a plan records them, or the style of surfaces as its rules.
 fn technique(frame: &Prepared) -> Result<Value> {
     let mut recorded = serde_json::to_value(frame.plan.technique)?;
-    Ok(recorded["splats"].take())
+    Ok(match frame.subject()? {
+        Drawn::Splats(_) => recorded["splats"].take(),
+        Drawn::Surface(..) => json!({ "rules": recorded["surface"] }),
+    })
 }
 
 /// The digest of the last scene, which many frames may share.
 #[derive(Default)]
-struct SceneDigests(Option<(*const Scene, String)>);
+struct SceneDigests(Option<(*const (), String)>);
 
 impl SceneDigests {
-    fn of(&mut self, scene: &Scene) -> String {
-        match &self.0 {
-            Some((known, digest)) if std::ptr::eq(*known, scene) => digest.clone(),
-            _ => {
-                let digest = of_scene(scene);
-                self.0 = Some((scene, digest.clone()));
-                digest
-            }
+    fn of(&mut self, frame: &Prepared) -> Result<String> {
+        let scene: *const () = match frame.subject()? {
+            Drawn::Splats(splats) => std::ptr::from_ref(splats.scene).cast(),
+            Drawn::Surface(scene, _) => std::ptr::from_ref(scene).cast(),
+        };
+        if let Some((known, digest)) = &self.0
+            && *known == scene
+        {
+            return Ok(digest.clone());
         }
+        let digest = match frame.subject()? {
+            Drawn::Splats(splats) => of_scene(splats.scene),
+            // Numbers are printed with all their bits.
+            Drawn::Surface(scene, _) => of_bytes(format!("{scene:?}").as_bytes()),
+        };
+        self.0 = Some((scene, digest.clone()));
+        Ok(digest)
     }
 
     /// Scene, camera and rules of a further frame.
     fn frame(&mut self, frame: &Prepared) -> Result<Value> {
-        let scene = frame.splats()?.scene;
         Ok(json!({
-            "scene": scene.name,
-            "sha256": self.of(scene),
+            "scene": frame.scene.name(),
+            "sha256": self.of(frame)?,
             "camera": serde_json::from_str::<Value>(&frame.plan.camera.to_json())?,
             "rules": technique(frame)?["rules"],
         }))

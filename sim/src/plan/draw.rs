@@ -1,13 +1,15 @@
 //! From a prepared plan to a picture through the kernel: the systems' different results become one [`Drawing`].
 
-use super::{AlphaChannel, DesignVariant, Prepared, SheetBuffers, SplatMethod, Splats, Subject};
+use super::{
+    AlphaChannel, DesignVariant, Prepared, SheetBuffers, SplatMethod, Splats, Subject, surface_unit,
+};
 use crate::fast::frame::FrameFacts;
 use crate::fast::lanes::VectorLevel;
 use crate::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
 use crate::fixed::{self, HybridRenderer, QuantisedScene};
 use crate::machine::config::Binning;
 use crate::machine::workload::{
-    InOrder, Workload, extract_from, extract_if_room, extract_in_order, room_for,
+    InOrder, Workload, extract_from, extract_if_room, extract_in_order, extract_surface, room_for,
 };
 use crate::machine::{Config, Timing, simulate_alone};
 use crate::picture::Picture;
@@ -19,7 +21,7 @@ use crate::report::{HostTimes, PixelCounts};
 use crate::scene::Scene;
 use crate::surface::Style;
 use crate::threads;
-use anyhow::{Context, Error, Result};
+use anyhow::{Context, Error, Result, bail};
 use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::setup::{self as kernel, Cull};
@@ -121,20 +123,52 @@ impl Prepared {
         Ok(facts.warnings(&self.warnings))
     }
 
-    /// The work of the splats on a machine's tiles.
+    /// The work on the machine's tiles.
     pub fn workload(&self) -> Result<Workload> {
+        let machine = &self.plan.machine;
+        self.check_machine(machine)?;
+        self.workload_of(&self.plan.entry, [machine.tile_width, machine.tile_height])
+    }
+
+    /// The work by a design on tiles of a size.
+    pub fn workload_of(&self, entry: &DesignVariant, tile: [u16; 2]) -> Result<Workload> {
+        if let Subject::Surface(scene, style) = self.subject()? {
+            let points = QuantisedPoints::new(scene, &self.plan.camera);
+            let DesignVariant { design, traversal } = entry;
+            return Ok(extract_surface(&points, style, design, *traversal, tile)?);
+        }
         let splats = self.splats()?;
-        let Config {
-            tile_width,
-            tile_height,
-            ..
-        } = self.plan.machine;
+        let (scene, camera) = (splats.scene, splats.camera);
         Ok(extract_if_room(
-            splats.scene,
-            splats.camera,
-            &splats.options(&self.plan.entry),
-            [tile_width, tile_height],
+            scene,
+            camera,
+            &splats.options(entry),
+            tile,
         )?)
+    }
+
+    /// Refuses a machine that has no units for what is drawn.
+    pub fn check_machine(&self, machine: &Config) -> Result<()> {
+        let needed = match self.subject()? {
+            Subject::Surface(_, style) => surface_unit(style),
+            Subject::Splats(_) => self.splats().map(|_| [0; 2])?,
+        };
+        let [surface_layers, surface_light] = needed;
+        let wanted = Config {
+            surface_layers,
+            surface_light,
+            ..*machine
+        };
+        if wanted == *machine {
+            return Ok(());
+        }
+        let name = self.scene.name();
+        if let Err((key, value, allowed)) = wanted.check_together() {
+            bail!("{name}: {key} = {value}: {allowed}");
+        }
+        bail!(
+            "{name}: it needs a machine with surface_layers = {surface_layers} and surface_light = {surface_light}"
+        )
     }
 
     /// Work and picture of lists that keep the order of the picture before, or are sorted anew where there is none.

@@ -31,6 +31,7 @@ pub use technique::{AlphaChannel, SheetBuffers, SplatMethod, Technique};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, traversal_name};
 use crate::machine::area::lane::FloatLane;
+use crate::machine::workload::layers_of;
 use crate::machine::{Config, others};
 use crate::reference::formats::{self, FloatFormat, RoundedStages};
 use crate::rules::{Compositing, Rules};
@@ -49,9 +50,9 @@ use std::sync::Arc;
 pub const COMPOSITED_ALONE: &str = "the machine has units for footprints that are composited one by one: leave out --points, \
      --traversal stamp, --sheets, --deep-alpha and --spheres";
 
-/// Why they take no surfaces.
-pub const NO_SURFACE_UNIT: &str = "the machine has no surface unit: its units set up, walk, look up and blend volume splats, and none of \
-     them gathers surfaces by depth. render, compare, footprints, fit, profile and info take surfaces; simulate, sweep, optimize and trace take splats alone";
+/// Why what knows volume splats alone takes no surfaces.
+pub const VOLUMES_ALONE: &str = "points of a surface are gathered by depth, in the scene's order: machines of others, lists that keep their order (sort_every) \
+     and maps are of volume splats";
 
 /// Bytes of a factor of a harmonic in the machine's memory: 16 bits, of which a reader makes the words of `harmonics_unit.sv`.
 const BYTES_OF_HARMONIC: u32 = 2;
@@ -262,6 +263,11 @@ impl<'a> Splats<'a> {
     }
 }
 
+/// Layers of a pixel and light that a machine needs for a style.
+fn surface_unit(style: &Style) -> [u32; 2] {
+    [layers_of(style), style.light.is_some().into()]
+}
+
 impl Plan {
     /// The plan in the text of a plan file.
     pub fn from_toml(text: &str) -> Result<Plan> {
@@ -288,6 +294,17 @@ impl Prepared {
                 let factors = (u32::from(harmonics.degree) + 1).pow(2) - 1;
                 BYTES_OF_HARMONIC * 3 * factors
             });
+        }
+        if let Technique::Surface(style) = &plan.technique {
+            let [surface_layers, surface_light] = surface_unit(style);
+            let machine = Config {
+                surface_layers,
+                surface_light,
+                ..plan.machine
+            };
+            if plan.machine.surface_layers == 0 && machine.check_together().is_ok() {
+                plan.machine = machine;
+            }
         }
         Prepared {
             plan,
@@ -415,7 +432,7 @@ impl Prepared {
         match self.subject()? {
             Subject::Splats(splats) if splats.are_composited() => Ok(splats),
             Subject::Splats(_) => bail!("{}: {COMPOSITED_ALONE}", self.scene.name()),
-            Subject::Surface(..) => bail!("{}: {NO_SURFACE_UNIT}", self.scene.name()),
+            Subject::Surface(..) => bail!("{}: {VOLUMES_ALONE}", self.scene.name()),
         }
     }
 

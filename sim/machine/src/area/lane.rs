@@ -108,7 +108,7 @@ pub fn fixed_lane(widths: &Widths, calibration: &Calibration) -> LaneUnits {
         transistors: products + sums(&bits).map(sum_transistors).iter().sum::<u64>(),
         fabric: Fabric {
             luts: sums(&bits).iter().sum(),
-            dsps: lane_dsps(&bits, &Config::primitive(1), calibration),
+            dsps: lane_dsps(&bits, None, &Config::primitive(1), calibration),
             ..Fabric::default()
         },
     }
@@ -130,7 +130,7 @@ pub fn in_format(
         luts: (area.raster.luts + float.luts)
             .saturating_sub(lanes * sums(&bits).iter().sum::<u64>()),
         dsps: (area.raster.dsps + float.dsps)
-            .saturating_sub(units * lane_dsps(&bits, config, calibration)),
+            .saturating_sub(units * lane_dsps(&bits, None, config, calibration)),
         ..area.raster
     };
     let weight = calibration.weight(&(raster + area.around));

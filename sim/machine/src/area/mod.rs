@@ -11,6 +11,7 @@ mod check;
 pub(super) mod circuit;
 pub mod lane;
 pub mod setup;
+pub mod surface;
 pub mod synthesis;
 pub mod units;
 
@@ -24,6 +25,7 @@ use splatline::footprint::packet;
 use splatline::format::{Traversal, Widths};
 use std::fmt;
 use std::ops::{Add, Mul};
+use surface::SurfaceBits;
 
 /// What a circuit takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -78,9 +80,14 @@ pub fn raster_unit(
 ) -> Fabric {
     let bits = Bits::new(widths);
     let rows = rows(&bits, traversal, config, calibration);
+    let surface = SurfaceBits::of(widths, config);
+    let logic = surface.map_or(Fabric::default(), |surface| {
+        surface.logic(widths, config, calibration)
+    });
     splat_setup(&bits, traversal, config, calibration)
         + rows * u64::from(config.rows_at_once)
-        + lanes(&bits, config, calibration)
+        + lanes(&bits, surface, config, calibration)
+        + logic
 }
 
 /// Multipliers for products of the same unit, of which a longer interval lets several share one.
@@ -141,7 +148,12 @@ fn rows(bits: &Bits, traversal: Traversal, config: &Config, calibration: &Calibr
 }
 
 /// All lanes with their queues, tables and banks. Only with the layout `rows` has each lane a queue of its own.
-fn lanes(bits: &Bits, config: &Config, calibration: &Calibration) -> Fabric {
+fn lanes(
+    bits: &Bits,
+    surface: Option<SurfaceBits>,
+    config: &Config,
+    calibration: &Calibration,
+) -> Fabric {
     let lanes = u64::from(config.lanes);
     let banks = match config.buffer_banks {
         0 => lanes,
@@ -164,15 +176,18 @@ fn lanes(bits: &Bits, config: &Config, calibration: &Calibration) -> Fabric {
     let luts = lane(&calibration.luts) + lanes * mask + queues * queue(config.row_fifo).luts;
     let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
     let [words, entry] = bits.table;
-    let bank: u64 = bits
-        .pixel
+    let pixel = match surface {
+        Some(surface) => vec![surface.layers * surface.fragment],
+        None => bits.pixel.to_vec(),
+    };
+    let bank: u64 = pixel
         .iter()
         .map(|word| calibration.memory(pixels.div_ceil(banks), *word))
         .sum();
     Fabric {
         luts: luts.saturating_sub(lanes * queue(QUEUE).luts),
         flip_flops: lane(&calibration.flip_flops),
-        dsps: lane_dsps(bits, config, calibration),
+        dsps: lane_dsps(bits, surface, config, calibration),
         memory_kbit: ports * calibration.memory(words, entry)
             + banks * u64::from(config.tile_buffers) * bank
             + queues * queue(config.row_fifo).memory_kbit,
@@ -188,14 +203,22 @@ fn table_ports(config: &Config) -> u64 {
 }
 
 /// Multipliers of all lanes of a raster unit.
-fn lane_dsps(bits: &Bits, config: &Config, calibration: &Calibration) -> u64 {
+fn lane_dsps(
+    bits: &Bits,
+    surface: Option<SurfaceBits>,
+    config: &Config,
+    calibration: &Calibration,
+) -> u64 {
     let [opacity, share, colour] = bits.blend_products().map(|product| product.factors);
     let blend = |products: &[[u64; 2]]| shared(products, config.blend_interval, calibration);
     let interpolation = bits
         .interpolation_product()
         .map_or(0, |product| calibration.tiles(product.factors));
-    u64::from(config.lanes) * (blend(&[opacity]) + blend(&[share]) + blend(&[colour; 3]))
-        + table_ports(config) * interpolation
+    let blended = match surface {
+        Some(surface) => blend(&surface.gathered()),
+        None => blend(&[share]) + blend(&[colour; 3]),
+    };
+    u64::from(config.lanes) * (blend(&[opacity]) + blended) + table_ports(config) * interpolation
 }
 
 /// Geometry setup where no circuit was synthesised ([`setup`], [`circuit::Geometry`]): more often than once in eight cycles, or for another family.
@@ -203,20 +226,30 @@ fn lane_dsps(bits: &Bits, config: &Config, calibration: &Calibration) -> u64 {
 /// Its operators are counted. Those of splat setup and rows, counted the same way, come out several times smaller than their synthesis (rounding,
 /// saturation, special cases); geometry setup is taken to be short by the same factor.
 fn counted_setup(widths: &Widths, config: &Config, calibration: &Calibration) -> Fabric {
-    let m = u64::from(widths.mantissa);
     let geometry = GeometryCircuit::new(widths);
-    let written = Bits::new(widths).operators();
-    let written: f64 = written.iter().map(Operators::luts).sum();
-    let logic = |lines: &Lines| {
-        let synthesised = lines.setup.at(m) + lines.rows.at(m);
-        (geometry.counted().luts() * synthesised / written).round() as u64
-    };
+    let operators = geometry.counted().luts();
+    let logic = |lines: &Lines| as_synthesised(operators, lines, widths);
     Fabric {
         luts: logic(&calibration.luts),
         flip_flops: logic(&calibration.flip_flops),
         dsps: shared(&geometry.products(), config.setup_interval, calibration),
         memory_kbit: 2 * calibration.memory(GeometryCircuit::TABLE_WORDS, geometry.table_bits),
     }
+}
+
+/// What so many counted look-up tables of operators take, if synthesis adds as much to them as to those of splat setup and rows.
+fn as_synthesised(operators: f64, lines: &Lines, widths: &Widths) -> u64 {
+    let m = u64::from(widths.mantissa);
+    let written = Bits::new(widths).operators();
+    let written: f64 = written.iter().map(Operators::luts).sum();
+    let synthesised = lines.setup.at(m) + lines.rows.at(m);
+    (operators * synthesised / written).round() as u64
+}
+
+/// Bits of a packet of a machine.
+pub fn packet_bits(widths: &Widths, traversal: Traversal, config: &Config) -> u64 {
+    let surface = SurfaceBits::of(widths, config).map_or(0, |bits| bits.packet);
+    packet::Layout::new(widths, traversal).bits() as u64 + surface
 }
 
 /// Queues of splats and packets. The circuit has none between splat setup and rows.
@@ -226,7 +259,7 @@ fn queues(
     config: &Config,
     calibration: &Calibration,
 ) -> Fabric {
-    let bits = packet::Layout::new(widths, traversal).bits() as u64;
+    let bits = packet_bits(widths, traversal, config);
     let queue = |depth: u32, bits: u64| calibration.queue(depth.into(), bits);
     let splats = match config.overlap {
         Overlap::Primitive => Fabric::default(),

@@ -4,6 +4,7 @@
 //! fitted; two lanes and a design between the two have not been seen by the fit.
 
 use super::calibration::{Calibration, Family};
+use super::surface::ESTIMATED;
 use super::{Fabric, RESOURCES, lines_of, raster_unit, units};
 use crate::config::Config;
 use crate::design::DesignChoice;
@@ -202,7 +203,16 @@ pub fn errors(family: Family) -> AreaErrors {
     AreaErrors { fitted, unseen }
 }
 
-/// What a reader of an estimate must know: for which devices it is, and how well it met synthesis.
+/// What kind of estimate the area of a machine is.
+pub fn statement_of(calibration: &Calibration, config: &Config) -> String {
+    let statement = statement(calibration);
+    match config.surface_layers {
+        0 => statement,
+        _ => format!("{statement}; {ESTIMATED}"),
+    }
+}
+
+/// What kind of estimate the area of machines without a surface unit is.
 pub fn statement(calibration: &Calibration) -> String {
     let name = calibration.family.name();
     if !calibration.is_own() {

@@ -38,7 +38,10 @@ pub(super) fn of_machine(config: &Config, calibration: &Calibration) -> Fabric {
     let raster_units = u64::from(config.raster_units);
     // Splats are read for setup and by the sort, lists and packets by each raster unit.
     let readers = 2 + raster_units;
-    let mut all = unit("sort") + unit("binning") + unit("stream") * readers;
+    let mut all = unit("binning") + unit("stream") * readers;
+    if config.surface_layers == 0 {
+        all = all + unit("sort");
+    }
     all = all + unit("arbiter") * readers.div_ceil(ASKERS);
     if config.harmonics_bytes > 0 {
         all = all + unit("harmonics");

@@ -75,6 +75,16 @@ impl Config {
                 "allowed is 1 with a sort_passes below 2: to merge what came into a kept list is a pass itself",
             ),
             (
+                before_binning && self.surface_layers > 0,
+                "sorter",
+                "allowed is \"passes\" with a surface unit: it takes splats in any order, and nothing is sorted",
+            ),
+            (
+                self.overlap == Overlap::Primitive && self.surface_layers > 0,
+                "overlap",
+                "allowed with surface_layers = 0: the circuit of sim/rtl has no surface unit",
+            ),
+            (
                 part && self.overlap_frames > 1,
                 "overlap_frames",
                 "allowed is 1 with a memory part: phases of two pictures at one port are not simulated",

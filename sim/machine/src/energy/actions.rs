@@ -6,11 +6,13 @@
 
 use super::super::area::circuit::{Bits, GeometryCircuit, Product, SetupStage};
 use super::super::area::lane::{FloatLane, OPERATIONS};
+use super::super::area::packet_bits;
+use super::super::area::surface::SurfaceBits;
 use super::super::config::{Config, Overlap};
 use super::super::timing::Timing;
+use super::super::workload::SurfaceCounts;
 use super::EnergyTable;
 use serde::Serialize;
-use splatline::footprint::packet;
 use splatline::format::{Traversal, Widths};
 
 /// What is done, so often, for so much each.
@@ -157,7 +159,8 @@ pub fn of<'a>(
 ) -> Vec<UnitActions<'a>> {
     let picture = CountedPicture {
         bits: Bits::new(widths),
-        packet: packet::Layout::new(widths, traversal).bits() as u64,
+        packet: packet_bits(widths, traversal, config),
+        surface: SurfaceBits::of(widths, config).zip(timing.surface),
         traversal,
         config,
         timing,
@@ -174,7 +177,14 @@ pub fn of<'a>(
         picture.splat_setup(),
         picture.row_generator(widths),
     ]);
-    units.extend([picture.lanes(), picture.blend(), picture.write_back()]);
+    units.push(picture.lanes());
+    match &picture.surface {
+        Some((bits, counts)) => {
+            units.push(picture.gather(bits, counts));
+            units.push(picture.resolve(bits, counts));
+        }
+        None => units.extend([picture.blend(), picture.write_back()]),
+    }
     if let Some(memory) = &timing.memory {
         // Bursts are moved whole: what nobody wanted of them takes as much.
         let mut unit = UnitActions::new("port", table);
@@ -227,6 +237,8 @@ struct CountedPicture<'a, 't> {
     bits: Bits,
     /// Bits of a packet.
     packet: u64,
+    /// A surface unit, and what it did.
+    surface: Option<(SurfaceBits, SurfaceCounts)>,
     traversal: Traversal,
     config: &'a Config,
     timing: &'a Timing,
@@ -364,9 +376,38 @@ impl<'t> CountedPicture<'_, 't> {
         unit
     }
 
+    /// Each sample's depth, and a look at its pixel; what is not discarded is multiplied, added and written.
+    fn gather(&self, bits: &SurfaceBits, counts: &SurfaceCounts) -> UnitActions<'t> {
+        let gathered = counts.begun + counts.accumulated;
+        let mut unit = self.unit("gather");
+        unit.adders(SurfaceBits::DEPTH, self.timing.pixels.visited);
+        unit.adder_bits(bits.gather_adders(), counts.samples);
+        unit.products(&bits.gathered(), gathered);
+        let (words, pixel) = (bank_words(self.config), bits.layers * bits.fragment);
+        unit.memory("tile_buffer", words, pixel, [counts.samples, gathered]);
+        unit
+    }
+
+    /// Every pixel is read, and cleared for the next tile; every fragment is divided, shaded and composed.
+    fn resolve(&self, bits: &SurfaceBits, counts: &SurfaceCounts) -> UnitActions<'t> {
+        let (written, resolved) = (self.written(), counts.fragments + 2 * counts.merges);
+        let mut unit = self.unit("resolve");
+        unit.products(&bits.resolved(), resolved);
+        unit.adder_bits(bits.resolve_adders(), resolved);
+        let (words, pixel) = (bank_words(self.config), bits.layers * bits.fragment);
+        unit.memory("tile_buffer", words, pixel, [written; 2]);
+        unit.dram("write", self.timing.bytes.pixels_written);
+        unit
+    }
+
+    /// Pixels written back.
+    fn written(&self) -> u64 {
+        self.timing.bytes.pixels_written / u64::from(self.config.pixel_bytes)
+    }
+
     /// Every pixel is read, and cleared for the next tile.
     fn write_back(&self) -> UnitActions<'t> {
-        let written = self.timing.bytes.pixels_written / u64::from(self.config.pixel_bytes);
+        let written = self.written();
         let mut unit = self.unit("write_back");
         for bits in self.bits.pixel {
             unit.memory("tile_buffer", bank_words(self.config), bits, [written; 2]);

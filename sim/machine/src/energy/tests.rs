@@ -1,7 +1,7 @@
 use super::*;
 use crate::simulate_alone;
 use crate::tests::{machine, workload};
-use crate::workload::Workload;
+use crate::workload::{SurfaceCounts, SurfaceWork, Workload};
 use proptest::prelude::*;
 use splatline::format::{Classic8, Lean18, Standard24};
 
@@ -15,6 +15,36 @@ fn estimated(workload: &Workload, config: &Config, table: &EnergyTable) -> Energ
         &timing,
         table,
     )
+}
+
+/// The same work as if it were a surface's.
+fn with_surfaces(
+    workload: Workload,
+    config: Config,
+    (surface_layers, surface_light, resolve_interval): (u32, u32, u32),
+) -> (Workload, Config) {
+    let covered = workload.totals().covered;
+    let counts = SurfaceCounts {
+        samples: covered,
+        begun: covered / 3,
+        accumulated: covered - covered / 3,
+        merges: covered / 7,
+        fragments: covered / 4,
+        pixels: covered / 8,
+        ..SurfaceCounts::default()
+    };
+    let resolved = workload.tiles.iter().map(|tile| 2 * tile.pixels).collect();
+    let workload = Workload {
+        surface: Some(SurfaceWork { counts, resolved }),
+        ..workload
+    };
+    let config = Config {
+        surface_layers,
+        surface_light,
+        resolve_interval,
+        ..config
+    };
+    (workload, config)
 }
 
 /// Counts of an action over all components of a unit.
@@ -36,7 +66,11 @@ proptest! {
 
     /// The picture is the sum of its units, a unit of its actions, and the bytes of DRAM those of the accounts, to the last digit.
     #[test]
-    fn energies_sum_exactly(workload in workload(), config in machine()) {
+    fn energies_sum_exactly(workload in workload(), config in machine(), surface in proptest::option::of((1u32..9, 0u32..2, 1u32..9))) {
+        let (workload, config) = match surface {
+            Some(unit) => with_surfaces(workload, config, unit),
+            None => (workload, config),
+        };
         let table = EnergyTable::default();
         let energy = estimated(&workload, &config, &table);
         let mut all = 0u128;
@@ -95,6 +129,7 @@ fn one_splat() -> Workload {
     Workload {
         columns: 0,
         kept: None,
+        surface: None,
         key_bits: 0,
         tile: [16, 8],
         packet_bytes: 48,

@@ -285,15 +285,15 @@ impl ExtractJob<'_> {
 }
 
 /// Notes the rows of one footprint in one tile.
-struct Note<'a> {
-    footprint: &'a Footprint,
-    widths: &'a Widths,
-    window: Window,
-    first_row: u16,
+pub(super) struct Note<'a> {
+    pub footprint: &'a Footprint,
+    pub widths: &'a Widths,
+    pub window: Window,
+    pub first_row: u16,
 }
 
 impl Note<'_> {
-    fn rows<R: Spans>(&self, mut runs: R, target: &mut Target, rows: &mut [WorkloadRow]) {
+    pub fn rows<R: Spans>(&self, mut runs: R, target: &mut Target, rows: &mut [WorkloadRow]) {
         let drop = runs.fraction() as i32 - i32::from(self.widths.radial);
         while let Some(run) = runs.next_span() {
             // A second seed within a row of the tile continues its run.

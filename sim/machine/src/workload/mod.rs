@@ -7,11 +7,13 @@
 mod extract;
 mod kept;
 mod room;
+mod surface;
 mod table;
 
 pub use extract::{InOrder, extract, extract_from, extract_if_room, extract_in_order};
 pub use kept::OrderChanges;
 pub use room::room_for;
+pub use surface::{SurfaceCounts, SurfaceWork, extract_surface, layers_of};
 pub use table::{TableError, TableOptions, read_table};
 
 use splatline::blend::Pixel;
@@ -104,6 +106,8 @@ pub struct Workload {
     pub key_bits: u64,
     /// What changed in the lists where they keep the order of the picture before; nothing where all is sorted anew.
     pub kept: Option<OrderChanges>,
+    /// What a surface unit does, if surfaces are drawn: their tiles' lists are in the scene's order, which nobody sorts.
+    pub surface: Option<SurfaceWork>,
 }
 
 /// Sums over a workload.

@@ -238,7 +238,7 @@ fn a_report_counts_the_same_cycles_again() {
     assert_eq!(timing["cycles"]["total"], counted("a")["total"]);
 }
 
-/// Surfaces come through the same entrance; what counts cycles says in one sentence why it does not take them.
+/// Surfaces come through the same entrance; what counts cycles has a unit for them.
 #[test]
 fn surfaces_are_taken_by_every_command_that_they_mean_something_for() {
     let folder = tempfile::tempdir().unwrap();
@@ -286,20 +286,74 @@ fn surfaces_are_taken_by_every_command_that_they_mean_something_for() {
     let report = read_report(&folder.path().join("out/report.json"));
     assert!(report.error.unwrap().rgb.max_abs <= 0.02);
     std::fs::write(path("s.toml"), "[machine]\nlanes = [1, 2]\n").unwrap();
-    for line in [
-        format!("model {scene}"),
-        format!("trace {scene} --format vcd -o {}", path("t.vcd")),
-        format!(
-            "explore {scene} --space {} -o {}",
-            path("s.toml"),
-            path("e")
-        ),
-    ] {
-        let Err(Failure::Usage(message)) = run_line(&line) else {
-            panic!("{line} was accepted");
-        };
-        assert!(message.contains(NO_SURFACE_UNIT), "{line}: {message}");
+    run_line(&format!(
+        "sweep {scene} --space {} -o {}",
+        path("s.toml"),
+        path("e")
+    ))
+    .unwrap();
+    run_line(&format!("trace {scene} --format vcd -o {}", path("t.vcd"))).unwrap();
+}
+
+/// Its machine has a unit that is an estimate, and says so; what else is of volume splats alone refuses it.
+#[test]
+fn a_surface_is_simulated_and_its_question_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let cloud = path("c.xyz");
+    write_cloud(Path::new(&cloud));
+    let scene = format!("{cloud} --as surface --size 40x30");
+    run_line(&format!("simulate {scene} -o {}", path("m"))).unwrap();
+    let timing = read_json(&folder.path().join("m/timing.json"));
+    let work = &timing["cycles"]["surface"];
+    assert!(
+        work["samples"].as_u64() > work["fragments"].as_u64()
+            && work["fragments"].as_u64() > Some(0)
+    );
+    let limits = "--fps 100 --max-error 0.05 --lut 100000";
+    std::fs::write(
+        path("s.toml"),
+        "[machine]\nlanes = [1, 2]\nresolve_interval = [1, 8]\nsetup_interval = [8, 16]\n",
+    )
+    .unwrap();
+    let space = path("s.toml");
+    run_line(&format!(
+        "optimize {scene} {limits} --space {space} -o {}",
+        path("a")
+    ))
+    .unwrap();
+    let answer = read_json(&folder.path().join("a/answer.json"));
+    assert_eq!(answer["answer"]["holds"], true);
+    for said in [&timing["area"]["of"], &answer["area_of"]] {
+        let said = said.as_str().unwrap();
+        assert!(said.contains("the surface unit is an estimate"), "{said}");
     }
+    let page = std::fs::read_to_string(folder.path().join("a/answer.html")).unwrap();
+    assert!(page.contains("the surface unit is an estimate") && page.contains("gather"));
+    for (options, expected) in [
+        ("--machines", VOLUMES_ALONE),
+        (
+            "--turntable 2 --set sort_passes=2 --set sort_every=2",
+            VOLUMES_ALONE,
+        ),
+        (
+            "--machine primitive-4",
+            "the circuit of sim/rtl has no surface unit",
+        ),
+        (
+            "--machine machine-4 --set overlap=pipelined",
+            "nothing is sorted",
+        ),
+        ("--layers 2 --set surface_layers=4", "surface_layers = 2"),
+    ] {
+        let Err(failure) = run_line(&format!("simulate {scene} {options}")) else {
+            panic!("{options} was accepted");
+        };
+        let message = format!("{failure:?}");
+        assert!(message.contains(expected), "{options}: {message}");
+    }
+    let volume = run_line("simulate random:20:1 --size 40x30 --set surface_layers=1");
+    assert!(format!("{:?}", volume.unwrap_err()).contains("surface_layers = 0"));
 }
 
 /// Up, angle and orbit without an eye turn the automatic view, which still shows the whole scene.

@@ -9,7 +9,7 @@ use super::say::explain;
 use super::values::*;
 use super::*;
 use crate::picture::{Depth, Picture};
-use crate::plan::{Engine, NO_SURFACE_UNIT};
+use crate::plan::{Engine, VOLUMES_ALONE};
 use crate::report::Report;
 use crate::rules::Compositing;
 use clap::error::ErrorKind;

@@ -128,6 +128,11 @@ pub fn kernel_rules(style: &Style) -> kernel::Rules {
     }
 }
 
+/// The style's depth threshold in the pixels' format.
+pub fn threshold(style: &Style, points: &QuantisedPoints) -> u32 {
+    (style.threshold * exp2(points.scale_log2 + 23)).round() as u32
+}
+
 /// Draws `scene` as `camera` sees it. A number of layers that [`crate::surface::LAYERS`] lacks counts as the next larger one.
 pub fn draw(
     scene: &SurfaceScene,

@@ -5,7 +5,7 @@
 //! ```
 
 use super::tiles::{GatherTiles, HostCell, Resolved, SurfaceScratch, SurfaceTiles, TileConstants};
-use super::{QuantisedPoints, SurfaceOptions, direction, kernel_rules, material};
+use super::{QuantisedPoints, SurfaceOptions, direction, kernel_rules, material, threshold};
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::fast::frame::{AREA, copy_tiles};
@@ -162,7 +162,7 @@ impl<'a> SurfaceFrames<'a> {
         } = *options;
         let rules = kernel_rules(style);
         let table = TableMemory::new(&design.widths, &rules);
-        let threshold = (style.threshold * exp2(points.scale_log2 + 23)).round() as u32;
+        let threshold = threshold(style, points);
         let numbers = match (engine, traversal) {
             (PaintEngine::Vectors(_), Traversal::Spans) => GatherNumbers::new(
                 &design.widths,

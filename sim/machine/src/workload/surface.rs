@@ -1,0 +1,408 @@
+//! A workload of surfaces from the kernel: its rows, and what its pixels did with the samples that they were given.
+//!
+//! Nothing is sorted and no pixel finishes: every tile takes its splats in the scene's order, and pixels decide by depth. Each sample is counted
+//! as it is added to the kernel's own cell.
+
+use super::extract::Note;
+use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, room_for};
+use crate::area::surface::SurfaceBits;
+use crate::design::{DesignChoice, DesignJob};
+use crate::fixed::surface::{QuantisedPoints, footprints, kernel_rules, threshold};
+use crate::fixed::{table, table_entries};
+use crate::host_memory::TooLarge;
+use crate::surface::{Buffer, Style};
+use rayon::prelude::*;
+use serde::Serialize;
+use splatline::blend::Pixel;
+use splatline::blend::layers::Layers;
+use splatline::blend::surface::{Accumulation, Cell, Fragment, Sample, WeightedSum};
+use splatline::draw::surface::SurfacePainter;
+use splatline::footprint::Footprint;
+use splatline::footprint::packet::Layout;
+use splatline::footprint::surface::SurfaceFootprint;
+use splatline::format::{Design, Traversal};
+use splatline::raster::{BoxSpans, EllipseSpans, Window};
+use splatline::setup::Cull;
+use splatline::target::Target;
+use splatline::target::cells::CellTarget;
+use std::ops::AddAssign;
+
+/// What a surface unit does for a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SurfaceCounts {
+    /// Samples: covered pixels, once per splat, of which the weight is not 0.
+    pub samples: u64,
+    /// Of these, samples that began a fragment, in an empty place or in place of one that lay behind.
+    pub begun: u64,
+    /// Samples that were accumulated into a fragment.
+    pub accumulated: u64,
+    /// Samples that lay behind, or found their fragment full.
+    pub discarded: u64,
+    /// Pairs of fragments that were merged for want of room.
+    pub merges: u64,
+    /// Fragments that were left, each of which is normalised.
+    pub fragments: u64,
+    /// Pixels that have one.
+    pub pixels: u64,
+}
+
+/// A surface unit's work, and the fragments that it normalises of each tile: those that are left and two for each merge.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SurfaceWork {
+    /// Sums over the picture.
+    pub counts: SurfaceCounts,
+    /// Tile by tile.
+    pub resolved: Vec<u32>,
+}
+
+impl AddAssign for SurfaceCounts {
+    fn add_assign(&mut self, other: SurfaceCounts) {
+        self.samples += other.samples;
+        self.begun += other.begun;
+        self.accumulated += other.accumulated;
+        self.discarded += other.discarded;
+        self.merges += other.merges;
+        self.fragments += other.fragments;
+        self.pixels += other.pixels;
+    }
+}
+
+/// Fragments of a pixel that a style needs room for.
+pub fn layers_of(style: &Style) -> u32 {
+    match style.buffer {
+        Buffer::Accumulation | Buffer::Layers(0 | 1) => 1,
+        Buffer::Layers(layers @ 2..=4) => layers as u32,
+        Buffer::Layers(_) => 8,
+    }
+}
+
+/// The work of drawing points in tiles of `tile` columns (at most 64) and rows, unless it does not fit into memory.
+pub fn extract_surface(
+    points: &QuantisedPoints,
+    style: &Style,
+    design: &DesignChoice,
+    traversal: Traversal,
+    tile: [u16; 2],
+) -> Result<Workload, TooLarge> {
+    let viewport = points.view.viewport;
+    let found = footprints(points, style, design);
+    let seen = |found: &SurfaceFootprint| !(style.cull_backfaces && found.back);
+    let shape = |found: &Result<SurfaceFootprint, Cull>| match found {
+        Ok(found) if seen(found) => Ok(found.footprint),
+        Ok(_) => Err(Cull::Transparent),
+        Err(reason) => Err(*reason),
+    };
+    let shapes: Vec<Result<Footprint, Cull>> = found.iter().map(shape).collect();
+    room_for(&shapes, viewport.map(usize::from), tile)?;
+    let boxes = (0..).zip(&shapes).filter_map(|(index, shape)| {
+        let shape = shape.as_ref().ok()?;
+        let is_empty = Window::of(shape).is_empty();
+        (!is_empty).then_some((index, shape.first, shape.end))
+    });
+    let job = SurfaceJob {
+        bins: Bins::new(boxes, viewport, tile),
+        found: &found,
+        viewport,
+        tile,
+        style,
+        threshold: threshold(style, points),
+        traversal,
+    };
+    Ok(design.dispatch(job))
+}
+
+struct SurfaceJob<'a> {
+    bins: Bins,
+    found: &'a [Result<SurfaceFootprint, Cull>],
+    viewport: [u16; 2],
+    tile: [u16; 2],
+    style: &'a Style,
+    threshold: u32,
+    traversal: Traversal,
+}
+
+/// A cell that says how many pairs of its fragments had to be merged.
+trait MergingCell: Cell + Send {
+    fn merged(&self) -> u64 {
+        0
+    }
+}
+
+impl MergingCell for Accumulation {}
+
+impl<const L: usize> MergingCell for Layers<L> {
+    fn merged(&self) -> u64 {
+        self.merges().into()
+    }
+}
+
+/// A cell of the kernel's with what it did.
+#[derive(Clone)]
+struct CountedCell<C> {
+    cell: C,
+    counts: SurfaceCounts,
+}
+
+impl<C: Cell> Cell for CountedCell<C> {
+    const EMPTY: Self = CountedCell {
+        cell: C::EMPTY,
+        counts: SurfaceCounts {
+            samples: 0,
+            begun: 0,
+            accumulated: 0,
+            discarded: 0,
+            merges: 0,
+            fragments: 0,
+            pixels: 0,
+        },
+    };
+
+    fn add(&mut self, gather: &WeightedSum, sample: &Sample) {
+        let near_enough = |fragment: &Fragment| {
+            let low = fragment.near.saturating_sub(gather.threshold);
+            let high = fragment.far.saturating_add(gather.threshold);
+            (low..=high).contains(&sample.depth)
+        };
+        let joins = self.cell.fragments().iter().any(near_enough);
+        let before = self.cell.clone();
+        self.cell.add(gather, sample);
+        let stays = before.fragments() == self.cell.fragments();
+        let counts = &mut self.counts;
+        counts.samples += 1;
+        match (stays, joins) {
+            (true, _) => counts.discarded += 1,
+            (false, true) => counts.accumulated += 1,
+            (false, false) => counts.begun += 1,
+        }
+    }
+
+    fn fragments(&self) -> &[Fragment] {
+        self.cell.fragments()
+    }
+}
+
+impl DesignJob for SurfaceJob<'_> {
+    type Output = Workload;
+
+    fn run<D: Design + Send + Sync>(self, design: D) -> Workload {
+        match self.style.buffer {
+            Buffer::Accumulation => self.gather::<D, Accumulation>(design),
+            Buffer::Layers(0 | 1) => self.gather::<D, Layers<1>>(design),
+            Buffer::Layers(2) => self.gather::<D, Layers<2>>(design),
+            Buffer::Layers(3) => self.gather::<D, Layers<3>>(design),
+            Buffer::Layers(4) => self.gather::<D, Layers<4>>(design),
+            Buffer::Layers(_) => self.gather::<D, Layers<8>>(design),
+        }
+    }
+}
+
+impl SurfaceJob<'_> {
+    fn gather<D: Design + Send + Sync, C: MergingCell>(&self, design: D) -> Workload {
+        let widths = design.widths();
+        let rules = kernel_rules(self.style);
+        let memory = table_entries(&widths, &rules);
+        let table = table(&memory, &widths, &rules);
+        let gather = WeightedSum::new(&widths, self.threshold);
+        let painter = SurfacePainter::new(design, &rules, table, gather, self.traversal);
+        let window = |tile: usize| {
+            let (first, end) = self.bins.window(tile, self.viewport, self.tile);
+            Window { first, end }
+        };
+        let painted = (0..self.bins.lists.len())
+            .into_par_iter()
+            .map(|tile| self.tile::<D, C>(design, &painter, tile, window(tile)));
+        let (parts, counts): (Vec<TilePart>, Vec<SurfaceCounts>) = painted.unzip();
+        let mut work = SurfaceWork::default();
+        for counts in counts {
+            let resolved = counts.fragments + 2 * counts.merges;
+            work.resolved.push(resolved.min(u32::MAX.into()) as u32);
+            work.counts += counts;
+        }
+        let bits = Layout::new(&widths, self.traversal).bits() as u64;
+        let attributes = SurfaceBits::new(&widths, layers_of(self.style), false).packet;
+        let packet_bytes = 4 * (bits + attributes).div_ceil(32) as u32;
+        let pixels = |tile: usize| window(tile).pixels() as u32;
+        let sizes = [self.tile, self.viewport];
+        Workload {
+            surface: Some(work),
+            ..assemble(parts, pixels, self.found.len(), sizes, packet_bytes)
+        }
+    }
+
+    /// Rows and samples of one tile.
+    fn tile<D: Design, C: MergingCell>(
+        &self,
+        design: D,
+        painter: &SurfacePainter<D>,
+        tile: usize,
+        window: Window,
+    ) -> (TilePart, SurfaceCounts) {
+        let widths = design.widths();
+        let mut part = TilePart::default();
+        let mut cells = vec![CountedCell::<C>::EMPTY; window.pixels()];
+        // None of these ever finishes.
+        let mut open = vec![Pixel::clear(&widths); window.pixels()];
+        let columns = usize::from(window.columns());
+        let targets = (
+            CellTarget::new(&mut cells, window),
+            Target::new(&mut open, window, columns),
+        );
+        let (Ok(mut target), Ok(mut open)) = targets else {
+            unreachable!("the tile's memory has just been made for its window")
+        };
+        for index in &self.bins.lists[tile] {
+            let Ok(found) = &self.found[*index as usize] else {
+                continue;
+            };
+            let footprint = &found.footprint;
+            let visible = Window::of(footprint).intersect(&window);
+            let first = part.rows.len();
+            let height = usize::from(visible.end[1] - visible.first[1]);
+            part.rows.resize(first + height, WorkloadRow::default());
+            let note = Note {
+                footprint,
+                widths: &widths,
+                window,
+                first_row: visible.first[1],
+            };
+            let rows = &mut part.rows[first..];
+            match self.traversal {
+                Traversal::Spans => {
+                    note.rows(
+                        EllipseSpans::new(design, footprint, &window),
+                        &mut open,
+                        rows,
+                    );
+                }
+                Traversal::Box => {
+                    note.rows(BoxSpans::new(design, footprint, &window), &mut open, rows);
+                }
+            }
+            painter.draw(found, &mut target);
+            part.pairs.push(Pair {
+                splat: *index,
+                rows_end: (first + height) as u32,
+                first_row: (visible.first[1] - window.first[1]) as u8,
+                visits: rows.iter().any(|row| row.length > 0),
+            });
+        }
+        let mut counts = SurfaceCounts::default();
+        for CountedCell { cell, counts: own } in &cells {
+            let fragments = cell.fragments().len() as u64;
+            counts += SurfaceCounts {
+                merges: cell.merged(),
+                fragments,
+                pixels: u64::from(fragments > 0),
+                ..*own
+            };
+        }
+        (part, counts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use crate::fixed::surface::draw;
+    use crate::lanes::{LaneShape, LaneWork};
+    use crate::scene::points::SurfaceScene;
+    use crate::scene::points::synthetic::{Paint, scene, sheet, sphere};
+    use crate::{Config, simulate};
+
+    /// A ball through a translucent sheet.
+    fn ball_and_sheet() -> SurfaceScene {
+        let paint = Paint {
+            colour: [0.9, 0.4, 0.2],
+            opacity: 0.6,
+            material: 0,
+        };
+        let mut points = sphere([0.1, 0.0, 0.0], 0.8, 3_000, paint);
+        let tilted = [[1.2, 0.3, 0.1], [0.0, 0.5, 1.0]];
+        points.extend(sheet([0.0; 3], tilted, 0.05, |_, _| paint));
+        scene("ball and sheet", points)
+    }
+
+    /// Whatever the tiles, the unit's counts are those of the kernel's drawing and of each other, and so are the machine's pixels and bytes.
+    #[test]
+    fn counts_are_the_drawings() {
+        let scene = ball_and_sheet();
+        let up = [0.0, 0.0, 1.0];
+        let camera = Camera::look_at([0.5, -4.0, 1.0], [0.0; 3], up, 35.0, 70, 52).unwrap();
+        let design = DesignChoice::named("standard24").unwrap();
+        let points = QuantisedPoints::new(&scene, &camera);
+        let threshold = 3.0 * 0.05;
+        for (style, traversal) in [
+            (Style::opaque(threshold), Traversal::Spans),
+            (Style::layered(threshold, 1), Traversal::Box),
+            (Style::layered(threshold, 2), Traversal::Spans),
+            (
+                Style {
+                    cull_backfaces: true,
+                    ..Style::layered(threshold, 8)
+                },
+                Traversal::Spans,
+            ),
+        ] {
+            let drawn = draw(&scene, &camera, &style, &design, traversal);
+            let by_tiles = [[16, 16], [64, 8]]
+                .map(|tile| extract_surface(&points, &style, &design, traversal, tile).unwrap());
+            let counts = by_tiles
+                .each_ref()
+                .map(|work| work.surface.as_ref().unwrap().counts);
+            assert_eq!(counts[0], counts[1]);
+            let [counts, _] = counts;
+            let seen = drawn.weights.iter().filter(|weight| **weight > 0.0).count();
+            assert_eq!(counts.pixels, seen as u64);
+            assert_eq!(
+                counts.samples,
+                counts.begun + counts.accumulated + counts.discarded
+            );
+            assert_eq!(counts.merges > 0, drawn.facts.merged > 0);
+            assert!(counts.merges >= drawn.facts.merged as u64 && counts.begun >= counts.fragments);
+            match style.buffer {
+                Buffer::Accumulation => {
+                    assert!(counts.discarded > 0 && counts.fragments == counts.pixels)
+                }
+                _ => assert!(counts.discarded == 0 && counts.fragments >= counts.pixels),
+            }
+            for workload in &by_tiles {
+                let (totals, drawn) = (workload.totals(), drawn.facts.coverage);
+                assert_eq!(
+                    (totals.visited, totals.covered),
+                    (drawn.visited, drawn.covered)
+                );
+                assert!(counts.samples <= totals.covered && totals.live == totals.covered);
+                let resolved = &workload.surface.as_ref().unwrap().resolved;
+                let sum: u64 = resolved.iter().map(|count| u64::from(*count)).sum();
+                assert_eq!(sum, counts.fragments + 2 * counts.merges);
+                let timed = |resolve_interval| {
+                    let config = Config {
+                        tile_width: workload.tile[0],
+                        tile_height: workload.tile[1],
+                        surface_layers: layers_of(&style),
+                        resolve_interval,
+                        ..Config::default()
+                    };
+                    let work = LaneWork::new(workload, LaneShape::from(&config));
+                    simulate(workload, &work, &config)
+                };
+                let (fast, slow) = (timed(1), timed(64));
+                assert_eq!(
+                    (fast.sort, fast.splats.sorted, fast.bytes.sort_moved),
+                    (0, 0, 0)
+                );
+                assert_eq!(fast.surface, Some(counts));
+                assert_eq!(fast.pixels.covered, drawn.covered);
+                assert_eq!(fast.bytes, slow.bytes);
+                // With one buffer to spare a tile's division hides behind the next one's lanes only while it is shorter.
+                let busy = |timing: &crate::Timing| timing.units["write_back"].busy;
+                assert!(
+                    busy(&slow) >= 64 * sum
+                        && busy(&slow) > busy(&fast)
+                        && slow.raster > fast.raster
+                );
+            }
+        }
+    }
+}
