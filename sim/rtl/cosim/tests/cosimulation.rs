@@ -47,8 +47,8 @@ mod with_verilator {
     use splatline_rtl::order::unit::OrderUnit;
     use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
     use splatline_rtl::setup::distant::enlarged;
-    use splatline_rtl::setup::tables::TableUnits;
     use splatline_rtl::setup::program::Protection;
+    use splatline_rtl::setup::tables::TableUnits;
     use splatline_rtl::setup::unit::SetupUnit;
     use splatline_rtl::simulation::Simulation;
     use splatline_rtl::tools::rtl;
