@@ -1,9 +1,11 @@
-//! `render --maps`: what lies behind the picture's pixels, in files beside it. They are the reference's, in double precision.
+//! `render --maps`: what lies behind the picture's pixels, in files beside it. The kernel's words make them with `--engine fixed`, else the
+//! reference's double precision.
 
 use super::output::write;
 use super::say::{Failure, print_result};
+use crate::fixed::draw_maps;
 use crate::picture::{Depth, Picture, PictureFormat};
-use crate::plan::{Prepared, Subject};
+use crate::plan::{Engine, Prepared, Subject};
 use crate::reference::maps::{self, MapPixel};
 use crate::report::png::Rgb;
 use crate::rules::Compositing;
@@ -123,7 +125,11 @@ pub fn check(prepared: &Prepared) -> Result<(), Failure> {
 /// Writes maps of what is drawn beside the picture.
 pub fn write_maps(prepared: &Prepared, asked: &[Map], picture: &Path) -> Result<(), Failure> {
     let splats = prepared.splats()?;
-    let pixels = maps::draw(splats.scene, splats.camera, splats.rules);
+    let (scene, camera) = (splats.scene, splats.camera);
+    let pixels = match prepared.plan.engine {
+        Engine::Fixed => draw_maps(scene, camera, &splats.options(&prepared.plan.entry)),
+        _ => maps::draw(scene, camera, splats.rules),
+    };
     let size = [splats.camera.width, splats.camera.height];
     let format = PictureFormat::of(picture).unwrap_or(PictureFormat::Png);
     for map in asked {

@@ -327,8 +327,8 @@ fn what_is_always_refused_is_refused_first() {
 fn antialiased_and_flat_scenes_meet_the_bars() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let records: Vec<String> = (0..300)
-        .map(|k| {
+    let records = |third: &'static str| {
+        (0..300).map(move |k| {
             let wave = |frequency: f64| (frequency * f64::from(k)).sin();
             let place = [wave(1.1), wave(2.3), wave(3.7)]
                 .map(|x| x.to_string())
@@ -340,14 +340,26 @@ fn antialiased_and_flat_scenes_meet_the_bars() {
                 .map(|x| x.to_string())
                 .join(" ");
             format!(
-                "{place} {colour} {} -2 {} {turn}",
+                "{place} {colour} {} -2 {}{third} {turn}",
                 2.0 * wave(6.1),
                 -3.0 + wave(7.1)
             )
         })
-        .collect();
-    let text = gaussians(2, &records);
-    fs::write(folder.join("flat.ply"), text).unwrap();
+    };
+    // 2D Gaussians are what ellipsoids become that are flattened more and more.
+    let drawn = [("flat.ply", 2, ""), ("flattened.ply", 3, " -15")].map(|(file, scales, third)| {
+        let text = gaussians(scales, &records(third).collect::<Vec<_>>());
+        fs::write(folder.join(file), text).unwrap();
+        succeed(folder, &format!("render {file} --size 64x64 -o x.npy"));
+        let bytes = fs::read(folder.join("x.npy")).unwrap();
+        let numbers = bytes[bytes.len() - 64 * 64 * 32..].as_chunks().0;
+        numbers
+            .iter()
+            .map(|number| f64::from_le_bytes(*number))
+            .collect::<Vec<f64>>()
+    });
+    let apart = drawn[0].iter().zip(&drawn[1]).map(|(a, b)| (a - b).abs());
+    assert!(apart.fold(0.0, f64::max) < 1e-6 && drawn[0].iter().any(|value| *value > 0.5));
     for scene in ["random:1500:1", "random:1500:2", "flat.ply"] {
         for (design, bar) in [("lean18", 85.0), ("standard24", 110.0), ("deep32", 120.0)] {
             let command = format!(

@@ -7,6 +7,7 @@
 pub mod deep;
 mod frame;
 mod harmonics;
+mod maps;
 mod hybrid;
 mod quantise;
 mod render;
@@ -17,6 +18,7 @@ pub mod surface;
 pub use frame::{converter, table, table_entries};
 pub use harmonics::harmonic_colours;
 pub use hybrid::{HybridDrawing, HybridFacts, HybridRenderer, draw_hybrid};
+pub use maps::draw_maps;
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
 pub use render::{
     Canvas, FixedDrawing, Options, PaintEngine, Times, best_engine, conics, culls, draw,

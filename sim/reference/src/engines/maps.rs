@@ -43,7 +43,8 @@ pub struct MapPixel {
 }
 
 impl MapPixel {
-    const EMPTY: MapPixel = MapPixel {
+    /// Of nothing.
+    pub const EMPTY: MapPixel = MapPixel {
         alpha: 0.0,
         accumulated_depth: 0.0,
         median_depth: 0.0,
@@ -66,13 +67,16 @@ impl MapPixel {
         }
     }
 
-    fn add(&mut self, opacity: f64, depth: f64, normal: Vector, index: usize, rules: &Rules) {
+    fn add(&mut self, opacity: f64, place: (f64, Vector), index: usize, rules: &Rules) {
         let next = self.transmittance * (1.0 - opacity);
         self.finished = next <= rules.minimum_transmittance;
-        if self.finished && rules.omit_finishing {
-            return;
+        if !(self.finished && rules.omit_finishing) {
+            self.blend(self.transmittance * opacity, next, place, index);
         }
-        let weight = self.transmittance * opacity;
+    }
+
+    /// A splat of this weight, depth and normal, and the transmittance that it leaves.
+    pub fn blend(&mut self, weight: f64, next: f64, (depth, normal): (f64, Vector), index: usize) {
         self.accumulated_depth += weight * depth;
         self.normal = vector::add(self.normal, vector::scale(weight, normal));
         if self.transmittance > 0.5 && next <= 0.5 {
@@ -95,7 +99,8 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<MapPixel> {
         .into_iter()
         .filter_map(|index| {
             let footprint = projected[index].as_ref().ok()?;
-            Some((index, footprint, normal(&scene.splats[index], camera)))
+            let (_, normal) = depth_and_normal(&scene.splats[index], camera);
+            Some((index, footprint, normal))
         })
         .collect();
     let width = camera.width;
@@ -115,13 +120,18 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<MapPixel> {
                     }
                     pixel.visited += 1;
                     if let Some(opacity) = opacity(*footprint, [x as f64 + 0.5, height], rules) {
-                        pixel.add(opacity, footprint.depth, *normal, *index, rules);
+                        pixel.add(opacity, (footprint.depth, *normal), *index, rules);
                     }
                 }
             }
         }
     });
     pixels
+}
+
+/// A splat's depth, and its normal where maps take it from.
+pub fn depth_and_normal(splat: &Splat, camera: &Camera) -> (f64, Vector) {
+    (camera.to_camera(splat.centre)[2], normal(splat, camera))
 }
 
 /// The direction in camera space in which a splat is thinnest, turned to the eye.

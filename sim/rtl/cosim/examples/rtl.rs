@@ -7,7 +7,9 @@ use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
 use splatline_rtl::machine::unit::MachineUnit;
 use splatline_rtl::order::unit::OrderUnit;
 use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
-use splatline_rtl::setup::program::{SetupProgram, program, with_distance_scaling};
+use splatline_rtl::setup::program::{
+    Protection, SetupProgram, program, with_compensation, with_distance_scaling,
+};
 use splatline_rtl::setup::tables::TableUnits;
 use splatline_rtl::setup::unit::SetupUnit;
 use splatline_rtl::tools::rtl;
@@ -24,10 +26,11 @@ use std::process::ExitCode;
 
 const USAGE: &str = "usage: rtl COMMAND
   package       write the packages, tables and programs in sim/rtl from the kernel's widths and tables
-  package DESIGN FOLDER [distance]   the packages of a design (a name or a TOML file) into a folder, with distance scaling in the setup unit's program
+  package DESIGN FOLDER [distance|compensation]   the packages of a design (a name or a TOML file) into a folder, with distance scaling or
+                compensated opacities in the setup unit's program
   compare UNIT  every word and cycle of a unit against the kernel and the model, as a table:
                 primitive, shapes (of the primitive: 1 to 16 lanes, a packet in every cycle, a third design), setup, distance (setup with distance
-                scaling), tables (reciprocal, root and logarithm of setup), order, harmonics, machine, frames-distance (machine with distance scaling)
+                scaling), compensation (setup with compensated opacities), tables (reciprocal, root and logarithm of setup), order, harmonics, machine, frames-distance (machine with distance scaling)
   mutations [UNIT [PART]]   is every mutation noticed, or those of a unit, or those whose name contains PART?
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mutation
   area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/machine/src/area/synthesised.csv (18 minutes) and setup.csv (an hour)
@@ -48,6 +51,9 @@ fn main() -> ExitCode {
         ["package", design, folder] => write_package(design, Path::new(folder), program),
         ["package", design, folder, "distance"] => {
             write_package(design, Path::new(folder), with_distance_scaling)
+        }
+        ["package", design, folder, "compensation"] => {
+            write_package(design, Path::new(folder), with_compensation)
         }
         ["compare", unit] => compare(unit),
         ["mutations"] => judge(None, ""),
@@ -172,8 +178,9 @@ fn compare_design(unit: &str, design: &str) -> Result<()> {
             Ok(())
         }
         // Of several cores a number that divides no round.
-        "setup" => report(&SetupUnit::new(design, 7)?),
-        "distance" => report(&SetupUnit::with_distance_scaling(design, 7)?),
+        "setup" => report(&SetupUnit::new(design, 7, Protection::Filter)?),
+        "compensation" => report(&SetupUnit::new(design, 7, Protection::Compensation)?),
+        "distance" => report(&SetupUnit::new(design, 7, Protection::DistanceScaling)?),
         "tables" => report(&TableUnits::new(design)?),
         "machine" => report(&MachineUnit::new(design, 8, 4, false)?),
         "frames-distance" => report(&MachineUnit::new(design, 8, 4, true)?),

@@ -5,15 +5,15 @@ use crate::machine::unit::MachineUnit;
 use crate::mutation::mutations;
 use crate::order::unit::OrderUnit;
 use crate::primitive::unit::PrimitiveUnit;
-use crate::setup::program::with_distance_scaling;
-use crate::setup::program_mutations::{self, PROGRAM_MUTATIONS};
+use crate::setup::program::Protection;
+use crate::setup::program_mutations::{program_mutations, verdict};
 use crate::setup::tables::TableUnits;
 use crate::setup::unit::SetupUnit;
 use crate::unit::{Extent, Judge, Judgement};
 use anyhow::{Result, bail, ensure};
 
-/// Setup's programs with a mistake in distance scaling.
-const DISTANCE: &str = "distance";
+/// Setup's programs with a mistake in distance scaling or compensation.
+const PROGRAMS: &str = "programs";
 
 /// Mutations that the design has no number to show: all arguments are drawn, and none may differ.
 const WITHOUT_EFFECT: &str = "setup without effect";
@@ -23,7 +23,7 @@ pub const JUDGES: [&str; 7] = [
     "primitive",
     "setup",
     WITHOUT_EFFECT,
-    DISTANCE,
+    PROGRAMS,
     "order",
     "harmonics",
     "machine",
@@ -42,8 +42,8 @@ pub struct Verdict {
 
 /// The names of a judge's mutations.
 pub fn names(judge: &str) -> Result<Vec<String>> {
-    if judge == DISTANCE {
-        let names = PROGRAM_MUTATIONS.iter().map(|(name, _)| (*name).to_owned());
+    if judge == PROGRAMS {
+        let names = program_mutations().map(|(name, ..)| name.to_owned());
         return Ok(names.collect());
     }
     let names = mutations(judge)?.into_iter().map(|mutation| mutation.name);
@@ -55,7 +55,7 @@ pub fn judge(judge: &str, names: &[String], mut each: impl FnMut(Verdict)) -> Re
     if names.is_empty() {
         return Ok(());
     }
-    if judge == DISTANCE {
+    if judge == PROGRAMS {
         return judge_programs(names, &mut each);
     }
     let judges = judges(judge)?;
@@ -93,7 +93,11 @@ fn judges(name: &str) -> Result<Vec<Box<dyn Judgement>>> {
         )?)],
         // What no packet shows, the units of the tables do.
         "setup" => vec![
-            Box::new(Judge::new(SetupUnit::new("lean18", 2)?, name, quick)?),
+            Box::new(Judge::new(
+                SetupUnit::new("lean18", 2, Protection::Filter)?,
+                name,
+                quick,
+            )?),
             Box::new(Judge::new(TableUnits::new("lean18")?, name, quick)?),
         ],
         WITHOUT_EFFECT => vec![Box::new(Judge::new(
@@ -112,14 +116,16 @@ fn judges(name: &str) -> Result<Vec<Box<dyn Judgement>>> {
 }
 
 fn judge_programs(names: &[String], each: &mut impl FnMut(Verdict)) -> Result<()> {
-    let right = program_mutations::verdict(with_distance_scaling)?;
-    ensure!(right.is_none(), "without a mutation: {right:?}");
-    for (name, program) in PROGRAM_MUTATIONS {
+    for protection in [Protection::DistanceScaling, Protection::Compensation] {
+        let right = verdict(protection, None)?;
+        ensure!(right.is_none(), "without a mutation: {right:?}");
+    }
+    for (name, protection, program) in program_mutations() {
         if names.iter().any(|known| known == name) {
             each(Verdict {
                 name: name.to_owned(),
                 file: "splatline_setup_pkg.sv".to_owned(),
-                noticed: program_mutations::verdict(program)?,
+                noticed: verdict(protection, Some(program))?,
             });
         }
     }

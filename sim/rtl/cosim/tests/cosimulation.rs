@@ -47,6 +47,7 @@ mod with_verilator {
     use splatline_rtl::order::unit::OrderUnit;
     use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
     use splatline_rtl::setup::distant::enlarged;
+    use splatline_rtl::setup::program::Protection;
     use splatline_rtl::setup::tables::TableUnits;
     use splatline_rtl::setup::unit::SetupUnit;
     use splatline_rtl::simulation::Simulation;
@@ -122,7 +123,8 @@ mod with_verilator {
     /// Scenes, hard cases and arbitrary bits.
     #[test]
     fn setup_unit_gives_the_kernels_packets() {
-        let found = total(&agrees(&SetupUnit::new("lean18", 3).unwrap()));
+        let unit = SetupUnit::new("lean18", 3, Protection::Filter).unwrap();
+        let found = total(&agrees(&unit));
         assert!(found.compared >= 4_000, "{found:?}");
         for cull in SetupUnit::COUNTS {
             assert!(found.counted(cull) > 0, "no {cull}: {found:?}");
@@ -132,7 +134,7 @@ mod with_verilator {
     /// The same with distance scaling, nearer than the distance k, there and beyond.
     #[test]
     fn setup_unit_enlarges_what_is_far() {
-        let unit = SetupUnit::with_distance_scaling("lean18", 3).unwrap();
+        let unit = SetupUnit::new("lean18", 3, Protection::DistanceScaling).unwrap();
         let (mut beyond, mut splats) = (0, 0);
         for (load, _) in agrees(&unit) {
             beyond += enlarged(&Lean18::WIDTHS, &load.view, &load.rules, &load.splats);
@@ -142,6 +144,17 @@ mod with_verilator {
             beyond > splats / 4 && beyond < splats * 3 / 4,
             "{beyond} of {splats}"
         );
+    }
+
+    /// The same with compensated opacities, which leave fewer splats visible.
+    #[test]
+    fn setup_unit_compensates_opacities() {
+        let unit = SetupUnit::new("lean18", 3, Protection::Compensation).unwrap();
+        let found = total(&agrees(&unit));
+        assert!(found.compared >= 4_000, "{found:?}");
+        for cull in SetupUnit::COUNTS {
+            assert!(found.counted(cull) > 0, "no {cull}: {found:?}");
+        }
     }
 
     /// Colours of a scene, of random splats, of corners and arbitrary bits (`rtl -- compare harmonics` takes thousands of each), with pauses at all ends and
@@ -297,9 +310,9 @@ mod with_verilator {
     }
 
     #[test]
-    #[ignore = "verilates and compiles seven setup units; also `cargo run -p splatline-rtl --example rtl -- mutations`"]
-    fn every_mutation_of_distance_scaling_is_noticed() {
-        every("distance");
+    #[ignore = "verilates and compiles fourteen setup units; also `cargo run -p splatline-rtl --example rtl -- mutations`"]
+    fn every_mutation_of_programs_is_noticed() {
+        every("programs");
     }
 
     #[test]

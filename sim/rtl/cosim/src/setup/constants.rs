@@ -27,6 +27,7 @@ pub fn constants(
         turn(widths, view),
         screen(widths, view, rules)?,
         of_rules(widths, rules)?,
+        compensation(names, rules)?.into_iter().collect(),
         distance_scaling(names, view, rules)?,
         fixed().to_vec(),
     ]
@@ -139,10 +140,6 @@ fn screen(widths: &Widths, view: &View, rules: &Rules) -> Result<Vec<Named>> {
 }
 
 fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
-    ensure!(
-        !rules.compensated,
-        "--antialias mip: the setup unit's program compensates no opacity; draw with --antialias ewa, or without the circuit"
-    );
     let integral = rules.kernel.inverse_integral();
     let smallest = SoftFloat::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
     let (least, cutoff) = match rules.cutoff {
@@ -175,6 +172,20 @@ fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
         named("ln_least", LN_2 * 30 + ((9 - (least << 1)) << 7), -40),
         named("cutoff", cutoff.into(), -29),
     ])
+}
+
+/// What only a program with compensated opacities asks for; it compensates all, and others none.
+fn compensation(names: &[&'static str], rules: &Rules) -> Result<Option<Named>> {
+    let compensates = names.contains(&"one_half");
+    ensure!(
+        !rules.compensated || compensates,
+        "--antialias mip: this setup unit's program compensates no opacity; build the unit with it, or draw with --antialias ewa"
+    );
+    ensure!(
+        rules.compensated || !compensates,
+        "--antialias: this setup unit's program compensates every opacity; draw with --antialias mip"
+    );
+    Ok(compensates.then(|| named("one_half", 1 << 30, -31)))
 }
 
 /// A spacing so large that no splat lies beyond k.
@@ -282,19 +293,22 @@ fn limit(depth: Extended) -> (i64, i32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use splatline::format::Lean18;
 
-    /// The circuit has no root of the determinants' quotient, and says so instead of drawing without.
+    /// A program that does something else than the rules say is refused by name.
     #[test]
-    fn compensated_opacities_are_refused_by_name() {
-        let rules = Rules {
+    fn compensation_is_the_programs_or_refused() {
+        let compensated = Rules {
             compensated: true,
             ..Rules::GAUSSIAN_3D
         };
-        let refused = of_rules(&Lean18::WIDTHS, &rules)
-            .err()
-            .map(|error| error.to_string());
-        assert!(refused.is_some_and(|told| told.starts_with("--antialias mip: ")));
-        assert!(of_rules(&Lean18::WIDTHS, &Rules::GAUSSIAN_3D).is_ok());
+        let told = |names: &[&'static str], rules: &Rules| {
+            let named = compensation(names, rules).map_err(|error| error.to_string());
+            named.map(|named| named.is_some())
+        };
+        let refused = |told: Result<bool, String>| told.is_err_and(|e| e.contains("--antialias"));
+        assert!(refused(told(&["one"], &compensated)));
+        assert!(refused(told(&["one_half"], &Rules::GAUSSIAN_3D)));
+        assert_eq!(told(&["one_half"], &compensated), Ok(true));
+        assert_eq!(told(&["one"], &Rules::GAUSSIAN_3D), Ok(false));
     }
 }

@@ -35,17 +35,33 @@ pub fn low_bits(widths: &Widths) -> u32 {
 /// What makes a design's program.
 pub type SetupProgram = fn(&Widths) -> Result<Program>;
 
+/// What protects a program's splats against samples closer together than pixels, beside the low-pass filter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Protection {
+    /// Nothing.
+    Filter,
+    /// Distance scaling; rules without a spacing do without it.
+    DistanceScaling,
+    /// Opacities compensated for the filter, under rules that do so.
+    Compensation,
+}
+
 /// The program of a design, for rules without a spacing.
 pub fn program(widths: &Widths) -> Result<Program> {
-    of_setup(widths, false)
+    of_setup(widths, Protection::Filter)
 }
 
-/// The same with distance scaling; rules without a spacing do without it.
+/// The same with distance scaling.
 pub fn with_distance_scaling(widths: &Widths) -> Result<Program> {
-    of_setup(widths, true)
+    of_setup(widths, Protection::DistanceScaling)
 }
 
-fn of_setup(widths: &Widths, scales: bool) -> Result<Program> {
+/// The same with compensated opacities.
+pub fn with_compensation(widths: &Widths) -> Result<Program> {
+    of_setup(widths, Protection::Compensation)
+}
+
+fn of_setup(widths: &Widths, protection: Protection) -> Result<Program> {
     let mut all = Builder::default();
     let builder = &mut all;
     let (view, mantissa) = (u32::from(widths.view), u32::from(widths.mantissa));
@@ -56,13 +72,18 @@ fn of_setup(widths: &Widths, scales: bool) -> Result<Program> {
     let projected = project(builder, [x, y, z], view, mantissa);
     let mut columns = shear(builder, &turned, &projected, mantissa);
     let mut dimmed = weight;
-    if scales {
+    if protection == Protection::DistanceScaling {
         let enlargement = distance::enlargement(builder, projected.inverse, mantissa);
         columns = distance::enlarge(builder, columns, &enlargement, mantissa);
         dimmed = distance::dim(builder, weight, &enlargement, mantissa);
     }
     let covariance = covariance(builder, &columns, mantissa);
     let shape = shape(builder, &covariance, mantissa);
+    let mut weight = weight;
+    if protection == Protection::Compensation {
+        weight = compensate(builder, weight, &covariance, shape.inverse, mantissa);
+        dimmed = weight;
+    }
     let normalised = peak(builder, weight, &projected, shape.inverse, mantissa);
     let rule = Pick::Flag(NORMALISED);
     let peak = builder.pick("peak", rule, normalised, value(dimmed), None);
@@ -98,10 +119,7 @@ pub fn units(widths: &Widths) -> Result<Program> {
     let whole = builder.round("31 bits", value(given), 31);
     let shear = builder.sum("rounded", vec![plain(value(whole)), nothing], bits);
     let vertical = builder.reciprocal("reciprocal", whole, bits);
-    let seed = builder.root("root, seed", whole, 31);
-    let inverse = builder.reciprocal("1/root", seed, 31);
-    let quotient = product(value(whole), value(inverse));
-    let twice = builder.heron("root, twice", seed, quotient, bits);
+    let twice = square_root(builder, "root", whole, bits);
     let squared_width = builder.root("root, 16 bits", whole, 16);
     let cutoff = cutoff(builder, given);
     all.finish([
@@ -271,6 +289,7 @@ struct Covariance {
     xy: Value,
     yy: Value,
     determinant: Value,
+    minors: [Value; 3],
 }
 
 /// `covariance`.
@@ -286,15 +305,13 @@ fn covariance(builder: &mut Builder, columns: &[[Value; 2]; 3], bits: u32) -> Co
     let xy = builder.sum("xy", products(0, 1), bits);
     let yy = builder.sum("yy", vec![plain(value(sharp)), low_pass], bits);
     let trace = builder.sum("trace", vec![plain(value(xx)), plain(value(sharp))], bits);
-    let mut determinant: Vec<Term> = [(0, 1), (0, 2), (1, 2)]
-        .map(|(j, k)| {
-            let [j, k] = [columns[j], columns[k]];
-            let crossed = less(product(value(j[1]), value(k[0])));
-            let minor = vec![product(value(j[0]), value(k[1])), crossed];
-            let minor = builder.sum("minor", minor, bits);
-            product(value(minor), value(minor))
-        })
-        .to_vec();
+    let minors = [(0, 1), (0, 2), (1, 2)].map(|(j, k)| {
+        let [j, k] = [columns[j], columns[k]];
+        let crossed = less(product(value(j[1]), value(k[0])));
+        let minor = vec![product(value(j[0]), value(k[1])), crossed];
+        builder.sum("minor", minor, bits)
+    });
+    let mut determinant = squares(&minors);
     determinant.push(product(value(trace), constant("low_pass")));
     let determinant = builder.sum("determinant", determinant, bits);
     Covariance {
@@ -302,7 +319,37 @@ fn covariance(builder: &mut Builder, columns: &[[Value; 2]; 3], bits: u32) -> Co
         xy,
         yy,
         determinant,
+        minors,
     }
+}
+
+fn squares(values: &[Value]) -> Vec<Term> {
+    let square = |v: &Value| product(value(*v), value(*v));
+    values.iter().map(square).collect()
+}
+
+/// `compensate`. Where no area is left the weight is below every opacity.
+fn compensate(
+    builder: &mut Builder,
+    weight: Value,
+    covariance: &Covariance,
+    inverse: Value,
+    bits: u32,
+) -> Value {
+    let sharp = builder.sum("sharp determinant", squares(&covariance.minors), bits);
+    let kept = builder.multiply("kept", value(sharp), value(inverse), bits);
+    let twice = square_root(builder, "kept, root", kept, bits);
+    // Exact: the root's half.
+    let root = builder.multiply("kept, root", value(twice), constant("one_half"), bits);
+    builder.multiply("weight, compensated", value(weight), value(root), bits)
+}
+
+/// Twice `square_root`.
+fn square_root(builder: &mut Builder, name: &str, squared: Value, bits: u32) -> Value {
+    let seed = builder.root(&format!("{name}, seed"), squared, 31);
+    let inverse = builder.reciprocal(&format!("1/{name}"), seed, 31);
+    let quotient = product(value(squared), value(inverse));
+    builder.heron(&format!("{name}, twice"), seed, quotient, bits)
 }
 
 struct TermShape {
@@ -339,15 +386,10 @@ fn peak(
     inverse: Value,
     bits: u32,
 ) -> Value {
-    let square = |v| product(value(v), value(v));
-    let [u, v] = projected.ratio;
-    let slant = vec![plain(constant("one")), square(u), square(v)];
+    let slant = [vec![plain(constant("one"))], squares(&projected.ratio)].concat();
     let slant = builder.sum("slant", slant, bits);
     let squared = builder.multiply("density squared", value(slant), value(inverse), bits);
-    let seed = builder.root("density, seed", squared, 31);
-    let inverse = builder.reciprocal("1/density", seed, 31);
-    let quotient = product(value(squared), value(inverse));
-    let density = builder.heron("density, twice", seed, quotient, bits);
+    let density = square_root(builder, "density", squared, bits);
     let [gain_u, gain_v] = projected.gain;
     let area = builder.multiply("area", value(gain_u), value(gain_v), bits);
     let peak = builder.multiply("weight of the area", value(weight), value(area), bits);

@@ -1,10 +1,10 @@
-//! Programs with one mistake each in what distance scaling adds, which the comparison with the kernel must notice.
+//! Programs with one mistake each in what distance scaling and compensation add, which the comparison with the kernel must notice.
 //!
 //! A program is data of the circuit, in a package, and no choice can be made there: a circuit is built for each.
 
 use super::assemble::{Operand, Operation, Program, Value};
 use super::builder::{constant, plain, value};
-use super::program::{SetupProgram, with_distance_scaling};
+use super::program::{Protection, SetupProgram, with_compensation, with_distance_scaling};
 use super::unit::SetupUnit;
 use crate::circuit::Effort;
 use crate::unit::{Extent, Unit};
@@ -12,45 +12,94 @@ use anyhow::Result;
 use splatline::format::Widths;
 
 /// What went wrong, in words, and the program.
-pub const PROGRAM_MUTATIONS: [(&str, SetupProgram); 7] = [
+pub const DISTANCE_MUTATIONS: [(&str, SetupProgram); 7] = [
     ("the larger gain", |widths| {
-        edited(widths, |all| {
+        edited(with_distance_scaling, widths, |all| {
             factor(all, "smaller gain", constant("focal_u"))
         })
     }),
     ("k itself lies beyond", |widths| {
-        edited(widths, |all| {
+        edited(with_distance_scaling, widths, |all| {
             last(all, "beyond k").addend = Some("reciprocal_one")
         })
     }),
     ("enlarged nearer than k too", |widths| {
-        edited(widths, |all| {
+        edited(with_distance_scaling, widths, |all| {
             let term = &mut last(all, "d/k or 1").terms[0];
             *term = plain(term.b);
         })
     }),
     ("one direction of one axis not enlarged", |widths| {
-        edited(widths, |all| factor(all, "enlarged", constant("one")))
+        edited(with_distance_scaling, widths, |all| {
+            factor(all, "enlarged", constant("one"))
+        })
     }),
     ("dimmed by k/d alone", |widths| {
-        edited(widths, |all| factor(all, "weight (k/d)^2", constant("one")))
+        edited(with_distance_scaling, widths, |all| {
+            factor(all, "weight (k/d)^2", constant("one"))
+        })
     }),
     ("weights rounded nearer than k", |widths| {
         let bits = u32::from(widths.mantissa);
-        edited(widths, |all| {
+        edited(with_distance_scaling, widths, |all| {
             last(all, "weight, dimmed or not").bits = Some(bits)
         })
     }),
     ("normalised kernels dimmed", |widths| {
-        edited(widths, |all| {
+        edited(with_distance_scaling, widths, |all| {
             let dimmed = place(all, "weight, dimmed or not");
             last(all, "weight of the area").terms[0].a = value(dimmed);
         })
     }),
 ];
 
-fn edited(widths: &Widths, edit: impl Fn(&mut [Operation])) -> Result<Program> {
-    let mut all = with_distance_scaling(widths)?.operations;
+/// The same of compensated opacities.
+pub const COMPENSATION_MUTATIONS: [(&str, SetupProgram); 5] = [
+    ("a minor left out", |widths| {
+        edited(with_compensation, widths, |all| {
+            last(all, "sharp determinant").terms.pop();
+        })
+    }),
+    ("the quotient of variances, not of areas", |widths| {
+        edited(with_compensation, widths, |all| {
+            let whole = place(all, "determinant");
+            last(all, "kept").terms[0].a = value(whole);
+        })
+    }),
+    ("twice the root", |widths| {
+        edited(with_compensation, widths, |all| {
+            let twice = place(all, "kept, root, twice");
+            factor(all, "weight, compensated", value(twice));
+        })
+    }),
+    ("without the root", |widths| {
+        edited(with_compensation, widths, |all| {
+            let kept = place(all, "kept");
+            factor(all, "weight, compensated", value(kept));
+        })
+    }),
+    ("opacities as they are", |widths| {
+        edited(with_compensation, widths, |all| {
+            factor(all, "weight, compensated", constant("one"))
+        })
+    }),
+];
+
+/// All of them, with what the right program protects by.
+pub fn program_mutations() -> impl Iterator<Item = (&'static str, Protection, SetupProgram)> {
+    let of = |protection| move |(name, program)| (name, protection, program);
+    let distance = DISTANCE_MUTATIONS.into_iter();
+    let compensation = COMPENSATION_MUTATIONS.into_iter();
+    let distance = distance.map(of(Protection::DistanceScaling));
+    distance.chain(compensation.map(of(Protection::Compensation)))
+}
+
+fn edited(
+    program: SetupProgram,
+    widths: &Widths,
+    edit: impl Fn(&mut [Operation]),
+) -> Result<Program> {
+    let mut all = program(widths)?.operations;
     edit(&mut all);
     Program::new(all)
 }
@@ -71,10 +120,14 @@ fn factor(all: &mut [Operation], name: &str, factor: Operand) {
     last(all, name).terms[0].b = factor;
 }
 
-/// What the comparison says of a program in a circuit of one core: its first difference, or nothing if there is none.
-pub fn verdict(program: SetupProgram) -> Result<Option<String>> {
-    let unit = SetupUnit::with_distance_scaling("lean18", 1)?;
-    let circuit = unit.circuit().clone().with_program(program);
+/// What the comparison says of a circuit of one core with a program, or with the right one: its first difference, or nothing if there is none.
+pub fn verdict(protection: Protection, program: Option<SetupProgram>) -> Result<Option<String>> {
+    let unit = SetupUnit::new("lean18", 1, protection)?;
+    let circuit = unit.circuit().clone();
+    let circuit = match program {
+        Some(program) => circuit.with_program(program),
+        None => circuit,
+    };
     let library = circuit.library(Effort::Little)?;
     let unit = unit.around(circuit);
     let loads = unit.loads(Extent::Quick, &mut Vec::new())?;

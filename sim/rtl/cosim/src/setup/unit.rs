@@ -4,7 +4,7 @@ use super::constants::constants;
 use super::distant::distant;
 use super::exact::exact;
 use super::loads::{captured, synthetic};
-use super::program::{program, with_distance_scaling};
+use super::program::{Protection, program, with_compensation, with_distance_scaling};
 use super::record::record;
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
 use crate::circuit::{Circuit, SETUP};
@@ -70,25 +70,21 @@ const CULLS: [&str; 6] = [
 /// The unit of a design with some cores.
 pub struct SetupUnit {
     circuit: Circuit,
-    scales: bool,
+    protection: Protection,
 }
 
 impl SetupUnit {
-    /// For rules without a spacing.
-    pub fn new(design: &str, cores: u32) -> Result<SetupUnit> {
+    /// With a program for these rules.
+    pub fn new(design: &str, cores: u32, protection: Protection) -> Result<SetupUnit> {
+        let program = match protection {
+            Protection::Filter => program,
+            Protection::DistanceScaling => with_distance_scaling,
+            Protection::Compensation => with_compensation,
+        };
         let circuit = Circuit::new(&SETUP, design, cores)?.with_program(program);
         Ok(SetupUnit {
             circuit,
-            scales: false,
-        })
-    }
-
-    /// With distance scaling, under rules with a spacing.
-    pub fn with_distance_scaling(design: &str, cores: u32) -> Result<SetupUnit> {
-        let circuit = Circuit::new(&SETUP, design, cores)?;
-        Ok(SetupUnit {
-            circuit: circuit.with_program(with_distance_scaling),
-            scales: true,
+            protection,
         })
     }
 
@@ -111,20 +107,21 @@ impl Unit for SetupUnit {
     }
 
     fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<SetupLoad>> {
+        let quick = extent == Extent::Quick;
+        if self.protection == Protection::DistanceScaling {
+            let loads = distant(if quick { 300 } else { 4_000 }, 1);
+            return Ok(loads.into_iter().flat_map(parts).collect());
+        }
         // The quickest to show a mutation first.
-        let loads = match (self.scales, extent) {
-            (true, Extent::Quick) => distant(300, 1),
-            (true, Extent::Full) => distant(4_000, 1),
-            (false, Extent::Quick) => {
-                [exact(300, 1), synthetic(400, 1), captured(400, missing)?].concat()
-            }
-            (false, Extent::Full) => [
-                exact(12_000, 1),
-                synthetic(12_000, 1),
-                captured(1, missing)?,
-            ]
-            .concat(),
+        let [few, many, step] = if quick {
+            [300, 400, 400]
+        } else {
+            [12_000, 12_000, 1]
         };
+        let mut loads = [exact(few, 1), synthetic(many, 1), captured(step, missing)?].concat();
+        for load in &mut loads {
+            load.rules.compensated = self.protection == Protection::Compensation;
+        }
         Ok(loads.into_iter().flat_map(parts).collect())
     }
 
