@@ -112,7 +112,7 @@ pub struct PathOptions {
     #[arg(long, value_name = "FILE", help_heading = "Camera",
         conflicts_with_all = ["from", "camera", "image", "eye", "target", "up", "fov", "orbit", "zoom"])]
     pub camera_path: Option<PathBuf>,
-    /// Once around the scene in so many frames, from the view that one picture has
+    /// Once around the scene in so many frames, each of which has room for the whole
     #[arg(long, value_name = "N", help_heading = "Camera", conflicts_with_all = ["from", "camera_path"],
         value_parser = clap::value_parser!(u32).range(2..=3600))]
     pub turntable: Option<u32>,
