@@ -31,7 +31,7 @@ use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Bytes of rows kept at most, and of their groupings.
-const MOST_BYTES: usize = 600_000_000;
+const MOST_BYTES: usize = 1_000_000_000;
 
 /// Canvases kept at most.
 const MOST_CANVASES: usize = 4;
