@@ -46,7 +46,7 @@ SYSTEMS = (
     [{"colour": 28, "accumulator": 20, "rounding": "nearest-even"}, *SMALL, "--systems"],
 )
 LARGE = ["--splats", "100000", "--size", "9x6", "--seed", "3"]
-# What only one design shows, for all to be noticed: mutants are held against these, the named designs and those of the other systems.
+# What only one design shows, for all to be noticed.
 OTHERS = (
     ["lean18", *SMALL, "--traversal", "box", "--rules", "ewa"],
     ["lean18", *SMALL, "--compositing", "back-to-front"],
@@ -63,6 +63,8 @@ OTHERS = (
     [{"peak": 5, "weight": 4, "alpha": 8, "subpixel": 4, "rounding": "truncate"}, *SMALL, "--antialias", "none"],
     [{"transmittance": 9, "colour": 10, "accumulator": 18, "rounding": "nearest-even"}, *SMALL],
 )
+# What mutants are held against, beside the other systems.
+TELLING = (*([name] for name in NAMED), *OTHERS)
 CHOICES = {
     "--traversal": ("spans", "box"),
     "--rules": ("3dgs", "ewa"),
@@ -113,7 +115,7 @@ def subjects(arguments):
     """What is exported: the design and the other options."""
     source = random.Random(arguments.seed)
     if arguments.keep:
-        yield from (*([design] for design in NAMED), *OTHERS, *SYSTEMS)
+        yield from (*TELLING, *SYSTEMS)
         return
     widths = [*(drawn(source) for _ in range(arguments.random)), *extremes()]
     if arguments.large:

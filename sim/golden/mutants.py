@@ -128,10 +128,10 @@ def mutants(module):
 def exported(splatline, modules):
     """The vectors that are to notice."""
     import designs
-    from designs import NAMED, OTHERS, export
+    from designs import TELLING, export
     from vectors import Folder
 
-    subjects = [*OTHERS, *([name] for name in NAMED)] if {*PICTURE} & {*modules} else []
+    subjects = [*TELLING] if {*PICTURE} & {*modules} else []
     subjects += designs.SYSTEMS if {*SYSTEMS} & {*modules} else []
     with tempfile.TemporaryDirectory() as place:
         for number, (design, *options) in enumerate(subjects):

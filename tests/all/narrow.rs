@@ -133,6 +133,16 @@ proptest! {
         check::<32>(LONG, &rules, &list)?;
         check::<1024>(Lean18::WIDTHS, &rules, &list)?;
     }
+
+    /// What is written for a display is what its iterator gives, of colours up to 1 and beyond, and of designs that round their sums.
+    #[test]
+    fn display_words_are_written_as_they_are_read(
+        list in prop::collection::vec(splats(), 1..16), beyond in prop_oneof![Just(0u32), Just(1), Just(1 << 12)], background: u16,
+    ) {
+        written_as_read(Micro16, &list, beyond, background)?;
+        written_as_read(Lean18, &list, beyond, background)?;
+        written_as_read(Standard24, &list, beyond, background)?;
+    }
 }
 
 proptest! {
@@ -145,18 +155,6 @@ proptest! {
         let design = narrow(FIRMWARE);
         let painter = Painter32::new(design, &Rules::GAUSSIAN_3D, packed).unwrap();
         in_strips(&FIRMWARE, |target| painter.draw(&source.footprint(), target));
-    }
-}
-
-proptest! {
-    /// What is written for a display is what its iterator gives, of colours up to 1 and beyond, and of designs that round their sums.
-    #[test]
-    fn display_words_are_written_as_they_are_read(
-        list in prop::collection::vec(splats(), 1..16), beyond in prop_oneof![Just(0u32), Just(1), Just(1 << 12)], background: u16,
-    ) {
-        written_as_read(Micro16, &list, beyond, background)?;
-        written_as_read(Lean18, &list, beyond, background)?;
-        written_as_read(Standard24, &list, beyond, background)?;
     }
 }
 

@@ -195,15 +195,8 @@ green                  bit 381, 18 wide, u.15: 4000
 blue                   bit 399, 18 wide, u.15: 2000
 ";
 
+/// What a packet of box drawing has otherwise.
 const LEAN18_BOX: &str = "\
-version                bit   0,  4 wide, u.0: 3
-depth                  bit   4, 48 wide, u.0: c08000000000
-centre_u               bit  52, 40 wide, s.12: fa80
-centre_v               bit  92, 40 wide, s.12: 7380
-first_column           bit 132, 16 wide, u.0: 6
-first_row              bit 148, 16 wide, u.0: 2
-end_column             bit 164, 16 wide, u.0: 19
-end_row                bit 180, 16 wide, u.0: d
 conic_a                bit 196, 18 wide, u.0: 133cd
 conic_b                bit 214, 19 wide, s.0: 675d3
 conic_c                bit 233, 18 wide, u.0: 347fb
@@ -222,7 +215,9 @@ fn the_packet_holds_these_bits() {
     assert!(standard == STANDARD24, "standard24\n{standard}");
     assert!(lean == LEAN18, "lean18\n{lean}");
     let by_box = field_table(Lean18, Traversal::Box);
-    assert!(by_box == LEAN18_BOX, "lean18 by boxes\n{by_box}");
+    let other = by_box.lines().filter(|line| !LEAN18.contains(line));
+    let other: String = other.map(|line| format!("{line}\n")).collect();
+    assert!(other == LEAN18_BOX, "lean18 by boxes\n{other}");
 }
 
 fn round_trip<D: Design>(design: D, splat: &VolumeSplat) -> Result<(), TestCaseError> {

@@ -167,19 +167,27 @@ pub fn work_key(choice: &Choice) -> WorkKey {
 struct Cache<K, V> {
     most: usize,
     bytes: fn(&V) -> usize,
-    known: Mutex<HashMap<K, V>>,
-    /// Keys of what leaves, as it came.
-    order: Mutex<VecDeque<K>>,
+    kept: Mutex<Kept<K, V>>,
+}
+
+/// What is kept, its keys as they came, and its bytes.
+struct Kept<K, V> {
+    known: HashMap<K, V>,
+    order: VecDeque<K>,
+    bytes: usize,
 }
 
 impl<K: Hash + Eq + Clone, V: Clone> Cache<K, V> {
     fn new(most: usize, bytes: fn(&V) -> usize) -> Cache<K, V> {
-        let (known, order) = Default::default();
+        let kept = Kept {
+            known: HashMap::new(),
+            order: VecDeque::new(),
+            bytes: 0,
+        };
         Cache {
             most,
             bytes,
-            known,
-            order,
+            kept: Mutex::new(kept),
         }
     }
 
@@ -188,29 +196,30 @@ impl<K: Hash + Eq + Clone, V: Clone> Cache<K, V> {
         Cache::new(usize::MAX, |_| 0)
     }
 
-    fn map(&self) -> MutexGuard<'_, HashMap<K, V>> {
-        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    fn kept(&self) -> MutexGuard<'_, Kept<K, V>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What is known, or else made and kept.
     fn get(&self, key: K, make: impl FnOnce() -> Result<V>) -> Result<V> {
-        if let Some(known) = self.map().get(&key) {
+        if let Some(known) = self.kept().known.get(&key) {
             return Ok(known.clone());
         }
         // Not under the lock: others may look meanwhile.
         let made = make()?;
-        let mut map = self.map();
-        if self.most < usize::MAX {
-            let mut held: usize = map.values().map(self.bytes).sum();
-            let mut order = self.order.lock().unwrap_or_else(PoisonError::into_inner);
-            while held + (self.bytes)(&made) > self.most
-                && let Some(oldest) = order.pop_front()
-            {
-                held -= map.remove(&oldest).as_ref().map_or(0, self.bytes);
-            }
-            order.push_back(key.clone());
+        let bytes = (self.bytes)(&made);
+        let mut kept = self.kept();
+        while kept.bytes.saturating_add(bytes) > self.most
+            && let Some(oldest) = kept.order.pop_front()
+        {
+            let left = kept.known.remove(&oldest);
+            kept.bytes -= left.as_ref().map_or(0, self.bytes);
         }
-        map.insert(key, made.clone());
+        // Another one may have made it meanwhile.
+        if kept.known.insert(key.clone(), made.clone()).is_none() {
+            kept.bytes += bytes;
+            kept.order.push_back(key);
+        }
         Ok(made)
     }
 }
@@ -263,7 +272,7 @@ impl<'a> Evaluator<'a> {
     /// From here on lanes compute in a floating-point format. Rows stay those of the fixed design.
     pub fn draw_in(&mut self, format: Option<Engine>) {
         self.format = format;
-        self.errors.map().clear();
+        self.errors = Cache::of_all();
     }
 
     /// The lane of the format.
@@ -343,7 +352,8 @@ impl<'a> Evaluator<'a> {
         for frame in frames {
             let known = self
                 .errors
-                .map()
+                .kept()
+                .known
                 .get(&(design_key(variant), *frame))
                 .copied();
             let windows = self.worst.lock().unwrap_or_else(PoisonError::into_inner);

@@ -13,6 +13,7 @@ use crate::digest::Digest;
 use crate::machine::area::synthesis;
 use crate::machine::config;
 use crate::plan::{Prepared, Subject as Drawn};
+use crate::scene::points::SurfaceScene;
 use crate::scene::{Harmonics, Scene, Weight};
 use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
@@ -144,8 +145,7 @@ impl SceneDigests {
         }
         let digest = match frame.subject()? {
             Drawn::Splats(splats) => of_scene(splats.scene),
-            // Numbers are printed with all their bits.
-            Drawn::Surface(scene, _) => of_bytes(format!("{scene:?}").as_bytes()),
+            Drawn::Surface(scene, _) => of_surface(scene),
         };
         self.0 = Some((scene, digest.clone()));
         Ok(digest)
@@ -209,6 +209,43 @@ fn of_scene(scene: &Scene) -> String {
                 digest.add(&value.to_bits().to_le_bytes());
             }
         }
+    }
+    digest.finish()
+}
+
+/// The same of points of a surface.
+fn of_surface(scene: &SurfaceScene) -> String {
+    let SurfaceScene {
+        name: _,
+        points,
+        materials,
+        radius,
+        skipped,
+        coloured,
+        notes: _,
+        up,
+    } = scene;
+    let mut digest = Digest::default();
+    digest.add(&[b's', (*coloured).into()]);
+    for number in [points.len(), materials.len(), *skipped] {
+        digest.add(&(number as u64).to_le_bytes());
+    }
+    doubles(&mut digest, &[*radius]);
+    doubles(&mut digest, up);
+    for point in points {
+        doubles(&mut digest, &point.centre);
+        doubles(&mut digest, point.frame.as_flattened());
+        doubles(&mut digest, &point.normal);
+        doubles(&mut digest, &point.colour);
+        doubles(&mut digest, &[point.weight, point.opacity]);
+        digest.add(&[point.material]);
+    }
+    for material in materials {
+        doubles(
+            &mut digest,
+            &[material.ambient, material.diffuse, material.specular],
+        );
+        digest.add(&[material.exponent]);
     }
     digest.finish()
 }

@@ -7,8 +7,8 @@
 pub mod deep;
 mod frame;
 mod harmonics;
-mod maps;
 mod hybrid;
+mod maps;
 mod quantise;
 mod render;
 pub mod sheets;

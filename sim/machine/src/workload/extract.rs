@@ -237,42 +237,17 @@ impl ExtractJob<'_> {
             let Ok(footprint) = &self.footprints[*index as usize] else {
                 continue;
             };
-            let visible = Window::of(footprint).intersect(&window);
-            let first = part.rows.len();
-            part.rows.resize(
-                first + usize::from(visible.end[1] - visible.first[1]),
-                WorkloadRow::default(),
-            );
-            let note = Note {
+            part.note(
+                design,
+                *index,
                 footprint,
-                widths: &widths,
-                window,
-                first_row: visible.first[1],
-            };
-            let rows = &mut part.rows[first..];
-            match self.options.traversal {
-                Traversal::Spans => note.rows(
-                    EllipseSpans::new(design, footprint, &window),
-                    &mut target,
-                    rows,
-                ),
-                Traversal::Box => {
-                    note.rows(BoxSpans::new(design, footprint, &window), &mut target, rows)
-                }
-            }
-            let visits = rows.iter().any(|row| row.length > 0);
+                self.options.traversal,
+                &mut target,
+            );
             // Nothing that comes after the last pixel has finished changes the tile.
             if part.finished_after.is_none() {
                 painter.draw(footprint, &mut target);
             }
-            let rows_end = part.rows.len() as u32;
-            let first_row = (visible.first[1] - window.first[1]) as u8;
-            part.pairs.push(Pair {
-                splat: *index,
-                rows_end,
-                first_row,
-                visits,
-            });
             if part.finished_after.is_none() && target.is_finished() {
                 part.finished_after = Some(part.pairs.len() as u32);
             }
@@ -284,8 +259,46 @@ impl ExtractJob<'_> {
     }
 }
 
+impl TilePart {
+    /// Notes a footprint's rows in a tile whose pixels are `target`'s, before it is drawn there.
+    pub(super) fn note<D: Design>(
+        &mut self,
+        design: D,
+        splat: u32,
+        footprint: &Footprint,
+        traversal: Traversal,
+        target: &mut Target,
+    ) {
+        let window = target.window();
+        let visible = Window::of(footprint).intersect(&window);
+        let first = self.rows.len();
+        let height = usize::from(visible.end[1] - visible.first[1]);
+        self.rows.resize(first + height, WorkloadRow::default());
+        let note = Note {
+            footprint,
+            widths: &design.widths(),
+            window,
+            first_row: visible.first[1],
+        };
+        let rows = &mut self.rows[first..];
+        match traversal {
+            Traversal::Spans => {
+                note.rows(EllipseSpans::new(design, footprint, &window), target, rows)
+            }
+            Traversal::Box => note.rows(BoxSpans::new(design, footprint, &window), target, rows),
+        }
+        let visits = rows.iter().any(|row| row.length > 0);
+        self.pairs.push(Pair {
+            splat,
+            rows_end: self.rows.len() as u32,
+            first_row: (visible.first[1] - window.first[1]) as u8,
+            visits,
+        });
+    }
+}
+
 /// Notes the rows of one footprint in one tile.
-pub(super) struct Note<'a> {
+struct Note<'a> {
     pub footprint: &'a Footprint,
     pub widths: &'a Widths,
     pub window: Window,

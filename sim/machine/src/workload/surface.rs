@@ -3,8 +3,7 @@
 //! Nothing is sorted and no pixel finishes: every tile takes its splats in the scene's order, and pixels decide by depth. Each sample is counted
 //! as it is added to the kernel's own cell.
 
-use super::extract::Note;
-use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, room_for};
+use super::{Bins, TilePart, Workload, assemble, room_for};
 use crate::area::surface::SurfaceBits;
 use crate::design::{DesignChoice, DesignJob};
 use crate::fixed::surface::{QuantisedPoints, footprints, kernel_rules, threshold};
@@ -21,7 +20,7 @@ use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::footprint::surface::SurfaceFootprint;
 use splatline::format::{Design, Traversal};
-use splatline::raster::{BoxSpans, EllipseSpans, Window};
+use splatline::raster::Window;
 use splatline::setup::Cull;
 use splatline::target::Target;
 use splatline::target::cells::CellTarget;
@@ -255,36 +254,8 @@ impl SurfaceJob<'_> {
                 continue;
             };
             let footprint = &found.footprint;
-            let visible = Window::of(footprint).intersect(&window);
-            let first = part.rows.len();
-            let height = usize::from(visible.end[1] - visible.first[1]);
-            part.rows.resize(first + height, WorkloadRow::default());
-            let note = Note {
-                footprint,
-                widths: &widths,
-                window,
-                first_row: visible.first[1],
-            };
-            let rows = &mut part.rows[first..];
-            match self.traversal {
-                Traversal::Spans => {
-                    note.rows(
-                        EllipseSpans::new(design, footprint, &window),
-                        &mut open,
-                        rows,
-                    );
-                }
-                Traversal::Box => {
-                    note.rows(BoxSpans::new(design, footprint, &window), &mut open, rows);
-                }
-            }
+            part.note(design, *index, footprint, self.traversal, &mut open);
             painter.draw(found, &mut target);
-            part.pairs.push(Pair {
-                splat: *index,
-                rows_end: (first + height) as u32,
-                first_row: (visible.first[1] - window.first[1]) as u8,
-                visits: rows.iter().any(|row| row.length > 0),
-            });
         }
         let mut counts = SurfaceCounts::default();
         for CountedCell { cell, counts: own } in &cells {

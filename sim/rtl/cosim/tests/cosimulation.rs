@@ -120,15 +120,24 @@ mod with_verilator {
         agrees(&TableUnits::new("lean18").unwrap());
     }
 
-    /// Scenes, hard cases and arbitrary bits.
-    #[test]
-    fn setup_unit_gives_the_kernels_packets() {
-        let unit = SetupUnit::new("lean18", 3, Protection::Filter).unwrap();
+    /// Scenes, hard cases and arbitrary bits, among them culls of every kind.
+    fn packets_are_the_kernels(protection: Protection) {
+        let unit = SetupUnit::new("lean18", 3, protection).unwrap();
         let found = total(&agrees(&unit));
         assert!(found.compared >= 4_000, "{found:?}");
         for cull in SetupUnit::COUNTS {
             assert!(found.counted(cull) > 0, "no {cull}: {found:?}");
         }
+    }
+
+    #[test]
+    fn setup_unit_gives_the_kernels_packets() {
+        packets_are_the_kernels(Protection::Filter);
+    }
+
+    #[test]
+    fn setup_unit_compensates_opacities() {
+        packets_are_the_kernels(Protection::Compensation);
     }
 
     /// The same with distance scaling, nearer than the distance k, there and beyond.
@@ -144,17 +153,6 @@ mod with_verilator {
             beyond > splats / 4 && beyond < splats * 3 / 4,
             "{beyond} of {splats}"
         );
-    }
-
-    /// The same with compensated opacities, which leave fewer splats visible.
-    #[test]
-    fn setup_unit_compensates_opacities() {
-        let unit = SetupUnit::new("lean18", 3, Protection::Compensation).unwrap();
-        let found = total(&agrees(&unit));
-        assert!(found.compared >= 4_000, "{found:?}");
-        for cull in SetupUnit::COUNTS {
-            assert!(found.counted(cull) > 0, "no {cull}: {found:?}");
-        }
     }
 
     /// Colours of a scene, of random splats, of corners and arbitrary bits (`rtl -- compare harmonics` takes thousands of each), with pauses at all ends and
