@@ -9,7 +9,8 @@ use crate::machine::energy::{EnergyTable, SHIPPED};
 use crate::picture::Picture;
 use crate::plan::Technique;
 use crate::rules::{Compositing, Rules};
-use crate::scene::synthetic;
+use crate::scene::points::synthetic::{Paint, sphere};
+use crate::scene::{points, synthetic};
 use proptest::prelude::*;
 use splatline::format::{Traversal, WIDTH_RANGES};
 
@@ -296,4 +297,43 @@ fn an_identity_of_another_version_is_refused() {
     let message = Identity::parse(&older).unwrap_err().to_string();
     assert!(message.contains("splatline-sweep/3"), "{message}");
     assert!(Identity::parse("{}").is_err() && Identity::parse("x").is_err());
+}
+
+/// Every number of a surface, by its last bit; its name is not one.
+#[test]
+fn every_number_of_a_surface_counts() {
+    let paint = Paint {
+        colour: [0.9, 0.4, 0.2],
+        opacity: 0.6,
+        material: 0,
+    };
+    let surface = points::synthetic::scene("ball", sphere([0.1, 0.2, 0.3], 0.8, 3, paint));
+    let changes: [fn(&mut SurfaceScene); 15] = [
+        |scene| flip(&mut scene.points[2].centre[1], 0),
+        |scene| flip(&mut scene.points[0].frame[1][2], 0),
+        |scene| flip(&mut scene.points[1].normal[0], 0),
+        |scene| flip(&mut scene.points[1].weight, 0),
+        |scene| flip(&mut scene.points[1].opacity, 0),
+        |scene| flip(&mut scene.points[1].colour[2], 0),
+        |scene| scene.points[1].material += 1,
+        |scene| scene.points.swap(0, 1),
+        |scene| flip(&mut scene.materials[0].ambient, 0),
+        |scene| flip(&mut scene.materials[0].specular, 0),
+        |scene| scene.materials[0].exponent += 1,
+        |scene| flip(&mut scene.radius, 0),
+        |scene| flip(&mut scene.up[2], 0),
+        |scene| scene.skipped += 1,
+        |scene| scene.coloured = !scene.coloured,
+    ];
+    let digest = of_surface(&surface);
+    for (number, change) in changes.into_iter().enumerate() {
+        let mut other = surface.clone();
+        change(&mut other);
+        assert_ne!(of_surface(&other), digest, "change {number}");
+    }
+    let renamed = SurfaceScene {
+        name: "another".to_owned(),
+        ..surface
+    };
+    assert_eq!(of_surface(&renamed), digest);
 }
