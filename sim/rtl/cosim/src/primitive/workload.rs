@@ -129,7 +129,7 @@ fn tiles(footprints: &[Footprint], viewport: [u16; 2]) -> Vec<BenchTile> {
 pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> BenchWorkload {
     random_between(
         "random packets",
-        [-4.0, 20.0],
+        Kind::Any([-4.0, 20.0]),
         widths,
         count,
         per_tile,
@@ -139,13 +139,66 @@ pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> Benc
 
 /// The same with half-widths of up to 2^28 pixels, the largest that setup gives: where xc has few fraction bits.
 pub fn vast(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
-    random_between("vast packets", [12.0, 26.0], widths, count, 10, seed)
+    random_between(
+        "vast packets",
+        Kind::Any([12.0, 26.0]),
+        widths,
+        count,
+        10,
+        seed,
+    )
 }
 
-/// Random footprints whose longer axis has a deviation of two to the power of something in this range, in pixels.
+/// Needles along a row: the middle moves by 2^13 columns and more from row to row, where xc has the coarse word.
+pub fn flat(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
+    random_between("flat packets", Kind::Flat, widths, count, 10, seed)
+}
+
+/// Needles whose middle lies a whole fine word from the window in its first row: a middle that wraps would be drawn.
+pub fn word_away(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
+    random_between(
+        "packets a word away",
+        Kind::WordAway,
+        widths,
+        count,
+        10,
+        seed,
+    )
+}
+
+/// Columns that the fine word of xc holds: 28 bits before the point of a centre, 8 of which give way to a fraction.
+const FINE_WORD: f64 = (1 << 20) as f64;
+
+/// 1/A of a footprint whose half-width lets xc have the fine word, see `centre_fraction` of the kernel.
+const FINE_SQUARED_WIDTH: f64 = (1 << 21) as f64;
+
+/// What random footprints are like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// Every angle; the longer axis has a deviation of two to the power of something in this range, in pixels.
+    Any([f64; 2]),
+    /// See [`flat`].
+    Flat,
+    /// See [`word_away`].
+    WordAway,
+}
+
+impl Kind {
+    /// Powers of two of the longer axis' deviation and of the axes' ratio, and the least and largest angle to the rows.
+    fn ranges(self) -> [[f64; 2]; 3] {
+        let all = [0.0, 3.15];
+        match self {
+            Kind::Any(powers) => [powers, [0.0, 15.0], all],
+            Kind::Flat => [[0.0, 10.0], [12.0, 15.0], [0.0, 2f64.powi(-13)]],
+            Kind::WordAway => [[18.0, 23.0], [12.0, 15.0], all],
+        }
+    }
+}
+
+/// Random footprints of a kind over random windows.
 fn random_between(
     name: &'static str,
-    powers: [f64; 2],
+    kind: Kind,
     widths: &Widths,
     count: usize,
     per_tile: usize,
@@ -159,7 +212,7 @@ fn random_between(
         let window = random.window(block);
         let list = footprints.len() as u32..(footprints.len() + per_tile) as u32;
         while footprints.len() < list.end as usize {
-            footprints.extend(random.footprint(widths, &window, powers));
+            footprints.extend(random.footprint(widths, &window, kind));
         }
         tiles.push(BenchTile {
             window,
@@ -213,17 +266,8 @@ impl WorkloadRandom {
     }
 
     /// A footprint that touches the window, or nothing if this one cannot be had.
-    fn footprint(
-        &mut self,
-        widths: &Widths,
-        window: &Window,
-        powers: [f64; 2],
-    ) -> Option<Footprint> {
-        let (long, ratio, angle) = (
-            self.between(powers[0], powers[1]),
-            self.between(0.0, 15.0),
-            self.between(0.0, 3.15),
-        );
+    fn footprint(&mut self, widths: &Widths, window: &Window, kind: Kind) -> Option<Footprint> {
+        let [long, ratio, angle] = kind.ranges().map(|[low, high]| self.between(low, high));
         let (long, short) = ((2.0 * long).exp2(), (2.0 * (long - ratio)).exp2());
         let (sine, cosine) = angle.sin_cos();
         // As setup has them, of the design's mantissa: longer ones have no place in the words of `ldl`.
@@ -249,6 +293,17 @@ impl WorkloadRandom {
             sine.hypot(cosine * (short / long).sqrt()),
         ]
         .map(|part| part * long.sqrt() * radius);
+        let row_variance = long * sine * sine + short * cosine * cosine;
+        let shear = (long - short) * sine * cosine / row_variance;
+        let fine = long * short / row_variance < FINE_SQUARED_WIDTH;
+        let asked = match kind {
+            Kind::Any(_) => true,
+            Kind::Flat => fine && shear.abs() >= 2f64.powi(13),
+            Kind::WordAway => fine && reach[0] > FINE_WORD,
+        };
+        if !asked {
+            return None;
+        }
         let mut footprint = Footprint {
             depth: u64::from(self.bits(32)) << 16,
             centre: [0; 2],
@@ -277,10 +332,16 @@ impl WorkloadRandom {
             let middle = f64::from(window.first[axis] + window.end[axis]) / 2.0;
             let size = f64::from(TILE[axis]);
             let spot = self.between(-1.0, 1.0);
-            let offset = if rim {
-                point[axis] + spot * size / 2.0
-            } else {
-                spot * (reach[axis] + size / 2.0)
+            let offset = match kind {
+                // Such a needle meets one row, beside whose sample points it passes.
+                Kind::Flat if axis == 1 => middle.floor() - middle + 0.5 + spot * reach[1],
+                // The middle of the window's middle row is the centre's column and `reach[0] * 3/4`, and the window a word before it.
+                Kind::WordAway => {
+                    let middle = 0.75 * reach[0];
+                    [FINE_WORD - middle, -middle / shear][axis]
+                }
+                _ if rim => point[axis] + spot * size / 2.0,
+                _ => spot * (reach[axis] + size / 2.0),
             };
             // A packet's centre has 28 bits before the point.
             let centre = (middle + offset).clamp(-FARTHEST, FARTHEST);
@@ -294,7 +355,6 @@ impl WorkloadRandom {
             }
         }
         // How far the middle of a visible row can lie from the first column.
-        let shear = (long - short) * sine * cosine / (long * sine * sine + short * cosine * cosine);
         let rows = (f64::from(window.first[1]) - centres[1]).abs() + f64::from(TILE[1]);
         if centres[0].abs() + (shear * rows).abs() > FARTHEST_MIDDLE {
             return None;
