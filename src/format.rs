@@ -534,3 +534,33 @@ impl Design for Deep32 {
     type Lane = i64;
     const FIXED: Option<Widths> = Some(Self::WIDTHS);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The longest table is as long as the radial index' two integer bits and its fraction, and never longer than all tables.
+    #[test]
+    fn tables_end_where_the_radial_index_does() {
+        for radial in WIDTH_RANGES[RADIAL].1..=WIDTH_RANGES[RADIAL].2 {
+            let widths = Widths {
+                radial,
+                ..Standard24::WIDTHS
+            };
+            let longest = WIDTH_RANGES[TABLE].2.min(radial + 2);
+            assert_eq!(widths.ranges()[TABLE].2, longest);
+        }
+    }
+
+    #[test]
+    fn lanes_below_zero_are_zero() {
+        assert_eq!(
+            [-1i32, 0, 1, i32::MIN].map(Lane::at_least_zero),
+            [0, 0, 1, 0]
+        );
+        assert_eq!(
+            [-1i64, 0, 1, i64::MIN].map(Lane::at_least_zero),
+            [0, 0, 1, 0]
+        );
+    }
+}

@@ -194,6 +194,30 @@ mod tests {
         }
     }
 
+    /// A digest of words that have 31 bits all the way; noise below 2^-24 of its scale alone counts as 0.
+    #[test]
+    fn axes_are_these_words() {
+        let mut digest = 0u64;
+        for index in 0..4000 {
+            let part = |factor: i64| (index * factor % 2001) as f64 / 1000.0 - 1.0;
+            let scale = |factor: i64| scaled(3.0 + part(factor));
+            let [xy, xz, yz] = [881, 1427, 613].map(|factor| scaled(part(factor)));
+            let covariance = [scale(337), xy, xz, scale(769), yz, scale(1733)];
+            for axis in Axis::from_covariance(covariance).unwrap() {
+                for word in axis.mantissa {
+                    digest = (digest ^ word as u64).wrapping_mul(0x100_0000_01b3);
+                }
+            }
+        }
+        assert_eq!(digest, 3_965_415_603_980_056_224);
+        let value = |exponent| SoftFloat {
+            mantissa: 1 << 30,
+            exponent,
+        };
+        assert_eq!(negligible(value(-24), value(0)), value(-24));
+        assert_eq!(negligible(value(-25), value(0)), SoftFloat::ZERO);
+    }
+
     #[test]
     fn singular_is_fine_and_indefinite_is_not() {
         let flat = [4.0, 2.0, 0.0, 1.0, 0.0, 9.0].map(scaled);

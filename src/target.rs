@@ -118,7 +118,8 @@ mod tests {
     fn rows_are_the_windows_own() {
         for (stride, short) in [(4, 1), (6, 1), (4, 12), (3, 0)] {
             let needed = 2 * stride + 4;
-            let mut pixels: Vec<Pixel> = (0..needed as u32)
+            // More than the window needs.
+            let mut pixels: Vec<Pixel> = (0..(needed + stride) as u32)
                 .map(|transmittance| Pixel {
                     colour: [0; 3],
                     transmittance,
@@ -148,8 +149,8 @@ mod tests {
 
     #[test]
     fn cells_are_the_windows_own() {
-        let mut cells = vec![<Accumulation as Cell>::EMPTY; 12];
-        let error = CellTarget::new(&mut cells[1..], WINDOW).unwrap_err();
+        let mut cells = vec![<Accumulation as Cell>::EMPTY; 16];
+        let error = CellTarget::new(&mut cells[..11], WINDOW).unwrap_err();
         assert_eq!((error.needed, error.found), (12, 11));
         let mut target = CellTarget::new(&mut cells, WINDOW).unwrap();
         let start = target.row(5, 3, 1).as_ptr();
@@ -184,14 +185,19 @@ mod tests {
         for (row, column) in (0..3).flat_map(|row| (0..4).map(move |column| (row, column))) {
             pixels[6 * row + column].transmittance |= FINISHED;
         }
-        assert!(Target::new(&mut pixels, WINDOW, 6).unwrap().is_finished());
+        // Of the same size, with more columns than rows before it.
+        let aside = Window {
+            first: [5, 3],
+            end: [9, 6],
+        };
+        let finished = |pixels: &mut [Pixel]| {
+            [WINDOW, aside].map(|window| Target::new(pixels, window, 6).unwrap().is_finished())
+        };
+        assert_eq!(finished(&mut pixels), [true; 2]);
         for place in (0..3).flat_map(|row| (0..4).map(move |column| 6 * row + column)) {
             let mut open = pixels.clone();
             open[place].transmittance &= !FINISHED;
-            assert!(
-                !Target::new(&mut open, WINDOW, 6).unwrap().is_finished(),
-                "{place}"
-            );
+            assert_eq!(finished(&mut open), [false; 2], "{place}");
         }
     }
 }

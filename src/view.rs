@@ -286,3 +286,61 @@ pub fn round_entry(entry: I2F30, bits: u32) -> i64 {
         drop => (entry + (1 << (drop - 1))) & (-1 << drop),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::Standard24;
+
+    /// A difference is rounded once it has been taken, by half a unit of the 60 bits that the larger of u and e leaves; one that is all
+    /// cancelled but for a bit keeps that bit.
+    #[test]
+    fn differences_keep_what_cancels() {
+        let eye = |x: i64| Eye {
+            position: [x, 0, 0],
+            ..Eye::ORIGIN
+        };
+        let at = |mantissa: i32, exponent: i32| {
+            [
+                SoftFloat { mantissa, exponent },
+                SoftFloat::ZERO,
+                SoftFloat::ZERO,
+            ]
+        };
+        let near_half = eye((1 << 40) + 31);
+        assert_eq!(
+            near_half.difference(&at(1 << 30, 35), 24),
+            ([1 << 24, 0, 0], 41)
+        );
+        let one_off = eye((1 << 59) + 1);
+        assert_eq!(
+            one_off.difference(&at(1 << 30, 29), 24),
+            ([-1 << 23, 0, 0], -23)
+        );
+        assert_eq!(eye(1 << 59).difference(&at(1 << 30, 29), 24), ([0; 3], 0));
+    }
+
+    /// W u + d in 128 bits, with W's entries rounded to the design's bits.
+    #[test]
+    fn translations_add_products() {
+        let rotation = [[5, -70, 90], [-33, 1 << 30, 31], [32, -(1 << 29) - 97, 95]]
+            .map(|row| row.map(I2F30::from_bits));
+        let centre = [i32::MAX, -12_345_678, 3].map(I8F24::from_bits);
+        let pose = Translation([1, -(1 << 60), 7 << 40].map(I10F54::from_bits));
+        let widths = Widths {
+            view: 24,
+            ..Standard24::WIDTHS
+        };
+        let found = pose.to_camera(&rotation, &centre, &widths);
+        let rounded = |entry: I2F30| (i128::from(entry.to_bits()) + 32) >> 6 << 6;
+        let expected = [0, 1, 2].map(|row| {
+            let products = rotation[row].iter().zip(centre);
+            let sum: i128 = products
+                .map(|(w, u)| rounded(*w) * i128::from(u.to_bits()))
+                .sum();
+            (sum + i128::from(pose.0[row].to_bits())) as i64
+        });
+        assert_eq!((found.value, found.exponent), (expected, -54));
+        assert_eq!(round_entry(I2F30::from_bits(97), 30), 97);
+    }
+}

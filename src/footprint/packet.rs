@@ -291,3 +291,26 @@ const fn signed(name: &'static str, width: u8, fraction: u8) -> Field {
         fraction,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::Micro16;
+
+    #[test]
+    fn layouts_count_their_words() {
+        for layout in [
+            Layout::new(&Micro16::WIDTHS, Traversal::Spans),
+            Layout::with_depth(&Micro16::WIDTHS, Traversal::Box),
+        ] {
+            let bits: usize = layout
+                .fields()
+                .iter()
+                .map(|field| usize::from(field.width))
+                .sum();
+            assert_eq!((layout.bits(), layout.words()), (bits, bits.div_ceil(32)));
+            let depth = layout.fields()[DEPTH];
+            assert_eq!((depth.name, depth.fraction), ("depth", 0));
+        }
+    }
+}

@@ -79,3 +79,20 @@ pub fn depth_in_pixel(lane: i64) -> u32 {
     let rounded = lane.saturating_add(1 << (DROP - 1)) >> DROP;
     rounded.clamp(0, u32::MAX.into()) as u32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::Standard24;
+
+    #[test]
+    fn attributes_have_four_bits_more_than_colours() {
+        let fraction = |colour| {
+            attribute_fraction(&Widths {
+                colour,
+                ..Standard24::WIDTHS
+            })
+        };
+        assert_eq!([4, 23, 24, 28].map(fraction), [8, 27, 28, 28]);
+    }
+}

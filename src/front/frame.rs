@@ -230,6 +230,12 @@ mod tests {
         let clear = Pixel::clear(&Standard24::WIDTHS);
         assert_eq!(reader.rgb8(&clear, [1, 128, 255]), [1, 128, 255]);
         assert_eq!(reader.rgb565(&clear, 0xabcd), 0xabcd);
+        for widths in [Classic8::WIDTHS, Micro16::WIDTHS, Standard24::WIDTHS] {
+            assert_eq!(
+                PixelReader::new(&widths).rgb8(&Pixel::EMPTY, [7; 3]),
+                [0; 3]
+            );
+        }
         let white = Pixel {
             colour: [1 << 26; 3],
             transmittance: FINISHED,
@@ -251,7 +257,7 @@ mod tests {
     /// A window whose columns and rows begin at different numbers: every pixel of the screen is the window's own or none.
     #[test]
     fn pixels_are_found_by_their_place_on_the_screen() {
-        let pixels: [Pixel; 12] = core::array::from_fn(|index| Pixel {
+        let pixels: [Pixel; 16] = core::array::from_fn(|index| Pixel {
             colour: [0; 3],
             transmittance: index as u32,
         });

@@ -247,6 +247,35 @@ mod tests {
         let mut memory = [0; entries(&Standard24::WIDTHS)];
         fill_gaussian(&mut memory, &Standard24::WIDTHS, 4);
         assert_eq!(TABLE, memory);
+        assert_eq!(gaussian(&Standard24::WIDTHS, 4), TABLE);
+    }
+
+    /// Where entries lie: at the middle of intervals without interpolation, and with it where they begin, lowered by what a chord is too high.
+    #[test]
+    fn entries_lie_where_they_are_read() {
+        let widths = |interpolation| Widths {
+            table: 4,
+            interpolation,
+            ..Standard24::WIDTHS
+        };
+        let unit = f64::from(1u32 << widths(0).weight);
+        for interpolation in [0, 1, 9] {
+            let widths = widths(interpolation);
+            let mut memory = vec![0; entries(&widths)];
+            fill_gaussian(&mut memory, &widths, 4);
+            let rest = 0.5f64.powi(interpolation.into()) / 4.0;
+            for (entry, index) in memory.iter().zip(0..) {
+                // An interval is 1; what is cut off a position is half its last bit in the mean, half of which the slope takes.
+                let exact = match interpolation {
+                    0 => (-0.25 - 0.5 * f64::from(index)).exp(),
+                    _ => (1.0 - 1.0 / 48.0 - rest) * (-0.5 * f64::from(index)).exp(),
+                };
+                assert!((f64::from(*entry) - exact * unit).abs() <= 0.5 + 1e-3);
+            }
+        }
+        let mut memory = vec![0; entries(&widths(0))];
+        shape_entries(&mut memory, &widths(0), 4, |radial| radial >> 5);
+        assert_eq!(memory[..3], [1 << 20, 3 << 20, 5 << 20]);
     }
 
     #[test]
@@ -282,6 +311,13 @@ mod tests {
         let memory = [1; 257];
         let table = FootprintTable::new(&memory, &Classic8::WIDTHS, 4).unwrap();
         assert_eq!(table.weight(u64::MAX), 0);
+        let zeros = vec![0; entries(&Standard24::WIDTHS)];
+        let after = FootprintTable::new(&zeros, &Standard24::WIDTHS, 4).unwrap();
+        assert_eq!(
+            after.rest_bits(),
+            27 + 4 - u32::from(Standard24::WIDTHS.table)
+        );
+        assert_eq!(after.weight((16 << 27) + (1 << after.rest_bits()) - 1), 0);
         let error = FootprintTable::new(&memory[1..], &Classic8::WIDTHS, 4).unwrap_err();
         assert_eq!(
             error,

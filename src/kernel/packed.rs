@@ -196,3 +196,64 @@ const fn word(a: u32, b: u32, number: u32, position: u32) -> Option<u32> {
     let above = (a - b).wrapping_mul(number) << position;
     Some(((a << position) + half as u32 + (a - b)).wrapping_add(above))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::Standard24;
+    extern crate std;
+    use std::{vec, vec::Vec};
+
+    #[test]
+    fn a_word_has_room_for_value_and_slope() {
+        let number = 5u32;
+        let expected = (20 << 4) + 8 + 7 + ((7 * number) << 4);
+        assert_eq!(word(20, 13, number, 4), Some(expected));
+        assert_eq!(word(20, 12, number, 4), None);
+        assert_eq!(word(20, 21, number, 4), None);
+        assert_eq!(word(20, 0, number, 0), Some(20));
+        assert_eq!(word(0x0fff_ffff, 0x0fff_ffff, 1, 4), Some(0xffff_fff8));
+        assert_eq!(word(0x1000_0000, 0x1000_0000, 1, 4), None);
+        assert_eq!(word(0x7fff_ffff, 0x7fff_ffff, 0, 1), Some(u32::MAX));
+    }
+
+    #[test]
+    fn tables_are_packed_within_their_limits() {
+        let widths = Widths {
+            table: 4,
+            interpolation: 2,
+            radial: 7,
+            mantissa: 8,
+            ..Standard24::WIDTHS
+        };
+        let entries: Vec<u32> = (0..17).map(|index| 16 - index).collect();
+        let packed = |words: usize, entries: &[u32], widths: &Widths| {
+            let mut memory = vec![0; words];
+            pack_into(&mut memory, entries, widths, 4).map(|()| memory)
+        };
+        let words = packed(16, &entries, &widths).unwrap();
+        assert_eq!(words[..2], [(16 << 2) + 2, (16 << 2) + 2 + 1 + (1 << 2)]);
+        let longer = packed(18, &entries, &widths).unwrap();
+        assert_eq!(longer[..16], words);
+        assert_eq!(longer[16..], [(1 << 2) + 3 + (16 << 2), 2]);
+        assert_eq!(pack::<16>(&entries, &widths, 4).unwrap()[..], words);
+        for (words, entries) in [(17, 17), (15, 17), (16, 16), (16, 18), (18, 16)] {
+            let entries = vec![0; entries];
+            let refused = Err(PackedError::Intervals);
+            assert_eq!(packed(words, &entries, &widths), refused);
+        }
+        let narrow = [
+            Widths {
+                mantissa: 7,
+                ..widths
+            },
+            Widths {
+                radial: 6,
+                ..widths
+            },
+        ];
+        for widths in narrow {
+            assert_eq!(packed(16, &entries, &widths), Err(PackedError::Noise));
+        }
+    }
+}

@@ -147,6 +147,13 @@ mod tests {
         table
     };
 
+    #[test]
+    fn every_entry_is_filled() {
+        let mut table = [u32::MAX; PERSPECTIVE_ENTRIES];
+        fill_perspective(&mut table);
+        assert!(table == TABLE);
+    }
+
     /// \[HYBRID\] 4.2 as it is printed, on distances: i and d in affine radii, a the half-angle.
     fn as_printed(radial: f64, spread: f64, cutoff: f64) -> f64 {
         let tangent = (spread * cutoff).sqrt();

@@ -104,3 +104,19 @@ pub fn covering_cutoff(
     // A pixel on the outline is not lost to rounding.
     cutoff.saturating_add(cutoff >> 12).clamp(0, 15 << 28) as u32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cutoffs_end_where_their_word_does() {
+        let one = SoftFloat {
+            mantissa: 1 << 30,
+            exponent: -30,
+        };
+        let zero = SoftFloat::ZERO;
+        assert_eq!(covering_cutoff(4 << 28, one, zero, zero, 24), 15 << 28);
+        assert_eq!(covering_cutoff(0, one, zero, one, 24), 0);
+    }
+}

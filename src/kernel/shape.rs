@@ -233,6 +233,42 @@ mod tests {
         }
     }
 
+    /// The arithmetic of profiles at the ends of its ranges, and digests of whole profiles and of the numbers beside them.
+    #[test]
+    fn profiles_are_these_words() {
+        assert_eq!([quadratic(2), quadratic(3)], [ONE, ONE - 1]);
+        assert_eq!([quadratic(6 * ONE), quadratic(7 * ONE)], [0; 2]);
+        assert_eq!([multiply(1, ONE / 2), multiply(1, ONE / 2 - 1)], [1, 0]);
+        assert_eq!([multiply(0, 0), multiply(-1, ONE / 2)], [0; 2]);
+        assert_eq!([root(0), root(-1), root(4 * ONE)], [0, 0, 2 * ONE]);
+        assert_eq!(
+            [spline(BREAK), spline(0)],
+            [SECOND_PIECE[0], FIRST_PIECE[0]]
+        );
+        // The radial index of the end, and the last one before it.
+        let end = (0..64).fold(0, |low, bit| {
+            let next = low + (1i64 << 44 >> bit);
+            if multiply(next, VARIANCE) < END_SQUARED {
+                next
+            } else {
+                low
+            }
+        });
+        assert_eq!([cubic(end), cubic(end + 1), cubic(16 * ONE)], [0; 3]);
+        let digest = (0..4096).fold(0xcbf2_9ce4_8422_2325, |digest: u64, index| {
+            (digest ^ cubic(index * 3_257_624_001) as u64).wrapping_mul(0x100_0000_01b3)
+        });
+        assert_eq!(digest, 6_780_693_171_960_558_802);
+        let numbers = Kernel::ALL.map(|kernel| (kernel.end(), kernel.inverse_integral().mantissa));
+        let expected = [
+            (15 << 28, 1_367_130_551),
+            (3_257_624_000, 1_198_912_494),
+            (6 << 28, 1_822_840_735),
+            (4 << 28, 1_367_130_551),
+        ];
+        assert_eq!(numbers, expected);
+    }
+
     /// Unit variance and the integral that normalises: int f r dr / int f dr = 2 (per axis 1), and 1 / (pi I).
     #[test]
     fn shapes_have_unit_variance_and_their_integral() {

@@ -137,3 +137,15 @@ impl Tabled for Deep32 {
     const GAUSSIAN_4: &'static [u32] = &DEEP32_4;
     const GAUSSIAN_16: &'static [u32] = &DEEP32_16;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packed_tables_at_run_time_are_the_compilers() {
+        assert_eq!(words(&MICRO16_16, &Micro16::WIDTHS), MICRO16_PACKED);
+        let table = packed(&MICRO16_PACKED, &Micro16::WIDTHS).unwrap();
+        assert!(table.is_for(&Micro16::WIDTHS, 4));
+    }
+}
