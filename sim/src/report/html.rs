@@ -88,7 +88,7 @@ fn facts(report: &Report) -> String {
         splats = table::count(report.scene.splats),
         width = camera.width,
         height = camera.height,
-        rules = escape(&report.rules.name),
+        rules = escape(report.rules.name),
         compositing = escape(&report.compositing),
         order = match report.scene.order {
             SortOrder::Depth => "",
