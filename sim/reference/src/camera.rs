@@ -106,24 +106,51 @@ impl fmt::Display for CameraError {
 
 impl std::error::Error for CameraError {}
 
-/// The camera file as it stands on disk: row-major, pixels.
-#[derive(Serialize, Deserialize)]
+/// The camera file as it stands on disk and in reports: row-major, pixels. Its fields are those of [`Camera`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct CameraFile {
-    width: u64,
-    height: u64,
-    fx: f64,
-    fy: f64,
-    cx: f64,
-    cy: f64,
-    world_to_camera: Vec<f64>,
+#[allow(missing_docs)]
+pub struct CameraFile {
+    pub width: u64,
+    pub height: u64,
+    pub fx: f64,
+    pub fy: f64,
+    pub cx: f64,
+    pub cy: f64,
+    pub world_to_camera: Vec<f64>,
     #[serde(default = "default_near")]
-    near: f64,
+    pub near: f64,
     /// Null, as a report writes it, is no limit.
     #[serde(default = "default_far")]
-    far: Option<f64>,
+    pub far: Option<f64>,
     #[serde(default)]
-    orthographic: bool,
+    pub orthographic: bool,
+}
+
+impl From<&Camera> for CameraFile {
+    fn from(camera: &Camera) -> CameraFile {
+        let [right, down, forward] = camera.rotation;
+        let translation = camera.translation;
+        let row = |axis: Vector, offset: f64| [axis[0], axis[1], axis[2], offset];
+        let rows = [
+            row(right, translation[0]),
+            row(down, translation[1]),
+            row(forward, translation[2]),
+            [0.0, 0.0, 0.0, 1.0],
+        ];
+        CameraFile {
+            width: camera.width as u64,
+            height: camera.height as u64,
+            fx: camera.fx,
+            fy: camera.fy,
+            cx: camera.cx,
+            cy: camera.cy,
+            world_to_camera: rows.concat(),
+            near: camera.near,
+            far: camera.far.is_finite().then_some(camera.far),
+            orthographic: camera.orthographic,
+        }
+    }
 }
 
 /// What tells a report from a camera file.
@@ -323,29 +350,8 @@ impl Camera {
 
     /// The camera as the text of a camera file; reading it back gives the same camera.
     pub fn to_json(&self) -> String {
-        let [right, down, forward] = self.rotation;
-        let translation = self.translation;
-        let row = |axis: Vector, offset: f64| [axis[0], axis[1], axis[2], offset];
-        let rows = [
-            row(right, translation[0]),
-            row(down, translation[1]),
-            row(forward, translation[2]),
-            [0.0, 0.0, 0.0, 1.0],
-        ];
-        let file = CameraFile {
-            width: self.width as u64,
-            height: self.height as u64,
-            fx: self.fx,
-            fy: self.fy,
-            cx: self.cx,
-            cy: self.cy,
-            world_to_camera: rows.concat(),
-            near: self.near,
-            far: self.far.is_finite().then_some(self.far),
-            orthographic: self.orthographic,
-        };
         // Numbers, a list and a flag always have a JSON form, so the error case does not arise.
-        serde_json::to_string_pretty(&file).unwrap_or_default()
+        serde_json::to_string_pretty(&CameraFile::from(self)).unwrap_or_default()
     }
 
     /// The eye in world space, `-W^-1 d`: the place that the view maps to 0, also where W is a rotation only nearly.

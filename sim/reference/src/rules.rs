@@ -4,14 +4,18 @@
 //! ends and when a pixel is finished. The kernel holds its own fixed-point statement of the same rules; this
 //! one is written from the papers' formulas and shares nothing with it.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de};
 use std::str::FromStr;
 
+/// One of the names that there are.
+pub type RulesName = &'static str;
+
 /// How splats are weighted, cut off and composited.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rules {
-    /// Name on the command line.
-    pub name: &'static str,
+    /// Name on the command line; `surf` for what reports say of surfaces.
+    #[serde(deserialize_with = "known_name")]
+    pub name: RulesName,
     /// Kernels are normalised to unit volume (EWA eq. 26-31): the peak opacity is
     /// `mass |J W| / (2 pi sqrt(det(V' + V^h)))`. Otherwise the peak is the opacity itself.
     pub normalised: bool,
@@ -19,12 +23,14 @@ pub struct Rules {
     pub low_pass: f64,
     /// The peak is multiplied by sqrt(det V' / det(V' + V^h)), so that the filter adds no opacity (Mip-Splatting, eq. 9; gsplat's antialiased
     /// mode). Not for normalised kernels, which keep their volume.
+    #[serde(default)]
     pub compensated: bool,
     /// Distance scaling (\[SWAN\] 4.3): spacing of the samples in scene units; 0 switches it off.
     pub spacing: f64,
     /// Shape of all footprints.
     pub kernel: Kernel,
-    /// The footprint ends where the radial index reaches this value (`r < cutoff`); infinite if only `alpha_min` ends it.
+    /// The footprint ends where the radial index reaches this value (`r < cutoff`); infinite, null in JSON, if only `alpha_min` ends it.
+    #[serde(deserialize_with = "or_infinite")]
     pub cutoff: f64,
     /// Opacity of one splat at one pixel is clamped to this.
     pub alpha_max: f64,
@@ -36,6 +42,20 @@ pub struct Rules {
     pub omit_finishing: bool,
     /// `x/z` and `y/z` are clamped in the Jacobian to the widened frustum.
     pub clamp_jacobian: bool,
+}
+
+fn known_name<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Error> {
+    let name = String::deserialize(from)?;
+    let mut known = Rules::ALL
+        .map(|rules| rules.name)
+        .into_iter()
+        .chain(["surf"]);
+    let found = known.find(|known| *known == name);
+    found.ok_or_else(|| de::Error::custom(format!("no rules '{name}'")))
+}
+
+fn or_infinite<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
 }
 
 impl Rules {

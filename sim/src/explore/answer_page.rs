@@ -8,7 +8,7 @@ use super::refusal;
 use crate::machine::config::Config;
 use crate::machine::timing::Timing;
 use crate::report::chart::{Anchor, Axis, Chart};
-use crate::report::html::escape;
+use crate::report::html::{escape, html_table};
 use crate::report::labels::Rectangle;
 use crate::report::machine::plots;
 use crate::report::shell::Shell;
@@ -94,21 +94,8 @@ fn headline(found: &Found) -> String {
 
 /// A table of text; the first column is words.
 fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
-    let class = |column: usize| if column == 0 { " class=\"word\"" } else { "" };
-    let mut text = "<div class=\"scroll\"><table class=\"short\">\n<tr>".to_owned();
-    for (column, heading) in headings.iter().enumerate() {
-        // Writing to a String cannot fail.
-        let _ = write!(text, "<th{}>{}</th>", class(column), escape(heading));
-    }
-    text += "</tr>\n";
-    for row in rows {
-        text += "<tr>";
-        for (column, cell) in row.iter().enumerate() {
-            let _ = write!(text, "<td{}>{}</td>", class(column), escape(cell));
-        }
-        text += "</tr>\n";
-    }
-    text + "</table></div>"
+    let escaped = |row: &Vec<String>| row.iter().map(|cell| escape(cell)).collect();
+    html_table(" class=\"short\"", &[0], headings, rows.iter().map(escaped))
 }
 
 fn limits(answer: &Answer) -> String {

@@ -4,8 +4,9 @@ use super::exercised::exercised;
 use super::{AnyScene, DesignVariant, Engine, Measured, Plan, Prepared, SplatMethod, Technique};
 use crate::design::traversal_name;
 use crate::hybrid::Hybrid;
-use crate::report::facts::{CameraFacts, RulesFacts, SceneFacts};
+use crate::report::facts::SceneFacts;
 use crate::report::{FORMAT, HostTimes, Report};
+use crate::rules::Rules;
 use crate::scene::Weight;
 use crate::scene::points::SurfaceScene;
 use crate::surface::{Buffer, Style};
@@ -99,9 +100,9 @@ pub fn report_of_drawing(
         traversal: None,
         warnings: scene.warnings(&prepared.warnings),
         scene,
-        camera: CameraFacts::from(&plan.camera),
+        camera: (&plan.camera).into(),
         rules: match &plan.technique {
-            Technique::Splats { rules, .. } => RulesFacts::from(rules),
+            Technique::Splats { rules, .. } => *rules,
             Technique::Surface(style) => surface_rules(style),
         },
         compositing: plan.compositing(),
@@ -145,19 +146,13 @@ fn surface_facts(scene: &SurfaceScene) -> SceneFacts {
 }
 
 /// A style in the terms of rules.
-fn surface_rules(style: &Style) -> RulesFacts {
-    RulesFacts {
-        name: "surf".to_owned(),
+fn surface_rules(style: &Style) -> Rules {
+    Rules {
+        name: "surf",
         normalised: false,
         low_pass: style.low_pass,
-        compensated: false,
-        spacing: 0.0,
-        kernel: "gaussian".to_owned(),
-        cutoff: Some(style.cutoff),
-        alpha_max: 1.0,
-        alpha_min: 0.0,
+        cutoff: style.cutoff,
         minimum_transmittance: 0.0,
-        omit_finishing: false,
-        clamp_jacobian: false,
+        ..Rules::EWA
     }
 }

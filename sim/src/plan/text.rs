@@ -1,9 +1,8 @@
 //! A plan's parts as text: what reports record in full, and what a plan file may leave out.
 
 use super::DesignVariant;
-use crate::camera::Camera;
+use crate::camera::{Camera, CameraFile};
 use crate::design::{DesignChoice, traversal_by_name};
-use crate::report::facts::{CameraFacts, RulesFacts};
 use crate::rules::{Kernel, Rules};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -14,7 +13,7 @@ pub(super) mod camera {
     use super::*;
 
     pub fn serialize<S: Serializer>(camera: &Camera, to: S) -> Result<S::Ok, S::Error> {
-        CameraFacts::from(camera).serialize(to)
+        CameraFile::from(camera).serialize(to)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Camera, D::Error> {
@@ -45,7 +44,7 @@ pub(super) mod rules {
     }
 
     pub fn serialize<S: Serializer>(rules: &Rules, to: S) -> Result<S::Ok, S::Error> {
-        RulesFacts::from(rules).serialize(to)
+        rules.serialize(to)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Rules, D::Error> {

@@ -1,7 +1,5 @@
-//! Scene, camera and rules as report.json states them.
+//! The scene as report.json states it.
 
-use crate::camera::Camera;
-use crate::rules::Rules;
 use crate::scene::{Scene, SortOrder};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -94,102 +92,5 @@ impl SceneFacts {
             lines.push(format!("{name}: of {splats} splats {}", parts.join(", ")));
         }
         lines
-    }
-}
-
-/// The camera in the form of a camera file, so that a report's camera can be used again.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CameraFacts {
-    /// Columns of the picture.
-    pub width: usize,
-    /// Rows of the picture.
-    pub height: usize,
-    /// Horizontal focal length in pixels.
-    pub fx: f64,
-    /// Vertical focal length in pixels.
-    pub fy: f64,
-    /// Principal point, pixels.
-    pub cx: f64,
-    /// Principal point, pixels.
-    pub cy: f64,
-    /// Row-major.
-    pub world_to_camera: [f64; 16],
-    /// Nearest depth drawn.
-    pub near: f64,
-    /// Farthest depth drawn; null if there is no limit.
-    pub far: Option<f64>,
-    /// Parallel projection.
-    pub orthographic: bool,
-}
-
-impl From<&Camera> for CameraFacts {
-    fn from(camera: &Camera) -> Self {
-        let mut world_to_camera = [0.0; 16];
-        for row in 0..3 {
-            world_to_camera[4 * row..4 * row + 3].copy_from_slice(&camera.rotation[row]);
-            world_to_camera[4 * row + 3] = camera.translation[row];
-        }
-        world_to_camera[15] = 1.0;
-        CameraFacts {
-            width: camera.width,
-            height: camera.height,
-            fx: camera.fx,
-            fy: camera.fy,
-            cx: camera.cx,
-            cy: camera.cy,
-            world_to_camera,
-            near: camera.near,
-            far: camera.far.is_finite().then_some(camera.far),
-            orthographic: camera.orthographic,
-        }
-    }
-}
-
-/// The rules of blending, in full.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RulesFacts {
-    /// `ewa` or `3dgs`.
-    pub name: String,
-    /// Kernels have unit volume.
-    pub normalised: bool,
-    /// Variance of the low-pass filter, square pixels.
-    pub low_pass: f64,
-    /// Peaks are multiplied by sqrt(det V' / det(V' + V^h)).
-    #[serde(default)]
-    pub compensated: bool,
-    /// Spacing of the samples that distance scaling goes by, scene units; 0 without it.
-    pub spacing: f64,
-    /// Shape of footprints.
-    pub kernel: String,
-    /// Radial index where the footprint ends; null if only `alpha_min` ends it.
-    pub cutoff: Option<f64>,
-    /// Largest opacity of one splat at one pixel.
-    pub alpha_max: f64,
-    /// Smaller opacities are skipped.
-    pub alpha_min: f64,
-    /// Transmittance at which a pixel is finished.
-    pub minimum_transmittance: f64,
-    /// The splat that would finish the pixel is itself left out.
-    pub omit_finishing: bool,
-    /// The Jacobian's slopes are clamped to the widened frustum.
-    pub clamp_jacobian: bool,
-}
-
-impl From<&Rules> for RulesFacts {
-    fn from(rules: &Rules) -> Self {
-        RulesFacts {
-            name: rules.name.to_owned(),
-            normalised: rules.normalised,
-            low_pass: rules.low_pass,
-            compensated: rules.compensated,
-            spacing: rules.spacing,
-            kernel: format!("{:?}", rules.kernel).to_lowercase(),
-            cutoff: rules.cutoff.is_finite().then_some(rules.cutoff),
-            alpha_max: rules.alpha_max,
-            alpha_min: rules.alpha_min,
-            minimum_transmittance: rules.minimum_transmittance,
-            omit_finishing: rules.omit_finishing,
-            clamp_jacobian: rules.clamp_jacobian,
-        }
     }
 }

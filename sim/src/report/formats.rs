@@ -1,5 +1,6 @@
 //! What floating-point datapaths make of the report's picture, as a table of its page and as lines on a terminal.
 
+use super::html::html_table;
 use super::table::{decibels, flip_text, scientific, signed};
 use super::{FormatRow, Report};
 
@@ -10,25 +11,25 @@ pub(super) fn formats_section(report: &Report) -> String {
     }
     let line = |row: &FormatRow| {
         let error = &row.error.rgb;
-        format!(
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.5}</td><td>{}</td><td>{}</td><td>{:.1}</td></tr>\n",
-            row.engine,
+        vec![
+            row.engine.clone(),
             decibels(error.psnr_db),
             scientific(error.max_abs),
             scientific(error.percentiles.p99),
             signed(error.bias),
-            error.ssim,
+            format!("{:.5}", error.ssim),
             flip_text(row.error.flip),
-            row.transistors,
-            row.pj_per_pixel
-        )
+            row.transistors.to_string(),
+            format!("{:.1}", row.pj_per_pixel),
+        ]
     };
-    let lines: String = report.formats.iter().map(line).collect();
+    let headings = "engine,PSNR dB,max error,p99,bias,SSIM,FLIP,transistors a lane,pJ a pixel";
+    let headings: Vec<&str> = headings.split(',').collect();
     format!(
         "<section>\n<h2>Floating-point datapaths</h2>\n<p class=\"read\">The usual formulas, every operation rounded. fp16 and bfloat16 have setup \
          in single precision and a centre relative to its tile. Transistors \
-         and energy are estimates of a lane's arithmetic.</p>\n<div class=\"scroll\"><table>\n<tr><th>engine</th><th>PSNR dB</th><th>max \
-         error</th><th>p99</th><th>bias</th><th>SSIM</th><th>FLIP</th><th>transistors a lane</th><th>pJ a pixel</th></tr>\n{lines}</table></div>\n</section>\n"
+         and energy are estimates of a lane's arithmetic.</p>\n{}\n</section>\n",
+        html_table("", &[], &headings, report.formats.iter().map(line))
     )
 }
 

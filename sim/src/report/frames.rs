@@ -2,9 +2,10 @@
 
 use super::Report;
 use super::chart::{Axis, Chart};
-use super::html::escape;
+use super::html::{escape, html_table};
 use super::labels::Rectangle;
 use super::shell::Shell;
+use super::table::decibels;
 use crate::machine::summary::Spread;
 use serde::Serialize;
 use std::fmt::Write;
@@ -207,38 +208,36 @@ impl OverRows {
 
 /// One page that stands alone.
 pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
-    let mut table = String::from(
-        "<table><tr><th class=\"word\">frame</th><th>PSNR, dB</th><th>largest error</th><th>p99</th><th>bias</th><th>SSIM</th><th>FLIP</th><th>cycles</th><th>ms</th></tr>\n",
-    );
-    for row in rows {
-        let psnr = row
-            .psnr_db
-            .map_or("identical".to_owned(), |psnr| format!("{psnr:.2}"));
-        let cycles = row
-            .cycles
-            .map_or(String::new(), |cycles| cycles.to_string());
-        let ms = row.ms_per_frame;
-        let ms = ms.map_or(String::new(), |ms| format!("{ms:.3}"));
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            table,
-            "<tr><td class=\"word\"><a href=\"{}/report.html\">{}</a></td><td>{psnr}</td><td>{:.3e}</td><td>{:.3e}</td><td>{:+.2e}</td><td>{:.6}</td><td>{:.3e}</td><td>{cycles}</td><td>{ms}</td></tr>",
+    let line = |row: &FrameRow| {
+        let name = format!(
+            "<a href=\"{}/report.html\">{}</a>",
             escape(&row.folder),
-            escape(&row.name),
-            row.max_abs,
-            row.p99,
-            row.bias,
-            row.ssim,
-            row.flip
+            escape(&row.name)
         );
-    }
+        vec![
+            name,
+            decibels(row.psnr_db),
+            format!("{:.3e}", row.max_abs),
+            format!("{:.3e}", row.p99),
+            format!("{:+.2e}", row.bias),
+            format!("{:.6}", row.ssim),
+            format!("{:.3e}", row.flip),
+            row.cycles
+                .map_or_else(String::new, |cycles| cycles.to_string()),
+            row.ms_per_frame
+                .map_or_else(String::new, |ms| format!("{ms:.3}")),
+        ]
+    };
+    let headings = "frame;PSNR, dB;largest error;p99;bias;SSIM;FLIP;cycles;ms";
+    let headings: Vec<&str> = headings.split(';').collect();
+    let table = html_table("", &[0], &headings, rows.iter().map(line));
     let curves = [
         curve("Largest error", rows, &|row| row.max_abs),
         curve("Mcycles", rows, &|row| row.cycles.unwrap_or(0) as f64 / 1e6),
     ];
     let body = format!(
         "<section>\n<pre>{}</pre>\n</section>\n<section class=\"charts\">\n{}</section>\n\
-         <section>\n<h2>Frame by frame</h2>\n<div class=\"scroll\">{table}</table></div>\n</section>\n",
+         <section>\n<h2>Frame by frame</h2>\n{table}\n</section>\n",
         escape(&over.text()),
         curves.concat()
     );

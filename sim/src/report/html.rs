@@ -88,7 +88,7 @@ fn facts(report: &Report) -> String {
         splats = table::count(report.scene.splats),
         width = camera.width,
         height = camera.height,
-        rules = escape(&report.rules.name),
+        rules = escape(report.rules.name),
         compositing = escape(&report.compositing),
         order = match report.scene.order {
             SortOrder::Depth => "",
@@ -377,23 +377,21 @@ fn machine_section(report: &Report) -> String {
             .iter()
             .map(|(cause, cycles)| format!("{} {}", cause.replace('_', " "), count(*cycles)))
             .collect();
-        format!(
-            "<tr><td class=\"word\">{}</td><td>{}</td><td>{}</td><td>{:.1}</td><td>{}</td><td class=\"word\">{}</td></tr>\n",
+        vec![
             escape(&name.replace('_', " ")),
             count(unit.instances),
             count(unit.busy),
-            100.0 * unit.utilisation,
+            format!("{:.1}", 100.0 * unit.utilisation),
             count(unit.idle),
-            escape(&causes.join(", "))
-        )
+            escape(&causes.join(", ")),
+        ]
     };
-    let lines: String = cycles.units.iter().map(line).collect();
+    let headings = ["unit", "number", "busy", "busy %", "idle", "stalled by"];
+    let table = html_table("", &[0, 5], &headings, cycles.units.iter().map(line));
     let pace = escape(table::throughput_text(report).trim_end());
     format!(
         "<section>\n<h2>Cycles of the machine</h2>\n<p class=\"read\">{pace}</p>\n<p class=\"read\">{} cycles: geometry {}, sort {}, raster {}. For every unit busy, \
-         stalled and idle cycles add up to its number times the total; utilisation is the busy part.</p>\n<div class=\"scroll\"><table>\n\
-         <tr><th class=\"word\">unit</th><th>number</th><th>busy</th><th>busy %</th><th>idle</th><th class=\"word\">stalled by</th></tr>\n\
-         {lines}</table></div>\n</section>\n",
+         stalled and idle cycles add up to its number times the total; utilisation is the busy part.</p>\n{table}\n</section>\n",
         count(cycles.total),
         count(cycles.geometry),
         count(cycles.sort),
@@ -417,99 +415,109 @@ fn systems(report: &Report) -> String {
     }
     let error = report.error.as_ref();
     let line = |verdict: &SystemVerdict| {
-        let measured = error.filter(|_| verdict.used).map_or(
-            "<td></td><td></td><td></td>".to_owned(),
-            |error| {
-                format!(
-                    "<td>{}</td><td>{}</td><td>{}</td>",
-                    table::decibels(error.rgb.psnr_db),
-                    table::scientific(error.rgb.max_abs),
-                    table::signed(error.rgb.bias)
-                )
-            },
-        );
+        let measured = error.filter(|_| verdict.used).map(|error| error.rgb);
+        let of = |show: &dyn Fn(&ChannelFacts) -> String| {
+            measured.as_ref().map_or_else(String::new, show)
+        };
         let used = if verdict.used {
             "used"
         } else {
             "not exercised"
         };
-        format!(
-            "<tr><td>{}</td><td class=\"word\">{}</td><td class=\"word\">{used}: {}</td>{measured}</tr>\n",
-            verdict.number,
+        vec![
+            verdict.number.to_string(),
             escape(&verdict.name),
-            escape(&verdict.reason)
-        )
+            format!("{used}: {}", escape(&verdict.reason)),
+            of(&|error| table::decibels(error.psnr_db)),
+            of(&|error| table::scientific(error.max_abs)),
+            of(&|error| table::signed(error.bias)),
+        ]
     };
-    let lines: String = report.systems.iter().map(line).collect();
+    let headings = [
+        "#",
+        "system",
+        "in this picture",
+        "PSNR dB",
+        "max error",
+        "bias",
+    ];
     format!(
         "<section>\n<h2>Systems of the papers</h2>\n<p class=\"read\">Which systems this picture exercises. The error is that of the picture, \
-         which those in use made together; each system by itself is measured in docs/results/systems.md.</p>\n<div class=\"scroll\"><table>\n\
-         <tr><th>#</th><th class=\"word\">system</th><th class=\"word\">in this picture</th><th>PSNR dB</th><th>max error</th><th>bias</th></tr>\n\
-         {lines}</table></div>\n</section>\n"
+         which those in use made together; each system by itself is measured in docs/results/systems.md.</p>\n{}\n</section>\n",
+        html_table("", &[1, 2], &headings, report.systems.iter().map(line))
     )
 }
 
 /// Errors of the chosen design per channel group.
 fn error_table(error: &ErrorFacts) -> String {
     let line = |name: &str, facts: &ChannelFacts| {
-        format!(
-            "<tr><td class=\"word\">{name}</td><td>{}</td><td>{}</td><td>({}, {}) {}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.6}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.6}</td></tr>\n",
+        let channel = ["R", "G", "B", "A"].get(facts.max_at.channel);
+        let (x, y) = (facts.max_at.x, facts.max_at.y);
+        vec![
+            name.to_owned(),
             table::decibels(facts.psnr_db),
             table::scientific(facts.max_abs),
-            facts.max_at.x,
-            facts.max_at.y,
-            ["R", "G", "B", "A"]
-                .get(facts.max_at.channel)
-                .unwrap_or(&"?"),
+            format!("({x}, {y}) {}", channel.unwrap_or(&"?")),
             table::scientific(facts.percentiles.p95),
             table::scientific(facts.percentiles.p99),
             table::signed(facts.bias),
-            facts.ssim,
+            format!("{:.6}", facts.ssim),
             table::count(facts.covered.pixels as u64),
             table::decibels(facts.covered.psnr_db),
             table::signed(facts.covered.bias),
-            facts.covered.ssim,
-        )
+            format!("{:.6}", facts.covered.ssim),
+        ]
     };
+    let headings = "channels,PSNR dB,max error,at pixel,p95,p99,bias,SSIM,covered pixels,PSNR cov,bias cov,SSIM cov";
+    let headings: Vec<&str> = headings.split(',').collect();
+    let lines = [line("RGB", &error.rgb), line("alpha", &error.alpha)];
     format!(
         "<section>\n<h2>Errors of the picture</h2>\n<p class=\"read\">p95 and p99: so many percent of the samples differ by no more. FLIP is the mean \
-         difference that an eye sees of colours in sRGB (HPG 2020), at {:.1} pixels per degree: {}.</p>\n<div class=\"scroll\"><table class=\"short\">\n<tr><th class=\"word\">channels</th>\
-         <th>PSNR dB</th><th>max error</th><th>at pixel</th><th>p95</th><th>p99</th><th>bias</th><th>SSIM</th><th>covered pixels</th><th>PSNR cov</th><th>bias cov</th><th>SSIM cov</th></tr>\n{}{}</table></div>\n</section>\n",
+         difference that an eye sees of colours in sRGB (HPG 2020), at {:.1} pixels per degree: {}.</p>\n{}\n</section>\n",
         error.flip_pixels_per_degree,
         table::flip_text(error.flip),
-        line("RGB", &error.rgb),
-        line("alpha", &error.alpha),
+        html_table(" class=\"short\"", &[0], &headings, lines.into_iter())
     )
 }
 
 fn sweep_table(report: &Report) -> String {
-    let class = |column: usize| {
-        if column < WORD_COLUMNS {
-            " class=\"word\""
-        } else {
-            ""
-        }
-    };
-    let headings: String = HEADINGS
-        .iter()
-        .enumerate()
-        .map(|(column, text)| format!("<th{}>{text}</th>", class(column)))
-        .collect();
+    let words: Vec<usize> = (0..WORD_COLUMNS).collect();
     let line = |(index, row): (usize, &ReportRow)| {
-        let cells: String = table::cells(row)
-            .iter()
-            .enumerate()
-            .map(|(column, text)| format!("<td{}>{}</td>", class(column), escape(text)))
-            .collect();
-        let mark = if is_chosen(report, row) {
-            " class=\"chosen\""
-        } else {
-            ""
-        };
-        format!("<tr{mark} data-row=\"{index}\">{cells}</tr>\n")
+        let chosen = is_chosen(report, row);
+        let mark = if chosen { " class=\"chosen\"" } else { "" };
+        let cells = table::cells(row).map(|cell| escape(&cell));
+        html_row(
+            &format!("{mark} data-row=\"{index}\""),
+            "td",
+            &words,
+            &cells,
+        )
     };
     let lines: String = report.table.iter().enumerate().map(line).collect();
-    format!("<table id=\"designs\">\n<tr>{headings}</tr>\n{lines}</table>")
+    let headings = html_row("", "th", &words, &HEADINGS);
+    format!("<table id=\"designs\">\n{headings}{lines}</table>")
+}
+
+/// A table that scrolls where it is too wide; `words` are the columns of words. Headings and cells are HTML.
+pub fn html_table(
+    attributes: &str,
+    words: &[usize],
+    headings: &[&str],
+    rows: impl Iterator<Item = Vec<String>>,
+) -> String {
+    let headings = html_row("", "th", words, headings);
+    let rows: String = rows.map(|row| html_row("", "td", words, &row)).collect();
+    format!("<div class=\"scroll\"><table{attributes}>\n{headings}{rows}</table></div>")
+}
+
+fn html_row(attributes: &str, tag: &str, words: &[usize], cells: &[impl AsRef<str>]) -> String {
+    let mut text = format!("<tr{attributes}>");
+    for (column, cell) in cells.iter().enumerate() {
+        let is_word = words.contains(&column);
+        let class = if is_word { " class=\"word\"" } else { "" };
+        text += &format!("<{tag}{class}>{}</{tag}>", cell.as_ref());
+    }
+    text + "</tr>\n"
 }
 
 fn is_chosen(report: &Report, row: &ReportRow) -> bool {

@@ -23,14 +23,16 @@ pub mod table;
 pub(crate) mod viewer;
 
 use crate::atomic;
+use crate::camera::CameraFile;
 use crate::design::ResolvedDesign;
 use crate::flip::PIXELS_PER_DEGREE;
 use crate::machine::clock::Throughput;
 use crate::machine::timing::Timing;
 use crate::metrics::{ChannelError, Errors, Percentiles};
+use crate::rules::Rules;
 use crate::systems::SystemVerdict;
 use error_map::ErrorMap;
-use facts::{CameraFacts, RulesFacts, SceneFacts};
+use facts::SceneFacts;
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::Path;
@@ -57,9 +59,9 @@ pub struct Report {
     #[serde(default)]
     pub warnings: Vec<String>,
     /// From where; the form of a camera file.
-    pub camera: CameraFacts,
+    pub camera: CameraFile,
     /// Under which rules.
-    pub rules: RulesFacts,
+    pub rules: Rules,
     /// `front-to-back`, `back-to-front` or `x-ray`.
     pub compositing: String,
     /// Null if nothing was compared.

@@ -2,7 +2,7 @@
 
 use super::chart::{Anchor, Axis, Chart};
 use super::error_map::ErrorMap;
-use super::html::escape;
+use super::html::{escape, html_table};
 use super::labels::Rectangle;
 use super::png::Rgb;
 use super::shell::Shell;
@@ -234,7 +234,7 @@ pub fn page(report: &PhotoReport, shown: &[Vec<(String, String)>]) -> String {
         // Writing to a String cannot fail.
         let _ = write!(
             views,
-            "<h3>{}</h3>\n<p class=\"read\">{} × {}, full size in {}/.</p>\n<div class=\"scroll\">{}</div>\n<div class=\"pictures\">\n",
+            "<h3>{}</h3>\n<p class=\"read\">{} × {}, full size in {}/.</p>\n{}\n<div class=\"pictures\">\n",
             escape(&row.name),
             row.size[0],
             row.size[1],
@@ -261,7 +261,7 @@ pub fn page(report: &PhotoReport, shown: &[Vec<(String, String)>]) -> String {
     let body = format!(
         "<section>\n<h2>Means</h2>\n<p class=\"read\">PSNR of red, green and blue; SSIM as the trainers measure it (window of 11 × 11 on each \
          colour, zeros around the picture); FLIP at 67 pixels per degree. What an engine costs is its difference from the first line.</p>\n\
-         <div class=\"scroll\">{}</div>\n</section>\n<section class=\"charts\">\n{}</section>\n<section>\n<h2>View by view</h2>\n\
+         {}\n</section>\n<section class=\"charts\">\n{}</section>\n<section>\n<h2>View by view</h2>\n\
          <p class=\"read\">Errors of a view have one scale: <b>orange</b> is brighter than the photograph, <b>blue</b> darker.</p>\n{views}</section>\n",
         table(means),
         losses(&report.means)
@@ -285,21 +285,19 @@ fn table<'a>(lines: impl Iterator<Item = (&'a str, PhotoError)> + Clone) -> Stri
     let first = lines.clone().next().map(|(_, error)| error);
     let line = |(engine, error): (&str, PhotoError)| {
         let first = first.unwrap_or(error);
-        format!(
-            "<tr><td class=\"word\">{}</td><td>{:.3}</td><td>{:.5}</td><td>{:.5}</td><td>{:+.4}</td><td>{:+.1e}</td><td>{:+.1e}</td></tr>\n",
+        vec![
             escape(engine),
-            error.psnr_db,
-            error.ssim,
-            error.flip,
-            error.psnr_db - first.psnr_db,
-            error.ssim - first.ssim,
-            error.flip - first.flip
-        )
+            format!("{:.3}", error.psnr_db),
+            format!("{:.5}", error.ssim),
+            format!("{:.5}", error.flip),
+            format!("{:+.4}", error.psnr_db - first.psnr_db),
+            format!("{:+.1e}", error.ssim - first.ssim),
+            format!("{:+.1e}", error.flip - first.flip),
+        ]
     };
-    let lines: String = lines.map(line).collect();
-    format!(
-        "<table><tr><th class=\"word\">drawn by</th><th>PSNR, dB</th><th>SSIM</th><th>FLIP</th><th>PSNR change, dB</th><th>SSIM change</th><th>FLIP change</th></tr>\n{lines}</table>"
-    )
+    let headings = "drawn by;PSNR, dB;SSIM;FLIP;PSNR change, dB;SSIM change;FLIP change";
+    let headings: Vec<&str> = headings.split(';').collect();
+    html_table("", &[0], &headings, lines.map(line))
 }
 
 /// Decibels that each engine loses against the photographs, fixed widths and float formats in one figure.

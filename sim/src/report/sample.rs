@@ -1,6 +1,6 @@
 //! Synthetic pictures and a synthetic report with plausible figures, for tests and for looking at the page.
 
-use super::facts::{CameraFacts, RulesFacts, SceneFacts};
+use super::facts::SceneFacts;
 use super::*;
 use crate::camera::Camera;
 use crate::design::DesignChoice;
@@ -135,8 +135,8 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
             order: SortOrder::Depth,
         },
         warnings: vec!["brainsmall: 3 splats clamped".to_owned()],
-        camera: CameraFacts::from(&camera),
-        rules: RulesFacts::from(&Rules::GAUSSIAN_3D),
+        camera: (&camera).into(),
+        rules: Rules::GAUSSIAN_3D,
         compositing: Compositing::FrontToBack.name().to_owned(),
         error: compare_and_look(fixed, float)
             .ok()

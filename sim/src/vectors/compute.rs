@@ -1,5 +1,6 @@
 //! Every stage of the kernel, run one after the other, with what crosses each boundary written down.
 
+use super::record::{Words, reason, record, stage};
 use super::{VectorStage, VectorSubject, functions, systems};
 use crate::design::DesignJob;
 use crate::fixed::{kernel_compositing, kernel_rules};
@@ -11,7 +12,7 @@ use splatline::footprint::depth::{self, KEY_BITS};
 use splatline::footprint::packet::Layout;
 use splatline::format::{Design, Lane, Traversal, Widths};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
-use splatline::math::{SoftFloat, shift_signed};
+use splatline::math::shift_signed;
 use splatline::raster::{BoxSpans, EllipseSpans, Spans, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::{self, Cull};
@@ -35,7 +36,7 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
     let rules = kernel_rules(&subject.rules);
     if subject.systems {
         let mut splats = SetupStages::new(&widths).splats;
-        splats.records = subject.splats.iter().map(splat_values).collect();
+        splats.records = subject.splats.iter().map(|splat| record![splat]).collect();
         let systems = systems::stages(design, subject);
         return [splats].into_iter().chain(systems).collect();
     }
@@ -92,29 +93,6 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
     ]
 }
 
-pub(super) type StageSpec = (String, usize, bool, usize);
-
-pub(super) fn field(name: &str, bits: usize, signed: bool, fraction: u8) -> StageSpec {
-    (name.to_owned(), bits, signed, fraction.into())
-}
-
-/// Mantissa and exponent.
-fn number(name: &str) -> [StageSpec; 2] {
-    ["mantissa", "exponent"].map(|part| field(&format!("{name}_{part}"), 32, true, 0))
-}
-
-pub(super) fn numbers<'a>(
-    names: impl IntoIterator<Item = &'a str>,
-) -> impl Iterator<Item = StageSpec> {
-    names.into_iter().flat_map(number)
-}
-
-pub(super) fn values(numbers: impl IntoIterator<Item = SoftFloat>) -> impl Iterator<Item = i64> {
-    numbers
-        .into_iter()
-        .flat_map(|n| [n.mantissa.into(), n.exponent.into()])
-}
-
 /// One record per splat each.
 struct SetupStages {
     splats: VectorStage,
@@ -125,64 +103,43 @@ struct SetupStages {
     opacity: VectorStage,
 }
 
-/// The `culled` field: 0, or the place of the reason in [`Cull::ALL`] counted from 1.
-pub(super) fn reason<T>(result: &Result<T, Cull>) -> i64 {
-    result
-        .as_ref()
-        .err()
-        .map_or(0, |cull| cull.place() as i64 + 1)
-}
-
 impl SetupStages {
     fn new(widths: &Widths) -> Self {
         let subpixel = widths.subpixel;
-        let centre = 28 + usize::from(subpixel);
+        let centre = 28 + subpixel;
         SetupStages {
-            splats: VectorStage::new(
+            splats: stage(
                 "splats",
                 "one input splat a record",
-                numbers(["x", "y", "z"])
-                    .chain(["a", "b", "c"].into_iter().flat_map(|axis| {
-                        let part = |n: &str| field(&format!("axis_{axis}_{n}"), 32, true, 0);
-                        ["x", "y", "z", "exponent"].map(part)
-                    }))
-                    .chain(number("weight"))
-                    .chain(["red", "green", "blue"].map(|n| field(n, 32, false, 28))),
+                "x:n y:n z:n axis_a_x:-32 axis_a_y:-32 axis_a_z:-32 axis_a_exponent:-32 axis_b_x:-32 axis_b_y:-32 axis_b_z:-32 axis_b_exponent:-32 \
+                 axis_c_x:-32 axis_c_y:-32 axis_c_z:-32 axis_c_exponent:-32 weight:n red:32.28 green:32.28 blue:32.28",
             ),
-            camera: VectorStage::new(
+            camera: stage(
                 "camera",
                 "t = W (u - e), one splat a record: three words with one exponent",
-                ["x", "y", "z"]
-                    .map(|n| field(n, 64, true, 0))
-                    .into_iter()
-                    .chain([field("exponent", 32, true, 0)]),
+                "x:-64 y:-64 z:-64 exponent:-32",
             ),
-            projected: VectorStage::new(
+            projected: stage(
                 "projected",
                 "one splat a record; culled: 0 drawn, 1 near, 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside; zeros from 1 to 3",
-                [
-                    field("culled", 4, false, 0),
-                    field("depth", KEY_BITS as usize, false, 0),
-                    field("centre_u", centre, true, subpixel),
-                    field("centre_v", centre, true, subpixel),
-                ]
-                .into_iter()
-                .chain(numbers(["ratio_x", "ratio_y", "gain_x", "gain_y"])),
+                &format!(
+                    "culled:4 depth:{KEY_BITS} centre_u:-{centre}.{subpixel} centre_v:-{centre}.{subpixel} ratio_x:n ratio_y:n gain_x:n gain_y:n"
+                ),
             ),
-            columns: VectorStage::new(
+            columns: stage(
                 "columns",
                 "M = J W A, one splat a record; zeros if it was culled before",
-                numbers(["a_x", "a_y", "b_x", "b_y", "c_x", "c_y"]),
+                "a_x:n a_y:n b_x:n b_y:n c_x:n c_y:n",
             ),
-            covariance: VectorStage::new(
+            covariance: stage(
                 "covariance",
                 "V' + V^h and its determinant, one splat a record; zeros if it was culled before",
-                numbers(["xx", "xy", "yy", "determinant"]),
+                "xx:n xy:n yy:n determinant:n",
             ),
-            opacity: VectorStage::new(
+            opacity: stage(
                 "opacity",
                 "opacity at the centre before it is rounded to the packet's, one splat a record; zeros if it was culled before",
-                number("peak"),
+                "peak:n",
             ),
         }
     }
@@ -196,17 +153,15 @@ impl SetupStages {
         splat: &VolumeSplat,
     ) -> Result<Footprint, Cull> {
         let (widths, view) = (design.widths(), &subject.view);
-        self.splats.records.push(splat_values(splat));
+        self.splats.records.push(record![splat]);
         let camera = view.pose.to_camera(&view.rotation, &splat.centre, &widths);
-        let [x, y, z] = camera.value;
-        let camera = vec![x, y, z, camera.exponent.into()];
+        let camera = record![camera.value; camera.exponent];
         self.camera.records.push(camera);
         let result = setup::setup(design, view, rules, splat);
-        let mut projected = vec![reason(&result)];
+        let mut projected = record![reason(&result)];
         if let Ok(found) = setup::project(&widths, view, rules, &splat.centre) {
-            let depth = depth::key(found.depth) as i64;
-            projected.extend([depth, found.centre[0], found.centre[1]]);
-            projected.extend(values(found.ratio.into_iter().chain(found.gain)));
+            projected
+                .extend(record![depth::key(found.depth); found.centre; found.ratio; found.gain]);
             let columns = setup::project_axes(&widths, &view.rotation, &found, &splat.axes);
             let covariance = setup::covariance(&widths, rules.low_pass, &columns);
             let weight = if rules.compensated {
@@ -215,18 +170,18 @@ impl SetupStages {
                 splat.weight
             };
             let peak = setup::centre_opacity(&widths, rules, weight, &found, &covariance);
-            self.opacity.records.push(values([peak]).collect());
-            self.columns
-                .records
-                .push(values(columns.iter().flat_map(|c| [c.x, c.y])).collect());
+            self.opacity.records.push(record![peak]);
+            let columns = columns.map(|column| [column.x, column.y]);
+            self.columns.records.push(record![columns.as_flattened()]);
             let setup::Covariance2d {
                 xx,
                 xy,
                 yy,
                 determinant,
             } = covariance;
-            let terms = [xx, xy, yy, determinant];
-            self.covariance.records.push(values(terms).collect());
+            self.covariance
+                .records
+                .push(record![xx; xy; yy; determinant]);
         }
         self.projected.records.push(projected);
         for stage in [
@@ -244,55 +199,29 @@ impl SetupStages {
     }
 }
 
-fn splat_values(splat: &VolumeSplat) -> Vec<i64> {
-    let mut record: Vec<i64> = values(splat.centre).collect();
-    for axis in &splat.axes {
-        record.extend(axis.mantissa.map(i64::from));
-        record.push(axis.exponent.into());
-    }
-    record.extend(values([splat.weight]));
-    record.extend(splat.colour.map(|c| i64::from(c.to_bits())));
-    record
-}
-
 fn packet_stage(
     widths: &Widths,
     traversal: Traversal,
     visible: &[(usize, Footprint)],
 ) -> VectorStage {
     let layout = Layout::new(widths, traversal);
-    let fields = layout
-        .fields()
-        .iter()
-        .filter(|field| field.width > 0)
-        .map(|f| field(f.name, f.width.into(), f.signed, f.fraction));
+    let mut fields = String::new();
+    for field in layout.fields().iter().filter(|field| field.width > 0) {
+        let sign = if field.signed { "-" } else { "" };
+        fields += &format!("{}:{sign}{}.{} ", field.name, field.width, field.fraction);
+    }
     // Behind the packet proper, so that its bits keep their places.
-    let behind = [
-        field("depth", KEY_BITS as usize, false, 0),
-        field("splat", 32, false, 0),
-    ];
-    let fields = fields.chain(behind);
-    let mut stage = VectorStage::new(
+    fields += &format!("depth:{KEY_BITS} splat");
+    let mut stage = stage(
         "packets",
         "footprint packets in the order of drawing, then depth (the sort key) and the splat's number",
-        fields,
+        &fields,
     );
     for (index, footprint) in visible {
         let packet = layout.encode(footprint);
         let bit = |at: usize| i64::from(packet[at / 32] >> (at % 32) & 1);
-        let own = stage.fields.len() - 2;
-        let mut record: Vec<i64> = stage.fields[..own]
-            .iter()
-            .map(|field| {
-                let value = (0..field.bits).fold(0i64, |v, at| v | bit(field.offset + at) << at);
-                let spare = 64 - field.bits as u32;
-                if field.signed {
-                    value << spare >> spare
-                } else {
-                    value
-                }
-            })
-            .collect();
+        let own = &stage.fields[..stage.fields.len() - 2];
+        let mut record: Vec<i64> = own.iter().map(|field| field.value(bit)).collect();
         record.extend([footprint.depth as i64, *index as i64]);
         stage.records.push(record);
     }
@@ -300,16 +229,18 @@ fn packet_stage(
 }
 
 fn table_stage(widths: &Widths, range: u8) -> VectorStage {
-    let bits = usize::from(widths.weight) + 1;
-    let mut stage = VectorStage::new(
-        "table",
-        "entries of the footprint table",
-        [field("entry", bits, false, widths.weight)],
-    );
+    let fields = format!("entry:{}.{}", widths.weight + 1, widths.weight);
+    let mut stage = stage("table", "entries of the footprint table", &fields);
     let mut memory = vec![0; entries(widths)];
     fill_gaussian(&mut memory, widths, range);
-    stage.records = memory.iter().map(|entry| vec![(*entry).into()]).collect();
+    stage.records = memory.iter().map(|entry| record![*entry]).collect();
     stage
+}
+
+/// The fields of a pixel's word.
+fn pixel_fields(widths: &Widths) -> String {
+    let (a, t) = (widths.accumulator, widths.transmittance);
+    format!("red:32.{a} green:32.{a} blue:32.{a} transmittance:31.{t} finished:1")
 }
 
 /// Runs, pixels and the picture.
@@ -339,8 +270,6 @@ impl<D: Design> RasterStages<D> {
             Traversal::Spans => (8 * size_of::<D::Lane>(), widths.radial),
             Traversal::Box => (64, 36),
         };
-        let place = ["packet", "row", "column"]
-            .map(|n| field(n, if n == "packet" { 32 } else { 16 }, false, 0));
         RasterStages {
             design,
             blend: Blend::new(&widths, rules),
@@ -349,37 +278,24 @@ impl<D: Design> RasterStages<D> {
             range: rules.table_range,
             window,
             picture: vec![Pixel::clear(&widths); count],
-            runs: VectorStage::new(
+            runs: stage(
                 "runs",
                 "runs of adjacent pixels: radial index at the first, its difference, the difference's difference",
-                place
-                    .clone()
-                    .into_iter()
-                    .chain([field("length", 16, false, 0)])
-                    .chain(["radial", "first", "second"].map(|n| field(n, lane, true, fraction))),
+                &format!(
+                    "packet row:16 column:16 length:16 radial:-{lane}.{fraction} first:-{lane}.{fraction} second:-{lane}.{fraction}"
+                ),
             ),
-            pixels: VectorStage::new(
+            pixels: stage(
                 "pixels",
                 "pixels inside a footprint: radial index, opacity (0: skipped), and the pixel's word afterwards",
-                place.into_iter().chain([
-                    field(
-                        "radial",
-                        usize::from(widths.radial) + 4,
-                        false,
-                        widths.radial,
-                    ),
-                    field(
-                        "opacity",
-                        usize::from(widths.alpha) + 1,
-                        false,
-                        widths.alpha,
-                    ),
-                    field("red", 32, false, widths.accumulator),
-                    field("green", 32, false, widths.accumulator),
-                    field("blue", 32, false, widths.accumulator),
-                    field("transmittance", 31, false, widths.transmittance),
-                    field("finished", 1, false, 0),
-                ]),
+                &format!(
+                    "packet row:16 column:16 radial:{}.{} opacity:{}.{} {}",
+                    widths.radial + 4,
+                    widths.radial,
+                    widths.alpha + 1,
+                    widths.alpha,
+                    pixel_fields(&widths)
+                ),
             ),
         }
     }
@@ -395,10 +311,10 @@ impl<D: Design> RasterStages<D> {
         let drop = rows.fraction() as i32 - i32::from(widths.radial);
         let end = cutoff_in_lane(footprint.cutoff, widths.radial);
         while let Some(run) = rows.next_span() {
-            let place = [number as i64, run.y.into(), run.x.into()];
             let lanes = [run.radial, run.first, run.second].map(Lane::to_wide);
-            let record = place.into_iter().chain([run.length.into()]).chain(lanes);
-            self.runs.records.push(record.collect());
+            self.runs
+                .records
+                .push(record![number as i64; run.y; run.x; run.length; lanes]);
             for (column, lane) in (run.x..).zip(run.radials()) {
                 let radial = shift_signed(lane.to_wide(), drop).max(0) as u64;
                 if radial < end {
@@ -427,46 +343,17 @@ impl<D: Design> RasterStages<D> {
                 Compositing::XRay => self.blend.x_ray(pixel, alpha, &footprint.colour),
             }
         }
-        let mut record = vec![
-            number as i64,
-            y.into(),
-            x.into(),
-            radial as i64,
-            alpha.into(),
-        ];
-        record.extend(pixel_values(pixel));
+        let record = record![number as i64; y; x; radial; alpha; *pixel];
         self.pixels.records.push(record);
     }
 
     fn tile(&self) -> VectorStage {
-        let widths = self.design.widths();
-        let mut stage = VectorStage::new(
+        let mut stage = stage(
             "tile",
             "the finished picture, row by row",
-            ["red", "green", "blue"]
-                .map(|n| field(n, 32, false, widths.accumulator))
-                .into_iter()
-                .chain([
-                    field("transmittance", 31, false, widths.transmittance),
-                    field("finished", 1, false, 0),
-                ]),
+            &pixel_fields(&self.design.widths()),
         );
-        stage.records = self
-            .picture
-            .iter()
-            .map(|p| pixel_values(p).to_vec())
-            .collect();
+        stage.records = self.picture.iter().map(|pixel| record![pixel]).collect();
         stage
     }
-}
-
-pub(super) fn pixel_values(pixel: &Pixel) -> [i64; 5] {
-    let [r, g, b] = pixel.colour.map(i64::from);
-    [
-        r,
-        g,
-        b,
-        pixel.transmittance().into(),
-        pixel.is_finished().into(),
-    ]
 }

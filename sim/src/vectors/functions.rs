@@ -2,7 +2,7 @@
 
 use super::VectorStage;
 use super::builtin::BuiltinRandom;
-use super::compute::{field, numbers, values};
+use super::record::{Words, record, stage};
 use splatline::math::{LOGARITHMS, RECIPROCALS, ROOTS, SoftFloat, ln, reciprocal, square_root};
 
 /// Bits of results.
@@ -32,19 +32,10 @@ const CASES: usize = 4096;
 /// Reciprocal, root and logarithm of numbers of all lengths, signs and exponents: to 16 bits, the most without the step behind the table, to 17
 /// and to 31. What has no result has zeros.
 pub fn cases() -> VectorStage {
-    let mut stage = VectorStage::new(
+    let mut stage = stage(
         "functions",
         "an argument; its reciprocal and root to 16, 17 and 31 bits, and its logarithm; zeros where there is none",
-        numbers([
-            "x",
-            "reciprocal_16",
-            "reciprocal_17",
-            "reciprocal_31",
-            "root_16",
-            "root_17",
-            "root_31",
-        ])
-        .chain([field("logarithm", 64, true, 32)]),
+        "x:n reciprocal_16:n reciprocal_17:n reciprocal_31:n root_16:n root_17:n root_31:n logarithm:-64.32",
     );
     let mut random = BuiltinRandom(1);
     let none = SoftFloat {
@@ -57,16 +48,11 @@ pub fn cases() -> VectorStage {
     });
     let random = (0..CASES).map(|case| argument(&mut random, case));
     for x in edges.into_iter().chain(random) {
-        let inverse = |bits| reciprocal(x, bits).unwrap_or(none);
-        let root = |bits| square_root(x, bits);
-        let mut record: Vec<i64> = values(
-            [x].into_iter()
-                .chain(BITS.map(inverse))
-                .chain(BITS.map(root)),
-        )
-        .collect();
-        record.push(ln(x).unwrap_or(0));
-        stage.records.push(record);
+        let inverses = BITS.map(|bits| reciprocal(x, bits).unwrap_or(none));
+        let roots = BITS.map(|bits| square_root(x, bits));
+        stage
+            .records
+            .push(record![x; inverses; roots; ln(x).unwrap_or(0)]);
     }
     stage
 }
@@ -92,34 +78,29 @@ fn argument(random: &mut BuiltinRandom, case: usize) -> SoftFloat {
 
 /// The read-only memories of setup and rows, which do not depend on the design.
 pub fn tables() -> [VectorStage; 3] {
-    let table = |name, about, fields: &[(&str, usize, u8)], words: &[u32]| {
-        let fields = fields
-            .iter()
-            .map(|(name, bits, fraction)| field(name, *bits, false, *fraction));
-        let mut stage = VectorStage::new(name, about, fields);
+    let table = |name, about, fields, words: &[u32]| {
+        let mut stage = stage(name, about, fields);
         let records = words.chunks(stage.fields.len());
-        stage.records = records
-            .map(|record| record.iter().map(|word| i64::from(*word)).collect())
-            .collect();
+        stage.records = records.map(|record| record![record]).collect();
         stage
     };
     [
         table(
             "reciprocals",
             "1/(1 + i/256), entry i of 0 to 256",
-            &[("entry", 31, 30)],
+            "entry:31.30",
             &RECIPROCALS,
         ),
         table(
             "roots",
             "sqrt(i/256), entry i - 64 for i of 64 to 256",
-            &[("entry", 25, 24)],
+            "entry:25.24",
             &ROOTS,
         ),
         table(
             "logarithms",
             "1/middle of 32 intervals of [1, 2), and minus its logarithm",
-            &[("inverse", 17, 16), ("logarithm", 32, 32)],
+            "inverse:17.16 logarithm:32.32",
             &LOGARITHMS,
         ),
     ]

@@ -1,8 +1,7 @@
-//! What the stages of [`systems`](super::systems) are made of: fields by a line of text, records of anything, operands of all lengths.
+//! What stages are made of: fields by a line of text, records of anything, operands of all lengths.
 
 use super::VectorStage;
 use super::builtin::BuiltinRandom;
-use super::compute::{field, pixel_values, reason};
 use fixed::types::{I2F30, I4F28, U4F28};
 use splatline::blend::Pixel;
 use splatline::blend::deep::DeepPixel;
@@ -12,27 +11,33 @@ use splatline::footprint::Footprint;
 use splatline::footprint::surface::Attributes;
 use splatline::math::SoftFloat;
 use splatline::setup::Cull;
+use splatline::splat::{Axis, VolumeSplat};
 
-/// A stage of fields `name*count:-bits.fraction`; without `*` one, without `-` not signed, without `.` an integer.
+/// A stage of fields `name*count:-bits.fraction`; without `*` one, without `-` not signed, without `.` an integer. `name:n` is mantissa and exponent.
 pub(super) fn stage(name: &'static str, about: &'static str, fields: &str) -> VectorStage {
     let fields = fields.split_whitespace().flat_map(|text| {
         let (name, format) = text.split_once(':').unwrap_or((text, "32"));
         let (name, count) = name.split_once('*').unwrap_or((name, "1"));
         let (bits, fraction) = format.split_once('.').unwrap_or((format, "0"));
         let number = |text: &str| text.trim_start_matches('-').parse().unwrap_or(1);
-        let count = number(count);
-        (0..count).map(move |place| {
-            let name = [name.to_owned(), format!("{name}_{place}")];
-            let (signed, fraction) = (bits.starts_with('-'), number(fraction) as u8);
-            field(
-                &name[usize::from(count > 1)],
-                number(bits),
-                signed,
-                fraction,
-            )
-        })
+        let names: Vec<String> = match (bits, number(count)) {
+            ("n", _) => vec![format!("{name}_mantissa"), format!("{name}_exponent")],
+            (_, 1) => vec![name.to_owned()],
+            (_, count) => (0..count).map(|place| format!("{name}_{place}")).collect(),
+        };
+        let bits = if bits == "n" { "-32" } else { bits };
+        let format = (number(bits), bits.starts_with('-'), number(fraction));
+        names
+            .into_iter()
+            .map(move |name| (name, format.0, format.1, format.2))
     });
     VectorStage::new(name, about, fields)
+}
+
+/// The `culled` field: 0, or the place of the reason in [`Cull::ALL`] counted from 1.
+pub(super) fn reason<T>(result: &Result<T, Cull>) -> i64 {
+    let cull = result.as_ref().err();
+    cull.map_or(0, |cull| cull.place() as i64 + 1)
 }
 
 /// What a record is made of.
@@ -82,7 +87,9 @@ words! {
     I4F28: |word| word.to_bits();
     U4F28: |word| word.to_bits();
     SoftFloat: |number| [number.mantissa, number.exponent];
-    Pixel: |pixel| pixel_values(pixel);
+    Pixel: |pixel| record![pixel.colour; pixel.transmittance(); pixel.is_finished()];
+    Axis: |axis| record![axis.mantissa; axis.exponent];
+    VolumeSplat: |splat| record![splat.centre; splat.axes; splat.weight; splat.colour];
     DeepPixel: |pixel| record![pixel.colour; pixel.alpha];
     Attributes: |own| record![own.colour; own.opacity; own.normal];
     Slab: |slab| record![slab.colour; slab.opacity; slab.first];

@@ -18,6 +18,19 @@ pub struct RecordField {
     pub fraction: usize,
 }
 
+impl RecordField {
+    /// What the field holds in a record of these bits.
+    pub(super) fn value(&self, bit: impl Fn(usize) -> i64) -> i64 {
+        let value = (0..self.bits).fold(0i64, |v, at| v | bit(self.offset + at) << at);
+        let spare = 64 - self.bits as u32;
+        if self.signed {
+            value << spare >> spare
+        } else {
+            value
+        }
+    }
+}
+
 /// A stage's table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VectorStage {
@@ -120,16 +133,7 @@ impl VectorStage {
             return Err(format!("the record has more than {} bits", self.bits()));
         }
         let bit = |at: usize| i64::from(bits.get(at).copied().unwrap_or(false));
-        let value = |field: &RecordField| {
-            let value = (0..field.bits).fold(0i64, |v, at| v | bit(field.offset + at) << at);
-            let spare = 64 - field.bits as u32;
-            if field.signed {
-                value << spare >> spare
-            } else {
-                value
-            }
-        };
-        Ok(self.fields.iter().map(value).collect())
+        Ok(self.fields.iter().map(|field| field.value(bit)).collect())
     }
 }
 

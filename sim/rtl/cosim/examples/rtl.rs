@@ -7,9 +7,7 @@ use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
 use splatline_rtl::machine::unit::MachineUnit;
 use splatline_rtl::order::unit::OrderUnit;
 use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
-use splatline_rtl::setup::program::{
-    Protection, SetupProgram, program, with_compensation, with_distance_scaling,
-};
+use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
 use splatline_rtl::setup::tables::TableUnits;
 use splatline_rtl::setup::unit::SetupUnit;
 use splatline_rtl::tools::rtl;
@@ -48,12 +46,14 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match words.as_slice() {
         ["package"] => write_packages(),
-        ["package", design, folder] => write_package(design, Path::new(folder), program),
+        ["package", design, folder] => {
+            write_package(design, Path::new(folder), ProgramKind::Filter)
+        }
         ["package", design, folder, "distance"] => {
-            write_package(design, Path::new(folder), with_distance_scaling)
+            write_package(design, Path::new(folder), ProgramKind::DistanceScaling)
         }
         ["package", design, folder, "compensation"] => {
-            write_package(design, Path::new(folder), with_compensation)
+            write_package(design, Path::new(folder), ProgramKind::Compensation)
         }
         ["compare", unit] => compare(unit),
         ["mutations"] => judge(None, ""),
@@ -109,20 +109,20 @@ fn print(text: Result<String>) -> Result<()> {
 
 fn write_packages() -> Result<()> {
     for (design, _) in DESIGNS {
-        write_package(design, &rtl().join(design), program)?;
+        write_package(design, &rtl().join(design), ProgramKind::Filter)?;
     }
     atomic::write(&tables::path(), tables::text().as_bytes())?;
     let program = harmonics::text::text()?;
     Ok(atomic::write(&harmonics::text::path(), program.as_bytes())?)
 }
 
-fn write_package(design: &str, folder: &Path, program: SetupProgram) -> Result<()> {
+fn write_package(design: &str, folder: &Path, kind: ProgramKind) -> Result<()> {
     let choice = DesignChoice::load(design)?;
     let (name, widths) = (choice.name.as_str(), &choice.widths);
     std::fs::create_dir_all(folder)?;
     let text = package::text(name, widths)?;
     atomic::write(&folder.join("splatline_pkg.sv"), text.as_bytes())?;
-    let text = setup::text::text(name, widths, program)?;
+    let text = setup::text::text(name, widths, &SetupProgram::new(kind))?;
     let path = folder.join("splatline_setup_pkg.sv");
     Ok(atomic::write(&path, text.as_bytes())?)
 }
@@ -178,9 +178,9 @@ fn compare_design(unit: &str, design: &str) -> Result<()> {
             Ok(())
         }
         // Of several cores a number that divides no round.
-        "setup" => report(&SetupUnit::new(design, 7, Protection::Filter)?),
-        "compensation" => report(&SetupUnit::new(design, 7, Protection::Compensation)?),
-        "distance" => report(&SetupUnit::new(design, 7, Protection::DistanceScaling)?),
+        "setup" => report(&SetupUnit::new(design, 7, ProgramKind::Filter)?),
+        "compensation" => report(&SetupUnit::new(design, 7, ProgramKind::Compensation)?),
+        "distance" => report(&SetupUnit::new(design, 7, ProgramKind::DistanceScaling)?),
         "tables" => report(&TableUnits::new(design)?),
         "machine" => report(&MachineUnit::new(design, 8, 4, false)?),
         "frames-distance" => report(&MachineUnit::new(design, 8, 4, true)?),

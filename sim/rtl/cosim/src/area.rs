@@ -173,7 +173,7 @@ pub fn of_setup_units(design: Option<&str>) -> Result<String> {
                 design: (*name).to_owned(),
                 position: widths.position,
                 mantissa: widths.mantissa,
-                round: (circuit.program)(widths)?.round as u32,
+                round: circuit.program.assembled(widths)?.round as u32,
                 family,
                 cores: *cores,
                 fabric: synthesised(&circuit, family, SETUP.top, &circuit.parameters, &[])?,

@@ -5,7 +5,7 @@
 
 use crate::mutation::{Mutation, with_choices};
 use crate::package;
-use crate::setup::program::{SetupProgram, program};
+use crate::setup::program::{ProgramKind, SetupProgram};
 use crate::setup::text;
 use crate::tools::{rtl, run};
 use anyhow::{Context, Result};
@@ -120,7 +120,7 @@ impl Circuit {
             unit,
             design: design.to_owned(),
             widths: subject.widths,
-            program,
+            program: SetupProgram::new(ProgramKind::Filter),
             parameters: vec![(unit.parameter, value)],
         })
     }
@@ -145,7 +145,7 @@ impl Circuit {
             sources.push(("splatline_pkg.sv".to_owned(), text));
         }
         if self.unit.packages == Packages::WidthsAndProgram {
-            let text = text::text(&self.design, &self.widths, self.program)?;
+            let text = text::text(&self.design, &self.widths, &self.program)?;
             sources.push(("splatline_setup_pkg.sv".to_owned(), text));
         }
         for file in fs::read_to_string(rtl().join(self.unit.list))?.lines() {

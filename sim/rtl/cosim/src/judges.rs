@@ -1,15 +1,15 @@
-//! Which comparison judges which mutations of `mutations.tsv`, and the programs with mistakes.
+//! Which comparison judges which mutations of `mutations.tsv`.
 
+use crate::circuit::Effort;
 use crate::harmonics::unit::HarmonicsUnit;
 use crate::machine::unit::MachineUnit;
-use crate::mutation::mutations;
+use crate::mutation::{Mutation, mutations};
 use crate::order::unit::OrderUnit;
 use crate::primitive::unit::PrimitiveUnit;
-use crate::setup::program::Protection;
-use crate::setup::program_mutations::{program_mutations, verdict};
+use crate::setup::program::{ProgramKind, SetupProgram};
 use crate::setup::tables::TableUnits;
-use crate::setup::unit::SetupUnit;
-use crate::unit::{Extent, Judge, Judgement};
+use crate::setup::unit::{SetupLoad, SetupUnit};
+use crate::unit::{Extent, Judge, Judgement, Unit};
 use anyhow::{Result, bail, ensure};
 
 /// Setup's programs with a mistake in distance scaling or compensation.
@@ -42,10 +42,6 @@ pub struct Verdict {
 
 /// The names of a judge's mutations.
 pub fn names(judge: &str) -> Result<Vec<String>> {
-    if judge == PROGRAMS {
-        let names = program_mutations().map(|(name, ..)| name.to_owned());
-        return Ok(names.collect());
-    }
     let names = mutations(judge)?.into_iter().map(|mutation| mutation.name);
     Ok(names.collect())
 }
@@ -54,9 +50,6 @@ pub fn names(judge: &str) -> Result<Vec<String>> {
 pub fn judge(judge: &str, names: &[String], mut each: impl FnMut(Verdict)) -> Result<()> {
     if names.is_empty() {
         return Ok(());
-    }
-    if judge == PROGRAMS {
-        return judge_programs(names, &mut each);
     }
     let judges = judges(judge)?;
     for mutation in mutations(judge)? {
@@ -94,7 +87,7 @@ fn judges(name: &str) -> Result<Vec<Box<dyn Judgement>>> {
         // What no packet shows, the units of the tables do.
         "setup" => vec![
             Box::new(Judge::new(
-                SetupUnit::new("lean18", 2, Protection::Filter)?,
+                SetupUnit::new("lean18", 2, ProgramKind::Filter)?,
                 name,
                 quick,
             )?),
@@ -105,6 +98,10 @@ fn judges(name: &str) -> Result<Vec<Box<dyn Judgement>>> {
             name,
             Extent::Full,
         )?)],
+        PROGRAMS => vec![
+            Box::new(ProgramJudge::new(ProgramKind::DistanceScaling)?),
+            Box::new(ProgramJudge::new(ProgramKind::Compensation)?),
+        ],
         "order" => vec![Box::new(Judge::new(OrderUnit::new(8)?, name, quick)?)],
         "harmonics" => vec![Box::new(Judge::new(HarmonicsUnit::new(1)?, name, quick)?)],
         "machine" => {
@@ -115,19 +112,32 @@ fn judges(name: &str) -> Result<Vec<Box<dyn Judgement>>> {
     })
 }
 
-fn judge_programs(names: &[String], each: &mut impl FnMut(Verdict)) -> Result<()> {
-    for protection in [Protection::DistanceScaling, Protection::Compensation] {
-        let right = verdict(protection, None)?;
-        ensure!(right.is_none(), "without a mutation: {right:?}");
+/// A setup unit of one core for each of a program's mistakes: a program is data of the circuit, in a package, and no choice can be made there.
+struct ProgramJudge {
+    kind: ProgramKind,
+    loads: Vec<SetupLoad>,
+}
+
+impl ProgramJudge {
+    /// Without a mistake the circuit must agree.
+    fn new(kind: ProgramKind) -> Result<ProgramJudge> {
+        let right = SetupUnit::new("lean18", 1, kind)?;
+        let loads = right.loads(Extent::Quick, &mut Vec::new())?;
+        let judge = ProgramJudge { kind, loads };
+        let difference = judge.difference(&right)?;
+        ensure!(difference.is_none(), "without a mutation: {difference:?}");
+        Ok(judge)
     }
-    for (name, protection, program) in program_mutations() {
-        if names.iter().any(|known| known == name) {
-            each(Verdict {
-                name: name.to_owned(),
-                file: "splatline_setup_pkg.sv".to_owned(),
-                noticed: verdict(protection, Some(program))?,
-            });
-        }
+
+    fn difference(&self, unit: &SetupUnit) -> Result<Option<String>> {
+        let library = unit.circuit().library(Effort::Little)?;
+        Ok(unit.first_difference(&library, 0, &self.loads))
     }
-    Ok(())
+}
+
+impl Judgement for ProgramJudge {
+    fn verdict(&self, mutation: &Mutation) -> Result<Option<String>> {
+        let program = SetupProgram::new(self.kind).mutated(mutation)?;
+        self.difference(&SetupUnit::with_program("lean18", 1, program)?)
+    }
 }

@@ -227,6 +227,7 @@ fn words(text: &str) -> impl Iterator<Item = (usize, &str)> {
 mod tests {
     use super::*;
     use crate::circuit::{Circuit, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
+    use crate::setup::program::{ProgramKind, SetupProgram};
 
     const UNIT: &str = "// A unit; assign nothing.
 module unit (
@@ -302,6 +303,10 @@ endmodule
             }
             let chosen = with_choices(sources, &mutations).unwrap().chosen;
             assert_eq!(chosen.len(), choices, "{judge}");
+        }
+        for mutation in mutations("programs").unwrap() {
+            let program = SetupProgram::new(ProgramKind::Filter);
+            program.mutated(&mutation).unwrap();
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The circuits against the kernel. Without Verilator these tests are ignored; the packages are compared all the same.
 
 use splatline_rtl::circuit::DESIGNS;
-use splatline_rtl::setup::program::program;
+use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
 use splatline_rtl::tools::rtl;
 use splatline_rtl::{harmonics, package, setup, tables};
 use std::path::Path;
@@ -17,11 +17,12 @@ fn assert_committed(path: &Path, text: &str) {
 
 #[test]
 fn committed_packages_are_the_generators() {
+    let program = SetupProgram::new(ProgramKind::Filter);
     for (design, widths) in DESIGNS {
         let folder = rtl().join(design);
         let text = package::text(design, &widths).unwrap();
         assert_committed(&folder.join("splatline_pkg.sv"), &text);
-        let text = setup::text::text(design, &widths, program).unwrap();
+        let text = setup::text::text(design, &widths, &program).unwrap();
         assert_committed(&folder.join("splatline_setup_pkg.sv"), &text);
     }
 }
@@ -47,7 +48,7 @@ mod with_verilator {
     use splatline_rtl::order::unit::OrderUnit;
     use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
     use splatline_rtl::setup::distant::enlarged;
-    use splatline_rtl::setup::program::Protection;
+    use splatline_rtl::setup::program::ProgramKind;
     use splatline_rtl::setup::tables::TableUnits;
     use splatline_rtl::setup::unit::SetupUnit;
     use splatline_rtl::simulation::Simulation;
@@ -121,8 +122,8 @@ mod with_verilator {
     }
 
     /// Scenes, hard cases and arbitrary bits, among them culls of every kind.
-    fn packets_are_the_kernels(protection: Protection) {
-        let unit = SetupUnit::new("lean18", 3, protection).unwrap();
+    fn packets_are_the_kernels(kind: ProgramKind) {
+        let unit = SetupUnit::new("lean18", 3, kind).unwrap();
         let found = total(&agrees(&unit));
         assert!(found.compared >= 4_000, "{found:?}");
         for cull in SetupUnit::COUNTS {
@@ -132,18 +133,18 @@ mod with_verilator {
 
     #[test]
     fn setup_unit_gives_the_kernels_packets() {
-        packets_are_the_kernels(Protection::Filter);
+        packets_are_the_kernels(ProgramKind::Filter);
     }
 
     #[test]
     fn setup_unit_compensates_opacities() {
-        packets_are_the_kernels(Protection::Compensation);
+        packets_are_the_kernels(ProgramKind::Compensation);
     }
 
     /// The same with distance scaling, nearer than the distance k, there and beyond.
     #[test]
     fn setup_unit_enlarges_what_is_far() {
-        let unit = SetupUnit::new("lean18", 3, Protection::DistanceScaling).unwrap();
+        let unit = SetupUnit::new("lean18", 3, ProgramKind::DistanceScaling).unwrap();
         let (mut beyond, mut splats) = (0, 0);
         for (load, _) in agrees(&unit) {
             beyond += enlarged(&Lean18::WIDTHS, &load.view, &load.rules, &load.splats);

@@ -103,7 +103,7 @@ fn render_writes_the_picture_and_a_report_without_errors() {
         let picture = Picture::read_png(Path::new(&png.to_string())).unwrap();
         assert_eq!(
             (report.camera.width, report.camera.height),
-            (picture.width, picture.height)
+            (picture.width as u64, picture.height as u64)
         );
         assert_eq!(picture.width, if engine == "exact" { 80 } else { 40 });
         std::fs::write(&camera, serde_json::to_string(&report.camera).unwrap()).unwrap();
@@ -528,7 +528,7 @@ fn a_cloud_is_drawn_as_a_surface() {
     .unwrap();
     let report = read_report(&folder.path().join("report.json"));
     assert_eq!(
-        (report.rules.name.as_str(), report.compositing.as_str()),
+        (report.rules.name, report.compositing.as_str()),
         ("surf", "2 layers")
     );
     assert!(report.error.unwrap().rgb.psnr_db.unwrap() > 60.0);

@@ -63,7 +63,7 @@ impl Written {
 
 /// Takes the sum of the lowest degree that can begin, of those the one with the longest way behind it, place by place.
 pub fn schedule() -> Result<Schedule> {
-    let sums = sums();
+    let sums = sums()?;
     let ways = ways(&sums);
     let mut places: Vec<Option<PlacedTerm>> = vec![None; LOADS];
     let mut written = Written {

@@ -9,7 +9,7 @@ use crate::package::TILE;
 use crate::random::split_mix;
 use crate::rules::write_rules;
 use crate::setup::distant::enlarged;
-use crate::setup::program::with_distance_scaling;
+use crate::setup::program::{ProgramKind, SetupProgram};
 use crate::setup::record::record;
 use crate::setup::unit::write_constants;
 use crate::simulation::Simulation;
@@ -77,9 +77,9 @@ impl MachineUnit {
     pub fn new(design: &str, cores: u32, lanes: u32, scales: bool) -> Result<MachineUnit> {
         let mut circuit = Circuit::new(&MACHINE, design, lanes)?.with("CORES", cores);
         if scales {
-            circuit = circuit.with_program(with_distance_scaling);
+            circuit = circuit.with_program(SetupProgram::new(ProgramKind::DistanceScaling));
         }
-        let program = (circuit.program)(&circuit.widths)?;
+        let program = circuit.program.assembled(&circuit.widths)?;
         // Every core of setup takes a splat in a round of the program.
         let config = Config {
             setup_units: cores,

@@ -9,7 +9,6 @@
 
 use crate::random::split_mix;
 use anyhow::{Context, Result, ensure};
-use std::collections::HashMap;
 
 /// Cycles from the issue of a sum's last term until its result can be read.
 pub const LATENCY: usize = 24;
@@ -45,8 +44,8 @@ pub enum Operand {
     Value(Value),
     /// An item of the record; only as first factor.
     Input(u8),
-    /// A number that is the same for all splats of a picture.
-    Constant(&'static str),
+    /// The number at this address, which is the same for all splats of a picture.
+    Constant(usize),
 }
 
 /// The core's table that gives a term.
@@ -85,7 +84,7 @@ pub struct Term {
     /// Second factor.
     pub b: Operand,
     /// The constant that is picked by the sign.
-    pub picked: Option<&'static str>,
+    pub picked: Option<usize>,
     /// The term is `a`, not the product.
     pub plain: bool,
     /// Twice as much.
@@ -129,7 +128,7 @@ pub struct Operation {
     /// Unit.
     pub unit: Unit,
     /// A constant in that unit, added.
-    pub addend: Option<&'static str>,
+    pub addend: Option<usize>,
     /// Rounded to a mantissa of so many bits, otherwise a word of the sum.
     pub bits: Option<u32>,
     /// Bits of the sum below the word.
@@ -161,12 +160,13 @@ pub struct Program {
     /// Cycles of a round.
     pub round: usize,
     /// Constants in the order of their addresses.
-    pub constants: Vec<&'static str>,
+    pub constants: Vec<String>,
 }
 
 impl Program {
     /// The shortest round that holds the operations.
-    pub fn new(operations: Vec<Operation>) -> Result<Program> {
+    pub fn new(operations: Vec<Operation>, constants: Vec<String>) -> Result<Program> {
+        ensure!(constants.len() <= CONSTANTS, "there are too many constants");
         let slots: usize = operations.iter().map(|o| o.terms.len()).sum();
         let found = (slots..=CYCLES).find_map(|round| {
             let placed = (0..ATTEMPTS).find_map(|seed| {
@@ -177,7 +177,6 @@ impl Program {
             Some((round, placed))
         });
         let (round, (times, registers)) = found.context("no round holds the operations")?;
-        let constants = constants(&operations)?;
         let places = times.into_iter().zip(registers);
         Ok(Program {
             places: places
@@ -329,35 +328,21 @@ fn registers(
 }
 
 /// The constant that a slot reads; an error if it were two.
-pub fn constant(operation: &Operation, term: usize) -> Result<Option<&'static str>> {
+pub fn constant(operation: &Operation, term: usize) -> Result<Option<usize>> {
     let Term { a, b, picked, .. } = operation.terms[term];
-    let named = |operand| match operand {
-        Operand::Constant(name) => Some(name),
+    let address = |operand| match operand {
+        Operand::Constant(address) => Some(address),
         _ => None,
     };
     let addend = operation.addend.filter(|_| term == 0);
-    let mut names = [named(a), named(b), picked, addend].into_iter().flatten();
-    let first = names.next();
+    let mut all = [address(a), address(b), picked, addend]
+        .into_iter()
+        .flatten();
+    let first = all.next();
     ensure!(
-        names.all(|name| Some(name) == first),
+        all.all(|other| Some(other) == first),
         "{}: a slot has one constant",
         operation.name
     );
     Ok(first)
-}
-
-fn constants(operations: &[Operation]) -> Result<Vec<&'static str>> {
-    let mut found: HashMap<&str, ()> = HashMap::new();
-    let mut names = Vec::new();
-    for operation in operations {
-        for term in 0..operation.terms.len() {
-            if let Some(name) = constant(operation, term)?
-                && found.insert(name, ()).is_none()
-            {
-                names.push(name);
-            }
-        }
-    }
-    ensure!(names.len() <= CONSTANTS, "there are too many constants");
-    Ok(names)
 }

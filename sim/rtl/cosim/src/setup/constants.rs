@@ -18,7 +18,7 @@ pub type Constant = (u8, i64, i32);
 
 /// The picture's constants for the addresses of `names`.
 pub fn constants(
-    names: &[&'static str],
+    names: &[String],
     widths: &Widths,
     view: &View,
     rules: &Rules,
@@ -175,8 +175,8 @@ fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
 }
 
 /// What only a program with compensated opacities asks for; it compensates all, and others none.
-fn compensation(names: &[&'static str], rules: &Rules) -> Result<Option<Named>> {
-    let compensates = names.contains(&"one_half");
+fn compensation(names: &[String], rules: &Rules) -> Result<Option<Named>> {
+    let compensates = names.iter().any(|name| name == "one_half");
     ensure!(
         !rules.compensated || compensates,
         "--antialias mip: this setup unit's program compensates no opacity; build the unit with it, or draw with --antialias ewa"
@@ -195,9 +195,9 @@ const FAR_APART: SoftFloat = SoftFloat {
 };
 
 /// What only a program with distance scaling asks for.
-fn distance_scaling(names: &[&'static str], view: &View, rules: &Rules) -> Result<Vec<Named>> {
+fn distance_scaling(names: &[String], view: &View, rules: &Rules) -> Result<Vec<Named>> {
     let scales = rules.spacing.mantissa > 0;
-    if !names.contains(&"spacing") {
+    if !names.iter().any(|name| name == "spacing") {
         ensure!(
             !scales,
             "spacing: this setup unit's program has no distance scaling; set it to 0, or build the unit with it"
@@ -301,14 +301,14 @@ mod tests {
             compensated: true,
             ..Rules::GAUSSIAN_3D
         };
-        let told = |names: &[&'static str], rules: &Rules| {
-            let named = compensation(names, rules).map_err(|error| error.to_string());
+        let told = |name: &str, rules: &Rules| {
+            let named = compensation(&[name.to_owned()], rules).map_err(|error| error.to_string());
             named.map(|named| named.is_some())
         };
         let refused = |told: Result<bool, String>| told.is_err_and(|e| e.contains("--antialias"));
-        assert!(refused(told(&["one"], &compensated)));
-        assert!(refused(told(&["one_half"], &Rules::GAUSSIAN_3D)));
-        assert_eq!(told(&["one_half"], &compensated), Ok(true));
-        assert_eq!(told(&["one"], &Rules::GAUSSIAN_3D), Ok(false));
+        assert!(refused(told("one", &compensated)));
+        assert!(refused(told("one_half", &Rules::GAUSSIAN_3D)));
+        assert_eq!(told("one_half", &compensated), Ok(true));
+        assert_eq!(told("one", &Rules::GAUSSIAN_3D), Ok(false));
     }
 }

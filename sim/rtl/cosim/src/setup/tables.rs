@@ -1,9 +1,9 @@
 //! The units that a core's tables make, alone: rounding, reciprocal, root (with and without Heron's step) and logarithm, of mantissas of a design's width
 //! and of numbers that carry, against `SoftFloat::from_wide`, `reciprocal`, `square_root` and `cutoff`.
 //!
-//! The circuit is the setup unit; its program computes nothing else ([`units`]), and the results leave in fields that pass the packet's maker as they are.
+//! The circuit is the setup unit; its program computes nothing else ([`ProgramKind::Units`]), and the results leave in fields that pass the packet's maker as they are.
 
-use super::program::units;
+use super::program::{ProgramKind, SetupProgram};
 use super::record::record;
 use super::unit::{channels, one_record, packet, write_constants};
 use crate::bench::{Bench, Checker, Item, Pressure};
@@ -29,7 +29,8 @@ pub struct TableUnits {
 impl TableUnits {
     /// Of a design.
     pub fn new(design: &str) -> Result<TableUnits> {
-        let circuit = Circuit::new(&SETUP, design, 2)?.with_program(units);
+        let program = SetupProgram::new(ProgramKind::Units);
+        let circuit = Circuit::new(&SETUP, design, 2)?.with_program(program);
         Ok(TableUnits { circuit })
     }
 }

@@ -4,7 +4,7 @@ use super::constants::constants;
 use super::distant::distant;
 use super::exact::exact;
 use super::loads::{captured, synthetic};
-use super::program::{Protection, program, with_compensation, with_distance_scaling};
+use super::program::{ProgramKind, SetupProgram};
 use super::record::record;
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
 use crate::circuit::{Circuit, SETUP};
@@ -70,27 +70,18 @@ const CULLS: [&str; 6] = [
 /// The unit of a design with some cores.
 pub struct SetupUnit {
     circuit: Circuit,
-    protection: Protection,
 }
 
 impl SetupUnit {
-    /// With a program for these rules.
-    pub fn new(design: &str, cores: u32, protection: Protection) -> Result<SetupUnit> {
-        let program = match protection {
-            Protection::Filter => program,
-            Protection::DistanceScaling => with_distance_scaling,
-            Protection::Compensation => with_compensation,
-        };
-        let circuit = Circuit::new(&SETUP, design, cores)?.with_program(program);
-        Ok(SetupUnit {
-            circuit,
-            protection,
-        })
+    /// With a program of a kind of setup.
+    pub fn new(design: &str, cores: u32, kind: ProgramKind) -> Result<SetupUnit> {
+        Self::with_program(design, cores, SetupProgram::new(kind))
     }
 
-    /// The same unit with another circuit.
-    pub fn around(self, circuit: Circuit) -> SetupUnit {
-        SetupUnit { circuit, ..self }
+    /// With this program.
+    pub fn with_program(design: &str, cores: u32, program: SetupProgram) -> Result<SetupUnit> {
+        let circuit = Circuit::new(&SETUP, design, cores)?.with_program(program);
+        Ok(SetupUnit { circuit })
     }
 }
 
@@ -107,8 +98,8 @@ impl Unit for SetupUnit {
     }
 
     fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<SetupLoad>> {
-        let quick = extent == Extent::Quick;
-        if self.protection == Protection::DistanceScaling {
+        let (quick, kind) = (extent == Extent::Quick, self.circuit.program.kind);
+        if kind == ProgramKind::DistanceScaling {
             let loads = distant(if quick { 300 } else { 4_000 }, 1);
             return Ok(loads.into_iter().flat_map(parts).collect());
         }
@@ -120,7 +111,7 @@ impl Unit for SetupUnit {
         };
         let mut loads = [exact(few, 1), synthetic(many, 1), captured(step, missing)?].concat();
         for load in &mut loads {
-            load.rules.compensated = self.protection == Protection::Compensation;
+            load.rules.compensated = kind == ProgramKind::Compensation;
         }
         Ok(loads.into_iter().flat_map(parts).collect())
     }
@@ -201,7 +192,7 @@ pub fn write_constants(
     rules: &Rules,
 ) -> Result<()> {
     let widths = &circuit.widths;
-    let names = (circuit.program)(widths)?.constants;
+    let names = circuit.program.assembled(widths)?.constants;
     for (index, value, exponent) in constants(&names, widths, view, rules)? {
         bench.set(&[
             ("constant_valid", 1),
