@@ -94,9 +94,7 @@ impl PrimitiveUnit {
         let mut workloads = vec![
             workload::random(widths, random, 20, 7),
             workload::random(widths, random / 4, 1, 8),
-            workload::vast(widths, random / 12, 10),
-            workload::flat(widths, random / 12, 11),
-            workload::word_away(widths, random / 12, 12),
+            workload::vast(widths, random / 4, 10),
             workload::crowd(design, rules),
             workload::sparse(design, rules),
             workload::hard(design, rules)?,

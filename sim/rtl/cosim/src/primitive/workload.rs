@@ -129,7 +129,7 @@ fn tiles(footprints: &[Footprint], viewport: [u16; 2]) -> Vec<BenchTile> {
 pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> BenchWorkload {
     random_between(
         "random packets",
-        Kind::Any([-4.0, 20.0]),
+        &[Kind::Any([-4.0, 20.0])],
         widths,
         count,
         per_tile,
@@ -137,33 +137,11 @@ pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> Benc
     )
 }
 
-/// The same with half-widths of up to 2^28 pixels, the largest that setup gives: where xc has few fraction bits.
+/// The same where xc has few fraction bits or leaves the fine word: half-widths of up to 2^28 pixels, the largest that setup gives, and
+/// [needles](Kind).
 pub fn vast(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
-    random_between(
-        "vast packets",
-        Kind::Any([12.0, 26.0]),
-        widths,
-        count,
-        10,
-        seed,
-    )
-}
-
-/// Needles along a row: the middle moves by 2^13 columns and more from row to row, where xc has the coarse word.
-pub fn flat(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
-    random_between("flat packets", Kind::Flat, widths, count, 10, seed)
-}
-
-/// Needles whose middle lies a whole fine word from the window in its first row: a middle that wraps would be drawn.
-pub fn word_away(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
-    random_between(
-        "packets a word away",
-        Kind::WordAway,
-        widths,
-        count,
-        10,
-        seed,
-    )
+    let kinds = [Kind::Any([12.0, 26.0]), Kind::Flat, Kind::WordAway];
+    random_between("vast packets", &kinds, widths, count, 10, seed)
 }
 
 /// Columns that the fine word of xc holds: 28 bits before the point of a centre, 8 of which give way to a fraction.
@@ -177,9 +155,9 @@ const FINE_SQUARED_WIDTH: f64 = (1 << 21) as f64;
 enum Kind {
     /// Every angle; the longer axis has a deviation of two to the power of something in this range, in pixels.
     Any([f64; 2]),
-    /// See [`flat`].
+    /// Needles along a row: the middle moves by 2^13 columns and more from row to row, where xc has the coarse word.
     Flat,
-    /// See [`word_away`].
+    /// Needles whose middle lies a whole fine word from the window in its middle row: a middle that wraps would be drawn.
     WordAway,
 }
 
@@ -189,16 +167,16 @@ impl Kind {
         let all = [0.0, 3.15];
         match self {
             Kind::Any(powers) => [powers, [0.0, 15.0], all],
-            Kind::Flat => [[0.0, 10.0], [12.0, 15.0], [0.0, 2f64.powi(-13)]],
+            Kind::Flat => [[7.0, 11.0], [14.0, 15.0], [0.0, 2f64.powi(-13)]],
             Kind::WordAway => [[18.0, 23.0], [12.0, 15.0], all],
         }
     }
 }
 
-/// Random footprints of a kind over random windows.
+/// Random footprints over random windows, each of one of the kinds in turn.
 fn random_between(
     name: &'static str,
-    kind: Kind,
+    kinds: &[Kind],
     widths: &Widths,
     count: usize,
     per_tile: usize,
@@ -212,7 +190,7 @@ fn random_between(
         let window = random.window(block);
         let list = footprints.len() as u32..(footprints.len() + per_tile) as u32;
         while footprints.len() < list.end as usize {
-            footprints.extend(random.footprint(widths, &window, kind));
+            footprints.extend(random.footprint(widths, &window, kinds[tiles.len() % kinds.len()]));
         }
         tiles.push(BenchTile {
             window,
