@@ -315,11 +315,13 @@ mod tests {
             let mut words = vec![u32::MAX; 3 * packed_words(&widths)];
             let mut list = PackedList::new(design, &mut words);
             assert!(list.is_empty() && list.footprint(0).is_none());
-            let entries = [
+            let mut entries = [
                 extreme(&widths, true),
                 extreme(&widths, false),
                 extreme(&widths, true),
             ];
+            entries[1].ldl.horizontal.exponent = 300;
+            entries[1].ldl.shear.exponent = -300;
             for (place, entry) in entries.iter().enumerate() {
                 assert_eq!(list.push(entry, 3 * packed_words(&widths)), Some(()));
                 assert_eq!(list.footprint(place + 1), None);

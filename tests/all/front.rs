@@ -3,6 +3,7 @@
 use crate::common::{SIZE, pictures, splats, view};
 use proptest::prelude::*;
 use splatline::blend::Pixel;
+use splatline::blend::edge::USUAL_THRESHOLD;
 use splatline::blend::layers::Layers;
 use splatline::blend::resolve::Resolve;
 use splatline::blend::surface::{Accumulation, Cell, WeightedSum};
@@ -251,24 +252,26 @@ fn a_full_list_says_how_much_it_lacks() {
         Gaussian::UNIT,
         invalid,
         Gaussian::UNIT,
+        Gaussian::UNIT,
     ];
     let renderer = Renderer::new(Standard24);
     let full = ListFull {
         capacity: 2,
-        needed: 3,
+        needed: 4,
     };
     let mut list = BoundedList::<2>::new();
     assert_eq!(renderer.set_up(&view, scene, &mut list), Err(full));
     assert!(list.footprints().is_empty() && list.order().is_empty());
     let (mut footprints, mut order) = ([Footprint::EMPTY; 3], [0; 2]);
     let mut lent = LentList::new(&mut footprints, &mut order);
+    assert!(lent.footprints().is_empty());
     assert_eq!(renderer.set_up(&view, scene, &mut lent), Err(full));
     assert!(lent.footprints().is_empty() && lent.order().is_empty());
-    let (mut list, mut pixels) = (BoundedList::<3>::new(), [Pixel::default(); PIXELS]);
+    let (mut list, mut pixels) = (BoundedList::<4>::new(), [Pixel::default(); PIXELS]);
     let counts = renderer.set_up(&view, scene, &mut list).unwrap();
     assert_eq!(
         (counts.drawn, counts.culled_for(Cull::Near), counts.invalid),
-        (3, 1, 1)
+        (4, 1, 1)
     );
     let short = renderer.render(&view, scene, &mut list, &mut pixels[1..]);
     let expected = TargetError {
@@ -473,6 +476,33 @@ fn surfaces<C: Cell + PartialEq>(opacity: f32, name: &str) {
         (drawn, 1, 301)
     );
     pictures::check(name, &frame, [20, 24, 40]);
+    let pixel = |x: u16, y: u16| expected[usize::from(y) * usize::from(SIZE) + usize::from(x)];
+    for [columns, rows] in [[4, SIZE], [0, SIZE]] {
+        let window = Window {
+            first: [SIZE / 2, 0],
+            end: [SIZE / 2 + columns, rows],
+        };
+        let part = renderer.draw(&view, &scene, window, &mut cells, &mut pixels);
+        let (part, _) = part.unwrap();
+        let places = (0..rows).flat_map(|y| (0..columns).map(move |x| (SIZE / 2 + x, y)));
+        let own: Vec<Pixel> = places.map(|(x, y)| pixel(x, y)).collect();
+        assert!(part.pixels == own);
+    }
+    let edges = splatline::blend::edge::EdgeFilter::new(USUAL_THRESHOLD);
+    let other = SurfaceRenderer::new(Standard24, threshold)
+        .with_resolve(|gather| Resolve::new(&widths, gather, None, edges))
+        .with_traversal(Traversal::Box);
+    let window = view.window();
+    let (mut plain, mut edged) = (pixels.clone(), pixels.clone());
+    let (plain, _) = renderer
+        .draw(&view, &scene, window, &mut cells, &mut plain)
+        .unwrap();
+    let (edged, _) = other
+        .draw(&view, &scene, window, &mut cells, &mut edged)
+        .unwrap();
+    assert!(plain.pixels != edged.pixels);
+    let visited = |frame: &splatline::front::Frame| frame.coverage.unwrap().visited;
+    assert!(visited(&edged) > visited(&plain));
     let short = renderer.draw(&view, &scene, view.window(), &mut cells[1..], &mut pixels);
     assert_eq!(
         short.unwrap_err(),

@@ -2,6 +2,7 @@
 
 use super::front::camera;
 use crate::common::SIZE;
+use fixed::types::I2F30;
 use splatline::Gaussian;
 use splatline::blend::Pixel;
 use splatline::format::{Deep32, Micro16, Standard24};
@@ -9,12 +10,13 @@ use splatline::front::{
     COMPACT_HEADER, COMPACT_MAGIC, CompactScene, PackedList, Renderer, Scene, SceneFull, Splats,
     packed_words,
 };
-use splatline::math::SoftFloat;
+use splatline::kernel::Tabled;
+use splatline::math::{Extended, SoftFloat};
 use splatline::raster::Window;
 use splatline::rules::Compositing;
 use splatline::splat::Position;
 use splatline::splat::VolumeSplat;
-use splatline::view::Eye;
+use splatline::view::{Eye, Projection, View};
 use splatline::{BoundedList, DisplayList};
 use std::cell::Cell;
 use std::collections::HashSet;
@@ -132,6 +134,75 @@ fn keys_sort_as_footprints_do() {
     }
 }
 
+/// Keys that differ in their last bit alone, the nearest splat last in the scene; and a splat behind the eye of a parallel projection.
+#[test]
+fn keys_keep_their_first_and_last_bits() {
+    let mut view = camera().view().unwrap();
+    view.rotation[2][0] = I2F30::from_bits(1);
+    let at = |x: f32, z: f32| Gaussian {
+        mean: [x, 0.0, z],
+        scales: [0.01; 3],
+        ..Gaussian::UNIT
+    };
+    let renderer = Renderer::new(Deep32);
+    let drawn = |view: &View, scene: &[VolumeSplat]| -> Vec<i64> {
+        let mut words = vec![0; 60 * packed_words(&Deep32::WIDTHS)];
+        let mut packed = PackedList::new(Deep32, &mut words);
+        renderer.set_up_scene(view, scene, &mut packed).unwrap();
+        (0..packed.len())
+            .map(|place| packed.footprint(place).unwrap().centre[0])
+            .collect()
+    };
+    let beside: Vec<VolumeSplat> = (0..40)
+        .rev()
+        .map(|k| at(k as f32 / 64.0, 0.0).splat().unwrap())
+        .collect();
+    let columns = drawn(&view, &beside);
+    assert_eq!(columns.len(), 40);
+    assert!(columns.is_sorted(), "{columns:?}");
+    view.projection = Projection::Orthographic;
+    view.near = Extended {
+        value: -64,
+        exponent: 0,
+    };
+    let around = [at(0.1, 1.0), at(-0.1, -9.0)].map(|gaussian| gaussian.splat().unwrap());
+    let columns = drawn(&view, &around);
+    assert!(columns.len() == 2 && columns.is_sorted(), "{columns:?}");
+}
+
+/// Memory for a key and no footprint.
+#[test]
+fn a_list_without_a_place_asks_for_one() {
+    let (view, renderer) = (camera().view().unwrap(), Renderer::new(Micro16));
+    let mut words = [0; 4];
+    let mut list = PackedList::new(Micro16, &mut words);
+    let full = renderer.set_up_scene(&view, row_of(1, 0).as_slice(), &mut list);
+    assert_eq!((full.unwrap_err().needed, list.len()), (1, 0));
+}
+
+/// Colours above 1 saturate in words of 16 bits, by every pixel loop.
+#[test]
+fn bright_colours_saturate() {
+    let view = camera().view().unwrap();
+    let mut scene = row_of(3, 0);
+    for (splat, brightness) in scene.iter_mut().zip([3, 9, 15]) {
+        splat.colour = [fixed::types::U4F28::from_num(brightness); 3];
+    }
+    fn check<D: Tabled>(design: D, view: &View, scene: &[VolumeSplat]) {
+        let mut words = vec![0; 4 * packed_words(&D::WIDTHS)];
+        let mut list = PackedList::new(design, &mut words);
+        let renderer = Renderer::new(design);
+        renderer.set_up_scene(view, scene, &mut list).unwrap();
+        let (mut pixels, mut sent) = ([Pixel::EMPTY; PIXELS], [0; PIXELS]);
+        let frame = renderer.draw(&list, view.window(), &mut pixels).unwrap();
+        frame.write_rgb565(0x1234, &mut sent);
+        assert!(frame.rgb565(0x1234).eq(sent));
+        assert!(sent.contains(&0xffff));
+    }
+    check(Micro16, &view, &scene);
+    check(Standard24, &view, &scene);
+}
+
 /// A scene of whose two splats one has no centre and one no numbers: both count, neither is drawn; a list that is full is empty afterwards.
 #[test]
 fn splats_that_are_none_are_counted() {
@@ -195,6 +266,9 @@ fn a_compact_splat_is_what_its_bytes_say() {
     );
     assert_eq!((scene.len(), scene.is_empty()), (1, false));
     assert_eq!((scene.splat(1), scene.centre(1)), (None, None));
+    let mut whole = [bytes.as_slice(), &bytes[COMPACT_HEADER..]].concat();
+    whole[COMPACT_HEADER - 4] = 2;
+    assert_eq!(CompactScene::read(&whole).map(|scene| scene.len()), Some(2));
     let trailing = [bytes.as_slice(), &[0]].concat();
     let two = [bytes.as_slice(), &bytes[COMPACT_HEADER..]].concat();
     for damaged in [
