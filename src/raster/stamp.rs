@@ -282,7 +282,7 @@ mod tests {
         let shape = StampShape {
             phase_bits: 0,
             extent: [0; 2],
-            side: [4, 3],
+            side: [3, 4],
         };
         let weights: [u32; 12] = core::array::from_fn(|index| index as u32);
         let stamp = Stamp::new(&weights, shape).unwrap();
@@ -296,15 +296,18 @@ mod tests {
             ([1, 8], [4, 20]),
             ([5, 9], [6, 10]),
             ([6, 7], [9, 9]),
-            ([2, 10], [6, 12]),
+            ([2, 11], [6, 12]),
+            ([4, 8], [4, 9]),
+            ([0, 9], [20, 8]),
         ] {
             let window = Window { first, end };
             let mut found = std::vec::Vec::new();
             for row in stamp.rows(placement, &window) {
+                assert!(!row.weights.is_empty());
                 let columns = row.x..;
                 found.extend(columns.zip(row.weights).map(|(x, w)| (x, row.y, *w)));
             }
-            let pixels = (7..10u16).flat_map(|y| (2..6u16).map(move |x| (x, y)));
+            let pixels = (7..11u16).flat_map(|y| (2..5u16).map(move |x| (x, y)));
             let inside = pixels.filter(|(x, y)| {
                 window.first[0] <= *x
                     && *x < window.end[0]
@@ -312,9 +315,98 @@ mod tests {
                     && *y < window.end[1]
             });
             let expected: std::vec::Vec<_> = inside
-                .map(|(x, y)| (x, y, u32::from((y - 7) * 4 + x - 2)))
+                .map(|(x, y)| (x, y, u32::from((y - 7) * 3 + x - 2)))
                 .collect();
             assert_eq!(found, expected, "{window:?}");
         }
+    }
+
+    /// An upright or sheared ellipse with these half-axes in pixels, in units of 2^-8, at a cut-off of `cutoff`, UQ4.28.
+    fn ellipse([a, b]: [i64; 2], shear: i64, cutoff: u32) -> Footprint {
+        let squared = |half: i64| SoftFloat::from_wide(half * half, -16, 24);
+        Footprint {
+            cutoff,
+            ldl: crate::footprint::Ldl {
+                squared_width: squared(a),
+                horizontal: crate::math::reciprocal(squared(a), 24).unwrap(),
+                vertical: crate::math::reciprocal(squared(b), 24).unwrap(),
+                shear: SoftFloat::from_wide(shear, -8, 24),
+            },
+            ..Footprint::EMPTY
+        }
+    }
+
+    fn digest(words: impl IntoIterator<Item = u64>) -> u64 {
+        words.into_iter().fold(0, |digest, word| {
+            (digest ^ word).wrapping_mul(0x100_0000_01b3)
+        })
+    }
+
+    #[test]
+    fn shapes_end_with_their_limits() {
+        let upright = |half: i64| ellipse([half, 300], 0, 1 << 28);
+        assert_eq!(
+            StampShape::new(&upright(8100), 6).unwrap().side,
+            [MAX_SIDE, 3]
+        );
+        let error = |footprint: Footprint, bits| StampShape::new(&footprint, bits).unwrap_err();
+        assert_eq!(error(upright(8200), 6).side, [MAX_SIDE + 1, 3]);
+        assert_eq!(error(upright(300), 7).phase_bits, 7);
+        assert_eq!(error(upright(1 << 30), 0).side, [u16::MAX, 3]);
+        let point = StampShape::new(&ellipse([300; 2], 0, 0), 0).unwrap();
+        assert_eq!((point.extent, point.side), ([1; 2], [1; 2]));
+        let half = StampShape {
+            extent: [1 << 15; 2],
+            ..point
+        };
+        assert_eq!(half.place([0; 2], 12).first, [-1; 2]);
+        let sizes = (1..3000i64).flat_map(|index| {
+            let halves = [index * 97 % 2001 + 60, index * 61 % 1511 + 60];
+            let footprint = ellipse(
+                halves,
+                index * 31 % 701 - 350,
+                1 << 28 | index as u32 * 9973,
+            );
+            StampShape::new(&footprint, 3)
+                .unwrap()
+                .extent
+                .map(|extent| extent as u64)
+        });
+        assert_eq!(digest(sizes), 4_345_591_230_418_509_549);
+    }
+
+    #[test]
+    fn stamps_are_these_weights() {
+        use crate::format::Standard24;
+        let table = crate::kernel::table_4::<Standard24>();
+        let words = [[900, 300], [300, 900], [60, 60]].map(|halves| {
+            let footprint = ellipse(halves, 40, 2 << 28);
+            let shape = StampShape::new(&footprint, 1).unwrap();
+            let mut memory = std::vec![7; shape.words()];
+            assert!(fill_stamps(
+                &mut memory,
+                Standard24,
+                &table,
+                &shape,
+                &footprint
+            ));
+            digest(memory.into_iter().map(u64::from))
+        });
+        assert_eq!(
+            words,
+            [
+                7_721_427_897_168_239_339,
+                6_392_921_215_526_266_618,
+                18_446_741_903_878_651_034
+            ]
+        );
+        let point = StampShape::new(&ellipse([300; 2], 0, 0), 0).unwrap();
+        assert!(fill_stamps(
+            &mut [7],
+            Standard24,
+            &table,
+            &point,
+            &ellipse([300; 2], 0, 0)
+        ));
     }
 }

@@ -138,7 +138,7 @@ pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> Benc
 }
 
 /// The same where xc has few fraction bits or leaves the fine word: half-widths of up to 2^28 pixels, the largest that setup gives, and
-/// [needles](Kind).
+/// needles.
 pub fn vast(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
     let kinds = [Kind::Any([12.0, 26.0]), Kind::Flat, Kind::WordAway];
     random_between("vast packets", &kinds, widths, count, 10, seed)
