@@ -365,7 +365,7 @@ mod tests {
             let footprint = ellipse(
                 halves,
                 index * 31 % 701 - 350,
-                1 << 28 | index as u32 * 9973,
+                (1 << 28) + index as u32 * 9973,
             );
             StampShape::new(&footprint, 3)
                 .unwrap()
