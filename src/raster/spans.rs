@@ -405,6 +405,25 @@ mod tests {
     use crate::format::{Lean18, RuntimeWidths, Standard24};
     use proptest::prelude::*;
 
+    /// Short words give the half-widths that long ones give, to the last bit of what is left of the cut-off.
+    #[test]
+    fn half_widths_of_short_mantissas() {
+        let short = crate::format::Micro16::WIDTHS;
+        let long = Widths {
+            mantissa: 18,
+            ..short
+        };
+        let unit = vertical_fraction(&short) - REST;
+        for variance in [0.7, 1.0, 3.3, 900.0] {
+            let half = HalfWidth::new(soft(variance, short.mantissa.into()));
+            for rest in (1..64).chain([0x3fff, 0x4001, 0xffffff, 0x1000003]) {
+                assert_eq!(half.of(rest << unit, &short), half.of(rest << unit, &long));
+            }
+        }
+        let fraction = |radial| vertical_fraction(&Widths { radial, ..short });
+        assert_eq!([10, 21, 22, 23, 27].map(fraction), [26, 26, 26, 27, 31]);
+    }
+
     /// A number rounded to a mantissa.
     fn soft(value: f64, bits: u32) -> SoftFloat {
         let exponent = value.abs().log2().floor() as i32 + 1 - bits as i32;
