@@ -77,6 +77,73 @@ fn point(centre: [f64; 3], rules: &Rules) -> Footprint {
     setup_point(Standard24, &view, rules, &ball(centre), &filter).unwrap()
 }
 
+/// Points with splats between them, drawn window by window: each has its part of the whole picture, by spans and by stamps. The first
+/// point's counts are those of its pixels.
+#[test]
+fn points_are_the_same_in_every_window() {
+    let rules = rules(0.03);
+    let memory = table_entries(&rules);
+    let painter = painter(&memory, &rules);
+    let table = FootprintTable::new(&memory, &WIDTHS, rules.table_range).unwrap();
+    let view = view(0.0, 0.0, Projection::Perspective);
+    let place = |index: i32| [index * 5 % 7 - 3, index * 3 % 5 - 2, index].map(f64::from);
+    let scene: Vec<(Footprint, Footprint)> = (0..24)
+        .map(place)
+        .map(|[x, y, z]| {
+            let at = [0.2 * x, 0.2 * y, 0.01 * z];
+            let splat = setup(Standard24, &view, &Rules::EWA, &ball(at)).unwrap();
+            (point(at, &rules), splat)
+        })
+        .collect();
+    let model = &scene[0].0;
+    let shape = StampShape::new(model, 2).unwrap();
+    let mut words = vec![0; shape.words()];
+    assert!(fill_stamps(&mut words, Standard24, &table, &shape, model));
+    for stamp in [None, Stamp::new(&words, shape)] {
+        let settings = PointSettings { range: 100, stamp };
+        let drawn = |window: Window, scene: &[(Footprint, Footprint)], splats: bool| {
+            let size = window.pixels();
+            let (mut pixels, mut slabs) = (
+                vec![Pixel::clear(&WIDTHS); size],
+                vec![Slab::default(); size],
+            );
+            let mut target = Target::new(&mut pixels, window, window.columns().into()).unwrap();
+            let mut slabs = Slabs::new(&mut slabs, window).unwrap();
+            let mut counts = [0; 2];
+            for (point, splat) in scene {
+                let coverage = painter.draw_point(point, &settings, &mut target, &mut slabs);
+                counts = [counts[0] + coverage.visited, counts[1] + coverage.covered];
+                if splats {
+                    painter.draw_among_points(splat, &mut target, &mut slabs);
+                }
+            }
+            painter.finish_points(&mut target, &mut slabs);
+            (pixels, counts)
+        };
+        let (whole, _) = drawn(SCREEN, &scene, true);
+        for (first, end) in [
+            ([13, 7], [40, 64]),
+            ([30, 50], [90, 60]),
+            ([5, 40], [60, 47]),
+        ] {
+            let part = drawn(Window { first, end }, &scene, true).0;
+            let places = (first[1]..end[1]).flat_map(|y| (first[0]..end[0]).map(move |x| (x, y)));
+            let expected =
+                places.map(|(x, y)| whole[usize::from(y) * usize::from(SIZE) + usize::from(x)]);
+            assert!(expected.eq(part), "{first:?}");
+        }
+        let (pixels, [visited, covered]) = drawn(SCREEN, &scene[..1], false);
+        let changed = pixels
+            .iter()
+            .filter(|pixel| **pixel != Pixel::clear(&WIDTHS))
+            .count();
+        assert_eq!(covered, changed as u64);
+        let cells = shape.side().map(u64::from);
+        assert!(visited >= covered && (stamp.is_none() || visited == cells[0] * cells[1]));
+        assert!(drawn(SCREEN, &scene, false).0 != whole);
+    }
+}
+
 /// At a phase, a stamp is its footprint to the last bit but one of the lanes.
 #[test]
 fn a_stamp_is_the_footprint_at_its_phase() {
