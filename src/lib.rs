@@ -76,3 +76,12 @@ pub use view::View;
 #[cfg(all(doctest, feature = "float"))]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// FNV-1a of what a test computes, where the words are too many to be read.
+#[cfg(test)]
+fn digest(words: impl IntoIterator<Item = u64>) -> u64 {
+    let words = words.into_iter();
+    words.fold(0xcbf2_9ce4_8422_2325, |digest, word| {
+        (digest ^ word).wrapping_mul(0x100_0000_01b3)
+    })
+}

@@ -106,23 +106,31 @@ impl fmt::Display for CameraError {
 
 impl std::error::Error for CameraError {}
 
-/// The camera file as it stands on disk and in reports: row-major, pixels. Its fields are those of [`Camera`].
+/// The camera file as it stands on disk and in reports.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(missing_docs)]
 pub struct CameraFile {
+    /// Columns of the picture.
     pub width: u64,
+    /// Rows of the picture.
     pub height: u64,
+    /// Horizontal focal length in pixels.
     pub fx: f64,
+    /// Vertical focal length in pixels.
     pub fy: f64,
+    /// Column of the principal point, pixels.
     pub cx: f64,
+    /// Row of the principal point, pixels.
     pub cy: f64,
+    /// Four rows of four.
     pub world_to_camera: Vec<f64>,
+    /// Nearest depth drawn.
     #[serde(default = "default_near")]
     pub near: f64,
-    /// Null, as a report writes it, is no limit.
+    /// Farthest depth drawn. Null, as a report writes it, is no limit.
     #[serde(default = "default_far")]
     pub far: Option<f64>,
+    /// Parallel projection.
     #[serde(default)]
     pub orthographic: bool,
 }

@@ -7,7 +7,7 @@
 use serde::{Deserialize, Deserializer, Serialize, de};
 use std::str::FromStr;
 
-/// One of the names that there are.
+/// One of the names that there are. An alias, since serde would borrow the text of what is called a reference.
 pub type RulesName = &'static str;
 
 /// How splats are weighted, cut off and composited.
@@ -45,13 +45,13 @@ pub struct Rules {
 }
 
 fn known_name<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Error> {
-    let name = String::deserialize(from)?;
-    let mut known = Rules::ALL
-        .map(|rules| rules.name)
-        .into_iter()
-        .chain(["surf"]);
-    let found = known.find(|known| *known == name);
-    found.ok_or_else(|| de::Error::custom(format!("no rules '{name}'")))
+    match String::deserialize(from)?.as_str() {
+        "surf" => Ok("surf"),
+        name => name
+            .parse()
+            .map(|rules: Rules| rules.name)
+            .map_err(de::Error::custom),
+    }
 }
 
 fn or_infinite<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {

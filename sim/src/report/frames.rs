@@ -228,8 +228,17 @@ pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
                 .map_or_else(String::new, |ms| format!("{ms:.3}")),
         ]
     };
-    let headings = "frame;PSNR, dB;largest error;p99;bias;SSIM;FLIP;cycles;ms";
-    let headings: Vec<&str> = headings.split(';').collect();
+    let headings = [
+        "frame",
+        "PSNR, dB",
+        "largest error",
+        "p99",
+        "bias",
+        "SSIM",
+        "FLIP",
+        "cycles",
+        "ms",
+    ];
     let table = html_table("", &[0], &headings, rows.iter().map(line));
     let curves = [
         curve("Largest error", rows, &|row| row.max_abs),

@@ -468,8 +468,20 @@ fn error_table(error: &ErrorFacts) -> String {
             format!("{:.6}", facts.covered.ssim),
         ]
     };
-    let headings = "channels,PSNR dB,max error,at pixel,p95,p99,bias,SSIM,covered pixels,PSNR cov,bias cov,SSIM cov";
-    let headings: Vec<&str> = headings.split(',').collect();
+    let headings = [
+        "channels",
+        "PSNR dB",
+        "max error",
+        "at pixel",
+        "p95",
+        "p99",
+        "bias",
+        "SSIM",
+        "covered pixels",
+        "PSNR cov",
+        "bias cov",
+        "SSIM cov",
+    ];
     let lines = [line("RGB", &error.rgb), line("alpha", &error.alpha)];
     format!(
         "<section>\n<h2>Errors of the picture</h2>\n<p class=\"read\">p95 and p99: so many percent of the samples differ by no more. FLIP is the mean \

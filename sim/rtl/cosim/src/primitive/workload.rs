@@ -171,6 +171,16 @@ impl Kind {
             Kind::WordAway => [[18.0, 23.0], [12.0, 15.0], all],
         }
     }
+
+    /// Is an ellipse with this 1/A, this shear and this reach along the rows of the kind?
+    fn has(self, squared_width: f64, shear: f64, reach: f64) -> bool {
+        let fine = squared_width < FINE_SQUARED_WIDTH;
+        match self {
+            Kind::Any(_) => true,
+            Kind::Flat => fine && shear.abs() >= 2f64.powi(13),
+            Kind::WordAway => fine && reach > FINE_WORD,
+        }
+    }
 }
 
 /// Random footprints over random windows, each of one of the kinds in turn.
@@ -273,13 +283,7 @@ impl WorkloadRandom {
         .map(|part| part * long.sqrt() * radius);
         let row_variance = long * sine * sine + short * cosine * cosine;
         let shear = (long - short) * sine * cosine / row_variance;
-        let fine = long * short / row_variance < FINE_SQUARED_WIDTH;
-        let asked = match kind {
-            Kind::Any(_) => true,
-            Kind::Flat => fine && shear.abs() >= 2f64.powi(13),
-            Kind::WordAway => fine && reach[0] > FINE_WORD,
-        };
-        if !asked {
+        if !kind.has(long * short / row_variance, shear, reach[0]) {
             return None;
         }
         let mut footprint = Footprint {
@@ -313,10 +317,10 @@ impl WorkloadRandom {
             let offset = match kind {
                 // Such a needle meets one row, beside whose sample points it passes.
                 Kind::Flat if axis == 1 => middle.floor() - middle + 0.5 + spot * reach[1],
-                // The middle of the window's middle row is the centre's column and `reach[0] * 3/4`, and the window a word before it.
+                // The middle of the window's middle row is the centre's column and `away`, and the window a word before it.
                 Kind::WordAway => {
-                    let middle = 0.75 * reach[0];
-                    [FINE_WORD - middle, -middle / shear][axis]
+                    let away = 0.75 * reach[0];
+                    [FINE_WORD - away, -away / shear][axis]
                 }
                 _ if rim => point[axis] + spot * size / 2.0,
                 _ => spot * (reach[axis] + size / 2.0),

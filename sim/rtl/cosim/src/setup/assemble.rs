@@ -119,7 +119,7 @@ pub enum Unit {
 }
 
 /// A sum of terms, or the words of the result.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Operation {
     /// What it is.
     pub name: String,
@@ -151,7 +151,7 @@ pub struct Place {
 }
 
 /// A program with places.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Program {
     /// The operations.
     pub operations: Vec<Operation>,
