@@ -18,7 +18,7 @@
 //! strip would save these for two bytes more per footprint and strip.
 
 use super::list::Footprints;
-use crate::footprint::Footprint;
+use crate::footprint::{Conic, Footprint, Ldl};
 use crate::format::{Design, Widths};
 use crate::math::SoftFloat;
 use crate::raster::Window;
@@ -336,32 +336,42 @@ impl Entry {
     #[inline(always)]
     fn footprint(&self, widths: &Widths, viewport: [u16; 2]) -> Footprint {
         let leading = i32::from(widths.mantissa) - 1;
-        let mut footprint = Footprint::EMPTY;
+        let below = u32::from(widths.subpixel) - 1;
+        let (mut centre, mut first, mut end) = ([0; 2], [0; 2], [0; 2]);
         for (place, axis) in [1, 0].into_iter().enumerate() {
             let (how, twice) = (self.how[place], self.twice[place]);
-            (footprint.first[axis], footprint.end[axis]) =
-                side(self.bound[place], how, twice, viewport[axis]);
+            (first[axis], end[axis]) = side(self.bound[place], how, twice, viewport[axis]);
             let twice = (twice as i32).wrapping_sub(i32::from(how == 3) << TWICE);
-            let below = u32::from(widths.subpixel) - 1;
-            footprint.centre[axis] = i64::from(twice) << below | i64::from(self.rest[place]);
+            centre[axis] = i64::from(twice) << below | i64::from(self.rest[place]);
         }
         let [horizontal, vertical, squared_width] =
             self.mantissa.map(|low| (low | 1 << leading) as i32);
         let [power, vertical_power, shear_power] =
             self.power.map(|low| extended(low, POWER) - leading);
         let number = |mantissa, exponent| SoftFloat { mantissa, exponent };
-        let ldl = &mut footprint.ldl;
-        ldl.horizontal = number(horizontal, power);
-        ldl.vertical = number(vertical, vertical_power);
-        ldl.squared_width = number(squared_width, self.sum as i32 - (2 * leading + 2) - power);
-        ldl.shear = number(
-            extended(self.shear, u32::from(widths.mantissa) + 1),
-            shear_power,
-        );
-        footprint.cutoff = self.cutoff;
-        footprint.opacity = self.opacity;
-        footprint.colour = self.colour;
-        footprint
+        // Not `EMPTY` with other fields, which small processors would copy before.
+        Footprint {
+            depth: 0,
+            centre,
+            first,
+            end,
+            ldl: Ldl {
+                horizontal: number(horizontal, power),
+                squared_width: number(squared_width, self.sum as i32 - (2 * leading + 2) - power),
+                shear: number(
+                    extended(self.shear, u32::from(widths.mantissa) + 1),
+                    shear_power,
+                ),
+                vertical: number(vertical, vertical_power),
+            },
+            conic: Conic {
+                mantissa: [0; 3],
+                exponent: 0,
+            },
+            cutoff: self.cutoff,
+            opacity: self.opacity,
+            colour: self.colour,
+        }
     }
 }
 
@@ -437,7 +447,7 @@ mod tests {
         Footprint {
             centre: [-centre, if ones { centre - 1 } else { -1 }],
             end: [u16::MAX, 1],
-            ldl: crate::footprint::Ldl {
+            ldl: Ldl {
                 horizontal: number(127),
                 // The product of the mantissas is nearly 2^(2 bits), or 2^(2 bits - 2).
                 squared_width: number(if ones { -128 } else { -127 }),

@@ -54,11 +54,10 @@ pub(super) struct RowSeeds {
 
 impl RowSeeds {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    pub(super) fn new(widths: &Widths, footprint: &Footprint) -> Self {
+    #[cfg_attr(target_pointer_width = "32", inline)]
+    pub(super) fn new(widths: &Widths, footprint: &Footprint, centre_fraction: u32) -> Self {
         let subpixel = u32::from(widths.subpixel);
         let ldl = &footprint.ldl;
-        let half = reach_of_rows(ldl.squared_width);
-        let centre_fraction = centre_fraction(subpixel, half, ldl.shear);
         let vertical_fraction = vertical_fraction(widths);
         RowSeeds {
             centre: footprint.centre,
@@ -155,11 +154,11 @@ impl Balance {
 
 impl<D: Design> Seed<D> {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    pub(super) fn new(design: D, ldl: &Ldl, unit_of_centre: u32) -> Self {
+    pub(super) fn new(design: D, ldl: &Ldl, half: i32, unit_of_centre: u32) -> Self {
         let widths = design.widths();
         let (bits, fraction) = (u32::from(widths.mantissa), u32::from(widths.radial));
         // No finer than xc is.
-        let drop_dx = reach_of_rows(ldl.squared_width)
+        let drop_dx = half
             .saturating_add(32 - bits as i32)
             .min(63)
             .max(unit_of_centre as i32);
@@ -203,12 +202,11 @@ impl<D: Design> Seed<D> {
     pub(super) fn down(&self, vertical: i64) -> i64 {
         let widths = self.design.widths();
         let drop = vertical_fraction(&widths) - u32::from(widths.radial);
-        let down = if self.is_narrow_down() {
-            shift_word(vertical as i32, drop as i32).into()
-        } else {
-            shift_round(vertical, drop)
-        };
-        self.balance.start.wrapping_add(down)
+        if self.is_narrow_down() {
+            let down = shift_word(vertical as i32, drop as i32);
+            return (self.balance.start as i32).wrapping_add(down).into();
+        }
+        self.balance.start.wrapping_add(shift_round(vertical, drop))
     }
 
     /// r = A dx^2 + C dy^2, its difference A (2 dx + 1) and 2 A at column `x`, balanced; `centre` is xc - 1/2 in Q.32, `down` the row's

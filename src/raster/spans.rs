@@ -28,10 +28,11 @@
 //! The slack added to c makes spans include every pixel with r < c for any design, at the price of a few pixels with c <= r < c + 2^-10, which the
 //! lane's own comparison rejects.
 
-use super::seeds::{BLOCK, RowSeeds, Seed, vertical_fraction};
+use super::seeds::{BLOCK, RowSeeds, Seed, centre_fraction, reach_of_rows, vertical_fraction};
 use super::{Quadratic, Span, Spans, Window};
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane, Widths};
+use crate::math::words::shifted_up;
 use crate::math::{SoftFloat, root_seed, shift_signed};
 
 /// Fraction bits of what a row leaves of the cut-off, from which its half-width follows: with 18 bits of 1 / A two products of words.
@@ -46,6 +47,8 @@ pub struct EllipseSpans<D: Design> {
     /// Rows still to come: `y .. end_row`.
     y: u16,
     end_row: u16,
+    /// First row of the footprint's box.
+    first_row: u16,
     /// Columns of the footprint's box, and of its part in the window.
     bounds: [u16; 2],
     visible: [u16; 2],
@@ -60,6 +63,12 @@ pub struct EllipseSpans<D: Design> {
     seed: Seed<D>,
     row: SpanRow,
 }
+
+/// Does one instruction or two multiply words to 64 bits?
+const LONG_PRODUCTS: bool = cfg!(any(
+    target_arch = "riscv32",
+    all(target_arch = "arm", target_has_atomic = "32")
+));
 
 /// Blocks of rows whose seeds [`RowConstants`] hold: a window of 64 rows touches no more.
 pub const ROW_BLOCKS: usize = 3;
@@ -165,19 +174,28 @@ struct SpanRow {
 
 impl<D: Design> EllipseSpans<D> {
     /// Prepares the rows of `footprint` that lie in `window`.
+    #[inline(always)]
+    pub fn new(design: D, footprint: &Footprint, window: &Window) -> Self {
+        let mut rows = EllipseSpans::unplaced(design, footprint, window);
+        rows.place();
+        rows
+    }
+
+    /// The same without the first row's words, which [`place`](EllipseSpans::place) adds: small processors would copy what is changed before
+    /// it is returned.
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline)]
-    pub fn new(design: D, footprint: &Footprint, window: &Window) -> Self {
+    pub(crate) fn unplaced(design: D, footprint: &Footprint, window: &Window) -> Self {
         let ldl = &footprint.ldl;
         let bounds = Window::of(footprint);
         let visible = bounds.intersect(window);
-        let fraction = vertical_fraction(&design.widths());
-        let seeds = RowSeeds::new(&design.widths(), footprint);
-        let y = visible.first[1];
-        let origin = bounds.first[1].max(y - y % BLOCK);
-        let (centre, vertical) = seeds.at(origin);
-        let mut rows = EllipseSpans {
-            y,
+        let widths = design.widths();
+        let fraction = vertical_fraction(&widths);
+        let half = reach_of_rows(ldl.squared_width);
+        let centre_fraction = centre_fraction(widths.subpixel.into(), half, ldl.shear);
+        EllipseSpans {
+            y: visible.first[1],
+            first_row: bounds.first[1],
             end_row: if visible.is_empty() {
                 0
             } else {
@@ -185,19 +203,26 @@ impl<D: Design> EllipseSpans<D> {
             },
             bounds: [bounds.first[0], bounds.end[0]],
             visible: [visible.first[0], visible.end[0]],
-            centre,
-            vertical,
+            seeds: RowSeeds::new(&widths, footprint, centre_fraction),
+            centre: 0,
+            vertical: Quadratic::default(),
             reach: shift_signed(footprint.cutoff.into(), 28 - fraction as i32)
                 + (1 << (fraction - SLACK)),
             half_width: HalfWidth::new(ldl.squared_width),
-            seed: Seed::new(design, ldl, 32 - seeds.centre_fraction),
-            seeds,
+            seed: Seed::new(design, ldl, half, 32 - centre_fraction),
             row: SpanRow::default(),
-        };
-        for _ in origin..y {
-            rows.step();
         }
-        rows
+    }
+
+    /// Goes to the first row from the seed of its block.
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    pub(crate) fn place(&mut self) {
+        let origin = self.first_row.max(self.y - self.y % BLOCK);
+        (self.centre, self.vertical) = self.seeds.at(origin);
+        for _ in origin..self.y {
+            self.step();
+        }
     }
 
     /// What the rows to come are computed from.
@@ -230,7 +255,7 @@ impl<D: Design> EllipseSpans<D> {
             curve: self.vertical.second,
             vertical_fraction: self.seeds.vertical_fraction,
             reach: self.reach,
-            squared_width: (half.mantissa.into(), half.odd, half.power),
+            squared_width: ((half.mantissa >> half.odd).into(), half.odd, half.power),
             horizontal: seed.horizontal,
             drops: (seed.drop_dx, bits, seed.drop_radial, seed.drop_first),
             fraction: self.fraction(),
@@ -248,11 +273,8 @@ impl<D: Design> EllipseSpans<D> {
     }
 
     /// Opens the next row: its span within the window, from the block that contains the window's first column.
-    ///
-    /// Small processors call it, so that what a run needs is not computed before it is known whether a row begins.
-    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    #[cfg_attr(target_pointer_width = "32", inline(never))]
-    fn next_row(&mut self) {
+    #[inline(always)]
+    fn next_row(&mut self) -> SpanRow {
         let mut row = SpanRow {
             y: self.y,
             x: 0,
@@ -265,18 +287,35 @@ impl<D: Design> EllipseSpans<D> {
             row.vertical = self.seed.down(self.vertical.value);
             let half = self.half_width.of(rest, &self.seed.design.widths());
             let (low, high) = ends(row.centre, half, self.seed.is_narrow());
-            let [first, last] = self.bounds.map(i32::from);
-            // Not `clamp`, which panics if first > last: an open row has first < last, but the compiler cannot know.
-            let low = low.min(last).max(first) as u16;
-            row.x = low.max(self.visible[0] - self.visible[0] % BLOCK);
-            row.end = (high.min(last).max(first) as u16).min(self.visible[1]);
+            let [first, end] = self.visible;
+            let low = low.max(self.bounds[0].max(first - first % BLOCK).into());
+            let high = high.min(end.into());
+            if low < high {
+                (row.x, row.end) = (low as u16, high as u16);
+            }
         }
-        self.row = row;
         self.y += 1;
         if self.y.is_multiple_of(BLOCK) && self.y < self.end_row {
             (self.centre, self.vertical) = self.seeds.at(self.y);
         } else {
             self.step();
+        }
+        row
+    }
+
+    /// The next part of the row, or of the next row. Not a loop, before which small processors would load all that any turn may need.
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    fn next_part(&mut self) -> Option<Span<D::Lane>> {
+        let row = if self.row.x < self.row.end {
+            self.row
+        } else {
+            self.next_row()
+        };
+        if row.x < row.end {
+            self.next_block(row)
+        } else {
+            None
         }
     }
 
@@ -284,16 +323,20 @@ impl<D: Design> EllipseSpans<D> {
     ///
     /// A window that begins inside a block drops the block's head, so that the seed is the same for every tiling.
     #[inline(always)]
-    fn next_block(&mut self) -> Option<Span<D::Lane>> {
+    fn next_block(&mut self, row: SpanRow) -> Option<Span<D::Lane>> {
         let SpanRow {
             y,
             x,
             end,
             centre,
             vertical,
-        } = self.row;
+        } = row;
         let stop = (x - x % BLOCK).saturating_add(BLOCK).min(end);
-        self.row.x = stop;
+        // What is left is kept, which of most rows is nothing.
+        self.row.end = 0;
+        if stop < end {
+            self.row = SpanRow { x: stop, ..row };
+        }
         let (radial, first, second) = self.seed.at(x, centre, vertical);
         let run = Span {
             y,
@@ -323,20 +366,15 @@ impl<D: Design> Spans for EllipseSpans<D> {
         self.seed.design.widths().radial.into()
     }
 
-    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    #[cfg_attr(target_pointer_width = "32", inline)]
+    #[inline(always)]
     fn next_span(&mut self) -> Option<Span<D::Lane>> {
-        loop {
-            while self.row.x < self.row.end {
-                if let Some(run) = self.next_block() {
-                    return Some(run);
-                }
+        while self.row.x < self.row.end || self.y < self.end_row {
+            let run = self.next_part();
+            if run.is_some() {
+                return run;
             }
-            if self.y >= self.end_row {
-                return None;
-            }
-            self.next_row();
         }
+        None
     }
 }
 
@@ -359,6 +397,7 @@ fn ends(centre: i64, half: i64, narrow: bool) -> (i32, i32) {
 /// sqrt(rest / A): the root table and a multiplication.
 #[derive(Clone, Copy, Debug)]
 struct HalfWidth {
+    /// Of 1 / A, twice as much where its exponent is odd.
     mantissa: u32,
     odd: u32,
     power: i32,
@@ -370,7 +409,7 @@ impl HalfWidth {
         let odd = squared_width.exponent & 1;
         // With rest in Q.24: sqrt(m rest 2^(e - 24)) = root 2^(shift + (e - odd)/2 - 12), then Q.32.
         HalfWidth {
-            mantissa: squared_width.mantissa.unsigned_abs(),
+            mantissa: squared_width.mantissa.unsigned_abs() << odd,
             odd: odd as u32,
             power: ((squared_width.exponent - odd) / 2).saturating_add(32 - REST as i32 / 2),
         }
@@ -380,21 +419,25 @@ impl HalfWidth {
     #[inline(always)]
     fn of(&self, rest: i64, widths: &Widths) -> i64 {
         let rest = (rest as u64) >> (vertical_fraction(widths) - REST);
-        let squared = if widths.mantissa <= 17 {
+        let squared = if widths.mantissa <= 17 && !LONG_PRODUCTS {
             // 18 bits by 14 and 14 bits.
-            let mantissa = self.mantissa << self.odd;
             let (low, high) = (rest as u32 & 0x3fff, rest as u32 >> 14);
-            (u64::from(mantissa.wrapping_mul(high)) << 14)
-                .wrapping_add(mantissa.wrapping_mul(low).into())
+            (u64::from(self.mantissa.wrapping_mul(high)) << 14)
+                .wrapping_add(self.mantissa.wrapping_mul(low).into())
         } else {
-            u64::from(self.mantissa).wrapping_mul(rest) << self.odd
+            u64::from(self.mantissa).wrapping_mul((rest as u32).into())
         };
         let (root, shift) = root_seed(squared);
-        let root = SoftFloat {
-            mantissa: root as i32,
-            exponent: shift.saturating_add(self.power),
-        };
-        root.to_fixed(0)
+        let exponent = shift.saturating_add(self.power);
+        match exponent as u32 {
+            // What most rows are, in line.
+            up @ 0..32 => shifted_up(root.into(), up) as i64,
+            _ => SoftFloat {
+                mantissa: root as i32,
+                exponent,
+            }
+            .to_fixed(0),
+        }
     }
 }
 
