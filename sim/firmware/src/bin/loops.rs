@@ -4,7 +4,7 @@
 //! keep were lost: none, both. Where there is no such loop it prints that nothing was compared.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(armv6m)]
+#[cfg(any(armv6m, armv7em))]
 mod image {
     use core::arch::asm;
     use splatline::blend::{Blend, FINISHED, Pixel};
@@ -23,6 +23,10 @@ mod image {
     /// Bits of the largest radial index, and the first word beyond.
     const BITS: u32 = Firmware16::WIDTHS.radial as u32 + RULES.table_range as u32;
     const END: i64 = 1 << BITS;
+    const LEAST: u32 = Blend::new(&Firmware16::WIDTHS, &RULES)
+        .constants()
+        .minimum_transmittance
+        + 1;
 
     struct LoopRandom(u32);
 
@@ -75,7 +79,8 @@ mod image {
         }
 
         fn pixel(&mut self) -> Pixel {
-            let transmittance = self.bits(16) + 1;
+            // More than the least one that does not finish a pixel.
+            let transmittance = (self.bits(16) + 1).max(LEAST);
             let finished = if self.bits(3) == 7 { FINISHED } else { 0 };
             Pixel {
                 colour: [0; 3].map(|_: u32| self.bits(30)),
@@ -186,7 +191,7 @@ mod image {
     }
 }
 
-#[cfg(all(target_os = "none", not(armv6m)))]
+#[cfg(all(target_os = "none", not(any(armv6m, armv7em))))]
 #[unsafe(no_mangle)]
 fn image_main() {
     splatline_firmware::board::print("runs", 0);
