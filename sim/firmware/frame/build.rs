@@ -3,8 +3,9 @@
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-check-cfg=cfg(assembly)");
-    let of = |triple| std::env::var("TARGET").is_ok_and(|target| target.starts_with(triple));
-    if of("thumbv6m") || of("thumbv7em") {
+    let of =
+        |triple: &&str| std::env::var("TARGET").is_ok_and(|target| target.starts_with(*triple));
+    if ["thumbv6m", "thumbv7em", "riscv32"].iter().any(of) {
         println!("cargo::rustc-cfg=assembly");
     }
     println!("cargo::rustc-link-search={}", env!("CARGO_MANIFEST_DIR"));

@@ -127,8 +127,8 @@ fn draw_strip(memory: &mut FixedMemory, first_row: u16) {
 /// By the processor's own pixel loop where there is one.
 #[inline(always)]
 fn draw_footprint(painter: Painter32<Firmware16>, footprint: &Footprint, target: &mut Target) {
-    #[cfg(not(any(armv6m, armv7em)))]
+    #[cfg(not(any(armv6m, armv7em, target_arch = "riscv32")))]
     painter.draw(footprint, target);
-    #[cfg(any(armv6m, armv7em))]
+    #[cfg(any(armv6m, armv7em, target_arch = "riscv32"))]
     painter.draw_with(footprint, target, |_, run| crate::pixel_loop::paint(run));
 }

@@ -7,10 +7,16 @@
 mod armv6m;
 #[cfg(armv7em)]
 mod armv7em;
+#[cfg(not(armv7em))]
+mod intervals;
+#[cfg(target_arch = "riscv32")]
+mod rv32;
 #[cfg(armv6m)]
 pub use armv6m::paint;
 #[cfg(armv7em)]
 pub use armv7em::paint;
+#[cfg(target_arch = "riscv32")]
+pub use rv32::paint;
 
 use crate::design::Firmware16;
 use crate::scene::RULES;

@@ -4,7 +4,7 @@
 //! keep were lost: none, both. Where there is no such loop it prints that nothing was compared.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(any(armv6m, armv7em))]
+#[cfg(any(armv6m, armv7em, target_arch = "riscv32"))]
 mod image {
     use core::arch::asm;
     use splatline::blend::{Blend, FINISHED, Pixel};
@@ -144,6 +144,37 @@ mod image {
     }
 
     /// Paints with known words in the registers that a callee must keep; what of them changed.
+    #[cfg(target_arch = "riscv32")]
+    fn registers_lost(run: &mut Option<NarrowRun>) -> u32 {
+        let function: extern "C" fn(&mut Option<NarrowRun>) = paint;
+        let lost;
+        // SAFETY: a call by the calling convention; both registers, which cannot be declared, are kept on the stack.
+        unsafe {
+            asm!(
+                "addi sp, sp, -16",
+                "sw s0, 0(sp)",
+                "sw s1, 4(sp)",
+                "li s0, 0x1234",
+                "li s1, 0x4321",
+                "jalr a1",
+                "li a1, 0x1234",
+                "xor a0, s0, a1",
+                "li a1, 0x4321",
+                "xor a1, s1, a1",
+                "or a0, a0, a1",
+                "lw s0, 0(sp)",
+                "lw s1, 4(sp)",
+                "addi sp, sp, 16",
+                inout("a0") run => lost,
+                inout("a1") function => _,
+                clobber_abi("C"),
+            )
+        }
+        lost
+    }
+
+    /// Paints with known words in the registers that a callee must keep; what of them changed.
+    #[cfg(target_arch = "arm")]
     fn registers_lost(run: &mut Option<NarrowRun>) -> u32 {
         let function: extern "C" fn(&mut Option<NarrowRun>) = paint;
         let lost;
@@ -191,7 +222,7 @@ mod image {
     }
 }
 
-#[cfg(all(target_os = "none", not(any(armv6m, armv7em))))]
+#[cfg(all(target_os = "none", not(any(armv6m, armv7em, target_arch = "riscv32"))))]
 #[unsafe(no_mangle)]
 fn image_main() {
     splatline_firmware::board::print("runs", 0);

@@ -21,8 +21,8 @@
 //! Transmittance and sums lie side by side, so one instruction reads the sums, one writes all four and goes on to the next pixel.
 //! The loop draws two pixels in turn; a run of an odd length begins with the second.
 
+use super::intervals::TABLE;
 use super::{BELOW, BLEND, INTERPOLATION, LANE};
-use crate::table::{INTERVALS, WORDS};
 use core::arch::naked_asm;
 use core::mem::offset_of;
 use splatline::blend::{FINISHED, Pixel};
@@ -31,37 +31,6 @@ use splatline::footprint::Footprint;
 
 /// From the peak's scale to the one at which opacity and share are rounded at the same bit.
 const SCALE: i32 = BLEND.contribution_shift - BLEND.opacity_shift;
-
-/// An interval as the loop reads it: both words by one instruction.
-#[cfg(not(feature = "plain"))]
-type Interval = [u32; 2];
-/// Without interpolation the value is all there is.
-#[cfg(feature = "plain")]
-type Interval = u16;
-
-const fn interval(word: u32) -> Interval {
-    #[cfg(not(feature = "plain"))]
-    return [
-        word,
-        splatline::kernel::PackedTable::slope(word, INTERPOLATION),
-    ];
-    #[cfg(feature = "plain")]
-    return {
-        assert!(word < 1 << 16);
-        word as u16
-    };
-}
-
-/// The packed table in the loop's layout. No radial index inside a footprint reads beside it: [`paint`] sees to that.
-static TABLE: [Interval; INTERVALS] = {
-    let mut table = [interval(0); INTERVALS];
-    let mut i = 0;
-    while i < INTERVALS {
-        table[i] = interval(WORDS[i]);
-        i += 1;
-    }
-    table
-};
 
 /// Blends a run.
 #[inline(always)]
