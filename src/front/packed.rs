@@ -192,6 +192,10 @@ impl<D: Design> Footprints for PackedList<'_, D> {
 
     #[inline(always)]
     fn visit(&self, window: &Window, compositing: Compositing, mut draw: impl FnMut(&Footprint)) {
+        let [from, to] = [window.first[1], window.end[1].min(self.viewport[1])].map(u32::from);
+        if from >= to {
+            return;
+        }
         let used = self.used.saturating_mul(self.entry());
         let entries = self.words.get(..used).unwrap_or_default();
         let mut entries = entries.chunks_exact(self.entry().max(1));
@@ -201,12 +205,18 @@ impl<D: Design> Footprints for PackedList<'_, D> {
         } else {
             entries.next()
         } {
-            let Some([bounds, place, ..]) = entry.first_chunk::<2>() else {
+            let Some([bounds, place]) = entry.first_chunk::<2>() else {
                 return;
             };
-            let (how, twice) = (place & 3, place >> (2 * HOW) & ((1 << TWICE) - 1));
-            let (first, end) = side(bounds & 0xffff, how, twice, self.viewport[1]);
-            if first < window.end[1] && end > window.first[1] {
+            // [`side`] for the rows, without what cuts them to the viewport, which the window has rows in.
+            let (bound, how) = (bounds & 0xffff, place & 3);
+            let meets = if how > 1 {
+                bound > from
+            } else {
+                let twice = place >> (2 * HOW) & ((1 << TWICE) - 1);
+                bound < to && twice.wrapping_sub(bound).wrapping_add(how) > from
+            };
+            if meets {
                 draw(&self.unpack(entry));
             }
         }

@@ -140,14 +140,19 @@ pub(super) struct Balance {
 impl Balance {
     /// `fine` is A with [`GUARD`] bits below the sequence's unit; wraps where A saturates, beyond any footprint of two adjacent pixels.
     pub(super) fn new(fine: i64) -> Self {
-        let block = i64::from(BLOCK);
+        let block = i32::from(BLOCK);
         let second = shift_round(fine, GUARD - 1);
         let rounded = second << (GUARD - 1);
-        let excess = rounded.wrapping_sub(fine);
+        // At most half of `2^(GUARD - 1)`, in a word.
+        let excess = rounded.wrapping_sub(fine) as i32;
+        let start = excess.wrapping_mul(block * block / 8);
         Balance {
             second,
-            unit: shift_round(rounded.wrapping_sub(excess * block), GUARD),
-            start: shift_round(excess * block * block / 8, GUARD),
+            unit: shift_round(
+                rounded.wrapping_sub(excess.wrapping_mul(block).into()),
+                GUARD,
+            ),
+            start: shift_word(start, GUARD as i32).into(),
         }
     }
 }
