@@ -102,6 +102,19 @@ impl RowSeeds {
     }
 }
 
+/// The low word of [`rounded_down`], of which the upper has nothing: one word of shifts.
+#[inline(always)]
+const fn rounded_to_word(value: i64, shift: u32) -> i32 {
+    let by = shift.wrapping_sub(1);
+    if by >= 32 {
+        return rounded_down(value, shift) as i32;
+    }
+    // Two shifts, because one by 32 is not defined.
+    let above = (((value >> 32) as u32) << 1).wrapping_shl(31 - by);
+    let halves = (value as u32).wrapping_shr(by) | above;
+    (halves as i32).wrapping_add(1) >> 1
+}
+
 /// A number of pixels with `fraction` (at most 32) fraction bits in Q.32; what leaves the word is lost.
 pub(super) const fn in_q32(value: i64, fraction: u32) -> i64 {
     value << (32u32.saturating_sub(fraction) & 63)
@@ -221,7 +234,7 @@ impl<D: Design> Seed<D> {
         let dx = (i64::from(x) << 32).wrapping_sub(centre);
         let bits = u32::from(self.design.widths().mantissa);
         if self.is_narrow() {
-            let dx = rounded_down(dx, self.drop_dx) as i32;
+            let dx = rounded_to_word(dx, self.drop_dx);
             let along = (self.horizontal as i32).wrapping_mul(dx);
             let across = shift_word(along, bits as i32).wrapping_mul(dx);
             let radial = shift_word(across, self.drop_radial).wrapping_add(down as i32);

@@ -33,7 +33,7 @@ use super::{Quadratic, Span, Spans, Window};
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane, Widths};
 use crate::math::words::shifted_up;
-use crate::math::{SoftFloat, root_seed, shift_signed};
+use crate::math::{SoftFloat, root_of, root_seed, shift_signed};
 
 /// Fraction bits of what a row leaves of the cut-off, from which its half-width follows: with 18 bits of 1 / A two products of words.
 pub const REST: u32 = 24;
@@ -52,6 +52,8 @@ pub struct EllipseSpans<D: Design> {
     /// Columns of the footprint's box, and of its part in the window.
     bounds: [u16; 2],
     visible: [u16; 2],
+    /// First column in the box of the block that the window begins in.
+    begin: u16,
     seeds: RowSeeds,
     /// xc - 1/2 in the row to come, Q.32 pixels.
     centre: i64,
@@ -63,12 +65,6 @@ pub struct EllipseSpans<D: Design> {
     seed: Seed<D>,
     row: SpanRow,
 }
-
-/// Does one instruction or two multiply words to 64 bits?
-const LONG_PRODUCTS: bool = cfg!(any(
-    target_arch = "riscv32",
-    all(target_arch = "arm", target_has_atomic = "32")
-));
 
 /// Blocks of rows whose seeds [`RowConstants`] hold: a window of 64 rows touches no more.
 pub const ROW_BLOCKS: usize = 3;
@@ -203,6 +199,7 @@ impl<D: Design> EllipseSpans<D> {
             },
             bounds: [bounds.first[0], bounds.end[0]],
             visible: [visible.first[0], visible.end[0]],
+            begin: bounds.first[0].max(visible.first[0] - visible.first[0] % BLOCK),
             seeds: RowSeeds::new(&widths, footprint, centre_fraction),
             centre: 0,
             vertical: Quadratic::default(),
@@ -287,9 +284,8 @@ impl<D: Design> EllipseSpans<D> {
             row.vertical = self.seed.down(self.vertical.value);
             let half = self.half_width.of(rest, &self.seed.design.widths());
             let (low, high) = ends(row.centre, half, self.seed.is_narrow());
-            let [first, end] = self.visible;
-            let low = low.max(self.bounds[0].max(first - first % BLOCK).into());
-            let high = high.min(end.into());
+            let low = low.max(self.begin.into());
+            let high = high.min(self.visible[1].into());
             if low < high {
                 (row.x, row.end) = (low as u16, high as u16);
             }
@@ -331,7 +327,7 @@ impl<D: Design> EllipseSpans<D> {
             centre,
             vertical,
         } = row;
-        let stop = (x - x % BLOCK).saturating_add(BLOCK).min(end);
+        let stop = (u32::from(x | (BLOCK - 1)) + 1).min(end.into()) as u16;
         // What is left is kept, which of most rows is nothing.
         self.row.end = 0;
         if stop < end {
@@ -384,13 +380,13 @@ impl<D: Design> Spans for EllipseSpans<D> {
 #[inline(always)]
 fn ends(centre: i64, half: i64, narrow: bool) -> (i32, i32) {
     const ALMOST_ONE: i64 = (1 << 32) - 1;
-    let (low, high) = if narrow {
+    if narrow {
         let low = centre.wrapping_sub(half).wrapping_add(ALMOST_ONE);
-        (low, centre.wrapping_add(half))
-    } else {
-        let low = centre.saturating_sub(half).saturating_add(ALMOST_ONE);
-        (low, centre.saturating_add(half))
-    };
+        let high = centre.wrapping_add(half);
+        return ((low >> 32) as i32, ((high >> 32) as i32).wrapping_add(1));
+    }
+    let low = centre.saturating_sub(half).saturating_add(ALMOST_ONE);
+    let high = centre.saturating_add(half);
     ((low >> 32) as i32, ((high >> 32) as i32).saturating_add(1))
 }
 
@@ -418,17 +414,12 @@ impl HalfWidth {
     /// Half-width in Q.32 pixels for `rest` in the unit of C dy^2, 0 < rest < 32.
     #[inline(always)]
     fn of(&self, rest: i64, widths: &Widths) -> i64 {
-        let rest = (rest as u64) >> (vertical_fraction(widths) - REST);
-        let squared = if widths.mantissa <= 17 && !LONG_PRODUCTS {
-            // 18 bits by 14 and 14 bits.
-            let (low, high) = (rest as u32 & 0x3fff, rest as u32 >> 14);
-            (u64::from(self.mantissa.wrapping_mul(high)) << 14)
-                .wrapping_add(self.mantissa.wrapping_mul(low).into())
-        } else {
-            u64::from(self.mantissa).wrapping_mul((rest as u32).into())
-        };
-        let (root, shift) = root_seed(squared);
-        let exponent = shift.saturating_add(self.power);
+        let rest = ((rest as u64) >> (vertical_fraction(widths) - REST)) as u32;
+        let (root, shift) = (widths.mantissa <= 15)
+            .then(|| self.short_root(rest))
+            .flatten()
+            .unwrap_or_else(|| root_seed(u64::from(self.mantissa).wrapping_mul(rest.into())));
+        let exponent = shift.wrapping_add(self.power);
         match exponent as u32 {
             // What most rows are, in line.
             up @ 0..32 => shifted_up(root.into(), up) as i64,
@@ -438,6 +429,23 @@ impl HalfWidth {
             }
             .to_fixed(0),
         }
+    }
+
+    /// [`root_seed`] of the product of 16 bits with 29 in words, where it is not small: what lies 14 bits up in it has the 24 bits that count.
+    #[inline(always)]
+    fn short_root(&self, rest: u32) -> Option<(u32, i32)> {
+        let (low, high) = (rest & 0x3fff, rest >> 14);
+        let mut normal =
+            (self.mantissa.wrapping_mul(low) >> 14).wrapping_add(self.mantissa.wrapping_mul(high));
+        if normal >> 22 == 0 {
+            return None;
+        }
+        let mut shift = -1;
+        while normal >> 30 == 0 {
+            normal <<= 2;
+            shift -= 1;
+        }
+        Some((root_of(normal), shift))
     }
 }
 
