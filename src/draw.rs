@@ -5,6 +5,8 @@ mod narrow;
 mod sphere;
 mod stamp;
 pub mod surface;
+#[cfg(test)]
+mod tests;
 mod visit;
 
 pub use hybrid::PointSettings;
