@@ -278,6 +278,27 @@ mod tests {
         assert_eq!(memory[..3], [1 << 20, 3 << 20, 5 << 20]);
     }
 
+    /// Long tables whose words show how each step was rounded.
+    #[test]
+    fn steps_are_rounded_to_nearest() {
+        let words = [(0, 10), (1, 18)].map(|(range, interpolation)| {
+            let widths = Widths {
+                radial: 44,
+                table: 14,
+                interpolation,
+                weight: 27,
+                ..Standard24::WIDTHS
+            };
+            let mut memory = vec![0; entries(&widths)];
+            fill_gaussian(&mut memory, &widths, range);
+            crate::digest(memory.into_iter().map(u64::from))
+        });
+        assert_eq!(
+            words,
+            [2_381_531_050_094_165_533, 7_947_258_027_200_568_078]
+        );
+    }
+
     #[test]
     fn the_narrow_interpolator_changes_no_bit() {
         let mut tested = 0;

@@ -222,6 +222,49 @@ mod tests {
         }
     }
 
+    /// A share of a component that rounds down does, and what leaves a polynomial's word for no unit vector ends with the word.
+    #[test]
+    fn ends_of_the_words() {
+        use crate::format::{RuntimeWidths, Standard24};
+        use crate::math::{Extended, SoftFloat};
+        use crate::view::{Eye, RatioLimits};
+        let mut rotation = [[I2F30::ZERO; 3]; 3];
+        // x is 2^-30 of z, and has a half but for a bit of the first axis.
+        rotation[0] = [(1 << 29) - 1, 0, 1].map(I2F30::from_bits);
+        rotation[2][2] = I2F30::ONE;
+        let view = View {
+            rotation,
+            pose: Eye::ORIGIN,
+            focal: [SoftFloat::ZERO; 2],
+            principal: [fixed::types::I32F32::ZERO; 2],
+            near: Extended::ZERO,
+            far: Extended::MAX,
+            viewport: [1; 2],
+            projection: Projection::Perspective,
+            limits: RatioLimits {
+                low: [fixed::types::I32F32::ZERO; 2],
+                high: [fixed::types::I32F32::ZERO; 2],
+            },
+        };
+        let widths = Widths {
+            position: 60,
+            ..Standard24::WIDTHS
+        };
+        assert!(RuntimeWidths::<i64>::new(widths).is_ok());
+        let one = SoftFloat {
+            mantissa: 1 << 30,
+            exponent: -30,
+        };
+        let ahead = [SoftFloat::ZERO, SoftFloat::ZERO, one];
+        assert_eq!(direction(&widths, &view, &ahead)[0], I2F30::ZERO);
+
+        let corners = (0..27i64).flat_map(|corner| {
+            let parts = [corner % 3, corner / 3 % 3, corner / 9].map(|part| part - 1);
+            basis(parts.map(|part| I2F30::from_bits((part * ONE) as i32))).map(|word| word as u64)
+        });
+        assert_eq!(crate::digest(corners), 6_320_934_940_884_299_953);
+    }
+
     proptest! {
         #[test]
         fn everything_is_defined(direction: [i32; 3], base: [i32; 3], coefficients in prop::collection::vec(any::<[i32; 3]>(), 0..30)) {
