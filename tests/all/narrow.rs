@@ -216,10 +216,16 @@ fn ends_and_smallest_opacities_are_the_same() {
     let short = Rules {
         cutoff: Cutoff::Radial(6 << 28),
         table_range: 3,
-        ..*USUAL
+        ..all
+    };
+    // Opacities of one unit within the footprint.
+    let coarse = Widths {
+        alpha: 8,
+        ..FIRMWARE
     };
     for rules in [USUAL, &all, &short] {
         ends::<128>(FIRMWARE, rules);
+        ends::<128>(coarse, rules);
         ends::<512>(PLAIN, rules);
         ends::<32>(LONG, rules);
     }
@@ -247,7 +253,7 @@ fn ends<const N: usize>(widths: Widths, rules: &Rules) {
     for step in 0..1000 {
         // r is the sharpness a column from the middle.
         let sharpness = SoftFloat {
-            mantissa: (1 << bits) - 1 - step * 7,
+            mantissa: (1 << bits) - 1 - (step << (bits - 11)),
             exponent: 2 - bits as i32,
         };
         let own = (sharpness.mantissa as u64) << (30 - bits);
