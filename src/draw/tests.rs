@@ -1,12 +1,16 @@
 extern crate std;
+use super::surface::SurfacePainter;
 use super::*;
 use crate::blend::points::{Slab, Slabs};
+use crate::blend::surface::{Cell, Fragment, Sample, WeightedSum};
 use crate::footprint::Ldl;
+use crate::footprint::surface::{Attributes, Plane, SurfaceFootprint};
 use crate::format::{RuntimeWidths, Standard24, Widths};
 use crate::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, Rays};
 use crate::math::{SoftFloat, reciprocal};
 use crate::raster::{Stamp, StampShape, Window, fill_stamps};
 use crate::setup::SphereFootprint;
+use crate::target::cells::CellTarget;
 use std::collections::BTreeMap;
 use std::vec::Vec;
 
@@ -94,6 +98,65 @@ fn what_is_visited_has_an_opacity() {
     }
     found.sort();
     assert_eq!(found, expected);
+}
+
+/// A cell that knows the weights of its samples.
+#[derive(Clone, Debug)]
+struct Weights(Vec<u32>);
+
+impl Cell for Weights {
+    const EMPTY: Self = Weights(Vec::new());
+
+    fn add(&mut self, _: &WeightedSum, sample: &Sample) {
+        self.0.push(sample.weight);
+    }
+
+    fn fragments(&self) -> &[Fragment] {
+        &[]
+    }
+}
+
+/// Samples of surfaces have a weight, too: one without would replace what it lies before.
+#[test]
+fn what_is_gathered_has_a_weight() {
+    let surface = SurfaceFootprint {
+        footprint: round([0; 3]),
+        plane: Plane {
+            origin: 0,
+            step: [0; 2],
+        },
+        attributes: Attributes {
+            colour: [0; 3],
+            opacity: 0,
+            normal: [0; 3],
+            material: 0,
+        },
+        back: false,
+    };
+    let window = Window {
+        first: [0; 2],
+        end: [20, 12],
+    };
+    // Opacities of four bits more than weights have: 16 is the least weight, and 7 has none.
+    let widths = Widths {
+        weight: 28,
+        alpha: 28,
+        ..WIDTHS
+    };
+    let mut steps = STEPS;
+    (steps[1], steps[2], steps[4]) = (16, 7, 304);
+    let (table, gather) = (
+        FootprintTable::new(&steps, &widths, 2).unwrap(),
+        WeightedSum::new(&widths, 0),
+    );
+    let design = RuntimeWidths::<i64>::new(widths).unwrap();
+    let painter = SurfacePainter::new(design, &Rules::EWA, table, gather, Traversal::Spans);
+    let mut cells = std::vec![Weights::EMPTY; 240];
+    let coverage = painter.draw(&surface, &mut CellTarget::new(&mut cells, window).unwrap());
+    assert_eq!((coverage.visited, coverage.covered), (29, 29));
+    let mut found: Vec<u32> = cells.into_iter().flat_map(|cell| cell.0).collect();
+    found.sort();
+    assert_eq!(found, [1, 1, 1, 1, 19, 19, 19, 19, HALF >> 4]);
 }
 
 /// A stamp draws what its footprint draws, counts what it sees, and leaves finished pixels alone.

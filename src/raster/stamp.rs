@@ -317,6 +317,29 @@ mod tests {
         }
     }
 
+    /// Stamps lie row by row of their phases.
+    #[test]
+    fn stamps_are_found_by_their_phase() {
+        let shape = StampShape {
+            phase_bits: 1,
+            extent: [0; 2],
+            side: [1; 2],
+        };
+        let stamp = Stamp::new(&[10, 11, 12, 13], shape).unwrap();
+        let window = Window {
+            first: [0; 2],
+            end: [1; 2],
+        };
+        for (phase, weight) in [([0, 0], 10), ([1, 0], 11), ([0, 1], 12), ([1, 1], 13)] {
+            let placement = Placement {
+                first: [0; 2],
+                phase,
+            };
+            let row = stamp.rows(placement, &window).next().unwrap();
+            assert_eq!(row.weights, [weight], "{phase:?}");
+        }
+    }
+
     /// An upright or sheared ellipse with these half-axes in pixels, in units of 2^-8, sheared by units of 2^-16, up to `cutoff`, UQ4.28.
     fn ellipse([a, b]: [i64; 2], shear: i64, cutoff: u32) -> Footprint {
         let squared = |half: i64| SoftFloat::from_wide(half * half, -16, 24);

@@ -21,7 +21,7 @@ mod shape;
 mod sphere;
 mod surface;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use colour::colour;
 pub use covariance::{Covariance2d, covariance, sharp_determinant};

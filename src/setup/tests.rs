@@ -1,10 +1,11 @@
 use super::distance::enlargement;
 use super::*;
 use crate::digest;
-use crate::format::Standard24;
+use crate::format::{Lean18, RuntimeWidths, Standard24};
 use crate::math::Extended;
 use crate::rules::Cutoff;
-use crate::splat::SphereSplat;
+use crate::splat::surface::SurfaceSplat;
+use crate::splat::{Axis, SphereSplat};
 use crate::view::{Eye, Projection, RatioLimits, Translation};
 use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
 
@@ -19,7 +20,7 @@ fn part(value: i64, power: i32) -> SoftFloat {
 }
 
 /// From the origin along z onto 20 by 12 pixels, whose middle is the sample of column 9 and row 5.
-fn view<P>(pose: P, focal: [i64; 2]) -> View<P> {
+pub(crate) fn view<P>(pose: P, focal: [i64; 2]) -> View<P> {
     let mut rotation = [[I2F30::ZERO; 3]; 3];
     for (axis, row) in rotation.iter_mut().enumerate() {
         row[axis] = I2F30::ONE;
@@ -102,9 +103,23 @@ fn unequal_focal_lengths() {
         let footprint = setup_sphere(Standard24, &view, &rules, &ball(part(1, -1)), kind)
             .unwrap()
             .footprint;
-        [0, 1].map(|axis| footprint.end[axis] - footprint.first[axis])
+        let inverses = [footprint.ldl.horizontal, footprint.ldl.vertical];
+        (
+            [0, 1].map(|axis| footprint.end[axis] - footprint.first[axis]),
+            inverses.map(|inverse| inverse.to_fixed(2)),
+        )
     };
-    assert_eq!([[16, 64], [64, 16]].map(sphere), [[3, 9], [9, 3]]);
+    // Deviations of 1/2 and 2 pixels.
+    let expected = [([3, 9], [16, 1]), ([9, 3], [1, 16])];
+    assert_eq!([[16, 64], [64, 16]].map(sphere), expected);
+    let spread = |focal| {
+        let kind = (Ellipse::Exact, Index::Perspective);
+        let view = view(Eye::ORIGIN, focal);
+        let sphere = setup_sphere(Standard24, &view, &rules, &ball(part(1, -1)), kind);
+        sphere.unwrap().spread
+    };
+    // (s/z)^2.
+    assert_eq!([[16, 64], [64, 16]].map(spread), [1 << 22; 2]);
 }
 
 /// A ball that ends where it begins ends at 0.
@@ -163,4 +178,33 @@ fn cutoffs_are_these() {
         cutoff(&rules, whole(1)).map_or(0, u64::from)
     });
     assert_eq!(digest(words), 3_040_616_151_567_547_780);
+}
+
+/// A surface's colour, premultiplied in its attributes, has a colour's bits in its footprint.
+#[test]
+fn a_surface_has_its_colour() {
+    let axis = |place: usize| {
+        let mut mantissa = [0; 3];
+        mantissa[place] = 1 << 30;
+        Axis {
+            mantissa,
+            exponent: -30,
+        }
+    };
+    let splat = SurfaceSplat {
+        centre: ahead(16),
+        frame: [axis(0), axis(1)],
+        normal: axis(2),
+        weight: whole(1),
+        colour: [U4F28::ONE, U4F28::ONE >> 1, U4F28::ZERO],
+        opacity: U4F28::ONE,
+        material: 0,
+    };
+    let view = view(Eye::ORIGIN, [16; 2]);
+    for widths in [WIDTHS, Lean18::WIDTHS] {
+        let design = RuntimeWidths::<i64>::new(widths).unwrap();
+        let surface = setup_surface(design, &view, &Rules::SURFACE, &splat).unwrap();
+        let one = 1 << widths.colour;
+        assert_eq!(surface.footprint.colour, [one, one / 2, 0]);
+    }
 }
