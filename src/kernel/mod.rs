@@ -299,6 +299,26 @@ mod tests {
         );
     }
 
+    /// Only a position that is cut lowers entries: of 14 bits below the index all but the longest are.
+    #[test]
+    fn positions_that_are_cut_lower_entries() {
+        let second = |interpolation| {
+            let widths = Widths {
+                radial: 20,
+                table: 10,
+                interpolation,
+                weight: 28,
+                ..Standard24::WIDTHS
+            };
+            let mut memory = vec![0; entries(&widths)];
+            fill_gaussian(&mut memory, &widths, 4);
+            memory[1]
+        };
+        let lowered = [12, 13, 14, 15, 20].map(|bits| second(20) - second(bits));
+        assert_eq!(lowered[2..], [0; 3]);
+        assert!(lowered[0] > lowered[1] && lowered[1] > 0, "{lowered:?}");
+    }
+
     #[test]
     fn the_narrow_interpolator_changes_no_bit() {
         let mut tested = 0;

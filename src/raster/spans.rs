@@ -401,7 +401,7 @@ impl HalfWidth {
 #[cfg(test)]
 mod tests {
     extern crate std;
-    use super::super::seeds::{Balance, GUARD, in_q32};
+    use super::super::seeds::{Balance, GUARD, centre_fraction, in_q32};
     use super::*;
     use crate::footprint::Ldl;
     use crate::format::{Lean18, Micro16, RuntimeWidths, Standard24};
@@ -620,5 +620,80 @@ mod tests {
         fn every_curvature_is_defined(fine: i64) {
             let _ = Balance::new(fine);
         }
+    }
+
+    #[test]
+    fn centres_of_wide_or_sheared_rows_have_fewer_bits() {
+        let shear = |leading: i32| SoftFloat {
+            mantissa: 1 << 17,
+            exponent: leading - 17,
+        };
+        let bits = |half, leading| centre_fraction(16, half, shear(leading));
+        assert_eq!([bits(13, 12), bits(14, 12), bits(13, 13)], [24, 14, 14]);
+    }
+
+    /// A row that the cut-off leaves nothing has no run, and one that it leaves the least has the pixel at its centre.
+    #[test]
+    fn the_least_rest_has_a_pixel() {
+        let footprint = ellipse(&Lean18::WIDTHS, [9.5, 3.5], [5.0, 2.0], [1.0, 0.0]);
+        let window = Window {
+            first: [0; 2],
+            end: [40, 40],
+        };
+        for (rest, length) in [(-1, 0), (0, 0), (1, 1), (1 << 10, 1)] {
+            let mut rows = EllipseSpans::new(Lean18, &footprint, &window);
+            rows.reach = rows.vertical.value + rest;
+            rows.next_row();
+            assert_eq!(
+                rows.row.end - rows.row.end.min(rows.row.x),
+                length,
+                "{rest}"
+            );
+        }
+    }
+
+    #[test]
+    fn runs_are_these() {
+        fn words<D: Design>(design: D, next: &mut impl FnMut() -> u64) -> u64 {
+            let widths = design.widths();
+            let mut part = |most: f64| (next() >> 11) as f64 / 2f64.powi(53) * most;
+            let ellipses = (0..60).flat_map(|_| {
+                // No function that another platform rounds otherwise.
+                let t = part(2.0) - 1.0;
+                let (sin, cos) = (2.0 * t / (1.0 + t * t), (1.0 - t * t) / (1.0 + t * t));
+                let size = [0.6 + part(40.0), 0.6 + part(9.0)];
+                let footprint = ellipse(&widths, [part(99.0), part(99.0)], size, [cos, sin]);
+                let window = Window {
+                    first: [part(60.0) as u16, part(60.0) as u16],
+                    end: [100; 2],
+                };
+                let runs = runs(EllipseSpans::new(design, &footprint, &window));
+                runs.into_iter().flat_map(|run| {
+                    let place =
+                        u64::from(run.y) << 32 | u64::from(run.x) << 16 | u64::from(run.length);
+                    [
+                        place,
+                        run.radial.to_wide() as u64,
+                        run.first.to_wide() as u64,
+                        run.second.to_wide() as u64,
+                    ]
+                })
+            });
+            crate::digest(ellipses)
+        }
+        let mut next = crate::random();
+        let found = [
+            words(Micro16, &mut next),
+            words(Lean18, &mut next),
+            words(Standard24, &mut next),
+        ];
+        assert_eq!(
+            found,
+            [
+                4_375_629_308_115_381_701,
+                15_048_125_114_524_728_255,
+                6_404_172_405_956_369_961
+            ]
+        );
     }
 }

@@ -306,4 +306,39 @@ mod tests {
         let colour = harmonics.colour([I2F30::ZERO; 3]);
         assert_eq!(colour.map(|c| c.to_num::<f32>()), [0.25, 0.0, 7.5]);
     }
+
+    #[test]
+    fn directions_and_colours_are_these() {
+        let mut next = crate::random();
+        let words = (0..1000).flat_map(|step| {
+            let widths = if step % 2 == 0 {
+                crate::format::Standard24::WIDTHS
+            } else {
+                crate::format::Lean18::WIDTHS
+            };
+            let mut view = crate::setup::tests::view(crate::view::Eye::ORIGIN, [1; 2]);
+            view.rotation = view
+                .rotation
+                .map(|row| row.map(|_| I2F30::from_bits(next() as i32 >> 2)));
+            if step % 3 == 0 {
+                view.projection = Projection::Orthographic;
+            }
+            let centre = [0; 3].map(|_| SoftFloat::from_wide(next() as i64, -60, 24));
+            let coefficients =
+                [[0; 3]; 24].map(|row| row.map(|_| I4F28::from_bits(next() as i32 >> 3)));
+            let direction = direction(&widths, &view, &centre);
+            let base = [0; 3].map(|_| I4F28::from_bits(next() as i32));
+            let harmonics = Harmonics {
+                base,
+                coefficients: &coefficients,
+            };
+            let colour = harmonics
+                .colour(direction)
+                .map(|channel| channel.to_bits().into());
+            let [x, y, z] = direction.map(|part| part.to_bits() as u64);
+            let [red, green, blue] = colour;
+            [x, y, z, red, green, blue]
+        });
+        assert_eq!(crate::digest(words), 11_825_482_746_618_282_618);
+    }
 }
