@@ -79,7 +79,7 @@ impl PixelReader {
     }
 
     /// The same of pixels none of whose channels exceeds 1 - T, in a function of its own: a pixel then costs Cortex-M0+ 30 instructions less.
-    /// Widths of at most 26 bits, to which light and background are scaled, these by one at least: six bits of levels fit the word above them.
+    /// Widths of at most 26 bits, to which light and background are scaled: six bits of levels fit the word above them.
     #[inline(never)]
     fn write_bounded_565(&self, pixels: &[Pixel], background: u16, sent: &mut [u16]) {
         const HALF: u32 = 1 << 25;
@@ -88,7 +88,7 @@ impl PixelReader {
         let behind = [background >> 11, background >> 5 & 63, background & 31];
         let behind = behind.map(|level| scaled(level.into(), self.transmittance));
         for (sent, pixel) in sent.iter_mut().zip(pixels) {
-            // Times an even number: the flag leaves the word.
+            // T has fewer bits than the sums, so that it is scaled by an even number, and its flag leaves the word.
             let transmittance = pixel.transmittance;
             let level = |channel: usize| {
                 let light = pixel.colour[channel].wrapping_mul(top[channel]);
@@ -166,7 +166,7 @@ impl<'p> Frame<'p> {
     /// most 1; of footprints that no setup made, levels may then wrap where [`rgb565`](Frame::rgb565) saturates.
     pub fn write_rgb565(&self, background: u16, sent: &mut [u16]) {
         let Frame { pixels, reader, .. } = self;
-        if reader.bounded && reader.accumulator <= 26 && reader.transmittance < 26 {
+        if reader.bounded && reader.accumulator <= 26 {
             return reader.write_bounded_565(pixels, background, sent);
         }
         for (sent, bits) in sent.iter_mut().zip(self.rgb565(background)) {
@@ -276,6 +276,46 @@ mod tests {
             let expected = inside.then(|| u32::from((y - 5) * 4 + x - 3));
             let found = frame.pixel(x, y).map(|pixel| pixel.transmittance);
             assert_eq!(found, expected, "{x} {y}");
+        }
+    }
+    /// Longer words than the quick way has room for, and channels above 1 of pixels that nobody called bounded, are read one by one.
+    #[test]
+    fn words_are_written_quickly_where_they_have_room() {
+        let written = |widths: &Widths, bounded: bool, colour: u32| {
+            let reader = PixelReader::new(widths);
+            let pixels = [Pixel {
+                colour: [colour, colour / 2, 0],
+                transmittance: 1 << (widths.transmittance - 2),
+            }];
+            let frame = Frame {
+                pixels: &pixels,
+                window: Window {
+                    first: [0; 2],
+                    end: [1; 2],
+                },
+                coverage: None,
+                reader: if bounded {
+                    reader.where_bounded(true)
+                } else {
+                    reader
+                },
+            };
+            let mut sent = [0];
+            frame.write_rgb565(0x8410, &mut sent);
+            (sent[0], frame.rgb565(0x8410).next().unwrap())
+        };
+        let long = Widths {
+            accumulator: 27,
+            ..Micro16::WIDTHS
+        };
+        for (widths, bounded, colour) in [
+            (&long, true, 3 << 25),
+            (&Micro16::WIDTHS, true, 3 << 24),
+            (&Micro16::WIDTHS, false, 3 << 26),
+            (&Classic8::WIDTHS, false, 3 << 8),
+        ] {
+            let (found, expected) = written(widths, bounded, colour);
+            assert_eq!(found, expected, "{widths:?} {bounded}");
         }
     }
 }

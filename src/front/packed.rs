@@ -192,8 +192,8 @@ impl<D: Design> Footprints for PackedList<'_, D> {
 
     #[inline(always)]
     fn visit(&self, window: &Window, compositing: Compositing, mut draw: impl FnMut(&Footprint)) {
-        let [from, to] = [window.first[1], window.end[1].min(self.viewport[1])].map(u32::from);
-        if from >= to {
+        let [from, to] = [window.first[1], window.end[1]].map(u32::from);
+        if window.first[1] >= self.viewport[1] {
             return;
         }
         let used = self.used.saturating_mul(self.entry());
@@ -605,14 +605,21 @@ mod tests {
             end: [1, end],
             ..Footprint::EMPTY
         };
+        let mut cut = with_rows([39_990, 40_000]);
+        cut.centre[1] = 39_999 << 12;
         let rows = [[0, 3], [2, 5], [4, 5], [3, 40_000], [5, 8]];
+        let footprints = rows.map(with_rows).into_iter().chain([cut]);
+        let rows: Vec<[u16; 2]> = footprints
+            .clone()
+            .map(|footprint| [footprint.first[1], footprint.end[1]])
+            .collect();
         let mut words = vec![0; rows.len() * packed_words(&Micro16::WIDTHS)];
         let mut packed = PackedList::new(Micro16, &mut words);
-        packed.begin([u16::MAX; 2]);
-        let mut list = crate::BoundedList::<5>::new();
-        for rows in rows {
-            packed.push(&with_rows(rows), usize::MAX).unwrap();
-            crate::front::DisplayList::push(&mut list, &with_rows(rows)).unwrap();
+        packed.begin([40_000; 2]);
+        let mut list = crate::BoundedList::<6>::new();
+        for footprint in footprints {
+            packed.push(&footprint, usize::MAX).unwrap();
+            crate::front::DisplayList::push(&mut list, &footprint).unwrap();
         }
         let small = (0..9).flat_map(|first| (first + 1..10).map(move |end| (first, end)));
         for (first, end) in small.chain([(39_999, 40_000), (40_000, 40_001)]) {

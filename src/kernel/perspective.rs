@@ -207,4 +207,16 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn corrected_indices_are_these() {
+        let mut next = crate::random();
+        let words = (0..4000).map(|_| {
+            let bits = [8, 20, 27, 28, 31, 44][next() as usize % 6];
+            let index =
+                PerspectiveTable::new(&TABLE).index((next() >> (32 + next() % 9)) as u32, bits);
+            index.correct(next() >> (60 - bits + next() as u32 % 9))
+        });
+        assert_eq!(crate::digest(words), 4_419_249_230_297_299_400);
+    }
 }

@@ -104,7 +104,7 @@ impl RowSeeds {
 
 /// The low word of [`rounded_down`], of which the upper has nothing: one word of shifts.
 #[inline(always)]
-const fn rounded_to_word(value: i64, shift: u32) -> i32 {
+pub(super) const fn rounded_to_word(value: i64, shift: u32) -> i32 {
     let by = shift.wrapping_sub(1);
     if by >= 32 {
         return rounded_down(value, shift) as i32;
