@@ -40,13 +40,10 @@ pub(super) const fn reach_of_rows(squared_width: SoftFloat) -> i32 {
 pub(super) struct RowSeeds {
     /// Centre, Q.subpixel.
     pub(super) centre: [i64; 2],
-    pub(super) subpixel: u32,
-    pub(super) mantissa: u32,
     pub(super) shear: SoftFloat,
     pub(super) vertical: SoftFloat,
-    /// Fraction bits of xc that are not 0 in Q.32, and of C dy^2.
+    /// Fraction bits of xc that are not 0 in Q.32.
     pub(super) centre_fraction: u32,
-    pub(super) vertical_fraction: u32,
     /// S in Q.32.
     pub(super) shear_per_row: i64,
     pub(super) balance: Balance,
@@ -56,17 +53,13 @@ impl RowSeeds {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline)]
     pub(super) fn new(widths: &Widths, footprint: &Footprint, centre_fraction: u32) -> Self {
-        let subpixel = u32::from(widths.subpixel);
         let ldl = &footprint.ldl;
         let vertical_fraction = vertical_fraction(widths);
         RowSeeds {
             centre: footprint.centre,
-            subpixel,
-            mantissa: widths.mantissa.into(),
             shear: ldl.shear,
             vertical: ldl.vertical,
             centre_fraction,
-            vertical_fraction,
             shear_per_row: in_q32(ldl.shear.to_fixed(centre_fraction), centre_fraction),
             balance: Balance::new(ldl.vertical.to_fixed(vertical_fraction + GUARD)),
         }
@@ -75,8 +68,10 @@ impl RowSeeds {
     /// xc - 1/2 (Q.32) and C dy^2 in row `y`, where a block begins.
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline(never))]
-    pub(super) fn at(&self, y: u16) -> (i64, Quadratic) {
-        let (subpixel, bits, fraction) = (self.subpixel, self.mantissa, self.centre_fraction);
+    pub(super) fn at<D: Design>(&self, design: D, y: u16) -> (i64, Quadratic) {
+        let widths = design.widths();
+        let (subpixel, bits) = (u32::from(widths.subpixel), u32::from(widths.mantissa));
+        let fraction = self.centre_fraction;
         let half = 1i64 << (subpixel - 1);
         let dy = ((2 * i64::from(y) + 1) << (subpixel - 1)).wrapping_sub(self.centre[1]);
         let dy = SoftFloat::from_wide(dy, -(subpixel as i32), bits);
@@ -84,15 +79,16 @@ impl RowSeeds {
             self.centre[0].wrapping_sub(half),
             subpixel as i32 - fraction as i32,
         );
-        let moved = self.shear.times(dy).to_fixed(fraction);
-        let along = self.vertical.multiply(dy, bits);
+        let moved = self.shear.times_within(dy, 2 * bits).to_fixed(fraction);
+        let along = self.vertical.times_within(dy, 2 * bits).normalise(bits);
         let Balance {
             second,
             unit,
             start,
         } = self.balance;
-        let [value, first] = [along.times(dy), along.scaled_by(1).term_within(31)]
-            .map(|product| product.to_fixed(self.vertical_fraction));
+        let fine = vertical_fraction(&widths);
+        let value = along.times_within(dy, 2 * bits).to_fixed(fine);
+        let first = along.scaled_by(1).to_fixed(fine);
         let vertical = Quadratic {
             value: value.wrapping_add(start),
             first: first.wrapping_add(unit),

@@ -216,7 +216,7 @@ impl<D: Design> EllipseSpans<D> {
     #[cfg_attr(target_pointer_width = "32", inline(never))]
     pub(crate) fn place(&mut self) {
         let origin = self.first_row.max(self.y - self.y % BLOCK);
-        (self.centre, self.vertical) = self.seeds.at(origin);
+        (self.centre, self.vertical) = self.seeds.at(self.seed.design, origin);
         for _ in origin..self.y {
             self.step();
         }
@@ -236,7 +236,7 @@ impl<D: Design> EllipseSpans<D> {
         let blocks = core::array::from_fn(|_| {
             let y = next.end;
             if y != rows[0] && y < rows[1] {
-                let (centre, Quadratic { value, first, .. }) = self.seeds.at(y);
+                let (centre, Quadratic { value, first, .. }) = self.seeds.at(self.seed.design, y);
                 (next.centre, next.vertical) = (centre, [value, first]);
             }
             next.end = (y - y % BLOCK).saturating_add(BLOCK).min(rows[1]);
@@ -250,7 +250,7 @@ impl<D: Design> EllipseSpans<D> {
             visible: self.visible,
             shear: self.seeds.shear_per_row,
             curve: self.vertical.second,
-            vertical_fraction: self.seeds.vertical_fraction,
+            vertical_fraction: vertical_fraction(&seed.design.widths()),
             reach: self.reach,
             squared_width: ((half.mantissa >> half.odd).into(), half.odd, half.power),
             horizontal: seed.horizontal,
@@ -292,7 +292,7 @@ impl<D: Design> EllipseSpans<D> {
         }
         self.y += 1;
         if self.y.is_multiple_of(BLOCK) && self.y < self.end_row {
-            (self.centre, self.vertical) = self.seeds.at(self.y);
+            (self.centre, self.vertical) = self.seeds.at(self.seed.design, self.y);
         } else {
             self.step();
         }
@@ -678,7 +678,7 @@ mod tests {
                 if rows.y.is_multiple_of(BLOCK) || rows.y == footprint.first[1] {
                     word = (rows.centre >> drop).clamp(-1 << (bits - 1), (1 << (bits - 1)) - 1);
                 }
-                prop_assert!(rows.vertical.value.unsigned_abs() >> (rows.seeds.vertical_fraction + 5) == 0);
+                prop_assert!(rows.vertical.value.unsigned_abs() >> (vertical_fraction(&widths) + 5) == 0);
                 let rest = rows.reach - rows.vertical.value;
                 if rest > 0 {
                     let half = rows.half_width.of(rest, &widths);
