@@ -13,7 +13,8 @@
 
 use super::shift::{shift_left, shift_signed};
 use super::words::{
-    leading_bits, leading_zeros, leading_zeros_wide, product, shift_word, shifted_up,
+    leading_zeros, leading_zeros_below, leading_zeros_wide, product, shift_word, shifted_up,
+    signed_normal,
 };
 
 /// `mantissa * 2^exponent`. Normalised: the magnitude has exactly the design's mantissa bits, or is 0.
@@ -59,21 +60,8 @@ impl SoftFloat {
         if cfg!(target_pointer_width = "32") && value as i32 as i64 == value {
             return SoftFloat::from_word(value as i32, exponent, bits);
         }
-        // Halves go towards positive infinity: for a negative number, to the smaller magnitude.
-        let (mut magnitude, zeros) = leading_bits(value.unsigned_abs(), bits, value > 0);
-        let mut exponent = exponent.saturating_add(64 - zeros as i32 - bits as i32);
-        if magnitude.wrapping_shr(bits) != 0 {
-            magnitude >>= 1;
-            exponent = exponent.saturating_add(1);
-        }
-        SoftFloat {
-            mantissa: if value < 0 {
-                (magnitude as i32).wrapping_neg()
-            } else {
-                magnitude as i32
-            },
-            exponent,
-        }
+        let (normal, below, zeros) = signed_normal(value);
+        SoftFloat::rounded(normal, below, exponent, 64 - zeros as i32, bits)
     }
 
     /// The same of a word.
@@ -83,25 +71,47 @@ impl SoftFloat {
         if value == 0 {
             return SoftFloat::ZERO;
         }
-        let magnitude = value.unsigned_abs();
-        let zeros = leading_zeros(magnitude);
-        let normal = magnitude << zeros;
-        // Half of the last bit; a half itself rounds up, which is down for a negative number's magnitude.
-        let below = normal.wrapping_shl(bits);
-        let up = below > (1 << 31) - (value > 0) as u32;
-        let mut kept = normal.wrapping_shr(32u32.wrapping_sub(bits)) + up as u32;
-        let mut exponent = exponent.saturating_add(32 - zeros as i32 - bits as i32);
-        if kept.wrapping_shr(bits) != 0 {
-            kept >>= 1;
-            exponent = exponent.saturating_add(1);
+        let zeros = leading_zeros((value ^ value >> 31) as u32);
+        let normal = value.wrapping_shl(zeros.wrapping_sub(1));
+        SoftFloat::rounded(normal, 0, exponent, 32 - zeros as i32, bits)
+    }
+
+    /// The same of a sum in a window ([`fits_words`]), which ends two bits below the sum's own end: there its leading bit is looked for first.
+    #[cfg_attr(not(target_pointer_width = "32"), inline)]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    pub(crate) const fn from_sum(value: i32, exponent: i32, bits: u32) -> SoftFloat {
+        if value == 0 {
+            return SoftFloat::ZERO;
         }
+        let zeros = leading_zeros_below((value ^ value >> 31) as u32, bits + GUARD + 2);
+        let normal = value.wrapping_shl(zeros.wrapping_sub(1));
+        SoftFloat::rounded(normal, 0, exponent, 32 - zeros as i32, bits)
+    }
+
+    /// A number whose first bit unlike its sign is bit 30 of `normal` and stands for `2^(exponent + length - 1)`, rounded to `bits`, halves up;
+    /// `below` is the bit after the word.
+    #[inline(always)]
+    const fn rounded(normal: i32, below: u32, exponent: i32, length: i32, bits: u32) -> SoftFloat {
+        let drop = 31u32.wrapping_sub(bits);
+        let half = if drop == 0 {
+            below as i32
+        } else {
+            1i32.wrapping_shl(drop.wrapping_sub(1))
+        };
+        let exponent = exponent.saturating_add(length - bits as i32);
+        let mantissa = normal.wrapping_add(half).wrapping_shr(drop);
+        if mantissa.wrapping_shl(drop.wrapping_add(1)) != 0 {
+            return SoftFloat { mantissa, exponent };
+        }
+        // Up to the next power of two, beyond the word's end for a positive number; a negative one may be one itself.
+        let half = 1i32.wrapping_shl(bits.wrapping_sub(1));
         SoftFloat {
-            mantissa: if value < 0 {
-                (kept as i32).wrapping_neg()
+            mantissa: if normal < 0 {
+                half.wrapping_neg()
             } else {
-                kept as i32
+                half
             },
-            exponent,
+            exponent: exponent.saturating_add(1),
         }
     }
 
@@ -222,8 +232,14 @@ impl Product {
     #[inline(always)]
     const fn cut(self, window: u32) -> Cut {
         let drop = self.length as i32 - window as i32;
+        // Two short mantissas make a word.
+        let word = self.length < 32 && drop >= 0;
         Cut {
-            value: shift_down(self.value, drop),
+            value: if word {
+                (self.value as i32 >> drop) as i64
+            } else {
+                shift_down(self.value, drop)
+            },
             top: self.exponent.saturating_add(self.length as i32),
         }
     }
@@ -257,16 +273,35 @@ pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> SoftFl
     const { assert!(N <= 4) };
     let window = bits + GUARD;
     let cuts = terms.map(|term| term.cut(window));
-    if fits_words(bits) {
-        sum_in_words(&cuts.map(|cut| (cut.value as i32, cut.top)), bits)
-    } else {
-        sum(&cuts, bits)
+    if !fits_words(bits) {
+        return sum(&cuts, bits);
+    }
+    let words = cuts.map(|cut| (cut.value as i32, cut.top));
+    match words.as_slice() {
+        [(value, top)] => SoftFloat::from_sum(*value, top.saturating_sub(window as i32), bits),
+        [(a, a_top), (b, b_top)] => sum_of_two(*a, *a_top, *b, *b_top, bits),
+        _ => sum_in_words(&words, bits),
     }
 }
 
 /// Does a sum of four terms fit a word, the sign included?
 const fn fits_words(bits: u32) -> bool {
     bits + GUARD + 2 < 32
+}
+
+/// [`sum_in_words`] of two terms, without a list of them.
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+#[cfg_attr(target_pointer_width = "32", inline(never))]
+fn sum_of_two(a: i32, a_top: i32, b: i32, b_top: i32, bits: u32) -> SoftFloat {
+    let at = |value: i32, top: i32| {
+        SoftFloat::from_sum(value, top.saturating_sub((bits + GUARD) as i32), bits)
+    };
+    let down = |value: i32, shift: i32| value >> if shift as u32 > 31 { 31 } else { shift };
+    if b == 0 || (a != 0 && a_top >= b_top) {
+        at(a.wrapping_add(down(b, a_top.wrapping_sub(b_top))), a_top)
+    } else {
+        at(b.wrapping_add(down(a, b_top.wrapping_sub(a_top))), b_top)
+    }
 }
 
 /// `sum` in words of 32 bits.
@@ -284,7 +319,7 @@ fn sum_in_words(terms: &[(i32, i32)], bits: u32) -> SoftFloat {
         let shift = top.wrapping_sub(*end);
         sum = sum.wrapping_add(value >> if shift as u32 > 31 { 31 } else { shift });
     }
-    SoftFloat::from_word(sum, top.saturating_sub((bits + GUARD) as i32), bits)
+    SoftFloat::from_sum(sum, top.saturating_sub((bits + GUARD) as i32), bits)
 }
 
 /// The same in a window that ends at `2^top`, below which all terms lie, rounded once to `bits`.

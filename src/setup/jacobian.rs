@@ -33,14 +33,22 @@ pub fn project_axes(
 fn column(widths: &Widths, rotation: &Rotation, projected: &Projected, axis: Axis) -> ScreenAxis {
     let bits = u32::from(widths.mantissa);
     let [x, y, z] = rotate_axis(widths, rotation, axis);
-    let shear = |across: SoftFloat, ratio: SoftFloat, gain: SoftFloat| {
-        let along = ratio.times_within(z, 2 * bits).negated();
-        sum_of_products([across.term_within(bits), along], bits).multiply_within(gain, bits)
-    };
     ScreenAxis {
-        x: shear(x, projected.ratio[0], projected.gain[0]),
-        y: shear(y, projected.ratio[1], projected.gain[1]),
+        x: sheared(x, z, projected.ratio[0], projected.gain[0], bits),
+        y: sheared(y, z, projected.ratio[1], projected.gain[1], bits),
     }
+}
+
+/// A component across the view and what the depth's moves it by, in pixels.
+fn sheared(
+    across: SoftFloat,
+    z: SoftFloat,
+    ratio: SoftFloat,
+    gain: SoftFloat,
+    bits: u32,
+) -> SoftFloat {
+    let along = ratio.times_within(z, 2 * bits).negated();
+    sum_of_products([across.term_within(bits), along], bits).multiply_within(gain, bits)
 }
 
 /// Bits that axes, and the rotation that turns them, have beyond the mantissa.
