@@ -4,13 +4,13 @@
 
 #[cfg(target_pointer_width = "32")]
 pub use by_words::{
-    leading_zeros, leading_zeros_below, leading_zeros_wide, product, rounded_down, shifted_up,
-    signed_normal,
+    Digits, leading_zeros, leading_zeros_below, leading_zeros_wide, product, rounded_down,
+    shifted_up, signed_normal,
 };
 #[cfg(not(target_pointer_width = "32"))]
 pub use plain::{
-    leading_zeros, leading_zeros_below, leading_zeros_wide, product, rounded_down, shifted_up,
-    signed_normal,
+    Digits, leading_zeros, leading_zeros_below, leading_zeros_wide, product, rounded_down,
+    shifted_up, signed_normal,
 };
 
 /// `value * 2^-shift` in a word, rounded to nearest, halves up; the low word of the result for negative shifts. Any `shift`.
@@ -72,6 +72,24 @@ mod plain {
     #[inline(always)]
     pub const fn product(a: i32, b: i32) -> i64 {
         a as i64 * b as i64
+    }
+
+    /// A factor of many products.
+    #[derive(Clone, Copy)]
+    pub struct Digits(i32);
+
+    impl Digits {
+        /// `factor` of at most `bits + 1` bits.
+        #[inline(always)]
+        pub const fn new(factor: i32, _bits: u32) -> Digits {
+            Digits(factor)
+        }
+
+        /// `value * factor * 2^-drop` rounded down, for values of at most `bits` bits.
+        #[inline(always)]
+        pub const fn product(self, value: i32, _bits: u32, drop: u32) -> i64 {
+            product(value, self.0) >> drop
+        }
     }
 }
 
@@ -245,13 +263,9 @@ mod by_words {
         product_by_halves(a, b)
     }
 
-    /// Of two short words one multiplication, of others four.
+    /// By four multiplications.
     #[inline(always)]
     pub const fn product_by_halves(a: i32, b: i32) -> i64 {
-        const SHORT: i32 = 1 << 15;
-        if (a.wrapping_add(SHORT) as u32 | b.wrapping_add(SHORT) as u32) >> 16 == 0 {
-            return a.wrapping_mul(b) as i64;
-        }
         let (a_low, a_high) = (a & 0xffff, a >> 16);
         let (b_low, b_high) = (b & 0xffff, b >> 16);
         let low = a_low.wrapping_mul(b_low) as u32;
@@ -262,6 +276,52 @@ mod by_words {
             .wrapping_add(middle >> 16)
             .wrapping_add(other >> 16);
         joined(high as u32, (other as u32) << 16 | low & 0xffff) as i64
+    }
+
+    /// A factor of many products, for Armv6-M in three digits of seven bits and more, the lowest first.
+    #[derive(Clone, Copy)]
+    pub struct Digits([i32; 3]);
+
+    /// Bits that a factor in digits may have, its sign left out: of 21 the upper digit has 8, so that no product leaves a word.
+    const SHORT: u32 = 21;
+
+    impl Digits {
+        /// `factor` of at most `bits + 1` bits.
+        #[inline(always)]
+        pub const fn new(factor: i32, bits: u32) -> Digits {
+            if ARMV6M && bits <= SHORT {
+                Digits::split(factor)
+            } else {
+                Digits([factor, 0, 0])
+            }
+        }
+
+        #[inline(always)]
+        pub(super) const fn split(factor: i32) -> Digits {
+            Digits([factor & 0x7f, factor >> 7 & 0x7f, factor >> 14])
+        }
+
+        /// `value * factor * 2^-drop` rounded down, for values of at most `bits` bits.
+        #[inline(always)]
+        pub const fn product(self, value: i32, bits: u32, drop: u32) -> i64 {
+            if ARMV6M && bits <= SHORT {
+                self.product_of_words(value, drop) as i64
+            } else {
+                product(value, self.0[0]) >> drop
+            }
+        }
+
+        /// The same in words, where `drop` is 14 and more and leaves a word: a floor of a floor is one floor.
+        #[inline(always)]
+        pub(super) const fn product_of_words(self, value: i32, drop: u32) -> i32 {
+            let [low, middle, high] = self.0;
+            let sum = value.wrapping_mul(low) >> 7;
+            let sum = value.wrapping_mul(middle).wrapping_add(sum) >> 7;
+            value
+                .wrapping_mul(high)
+                .wrapping_add(sum)
+                .wrapping_shr(drop.wrapping_sub(14))
+        }
     }
 }
 
@@ -310,6 +370,15 @@ mod tests {
                 prop_assert_eq!(by_words::product_by_halves(a, b), plain::product(a, b));
                 prop_assert_eq!(by_words::product(a, b), plain::product(a, b));
             }
+        }
+
+        /// With the ends of values of 21 bits and of factors of 22.
+        #[test]
+        fn products_by_digits_agree(value in prop_oneof![-0x1f_ffff..=0x1f_ffffi32, Just(0x1f_ffff), Just(-0x1f_ffff)],
+            factor in prop_oneof![-0x40_0000..=0x40_0000i32, Just(0x40_0000), Just(-0x40_0000), Just(0x3f_ffff)], drop in 14u32..22) {
+            let expected = plain::Digits::new(factor, 21).product(value, 21, drop);
+            prop_assert_eq!(i64::from(by_words::Digits::split(factor).product_of_words(value, drop)), expected);
+            prop_assert_eq!(by_words::Digits::new(factor, 21).product(value, 21, drop), expected);
         }
 
         #[test]

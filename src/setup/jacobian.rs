@@ -6,10 +6,11 @@
 
 use super::project::Projected;
 use crate::format::Widths;
-use crate::math::words::product;
+use crate::math::words::Digits;
 use crate::math::{GUARD, SoftFloat, sum_of_products};
 use crate::splat::Axis;
 use crate::view::{ENTRY, Rotation, round_entry};
+use fixed::types::I2F30;
 
 /// An axis on the screen, pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,12 +28,14 @@ pub fn project_axes(
     projected: &Projected,
     axes: &[Axis; 3],
 ) -> [ScreenAxis; 3] {
-    axes.map(|axis| column(widths, rotation, projected, axis))
+    let turn = Turn::new(widths.mantissa.into(), rotation);
+    axes.map(|axis| column(&turn, projected, axis))
 }
 
-fn column(widths: &Widths, rotation: &Rotation, projected: &Projected, axis: Axis) -> ScreenAxis {
-    let bits = u32::from(widths.mantissa);
-    let [x, y, z] = rotate_axis(widths, rotation, axis);
+#[inline(always)]
+fn column(turn: &Turn, projected: &Projected, axis: Axis) -> ScreenAxis {
+    let bits = turn.bits;
+    let [x, y, z] = turn.axis(axis);
     ScreenAxis {
         x: sheared(x, z, projected.ratio[0], projected.gain[0], bits),
         y: sheared(y, z, projected.ratio[1], projected.gain[1], bits),
@@ -59,7 +62,11 @@ pub const AXIS_GUARD: u32 = 6;
 
 /// Bits of an axis' components, and fraction bits of the rotation that turns it; of this the format has 30.
 pub const fn axis_bits(widths: &Widths) -> u32 {
-    let bits = widths.mantissa as u32 + AXIS_GUARD;
+    kept_bits(widths.mantissa as u32)
+}
+
+const fn kept_bits(mantissa: u32) -> u32 {
+    let bits = mantissa + AXIS_GUARD;
     if bits < AXIS { bits } else { AXIS }
 }
 
@@ -67,23 +74,56 @@ pub const fn axis_bits(widths: &Widths) -> u32 {
 const AXIS: u32 = 31;
 
 /// W a, each component rounded to the mantissa.
+pub(super) fn rotate_axis(widths: &Widths, rotation: &Rotation, axis: Axis) -> [SoftFloat; 3] {
+    Turn::new(widths.mantissa.into(), rotation).axis(axis)
+}
+
+/// W as axes are turned by it.
 ///
 /// The axis, Q31 by its block's exponent, is rounded down and the rotation to nearest to [`axis_bits`]. Each product is cut to the
 /// window of a sum ([`GUARD`]), which ends at twice the axis' largest component: nothing overflows, and the error is that of axis and rotation,
 /// `2^-axis_bits`.
-pub(super) fn rotate_axis(widths: &Widths, rotation: &Rotation, axis: Axis) -> [SoftFloat; 3] {
-    let bits = u32::from(widths.mantissa);
-    let [kept, window] = [axis_bits(widths), bits + GUARD];
-    let exponent = axis.exponent.clamp(-512, 511) + AXIS as i32 - window as i32;
-    let mut turned = [SoftFloat::ZERO; 3];
-    for (component, entries) in turned.iter_mut().zip(rotation) {
-        let mut sum = 0i64;
-        for (entry, mantissa) in entries.iter().zip(axis.mantissa) {
-            let part = mantissa.max(-i32::MAX) & -1 << (AXIS - kept);
-            let product = product(round_entry(*entry, kept) as i32, part);
-            sum = sum.wrapping_add(product >> (AXIS + ENTRY - window));
+struct Turn {
+    entries: [[Digits; 3]; 3],
+    bits: u32,
+}
+
+impl Turn {
+    #[inline(always)]
+    fn new(bits: u32, rotation: &Rotation) -> Turn {
+        let kept = kept_bits(bits);
+        let entry = |entry: I2F30| {
+            let rounded = round_entry(entry, kept) as i32;
+            Digits::new(rounded >> ENTRY.saturating_sub(kept), kept)
+        };
+        Turn {
+            entries: rotation.map(|row| row.map(entry)),
+            bits,
         }
-        *component = SoftFloat::from_wide(sum, exponent, bits);
     }
-    turned
+
+    /// A sum of up to `2^(window + 2)` may be a word; where a word might not do, it is two.
+    #[inline(always)]
+    fn axis(&self, axis: Axis) -> [SoftFloat; 3] {
+        let [kept, window] = [kept_bits(self.bits), self.bits + GUARD];
+        let [fraction, whole] = [ENTRY.min(kept), AXIS - kept];
+        let exponent = axis.exponent.clamp(-512, 511) + AXIS as i32 - window as i32;
+        let parts = axis
+            .mantissa
+            .map(|mantissa| mantissa.max(-i32::MAX) >> whole);
+        self.entries.map(|row| {
+            let cut = |j: usize| row[j].product(parts[j], kept, kept + fraction - window);
+            if window <= 28 {
+                let sum = [0, 1, 2]
+                    .iter()
+                    .fold(0i32, |sum, j| sum.wrapping_add(cut(*j) as i32));
+                SoftFloat::from_sum(sum, exponent, self.bits)
+            } else {
+                let sum = [0, 1, 2]
+                    .iter()
+                    .fold(0i64, |sum, j| sum.wrapping_add(cut(*j)));
+                SoftFloat::from_wide(sum, exponent, self.bits)
+            }
+        })
+    }
 }
