@@ -26,6 +26,25 @@ pub struct SoftFloat {
     pub exponent: i32,
 }
 
+/// Calls a function by the copy that knows its mantissa, which shifts by constants, where a small processor has a narrow design.
+macro_rules! by_mantissa {
+    ($bits:expr, $name:ident($($argument:expr),*)) => {
+        match $bits {
+            15 if SMALL => $name::<15>($($argument),*, 15),
+            18 if SMALL => $name::<18>($($argument),*, 18),
+            bits => $name::<0>($($argument),*, bits),
+        }
+    };
+}
+
+const SMALL: bool = cfg!(target_pointer_width = "32");
+
+/// The mantissa that a copy knows, or the one it is told.
+#[inline(always)]
+const fn known<const KNOWN: u32>(bits: u32) -> u32 {
+    if KNOWN == 0 { bits } else { KNOWN }
+}
+
 /// Bits that a sum keeps below those of its result. Of terms that do not cancel they leave `2^-8` of a last bit each.
 pub const GUARD: u32 = 8;
 
@@ -77,15 +96,9 @@ impl SoftFloat {
     }
 
     /// The same of a sum in a window ([`fits_words`]), which ends two bits below the sum's own end: there its leading bit is looked for first.
-    #[cfg_attr(not(target_pointer_width = "32"), inline)]
-    #[cfg_attr(target_pointer_width = "32", inline(never))]
-    pub(crate) const fn from_sum(value: i32, exponent: i32, bits: u32) -> SoftFloat {
-        if value == 0 {
-            return SoftFloat::ZERO;
-        }
-        let zeros = leading_zeros_below((value ^ value >> 31) as u32, bits + GUARD + 2);
-        let normal = value.wrapping_shl(zeros.wrapping_sub(1));
-        SoftFloat::rounded(normal, 0, exponent, 32 - zeros as i32, bits)
+    #[inline(always)]
+    pub(crate) fn from_sum(value: i32, exponent: i32, bits: u32) -> SoftFloat {
+        by_mantissa!(bits, rounded_sum(value, exponent))
     }
 
     /// A number whose first bit unlike its sign is bit 30 of `normal` and stands for `2^(exponent + length - 1)`, rounded to `bits`, halves up;
@@ -268,7 +281,8 @@ const fn shift_down(value: i64, shift: i32) -> i64 {
 ///
 /// The window ends at the largest `exponent + length` of all terms that are not 0 in it. Every cut takes less than `2^-(bits + GUARD)` of that;
 /// of two normalised mantissas the first bit may be 0, so that is less than `2^-(bits + GUARD - 2)` of the largest term.
-#[inline]
+#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(target_pointer_width = "32", inline(always))]
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> SoftFloat {
     const { assert!(N <= 4) };
     let window = bits + GUARD;
@@ -279,8 +293,8 @@ pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> SoftFl
     let words = cuts.map(|cut| (cut.value as i32, cut.top));
     match words.as_slice() {
         [(value, top)] => SoftFloat::from_sum(*value, top.saturating_sub(window as i32), bits),
-        [(a, a_top), (b, b_top)] => sum_of_two(*a, *a_top, *b, *b_top, bits),
-        _ => sum_in_words(&words, bits),
+        [(a, a_top), (b, b_top)] => by_mantissa!(bits, sum_of_two(*a, *a_top, *b, *b_top)),
+        _ => by_mantissa!(bits, sum_in_words(&words)),
     }
 }
 
@@ -289,10 +303,24 @@ const fn fits_words(bits: u32) -> bool {
     bits + GUARD + 2 < 32
 }
 
+/// [`SoftFloat::from_sum`] of one mantissa.
+#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(target_pointer_width = "32", inline(never))]
+fn rounded_sum<const KNOWN: u32>(value: i32, exponent: i32, bits: u32) -> SoftFloat {
+    let bits = known::<KNOWN>(bits);
+    if value == 0 {
+        return SoftFloat::ZERO;
+    }
+    let zeros = leading_zeros_below((value ^ value >> 31) as u32, bits + GUARD + 2);
+    let normal = value.wrapping_shl(zeros.wrapping_sub(1));
+    SoftFloat::rounded(normal, 0, exponent, 32 - zeros as i32, bits)
+}
+
 /// [`sum_in_words`] of two terms, without a list of them.
 #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
-fn sum_of_two(a: i32, a_top: i32, b: i32, b_top: i32, bits: u32) -> SoftFloat {
+fn sum_of_two<const KNOWN: u32>(a: i32, a_top: i32, b: i32, b_top: i32, bits: u32) -> SoftFloat {
+    let bits = known::<KNOWN>(bits);
     let at = |value: i32, top: i32| {
         SoftFloat::from_sum(value, top.saturating_sub((bits + GUARD) as i32), bits)
     };
@@ -307,7 +335,8 @@ fn sum_of_two(a: i32, a_top: i32, b: i32, b_top: i32, bits: u32) -> SoftFloat {
 /// `sum` in words of 32 bits.
 #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
-fn sum_in_words(terms: &[(i32, i32)], bits: u32) -> SoftFloat {
+fn sum_in_words<const KNOWN: u32>(terms: &[(i32, i32)], bits: u32) -> SoftFloat {
+    let bits = known::<KNOWN>(bits);
     let mut top = i32::MIN;
     for (value, end) in terms {
         if *value != 0 && *end > top {
