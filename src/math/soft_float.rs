@@ -265,6 +265,10 @@ struct Cut {
     top: i32,
 }
 
+impl Cut {
+    const NONE: Cut = Cut { value: 0, top: 0 };
+}
+
 /// `value * 2^-shift` rounded down; to the left what leaves the word is lost. `|shift|` at most 63, more counts as 63.
 #[inline(always)]
 const fn shift_down(value: i64, shift: i32) -> i64 {
@@ -286,11 +290,17 @@ const fn shift_down(value: i64, shift: i32) -> i64 {
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> SoftFloat {
     const { assert!(N <= 4) };
     let window = bits + GUARD;
-    let cuts = terms.map(|term| term.cut(window));
+    let mut cuts = [Cut::NONE; N];
+    for (cut, term) in cuts.iter_mut().zip(terms) {
+        *cut = term.cut(window);
+    }
     if !fits_words(bits) {
         return sum(&cuts, bits);
     }
-    let words = cuts.map(|cut| (cut.value as i32, cut.top));
+    let mut words = [(0, 0); N];
+    for (word, cut) in words.iter_mut().zip(cuts) {
+        *word = (cut.value as i32, cut.top);
+    }
     match words.as_slice() {
         [(value, top)] => SoftFloat::from_sum(*value, top.saturating_sub(window as i32), bits),
         [(a, a_top), (b, b_top)] => by_mantissa!(bits, sum_of_two(*a, *a_top, *b, *b_top)),
