@@ -30,18 +30,18 @@ pub struct SoftFloat {
 macro_rules! by_mantissa {
     ($bits:expr, $name:ident($($argument:expr),*)) => {
         match $bits {
-            15 if SMALL => $name::<15>($($argument),*, 15),
-            18 if SMALL => $name::<18>($($argument),*, 18),
+            15 if cfg!(target_pointer_width = "32") => $name::<15>($($argument),*, 15),
+            18 if cfg!(target_pointer_width = "32") => $name::<18>($($argument),*, 18),
             bits => $name::<0>($($argument),*, bits),
         }
     };
 }
 
-const SMALL: bool = cfg!(target_pointer_width = "32");
+pub(crate) use by_mantissa;
 
 /// The mantissa that a copy knows, or the one it is told.
 #[inline(always)]
-const fn known<const KNOWN: u32>(bits: u32) -> u32 {
+pub(crate) const fn known<const KNOWN: u32>(bits: u32) -> u32 {
     if KNOWN == 0 { bits } else { KNOWN }
 }
 

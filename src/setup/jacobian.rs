@@ -7,10 +7,9 @@
 use super::project::Projected;
 use crate::format::Widths;
 use crate::math::words::Digits;
-use crate::math::{GUARD, SoftFloat, sum_of_products};
+use crate::math::{GUARD, SoftFloat, by_mantissa, known, sum_of_products};
 use crate::splat::Axis;
 use crate::view::{ENTRY, Rotation, round_entry};
-use fixed::types::I2F30;
 
 /// An axis on the screen, pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,28 +20,41 @@ pub struct ScreenAxis {
     pub y: SoftFloat,
 }
 
+impl ScreenAxis {
+    const ZERO: ScreenAxis = ScreenAxis {
+        x: SoftFloat::ZERO,
+        y: SoftFloat::ZERO,
+    };
+}
+
 /// M = J W A, one column per axis. An axis of length 0 gives a zero column.
+#[cfg_attr(target_pointer_width = "32", inline(always))]
 pub fn project_axes(
     widths: &Widths,
     rotation: &Rotation,
     projected: &Projected,
     axes: &[Axis; 3],
 ) -> [ScreenAxis; 3] {
-    let turn = Turn::new(widths.mantissa.into(), rotation);
-    axes.map(|axis| column(&turn, projected, axis))
+    let bits = u32::from(widths.mantissa);
+    by_mantissa!(bits, columns(rotation, projected, axes))
 }
 
-#[inline(always)]
-fn column(turn: &Turn, projected: &Projected, axis: Axis) -> ScreenAxis {
-    let bits = turn.bits;
-    let [x, y, z] = turn.axis(axis);
-    ScreenAxis {
-        x: sheared(x, z, projected.ratio[0], projected.gain[0], bits),
-        y: sheared(y, z, projected.ratio[1], projected.gain[1], bits),
+fn columns<const KNOWN: u32>(
+    rotation: &Rotation,
+    projected: &Projected,
+    axes: &[Axis; 3],
+    bits: u32,
+) -> [ScreenAxis; 3] {
+    let turn = Turn::new(known::<KNOWN>(bits), rotation);
+    let mut columns = [ScreenAxis::ZERO; 3];
+    for (column, axis) in columns.iter_mut().zip(axes) {
+        *column = turn.column(projected, axis);
     }
+    columns
 }
 
 /// A component across the view and what the depth's moves it by, in pixels.
+#[inline(always)]
 fn sheared(
     across: SoftFloat,
     z: SoftFloat,
@@ -75,7 +87,7 @@ const AXIS: u32 = 31;
 
 /// W a, each component rounded to the mantissa.
 pub(super) fn rotate_axis(widths: &Widths, rotation: &Rotation, axis: Axis) -> [SoftFloat; 3] {
-    Turn::new(widths.mantissa.into(), rotation).axis(axis)
+    Turn::new(widths.mantissa.into(), rotation).axis(&axis)
 }
 
 /// W as axes are turned by it.
@@ -92,38 +104,45 @@ impl Turn {
     #[inline(always)]
     fn new(bits: u32, rotation: &Rotation) -> Turn {
         let kept = kept_bits(bits);
-        let entry = |entry: I2F30| {
-            let rounded = round_entry(entry, kept) as i32;
-            Digits::new(rounded >> ENTRY.saturating_sub(kept), kept)
-        };
-        Turn {
-            entries: rotation.map(|row| row.map(entry)),
-            bits,
+        let mut entries = [[Digits::new(0, kept); 3]; 3];
+        for (row, from) in entries.iter_mut().zip(rotation) {
+            *row = from.map(|entry| {
+                let rounded = round_entry(entry, kept) as i32;
+                Digits::new(rounded >> ENTRY.saturating_sub(kept), kept)
+            });
+        }
+        Turn { entries, bits }
+    }
+
+    #[inline(always)]
+    fn column(&self, projected: &Projected, axis: &Axis) -> ScreenAxis {
+        let [x, y, z] = self.axis(axis);
+        let Projected { ratio, gain, .. } = projected;
+        ScreenAxis {
+            x: sheared(x, z, ratio[0], gain[0], self.bits),
+            y: sheared(y, z, ratio[1], gain[1], self.bits),
         }
     }
 
     /// A sum of up to `2^(window + 2)` may be a word; where a word might not do, it is two.
     #[inline(always)]
-    fn axis(&self, axis: Axis) -> [SoftFloat; 3] {
+    fn axis(&self, axis: &Axis) -> [SoftFloat; 3] {
         let [kept, window] = [kept_bits(self.bits), self.bits + GUARD];
         let [fraction, whole] = [ENTRY.min(kept), AXIS - kept];
         let exponent = axis.exponent.clamp(-512, 511) + AXIS as i32 - window as i32;
-        let parts = axis
-            .mantissa
-            .map(|mantissa| mantissa.max(-i32::MAX) >> whole);
-        self.entries.map(|row| {
+        let parts = axis.mantissa.map(|part| part.max(-i32::MAX) >> whole);
+        let mut turned = [SoftFloat::ZERO; 3];
+        for (component, row) in turned.iter_mut().zip(&self.entries) {
             let cut = |j: usize| row[j].product(parts[j], kept, kept + fraction - window);
-            if window <= 28 {
-                let sum = [0, 1, 2]
-                    .iter()
-                    .fold(0i32, |sum, j| sum.wrapping_add(cut(*j) as i32));
-                SoftFloat::from_sum(sum, exponent, self.bits)
+            let [a, b, c] = [cut(0), cut(1), cut(2)];
+            let word = (a as i32).wrapping_add(b as i32).wrapping_add(c as i32);
+            let wide = a.wrapping_add(b).wrapping_add(c);
+            *component = if window <= 28 {
+                SoftFloat::from_sum(word, exponent, self.bits)
             } else {
-                let sum = [0, 1, 2]
-                    .iter()
-                    .fold(0i64, |sum, j| sum.wrapping_add(cut(*j)));
-                SoftFloat::from_wide(sum, exponent, self.bits)
-            }
-        })
+                SoftFloat::from_wide(wide, exponent, self.bits)
+            };
+        }
+        turned
     }
 }
