@@ -105,15 +105,13 @@ impl SoftFloat {
     /// `below` is the bit after the word.
     #[inline(always)]
     const fn rounded(normal: i32, below: u32, exponent: i32, length: i32, bits: u32) -> SoftFloat {
-        let drop = 31u32.wrapping_sub(bits);
-        let half = if drop == 0 {
-            below as i32
-        } else {
-            1i32.wrapping_shl(drop.wrapping_sub(1))
-        };
         let exponent = exponent.saturating_add(length - bits as i32);
-        let mantissa = normal.wrapping_add(half).wrapping_shr(drop);
-        if mantissa.wrapping_shl(drop.wrapping_add(1)) != 0 {
+        let mantissa = if bits == 31 {
+            normal.wrapping_add(below as i32)
+        } else {
+            (normal.wrapping_shr(30u32.wrapping_sub(bits)) + 1) >> 1
+        };
+        if mantissa.wrapping_shl(32u32.wrapping_sub(bits)) != 0 {
             return SoftFloat { mantissa, exponent };
         }
         // Up to the next power of two, beyond the word's end for a positive number; a negative one may be one itself.
