@@ -10,8 +10,8 @@
 //! - [`Translation`]: centres are Q7.24, 32 bits a coordinate, for firmware that knows the range of its scene. t = W u + d is exact to Q9.54.
 
 use crate::format::Widths;
-use crate::math::words::{leading_zeros_wide, product, shift_word};
-use crate::math::{Extended, SoftFloat, shift_round, shift_signed};
+use crate::math::words::{leading_zeros_wide, product, rounded_down, shift_word, shifted_up};
+use crate::math::{Extended, SoftFloat, shift_round};
 use crate::raster::Window;
 use fixed::types::{I2F30, I8F24, I10F54, I32F32};
 
@@ -172,13 +172,14 @@ impl Pose for Eye {
     ) -> CameraPoint {
         let bits = u32::from(widths.position);
         let (difference, exponent) = self.difference(centre, bits);
-        let low = bits.saturating_sub(ENTRY);
+        let [low, drop] = [bits.saturating_sub(ENTRY), ENTRY.saturating_sub(bits)];
+        let half = 1 << drop >> 1;
         let mut value = [0; 3];
         for (row, sum) in value.iter_mut().enumerate() {
             let entries = rotation[row];
             if low == 0 {
                 for (entry, part) in entries.iter().zip(difference) {
-                    let entry = round_entry(*entry, bits) as i32;
+                    let entry = entry.to_bits().wrapping_add(half) & -1 << drop;
                     *sum = i64::wrapping_add(*sum, product(entry, part as i32));
                 }
                 continue;
@@ -211,6 +212,17 @@ fn halves(value: i64, low: u32) -> (i32, i32) {
     (high as i32, value.wrapping_sub(high << low) as i32)
 }
 
+/// `value * 2^-down` for either sign of `down`: rounds to nearest to the right; to the left no bit may leave the word.
+#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(target_pointer_width = "32", inline(never))]
+const fn moved(value: i64, down: i32) -> i64 {
+    if down > 0 {
+        rounded_down(value, down as u32)
+    } else {
+        shifted_up(value as u64, down.unsigned_abs() & 63) as i64
+    }
+}
+
 impl Eye {
     /// At the origin of the scene, the rotation exact in 30 bits.
     pub const ORIGIN: Eye = Eye {
@@ -238,8 +250,8 @@ impl Eye {
         let unit = leading.saturating_sub(TOP);
         let mut difference = [0; 3];
         for ((difference, u), e) in difference.iter_mut().zip(centre).zip(self.position) {
-            let aligned = shift_signed(u.mantissa.into(), unit.saturating_sub(u.exponent));
-            *difference = aligned.wrapping_sub(shift_signed(e, unit.saturating_sub(self.exponent)));
+            let aligned = moved(u.mantissa.into(), unit.saturating_sub(u.exponent));
+            *difference = aligned.wrapping_sub(moved(e, unit.saturating_sub(self.exponent)));
         }
         let magnitude = together(difference);
         if magnitude == 0 {
@@ -247,7 +259,7 @@ impl Eye {
         }
         let drop = length(magnitude) - bits as i32;
         (
-            difference.map(|coordinate| shift_signed(coordinate, drop)),
+            difference.map(|coordinate| moved(coordinate, drop)),
             unit.saturating_add(drop),
         )
     }

@@ -355,18 +355,22 @@ impl Entry {
         one(&mut y.rest, below);
         one(&mut x.rest, below);
         one(&mut self.cutoff, 32);
-        for low in &mut self.mantissa {
-            one(low, mantissa - 1);
-        }
-        for low in &mut self.power {
-            one(low, POWER);
-        }
+        let [horizontal, vertical, squared_width] = &mut self.mantissa;
+        one(horizontal, mantissa - 1);
+        one(vertical, mantissa - 1);
+        one(squared_width, mantissa - 1);
+        let [horizontal, vertical, shear] = &mut self.power;
+        one(horizontal, POWER);
+        one(vertical, POWER);
+        one(shear, POWER);
         one(&mut self.sum, 2);
         one(&mut self.shear, mantissa + 1);
         one(&mut self.opacity, 4 + u32::from(widths.peak));
-        for channel in &mut self.colour {
-            one(channel, u32::from(widths.colour_range() + widths.colour));
-        }
+        let colour = u32::from(widths.colour_range() + widths.colour);
+        let [red, green, blue] = &mut self.colour;
+        one(red, colour);
+        one(green, colour);
+        one(blue, colour);
     }
 
     #[inline(always)]

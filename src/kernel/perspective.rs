@@ -184,6 +184,10 @@ mod tests {
     #[test]
     fn the_largest_divisor_fits() {
         let index = PerspectiveTable::new(&TABLE).index(u32::MAX, 27);
+        assert_eq!(
+            PerspectiveTable::new(&TABLE).index(u32::MAX, 28).correct(0),
+            0
+        );
         let got = index.correct((16 << 27) - 1) as f64 / 2f64.powi(27);
         assert!((got - 16.0 / 17.0).abs() < 1e-7, "{got}");
     }

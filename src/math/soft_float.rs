@@ -13,7 +13,8 @@
 
 use super::shift::{shift_left, shift_signed};
 use super::words::{
-    leading_bits, leading_zeros, leading_zeros_wide, product, shift_word, shifted_up,
+    leading_zeros, leading_zeros_below, leading_zeros_wide, product, shift_word, shifted_up,
+    signed_normal,
 };
 
 /// `mantissa * 2^exponent`. Normalised: the magnitude has exactly the design's mantissa bits, or is 0.
@@ -23,6 +24,25 @@ pub struct SoftFloat {
     pub mantissa: i32,
     /// Power of two.
     pub exponent: i32,
+}
+
+/// Calls a function by the copy that knows its mantissa, which shifts by constants, where a small processor has a narrow design.
+macro_rules! by_mantissa {
+    ($bits:expr, $name:ident($($argument:expr),*)) => {
+        match $bits {
+            15 if cfg!(target_pointer_width = "32") => $name::<15>($($argument),*, 15),
+            18 if cfg!(target_pointer_width = "32") => $name::<18>($($argument),*, 18),
+            bits => $name::<0>($($argument),*, bits),
+        }
+    };
+}
+
+pub(crate) use by_mantissa;
+
+/// The mantissa that a copy knows, or the one it is told.
+#[inline(always)]
+pub(crate) const fn known<const KNOWN: u32>(bits: u32) -> u32 {
+    if KNOWN == 0 { bits } else { KNOWN }
 }
 
 /// Bits that a sum keeps below those of its result. Of terms that do not cancel they leave `2^-8` of a last bit each.
@@ -59,21 +79,8 @@ impl SoftFloat {
         if cfg!(target_pointer_width = "32") && value as i32 as i64 == value {
             return SoftFloat::from_word(value as i32, exponent, bits);
         }
-        // Halves go towards positive infinity: for a negative number, to the smaller magnitude.
-        let (mut magnitude, zeros) = leading_bits(value.unsigned_abs(), bits, value > 0);
-        let mut exponent = exponent.saturating_add(64 - zeros as i32 - bits as i32);
-        if magnitude.wrapping_shr(bits) != 0 {
-            magnitude >>= 1;
-            exponent = exponent.saturating_add(1);
-        }
-        SoftFloat {
-            mantissa: if value < 0 {
-                (magnitude as i32).wrapping_neg()
-            } else {
-                magnitude as i32
-            },
-            exponent,
-        }
+        let (normal, below, zeros) = signed_normal(value);
+        SoftFloat::rounded(normal, below, exponent, 64 - zeros as i32, bits)
     }
 
     /// The same of a word.
@@ -83,25 +90,42 @@ impl SoftFloat {
         if value == 0 {
             return SoftFloat::ZERO;
         }
-        let magnitude = value.unsigned_abs();
-        let zeros = leading_zeros(magnitude);
-        let normal = magnitude << zeros;
-        // Half of the last bit; a half itself rounds up, which is down for a negative number's magnitude.
-        let below = normal.wrapping_shl(bits);
-        let up = below > (1 << 31) - (value > 0) as u32;
-        let mut kept = normal.wrapping_shr(32u32.wrapping_sub(bits)) + up as u32;
-        let mut exponent = exponent.saturating_add(32 - zeros as i32 - bits as i32);
-        if kept.wrapping_shr(bits) != 0 {
-            kept >>= 1;
-            exponent = exponent.saturating_add(1);
+        let zeros = leading_zeros((value ^ value >> 31) as u32);
+        let normal = value.wrapping_shl(zeros.wrapping_sub(1));
+        SoftFloat::rounded(normal, 0, exponent, 32 - zeros as i32, bits)
+    }
+
+    /// The same of a sum in a window ([`fits_words`]), which ends two bits below the sum's own end: there its leading bit is looked for first.
+    #[inline(always)]
+    pub(crate) fn from_sum(value: i32, exponent: i32, bits: u32) -> SoftFloat {
+        by_mantissa!(bits, rounded_sum(value, exponent))
+    }
+
+    /// A number whose first bit unlike its sign is bit 30 of `normal` and stands for `2^(exponent + length - 1)`, rounded to `bits`, halves up;
+    /// `below` is the bit after the word.
+    #[inline(always)]
+    const fn rounded(normal: i32, below: u32, exponent: i32, length: i32, bits: u32) -> SoftFloat {
+        let exponent = exponent.saturating_add(length - bits as i32);
+        let mantissa = if bits == 31 {
+            normal.wrapping_add(below as i32)
+        } else {
+            normal
+                .wrapping_shr(30u32.wrapping_sub(bits))
+                .wrapping_add(1)
+                >> 1
+        };
+        if mantissa.wrapping_shl(32u32.wrapping_sub(bits)) != 0 {
+            return SoftFloat { mantissa, exponent };
         }
+        // Up to the next power of two, beyond the word's end for a positive number; a negative one may be one itself.
+        let half = 1i32.wrapping_shl(bits.wrapping_sub(1));
         SoftFloat {
-            mantissa: if value < 0 {
-                (kept as i32).wrapping_neg()
+            mantissa: if normal < 0 {
+                half.wrapping_neg()
             } else {
-                kept as i32
+                half
             },
-            exponent,
+            exponent: exponent.saturating_add(1),
         }
     }
 
@@ -222,8 +246,14 @@ impl Product {
     #[inline(always)]
     const fn cut(self, window: u32) -> Cut {
         let drop = self.length as i32 - window as i32;
+        // Two short mantissas make a word.
+        let word = self.length < 32 && drop >= 0;
         Cut {
-            value: shift_down(self.value, drop),
+            value: if word {
+                (self.value as i32 >> drop) as i64
+            } else {
+                shift_down(self.value, drop)
+            },
             top: self.exponent.saturating_add(self.length as i32),
         }
     }
@@ -234,6 +264,10 @@ impl Product {
 struct Cut {
     value: i64,
     top: i32,
+}
+
+impl Cut {
+    const NONE: Cut = Cut { value: 0, top: 0 };
 }
 
 /// `value * 2^-shift` rounded down; to the left what leaves the word is lost. `|shift|` at most 63, more counts as 63.
@@ -252,15 +286,26 @@ const fn shift_down(value: i64, shift: i32) -> i64 {
 ///
 /// The window ends at the largest `exponent + length` of all terms that are not 0 in it. Every cut takes less than `2^-(bits + GUARD)` of that;
 /// of two normalised mantissas the first bit may be 0, so that is less than `2^-(bits + GUARD - 2)` of the largest term.
-#[inline]
+#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(target_pointer_width = "32", inline(always))]
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> SoftFloat {
     const { assert!(N <= 4) };
     let window = bits + GUARD;
-    let cuts = terms.map(|term| term.cut(window));
-    if fits_words(bits) {
-        sum_in_words(&cuts.map(|cut| (cut.value as i32, cut.top)), bits)
-    } else {
-        sum(&cuts, bits)
+    let mut cuts = [Cut::NONE; N];
+    for (cut, term) in cuts.iter_mut().zip(terms) {
+        *cut = term.cut(window);
+    }
+    if !fits_words(bits) {
+        return sum(&cuts, bits);
+    }
+    let mut words = [(0, 0); N];
+    for (word, cut) in words.iter_mut().zip(cuts) {
+        *word = (cut.value as i32, cut.top);
+    }
+    match words.as_slice() {
+        [(value, top)] => SoftFloat::from_sum(*value, top.saturating_sub(window as i32), bits),
+        [(a, a_top), (b, b_top)] => by_mantissa!(bits, sum_of_two(*a, *a_top, *b, *b_top)),
+        _ => by_mantissa!(bits, sum_in_words(&words)),
     }
 }
 
@@ -269,10 +314,40 @@ const fn fits_words(bits: u32) -> bool {
     bits + GUARD + 2 < 32
 }
 
+/// [`SoftFloat::from_sum`] of one mantissa.
+#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(target_pointer_width = "32", inline(never))]
+fn rounded_sum<const KNOWN: u32>(value: i32, exponent: i32, bits: u32) -> SoftFloat {
+    let bits = known::<KNOWN>(bits);
+    if value == 0 {
+        return SoftFloat::ZERO;
+    }
+    let zeros = leading_zeros_below((value ^ value >> 31) as u32, bits + GUARD + 2);
+    let normal = value.wrapping_shl(zeros.wrapping_sub(1));
+    SoftFloat::rounded(normal, 0, exponent, 32 - zeros as i32, bits)
+}
+
+/// [`sum_in_words`] of two terms, without a list of them.
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+#[cfg_attr(target_pointer_width = "32", inline(never))]
+fn sum_of_two<const KNOWN: u32>(a: i32, a_top: i32, b: i32, b_top: i32, bits: u32) -> SoftFloat {
+    let bits = known::<KNOWN>(bits);
+    let at = |value: i32, top: i32| {
+        SoftFloat::from_sum(value, top.saturating_sub((bits + GUARD) as i32), bits)
+    };
+    let down = |value: i32, shift: i32| value >> if shift as u32 > 31 { 31 } else { shift };
+    if b == 0 || (a != 0 && a_top >= b_top) {
+        at(a.wrapping_add(down(b, a_top.wrapping_sub(b_top))), a_top)
+    } else {
+        at(b.wrapping_add(down(a, b_top.wrapping_sub(a_top))), b_top)
+    }
+}
+
 /// `sum` in words of 32 bits.
 #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
-fn sum_in_words(terms: &[(i32, i32)], bits: u32) -> SoftFloat {
+fn sum_in_words<const KNOWN: u32>(terms: &[(i32, i32)], bits: u32) -> SoftFloat {
+    let bits = known::<KNOWN>(bits);
     let mut top = i32::MIN;
     for (value, end) in terms {
         if *value != 0 && *end > top {
@@ -284,7 +359,7 @@ fn sum_in_words(terms: &[(i32, i32)], bits: u32) -> SoftFloat {
         let shift = top.wrapping_sub(*end);
         sum = sum.wrapping_add(value >> if shift as u32 > 31 { 31 } else { shift });
     }
-    SoftFloat::from_word(sum, top.saturating_sub((bits + GUARD) as i32), bits)
+    SoftFloat::from_sum(sum, top.saturating_sub((bits + GUARD) as i32), bits)
 }
 
 /// The same in a window that ends at `2^top`, below which all terms lie, rounded once to `bits`.
@@ -351,28 +426,14 @@ mod tests {
             prop_assert!(error <= (exact.abs() + cuts) * (-f64::from(bits)).exp2() * 1.0001 + cuts, "{error} {exact}");
         }
 
-        /// The oracle rounds in 128 bits.
         #[test]
         fn normalising_by_words_is_normalising(wide: i64, drop in 0u32..64, tail in 0u32..4, bits in 1u32..=31) {
             // Half of the values are short, some end in a half or next to it.
             let wide = wide >> drop;
             let wide = [wide, wide & -1 << 32, (wide & -1 << 33) | 1 << 32, (wide & -1 << 33) | 1][tail as usize];
-            let got = SoftFloat::from_wide(wide, 3, bits);
-            if wide == 0 {
-                prop_assert_eq!(got, SoftFloat::ZERO);
-                return Ok(());
-            }
-            let shift = 64 - wide.unsigned_abs().leading_zeros() as i32 - bits as i32;
-            let rounded = if shift > 0 {
-                (i128::from(wide) + (1 << (shift - 1))) >> shift
-            } else {
-                i128::from(wide) << -shift
-            };
-            let carried = rounded.unsigned_abs() >> bits != 0;
-            let mantissa = if carried { rounded / 2 } else { rounded };
-            prop_assert_eq!(got, SoftFloat { mantissa: mantissa as i32, exponent: 3 + shift + i32::from(carried) });
+            prop_assert_eq!(SoftFloat::from_wide(wide, 3, bits), normalised(wide, bits));
             if let Ok(word) = i32::try_from(wide) {
-                prop_assert_eq!(SoftFloat::from_word(word, 3, bits), got);
+                prop_assert_eq!(SoftFloat::from_word(word, 3, bits), normalised(wide, bits));
             }
         }
 
@@ -405,6 +466,40 @@ mod tests {
             let _ = SoftFloat::from_wide(wide, exponent, bits);
             let product = Product { value: wide, exponent, length: fraction };
             let _ = (product.to_fixed(fraction), sum_of_products([product; 4], bits), sum_below([product; 4], mantissa, bits));
+        }
+    }
+
+    /// Times 8, rounded in 128 bits.
+    fn normalised(wide: i64, bits: u32) -> SoftFloat {
+        if wide == 0 {
+            return SoftFloat::ZERO;
+        }
+        let shift = 64 - wide.unsigned_abs().leading_zeros() as i32 - bits as i32;
+        let rounded = if shift > 0 {
+            (i128::from(wide) + (1 << (shift - 1))) >> shift
+        } else {
+            i128::from(wide) << -shift
+        };
+        let carried = rounded.unsigned_abs() >> bits != 0;
+        let mantissa = if carried { rounded / 2 } else { rounded };
+        SoftFloat {
+            mantissa: mantissa as i32,
+            exponent: 3 + shift + i32::from(carried),
+        }
+    }
+
+    /// Numbers of ones alone carry through all of them.
+    #[test]
+    fn ones_become_the_next_power_of_two() {
+        for (bits, length) in (1..=31).flat_map(|bits| (1..=63).map(move |length| (bits, length))) {
+            let ones = i64::MAX >> (63 - length);
+            for value in [ones, -ones, ones - 1, -ones - 1] {
+                let found = SoftFloat::from_wide(value, 3, bits);
+                assert_eq!(found, normalised(value, bits), "{value} {bits}");
+                if let Ok(word) = i32::try_from(value) {
+                    assert_eq!(SoftFloat::from_word(word, 3, bits), found, "{word} {bits}");
+                }
+            }
         }
     }
 

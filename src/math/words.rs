@@ -4,11 +4,13 @@
 
 #[cfg(target_pointer_width = "32")]
 pub use by_words::{
-    leading_bits, leading_zeros, leading_zeros_wide, product, rounded_down, shifted_up,
+    Digits, leading_zeros, leading_zeros_below, leading_zeros_wide, product, rounded_down,
+    shifted_up, signed_normal,
 };
 #[cfg(not(target_pointer_width = "32"))]
 pub use plain::{
-    leading_bits, leading_zeros, leading_zeros_wide, product, rounded_down, shifted_up,
+    Digits, leading_zeros, leading_zeros_below, leading_zeros_wide, product, rounded_down,
+    shifted_up, signed_normal,
 };
 
 /// `value * 2^-shift` in a word, rounded to nearest, halves up; the low word of the result for negative shifts. Any `shift`.
@@ -29,6 +31,12 @@ mod plain {
         value.leading_zeros()
     }
 
+    /// Leading zeros of a word that is likely to have its leading bit among the eight below `2^end` (8 to 32), and none above.
+    #[inline(always)]
+    pub const fn leading_zeros_below(value: u32, _end: u32) -> u32 {
+        value.leading_zeros()
+    }
+
     /// Leading zeros of two words; 64 for 0.
     #[inline(always)]
     pub const fn leading_zeros_wide(value: u64) -> u32 {
@@ -41,15 +49,13 @@ mod plain {
         value.wrapping_shl(zeros)
     }
 
-    /// The leading `bits` (1 to 31) bits of a number that is not 0, rounded to nearest (`2^bits` if that carries), and its leading zeros.
+    /// The upper word of a number moved up until its first bit unlike the sign is bit 62, the bit after that word, and the number's leading zeros
+    /// (ones, if negative): 1 to 64.
     #[inline(always)]
-    pub const fn leading_bits(value: u64, bits: u32, halves_up: bool) -> (u32, u32) {
-        let zeros = value.leading_zeros();
-        let normal = value.wrapping_shl(zeros);
-        let below = normal.wrapping_shl(bits);
-        let up = below > (1 << 63) - halves_up as u64;
-        let kept = normal.wrapping_shr(64u32.wrapping_sub(bits)) as u32;
-        (kept.wrapping_add(up as u32), zeros)
+    pub const fn signed_normal(value: i64) -> (i32, u32, u32) {
+        let zeros = (value ^ value >> 63).leading_zeros();
+        let normal = value.wrapping_shl(zeros.wrapping_sub(1));
+        ((normal >> 32) as i32, (normal as u32) >> 31, zeros)
     }
 
     /// `value * 2^-shift`, rounded to nearest, halves up; `shift > 0`.
@@ -66,6 +72,24 @@ mod plain {
     #[inline(always)]
     pub const fn product(a: i32, b: i32) -> i64 {
         a as i64 * b as i64
+    }
+
+    /// A factor of many products.
+    #[derive(Clone, Copy)]
+    pub struct Digits(i32);
+
+    impl Digits {
+        /// `factor` of at most `bits + 1` bits.
+        #[inline(always)]
+        pub const fn new(factor: i32, _bits: u32) -> Digits {
+            Digits(factor)
+        }
+
+        /// `value * factor * 2^-drop` rounded down, for values of at most `bits` bits.
+        #[inline(always)]
+        pub const fn product(self, value: i32, _bits: u32, drop: u32) -> i64 {
+            product(value, self.0) >> drop
+        }
     }
 }
 
@@ -98,12 +122,12 @@ mod by_words {
         zeros_by_table(value)
     }
 
-    /// Leading zeros of a byte as a word.
+    /// Leading zeros of a byte.
     static BYTE_ZEROS: [u8; 256] = {
         let mut zeros = [0; 256];
         let mut byte = 0;
         while byte < 256 {
-            zeros[byte] = (byte as u32).leading_zeros() as u8;
+            zeros[byte] = (byte as u8).leading_zeros() as u8;
             byte += 1;
         }
         zeros
@@ -112,16 +136,22 @@ mod by_words {
     /// Half the instructions of [`zeros_by_halving`], where a branch costs little.
     #[inline(always)]
     pub const fn zeros_by_table(value: u32) -> u32 {
-        let (mut rest, mut above) = (value, 0);
-        if rest >> 16 != 0 {
-            rest >>= 16;
-            above = 16;
+        if value >> 16 != 0 {
+            if value >> 24 != 0 {
+                byte_zeros(value >> 24)
+            } else {
+                8 + byte_zeros(value >> 16)
+            }
+        } else if value >> 8 != 0 {
+            16 + byte_zeros(value >> 8)
+        } else {
+            24 + byte_zeros(value)
         }
-        if rest >> 8 != 0 {
-            rest >>= 8;
-            above += 8;
-        }
-        BYTE_ZEROS[(rest & 0xff) as usize] as u32 - above
+    }
+
+    #[inline(always)]
+    const fn byte_zeros(byte: u32) -> u32 {
+        BYTE_ZEROS[(byte & 0xff) as usize] as u32
     }
 
     /// Some 20 executed instructions instead of the library's 36 (Armv6-M) or the compiler's 40 (RV32).
@@ -149,6 +179,24 @@ mod by_words {
         zeros - if top > 2 { 2 } else { top }
     }
 
+    /// Leading zeros of a word that is likely to have its leading bit among the eight below `2^end` (8 to 32), and none above.
+    #[inline(always)]
+    pub const fn leading_zeros_below(value: u32, end: u32) -> u32 {
+        if !ARMV6M && !cfg!(target_arch = "riscv32") {
+            return value.leading_zeros();
+        }
+        zeros_by_byte(value, end)
+    }
+
+    /// The same by the table where the leading bit is among those eight.
+    #[inline(always)]
+    pub const fn zeros_by_byte(value: u32, end: u32) -> u32 {
+        match value.wrapping_shr(end.wrapping_sub(8)) {
+            byte @ 1..=255 => 32u32.wrapping_sub(end) + byte_zeros(byte),
+            _ => leading_zeros(value),
+        }
+    }
+
     /// Leading zeros of two words; 64 for 0. One count, not one per word.
     #[inline(always)]
     pub const fn leading_zeros_wide(value: u64) -> u32 {
@@ -173,17 +221,14 @@ mod by_words {
         joined(high.wrapping_shl(zeros) | carried, low.wrapping_shl(zeros))
     }
 
-    /// The leading `bits` (1 to 31) bits of a number that is not 0, rounded to nearest (`2^bits` if that carries), and its leading zeros.
+    /// The upper word of a number moved up until its first bit unlike the sign is bit 62, the bit after that word, and the number's leading zeros
+    /// (ones, if negative): 1 to 64.
     #[inline(always)]
-    pub const fn leading_bits(value: u64, bits: u32, halves_up: bool) -> (u32, u32) {
-        let zeros = leading_zeros_wide(value);
-        let normal = shifted_up(value, zeros);
-        let (top, rest) = ((normal >> 32) as u32, normal as u32);
-        let below = top.wrapping_shl(bits);
-        const HALF: u32 = 1 << 31;
-        let up = below > HALF || (below == HALF && (halves_up || rest != 0));
-        let kept = top.wrapping_shr(32u32.wrapping_sub(bits));
-        (kept.wrapping_add(up as u32), zeros)
+    pub const fn signed_normal(value: i64) -> (i32, u32, u32) {
+        let sign = value >> 63;
+        let zeros = leading_zeros_wide((value ^ sign) as u64);
+        let normal = shifted_up(value as u64, zeros - 1);
+        ((normal >> 32) as i32, normal as u32 >> 31, zeros)
     }
 
     /// `value * 2^-shift`, rounded to nearest, halves up. 0 from 64 on; `shift > 0`.
@@ -218,13 +263,9 @@ mod by_words {
         product_by_halves(a, b)
     }
 
-    /// Of two short words one multiplication, of others four.
+    /// By four multiplications.
     #[inline(always)]
     pub const fn product_by_halves(a: i32, b: i32) -> i64 {
-        const SHORT: i32 = 1 << 15;
-        if (a.wrapping_add(SHORT) as u32 | b.wrapping_add(SHORT) as u32) >> 16 == 0 {
-            return a.wrapping_mul(b) as i64;
-        }
         let (a_low, a_high) = (a & 0xffff, a >> 16);
         let (b_low, b_high) = (b & 0xffff, b >> 16);
         let low = a_low.wrapping_mul(b_low) as u32;
@@ -235,6 +276,52 @@ mod by_words {
             .wrapping_add(middle >> 16)
             .wrapping_add(other >> 16);
         joined(high as u32, (other as u32) << 16 | low & 0xffff) as i64
+    }
+
+    /// A factor of many products, for Armv6-M in three digits of seven bits and more, the lowest first.
+    #[derive(Clone, Copy)]
+    pub struct Digits([i32; 3]);
+
+    /// Bits that a factor in digits may have, its sign left out: of 21 the upper digit has 8, so that no product leaves a word.
+    const SHORT: u32 = 21;
+
+    impl Digits {
+        /// `factor` of at most `bits + 1` bits.
+        #[inline(always)]
+        pub const fn new(factor: i32, bits: u32) -> Digits {
+            if ARMV6M && bits <= SHORT {
+                Digits::split(factor)
+            } else {
+                Digits([factor, 0, 0])
+            }
+        }
+
+        #[inline(always)]
+        pub(super) const fn split(factor: i32) -> Digits {
+            Digits([factor & 0x7f, factor >> 7 & 0x7f, factor >> 14])
+        }
+
+        /// `value * factor * 2^-drop` rounded down, for values of at most `bits` bits.
+        #[inline(always)]
+        pub const fn product(self, value: i32, bits: u32, drop: u32) -> i64 {
+            if ARMV6M && bits <= SHORT {
+                self.product_of_words(value, drop) as i64
+            } else {
+                product(value, self.0[0]) >> drop
+            }
+        }
+
+        /// The same in words, where `drop` is 14 and more and leaves a word: a floor of a floor is one floor.
+        #[inline(always)]
+        pub(super) const fn product_of_words(self, value: i32, drop: u32) -> i32 {
+            let [low, middle, high] = self.0;
+            let sum = value.wrapping_mul(low) >> 7;
+            let sum = value.wrapping_mul(middle).wrapping_add(sum) >> 7;
+            value
+                .wrapping_mul(high)
+                .wrapping_add(sum)
+                .wrapping_shr(drop.wrapping_sub(14))
+        }
     }
 }
 
@@ -251,6 +338,10 @@ mod tests {
             prop_assert_eq!(by_words::zeros_by_halving(value as u32), plain::leading_zeros(value as u32));
             prop_assert_eq!(by_words::zeros_by_table(value as u32), plain::leading_zeros(value as u32));
             prop_assert_eq!(by_words::leading_zeros(value as u32), plain::leading_zeros(value as u32));
+            for end in 8..=32 {
+                prop_assert_eq!(by_words::zeros_by_byte(value as u32, end), plain::leading_zeros_below(value as u32, end));
+            }
+            prop_assert_eq!(by_words::leading_zeros_below(value as u32, 20), plain::leading_zeros(value as u32));
             prop_assert_eq!(by_words::leading_zeros_wide(value), plain::leading_zeros_wide(value));
         }
 
@@ -259,12 +350,10 @@ mod tests {
             prop_assert_eq!(by_words::shifted_up(value, zeros), plain::shifted_up(value, zeros));
         }
 
-        /// Half of the values are short, some end in a half or next to it.
         #[test]
-        fn leading_bits_agree(value in 1u64.., drop in 0u32..64, tail in 0u32..4, bits in 1u32..=31, up: bool) {
-            let value = (value >> drop).max(1);
-            let value = [value, value & u64::MAX << 32, (value & u64::MAX << 33) | 1 << 32, (value & u64::MAX << 33) | 1][tail as usize].max(1);
-            prop_assert_eq!(by_words::leading_bits(value, bits, up), plain::leading_bits(value, bits, up));
+        fn normals_agree(value: i64, drop in 0u32..64) {
+            let value = value >> drop;
+            prop_assert_eq!(by_words::signed_normal(value), plain::signed_normal(value));
         }
 
         #[test]
@@ -281,6 +370,15 @@ mod tests {
                 prop_assert_eq!(by_words::product_by_halves(a, b), plain::product(a, b));
                 prop_assert_eq!(by_words::product(a, b), plain::product(a, b));
             }
+        }
+
+        /// With the ends of values of 21 bits and of factors of 22.
+        #[test]
+        fn products_by_digits_agree(value in prop_oneof![-0x1f_ffff..=0x1f_ffffi32, Just(0x1f_ffff), Just(-0x1f_ffff)],
+            factor in prop_oneof![-0x40_0000..=0x40_0000i32, Just(0x40_0000), Just(-0x40_0000), Just(0x3f_ffff)], drop in 14u32..22) {
+            let expected = plain::Digits::new(factor, 21).product(value, 21, drop);
+            prop_assert_eq!(i64::from(by_words::Digits::split(factor).product_of_words(value, drop)), expected);
+            prop_assert_eq!(by_words::Digits::new(factor, 21).product(value, 21, drop), expected);
         }
 
         #[test]

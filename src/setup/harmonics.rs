@@ -256,6 +256,11 @@ mod tests {
             exponent: -30,
         };
         let ahead = [SoftFloat::ZERO, SoftFloat::ZERO, one];
+        let even = Harmonics {
+            base: [I4F28::from_bits(2); 3],
+            coefficients: &[],
+        };
+        assert_eq!(even.colour([I2F30::ZERO; 3]), [U4F28::from_bits(2); 3]);
         assert_eq!(direction(&widths, &view, &ahead)[0], I2F30::ZERO);
 
         let corners = (0..27i64).flat_map(|corner| {

@@ -6,8 +6,8 @@
 
 use super::project::Projected;
 use crate::format::Widths;
-use crate::math::words::product;
-use crate::math::{GUARD, SoftFloat, sum_of_products};
+use crate::math::words::Digits;
+use crate::math::{GUARD, SoftFloat, by_mantissa, known, sum_of_products};
 use crate::splat::Axis;
 use crate::view::{ENTRY, Rotation, round_entry};
 
@@ -20,27 +20,50 @@ pub struct ScreenAxis {
     pub y: SoftFloat,
 }
 
+impl ScreenAxis {
+    const ZERO: ScreenAxis = ScreenAxis {
+        x: SoftFloat::ZERO,
+        y: SoftFloat::ZERO,
+    };
+}
+
 /// M = J W A, one column per axis. An axis of length 0 gives a zero column.
+#[cfg_attr(target_pointer_width = "32", inline(always))]
 pub fn project_axes(
     widths: &Widths,
     rotation: &Rotation,
     projected: &Projected,
     axes: &[Axis; 3],
 ) -> [ScreenAxis; 3] {
-    axes.map(|axis| column(widths, rotation, projected, axis))
+    let bits = u32::from(widths.mantissa);
+    by_mantissa!(bits, columns(rotation, projected, axes))
 }
 
-fn column(widths: &Widths, rotation: &Rotation, projected: &Projected, axis: Axis) -> ScreenAxis {
-    let bits = u32::from(widths.mantissa);
-    let [x, y, z] = rotate_axis(widths, rotation, axis);
-    let shear = |across: SoftFloat, ratio: SoftFloat, gain: SoftFloat| {
-        let along = ratio.times_within(z, 2 * bits).negated();
-        sum_of_products([across.term_within(bits), along], bits).multiply_within(gain, bits)
-    };
-    ScreenAxis {
-        x: shear(x, projected.ratio[0], projected.gain[0]),
-        y: shear(y, projected.ratio[1], projected.gain[1]),
+fn columns<const KNOWN: u32>(
+    rotation: &Rotation,
+    projected: &Projected,
+    axes: &[Axis; 3],
+    bits: u32,
+) -> [ScreenAxis; 3] {
+    let turn = Turn::new(known::<KNOWN>(bits), rotation);
+    let mut columns = [ScreenAxis::ZERO; 3];
+    for (column, axis) in columns.iter_mut().zip(axes) {
+        *column = turn.column(projected, axis);
     }
+    columns
+}
+
+/// A component across the view and what the depth's moves it by, in pixels.
+#[inline(always)]
+fn sheared(
+    across: SoftFloat,
+    z: SoftFloat,
+    ratio: SoftFloat,
+    gain: SoftFloat,
+    bits: u32,
+) -> SoftFloat {
+    let along = ratio.times_within(z, 2 * bits).negated();
+    sum_of_products([across.term_within(bits), along], bits).multiply_within(gain, bits)
 }
 
 /// Bits that axes, and the rotation that turns them, have beyond the mantissa.
@@ -51,7 +74,11 @@ pub const AXIS_GUARD: u32 = 6;
 
 /// Bits of an axis' components, and fraction bits of the rotation that turns it; of this the format has 30.
 pub const fn axis_bits(widths: &Widths) -> u32 {
-    let bits = widths.mantissa as u32 + AXIS_GUARD;
+    kept_bits(widths.mantissa as u32)
+}
+
+const fn kept_bits(mantissa: u32) -> u32 {
+    let bits = mantissa + AXIS_GUARD;
     if bits < AXIS { bits } else { AXIS }
 }
 
@@ -59,23 +86,63 @@ pub const fn axis_bits(widths: &Widths) -> u32 {
 const AXIS: u32 = 31;
 
 /// W a, each component rounded to the mantissa.
+pub(super) fn rotate_axis(widths: &Widths, rotation: &Rotation, axis: Axis) -> [SoftFloat; 3] {
+    Turn::new(widths.mantissa.into(), rotation).axis(&axis)
+}
+
+/// W as axes are turned by it.
 ///
 /// The axis, Q31 by its block's exponent, is rounded down and the rotation to nearest to [`axis_bits`]. Each product is cut to the
 /// window of a sum ([`GUARD`]), which ends at twice the axis' largest component: nothing overflows, and the error is that of axis and rotation,
 /// `2^-axis_bits`.
-pub(super) fn rotate_axis(widths: &Widths, rotation: &Rotation, axis: Axis) -> [SoftFloat; 3] {
-    let bits = u32::from(widths.mantissa);
-    let [kept, window] = [axis_bits(widths), bits + GUARD];
-    let exponent = axis.exponent.clamp(-512, 511) + AXIS as i32 - window as i32;
-    let mut turned = [SoftFloat::ZERO; 3];
-    for (component, entries) in turned.iter_mut().zip(rotation) {
-        let mut sum = 0i64;
-        for (entry, mantissa) in entries.iter().zip(axis.mantissa) {
-            let part = mantissa.max(-i32::MAX) & -1 << (AXIS - kept);
-            let product = product(round_entry(*entry, kept) as i32, part);
-            sum = sum.wrapping_add(product >> (AXIS + ENTRY - window));
+struct Turn {
+    entries: [[Digits; 3]; 3],
+    bits: u32,
+}
+
+impl Turn {
+    #[inline(always)]
+    fn new(bits: u32, rotation: &Rotation) -> Turn {
+        let kept = kept_bits(bits);
+        let mut entries = [[Digits::new(0, kept); 3]; 3];
+        for (row, from) in entries.iter_mut().zip(rotation) {
+            *row = from.map(|entry| {
+                let rounded = round_entry(entry, kept) as i32;
+                Digits::new(rounded >> ENTRY.saturating_sub(kept), kept)
+            });
         }
-        *component = SoftFloat::from_wide(sum, exponent, bits);
+        Turn { entries, bits }
     }
-    turned
+
+    #[inline(always)]
+    fn column(&self, projected: &Projected, axis: &Axis) -> ScreenAxis {
+        let [x, y, z] = self.axis(axis);
+        let Projected { ratio, gain, .. } = projected;
+        ScreenAxis {
+            x: sheared(x, z, ratio[0], gain[0], self.bits),
+            y: sheared(y, z, ratio[1], gain[1], self.bits),
+        }
+    }
+
+    /// A sum of up to `2^(window + 2)` may be a word; where a word might not do, it is two.
+    #[inline(always)]
+    fn axis(&self, axis: &Axis) -> [SoftFloat; 3] {
+        let [kept, window] = [kept_bits(self.bits), self.bits + GUARD];
+        let [fraction, whole] = [ENTRY.min(kept), AXIS - kept];
+        let exponent = axis.exponent.clamp(-512, 511) + AXIS as i32 - window as i32;
+        let parts = axis.mantissa.map(|part| part.max(-i32::MAX) >> whole);
+        let mut turned = [SoftFloat::ZERO; 3];
+        for (component, row) in turned.iter_mut().zip(&self.entries) {
+            let cut = |j: usize| row[j].product(parts[j], kept, kept + fraction - window);
+            let [a, b, c] = [cut(0), cut(1), cut(2)];
+            let word = (a as i32).wrapping_add(b as i32).wrapping_add(c as i32);
+            let wide = a.wrapping_add(b).wrapping_add(c);
+            *component = if window <= 28 {
+                SoftFloat::from_sum(word, exponent, self.bits)
+            } else {
+                SoftFloat::from_wide(wide, exponent, self.bits)
+            };
+        }
+        turned
+    }
 }

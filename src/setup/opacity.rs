@@ -97,9 +97,25 @@ pub fn cutoff(rules: &Rules, peak: SoftFloat) -> Option<u32> {
     if rules.cutoff != Cutoff::Opacity || rules.kernel != Kernel::Gaussian {
         return Some(rules.end());
     }
-    let smallest = SoftFloat::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
-    let difference = ln(peak)?.wrapping_sub(ln(smallest)?);
+    let least = if rules.alpha_min == USUAL {
+        const { least_logarithm(USUAL) }
+    } else {
+        least_logarithm(rules.alpha_min)
+    };
+    let difference = ln(peak)?.wrapping_sub(least?);
     // Twice as much, from 32 to 28 fraction bits.
     let cutoff = shift_round(difference, 3);
     (cutoff > 0).then_some(cutoff.min(rules.end().into()) as u32)
+}
+
+/// The threshold of most scenes, whose logarithm no splat computes.
+const USUAL: u64 = Rules::GAUSSIAN_3D.alpha_min;
+
+/// ln of [`Rules::alpha_min`], of whose bits the lowest is left out.
+const fn least_logarithm(alpha_min: u64) -> Option<i64> {
+    ln(SoftFloat::from_wide(
+        (alpha_min >> 1) as i64,
+        1 - THRESHOLD as i32,
+        31,
+    ))
 }

@@ -70,6 +70,27 @@ fn a_box_holds_the_sample_at_its_edge() {
     assert_eq!(bounds([(19 << 23) + 1, 11 << 23]), Err(Cull::Outside));
 }
 
+#[test]
+fn boxes_are_these() {
+    let mut next = crate::random();
+    let mut view = view(Eye::ORIGIN, [1; 2]);
+    view.viewport = [32768; 2];
+    let words = (0..2000).flat_map(|_| {
+        let mut variance = || part((next() >> 1) as i64, -35);
+        let covariance = Covariance2d {
+            xx: variance(),
+            xy: SoftFloat::ZERO,
+            yy: variance(),
+            determinant: SoftFloat::ZERO,
+        };
+        let centre = [0; 2].map(|_| (next() >> 25) as i64);
+        let bounds = bounding_box(24, &view, centre, &covariance, next() as u32);
+        let (first, end) = bounds.unwrap_or_default();
+        [first[0], first[1], end[0], end[1]].map(u64::from)
+    });
+    assert_eq!(digest(words), 17_678_529_370_885_420_965);
+}
+
 /// Focal lengths of the two directions are not mixed up: samples are spaced by the smaller, a point's area has both, a ball's radii one each.
 #[test]
 fn unequal_focal_lengths() {
@@ -95,6 +116,16 @@ fn unequal_focal_lengths() {
             enlarged.unwrap().map(|factor| factor.to_fixed(20)),
         )
     };
+    let least = Rules {
+        spacing: SoftFloat {
+            mantissa: 1,
+            exponent: -5,
+        },
+        ..rules
+    };
+    let unequal = view(Eye::ORIGIN, [16, 32]);
+    let projected = project(&WIDTHS, &unequal, &rules, &ahead(16)).unwrap();
+    assert!(enlargement(&WIDTHS, &least, &projected).is_some());
     // 1 and 2 of 2^-5 scene units a pixel: 2^-9 of a pixel's area.
     let expected = (1 << (u32::from(WIDTHS.peak) - 9), Some(32 << 20));
     assert_eq!([[16, 32], [32, 16]].map(point), [expected; 2]);
@@ -124,7 +155,7 @@ fn unequal_focal_lengths() {
     assert_eq!([[16, 64], [64, 16]].map(spread), [1 << 22; 2]);
 }
 
-/// A ball that ends where it begins ends at 0.
+/// A ball that ends where it begins ends at 0, one without a size has no spread, and one that reaches the eye's plane is too near.
 #[test]
 fn a_ball_may_have_no_extent() {
     let rules = Rules {
@@ -135,6 +166,15 @@ fn a_ball_may_have_no_extent() {
     let view = view(Eye::ORIGIN, [16; 2]);
     let sphere = setup_sphere(Standard24, &view, &rules, &ball(part(1, -1)), kind).unwrap();
     assert_eq!((sphere.footprint.cutoff, sphere.end), (0, 0));
+    let small = setup_sphere(Standard24, &view, &Rules::EWA, &ball(part(1, -20)), kind);
+    assert_eq!(small.unwrap().spread, 0);
+    let near = (Ellipse::Approximate, Index::Affine);
+    let beside = SphereSplat {
+        centre: [whole(16), SoftFloat::ZERO, whole(16)],
+        ..ball(whole(8))
+    };
+    let reaching = setup_sphere(Standard24, &view, &Rules::EWA, &beside, near);
+    assert_eq!(reaching, Err(Cull::Near));
 }
 
 /// What is not ahead of the eye is culled wherever the near plane is; the least depth is not.
@@ -209,6 +249,13 @@ fn a_surface_has_its_colour() {
         let one = 1 << widths.colour;
         assert_eq!(surface.footprint.colour, [one, one / 2, 0]);
     }
+    // Seen edge-on, a normal points neither way and is not turned.
+    let edge_on = SurfaceSplat {
+        normal: axis(0),
+        ..splat
+    };
+    let surface = setup_surface(Standard24, &view, &Rules::SURFACE, &edge_on).unwrap();
+    assert!(!surface.back && surface.attributes.normal[0] > 0);
 }
 
 fn words(footprint: &Footprint) -> impl Iterator<Item = u64> {
@@ -451,6 +498,17 @@ fn weights_end_at_zero() {
             setup_point(Standard24, &view, &rules, &splat, &filter).is_ok(),
             seen
         );
+        let aside = VolumeSplat {
+            centre: [whole(1 << 10), SoftFloat::ZERO, whole(16)],
+            ..splat
+        };
+        let reason = if seen {
+            Cull::Outside
+        } else {
+            Cull::Transparent
+        };
+        let found = setup_point(Standard24, &view, &rules, &aside, &filter);
+        assert_eq!(found, Err(reason));
         let ball = SphereSplat {
             weight,
             ..ball(part(1, -1))

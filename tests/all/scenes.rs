@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use splatline::Gaussian;
 use splatline::blend::Pixel;
 use splatline::footprint::{Footprint, Ldl};
-use splatline::format::{Deep32, Lean18, Micro16, RuntimeWidths, Standard24};
+use splatline::format::{Deep32, Lean18, Micro16, RuntimeWidths, Standard24, Traversal};
 use splatline::front::{
     COMPACT_HEADER, COMPACT_MAGIC, CompactScene, PackedList, Renderer, Scene, SceneFull, Splats,
     packed_words,
@@ -366,7 +366,7 @@ fn wide_words_saturate() {
     for splat in &mut scene {
         splat.colour = [U4F28::from_num(7), U4F28::from_num(3), U4F28::ONE];
     }
-    let renderer = Renderer::new(Lean18);
+    let renderer = Renderer::new(Lean18).with_traversal(Traversal::Box);
     let mut list = BoundedList::<4>::new();
     renderer.set_up(&view, &scene, &mut list).unwrap();
     let mut pixels = [Pixel::EMPTY; PIXELS];
