@@ -154,10 +154,12 @@ impl<'a, D: Design> PackedList<'a, D> {
 
     #[inline(never)]
     fn unpack(&self, words: &[u32]) -> Footprint {
-        let mut bits = Bits::default();
-        for (word, packed) in bits.words.iter_mut().zip(words) {
+        let mut bits = [0; MOST];
+        for (word, packed) in bits.iter_mut().zip(words) {
             *word = *packed;
         }
+        // The place is no part of what is copied: a compiler for size would not know it.
+        let mut bits = Bits { words: bits, at: 0 };
         let widths = self.design.widths();
         let mut entry = Entry::default();
         entry.fields(&widths, |_, width| bits.take(width));
