@@ -86,7 +86,7 @@ impl SoftFloat {
     /// The same of a word.
     #[cfg_attr(not(target_pointer_width = "32"), inline)]
     #[cfg_attr(target_pointer_width = "32", inline(never))]
-    const fn from_word(value: i32, exponent: i32, bits: u32) -> SoftFloat {
+    pub(crate) const fn from_word(value: i32, exponent: i32, bits: u32) -> SoftFloat {
         if value == 0 {
             return SoftFloat::ZERO;
         }
@@ -109,7 +109,10 @@ impl SoftFloat {
         let mantissa = if bits == 31 {
             normal.wrapping_add(below as i32)
         } else {
-            (normal.wrapping_shr(30u32.wrapping_sub(bits)) + 1) >> 1
+            normal
+                .wrapping_shr(30u32.wrapping_sub(bits))
+                .wrapping_add(1)
+                >> 1
         };
         if mantissa.wrapping_shl(32u32.wrapping_sub(bits)) != 0 {
             return SoftFloat { mantissa, exponent };
@@ -172,7 +175,10 @@ impl SoftFloat {
     /// Product rounded to `bits`.
     #[inline]
     pub const fn multiply(self, other: SoftFloat, bits: u32) -> SoftFloat {
-        self.times(other).normalise(bits)
+        let Product {
+            value, exponent, ..
+        } = self.times(other);
+        SoftFloat::from_wide(value, exponent, bits)
     }
 
     /// `self * 2^power`, exactly.
@@ -226,6 +232,9 @@ impl Product {
     /// Rounded to `bits`.
     #[inline]
     pub const fn normalise(self, bits: u32) -> SoftFloat {
+        if self.length < 32 {
+            return SoftFloat::from_word(self.value as i32, self.exponent, bits);
+        }
         SoftFloat::from_wide(self.value, self.exponent, bits)
     }
 
