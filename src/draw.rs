@@ -5,8 +5,11 @@ mod narrow;
 mod sphere;
 mod stamp;
 pub mod surface;
+#[cfg(test)]
+mod tests;
 mod visit;
 
+pub use crate::raster::cutoff_in_lane;
 pub use hybrid::PointSettings;
 pub use narrow::{NarrowError, NarrowLanes, NarrowRun, NarrowRuns, Painter32};
 pub use sphere::Perspective;
@@ -191,14 +194,4 @@ fn inside<L: Lane>(lane: L, drop: i32, end: u64) -> Option<u64> {
         _ => crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64,
     };
     (radial < end).then_some(radial)
-}
-
-/// The cut-off (UQ4.28) in UQ4.radial, rounded to nearest: what a pixel lane compares its radial index with.
-#[inline(always)]
-pub fn cutoff_in_lane(cutoff: u32, radial: u8) -> u64 {
-    crate::math::shift_unsigned(
-        cutoff.into(),
-        28 - i32::from(radial),
-        crate::format::Rounding::Nearest,
-    )
 }

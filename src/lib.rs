@@ -85,3 +85,17 @@ fn digest(words: impl IntoIterator<Item = u64>) -> u64 {
         (digest ^ word).wrapping_mul(0x100_0000_01b3)
     })
 }
+
+/// Numbers that look random, the same at every call: what a digest is of.
+#[cfg(test)]
+fn random() -> impl FnMut() -> u64 {
+    let mut state = 1u64;
+    move || {
+        state = state
+            .wrapping_mul(0x5851_f42d_4c95_7f2d)
+            .wrapping_add(0x1405_7b7e_f767_814f);
+        (state ^ state >> 29)
+            .wrapping_mul(0xbf58_476d_1ce4_e5b9)
+            .rotate_left(32)
+    }
+}

@@ -101,6 +101,15 @@ impl Rules {
         table_range: 4,
     };
 
+    /// The largest radial index at which a footprint ends, UQ4.28.
+    #[inline(always)]
+    pub fn end(&self) -> u32 {
+        match self.cutoff {
+            Cutoff::Radial(cutoff) => cutoff.min(self.kernel.end()),
+            Cutoff::Opacity => self.kernel.end(),
+        }
+    }
+
     /// The same rules with footprints of another shape, up to its end.
     pub const fn with_kernel(self, kernel: Kernel) -> Rules {
         match kernel {

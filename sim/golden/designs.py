@@ -63,8 +63,6 @@ OTHERS = (
     [{"peak": 5, "weight": 4, "alpha": 8, "subpixel": 4, "rounding": "truncate"}, *SMALL, "--antialias", "none"],
     [{"transmittance": 9, "colour": 10, "accumulator": 18, "rounding": "nearest-even"}, *SMALL],
 )
-# What mutants are held against, beside the other systems.
-TELLING = (*([name] for name in NAMED), *OTHERS)
 CHOICES = {
     "--traversal": ("spans", "box"),
     "--rules": ("3dgs", "ewa"),
@@ -114,9 +112,6 @@ def text(design):
 def subjects(arguments):
     """What is exported: the design and the other options."""
     source = random.Random(arguments.seed)
-    if arguments.keep:
-        yield from (*TELLING, *SYSTEMS)
-        return
     widths = [*(drawn(source) for _ in range(arguments.random)), *extremes()]
     if arguments.large:
         yield from ([design, *LARGE] for design in [*NAMED, *widths])
@@ -148,18 +143,14 @@ def main():
     parser.add_argument("--random", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--large", action="store_true")
-    parser.add_argument("--keep", type=Path, metavar="FOLDER", help="only what mutants are held against; left there, numbered, with the options")
     arguments = parser.parse_args()
-    if arguments.keep:
-        arguments.keep.mkdir(parents=True)
     words, count = 0, 0
     # Records are trees: looking for cycles among millions of them takes a tenth of the time.
     gc.disable()
     with tempfile.TemporaryDirectory() as folder:
         for design, *options in subjects(arguments):
-            out = arguments.keep / str(count) if arguments.keep else Path(folder) / "vectors"
+            out = Path(folder) / "vectors"
             options = export(arguments.splatline, out, design, options)
-            out.with_suffix(".options").write_text("\n".join(options))
             command = " ".join(options)
             check = Check(Folder(out))
             try:

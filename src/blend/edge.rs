@@ -77,4 +77,12 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn inverses_are_these() {
+        let mut next = crate::random();
+        let words =
+            (0..1000).map(|_| EdgeFilter::new(next() as u32 | 1).unwrap().inverse.mantissa as u64);
+        assert_eq!(crate::digest(words), 9_182_996_439_456_832_484);
+    }
 }

@@ -266,4 +266,16 @@ mod tests {
         };
         assert_eq!(draw([0, 1, 2]), draw([2, 0, 1]));
     }
+
+    #[test]
+    fn sums_above_one_are_scaled_back_to_these() {
+        let mut next = crate::random();
+        let blend = Blend::new(&Standard24::WIDTHS, &Rules::EWA);
+        let words = (0..2000).flat_map(|_| {
+            let colour = [next() as u32, next() as u32, next() as u32];
+            let opacity = (next() as u32 | 1 << 31) >> (next() % 4);
+            blend.scaled_back(colour, opacity).map(u64::from)
+        });
+        assert_eq!(crate::digest(words), 579_421_008_155_018_587);
+    }
 }

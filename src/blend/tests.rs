@@ -2,7 +2,7 @@
 
 use super::*;
 extern crate std;
-use crate::format::{Classic8, Lean18, Standard24};
+use crate::format::{Classic8, Deep32, Lean18, Standard24};
 use proptest::prelude::*;
 use std::vec;
 use std::vec::Vec;
@@ -387,4 +387,27 @@ proptest! {
             prop_assert_eq!(a, b);
         }
     }
+}
+
+#[test]
+fn sums_are_divided_to_these() {
+    use crate::blend::surface::{Fragment, WeightedSum};
+    let mut next = crate::random();
+    let widths = Widths {
+        mantissa: 31,
+        ..Deep32::WIDTHS
+    };
+    let words = (0..1000).flat_map(|_| {
+        let filtered = WeightedSum::new(&widths, 0).normalise(&Fragment {
+            weight: next() as u32 >> (next() % 8),
+            colour: [0; 3].map(|_| next() as u32),
+            opacity: next() as u32,
+            normal: [0; 3].map(|_| next() as i32),
+            ..Fragment::EMPTY
+        });
+        let [red, green, blue] = filtered.colour.map(u64::from);
+        let [x, y, z] = filtered.normal.map(|part| part as u64);
+        [red, green, blue, filtered.opacity.into(), x, y, z]
+    });
+    assert_eq!(crate::digest(words), 1_186_260_060_372_628_850);
 }

@@ -7,7 +7,7 @@
 use crate::blend::{Blend, Pixel};
 use crate::draw::cutoff_in_lane;
 use crate::footprint::Footprint;
-use crate::format::{Design, Lane};
+use crate::format::{Design, Lane, Widths};
 use crate::kernel::PackedTable;
 use crate::raster::{EllipseSpans, Span, Spans, Window};
 use crate::rules::Rules;
@@ -57,7 +57,7 @@ pub struct Painter32<'a, D> {
 pub enum NarrowError {
     /// A product of the pixel path does not fit 32 bits, a sum may leave its word, or lanes have 64 bits.
     Products,
-    /// The table was packed for other widths.
+    /// The table was packed for other widths, or the rules' footprints reach its last interval, whose place the level one has.
     Table,
 }
 
@@ -134,7 +134,9 @@ impl<'a, D: Design> Painter32<'a, D> {
         if !Blend::new(&widths, rules).is_narrow() || D::Lane::BITS != 32 {
             return Err(NarrowError::Products);
         }
-        if !table.is_for(&widths, rules.table_range) {
+        let lead = PackedTable::lead(&widths, rules.table_range);
+        let most = cutoff_in_lane(rules.end(), widths.radial) + u64::from(lead);
+        if !table.is_for(&widths, rules.table_range) || most > table_end(&widths, rules) {
             return Err(NarrowError::Table);
         }
         Ok(Painter32 {
@@ -174,14 +176,12 @@ impl<'a, D: Design> Painter32<'a, D> {
     #[inline(always)]
     pub fn runs<'f>(self, footprint: &'f Footprint, window: &Window) -> Option<NarrowRuns<'f, D>> {
         let widths = self.design.widths();
-        let range = self.rules.table_range;
-        let lead = PackedTable::lead(&widths, range);
+        let lead = PackedTable::lead(&widths, self.rules.table_range);
         let end = cutoff_in_lane(footprint.cutoff, widths.radial);
         if end == 0 {
             return None;
         }
-        let table_end = 1u64 << ((widths.radial + range) & 31);
-        let last = (end - 1 + u64::from(lead)).min(table_end - 1) as i32;
+        let last = (end - 1 + u64::from(lead)).min(table_end(&widths, self.rules) - 1) as i32;
         let blend = Blend::new(&widths, self.rules);
         Some(NarrowRuns {
             footprint,
@@ -254,6 +254,12 @@ impl<'a, D: Design> Painter32<'a, D> {
             first = first.wrapping_add(second);
         }
     }
+}
+
+/// The radial index at which the table ends, UQ4.radial; a packed one's has at most 31 bits.
+#[inline(always)]
+fn table_end(widths: &Widths, rules: &Rules) -> u64 {
+    1u64.wrapping_shl(u32::from(widths.radial) + u32::from(rules.table_range))
 }
 
 /// Outside the footprint, or finished: one look at two sign bits, or two where a branch compares by itself.

@@ -3,7 +3,7 @@
 //! Traversal and footprint table are those of the volume primitive; the plane's depth runs beside the radial
 //! index, one addition per pixel.
 
-use super::{Coverage, cutoff_in_lane};
+use super::{Coverage, cutoff_in_lane, inside};
 use crate::blend::Blend;
 use crate::blend::surface::{Cell, Sample, WeightedSum};
 use crate::footprint::surface::{SurfaceFootprint, depth_in_pixel};
@@ -100,10 +100,9 @@ impl<'a, D: Design> SurfacePainter<'a, D> {
         for (cell, lane) in cells.iter_mut().zip(run.radials()) {
             let here = depth;
             depth = depth.wrapping_add(step);
-            let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
-            if radial >= end {
+            let Some(radial) = inside(lane, drop, end) else {
                 continue;
-            }
+            };
             coverage.covered += 1;
             let alpha = self
                 .blend

@@ -95,4 +95,10 @@ mod tests {
         };
         assert_eq!([4, 23, 24, 28].map(fraction), [8, 27, 28, 28]);
     }
+
+    #[test]
+    fn depths_of_pixels_are_rounded_and_saturate() {
+        let found = [i64::MIN, -1, 0, 255, 256, 767, 768, 1 << 41, i64::MAX].map(depth_in_pixel);
+        assert_eq!(found, [0, 0, 0, 0, 1, 1, 2, u32::MAX, u32::MAX]);
+    }
 }

@@ -277,4 +277,44 @@ mod tests {
             assert_eq!(found, expected, "{x} {y}");
         }
     }
+    /// Longer words than the quick way has room for, and channels above 1 of pixels that nobody called bounded, are read one by one.
+    #[test]
+    fn words_are_written_quickly_where_they_have_room() {
+        let written = |widths: &Widths, bounded: bool, colour: u32| {
+            let reader = PixelReader::new(widths);
+            let pixels = [Pixel {
+                colour: [colour, colour / 2, 0],
+                transmittance: 1 << (widths.transmittance - 2),
+            }];
+            let frame = Frame {
+                pixels: &pixels,
+                window: Window {
+                    first: [0; 2],
+                    end: [1; 2],
+                },
+                coverage: None,
+                reader: if bounded {
+                    reader.where_bounded(true)
+                } else {
+                    reader
+                },
+            };
+            let mut sent = [0];
+            frame.write_rgb565(0x8410, &mut sent);
+            (sent[0], frame.rgb565(0x8410).next().unwrap())
+        };
+        let long = Widths {
+            accumulator: 27,
+            ..Micro16::WIDTHS
+        };
+        for (widths, bounded, colour) in [
+            (&long, true, 3 << 25),
+            (&Micro16::WIDTHS, true, 3 << 24),
+            (&Micro16::WIDTHS, false, 3 << 26),
+            (&Classic8::WIDTHS, false, 3 << 8),
+        ] {
+            let (found, expected) = written(widths, bounded, colour);
+            assert_eq!(found, expected, "{widths:?} {bounded}");
+        }
+    }
 }

@@ -8,7 +8,7 @@ use super::{
 use crate::blend::{Blend, Pixel};
 use crate::draw::{Coverage, NarrowRun, Painter, Painter32};
 use crate::footprint::{Footprint, depth};
-use crate::format::{Design, Traversal};
+use crate::format::{Design, Traversal, Widths};
 use crate::kernel::{
     FootprintTable, Kernel, PackedTable, TableSizeError, Tabled, table_4, table_16,
 };
@@ -310,8 +310,7 @@ impl<'t, D: Design> Renderer<'t, D> {
         target.clear(&widths);
         let (coverage, bounded) = match self.narrow(L::CONIC) {
             Some(painter) => {
-                // Nothing is rounded where sums have the bits of their products: of colours up to 1 they are at most 1 - T.
-                let mut bounded = widths.accumulator == widths.transmittance + widths.colour;
+                let mut bounded = sums_are_exact(&widths);
                 list.visit(&window, Compositing::FrontToBack, |footprint| {
                     bounded &= footprint.colour.iter().all(|c| *c <= 1 << widths.colour);
                     painter.draw_with(footprint, &mut target, &paint)
@@ -417,3 +416,22 @@ impl core::fmt::Display for RenderError {
 
 impl core::error::Error for NoTable {}
 impl core::error::Error for RenderError {}
+
+/// Nothing is rounded where sums have the bits of their products: of colours up to 1 they are at most 1 - T.
+fn sums_are_exact(widths: &Widths) -> bool {
+    widths.accumulator == widths.transmittance + widths.colour
+}
+
+#[test]
+fn one_bit_less_is_rounded() {
+    use crate::format::Micro16;
+    let exact = Micro16::WIDTHS;
+    assert!(sums_are_exact(&exact));
+    for accumulator in [exact.accumulator - 1, exact.transmittance - exact.colour] {
+        let widths = Widths {
+            accumulator,
+            ..exact
+        };
+        assert!(!sums_are_exact(&widths));
+    }
+}

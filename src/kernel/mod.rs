@@ -278,6 +278,47 @@ mod tests {
         assert_eq!(memory[..3], [1 << 20, 3 << 20, 5 << 20]);
     }
 
+    /// Long tables whose words show how each step was rounded.
+    #[test]
+    fn steps_are_rounded_to_nearest() {
+        let words = [(0, 10), (1, 18)].map(|(range, interpolation)| {
+            let widths = Widths {
+                radial: 44,
+                table: 14,
+                interpolation,
+                weight: 27,
+                ..Standard24::WIDTHS
+            };
+            let mut memory = vec![0; entries(&widths)];
+            fill_gaussian(&mut memory, &widths, range);
+            crate::digest(memory.into_iter().map(u64::from))
+        });
+        assert_eq!(
+            words,
+            [2_381_531_050_094_165_533, 7_947_258_027_200_568_078]
+        );
+    }
+
+    /// Only a position that is cut lowers entries: of 14 bits below the index all but the longest are.
+    #[test]
+    fn positions_that_are_cut_lower_entries() {
+        let second = |interpolation| {
+            let widths = Widths {
+                radial: 20,
+                table: 10,
+                interpolation,
+                weight: 28,
+                ..Standard24::WIDTHS
+            };
+            let mut memory = vec![0; entries(&widths)];
+            fill_gaussian(&mut memory, &widths, 4);
+            memory[1]
+        };
+        let lowered = [12, 13, 14, 15, 20].map(|bits| second(20) - second(bits));
+        assert_eq!(lowered[2..], [0; 3]);
+        assert!(lowered[0] > lowered[1] && lowered[1] > 0, "{lowered:?}");
+    }
+
     #[test]
     fn the_narrow_interpolator_changes_no_bit() {
         let mut tested = 0;

@@ -184,6 +184,10 @@ mod tests {
     #[test]
     fn the_largest_divisor_fits() {
         let index = PerspectiveTable::new(&TABLE).index(u32::MAX, 27);
+        assert_eq!(
+            PerspectiveTable::new(&TABLE).index(u32::MAX, 28).correct(0),
+            0
+        );
         let got = index.correct((16 << 27) - 1) as f64 / 2f64.powi(27);
         assert!((got - 16.0 / 17.0).abs() < 1e-7, "{got}");
     }
@@ -206,5 +210,17 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn corrected_indices_are_these() {
+        let mut next = crate::random();
+        let words = (0..4000).map(|_| {
+            let bits = [8, 20, 27, 28, 31, 44][next() as usize % 6];
+            let index =
+                PerspectiveTable::new(&TABLE).index((next() >> (32 + next() % 9)) as u32, bits);
+            index.correct(next() >> (60 - bits + next() as u32 % 9))
+        });
+        assert_eq!(crate::digest(words), 4_419_249_230_297_299_400);
     }
 }

@@ -119,4 +119,31 @@ mod tests {
         assert_eq!(covering_cutoff(4 << 28, one, zero, zero, 24), 15 << 28);
         assert_eq!(covering_cutoff(0, one, zero, one, 24), 0);
     }
+
+    #[test]
+    fn rays_and_their_cutoffs_are_these() {
+        let mut next = crate::random();
+        let words = (0..4000).flat_map(|step| {
+            let focal = [step % 50 + 20, step % 31 + 40];
+            let mut view = crate::setup::tests::view(crate::view::Eye::ORIGIN, focal);
+            view.principal = [7_654_321_987, -9_876_543_210].map(fixed::types::I32F32::from_bits);
+            let rays = Rays::new(&view);
+            let pixel = [next() % 300, next() % 300].map(|place| place as u16);
+            let radial = next() >> (next() % 60 + 1);
+            let mut number = |exponent| SoftFloat {
+                mantissa: (next() as i32 & i32::MAX) | 1 << 30,
+                exponent,
+            };
+            let (slant, aside) = (number(-28), number(-30));
+            let (limit, rest) = (number(-32), number(-31));
+            let squared = rays.squared(pixel);
+            [
+                squared as u64,
+                rays.correct(pixel, radial, slant),
+                covering_cutoff(squared as u32, aside, limit, rest, 24).into(),
+                covering_cutoff(squared as u32 >> 8, limit, rest, aside, 18).into(),
+            ]
+        });
+        assert_eq!(crate::digest(words), 14_759_603_436_771_244_501);
+    }
 }

@@ -140,3 +140,22 @@ fn distance(footprint: &Footprint, axis: usize, subpixel: u32, bits: u32) -> Sof
         bits,
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::Lean18;
+
+    #[test]
+    fn nothing_is_seen_outside_the_window() {
+        let footprint = Footprint {
+            end: [8, 8],
+            ..Footprint::EMPTY
+        };
+        let window = Window {
+            first: [8, 0],
+            end: [9, 8],
+        };
+        assert_eq!(BoxSpans::new(Lean18, &footprint, &window).next_span(), None);
+    }
+}

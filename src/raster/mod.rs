@@ -187,6 +187,16 @@ impl Quadratic {
     }
 }
 
+/// The cut-off (UQ4.28) in UQ4.radial, rounded to nearest: what a pixel lane compares its radial index with.
+#[inline(always)]
+pub fn cutoff_in_lane(cutoff: u32, radial: u8) -> u64 {
+    crate::math::shift_unsigned(
+        cutoff.into(),
+        28 - i32::from(radial),
+        crate::format::Rounding::Nearest,
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -400,15 +400,17 @@ impl HalfWidth {
 
 #[cfg(test)]
 mod tests {
-    use super::super::seeds::{Balance, GUARD};
+    extern crate std;
+    use super::super::seeds::{Balance, GUARD, centre_fraction, in_q32};
     use super::*;
-    use crate::format::{Lean18, RuntimeWidths, Standard24};
+    use crate::footprint::Ldl;
+    use crate::format::{Lean18, Micro16, RuntimeWidths, Standard24};
     use proptest::prelude::*;
 
     /// Short words give the half-widths that long ones give, to the last bit of what is left of the cut-off.
     #[test]
     fn half_widths_of_short_mantissas() {
-        let short = crate::format::Micro16::WIDTHS;
+        let short = Micro16::WIDTHS;
         let long = Widths {
             mantissa: 18,
             ..short
@@ -459,7 +461,7 @@ mod tests {
             centre: centre.map(|c| (c * f64::from(widths.subpixel).exp2()).round() as i64),
             first: [columns[0], rows[0]],
             end: [columns[1], rows[1]],
-            ldl: crate::footprint::Ldl {
+            ldl: Ldl {
                 horizontal: soft(yy / (long * thin), bits),
                 squared_width: soft(long * thin / yy, bits),
                 shear: if xy == 0.0 {
@@ -472,6 +474,89 @@ mod tests {
             cutoff: 11 << 28,
             ..Footprint::EMPTY
         }
+    }
+
+    fn runs<D: Design>(mut rows: EllipseSpans<D>) -> std::vec::Vec<Span<D::Lane>> {
+        core::iter::from_fn(|| rows.next_span()).collect()
+    }
+
+    /// A window without rows shows none, and one that begins where a row's span ends has no empty run.
+    #[test]
+    fn what_is_seen_has_pixels() {
+        let footprint = ellipse(&Lean18::WIDTHS, [9.5, 3.5], [5.0, 2.0], [1.0, 0.0]);
+        let seen = |first, end| {
+            runs(EllipseSpans::new(
+                Lean18,
+                &footprint,
+                &Window { first, end },
+            ))
+        };
+        assert!(!seen([0; 2], [40, 40]).is_empty());
+        for (first, end) in [([0, 0], [40, 0]), ([0, 3], [40, 3]), ([9, 0], [9, 40])] {
+            assert_eq!(seen(first, end).len(), 0, "{first:?} to {end:?}");
+        }
+        for column in 0..40 {
+            let runs = seen([column, 0], [40, 40]);
+            assert!(
+                runs.iter().all(|run| run.length > 0),
+                "from column {column}"
+            );
+        }
+    }
+
+    /// Blocks of rows begin as rows that are stepped through do, and end with what is there.
+    #[test]
+    fn constants_are_those_of_the_rows() {
+        let footprint = ellipse(&Lean18::WIDTHS, [70.3, 90.2], [20.0, 60.0], [0.8, 0.6]);
+        for (first, end) in [(5, 49), (37, 64), (40, 200), (64, 65), (70, 70)] {
+            let window = Window {
+                first: [0, first],
+                end: [200, end],
+            };
+            let mut rows = EllipseSpans::new(Lean18, &footprint, &window);
+            let constants = rows.constants();
+            let last = end
+                .min(first / BLOCK * BLOCK + 3 * BLOCK)
+                .min(footprint.end[1]);
+            assert_eq!(constants.rows, [first, last.max(first)]);
+            let mut begun = first;
+            for block in constants.blocks {
+                assert_eq!(
+                    block.end,
+                    (begun / BLOCK * BLOCK + BLOCK).min(last).max(first)
+                );
+                if begun == block.end {
+                    continue;
+                }
+                let Quadratic { value, first, .. } = rows.vertical;
+                assert_eq!(
+                    (block.centre, block.vertical),
+                    (rows.centre, [value, first])
+                );
+                (begun..block.end).for_each(|_| rows.next_row());
+                begun = block.end;
+            }
+        }
+    }
+
+    /// Ends beyond the word are its ends, where widths allow them; designs of short mantissas and short lanes take short words.
+    #[test]
+    fn short_words_are_taken_where_they_suffice() {
+        assert_eq!(ends(i64::MAX, i64::MAX, false), (0, i32::MAX));
+        assert_eq!(ends(i64::MAX, i64::MAX, true), (0, 0));
+        let micro = Seed::new(Micro16, &Footprint::EMPTY.ldl, 0);
+        assert!(micro.is_narrow());
+        let wide = RuntimeWidths::<i64>::new(Micro16::WIDTHS).unwrap();
+        assert!(!Seed::new(wide, &Footprint::EMPTY.ldl, 0).is_narrow());
+        let far = Ldl {
+            squared_width: SoftFloat {
+                mantissa: 1 << 14,
+                exponent: 200,
+            },
+            ..Footprint::EMPTY.ldl
+        };
+        assert_eq!(Seed::new(Micro16, &far, 0).drop_dx, 63);
+        assert_eq!(in_q32(1, 31), 2);
     }
 
     proptest! {
@@ -535,5 +620,80 @@ mod tests {
         fn every_curvature_is_defined(fine: i64) {
             let _ = Balance::new(fine);
         }
+    }
+
+    #[test]
+    fn centres_of_wide_or_sheared_rows_have_fewer_bits() {
+        let shear = |leading: i32| SoftFloat {
+            mantissa: 1 << 17,
+            exponent: leading - 17,
+        };
+        let bits = |half, leading| centre_fraction(16, half, shear(leading));
+        assert_eq!([bits(13, 12), bits(14, 12), bits(13, 13)], [24, 14, 14]);
+    }
+
+    /// A row that the cut-off leaves nothing has no run, and one that it leaves the least has the pixel at its centre.
+    #[test]
+    fn the_least_rest_has_a_pixel() {
+        let footprint = ellipse(&Lean18::WIDTHS, [9.5, 3.5], [5.0, 2.0], [1.0, 0.0]);
+        let window = Window {
+            first: [0; 2],
+            end: [40, 40],
+        };
+        for (rest, length) in [(-1, 0), (0, 0), (1, 1), (1 << 10, 1)] {
+            let mut rows = EllipseSpans::new(Lean18, &footprint, &window);
+            rows.reach = rows.vertical.value + rest;
+            rows.next_row();
+            assert_eq!(
+                rows.row.end - rows.row.end.min(rows.row.x),
+                length,
+                "{rest}"
+            );
+        }
+    }
+
+    #[test]
+    fn runs_are_these() {
+        fn words<D: Design>(design: D, next: &mut impl FnMut() -> u64) -> u64 {
+            let widths = design.widths();
+            let mut part = |most: f64| (next() >> 11) as f64 / 2f64.powi(53) * most;
+            let ellipses = (0..60).flat_map(|_| {
+                // No function that another platform rounds otherwise.
+                let t = part(2.0) - 1.0;
+                let (sin, cos) = (2.0 * t / (1.0 + t * t), (1.0 - t * t) / (1.0 + t * t));
+                let size = [0.6 + part(40.0), 0.6 + part(9.0)];
+                let footprint = ellipse(&widths, [part(99.0), part(99.0)], size, [cos, sin]);
+                let window = Window {
+                    first: [part(60.0) as u16, part(60.0) as u16],
+                    end: [100; 2],
+                };
+                let runs = runs(EllipseSpans::new(design, &footprint, &window));
+                runs.into_iter().flat_map(|run| {
+                    let place =
+                        u64::from(run.y) << 32 | u64::from(run.x) << 16 | u64::from(run.length);
+                    [
+                        place,
+                        run.radial.to_wide() as u64,
+                        run.first.to_wide() as u64,
+                        run.second.to_wide() as u64,
+                    ]
+                })
+            });
+            crate::digest(ellipses)
+        }
+        let mut next = crate::random();
+        let found = [
+            words(Micro16, &mut next),
+            words(Lean18, &mut next),
+            words(Standard24, &mut next),
+        ];
+        assert_eq!(
+            found,
+            [
+                4_375_629_308_115_381_701,
+                15_048_125_114_524_728_255,
+                6_404_172_405_956_369_961
+            ]
+        );
     }
 }

@@ -8,11 +8,11 @@
 //! The centre moves by at most half a phase: 2^-(n+1) pixels. Its error falls by two with every bit of n and its memory
 //! grows by four (docs/systems.md has the measurement).
 
-use super::{EllipseSpans, Spans, Window};
+use super::{EllipseSpans, Spans, Window, cutoff_in_lane};
 use crate::footprint::Footprint;
-use crate::format::Design;
+use crate::format::{Design, Lane};
 use crate::kernel::FootprintTable;
-use crate::math::{SoftFloat, shift_round, shift_signed, square_root};
+use crate::math::{SoftFloat, shift_signed, square_root};
 
 /// Largest number of phase bits.
 pub const MAX_PHASE_BITS: u8 = 6;
@@ -194,22 +194,17 @@ fn fill_stamp<D: Design>(
     table: &FootprintTable,
     footprint: &Footprint,
 ) {
-    let widths = design.widths();
     let window = Window::of(footprint);
     let columns = usize::from(window.end[0] - window.first[0]);
     let mut rows = EllipseSpans::new(design, footprint, &window);
-    let drop = rows.fraction() as i32 - i32::from(widths.radial);
-    let end = shift_round(
-        footprint.cutoff.into(),
-        28u32.saturating_sub(widths.radial.into()),
-    ) << u32::from(widths.radial).saturating_sub(28);
+    let end = cutoff_in_lane(footprint.cutoff, design.widths().radial);
     while let Some(run) = rows.next_span() {
         let start =
             usize::from(run.y - window.first[1]) * columns + usize::from(run.x - window.first[0]);
         for (weight, lane) in stamp.iter_mut().skip(start).zip(run.radials()) {
-            let radial = shift_signed(crate::format::Lane::to_wide(lane), drop).max(0);
+            let radial = lane.at_least_zero();
             *weight = if radial < end {
-                table.weight(radial as u64)
+                table.weight(radial)
             } else {
                 0
             };
@@ -322,7 +317,30 @@ mod tests {
         }
     }
 
-    /// An upright or sheared ellipse with these half-axes in pixels, in units of 2^-8, at a cut-off of `cutoff`, UQ4.28.
+    /// Stamps lie row by row of their phases.
+    #[test]
+    fn stamps_are_found_by_their_phase() {
+        let shape = StampShape {
+            phase_bits: 1,
+            extent: [0; 2],
+            side: [1; 2],
+        };
+        let stamp = Stamp::new(&[10, 11, 12, 13], shape).unwrap();
+        let window = Window {
+            first: [0; 2],
+            end: [1; 2],
+        };
+        for (phase, weight) in [([0, 0], 10), ([1, 0], 11), ([0, 1], 12), ([1, 1], 13)] {
+            let placement = Placement {
+                first: [0; 2],
+                phase,
+            };
+            let row = stamp.rows(placement, &window).next().unwrap();
+            assert_eq!(row.weights, [weight], "{phase:?}");
+        }
+    }
+
+    /// An upright or sheared ellipse with these half-axes in pixels, in units of 2^-8, sheared by units of 2^-16, up to `cutoff`, UQ4.28.
     fn ellipse([a, b]: [i64; 2], shear: i64, cutoff: u32) -> Footprint {
         let squared = |half: i64| SoftFloat::from_wide(half * half, -16, 24);
         Footprint {
@@ -331,7 +349,7 @@ mod tests {
                 squared_width: squared(a),
                 horizontal: crate::math::reciprocal(squared(a), 24).unwrap(),
                 vertical: crate::math::reciprocal(squared(b), 24).unwrap(),
-                shear: SoftFloat::from_wide(shear, -8, 24),
+                shear: SoftFloat::from_wide(shear, -16, 24),
             },
             ..Footprint::EMPTY
         }
@@ -359,7 +377,7 @@ mod tests {
             let halves = [index * 97 % 2001 + 60, index * 61 % 1511 + 60];
             let footprint = ellipse(
                 halves,
-                index * 31 % 701 - 350,
+                index * 7919 % 179_001 - 89_500,
                 (1 << 28) + index as u32 * 9973,
             );
             StampShape::new(&footprint, 3)
@@ -367,7 +385,7 @@ mod tests {
                 .extent
                 .map(|extent| extent as u64)
         });
-        assert_eq!(digest(sizes), 12_264_633_874_875_077_912);
+        assert_eq!(digest(sizes), 12_141_748_393_616_475_173);
     }
 
     #[test]
@@ -375,7 +393,7 @@ mod tests {
         use crate::format::Standard24;
         let table = crate::kernel::table_4::<Standard24>();
         let words = [[900, 300], [300, 900], [60, 60]].map(|halves| {
-            let footprint = ellipse(halves, 40, 2 << 28);
+            let footprint = ellipse(halves, 40 << 8, 2 << 28);
             let shape = StampShape::new(&footprint, 1).unwrap();
             let mut memory = std::vec![7; shape.words()];
             assert!(fill_stamps(
@@ -395,13 +413,17 @@ mod tests {
                 3_370_390_743_661_276_171
             ]
         );
-        let point = StampShape::new(&ellipse([300; 2], 0, 0), 0).unwrap();
+        // Of four phases one has its sample on the centre, which lies at the end.
+        let nothing = ellipse([300; 2], 0, 0);
+        let point = StampShape::new(&nothing, 1).unwrap();
+        let mut memory = [7; 4];
         assert!(fill_stamps(
-            &mut [7],
+            &mut memory,
             Standard24,
             &table,
             &point,
-            &ellipse([300; 2], 0, 0)
+            &nothing
         ));
+        assert_eq!(memory, [0; 4]);
     }
 }

@@ -222,6 +222,54 @@ mod tests {
         }
     }
 
+    /// A share of a component that rounds down does, and what leaves a polynomial's word for no unit vector ends with the word.
+    #[test]
+    fn ends_of_the_words() {
+        use crate::format::{RuntimeWidths, Standard24};
+        use crate::math::{Extended, SoftFloat};
+        use crate::view::{Eye, RatioLimits};
+        let mut rotation = [[I2F30::ZERO; 3]; 3];
+        // x is 2^-30 of z, and has a half but for a bit of the first axis.
+        rotation[0] = [(1 << 29) - 1, 0, 1].map(I2F30::from_bits);
+        rotation[2][2] = I2F30::ONE;
+        let view = View {
+            rotation,
+            pose: Eye::ORIGIN,
+            focal: [SoftFloat::ZERO; 2],
+            principal: [fixed::types::I32F32::ZERO; 2],
+            near: Extended::ZERO,
+            far: Extended::MAX,
+            viewport: [1; 2],
+            projection: Projection::Perspective,
+            limits: RatioLimits {
+                low: [fixed::types::I32F32::ZERO; 2],
+                high: [fixed::types::I32F32::ZERO; 2],
+            },
+        };
+        let widths = Widths {
+            position: 60,
+            ..Standard24::WIDTHS
+        };
+        assert!(RuntimeWidths::<i64>::new(widths).is_ok());
+        let one = SoftFloat {
+            mantissa: 1 << 30,
+            exponent: -30,
+        };
+        let ahead = [SoftFloat::ZERO, SoftFloat::ZERO, one];
+        let even = Harmonics {
+            base: [I4F28::from_bits(2); 3],
+            coefficients: &[],
+        };
+        assert_eq!(even.colour([I2F30::ZERO; 3]), [U4F28::from_bits(2); 3]);
+        assert_eq!(direction(&widths, &view, &ahead)[0], I2F30::ZERO);
+
+        let corners = (0..27i64).flat_map(|corner| {
+            let parts = [corner % 3, corner / 3 % 3, corner / 9].map(|part| part - 1);
+            basis(parts.map(|part| I2F30::from_bits((part * ONE) as i32))).map(|word| word as u64)
+        });
+        assert_eq!(crate::digest(corners), 6_320_934_940_884_299_953);
+    }
+
     proptest! {
         #[test]
         fn everything_is_defined(direction: [i32; 3], base: [i32; 3], coefficients in prop::collection::vec(any::<[i32; 3]>(), 0..30)) {
@@ -262,5 +310,40 @@ mod tests {
         };
         let colour = harmonics.colour([I2F30::ZERO; 3]);
         assert_eq!(colour.map(|c| c.to_num::<f32>()), [0.25, 0.0, 7.5]);
+    }
+
+    #[test]
+    fn directions_and_colours_are_these() {
+        let mut next = crate::random();
+        let words = (0..1000).flat_map(|step| {
+            let widths = if step % 2 == 0 {
+                crate::format::Standard24::WIDTHS
+            } else {
+                crate::format::Lean18::WIDTHS
+            };
+            let mut view = crate::setup::tests::view(crate::view::Eye::ORIGIN, [1; 2]);
+            view.rotation = view
+                .rotation
+                .map(|row| row.map(|_| I2F30::from_bits(next() as i32 >> 2)));
+            if step % 3 == 0 {
+                view.projection = Projection::Orthographic;
+            }
+            let centre = [0; 3].map(|_| SoftFloat::from_wide(next() as i64, -60, 24));
+            let coefficients =
+                [[0; 3]; 24].map(|row| row.map(|_| I4F28::from_bits(next() as i32 >> 3)));
+            let direction = direction(&widths, &view, &centre);
+            let base = [0; 3].map(|_| I4F28::from_bits(next() as i32));
+            let harmonics = Harmonics {
+                base,
+                coefficients: &coefficients,
+            };
+            let colour = harmonics
+                .colour(direction)
+                .map(|channel| channel.to_bits().into());
+            let [x, y, z] = direction.map(|part| part.to_bits() as u64);
+            let [red, green, blue] = colour;
+            [x, y, z, red, green, blue]
+        });
+        assert_eq!(crate::digest(words), 11_825_482_746_618_282_618);
     }
 }

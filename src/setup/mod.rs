@@ -20,6 +20,8 @@ mod project;
 mod shape;
 mod sphere;
 mod surface;
+#[cfg(test)]
+pub(crate) mod tests;
 
 pub use colour::colour;
 pub use covariance::{Covariance2d, covariance, sharp_determinant};

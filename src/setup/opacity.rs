@@ -94,22 +94,18 @@ fn is_half(number: SoftFloat, fraction: u32) -> bool {
 /// Where the opacity decides, c = 2 ln(peak / alpha_min), rounded to nearest. The comparison r < c in the lanes is then the decision itself:
 /// it sees the unrounded peak, and no rounding of table or opacity, whose errors are ten times those of r.
 pub fn cutoff(rules: &Rules, peak: SoftFloat) -> Option<u32> {
-    const END: i64 = 15 << 28;
-    match rules.cutoff {
-        Cutoff::Radial(cutoff) => Some(cutoff.min(rules.kernel.end())),
-        Cutoff::Opacity if rules.kernel != Kernel::Gaussian => Some(rules.kernel.end()),
-        Cutoff::Opacity => {
-            let least = if rules.alpha_min == USUAL {
-                const { least_logarithm(USUAL) }
-            } else {
-                least_logarithm(rules.alpha_min)
-            };
-            let difference = ln(peak)?.wrapping_sub(least?);
-            // Twice as much, from 32 to 28 fraction bits.
-            let cutoff = shift_round(difference, 3);
-            (cutoff > 0).then_some(cutoff.min(END) as u32)
-        }
+    if rules.cutoff != Cutoff::Opacity || rules.kernel != Kernel::Gaussian {
+        return Some(rules.end());
     }
+    let least = if rules.alpha_min == USUAL {
+        const { least_logarithm(USUAL) }
+    } else {
+        least_logarithm(rules.alpha_min)
+    };
+    let difference = ln(peak)?.wrapping_sub(least?);
+    // Twice as much, from 32 to 28 fraction bits.
+    let cutoff = shift_round(difference, 3);
+    (cutoff > 0).then_some(cutoff.min(rules.end().into()) as u32)
 }
 
 /// The threshold of most scenes, whose logarithm no splat computes.

@@ -46,13 +46,13 @@ impl PointFilter {
             determinant: area.multiply(area, bits),
         };
         let ldl = ldl(widths, &covariance)?;
-        let Cutoff::Radial(cutoff) = rules.cutoff else {
+        let Cutoff::Radial(_) = rules.cutoff else {
             return None;
         };
         Some(PointFilter {
             covariance,
             conic: conic(widths, &covariance, ldl.horizontal)?,
-            cutoff: cutoff.min(rules.kernel.end()),
+            cutoff: rules.end(),
             peak: ldl
                 .horizontal
                 .multiply(rules.kernel.inverse_integral(), bits),

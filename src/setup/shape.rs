@@ -26,12 +26,12 @@ pub fn ldl(widths: &Widths, covariance: &Covariance2d) -> Option<Ldl> {
 }
 
 /// Is the exponent within the packet's 10 bits?
-fn packable(number: SoftFloat) -> bool {
+pub(super) fn packable(number: SoftFloat) -> bool {
     (-512..512).contains(&number.exponent)
 }
 
 /// A shear too small for the packet's exponent (0 included) moves no pixel: exactly 0.
-fn packable_shear(shear: SoftFloat) -> SoftFloat {
+pub(super) fn packable_shear(shear: SoftFloat) -> SoftFloat {
     if shear.exponent < -512 {
         SoftFloat {
             mantissa: 0,

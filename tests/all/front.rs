@@ -501,6 +501,12 @@ fn surfaces<C: Cell + PartialEq>(opacity: f32, name: &str) {
         .draw(&view, &scene, window, &mut cells, &mut edged)
         .unwrap();
     assert!(plain.pixels != edged.pixels);
+    let mut boxed = pixels.clone();
+    let (boxed, _) = renderer
+        .with_traversal(Traversal::Box)
+        .draw(&view, &scene, window, &mut cells, &mut boxed)
+        .unwrap();
+    assert!(boxed.pixels != edged.pixels);
     let visited = |frame: &splatline::front::Frame| frame.coverage.unwrap().visited;
     assert!(visited(&edged) > visited(&plain));
     let short = renderer.draw(&view, &scene, view.window(), &mut cells[1..], &mut pixels);

@@ -5,7 +5,7 @@ use crate::common::{SIZE, splats, view};
 use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{NarrowError, Painter, Painter32};
-use splatline::footprint::Footprint;
+use splatline::footprint::{Footprint, Ldl};
 use splatline::format::{
     Design, Lean18, Micro16, Rounding, RuntimeWidths, Standard24, Traversal, Widths,
 };
@@ -13,8 +13,9 @@ use splatline::front::DisplayList;
 use splatline::kernel::{
     FootprintTable, PackedError, PackedTable, Tabled, entries, fill_gaussian, pack,
 };
+use splatline::math::{SoftFloat, reciprocal};
 use splatline::raster::Window;
-use splatline::rules::{Compositing, Rules};
+use splatline::rules::{Compositing, Cutoff, Rules};
 use splatline::setup::setup;
 use splatline::splat::VolumeSplat;
 use splatline::target::Target;
@@ -50,6 +51,25 @@ const LONG: Widths = Widths {
     accumulator: 20,
     ..FIRMWARE
 };
+
+/// A footprint of this sharpness around the sample of column 9 and row 9, up to `cutoff`.
+fn round(widths: &Widths, sharpness: SoftFloat, cutoff: u32, opacity: u32) -> Footprint {
+    Footprint {
+        centre: [19 << (widths.subpixel - 1); 2],
+        first: [7; 2],
+        end: [12; 2],
+        ldl: Ldl {
+            horizontal: sharpness,
+            squared_width: reciprocal(sharpness, widths.mantissa.into()).unwrap(),
+            shear: SoftFloat::ZERO,
+            vertical: sharpness,
+        },
+        cutoff,
+        opacity,
+        colour: [1 << widths.colour, 1 << (widths.colour - 1), 7],
+        ..Footprint::EMPTY
+    }
+}
 
 /// A design that exists for this test.
 fn narrow(widths: Widths) -> RuntimeWidths<i32> {
@@ -185,6 +205,83 @@ fn written_as_read<D: Tabled>(
 }
 
 /// Every position of every interval, and the level before 0.
+/// Footprints that end at a pixel's own index, under usual rules, with a shorter table, and of opacities down to the smallest.
+#[test]
+fn ends_and_smallest_opacities_are_the_same() {
+    const USUAL: &Rules = &Rules::GAUSSIAN_3D;
+    let all = Rules {
+        alpha_min: 0,
+        ..*USUAL
+    };
+    let short = Rules {
+        cutoff: Cutoff::Radial(6 << 28),
+        table_range: 3,
+        ..all
+    };
+    // Opacities of one unit within the footprint.
+    let coarse = Widths {
+        alpha: 8,
+        ..FIRMWARE
+    };
+    for rules in [USUAL, &all, &short] {
+        ends::<128>(FIRMWARE, rules);
+        ends::<128>(coarse, rules);
+        ends::<512>(PLAIN, rules);
+        ends::<32>(LONG, rules);
+    }
+}
+
+fn ends<const N: usize>(widths: Widths, rules: &Rules) {
+    let design = narrow(widths);
+    let range = rules.table_range;
+    let mut memory = vec![0; entries(&widths)];
+    fill_gaussian(&mut memory, &widths, range);
+    let table = FootprintTable::new(&memory, &widths, range).unwrap();
+    let Ok(words) = pack::<N>(&memory, &widths, range) else {
+        return assert!(range < RANGE);
+    };
+    let packed = PackedTable::new(&words, &widths, range).unwrap();
+    let short = Painter32::new(design, rules, packed).unwrap();
+    let order = Compositing::FrontToBack;
+    let wide = Painter::new(design, rules, table, order, Traversal::Spans);
+    let bits = u32::from(widths.mantissa);
+    let lead = u64::from(PackedTable::lead(&widths, range));
+    let window = Window {
+        first: [0; 2],
+        end: [SIZE; 2],
+    };
+    for step in 0..1000 {
+        // r is the sharpness a column from the middle.
+        let sharpness = SoftFloat {
+            mantissa: (1 << bits) - 1 - (step << (bits - 11)),
+            exponent: 2 - bits as i32,
+        };
+        let own = (sharpness.mantissa as u64) << (30 - bits);
+        let opacity = [1 << widths.peak, 3, 2 << widths.peak][step as usize % 3];
+        for cutoff in [own, own - 1, rules.end().into()].map(|end| end as u32) {
+            let footprint = round(&widths, sharpness, cutoff, opacity);
+            let got = in_strips(&widths, |target| short.draw(&footprint, target));
+            let expected = in_strips(&widths, |target| {
+                wide.draw(&footprint, target);
+            });
+            assert!(got == expected, "{step} up to {cutoff}: {widths:?}");
+        }
+        // What no setup makes ends before the table does.
+        for (cutoff, last) in [
+            (u32::MAX, (1u64 << (widths.radial + range)) - 1),
+            (1 << 28, (1 << widths.radial) - 1 + lead),
+        ] {
+            let footprint = round(&widths, sharpness, cutoff, opacity);
+            let mut pixels = [Pixel::EMPTY; (SIZE as usize).pow(2)];
+            let mut target = Target::new(&mut pixels, window, SIZE.into()).unwrap();
+            let mut runs = short.runs(&footprint, &window).unwrap();
+            let run = runs.next_span().unwrap();
+            let found = runs.with_pixels(run, &mut target).lanes.last;
+            assert_eq!(found as u64, last);
+        }
+    }
+}
+
 #[test]
 fn packed_look_ups_equal_plain_ones() {
     fn check<const N: usize>(widths: Widths) {
@@ -259,4 +356,20 @@ fn what_is_not_narrow_is_refused() {
     });
     let error = Painter32::new(other, &Rules::GAUSSIAN_3D, packed).unwrap_err();
     assert_eq!(error, NarrowError::Table);
+    // The first of 512 intervals up to 4 is the level one.
+    let mut memory = vec![0; entries(&PLAIN)];
+    fill_gaussian(&mut memory, &PLAIN, 2);
+    let words: [u32; 512] = pack(&memory, &PLAIN, 2).unwrap();
+    let packed = PackedTable::new(&words, &PLAIN, 2).unwrap();
+    let up_to = |cutoff| {
+        let rules = Rules {
+            cutoff: Cutoff::Radial(cutoff),
+            ..Rules::EWA
+        };
+        Painter32::new(narrow(PLAIN), &rules, packed).err()
+    };
+    let most = (4 << 28) - (1 << 21);
+    assert_eq!(up_to(most), None);
+    assert_eq!(up_to(most + 2), Some(NarrowError::Table));
+    assert_eq!(up_to(4 << 28), Some(NarrowError::Table));
 }

@@ -2,10 +2,10 @@
 
 use super::front::camera;
 use crate::common::SIZE;
-use fixed::types::I2F30;
+use fixed::types::{I2F30, U4F28};
 use splatline::Gaussian;
 use splatline::blend::Pixel;
-use splatline::format::{Deep32, Micro16, Standard24};
+use splatline::format::{Deep32, Lean18, Micro16, Standard24, Traversal};
 use splatline::front::{
     COMPACT_HEADER, COMPACT_MAGIC, CompactScene, PackedList, Renderer, Scene, SceneFull, Splats,
     packed_words,
@@ -353,4 +353,55 @@ fn a_part_of_the_picture_can_be_drawn_alone() {
         assert!(pixel.is_none() || pixel == whole.pixel(x, y), "{x} {y}");
     }
     assert_eq!(part.pixels.len(), changed.pixels());
+}
+
+/// A display gets white where light of a design with wide words exceeds it.
+#[test]
+fn wide_words_saturate() {
+    let (view, mut scene) = (camera().view().unwrap(), row_of(4, 0));
+    for splat in &mut scene {
+        splat.colour = [U4F28::from_num(7), U4F28::from_num(3), U4F28::ONE];
+    }
+    let renderer = Renderer::new(Lean18).with_traversal(Traversal::Box);
+    let mut list = BoundedList::<4>::new();
+    renderer.set_up(&view, &scene, &mut list).unwrap();
+    let mut pixels = [Pixel::EMPTY; PIXELS];
+    let frame = renderer.draw(&list, view.window(), &mut pixels).unwrap();
+    let mut sent = [0; PIXELS];
+    frame.write_rgb565(0, &mut sent);
+    assert!(sent.iter().copied().eq(frame.rgb565(0)));
+    assert!(sent.iter().any(|word| word >> 5 == 0x7ff));
+}
+
+/// Depths before and behind the eye of a parallel view are sorted as numbers.
+#[test]
+fn negative_depths_come_first() {
+    let mut view = camera().view().unwrap();
+    view.projection = Projection::Orthographic;
+    view.near = Extended {
+        value: -1000,
+        exponent: 0,
+    };
+    let splat = |(z, red)| {
+        let gaussian = Gaussian {
+            mean: [0.0, 0.0, z],
+            ..Gaussian::UNIT
+        };
+        VolumeSplat {
+            colour: [U4F28::from_num(red), U4F28::ZERO, U4F28::ZERO],
+            ..gaussian.splat().unwrap()
+        }
+    };
+    let scene = [(2.0, 4), (-5.0, 1), (0.25, 3), (-3.5, 2)].map(splat);
+    let mut words = vec![0; 4 * packed_words(&Standard24::WIDTHS)];
+    let mut list = PackedList::new(Standard24, &mut words);
+    let renderer = Renderer::new(Standard24);
+    renderer
+        .set_up_scene(&view, scene.as_slice(), &mut list)
+        .unwrap();
+    let reds = [0, 1, 2, 3].map(|place| list.footprint(place).unwrap().colour[0]);
+    assert_eq!(
+        reds,
+        [1, 2, 3, 4].map(|red| red << Standard24::WIDTHS.colour)
+    );
 }

@@ -37,6 +37,9 @@ pub struct Program {
     pub folder: PathBuf,
 }
 
+/// A mutant's number and its code.
+type Choice = (usize, String);
+
 /// Which part of a rewritten file belongs to which mutant.
 struct Part {
     range: Range<usize>,
@@ -186,20 +189,6 @@ impl Copy {
         Ok(programs)
     }
 
-    /// The folder of the copy.
-    pub fn tree(&self) -> &Path {
-        &self.tree
-    }
-
-    /// Compiles the command of the copy.
-    pub fn program(&self) -> Result<PathBuf, Failure> {
-        let output = self.cargo(&["build", "-p", "splatline-sim", "--bin", "splatline"], 0)?;
-        let built = messages(&output).filter_map(|m| m["executable"].as_str().map(PathBuf::from));
-        built
-            .last()
-            .ok_or("the command of the copy does not compile".into())
-    }
-
     fn cargo(&self, arguments: &[&str], compiled: usize) -> Result<Vec<u8>, Failure> {
         let output = Command::new("cargo")
             .args(arguments)
@@ -249,8 +238,8 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 
 /// The text with every choice in it, and which part of it belongs to which mutant.
 fn rewritten(source: &Source, mutants: &[Mutant]) -> (String, Vec<Part>) {
-    let compiles = |choice: &&(usize, String)| !mutants[choice.0].dropped;
-    let mut edits: Vec<(&Edit, Vec<&(usize, String)>)> = source
+    let compiles = |choice: &&Choice| !mutants[choice.0].dropped;
+    let mut edits: Vec<(&Edit, Vec<&Choice>)> = source
         .edits
         .iter()
         .map(|edit| (edit, edit.choices.iter().filter(compiles).collect()))
@@ -282,7 +271,7 @@ struct Writer<'a> {
     out: String,
     parts: Vec<Part>,
     /// Edits whose end is to come, where they begin in the output, and their choices.
-    open: Vec<(&'a Edit, usize, Vec<&'a (usize, String)>)>,
+    open: Vec<(&'a Edit, usize, Vec<&'a Choice>)>,
 }
 
 impl<'a> Writer<'a> {
@@ -310,7 +299,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn open(&mut self, edit: &'a Edit, choices: Vec<&'a (usize, String)>) {
+    fn open(&mut self, edit: &'a Edit, choices: Vec<&'a Choice>) {
         self.copy(edit.range.start);
         let begin = self.out.len();
         if edit.kind == Kind::Instead {

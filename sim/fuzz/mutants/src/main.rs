@@ -5,7 +5,6 @@
 mod copy;
 mod sites;
 mod trial;
-mod words;
 
 use copy::Copy;
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,16 +13,15 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use trial::{Suite, Verdict};
-use words::Words;
 
 type Failure = Box<dyn std::error::Error>;
 
 const HELP: &str = "\
-sim/fuzz/mutants.sh                      all that are chosen at run time: half an hour
+sim/fuzz/mutants.sh                      all that are chosen at run time: five minutes
 sim/fuzz/mutants.sh --sample SEED 8      others each time, for as many minutes; the seed repeats a sample
 sim/fuzz/mutants.sh --in src/math,Blend  those whose name contains one of these
 sim/fuzz/mutants.sh --again              those that survived the last run
-sim/fuzz/mutants.sh --own                against the kernel's unit tests alone: minutes, and more survive
+sim/fuzz/mutants.sh --own                against the unit tests alone: a minute, and more survive
 sim/fuzz/mutants.sh --compiled           those in constants, each compiled singly: a night; with --again the survivors
 sim/fuzz/mutants.sh --list               names only
 Survivors that change nothing stand in sim/fuzz/mutants/equivalent.txt: a name, and indented below it the proof.";
@@ -150,71 +148,14 @@ fn run() -> Result<(), Failure> {
     }
 }
 
-/// What mutants are held against.
-enum Stage {
-    /// Tests of a package.
-    Tests(&'static [&'static str]),
-    /// Words of the specification.
-    Words,
-}
-
-/// The kernel's own tests, and what else may notice: the quick ones first.
-const STAGES: [Stage; 4] = [
-    Stage::Tests(&["-p", "splatline", "--lib"]),
-    Stage::Tests(&["-p", "splatline", "--test", "all"]),
-    Stage::Words,
-    Stage::Tests(&["-p", "splatline-engine", "--lib", "--test", "all"]),
+/// What mutants are held against, the quick ones first: the kernel's own tests, and no others, so that nobody who has the kernel alone is
+/// left without what notices a mistake.
+const SUITES: [&[&str]; 2] = [
+    &["-p", "splatline", "--lib"],
+    &["-p", "splatline", "--test", "all"],
 ];
 
-/// A stage, ready to judge.
-enum Judge {
-    Tests(Suite),
-    Words(Words),
-}
-
-impl Judge {
-    fn new(stage: &Stage, copy: &Copy, work: &Path) -> Result<Judge, Failure> {
-        match stage {
-            Stage::Tests(arguments) => {
-                let suite = Suite::new(copy.programs(0, arguments)?, work)?;
-                println!(
-                    "against {} tests of {}",
-                    suite.tests.len(),
-                    arguments.join(" ")
-                );
-                Ok(Judge::Tests(suite))
-            }
-            Stage::Words => {
-                let words = Words::new(copy.program()?, copy.tree(), work)?;
-                println!("against the words of {} exports", words.len());
-                Ok(Judge::Words(words))
-            }
-        }
-    }
-
-    fn judge(
-        &self,
-        mutant: usize,
-        compiled: bool,
-        copy: &Copy,
-        stage: &Stage,
-    ) -> Result<Verdict, Failure> {
-        match (self, stage) {
-            (Judge::Tests(suite), Stage::Tests(arguments)) if compiled => {
-                match copy.programs(mutant, arguments) {
-                    Ok(programs) => suite.try_built(&programs, mutant),
-                    Err(_) => Ok(Verdict::Noticed("the compiler".into())),
-                }
-            }
-            (Judge::Tests(suite), _) => suite.try_mutant(mutant),
-            // The program of another build is not compiled.
-            (Judge::Words(_), _) if compiled => Ok(Verdict::Unreached),
-            (Judge::Words(words), _) => words.try_mutant(mutant),
-        }
-    }
-}
-
-/// Tries mutants against one stage after the other, as long as some survive and nothing explains why. Returns how many were tried, and the
+/// Tries mutants against one suite after the other, as long as some survive and nothing explains why. Returns how many were tried, and the
 /// survivors.
 fn trials(
     copy: &Copy,
@@ -226,18 +167,22 @@ fn trials(
 ) -> Result<(usize, Vec<usize>), Failure> {
     let mut tried = open.len();
     let mut survivors = Vec::new();
-    let stages = if options.own { &STAGES[..1] } else { &STAGES };
-    for (number, stage) in stages.iter().enumerate() {
+    let suites = if options.own { &SUITES[..1] } else { &SUITES };
+    for (number, arguments) in suites.iter().enumerate() {
         if open.is_empty() {
             break;
         }
         println!("{} mutants", open.len());
-        let judge = Judge::new(stage, copy, work)?;
-        // What was begun goes through all stages.
+        let suite = Suite::new(copy.programs(0, arguments)?, work)?;
+        println!(
+            "against {} tests of {}",
+            suite.tests.len(),
+            arguments.join(" ")
+        );
+        // What was begun goes through both.
         let end = end.filter(|_| number == 0);
         let judged = in_parallel(&open, options.compiled, end, |mutant| {
-            let verdict = judge
-                .judge(mutant, options.compiled, copy, stage)
+            let verdict = judge(&suite, mutant, options.compiled, copy, arguments)
                 .map_err(|error| error.to_string())?;
             let mutation = &copy.mutants[mutant];
             match &verdict {
@@ -260,6 +205,23 @@ fn trials(
     }
     survivors.extend(open);
     Ok((tried, survivors))
+}
+
+/// Tries one mutant, which is chosen when the tests run or has to be compiled.
+fn judge(
+    suite: &Suite,
+    mutant: usize,
+    compiled: bool,
+    copy: &Copy,
+    arguments: &[&str],
+) -> Result<Verdict, Failure> {
+    if !compiled {
+        return suite.try_mutant(mutant);
+    }
+    match copy.programs(mutant, arguments) {
+        Ok(programs) => suite.try_built(&programs, mutant),
+        Err(_) => Ok(Verdict::Noticed("the compiler".into())),
+    }
 }
 
 /// Which mutants survive, by all processors, in their order; those that are compiled in by one, since each is a build.

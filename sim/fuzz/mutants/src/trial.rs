@@ -160,7 +160,7 @@ fn command(program: &Program, arguments: &[&str], seconds: &str) -> Command {
 }
 
 /// Of a shell's children, from the last line of what `times` prints: `0m1.25s 0m0.01s`.
-pub fn processor_time(text: &str) -> Duration {
+fn processor_time(text: &str) -> Duration {
     let part = |word: &str| {
         let (minutes, seconds) = word.trim_end_matches('s').split_once('m')?;
         Some(60.0 * minutes.parse::<f64>().ok()? + seconds.parse::<f64>().ok()?)

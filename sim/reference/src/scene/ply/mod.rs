@@ -185,7 +185,7 @@ fn refuse_other_kinds(vertex: &Element) -> Result<(), Problem> {
         return Err(Problem::malformed(
             "element vertex",
             "it has none of scale_0, rot_0, opacity and f_dc_0, so this is a point cloud",
-            "render, compare, needs and info draw it with --as surface; other commands need a 3D Gaussian PLY",
+            "give --as surface to draw its points, or a 3D Gaussian PLY",
         ));
     }
     Ok(())

@@ -245,7 +245,7 @@ fn a_point_cloud_is_told_that_surface_splats_come_later() {
     assert_eq!(
         message(bytes.as_bytes()),
         "element vertex: it has none of scale_0, rot_0, opacity and f_dc_0, so this is a point cloud; \
-         render, compare, needs and info draw it with --as surface; other commands need a 3D Gaussian PLY"
+         give --as surface to draw its points, or a 3D Gaussian PLY"
     );
     let path = super::super::tests::shared_data("points/lion_takanawa.ply");
     let error = super::super::load(&path, &super::super::LoadOptions::default())
