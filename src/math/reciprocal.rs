@@ -56,8 +56,8 @@ pub fn reciprocal(value: SoftFloat, bits: u32) -> Option<SoftFloat> {
 #[inline(always)]
 fn newton(x: u32, seed: i32) -> i64 {
     let wide = i64::from(seed);
-    // As a signed number x is 2^32 less.
-    let defect = (1i64 << 61) - (wide << 32) - product(x as i32, seed);
+    // 2 - x y, but for the 2^61 that leaves the word below; as a signed number x is 2^32 less.
+    let defect = -((wide << 32) + product(x as i32, seed));
     // |defect| < 2^-17 in Q61, so 31 of its bits are kept for the product.
     (wide << 30) + shift_round(product(seed, shift_round(defect, 14) as i32), 17)
 }

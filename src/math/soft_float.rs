@@ -499,6 +499,31 @@ mod tests {
         }
     }
 
+    /// Terms of 0 say nothing of the window, wherever they are; small ones do. The oracle is the sum in two words.
+    #[test]
+    fn terms_of_zero_have_no_say() {
+        let places = [0, 3, 40].into_iter().flat_map(|exponent| {
+            [0, 1, 2, -1, 1 << 29].map(|value| Product {
+                value,
+                exponent,
+                length: 30,
+            })
+        });
+        for a in places.clone() {
+            for b in places.clone() {
+                let wide = [a, b].map(|term| term.cut(15 + GUARD));
+                assert_eq!(sum_of_products([a, b], 15), sum(&wide, 15), "{a:?} {b:?}");
+            }
+        }
+        assert_eq!(
+            Product::new(3 << 30, 0).normalise(2),
+            SoftFloat {
+                mantissa: 3,
+                exponent: 30
+            }
+        );
+    }
+
     /// Four of the largest terms, alone and with mantissas of half a word.
     #[test]
     fn the_largest_sums_fit() {

@@ -105,6 +105,31 @@ fn boxes_are_these() {
     assert_eq!(digest(words), 17_678_529_370_885_420_965);
 }
 
+/// A mantissa of 16 bits times the cut-off's 16 does not fit a signed word. Axes have six bits more than mantissas.
+#[test]
+fn long_products_of_short_mantissas() {
+    let spread = SoftFloat::from_wide(65_535, -12, 16);
+    let covariance = Covariance2d {
+        xx: spread,
+        xy: SoftFloat::ZERO,
+        yy: spread,
+        determinant: SoftFloat::ZERO,
+    };
+    let bounds = |mantissa| {
+        let widths = Widths { mantissa, ..BOXES };
+        let centre = [19 << 23, 11 << 23];
+        bounding_box(
+            &widths,
+            &view(Eye::ORIGIN, [1; 2]),
+            centre,
+            &covariance,
+            65_535 << 12,
+        )
+    };
+    assert!(bounds(16).is_ok() && bounds(16) == bounds(24));
+    assert_eq!(axis_bits(&Lean18::WIDTHS), 24);
+}
+
 /// Focal lengths of the two directions are not mixed up: samples are spaced by the smaller, a point's area has both, a ball's radii one each.
 #[test]
 fn unequal_focal_lengths() {
