@@ -80,7 +80,15 @@ impl<'a> Target<'a> {
         if y < first[1] || y >= last[1] || x < first[0] || end > u32::from(last[0]) {
             return &mut [];
         }
-        let start = usize::from(y - first[1]) * self.stride + usize::from(x - first[0]);
+        self.run(y, x, length)
+    }
+
+    /// The same of pixels that lie in the window: runs of its own part of a footprint.
+    #[inline(always)]
+    pub(crate) fn run(&mut self, y: u16, x: u16, length: u16) -> &mut [Pixel] {
+        let first = self.window.first;
+        let (row, column) = (y.wrapping_sub(first[1]), x.wrapping_sub(first[0]));
+        let start = usize::from(row) * self.stride + usize::from(column);
         self.pixels
             .get_mut(start..start + usize::from(length))
             .unwrap_or_default()

@@ -112,8 +112,13 @@ impl<'f, D: Design> NarrowRuns<'f, D> {
     /// Not joined with [`next_span`](NarrowRuns::next_span): an `Option` of all this costs Cortex-M five instructions a run.
     #[inline(always)]
     pub fn with_pixels<'t>(&self, run: Span<D::Lane>, target: &'t mut Target) -> NarrowRun<'t, 'f> {
+        self.of_pixels(run, target.row(run.y, run.x, run.length))
+    }
+
+    #[inline(always)]
+    fn of_pixels<'t>(&self, run: Span<D::Lane>, pixels: &'t mut [Pixel]) -> NarrowRun<'t, 'f> {
         NarrowRun {
-            pixels: target.row(run.y, run.x, run.length),
+            pixels,
             lanes: NarrowLanes {
                 radial: (run.radial.to_wide() as i32).wrapping_add(self.lead),
                 first: run.first.to_wide() as i32,
@@ -164,32 +169,52 @@ impl<'a, D: Design> Painter32<'a, D> {
         target: &mut Target,
         paint: impl Fn(Self, NarrowRun),
     ) {
-        let Some(mut runs) = self.runs(footprint, &target.window()) else {
+        let Some(last) = self.last(footprint) else {
             return;
         };
+        let mut runs = self.unplaced(last, footprint, &target.window());
+        runs.rows.place();
         while let Some(run) = runs.next_span() {
-            paint(self, runs.with_pixels(run, target));
+            let pixels = target.run(run.y, run.x, run.length);
+            paint(self, runs.of_pixels(run, pixels));
         }
     }
 
     /// The runs of one footprint in a window; `None` if no pixel can lie inside it.
     #[inline(always)]
     pub fn runs<'f>(self, footprint: &'f Footprint, window: &Window) -> Option<NarrowRuns<'f, D>> {
+        let mut runs = self.unplaced(self.last(footprint)?, footprint, window);
+        runs.rows.place();
+        Some(runs)
+    }
+
+    /// The largest index inside a footprint, before the table's end.
+    #[inline(always)]
+    fn last(self, footprint: &Footprint) -> Option<i32> {
         let widths = self.design.widths();
         let lead = PackedTable::lead(&widths, self.rules.table_range);
         let end = cutoff_in_lane(footprint.cutoff, widths.radial);
-        if end == 0 {
-            return None;
-        }
-        let last = (end - 1 + u64::from(lead)).min(table_end(&widths, self.rules) - 1) as i32;
+        (end > 0)
+            .then(|| (end - 1 + u64::from(lead)).min(table_end(&widths, self.rules) - 1) as i32)
+    }
+
+    /// The runs, the rows of which are still to be [placed](EllipseSpans::place).
+    #[inline(always)]
+    fn unplaced<'f>(
+        self,
+        last: i32,
+        footprint: &'f Footprint,
+        window: &Window,
+    ) -> NarrowRuns<'f, D> {
+        let widths = self.design.widths();
         let blend = Blend::new(&widths, self.rules);
-        Some(NarrowRuns {
+        NarrowRuns {
+            rows: EllipseSpans::unplaced(self.design, footprint, window),
             footprint,
             clamped: blend.is_clamped(footprint.opacity, widths.weight),
-            lead: lead as i32,
+            lead: PackedTable::lead(&widths, self.rules.table_range) as i32,
             last,
-            rows: EllipseSpans::new(self.design, footprint, window),
-        })
+        }
     }
 
     /// The pixel loop: the definition of what a loop of the caller's does with a run.

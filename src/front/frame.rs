@@ -88,7 +88,8 @@ impl PixelReader {
         let behind = [background >> 11, background >> 5 & 63, background & 31];
         let behind = behind.map(|level| scaled(level.into(), self.transmittance));
         for (sent, pixel) in sent.iter_mut().zip(pixels) {
-            let transmittance = pixel.transmittance();
+            // T has fewer bits than the sums, so that it is scaled by an even number, and its flag leaves the word.
+            let transmittance = pixel.transmittance;
             let level = |channel: usize| {
                 let light = pixel.colour[channel].wrapping_mul(top[channel]);
                 let hidden = transmittance.wrapping_mul(behind[channel]);
@@ -165,7 +166,7 @@ impl<'p> Frame<'p> {
     /// most 1; of footprints that no setup made, levels may then wrap where [`rgb565`](Frame::rgb565) saturates.
     pub fn write_rgb565(&self, background: u16, sent: &mut [u16]) {
         let Frame { pixels, reader, .. } = self;
-        if reader.bounded && reader.accumulator.max(reader.transmittance) <= 26 {
+        if reader.bounded && reader.accumulator <= 26 {
             return reader.write_bounded_565(pixels, background, sent);
         }
         for (sent, bits) in sent.iter_mut().zip(self.rgb565(background)) {

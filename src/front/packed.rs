@@ -1,35 +1,52 @@
 //! A display list of packed footprints: what spans read, bit by bit, in drawing order.
 //!
-//! A [`Footprint`] has 104 bytes, and a list of them a number each for the order. Here an entry has neither conic nor depth and no bit more
-//! than the design's widths: 44 bytes for [`Micro16`](crate::Micro16). There is no order beside it, because splats are sorted before they are
+//! A [`Footprint`] has 104 bytes, and a list of them a number each for the order. Here an entry has neither conic nor depth and no bit that
+//! follows from others: 36 bytes for [`Micro16`](crate::Micro16). There is no order beside it, because splats are sorted before they are
 //! set up: the keys of that sort lie at the end of the same memory, and the footprints take their place as they come.
 //!
-//! The first word of an entry is its rows, so that a strip passes over a footprint of other strips with one load and two comparisons. Lists by
+//! | field | bits |
+//! |---|---|
+//! | a bound, and [how](side) both follow from it, rows first | 2 x (16 + 2) |
+//! | centre, its sign in how bounds follow | 2 x (26 + *subpixel*) |
+//! | cut-off | 32 |
+//! | A and C: mantissa without its leading bit, power of two of that bit | 2 x (*mantissa* - 1 + 8) |
+//! | 1/A: the same mantissa, its exponent by that of A | *mantissa* - 1 + 2 |
+//! | S | *mantissa* + 1 + 8 |
+//! | peak, colours | 4 + *peak* + 3 x (range + *colour*) |
+//!
+//! The first two words say which rows an entry has, so that a strip passes over footprints of other strips without unpacking them. Lists by
 //! strip would save these for two bytes more per footprint and strip.
 
 use super::list::Footprints;
-use crate::footprint::Footprint;
+use crate::footprint::{Conic, Footprint, Ldl};
 use crate::format::{Design, Widths};
+use crate::math::SoftFloat;
 use crate::raster::Window;
 use crate::rules::Compositing;
 
 /// Words of the longest entry that the width ranges allow.
-const MOST: usize = 16;
+const MOST: usize = 14;
 
 /// Words of a key: depth, and the number of a splat.
 pub(super) const KEY: usize = 3;
 
+/// Bits of a bound, of how both follow, of twice a centre's magnitude, and of a power of two.
+const BOUND: u32 = 16;
+const HOW: u32 = 2;
+const TWICE: u32 = 27;
+const POWER: u32 = 8;
+
 /// Words of an entry, for a design's widths.
 pub const fn packed_words(widths: &Widths) -> usize {
     let [mantissa, subpixel, peak, colour] = [
-        widths.mantissa as usize,
-        widths.subpixel as usize,
-        widths.peak as usize,
-        widths.colour as usize,
+        widths.mantissa as u32,
+        widths.subpixel as u32,
+        widths.peak as u32,
+        (widths.colour_range() + widths.colour) as u32,
     ];
-    let bounds = 4 * 16 + 32;
-    let ldl = 4 * (mantissa + 10) + 1;
-    (bounds + ldl + 2 * (28 + subpixel) + (4 + peak) + 3 * (4 + colour)).div_ceil(32)
+    let place = 2 * (BOUND + HOW + TWICE + subpixel - 1);
+    let ldl = 4 * mantissa - 2 + 3 * POWER + 2;
+    (place + 32 + ldl + (4 + peak) + 3 * colour).div_ceil(32) as usize
 }
 
 const _: () = assert!(
@@ -49,6 +66,7 @@ pub struct PackedList<'a, D> {
     design: D,
     pub(super) words: &'a mut [u32],
     used: usize,
+    viewport: [u16; 2],
 }
 
 impl<'a, D: Design> PackedList<'a, D> {
@@ -58,15 +76,23 @@ impl<'a, D: Design> PackedList<'a, D> {
             design,
             words,
             used: 0,
+            viewport: [0; 2],
         }
     }
 
-    /// A list of `used` footprints that [`into_words`](PackedList::into_words) left in these words; `None` if they have no room for as many.
-    pub fn filled(design: D, words: &'a mut [u32], used: usize) -> Option<Self> {
+    /// A list of `used` footprints that [`into_words`](PackedList::into_words) left in these words, of a picture with this viewport; `None` if
+    /// they have no room for as many.
+    pub fn filled(
+        design: D,
+        words: &'a mut [u32],
+        used: usize,
+        viewport: [u16; 2],
+    ) -> Option<Self> {
         let list = PackedList {
             design,
             words,
             used,
+            viewport,
         };
         (used <= list.capacity()).then_some(list)
     }
@@ -105,9 +131,15 @@ impl<'a, D: Design> PackedList<'a, D> {
         self.used = 0;
     }
 
+    /// Forgets all footprints; those to come are of a picture with this viewport.
+    pub(super) fn begin(&mut self, viewport: [u16; 2]) {
+        self.clear();
+        self.viewport = viewport;
+    }
+
     /// The footprint at a place in drawing order, without its conic and depth.
     pub fn footprint(&self, place: usize) -> Option<Footprint> {
-        (place < self.used).then(|| self.decode(self.at(place)))
+        (place < self.used).then(|| self.unpack(self.at(place)))
     }
 
     /// The words at a place; none beyond the list.
@@ -121,19 +153,19 @@ impl<'a, D: Design> PackedList<'a, D> {
     }
 
     #[inline(never)]
-    fn decode(&self, entry: &[u32]) -> Footprint {
+    fn unpack(&self, words: &[u32]) -> Footprint {
         let mut bits = Bits::default();
-        for (word, packed) in bits.words.iter_mut().zip(entry) {
+        for (word, packed) in bits.words.iter_mut().zip(words) {
             *word = *packed;
         }
-        let mut footprint = Footprint::EMPTY;
-        fields(&mut footprint, &self.design.widths(), |_, width| {
-            bits.take(width)
-        });
-        footprint
+        let widths = self.design.widths();
+        let mut entry = Entry::default();
+        entry.fields(&widths, |_, width| bits.take(width));
+        entry.footprint(&widths, self.viewport)
     }
 
-    /// Adds a footprint behind all others, which must leave the words from `end` on alone. Where there is no room the list stays as it is.
+    /// Adds a footprint of setup that [fits](fits) behind all others, which must leave the words from `end` on alone. Where there is no room
+    /// the list stays as it is.
     #[inline(never)]
     pub(super) fn push(&mut self, footprint: &Footprint, end: usize) -> Option<()> {
         let start = self.used.checked_mul(self.entry())?;
@@ -142,8 +174,8 @@ impl<'a, D: Design> PackedList<'a, D> {
             .filter(|stop| *stop <= end)?;
         let place = self.words.get_mut(start..stop)?;
         let mut bits = Bits::default();
-        let mut copy = *footprint;
-        fields(&mut copy, &self.design.widths(), |value, width| {
+        let widths = self.design.widths();
+        Entry::new(&widths, footprint).fields(&widths, |value, width| {
             bits.put(value, width);
             value
         });
@@ -160,6 +192,10 @@ impl<D: Design> Footprints for PackedList<'_, D> {
 
     #[inline(always)]
     fn visit(&self, window: &Window, compositing: Compositing, mut draw: impl FnMut(&Footprint)) {
+        let [from, to] = [window.first[1], window.end[1]].map(u32::from);
+        if window.first[1] >= self.viewport[1] {
+            return;
+        }
         let used = self.used.saturating_mul(self.entry());
         let entries = self.words.get(..used).unwrap_or_default();
         let mut entries = entries.chunks_exact(self.entry().max(1));
@@ -169,53 +205,183 @@ impl<D: Design> Footprints for PackedList<'_, D> {
         } else {
             entries.next()
         } {
-            let rows = entry.first().copied().unwrap_or_default();
-            let (first, end) = (rows as u16, (rows >> 16) as u16);
-            if first < window.end[1] && end > window.first[1] {
-                draw(&self.decode(entry));
+            let Some([bounds, place]) = entry.first_chunk::<2>() else {
+                return;
+            };
+            // [`side`] for the rows, without what cuts them to the viewport, which the window has rows in.
+            let (bound, how) = (bounds & 0xffff, place & 3);
+            let meets = if how > 1 {
+                bound > from
+            } else {
+                let twice = place >> (2 * HOW) & ((1 << TWICE) - 1);
+                bound < to && twice.wrapping_sub(bound).wrapping_add(how) > from
+            };
+            if meets {
+                draw(&self.unpack(entry));
             }
         }
     }
 }
 
-/// Low bits of a centre, which are a field of their own: of 28 + subpixel bits up to 52.
-const CENTRE_LOW: u32 = 20;
+/// Can an entry hold this footprint of setup? Rules with a low-pass filter make no other, but for a centre that is rounded to 2^26 pixels.
+pub(super) fn fits(widths: &Widths, footprint: &Footprint) -> bool {
+    let ldl = &footprint.ldl;
+    let leading = i32::from(widths.mantissa) - 1;
+    [ldl.horizontal, ldl.vertical]
+        .iter()
+        .all(|number| is_power(number.exponent.saturating_add(leading)))
+        && footprint
+            .centre
+            .iter()
+            .all(|centre| *centre < 1 << (TWICE - 1 + u32::from(widths.subpixel)))
+}
 
-/// Every field that spans read, in the order of the entry: `field` gets a value and its bits, and returns the value that the footprint keeps.
-/// Written once for both directions. A value too wide for its field is cut to its low bits; setup makes none.
+/// Has a power of two a place in its field?
+fn is_power(power: i32) -> bool {
+    power >> (POWER - 1) == power >> 31
+}
+
+/// First and end of a footprint's box on an axis.
+///
+/// Sample points from c - 1/2 - e to c - 1/2 + e are the pixels from `first` to `last`, and `first + last` is floor(2 c) - 1 or floor(2 c): `how`
+/// is 0 or 1, `bound` the first pixel, and the end is cut to the viewport. Where the box begins with pixel 0 `bound` is the end: `how` is 2, or 3 of
+/// a negative centre.
 #[inline(always)]
-fn fields(footprint: &mut Footprint, widths: &Widths, mut field: impl FnMut(u32, u32) -> u32) {
-    let mantissa = u32::from(widths.mantissa);
-    for axis in [1, 0] {
-        let (Some(first), Some(end)) = (footprint.first.get_mut(axis), footprint.end.get_mut(axis))
-        else {
-            continue;
+fn side(bound: u32, how: u32, twice: u32, limit: u16) -> (u16, u16) {
+    if how > 1 {
+        return (0, bound as u16);
+    }
+    let end = twice.wrapping_sub(bound).wrapping_add(how);
+    (bound as u16, end.min(limit.into()) as u16)
+}
+
+/// The fields of an entry, as they are packed. Axes in the order y, x.
+#[derive(Default)]
+struct Entry {
+    bound: [u32; 2],
+    how: [u32; 2],
+    /// floor(2 c) without its sign, and the bits of c below.
+    twice: [u32; 2],
+    rest: [u32; 2],
+    cutoff: u32,
+    /// Of A, C and 1/A.
+    mantissa: [u32; 3],
+    /// Of A, C and S.
+    power: [u32; 3],
+    /// Sum of the exponents of A and 1/A, from that of the smallest mantissas on.
+    sum: u32,
+    shear: u32,
+    opacity: u32,
+    colour: [u32; 3],
+}
+
+impl Entry {
+    #[inline(always)]
+    fn new(widths: &Widths, footprint: &Footprint) -> Entry {
+        let below = u32::from(widths.subpixel) - 1;
+        let leading = i32::from(widths.mantissa) - 1;
+        let ldl = &footprint.ldl;
+        let mut shear = ldl.shear;
+        if !is_power(shear.exponent.saturating_add(leading)) {
+            // Too small to move a pixel: above it is kept by the variances.
+            (shear.mantissa, shear.exponent) = (0, 0);
+        }
+        let mut entry = Entry {
+            cutoff: footprint.cutoff,
+            mantissa: [ldl.horizontal, ldl.vertical, ldl.squared_width].map(|n| n.mantissa as u32),
+            power: [ldl.horizontal, ldl.vertical, shear]
+                .map(|n| n.exponent.wrapping_add(leading) as u32),
+            sum: (ldl.horizontal.exponent)
+                .wrapping_add(ldl.squared_width.exponent)
+                .wrapping_add(2 * leading + 2) as u32,
+            shear: shear.mantissa as u32,
+            opacity: footprint.opacity,
+            colour: footprint.colour,
+            ..Entry::default()
         };
-        *first = field((*first).into(), 16) as u16;
-        *end = field((*end).into(), 16) as u16;
+        for (place, axis) in [1, 0].into_iter().enumerate() {
+            let (first, end) = (footprint.first[axis], footprint.end[axis]);
+            let centre = footprint.centre[axis];
+            let twice = (centre >> below) as u32;
+            entry.rest[place] = centre as u32 & ((1 << below) - 1);
+            entry.twice[place] = twice;
+            (entry.bound[place], entry.how[place]) = if first == 0 {
+                (end.into(), 2 + u32::from(centre < 0))
+            } else {
+                let shorter = twice.wrapping_sub(first.into());
+                (first.into(), u32::from(shorter < u32::from(end)))
+            };
+        }
+        entry
     }
-    footprint.cutoff = field(footprint.cutoff, 32);
-    let ldl = &mut footprint.ldl;
-    for (number, bits) in [
-        (&mut ldl.horizontal, mantissa),
-        (&mut ldl.squared_width, mantissa),
-        (&mut ldl.vertical, mantissa),
-        (&mut ldl.shear, mantissa + 1),
-    ] {
-        number.mantissa = field(number.mantissa as u32, bits) as i32;
-        number.exponent = extended(field(number.exponent as u32, 10), 10);
+
+    /// Every field in the order of the entry: `field` gets a value and its bits, and returns the value that is kept. Written once for both
+    /// directions. What is above a field is not packed.
+    #[inline(always)]
+    fn fields(&mut self, widths: &Widths, mut field: impl FnMut(u32, u32) -> u32) {
+        let mantissa = u32::from(widths.mantissa);
+        let below = u32::from(widths.subpixel) - 1;
+        let mut all = |values: &mut [u32], bits| {
+            for value in values {
+                *value = field(*value, bits);
+            }
+        };
+        all(&mut self.bound, BOUND);
+        all(&mut self.how, HOW);
+        all(&mut self.twice, TWICE);
+        all(&mut self.rest, below);
+        all(core::slice::from_mut(&mut self.cutoff), 32);
+        all(&mut self.mantissa, mantissa - 1);
+        all(&mut self.power, POWER);
+        all(core::slice::from_mut(&mut self.sum), 2);
+        all(core::slice::from_mut(&mut self.shear), mantissa + 1);
+        all(
+            core::slice::from_mut(&mut self.opacity),
+            4 + u32::from(widths.peak),
+        );
+        let range = widths.colour_range() + widths.colour;
+        all(&mut self.colour, range.into());
     }
-    // The others have no sign.
-    ldl.shear.mantissa = extended(ldl.shear.mantissa as u32, mantissa + 1);
-    let high = 28 + u32::from(widths.subpixel) - CENTRE_LOW;
-    for centre in &mut footprint.centre {
-        let low = field(*centre as u32 & ((1 << CENTRE_LOW) - 1), CENTRE_LOW);
-        let rest = field((*centre >> CENTRE_LOW) as u32, high);
-        *centre = i64::from(extended(rest, high)) << CENTRE_LOW | i64::from(low);
-    }
-    footprint.opacity = field(footprint.opacity, 4 + u32::from(widths.peak));
-    for channel in &mut footprint.colour {
-        *channel = field(*channel, 4 + u32::from(widths.colour));
+
+    #[inline(always)]
+    fn footprint(&self, widths: &Widths, viewport: [u16; 2]) -> Footprint {
+        let leading = i32::from(widths.mantissa) - 1;
+        let below = u32::from(widths.subpixel) - 1;
+        let (mut centre, mut first, mut end) = ([0; 2], [0; 2], [0; 2]);
+        for (place, axis) in [1, 0].into_iter().enumerate() {
+            let (how, twice) = (self.how[place], self.twice[place]);
+            (first[axis], end[axis]) = side(self.bound[place], how, twice, viewport[axis]);
+            let twice = (twice as i32).wrapping_sub(i32::from(how == 3) << TWICE);
+            centre[axis] = i64::from(twice) << below | i64::from(self.rest[place]);
+        }
+        let [horizontal, vertical, squared_width] =
+            self.mantissa.map(|low| (low | 1 << leading) as i32);
+        let [power, vertical_power, shear_power] =
+            self.power.map(|low| extended(low, POWER) - leading);
+        let number = |mantissa, exponent| SoftFloat { mantissa, exponent };
+        // Not `EMPTY` with other fields, which small processors would copy before.
+        Footprint {
+            depth: 0,
+            centre,
+            first,
+            end,
+            ldl: Ldl {
+                horizontal: number(horizontal, power),
+                squared_width: number(squared_width, self.sum as i32 - (2 * leading + 2) - power),
+                shear: number(
+                    extended(self.shear, u32::from(widths.mantissa) + 1),
+                    shear_power,
+                ),
+                vertical: number(vertical, vertical_power),
+            },
+            conic: Conic {
+                mantissa: [0; 3],
+                exponent: 0,
+            },
+            cutoff: self.cutoff,
+            opacity: self.opacity,
+            colour: self.colour,
+        }
     }
 }
 
@@ -272,13 +438,40 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    /// Fields of all bits, and of none.
+    fn lists(widths: Widths, words: &mut [u32], limit: u16) -> PackedList<'_, RuntimeWidths> {
+        let mut list = PackedList::new(RuntimeWidths::new(widths).unwrap(), words);
+        list.begin([limit; 2]);
+        list
+    }
+
+    /// A footprint of setup with all bits of every field, or with as few as there can be.
     fn extreme(widths: &Widths, ones: bool) -> Footprint {
-        let mut footprint = Footprint::EMPTY;
-        fields(&mut footprint, widths, |_, bits| {
-            if ones { u32::MAX >> (32 - bits) } else { 0 }
-        });
-        footprint
+        let bits = u32::from(widths.mantissa);
+        let most = |bits: u32| if ones { u32::MAX >> (32 - bits) } else { 0 };
+        let mantissa = (most(bits) | 1 << (bits - 1)) as i32;
+        let number = |power: i32| SoftFloat {
+            mantissa,
+            exponent: power + 1 - bits as i32,
+        };
+        let centre = 1i64 << (26 + widths.subpixel);
+        Footprint {
+            centre: [-centre, if ones { centre - 1 } else { -1 }],
+            end: [u16::MAX, 1],
+            ldl: Ldl {
+                horizontal: number(127),
+                // The product of the mantissas is nearly 2^(2 bits), or 2^(2 bits - 2).
+                squared_width: number(if ones { -128 } else { -127 }),
+                shear: SoftFloat {
+                    mantissa: if ones { -mantissa } else { 0 },
+                    exponent: if ones { -127 - bits as i32 } else { 0 },
+                },
+                vertical: number(-128),
+            },
+            cutoff: most(32),
+            opacity: most(4 + u32::from(widths.peak)),
+            colour: [most(u32::from(widths.colour_range() + widths.colour)); 3],
+            ..Footprint::EMPTY
+        }
     }
 
     #[test]
@@ -290,6 +483,10 @@ mod tests {
             Standard24::WIDTHS,
             Deep32::WIDTHS,
         ];
+        assert_eq!(
+            named.map(|widths| packed_words(&widths)),
+            [9, 9, 10, 14, 14]
+        );
         let shapes = (8..=31u8).flat_map(|mantissa| (4..=28u8).map(move |bits| (mantissa, bits)));
         let drawn = shapes.map(|(mantissa, bits)| Widths {
             mantissa,
@@ -299,8 +496,8 @@ mod tests {
             ..Standard24::WIDTHS
         });
         for widths in named.into_iter().chain(drawn) {
-            let (mut sum, mut footprint) = (0, Footprint::EMPTY);
-            fields(&mut footprint, &widths, |value, bits| {
+            let mut sum = 0;
+            Entry::default().fields(&widths, |value, bits| {
                 sum += bits as usize;
                 value
             });
@@ -310,19 +507,18 @@ mod tests {
 
     #[test]
     fn every_bit_of_a_field_is_kept() {
-        for widths in [Micro16::WIDTHS, Standard24::WIDTHS, Deep32::WIDTHS] {
-            let design = RuntimeWidths::<i64>::for_lanes(widths).unwrap();
+        for widths in [
+            Micro16::WIDTHS,
+            Lean18::WIDTHS,
+            Standard24::WIDTHS,
+            Deep32::WIDTHS,
+        ] {
             let mut words = vec![u32::MAX; 3 * packed_words(&widths)];
-            let mut list = PackedList::new(design, &mut words);
+            let mut list = lists(widths, &mut words, u16::MAX);
             assert!(list.is_empty() && list.footprint(0).is_none());
-            let mut entries = [
-                extreme(&widths, true),
-                extreme(&widths, false),
-                extreme(&widths, true),
-            ];
-            entries[1].ldl.horizontal.exponent = 300;
-            entries[1].ldl.shear.exponent = -300;
+            let entries = [true, false, true].map(|ones| extreme(&widths, ones));
             for (place, entry) in entries.iter().enumerate() {
+                assert!(fits(&widths, entry));
                 assert_eq!(list.push(entry, 3 * packed_words(&widths)), Some(()));
                 assert_eq!(list.footprint(place + 1), None);
             }
@@ -331,14 +527,72 @@ mod tests {
                 assert_eq!(list.footprint(place), Some(*entry), "{place}");
             }
             let used = list.len();
-            let words = list.into_words();
-            assert_eq!(
-                PackedList::filled(design, words, used)
-                    .unwrap()
-                    .footprint(2),
-                Some(entries[2])
-            );
-            assert!(PackedList::filled(design, words, used + 1).is_none());
+            let (design, words) = (list.design, list.into_words());
+            let full = [u16::MAX; 2];
+            let taken_up = PackedList::filled(design, words, used, full).unwrap();
+            assert_eq!(taken_up.footprint(2), Some(entries[2]));
+            assert!(PackedList::filled(design, words, used + 1, full).is_none());
+        }
+    }
+
+    /// What is thinner or farther away than an entry's fields does not fit it; a shear that moves no pixel is 0.
+    #[test]
+    fn entries_end_where_their_fields_do() {
+        for widths in [Micro16::WIDTHS, Deep32::WIDTHS] {
+            let footprint = extreme(&widths, false);
+            let changed = |change: fn(&mut Footprint)| {
+                let mut footprint = footprint;
+                change(&mut footprint);
+                fits(&widths, &footprint)
+            };
+            assert!(!changed(|f| f.ldl.horizontal.exponent += 1));
+            assert!(!changed(|f| f.ldl.vertical.exponent -= 1));
+            assert!(changed(|f| f.ldl.vertical.exponent += 255));
+            assert!(!changed(|f| f.ldl.vertical.exponent += 256));
+            for axis in 0..2 {
+                let mut far = footprint;
+                far.centre[axis] = 1 << (26 + widths.subpixel);
+                assert!(!fits(&widths, &far));
+            }
+            let mut small = extreme(&widths, true);
+            small.ldl.shear.exponent -= 1;
+            let mut words = vec![0; packed_words(&widths)];
+            let mut list = lists(widths, &mut words, u16::MAX);
+            list.push(&small, usize::MAX).unwrap();
+            let none = SoftFloat {
+                mantissa: 0,
+                exponent: 0,
+            };
+            assert_eq!(list.footprint(0).unwrap().ldl.shear, none);
+        }
+    }
+
+    /// Boxes of every size around centres on and beside pixels and edges, cut at the screen's ends as setup cuts them.
+    #[test]
+    fn boxes_follow_from_their_centres() {
+        const LIMIT: i64 = 9;
+        // In sixteenths of a pixel.
+        let sides = (-60..220i64).flat_map(|centre| (0..300i64).map(move |reach| (centre, reach)));
+        let mut boxes = sides.filter_map(|(centre, reach)| {
+            let [low, high] = [centre - 8 - reach + 15, centre - 8 + reach].map(|end| end >> 4);
+            let [first, end] = [low, high + 1].map(|end| end.clamp(0, LIMIT) as u16);
+            (first < end).then_some((centre, first, end))
+        });
+        let widths = Widths {
+            subpixel: 4,
+            ..Micro16::WIDTHS
+        };
+        let mut words = vec![0; packed_words(&widths)];
+        while let (Some(x), Some(y)) = (boxes.next(), boxes.next()) {
+            let footprint = Footprint {
+                centre: [x.0, y.0],
+                first: [x.1, y.1],
+                end: [x.2, y.2],
+                ..extreme(&widths, false)
+            };
+            let mut list = lists(widths, &mut words, LIMIT as u16);
+            list.push(&footprint, usize::MAX).unwrap();
+            assert_eq!(list.footprint(0), Some(footprint));
         }
     }
 
@@ -346,17 +600,26 @@ mod tests {
     #[test]
     fn strips_visit_their_own_footprints() {
         let with_rows = |[first, end]: [u16; 2]| Footprint {
+            centre: [0, (i64::from(first) + i64::from(end)) << 11],
             first: [0, first],
             end: [1, end],
             ..Footprint::EMPTY
         };
+        let mut cut = with_rows([39_990, 40_000]);
+        cut.centre[1] = 39_999 << 12;
         let rows = [[0, 3], [2, 5], [4, 5], [3, 40_000], [5, 8]];
+        let footprints = rows.map(with_rows).into_iter().chain([cut]);
+        let rows: Vec<[u16; 2]> = footprints
+            .clone()
+            .map(|footprint| [footprint.first[1], footprint.end[1]])
+            .collect();
         let mut words = vec![0; rows.len() * packed_words(&Micro16::WIDTHS)];
         let mut packed = PackedList::new(Micro16, &mut words);
-        let mut list = crate::BoundedList::<5>::new();
-        for rows in rows {
-            packed.push(&with_rows(rows), usize::MAX).unwrap();
-            crate::front::DisplayList::push(&mut list, &with_rows(rows)).unwrap();
+        packed.begin([40_000; 2]);
+        let mut list = crate::BoundedList::<6>::new();
+        for footprint in footprints {
+            packed.push(&footprint, usize::MAX).unwrap();
+            crate::front::DisplayList::push(&mut list, &footprint).unwrap();
         }
         let small = (0..9).flat_map(|first| (first + 1..10).map(move |end| (first, end)));
         for (first, end) in small.chain([(39_999, 40_000), (40_000, 40_001)]) {

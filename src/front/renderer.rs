@@ -1,6 +1,6 @@
 //! The renderer: cull, set up, sort by depth, draw; the stages chained with the table that belongs to the design.
 
-use super::packed::KEY;
+use super::packed::{KEY, fits};
 use super::{
     Counts, DisplayList, Footprints, Frame, ListFull, PackedList, PixelReader, Primitive, Rejected,
     Splats, sort_by_key,
@@ -14,7 +14,7 @@ use crate::kernel::{
 };
 use crate::raster::Window;
 use crate::rules::{Compositing, Rules};
-use crate::setup::{depth_of, setup_for_spans};
+use crate::setup::{Cull, depth_of, setup_for_spans};
 use crate::target::{Target, TargetError};
 use crate::view::{Pose, View};
 
@@ -192,7 +192,8 @@ impl<'t, D: Design> Renderer<'t, D> {
     }
 
     /// Culls, sorts and sets up a scene that was converted before: `list` afterwards holds its footprints, and only them, in drawing order;
-    /// ties are drawn in the order of the scene. For traversal by spans: a splat whose conic has no place in a packet is not culled for it.
+    /// ties are drawn in the order of the scene. For traversal by spans: a splat whose conic has no place in a packet is not culled for it. One that
+    /// an entry has no bits for, thinner than 2^-64 pixels or centred at 2^26, is culled as out of [range](crate::setup::Cull::Range).
     ///
     /// A key of 12 bytes for every splat between near and far has to fit the list's memory before the footprints take its place. If either
     /// does not fit, the list is left empty, and the error says how many footprints long a list is that has room for both.
@@ -202,7 +203,8 @@ impl<'t, D: Design> Renderer<'t, D> {
         scene: &(impl Splats<P> + ?Sized),
         list: &mut PackedList<D>,
     ) -> Result<Counts, ListFull> {
-        list.clear();
+        list.begin(view.viewport);
+        let widths = self.design.widths();
         let mut counts = Counts::default();
         let (entry, capacity) = (list.entry(), list.capacity());
         let full = |needed| ListFull { capacity, needed };
@@ -220,6 +222,9 @@ impl<'t, D: Design> Renderer<'t, D> {
             };
             match setup_for_spans(self.design, view, &self.rules, &splat) {
                 Err(reason) => counts.reject(Rejected::Culled(reason)),
+                Ok(footprint) if !fits(&widths, &footprint) => {
+                    counts.reject(Rejected::Culled(Cull::Range));
+                }
                 Ok(footprint) => {
                     counts.drawn = counts.drawn.saturating_add(1);
                     if needed > 0 || list.push(&footprint, unread).is_none() {

@@ -55,7 +55,7 @@ impl<P: Pose> Splats<P> for [VolumeSplat<P::Centre>] {
 /// let scene = Scene::collect(&mut memory, gaussians.iter().map(Gaussian::splat))?; // Once.
 ///
 /// let renderer = Renderer::new(Micro16);
-/// let mut words = [0; 4 * packed_words(&Micro16::WIDTHS)]; // 44 bytes a footprint.
+/// let mut words = [0; 4 * packed_words(&Micro16::WIDTHS)]; // 36 bytes a footprint.
 /// let mut list = PackedList::new(Micro16, &mut words);
 /// let mut pixels = [Pixel::EMPTY; 64 * 8];
 /// for x in [0.0, 0.5] { // For every picture.

@@ -14,4 +14,4 @@ pub use reciprocal::{RECIPROCALS, reciprocal};
 pub use shift::{shift_left, shift_round, shift_signed, shift_unsigned};
 pub use soft_float::{GUARD, Product, SoftFloat, sum_below, sum_of_products};
 pub(crate) use soft_float::{by_mantissa, known};
-pub use sqrt::{ROOTS, root_seed, square_root};
+pub use sqrt::{ROOTS, root_of, root_seed, square_root};

@@ -432,28 +432,14 @@ mod tests {
             prop_assert!(error <= (exact.abs() + cuts) * (-f64::from(bits)).exp2() * 1.0001 + cuts, "{error} {exact}");
         }
 
-        /// The oracle rounds in 128 bits.
         #[test]
         fn normalising_by_words_is_normalising(wide: i64, drop in 0u32..64, tail in 0u32..4, bits in 1u32..=31) {
             // Half of the values are short, some end in a half or next to it.
             let wide = wide >> drop;
             let wide = [wide, wide & -1 << 32, (wide & -1 << 33) | 1 << 32, (wide & -1 << 33) | 1][tail as usize];
-            let got = SoftFloat::from_wide(wide, 3, bits);
-            if wide == 0 {
-                prop_assert_eq!(got, SoftFloat::ZERO);
-                return Ok(());
-            }
-            let shift = 64 - wide.unsigned_abs().leading_zeros() as i32 - bits as i32;
-            let rounded = if shift > 0 {
-                (i128::from(wide) + (1 << (shift - 1))) >> shift
-            } else {
-                i128::from(wide) << -shift
-            };
-            let carried = rounded.unsigned_abs() >> bits != 0;
-            let mantissa = if carried { rounded / 2 } else { rounded };
-            prop_assert_eq!(got, SoftFloat { mantissa: mantissa as i32, exponent: 3 + shift + i32::from(carried) });
+            prop_assert_eq!(SoftFloat::from_wide(wide, 3, bits), normalised(wide, bits));
             if let Ok(word) = i32::try_from(wide) {
-                prop_assert_eq!(SoftFloat::from_word(word, 3, bits), got);
+                prop_assert_eq!(SoftFloat::from_word(word, 3, bits), normalised(wide, bits));
             }
         }
 
@@ -486,6 +472,40 @@ mod tests {
             let _ = SoftFloat::from_wide(wide, exponent, bits);
             let product = Product { value: wide, exponent, length: fraction };
             let _ = (product.to_fixed(fraction), sum_of_products([product; 4], bits), sum_below([product; 4], mantissa, bits));
+        }
+    }
+
+    /// Times 8, rounded in 128 bits.
+    fn normalised(wide: i64, bits: u32) -> SoftFloat {
+        if wide == 0 {
+            return SoftFloat::ZERO;
+        }
+        let shift = 64 - wide.unsigned_abs().leading_zeros() as i32 - bits as i32;
+        let rounded = if shift > 0 {
+            (i128::from(wide) + (1 << (shift - 1))) >> shift
+        } else {
+            i128::from(wide) << -shift
+        };
+        let carried = rounded.unsigned_abs() >> bits != 0;
+        let mantissa = if carried { rounded / 2 } else { rounded };
+        SoftFloat {
+            mantissa: mantissa as i32,
+            exponent: 3 + shift + i32::from(carried),
+        }
+    }
+
+    /// Numbers of ones alone carry through all of them.
+    #[test]
+    fn ones_become_the_next_power_of_two() {
+        for (bits, length) in (1..=31).flat_map(|bits| (1..=63).map(move |length| (bits, length))) {
+            let ones = i64::MAX >> (63 - length);
+            for value in [ones, -ones, ones - 1, -ones - 1] {
+                let found = SoftFloat::from_wide(value, 3, bits);
+                assert_eq!(found, normalised(value, bits), "{value} {bits}");
+                if let Ok(word) = i32::try_from(value) {
+                    assert_eq!(SoftFloat::from_word(word, 3, bits), found, "{word} {bits}");
+                }
+            }
         }
     }
 

@@ -36,13 +36,14 @@ pub fn root_seed(value: u64) -> (u32, i32) {
     (root_of(normal), 8 - (even / 2) as i32)
 }
 
-/// The root of a number of [1/4, 1) in UQ0.32: of its upper two bits one is set.
+/// The root of a number of [1/4, 1) in UQ0.32, UQ0.24: of its upper two bits one is set. The lowest eight bits do not count.
 #[inline(always)]
-fn root_of(normal: u32) -> u32 {
-    let index = (normal >> 24) as usize;
+pub fn root_of(normal: u32) -> u32 {
+    // Saturating, so that neither place needs a comparison.
+    let place = ((normal >> 24) as usize).saturating_sub(FIRST);
     let rest = (normal >> 8) & 0xffff;
-    let at = |i: usize| ROOTS.get(i.wrapping_sub(FIRST)).copied().unwrap_or(0);
-    let (low, high) = (at(index), at(index + 1));
+    let at = |place: usize| ROOTS.get(place).copied().unwrap_or(0);
+    let (low, high) = (at(place), at(place + 1));
     // Entries are at most 65,282 apart (between 64/256 and 65/256), so that the product and half a unit fit 32 bits.
     let step = high.wrapping_sub(low).wrapping_mul(rest);
     low.wrapping_add(step.wrapping_add(1 << 15) >> 16)

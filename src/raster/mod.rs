@@ -162,7 +162,7 @@ pub trait Spans {
 }
 
 /// A quadratic sequence by forward differencing, exact modulo 2^64.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Quadratic {
     value: i64,
     first: i64,

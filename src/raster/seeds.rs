@@ -40,13 +40,10 @@ pub(super) const fn reach_of_rows(squared_width: SoftFloat) -> i32 {
 pub(super) struct RowSeeds {
     /// Centre, Q.subpixel.
     pub(super) centre: [i64; 2],
-    pub(super) subpixel: u32,
-    pub(super) mantissa: u32,
     pub(super) shear: SoftFloat,
     pub(super) vertical: SoftFloat,
-    /// Fraction bits of xc that are not 0 in Q.32, and of C dy^2.
+    /// Fraction bits of xc that are not 0 in Q.32.
     pub(super) centre_fraction: u32,
-    pub(super) vertical_fraction: u32,
     /// S in Q.32.
     pub(super) shear_per_row: i64,
     pub(super) balance: Balance,
@@ -54,20 +51,15 @@ pub(super) struct RowSeeds {
 
 impl RowSeeds {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    pub(super) fn new(widths: &Widths, footprint: &Footprint) -> Self {
-        let subpixel = u32::from(widths.subpixel);
+    #[cfg_attr(target_pointer_width = "32", inline)]
+    pub(super) fn new(widths: &Widths, footprint: &Footprint, centre_fraction: u32) -> Self {
         let ldl = &footprint.ldl;
-        let half = reach_of_rows(ldl.squared_width);
-        let centre_fraction = centre_fraction(subpixel, half, ldl.shear);
         let vertical_fraction = vertical_fraction(widths);
         RowSeeds {
             centre: footprint.centre,
-            subpixel,
-            mantissa: widths.mantissa.into(),
             shear: ldl.shear,
             vertical: ldl.vertical,
             centre_fraction,
-            vertical_fraction,
             shear_per_row: in_q32(ldl.shear.to_fixed(centre_fraction), centre_fraction),
             balance: Balance::new(ldl.vertical.to_fixed(vertical_fraction + GUARD)),
         }
@@ -76,8 +68,10 @@ impl RowSeeds {
     /// xc - 1/2 (Q.32) and C dy^2 in row `y`, where a block begins.
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline(never))]
-    pub(super) fn at(&self, y: u16) -> (i64, Quadratic) {
-        let (subpixel, bits, fraction) = (self.subpixel, self.mantissa, self.centre_fraction);
+    pub(super) fn at<D: Design>(&self, design: D, y: u16) -> (i64, Quadratic) {
+        let widths = design.widths();
+        let (subpixel, bits) = (u32::from(widths.subpixel), u32::from(widths.mantissa));
+        let fraction = self.centre_fraction;
         let half = 1i64 << (subpixel - 1);
         let dy = ((2 * i64::from(y) + 1) << (subpixel - 1)).wrapping_sub(self.centre[1]);
         let dy = SoftFloat::from_wide(dy, -(subpixel as i32), bits);
@@ -85,15 +79,16 @@ impl RowSeeds {
             self.centre[0].wrapping_sub(half),
             subpixel as i32 - fraction as i32,
         );
-        let moved = self.shear.times(dy).to_fixed(fraction);
-        let along = self.vertical.multiply(dy, bits);
+        let moved = self.shear.times_within(dy, 2 * bits).to_fixed(fraction);
+        let along = self.vertical.times_within(dy, 2 * bits).normalise(bits);
         let Balance {
             second,
             unit,
             start,
         } = self.balance;
-        let [value, first] = [along.times(dy), along.scaled_by(1).term_within(31)]
-            .map(|product| product.to_fixed(self.vertical_fraction));
+        let fine = vertical_fraction(&widths);
+        let value = along.times_within(dy, 2 * bits).to_fixed(fine);
+        let first = along.scaled_by(1).to_fixed(fine);
         let vertical = Quadratic {
             value: value.wrapping_add(start),
             first: first.wrapping_add(unit),
@@ -101,6 +96,19 @@ impl RowSeeds {
         };
         (in_q32(centre.wrapping_add(moved), fraction), vertical)
     }
+}
+
+/// The low word of [`rounded_down`], of which the upper has nothing: one word of shifts.
+#[inline(always)]
+pub(super) const fn rounded_to_word(value: i64, shift: u32) -> i32 {
+    let by = shift.wrapping_sub(1);
+    if by >= 32 {
+        return rounded_down(value, shift) as i32;
+    }
+    // Two shifts, because one by 32 is not defined.
+    let above = (((value >> 32) as u32) << 1).wrapping_shl(31 - by);
+    let halves = (value as u32).wrapping_shr(by) | above;
+    (halves as i32).wrapping_add(1) >> 1
 }
 
 /// A number of pixels with `fraction` (at most 32) fraction bits in Q.32; what leaves the word is lost.
@@ -141,25 +149,30 @@ pub(super) struct Balance {
 impl Balance {
     /// `fine` is A with [`GUARD`] bits below the sequence's unit; wraps where A saturates, beyond any footprint of two adjacent pixels.
     pub(super) fn new(fine: i64) -> Self {
-        let block = i64::from(BLOCK);
+        let block = i32::from(BLOCK);
         let second = shift_round(fine, GUARD - 1);
         let rounded = second << (GUARD - 1);
-        let excess = rounded.wrapping_sub(fine);
+        // At most half of `2^(GUARD - 1)`, in a word.
+        let excess = rounded.wrapping_sub(fine) as i32;
+        let start = excess.wrapping_mul(block * block / 8);
         Balance {
             second,
-            unit: shift_round(rounded.wrapping_sub(excess * block), GUARD),
-            start: shift_round(excess * block * block / 8, GUARD),
+            unit: shift_round(
+                rounded.wrapping_sub(excess.wrapping_mul(block).into()),
+                GUARD,
+            ),
+            start: shift_word(start, GUARD as i32).into(),
         }
     }
 }
 
 impl<D: Design> Seed<D> {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    pub(super) fn new(design: D, ldl: &Ldl, unit_of_centre: u32) -> Self {
+    pub(super) fn new(design: D, ldl: &Ldl, half: i32, unit_of_centre: u32) -> Self {
         let widths = design.widths();
         let (bits, fraction) = (u32::from(widths.mantissa), u32::from(widths.radial));
         // No finer than xc is.
-        let drop_dx = reach_of_rows(ldl.squared_width)
+        let drop_dx = half
             .saturating_add(32 - bits as i32)
             .min(63)
             .max(unit_of_centre as i32);
@@ -203,12 +216,11 @@ impl<D: Design> Seed<D> {
     pub(super) fn down(&self, vertical: i64) -> i64 {
         let widths = self.design.widths();
         let drop = vertical_fraction(&widths) - u32::from(widths.radial);
-        let down = if self.is_narrow_down() {
-            shift_word(vertical as i32, drop as i32).into()
-        } else {
-            shift_round(vertical, drop)
-        };
-        self.balance.start.wrapping_add(down)
+        if self.is_narrow_down() {
+            let down = shift_word(vertical as i32, drop as i32);
+            return (self.balance.start as i32).wrapping_add(down).into();
+        }
+        self.balance.start.wrapping_add(shift_round(vertical, drop))
     }
 
     /// r = A dx^2 + C dy^2, its difference A (2 dx + 1) and 2 A at column `x`, balanced; `centre` is xc - 1/2 in Q.32, `down` the row's
@@ -218,7 +230,7 @@ impl<D: Design> Seed<D> {
         let dx = (i64::from(x) << 32).wrapping_sub(centre);
         let bits = u32::from(self.design.widths().mantissa);
         if self.is_narrow() {
-            let dx = rounded_down(dx, self.drop_dx) as i32;
+            let dx = rounded_to_word(dx, self.drop_dx);
             let along = (self.horizontal as i32).wrapping_mul(dx);
             let across = shift_word(along, bits as i32).wrapping_mul(dx);
             let radial = shift_word(across, self.drop_radial).wrapping_add(down as i32);

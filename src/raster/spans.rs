@@ -28,11 +28,12 @@
 //! The slack added to c makes spans include every pixel with r < c for any design, at the price of a few pixels with c <= r < c + 2^-10, which the
 //! lane's own comparison rejects.
 
-use super::seeds::{BLOCK, RowSeeds, Seed, vertical_fraction};
+use super::seeds::{BLOCK, RowSeeds, Seed, centre_fraction, reach_of_rows, vertical_fraction};
 use super::{Quadratic, Span, Spans, Window};
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane, Widths};
-use crate::math::{SoftFloat, root_seed, shift_signed};
+use crate::math::words::shifted_up;
+use crate::math::{SoftFloat, root_of, root_seed, shift_signed};
 
 /// Fraction bits of what a row leaves of the cut-off, from which its half-width follows: with 18 bits of 1 / A two products of words.
 pub const REST: u32 = 24;
@@ -46,9 +47,13 @@ pub struct EllipseSpans<D: Design> {
     /// Rows still to come: `y .. end_row`.
     y: u16,
     end_row: u16,
+    /// First row of the footprint's box.
+    first_row: u16,
     /// Columns of the footprint's box, and of its part in the window.
     bounds: [u16; 2],
     visible: [u16; 2],
+    /// First column in the box of the block that the window begins in.
+    begin: u16,
     seeds: RowSeeds,
     /// xc - 1/2 in the row to come, Q.32 pixels.
     centre: i64,
@@ -165,19 +170,28 @@ struct SpanRow {
 
 impl<D: Design> EllipseSpans<D> {
     /// Prepares the rows of `footprint` that lie in `window`.
+    #[inline(always)]
+    pub fn new(design: D, footprint: &Footprint, window: &Window) -> Self {
+        let mut rows = EllipseSpans::unplaced(design, footprint, window);
+        rows.place();
+        rows
+    }
+
+    /// The same without the first row's words, which [`place`](EllipseSpans::place) adds: small processors would copy what is changed before
+    /// it is returned.
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline)]
-    pub fn new(design: D, footprint: &Footprint, window: &Window) -> Self {
+    pub(crate) fn unplaced(design: D, footprint: &Footprint, window: &Window) -> Self {
         let ldl = &footprint.ldl;
         let bounds = Window::of(footprint);
         let visible = bounds.intersect(window);
-        let fraction = vertical_fraction(&design.widths());
-        let seeds = RowSeeds::new(&design.widths(), footprint);
-        let y = visible.first[1];
-        let origin = bounds.first[1].max(y - y % BLOCK);
-        let (centre, vertical) = seeds.at(origin);
-        let mut rows = EllipseSpans {
-            y,
+        let widths = design.widths();
+        let fraction = vertical_fraction(&widths);
+        let half = reach_of_rows(ldl.squared_width);
+        let centre_fraction = centre_fraction(widths.subpixel.into(), half, ldl.shear);
+        EllipseSpans {
+            y: visible.first[1],
+            first_row: bounds.first[1],
             end_row: if visible.is_empty() {
                 0
             } else {
@@ -185,19 +199,27 @@ impl<D: Design> EllipseSpans<D> {
             },
             bounds: [bounds.first[0], bounds.end[0]],
             visible: [visible.first[0], visible.end[0]],
-            centre,
-            vertical,
+            begin: bounds.first[0].max(visible.first[0] - visible.first[0] % BLOCK),
+            seeds: RowSeeds::new(&widths, footprint, centre_fraction),
+            centre: 0,
+            vertical: Quadratic::default(),
             reach: shift_signed(footprint.cutoff.into(), 28 - fraction as i32)
                 + (1 << (fraction - SLACK)),
             half_width: HalfWidth::new(ldl.squared_width),
-            seed: Seed::new(design, ldl, 32 - seeds.centre_fraction),
-            seeds,
+            seed: Seed::new(design, ldl, half, 32 - centre_fraction),
             row: SpanRow::default(),
-        };
-        for _ in origin..y {
-            rows.step();
         }
-        rows
+    }
+
+    /// Goes to the first row from the seed of its block.
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    pub(crate) fn place(&mut self) {
+        let origin = self.first_row.max(self.y - self.y % BLOCK);
+        (self.centre, self.vertical) = self.seeds.at(self.seed.design, origin);
+        for _ in origin..self.y {
+            self.step();
+        }
     }
 
     /// What the rows to come are computed from.
@@ -214,7 +236,7 @@ impl<D: Design> EllipseSpans<D> {
         let blocks = core::array::from_fn(|_| {
             let y = next.end;
             if y != rows[0] && y < rows[1] {
-                let (centre, Quadratic { value, first, .. }) = self.seeds.at(y);
+                let (centre, Quadratic { value, first, .. }) = self.seeds.at(self.seed.design, y);
                 (next.centre, next.vertical) = (centre, [value, first]);
             }
             next.end = (y - y % BLOCK).saturating_add(BLOCK).min(rows[1]);
@@ -228,9 +250,9 @@ impl<D: Design> EllipseSpans<D> {
             visible: self.visible,
             shear: self.seeds.shear_per_row,
             curve: self.vertical.second,
-            vertical_fraction: self.seeds.vertical_fraction,
+            vertical_fraction: vertical_fraction(&seed.design.widths()),
             reach: self.reach,
-            squared_width: (half.mantissa.into(), half.odd, half.power),
+            squared_width: ((half.mantissa >> half.odd).into(), half.odd, half.power),
             horizontal: seed.horizontal,
             drops: (seed.drop_dx, bits, seed.drop_radial, seed.drop_first),
             fraction: self.fraction(),
@@ -248,11 +270,8 @@ impl<D: Design> EllipseSpans<D> {
     }
 
     /// Opens the next row: its span within the window, from the block that contains the window's first column.
-    ///
-    /// Small processors call it, so that what a run needs is not computed before it is known whether a row begins.
-    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    #[cfg_attr(target_pointer_width = "32", inline(never))]
-    fn next_row(&mut self) {
+    #[inline(always)]
+    fn next_row(&mut self) -> SpanRow {
         let mut row = SpanRow {
             y: self.y,
             x: 0,
@@ -265,18 +284,34 @@ impl<D: Design> EllipseSpans<D> {
             row.vertical = self.seed.down(self.vertical.value);
             let half = self.half_width.of(rest, &self.seed.design.widths());
             let (low, high) = ends(row.centre, half, self.seed.is_narrow());
-            let [first, last] = self.bounds.map(i32::from);
-            // Not `clamp`, which panics if first > last: an open row has first < last, but the compiler cannot know.
-            let low = low.min(last).max(first) as u16;
-            row.x = low.max(self.visible[0] - self.visible[0] % BLOCK);
-            row.end = (high.min(last).max(first) as u16).min(self.visible[1]);
+            let low = low.max(self.begin.into());
+            let high = high.min(self.visible[1].into());
+            if low < high {
+                (row.x, row.end) = (low as u16, high as u16);
+            }
         }
-        self.row = row;
         self.y += 1;
         if self.y.is_multiple_of(BLOCK) && self.y < self.end_row {
-            (self.centre, self.vertical) = self.seeds.at(self.y);
+            (self.centre, self.vertical) = self.seeds.at(self.seed.design, self.y);
         } else {
             self.step();
+        }
+        row
+    }
+
+    /// The next part of the row, or of the next row. Not a loop, before which small processors would load all that any turn may need.
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    fn next_part(&mut self) -> Option<Span<D::Lane>> {
+        let row = if self.row.x < self.row.end {
+            self.row
+        } else {
+            self.next_row()
+        };
+        if row.x < row.end {
+            self.next_block(row)
+        } else {
+            None
         }
     }
 
@@ -284,16 +319,20 @@ impl<D: Design> EllipseSpans<D> {
     ///
     /// A window that begins inside a block drops the block's head, so that the seed is the same for every tiling.
     #[inline(always)]
-    fn next_block(&mut self) -> Option<Span<D::Lane>> {
+    fn next_block(&mut self, row: SpanRow) -> Option<Span<D::Lane>> {
         let SpanRow {
             y,
             x,
             end,
             centre,
             vertical,
-        } = self.row;
-        let stop = (x - x % BLOCK).saturating_add(BLOCK).min(end);
-        self.row.x = stop;
+        } = row;
+        let stop = (u32::from(x | (BLOCK - 1)) + 1).min(end.into()) as u16;
+        // What is left is kept, which of most rows is nothing.
+        self.row.end = 0;
+        if stop < end {
+            self.row = SpanRow { x: stop, ..row };
+        }
         let (radial, first, second) = self.seed.at(x, centre, vertical);
         let run = Span {
             y,
@@ -323,20 +362,15 @@ impl<D: Design> Spans for EllipseSpans<D> {
         self.seed.design.widths().radial.into()
     }
 
-    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    #[cfg_attr(target_pointer_width = "32", inline)]
+    #[inline(always)]
     fn next_span(&mut self) -> Option<Span<D::Lane>> {
-        loop {
-            while self.row.x < self.row.end {
-                if let Some(run) = self.next_block() {
-                    return Some(run);
-                }
+        while self.row.x < self.row.end || self.y < self.end_row {
+            let run = self.next_part();
+            if run.is_some() {
+                return run;
             }
-            if self.y >= self.end_row {
-                return None;
-            }
-            self.next_row();
         }
+        None
     }
 }
 
@@ -346,19 +380,20 @@ impl<D: Design> Spans for EllipseSpans<D> {
 #[inline(always)]
 fn ends(centre: i64, half: i64, narrow: bool) -> (i32, i32) {
     const ALMOST_ONE: i64 = (1 << 32) - 1;
-    let (low, high) = if narrow {
+    if narrow {
         let low = centre.wrapping_sub(half).wrapping_add(ALMOST_ONE);
-        (low, centre.wrapping_add(half))
-    } else {
-        let low = centre.saturating_sub(half).saturating_add(ALMOST_ONE);
-        (low, centre.saturating_add(half))
-    };
+        let high = centre.wrapping_add(half);
+        return ((low >> 32) as i32, ((high >> 32) as i32).wrapping_add(1));
+    }
+    let low = centre.saturating_sub(half).saturating_add(ALMOST_ONE);
+    let high = centre.saturating_add(half);
     ((low >> 32) as i32, ((high >> 32) as i32).saturating_add(1))
 }
 
 /// sqrt(rest / A): the root table and a multiplication.
 #[derive(Clone, Copy, Debug)]
 struct HalfWidth {
+    /// Of 1 / A, twice as much where its exponent is odd.
     mantissa: u32,
     odd: u32,
     power: i32,
@@ -370,7 +405,7 @@ impl HalfWidth {
         let odd = squared_width.exponent & 1;
         // With rest in Q.24: sqrt(m rest 2^(e - 24)) = root 2^(shift + (e - odd)/2 - 12), then Q.32.
         HalfWidth {
-            mantissa: squared_width.mantissa.unsigned_abs(),
+            mantissa: squared_width.mantissa.unsigned_abs() << odd,
             odd: odd as u32,
             power: ((squared_width.exponent - odd) / 2).saturating_add(32 - REST as i32 / 2),
         }
@@ -379,32 +414,49 @@ impl HalfWidth {
     /// Half-width in Q.32 pixels for `rest` in the unit of C dy^2, 0 < rest < 32.
     #[inline(always)]
     fn of(&self, rest: i64, widths: &Widths) -> i64 {
-        let rest = (rest as u64) >> (vertical_fraction(widths) - REST);
-        let squared = if widths.mantissa <= 17 {
-            // 18 bits by 14 and 14 bits.
-            let mantissa = self.mantissa << self.odd;
-            let (low, high) = (rest as u32 & 0x3fff, rest as u32 >> 14);
-            (u64::from(mantissa.wrapping_mul(high)) << 14)
-                .wrapping_add(mantissa.wrapping_mul(low).into())
-        } else {
-            u64::from(self.mantissa).wrapping_mul(rest) << self.odd
-        };
-        let (root, shift) = root_seed(squared);
-        let root = SoftFloat {
-            mantissa: root as i32,
-            exponent: shift.saturating_add(self.power),
-        };
-        root.to_fixed(0)
+        let rest = ((rest as u64) >> (vertical_fraction(widths) - REST)) as u32;
+        let (root, shift) = (widths.mantissa <= 15)
+            .then(|| self.short_root(rest))
+            .flatten()
+            .unwrap_or_else(|| root_seed(u64::from(self.mantissa).wrapping_mul(rest.into())));
+        let exponent = shift.wrapping_add(self.power);
+        match exponent as u32 {
+            // What most rows are, in line.
+            up @ 0..32 => shifted_up(root.into(), up) as i64,
+            _ => SoftFloat {
+                mantissa: root as i32,
+                exponent,
+            }
+            .to_fixed(0),
+        }
+    }
+
+    /// [`root_seed`] of the product of 16 bits with 29 in words, where it is not small: what lies 14 bits up in it has the 24 bits that count.
+    #[inline(always)]
+    fn short_root(&self, rest: u32) -> Option<(u32, i32)> {
+        let (low, high) = (rest & 0x3fff, rest >> 14);
+        let mut normal =
+            (self.mantissa.wrapping_mul(low) >> 14).wrapping_add(self.mantissa.wrapping_mul(high));
+        if normal >> 22 == 0 {
+            return None;
+        }
+        let mut shift = -1;
+        while normal >> 30 == 0 {
+            normal <<= 2;
+            shift -= 1;
+        }
+        Some((root_of(normal), shift))
     }
 }
 
 #[cfg(test)]
 mod tests {
     extern crate std;
-    use super::super::seeds::{Balance, GUARD, centre_fraction, in_q32};
+    use super::super::seeds::{Balance, GUARD, in_q32, rounded_to_word};
     use super::*;
     use crate::footprint::Ldl;
     use crate::format::{Lean18, Micro16, RuntimeWidths, Standard24};
+    use crate::math::shift_round;
     use proptest::prelude::*;
 
     /// Short words give the half-widths that long ones give, to the last bit of what is left of the cut-off.
@@ -418,12 +470,33 @@ mod tests {
         let unit = vertical_fraction(&short) - REST;
         for variance in [0.7, 1.0, 3.3, 900.0] {
             let half = HalfWidth::new(soft(variance, short.mantissa.into()));
-            for rest in (1..64).chain([0x3fff, 0x4001, 0xffffff, 0x1000003]) {
+            let longer = (18..29).flat_map(|bit| [(1 << bit) + 0x2a53, (3 << bit >> 1) + 0x15ad]);
+            for rest in (1..64).chain([0x3fff, 0x4001, 0xffffff]).chain(longer) {
                 assert_eq!(half.of(rest << unit, &short), half.of(rest << unit, &long));
             }
         }
         let fraction = |radial| vertical_fraction(&Widths { radial, ..short });
         assert_eq!([10, 21, 22, 23, 27].map(fraction), [26, 26, 26, 27, 31]);
+    }
+
+    /// What is shifted in one word is what is shifted in two, where it fits.
+    #[test]
+    fn distances_are_rounded_in_a_word() {
+        for shift in 1..64 {
+            for value in [1, -1, 0x1234_5678_9abc_def0, -0x0fed_cba9_8765_4321i64] {
+                let value = if shift < 34 {
+                    value >> (34 - shift)
+                } else {
+                    value
+                };
+                let expected = shift_round(value, shift);
+                assert_eq!(
+                    i64::from(rounded_to_word(value, shift)),
+                    expected,
+                    "{value} {shift}"
+                );
+            }
+        }
     }
 
     /// A number rounded to a mantissa.
@@ -533,7 +606,9 @@ mod tests {
                     (block.centre, block.vertical),
                     (rows.centre, [value, first])
                 );
-                (begun..block.end).for_each(|_| rows.next_row());
+                (begun..block.end).for_each(|_| {
+                    rows.next_row();
+                });
                 begun = block.end;
             }
         }
@@ -544,10 +619,10 @@ mod tests {
     fn short_words_are_taken_where_they_suffice() {
         assert_eq!(ends(i64::MAX, i64::MAX, false), (0, i32::MAX));
         assert_eq!(ends(i64::MAX, i64::MAX, true), (0, 0));
-        let micro = Seed::new(Micro16, &Footprint::EMPTY.ldl, 0);
+        let micro = Seed::new(Micro16, &Footprint::EMPTY.ldl, 0, 0);
         assert!(micro.is_narrow());
         let wide = RuntimeWidths::<i64>::new(Micro16::WIDTHS).unwrap();
-        assert!(!Seed::new(wide, &Footprint::EMPTY.ldl, 0).is_narrow());
+        assert!(!Seed::new(wide, &Footprint::EMPTY.ldl, 0, 0).is_narrow());
         let far = Ldl {
             squared_width: SoftFloat {
                 mantissa: 1 << 14,
@@ -555,7 +630,10 @@ mod tests {
             },
             ..Footprint::EMPTY.ldl
         };
-        assert_eq!(Seed::new(Micro16, &far, 0).drop_dx, 63);
+        assert_eq!(
+            Seed::new(Micro16, &far, reach_of_rows(far.squared_width), 0).drop_dx,
+            63
+        );
         assert_eq!(in_q32(1, 31), 2);
     }
 
@@ -600,7 +678,7 @@ mod tests {
                 if rows.y.is_multiple_of(BLOCK) || rows.y == footprint.first[1] {
                     word = (rows.centre >> drop).clamp(-1 << (bits - 1), (1 << (bits - 1)) - 1);
                 }
-                prop_assert!(rows.vertical.value.unsigned_abs() >> (rows.seeds.vertical_fraction + 5) == 0);
+                prop_assert!(rows.vertical.value.unsigned_abs() >> (vertical_fraction(&widths) + 5) == 0);
                 let rest = rows.reach - rows.vertical.value;
                 if rest > 0 {
                     let half = rows.half_width.of(rest, &widths);
@@ -643,12 +721,8 @@ mod tests {
         for (rest, length) in [(-1, 0), (0, 0), (1, 1), (1 << 10, 1)] {
             let mut rows = EllipseSpans::new(Lean18, &footprint, &window);
             rows.reach = rows.vertical.value + rest;
-            rows.next_row();
-            assert_eq!(
-                rows.row.end - rows.row.end.min(rows.row.x),
-                length,
-                "{rest}"
-            );
+            let row = rows.next_row();
+            assert_eq!(row.end - row.end.min(row.x), length, "{rest}");
         }
     }
 

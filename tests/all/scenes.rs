@@ -1,19 +1,23 @@
 //! Scenes that are converted once, packed lists, and parts of a picture, from the front door.
 
 use super::front::camera;
+use crate::arbitrary::Source;
 use crate::common::SIZE;
 use fixed::types::{I2F30, U4F28};
+use proptest::prelude::*;
 use splatline::Gaussian;
 use splatline::blend::Pixel;
-use splatline::format::{Deep32, Lean18, Micro16, Standard24, Traversal};
+use splatline::footprint::{Footprint, Ldl};
+use splatline::format::{Deep32, Lean18, Micro16, RuntimeWidths, Standard24, Traversal};
 use splatline::front::{
     COMPACT_HEADER, COMPACT_MAGIC, CompactScene, PackedList, Renderer, Scene, SceneFull, Splats,
     packed_words,
 };
-use splatline::kernel::Tabled;
+use splatline::kernel::{Tabled, entries};
 use splatline::math::{Extended, SoftFloat};
 use splatline::raster::Window;
-use splatline::rules::Compositing;
+use splatline::rules::{Compositing, Rules};
+use splatline::setup::{Cull, setup_for_spans};
 use splatline::splat::Position;
 use splatline::splat::VolumeSplat;
 use splatline::view::{Eye, Projection, View};
@@ -404,4 +408,51 @@ fn negative_depths_come_first() {
         reds,
         [1, 2, 3, 4].map(|red| red << Standard24::WIDTHS.colour)
     );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+    /// What setup makes of any splat for any design comes back from a packed list field by field, but for a shear that moves no pixel. Only what
+    /// no low-pass filter has widened can be too thin for it.
+    #[test]
+    fn packed_footprints_are_those_of_setup(bytes in prop::collection::vec(any::<u8>(), 500), seen: bool, thin in 0i32..700) {
+        let mut source = Source::new(&bytes);
+        let widths = if seen { Micro16::WIDTHS } else { source.widths() };
+        let design = RuntimeWidths::new(widths).unwrap();
+        let mut view = source.sound_view();
+        view.viewport = [1 + source.u16() / 2, 1 + source.u16() / 2];
+        let mut rules = source.rules();
+        rules.low_pass.mantissa = rules.low_pass.mantissa.saturating_abs();
+        let mut splat = source.visible_splat();
+        let filtered = rules == Rules::EWA || rules == Rules::GAUSSIAN_3D;
+        if !filtered {
+            splat.axes.iter_mut().for_each(|axis| axis.exponent -= thin);
+        }
+        let table = vec![0; entries(&widths)];
+        let renderer = Renderer::with_table(design, rules, &table).unwrap();
+        let mut words = vec![u32::MAX; packed_words(&widths)];
+        let mut list = PackedList::new(design, &mut words);
+        let counts = renderer.set_up_scene(&view, [splat].as_slice(), &mut list).unwrap();
+        let expected = setup_for_spans(design, &view, &rules, &splat).map(|mut footprint| {
+            let leading = footprint.ldl.shear.exponent + i32::from(widths.mantissa) - 1;
+            if leading < -128 {
+                (footprint.ldl.shear.mantissa, footprint.ldl.shear.exponent) = (0, 0);
+            }
+            Footprint { depth: 0, ..footprint }
+        });
+        match (expected, list.footprint(0)) {
+            (Ok(expected), Some(packed)) => prop_assert_eq!(packed, expected),
+            (Ok(expected), None) => {
+                let thinnest = 129 - i32::from(widths.mantissa);
+                let far = expected.centre.iter().any(|centre| *centre == 1 << (26 + widths.subpixel));
+                let Ldl { horizontal, vertical, .. } = expected.ldl;
+                prop_assert!(far || !filtered && horizontal.exponent.max(vertical.exponent) >= thinnest);
+                prop_assert_eq!(counts.culled_for(Cull::Range), 1);
+            }
+            (Err(reason), packed) => {
+                prop_assert_eq!(packed, None);
+                prop_assert_eq!(counts.culled_for(reason), 1);
+            }
+        }
+    }
 }

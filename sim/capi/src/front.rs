@@ -75,10 +75,12 @@ pub unsafe extern "C" fn splatline_gaussian(
     code(convert())
 }
 
-/// Words of 32 bits that a list of `footprints` takes.
+/// Words of 32 bits that a list of `footprints` takes; the last is the picture's viewport.
 #[unsafe(no_mangle)]
 pub extern "C" fn splatline_list_words(footprints: usize) -> usize {
-    footprints.saturating_mul(packed_words(&Micro16::WIDTHS))
+    footprints
+        .saturating_mul(packed_words(&Micro16::WIDTHS))
+        .saturating_add(1)
 }
 
 /// Sorts a scene by depth, nearest first, and sets it up into a list. Returns the number of footprints on the list, or an error;
@@ -146,7 +148,9 @@ pub unsafe extern "C" fn splatline_draw_rgb565(
     let draw = || {
         // SAFETY: the function's own contract.
         let (words, window) = unsafe { (slice_mut(words, word_count)?, read(window)?) };
-        let list = PackedList::filled(Micro16, words, footprints).ok_or(Error::Size)?;
+        let (viewport, words) = words.split_last_mut().ok_or(Error::Size)?;
+        let viewport = [*viewport as u16, (*viewport >> 16) as u16];
+        let list = PackedList::filled(Micro16, words, footprints, viewport).ok_or(Error::Size)?;
         // SAFETY: the function's own contract; both structs have the same fields in C's layout.
         let (pixels, sent) = unsafe {
             (
@@ -203,7 +207,16 @@ unsafe fn set_up(
     needed_words: *mut usize,
 ) -> Result<i32, Error> {
     // SAFETY: the function's own contract.
-    let mut list = PackedList::new(Micro16, unsafe { slice_mut(words, word_count) }?);
+    let words = unsafe { slice_mut(words, word_count) }?;
+    let [columns, rows] = view.viewport.map(u32::from);
+    let list = match words.split_last_mut() {
+        Some((viewport, words)) => {
+            *viewport = rows << 16 | columns;
+            words
+        }
+        None => words,
+    };
+    let mut list = PackedList::new(Micro16, list);
     match Renderer::new(Micro16).set_up_scene(view, scene, &mut list) {
         Ok(_) => i32::try_from(list.len()).map_err(|_| Error::Size),
         Err(full) => {

@@ -127,12 +127,8 @@ fn draw_strip(memory: &mut FixedMemory, first_row: u16) {
 /// By the processor's own pixel loop where there is one.
 #[inline(always)]
 fn draw_footprint(painter: Painter32<Firmware16>, footprint: &Footprint, target: &mut Target) {
-    #[cfg(not(armv6m))]
+    #[cfg(not(any(armv6m, armv7em, target_arch = "riscv32")))]
     painter.draw(footprint, target);
-    #[cfg(armv6m)]
-    if let Some(mut runs) = painter.runs(footprint, &target.window()) {
-        while let Some(run) = runs.next_span() {
-            crate::pixel_loop::paint(runs.with_pixels(run, target));
-        }
-    }
+    #[cfg(any(armv6m, armv7em, target_arch = "riscv32"))]
+    painter.draw_with(footprint, target, |_, run| crate::pixel_loop::paint(run));
 }

@@ -9,7 +9,7 @@
 //! | `fixed_picture` | the kernel: setup, depth order, strips |
 //! | `float_picture` | the same drawing in `f32`, twice: as it is usually written, and by the kernel's own algorithm |
 //! | `general` | the same strips by the kernel's general painter, on the host: they must be equal |
-//! | `pixel_loop` | the pixel loop of Cortex-M0 and M0+ in assembly |
+//! | `pixel_loop` | the pixel loops of Cortex-M0+, M4 and RV32 in assembly |
 //! | `board` | reset, semihosting output, stack gauge |
 //!
 //! `unsafe` code is in `board`, `pixel_loop`, the size markers below and the images' static memory.
@@ -27,7 +27,7 @@ pub mod float_picture;
 #[cfg(not(target_os = "none"))]
 pub mod general;
 pub mod order;
-#[cfg(armv6m)]
+#[cfg(any(armv6m, armv7em, target_arch = "riscv32"))]
 pub mod pixel_loop;
 pub mod scene;
 pub mod table;

@@ -79,12 +79,12 @@ pub fn draw(
     };
     for window in view.window().strips(STRIP) {
         draw();
-        // The pixel loop in assembly, which this processor's compiler cannot equal.
-        #[cfg(all(target_arch = "arm", not(target_has_atomic = "32")))]
+        // The pixel loop in assembly, which these processors' compilers cannot equal.
+        #[cfg(assembly)]
         let frame = renderer.draw_with(&list, window, strip, |_, run| {
             splatline_firmware::pixel_loop::paint(run);
         });
-        #[cfg(not(all(target_arch = "arm", not(target_has_atomic = "32"))))]
+        #[cfg(not(assembly))]
         let frame = renderer.draw(&list, window, strip);
         let frame = frame.ok()?;
         frame.write_rgb565(BACKGROUND, sent);

@@ -4,7 +4,7 @@
 //! keep were lost: none, both. Where there is no such loop it prints that nothing was compared.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(armv6m)]
+#[cfg(any(armv6m, armv7em, target_arch = "riscv32"))]
 mod image {
     use core::arch::asm;
     use splatline::blend::{Blend, FINISHED, Pixel};
@@ -23,6 +23,10 @@ mod image {
     /// Bits of the largest radial index, and the first word beyond.
     const BITS: u32 = Firmware16::WIDTHS.radial as u32 + RULES.table_range as u32;
     const END: i64 = 1 << BITS;
+    const LEAST: u32 = Blend::new(&Firmware16::WIDTHS, &RULES)
+        .constants()
+        .minimum_transmittance
+        + 1;
 
     struct LoopRandom(u32);
 
@@ -75,7 +79,8 @@ mod image {
         }
 
         fn pixel(&mut self) -> Pixel {
-            let transmittance = self.bits(16) + 1;
+            // More than the least one that does not finish a pixel.
+            let transmittance = (self.bits(16) + 1).max(LEAST);
             let finished = if self.bits(3) == 7 { FINISHED } else { 0 };
             Pixel {
                 colour: [0; 3].map(|_: u32| self.bits(30)),
@@ -139,6 +144,37 @@ mod image {
     }
 
     /// Paints with known words in the registers that a callee must keep; what of them changed.
+    #[cfg(target_arch = "riscv32")]
+    fn registers_lost(run: &mut Option<NarrowRun>) -> u32 {
+        let function: extern "C" fn(&mut Option<NarrowRun>) = paint;
+        let lost;
+        // SAFETY: a call by the calling convention; both registers, which cannot be declared, are kept on the stack.
+        unsafe {
+            asm!(
+                "addi sp, sp, -16",
+                "sw s0, 0(sp)",
+                "sw s1, 4(sp)",
+                "li s0, 0x1234",
+                "li s1, 0x4321",
+                "jalr a1",
+                "li a1, 0x1234",
+                "xor a0, s0, a1",
+                "li a1, 0x4321",
+                "xor a1, s1, a1",
+                "or a0, a0, a1",
+                "lw s0, 0(sp)",
+                "lw s1, 4(sp)",
+                "addi sp, sp, 16",
+                inout("a0") run => lost,
+                inout("a1") function => _,
+                clobber_abi("C"),
+            )
+        }
+        lost
+    }
+
+    /// Paints with known words in the registers that a callee must keep; what of them changed.
+    #[cfg(target_arch = "arm")]
     fn registers_lost(run: &mut Option<NarrowRun>) -> u32 {
         let function: extern "C" fn(&mut Option<NarrowRun>) = paint;
         let lost;
@@ -186,7 +222,7 @@ mod image {
     }
 }
 
-#[cfg(all(target_os = "none", not(armv6m)))]
+#[cfg(all(target_os = "none", not(any(armv6m, armv7em, target_arch = "riscv32"))))]
 #[unsafe(no_mangle)]
 fn image_main() {
     splatline_firmware::board::print("runs", 0);
