@@ -41,9 +41,9 @@ emulator() {
 # What a frame cost when this was written and what it is to cost, in millions of instructions, for 200, 1000 and 3000 splats; - without a bar.
 costs() {
     case $1 in
-    thumbv6m-*) echo "18.7:18 40.6:35 88.4:-" ;;
-    thumbv7em-*) echo "13.9:11 26.6:20 54.0:-" ;;
-    riscv32*) echo "15.9:13 31.8:25 65.5:-" ;;
+    thumbv6m-*) echo "15.5:18 30.0:35 60.8:-" ;;
+    thumbv7em-*) echo "10.2:11 19.1:20 38.0:-" ;;
+    riscv32*) echo "12.8:13 23.6:25 46.7:-" ;;
     esac
 }
 phase() { awk -v p="phase_$2" '$1 == "phase" && $2 == p { print $6 }' "$1"; }
