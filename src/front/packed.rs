@@ -154,10 +154,12 @@ impl<'a, D: Design> PackedList<'a, D> {
 
     #[inline(never)]
     fn unpack(&self, words: &[u32]) -> Footprint {
-        let mut bits = Bits::default();
-        for (word, packed) in bits.words.iter_mut().zip(words) {
+        let mut bits = [0; MOST];
+        for (word, packed) in bits.iter_mut().zip(words) {
             *word = *packed;
         }
+        // The place is no part of what is copied: a compiler for size would not know it.
+        let mut bits = Bits { words: bits, at: 0 };
         let widths = self.design.widths();
         let mut entry = Entry::default();
         entry.fields(&widths, |_, width| bits.take(width));
@@ -255,14 +257,11 @@ fn side(bound: u32, how: u32, twice: u32, limit: u16) -> (u16, u16) {
     (bound as u16, end.min(limit.into()) as u16)
 }
 
-/// The fields of an entry, as they are packed. Axes in the order y, x.
+/// The fields of an entry, as they are packed.
 #[derive(Default)]
 struct Entry {
-    bound: [u32; 2],
-    how: [u32; 2],
-    /// floor(2 c) without its sign, and the bits of c below.
-    twice: [u32; 2],
-    rest: [u32; 2],
+    /// Of rows, and of columns.
+    sides: [Side; 2],
     cutoff: u32,
     /// Of A, C and 1/A.
     mantissa: [u32; 3],
@@ -273,6 +272,41 @@ struct Entry {
     shear: u32,
     opacity: u32,
     colour: [u32; 3],
+}
+
+/// Centre and box on an axis: see [`side`].
+#[derive(Default)]
+struct Side {
+    bound: u32,
+    how: u32,
+    /// floor(2 c) without its sign, and the bits of c below.
+    twice: u32,
+    rest: u32,
+}
+
+impl Side {
+    #[inline(always)]
+    fn new(first: u16, end: u16, centre: i64, below: u32) -> Side {
+        let twice = (centre >> below) as u32;
+        let (bound, how) = if first == 0 {
+            (end, 2 + u32::from(centre < 0))
+        } else {
+            let shorter = twice.wrapping_sub(first.into());
+            (first, u32::from(shorter < u32::from(end)))
+        };
+        Side {
+            bound: bound.into(),
+            how,
+            twice,
+            rest: centre as u32 & ((1 << below) - 1),
+        }
+    }
+
+    #[inline(always)]
+    fn centre(&self, below: u32) -> i64 {
+        let twice = (self.twice as i32).wrapping_sub(i32::from(self.how == 3) << TWICE);
+        i64::from(twice) << below | i64::from(self.rest)
+    }
 }
 
 impl Entry {
@@ -286,7 +320,13 @@ impl Entry {
             // Too small to move a pixel: above it is kept by the variances.
             (shear.mantissa, shear.exponent) = (0, 0);
         }
-        let mut entry = Entry {
+        let ([x, y], [first_x, first_y], [end_x, end_y]) =
+            (footprint.centre, footprint.first, footprint.end);
+        Entry {
+            sides: [
+                Side::new(first_y, end_y, y, below),
+                Side::new(first_x, end_x, x, below),
+            ],
             cutoff: footprint.cutoff,
             mantissa: [ldl.horizontal, ldl.vertical, ldl.squared_width].map(|n| n.mantissa as u32),
             power: [ldl.horizontal, ldl.vertical, shear]
@@ -297,22 +337,7 @@ impl Entry {
             shear: shear.mantissa as u32,
             opacity: footprint.opacity,
             colour: footprint.colour,
-            ..Entry::default()
-        };
-        for (place, axis) in [1, 0].into_iter().enumerate() {
-            let (first, end) = (footprint.first[axis], footprint.end[axis]);
-            let centre = footprint.centre[axis];
-            let twice = (centre >> below) as u32;
-            entry.rest[place] = centre as u32 & ((1 << below) - 1);
-            entry.twice[place] = twice;
-            (entry.bound[place], entry.how[place]) = if first == 0 {
-                (end.into(), 2 + u32::from(centre < 0))
-            } else {
-                let shorter = twice.wrapping_sub(first.into());
-                (first.into(), u32::from(shorter < u32::from(end)))
-            };
         }
-        entry
     }
 
     /// Every field in the order of the entry: `field` gets a value and its bits, and returns the value that is kept. Written once for both
@@ -321,39 +346,42 @@ impl Entry {
     fn fields(&mut self, widths: &Widths, mut field: impl FnMut(u32, u32) -> u32) {
         let mantissa = u32::from(widths.mantissa);
         let below = u32::from(widths.subpixel) - 1;
-        let mut all = |values: &mut [u32], bits| {
-            for value in values {
-                *value = field(*value, bits);
-            }
-        };
-        all(&mut self.bound, BOUND);
-        all(&mut self.how, HOW);
-        all(&mut self.twice, TWICE);
-        all(&mut self.rest, below);
-        all(core::slice::from_mut(&mut self.cutoff), 32);
-        all(&mut self.mantissa, mantissa - 1);
-        all(&mut self.power, POWER);
-        all(core::slice::from_mut(&mut self.sum), 2);
-        all(core::slice::from_mut(&mut self.shear), mantissa + 1);
-        all(
-            core::slice::from_mut(&mut self.opacity),
-            4 + u32::from(widths.peak),
-        );
-        let range = widths.colour_range() + widths.colour;
-        all(&mut self.colour, range.into());
+        let [y, x] = &mut self.sides;
+        let mut one = |value: &mut u32, bits| *value = field(*value, bits);
+        one(&mut y.bound, BOUND);
+        one(&mut x.bound, BOUND);
+        one(&mut y.how, HOW);
+        one(&mut x.how, HOW);
+        one(&mut y.twice, TWICE);
+        one(&mut x.twice, TWICE);
+        one(&mut y.rest, below);
+        one(&mut x.rest, below);
+        one(&mut self.cutoff, 32);
+        let [horizontal, vertical, squared_width] = &mut self.mantissa;
+        one(horizontal, mantissa - 1);
+        one(vertical, mantissa - 1);
+        one(squared_width, mantissa - 1);
+        let [horizontal, vertical, shear] = &mut self.power;
+        one(horizontal, POWER);
+        one(vertical, POWER);
+        one(shear, POWER);
+        one(&mut self.sum, 2);
+        one(&mut self.shear, mantissa + 1);
+        one(&mut self.opacity, 4 + u32::from(widths.peak));
+        let colour = u32::from(widths.colour_range() + widths.colour);
+        let [red, green, blue] = &mut self.colour;
+        one(red, colour);
+        one(green, colour);
+        one(blue, colour);
     }
 
     #[inline(always)]
     fn footprint(&self, widths: &Widths, viewport: [u16; 2]) -> Footprint {
         let leading = i32::from(widths.mantissa) - 1;
         let below = u32::from(widths.subpixel) - 1;
-        let (mut centre, mut first, mut end) = ([0; 2], [0; 2], [0; 2]);
-        for (place, axis) in [1, 0].into_iter().enumerate() {
-            let (how, twice) = (self.how[place], self.twice[place]);
-            (first[axis], end[axis]) = side(self.bound[place], how, twice, viewport[axis]);
-            let twice = (twice as i32).wrapping_sub(i32::from(how == 3) << TWICE);
-            centre[axis] = i64::from(twice) << below | i64::from(self.rest[place]);
-        }
+        let ([y, x], [columns, rows]) = (&self.sides, viewport);
+        let (first_x, end_x) = side(x.bound, x.how, x.twice, columns);
+        let (first_y, end_y) = side(y.bound, y.how, y.twice, rows);
         let [horizontal, vertical, squared_width] =
             self.mantissa.map(|low| (low | 1 << leading) as i32);
         let [power, vertical_power, shear_power] =
@@ -362,9 +390,9 @@ impl Entry {
         // Not `EMPTY` with other fields, which small processors would copy before.
         Footprint {
             depth: 0,
-            centre,
-            first,
-            end,
+            centre: [x.centre(below), y.centre(below)],
+            first: [first_x, first_y],
+            end: [end_x, end_y],
             ldl: Ldl {
                 horizontal: number(horizontal, power),
                 squared_width: number(squared_width, self.sum as i32 - (2 * leading + 2) - power),

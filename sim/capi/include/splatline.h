@@ -568,7 +568,7 @@ int32_t splatline_gaussian(const float *mean,
                            const float *colour,
                            SplatlineSplat *splat);
 
-// Words of 32 bits that a list of `footprints` takes.
+// Words of 32 bits that a list of `footprints` takes; the last is the picture's viewport.
 size_t splatline_list_words(size_t footprints);
 
 // Sorts a scene by depth, nearest first, and sets it up into a list. Returns the number of footprints on the list, or an error;
