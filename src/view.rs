@@ -332,6 +332,29 @@ mod tests {
         assert_eq!(eye(1 << 59).difference(&at(1 << 30, 29), 24), ([0; 3], 0));
     }
 
+    /// Entries are rounded as [`round_entry`] does; a difference moves to either side.
+    #[test]
+    fn entries_of_a_short_rotation_are_rounded() {
+        let widths = Widths {
+            position: 18,
+            ..Standard24::WIDTHS
+        };
+        let row = [(1 << 30) - 5, -(1 << 29) + 2048, 97].map(I2F30::from_bits);
+        let centre = [3, -70_001, 99_999].map(|mantissa| SoftFloat {
+            mantissa,
+            exponent: -9,
+        });
+        let (parts, _) = Eye::ORIGIN.difference(&centre, 18);
+        let expected: i64 = row
+            .iter()
+            .zip(parts)
+            .map(|(w, part)| round_entry(*w, 18) * part)
+            .sum();
+        let found = Eye::ORIGIN.to_camera(&[row; 3], &centre, &widths);
+        assert_eq!(found.value, [expected; 3]);
+        assert_eq!([-1, 0, 1, 2].map(|down| moved(5, down)), [10, 5, 3, 1]);
+    }
+
     /// W u + d in 128 bits, with W's entries rounded to the design's bits.
     #[test]
     fn translations_add_products() {

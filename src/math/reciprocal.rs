@@ -7,7 +7,7 @@
 
 use super::shift::shift_round;
 use super::soft_float::SoftFloat;
-use super::words::leading_zeros;
+use super::words::{leading_zeros, product};
 
 const INTERVALS: usize = 256;
 
@@ -35,29 +35,31 @@ pub fn reciprocal(value: SoftFloat, bits: u32) -> Option<SoftFloat> {
     let magnitude = value.mantissa.unsigned_abs();
     let x = magnitude << leading_zeros(magnitude);
     let index = ((x >> 23) & 0xff) as usize;
-    let rest = (x & 0x7f_ffff) as i64;
-    let low = RECIPROCALS[index & 0xff] as i64;
-    let high = RECIPROCALS[(index & 0xff) + 1] as i64;
-    let seed = low + shift_round((high - low) * rest, 23);
-    let result = if bits > 16 {
-        newton(x, seed)
+    let rest = (x & 0x7f_ffff) as i32;
+    let low = RECIPROCALS[index & 0xff] as i32;
+    let high = RECIPROCALS[(index & 0xff) + 1] as i32;
+    let seed = low + shift_round(product(high - low, rest), 23) as i32;
+    let signed = |result: i64| if value.mantissa < 0 { -result } else { result };
+    let exponent = (-60i32).saturating_sub(value.leading());
+    Some(if bits > 16 {
+        SoftFloat::from_wide(signed(newton(x, seed)), exponent, bits)
     } else {
-        seed << 30
-    };
-    let signed = if value.mantissa < 0 { -result } else { result };
-    Some(SoftFloat::from_wide(
-        signed,
-        (-60i32).saturating_sub(value.leading()),
-        bits,
-    ))
+        SoftFloat::from_word(
+            signed(seed.into()) as i32,
+            exponent.saturating_add(30),
+            bits,
+        )
+    })
 }
 
-/// y (2 - x y) in UQ1.60 from y in UQ1.30 and x in UQ1.31.
+/// y (2 - x y) in UQ1.60 from y in UQ1.30 and x in UQ1.31, whose leading bit is set.
 #[inline(always)]
-fn newton(x: u32, seed: i64) -> i64 {
-    let defect = (1i64 << 61) - x as i64 * seed;
+fn newton(x: u32, seed: i32) -> i64 {
+    let wide = i64::from(seed);
+    // 2 - x y, but for the 2^61 that leaves the word below; as a signed number x is 2^32 less.
+    let defect = -((wide << 32) + product(x as i32, seed));
     // |defect| < 2^-17 in Q61, so 31 of its bits are kept for the product.
-    (seed << 30) + shift_round(seed * shift_round(defect, 14), 17)
+    (wide << 30) + shift_round(product(seed, shift_round(defect, 14) as i32), 17)
 }
 
 #[cfg(test)]

@@ -86,7 +86,7 @@ impl SoftFloat {
     /// The same of a word.
     #[cfg_attr(not(target_pointer_width = "32"), inline)]
     #[cfg_attr(target_pointer_width = "32", inline(never))]
-    const fn from_word(value: i32, exponent: i32, bits: u32) -> SoftFloat {
+    pub(crate) const fn from_word(value: i32, exponent: i32, bits: u32) -> SoftFloat {
         if value == 0 {
             return SoftFloat::ZERO;
         }
@@ -175,7 +175,10 @@ impl SoftFloat {
     /// Product rounded to `bits`.
     #[inline]
     pub const fn multiply(self, other: SoftFloat, bits: u32) -> SoftFloat {
-        self.times(other).normalise(bits)
+        let Product {
+            value, exponent, ..
+        } = self.times(other);
+        SoftFloat::from_wide(value, exponent, bits)
     }
 
     /// `self * 2^power`, exactly.
@@ -229,6 +232,9 @@ impl Product {
     /// Rounded to `bits`.
     #[inline]
     pub const fn normalise(self, bits: u32) -> SoftFloat {
+        if self.length < 32 {
+            return SoftFloat::from_word(self.value as i32, self.exponent, bits);
+        }
         SoftFloat::from_wide(self.value, self.exponent, bits)
     }
 
@@ -511,6 +517,31 @@ mod tests {
                 assert_eq!(SoftFloat::from_word(value, 3, bits), wide, "{value} {bits}");
             }
         }
+    }
+
+    /// Terms of 0 say nothing of the window, wherever they are; small ones do. The oracle is the sum in two words.
+    #[test]
+    fn terms_of_zero_have_no_say() {
+        let places = [0, 3, 40].into_iter().flat_map(|exponent| {
+            [0, 1, 2, -1, 1 << 29].map(|value| Product {
+                value,
+                exponent,
+                length: 30,
+            })
+        });
+        for a in places.clone() {
+            for b in places.clone() {
+                let wide = [a, b].map(|term| term.cut(15 + GUARD));
+                assert_eq!(sum_of_products([a, b], 15), sum(&wide, 15), "{a:?} {b:?}");
+            }
+        }
+        assert_eq!(
+            Product::new(3 << 30, 0).normalise(2),
+            SoftFloat {
+                mantissa: 3,
+                exponent: 30
+            }
+        );
     }
 
     /// Four of the largest terms, alone and with mantissas of half a word.

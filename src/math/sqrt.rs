@@ -68,7 +68,7 @@ pub fn square_root(value: SoftFloat, bits: u32) -> SoftFloat {
         exponent: exponent.saturating_sub(7),
     };
     if bits <= 16 {
-        return SoftFloat::from_wide(seed.mantissa as i64, seed.exponent, bits);
+        return SoftFloat::from_word(seed.mantissa, seed.exponent, bits);
     }
     let Some(inverse) = reciprocal(seed, 31) else {
         return SoftFloat::ZERO;

@@ -35,7 +35,7 @@ pub use surface::{depth_gradient, setup_surface, surface_opacity};
 
 use crate::footprint::{Conic, Footprint, Ldl, depth};
 use crate::format::{Design, Widths};
-use crate::math::{SoftFloat, shift_left, square_root};
+use crate::math::{SoftFloat, square_root};
 use crate::rules::Rules;
 use crate::splat::VolumeSplat;
 use crate::view::{Pose, View};
@@ -134,13 +134,7 @@ fn footprint<D: Design, P: Pose>(
     }
     let peak = centre_opacity(&widths, rules, weight, &projected, &covariance);
     let cutoff = cutoff(rules, peak).ok_or(Cull::Transparent)?;
-    let (first, last) = bounding_box(
-        widths.subpixel.into(),
-        view,
-        projected.centre,
-        &covariance,
-        cutoff,
-    )?;
+    let (first, last) = bounding_box(&widths, view, projected.centre, &covariance, cutoff)?;
     let colour = colour(&widths, splat.colour);
     let peak = opacity_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?;
     Ok(Footprint {
@@ -160,25 +154,28 @@ fn footprint<D: Design, P: Pose>(
 ///
 /// Extents are taken 2^-10 larger, relatively, than the root unit's 16-bit result, so that no pixel is missed.
 fn bounding_box<P>(
-    subpixel: u32,
+    widths: &Widths,
     view: &View<P>,
     centre: [i64; 2],
     covariance: &Covariance2d,
     cutoff: u32,
 ) -> Result<([u16; 2], [u16; 2]), Cull> {
+    let [subpixel, bits] = [widths.subpixel, widths.mantissa].map(u32::from);
     let cutoff = SoftFloat::from_wide(cutoff.into(), -28, 16);
     let mut first = [0; 2];
     let mut last = [0; 2];
     for (axis, spread) in [covariance.xx, covariance.yy].into_iter().enumerate() {
-        let extent = square_root(cutoff.multiply(spread, 16), 16).to_fixed(32);
-        let extent = extent.saturating_add(extent >> 10);
+        let squared = cutoff.times_within(spread, 16 + bits).normalise(16);
+        let extent = square_root(squared, 16).to_fixed(32);
+        // What leaves the word is negative, and so out of range too. What remains is far from the word's ends, and upper words say it all.
+        let extent = extent.wrapping_add(extent >> 10);
         if extent >> (32 + 28) != 0 {
             return Err(Cull::Range);
         }
-        let sample = shift_left(centre[axis], 32 - subpixel).saturating_sub(1 << 31);
-        let low = sample.saturating_sub(extent).saturating_add((1 << 32) - 1) >> 32;
-        let high = (sample.saturating_add(extent) >> 32).saturating_add(1);
-        let limit = i64::from(view.viewport[axis]);
+        let sample = (centre[axis] << (32 - subpixel)).wrapping_sub(1 << 31);
+        let low = (sample.wrapping_sub(extent).wrapping_add((1 << 32) - 1) >> 32) as i32;
+        let high = (sample.wrapping_add(extent) >> 32) as i32 + 1;
+        let limit = i32::from(view.viewport[axis]);
         let (low, high) = (low.clamp(0, limit), high.clamp(0, limit));
         if low >= high {
             return Err(Cull::Outside);

@@ -95,7 +95,7 @@ pub fn setup_point<D: Design, P: Pose>(
     };
     let peak = splat.weight.multiply(gain, bits).multiply(share, bits);
     let (first, last) = bounding_box(
-        widths.subpixel.into(),
+        &widths,
         view,
         projected.centre,
         &filter.covariance,

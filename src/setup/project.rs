@@ -114,7 +114,7 @@ fn ratios<P>(view: &View<P>, rules: &Rules, on_plane: [SoftFloat; 2], bits: u32)
             fixed = fixed.min(high).max(low);
             *value = SoftFloat::from_wide(fixed, -32, bits);
         } else {
-            *value = SoftFloat::from_wide(value.mantissa.into(), value.exponent, bits);
+            *value = SoftFloat::from_word(value.mantissa, value.exponent, bits);
         }
     }
     ratio

@@ -91,13 +91,7 @@ pub fn setup_sphere<D: Design, P: Pose>(
     let ldl = ldl(&widths, &covariance).ok_or(Cull::Degenerate)?;
     let conic = conic(&widths, &covariance, ldl.horizontal).ok_or(Cull::Degenerate)?;
     let centre = cone.centre(&widths, view, &projected);
-    let (first, last) = bounding_box(
-        widths.subpixel.into(),
-        view,
-        centre,
-        &covariance,
-        cone.cutoff,
-    )?;
+    let (first, last) = bounding_box(&widths, view, centre, &covariance, cone.cutoff)?;
     let footprint = Footprint {
         depth: depth::key(projected.depth),
         centre,

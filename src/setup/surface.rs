@@ -65,13 +65,7 @@ pub fn setup_surface<D: Design, P: Pose>(
     let peak = surface_opacity(&widths, splat.weight, area, &covariance);
     let cutoff = cutoff(rules, peak).ok_or(Cull::Transparent)?;
     let peak = opacity_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?;
-    let (first, last) = bounding_box(
-        widths.subpixel.into(),
-        view,
-        projected.centre,
-        &covariance,
-        cutoff,
-    )?;
+    let (first, last) = bounding_box(&widths, view, projected.centre, &covariance, cutoff)?;
     let (attributes, back) = attributes(&widths, &view.rotation, &projected, splat);
     let along_ray = splat
         .frame

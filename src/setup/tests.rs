@@ -13,6 +13,12 @@ use std::vec::Vec;
 
 const WIDTHS: Widths = Standard24::WIDTHS;
 
+/// Centres as fine as they come.
+const BOXES: Widths = Widths {
+    subpixel: 24,
+    ..WIDTHS
+};
+
 fn whole(value: i64) -> SoftFloat {
     SoftFloat::from_wide(value, 0, 24)
 }
@@ -65,7 +71,15 @@ fn a_box_holds_the_sample_at_its_edge() {
         yy: SoftFloat::ZERO,
         determinant: SoftFloat::ZERO,
     };
-    let bounds = |centre| bounding_box(24, &view(Eye::ORIGIN, [1; 2]), centre, &nothing, 1 << 28);
+    let bounds = |centre| {
+        bounding_box(
+            &BOXES,
+            &view(Eye::ORIGIN, [1; 2]),
+            centre,
+            &nothing,
+            1 << 28,
+        )
+    };
     assert_eq!(bounds([19 << 23, 11 << 23]), Ok(([9, 5], [10, 6])));
     assert_eq!(bounds([(19 << 23) + 1, 11 << 23]), Err(Cull::Outside));
 }
@@ -84,11 +98,36 @@ fn boxes_are_these() {
             determinant: SoftFloat::ZERO,
         };
         let centre = [0; 2].map(|_| (next() >> 25) as i64);
-        let bounds = bounding_box(24, &view, centre, &covariance, next() as u32);
+        let bounds = bounding_box(&BOXES, &view, centre, &covariance, next() as u32);
         let (first, end) = bounds.unwrap_or_default();
         [first[0], first[1], end[0], end[1]].map(u64::from)
     });
     assert_eq!(digest(words), 17_678_529_370_885_420_965);
+}
+
+/// A mantissa of 16 bits times the cut-off's 16 does not fit a signed word. Axes have six bits more than mantissas.
+#[test]
+fn long_products_of_short_mantissas() {
+    let spread = SoftFloat::from_wide(65_535, -12, 16);
+    let covariance = Covariance2d {
+        xx: spread,
+        xy: SoftFloat::ZERO,
+        yy: spread,
+        determinant: SoftFloat::ZERO,
+    };
+    let bounds = |mantissa| {
+        let widths = Widths { mantissa, ..BOXES };
+        let centre = [19 << 23, 11 << 23];
+        bounding_box(
+            &widths,
+            &view(Eye::ORIGIN, [1; 2]),
+            centre,
+            &covariance,
+            65_535 << 12,
+        )
+    };
+    assert!(bounds(16).is_ok() && bounds(16) == bounds(24));
+    assert_eq!(axis_bits(&Lean18::WIDTHS), 24);
 }
 
 /// Focal lengths of the two directions are not mixed up: samples are spaced by the smaller, a point's area has both, a ball's radii one each.
@@ -403,7 +442,7 @@ fn numbers_end_where_their_words_do() {
             determinant: SoftFloat::ZERO,
         };
         bounding_box(
-            24,
+            &BOXES,
             &view(Eye::ORIGIN, [1; 2]),
             [19 << 23, 11 << 23],
             &covariance,
