@@ -673,4 +673,33 @@ mod tests {
             assert_eq!(seen, [expected.clone(), expected], "{first} {end}");
         }
     }
+
+    /// Windows below the picture see none of its footprints, whose rows end with it, however wide it is.
+    #[test]
+    fn nothing_is_visited_below_the_picture() {
+        let widths = Micro16::WIDTHS;
+        let mut words = vec![0; packed_words(&widths)];
+        let mut list = PackedList::new(RuntimeWidths::<i64>::new(widths).unwrap(), &mut words);
+        assert!(list.is_empty());
+        list.begin([100, 10]);
+        let footprint = Footprint {
+            centre: [10 << widths.subpixel; 2],
+            first: [5; 2],
+            end: [15, 10],
+            ..extreme(&widths, false)
+        };
+        list.push(&footprint, packed_words(&widths)).unwrap();
+        let visited = |first, end| {
+            let (mut count, window) = (
+                0,
+                Window {
+                    first: [0, first],
+                    end: [100, end],
+                },
+            );
+            list.visit(&window, Compositing::FrontToBack, |_| count += 1);
+            count
+        };
+        assert_eq!([visited(9, 12), visited(12, 14)], [1, 0]);
+    }
 }

@@ -588,6 +588,7 @@ mod tests {
             };
             let mut rows = EllipseSpans::new(Lean18, &footprint, &window);
             let constants = rows.constants();
+            assert_eq!(constants.bounds, [footprint.first[0], footprint.end[0]]);
             let last = end
                 .min(first / BLOCK * BLOCK + 3 * BLOCK)
                 .min(footprint.end[1]);
@@ -612,6 +613,45 @@ mod tests {
                 begun = block.end;
             }
         }
+    }
+
+    /// A row's part of the box is drawn, wherever its span begins.
+    #[test]
+    fn nothing_is_seen_beside_the_box() {
+        let mut footprint = ellipse(&Lean18::WIDTHS, [9.5, 3.5], [5.0, 2.0], [1.0, 0.0]);
+        footprint.first[0] = 8;
+        let window = Window {
+            first: [0; 2],
+            end: [40, 40],
+        };
+        let runs = runs(EllipseSpans::new(Lean18, &footprint, &window));
+        assert!(!runs.is_empty() && runs.iter().all(|run| run.x >= 8));
+    }
+
+    /// Mantissas are handed on as they are, whether their root needs twice as much or not; the narrowest half-widths are in place.
+    #[test]
+    fn half_widths_of_both_parities() {
+        let window = Window {
+            first: [0; 2],
+            end: [40, 40],
+        };
+        let mut parities = [false; 2];
+        for length in [3.0, 4.0, 5.0, 6.0, 8.0] {
+            let footprint = ellipse(&Lean18::WIDTHS, [9.5, 3.5], [length, 2.0], [1.0, 0.0]);
+            let (mantissa, odd, _) = EllipseSpans::new(Lean18, &footprint, &window)
+                .constants()
+                .squared_width;
+            assert_eq!(mantissa, footprint.ldl.squared_width.mantissa as u64);
+            parities[odd as usize] = true;
+        }
+        assert_eq!(parities, [true; 2]);
+        let widths = Lean18::WIDTHS;
+        let thin = HalfWidth::new(SoftFloat {
+            mantissa: 1 << 17,
+            exponent: -47,
+        });
+        let half = thin.of(1 << vertical_fraction(&widths), &widths);
+        assert!(half.abs_diff(1 << 17) <= 1, "{half}");
     }
 
     /// Ends beyond the word are its ends, where widths allow them; designs of short mantissas and short lanes take short words.

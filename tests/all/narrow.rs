@@ -270,6 +270,7 @@ fn ends<const N: usize>(widths: Widths, rules: &Rules) {
         for (cutoff, last) in [
             (u32::MAX, (1u64 << (widths.radial + range)) - 1),
             (1 << 28, (1 << widths.radial) - 1 + lead),
+            (1 << (28 - widths.radial), lead),
         ] {
             let footprint = round(&widths, sharpness, cutoff, opacity);
             let mut pixels = [Pixel::EMPTY; (SIZE as usize).pow(2)];

@@ -456,3 +456,26 @@ proptest! {
         }
     }
 }
+
+/// A splat thinner than an entry has bits for is counted as out of range.
+#[test]
+fn what_no_entry_holds_is_culled() {
+    let view = camera().view().unwrap();
+    let rules = Rules {
+        low_pass: SoftFloat::ZERO,
+        ..Rules::GAUSSIAN_3D
+    };
+    let thin = Gaussian {
+        scales: [1e-24, 0.5, 1e-24],
+        rotation: [0.9, 0.0, 0.0, 0.4],
+        ..Gaussian::UNIT
+    };
+    let scene = [thin.splat().unwrap()];
+    let mut words = vec![0; 4 * packed_words(&Micro16::WIDTHS)];
+    let mut list = PackedList::new(Micro16, &mut words);
+    let renderer = Renderer::with_rules(Micro16, rules).unwrap();
+    let counts = renderer
+        .set_up_scene(&view, scene.as_slice(), &mut list)
+        .unwrap();
+    assert_eq!((counts.drawn, counts.culled_for(Cull::Range)), (0, 1));
+}
