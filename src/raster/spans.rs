@@ -624,8 +624,12 @@ mod tests {
             first: [0; 2],
             end: [40, 40],
         };
-        let runs = runs(EllipseSpans::new(Lean18, &footprint, &window));
-        assert!(!runs.is_empty() && runs.iter().all(|run| run.x >= 8));
+        let mut rows = EllipseSpans::new(Lean18, &footprint, &window);
+        assert_eq!(rows.constants().bounds, [8, footprint.end[0]]);
+        while rows.y < rows.end_row {
+            let row = rows.next_row();
+            assert!(row.x >= 8 || row.end == 0, "{} from {}", row.y, row.x);
+        }
     }
 
     /// Mantissas are handed on as they are, whether their root needs twice as much or not; the narrowest half-widths are in place.
