@@ -6,11 +6,9 @@ pub mod scene;
 
 use scene::{MOST, SIDE};
 #[cfg(feature = "emulated")]
-use splatline::Renderer;
-use splatline::front::packed_words;
-#[cfg(feature = "emulated")]
-use splatline::front::{CompactScene, PackedList};
-use splatline::{Micro16, Pixel};
+use splatline::front::CompactScene;
+use splatline::front::{PackedList, packed_words};
+use splatline::{Micro16, Pixel, Renderer};
 #[cfg(feature = "emulated")]
 use splatline_firmware::checksum::Checksum;
 #[cfg(feature = "emulated")]
@@ -46,6 +44,26 @@ impl FrameMemory {
         strip: [Pixel::EMPTY; STRIP_PIXELS],
         sent: [0; STRIP_PIXELS],
     };
+}
+
+/// Draws the scenes one after the other, for ever, by one core; `send` gets a strip's first row and its pixels.
+pub fn show(memory: &mut FrameMemory, mut send: impl FnMut(u16, &[u16])) -> ! {
+    let renderer = Renderer::new(Micro16);
+    let view = scene::view();
+    let FrameMemory { list, strip, sent } = memory;
+    let mut list = PackedList::new(Micro16, list);
+    loop {
+        for scene in &scene::SCENES {
+            // A list that is full is left empty, and shows as the background.
+            let _ = renderer.set_up_scene(&view, scene, &mut list);
+            for window in view.window().strips(STRIP) {
+                if let Ok(frame) = renderer.draw(&list, window, strip) {
+                    frame.write_rgb565(BACKGROUND, sent);
+                    send(window.first[1], sent);
+                }
+            }
+        }
+    }
 }
 
 /// What came out.
