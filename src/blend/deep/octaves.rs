@@ -177,4 +177,14 @@ mod tests {
             );
         }
     }
+    #[test]
+    fn octaves_are_these() {
+        assert_eq!([1 << 31, u32::MAX].map(of_opacity), [20 << 44; 2]);
+        let mut next = crate::random();
+        let words = (0..4000).flat_map(|_| {
+            let depth = next() as u32 >> (next() % 30);
+            [of_opacity(depth), transmittance(depth, 27).into()]
+        });
+        assert_eq!(crate::digest(words), 4_838_507_992_869_563_245);
+    }
 }

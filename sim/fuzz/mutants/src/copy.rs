@@ -190,7 +190,13 @@ impl Copy {
     }
 
     fn cargo(&self, arguments: &[&str], compiled: usize) -> Result<Vec<u8>, Failure> {
-        let output = Command::new("cargo")
+        // A table whose loop does not end keeps the compiler busy until it has no memory.
+        let limits = match compiled {
+            0 => "exec cargo \"$@\"",
+            _ => "ulimit -v 8000000; ulimit -t 300; exec cargo \"$@\"",
+        };
+        let output = Command::new("sh")
+            .args(["-c", limits, "cargo"])
             .args(arguments)
             .args([
                 "--profile",
