@@ -10,8 +10,8 @@
 //! - [`Translation`]: centres are Q7.24, 32 bits a coordinate, for firmware that knows the range of its scene. t = W u + d is exact to Q9.54.
 
 use crate::format::Widths;
-use crate::math::words::{leading_zeros_wide, product, rounded_down, shift_word, shifted_up};
-use crate::math::{Extended, SoftFloat, shift_round};
+use crate::math::words::{leading_zeros_wide, product, shift_word};
+use crate::math::{Extended, SoftFloat, shift_round, shift_signed};
 use crate::raster::Window;
 use fixed::types::{I2F30, I8F24, I10F54, I32F32};
 
@@ -212,17 +212,6 @@ fn halves(value: i64, low: u32) -> (i32, i32) {
     (high as i32, value.wrapping_sub(high << low) as i32)
 }
 
-/// `value * 2^-down` for either sign of `down`: rounds to nearest to the right; to the left no bit may leave the word.
-#[cfg_attr(not(target_pointer_width = "32"), inline)]
-#[cfg_attr(target_pointer_width = "32", inline(never))]
-const fn moved(value: i64, down: i32) -> i64 {
-    if down > 0 {
-        rounded_down(value, down as u32)
-    } else {
-        shifted_up(value as u64, down.unsigned_abs() & 63) as i64
-    }
-}
-
 impl Eye {
     /// At the origin of the scene, the rotation exact in 30 bits.
     pub const ORIGIN: Eye = Eye {
@@ -250,8 +239,8 @@ impl Eye {
         let unit = leading.saturating_sub(TOP);
         let mut difference = [0; 3];
         for ((difference, u), e) in difference.iter_mut().zip(centre).zip(self.position) {
-            let aligned = moved(u.mantissa.into(), unit.saturating_sub(u.exponent));
-            *difference = aligned.wrapping_sub(moved(e, unit.saturating_sub(self.exponent)));
+            let aligned = shift_signed(u.mantissa.into(), unit.saturating_sub(u.exponent));
+            *difference = aligned.wrapping_sub(shift_signed(e, unit.saturating_sub(self.exponent)));
         }
         let magnitude = together(difference);
         if magnitude == 0 {
@@ -259,7 +248,7 @@ impl Eye {
         }
         let drop = length(magnitude) - bits as i32;
         (
-            difference.map(|coordinate| moved(coordinate, drop)),
+            difference.map(|coordinate| shift_signed(coordinate, drop)),
             unit.saturating_add(drop),
         )
     }
@@ -332,7 +321,7 @@ mod tests {
         assert_eq!(eye(1 << 59).difference(&at(1 << 30, 29), 24), ([0; 3], 0));
     }
 
-    /// Entries are rounded as [`round_entry`] does; a difference moves to either side.
+    /// Entries are rounded as [`round_entry`] does.
     #[test]
     fn entries_of_a_short_rotation_are_rounded() {
         let widths = Widths {
@@ -352,7 +341,16 @@ mod tests {
             .sum();
         let found = Eye::ORIGIN.to_camera(&[row; 3], &centre, &widths);
         assert_eq!(found.value, [expected; 3]);
-        assert_eq!([-1, 0, 1, 2].map(|down| moved(5, down)), [10, 5, 3, 1]);
+        // Where exponents end, a mantissa does too.
+        let far = [
+            SoftFloat::ZERO,
+            SoftFloat::ZERO,
+            SoftFloat {
+                mantissa: 1 << 30,
+                exponent: i32::MAX,
+            },
+        ];
+        assert_eq!(Eye::ORIGIN.difference(&far, 18).0, [0, 0, 1 << 18]);
     }
 
     /// W u + d in 128 bits, with W's entries rounded to the design's bits.
