@@ -41,6 +41,19 @@ fn row_of(visible: usize, hidden: usize) -> Vec<VolumeSplat> {
         .collect()
 }
 
+/// A scene's list, for which the words have room, and its renderer.
+fn set_up<'w, D: Tabled>(
+    design: D,
+    view: &View,
+    scene: &[VolumeSplat],
+    words: &'w mut [u32],
+) -> (Renderer<'static, D>, PackedList<'w, D>) {
+    let mut list = PackedList::new(design, words);
+    let renderer = Renderer::new(design);
+    renderer.set_up_scene(view, scene, &mut list).unwrap();
+    (renderer, list)
+}
+
 /// The memory that the error asks for suffices, and one footprint less does not, however many splats need a key and no place.
 #[test]
 fn a_packed_list_that_is_full_says_how_much_it_lacks() {
@@ -293,11 +306,7 @@ fn a_callers_pixel_loop_draws_the_picture() {
     let (view, scene) = (camera().view().unwrap(), row_of(4, 0));
     let runs = Cell::new(0);
     let mut words = vec![0; 4 * packed_words(&Micro16::WIDTHS)];
-    let mut list = PackedList::new(Micro16, &mut words);
-    let renderer = Renderer::new(Micro16);
-    renderer
-        .set_up_scene(&view, scene.as_slice(), &mut list)
-        .unwrap();
+    let (renderer, list) = set_up(Micro16, &view, &scene, &mut words);
     let [mut own, mut theirs, mut none] = [[Pixel::EMPTY; PIXELS]; 3];
     let own = renderer.draw(&list, view.window(), &mut own).unwrap();
     let theirs = renderer.draw_with(&list, view.window(), &mut theirs, |painter, run| {
@@ -320,11 +329,7 @@ fn a_callers_pixel_loop_draws_the_picture() {
     );
 
     let mut words = vec![0; 4 * packed_words(&Standard24::WIDTHS)];
-    let mut list = PackedList::new(Standard24, &mut words);
-    let renderer = Renderer::new(Standard24);
-    renderer
-        .set_up_scene(&view, scene.as_slice(), &mut list)
-        .unwrap();
+    let (renderer, list) = set_up(Standard24, &view, &scene, &mut words);
     let mut wide = [Pixel::EMPTY; PIXELS];
     let wide = renderer.draw_with(&list, view.window(), &mut wide, |_, _| panic!("no run"));
     assert!(
@@ -398,11 +403,7 @@ fn negative_depths_come_first() {
     };
     let scene = [(2.0, 4), (-5.0, 1), (0.25, 3), (-3.5, 2)].map(splat);
     let mut words = vec![0; 4 * packed_words(&Standard24::WIDTHS)];
-    let mut list = PackedList::new(Standard24, &mut words);
-    let renderer = Renderer::new(Standard24);
-    renderer
-        .set_up_scene(&view, scene.as_slice(), &mut list)
-        .unwrap();
+    let (_, list) = set_up(Standard24, &view, &scene, &mut words);
     let reds = [0, 1, 2, 3].map(|place| list.footprint(place).unwrap().colour[0]);
     assert_eq!(
         reds,

@@ -33,6 +33,9 @@ const BLEND: BlendConstants = Blend::new(&Firmware16::WIDTHS, &RULES).constants(
 const LANE: u32 = Firmware16::WIDTHS.radial as u32 + RULES.table_range as u32;
 const BELOW: u32 = LANE - INTERVALS.ilog2();
 
+/// From the peak's scale to the one at which opacity and share are rounded at the same bit.
+const SCALE: i32 = BLEND.contribution_shift - BLEND.opacity_shift;
+
 // What the assembly takes for granted.
 const _: () = {
     assert!(matches!(BLEND.rounding, Rounding::Nearest) && BLEND.omit_finishing);
@@ -42,8 +45,7 @@ const _: () = {
     assert!(BLEND.contribution_shift > 0 && BLEND.opacity_shift > 0 && BLEND.colour_shift == 0);
     // The peak of a splat that is not clamped, scaled so that opacity and share are rounded at the same bit, fits a word with the kernel.
     let widths = Firmware16::WIDTHS;
-    let scale = BLEND.contribution_shift - BLEND.opacity_shift;
-    assert!(scale >= 0 && widths.peak as i32 + scale + (widths.weight as i32) < 32);
+    assert!(SCALE >= 0 && widths.peak as i32 + SCALE + (widths.weight as i32) < 32);
     // The position ends where the lane ends.
     assert!(INTERPOLATION == 0 || INTERPOLATION as u32 == BELOW);
     assert!(size_of::<Pixel>() == 16 && offset_of!(Pixel, colour) == 0);

@@ -21,16 +21,13 @@
 //! Transmittance and sums lie side by side, so one instruction reads the sums, one writes all four and goes on to the next pixel.
 //! The loop draws two pixels in turn; a run of an odd length begins with the second.
 
-use super::intervals::TABLE;
-use super::{BELOW, BLEND, INTERPOLATION, LANE};
+use super::intervals::{TABLE, within_table};
+use super::{BELOW, BLEND, INTERPOLATION, SCALE};
 use core::arch::naked_asm;
 use core::mem::offset_of;
 use splatline::blend::{FINISHED, Pixel};
 use splatline::draw::{NarrowLanes, NarrowRun};
 use splatline::footprint::Footprint;
-
-/// From the peak's scale to the one at which opacity and share are rounded at the same bit.
-const SCALE: i32 = BLEND.contribution_shift - BLEND.opacity_shift;
 
 /// Blends a run.
 #[inline(always)]
@@ -42,9 +39,7 @@ pub fn paint(run: NarrowRun) {
         clamped,
     } = run;
     let pixels = pixels.as_mut_ptr_range();
-    // The comparison with it is unsigned, and all that keeps a radial index within the table.
-    let last = (lanes.last as u32).min((1 << LANE) - 1) as i32;
-    let lanes = NarrowLanes { last, ..lanes };
+    let lanes = within_table(lanes);
     let scale = if clamped { 0 } else { SCALE as u32 };
     // SAFETY: the range is a borrowed slice's, and `last` lies within the table.
     unsafe { paint_range(pixels.start, footprint, &lanes, pixels.end, scale) }

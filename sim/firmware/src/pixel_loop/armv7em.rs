@@ -16,7 +16,7 @@
 //!
 //! A colour is half a word, and SMLAW adds the upper part of a product of a word and half a word: `(g << 15) (2 c) >> 16` is `g c`.
 
-use super::{BELOW, BLEND, INTERPOLATION, LANE};
+use super::{BELOW, BLEND, INTERPOLATION, LANE, SCALE};
 use crate::design::Firmware16;
 use crate::table::{INTERVALS, WORDS};
 use core::arch::naked_asm;
@@ -175,7 +175,7 @@ macro_rules! pixel_loop {
                 interpolation = const INTERPOLATION,
                 peak = const offset_of!(Footprint, opacity),
                 colour = const offset_of!(Footprint, colour),
-                scale = const BLEND.contribution_shift - BLEND.opacity_shift,
+                scale = const SCALE,
                 share_shift = const BLEND.contribution_shift,
                 opacity_shift = const BLEND.opacity_shift,
                 alpha_max = const BLEND.alpha_max,

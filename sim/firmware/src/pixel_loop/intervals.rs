@@ -1,7 +1,8 @@
 //! The packed table in the layout of loops that read value and slope by themselves.
 
-use super::INTERPOLATION;
+use super::LANE;
 use crate::table::{INTERVALS, WORDS};
+use splatline::draw::NarrowLanes;
 
 /// An interval as most loops read it: Armv6-M both words by one instruction.
 #[cfg(not(feature = "plain"))]
@@ -14,7 +15,7 @@ const fn interval(word: u32) -> Interval {
     #[cfg(not(feature = "plain"))]
     return [
         word,
-        splatline::kernel::PackedTable::slope(word, INTERPOLATION),
+        splatline::kernel::PackedTable::slope(word, super::INTERPOLATION),
     ];
     #[cfg(feature = "plain")]
     return {
@@ -33,3 +34,10 @@ pub static TABLE: [Interval; INTERVALS] = {
     }
     table
 };
+
+/// Lanes whose largest index lies in the table: the comparison with it is unsigned, and all that keeps a radial index within.
+#[inline(always)]
+pub fn within_table(lanes: NarrowLanes) -> NarrowLanes {
+    let last = (lanes.last as u32).min((1 << LANE) - 1) as i32;
+    NarrowLanes { last, ..lanes }
+}

@@ -14,8 +14,8 @@
 //! | t4, t5, t6 | scratch |
 //! | s0, s1 | end of the run, transmittance that finishes a pixel |
 
-use super::intervals::TABLE;
-use super::{BELOW, BLEND, INTERPOLATION, LANE};
+use super::intervals::{TABLE, within_table};
+use super::{BELOW, BLEND, INTERPOLATION, SCALE};
 use core::arch::naked_asm;
 use core::mem::{offset_of, size_of_val};
 use splatline::blend::{FINISHED, Pixel};
@@ -35,9 +35,7 @@ pub fn paint(run: NarrowRun) {
         clamped,
     } = run;
     let pixels = pixels.as_mut_ptr_range();
-    // The comparison with it is unsigned, and all that keeps a radial index within the table.
-    let last = (lanes.last as u32).min((1 << LANE) - 1) as i32;
-    let lanes = NarrowLanes { last, ..lanes };
+    let lanes = within_table(lanes);
     // SAFETY: the range is a borrowed slice's, and `last` lies within the table.
     unsafe {
         if clamped {
@@ -243,7 +241,7 @@ macro_rules! pixel_loop {
                 interpolation = const INTERPOLATION,
                 peak = const offset_of!(Footprint, opacity),
                 colour = const offset_of!(Footprint, colour),
-                scale = const BLEND.contribution_shift - BLEND.opacity_shift,
+                scale = const SCALE,
                 share_shift = const BLEND.contribution_shift,
                 opacity_shift = const BLEND.opacity_shift,
                 alpha_max = const BLEND.alpha_max,

@@ -5,8 +5,6 @@
 #![no_std]
 #![no_main]
 
-use embedded_graphics_core::pixelcolor::Rgb565;
-use embedded_graphics_core::pixelcolor::raw::RawU16;
 use embedded_hal_bus::spi::ExclusiveDevice;
 use esp_hal::clock::CpuClock;
 use esp_hal::delay::Delay;
@@ -18,8 +16,9 @@ use mipidsi::interface::SpiInterface;
 use mipidsi::models::ST7789;
 use mipidsi::options::ColorInversion;
 use panic_halt as _;
+use splatline_boards::{halt, show};
+use splatline_frame::FrameMemory;
 use splatline_frame::scene::SIDE;
-use splatline_frame::{FrameMemory, STRIP, show};
 
 esp_bootloader_esp_idf::esp_app_desc!();
 
@@ -48,15 +47,5 @@ fn main() -> ! {
     let Ok(mut display) = display else { halt() };
     // SAFETY: once, in a function that is called once.
     let memory = unsafe { &mut *&raw mut MEMORY };
-    show(memory, |first, sent| {
-        let pixels = sent.iter().map(|bits| Rgb565::from(RawU16::new(*bits)));
-        let _ = display.set_pixels(0, first, SIDE - 1, first + STRIP - 1, pixels);
-    })
-}
-
-/// Nothing can be shown.
-fn halt() -> ! {
-    loop {
-        core::hint::spin_loop();
-    }
+    show(&mut display, memory)
 }

@@ -6,15 +6,14 @@
 #![no_main]
 
 use cortex_m_rt::entry;
-use embedded_graphics_core::pixelcolor::Rgb565;
-use embedded_graphics_core::pixelcolor::raw::RawU16;
 use embedded_hal::spi::MODE_0;
 use embedded_hal_bus::spi::ExclusiveDevice;
 use mipidsi::interface::SpiInterface;
 use mipidsi::models::ILI9341Rgb565;
 use panic_halt as _;
+use splatline_boards::{halt, show};
+use splatline_frame::FrameMemory;
 use splatline_frame::scene::SIDE;
-use splatline_frame::{FrameMemory, STRIP, show};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
@@ -45,15 +44,5 @@ fn main() -> ! {
         .display_size(SIDE, SIDE)
         .init(&mut delay);
     let Ok(mut display) = display else { halt() };
-    show(memory, |first, sent| {
-        let pixels = sent.iter().map(|bits| Rgb565::from(RawU16::new(*bits)));
-        let _ = display.set_pixels(0, first, SIDE - 1, first + STRIP - 1, pixels);
-    })
-}
-
-/// Nothing can be shown.
-fn halt() -> ! {
-    loop {
-        core::hint::spin_loop();
-    }
+    show(&mut display, memory)
 }
