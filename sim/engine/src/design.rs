@@ -32,16 +32,16 @@ pub struct DesignChoice {
     pub widths: Widths,
     /// Its own traversal, used unless the command line asks for another.
     pub traversal: Traversal,
-    named: Option<NamedDesign>,
+    constants: Constants,
 }
 
+/// Designs whose widths are constants of a type: those that people draw by. Each type compiles all drawings once more (the engine and the machine were a
+/// fifth larger with five), and the others are as fast with their widths in fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum NamedDesign {
-    Classic8,
-    Micro16,
+enum Constants {
     Lean18,
     Standard24,
-    Deep32,
+    None,
 }
 
 /// What is wrong with a design's name or file.
@@ -106,23 +106,19 @@ impl DesignChoice {
 
     /// A design of [`NAMES`].
     pub fn named(name: &str) -> Option<Self> {
-        let (named, widths, traversal) = match name {
-            "classic8" => (NamedDesign::Classic8, Classic8::WIDTHS, Traversal::Box),
-            "micro16" => (NamedDesign::Micro16, Micro16::WIDTHS, Traversal::Spans),
-            "lean18" => (NamedDesign::Lean18, Lean18::WIDTHS, Traversal::Spans),
-            "standard24" => (
-                NamedDesign::Standard24,
-                Standard24::WIDTHS,
-                Traversal::Spans,
-            ),
-            "deep32" => (NamedDesign::Deep32, Deep32::WIDTHS, Traversal::Spans),
+        let (constants, widths, traversal) = match name {
+            "classic8" => (Constants::None, Classic8::WIDTHS, Traversal::Box),
+            "micro16" => (Constants::None, Micro16::WIDTHS, Traversal::Spans),
+            "lean18" => (Constants::Lean18, Lean18::WIDTHS, Traversal::Spans),
+            "standard24" => (Constants::Standard24, Standard24::WIDTHS, Traversal::Spans),
+            "deep32" => (Constants::None, Deep32::WIDTHS, Traversal::Spans),
             _ => return None,
         };
         Some(DesignChoice {
             name: name.to_owned(),
             widths,
             traversal,
-            named: Some(named),
+            constants,
         })
     }
 
@@ -134,20 +130,17 @@ impl DesignChoice {
     /// The same widths held in fields: what a sweep runs. Bit-identical to the named type.
     pub fn at_run_time(&self) -> Self {
         DesignChoice {
-            named: None,
+            constants: Constants::None,
             ..self.clone()
         }
     }
 
-    /// Does the job with the design's own type: constants for named designs, fields for others.
+    /// Does the job with the design's own type where it has one, else with its widths in fields: the same bits.
     pub fn dispatch<J: DesignJob>(&self, job: J) -> J::Output {
-        match self.named {
-            Some(NamedDesign::Classic8) => job.run(Classic8),
-            Some(NamedDesign::Micro16) => job.run(Micro16),
-            Some(NamedDesign::Lean18) => job.run(Lean18),
-            Some(NamedDesign::Standard24) => job.run(Standard24),
-            Some(NamedDesign::Deep32) => job.run(Deep32),
-            None => job.run(
+        match self.constants {
+            Constants::Lean18 => job.run(Lean18),
+            Constants::Standard24 => job.run(Standard24),
+            Constants::None => job.run(
                 RuntimeWidths::new(self.widths).expect("widths are checked when a choice is made"),
             ),
         }
@@ -197,7 +190,7 @@ impl DesignChoice {
                 NAMES.join(", ")
             )));
         };
-        choice.named = None;
+        choice.constants = Constants::None;
         choice.name = Path::new(file)
             .file_stem()
             .unwrap_or_default()
@@ -269,9 +262,9 @@ impl TryFrom<ResolvedDesign> for DesignChoice {
         let mut choice = DesignChoice::from_toml("design", &resolved.to_toml())?;
         choice.name.clone_from(&resolved.name);
         let named = DesignChoice::named(&resolved.name);
-        choice.named = named
-            .filter(|n| n.widths == choice.widths)
-            .and_then(|n| n.named);
+        if let Some(named) = named.filter(|named| named.widths == choice.widths) {
+            choice.constants = named.constants;
+        }
         Ok(choice)
     }
 }

@@ -4,7 +4,7 @@
 //! visited pixels are covered and which have not finished; a test holds the sums against the painter's own counts.
 
 use super::kept::Before;
-use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, room_for};
+use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, each_tile, room_for};
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::fixed::{
@@ -120,48 +120,9 @@ impl DesignJob for ExtractJob<'_> {
         let table = table(&memory, &widths, &rules);
         let compositing = kernel_compositing(self.options.compositing);
         let painter = Painter::new(design, &rules, table, compositing, self.options.traversal);
-        let order = self.order();
-        let boxes = order.iter().filter_map(|index| {
-            self.footprints[*index as usize]
-                .as_ref()
-                .ok()
-                .map(|footprint| (*index, footprint.first, footprint.end))
-        });
-        let mut bins = Bins::new(boxes, self.viewport, self.tile);
-        let rank = self.before.map(|before| {
-            let rank = ranks(&order, self.footprints.len());
-            before.keep_order(&mut bins, &rank);
-            rank
-        });
-        let window = |tile: usize| {
-            let (first, last) = bins.window(tile, self.viewport, self.tile);
-            Window { first, end: last }
-        };
-        let parts: Vec<TilePart> = (0..bins.lists.len())
-            .into_par_iter()
-            .map(|tile| self.tile(design, &painter, &bins.lists[tile], window(tile)))
-            .collect();
-        let screen = if self.wants_pixels {
-            self.screen(&parts, &widths, window)
-        } else {
-            Vec::new()
-        };
-        let pixels = |tile: usize| {
-            let Window { first, end: last } = window(tile);
-            u32::from(last[0] - first[0]) * u32::from(last[1] - first[1])
-        };
-        let packet_bytes = 4 * Layout::new(&widths, self.options.traversal).words() as u32;
-        let mut workload = assemble(
-            parts,
-            pixels,
-            self.footprints.len(),
-            [self.tile, self.viewport],
-            packet_bytes,
-        );
-        workload.key_bits = key_bits(self.footprints);
-        let changes = self.before.zip(rank);
-        workload.kept = changes.map(|(before, rank)| before.changes(&workload, &rank));
-        (workload, screen)
+        self.all_tiles(&widths, &|list, window| {
+            self.tile(design, &painter, list, window)
+        })
     }
 }
 
@@ -182,6 +143,49 @@ fn ranks(order: &[u32], splats: usize) -> Vec<u32> {
 }
 
 impl ExtractJob<'_> {
+    /// The work of all tiles, of which one is what `tile` makes of a list and a window. Compiled once, not for every design.
+    fn all_tiles(
+        &self,
+        widths: &Widths,
+        tile: &(dyn Fn(&[u32], Window) -> TilePart + Sync),
+    ) -> (Workload, Vec<Pixel>) {
+        let order = self.order();
+        let boxes = order.iter().filter_map(|index| {
+            self.footprints[*index as usize]
+                .as_ref()
+                .ok()
+                .map(|footprint| (*index, footprint.first, footprint.end))
+        });
+        let mut bins = Bins::new(boxes, self.viewport, self.tile);
+        let rank = self.before.map(|before| {
+            let rank = ranks(&order, self.footprints.len());
+            before.keep_order(&mut bins, &rank);
+            rank
+        });
+        let window = |tile: usize| {
+            let (first, last) = bins.window(tile, self.viewport, self.tile);
+            Window { first, end: last }
+        };
+        let parts = each_tile(bins.lists.len(), &|at| tile(&bins.lists[at], window(at)));
+        let screen = if self.wants_pixels {
+            self.screen(&parts, widths, window)
+        } else {
+            Vec::new()
+        };
+        let packet_bytes = 4 * Layout::new(widths, self.options.traversal).words() as u32;
+        let mut workload = assemble(
+            parts,
+            &|tile| window(tile).pixels() as u32,
+            self.footprints.len(),
+            [self.tile, self.viewport],
+            packet_bytes,
+        );
+        workload.key_bits = key_bits(self.footprints);
+        let changes = self.before.zip(rank);
+        workload.kept = changes.map(|(before, rank)| before.changes(&workload, &rank));
+        (workload, screen)
+    }
+
     /// Visible splats in drawing order: by depth, ties by index.
     fn order(&self) -> Vec<u32> {
         let depth = |index: &u32| {

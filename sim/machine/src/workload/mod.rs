@@ -16,6 +16,7 @@ pub use room::room_for;
 pub use surface::{SurfaceCounts, SurfaceWork, extract_surface, layers_of};
 pub use table::{TableError, TableOptions, read_table};
 
+use rayon::prelude::*;
 use splatline::blend::Pixel;
 use splatline::footprint::depth::KEY_BITS;
 
@@ -210,10 +211,16 @@ impl Bins {
     }
 }
 
+/// Every tile's part on some core, in the order of the tiles. Takes a function behind a reference, so that what spreads the work is compiled once and
+/// not for every design.
+fn each_tile<Part: Send>(tiles: usize, part: &(dyn Fn(usize) -> Part + Sync)) -> Vec<Part> {
+    (0..tiles).into_par_iter().map(part).collect()
+}
+
 /// Puts the tiles together and counts each splat's tiles.
 fn assemble(
     parts: Vec<TilePart>,
-    pixels: impl Fn(usize) -> u32,
+    pixels: &dyn Fn(usize) -> u32,
     splats: usize,
     [tile, viewport]: [[u16; 2]; 2],
     packet_bytes: u32,

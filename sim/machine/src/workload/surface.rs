@@ -3,14 +3,13 @@
 //! Nothing is sorted and no pixel finishes: every tile takes its splats in the scene's order, and pixels decide by depth. Each sample is counted
 //! as it is added to the kernel's own cell.
 
-use super::{Bins, TilePart, Workload, assemble, room_for};
+use super::{Bins, TilePart, Workload, assemble, each_tile, room_for};
 use crate::area::surface::SurfaceBits;
 use crate::design::{DesignChoice, DesignJob};
 use crate::fixed::surface::{QuantisedPoints, footprints, kernel_rules, threshold};
 use crate::fixed::{table, table_entries};
 use crate::host_memory::TooLarge;
 use crate::surface::{Buffer, Style};
-use rayon::prelude::*;
 use serde::Serialize;
 use splatline::blend::Pixel;
 use splatline::blend::layers::Layers;
@@ -19,7 +18,7 @@ use splatline::draw::surface::SurfacePainter;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::footprint::surface::SurfaceFootprint;
-use splatline::format::{Design, Traversal};
+use splatline::format::{Design, Traversal, Widths};
 use splatline::raster::Window;
 use splatline::setup::Cull;
 use splatline::target::Target;
@@ -203,28 +202,37 @@ impl SurfaceJob<'_> {
         let table = table(&memory, &widths, &rules);
         let gather = WeightedSum::new(&widths, self.threshold);
         let painter = SurfacePainter::new(design, &rules, table, gather, self.traversal);
+        self.all_tiles(&widths, &|tile, window| {
+            self.tile::<D, C>(design, &painter, tile, window)
+        })
+    }
+
+    /// The work of all tiles, of which one is what `tile` makes of its number and window. Compiled once, not for every design and cell.
+    fn all_tiles(
+        &self,
+        widths: &Widths,
+        tile: &(dyn Fn(usize, Window) -> (TilePart, SurfaceCounts) + Sync),
+    ) -> Workload {
         let window = |tile: usize| {
             let (first, end) = self.bins.window(tile, self.viewport, self.tile);
             Window { first, end }
         };
-        let painted = (0..self.bins.lists.len())
-            .into_par_iter()
-            .map(|tile| self.tile::<D, C>(design, &painter, tile, window(tile)));
-        let (parts, counts): (Vec<TilePart>, Vec<SurfaceCounts>) = painted.unzip();
+        let painted = each_tile(self.bins.lists.len(), &|at| tile(at, window(at)));
+        let (parts, counts): (Vec<TilePart>, Vec<SurfaceCounts>) = painted.into_iter().unzip();
         let mut work = SurfaceWork::default();
         for counts in counts {
             let resolved = counts.fragments + 2 * counts.merges;
             work.resolved.push(resolved.min(u32::MAX.into()) as u32);
             work.counts += counts;
         }
-        let bits = Layout::new(&widths, self.traversal).bits() as u64;
-        let attributes = SurfaceBits::new(&widths, layers_of(self.style), false).packet;
+        let bits = Layout::new(widths, self.traversal).bits() as u64;
+        let attributes = SurfaceBits::new(widths, layers_of(self.style), false).packet;
         let packet_bytes = 4 * (bits + attributes).div_ceil(32) as u32;
         let pixels = |tile: usize| window(tile).pixels() as u32;
         let sizes = [self.tile, self.viewport];
         Workload {
             surface: Some(work),
-            ..assemble(parts, pixels, self.found.len(), sizes, packet_bytes)
+            ..assemble(parts, &pixels, self.found.len(), sizes, packet_bytes)
         }
     }
 

@@ -338,7 +338,7 @@ fn workload(entries: &[WorkTableEntry], splats: usize, options: &TableOptions) -
     };
     assemble(
         parts.collect(),
-        pixels,
+        &pixels,
         splats,
         [options.tile, viewport],
         options.packet_bytes,
