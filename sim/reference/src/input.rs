@@ -40,6 +40,17 @@ pub const SETTINGS: u64 = 1 << 20;
 /// Most bytes of a file that programs write: tables of footprints and of sweeps, test vectors.
 pub const TABLE: u64 = 1 << 30;
 
+/// What is wrong with a file of settings, a table or one value of either: a sentence that names file, place, value and what is allowed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Refused(pub String);
+
+/// Line, counted from 1, in which a byte of a text lies.
+pub fn line_at(text: &str, byte: usize) -> usize {
+    let before = text.bytes().take(byte);
+    1 + before.filter(|byte| *byte == b'\n').count()
+}
+
 /// The text of a regular file of at most `most` bytes.
 pub fn text(path: &Path, most: u64) -> io::Result<String> {
     in_utf8(bytes(path, most)?)

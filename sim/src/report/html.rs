@@ -16,26 +16,12 @@ use super::viewer;
 use super::{ChannelFacts, ErrorFacts, Report, ReportRow};
 use crate::machine::accounts::UnitTime;
 use crate::picture::Picture;
-use crate::picture::png::PngError;
 use crate::scene::SortOrder;
 use crate::systems::SystemVerdict;
+use anyhow::Result;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
-
-/// Why a page could not be made.
-#[derive(Debug, thiserror::Error)]
-pub enum ReportError {
-    /// A picture could not be encoded.
-    #[error("cannot encode a picture of the report: {0}")]
-    Picture(#[from] PngError),
-    /// The pixels' numbers could not be compressed.
-    #[error("cannot compress the numbers of the report: {0}")]
-    Numbers(#[from] std::io::Error),
-    /// The report could not be written as JSON.
-    #[error("cannot show the report's details: {0}")]
-    Details(#[from] serde_json::Error),
-}
 
 /// The plot twice, for wide and for narrow screens: shrinking one drawing would make its text unreadable on a phone.
 const WIDE_PLOT: (f64, f64) = (1100.0, 480.0);
@@ -44,12 +30,7 @@ const NARROW_PLOT: (f64, f64) = (380.0, 420.0);
 const SMALL_PICTURE: usize = 256;
 
 /// The whole page. Both pictures have the size that [`crate::metrics::compare`] has checked, and `map` is theirs.
-pub fn page(
-    report: &Report,
-    fixed: &Picture,
-    float: &Picture,
-    map: &ErrorMap,
-) -> Result<String, ReportError> {
+pub fn page(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -> Result<String> {
     let body = [
         pictures(report, fixed, float, map)?,
         sweep(report)?,
@@ -165,12 +146,7 @@ fn with_unit(value: String, unit: Option<&str>) -> String {
     })
 }
 
-fn pictures(
-    report: &Report,
-    fixed: &Picture,
-    float: &Picture,
-    map: &ErrorMap,
-) -> Result<String, ReportError> {
+fn pictures(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -> Result<String> {
     let reference = reference_name(report);
     let fixed_note = format!(
         "<b>{}</b> {}",
@@ -273,7 +249,7 @@ fn figure(
     picture: &Rgb,
     alternative: &str,
     below: &str,
-) -> Result<String, ReportError> {
+) -> Result<String> {
     let class = if picture.width <= SMALL_PICTURE {
         " class=\"small\""
     } else {
@@ -312,7 +288,7 @@ fn scale_bar(map: &ErrorMap) -> String {
     )
 }
 
-fn sweep(report: &Report) -> Result<String, ReportError> {
+fn sweep(report: &Report) -> Result<String> {
     let errors = report.error.as_ref().map(error_table).unwrap_or_default();
     if report.table.is_empty() {
         return Ok(errors);
@@ -536,7 +512,7 @@ fn is_chosen(report: &Report, row: &ReportRow) -> bool {
     row.design == report.design_name() && Some(&row.traversal) == report.traversal.as_ref()
 }
 
-fn details(report: &Report) -> Result<String, ReportError> {
+fn details(report: &Report) -> Result<String> {
     #[derive(Serialize)]
     struct LeftOut<'a> {
         #[serde(rename = "skipped when loading")]

@@ -14,7 +14,7 @@ pub use extract::{InOrder, extract, extract_from, extract_if_room, extract_in_or
 pub use kept::OrderChanges;
 pub use room::room_for;
 pub use surface::{SurfaceCounts, SurfaceWork, extract_surface, layers_of};
-pub use table::{TableError, TableOptions, read_table};
+pub use table::{TableOptions, read_table};
 
 use splatline::blend::Pixel;
 use splatline::footprint::depth::KEY_BITS;
