@@ -108,10 +108,13 @@ impl DesignChoice {
             Some(NamedDesign::Lean18) => job.run(Lean18),
             Some(NamedDesign::Standard24) => job.run(Standard24),
             Some(NamedDesign::Deep32) => job.run(Deep32),
-            None => job.run(
-                RuntimeWidths::new(self.widths).expect("widths are checked when a choice is made"),
-            ),
+            None => job.run(self.in_fields()),
         }
+    }
+
+    /// The design's widths in fields, for work that is not worth a compiled copy for each named design: the bits are the same.
+    pub fn in_fields(&self) -> RuntimeWidths {
+        RuntimeWidths::new(self.widths).expect("widths are checked when a choice is made")
     }
 
     /// The resolved design for reports.

@@ -39,32 +39,63 @@ pub struct Errors {
 }
 
 /// Difference of two pictures in one channel group, in units of 1.0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChannelError {
-    /// Peak signal-to-noise ratio in decibels; +infinity if no sample differs.
+    /// Peak signal-to-noise ratio in decibels; +infinity if no sample differs, which is null in JSON.
+    #[serde(with = "finite_or_null")]
     pub psnr_db: f64,
+    /// No sample differs.
+    pub identical: bool,
     /// Largest absolute difference.
     pub max_abs: f64,
     /// 95 % and 99 % of the samples differ by no more.
+    #[serde(default, flatten)]
     pub percentiles: Percentiles,
-    /// Column, row and channel (0 to 3: R, G, B, A) where it was first met in row order.
-    pub max_at: (usize, usize, usize),
+    /// Where the largest was first met in row order.
+    pub max_at: SampleAt,
     /// Mean of fixed minus float.
     pub bias: f64,
     /// Mean structural similarity; 1 for identical pictures.
     pub ssim: f64,
     /// The same over the covered pixels.
+    #[serde(default)]
     pub covered: CoveredError,
 }
 
+/// One sample of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SampleAt {
+    /// Column.
+    pub x: usize,
+    /// Row.
+    pub y: usize,
+    /// 0 to 3: R, G, B, A.
+    pub channel: usize,
+}
+
+/// JSON knows no infinity.
+mod finite_or_null {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(value: &f64, to: S) -> Result<S::Ok, S::Error> {
+        Some(*value).filter(|value| value.is_finite()).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
+    }
+}
+
 /// Difference of two pictures over the pixels that either of them covers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CoveredError {
     /// How many there are.
     pub pixels: usize,
     /// Peak signal-to-noise ratio in decibels; +infinity if no sample differs.
+    #[serde(with = "finite_or_null")]
     pub psnr_db: f64,
     /// 95 % and 99 % of their samples differ by no more; 0 without any.
+    #[serde(default, flatten)]
     pub percentiles: Percentiles,
     /// Mean of fixed minus float; 0 without a covered pixel.
     pub bias: f64,
@@ -195,7 +226,11 @@ fn channel_error(
     let samples = channels.len() * fixed.pixels.len();
     let (mut inside, mut outside) = (Vec::with_capacity(samples), Vec::new());
     let mut max_abs = 0.0;
-    let mut max_at = (0, 0, channels[0]);
+    let mut max_at = SampleAt {
+        x: 0,
+        y: 0,
+        channel: channels[0],
+    };
     for (index, (a, b)) in fixed.pixels.iter().zip(&float.pixels).enumerate() {
         let is_covered = is_covered(a, b);
         for &channel in channels {
@@ -209,7 +244,8 @@ fn channel_error(
             }
             if difference.abs() > max_abs {
                 max_abs = difference.abs();
-                max_at = (index % fixed.width, index / fixed.width, channel);
+                let (x, y) = (index % fixed.width, index / fixed.width);
+                max_at = SampleAt { x, y, channel };
             }
         }
     }
@@ -218,6 +254,7 @@ fn channel_error(
     let (ssim, ssim_covered) = ssim(fixed, float, brightness);
     ChannelError {
         psnr_db: psnr(max_abs, whole.mean_square()),
+        identical: max_abs == 0.0,
         max_abs,
         percentiles: Percentiles::of(&mut inside),
         max_at,

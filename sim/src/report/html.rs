@@ -13,8 +13,9 @@ use super::scale::PERCENTILE;
 use super::shell::Shell;
 use super::table::{self, HEADINGS, WORD_COLUMNS, count};
 use super::viewer;
-use super::{ChannelFacts, ErrorFacts, Report, ReportRow};
+use super::{ErrorFacts, Report, ReportRow};
 use crate::machine::accounts::UnitTime;
+use crate::metrics::ChannelError;
 use crate::picture::Picture;
 use crate::scene::SortOrder;
 use crate::systems::SystemVerdict;
@@ -100,27 +101,19 @@ fn subject(report: &Report) -> String {
 /// The few figures that a reader looks for first.
 fn headline(report: &Report) -> String {
     let mut figures: Vec<(&str, String)> = Vec::new();
+    let psnr = |psnr_db: f64| {
+        let unit = psnr_db.is_finite().then_some("dB");
+        with_unit(table::decibels(psnr_db), unit)
+    };
     if let Some(error) = &report.error {
-        figures.push((
-            "PSNR of RGB",
-            with_unit(
-                table::decibels(error.rgb.psnr_db),
-                error.rgb.psnr_db.map(|_| "dB"),
-            ),
-        ));
+        figures.push(("PSNR of RGB", psnr(error.rgb.psnr_db)));
         figures.push(("largest error", table::scientific(error.rgb.max_abs)));
         figures.push(("bias", table::signed(error.rgb.bias)));
         figures.push(("99 % within", table::scientific(error.rgb.percentiles.p99)));
         figures.push(("SSIM", format!("{:.5}", error.rgb.ssim)));
         figures.push(("FLIP", table::flip_text(error.flip)));
         let covered = &error.rgb.covered;
-        figures.push((
-            "PSNR, covered pixels",
-            with_unit(
-                table::decibels(covered.psnr_db),
-                covered.psnr_db.map(|_| "dB"),
-            ),
-        ));
+        figures.push(("PSNR, covered pixels", psnr(covered.psnr_db)));
         figures.push(("bias, covered pixels", table::signed(covered.bias)));
     }
     if let Some(pixels) = report.pixels.filter(|pixels| pixels.covered > 0) {
@@ -392,7 +385,7 @@ fn systems(report: &Report) -> String {
     let error = report.error.as_ref();
     let line = |verdict: &SystemVerdict| {
         let measured = error.filter(|_| verdict.used).map(|error| error.rgb);
-        let of = |show: &dyn Fn(&ChannelFacts) -> String| {
+        let of = |show: &dyn Fn(&ChannelError) -> String| {
             measured.as_ref().map_or_else(String::new, show)
         };
         let used = if verdict.used {
@@ -426,7 +419,7 @@ fn systems(report: &Report) -> String {
 
 /// Errors of the chosen design per channel group.
 fn error_table(error: &ErrorFacts) -> String {
-    let line = |name: &str, facts: &ChannelFacts| {
+    let line = |name: &str, facts: &ChannelError| {
         let channel = ["R", "G", "B", "A"].get(facts.max_at.channel);
         let (x, y) = (facts.max_at.x, facts.max_at.y);
         vec![

@@ -84,17 +84,14 @@ pub fn footprints(
     camera: &Camera,
     options: &Options,
 ) -> Vec<Result<Footprint, Cull>> {
-    struct SetupJob<'a>(&'a QuantisedScene, &'a kernel::Rules);
-    impl DesignJob for SetupJob<'_> {
-        type Output = Vec<Result<Footprint, Cull>>;
-        fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-            set_up(design, self.0, self.1, best_engine())
-        }
-    }
     let quantised = QuantisedScene::new(scene, camera, options.rules);
-    options
-        .design
-        .dispatch(SetupJob(&quantised, &quantised.rules(options.rules)))
+    let rules = quantised.rules(options.rules);
+    set_up(
+        options.design.in_fields(),
+        &quantised,
+        &rules,
+        best_engine(),
+    )
 }
 
 /// Conics (a, b, c) of all splats in double precision, whether or not they reach the viewport; `None` where the depth, the range or the shape

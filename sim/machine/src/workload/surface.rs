@@ -94,15 +94,12 @@ pub fn extract_surface(
     let shapes: Vec<Result<Footprint, Cull>> = found.iter().map(shape).collect();
     room_for(&shapes, viewport.map(usize::from), tile)?;
     let boxes = (0..).zip(&shapes).filter_map(|(index, shape)| {
-        let shape = shape.as_ref().ok()?;
-        let is_empty = Window::of(shape).is_empty();
-        (!is_empty).then_some((index, shape.first, shape.end))
+        let bounds = Window::of(shape.as_ref().ok()?);
+        (!bounds.is_empty()).then_some((index, bounds))
     });
     let job = SurfaceJob {
         bins: Bins::new(boxes, viewport, tile),
         found: &found,
-        viewport,
-        tile,
         style,
         threshold: threshold(style, points),
         traversal,
@@ -113,8 +110,6 @@ pub fn extract_surface(
 struct SurfaceJob<'a> {
     bins: Bins,
     found: &'a [Result<SurfaceFootprint, Cull>],
-    viewport: [u16; 2],
-    tile: [u16; 2],
     style: &'a Style,
     threshold: u32,
     traversal: Traversal,
@@ -203,13 +198,9 @@ impl SurfaceJob<'_> {
         let table = table(&memory, &widths, &rules);
         let gather = WeightedSum::new(&widths, self.threshold);
         let painter = SurfacePainter::new(design, &rules, table, gather, self.traversal);
-        let window = |tile: usize| {
-            let (first, end) = self.bins.window(tile, self.viewport, self.tile);
-            Window { first, end }
-        };
         let painted = (0..self.bins.lists.len())
             .into_par_iter()
-            .map(|tile| self.tile::<D, C>(design, &painter, tile, window(tile)));
+            .map(|tile| self.tile::<D, C>(design, &painter, tile));
         let (parts, counts): (Vec<TilePart>, Vec<SurfaceCounts>) = painted.unzip();
         let mut work = SurfaceWork::default();
         for counts in counts {
@@ -220,11 +211,9 @@ impl SurfaceJob<'_> {
         let bits = Layout::new(&widths, self.traversal).bits() as u64;
         let attributes = SurfaceBits::new(&widths, layers_of(self.style), false).packet;
         let packet_bytes = 4 * (bits + attributes).div_ceil(32) as u32;
-        let pixels = |tile: usize| window(tile).pixels() as u32;
-        let sizes = [self.tile, self.viewport];
         Workload {
             surface: Some(work),
-            ..assemble(parts, pixels, self.found.len(), sizes, packet_bytes)
+            ..assemble(parts, &self.bins, self.found.len(), packet_bytes)
         }
     }
 
@@ -234,9 +223,8 @@ impl SurfaceJob<'_> {
         design: D,
         painter: &SurfacePainter<D>,
         tile: usize,
-        window: Window,
     ) -> (TilePart, SurfaceCounts) {
-        let widths = design.widths();
+        let (widths, window) = (design.widths(), self.bins.grid.window(tile));
         let mut part = TilePart::default();
         let mut cells = vec![CountedCell::<C>::EMPTY; window.pixels()];
         // None of these ever finishes.

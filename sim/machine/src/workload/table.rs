@@ -12,6 +12,7 @@ use crate::input::Refused;
 
 use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, mask};
 use splatline::format::Traversal;
+use splatline::raster::Window;
 
 /// What a table does not say.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -275,12 +276,12 @@ fn workload(entries: &[WorkTableEntry], splats: usize, options: &TableOptions) -
                 .unwrap_or(1);
         }
     }
-    let boxes = (0..)
-        .zip(entries)
-        .map(|(number, entry)| (number, entry.first, entry.last));
+    let boxes = (0..).zip(entries).map(|(number, entry)| {
+        let (first, end) = (entry.first, entry.last);
+        (number, Window { first, end })
+    });
     let bins = Bins::new(boxes, viewport, options.tile);
     let parts = (0..bins.lists.len()).map(|tile| {
-        let window = bins.window(tile, viewport, options.tile);
         let listed = |entry: &&WorkTableEntry| {
             entry
                 .tiles
@@ -291,26 +292,17 @@ fn workload(entries: &[WorkTableEntry], splats: usize, options: &TableOptions) -
             .iter()
             .map(|number| &entries[*number as usize])
             .filter(listed);
-        tile_part(list, window, options.traversal)
+        tile_part(list, bins.grid.window(tile), options.traversal)
     });
-    let pixels = |tile: usize| {
-        let (first, last) = bins.window(tile, viewport, options.tile);
-        u32::from(last[0] - first[0]) * u32::from(last[1] - first[1])
-    };
-    assemble(
-        parts.collect(),
-        pixels,
-        splats,
-        [options.tile, viewport],
-        options.packet_bytes,
-    )
+    assemble(parts.collect(), &bins, splats, options.packet_bytes)
 }
 
 fn tile_part<'a>(
     list: impl Iterator<Item = &'a WorkTableEntry>,
-    (first, last): ([u16; 2], [u16; 2]),
+    window: Window,
     traversal: Traversal,
 ) -> TilePart {
+    let (first, last) = (window.first, window.end);
     let mut part = TilePart::default();
     let mut light = TileLight::new(first, last);
     for entry in list {
