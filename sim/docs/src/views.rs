@@ -105,12 +105,7 @@ impl View {
 
     /// How a design draws it.
     pub fn options<'a>(&'a self, design: &'a DesignChoice) -> Options<'a> {
-        Options {
-            rules: &self.rules,
-            compositing: Compositing::FrontToBack,
-            design,
-            traversal: design.traversal,
-        }
+        Options::front_to_back(&self.rules, design)
     }
 
     /// What the machines draw.

@@ -57,6 +57,18 @@ pub struct Options<'a> {
     pub traversal: Traversal,
 }
 
+impl<'a> Options<'a> {
+    /// Front to back along the design's own traversal.
+    pub fn front_to_back(rules: &'a Rules, design: &'a DesignChoice) -> Options<'a> {
+        Options {
+            rules,
+            compositing: Compositing::FrontToBack,
+            design,
+            traversal: design.traversal,
+        }
+    }
+}
+
 /// What a drawing gives.
 #[derive(Clone, Debug)]
 pub struct FixedDrawing {

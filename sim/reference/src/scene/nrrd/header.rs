@@ -101,7 +101,7 @@ fn next_line(bytes: &[u8]) -> (&[u8], &[u8], bool) {
     )
 }
 
-fn malformed(line: usize, field: &str, found: impl Into<String>, fix: &str) -> Problem {
+fn malformed(line: usize, field: &str, found: impl std::fmt::Display, fix: &str) -> Problem {
     Problem::malformed(format!("NRRD header line {line}, {field}"), found, fix)
 }
 

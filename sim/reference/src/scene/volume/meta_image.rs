@@ -110,7 +110,7 @@ pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Note
     Ok((grid.volume(values), notes))
 }
 
-fn malformed(line: usize, field: &str, found: impl Into<String>, fix: &str) -> Problem {
+fn malformed(line: usize, field: &str, found: impl std::fmt::Display, fix: &str) -> Problem {
     Problem::malformed(format!("MetaImage header line {line}, {field}"), found, fix)
 }
 

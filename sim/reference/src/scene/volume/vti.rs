@@ -19,7 +19,7 @@ const MOST_NODES: u32 = 1 << 16;
 /// Largest block of a compressed array.
 const MOST_BLOCK: u64 = 1 << 32;
 
-fn malformed(field: &str, found: impl Into<String>, fix: &str) -> Problem {
+fn malformed(field: &str, found: impl std::fmt::Display, fix: &str) -> Problem {
     Problem::malformed(format!("VTI, {field}"), found, fix)
 }
 
