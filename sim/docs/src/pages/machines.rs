@@ -117,7 +117,8 @@ impl Tables {
                     .push(first.into_iter().chain(lanes(&timing)));
             }
         }
-        for outcome in others::run_all(&view.splats(), &EnergyTable::default())? {
+        let (drawn, energy) = (view.options(design), EnergyTable::default());
+        for outcome in others::run_all(&view.scene, &view.camera, &drawn, &energy)? {
             self.others.push(
                 [view.name.to_owned()]
                     .into_iter()

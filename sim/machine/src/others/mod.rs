@@ -27,7 +27,6 @@ use crate::camera::Camera;
 use crate::design::DesignChoice;
 use crate::fixed::Options;
 use crate::host_memory::TooLarge;
-use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
 use serde::Serialize;
 use splatline::format::{Traversal, Widths};
@@ -202,46 +201,28 @@ pub struct Outcome {
     pub products: u64,
 }
 
-/// Runs all machines on the same splats.
-pub fn run_all(splats: &Splats, table: &EnergyTable) -> Result<Vec<Outcome>, TooLarge> {
-    PRESETS
-        .iter()
-        .map(|preset| run(preset, splats, table))
-        .collect()
-}
-
-/// Splats, from where they are seen and how they blend.
-#[derive(Clone, Copy, Debug)]
-pub struct Splats<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// Its camera.
-    pub camera: &'a Camera,
-    /// Rules of blending.
-    pub rules: &'a Rules,
-    /// Order and operator of blending.
-    pub compositing: Compositing,
-}
-
-fn run(preset: &Preset, splats: &Splats, table: &EnergyTable) -> Result<Outcome, TooLarge> {
-    let design =
-        DesignChoice::named(preset.design).unwrap_or_else(|| DesignChoice::all().remove(3));
-    let options = Options {
-        rules: splats.rules,
-        compositing: splats.compositing,
-        design: &design,
-        traversal: design.traversal,
+/// Runs all machines on the same splats, each with its own design in place of that of the options.
+pub fn run_all(
+    scene: &Scene,
+    camera: &Camera,
+    options: &Options,
+    table: &EnergyTable,
+) -> Result<Vec<Outcome>, TooLarge> {
+    let run = |preset: &Preset| {
+        let design =
+            DesignChoice::named(preset.design).unwrap_or_else(|| DesignChoice::all().remove(3));
+        let (widths, traversal) = (&design.widths, design.traversal);
+        let own = Options {
+            design: &design,
+            traversal,
+            ..*options
+        };
+        let config = (preset.config)();
+        let tile = [config.tile_width, config.tile_height];
+        let workload = extract_if_room(scene, camera, &own, tile)?;
+        Ok(outcome(preset, &workload, widths, traversal, table))
     };
-    let config = (preset.config)();
-    let tile = [config.tile_width, config.tile_height];
-    let workload = extract_if_room(splats.scene, splats.camera, &options, tile)?;
-    Ok(outcome(
-        preset,
-        &workload,
-        &design.widths,
-        design.traversal,
-        table,
-    ))
+    PRESETS.iter().map(run).collect()
 }
 
 /// What a machine takes for a workload that our own traversal gave.

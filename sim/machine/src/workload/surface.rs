@@ -6,7 +6,7 @@
 use super::{Bins, TilePart, Workload, assemble, room_for};
 use crate::area::surface::SurfaceBits;
 use crate::design::{DesignChoice, DesignJob};
-use crate::fixed::surface::{QuantisedPoints, footprints, kernel_rules, threshold};
+use crate::fixed::surface::{HostCell, QuantisedPoints, footprints, kernel_rules, threshold};
 use crate::fixed::{table, table_entries};
 use crate::host_memory::TooLarge;
 use crate::surface::{Buffer, Style};
@@ -115,21 +115,6 @@ struct SurfaceJob<'a> {
     traversal: Traversal,
 }
 
-/// A cell that says how many pairs of its fragments had to be merged.
-trait MergingCell: Cell + Send {
-    fn merged(&self) -> u64 {
-        0
-    }
-}
-
-impl MergingCell for Accumulation {}
-
-impl<const L: usize> MergingCell for Layers<L> {
-    fn merged(&self) -> u64 {
-        self.merges().into()
-    }
-}
-
 /// A cell of the kernel's with what it did.
 #[derive(Clone)]
 struct CountedCell<C> {
@@ -191,7 +176,7 @@ impl DesignJob for SurfaceJob<'_> {
 }
 
 impl SurfaceJob<'_> {
-    fn gather<D: Design + Send + Sync, C: MergingCell>(&self, design: D) -> Workload {
+    fn gather<D: Design + Send + Sync, C: HostCell>(&self, design: D) -> Workload {
         let widths = design.widths();
         let rules = kernel_rules(self.style);
         let memory = table_entries(&widths, &rules);
@@ -218,7 +203,7 @@ impl SurfaceJob<'_> {
     }
 
     /// Rows and samples of one tile.
-    fn tile<D: Design, C: MergingCell>(
+    fn tile<D: Design, C: HostCell>(
         &self,
         design: D,
         painter: &SurfacePainter<D>,
@@ -249,7 +234,7 @@ impl SurfaceJob<'_> {
         for CountedCell { cell, counts: own } in &cells {
             let fragments = cell.fragments().len() as u64;
             counts += SurfaceCounts {
-                merges: cell.merged(),
+                merges: cell.merges(),
                 fragments,
                 pixels: u64::from(fragments > 0),
                 ..*own

@@ -10,6 +10,7 @@ mod renderer;
 mod tiles;
 
 pub use renderer::{SurfaceFacts, SurfaceRenderer};
+pub use tiles::HostCell;
 
 use super::quantise::{axis, exp2, position, scale_log2, scaled, view};
 use super::render::{PaintEngine, best_engine};
