@@ -225,6 +225,9 @@ pub fn run_all(
     PRESETS.iter().map(run).collect()
 }
 
+/// The units between setup of a pair and the blend.
+const PIXEL_PATH: [&str; 4] = ["splat_setup", "row_generator", "lanes", "blend"];
+
 /// What a machine takes for a workload that our own traversal gave.
 pub fn outcome(
     preset: &Preset,
@@ -240,8 +243,7 @@ pub fn outcome(
     if let Some(operations) = &preset.float {
         replace(&mut units, operations, &timing, table);
     }
-    let pixel_path = ["splat_setup", "row_generator", "lanes", "blend"];
-    let path = units.iter().filter(|unit| pixel_path.contains(&unit.name));
+    let path = units.iter().filter(|unit| PIXEL_PATH.contains(&unit.name));
     let actions = path.flat_map(|unit| &unit.actions);
     let products = actions
         .filter(|action| action.action == "multiply")
@@ -294,35 +296,38 @@ fn replace<'t>(
     }
 }
 
-/// A Markdown table; ratios are to the pixels that were blended.
+/// An outcome's cells in a table; ratios are to the pixels that were blended.
+pub fn cells(outcome: &Outcome) -> [String; 11] {
+    let Timing { pixels, bytes, .. } = &outcome.timing;
+    let blended = pixels.live.max(1) as f64;
+    let units = outcome.energy.units.iter();
+    let path: u64 = units
+        .filter(|unit| PIXEL_PATH.contains(&unit.unit))
+        .map(|unit| unit.attojoules)
+        .sum();
+    [
+        outcome.preset.name.to_owned(),
+        pixels.visited.to_string(),
+        pixels.covered.to_string(),
+        pixels.live.to_string(),
+        format!("{:.2}", pixels.visited as f64 / blended),
+        format!("{:.2}", outcome.products as f64 / blended),
+        outcome.timing.total.to_string(),
+        outcome.timing.raster.to_string(),
+        format!("{:.2}", bytes.all() as f64 / 1e6),
+        format!("{:.3}", outcome.energy.mj_per_frame),
+        format!("{:.3}", path as f64 / 1e15),
+    ]
+}
+
+/// A Markdown table.
 pub fn table_of(outcomes: &[Outcome]) -> String {
     let mut text = String::from(
         "| machine | pixels tested | inside | blended | tested for one blended | products for one blended | cycles | raster cycles | MB | mJ | of this pixel path, mJ |\n\
          |---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
     );
     for outcome in outcomes {
-        let Timing { pixels, bytes, .. } = &outcome.timing;
-        let blended = pixels.live.max(1) as f64;
-        let path = ["splat_setup", "row_generator", "lanes", "blend"];
-        let units = outcome.energy.units.iter();
-        let path: u64 = units
-            .filter(|unit| path.contains(&unit.unit))
-            .map(|unit| unit.attojoules)
-            .sum();
-        text.push_str(&format!(
-            "| {} | {} | {} | {} | {:.2} | {:.2} | {} | {} | {:.2} | {:.3} | {:.3} |\n",
-            outcome.preset.name,
-            pixels.visited,
-            pixels.covered,
-            pixels.live,
-            pixels.visited as f64 / blended,
-            outcome.products as f64 / blended,
-            outcome.timing.total,
-            outcome.timing.raster,
-            bytes.all() as f64 / 1e6,
-            outcome.energy.mj_per_frame,
-            path as f64 / 1e15,
-        ));
+        text.push_str(&format!("| {} |\n", cells(outcome).join(" | ")));
     }
     text
 }
