@@ -208,6 +208,17 @@ pub(super) fn unzstd_exact(packed: &[u8], expected: u64, field: &str) -> Result<
     }
 }
 
+/// Bytes behind what a header counts mean that it counts wrongly.
+pub(super) fn nothing_left(left: usize, field: &str, last: &str, fix: &str) -> Result<(), Problem> {
+    match left {
+        0 => Ok(()),
+        left => {
+            let found = format!("{left} bytes are left over after the last {last}");
+            Err(Problem::malformed(field, found, fix))
+        }
+    }
+}
+
 /// Byte order of multi-byte numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Endian {
