@@ -10,7 +10,7 @@
 //! traversal = "box"     # or "spans"
 //! ```
 
-use crate::input::{self, Refused};
+use crate::input::{self, Refused, line_of};
 use serde::{Deserialize, Serialize};
 use splatline::format::{
     Classic8, Deep32, Design, Lean18, Micro16, Rounding, RuntimeWidths, Standard24, Traversal,
@@ -161,7 +161,7 @@ impl DesignChoice {
         parsed.apply(&mut choice);
         choice.widths.check().map_err(|error| {
             let (field, value, (low, high)) = (error.field, error.value, error.range);
-            let line = line_of(text, field);
+            let line = line_of(text, &[field]);
             Refused(format!(
                 "{file}:{line}: {field} = {value} is out of range: allowed are {low} to {high}"
             ))
@@ -319,16 +319,6 @@ impl DesignFile {
         };
         choice.traversal = self.traversal.map_or(choice.traversal, Traversal::from);
     }
-}
-
-/// Line, counted from 1, on which `key` is set; 1 if it is not found.
-fn line_of(text: &str, key: &str) -> usize {
-    let sets_key = |line: &str| {
-        line.trim_start()
-            .strip_prefix(key)
-            .is_some_and(|rest| rest.trim_start().starts_with('='))
-    };
-    text.lines().position(sets_key).map_or(1, |index| index + 1)
 }
 
 #[cfg(test)]

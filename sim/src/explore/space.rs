@@ -14,8 +14,8 @@
 //! layout = ["run", "rows"]
 //! ```
 
-use crate::input::Refused;
-use crate::machine::config::{known, line_of, setting};
+use crate::input::{Refused, line_of};
+use crate::machine::config::{known, setting};
 use splatline::format::WIDTH_RANGES;
 use std::fmt::Display;
 use toml::Value;
@@ -66,7 +66,10 @@ struct TableSource<'a> {
 
 impl TableSource<'_> {
     fn wrong(&self, section: &str, key: &str, problem: impl Display) -> Refused {
-        let line = line_of(self.text, section, key);
+        let line = match section {
+            "" => line_of(self.text, &[key]),
+            _ => line_of(self.text, &[section, key]),
+        };
         Refused(format!("{}:{line}: {key}: {problem}", self.file))
     }
 }

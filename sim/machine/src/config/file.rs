@@ -193,34 +193,6 @@ fn unknown(place: &str, key: &str) -> Refused {
     Refused(format!("{place}: unknown key '{key}'{hint}"))
 }
 
-/// Line, counted from 1, on which `key` is set in `[section]` (or as `section.key`); 1 if it is not found.
-pub fn line_of(text: &str, section: &str, key: &str) -> usize {
-    let sets = |line: &str, name: &str| {
-        line.strip_prefix(name)
-            .is_some_and(|rest| rest.trim_start().starts_with('='))
-    };
-    let dotted = format!("{section}.{key}");
-    let quoted = format!("\"{key}\"");
-    let mut current = "";
-    for (index, line) in text.lines().enumerate() {
-        let line = line.trim();
-        if let Some(name) = line
-            .strip_prefix('[')
-            .and_then(|rest| rest.split(']').next())
-        {
-            current = name.trim();
-            if section.is_empty() && current == key {
-                return index + 1;
-            }
-        }
-        let inside = current == section && (sets(line, key) || sets(line, &quoted));
-        if inside || (current.is_empty() && sets(line, &dotted)) {
-            return index + 1;
-        }
-    }
-    1
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
