@@ -16,7 +16,6 @@ use splatline::draw::Painter;
 use splatline::fixed::types as fixed_types;
 use splatline::format::{Standard24, Traversal};
 use splatline::front::{COMPACT_MAGIC, CompactScene, CompactSplat, Splats};
-use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::math::SoftFloat;
 use splatline::view::View;
 use std::fmt::Write;
@@ -37,11 +36,8 @@ pub fn contributions(scene: &Scene, cameras: &[Camera], rules: &Rules) -> Vec<f6
     let mut sums = vec![0.0; scene.splats.len()];
     let widths = Standard24::WIDTHS;
     let kernel_rules = fixed::kernel_rules(rules);
-    let mut memory = vec![0; entries(&widths)];
-    fill_gaussian(&mut memory, &widths, kernel_rules.table_range);
-    let Ok(table) = FootprintTable::new(&memory, &widths, kernel_rules.table_range) else {
-        return sums;
-    };
+    let memory = fixed::table_entries(&widths, &kernel_rules);
+    let table = fixed::table(&memory, &widths, &kernel_rules);
     let order = splatline::Compositing::FrontToBack;
     let painter = Painter::new(Standard24, &kernel_rules, table, order, Traversal::Spans);
     let one = f64::from(1u32 << widths.alpha);

@@ -6,11 +6,11 @@
 use anyhow::{Context, Result};
 use clap::Args;
 use splatline_sim::cli::{Failure, create_folder, print_result, write};
+use splatline_sim::metrics::ChannelError;
 use splatline_sim::picture::{Depth, Picture};
 use splatline_sim::plan::golden;
 use splatline_sim::plan::{Comparison, Effort, Prepared, compare_all};
 use splatline_sim::progress::ProgressMeter;
-use splatline_sim::report::ChannelFacts;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -126,11 +126,12 @@ fn section(name: &str, Caption { title, text }: &Caption, comparison: &Compariso
     section
 }
 
-fn row(group: &str, facts: &ChannelFacts) -> String {
+fn row(group: &str, facts: &ChannelError) -> String {
     let mut row = String::new();
-    let psnr = facts
-        .psnr_db
-        .map_or_else(|| "identical".to_owned(), |psnr| format!("{psnr:.1}"));
+    let psnr = match facts.psnr_db {
+        psnr if psnr.is_finite() => format!("{psnr:.1}"),
+        _ => "identical".to_owned(),
+    };
     // Writing to a String cannot fail.
     let _ = writeln!(
         row,

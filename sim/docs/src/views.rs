@@ -4,7 +4,6 @@ use anyhow::{Context, Result};
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::Options;
-use splatline_sim::machine::others::Splats;
 use splatline_sim::picture::Picture;
 use splatline_sim::reference::float;
 use splatline_sim::rules::{Compositing, Rules};
@@ -105,22 +104,7 @@ impl View {
 
     /// How a design draws it.
     pub fn options<'a>(&'a self, design: &'a DesignChoice) -> Options<'a> {
-        Options {
-            rules: &self.rules,
-            compositing: Compositing::FrontToBack,
-            design,
-            traversal: design.traversal,
-        }
-    }
-
-    /// What the machines draw.
-    pub fn splats(&self) -> Splats<'_> {
-        Splats {
-            scene: &self.scene,
-            camera: &self.camera,
-            rules: &self.rules,
-            compositing: Compositing::FrontToBack,
-        }
+        Options::front_to_back(&self.rules, design)
     }
 
     /// Its picture in double precision.

@@ -10,14 +10,14 @@
 //! traversal = "box"     # or "spans"
 //! ```
 
+use crate::input::{self, Refused, line_of};
 use serde::{Deserialize, Serialize};
 use splatline::format::{
     Classic8, Deep32, Design, Lean18, Micro16, Rounding, RuntimeWidths, Standard24, Traversal,
-    WIDTH_RANGES, WidthError, Widths,
+    WIDTH_RANGES, Widths,
 };
 use std::borrow::Cow;
 use std::path::Path;
-use thiserror::Error;
 
 /// The named designs, from the cheapest to the most accurate.
 pub const NAMES: [&str; 5] = ["classic8", "micro16", "lean18", "standard24", "deep32"];
@@ -44,48 +44,6 @@ enum Constants {
     None,
 }
 
-/// What is wrong with a design's name or file.
-#[derive(Debug, Error)]
-pub enum DesignError {
-    /// Neither a design's name nor a TOML file's.
-    #[error(
-        "unknown design '{0}': expected classic8, micro16, lean18, standard24, deep32 or a file that ends in .toml"
-    )]
-    UnknownName(String),
-    /// The file cannot be read.
-    #[error("{file}: cannot read the design: {source}")]
-    Unreadable {
-        /// The file.
-        file: String,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// Not the TOML that is expected.
-    #[error("{file}: {message}")]
-    Malformed {
-        /// The file.
-        file: String,
-        /// Names the line and the key.
-        message: String,
-    },
-    /// A width is out of range.
-    #[error("{file}:{line}: {key} = {value} is out of range: allowed are {low} to {high}")]
-    OutOfRange {
-        /// The file.
-        file: String,
-        /// Line of the key, counted from 1.
-        line: usize,
-        /// The key.
-        key: &'static str,
-        /// Value found.
-        value: u8,
-        /// Smallest value allowed.
-        low: u8,
-        /// Largest value allowed.
-        high: u8,
-    },
-}
-
 /// Work that is done for a design, whichever type it has.
 pub trait DesignJob {
     /// The result.
@@ -96,11 +54,14 @@ pub trait DesignJob {
 
 impl DesignChoice {
     /// A named design, or the design in a TOML file.
-    pub fn load(name: &str) -> Result<Self, DesignError> {
+    pub fn load(name: &str) -> Result<Self, Refused> {
         match Self::named(name) {
             Some(choice) => Ok(choice),
             None if name.ends_with(".toml") => Self::from_file(Path::new(name)),
-            None => Err(DesignError::UnknownName(name.to_owned())),
+            None => Err(Refused(format!(
+                "unknown design '{name}': expected {} or a file that ends in .toml",
+                NAMES.join(", ")
+            ))),
         }
     }
 
@@ -140,10 +101,13 @@ impl DesignChoice {
         match self.constants {
             Constants::Lean18 => job.run(Lean18),
             Constants::Standard24 => job.run(Standard24),
-            Constants::None => job.run(
-                RuntimeWidths::new(self.widths).expect("widths are checked when a choice is made"),
-            ),
+            Constants::None => job.run(self.in_fields()),
         }
+    }
+
+    /// The design's widths in fields, for work that is not worth a compiled copy for each named design: the bits are the same.
+    pub fn in_fields(&self) -> RuntimeWidths {
+        RuntimeWidths::new(self.widths).expect("widths are checked when a choice is made")
     }
 
     /// The resolved design for reports.
@@ -164,30 +128,21 @@ impl DesignChoice {
         }
     }
 
-    fn from_file(path: &Path) -> Result<Self, DesignError> {
+    fn from_file(path: &Path) -> Result<Self, Refused> {
         let file = path.display().to_string();
-        let text = crate::input::text(path, crate::input::SETTINGS).map_err(|source| {
-            DesignError::Unreadable {
-                file: file.clone(),
-                source,
-            }
-        })?;
+        let text = input::text(path, input::SETTINGS)
+            .map_err(|error| Refused(format!("{file}: cannot read the design: {error}")))?;
         Self::from_toml(&file, &text)
     }
 
     /// Parses the text of a design file; `file` is its name for messages.
-    pub fn from_toml(file: &str, text: &str) -> Result<Self, DesignError> {
-        let malformed = |message: String| DesignError::Malformed {
-            file: file.to_owned(),
-            message,
-        };
+    pub fn from_toml(file: &str, text: &str) -> Result<Self, Refused> {
         let parsed: DesignFile =
-            toml::from_str(text).map_err(|error| malformed(error.to_string()))?;
+            toml::from_str(text).map_err(|error| Refused(format!("{file}: {error}")))?;
         let Some(mut choice) = Self::named(&parsed.base) else {
-            return Err(malformed(format!(
-                "base = \"{}\": expected one of {}",
-                parsed.base,
-                NAMES.join(", ")
+            let (base, names) = (&parsed.base, NAMES.join(", "));
+            return Err(Refused(format!(
+                "{file}: base = \"{base}\": expected one of {names}"
             )));
         };
         choice.constants = Constants::None;
@@ -197,21 +152,14 @@ impl DesignChoice {
             .to_string_lossy()
             .into_owned();
         parsed.apply(&mut choice);
-        match choice.widths.check() {
-            Ok(()) => Ok(choice),
-            Err(WidthError {
-                field,
-                value,
-                range: (low, high),
-            }) => Err(DesignError::OutOfRange {
-                file: file.to_owned(),
-                line: line_of(text, field),
-                key: field,
-                value,
-                low,
-                high,
-            }),
-        }
+        choice.widths.check().map_err(|error| {
+            let (field, value, (low, high)) = (error.field, error.value, error.range);
+            let line = line_of(text, &[field]);
+            Refused(format!(
+                "{file}:{line}: {field} = {value} is out of range: allowed are {low} to {high}"
+            ))
+        })?;
+        Ok(choice)
     }
 }
 
@@ -256,9 +204,9 @@ impl From<DesignChoice> for ResolvedDesign {
 /// A named design with its constants if it has the widths of that name; otherwise one with the widths in fields, through the text of a
 /// design file, which checks all ranges.
 impl TryFrom<ResolvedDesign> for DesignChoice {
-    type Error = DesignError;
+    type Error = Refused;
 
-    fn try_from(resolved: ResolvedDesign) -> Result<DesignChoice, DesignError> {
+    fn try_from(resolved: ResolvedDesign) -> Result<DesignChoice, Refused> {
         let mut choice = DesignChoice::from_toml("design", &resolved.to_toml())?;
         choice.name.clone_from(&resolved.name);
         let named = DesignChoice::named(&resolved.name);
@@ -364,16 +312,6 @@ impl DesignFile {
         };
         choice.traversal = self.traversal.map_or(choice.traversal, Traversal::from);
     }
-}
-
-/// Line, counted from 1, on which `key` is set; 1 if it is not found.
-fn line_of(text: &str, key: &str) -> usize {
-    let sets_key = |line: &str| {
-        line.trim_start()
-            .strip_prefix(key)
-            .is_some_and(|rest| rest.trim_start().starts_with('='))
-    };
-    text.lines().position(sets_key).map_or(1, |index| index + 1)
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use super::primitive;
 use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
 
-pub use file::{ConfigError, from_file, from_toml, known, line_of, to_toml};
+pub use file::{from_file, from_toml, known, to_toml};
 pub use settings::{Allowed, SETTINGS, Setting, setting};
 
 /// How the lanes lie on the screen; see `docs/hardware-model.md`.

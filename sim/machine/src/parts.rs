@@ -4,7 +4,7 @@
 //! others. The memory is a board's, not the FPGA's: each part names the one that its figure is of, and `--bandwidth` says another.
 
 use super::area::{Fabric, Family};
-use super::config::line_of;
+use crate::input::line_of;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -71,7 +71,7 @@ fn parse(file: &str, text: &str) -> Result<BTreeMap<String, Part>, String> {
     let table: toml::Table = toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
     for (name, part) in &table {
         check(part).map_err(|(key, value, allowed)| {
-            let line = line_of(text, name, key);
+            let line = line_of(text, &[name, key]);
             format!("{file}:{line}: {name}.{key} = {value}: {allowed}")
         })?;
     }

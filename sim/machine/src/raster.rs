@@ -181,21 +181,9 @@ impl RasterUnit {
         if self.is_background(job) {
             return self.write_background(job, memory);
         }
-        let drawing = self.begin(job, memory);
-        let buffer = drawing.buffer;
-        let mut band = job.first_band;
-        for (number, pair) in (job.first_pair as u64..).zip(job.pairs) {
-            let bands = &job.bands[band..pair.bands_end as usize];
-            band = pair.bands_end as usize;
-            let mut at = TracePlace {
-                unit: self.number,
-                tile: job.tile,
-                splat: pair.splat,
-                pair: number,
-                observer,
-                memory,
-            };
-            self.one_pair(bands, buffer, &mut at);
+        let mut drawing = self.begin(job, memory);
+        for _ in job.pairs {
+            self.draw_pair(job, &mut drawing, observer, memory);
         }
         self.end(job, &drawing, observer, memory);
     }
@@ -228,21 +216,8 @@ impl RasterUnit {
         }
     }
 
-    #[inline(always)]
-    fn one_pair<O: Observer, M: Memory>(
-        &mut self,
-        bands: &[Band],
-        buffer: u64,
-        at: &mut TracePlace<O, M>,
-    ) {
-        match self.costs.overlap {
-            Overlap::Serial => self.serial_pair(bands, buffer, at),
-            Overlap::Pipelined => self.pipelined_pair(bands, buffer, at),
-            Overlap::Primitive => self.primitive_pair(bands, buffer, at),
-        }
-    }
-
     /// Draws the tile's next pair, if there is one.
+    #[inline]
     pub fn draw_pair<O: Observer, M: Memory>(
         &mut self,
         job: &TileJob,
@@ -264,7 +239,11 @@ impl RasterUnit {
         };
         drawing.band = pair.bands_end as usize;
         drawing.pair += 1;
-        self.one_pair(bands, drawing.buffer, &mut at);
+        match self.costs.overlap {
+            Overlap::Serial => self.serial_pair(bands, drawing.buffer, &mut at),
+            Overlap::Pipelined => self.pipelined_pair(bands, drawing.buffer, &mut at),
+            Overlap::Primitive => self.primitive_pair(bands, drawing.buffer, &mut at),
+        }
     }
 
     /// Drops what was fetched and is not needed and writes the tile back.

@@ -4,7 +4,7 @@ use crate::convert::raise;
 use crate::plan::{Plan, frames, prices, subject};
 use anyhow::{Context, Result, anyhow};
 use pyo3::prelude::*;
-use splatline_sim::explore::evaluator::{Choice, Evaluator, work_key};
+use splatline_sim::explore::evaluator::Evaluator;
 use splatline_sim::explore::front::{candidates, front, front_table};
 use splatline_sim::explore::identity::Identity;
 use splatline_sim::explore::plot;
@@ -182,39 +182,21 @@ fn evaluate(
     space: &space::Space,
     points: &[Vec<usize>],
 ) -> Result<Vec<Vec<String>>> {
-    let frames: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
-    let found: Vec<Mutex<Vec<String>>> = points.iter().map(|_| Mutex::default()).collect();
-    let keep = |place: usize, results: Vec<String>| {
-        *found[place].lock().unwrap_or_else(PoisonError::into_inner) = results;
-    };
-    let mut open: Vec<(usize, Choice)> = Vec::new();
-    for (place, point) in points.iter().enumerate() {
+    for point in points {
+        let mut values = point.iter().zip(&space.axes);
         let fits = point.len() == space.axes.len()
-            && point
-                .iter()
-                .zip(&space.axes)
-                .all(|(index, axis)| *index < axis.values.len());
+            && values.all(|(index, axis)| *index < axis.values.len());
         anyhow::ensure!(fits, "point {point:?} is none of the space's");
-        let choice = evaluator.choice(space, point)?;
-        match choice.machine.check_together() {
-            Ok(()) => open.push((place, choice)),
-            Err((key, value, allowed)) => keep(
-                place,
-                sweep::left_out(&format!("{key} = {value}: {allowed}")),
-            ),
-        }
     }
-    for group in open.chunk_by(|a, b| work_key(&a.1) == work_key(&b.1)) {
-        let (places, choices): (Vec<usize>, Vec<Choice>) = group.iter().cloned().unzip();
-        let error = evaluator.error(&choices[0].variant, &frames)?;
-        evaluator.run(&choices, &frames, false, &|place, costs| {
-            let reached = evaluator.reached(&choices[place], error, &costs);
-            keep(places[place], sweep::results(&reached, costs.len()));
+    let found = Mutex::new(vec![Vec::new(); points.len()]);
+    sweep::evaluate(
+        evaluator,
+        space,
+        points.iter().enumerate(),
+        &|place, results| {
+            found.lock().unwrap_or_else(PoisonError::into_inner)[place] = results;
             Ok(())
-        })?;
-    }
-    Ok(found
-        .into_iter()
-        .map(|one| one.into_inner().unwrap_or_else(PoisonError::into_inner))
-        .collect())
+        },
+    )?;
+    Ok(found.into_inner().unwrap_or_else(PoisonError::into_inner))
 }

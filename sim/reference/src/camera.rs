@@ -278,7 +278,7 @@ impl Camera {
             );
             return Err(CameraError::new("world_to_camera", problem));
         }
-        let corrected = Camera {
+        Camera {
             width: usize::try_from(file.width).unwrap_or(usize::MAX),
             height: usize::try_from(file.height).unwrap_or(usize::MAX),
             fx: file.fx,
@@ -291,35 +291,12 @@ impl Camera {
             far: file.far.unwrap_or(f64::INFINITY),
             orthographic: file.orthographic,
         }
-        .checked()?
-        .corrected();
-        Ok(corrected)
+        .sound()
     }
 
-    /// A camera from what photographs' cameras state, rows of `world_to_camera`, and by how much an entry of its rotation was corrected.
-    pub(crate) fn from_matrix(
-        [width, height]: [u64; 2],
-        [fx, fy]: [f64; 2],
-        [cx, cy]: [f64; 2],
-        world_to_camera: &[[f64; 4]; 4],
-    ) -> Result<(Camera, f64), CameraError> {
-        let row = |i: usize| [0, 1, 2].map(|k| world_to_camera[i][k]);
-        let corrected = Camera {
-            width: usize::try_from(width).unwrap_or(usize::MAX),
-            height: usize::try_from(height).unwrap_or(usize::MAX),
-            fx,
-            fy,
-            cx,
-            cy,
-            rotation: [row(0), row(1), row(2)],
-            translation: [0, 1, 2].map(|i| world_to_camera[i][3]),
-            near: DEFAULT_NEAR,
-            far: DEFAULT_FAR,
-            orthographic: false,
-        }
-        .checked()?
-        .corrected();
-        Ok(corrected)
+    /// The camera, checked, with the nearest rotation, and by how much an entry of it was corrected.
+    pub(crate) fn sound(self) -> Result<(Camera, f64), CameraError> {
+        Ok(self.checked()?.corrected())
     }
 
     /// Reads a camera file.

@@ -11,6 +11,8 @@ use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
 thread_local! {
     static READ: RefCell<BTreeSet<PathBuf>> = const { RefCell::new(BTreeSet::new()) };
@@ -39,6 +41,35 @@ pub fn forget() {
 pub const SETTINGS: u64 = 1 << 20;
 /// Most bytes of a file that programs write: tables of footprints and of sweeps, test vectors.
 pub const TABLE: u64 = 1 << 30;
+
+/// What is wrong with a file of settings, a table or one value of either: a sentence that names file, place, value and what is allowed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Refused(pub String);
+
+/// Line, counted from 1, in which a byte of a text lies.
+pub fn line_at(text: &str, byte: usize) -> usize {
+    let before = text.bytes().take(byte);
+    1 + before.filter(|byte| *byte == b'\n').count()
+}
+
+/// Line, counted from 1, on which a text of TOML sets a key, which is named by its tables and itself; 1 if none does.
+pub fn line_of(text: &str, keys: &[&str]) -> usize {
+    let document = DeTable::parse(text);
+    let mut table = document.as_ref().ok().map(Spanned::get_ref);
+    let mut line = 1;
+    for name in keys {
+        let Some((key, value)) = table.and_then(|table| table.get_key_value(*name)) else {
+            return 1;
+        };
+        line = line_at(text, key.span().start);
+        table = match value.get_ref() {
+            DeValue::Table(inner) => Some(inner),
+            _ => None,
+        };
+    }
+    line
+}
 
 /// The text of a regular file of at most `most` bytes.
 pub fn text(path: &Path, most: u64) -> io::Result<String> {

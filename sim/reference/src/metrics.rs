@@ -14,6 +14,7 @@
 //!   lower than the window shrinks the window to its size. Colour is compared by its luminance, alpha by itself.
 
 use crate::flip;
+use crate::input::Refused;
 use crate::picture::Picture;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -38,32 +39,63 @@ pub struct Errors {
 }
 
 /// Difference of two pictures in one channel group, in units of 1.0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChannelError {
-    /// Peak signal-to-noise ratio in decibels; +infinity if no sample differs.
+    /// Peak signal-to-noise ratio in decibels; +infinity if no sample differs, which is null in JSON.
+    #[serde(with = "finite_or_null")]
     pub psnr_db: f64,
+    /// No sample differs.
+    pub identical: bool,
     /// Largest absolute difference.
     pub max_abs: f64,
     /// 95 % and 99 % of the samples differ by no more.
+    #[serde(default, flatten)]
     pub percentiles: Percentiles,
-    /// Column, row and channel (0 to 3: R, G, B, A) where it was first met in row order.
-    pub max_at: (usize, usize, usize),
+    /// Where the largest was first met in row order.
+    pub max_at: SampleAt,
     /// Mean of fixed minus float.
     pub bias: f64,
     /// Mean structural similarity; 1 for identical pictures.
     pub ssim: f64,
     /// The same over the covered pixels.
+    #[serde(default)]
     pub covered: CoveredError,
 }
 
+/// One sample of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SampleAt {
+    /// Column.
+    pub x: usize,
+    /// Row.
+    pub y: usize,
+    /// 0 to 3: R, G, B, A.
+    pub channel: usize,
+}
+
+/// JSON knows no infinity.
+mod finite_or_null {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(value: &f64, to: S) -> Result<S::Ok, S::Error> {
+        Some(*value).filter(|value| value.is_finite()).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
+    }
+}
+
 /// Difference of two pictures over the pixels that either of them covers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CoveredError {
     /// How many there are.
     pub pixels: usize,
     /// Peak signal-to-noise ratio in decibels; +infinity if no sample differs.
+    #[serde(with = "finite_or_null")]
     pub psnr_db: f64,
     /// 95 % and 99 % of their samples differ by no more; 0 without any.
+    #[serde(default, flatten)]
     pub percentiles: Percentiles,
     /// Mean of fixed minus float; 0 without a covered pixel.
     pub bias: f64,
@@ -94,56 +126,15 @@ impl Percentiles {
     }
 }
 
-/// Why two pictures cannot be compared.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum CompareError {
-    /// The pictures' sizes differ.
-    #[error("the pictures differ in size: fixed is {}x{}, float is {}x{}", .fixed.0, .fixed.1, .float.0, .float.1)]
-    Size {
-        /// Columns and rows of the first picture.
-        fixed: (usize, usize),
-        /// Columns and rows of the second picture.
-        float: (usize, usize),
-    },
-    /// There is nothing to compare.
-    #[error("the pictures have no pixels")]
-    Empty,
-    /// A picture does not hold `width * height` pixels.
-    #[error("the {which} picture holds {found} pixels where its size asks for {expected}")]
-    PixelCount {
-        /// `fixed` or `float`.
-        which: &'static str,
-        /// Pixels held.
-        found: usize,
-        /// Columns times rows.
-        expected: usize,
-    },
-    /// A sample is NaN or infinite.
-    #[error("the {which} picture holds {value} in channel {channel} of pixel ({x}, {y})")]
-    NonFinite {
-        /// `fixed` or `float`.
-        which: &'static str,
-        /// Column.
-        x: usize,
-        /// Row.
-        y: usize,
-        /// 0 to 3: R, G, B, A.
-        channel: usize,
-        /// The sample.
-        value: f64,
-    },
-}
-
 /// Compares two pictures of the same size; the first one's excess counts as positive.
-pub fn compare(fixed: &Picture, float: &Picture) -> Result<Errors, CompareError> {
+pub fn compare(fixed: &Picture, float: &Picture) -> Result<Errors, Refused> {
     check(fixed, "fixed")?;
     check(float, "float")?;
-    let (fixed_size, float_size) = ((fixed.width, fixed.height), (float.width, float.height));
-    if fixed_size != float_size {
-        return Err(CompareError::Size {
-            fixed: fixed_size,
-            float: float_size,
-        });
+    if (fixed.width, fixed.height) != (float.width, float.height) {
+        return Err(Refused(format!(
+            "the pictures differ in size: fixed is {}x{}, float is {}x{}",
+            fixed.width, fixed.height, float.width, float.height
+        )));
     }
     let luminance = |p: &[f64; 4]| (0..3).map(|c| LUMINANCE[c] * stored(p[c])).sum();
     let alpha = |p: &[f64; 4]| stored(p[3]);
@@ -154,7 +145,7 @@ pub fn compare(fixed: &Picture, float: &Picture) -> Result<Errors, CompareError>
 }
 
 /// The same, and how different the pictures look: mean FLIP at [`flip::PIXELS_PER_DEGREE`].
-pub fn compare_and_look(fixed: &Picture, float: &Picture) -> Result<(Errors, f64), CompareError> {
+pub fn compare_and_look(fixed: &Picture, float: &Picture) -> Result<(Errors, f64), Refused> {
     let errors = compare(fixed, float)?;
     Ok((errors, flip::mean(fixed, float, flip::PIXELS_PER_DEGREE)))
 }
@@ -171,7 +162,7 @@ pub struct PhotoError {
 }
 
 /// Compares a picture with a photograph of the same size.
-pub fn photo_error(picture: &Picture, photograph: &Picture) -> Result<PhotoError, CompareError> {
+pub fn photo_error(picture: &Picture, photograph: &Picture) -> Result<PhotoError, Refused> {
     let (errors, flip) = compare_and_look(picture, photograph)?;
     let [a, b] = [picture, photograph].map(surrounded);
     let of_channel = |channel: usize| ssim(&a, &b, |pixel| stored(pixel[channel])).0;
@@ -200,29 +191,24 @@ pub fn stored(value: f64) -> f64 {
 }
 
 /// Rejects what no figure could be computed from.
-fn check(picture: &Picture, which: &'static str) -> Result<(), CompareError> {
+fn check(picture: &Picture, which: &'static str) -> Result<(), Refused> {
     let expected = picture.width.saturating_mul(picture.height);
     let found = picture.pixels.len();
     if found != expected {
-        return Err(CompareError::PixelCount {
-            which,
-            found,
-            expected,
-        });
+        return Err(Refused(format!(
+            "the {which} picture holds {found} pixels where its size asks for {expected}"
+        )));
     }
     if found == 0 {
-        return Err(CompareError::Empty);
+        return Err(Refused("the pictures have no pixels".to_owned()));
     }
     for (index, pixel) in picture.pixels.iter().enumerate() {
         if let Some(channel) = pixel.iter().position(|v| !v.is_finite()) {
             let (x, y) = (index % picture.width, index / picture.width);
-            return Err(CompareError::NonFinite {
-                which,
-                x,
-                y,
-                channel,
-                value: pixel[channel],
-            });
+            let value = pixel[channel];
+            return Err(Refused(format!(
+                "the {which} picture holds {value} in channel {channel} of pixel ({x}, {y})"
+            )));
         }
     }
     Ok(())
@@ -240,7 +226,11 @@ fn channel_error(
     let samples = channels.len() * fixed.pixels.len();
     let (mut inside, mut outside) = (Vec::with_capacity(samples), Vec::new());
     let mut max_abs = 0.0;
-    let mut max_at = (0, 0, channels[0]);
+    let mut max_at = SampleAt {
+        x: 0,
+        y: 0,
+        channel: channels[0],
+    };
     for (index, (a, b)) in fixed.pixels.iter().zip(&float.pixels).enumerate() {
         let is_covered = is_covered(a, b);
         for &channel in channels {
@@ -254,7 +244,8 @@ fn channel_error(
             }
             if difference.abs() > max_abs {
                 max_abs = difference.abs();
-                max_at = (index % fixed.width, index / fixed.width, channel);
+                let (x, y) = (index % fixed.width, index / fixed.width);
+                max_at = SampleAt { x, y, channel };
             }
         }
     }
@@ -263,6 +254,7 @@ fn channel_error(
     let (ssim, ssim_covered) = ssim(fixed, float, brightness);
     ChannelError {
         psnr_db: psnr(max_abs, whole.mean_square()),
+        identical: max_abs == 0.0,
         max_abs,
         percentiles: Percentiles::of(&mut inside),
         max_at,

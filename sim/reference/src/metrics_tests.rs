@@ -128,8 +128,9 @@ fn bias_is_signed_and_the_largest_difference_is_located() {
     fixed.pixels[3 * 9 + 4][2] = 0.25;
     fixed.pixels[5 * 9 + 8][3] = 0.75;
     let errors = compare(&fixed, &float).unwrap();
-    assert_eq!(errors.colour.max_at, (4, 3, 2));
-    assert_eq!(errors.alpha.max_at, (8, 5, 3));
+    let at = |SampleAt { x, y, channel }| (x, y, channel);
+    assert_eq!(at(errors.colour.max_at), (4, 3, 2));
+    assert_eq!(at(errors.alpha.max_at), (8, 5, 3));
     assert!(close(errors.colour.bias, -0.25 / (3.0 * 63.0), 1e-15));
     assert!(close(errors.alpha.bias, 0.25 / 63.0, 1e-15));
     assert_eq!(
@@ -221,7 +222,7 @@ proptest! {
         let largest = differences.iter().fold(0.0f64, |m, d| m.max(d.abs()));
         prop_assert!(close(errors.colour.bias, differences.iter().sum::<f64>() / count, 1e-12));
         prop_assert_eq!(errors.colour.max_abs, largest);
-        let (x, y, c) = errors.colour.max_at;
+        let SampleAt { x, y, channel: c } = errors.colour.max_at;
         let at = clamp(fixed.pixels[y * width + x][c]) - clamp(float.pixels[y * width + x][c]);
         prop_assert_eq!(at.abs(), largest);
         if mean_square > 0.0 {

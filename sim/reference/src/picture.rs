@@ -7,6 +7,7 @@ mod floats;
 pub mod png;
 
 use crate::atomic;
+use crate::input::Refused;
 use ::png::{BitDepth, ColorType};
 use png::{PngError, PngSamples};
 use std::path::Path;
@@ -85,37 +86,6 @@ impl Depth {
     }
 }
 
-/// Why a picture could not be read or written; the message names the file.
-#[derive(Debug, thiserror::Error)]
-pub enum PictureError {
-    /// The file could not be opened, read or written.
-    #[error("picture '{file}': {source}")]
-    Io {
-        /// The file.
-        file: String,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// The file is not a PNG picture that can be decoded, or the picture cannot be encoded.
-    #[error("picture '{file}' is not a sound PNG: {source}")]
-    Png {
-        /// The file, or a description where there is none.
-        file: String,
-        /// What the PNG library said.
-        source: PngError,
-    },
-    /// The picture's size and its number of pixels contradict each other, or do not fit a PNG.
-    #[error("a picture of {width} x {height} with {pixels} pixels cannot be written")]
-    Size {
-        /// Columns.
-        width: usize,
-        /// Rows.
-        height: usize,
-        /// Pixels held.
-        pixels: usize,
-    },
-}
-
 impl Picture {
     /// A transparent black picture.
     pub fn new(width: usize, height: usize) -> Self {
@@ -127,7 +97,7 @@ impl Picture {
     }
 
     /// The picture as the bytes of a PNG file, opaque on black.
-    pub fn to_png(&self, depth: Depth) -> Result<Vec<u8>, PictureError> {
+    pub fn to_png(&self, depth: Depth) -> Result<Vec<u8>, Refused> {
         self.encode(PictureFormat::Png, depth, Backdrop::default())
     }
 
@@ -137,9 +107,14 @@ impl Picture {
         format: PictureFormat,
         depth: Depth,
         backdrop: Backdrop,
-    ) -> Result<Vec<u8>, PictureError> {
+    ) -> Result<Vec<u8>, Refused> {
         if self.width.checked_mul(self.height) != Some(self.pixels.len()) {
-            return Err(self.size_error());
+            return Err(Refused(format!(
+                "a picture of {} x {} with {} pixels cannot be written",
+                self.width,
+                self.height,
+                self.pixels.len()
+            )));
         }
         match format {
             PictureFormat::Png => self.encode_png(depth, backdrop),
@@ -148,7 +123,7 @@ impl Picture {
         }
     }
 
-    fn encode_png(&self, depth: Depth, backdrop: Backdrop) -> Result<Vec<u8>, PictureError> {
+    fn encode_png(&self, depth: Depth, backdrop: Backdrop) -> Result<Vec<u8>, Refused> {
         let steps = match depth {
             Depth::Eight => 255.0,
             Depth::Sixteen => 65535.0,
@@ -187,18 +162,9 @@ impl Picture {
             depth,
             bytes: &bytes,
         };
-        samples.encode().map_err(|source| PictureError::Png {
-            file: "(in memory)".to_string(),
-            source,
-        })
-    }
-
-    fn size_error(&self) -> PictureError {
-        PictureError::Size {
-            width: self.width,
-            height: self.height,
-            pixels: self.pixels.len(),
-        }
+        samples
+            .encode()
+            .map_err(|error| Refused(format!("a picture that makes no PNG: {error}")))
     }
 
     /// The picture on an opaque colour.
@@ -214,7 +180,7 @@ impl Picture {
     }
 
     /// Writes a PNG file, opaque on black; a failure or an interruption leaves the old file or none, never a part.
-    pub fn write_png(&self, path: &Path, depth: Depth) -> Result<(), PictureError> {
+    pub fn write_png(&self, path: &Path, depth: Depth) -> Result<(), Refused> {
         self.write_png_on(path, depth, Backdrop::default())
     }
 
@@ -224,25 +190,19 @@ impl Picture {
         path: &Path,
         depth: Depth,
         backdrop: Backdrop,
-    ) -> Result<(), PictureError> {
+    ) -> Result<(), Refused> {
         let bytes = self.encode(PictureFormat::Png, depth, backdrop)?;
-        atomic::write(path, &bytes).map_err(|source| PictureError::Io {
-            file: path.display().to_string(),
-            source,
-        })
+        atomic::write(path, &bytes)
+            .map_err(|error| Refused(format!("picture '{}': {error}", path.display())))
     }
 
     /// Reads a PNG file of 8 or 16 bits; colours are premultiplied, and without an alpha channel every pixel is opaque.
-    pub fn read_png(path: &Path) -> Result<Picture, PictureError> {
-        let file = || path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|source| PictureError::Io {
-            file: file(),
-            source,
-        })?;
-        Picture::from_png(&bytes).map_err(|source| PictureError::Png {
-            file: file(),
-            source,
-        })
+    pub fn read_png(path: &Path) -> Result<Picture, Refused> {
+        let file = path.display();
+        let bytes =
+            std::fs::read(path).map_err(|error| Refused(format!("picture '{file}': {error}")))?;
+        Picture::from_png(&bytes)
+            .map_err(|error| Refused(format!("picture '{file}' is not a sound PNG: {error}")))
     }
 
     /// The same from the file's bytes.

@@ -116,9 +116,6 @@ pub enum Command {
     /// Find the cheapest design and machine that hold limits on speed, error, area, memory and energy.
     #[command(after_help = search_args::OPTIMIZE_EXAMPLES)]
     Optimize(search_args::OptimizeOptions),
-    /// Sweep or optimize, by the name that both had before.
-    #[command(hide = true, after_help = search_args::EXPLORE_EXAMPLES)]
-    Explore(search_args::ExploreOptions),
     /// Find the smallest design within an error budget.
     #[command(after_help = search_args::FIT_EXAMPLES)]
     Fit(search_args::FitOptions),

@@ -47,7 +47,7 @@ use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
 use resolve::PlanRequest;
 use say::printed;
-use search_args::{ExploreOptions, OptimizeOptions, SweepOptions};
+use search_args::LIMITS;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -79,8 +79,39 @@ pub fn run_from<T: Into<OsString> + Clone>(words: impl IntoIterator<Item = T>) -
 fn parsed<T: Into<OsString> + Clone>(
     words: impl IntoIterator<Item = T>,
 ) -> Result<Cli, clap::Error> {
-    let matches = with_negative_numbers(Cli::command()).try_get_matches_from(words)?;
-    Cli::from_arg_matches(&matches)
+    let mut words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    let command = with_negative_numbers(Cli::command());
+    take_earlier_name(&mut words, &command);
+    Cli::from_arg_matches(&command.try_get_matches_from(words)?)
+}
+
+/// `explore` is the earlier name of two commands: a limit asks for the cheapest point, and without one the whole space is swept.
+fn take_earlier_name(words: &mut [OsString], command: &clap::Command) {
+    // Behind the one option of all commands.
+    let place = match words.get(1).map(|word| word.to_string_lossy()) {
+        Some(word) if word == "--memory" => 3,
+        Some(word) if word.starts_with("--memory=") => 2,
+        _ => 1,
+    };
+    if words.get(place).is_none_or(|word| word != "explore") {
+        return;
+    }
+    let optimize = command.find_subcommand("optimize");
+    let groups = optimize
+        .into_iter()
+        .flat_map(|command| command.get_groups());
+    let limits = groups.filter(|group| group.get_id() == LIMITS);
+    let names: Vec<String> = limits
+        .flat_map(|group| group.get_args())
+        .map(|id| format!("--{}", id.as_str().replace('_', "-")))
+        .collect();
+    let is_limit = |word: &OsString| {
+        let word = word.to_string_lossy();
+        let name = word.split('=').next().unwrap_or_default();
+        names.iter().any(|limit| limit == name)
+    };
+    let asks = words.iter().any(is_limit);
+    words[place] = if asks { "optimize" } else { "sweep" }.into();
 }
 
 /// A negative number after an option is its value, of which the range can be said, and not an option of that name.
@@ -128,41 +159,8 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Simulate(options)) => model::run(&options),
         Some(Command::Sweep(options)) => sweep::run(&options),
         Some(Command::Optimize(options)) => optimize::run(&options),
-        Some(Command::Explore(options)) => explored(options),
         Some(Command::Fit(options)) => fit::run(&options),
         Some(Command::Profile(options)) => profile::run(&options),
         Some(Command::Trace(options)) => trace::run(&options),
-    }
-}
-
-/// The earlier name of two commands: a limit asks for the cheapest point, and without one the whole space is swept.
-fn explored(options: ExploreOptions) -> Result<(), Failure> {
-    let ExploreOptions {
-        search,
-        space,
-        limits,
-        formats,
-        no_error,
-        output,
-    } = options;
-    match (space, output) {
-        (Some(space), Some(output)) if !optimize::has_limits(&limits) => {
-            sweep::run(&SweepOptions {
-                search,
-                space,
-                no_error,
-                output,
-            })
-        }
-        _ if no_error => Err(Failure::Usage(
-            "--no-error is for sweeps: without a limit on the error none is drawn".to_owned(),
-        )),
-        (space, output) => optimize::run(&OptimizeOptions {
-            search,
-            space,
-            limits,
-            formats,
-            output,
-        }),
     }
 }

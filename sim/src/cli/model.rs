@@ -149,8 +149,10 @@ fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<(), F
         .prepare()?;
     outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);
-    let splats = prepared.splats()?.without_points();
-    let machines = others::run_all(&splats, &energy_table(&options.energy)?)?;
+    let splats = prepared.splats()?;
+    let drawn = splats.options(&prepared.plan.entry);
+    let energy = energy_table(&options.energy)?;
+    let machines = others::run_all(splats.scene, splats.camera, &drawn, &energy)?;
     let (table, note) = (others::table_of(&machines), others::note());
     print_result(&format!("{table}\n{note}"))?;
     let Some(folder) = &options.output else {

@@ -19,11 +19,6 @@ use std::time::Instant;
 /// What an answer writes into its folder.
 const FILES: [&str; 4] = ["answer.json", "design.toml", "machine.toml", "answer.html"];
 
-/// Is a limit among the options?
-pub fn has_limits(options: &LimitOptions) -> bool {
-    !own_limits(options).is_empty()
-}
-
 /// The limits of the options themselves.
 fn own_limits(options: &LimitOptions) -> Vec<Limit> {
     let given = [
@@ -53,7 +48,7 @@ fn own_limits(options: &LimitOptions) -> Vec<Limit> {
 }
 
 pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
-    if !has_limits(&options.limits) {
+    if own_limits(&options.limits).is_empty() {
         let message = "there is no limit: give one or more of --fps, --max-error, --p99, --flip, --psnr, --lut, --dsp, --bram, --bandwidth and --max-energy";
         return Err(Failure::Usage(message.to_owned()));
     }

@@ -69,11 +69,9 @@ fn one(
     // Units and FIFOs are those of the machine, which draws plain splats.
     match prepared.subject()? {
         Subject::Splats(splats) if splats.are_composited() => {
-            let (found, workload) = examined(prepared)?;
+            let (found, statistics, workload) = examined(prepared, drawn.before.as_ref())?;
             print_result(&text(name, &found))?;
             answer.insert("needs".to_owned(), json!(found));
-            let machine = &prepared.plan.machine;
-            let statistics = Statistics::new(&workload, machine, drawn.before.as_ref());
             answer.insert("workload".to_owned(), json!(statistics));
             drawn.frames.push((frame.name.clone(), statistics));
             drawn.before = Some(workload);
@@ -111,7 +109,10 @@ fn one(
 }
 
 /// Units, ranges and FIFO depths of splats.
-fn examined(prepared: &Prepared) -> Result<(Needs, Workload), Failure> {
+fn examined(
+    prepared: &Prepared,
+    before: Option<&Workload>,
+) -> Result<(Needs, Statistics, Workload), Failure> {
     let (splats, plan) = (prepared.splats()?, &prepared.plan);
     let progress = ProgressMeter::spinner("setting up every splat");
     let options = splats.options(&plan.entry);
@@ -124,8 +125,10 @@ fn examined(prepared: &Prepared) -> Result<(Needs, Workload), Failure> {
     progress.doing("trying the depths of every FIFO");
     let peak_bits = plan.entry.design.widths.peak;
     let alpha_max = splats.rules.alpha_max;
-    let needs = needs(&workload, &footprints, peak_bits, alpha_max, &plan.machine);
-    Ok((needs, workload))
+    let statistics = Statistics::new(&workload, &plan.machine, before);
+    let work = (&workload, &statistics);
+    let needs = needs(work, &footprints, peak_bits, alpha_max, &plan.machine);
+    Ok((needs, statistics, workload))
 }
 
 fn systems_text(systems: &[SystemVerdict]) -> String {

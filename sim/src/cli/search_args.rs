@@ -1,5 +1,4 @@
-//! Options of the commands that search designs and machines: sweep, optimize, fit, profile, and explore, by which sweep and optimize were
-//! called before.
+//! Options of the commands that search designs and machines: sweep, optimize, fit, profile.
 
 use super::drawing_args::WorkOptions;
 use super::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
@@ -153,37 +152,6 @@ pub struct OptimizeOptions {
     pub output: Option<PathBuf>,
 }
 
-pub const EXPLORE_EXAMPLES: &str = "\
-Examples:
-  splatline explore guitar.ply --space space.toml -o out      now `splatline sweep`
-  splatline explore guitar.ply --fps 60 --part xc7a100t       now `splatline optimize`";
-
-/// `sweep` without a limit, `optimize` with one.
-#[derive(Debug, Args)]
-pub struct ExploreOptions {
-    #[command(flatten)]
-    pub search: SearchOptions,
-    /// Fields and their values (TOML) [with a limit: every width and the usual machines]
-    #[arg(long, value_name = "s.toml", required_unless_present = "limits")]
-    pub space: Option<PathBuf>,
-    #[command(flatten)]
-    pub limits: LimitOptions,
-    #[command(flatten)]
-    pub formats: FormatOptions,
-    /// Leave the float reference out: cycles and area only
-    #[arg(long)]
-    pub no_error: bool,
-    /// Folder for the results; with a limit: answer.html, answer.json, design.toml and machine.toml of the answer
-    #[arg(
-        short,
-        long,
-        value_name = "dir",
-        help_heading = "Output",
-        required_unless_present = "limits"
-    )]
-    pub output: Option<PathBuf>,
-}
-
 /// What stands beside the answer.
 #[derive(Debug, Default, Args)]
 pub struct FormatOptions {
@@ -192,9 +160,12 @@ pub struct FormatOptions {
     pub formats: Vec<Engine>,
 }
 
+/// The group of all limits.
+pub const LIMITS: &str = "limits";
+
 /// What the answer must hold.
 #[derive(Debug, Default, Args)]
-#[group(id = "limits", multiple = true)]
+#[group(id = LIMITS, multiple = true)]
 #[command(next_help_heading = "Limits (at least one; --part adds what it holds)")]
 pub struct LimitOptions {
     /// Frames a second at least, of the slowest frame

@@ -1,10 +1,11 @@
 //! What a drawing and a comparison tell on a terminal.
 
+use crate::metrics::ChannelError;
 use crate::picture::{Backdrop, Picture};
+use crate::report::Report;
 use crate::report::facts::ReasonCounts;
 use crate::report::formats::formats_text;
 use crate::report::table::{flip_text, psnr_text, scientific, signed, throughput_text};
-use crate::report::{ChannelFacts, Report};
 use std::path::Path;
 
 /// Why a picture shows nothing, for the standard error: an empty picture and exit code 0 look like success. Nothing if it shows something.
@@ -127,7 +128,7 @@ fn reasons(counts: &ReasonCounts) -> String {
 
 /// The chosen design's errors.
 pub fn of_comparison(report: &Report, folder: &Path) -> String {
-    let line = |name: &str, error: &ChannelFacts| {
+    let line = |name: &str, error: &ChannelError| {
         let covered = &error.covered;
         format!(
             "{name:<6} PSNR {}, max error {}, p95 {}, p99 {}, bias {}, SSIM {:.6}; over the {} covered pixels PSNR {}, p99 {}, bias {}, SSIM {:.6}\n",

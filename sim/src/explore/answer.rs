@@ -12,8 +12,9 @@ use super::formats::{self, FormatRow};
 use super::limits::{Limit, missed};
 use super::refusal::{RuledOut, has_only_widths, ruled_out};
 use super::search::{Score, Search, compare};
-use super::space::{Space, SpaceAxis, SpaceError, SpacePart};
+use super::space::{Space, SpaceAxis, SpacePart};
 use crate::design::{DesignChoice, ResolvedDesign};
+use crate::input::Refused;
 use crate::machine::config::{Config, setting};
 use anyhow::{Context, Result};
 use serde::Serialize;
@@ -109,7 +110,7 @@ pub fn usual_space(
     design: &DesignChoice,
     machine: &Config,
     designs: bool,
-) -> Result<Space, SpaceError> {
+) -> Result<Space, Refused> {
     let mut text = USUAL.to_owned();
     if machine.surface_layers > 0 {
         text += "resolve_interval = [1, 2, 4, 8, 16, 32]\n";

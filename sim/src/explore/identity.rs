@@ -6,10 +6,11 @@
 //! values. Results may share a table only if all of it is equal, and where it is not, the message says what differs.
 
 use super::evaluator::Subject;
-use super::space::{Space, SpaceError};
+use super::space::Space;
 use crate::design::traversal_name;
 use crate::difference::{Difference, differences};
 use crate::digest::Digest;
+use crate::input::Refused;
 use crate::machine::area::synthesis;
 use crate::machine::config;
 use crate::plan::{Prepared, Subject as Drawn};
@@ -87,7 +88,7 @@ impl Identity {
     }
 
     /// The space that its tables must fill.
-    pub fn space(&self) -> Result<Space, SpaceError> {
+    pub fn space(&self) -> Result<Space, Refused> {
         Space::from_toml("space in sweep.json", self.text_of("space"))
     }
 

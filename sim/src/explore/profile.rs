@@ -3,6 +3,7 @@
 //! Depths are found by a run with FIFOs so deep that none is ever full, and then by halving each one, with the others deep, for as
 //! long as the picture takes at most [`SLACK`] more cycles.
 
+use super::statistics::Statistics;
 use crate::machine::config::Config;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::simulate;
@@ -54,10 +55,10 @@ pub struct Needs {
     pub empty_pairs_part: f64,
 }
 
-/// Examines a workload and the footprints that it came from. `peak_bits` are the fraction bits of a peak,
+/// Examines a workload, its statistics and the footprints that it came from. `peak_bits` are the fraction bits of a peak,
 /// `alpha_max` is what the rules clamp a pixel's opacity to.
 pub fn needs(
-    workload: &Workload,
+    (workload, statistics): (&Workload, &Statistics),
     footprints: &[Footprint],
     peak_bits: u8,
     alpha_max: f64,
@@ -86,7 +87,7 @@ pub fn needs(
         fifo_depths,
         fifo_high_water,
         cycles,
-        deepest_pixel: deepest_pixel(workload),
+        deepest_pixel: statistics.layers_per_pixel.largest as u32,
         longest_tile_list: longest_list(workload),
         visible: footprints.len(),
         curvature_log2: exponents
@@ -219,31 +220,4 @@ fn longest_list(workload: &Workload) -> u32 {
         .map(|(end, start)| end - start)
         .max()
         .unwrap_or(0)
-}
-
-/// Most live splats over one pixel.
-fn deepest_pixel(workload: &Workload) -> u32 {
-    let [width, height] = workload.tile.map(usize::from);
-    let mut deepest = 0;
-    let (mut pair, mut row) = (0, 0);
-    for tile in &workload.tiles {
-        let mut counts = vec![0u32; width * height];
-        while pair < tile.pairs_end as usize {
-            let Some(entry) = workload.pairs.get(pair) else {
-                return deepest;
-            };
-            let rows = &workload.rows[row..entry.rows_end as usize];
-            for (y, one) in (usize::from(entry.first_row)..).zip(rows) {
-                let mut live = one.covered & one.open;
-                while live != 0 {
-                    counts[y * width + live.trailing_zeros() as usize] += 1;
-                    live &= live - 1;
-                }
-            }
-            row = entry.rows_end as usize;
-            pair += 1;
-        }
-        deepest = deepest.max(counts.into_iter().max().unwrap_or(0));
-    }
-    deepest
 }

@@ -14,9 +14,10 @@
 //! layout = ["run", "rows"]
 //! ```
 
-use crate::machine::config::{known, line_of, setting};
+use crate::input::{Refused, line_of};
+use crate::machine::config::{known, setting};
 use splatline::format::WIDTH_RANGES;
-use thiserror::Error;
+use std::fmt::Display;
 use toml::Value;
 
 /// Most points of a sweep, so that a slip of the finger does not ask for years.
@@ -24,20 +25,6 @@ pub const MOST_POINTS: usize = 1_000_000;
 
 /// Most values of a range.
 const MOST_VALUES: i64 = 10_000;
-
-/// What is wrong with a space.
-#[derive(Debug, Error, PartialEq, Eq)]
-#[error("{file}:{line}: {key}: {problem}")]
-pub struct SpaceError {
-    /// The file.
-    pub file: String,
-    /// Line, counted from 1.
-    pub line: usize,
-    /// The key.
-    pub key: String,
-    /// What is wrong and what is allowed.
-    pub problem: String,
-}
 
 /// What an axis changes. The order is that of cost: points are sorted so that dear work is shared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -78,33 +65,31 @@ struct TableSource<'a> {
 }
 
 impl TableSource<'_> {
-    fn wrong(&self, section: &str, key: &str, problem: impl Into<String>) -> SpaceError {
-        let line = line_of(self.text, section, key);
-        SpaceError {
-            file: self.file.to_owned(),
-            line,
-            key: key.to_owned(),
-            problem: problem.into(),
-        }
+    fn wrong(&self, section: &str, key: &str, problem: impl Display) -> Refused {
+        let line = match section {
+            "" => line_of(self.text, &[key]),
+            _ => line_of(self.text, &[section, key]),
+        };
+        Refused(format!("{}:{line}: {key}: {problem}", self.file))
     }
 }
 
 impl Space {
     /// Reads a space from the text of its file.
-    pub fn from_toml(file: &str, text: &str) -> Result<Space, SpaceError> {
+    pub fn from_toml(file: &str, text: &str) -> Result<Space, Refused> {
         let (axes, table) = Space::read(file, text)?;
         let points = points(&TableSource { file, text }, &table, &axes)?;
         Ok(Space { axes, points })
     }
 
     /// The same without points: what is searched and not swept may have any number of combinations.
-    pub fn without_points(file: &str, text: &str) -> Result<Space, SpaceError> {
+    pub fn without_points(file: &str, text: &str) -> Result<Space, Refused> {
         let (axes, _) = Space::read(file, text)?;
         let points = Vec::new();
         Ok(Space { axes, points })
     }
 
-    fn read(file: &str, text: &str) -> Result<(Vec<SpaceAxis>, toml::Table), SpaceError> {
+    fn read(file: &str, text: &str) -> Result<(Vec<SpaceAxis>, toml::Table), Refused> {
         let source = TableSource { file, text };
         let table: toml::Table = text
             .parse()
@@ -162,7 +147,7 @@ fn axis(
     section: &str,
     key: &str,
     values: &Value,
-) -> Result<SpaceAxis, SpaceError> {
+) -> Result<SpaceAxis, Refused> {
     let values = match values {
         Value::Array(list) if !list.is_empty() => list.clone(),
         Value::Array(_) => return Err(source.wrong(section, key, "the list is empty")),
@@ -285,7 +270,7 @@ fn points(
     source: &TableSource,
     table: &toml::Table,
     axes: &[SpaceAxis],
-) -> Result<Vec<Vec<usize>>, SpaceError> {
+) -> Result<Vec<Vec<usize>>, Refused> {
     let integer = |key: &str, usual: i64| match table.get(key) {
         None => Ok(usual),
         Some(value) => value

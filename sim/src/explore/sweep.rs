@@ -18,7 +18,6 @@ pub fn run(
     progress: &(dyn Fn() + Sync),
 ) -> Result<()> {
     let evaluator = Evaluator::new(subject, true);
-    let frames: Vec<usize> = (0..subject.frames.len()).collect();
     let append = |number: usize, results: Vec<String>| {
         let axes = space.texts(&space.points[number]);
         let fields = std::iter::once(number.to_string())
@@ -29,16 +28,26 @@ pub fn run(
         progress();
         Ok(())
     };
+    let points = space.points.iter().enumerate();
+    let open = points.filter(|(number, _)| !done.rows.contains_key(number));
+    evaluate(&evaluator, space, open, &append)
+}
+
+/// Evaluates numbered points, those that share work side by side, and hands each one's results over as soon as they are known.
+pub fn evaluate<'a>(
+    evaluator: &Evaluator,
+    space: &Space,
+    points: impl Iterator<Item = (usize, &'a Vec<usize>)>,
+    take: &(dyn Fn(usize, Vec<String>) -> Result<()> + Sync),
+) -> Result<()> {
+    let frames: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
     let mut open: Vec<(usize, Choice)> = Vec::new();
-    for (number, point) in space.points.iter().enumerate() {
-        if done.rows.contains_key(&number) {
-            continue;
-        }
+    for (number, point) in points {
         let choice = evaluator.choice(space, point)?;
         match choice.machine.check_together() {
             Ok(()) => open.push((number, choice)),
             Err((key, value, allowed)) => {
-                append(number, left_out(&format!("{key} = {value}: {allowed}")))?;
+                take(number, left_out(&format!("{key} = {value}: {allowed}")))?;
             }
         }
     }
@@ -47,14 +56,14 @@ pub fn run(
         let error = evaluator.error(&choices[0].variant, &frames)?;
         evaluator.run(&choices, &frames, false, &|place, costs| {
             let reached = evaluator.reached(&choices[place], error, &costs);
-            append(numbers[place], results(&reached, costs.len()))
+            take(numbers[place], results(&reached, costs.len()))
         })?;
     }
     Ok(())
 }
 
 /// The result columns in the order of [`RESULTS`].
-pub fn results(reached: &Reached, frames: usize) -> Vec<String> {
+fn results(reached: &Reached, frames: usize) -> Vec<String> {
     let (pace, slowest, area) = (&reached.pace, &reached.slowest, &reached.area);
     let spread = &reached.ms_per_frame;
     let mut fields = errors(reached.error.as_ref());
@@ -106,7 +115,7 @@ fn errors(error: Option<&DesignError>) -> Vec<String> {
 }
 
 /// The result columns of a point that was not run.
-pub fn left_out(reason: &str) -> Vec<String> {
+fn left_out(reason: &str) -> Vec<String> {
     let mut fields = vec![String::new(); RESULTS.len() - 1];
     fields.push(reason.replace([',', '\n', '"'], " "));
     fields

@@ -16,6 +16,7 @@ use crate::report::table::count;
 use crate::report::viewer::packed;
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
+use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use splatline::format::{Rounding, Traversal, WIDTH_RANGES};
 use std::collections::BTreeMap;
@@ -62,33 +63,17 @@ pub struct Shown<'a> {
     pub up: [f64; 3],
 }
 
-/// Why a page could not be made.
-#[derive(Debug, thiserror::Error)]
-pub enum LivePageError {
-    /// Too many splats.
-    #[error(
-        "the scene has {0} splats, and a live page takes at most {MOST_SPLATS}: thin the scene out, or use `splatline compare`"
-    )]
-    TooLarge(usize),
-    /// The bytes just written could not be read back.
-    #[error("the scene cannot be brought into a page")]
-    Scene,
-    /// The settings have no JSON form.
-    #[error("cannot write the page's settings: {0}")]
-    Settings(#[from] serde_json::Error),
-    /// Compression failed.
-    #[error("cannot compress the page's scene: {0}")]
-    Io(#[from] std::io::Error),
-}
-
 /// The whole file.
-pub fn html(shown: &Shown) -> Result<String, LivePageError> {
+pub fn html(shown: &Shown) -> Result<String> {
     let splats = shown.scene.splats.len();
     if splats > MOST_SPLATS {
-        return Err(LivePageError::TooLarge(splats));
+        bail!(
+            "the scene has {splats} splats, and a live page takes at most {MOST_SPLATS}: thin the scene out, or use `splatline compare`"
+        );
     }
     let bytes = bytes::encode(shown.scene, shown.rules);
-    let checksum = host_checksum(shown, &bytes).ok_or(LivePageError::Scene)?;
+    let checksum = host_checksum(shown, &bytes);
+    let checksum = checksum.context("the scene cannot be brought into a page")?;
     let settings = serde_json::to_string(&settings(shown, checksum))?;
     let facts = format!(
         "{} splats at {} × {}, rules {}.",

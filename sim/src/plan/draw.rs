@@ -274,16 +274,9 @@ impl<'a> KernelDrawing<'a> {
     ) -> Self {
         let Splats { scene, camera, .. } = splats;
         let plan = sheets.plan(scene, camera);
-        let facts = set_up(&splats, entry);
-        let draw = move || {
-            let options = splats.options(entry);
-            let picture = fixed::sheets::draw(scene, camera, &options, engine, &plan);
-            Drawing {
-                picture,
-                ..facts.clone()
-            }
-        };
-        KernelDrawing::Anew(Box::new(draw), Picture::new(0, 0))
+        KernelDrawing::set_up_once(splats, entry, move |options| {
+            fixed::sheets::draw(scene, camera, options, engine, &plan)
+        })
     }
 
     fn deep_alpha(
@@ -294,16 +287,23 @@ impl<'a> KernelDrawing<'a> {
     ) -> Result<Self> {
         let Splats { scene, camera, .. } = splats;
         let channel = channel.in_kernel()?;
+        Ok(KernelDrawing::set_up_once(splats, entry, move |options| {
+            fixed::deep::draw(scene, camera, options, engine, channel)
+        }))
+    }
+
+    /// By a method which keeps no counts of its own: they are those of one setup.
+    fn set_up_once(
+        splats: Splats<'a>,
+        entry: &'a DesignVariant,
+        draw: impl Fn(&fixed::Options) -> Picture + Send + Sync + 'a,
+    ) -> Self {
         let facts = set_up(&splats, entry);
-        let draw = move || {
-            let options = splats.options(entry);
-            let picture = fixed::deep::draw(scene, camera, &options, engine, channel);
-            Drawing {
-                picture,
-                ..facts.clone()
-            }
+        let draw = move || Drawing {
+            picture: draw(&splats.options(entry)),
+            ..facts.clone()
         };
-        Ok(KernelDrawing::Anew(Box::new(draw), Picture::new(0, 0)))
+        KernelDrawing::Anew(Box::new(draw), Picture::new(0, 0))
     }
 
     fn spheres(splats: Splats<'a>, entry: &'a DesignVariant, shape: Shape) -> Self {

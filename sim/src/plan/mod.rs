@@ -30,9 +30,9 @@ pub use technique::{AlphaChannel, SheetBuffers, SplatMethod, Technique};
 
 use crate::camera::Camera;
 use crate::design::{DesignChoice, traversal_name};
+use crate::machine::Config;
 use crate::machine::area::lane::FloatLane;
 use crate::machine::workload::layers_of;
-use crate::machine::{Config, others};
 use crate::reference::formats::{self, FloatFormat, RoundedStages};
 use crate::rules::{Compositing, Rules};
 use crate::scene::points::SurfaceScene;
@@ -237,16 +237,6 @@ pub struct Splats<'a> {
 }
 
 impl<'a> Splats<'a> {
-    /// What machines of others are compared on: they draw no points.
-    pub fn without_points(&self) -> others::Splats<'a> {
-        others::Splats {
-            scene: self.scene,
-            camera: self.camera,
-            rules: self.rules,
-            compositing: self.compositing,
-        }
-    }
-
     /// What the kernel is told.
     pub fn options(&self, entry: &'a DesignVariant) -> fixed::Options<'a> {
         fixed::Options {

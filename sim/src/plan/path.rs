@@ -15,8 +15,7 @@
 use crate::camera::Camera;
 use crate::cameras;
 use crate::framing::USUAL_FOV;
-use crate::input;
-use crate::machine::config::line_of;
+use crate::input::{self, line_of};
 use crate::vector::Vector;
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
@@ -103,7 +102,7 @@ fn keys(file: &str, text: &str) -> Result<KeyFrames> {
     let mut keys: KeyFrames =
         toml::from_str(text).with_context(|| format!("{file}: not a camera path"))?;
     if !(1..=MOST_FRAMES).contains(&keys.frames) {
-        let line = line_of(text, "", "frames");
+        let line = line_of(text, &["frames"]);
         bail!(
             "{file}:{line}: frames = {}: allowed are 1 to {MOST_FRAMES}",
             keys.frames

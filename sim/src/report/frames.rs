@@ -114,7 +114,7 @@ impl FrameRow {
             bytes_per_s: pace.map(|pace| pace.bytes_per_s),
             name: name.to_owned(),
             folder: folder.into_owned(),
-            psnr_db: rgb.and_then(|rgb| rgb.psnr_db),
+            psnr_db: rgb.map(|rgb| rgb.psnr_db).filter(|psnr| psnr.is_finite()),
             max_abs: rgb.map_or(0.0, |rgb| rgb.max_abs),
             p99: rgb.map_or(0.0, |rgb| rgb.percentiles.p99),
             flip: report.error.and_then(|error| error.flip).unwrap_or(0.0),
@@ -216,7 +216,7 @@ pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
         );
         vec![
             name,
-            decibels(row.psnr_db),
+            decibels(row.psnr_db.unwrap_or(f64::INFINITY)),
             format!("{:.3e}", row.max_abs),
             format!("{:.3e}", row.p99),
             format!("{:+.2e}", row.bias),

@@ -13,29 +13,16 @@ use super::scale::PERCENTILE;
 use super::shell::Shell;
 use super::table::{self, HEADINGS, WORD_COLUMNS, count};
 use super::viewer;
-use super::{ChannelFacts, ErrorFacts, Report, ReportRow};
+use super::{ErrorFacts, Report, ReportRow};
 use crate::machine::accounts::UnitTime;
+use crate::metrics::ChannelError;
 use crate::picture::Picture;
-use crate::picture::png::PngError;
 use crate::scene::SortOrder;
 use crate::systems::SystemVerdict;
+use anyhow::Result;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
-
-/// Why a page could not be made.
-#[derive(Debug, thiserror::Error)]
-pub enum ReportError {
-    /// A picture could not be encoded.
-    #[error("cannot encode a picture of the report: {0}")]
-    Picture(#[from] PngError),
-    /// The pixels' numbers could not be compressed.
-    #[error("cannot compress the numbers of the report: {0}")]
-    Numbers(#[from] std::io::Error),
-    /// The report could not be written as JSON.
-    #[error("cannot show the report's details: {0}")]
-    Details(#[from] serde_json::Error),
-}
 
 /// The plot twice, for wide and for narrow screens: shrinking one drawing would make its text unreadable on a phone.
 const WIDE_PLOT: (f64, f64) = (1100.0, 480.0);
@@ -44,12 +31,7 @@ const NARROW_PLOT: (f64, f64) = (380.0, 420.0);
 const SMALL_PICTURE: usize = 256;
 
 /// The whole page. Both pictures have the size that [`crate::metrics::compare`] has checked, and `map` is theirs.
-pub fn page(
-    report: &Report,
-    fixed: &Picture,
-    float: &Picture,
-    map: &ErrorMap,
-) -> Result<String, ReportError> {
+pub fn page(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -> Result<String> {
     let body = [
         pictures(report, fixed, float, map)?,
         sweep(report)?,
@@ -119,27 +101,19 @@ fn subject(report: &Report) -> String {
 /// The few figures that a reader looks for first.
 fn headline(report: &Report) -> String {
     let mut figures: Vec<(&str, String)> = Vec::new();
+    let psnr = |psnr_db: f64| {
+        let unit = psnr_db.is_finite().then_some("dB");
+        with_unit(table::decibels(psnr_db), unit)
+    };
     if let Some(error) = &report.error {
-        figures.push((
-            "PSNR of RGB",
-            with_unit(
-                table::decibels(error.rgb.psnr_db),
-                error.rgb.psnr_db.map(|_| "dB"),
-            ),
-        ));
+        figures.push(("PSNR of RGB", psnr(error.rgb.psnr_db)));
         figures.push(("largest error", table::scientific(error.rgb.max_abs)));
         figures.push(("bias", table::signed(error.rgb.bias)));
         figures.push(("99 % within", table::scientific(error.rgb.percentiles.p99)));
         figures.push(("SSIM", format!("{:.5}", error.rgb.ssim)));
         figures.push(("FLIP", table::flip_text(error.flip)));
         let covered = &error.rgb.covered;
-        figures.push((
-            "PSNR, covered pixels",
-            with_unit(
-                table::decibels(covered.psnr_db),
-                covered.psnr_db.map(|_| "dB"),
-            ),
-        ));
+        figures.push(("PSNR, covered pixels", psnr(covered.psnr_db)));
         figures.push(("bias, covered pixels", table::signed(covered.bias)));
     }
     if let Some(pixels) = report.pixels.filter(|pixels| pixels.covered > 0) {
@@ -165,12 +139,7 @@ fn with_unit(value: String, unit: Option<&str>) -> String {
     })
 }
 
-fn pictures(
-    report: &Report,
-    fixed: &Picture,
-    float: &Picture,
-    map: &ErrorMap,
-) -> Result<String, ReportError> {
+fn pictures(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -> Result<String> {
     let reference = reference_name(report);
     let fixed_note = format!(
         "<b>{}</b> {}",
@@ -273,7 +242,7 @@ fn figure(
     picture: &Rgb,
     alternative: &str,
     below: &str,
-) -> Result<String, ReportError> {
+) -> Result<String> {
     let class = if picture.width <= SMALL_PICTURE {
         " class=\"small\""
     } else {
@@ -312,7 +281,7 @@ fn scale_bar(map: &ErrorMap) -> String {
     )
 }
 
-fn sweep(report: &Report) -> Result<String, ReportError> {
+fn sweep(report: &Report) -> Result<String> {
     let errors = report.error.as_ref().map(error_table).unwrap_or_default();
     if report.table.is_empty() {
         return Ok(errors);
@@ -416,7 +385,7 @@ fn systems(report: &Report) -> String {
     let error = report.error.as_ref();
     let line = |verdict: &SystemVerdict| {
         let measured = error.filter(|_| verdict.used).map(|error| error.rgb);
-        let of = |show: &dyn Fn(&ChannelFacts) -> String| {
+        let of = |show: &dyn Fn(&ChannelError) -> String| {
             measured.as_ref().map_or_else(String::new, show)
         };
         let used = if verdict.used {
@@ -450,7 +419,7 @@ fn systems(report: &Report) -> String {
 
 /// Errors of the chosen design per channel group.
 fn error_table(error: &ErrorFacts) -> String {
-    let line = |name: &str, facts: &ChannelFacts| {
+    let line = |name: &str, facts: &ChannelError| {
         let channel = ["R", "G", "B", "A"].get(facts.max_at.channel);
         let (x, y) = (facts.max_at.x, facts.max_at.y);
         vec![
@@ -536,7 +505,7 @@ fn is_chosen(report: &Report, row: &ReportRow) -> bool {
     row.design == report.design_name() && Some(&row.traversal) == report.traversal.as_ref()
 }
 
-fn details(report: &Report) -> Result<String, ReportError> {
+fn details(report: &Report) -> Result<String> {
     #[derive(Serialize)]
     struct LeftOut<'a> {
         #[serde(rename = "skipped when loading")]

@@ -328,7 +328,6 @@ mod tests {
     use crate::machine::lanes::LaneShape;
     use crate::machine::simulate;
     use crate::machine::workload::extract;
-    use crate::rules::Compositing;
     use crate::scene::synthetic;
 
     /// The slots hold all the lanes' cycles, and no tile took more than the phase.
@@ -337,12 +336,7 @@ mod tests {
         let scene = synthetic::random_gaussians(300, 2, 2.0);
         let camera = synthetic::camera(48, 40);
         let design = DesignChoice::named("standard24").unwrap();
-        let options = Options {
-            rules: &scene.natural_rules,
-            compositing: Compositing::FrontToBack,
-            design: &design,
-            traversal: design.traversal,
-        };
+        let options = Options::front_to_back(&scene.natural_rules, &design);
         let workload = extract(&scene, &camera, &options, [16, 16]);
         let config = Config::default();
         let work = LaneWork::new(&workload, LaneShape::from(&config));

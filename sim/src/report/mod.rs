@@ -28,7 +28,7 @@ use crate::design::ResolvedDesign;
 use crate::flip::PIXELS_PER_DEGREE;
 use crate::machine::clock::Throughput;
 use crate::machine::timing::Timing;
-use crate::metrics::{ChannelError, Errors, Percentiles};
+use crate::metrics::{ChannelError, Errors};
 use crate::rules::Rules;
 use crate::systems::SystemVerdict;
 use error_map::ErrorMap;
@@ -95,54 +95,15 @@ pub struct Report {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorFacts {
     /// Red, green and blue together.
-    pub rgb: ChannelFacts,
+    pub rgb: ChannelError,
     /// Alpha.
-    pub alpha: ChannelFacts,
+    pub alpha: ChannelError,
     /// Mean FLIP of the colours, 0 to 1; null in reports of before it was measured.
     #[serde(default)]
     pub flip: Option<f64>,
     /// Pixels per degree of the visual field that it is for.
     #[serde(default)]
     pub flip_pixels_per_degree: f64,
-}
-
-/// Errors in one channel group, in units of 1.0.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ChannelFacts {
-    /// Null if the pictures are identical.
-    pub psnr_db: Option<f64>,
-    /// No sample differs; the PSNR would be infinite.
-    pub identical: bool,
-    /// Largest absolute difference.
-    pub max_abs: f64,
-    /// 95 % and 99 % of the samples differ by no more.
-    #[serde(default, flatten)]
-    pub percentiles: Percentiles,
-    /// Where it is.
-    pub max_at: SampleAt,
-    /// Mean of fixed minus float.
-    pub bias: f64,
-    /// Mean structural similarity of luminance (`rgb`) or of A (`alpha`).
-    pub ssim: f64,
-    /// The same over the covered pixels alone.
-    #[serde(default)]
-    pub covered: CoveredFacts,
-}
-
-/// Errors in one channel group over the pixels that either picture covers, in units of 1.0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct CoveredFacts {
-    /// How many there are.
-    pub pixels: usize,
-    /// Null if no sample differs.
-    pub psnr_db: Option<f64>,
-    /// 95 % and 99 % of their samples differ by no more.
-    #[serde(default, flatten)]
-    pub percentiles: Percentiles,
-    /// Mean of fixed minus float.
-    pub bias: f64,
-    /// Mean structural similarity over the windows around them.
-    pub ssim: f64,
 }
 
 /// The colour scale of error.png: position `asinh(error / knee) / asinh(limit / knee)`, dark at 0, cool towards -1 (fixed
@@ -164,17 +125,6 @@ pub struct ScaleFacts {
     /// The largest of them.
     #[serde(default)]
     pub largest: f64,
-}
-
-/// One sample of a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SampleAt {
-    /// Column.
-    pub x: usize,
-    /// Row.
-    pub y: usize,
-    /// 0 to 3: R, G, B, A.
-    pub channel: usize,
 }
 
 /// Work of the rasterizer, each pixel counted once per splat.
@@ -234,7 +184,7 @@ pub struct ReportRow {
     /// `box` or `spans`.
     pub traversal: String,
     /// Error of red, green and blue.
-    pub error: ChannelFacts,
+    pub error: ChannelError,
     /// Mean FLIP of the colours.
     #[serde(default)]
     pub flip: Option<f64>,
@@ -276,8 +226,8 @@ impl ErrorFacts {
     /// From both measures of two pictures.
     pub fn new(errors: &Errors, flip: f64) -> Self {
         ErrorFacts {
-            rgb: (&errors.colour).into(),
-            alpha: (&errors.alpha).into(),
+            rgb: errors.colour,
+            alpha: errors.alpha,
             flip: Some(flip),
             flip_pixels_per_degree: PIXELS_PER_DEGREE,
         }
@@ -293,28 +243,6 @@ impl From<&ErrorMap> for ScaleFacts {
             outliers: map.scale.outliers,
             largest: map.scale.largest,
             magnification: map.magnification(),
-        }
-    }
-}
-
-impl From<&ChannelError> for ChannelFacts {
-    fn from(error: &ChannelError) -> Self {
-        let (x, y, channel) = error.max_at;
-        ChannelFacts {
-            psnr_db: error.psnr_db.is_finite().then_some(error.psnr_db),
-            identical: error.max_abs == 0.0,
-            max_abs: error.max_abs,
-            percentiles: error.percentiles,
-            max_at: SampleAt { x, y, channel },
-            bias: error.bias,
-            ssim: error.ssim,
-            covered: CoveredFacts {
-                pixels: error.covered.pixels,
-                psnr_db: Some(error.covered.psnr_db).filter(|psnr| psnr.is_finite()),
-                percentiles: error.covered.percentiles,
-                bias: error.covered.bias,
-                ssim: error.covered.ssim,
-            },
         }
     }
 }

@@ -99,7 +99,11 @@ impl PlotAxes {
         // At least a factor of two, so that equal times do not blow noise up to the width of the picture.
         let values = rows.iter().map(|row| measure.of(row));
         let across = Axis::of_values(values, 2.0, [left, left + frame.width]);
-        let known = || rows.iter().filter_map(|row| row.error.psnr_db);
+        let known = || {
+            rows.iter()
+                .map(|row| row.error.psnr_db)
+                .filter(|psnr| psnr.is_finite())
+        };
         let lowest = known().reduce(f64::min).unwrap_or(0.0);
         let highest = known().reduce(f64::max).unwrap_or(50.0);
         let step = round_step((highest - lowest).max(4.0) / 7.0);
@@ -123,7 +127,10 @@ impl PlotAxes {
 
     fn point(&self, row: &ReportRow) -> (f64, f64) {
         let top = self.decibels.last().copied().unwrap_or_default();
-        let decibels = row.error.psnr_db.or(self.identical).unwrap_or(top);
+        let decibels = Some(row.error.psnr_db)
+            .filter(|psnr| psnr.is_finite())
+            .or(self.identical)
+            .unwrap_or(top);
         (self.across.at(self.measure.of(row)), self.up.at(decibels))
     }
 

@@ -4,7 +4,7 @@ use super::facts::SceneFacts;
 use super::*;
 use crate::camera::Camera;
 use crate::design::DesignChoice;
-use crate::metrics::compare_and_look;
+use crate::metrics::{CoveredError, Percentiles, SampleAt, compare_and_look};
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::SortOrder;
@@ -50,8 +50,8 @@ pub fn rows() -> Vec<ReportRow> {
     let covered = 18_204_331;
     let row = |design: &str, traversal: &str, psnr: f64, bias: f64, visited, total_s| {
         let rms = 10f64.powf(-psnr / 20.0);
-        let error = ChannelFacts {
-            psnr_db: Some(psnr),
+        let error = ChannelError {
+            psnr_db: psnr,
             identical: false,
             max_abs: rms * 7.5,
             percentiles: Percentiles {
@@ -65,9 +65,9 @@ pub fn rows() -> Vec<ReportRow> {
             },
             bias,
             ssim: 1.0 - rms * 3.0,
-            covered: CoveredFacts {
+            covered: CoveredError {
                 pixels: 118_233,
-                psnr_db: Some(psnr - 3.5),
+                psnr_db: psnr - 3.5,
                 percentiles: Percentiles {
                     p95: rms * 2.4,
                     p99: rms * 3.9,

@@ -110,19 +110,18 @@ pub fn markdown(rows: &[ReportRow]) -> String {
 }
 
 /// `57.31`, or `identical` where the PSNR would be infinite.
-pub fn decibels(psnr_db: Option<f64>) -> String {
-    match psnr_db {
-        Some(psnr) => format!("{psnr:.2}"),
-        None => "identical".to_owned(),
+pub fn decibels(psnr_db: f64) -> String {
+    if psnr_db.is_finite() {
+        format!("{psnr_db:.2}")
+    } else {
+        "identical".to_owned()
     }
 }
 
 /// `57.31 dB`, or `identical`.
-pub fn psnr_text(psnr_db: Option<f64>) -> String {
-    match psnr_db {
-        Some(psnr) => format!("{psnr:.2} dB"),
-        None => "identical".to_owned(),
-    }
+pub fn psnr_text(psnr_db: f64) -> String {
+    let unit = if psnr_db.is_finite() { " dB" } else { "" };
+    decibels(psnr_db) + unit
 }
 
 /// Mean FLIP; `-` where it was not measured.

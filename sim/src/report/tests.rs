@@ -294,7 +294,7 @@ proptest! {
     ) {
         let rows: Vec<ReportRow> = figures.iter().enumerate().map(|(index, &(psnr_db, total_s, visited, covered))| {
             let mut row = sample::rows()[index % 8].clone();
-            row.error.psnr_db = psnr_db;
+            row.error.psnr_db = psnr_db.unwrap_or(f64::INFINITY);
             row.error.identical = psnr_db.is_none();
             row.host.total_s = total_s;
             row.visited = visited;

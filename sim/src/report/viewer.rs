@@ -4,7 +4,6 @@
 //! upper half of a single-precision number, which keeps two digits of it at any size. Each half is a plane of bytes, which packs well.
 
 use super::error_map::{ErrorMap, colour};
-use super::html::ReportError;
 use super::scale::{ErrorScale, PERCENTILE};
 use crate::metrics::stored;
 use crate::picture::Picture;
@@ -45,7 +44,7 @@ pub fn script(
     float: &Picture,
     engine: &str,
     reference: &str,
-) -> Result<String, ReportError> {
+) -> anyhow::Result<String> {
     let differences = ErrorMap::new(fixed, float).differences;
     let shade = |index: usize| colour(2.0 * index as f64 / (SHADES - 1) as f64 - 1.0);
     let outliers = |percentile| ErrorScale::of(&differences, percentile).outliers;

@@ -25,7 +25,6 @@ pub mod table;
 use crate::design::{DesignChoice, DesignJob};
 use crate::fixed;
 pub use crate::reference::{rational as exact, single};
-use crate::rules::Compositing;
 use bounds::ErrorBounds;
 pub use splatline_reference::hard::cases;
 
@@ -178,12 +177,7 @@ fn fixed_errors(
     truth: &[Option<RationalFootprint>],
     exact: &TruePictures,
 ) -> StageErrors {
-    let options = fixed::Options {
-        rules: &case.rules,
-        compositing: Compositing::FrontToBack,
-        design,
-        traversal: design.traversal,
-    };
+    let options = fixed::Options::front_to_back(&case.rules, design);
     let drawing = fixed::draw(&case.scene, &case.camera, &options);
     let bounded = design.traversal == Traversal::Spans;
     let bounds: Vec<Option<ErrorBounds>> = truth

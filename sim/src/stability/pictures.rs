@@ -8,7 +8,7 @@ use super::bounds::ErrorBounds;
 use super::cases::Case;
 use super::errors::worse;
 use super::exact::RationalFootprint;
-use super::single::SingleFootprint;
+use super::single::{self, SingleFootprint};
 use super::{StageErrors, pixels};
 use crate::fixed;
 use crate::metrics;
@@ -198,29 +198,11 @@ pub(super) fn share_of_bound(
 
 /// The picture of single precision, composited in single precision.
 pub(super) fn single(case: &Case, projected: &[Option<SingleFootprint>]) -> Picture {
-    let order = by_depth(projected, |f| f.depth.into());
-    let stop = case.rules.minimum_transmittance as f32;
-    let mut picture = Picture::new(case.camera.width, case.camera.height);
-    for (pixel, (x, y)) in picture.pixels.iter_mut().zip(pixels(case)) {
-        let (mut sum, mut clear) = ([0.0f32; 3], 1.0f32);
-        for (index, footprint) in &order {
-            let alpha = footprint.opacity(x as f32, y as f32, &case.rules);
-            if alpha <= 0.0 {
-                continue;
-            }
-            let rest = clear * (1.0 - alpha);
-            if case.rules.omit_finishing && rest <= stop {
-                break;
-            }
-            for (sum, colour) in sum.iter_mut().zip(case.scene.splats[*index].colour) {
-                *sum += clear * alpha * colour as f32;
-            }
-            clear = rest;
-            if clear <= stop {
-                break;
-            }
-        }
-        *pixel = [sum[0], sum[1], sum[2], 1.0 - clear].map(f64::from);
-    }
-    picture
+    let order: Vec<usize> = by_depth(projected, |f| f.depth.into())
+        .into_iter()
+        .map(|(index, _)| index)
+        .collect();
+    let splats = case.scene.splats.iter();
+    let colours: Vec<[f64; 3]> = splats.map(|splat| splat.colour).collect();
+    single::picture(projected, &colours, &order, &case.camera, &case.rules)
 }

@@ -2,9 +2,10 @@
 //!
 //! The model and not the kernel: it has a function for every formula of docs/specification.md and can name each of them.
 
-use super::VectorError;
+use super::files::refused;
+use crate::input::Refused;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// The model's files, each after those that it uses.
@@ -25,13 +26,11 @@ const MODULES: [(&str, &str); 13] = [
 ];
 
 /// Prints the way of `record`, which is `STAGE:NUMBER`, to the standard output.
-pub fn explain(folder: &Path, record: &str) -> Result<(), VectorError> {
-    let python = |source: io::Error| VectorError::File {
-        file: PathBuf::from("python3"),
-        source: io::Error::new(
-            source.kind(),
-            format!("{source}; install Python 3, which explains"),
-        ),
+pub fn explain(folder: &Path, record: &str) -> Result<(), Refused> {
+    let python = |error: io::Error| {
+        Refused(format!(
+            "python3: {error}; install Python 3, which explains"
+        ))
     };
     let mut child = Command::new("python3")
         .arg("-")
@@ -47,10 +46,7 @@ pub fn explain(folder: &Path, record: &str) -> Result<(), VectorError> {
     if status.success() {
         return Ok(());
     }
-    Err(VectorError::Content {
-        file: folder.to_owned(),
-        message: format!("'{record}' is not explained"),
-    })
+    Err(refused(folder, format!("'{record}' is not explained")))
 }
 
 /// The model as one text that needs no files.

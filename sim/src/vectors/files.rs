@@ -3,15 +3,15 @@
 use super::manifest::{Manifest, StageRecord, digest};
 use super::work::room_for;
 use super::{VectorStage, VectorSubject, compute};
+use crate::atomic;
 use crate::difference::differences;
-use crate::memory::TooLarge;
-use crate::{atomic, input};
+use crate::input::{self, Refused};
 use fixed::types::U4F28;
 use splatline::math::SoftFloat;
 use splatline::splat::{Axis, VolumeSplat};
+use std::fmt::Display;
 use std::fs;
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::path::Path;
 
 /// Largest viewport side that vectors are computed for: a manifest from a stranger cannot ask for gigabytes.
 const LARGEST_SIDE: u16 = 4096;
@@ -19,38 +19,6 @@ const LARGEST_SIDE: u16 = 4096;
 const FREE_PIXELS: u64 = 1 << 20;
 /// A manifest has some thirty kilobytes.
 const MANIFEST_BYTES: u64 = 1 << 22;
-
-/// Why vectors cannot be written or do not agree.
-#[derive(Debug, Error)]
-pub enum VectorError {
-    /// A file cannot be read or written.
-    #[error("{file}: {source}")]
-    File {
-        /// The file.
-        file: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// A file's content is not what it should be.
-    #[error("{file}: {message}")]
-    Content {
-        /// The file.
-        file: PathBuf,
-        /// Names the line or field and what is expected.
-        message: String,
-    },
-    /// More than there is memory for.
-    #[error(transparent)]
-    TooLarge(#[from] TooLarge),
-    /// A value differs from the kernel's.
-    #[error("{file}: {difference}")]
-    Difference {
-        /// The file.
-        file: PathBuf,
-        /// Stage, record, splat, field, expected, got.
-        difference: String,
-    },
-}
 
 /// What was checked.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -62,42 +30,34 @@ pub struct Verified {
 }
 
 /// Writes the manifest and one file per stage into `folder`, which is made if need be.
-pub fn export(folder: &Path, subject: &VectorSubject) -> Result<Manifest, VectorError> {
-    fs::create_dir_all(folder).map_err(|source| VectorError::File {
-        file: folder.to_owned(),
-        source,
-    })?;
-    room_for(subject)?;
+pub fn export(folder: &Path, subject: &VectorSubject) -> Result<Manifest, Refused> {
+    fs::create_dir_all(folder).map_err(|error| refused(folder, error))?;
+    room_for(subject).map_err(|error| refused(folder, error))?;
     let stages = compute(subject);
     let manifest = Manifest::new(subject, &stages);
     // Before any is written: the scene may be one of them.
     for record in &manifest.stages {
         let file = folder.join(&record.file);
-        atomic::refuse_input(&file).map_err(|source| VectorError::File { file, source })?;
+        atomic::refuse_input(&file).map_err(|error| refused(&file, error))?;
     }
     for (stage, record) in stages.iter().zip(&manifest.stages) {
         write(&folder.join(&record.file), &stage.to_text())?;
     }
     let file = folder.join("manifest.json");
-    let text = serde_json::to_string_pretty(&manifest)
-        .map_err(|error| content(&file, error.to_string()))?;
+    let text = serde_json::to_string_pretty(&manifest).map_err(|error| refused(&file, error))?;
     write(&file, &text)?;
     Ok(manifest)
 }
 
 /// Computes all stages anew from the manifest and the splats in `folder` and compares every file that is there, in the order of the
 /// data flow. The first difference is the error.
-pub fn verify(folder: &Path) -> Result<Verified, VectorError> {
+pub fn verify(folder: &Path) -> Result<Verified, Refused> {
     let file = folder.join("manifest.json");
-    let text = input::text(&file, MANIFEST_BYTES).map_err(|source| VectorError::File {
-        file: file.clone(),
-        source,
-    })?;
-    let manifest: Manifest =
-        serde_json::from_str(&text).map_err(|error| content(&file, error.to_string()))?;
+    let text = input::text(&file, MANIFEST_BYTES).map_err(|error| refused(&file, error))?;
+    let manifest: Manifest = serde_json::from_str(&text).map_err(|error| refused(&file, error))?;
     let mut subject = manifest
         .subject()
-        .map_err(|message| content(&file, message))?;
+        .map_err(|problem| refused(&file, problem))?;
     if subject
         .view
         .viewport
@@ -108,7 +68,7 @@ pub fn verify(folder: &Path) -> Result<Verified, VectorError> {
             "view.viewport is {:?}, at most {LARGEST_SIDE} a side",
             subject.view.viewport
         );
-        return Err(content(&file, message));
+        return Err(refused(&file, message));
     }
     refuse_absurd_picture(folder, &file, subject.view.viewport)?;
     // Without splats this gives the stages' fields, which is what it takes to read the splats.
@@ -117,7 +77,7 @@ pub fn verify(folder: &Path) -> Result<Verified, VectorError> {
         read_splats(folder, &manifest, stage)
     })?;
     subject.splats = splats;
-    room_for(&subject)?;
+    room_for(&subject).map_err(|error| refused(folder, error))?;
     let expected = compute(&subject);
     let owners = Owners::new(&expected);
     let mut verified = Verified::default();
@@ -129,14 +89,13 @@ pub fn verify(folder: &Path) -> Result<Verified, VectorError> {
         }
         let got = stage
             .parse(&read(&file)?)
-            .map_err(|message| content(&file, message))?;
-        compare(stage, &got, &owners)
-            .map_err(|difference| VectorError::Difference { file, difference })?;
+            .map_err(|problem| refused(&file, problem))?;
+        compare(stage, &got, &owners).map_err(|difference| refused(&file, difference))?;
         verified.stages.push((stage.name.to_owned(), got.len()));
     }
     let file = folder.join("manifest.json");
     check_manifest(&text, &Manifest::new(&subject, &expected))
-        .map_err(|message| content(&file, message))?;
+        .map_err(|problem| refused(&file, problem))?;
     Ok(verified)
 }
 
@@ -164,13 +123,13 @@ fn refuse_absurd_picture(
     folder: &Path,
     manifest: &Path,
     viewport: [u16; 2],
-) -> Result<(), VectorError> {
+) -> Result<(), Refused> {
     let pixels: u64 = viewport.iter().map(|side| u64::from(*side)).product();
     let stored = fs::metadata(folder.join("tile.hex")).map_or(0, |metadata| metadata.len());
     if pixels <= stored.max(FREE_PIXELS) {
         Ok(())
     } else {
-        Err(content(
+        Err(refused(
             manifest,
             format!(
                 "view.viewport has {pixels} pixels, but tile.hex has {stored} bytes: correct the viewport or export the vectors again"
@@ -184,7 +143,7 @@ fn read_splats(
     folder: &Path,
     manifest: &Manifest,
     stage: &VectorStage,
-) -> Result<Vec<VolumeSplat>, VectorError> {
+) -> Result<Vec<VolumeSplat>, Refused> {
     let file = folder.join("splats.hex");
     let text = read(&file)?;
     let listed: Option<&StageRecord> = manifest.stages.iter().find(|s| s.name == stage.name);
@@ -193,11 +152,11 @@ fn read_splats(
         let message = format!(
             "digest is {found}, the manifest says '{expected}': these are not the splats of these vectors"
         );
-        return Err(content(&file, message));
+        return Err(refused(&file, message));
     }
     let records = stage
         .parse(&text)
-        .map_err(|message| content(&file, message))?;
+        .map_err(|problem| refused(&file, problem))?;
     Ok(records.iter().map(|record| splat(record)).collect())
 }
 
@@ -281,23 +240,15 @@ fn compare(stage: &VectorStage, got: &[Vec<i64>], owners: &Owners) -> Result<(),
     Ok(())
 }
 
-fn read(file: &Path) -> Result<String, VectorError> {
-    input::text(file, input::TABLE).map_err(|source| VectorError::File {
-        file: file.to_owned(),
-        source,
-    })
+fn read(file: &Path) -> Result<String, Refused> {
+    input::text(file, input::TABLE).map_err(|error| refused(file, error))
 }
 
-fn write(file: &Path, text: &str) -> Result<(), VectorError> {
-    atomic::write(file, text.as_bytes()).map_err(|source| VectorError::File {
-        file: file.to_owned(),
-        source,
-    })
+fn write(file: &Path, text: &str) -> Result<(), Refused> {
+    atomic::write(file, text.as_bytes()).map_err(|error| refused(file, error))
 }
 
-fn content(file: &Path, message: String) -> VectorError {
-    VectorError::Content {
-        file: file.to_owned(),
-        message,
-    }
+/// A file and what is wrong with it.
+pub(super) fn refused(file: &Path, problem: impl Display) -> Refused {
+    Refused(format!("{}: {problem}", file.display()))
 }

@@ -26,7 +26,7 @@ pub use builtin::{hard_cases, stress_cases, stress_orthographic, stress_view};
 pub use compute::compute;
 pub use constants::ConstantRecord;
 pub use explain::explain;
-pub use files::{VectorError, Verified, export, verify};
+pub use files::{Verified, export, verify};
 pub use manifest::{FORMAT_VERSION, Manifest};
 pub use stage::{RecordField, VectorStage};
 pub use work::room_for_splats;

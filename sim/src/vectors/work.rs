@@ -3,10 +3,9 @@
 //! Setup is run once for its boxes, which bound the pixels of runs and records from above; nothing is kept of it.
 
 use super::VectorSubject;
-use crate::design::DesignJob;
 use crate::fixed::kernel_rules;
 use crate::memory::{self, TooLarge};
-use splatline::format::Design;
+use splatline::raster::Window;
 use splatline::setup;
 
 /// Bytes of a splat: its records in the five stages of setup, and their texts. Measured, rounded up.
@@ -30,22 +29,12 @@ pub fn room_for_splats(count: usize) -> Result<(), TooLarge> {
 }
 
 fn bytes(subject: &VectorSubject) -> u64 {
-    struct WorkJob<'a>(&'a VectorSubject);
-    impl DesignJob for WorkJob<'_> {
-        type Output = u64;
-        fn run<D: Design + Send + Sync>(self, design: D) -> u64 {
-            let rules = kernel_rules(&self.0.rules);
-            let pixels = |splat| match setup::setup(design, &self.0.view, &rules, splat) {
-                Ok(print) => [0, 1]
-                    .map(|axis| u64::from(print.end[axis].saturating_sub(print.first[axis])))
-                    .iter()
-                    .product(),
-                Err(_) => 0,
-            };
-            self.0.splats.iter().map(pixels).sum()
-        }
-    }
-    let boxes: u64 = subject.design.dispatch(WorkJob(subject));
+    let (design, rules) = (subject.design.in_fields(), kernel_rules(&subject.rules));
+    let pixels = |splat| match setup::setup(design, &subject.view, &rules, splat) {
+        Ok(footprint) => Window::of(&footprint).pixels() as u64,
+        Err(_) => 0,
+    };
+    let boxes: u64 = subject.splats.iter().map(pixels).sum();
     let picture: u64 = subject.view.viewport.map(u64::from).iter().product();
     boxes * PIXEL_BYTES + picture * PICTURE_BYTES + subject.splats.len() as u64 * SPLAT_BYTES
 }

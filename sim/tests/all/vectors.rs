@@ -3,12 +3,11 @@
 use splatline::blend::Pixel;
 use splatline::draw::Painter;
 use splatline::format::{Design, Traversal};
-use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::raster::Window;
 use splatline::setup::setup;
 use splatline::target::Target;
 use splatline_sim::design::{DesignChoice, DesignJob};
-use splatline_sim::fixed::{kernel_compositing, kernel_rules};
+use splatline_sim::fixed::{kernel_compositing, kernel_rules, table, table_entries};
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::vectors::{VectorSubject, compute, export, hard_cases, verify};
 use std::fs;
@@ -49,9 +48,8 @@ impl DesignJob for Painted<'_> {
     type Output = Vec<[i64; 5]>;
     fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
         let (subject, widths, rules) = (self.0, design.widths(), kernel_rules(&self.0.rules));
-        let mut memory = vec![0; entries(&widths)];
-        fill_gaussian(&mut memory, &widths, rules.table_range);
-        let table = FootprintTable::new(&memory, &widths, rules.table_range).unwrap();
+        let memory = table_entries(&widths, &rules);
+        let table = table(&memory, &widths, &rules);
         let compositing = kernel_compositing(subject.compositing);
         let painter = Painter::new(design, &rules, table, compositing, subject.design.traversal);
         let view = &subject.view;

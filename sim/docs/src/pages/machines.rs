@@ -11,7 +11,7 @@ use splatline_sim::fixed::Options;
 use splatline_sim::machine::energy::{Energy, EnergyTable, estimate};
 use splatline_sim::machine::lanes::{LaneShape, LaneWork};
 use splatline_sim::machine::memory::parts::PARTS;
-use splatline_sim::machine::others::{self, Outcome};
+use splatline_sim::machine::others;
 use splatline_sim::machine::workload::{Workload, extract_if_room};
 use splatline_sim::machine::{Config, Timing, simulate, simulate_alone};
 use splatline_sim::report::chart::alone;
@@ -117,11 +117,12 @@ impl Tables {
                     .push(first.into_iter().chain(lanes(&timing)));
             }
         }
-        for outcome in others::run_all(&view.splats(), &EnergyTable::default())? {
+        let (drawn, energy) = (view.options(design), EnergyTable::default());
+        for outcome in others::run_all(&view.scene, &view.camera, &drawn, &energy)? {
             self.others.push(
                 [view.name.to_owned()]
                     .into_iter()
-                    .chain(outcome_cells(&outcome)),
+                    .chain(others::cells(&outcome)),
             );
         }
         let config = Config::primitive(4);
@@ -304,31 +305,6 @@ fn lanes(timing: &Timing) -> [String; 6] {
         format!("{:.3}", timing.pixels.live_per_cycle_and_lane),
         format!("{} %", percent(lanes.busy, within)),
         stall.unwrap_or_else(|| "-".to_owned()),
-    ]
-}
-
-fn outcome_cells(outcome: &Outcome) -> [String; 11] {
-    let Timing { pixels, bytes, .. } = &outcome.timing;
-    let blended = pixels.live.max(1) as f64;
-    let path = ["splat_setup", "row_generator", "lanes", "blend"];
-    let units = outcome
-        .energy
-        .units
-        .iter()
-        .filter(|unit| path.contains(&unit.unit));
-    let path: u64 = units.map(|unit| unit.attojoules).sum();
-    [
-        outcome.preset.name.to_owned(),
-        pixels.visited.to_string(),
-        pixels.covered.to_string(),
-        pixels.live.to_string(),
-        format!("{:.2}", pixels.visited as f64 / blended),
-        format!("{:.2}", outcome.products as f64 / blended),
-        outcome.timing.total.to_string(),
-        outcome.timing.raster.to_string(),
-        format!("{:.2}", bytes.all() as f64 / 1e6),
-        format!("{:.3}", outcome.energy.mj_per_frame),
-        format!("{:.3}", path as f64 / 1e15),
     ]
 }
 

@@ -57,6 +57,18 @@ pub struct Options<'a> {
     pub traversal: Traversal,
 }
 
+impl<'a> Options<'a> {
+    /// Front to back along the design's own traversal.
+    pub fn front_to_back(rules: &'a Rules, design: &'a DesignChoice) -> Options<'a> {
+        Options {
+            rules,
+            compositing: Compositing::FrontToBack,
+            design,
+            traversal: design.traversal,
+        }
+    }
+}
+
 /// What a drawing gives.
 #[derive(Clone, Debug)]
 pub struct FixedDrawing {
@@ -84,17 +96,14 @@ pub fn footprints(
     camera: &Camera,
     options: &Options,
 ) -> Vec<Result<Footprint, Cull>> {
-    struct SetupJob<'a>(&'a QuantisedScene, &'a kernel::Rules);
-    impl DesignJob for SetupJob<'_> {
-        type Output = Vec<Result<Footprint, Cull>>;
-        fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-            set_up(design, self.0, self.1, best_engine())
-        }
-    }
     let quantised = QuantisedScene::new(scene, camera, options.rules);
-    options
-        .design
-        .dispatch(SetupJob(&quantised, &quantised.rules(options.rules)))
+    let rules = quantised.rules(options.rules);
+    set_up(
+        options.design.in_fields(),
+        &quantised,
+        &rules,
+        best_engine(),
+    )
 }
 
 /// Conics (a, b, c) of all splats in double precision, whether or not they reach the viewport; `None` where the depth, the range or the shape

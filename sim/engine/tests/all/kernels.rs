@@ -60,12 +60,7 @@ fn camera(distance: f64, orthographic: bool) -> Camera {
 }
 
 fn options<'a>(rules: &'a Rules, design: &'a DesignChoice) -> fixed::Options<'a> {
-    fixed::Options {
-        rules,
-        compositing: Compositing::FrontToBack,
-        design,
-        traversal: design.traversal,
-    }
+    fixed::Options::front_to_back(rules, design)
 }
 
 fn meets_the_bars(what: &str, fixed: &Picture, float: &Picture) {

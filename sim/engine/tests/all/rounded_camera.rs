@@ -41,12 +41,7 @@ fn both_engines_see_the_same_view_of_a_rounded_rotation() {
     (file["width"], file["height"]) = (serde_json::json!(96), serde_json::json!(96));
     let camera = Camera::from_json_str(&file.to_string()).unwrap();
     let design = DesignChoice::named("deep32").unwrap();
-    let options = fixed::Options {
-        rules: &Rules::GAUSSIAN_3D,
-        compositing: Compositing::FrontToBack,
-        design: &design,
-        traversal: design.traversal,
-    };
+    let options = fixed::Options::front_to_back(&Rules::GAUSSIAN_3D, &design);
     let drawn = fixed::draw(&scene, &camera, &options).picture;
     let float = float::draw(
         &scene,

@@ -6,7 +6,6 @@ use splatline_engine::fixed::{HybridDrawing, Options, draw_hybrid};
 use splatline_engine::hybrid::{Points, spacing};
 use splatline_engine::metrics::compare;
 use splatline_engine::picture::Picture;
-use splatline_engine::rules::Compositing;
 use splatline_engine::scene::Scene;
 use splatline_engine::scene::points::synthetic::{Paint, scene, sphere};
 use splatline_engine::surface::Style;
@@ -29,12 +28,7 @@ fn ball(camera: &Camera) -> (DepthImage, Picture) {
 fn draw(samples: &Scene, camera: &Camera, points: Points) -> (HybridDrawing, Picture) {
     let design = DesignChoice::named("standard24").unwrap();
     let (rules, hybrid) = (rules(samples), hybrid(samples, points));
-    let options = Options {
-        rules: &rules,
-        compositing: Compositing::FrontToBack,
-        design: &design,
-        traversal: design.traversal,
-    };
+    let options = Options::front_to_back(&rules, &design);
     let drawn = draw_hybrid(samples, camera, &options, &hybrid).unwrap();
     let float = reference::hybrid::draw(samples, camera, &rules, &hybrid).picture;
     (drawn, float)

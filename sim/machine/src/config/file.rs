@@ -2,79 +2,27 @@
 
 use super::Config;
 use super::settings::{SETTINGS, setting};
-use crate::input;
+use crate::input::{self, Refused, line_at};
 use serde::de::{Error as _, IntoDeserializer};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
-use thiserror::Error;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-/// What is wrong with a machine file or with one setting.
-#[derive(Debug, Error, PartialEq, Eq)]
-pub enum ConfigError {
-    /// The file cannot be read.
-    #[error("{file}: cannot read the machine: {problem}")]
-    Unreadable {
-        /// The file.
-        file: String,
-        /// What the system said.
-        problem: String,
-    },
-    /// Not TOML.
-    #[error("{file}: {problem}")]
-    Malformed {
-        /// The file.
-        file: String,
-        /// The parser's message, which names line and column.
-        problem: String,
-    },
-    /// No such key.
-    #[error("{place}: unknown key '{key}'{hint}")]
-    UnknownKey {
-        /// File and line, or the option.
-        place: String,
-        /// The key.
-        key: String,
-        /// What may have been meant.
-        hint: String,
-    },
-    /// A value of the wrong kind or out of range.
-    #[error("{place}: {key} = {value}: {allowed}")]
-    NotAllowed {
-        /// File and line, or the option.
-        place: String,
-        /// The key.
-        key: String,
-        /// The value found.
-        value: String,
-        /// What is allowed.
-        allowed: String,
-    },
-}
-
 /// Reads a machine file.
-pub fn from_file(path: &Path) -> Result<Config, ConfigError> {
+pub fn from_file(path: &Path) -> Result<Config, Refused> {
     let file = path.display().to_string();
-    let text = input::text(path, input::SETTINGS).map_err(|error| ConfigError::Unreadable {
-        file: file.clone(),
-        problem: error.to_string(),
-    })?;
+    let text = input::text(path, input::SETTINGS)
+        .map_err(|error| Refused(format!("{file}: cannot read the machine: {error}")))?;
     from_toml(&file, &text)
 }
 
 /// Reads a machine from the text of a file; keys that it does not name keep their defaults.
-pub fn from_toml(file: &str, text: &str) -> Result<Config, ConfigError> {
-    let malformed = |error: toml::de::Error| ConfigError::Malformed {
-        file: file.to_owned(),
-        problem: error.to_string(),
-    };
-    let place = |start: usize| {
-        let line = 1 + text[..start].matches('\n').count();
-        format!("{file}:{line}")
-    };
+pub fn from_toml(file: &str, text: &str) -> Result<Config, Refused> {
+    let malformed = |error: toml::de::Error| Refused(format!("{file}: {error}"));
+    let place = |start: usize| format!("{file}:{}", line_at(text, start));
     let sections = DeTable::parse(text).map_err(malformed)?;
     let mut config = Config::default();
     let mut places = BTreeMap::new();
@@ -112,24 +60,20 @@ fn is_section(name: &str) -> bool {
 
 impl Config {
     /// Gives a setting a value; `place` says where that stands, for messages.
-    pub fn set(&mut self, place: &str, key: &str, value: &Value) -> Result<(), ConfigError> {
+    pub fn set(&mut self, place: &str, key: &str, value: &Value) -> Result<(), Refused> {
         self.set_all(place, &[(key, value)])
     }
 
     /// Gives several settings values, in the time of one.
-    pub fn set_all(&mut self, place: &str, all: &[(&str, &Value)]) -> Result<(), ConfigError> {
+    pub fn set_all(&mut self, place: &str, all: &[(&str, &Value)]) -> Result<(), Refused> {
         let mut accepted = Vec::with_capacity(all.len());
         for (key, value) in all {
             let Some(setting) = setting(key) else {
                 return Err(unknown(place, key));
             };
             if !setting.accepts(value) {
-                return Err(ConfigError::NotAllowed {
-                    place: place.to_owned(),
-                    key: (*key).to_owned(),
-                    value: value.to_string(),
-                    allowed: setting.allowed(),
-                });
+                let allowed = setting.allowed();
+                return Err(Refused(format!("{place}: {key} = {value}: {allowed}")));
             }
             accepted.push((setting, *value));
         }
@@ -138,7 +82,7 @@ impl Config {
     }
 
     /// Gives settings values by `key=value` words, as the command line has them.
-    pub fn set_words(&mut self, words: &[String]) -> Result<(), ConfigError> {
+    pub fn set_words(&mut self, words: &[String]) -> Result<(), Refused> {
         for word in words {
             let (key, text) = word.split_once('=').unwrap_or((word, ""));
             let text = text.trim();
@@ -150,13 +94,10 @@ impl Config {
     }
 
     /// Checks the settings together; `place` says where a key stands.
-    fn check_at(&self, place: impl FnOnce(&str) -> String) -> Result<(), ConfigError> {
+    fn check_at(&self, place: impl FnOnce(&str) -> String) -> Result<(), Refused> {
         let checked = self.check_together();
-        checked.map_err(|(key, value, allowed)| ConfigError::NotAllowed {
-            place: place(key),
-            key: key.to_owned(),
-            value,
-            allowed,
+        checked.map_err(|(key, value, allowed)| {
+            Refused(format!("{}: {key} = {value}: {allowed}", place(key)))
         })
     }
 }
@@ -228,7 +169,7 @@ pub fn known(key: &str) -> String {
     )
 }
 
-fn unknown(place: &str, key: &str) -> ConfigError {
+fn unknown(place: &str, key: &str) -> Refused {
     let name = key.rsplit('.').next().unwrap_or(key);
     let hint = match setting(name) {
         // The name that the setting once had, and that the command line has for something else.
@@ -249,39 +190,7 @@ fn unknown(place: &str, key: &str) -> ConfigError {
             }
         }
     };
-    ConfigError::UnknownKey {
-        place: place.to_owned(),
-        key: key.to_owned(),
-        hint,
-    }
-}
-
-/// Line, counted from 1, on which `key` is set in `[section]` (or as `section.key`); 1 if it is not found.
-pub fn line_of(text: &str, section: &str, key: &str) -> usize {
-    let sets = |line: &str, name: &str| {
-        line.strip_prefix(name)
-            .is_some_and(|rest| rest.trim_start().starts_with('='))
-    };
-    let dotted = format!("{section}.{key}");
-    let quoted = format!("\"{key}\"");
-    let mut current = "";
-    for (index, line) in text.lines().enumerate() {
-        let line = line.trim();
-        if let Some(name) = line
-            .strip_prefix('[')
-            .and_then(|rest| rest.split(']').next())
-        {
-            current = name.trim();
-            if section.is_empty() && current == key {
-                return index + 1;
-            }
-        }
-        let inside = current == section && (sets(line, key) || sets(line, &quoted));
-        if inside || (current.is_empty() && sets(line, &dotted)) {
-            return index + 1;
-        }
-    }
-    1
+    Refused(format!("{place}: unknown key '{key}'{hint}"))
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! the figures that ship have just these slopes.
 
 use super::super::area::lane::transistors;
+use crate::input::line_at;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
@@ -217,16 +218,11 @@ struct EnergyCheck<'a> {
 }
 
 impl EnergyCheck<'_> {
-    fn line(&self, at: usize) -> usize {
-        let before = self.text.get(..at).unwrap_or(self.text);
-        before.matches('\n').count() + 1
-    }
-
     fn refused<T>(&self, at: usize, what: &str, allowed: &str) -> Result<T, String> {
         Err(format!(
             "{}:{}: {what}: {allowed}",
             self.file,
-            self.line(at)
+            line_at(self.text, at)
         ))
     }
 

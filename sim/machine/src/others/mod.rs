@@ -27,7 +27,6 @@ use crate::camera::Camera;
 use crate::design::DesignChoice;
 use crate::fixed::Options;
 use crate::host_memory::TooLarge;
-use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
 use serde::Serialize;
 use splatline::format::{Traversal, Widths};
@@ -202,47 +201,32 @@ pub struct Outcome {
     pub products: u64,
 }
 
-/// Runs all machines on the same splats.
-pub fn run_all(splats: &Splats, table: &EnergyTable) -> Result<Vec<Outcome>, TooLarge> {
-    PRESETS
-        .iter()
-        .map(|preset| run(preset, splats, table))
-        .collect()
-}
-
-/// Splats, from where they are seen and how they blend.
-#[derive(Clone, Copy, Debug)]
-pub struct Splats<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// Its camera.
-    pub camera: &'a Camera,
-    /// Rules of blending.
-    pub rules: &'a Rules,
-    /// Order and operator of blending.
-    pub compositing: Compositing,
-}
-
-fn run(preset: &Preset, splats: &Splats, table: &EnergyTable) -> Result<Outcome, TooLarge> {
-    let design =
-        DesignChoice::named(preset.design).unwrap_or_else(|| DesignChoice::all().remove(3));
-    let options = Options {
-        rules: splats.rules,
-        compositing: splats.compositing,
-        design: &design,
-        traversal: design.traversal,
+/// Runs all machines on the same splats, each with its own design in place of that of the options.
+pub fn run_all(
+    scene: &Scene,
+    camera: &Camera,
+    options: &Options,
+    table: &EnergyTable,
+) -> Result<Vec<Outcome>, TooLarge> {
+    let run = |preset: &Preset| {
+        let design =
+            DesignChoice::named(preset.design).unwrap_or_else(|| DesignChoice::all().remove(3));
+        let (widths, traversal) = (&design.widths, design.traversal);
+        let own = Options {
+            design: &design,
+            traversal,
+            ..*options
+        };
+        let config = (preset.config)();
+        let tile = [config.tile_width, config.tile_height];
+        let workload = extract_if_room(scene, camera, &own, tile)?;
+        Ok(outcome(preset, &workload, widths, traversal, table))
     };
-    let config = (preset.config)();
-    let tile = [config.tile_width, config.tile_height];
-    let workload = extract_if_room(splats.scene, splats.camera, &options, tile)?;
-    Ok(outcome(
-        preset,
-        &workload,
-        &design.widths,
-        design.traversal,
-        table,
-    ))
+    PRESETS.iter().map(run).collect()
 }
+
+/// The units between setup of a pair and the blend.
+const PIXEL_PATH: [&str; 4] = ["splat_setup", "row_generator", "lanes", "blend"];
 
 /// What a machine takes for a workload that our own traversal gave.
 pub fn outcome(
@@ -259,8 +243,7 @@ pub fn outcome(
     if let Some(operations) = &preset.float {
         replace(&mut units, operations, &timing, table);
     }
-    let pixel_path = ["splat_setup", "row_generator", "lanes", "blend"];
-    let path = units.iter().filter(|unit| pixel_path.contains(&unit.name));
+    let path = units.iter().filter(|unit| PIXEL_PATH.contains(&unit.name));
     let actions = path.flat_map(|unit| &unit.actions);
     let products = actions
         .filter(|action| action.action == "multiply")
@@ -313,35 +296,38 @@ fn replace<'t>(
     }
 }
 
-/// A Markdown table; ratios are to the pixels that were blended.
+/// An outcome's cells in a table; ratios are to the pixels that were blended.
+pub fn cells(outcome: &Outcome) -> [String; 11] {
+    let Timing { pixels, bytes, .. } = &outcome.timing;
+    let blended = pixels.live.max(1) as f64;
+    let units = outcome.energy.units.iter();
+    let path: u64 = units
+        .filter(|unit| PIXEL_PATH.contains(&unit.unit))
+        .map(|unit| unit.attojoules)
+        .sum();
+    [
+        outcome.preset.name.to_owned(),
+        pixels.visited.to_string(),
+        pixels.covered.to_string(),
+        pixels.live.to_string(),
+        format!("{:.2}", pixels.visited as f64 / blended),
+        format!("{:.2}", outcome.products as f64 / blended),
+        outcome.timing.total.to_string(),
+        outcome.timing.raster.to_string(),
+        format!("{:.2}", bytes.all() as f64 / 1e6),
+        format!("{:.3}", outcome.energy.mj_per_frame),
+        format!("{:.3}", path as f64 / 1e15),
+    ]
+}
+
+/// A Markdown table.
 pub fn table_of(outcomes: &[Outcome]) -> String {
     let mut text = String::from(
         "| machine | pixels tested | inside | blended | tested for one blended | products for one blended | cycles | raster cycles | MB | mJ | of this pixel path, mJ |\n\
          |---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
     );
     for outcome in outcomes {
-        let Timing { pixels, bytes, .. } = &outcome.timing;
-        let blended = pixels.live.max(1) as f64;
-        let path = ["splat_setup", "row_generator", "lanes", "blend"];
-        let units = outcome.energy.units.iter();
-        let path: u64 = units
-            .filter(|unit| path.contains(&unit.unit))
-            .map(|unit| unit.attojoules)
-            .sum();
-        text.push_str(&format!(
-            "| {} | {} | {} | {} | {:.2} | {:.2} | {} | {} | {:.2} | {:.3} | {:.3} |\n",
-            outcome.preset.name,
-            pixels.visited,
-            pixels.covered,
-            pixels.live,
-            pixels.visited as f64 / blended,
-            outcome.products as f64 / blended,
-            outcome.timing.total,
-            outcome.timing.raster,
-            bytes.all() as f64 / 1e6,
-            outcome.energy.mj_per_frame,
-            path as f64 / 1e15,
-        ));
+        text.push_str(&format!("| {} |\n", cells(outcome).join(" | ")));
     }
     text
 }

@@ -80,17 +80,12 @@ proptest! {
 /// All machines blend the same pixels; tests fall from tiles to sub-tiles to rows, and what a blended pixel takes with them.
 #[test]
 fn machines_differ_in_what_they_test_and_not_in_what_they_draw() {
-    use crate::rules::Compositing;
     use crate::scene::synthetic;
     let scene = synthetic::random_gaussians(2000, 4, 2.0);
     let camera = synthetic::camera(160, 120);
-    let splats = Splats {
-        scene: &scene,
-        camera: &camera,
-        rules: &scene.natural_rules,
-        compositing: Compositing::FrontToBack,
-    };
-    let outcomes = run_all(&splats, &EnergyTable::default()).unwrap();
+    let design = DesignChoice::named("standard24").unwrap();
+    let options = Options::front_to_back(&scene.natural_rules, &design);
+    let outcomes = run_all(&scene, &camera, &options, &EnergyTable::default()).unwrap();
     let [tiles, sub, rows, shared, _, _, ours] = &outcomes[..] else {
         panic!("seven machines")
     };

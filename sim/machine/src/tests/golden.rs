@@ -13,7 +13,6 @@ use super::super::workload::{Workload, extract};
 use super::super::{Config, Timing, others, simulate_observed, timing};
 use crate::design::DesignChoice;
 use crate::fixed::Options;
-use crate::rules::Compositing;
 use crate::scene::{Scene, synthetic};
 use std::fmt::Write;
 
@@ -59,12 +58,7 @@ fn machine(words: &str) -> Config {
 }
 
 fn work(scene: &Scene, design: &DesignChoice, config: &Config) -> Workload {
-    let options = Options {
-        rules: &scene.natural_rules,
-        compositing: Compositing::FrontToBack,
-        design,
-        traversal: design.traversal,
-    };
+    let options = Options::front_to_back(&scene.natural_rules, design);
     let tile = [config.tile_width, config.tile_height];
     extract(scene, &synthetic::camera(150, 110), &options, tile)
 }

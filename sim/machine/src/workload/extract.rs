@@ -24,6 +24,7 @@ use splatline::math::{shift_signed, shift_unsigned};
 use splatline::raster::{BoxSpans, EllipseSpans, Span, Spans, Window};
 use splatline::setup::Cull;
 use splatline::target::Target;
+use splatline_engine::fast::order::Grid;
 
 /// The work of drawing `scene` in tiles of `tile` columns (at most 64) and rows.
 pub fn extract(scene: &Scene, camera: &Camera, options: &Options, tile: [u16; 2]) -> Workload {
@@ -154,7 +155,7 @@ impl ExtractJob<'_> {
             self.footprints[*index as usize]
                 .as_ref()
                 .ok()
-                .map(|footprint| (*index, footprint.first, footprint.end))
+                .map(|footprint| (*index, Window::of(footprint)))
         });
         let mut bins = Bins::new(boxes, self.viewport, self.tile);
         let rank = self.before.map(|before| {
@@ -162,24 +163,16 @@ impl ExtractJob<'_> {
             before.keep_order(&mut bins, &rank);
             rank
         });
-        let window = |tile: usize| {
-            let (first, last) = bins.window(tile, self.viewport, self.tile);
-            Window { first, end: last }
-        };
-        let parts = each_tile(bins.lists.len(), &|at| tile(&bins.lists[at], window(at)));
+        let parts = each_tile(bins.lists.len(), &|at| {
+            tile(&bins.lists[at], bins.grid.window(at))
+        });
         let screen = if self.wants_pixels {
-            self.screen(&parts, widths, window)
+            self.screen(&parts, widths, &bins.grid)
         } else {
             Vec::new()
         };
         let packet_bytes = 4 * Layout::new(widths, self.options.traversal).words() as u32;
-        let mut workload = assemble(
-            parts,
-            &|tile| window(tile).pixels() as u32,
-            self.footprints.len(),
-            [self.tile, self.viewport],
-            packet_bytes,
-        );
+        let mut workload = assemble(parts, &bins, self.footprints.len(), packet_bytes);
         workload.key_bits = key_bits(self.footprints);
         let changes = self.before.zip(rank);
         workload.kept = changes.map(|(before, rank)| before.changes(&workload, &rank));
@@ -203,16 +196,11 @@ impl ExtractJob<'_> {
     }
 
     /// All tiles' pixels as one screen.
-    fn screen(
-        &self,
-        parts: &[TilePart],
-        widths: &Widths,
-        window: impl Fn(usize) -> Window,
-    ) -> Vec<Pixel> {
+    fn screen(&self, parts: &[TilePart], widths: &Widths, grid: &Grid) -> Vec<Pixel> {
         let [width, height] = self.viewport.map(usize::from);
         let mut screen = vec![Pixel::clear(widths); width * height];
         for (tile, part) in parts.iter().enumerate() {
-            let Window { first, end } = window(tile);
+            let Window { first, end } = grid.window(tile);
             let columns = usize::from(end[0] - first[0]);
             for (row, pixels) in part.pixels.chunks(columns).enumerate() {
                 let start = (usize::from(first[1]) + row) * width + usize::from(first[0]);

@@ -14,11 +14,13 @@ pub use extract::{InOrder, extract, extract_from, extract_if_room, extract_in_or
 pub use kept::OrderChanges;
 pub use room::room_for;
 pub use surface::{SurfaceCounts, SurfaceWork, extract_surface, layers_of};
-pub use table::{TableError, TableOptions, read_table};
+pub use table::{TableOptions, read_table};
 
 use rayon::prelude::*;
 use splatline::blend::Pixel;
 use splatline::footprint::depth::KEY_BITS;
+use splatline::raster::Window;
+use splatline_engine::fast::order::Grid;
 
 /// Pixels of a row of a tile: bit i is column i.
 pub type Mask = u64;
@@ -174,40 +176,20 @@ struct TilePart {
 
 /// Footprints by tile: which boxes meet which tile, in drawing order.
 struct Bins {
-    columns: usize,
+    grid: Grid,
+    tile: [u16; 2],
     lists: Vec<Vec<u32>>,
 }
 
 impl Bins {
-    /// Sorts boxes, given as `first` and `last` pixel, into tiles; they must lie in the viewport and not be empty.
-    fn new(
-        boxes: impl Iterator<Item = (u32, [u16; 2], [u16; 2])>,
-        viewport: [u16; 2],
-        tile: [u16; 2],
-    ) -> Bins {
-        let [columns, rows] = [0, 1].map(|axis| usize::from(viewport[axis].div_ceil(tile[axis])));
-        let mut lists = vec![Vec::new(); columns * rows];
-        for (index, first, last) in boxes {
-            let range = |axis: usize| {
-                usize::from(first[axis] / tile[axis])..=usize::from((last[axis] - 1) / tile[axis])
-            };
-            for y in range(1) {
-                for x in range(0) {
-                    lists[y * columns + x].push(index);
-                }
-            }
+    /// Sorts boxes into tiles; they must lie in the viewport and not be empty.
+    fn new(boxes: impl Iterator<Item = (u32, Window)>, viewport: [u16; 2], tile: [u16; 2]) -> Bins {
+        let grid = Grid::new(viewport, tile);
+        let mut lists = vec![Vec::new(); grid.len()];
+        for (index, bounds) in boxes {
+            grid.touched(&bounds, |tile| lists[tile].push(index));
         }
-        Bins { columns, lists }
-    }
-
-    /// First and one past the last pixel of a tile.
-    fn window(&self, tile: usize, viewport: [u16; 2], size: [u16; 2]) -> ([u16; 2], [u16; 2]) {
-        let first = [
-            (tile % self.columns) as u16 * size[0],
-            (tile / self.columns) as u16 * size[1],
-        ];
-        let last = [0, 1].map(|axis| first[axis].saturating_add(size[axis]).min(viewport[axis]));
-        (first, last)
+        Bins { grid, tile, lists }
     }
 }
 
@@ -218,16 +200,11 @@ fn each_tile<Part: Send>(tiles: usize, part: &(dyn Fn(usize) -> Part + Sync)) ->
 }
 
 /// Puts the tiles together and counts each splat's tiles.
-fn assemble(
-    parts: Vec<TilePart>,
-    pixels: &dyn Fn(usize) -> u32,
-    splats: usize,
-    [tile, viewport]: [[u16; 2]; 2],
-    packet_bytes: u32,
-) -> Workload {
+fn assemble(parts: Vec<TilePart>, bins: &Bins, splats: usize, packet_bytes: u32) -> Workload {
+    let Bins { grid, tile, .. } = bins;
     let mut workload = Workload {
-        tile,
-        columns: viewport[0].div_ceil(tile[0]).into(),
+        tile: *tile,
+        columns: grid.viewport()[0].div_ceil(tile[0]).into(),
         packet_bytes,
         splats: vec![SplatWork::default(); splats],
         key_bits: (1 << KEY_BITS) - 1,
@@ -254,7 +231,7 @@ fn assemble(
         workload.tiles.push(Tile {
             pairs_end: workload.pairs.len() as u32,
             finished_after: part.finished_after.unwrap_or(u32::MAX),
-            pixels: pixels(index),
+            pixels: grid.window(index).pixels() as u32,
         });
     }
     workload

@@ -6,7 +6,7 @@
 use super::{Bins, TilePart, Workload, assemble, each_tile, room_for};
 use crate::area::surface::SurfaceBits;
 use crate::design::{DesignChoice, DesignJob};
-use crate::fixed::surface::{QuantisedPoints, footprints, kernel_rules, threshold};
+use crate::fixed::surface::{HostCell, QuantisedPoints, footprints, kernel_rules, threshold};
 use crate::fixed::{table, table_entries};
 use crate::host_memory::TooLarge;
 use crate::surface::{Buffer, Style};
@@ -93,15 +93,12 @@ pub fn extract_surface(
     let shapes: Vec<Result<Footprint, Cull>> = found.iter().map(shape).collect();
     room_for(&shapes, viewport.map(usize::from), tile)?;
     let boxes = (0..).zip(&shapes).filter_map(|(index, shape)| {
-        let shape = shape.as_ref().ok()?;
-        let is_empty = Window::of(shape).is_empty();
-        (!is_empty).then_some((index, shape.first, shape.end))
+        let bounds = Window::of(shape.as_ref().ok()?);
+        (!bounds.is_empty()).then_some((index, bounds))
     });
     let job = SurfaceJob {
         bins: Bins::new(boxes, viewport, tile),
         found: &found,
-        viewport,
-        tile,
         style,
         threshold: threshold(style, points),
         traversal,
@@ -112,26 +109,9 @@ pub fn extract_surface(
 struct SurfaceJob<'a> {
     bins: Bins,
     found: &'a [Result<SurfaceFootprint, Cull>],
-    viewport: [u16; 2],
-    tile: [u16; 2],
     style: &'a Style,
     threshold: u32,
     traversal: Traversal,
-}
-
-/// A cell that says how many pairs of its fragments had to be merged.
-trait MergingCell: Cell + Send {
-    fn merged(&self) -> u64 {
-        0
-    }
-}
-
-impl MergingCell for Accumulation {}
-
-impl<const L: usize> MergingCell for Layers<L> {
-    fn merged(&self) -> u64 {
-        self.merges().into()
-    }
 }
 
 /// A cell of the kernel's with what it did.
@@ -195,29 +175,23 @@ impl DesignJob for SurfaceJob<'_> {
 }
 
 impl SurfaceJob<'_> {
-    fn gather<D: Design + Send + Sync, C: MergingCell>(&self, design: D) -> Workload {
+    fn gather<D: Design + Send + Sync, C: HostCell>(&self, design: D) -> Workload {
         let widths = design.widths();
         let rules = kernel_rules(self.style);
         let memory = table_entries(&widths, &rules);
         let table = table(&memory, &widths, &rules);
         let gather = WeightedSum::new(&widths, self.threshold);
         let painter = SurfacePainter::new(design, &rules, table, gather, self.traversal);
-        self.all_tiles(&widths, &|tile, window| {
-            self.tile::<D, C>(design, &painter, tile, window)
-        })
+        self.all_tiles(&widths, &|tile| self.tile::<D, C>(design, &painter, tile))
     }
 
-    /// The work of all tiles, of which one is what `tile` makes of its number and window. Compiled once, not for every design and cell.
+    /// The work of all tiles, of which one is what `tile` makes of its number. Compiled once, not for every design and cell.
     fn all_tiles(
         &self,
         widths: &Widths,
-        tile: &(dyn Fn(usize, Window) -> (TilePart, SurfaceCounts) + Sync),
+        tile: &(dyn Fn(usize) -> (TilePart, SurfaceCounts) + Sync),
     ) -> Workload {
-        let window = |tile: usize| {
-            let (first, end) = self.bins.window(tile, self.viewport, self.tile);
-            Window { first, end }
-        };
-        let painted = each_tile(self.bins.lists.len(), &|at| tile(at, window(at)));
+        let painted = each_tile(self.bins.lists.len(), tile);
         let (parts, counts): (Vec<TilePart>, Vec<SurfaceCounts>) = painted.into_iter().unzip();
         let mut work = SurfaceWork::default();
         for counts in counts {
@@ -228,23 +202,20 @@ impl SurfaceJob<'_> {
         let bits = Layout::new(widths, self.traversal).bits() as u64;
         let attributes = SurfaceBits::new(widths, layers_of(self.style), false).packet;
         let packet_bytes = 4 * (bits + attributes).div_ceil(32) as u32;
-        let pixels = |tile: usize| window(tile).pixels() as u32;
-        let sizes = [self.tile, self.viewport];
         Workload {
             surface: Some(work),
-            ..assemble(parts, &pixels, self.found.len(), sizes, packet_bytes)
+            ..assemble(parts, &self.bins, self.found.len(), packet_bytes)
         }
     }
 
     /// Rows and samples of one tile.
-    fn tile<D: Design, C: MergingCell>(
+    fn tile<D: Design, C: HostCell>(
         &self,
         design: D,
         painter: &SurfacePainter<D>,
         tile: usize,
-        window: Window,
     ) -> (TilePart, SurfaceCounts) {
-        let widths = design.widths();
+        let (widths, window) = (design.widths(), self.bins.grid.window(tile));
         let mut part = TilePart::default();
         let mut cells = vec![CountedCell::<C>::EMPTY; window.pixels()];
         // None of these ever finishes.
@@ -269,7 +240,7 @@ impl SurfaceJob<'_> {
         for CountedCell { cell, counts: own } in &cells {
             let fragments = cell.fragments().len() as u64;
             counts += SurfaceCounts {
-                merges: cell.merged(),
+                merges: cell.merges(),
                 fragments,
                 pixels: u64::from(fragments > 0),
                 ..*own

@@ -8,9 +8,11 @@
 //! With a column `opacity` pixels finish: a footprint takes opacity exp(-r/2), at most 0.999, of a pixel's light, and one that has a ten-thousandth left is
 //! finished, as in 3D Gaussian splatting and EWA. Footprints without an opacity take no light, so that nothing finishes.
 
+use crate::input::Refused;
+
 use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, mask};
 use splatline::format::Traversal;
-use thiserror::Error;
+use splatline::raster::Window;
 
 /// What a table does not say.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,50 +27,6 @@ pub struct TableOptions {
     pub cutoff: Option<f64>,
     /// Bytes of a packet.
     pub packet_bytes: u32,
-}
-
-/// What is wrong with a table of footprints.
-#[derive(Debug, Error, PartialEq, Eq)]
-pub enum TableError {
-    /// A column is missing.
-    #[error(
-        "line 1: no column '{0}': expected at least u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1"
-    )]
-    NoColumn(&'static str),
-    /// A footprint has no end: any guess would give cycles of another picture.
-    #[error(
-        "line {line}: no cut-off: the table has no column 'cutoff' (or an empty field in it); add it as `splatline footprints` \
-         writes it, or give --cutoff r (4 in ewa; 11.1 at most in 3dgs)"
-    )]
-    NoCutoff {
-        /// Line, counted from 1.
-        line: usize,
-    },
-    /// A field cannot be read.
-    #[error("line {line}: {column} = '{value}': {expected}")]
-    ConfigField {
-        /// Line, counted from 1.
-        line: usize,
-        /// Column's name.
-        column: &'static str,
-        /// Text found.
-        value: String,
-        /// What is expected.
-        expected: &'static str,
-    },
-    /// The boxes ask for more work than any picture has.
-    #[error(
-        "line {line}: the boxes up to here have {rows} rows in tiles and {tiles} tiles, at most {LARGEST_WORK} each are modelled: \
-         correct x0,y0,x1,y1, or give the screen's size"
-    )]
-    TooLarge {
-        /// Line, counted from 1.
-        line: usize,
-        /// Rows of splat-tile pairs so far.
-        rows: u64,
-        /// Tiles of the screen so far.
-        tiles: u64,
-    },
 }
 
 /// Rows of splat-tile pairs at most (24 bytes each), and tiles at most. Real pictures have a hundredth of it, while one short line
@@ -102,7 +60,7 @@ const COLUMNS: [&str; 10] = [
 ];
 
 /// Reads the text of a table. Splats are drawn nearest first, ties by line.
-pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, TableError> {
+pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, Refused> {
     let mut lines = text.lines();
     let heading: Vec<&str> = lines
         .next()
@@ -113,7 +71,12 @@ pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, TableE
     let place = |name: &str| heading.iter().position(|column| *column == name);
     let mut places = [0; COLUMNS.len()];
     for (slot, name) in places.iter_mut().zip(COLUMNS) {
-        *slot = place(name).ok_or(TableError::NoColumn(name))?;
+        *slot = place(name).ok_or_else(|| {
+            let expected = COLUMNS.join(",");
+            Refused(format!(
+                "line 1: no column '{name}': expected at least {expected}"
+            ))
+        })?;
     }
     let optional = [place("cutoff"), place("tiles"), place("opacity")];
     let mut entries = Vec::new();
@@ -153,7 +116,7 @@ impl Work {
         entry: &WorkTableEntry,
         options: &TableOptions,
         line: usize,
-    ) -> Result<(), TableError> {
+    ) -> Result<(), Refused> {
         let columns = (entry.last[0] - 1) / options.tile[0] - entry.first[0] / options.tile[0] + 1;
         self.rows += u64::from(columns) * u64::from(entry.last[1] - entry.first[1]);
         let mut tiles = 1;
@@ -164,11 +127,11 @@ impl Work {
         if self.rows.max(tiles) <= LARGEST_WORK {
             Ok(())
         } else {
-            Err(TableError::TooLarge {
-                line,
-                rows: self.rows,
-                tiles,
-            })
+            let rows = self.rows;
+            Err(Refused(format!(
+                "line {line}: the boxes up to here have {rows} rows in tiles and {tiles} tiles, at most {LARGEST_WORK} each are modelled: \
+                 correct x0,y0,x1,y1, or give the screen's size"
+            )))
         }
     }
 }
@@ -185,16 +148,14 @@ impl TableReader<'_> {
         self.fields.get(place).copied().unwrap_or("")
     }
 
-    fn wrong(&self, column: &'static str, value: &str, expected: &'static str) -> TableError {
-        TableError::ConfigField {
-            line: self.line,
-            column,
-            value: value.to_owned(),
-            expected,
-        }
+    fn wrong(&self, column: &str, value: &str, expected: &str) -> Refused {
+        Refused(format!(
+            "line {}: {column} = '{value}': {expected}",
+            self.line
+        ))
     }
 
-    fn number(&self, column: usize) -> Result<f64, TableError> {
+    fn number(&self, column: usize) -> Result<f64, Refused> {
         let text = self.text(self.places[column]);
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
@@ -202,7 +163,7 @@ impl TableReader<'_> {
         }
     }
 
-    fn pixel(&self, column: usize) -> Result<u16, TableError> {
+    fn pixel(&self, column: usize) -> Result<u16, Refused> {
         let text = self.text(self.places[column]);
         text.parse()
             .ok()
@@ -216,11 +177,7 @@ impl TableReader<'_> {
             })
     }
 
-    fn entry(
-        &self,
-        splat: u32,
-        options: &TableOptions,
-    ) -> Result<Option<WorkTableEntry>, TableError> {
+    fn entry(&self, splat: u32, options: &TableOptions) -> Result<Option<WorkTableEntry>, Refused> {
         if self.places.iter().all(|place| self.text(*place).is_empty()) {
             return Ok(None);
         }
@@ -247,12 +204,17 @@ impl TableReader<'_> {
         Ok((first[0] < last[0] && first[1] < last[1]).then_some(entry))
     }
 
-    fn cutoff(&self, options: &TableOptions) -> Result<f64, TableError> {
+    fn cutoff(&self, options: &TableOptions) -> Result<f64, Refused> {
         let text = self.optional[0].map_or("", |place| self.text(place));
         match text.parse::<f64>() {
-            _ if text.is_empty() => options
-                .cutoff
-                .ok_or(TableError::NoCutoff { line: self.line }),
+            // Any guess would give cycles of another picture.
+            _ if text.is_empty() => options.cutoff.ok_or_else(|| {
+                Refused(format!(
+                    "line {}: no cut-off: the table has no column 'cutoff' (or an empty field in it); add it as `splatline footprints` \
+                     writes it, or give --cutoff r (4 in ewa; 11.1 at most in 3dgs)",
+                    self.line
+                ))
+            }),
             Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
             _ => Err(self.wrong(
                 "cutoff",
@@ -262,7 +224,7 @@ impl TableReader<'_> {
         }
     }
 
-    fn opacity(&self) -> Result<Option<f64>, TableError> {
+    fn opacity(&self) -> Result<Option<f64>, Refused> {
         let text = self.optional[2].map_or("", |place| self.text(place));
         match text.parse::<f64>() {
             _ if text.is_empty() => Ok(None),
@@ -276,7 +238,7 @@ impl TableReader<'_> {
     }
 
     /// The coefficients of an ellipse: with an indefinite form the footprint would grow towards the far corners.
-    fn conic(&self) -> Result<[f64; 3], TableError> {
+    fn conic(&self) -> Result<[f64; 3], Refused> {
         let [a, b, c] = [self.number(3)?, self.number(4)?, self.number(5)?];
         // A needle's form has almost no determinant, and rounding to the narrowest mantissas (8 bits) may turn its sign.
         let definite = a >= 0.0 && c >= 0.0 && b.abs() <= (a.sqrt() * c.sqrt()) * (1.0 + ROUNDED);
@@ -291,7 +253,7 @@ impl TableReader<'_> {
         }
     }
 
-    fn tiles(&self) -> Result<Option<Vec<u32>>, TableError> {
+    fn tiles(&self) -> Result<Option<Vec<u32>>, Refused> {
         let Some(place) = self.optional[1] else {
             return Ok(None);
         };
@@ -314,12 +276,12 @@ fn workload(entries: &[WorkTableEntry], splats: usize, options: &TableOptions) -
                 .unwrap_or(1);
         }
     }
-    let boxes = (0..)
-        .zip(entries)
-        .map(|(number, entry)| (number, entry.first, entry.last));
+    let boxes = (0..).zip(entries).map(|(number, entry)| {
+        let (first, end) = (entry.first, entry.last);
+        (number, Window { first, end })
+    });
     let bins = Bins::new(boxes, viewport, options.tile);
     let parts = (0..bins.lists.len()).map(|tile| {
-        let window = bins.window(tile, viewport, options.tile);
         let listed = |entry: &&WorkTableEntry| {
             entry
                 .tiles
@@ -330,26 +292,17 @@ fn workload(entries: &[WorkTableEntry], splats: usize, options: &TableOptions) -
             .iter()
             .map(|number| &entries[*number as usize])
             .filter(listed);
-        tile_part(list, window, options.traversal)
+        tile_part(list, bins.grid.window(tile), options.traversal)
     });
-    let pixels = |tile: usize| {
-        let (first, last) = bins.window(tile, viewport, options.tile);
-        u32::from(last[0] - first[0]) * u32::from(last[1] - first[1])
-    };
-    assemble(
-        parts.collect(),
-        &pixels,
-        splats,
-        [options.tile, viewport],
-        options.packet_bytes,
-    )
+    assemble(parts.collect(), &bins, splats, options.packet_bytes)
 }
 
 fn tile_part<'a>(
     list: impl Iterator<Item = &'a WorkTableEntry>,
-    (first, last): ([u16; 2], [u16; 2]),
+    window: Window,
     traversal: Traversal,
 ) -> TilePart {
+    let (first, last) = (window.first, window.end);
     let mut part = TilePart::default();
     let mut light = TileLight::new(first, last);
     for entry in list {

@@ -2,7 +2,7 @@
 //! camera; axes are right, down, forward as ours. The points of a model are not read.
 
 use super::lens::{Distortion, Lens};
-use super::{CameraPose, Photograph, Read};
+use super::{CameraPose, Read, photograph};
 use crate::input;
 use crate::scene::rotation_matrix;
 use std::collections::BTreeMap;
@@ -321,21 +321,6 @@ fn posed(
         .ok_or_else(|| format!("there is no camera {camera} in the file of cameras"))?;
     let finite = [w, x, y, z].iter().all(|part| part.is_finite());
     let rotation = rotation_matrix([w, x, y, z]).filter(|_| finite);
-    let photograph = Photograph {
-        width: lens.size[0],
-        height: lens.size[1],
-        focal: lens.focal,
-        principal: lens.principal,
-        rotation: rotation.ok_or("its quaternion is zero or not finite")?,
-        translation: [tx, ty, tz],
-    };
-    let (camera, correction) = photograph.camera()?;
-    Ok(CameraPose {
-        camera,
-        correction,
-        rotation_field: "QW QX QY QZ",
-        notes: lens.note().into_iter().collect(),
-        lens: Some(*lens),
-        name,
-    })
+    let rotation = rotation.ok_or("its quaternion is zero or not finite")?;
+    photograph(name, *lens, ("QW QX QY QZ", rotation), [tx, ty, tz])
 }

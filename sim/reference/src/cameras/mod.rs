@@ -18,7 +18,7 @@ mod transforms;
 #[cfg(test)]
 mod tests;
 
-use crate::camera::{Camera, CameraError};
+use crate::camera::{Camera, CameraError, DEFAULT_FAR, DEFAULT_NEAR};
 use crate::input;
 use crate::vector::{self, Vector};
 use lens::Lens;
@@ -163,34 +163,42 @@ pub fn choose(poses: Vec<CameraPose>, name: Option<&str>) -> Result<CameraPose, 
     ))
 }
 
-/// A camera of a photograph; `rotation` and `translation` take the world to the camera.
-struct Photograph {
-    width: u64,
-    height: u64,
-    focal: [f64; 2],
-    principal: [f64; 2],
-    rotation: [Vector; 3],
+/// A photograph's camera, checked and corrected as every camera is; `rotation` and `translation` take the world to it.
+fn photograph(
+    name: String,
+    lens: Lens,
+    (rotation_field, rotation): (&'static str, [Vector; 3]),
     translation: Vector,
-}
-
-impl Photograph {
-    /// The camera, checked and corrected as every camera is, and by how much.
-    fn camera(&self) -> Result<(Camera, f64), String> {
-        let [right, down, forward] = self.rotation;
-        let row = |axis: Vector, offset: f64| [axis[0], axis[1], axis[2], offset];
-        let rows = [
-            row(right, self.translation[0]),
-            row(down, self.translation[1]),
-            row(forward, self.translation[2]),
-            [0.0, 0.0, 0.0, 1.0],
-        ];
-        Camera::from_matrix([self.width, self.height], self.focal, self.principal, &rows).map_err(
-            |error| match error.field {
-                Some(field) => format!("{field} {}", error.problem),
-                None => error.problem,
-            },
-        )
-    }
+) -> Result<CameraPose, String> {
+    let [width, height] = lens
+        .size
+        .map(|side| usize::try_from(side).unwrap_or(usize::MAX));
+    let camera = Camera {
+        width,
+        height,
+        fx: lens.focal[0],
+        fy: lens.focal[1],
+        cx: lens.principal[0],
+        cy: lens.principal[1],
+        rotation,
+        translation,
+        near: DEFAULT_NEAR,
+        far: DEFAULT_FAR,
+        orthographic: false,
+    };
+    let sound = camera.sound().map_err(|error| match error.field {
+        Some(field) => format!("{field} {}", error.problem),
+        None => error.problem,
+    });
+    let (camera, correction) = sound?;
+    Ok(CameraPose {
+        name,
+        camera,
+        correction,
+        rotation_field,
+        notes: lens.note().into_iter().collect(),
+        lens: Some(lens),
+    })
 }
 
 /// From a camera's axes and place in the world to what takes the world to the camera; `axes` are its columns.

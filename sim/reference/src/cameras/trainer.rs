@@ -1,7 +1,8 @@
 //! `cameras.json` as the 3D Gaussian trainer leaves it beside its scenes: `rotation` and `position` take the camera (right, down,
 //! forward) to the world; the pictures are undistorted and centred.
 
-use super::{CameraPose, Photograph, Read, inverted, unit_rows};
+use super::lens::{Distortion, Lens};
+use super::{CameraPose, Read, inverted, photograph, unit_rows};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -31,26 +32,17 @@ fn pose(entry: &TrainerCamera) -> Result<CameraPose, String> {
     let column = |k: usize| entry.rotation.map(|row| row[k]);
     let (rotation, translation) =
         inverted(unit_rows([column(0), column(1), column(2)]), entry.position);
-    let photograph = Photograph {
-        width: entry.width,
-        height: entry.height,
+    let lens = Lens {
+        size: [entry.width, entry.height],
         focal: [entry.fx, entry.fy],
-        principal: [entry.width as f64 / 2.0, entry.height as f64 / 2.0],
-        rotation,
-        translation,
+        principal: [entry.width, entry.height].map(|side| side as f64 / 2.0),
+        distortion: Distortion::default(),
     };
     let name = if entry.img_name.is_empty() {
         entry.id.unwrap_or_default().to_string()
     } else {
         entry.img_name.clone()
     };
-    let (camera, correction) = photograph.camera()?;
-    Ok(CameraPose {
-        name,
-        camera,
-        correction,
-        rotation_field: "rotation",
-        notes: Vec::new(),
-        lens: None,
-    })
+    let pose = photograph(name, lens, ("rotation", rotation), translation)?;
+    Ok(CameraPose { lens: None, ..pose })
 }

@@ -5,7 +5,7 @@
 //! there has to be exported with its poses.
 
 use super::lens::{Distortion, Lens};
-use super::{CameraPose, Photograph, Read, inverted, unit_rows};
+use super::{CameraPose, Read, inverted, photograph, unit_rows};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -135,14 +135,6 @@ fn pose(
     let flipped = |k: usize| column(k).map(|part| -part);
     let (rotation, translation) =
         inverted(unit_rows([column(0), flipped(1), flipped(2)]), column(3));
-    let photograph = Photograph {
-        width,
-        height,
-        focal,
-        principal,
-        rotation,
-        translation,
-    };
     let at = |value: Option<f64>| value.unwrap_or(0.0);
     let radial = [lens.k1, lens.k2, lens.k3, lens.k4].map(at);
     let tangential = [lens.p1, lens.p2].map(at);
@@ -169,13 +161,6 @@ fn pose(
         principal,
         distortion,
     };
-    let (camera, correction) = photograph.camera()?;
-    Ok(CameraPose {
-        name: frame.file_path.trim_start_matches("./").to_owned(),
-        camera,
-        correction,
-        rotation_field: "transform_matrix",
-        notes: lens.note().into_iter().collect(),
-        lens: Some(lens),
-    })
+    let name = frame.file_path.trim_start_matches("./").to_owned();
+    photograph(name, lens, ("transform_matrix", rotation), translation)
 }

@@ -5,6 +5,7 @@
 //! the file's size.
 
 use std::cmp::Ordering;
+use std::fmt::Display;
 use std::io::Read;
 
 use flate2::read::{MultiGzDecoder, ZlibDecoder};
@@ -68,11 +69,12 @@ impl<'a> Reader<'a> {
 
 /// The error of a field that needs more bytes than are left.
 pub(super) fn truncated(field: &str, needed: u64, found: usize) -> Problem {
-    Problem::Truncated {
-        field: field.to_string(),
-        needed,
-        found: found as u64,
-    }
+    let found = format!("{needed} bytes are needed but {found} are left");
+    Problem::malformed(
+        field,
+        found,
+        "the file is truncated or its counts are wrong",
+    )
 }
 
 /// `count * each`, or an error naming the field if no machine could hold that.
@@ -110,20 +112,19 @@ pub(super) fn unzlib_exact(
 ) -> Result<Vec<u8>, Problem> {
     possible(packed, expected, field)?;
     memory::room_for(expected.saturating_add(more), field, memory::FIX)?;
-    let damaged = |reason: String| {
-        let found = format!("the zlib stream is damaged or truncated ({reason})");
-        Problem::malformed(field, found, "fetch the file again")
-    };
     let mut unpacked = memory::list(expected + 1, field)?;
     let mut decoder = ZlibDecoder::new(packed);
     (&mut decoder)
         .take(expected + 1)
         .read_to_end(&mut unpacked)
-        .map_err(|error| damaged(error.to_string()))?;
+        .map_err(|error| damaged("zlib", field, error))?;
     let unpacked = exactly(unpacked, expected, field)?;
     match packed.len() as u64 - decoder.total_in() {
         0 => Ok(unpacked),
-        more => Err(damaged(format!("{more} bytes follow its end"))),
+        more => {
+            let rest = format!("{more} bytes follow its end");
+            Err(damaged("zlib", field, rest))
+        }
     }
 }
 
@@ -166,10 +167,14 @@ fn gunzip(packed: &[u8], limit: u64, field: &str, unpacked: &mut Vec<u8>) -> Res
     let read = MultiGzDecoder::new(packed)
         .take(limit)
         .read_to_end(unpacked);
-    read.map(|_| ()).map_err(|error| Problem::Gzip {
-        field: field.to_string(),
-        reason: error.to_string(),
-    })
+    read.map(|_| ())
+        .map_err(|error| damaged("gzip", field, error))
+}
+
+/// The error of a packed part that does not unpack.
+fn damaged(packing: &str, field: &str, error: impl Display) -> Problem {
+    let found = format!("the {packing} stream is damaged or truncated ({error})");
+    Problem::malformed(field, found, "fetch the file again")
 }
 
 /// Largest window of a zstd stream: what the decoder sets aside before a byte has been unpacked.
@@ -177,10 +182,6 @@ const MAX_ZSTD_WINDOW: u64 = 1 << 26;
 
 /// Unpacks a zstd stream that must hold exactly `expected` bytes; the caller has bounded that by the file's size.
 pub(super) fn unzstd_exact(packed: &[u8], expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
-    let damaged = |reason: String| Problem::Zstd {
-        field: field.to_string(),
-        reason,
-    };
     let mut packed = packed;
     let mut unpacked = memory::list(expected + 1, field)?;
     if expected == 0 && packed.is_empty() {
@@ -190,17 +191,31 @@ pub(super) fn unzstd_exact(packed: &[u8], expected: u64, field: &str) -> Result<
         &mut packed,
         MAX_ZSTD_WINDOW.min(expected.max(1 << 20)),
     )
-    .map_err(|error| damaged(error.to_string()))?;
+    .map_err(|error| damaged("zstd", field, error))?;
     // One byte more than expected makes the decoder read to the end of its frame.
     (&mut decoder)
         .take(expected + 1)
         .read_to_end(&mut unpacked)
-        .map_err(|error| damaged(error.to_string()))?;
+        .map_err(|error| damaged("zstd", field, error))?;
     drop(decoder);
     let unpacked = exactly(unpacked, expected, field)?;
     match packed.len() {
         0 => Ok(unpacked),
-        more => Err(damaged(format!("{more} bytes follow its end"))),
+        more => {
+            let rest = format!("{more} bytes follow its end");
+            Err(damaged("zstd", field, rest))
+        }
+    }
+}
+
+/// Bytes behind what a header counts mean that it counts wrongly.
+pub(super) fn nothing_left(left: usize, field: &str, last: &str, fix: &str) -> Result<(), Problem> {
+    match left {
+        0 => Ok(()),
+        left => {
+            let found = format!("{left} bytes are left over after the last {last}");
+            Err(Problem::malformed(field, found, fix))
+        }
     }
 }
 

@@ -16,7 +16,8 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
     }
     let metadata = fs::metadata(path)?;
     if !metadata.is_file() {
-        return Err(Problem::NotAFile);
+        let message = "is not a regular file; name a scene file";
+        return Err(Problem(message.to_owned()));
     }
     input::note(path);
     let mut bytes = memory::list(metadata.len(), "the file's bytes")?;

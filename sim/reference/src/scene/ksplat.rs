@@ -5,7 +5,7 @@
 //! the sizes of its partly filled buckets, then come the buckets' centres, then the Gaussians, full buckets first.
 
 use super::Scene;
-use super::bytes::Reader;
+use super::bytes::{Reader, nothing_left};
 use super::error::Problem;
 use super::gaussian::{Gaussian, GaussianScene, coefficient_count};
 use half::f16;
@@ -55,14 +55,9 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
             });
         })?;
     }
-    match reader.remaining() {
-        0 => scene.finish(name),
-        left => Err(Problem::malformed(
-            "ksplat data",
-            format!("{left} bytes are left over after the last section"),
-            "correct the counts in the headers or export the scene again",
-        )),
-    }
+    let fix = "correct the counts in the headers or export the scene again";
+    nothing_left(reader.remaining(), "ksplat data", "section", fix)?;
+    scene.finish(name)
 }
 
 struct KsplatHeader {

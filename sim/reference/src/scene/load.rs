@@ -157,10 +157,17 @@ fn recognise(bytes: &[u8], path: &Path) -> Result<SceneFormat, Problem> {
         _ if bytes.starts_with(&[0x1f, 0x8b]) || bytes.starts_with(b"NGSP") => Ok(SceneFormat::Spz),
         _ if bytes.starts_with(b"PK\x03\x04") => Ok(SceneFormat::Sog),
         _ if bytes.starts_with(b"glTF") => Ok(SceneFormat::Gltf),
-        _ if points::is_cloud(path) => Err(Problem::Points),
-        _ => Err(Problem::UnknownFormat),
+        _ if points::is_cloud(path) => {
+            Err(Problem("is a file of points; add --as surface".to_owned()))
+        }
+        _ => Err(Problem(UNKNOWN_FORMAT.to_owned())),
     }
 }
+
+/// Of what has neither a known extension nor known first bytes.
+const UNKNOWN_FORMAT: &str = "is of no known format; expected .ply, .splat, .spz, .sog (or a folder with its meta.json), .ksplat, .glb, .gltf, \
+     .nrrd, .nhdr, .nii, .nii.gz, .mhd, .mha or .vti, a point cloud (.ply, .xyz, .obj, .las, .laz) or a height field (.csv) with --as surface \
+     (or one of 'demo', 'random:COUNT[:SEED]', 'deep-stack')";
 
 fn dispatch(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Loaded, Problem> {
     let format = recognise(bytes, path)?;
@@ -223,7 +230,7 @@ fn read_transfer(file: &Path) -> Result<Transfer, Problem> {
         )
     };
     let text = input::text(file, input::SETTINGS)
-        .map_err(Problem::Unreadable)
+        .map_err(Problem::from)
         .map_err(named)?;
     Transfer::from_toml(&text).map_err(named)
 }

@@ -16,7 +16,7 @@
 //! positions, in quaternions and in the harmonics that are odd in them.
 
 use super::Scene;
-use super::bytes::{Reader, gunzip_at_most, gunzip_exact, unzstd_exact};
+use super::bytes::{Reader, gunzip_at_most, gunzip_exact, nothing_left, unzstd_exact};
 use super::error::Problem;
 use super::gaussian::{
     Gaussian, GaussianScene, HARMONICS, MAX_DEGREE, TRAINED_ANTIALIASED, base_from_coefficient,
@@ -125,14 +125,9 @@ fn load_streams(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
         let packed = table.records(packed, 1, ARRAYS[index])?;
         unpacked[index] = unzstd_exact(packed, expected, ARRAYS[index])?;
     }
-    match table.remaining() {
-        0 => decode(&header, unpacked.each_ref().map(Vec::as_slice), name),
-        left => Err(Problem::malformed(
-            "spz streams",
-            format!("{left} bytes are left over after the last one"),
-            "correct the sizes in the table or export the scene again",
-        )),
-    }
+    let fix = "correct the sizes in the table or export the scene again";
+    nothing_left(table.remaining(), "spz streams", "one", fix)?;
+    decode(&header, unpacked.each_ref().map(Vec::as_slice), name)
 }
 
 fn size_at(entry: &[u8; 16], at: usize) -> u64 {

@@ -6,9 +6,9 @@
 use anyhow::{Result, bail};
 use splatline::footprint::packet::{Field, Layout, VERSION};
 use splatline::format::{Rounding, Traversal, Widths};
-use splatline::kernel::{entries, fill_gaussian};
 use splatline::raster::{BLOCK, GUARD, vertical_fraction};
 use splatline::rules::Rules;
+use splatline_sim::fixed::table_entries;
 pub use splatline_sim::machine::primitive::TILE;
 use std::fmt::Write;
 
@@ -30,8 +30,7 @@ pub struct TableEntry {
 
 /// The footprint table of a design under `rules`, in the circuit's form.
 pub fn table(widths: &Widths, rules: &Rules) -> Vec<TableEntry> {
-    let mut memory = vec![0; entries(widths)];
-    fill_gaussian(&mut memory, widths, rules.table_range);
+    let memory = table_entries(widths, rules);
     // Beyond its end the kernel is 0.
     let next = memory.iter().skip(1).copied().chain([0]);
     memory

@@ -34,7 +34,7 @@ fn compare_writes_all_files_and_all_designs() {
     assert!(report.host.setup_s > 0.0 && report.host.total_s >= report.host.raster_s);
     assert!(report.pixels.unwrap().covered > 0);
     let error = report.error.unwrap();
-    assert!(error.rgb.psnr_db.unwrap() > 60.0, "{error:?}");
+    assert!(error.rgb.psnr_db > 60.0, "{error:?}");
     let row = report
         .table
         .iter()
@@ -531,7 +531,7 @@ fn a_cloud_is_drawn_as_a_surface() {
         (report.rules.name, report.compositing.as_str()),
         ("surf", "2 layers")
     );
-    assert!(report.error.unwrap().rgb.psnr_db.unwrap() > 60.0);
+    assert!(report.error.unwrap().rgb.psnr_db > 60.0);
 }
 
 #[test]

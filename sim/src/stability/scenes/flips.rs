@@ -6,7 +6,7 @@
 //! do not count, since no picture shows them.
 
 use crate::camera::Camera;
-use crate::design::{DesignChoice, DesignJob};
+use crate::design::DesignChoice;
 use crate::fixed;
 use crate::reference::compositor::{self, ScreenSplat};
 use crate::reference::float::Footprint as Exact;
@@ -17,7 +17,6 @@ use rayon::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::Painter;
 use splatline::footprint::Footprint;
-use splatline::format::Design;
 use splatline::raster::Window;
 use splatline::rules::Compositing;
 use splatline::setup::Cull;
@@ -200,6 +199,21 @@ impl<'a> FixedSide<'a> {
             table,
         }
     }
+
+    /// One splat by the kernel's painter.
+    fn draw(&self, footprint: &Footprint, area: PixelBox, pixels: &mut [Pixel]) {
+        let window = Window {
+            first: [area.x0 as u16, area.y0 as u16],
+            end: [area.x1 as u16, area.y1 as u16],
+        };
+        let Ok(mut target) = Target::new(pixels, window, area.x1 - area.x0) else {
+            unreachable!("the memory has been made for its window")
+        };
+        let table = fixed::table(&self.table, &self.design.widths, &self.rules);
+        let (design, order) = (self.design.in_fields(), Compositing::FrontToBack);
+        let painter = Painter::new(design, &self.rules, table, order, self.design.traversal);
+        painter.draw(footprint, &mut target);
+    }
 }
 
 impl DecisionEngine for FixedSide<'_> {
@@ -233,16 +247,8 @@ impl DecisionTile for FixedTile<'_> {
         let clear = Pixel::clear(&engine.design.widths);
         let mut alone = vec![clear; pixels_of(bounds)];
         if let Ok(footprint) = &engine.footprints[index] {
-            let onto = |area, pixels: &mut [Pixel]| {
-                engine.design.dispatch(DrawOne {
-                    engine,
-                    footprint,
-                    area,
-                    pixels,
-                });
-            };
-            onto(bounds, &mut alone);
-            onto(self.area, &mut self.pixels);
+            engine.draw(footprint, bounds, &mut alone);
+            engine.draw(footprint, self.area, &mut self.pixels);
         }
         drawn.clear();
         drawn.extend(alone.iter().map(|pixel| *pixel != clear));
@@ -250,39 +256,6 @@ impl DecisionTile for FixedTile<'_> {
 
     fn is_finished(&self, place: usize) -> bool {
         self.pixels[place].is_finished()
-    }
-}
-
-/// One splat by the kernel's painter.
-struct DrawOne<'a, 'b> {
-    engine: &'a FixedSide<'a>,
-    footprint: &'a Footprint,
-    area: PixelBox,
-    pixels: &'b mut [Pixel],
-}
-
-impl DesignJob for DrawOne<'_, '_> {
-    type Output = ();
-
-    fn run<D: Design + Send + Sync>(self, design: D) {
-        let DrawOne { engine, area, .. } = self;
-        let window = Window {
-            first: [area.x0 as u16, area.y0 as u16],
-            end: [area.x1 as u16, area.y1 as u16],
-        };
-        let Ok(mut target) = Target::new(self.pixels, window, area.x1 - area.x0) else {
-            unreachable!("the memory has been made for its window")
-        };
-        let table = fixed::table(&engine.table, &design.widths(), &engine.rules);
-        let traversal = engine.design.traversal;
-        let painter = Painter::new(
-            design,
-            &engine.rules,
-            table,
-            Compositing::FrontToBack,
-            traversal,
-        );
-        painter.draw(self.footprint, &mut target);
     }
 }
 

@@ -91,12 +91,7 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
     let drawings: Vec<_> = designs
         .iter()
         .map(|design| {
-            let options = fixed::Options {
-                rules: &RULES,
-                compositing: Compositing::FrontToBack,
-                design,
-                traversal: design.traversal,
-            };
+            let options = fixed::Options::front_to_back(&RULES, design);
             fixed::draw_with_footprints(scene, camera, &options)
         })
         .collect();

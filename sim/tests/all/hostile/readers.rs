@@ -19,7 +19,6 @@ use splatline_sim::machine::simulate;
 use splatline_sim::machine::workload::{TableOptions, read_table};
 use splatline_sim::metrics::compare;
 use splatline_sim::reference;
-use splatline_sim::rules::Compositing;
 use splatline_sim::scene::points::{self, SurfaceScene, height_field};
 use splatline_sim::scene::{self, LoadOptions, Scene, Transfer, synthetic};
 use splatline_sim::surface::Style;
@@ -130,12 +129,7 @@ fn detached_file(path: &Path) -> Result<(), String> {
 
 /// By both engines, whose pictures must be finite. Where one differs from the other is no question here.
 fn draw(scene: &Scene, camera: &Camera, design: &DesignChoice) -> Result<(), String> {
-    let options = Options {
-        rules: &scene.natural_rules,
-        compositing: Compositing::FrontToBack,
-        design,
-        traversal: design.traversal,
-    };
+    let options = Options::front_to_back(&scene.natural_rules, design);
     let fixed = fixed::draw(scene, camera, &options).picture;
     let float = reference::float::draw(scene, camera, options.rules, options.compositing).picture;
     compare(&fixed, &float).map(|_| ()).map_err(printed)
@@ -169,12 +163,7 @@ fn draw_surface(scene: &SurfaceScene, camera: &Camera) -> Result<(), String> {
 fn camera_file(path: &Path) -> Result<(), String> {
     let camera = Camera::from_json_file(path).map_err(printed)?;
     let (scene, design) = (synthetic::random_gaussians(9, 1, 2.0), design());
-    let options = Options {
-        rules: &scene.natural_rules,
-        compositing: Compositing::FrontToBack,
-        design: &design,
-        traversal: design.traversal,
-    };
+    let options = Options::front_to_back(&scene.natural_rules, &design);
     fixed::footprints(&scene, &camera, &options);
     reference::float::footprints(&scene, &camera, options.rules);
     let small = camera.resized(SIDE, SIDE).map_err(printed)?;

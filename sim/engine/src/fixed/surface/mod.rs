@@ -10,11 +10,12 @@ mod renderer;
 mod tiles;
 
 pub use renderer::{SurfaceFacts, SurfaceRenderer};
+pub use tiles::HostCell;
 
 use super::quantise::{axis, exp2, position, scale_log2, scaled, view};
 use super::render::{PaintEngine, best_engine};
 use crate::camera::Camera;
-use crate::design::{DesignChoice, DesignJob};
+use crate::design::DesignChoice;
 use crate::fast::setup::SurfaceOutcome;
 use crate::picture::Picture;
 use crate::scene::points::{Material, SurfacePoint, SurfaceScene};
@@ -24,7 +25,7 @@ use fixed::types::U4F28;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
 use splatline::blend::shading;
-use splatline::format::{Design, Traversal};
+use splatline::format::Traversal;
 use splatline::rules as kernel;
 use splatline::setup::setup_surface;
 use splatline::splat::surface::SurfaceSplat;
@@ -88,31 +89,15 @@ pub struct SurfaceDrawing {
     pub facts: SurfaceFacts,
 }
 
-/// Compiled once, not for every design.
-fn set_up_each(
-    splats: &[SurfaceSplat],
-    set_up: &(dyn Fn(&SurfaceSplat) -> SurfaceOutcome + Sync),
-) -> Vec<SurfaceOutcome> {
-    splats.par_iter().map(set_up).collect()
-}
-
 /// Footprints of all points, in the scene's order.
 pub fn footprints(
     points: &QuantisedPoints,
     style: &Style,
     design: &DesignChoice,
 ) -> Vec<SurfaceOutcome> {
-    struct FootprintsJob<'a>(&'a QuantisedPoints, kernel::Rules);
-    impl DesignJob for FootprintsJob<'_> {
-        type Output = Vec<SurfaceOutcome>;
-        fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-            let FootprintsJob(points, rules) = self;
-            set_up_each(&points.splats, &|splat| {
-                setup_surface(design, &points.view, &rules, splat)
-            })
-        }
-    }
-    design.dispatch(FootprintsJob(points, kernel_rules(style)))
+    let (design, rules) = (design.in_fields(), kernel_rules(style));
+    let set_up = |splat| setup_surface(design, &points.view, &rules, splat);
+    points.splats.par_iter().map(set_up).collect()
 }
 
 /// The rules of surfaces with the style's filter and cut-off.

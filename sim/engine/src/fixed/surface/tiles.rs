@@ -66,9 +66,9 @@ pub trait HostCell: Cell + Send + 'static {
     /// Is it what vectors keep as sums?
     const IS_SUM: bool = false;
 
-    /// Had its fragments to be merged?
-    fn merged(&self) -> bool {
-        false
+    /// Pairs of its fragments that had to be merged.
+    fn merges(&self) -> u64 {
+        0
     }
 }
 
@@ -77,8 +77,8 @@ impl HostCell for Accumulation {
 }
 
 impl<const L: usize> HostCell for Layers<L> {
-    fn merged(&self) -> bool {
-        self.merges() > 0
+    fn merges(&self) -> u64 {
+        Layers::merges(self).into()
     }
 }
 
@@ -236,7 +236,7 @@ impl<D: Design + Sync, C: HostCell> SurfaceTiles for GatherTiles<'_, D, C> {
                 self.draw(window, footprints, list, cells)
             }
         };
-        let merged = cells.iter().filter(|cell| cell.merged()).count();
+        let merged = cells.iter().filter(|cell| cell.merges() > 0).count();
         self.constants
             .resolve(window, cells.iter().cloned(), resolved);
         (coverage, merged)

@@ -4,7 +4,7 @@
 use super::super::bytes::{Endian, Reader, Scalar};
 use super::super::error::{Problem, shorten};
 use super::super::file::read_file;
-use super::{Document, missing};
+use super::{Document, at};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Deserialize;
@@ -149,10 +149,7 @@ impl<'a> Buffers<'a> {
         width: usize,
         name: &str,
     ) -> Result<Numbers<'_>, Problem> {
-        let accessor = document
-            .accessors
-            .get(index)
-            .ok_or_else(|| missing("accessor", index))?;
+        let accessor = at(&document.accessors, "accessor", index)?;
         let field = format!("accessor {index} ({name})");
         let wrong = |found: String, fix: &str| Problem::malformed(&field, found, fix);
         let kind = ["", "SCALAR", "VEC2", "VEC3", "VEC4"][width];
@@ -186,14 +183,8 @@ impl<'a> Buffers<'a> {
         let view_index = accessor
             .buffer_view
             .ok_or_else(|| wrong("it has no buffer view".to_owned(), "export the scene again"))?;
-        let view = document
-            .buffer_views
-            .get(view_index)
-            .ok_or_else(|| missing("buffer view", view_index))?;
-        let buffer = self
-            .0
-            .get(view.buffer)
-            .ok_or_else(|| missing("buffer", view.buffer))?;
+        let view = at(&document.buffer_views, "buffer view", view_index)?;
+        let buffer = at(&self.0, "buffer", view.buffer)?;
         let whole = view
             .byte_offset
             .checked_add(view.byte_length)

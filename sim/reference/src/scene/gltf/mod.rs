@@ -126,22 +126,13 @@ pub(super) fn load(
 /// The meshes of the scene, each with its transform.
 fn placed_meshes(document: &Document) -> Result<Vec<(usize, Transform)>, Problem> {
     let root = document.scene.unwrap_or(0);
-    let mut waiting: Vec<(usize, Transform, usize)> = match document.scenes.get(root) {
-        Some(scene) => &scene.nodes[..],
-        None => {
-            return Err(missing("scene", root));
-        }
-    }
-    .iter()
-    .map(|node| (*node, Transform::IDENTITY, 0))
-    .collect();
+    let roots = at(&document.scenes, "scene", root)?.nodes.iter();
+    let mut waiting: Vec<(usize, Transform, usize)> =
+        roots.map(|node| (*node, Transform::IDENTITY, 0)).collect();
     let mut placed = Vec::new();
     let mut visits = 0;
     while let Some((index, above, depth)) = waiting.pop() {
-        let node = document
-            .nodes
-            .get(index)
-            .ok_or_else(|| missing("node", index))?;
+        let node = at(&document.nodes, "node", index)?;
         visits += 1;
         if depth > MAX_DEPTH || visits > MAX_VISITS {
             return Err(Problem::malformed(
@@ -162,12 +153,12 @@ fn placed_meshes(document: &Document) -> Result<Vec<(usize, Transform)>, Problem
     Ok(placed)
 }
 
-fn missing(kind: &str, index: usize) -> Problem {
-    Problem::malformed(
-        format!("{kind} {index}"),
-        "it is used but not there",
-        "export the scene again",
-    )
+/// What another part of the document names by its number.
+fn at<'a, T>(list: &'a [T], kind: &str, index: usize) -> Result<&'a T, Problem> {
+    list.get(index).ok_or_else(|| {
+        let found = "it is used but not there";
+        Problem::malformed(format!("{kind} {index}"), found, "export the scene again")
+    })
 }
 
 /// A primitive's numbers.
@@ -191,11 +182,7 @@ fn gather(
     let mut orders = Vec::new();
     let mut notes = Notes::new();
     for (index, transform) in placed {
-        let mesh = document
-            .meshes
-            .get(*index)
-            .ok_or_else(|| missing("mesh", *index))?;
-        for primitive in &mesh.primitives {
+        for primitive in &at(&document.meshes, "mesh", *index)?.primitives {
             match primitive.extensions.get(EXTENSION) {
                 Some(stated) => {
                     orders.push(check(stated)?);

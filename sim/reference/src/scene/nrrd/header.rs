@@ -1,8 +1,9 @@
 //! The header of an NRRD file: `field: value` lines up to a blank line or the end of the file.
 
 use super::super::bytes::{Endian, Scalar};
-use super::super::error::{Problem, shorten};
-use super::super::volume::{Grid, is_spacing, three_sizes};
+use super::super::error::Problem;
+use super::super::volume::header::{HeaderField, LineHeader};
+use super::super::volume::{Grid, is_spacing};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
@@ -41,171 +42,88 @@ const DESCRIPTIVE: [&str; 20] = [
     "space origin",
 ];
 
-/// A field's value and the line on which it stands.
-struct HeaderField {
-    line: usize,
-    value: String,
-}
-
-/// The fields that matter, as found.
-#[derive(Default)]
-struct NrrdFields {
-    kind: Option<HeaderField>,
-    dimension: Option<HeaderField>,
-    sizes: Option<HeaderField>,
-    spacings: Option<HeaderField>,
-    directions: Option<HeaderField>,
-    encoding: Option<HeaderField>,
-    endian: Option<HeaderField>,
-    data_file: Option<HeaderField>,
-    lines: usize,
-}
+/// The fields that matter.
+const KEYS: [&str; 8] = [
+    "type",
+    "dimension",
+    "sizes",
+    "spacings",
+    "space directions",
+    "encoding",
+    "endian",
+    "data file",
+];
 
 /// The header, and what follows its blank line if there is one.
 pub(super) fn parse(bytes: &[u8]) -> Result<(NrrdHeader, Option<&[u8]>), Problem> {
-    let mut fields = NrrdFields::default();
+    let mut header = LineHeader::new("NRRD");
     let mut rest = bytes;
     while !rest.is_empty() {
-        let (line, after, finished) = next_line(rest);
-        rest = after;
-        fields.lines += 1;
-        if line.is_empty() && fields.lines > 1 {
-            return Ok((interpret(fields)?, Some(rest)));
-        }
-        let text = String::from_utf8_lossy(line);
-        if !finished {
-            return Err(malformed(
-                fields.lines,
-                "header",
-                "it ends in the middle of a line",
-                "fetch the file again",
-            ));
-        }
-        match fields.lines {
-            1 => check_magic(&text)?,
-            number => fields.read_line(&text, number)?,
+        let line = header.next_line(&mut rest)?;
+        match header.lines {
+            1 => check_magic(&header, &line)?,
+            _ if line.is_empty() => return Ok((interpret(&header)?, Some(rest))),
+            _ => read_line(&mut header, &line)?,
         }
     }
-    Ok((interpret(fields)?, None))
+    Ok((interpret(&header)?, None))
 }
 
-/// The next line without its end, what follows, and whether a newline ended it.
-fn next_line(bytes: &[u8]) -> (&[u8], &[u8], bool) {
-    let mut parts = bytes.splitn(2, |&byte| byte == b'\n');
-    let line = parts.next().unwrap_or_default();
-    let rest = parts.next();
-    (
-        line.strip_suffix(b"\r").unwrap_or(line),
-        rest.unwrap_or_default(),
-        rest.is_some(),
-    )
-}
-
-fn malformed(line: usize, field: &str, found: impl Into<String>, fix: &str) -> Problem {
-    Problem::malformed(format!("NRRD header line {line}, {field}"), found, fix)
-}
-
-fn check_magic(text: &str) -> Result<(), Problem> {
+fn check_magic(header: &LineHeader, text: &str) -> Result<(), Problem> {
     match text.strip_prefix("NRRD000") {
         Some("1" | "2" | "3" | "4" | "5") => Ok(()),
-        _ => Err(malformed(
-            1,
-            "magic",
-            "it is not NRRD0001 to NRRD0005",
-            "check that this is an NRRD file",
-        )),
+        _ => {
+            let found = "it is not NRRD0001 to NRRD0005";
+            Err(header.malformed("magic", found, "check that this is an NRRD file"))
+        }
     }
 }
 
-impl NrrdFields {
-    fn read_line(&mut self, text: &str, line: usize) -> Result<(), Problem> {
-        // Comments and key/value pairs describe; they do not change the data.
-        if text.starts_with('#') || text.contains(":=") {
-            return Ok(());
-        }
-        let (name, value) = text.split_once(": ").ok_or_else(|| {
-            malformed(
-                line,
-                "header",
-                format!("'{}' is no field", shorten(text)),
-                "write 'field: value'",
-            )
-        })?;
-        let slot = match name.to_ascii_lowercase().as_str() {
-            "type" => &mut self.kind,
-            "dimension" => &mut self.dimension,
-            "sizes" => &mut self.sizes,
-            "spacings" => &mut self.spacings,
-            "space directions" => &mut self.directions,
-            "encoding" => &mut self.encoding,
-            "endian" => &mut self.endian,
-            "data file" | "datafile" => &mut self.data_file,
-            other if DESCRIPTIVE.contains(&other) => return Ok(()),
-            _ => {
-                return Err(malformed(
-                    line,
-                    &shorten(name),
-                    "this field is not supported",
-                    "remove it if the data can be read without it, or convert the volume",
-                ));
-            }
-        };
-        if slot.is_some() {
-            return Err(malformed(line, name, "it is given twice", "give it once"));
-        }
-        *slot = Some(HeaderField {
-            line,
-            value: value.trim().to_string(),
-        });
-        Ok(())
+fn read_line(header: &mut LineHeader, text: &str) -> Result<(), Problem> {
+    // Comments and key/value pairs describe; they do not change the data.
+    if text.starts_with('#') || text.contains(":=") {
+        return Ok(());
     }
-}
-
-fn interpret(fields: NrrdFields) -> Result<NrrdHeader, Problem> {
-    let NrrdFields {
-        kind,
-        dimension,
-        sizes,
-        spacings,
-        directions,
-        encoding,
-        endian,
-        data_file,
-        lines,
-    } = fields;
-    let required = |field: Option<HeaderField>, name: &str| {
-        field.ok_or_else(|| malformed(lines, name, "the header lacks it", "add it before the data"))
+    let Some((name, value)) = text.split_once(": ") else {
+        return Err(header.no_field(text, "field: value"));
     };
-    check_dimension(&required(dimension, "dimension")?)?;
-    let kind = parse_kind(&required(kind, "type")?)?;
-    let endian = match endian {
-        Some(field) => parse_endian(&field)?,
+    let lower = name.to_ascii_lowercase();
+    let key = match lower.as_str() {
+        "datafile" => "data file",
+        other => other,
+    };
+    if KEYS.contains(&key) {
+        return header.add(key, name, value);
+    }
+    match DESCRIPTIVE.contains(&key) {
+        true => Ok(()),
+        false => Err(header.unsupported(name)),
+    }
+}
+
+fn interpret(header: &LineHeader) -> Result<NrrdHeader, Problem> {
+    let dimension = header.required("dimension")?;
+    if dimension.value != "3" {
+        return Err(dimension.is("give a 3D volume"));
+    }
+    let kind = parse_kind(header.required("type")?)?;
+    let endian = match header.get("endian") {
         None if kind.size() == 1 => Endian::Little,
-        None => required(None, "endian").and(Ok(Endian::Little))?,
-    };
-    let grid = Grid {
-        sizes: parse_sizes(&required(sizes, "sizes")?)?,
-        spacings: parse_spacings(spacings, directions)?,
-        kind,
-        endian,
+        _ => parse_endian(header.required("endian")?)?,
     };
     Ok(NrrdHeader {
-        grid,
-        encoding: parse_encoding(&required(encoding, "encoding")?)?,
-        data_file: data_file.map(|field| check_data_file(&field)).transpose()?,
+        grid: Grid {
+            sizes: header.required("sizes")?.sizes()?,
+            spacings: parse_spacings(header)?,
+            kind,
+            endian,
+        },
+        encoding: parse_encoding(header.required("encoding")?)?,
+        data_file: match header.get("data file") {
+            Some(field) => Some(field.data_file()?.to_owned()),
+            None => None,
+        },
     })
-}
-
-fn check_dimension(field: &HeaderField) -> Result<(), Problem> {
-    match field.value.as_str() {
-        "3" => Ok(()),
-        other => Err(malformed(
-            field.line,
-            "dimension",
-            format!("it is '{}'", shorten(other)),
-            "give a 3D volume",
-        )),
-    }
 }
 
 fn parse_kind(field: &HeaderField) -> Result<Scalar, Problem> {
@@ -219,12 +137,7 @@ fn parse_kind(field: &HeaderField) -> Result<Scalar, Problem> {
             Ok(Scalar::U16)
         }
         "float" => Ok(Scalar::F32),
-        other => Err(malformed(
-            field.line,
-            "type",
-            format!("'{}' is not supported", shorten(other)),
-            "convert to uchar, short, ushort or float",
-        )),
+        _ => Err(field.is_not("supported", "convert to uchar, short, ushort or float")),
     }
 }
 
@@ -232,12 +145,7 @@ fn parse_endian(field: &HeaderField) -> Result<Endian, Problem> {
     match field.value.as_str() {
         "little" => Ok(Endian::Little),
         "big" => Ok(Endian::Big),
-        other => Err(malformed(
-            field.line,
-            "endian",
-            format!("it is '{}'", shorten(other)),
-            "write 'little' or 'big'",
-        )),
+        _ => Err(field.is("write 'little' or 'big'")),
     }
 }
 
@@ -245,78 +153,39 @@ fn parse_encoding(field: &HeaderField) -> Result<Encoding, Problem> {
     match field.value.as_str() {
         "raw" => Ok(Encoding::Raw),
         "gzip" | "gz" => Ok(Encoding::Gzip),
-        other => Err(malformed(
-            field.line,
-            "encoding",
-            format!("'{}' is not supported", shorten(other)),
-            "convert to raw or gzip",
-        )),
+        _ => Err(field.is_not("supported", "convert to raw or gzip")),
     }
 }
 
-fn parse_sizes(field: &HeaderField) -> Result<[usize; 3], Problem> {
-    three_sizes(&field.value).ok_or_else(|| {
-        malformed(
-            field.line,
-            "sizes",
-            format!(
-                "'{}' is not three positive whole numbers",
-                shorten(&field.value)
-            ),
-            "write the number of voxels along x, y and z",
-        )
-    })
-}
-
-fn parse_spacings(
-    spacings: Option<HeaderField>,
-    directions: Option<HeaderField>,
-) -> Result<[f64; 3], Problem> {
-    match (spacings, directions) {
+fn parse_spacings(header: &LineHeader) -> Result<[f64; 3], Problem> {
+    match (header.get("spacings"), header.get("space directions")) {
         (None, None) => Ok([1.0; 3]),
-        (Some(field), None) => parse_lengths(&field),
-        (None, Some(field)) => parse_directions(&field),
-        (Some(_), Some(field)) => Err(malformed(
-            field.line,
-            "space directions",
-            "spacings are given as well",
-            "give one of the two",
-        )),
+        (Some(field), None) => field.spacings(three(field.value.split_whitespace(), length)),
+        (None, Some(field)) => {
+            let fix = "resample the volume to its axes, or give spacings instead";
+            three(field.value.split_inclusive(')'), axis_length)
+                .ok_or_else(|| field.is_not("three axis-aligned vectors", fix))
+        }
+        (Some(_), Some(field)) => {
+            Err(field.malformed("spacings are given as well", "give one of the two"))
+        }
     }
 }
 
-fn parse_lengths(field: &HeaderField) -> Result<[f64; 3], Problem> {
-    let length = |word: &str| match word.parse::<f64>() {
+fn three<'a>(
+    words: impl Iterator<Item = &'a str>,
+    length: fn(&str) -> Option<f64>,
+) -> Option<[f64; 3]> {
+    let lengths: Option<Vec<f64>> = words.map(length).collect();
+    lengths?.try_into().ok()
+}
+
+fn length(word: &str) -> Option<f64> {
+    match word.parse::<f64>() {
         // NRRD's word for "unknown".
         Ok(unknown) if unknown.is_nan() => Some(1.0),
         Ok(length) if is_spacing(length) => Some(length),
         _ => None,
-    };
-    let lengths: Option<Vec<f64>> = field.value.split_whitespace().map(length).collect();
-    match lengths.as_deref() {
-        Some(&[x, y, z]) => Ok([x, y, z]),
-        _ => Err(malformed(
-            field.line,
-            "spacings",
-            format!("'{}' is not three positive lengths", shorten(&field.value)),
-            "write the distances between voxels along x, y and z",
-        )),
-    }
-}
-
-fn parse_directions(field: &HeaderField) -> Result<[f64; 3], Problem> {
-    let lengths: Option<Vec<f64>> = field.value.split_inclusive(')').map(axis_length).collect();
-    match lengths.as_deref() {
-        Some(&[x, y, z]) => Ok([x, y, z]),
-        _ => Err(malformed(
-            field.line,
-            "space directions",
-            format!(
-                "'{}' is not three axis-aligned vectors",
-                shorten(&field.value)
-            ),
-            "resample the volume to its axes, or give spacings instead",
-        )),
     }
 }
 
@@ -336,16 +205,4 @@ fn axis_length(text: &str) -> Option<f64> {
         .count()
         == 1;
     (parts.len() == 3 && aligned && is_spacing(longest)).then_some(longest)
-}
-
-fn check_data_file(field: &HeaderField) -> Result<String, Problem> {
-    if field.value.is_empty() || field.value.contains('%') || field.value.starts_with("LIST") {
-        return Err(malformed(
-            field.line,
-            "data file",
-            format!("'{}' is not one file", shorten(&field.value)),
-            "join the slices into one data file",
-        ));
-    }
-    Ok(field.value.clone())
 }

@@ -4,7 +4,7 @@
 //! takes its column, holding NaN. Bytes left over after the last record are an error: they mean that the header
 //! describes another file, and the picture would be silently wrong.
 
-use super::super::bytes::{Endian, Reader, Scalar, checked_bytes, truncated};
+use super::super::bytes::{Endian, Reader, Scalar, checked_bytes, nothing_left, truncated};
 use super::super::error::{Problem, shorten};
 use super::header::{Element, PlyEncoding, PlyHeader, Property, PropertyKind, split_line};
 
@@ -115,14 +115,8 @@ impl<'a> PlySource<'a> {
             PlySource::Ascii { rest, .. } => rest.trim_ascii().len(),
             PlySource::Binary { reader, .. } => reader.remaining(),
         };
-        match left {
-            0 => Ok(()),
-            _ => Err(Problem::malformed(
-                "PLY body",
-                format!("{left} bytes are left over after the last record"),
-                "correct the counts or types in the header",
-            )),
-        }
+        let fix = "correct the counts or types in the header";
+        nothing_left(left, "PLY body", "record", fix)
     }
 }
 

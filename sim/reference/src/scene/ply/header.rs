@@ -2,6 +2,7 @@
 
 use super::super::bytes::{Endian, Scalar};
 use super::super::error::{Problem, shorten};
+use std::fmt::Display;
 
 /// How the body is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +77,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(PlyHeader, &[u8]), Problem> {
         match words.as_slice() {
             _ if number == 1 => check_magic(&words)?,
             ["end_header"] => {
-                let format = format.ok_or_else(|| missing_format(number))?;
+                let format = format.ok_or_else(|| {
+                    let fix = "add 'format binary_little_endian 1.0' or what the body is";
+                    malformed(number, "no format line came before end_header", fix)
+                })?;
                 return Ok((
                     PlyHeader {
                         format,
@@ -98,15 +102,16 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(PlyHeader, &[u8]), Problem> {
             ["element", name, count] => elements.push(parse_element(name, count, number)?),
             ["property", words @ ..] => {
                 let property = parse_property(words, number)?;
-                let element = elements.last_mut().ok_or_else(|| stray_property(number))?;
+                let element = elements.last_mut().ok_or_else(|| {
+                    let found = "a property comes before any element";
+                    malformed(number, found, "put an element line before it")
+                })?;
                 element.properties.push(property);
             }
             _ => {
-                return Err(Problem::malformed(
-                    format!("PLY header line {number}"),
-                    format!("'{}' is not understood", shorten(&text)),
-                    "expected format, element, property, comment or end_header",
-                ));
+                let found = format!("'{}' is not understood", shorten(&text));
+                let fix = "expected format, element, property, comment or end_header";
+                return Err(malformed(number, found, fix));
             }
         }
     }
@@ -123,11 +128,15 @@ pub(super) fn split_line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     ))
 }
 
+fn malformed(line: usize, found: impl Display, fix: &str) -> Problem {
+    Problem::malformed(format!("PLY header line {line}"), found, fix)
+}
+
 fn check_magic(words: &[&str]) -> Result<(), Problem> {
     match words {
         ["ply"] => Ok(()),
-        _ => Err(Problem::malformed(
-            "PLY header line 1",
+        _ => Err(malformed(
+            1,
             "it is not 'ply'",
             "check that this is a PLY file",
         )),
@@ -135,27 +144,8 @@ fn check_magic(words: &[&str]) -> Result<(), Problem> {
 }
 
 fn no_end(line: usize) -> Problem {
-    Problem::malformed(
-        format!("PLY header line {line}"),
-        "the file ends before end_header",
-        "fetch the file again: it is truncated",
-    )
-}
-
-fn missing_format(line: usize) -> Problem {
-    Problem::malformed(
-        format!("PLY header line {line}"),
-        "no format line came before end_header",
-        "add 'format binary_little_endian 1.0' or what the body is",
-    )
-}
-
-fn stray_property(line: usize) -> Problem {
-    Problem::malformed(
-        format!("PLY header line {line}"),
-        "a property comes before any element",
-        "put an element line before it",
-    )
+    let fix = "fetch the file again: it is truncated";
+    malformed(line, "the file ends before end_header", fix)
 }
 
 fn parse_format(name: &str, line: usize) -> Result<PlyEncoding, Problem> {
@@ -187,27 +177,24 @@ fn parse_element(name: &str, count: &str, line: usize) -> Result<Element, Proble
 }
 
 fn parse_property(words: &[&str], line: usize) -> Result<Property, Problem> {
-    match words {
+    let (kind, name) = match words {
         ["list", count, item, name] => {
-            let kind = PropertyKind::List {
-                count: parse_scalar(count, line)?,
-                item: parse_scalar(item, line)?,
-            };
-            Ok(Property {
-                name: name.to_string(),
-                kind,
-            })
+            let (count, item) = (parse_scalar(count, line)?, parse_scalar(item, line)?);
+            (PropertyKind::List { count, item }, name)
         }
-        [scalar, name] => Ok(Property {
-            name: name.to_string(),
-            kind: PropertyKind::Number(parse_scalar(scalar, line)?),
-        }),
-        _ => Err(Problem::malformed(
-            format!("PLY header line {line}, property"),
-            "it is neither 'property TYPE NAME' nor 'property list TYPE TYPE NAME'",
-            "correct the line",
-        )),
-    }
+        [scalar, name] => (PropertyKind::Number(parse_scalar(scalar, line)?), name),
+        _ => {
+            return Err(Problem::malformed(
+                format!("PLY header line {line}, property"),
+                "it is neither 'property TYPE NAME' nor 'property list TYPE TYPE NAME'",
+                "correct the line",
+            ));
+        }
+    };
+    Ok(Property {
+        name: name.to_string(),
+        kind,
+    })
 }
 
 fn parse_scalar(name: &str, line: usize) -> Result<Scalar, Problem> {

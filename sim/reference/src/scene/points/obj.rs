@@ -65,7 +65,7 @@ pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
     obj.finish()
 }
 
-fn malformed(line: usize, found: impl Into<String>, fix: &str) -> Problem {
+fn malformed(line: usize, found: impl std::fmt::Display, fix: &str) -> Problem {
     Problem::malformed(format!("line {line}"), found, fix)
 }
 

@@ -5,6 +5,7 @@ use toml::Spanned;
 
 use super::super::error::Problem;
 use super::{GradientPoint, Shading, Transfer, ValuePoint};
+use crate::input::line_at;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -159,19 +160,15 @@ impl TransferCheck<'_> {
 
     fn refuse(&self, key: &str, byte: usize, found: String, fix: &str) -> Problem {
         Problem::malformed(
-            format!("transfer line {}, key '{key}'", line_of(self.text, byte)),
+            format!("transfer line {}, key '{key}'", line_at(self.text, byte)),
             found,
             fix,
         )
     }
 }
 
-fn line_of(text: &str, byte: usize) -> usize {
-    text.bytes().take(byte).filter(|&b| b == b'\n').count() + 1
-}
-
 fn syntax_error(text: &str, error: &toml::de::Error) -> Problem {
-    let line = line_of(text, error.span().map_or(0, |span| span.start));
+    let line = line_at(text, error.span().map_or(0, |span| span.start));
     let shown = text.lines().nth(line - 1).unwrap_or_default().trim();
     Problem::malformed(
         format!("transfer line {line}, '{shown}'"),

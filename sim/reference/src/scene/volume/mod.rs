@@ -3,6 +3,7 @@
 //! The grid's axes are kept as stored: the data are never mirrored, turned or permuted, and what a header says of its place in a patient
 //! or a room is not applied. Numbers are kept as f32, which holds every value of 8 and 16 bits exactly and rounds wider ones.
 
+pub(super) mod header;
 pub(super) mod meta_image;
 pub(super) mod nifti;
 #[cfg(test)]
@@ -14,6 +15,7 @@ use super::bytes::{Endian, Scalar, checked_bytes, truncated};
 use super::error::Problem;
 use crate::memory;
 use std::path::Path;
+use std::str::FromStr;
 
 /// A regular grid of numbers, x fastest.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,23 +98,19 @@ pub(super) fn is_spacing(length: f64) -> bool {
     (1e-12..=1e12).contains(&length)
 }
 
-/// Three positive whole numbers.
-pub(super) fn three_sizes(text: &str) -> Option<[usize; 3]> {
-    let sizes: Option<Vec<usize>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
-    match sizes.as_deref() {
-        Some(&[x, y, z]) if x > 0 && y > 0 && z > 0 => Some([x, y, z]),
-        _ => None,
-    }
+/// So many numbers in words, and no more.
+pub(super) fn numbers<T: FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
+    let found: Option<Vec<T>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
+    found?.try_into().ok()
 }
 
 /// Three distances between voxels.
 pub(super) fn three_spacings(text: &str) -> Option<[f64; 3]> {
-    let lengths: Option<Vec<f64>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
-    match lengths.as_deref() {
-        Some(&[x, y, z]) if [x, y, z].into_iter().all(is_spacing) => Some([x, y, z]),
-        _ => None,
-    }
+    numbers(text).filter(|lengths: &[f64; 3]| lengths.iter().copied().all(is_spacing))
 }
+
+/// The axes of a grid that is not turned.
+const UNTURNED: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
 /// The problem of a data file, at `path`, that is named in a header.
 pub(super) fn unreadable(data_file: &str, path: &Path, problem: &Problem) -> Problem {

@@ -94,7 +94,7 @@ struct Header<'a> {
     offset: usize,
 }
 
-fn malformed(field: &str, found: impl Into<String>, fix: &str) -> Problem {
+fn malformed(field: &str, found: impl std::fmt::Display, fix: &str) -> Problem {
     Problem::malformed(format!("NIfTI header, {field}"), found, fix)
 }
 

@@ -207,7 +207,7 @@ fn messages_of_meta_images_name_the_field_and_the_fix() {
     let cases = [
         (
             with("NDims = 3", "NDims = 2"),
-            "line 2, ndims: it is '2'; give a 3D volume",
+            "line 2, NDims: it is '2'; give a 3D volume",
         ),
         (
             with("NDims = 3", "Depth = 3"),
@@ -231,7 +231,7 @@ fn messages_of_meta_images_name_the_field_and_the_fix() {
         ),
         (
             with("BinaryData = True", "BinaryData = False"),
-            "BinaryData: it is False; write the volume with binary",
+            "BinaryData: it is 'False'; write the volume with binary",
         ),
         (
             with("CompressedData = False", "CompressedData = True"),

@@ -6,7 +6,7 @@
 
 use super::super::bytes::{Endian, Reader, Scalar, unzlib_exact};
 use super::super::error::{Problem, shorten};
-use super::{Grid, Noted, TURNED, exact, three_spacings};
+use super::{Grid, Noted, TURNED, UNTURNED, exact, three_spacings};
 use crate::memory;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -19,7 +19,7 @@ const MOST_NODES: u32 = 1 << 16;
 /// Largest block of a compressed array.
 const MOST_BLOCK: u64 = 1 << 32;
 
-fn malformed(field: &str, found: impl Into<String>, fix: &str) -> Problem {
+fn malformed(field: &str, found: impl std::fmt::Display, fix: &str) -> Problem {
     Problem::malformed(format!("VTI, {field}"), found, fix)
 }
 
@@ -134,7 +134,8 @@ impl<'a> VtiFile<'a> {
         }
         let mut notes = Vec::new();
         let (array, corners) = chosen(piece, &mut notes)?;
-        if image.attribute("Direction").is_some_and(is_turned) {
+        let direction = image.attribute("Direction");
+        if direction.is_some_and(|axes| super::numbers(axes) != Some(UNTURNED)) {
             notes.push(TURNED.to_owned());
         }
         let appended = match appended {
@@ -368,17 +369,11 @@ fn chosen<'a>(
 
 fn extent(node: Node, name: &str) -> Result<[i64; 6], Problem> {
     let text = node.attribute(name).unwrap_or_default();
-    let numbers: Option<Vec<i64>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
-    numbers
-        .and_then(|list| list.try_into().ok())
-        .ok_or_else(|| {
-            let found = format!("'{}' is not six whole numbers", shorten(text));
-            malformed(
-                name,
-                found,
-                "write the first and last index along x, y and z",
-            )
-        })
+    super::numbers(text).ok_or_else(|| {
+        let found = format!("'{}' is not six whole numbers", shorten(text));
+        let fix = "write the first and last index along x, y and z";
+        malformed(name, found, fix)
+    })
 }
 
 /// Points are one more than cells along each axis.
@@ -413,14 +408,6 @@ fn spacings(image: Node) -> Result<[f64; 3], Problem> {
             "write the distances between points along x, y and z",
         )
     })
-}
-
-fn is_turned(direction: &str) -> bool {
-    let numbers: Option<Vec<f64>> = direction
-        .split_whitespace()
-        .map(|w| w.parse().ok())
-        .collect();
-    numbers.as_deref() != Some(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
 }
 
 fn kind(array: Node) -> Result<Scalar, Problem> {

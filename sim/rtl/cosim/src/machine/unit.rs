@@ -21,10 +21,9 @@ use splatline::blend::Pixel;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::format::{RuntimeWidths, Traversal, Widths};
-use splatline::kernel::{entries, fill_gaussian};
 use splatline::rules::Rules;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed::QuantisedScene;
+use splatline_sim::fixed::{QuantisedScene, table_entries};
 use splatline_sim::machine::{Config, simulate_alone};
 
 /// Words of a record.
@@ -307,8 +306,7 @@ fn image(
 /// The frame by the kernel's own renderer.
 fn kernel_frame(widths: &Widths, scene: &QuantisedScene, rules: &Rules) -> Result<Vec<Pixel>> {
     let design = RuntimeWidths::new(*widths).ok();
-    let mut memory = vec![0; entries(widths)];
-    fill_gaussian(&mut memory, widths, rules.table_range);
+    let memory = table_entries(widths, rules);
     let design = design.context("widths out of range")?;
     let renderer =
         Renderer::with_table(design, *rules, &memory).map_err(|error| anyhow!("{error:?}"))?;

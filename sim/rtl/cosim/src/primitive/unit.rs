@@ -16,11 +16,10 @@ use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::format::{RuntimeWidths, Traversal, Widths};
-use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::rules::{Compositing, Rules as KernelRules};
 use splatline::target::Target;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed::kernel_rules;
+use splatline_sim::fixed::{kernel_rules, table, table_entries};
 use splatline_sim::machine::primitive::SETUP_INTERVAL;
 use splatline_sim::rules::Rules;
 
@@ -299,24 +298,21 @@ pub struct Golden<'a> {
 impl<'a> Golden<'a> {
     /// Fills the table.
     pub fn new(widths: &'a Widths, rules: &'a KernelRules) -> Result<Self> {
-        let mut memory = vec![0; entries(widths)];
-        fill_gaussian(&mut memory, widths, rules.table_range);
         let design = RuntimeWidths::new(*widths).ok();
         Ok(Golden {
             design: design.context("widths out of range")?,
             widths,
             rules,
-            memory,
+            memory: table_entries(widths, rules),
         })
     }
 
     /// The window's pixels, row by row, and what was visited.
     ///
     /// # Panics
-    /// If the table were not of the design: it is made for it.
+    /// If the tile were larger than its window.
     pub fn draw(&self, tile: &BenchTile, footprints: &[Footprint]) -> (Vec<Pixel>, Coverage) {
-        let table = FootprintTable::new(&self.memory, self.widths, self.rules.table_range)
-            .expect("the table was made for these widths");
+        let table = table(&self.memory, self.widths, self.rules);
         let order = Compositing::FrontToBack;
         let painter = Painter::new(self.design, self.rules, table, order, Traversal::Spans);
         let [columns, rows] = tile.size();

@@ -49,7 +49,7 @@ struct LasHeader {
     offset: [f64; 3],
 }
 
-fn malformed(field: &str, found: impl Into<String>, fix: &str) -> Problem {
+fn malformed(field: &str, found: impl std::fmt::Display, fix: &str) -> Problem {
     Problem::malformed(format!("LAS header, {field}"), found, fix)
 }
 
