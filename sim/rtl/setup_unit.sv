@@ -134,8 +134,9 @@ module setup_unit #(
   logic [23*8-1:0] result_places;
   logic [3:0] splat;
   logic [81:0] constant1, constant2, constant3;
+  logic [50:0] right3;
   logic [14*64-1:0] starts;
-  splatline_setup_pkg::slot_t slot3, slot20;
+  splatline_setup_pkg::slot_t slot1, slot2, slot3, slot20;
   logic [15:0] half21;
   logic [16:0] kept21;
   logic [3:0] rule_flags;
@@ -154,6 +155,8 @@ module setup_unit #(
     issue = fetched;
     if (other) issue.a_constant = fetched.b_constant;
   end
+  assign slot1 = slots[1*BITS+:BITS];
+  assign slot2 = slots[2*BITS+:BITS];
   assign slot3 = slots[3*BITS+:BITS];
   assign slot20 = slots[20*BITS+:BITS];
   always_ff @(posedge clk) begin
@@ -169,6 +172,9 @@ module setup_unit #(
     side <= fetched_side;
     constant1 <= constants[constant_place];
     {constant2, constant3} <= {constant1, constant2};
+    // The cores' common share of the right factor and of the exponents.
+    right3[32:0] <= slot2.plain && !slot2.entry ? 33'h80000000 : slot2.b_constant ? constant2[32:0] : 33'd0;
+    right3[50:33] <= ((slot2.b_constant && !slot2.plain) || slot2.pick != 0 ? constant2[81:64] : 18'd0) + 18'(slot2.offset);
     starts <= {starts[13*64-1:0], slot3.addend ? constant3[63:0] : 64'd0};
     // A mantissa's rounding.
     half21 <= slot20.normal ? 16'd1 << slot20.drop : 16'd0;
@@ -179,8 +185,6 @@ module setup_unit #(
   logic out2;
   logic [3:0] out_place2;
   logic side1, side2;
-  splatline_setup_pkg::slot_t slot2;
-  assign slot2 = slots[2*BITS+:BITS];
   assign out2 = slot2.out;
   assign out_place2 = {side2, slot2.place[2:0]};
   always_ff @(posedge clk) {side1, side2} <= {side, side1};
@@ -207,8 +211,9 @@ module setup_unit #(
           .a_place,
           .b_place,
           .result_place(result_places[22*8+:8]),
-          .constant1({constant1[81:64], constant1[32:0]}),
-          .constant3({constant3[81:64], constant3[32:0]}),
+          .constant1(slot1.a_constant ? {constant1[81:64], constant1[32:0]} : 51'd0),
+          .picked3(constant3[32:0]),
+          .right3,
           .start17(starts[14*64-1-:64]),
           .half21,
           .kept21,

@@ -119,8 +119,8 @@ package splatline_setup_pkg;
       8'd38: microcode = 97'h1078000000f08054f8082207;  // weight
       8'd39: microcode = 97'h590000006d30044f8080b30;  // 1/z, seed
       8'd40: microcode = 97'h590000004578214f8082b30;  // 1/z, seed
-      8'd41: microcode = 97'h2600308210f0a054f8082c30;  // ratio v, from below
-      8'd42: microcode = 97'h25d82f41d0f0a054f8082be0;  // ratio u, from below
+      8'd41: microcode = 97'h2600308210802054f8082c30;  // ratio v, from below
+      8'd42: microcode = 97'h25d82f41d0802054f8082be0;  // ratio u, from below
       8'd43: microcode = 97'h469834c0000000c122d80d60;  // determinant
       8'd44: microcode = 97'h46a035000000008122d80d60;  // determinant
       8'd45: microcode = 97'h46a835400000008122d80d60;  // determinant
@@ -130,7 +130,7 @@ package splatline_setup_pkg;
       8'd49: microcode = 97'h2103b8800000005402d82903;  // weight of the area
       8'd50: microcode = 97'h8720081c00f09454f8082887;  // peak
       8'd51: microcode = 97'ha560b9829000015b14082e70;  // 1/2 - d (1/3 ..)
-      8'd52: microcode = 97'hc7503a4090f0a054f8082ec0;  // cut-off above 0
+      8'd52: microcode = 97'hc7503a4090802054f8082ec0;  // cut-off above 0
       8'd53: microcode = 97'h4283800006d30044f8080d70;  // 1/yy, seed
       8'd54: microcode = 97'h4283800004578214f8082d70;  // 1/yy, seed
       8'd55: microcode = 97'h2800000180f0804b00000387;  // position v, high
@@ -143,8 +143,8 @@ package splatline_setup_pkg;
       8'd62: microcode = 97'h2800000090f0801b00082307;  // position u, low
       8'd63: microcode = 97'he770121c0000005402f82ef0;  // extent squared u
       8'd64: microcode = 97'h5902cc13000025a8c082b40;  // 1/z, defect
-      8'd65: microcode = 97'h260830c220f0a054f8082c40;  // ratio v, from above
-      8'd66: microcode = 97'h25e02f81e0f0a054f8082bf0;  // ratio u, from above
+      8'd65: microcode = 97'h260830c220802054f8082c40;  // ratio v, from above
+      8'd66: microcode = 97'h25e02f81e0802054f8082bf0;  // ratio u, from above
       8'd67: microcode = 97'he770141c0000005402f82f10;  // extent squared v
       8'd68: microcode = 97'h6243b6c00000005402d82807;  // conic c
       8'd69: microcode = 97'h6530b6c00000005402d82787;  // cross
@@ -154,7 +154,7 @@ package splatline_setup_pkg;
       8'd73: microcode = 97'h6283b6c00000005402d82607;  // horizontal
       8'd74: microcode = 97'h8443800000f08054fa082aa1;  // peak, 31 bits
       8'd75: microcode = 97'ha560b9c00000005ae0082e80;  // d (1/2 ..)
-      8'd76: microcode = 97'hc7583b02e0f0c054f8082ed0;  // cut-off, limited
+      8'd76: microcode = 97'hc7583b02e0804054f8082ed0;  // cut-off, limited
       8'd78: microcode = 97'h4283b5c13000025a8c082d80;  // 1/yy, defect
       8'd79: microcode = 97'h10087a21c0000004400081000;  // results
       8'd80: microcode = 97'h10183ab840000000400081010;  // results
@@ -184,7 +184,7 @@ package splatline_setup_pkg;
       8'd105: microcode = 97'h262031000000009122d82a81;  // slant
       8'd106: microcode = 97'h66f0000000f080440a080e00;  // 1/density
       8'd107: microcode = 97'h66f037c0000000140a082e00;  // 1/density
-      8'd108: microcode = 97'h855080025c69005ae4082ac1;  // rest
+      8'd108: microcode = 97'h855080025c78805ae4082ac1;  // rest
       8'd109: microcode = 97'hc7684002f0f09854f8082ae1;  // cut-off
       8'd110: microcode = 97'h46b8000000f080440ad80587;  // 1/yy
       8'd111: microcode = 97'h46b83600000000140ad82587;  // 1/yy
@@ -198,7 +198,7 @@ package splatline_setup_pkg;
       8'd126: microcode = 97'h46c8000000f080440ad80db0;  // 1/determinant
       8'd127: microcode = 97'h46c83680000000140ad82db0;  // 1/determinant
       8'd128: microcode = 97'he78800000aec8044faf80f20;  // extent v
-      8'd129: microcode = 97'he788000008740014faf82f20;  // extent v
+      8'd129: microcode = 97'he788000008700014faf82f20;  // extent v
       8'd131: microcode = 97'h66e8000000f080c52ad80e10;  // density, twice
       8'd132: microcode = 97'h66e03800000000952ad82e10;  // density, twice
       8'd133: microcode = 97'h8800000260f0804b10080e50;  // 1/4 - d/5
@@ -211,7 +211,7 @@ package splatline_setup_pkg;
       8'd140: microcode = 97'h5b040017000005402d82b90;  // gain u
       8'd141: microcode = 97'h46b0161c0000005402d82687;  // squared_width
       8'd142: microcode = 97'he77800000aec8044faf80f00;  // extent u
-      8'd143: microcode = 97'he778000008740014faf82f00;  // extent u
+      8'd143: microcode = 97'he778000008700014faf82f00;  // extent u
       8'd145: microcode = 97'h26303180000000c122d80487;  // xx
       8'd146: microcode = 97'h265032800000008122d80487;  // xx
       8'd147: microcode = 97'h267033800000008122d80487;  // xx
@@ -235,9 +235,9 @@ package splatline_setup_pkg;
       8'd165: microcode = 97'h5c0000200f0815b04002c10;  // below the largest ratio v
       8'd166: microcode = 97'h5b80001c0f0815b04002bc0;  // below the largest ratio u
       8'd167: microcode = 97'h5c82e800000005402d82e20;  // area
-      8'd168: microcode = 97'ha5508002aee0804ac4054e90;  // cut-off, unlimited
-      8'd169: microcode = 97'ha550c002b100000ac0054e90;  // cut-off, unlimited
-      8'd170: microcode = 97'ha550c002c100000ac0054e90;  // cut-off, unlimited
+      8'd168: microcode = 97'ha5508002aef0004ac4054e90;  // cut-off, unlimited
+      8'd169: microcode = 97'ha550c002b10f800ac0054e90;  // cut-off, unlimited
+      8'd170: microcode = 97'ha550c002c10f800ac0054e90;  // cut-off, unlimited
       8'd171: microcode = 97'ha560800000f0800ac0054e90;  // cut-off, unlimited
       8'd172: microcode = 97'ha560ba000000011ac0056e90;  // cut-off, unlimited
       8'd173: microcode = 97'ha800000090f0801ac0002ea0;  // above 0
@@ -250,7 +250,7 @@ package splatline_setup_pkg;
       8'd180: microcode = 97'h265033000000008122d80a61;  // xy
       8'd181: microcode = 97'h267034000000009122d82a61;  // xy
       8'd182: microcode = 97'h46e000000aec8044fa080dd0;  // density, seed
-      8'd183: microcode = 97'h46e0000008740014fa082dd0;  // density, seed
+      8'd183: microcode = 97'h46e0000008700014fa082dd0;  // density, seed
       8'd184: microcode = 97'h671840024000005402d82e40;  // peak, normalised
       default: microcode = 97'h0;
     endcase

@@ -137,8 +137,8 @@ package splatline_setup_pkg;
       8'd56: microcode = 97'h1078000000f08054f8082207;  // weight
       8'd57: microcode = 97'h590000006d30044f8080b30;  // 1/z, seed
       8'd58: microcode = 97'h590000004578214f8082b30;  // 1/z, seed
-      8'd59: microcode = 97'h26003082a0f0a054f8082c30;  // ratio v, from below
-      8'd60: microcode = 97'h25d82f4260f0a054f8082be0;  // ratio u, from below
+      8'd59: microcode = 97'h26003082a0802054f8082c30;  // ratio v, from below
+      8'd60: microcode = 97'h25d82f4260802054f8082be0;  // ratio u, from below
       8'd61: microcode = 97'h469834c0000000c0d2380d60;  // determinant
       8'd62: microcode = 97'h46a0350000000080d2380d60;  // determinant
       8'd63: microcode = 97'h46a8354000000080d2380d60;  // determinant
@@ -148,7 +148,7 @@ package splatline_setup_pkg;
       8'd67: microcode = 97'h2103b8800000005402382903;  // weight of the area
       8'd68: microcode = 97'h8720081c00f09454f8082887;  // peak
       8'd69: microcode = 97'ha560b9832000015b14082e70;  // 1/2 - d (1/3 ..)
-      8'd70: microcode = 97'hc7503a4120f0a054f8082ec0;  // cut-off above 0
+      8'd70: microcode = 97'hc7503a4120802054f8082ec0;  // cut-off above 0
       8'd71: microcode = 97'h4283800006d30044f8080d70;  // 1/yy, seed
       8'd72: microcode = 97'h4283800004578214f8082d70;  // 1/yy, seed
       8'd73: microcode = 97'h2800000210f0804b00000387;  // position v, high
@@ -161,8 +161,8 @@ package splatline_setup_pkg;
       8'd80: microcode = 97'h2800000120f0801b00082307;  // position u, low
       8'd81: microcode = 97'he770121c0000005402f82ef0;  // extent squared u
       8'd82: microcode = 97'h5902cc1c000025a8c082b40;  // 1/z, defect
-      8'd83: microcode = 97'h260830c2b0f0a054f8082c40;  // ratio v, from above
-      8'd84: microcode = 97'h25e02f8270f0a054f8082bf0;  // ratio u, from above
+      8'd83: microcode = 97'h260830c2b0802054f8082c40;  // ratio v, from above
+      8'd84: microcode = 97'h25e02f8270802054f8082bf0;  // ratio u, from above
       8'd85: microcode = 97'he770141c0000005402f82f10;  // extent squared v
       8'd86: microcode = 97'h6243b6c00000005402382807;  // conic c
       8'd87: microcode = 97'h6530b6c00000005402382787;  // cross
@@ -172,7 +172,7 @@ package splatline_setup_pkg;
       8'd91: microcode = 97'h6283b6c00000005402382607;  // horizontal
       8'd92: microcode = 97'h8443800000f08054fa082aa1;  // peak, 31 bits
       8'd93: microcode = 97'ha560b9c00000005ae0082e80;  // d (1/2 ..)
-      8'd94: microcode = 97'hc7583b0370f0c054f8082ed0;  // cut-off, limited
+      8'd94: microcode = 97'hc7583b0370804054f8082ed0;  // cut-off, limited
       8'd96: microcode = 97'h4283b5c1c000025a8c082d80;  // 1/yy, defect
       8'd97: microcode = 97'h10087a21c0000004400081000;  // results
       8'd98: microcode = 97'h10183ab840000000400081010;  // results
@@ -202,7 +202,7 @@ package splatline_setup_pkg;
       8'd123: microcode = 97'h2620310000000090d2382a81;  // slant
       8'd124: microcode = 97'h66f0000000f080440a080e00;  // 1/density
       8'd125: microcode = 97'h66f037c0000000140a082e00;  // 1/density
-      8'd126: microcode = 97'h85508002ec69005ae4082ac1;  // rest
+      8'd126: microcode = 97'h85508002ec78805ae4082ac1;  // rest
       8'd127: microcode = 97'hc768400380f09854f8082ae1;  // cut-off
       8'd128: microcode = 97'h46b8000000f080440a380587;  // 1/yy
       8'd129: microcode = 97'h46b83600000000140a382587;  // 1/yy
@@ -216,7 +216,7 @@ package splatline_setup_pkg;
       8'd144: microcode = 97'h46c8000000f080440a380db0;  // 1/determinant
       8'd145: microcode = 97'h46c83680000000140a382db0;  // 1/determinant
       8'd146: microcode = 97'he78800000aec8044faf80f20;  // extent v
-      8'd147: microcode = 97'he788000008740014faf82f20;  // extent v
+      8'd147: microcode = 97'he788000008700014faf82f20;  // extent v
       8'd149: microcode = 97'h66e8000000f080c4da380e10;  // density, twice
       8'd150: microcode = 97'h66e0380000000094da382e10;  // density, twice
       8'd151: microcode = 97'h88000002f0f0804b10080e50;  // 1/4 - d/5
@@ -229,7 +229,7 @@ package splatline_setup_pkg;
       8'd158: microcode = 97'h5b040020000005402382b90;  // gain u
       8'd159: microcode = 97'h46b0161c0000005402382687;  // squared_width
       8'd160: microcode = 97'he77800000aec8044faf80f00;  // extent u
-      8'd161: microcode = 97'he778000008740014faf82f00;  // extent u
+      8'd161: microcode = 97'he778000008700014faf82f00;  // extent u
       8'd163: microcode = 97'h26303180000000c0d2380487;  // xx
       8'd164: microcode = 97'h2650328000000080d2380487;  // xx
       8'd165: microcode = 97'h2670338000000080d2380487;  // xx
@@ -253,9 +253,9 @@ package splatline_setup_pkg;
       8'd183: microcode = 97'h5c0000290f0815b04002c10;  // below the largest ratio v
       8'd184: microcode = 97'h5b8000250f0815b04002bc0;  // below the largest ratio u
       8'd185: microcode = 97'h5c82e800000005402382e20;  // area
-      8'd186: microcode = 97'ha55080033ee0804ac4054e90;  // cut-off, unlimited
-      8'd187: microcode = 97'ha550c0034100000ac0054e90;  // cut-off, unlimited
-      8'd188: microcode = 97'ha550c0035100000ac0054e90;  // cut-off, unlimited
+      8'd186: microcode = 97'ha55080033ef0004ac4054e90;  // cut-off, unlimited
+      8'd187: microcode = 97'ha550c003410f800ac0054e90;  // cut-off, unlimited
+      8'd188: microcode = 97'ha550c003510f800ac0054e90;  // cut-off, unlimited
       8'd189: microcode = 97'ha560800000f0800ac0054e90;  // cut-off, unlimited
       8'd190: microcode = 97'ha560ba000000011ac0056e90;  // cut-off, unlimited
       8'd191: microcode = 97'ha800000120f0801ac0002ea0;  // above 0
@@ -268,7 +268,7 @@ package splatline_setup_pkg;
       8'd198: microcode = 97'h2650330000000080d2380a61;  // xy
       8'd199: microcode = 97'h2670340000000090d2382a61;  // xy
       8'd200: microcode = 97'h46e000000aec8044fa080dd0;  // density, seed
-      8'd201: microcode = 97'h46e0000008740014fa082dd0;  // density, seed
+      8'd201: microcode = 97'h46e0000008700014fa082dd0;  // density, seed
       8'd202: microcode = 97'h67184002d000005402382e40;  // peak, normalised
       default: microcode = 97'h0;
     endcase

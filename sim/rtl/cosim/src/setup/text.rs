@@ -230,18 +230,21 @@ fn meaning(values: &mut Vec<(&'static str, i64)>, slot: &Term) {
 /// Bits by which a plain term stands higher in the core than its exponent says: those of a mantissa.
 const PLAIN: i32 = 31;
 
-/// What the core adds to the factors' exponents: tables have those of their own.
+/// What the core adds to the factors' exponents: tables have those of their own. A root's rest stands 8 bits higher in the core, 7 where its exponent is even;
+/// a first factor whose exponent does not count gives `-PLAIN`.
 fn offset(slot: &Term) -> i64 {
     let table = match (slot.table, slot.entry) {
         (Table::None, _) => 0,
         (Table::Reciprocal, true) => -59,
         (Table::Reciprocal, false) => -81,
         (Table::Root, true) => -8,
-        (Table::Root, false) => -24,
-        (Table::Logarithm, true) => -32,
-        (Table::Logarithm, false) => -46,
+        (Table::Root, false) => -32,
+        (Table::Logarithm, true) => PLAIN - 32,
+        (Table::Logarithm, false) => PLAIN - 46,
     };
-    table + i64::from(slot.doubled) - if slot.plain { i64::from(PLAIN) } else { 0 }
+    let picks = matches!(slot.pick, Pick::Negative | Pick::NotNegative);
+    let without = i32::from(slot.power || picks) - i32::from(slot.plain);
+    (table + i32::from(slot.doubled) + without * PLAIN).into()
 }
 
 fn sum(values: &mut Vec<(&'static str, i64)>, operation: &Operation, term: usize) {
