@@ -45,6 +45,7 @@ module setup_unit #(
   // Constants: of the cores in a memory, of the units around them in registers.
   (* ram_style = "block", no_rw_check *) logic [81:0] constants[0:63];
   logic [81:0] eye_x, eye_y, eye_z, flags, near, far;
+  logic [287:0] rotation;
   always_ff @(posedge clk) begin
     if (constant_valid) begin
       if (!constant_index[6]) constants[constant_index[5:0]] <= {constant_exponent, constant_value};
@@ -57,6 +58,8 @@ module setup_unit #(
         7'(splatline_setup_pkg::FAR): far <= {constant_exponent, constant_value};
         default: ;
       endcase
+      for (int entry = 0; entry < 9; entry = entry + 1)
+        if (constant_index == 7'(splatline_setup_pkg::AXIS_XX + entry)) rotation[32*entry+:32] <= constant_value[31:0];
     end
   end
 
@@ -78,6 +81,7 @@ module setup_unit #(
       .eye_z(eye_z[63:0]),
       .eye_exponent(eye_x[79:64]),
       .eye_top(eye_y[79:64]),
+      .rotation,
       .valid(taken),
       .record,
       .place({load_side, loaded}),
@@ -262,9 +266,6 @@ module setup_unit #(
   logic [47:0] packed_depth;
   splatline_pkg::footprint_t packed_packet;
   logic [95:0] colour;
-  function automatic logic [62:0] magnitude(input logic [63:0] value);
-    magnitude = 63'(value[63] ? -value : value);
-  endfunction
   // Two phases behind, in a register of its own: it reaches every bit of a splat's words.
   logic [2:0] pack_phase;
   always_ff @(posedge clk) pack_phase <= phase - 3'd1;
@@ -277,10 +278,10 @@ module setup_unit #(
       .columns(flags[31:16]),
       .rows(flags[47:32]),
       .near_negative(near[63]),
-      .near(magnitude(near[63:0])),
+      .near(near[62:0]),
       .near_leading(near[81:64]),
       .far_negative(far[63]),
-      .far(magnitude(far[63:0])),
+      .far(far[62:0]),
       .far_leading(far[81:64]),
       .valid(drain_valid2),
       .word,

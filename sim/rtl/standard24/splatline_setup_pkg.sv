@@ -5,6 +5,7 @@ package splatline_setup_pkg;
   localparam int LOW = 18;  // those of its low part
   localparam int MANTISSA = 28;  // magnitude bits of a mantissa
   localparam int AXIS_DROP = 0;  // bits of an axis' components that are 0
+  localparam int TURNED = 0;  // do axes come turned?
   localparam int ROUND = 203;  // cycles of a round
   localparam int LATENCY = 24;  // cycles from a sum's last slot to its use
   localparam int LOAD_AHEAD = 48;  // cycles before a round's end from which its records are full
@@ -18,6 +19,15 @@ package splatline_setup_pkg;
   localparam int FLAGS = 67;
   localparam int NEAR = 68;
   localparam int FAR = 69;
+  localparam int AXIS_XX = 70;
+  localparam int AXIS_XY = 71;
+  localparam int AXIS_XZ = 72;
+  localparam int AXIS_YX = 73;
+  localparam int AXIS_YY = 74;
+  localparam int AXIS_YZ = 75;
+  localparam int AXIS_ZX = 76;
+  localparam int AXIS_ZY = 77;
+  localparam int AXIS_ZZ = 78;
   localparam int SLOT_BITS = 97;
 
   // One issue slot of a core: a term of a sum. What the fields mean stands in setup_core.sv.
