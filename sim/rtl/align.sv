@@ -3,12 +3,13 @@
 //
 //   sign and leading bit | distance, shift by its lowest bits | shift by eights | rounding
 //
-// With SIGNED, `magnitude` is the value itself, which then needs no negation in front of this.
+// Without SATURATES nothing may be moved out to the left, and no leading bit is looked for. With SIGNED, `magnitude` is the value itself, which then needs no negation in front of this.
 //
 // The value stands left of 64 zeros and is only ever moved right: one shifter for both directions, and the last bit moved out rounds.
 module align #(
     parameter BITS = 18,
-    parameter SIGNED = 0
+    parameter SIGNED = 0,
+    parameter SATURATES = 1
 ) (
     input logic clk,
     input logic negative,
@@ -48,7 +49,7 @@ module align #(
     ones1 <= shift[2:0] - 3'd1;
 
     value2 <= $signed({value1, 7'd0}) >>> ones1;
-    overflow2 <= shift1 < 0 && (length1 != 0 || value1[BITS]) && left1 + $signed({9'd0, length1}) > 16'sd63;
+    overflow2 <= SATURATES != 0 && shift1 < 0 && (length1 != 0 || value1[BITS]) && left1 + $signed({9'd0, length1}) > 16'sd63;
     // Beyond either end the lowest bits of the distance make no difference.
     eights2 <= shift1 > 16'sd64 ? 4'd15 : shift1 < -16'sd63 ? 4'd0 : eights1;
 

@@ -1,6 +1,6 @@
 // A core of the setup unit: a register file and one pipeline, through which goes every sum of products of setup, one term a cycle.
 //
-//   registers | factors | choice, exponents | signs | product (2) | term | largest (6) | distance | shift (2) | sign | sum |
+//   registers | factors | rest, exponents | signs, choice | product (2) | term | largest (6) | distance | shift (2) | sign | sum |
 //   normalisation (3) | rounding | carry, write
 //
 // It is `sum_of_products`, `sum_below` and `SoftFloat::from_wide` of src/math/soft_float.rs, and all else in setup is written as such sums: a multiplication has one
@@ -19,9 +19,12 @@ module setup_core (
     input logic [7:0] a_place,
     input logic [7:0] b_place,
     input logic [7:0] result_place,
-    // The slot's constant one and three cycles after its issue, and where a sum begins seventeen cycles after.
+    // The slot's constant as first factor one cycle after its issue and as what is picked three cycles after, 0 where it is neither; the right factor's share
+    // that is the same for all cores: the constant, or 2^31 beside a plain term, with what the slot adds to the exponents. Where a sum begins, seventeen
+    // cycles after.
     input logic [50:0] constant1,
-    input logic [50:0] constant3,
+    input logic [32:0] picked3,
+    input logic [50:0] right3,
     input logic [63:0] start17,
     // Half of the last bit that the slot's result keeps, and the bits that it keeps.
     input logic [15:0] half21,
@@ -59,7 +62,7 @@ module setup_core (
   assign slot21 = slots[21*BITS+:BITS];
   assign slot22 = slots[22*BITS+:BITS];
 
-  // 0 to 2: registers, record, constant.
+  // 0 to 2: registers, record, constant. What a slot does not use is 0, so that the sources need no choice, only an or.
   (* ram_style = "block", no_rw_check *) logic [50:0] registers_a[0:255];
   (* ram_style = "block", no_rw_check *) logic [50:0] registers_b[0:255];
   logic [splatline_setup_pkg::BEAT_BITS-1:0] records[0:15];
@@ -69,25 +72,30 @@ module setup_core (
   logic signed [17:0] exponent23;
   logic [50:0] register_a1;
   logic [50:0] register_b1;
-  logic [splatline_setup_pkg::BEAT_BITS-1:0] beat1;
-  logic [43:0] item1;
+  logic [splatline_setup_pkg::BEAT_BITS-1:0] beat0;
+  logic [43:0] even_item1, odd_item1, item1;
+  logic unread_a0, unread_b0;
+  assign unread_a0 = slot0.a_constant || slot0.a_input;
+  assign unread_b0 = slot0.b_constant || slot0.lookup != 0 || (slot0.plain && slot0.pick == 0);
+  assign beat0 = records[{side, slot0.a[3:1]}];
+  assign item1 = even_item1 | odd_item1;
   always_ff @(posedge clk) begin
     if (write23) begin
       registers_a[place23] <= {exponent23, result23};
       registers_b[place23] <= {exponent23, result23};
     end
-    register_a1 <= registers_a[a_place];
-    register_b1 <= registers_b[b_place];
+    register_a1 <= unread_a0 ? 51'd0 : registers_a[a_place];
+    register_b1 <= unread_b0 ? 51'd0 : registers_b[b_place];
     if (load) records[load_place] <= load_beat;
-    beat1 <= records[{side, slot0.a[3:1]}];
+    even_item1 <= slot0.a_input && !slot0.a[0] ? beat0[43:0] : 44'd0;
+    odd_item1 <= slot0.a_input && slot0.a[0] ? beat0[87:44] : 44'd0;
   end
-  assign item1 = slot1.a[0] ? beat1[87:44] : beat1[43:0];
 
-  logic signed [32:0] a2, a3, b2, b3;
+  logic signed [32:0] a2, b2, b3, second_value3;
   logic signed [17:0] a_exponent2, b_exponent2, b_exponent3;
-  logic [54:0] entry3;
-  logic even2;
+  logic even2, even3, chosen2, chosen3, picks3;
   logic [8:0] index2;
+  logic [31:0] table3;
   // A root's argument is halved where its exponent needs it to be even.
   assign even2 = a_exponent2[0];
   always_comb begin
@@ -96,53 +104,54 @@ module setup_core (
     if (slot2.lookup == 2'd3) index2 = {4'b1000, a2[29:25]};
   end
   assign {out_a, out_a_exponent, out_b, out_b_exponent} = {a2, a_exponent2, b2, b_exponent2};
+  // Does the sign pick the constant?
+  assign picks3 = slot3.pick != 0;
+  assign chosen2 = slot2.pick != 0 && (slot2.pick[1] ^ a2[32]);
   always_ff @(posedge clk) begin
-    {a_exponent2, a2} <= slot1.a_input ? {{6{item1[43]}}, item1[43:32], item1[31], item1[31:0]} : slot1.a_constant ? constant1 : register_a1;
-    {b_exponent2, b2} <= slot1.b_constant ? constant1 : register_b1;
-    {a3, b3, b_exponent3} <= {a2, b2, b_exponent2};
-    entry3 <= splatline_tables::setup_entry(index2);
+    {a_exponent2, a2} <= {{6{item1[43]}}, item1[43:32], item1[31], item1[31:0]} | constant1 | register_a1;
+    {b_exponent2, b2} <= register_b1;
+    // What is picked is a left factor.
+    b3 <= slot2.pick != 0 ? 33'sd0 : b2;
+    second_value3 <= slot2.pick != 0 && !chosen2 ? b2 : 33'sd0;
+    b_exponent3 <= chosen2 ? 18'sd0 : b_exponent2;
+    chosen3 <= chosen2;
+    even3 <= even2 && slot2.lookup == 2'd2 && !slot2.entry;
+    table3 <= splatline_tables::setup_entry({slot2.entry, index2});
   end
 
-  // 2: the left factor, and what the first factor gives the exponent. A reciprocal's is its negative but for the one that the slot's own part adds.
-  logic signed [31:0] left2, left3, left4, right4;
-  logic signed [17:0] first2, first3;
+  // 2: the left factor: the first one, or of a table's argument the rest, whose place the slot's own exponent knows; beside an entry 2^31. What the first factor
+  // gives the exponent: a reciprocal's is its negative but for the one that the slot's own part adds; where it counts for nothing, -31.
+  logic signed [32:0] left2, left3, picked3_or_left, left4, right4;
+  logic [32:0] kept2;
+  logic [17:0] power2;
+  logic signed [17:0] first2, first3, second3, sum4;
+  logic signed [17:0] exponent5, exponent6, exponent7, exponent8, exponent9, exponent10, exponent11, exponent12, exponent13;
   always_comb begin
-    left2 = a2[31:0];
+    kept2 = 33'h1ffffffff;
     first2 = a_exponent2;
     case (slot2.lookup)
-      2'd1: {left2, first2} = {10'd0, a2[21:0], ~a_exponent2};
-      2'd2: {left2, first2} = {16'd0, even2 ? a2[22:7] : a2[23:8], a_exponent2 >>> 1};
-      2'd3: first2 = 0;
+      2'd1: {kept2, first2} = {33'h3fffff, ~a_exponent2};
+      2'd2: {kept2, first2} = {even2 ? 33'h7fff80 : 33'hffff00, a_exponent2 >>> 1};
       default: ;
     endcase
-    if (slot2.power) left2 = {{5{a_exponent2[17]}}, a_exponent2, 9'd0};
-    if (slot2.power || slot2.pick != 0) first2 = 0;
+    if (slot2.power || slot2.pick != 0 || slot2.entry) kept2 = 0;
+    power2 = slot2.power ? a_exponent2 : 18'd0;
+    left2 = (a2 & kept2) | {{6{power2[17]}}, power2, 9'd0};
+    left2[31] = left2[31] | slot2.entry;
   end
 
-  // 3: a plain term's value, a product's signs, the exponent.
-  logic signed [32:0] value3, plain4, plain5;
-  logic signed [17:0] second3, sum4, exponent5, exponent6, exponent7, exponent8, exponent9, exponent10, exponent11, exponent12, exponent13;
-  logic chosen3;
-  assign chosen3 = slot3.pick[1] ^ a3[32];
-  always_comb begin
-    value3 = a3;
-    second3 = slot3.plain || slot3.lookup != 0 ? 18'sd0 : b_exponent3;
-    if (slot3.entry) value3 = {1'b0, entry3[54:23]};
-    else if (slot3.pick != 0) {second3, value3} = chosen3 ? constant3 : {b_exponent3, b3};
-  end
+  // 3: the factors.
+  assign picked3_or_left = left3 | second_value3 | (chosen3 ? picked3 : 33'sd0);
+  assign second3 = b_exponent3 | (!picks3 || chosen3 ? right3[50:33] : 18'd0);
   always_ff @(posedge clk) begin
-    {left3, first3} <= {left2 ^ {32{slot2.negated}}, first2};
-    left4 <= left3 + {31'd0, slot3.negated};
-    // A table's entry is never negative, and its memory is slow.
-    if (slot3.lookup != 0) right4 <= {9'd0, entry3[22:0]};
-    else right4 <= b3[31:0];
-    plain4 <= value3;
-    // Of product and plain value one is 0.
-    if (slot3.plain) right4 <= 0;
-    else plain4 <= 0;
-    sum4 <= first3 + second3;
-    exponent5 <= sum4 + 18'(slot4.offset);
-    plain5 <= plain4;
+    left3 <= left2 ^ {33{slot2.negated}};
+    if (slot2.power || slot2.pick != 0 || slot2.lookup == 2'd3) first3 <= -18'sd31;
+    else first3 <= first2;
+    left4 <= picked3_or_left + {32'd0, slot3.negated};
+    if (slot3.lookup != 0) right4 <= {1'b0, table3};
+    else right4 <= b3 | right3[32:0];
+    sum4 <= first3 + second3 + $signed({17'd0, even3});
+    exponent5 <= sum4;
   end
 
   // 4 to 6: the product from parts of 17 bits and a sign: as many as a signed multiplier has.
@@ -151,11 +160,11 @@ module setup_core (
   logic signed [35:0] cross6;
   logic [16:0] low6;
   always_ff @(posedge clk) begin
-    high5 <= $signed(36'($signed(left4[31:17])) * 36'($signed(right4[31:17])));
-    cross5 <= $signed(36'($signed(left4[31:17])) * 36'($signed({1'b0, right4[16:0]})));
-    crossed5 <= $signed(36'($signed({1'b0, left4[16:0]})) * 36'($signed(right4[31:17])));
+    high5 <= $signed(36'($signed(left4[32:17])) * 36'($signed(right4[32:17])));
+    cross5 <= $signed(36'($signed(left4[32:17])) * 36'($signed({1'b0, right4[16:0]})));
+    crossed5 <= $signed(36'($signed({1'b0, left4[16:0]})) * 36'($signed(right4[32:17])));
     low5 <= $signed(36'($signed({1'b0, left4[16:0]})) * 36'($signed({1'b0, right4[16:0]})));
-    high6 <= {high5[29:0], low5[33:17]} | {plain5, 14'd0};
+    high6 <= {high5[29:0], low5[33:17]};
     cross6 <= cross5 + crossed5;
     low6 <= low5[16:0];
   end
@@ -176,24 +185,27 @@ module setup_core (
     unit13 <= slot12.last ? unit12 : slot11.last ? unit11 : slot10.last ? unit10 : unit9;
   end
 
-  // 13 to 17: the term moved to the unit, by sixteens and by the rest; the last bit moved out rounds. From 63 on all bits are the sign.
+  // 13 to 17: the term moved to the unit, by sixteens, fours and ones; the last bit moved out rounds. From 63 on all bits are the sign.
   logic signed [18:0] shift13;
   logic [5:0] distance14;
   logic [3:0] distance15;
+  logic [1:0] distance16;
   logic signed [63:0] term14;
-  logic signed [64:0] moved15, moved16;
+  logic signed [64:0] moved15, moved16, moved17;
   logic signed [63:0] aligned17;
   logic carry17;
   logic signed [17:0] unit14, unit15, unit16, unit17, unit18, unit19, unit20, unit21, exponent22;
   assign shift13 = $signed({unit13[17], unit13}) - $signed({exponent13[17], exponent13});
+  assign moved17 = moved16 >>> distance16;
   always_ff @(posedge clk) begin
     term14 <= term13;
     distance14 <= shift13[18] ? 6'd0 : shift13[17:6] != 0 ? 6'd63 : shift13[5:0];
     moved15 <= $signed({term14, 1'b0}) >>> {distance14[5:4], 4'd0};
     distance15 <= distance14[3:0];
-    moved16 <= moved15 >>> distance15;
-    aligned17 <= moved16[64:1] ^ {64{slot16.subtracted}};
-    carry17 <= (moved16[0] && !slot16.down) ^ slot16.subtracted;
+    moved16 <= moved15 >>> {distance15[3:2], 2'd0};
+    distance16 <= distance15[1:0];
+    aligned17 <= moved17[64:1] ^ {64{slot16.subtracted}};
+    carry17 <= (moved17[0] && !slot16.down) ^ slot16.subtracted;
     {unit14, unit15, unit16, unit17} <= {unit13, unit14, unit15, unit16};
   end
 

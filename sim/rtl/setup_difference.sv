@@ -3,6 +3,8 @@
 //
 //   record | lengths | unit | choice | alignment of centre and eye (4) | difference (3) | their length | choice | alignment (4) | parts | beats (8)
 //
+// Where a core's words have room for them (TURNED), the axes are turned on the way (setup_turn.sv), and their sums are the cores' items.
+//
 // The difference is exact where coordinates cancel, whatever the offset of the scene, which is why it stands before the cores with their factors of 32 bits:
 // it takes 64 bits. Both alignments of 64 bits, the eye's and the difference's, take turns at one aligner.
 module setup_difference (
@@ -14,6 +16,7 @@ module setup_difference (
     input logic signed [63:0] eye_z,
     input logic signed [15:0] eye_exponent,
     input logic signed [15:0] eye_top,  // one above the leading bit of the largest coordinate
+    input logic [287:0] rotation,  // of the axes, row by row, 30 fraction bits
     // Taken in phase 0; `place` says which core and side it is for.
     input logic valid,
     input splatline_setup_pkg::record_t record,
@@ -31,7 +34,7 @@ module setup_difference (
 
   // A component of -2^31 counts as -(2^31 - 1), and axes are rounded down to the bits that they need.
   function automatic logic [31:0] component(input logic [31:0] value);
-    component = value == 32'h80000000 ? 32'h80000001 : value;
+    component = splatline_setup_pkg::AXIS_DROP == 0 && value == 32'h80000000 ? 32'h80000001 : value;
     component = component & 32'hffffffff << splatline_setup_pkg::AXIS_DROP;
   endfunction
 
@@ -87,10 +90,11 @@ module setup_difference (
 
   // Phases 3 to 5: centre and eye are chosen; phases 6, 7 and 0: the difference, from eleven cycles before. What turn it is has a register for each
   // choice, and what is chosen has one before the aligners, which count its leading bits.
-  logic turn_x, turn_y, turn_eye, turn_eye_x, turn_eye_y, turn_difference_x, turn_difference_y;
+  logic turn_x, turn_y, turn_eye, turn_eye_x, turn_eye_y;
   logic signed [31:0] centre_in;
   logic [9:0] exponent_in;
-  logic signed [63:0] wide_in, centre_out, wide_out, difference_x, difference_y, difference_z, difference;
+  logic signed [63:0] wide_in, centre_out, wide_out, difference, latest;
+  logic [319:0] earlier;
   logic signed [15:0] centre_shift, wide_shift, drop;
   always_ff @(posedge clk) begin
     turn_x <= phase == 2;
@@ -98,29 +102,24 @@ module setup_difference (
     turn_eye <= phase == 2 || phase == 3 || phase == 4;
     turn_eye_x <= phase == 2;
     turn_eye_y <= phase == 3;
-    turn_difference_x <= phase == 5;
-    turn_difference_y <= phase == 6;
     centre_in <= turn_x ? centre1[31:0] : turn_y ? centre1[63:32] : centre1[95:64];
     centre_shift <= unit - $signed({{6{exponent_in[9]}}, exponent_in});
-    if (turn_eye) wide_in <= turn_eye_x ? eye_x : turn_eye_y ? eye_y : eye_z;
-    else wide_in <= turn_difference_x ? difference_x : turn_difference_y ? difference_y : difference_z;
+    wide_in <= !turn_eye ? earlier[319:256] : turn_eye_x ? eye_x : turn_eye_y ? eye_y : eye_z;
     wide_shift <= turn_eye ? unit - eye_exponent : drop;
   end
   assign exponent_in = turn_x ? exponents1[9:0] : turn_y ? exponents1[19:10] : exponents1[29:20];
-  align #(.BITS(32), .SIGNED(1)) align_centre (.clk, .negative(centre_in[31]), .magnitude(centre_in), .shift(centre_shift), .result(centre_out));
-  align #(.BITS(64), .SIGNED(1)) align_wide (.clk, .negative(wide_in[63]), .magnitude(wide_in), .shift(wide_shift), .result(wide_out));
+  // The unit, and then the difference's own, lie so low that nothing is moved out to the left.
+  align #(.BITS(32), .SIGNED(1), .SATURATES(0)) align_centre (.clk, .negative(centre_in[31]), .magnitude(centre_in), .shift(centre_shift), .result(centre_out));
+  align #(.BITS(64), .SIGNED(1), .SATURATES(0)) align_wide (.clk, .negative(wide_in[63]), .magnitude(wide_in), .shift(wide_shift), .result(wide_out));
   assign difference = centre_out - wide_out;
 
-  // Phases 0 to 2: differences; 1 to 3: their magnitudes together; 4 and 5: how far they are to be moved.
+  // Phases 0 to 2: differences, which come to the aligner six cycles later; 1 to 3: their magnitudes together; 4 and 5: how far they are to be moved.
   logic [63:0] together;
   logic [6:0] together_length;
   logic signed [15:0] exponent;
-  logic signed [63:0] latest;
   always_ff @(posedge clk) begin
-    if (phase == 0) difference_x <= difference;
-    if (phase == 1) difference_y <= difference;
-    if (phase == 2) difference_z <= difference;
     latest <= difference;
+    earlier <= {earlier[255:0], latest};
     together <= phase == 1 ? magnitude(latest) : phase == 2 || phase == 3 ? together | magnitude(latest) : together;
     together_length <= splatline_math::length(together);
     if (phase == 5) begin
@@ -146,9 +145,27 @@ module setup_difference (
   logic [11:0] above;
   logic [439:0] axis;
   generate
-    for (i = 0; i < 10; i = i + 1) begin : gen_item
-      assign axis[44*i+:44] = {{2{powers4[10*(i/3)+9]}}, powers4[10*(i/3)+:10], rest4[36*i+:32]};
+    if (splatline_setup_pkg::TURNED != 0) begin : gen_turned
+      // Magnitude bits of components and of the rotation's fractions, and those of a sum's window.
+      localparam KEPT = 31 - splatline_setup_pkg::AXIS_DROP;
+      localparam FRACTION = KEPT < 30 ? KEPT : 30;
+      localparam WINDOW = splatline_setup_pkg::MANTISSA + 8;
+      localparam SUM = WINDOW + 3;
+      logic [9*(KEPT+1)-1:0] parts;
+      logic [9*(FRACTION+2)-1:0] entries;
+      logic [9*SUM-1:0] sums;
+      for (i = 0; i < 9; i = i + 1) begin : gen_component
+        assign parts[i*(KEPT+1)+:KEPT+1] = rest3[36*i+31-:KEPT+1];
+        assign entries[i*(FRACTION+2)+:FRACTION+2] = rotation[32*i+31-:FRACTION+2];
+        assign axis[44*i+:44] = {12'($signed(powers4[10*(i/3)+:10])) + 12'(31 - WINDOW), 32'($signed(sums[i*SUM+:SUM]))};
+      end
+      setup_turn #(.PART(KEPT + 1), .ENTRY(FRACTION + 2), .CUT(KEPT + FRACTION - WINDOW), .SUM(SUM)) turn (.clk, .phase, .parts, .entries, .sums);
+    end else begin : gen_unturned
+      for (i = 0; i < 9; i = i + 1) begin : gen_item
+        assign axis[44*i+:44] = {{2{powers4[10*(i/3)+9]}}, powers4[10*(i/3)+:10], rest4[36*i+:32]};
+      end
     end
+    assign axis[396+:44] = {{2{powers4[39]}}, powers4[39:30], rest4[324+:32]};
   endgenerate
   assign above = power + 12'(splatline_setup_pkg::LOW);
   assign beat_valid = valids[3];

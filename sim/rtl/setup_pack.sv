@@ -121,7 +121,7 @@ module setup_pack (
   logic signed [17:0] largest0, largest1;
   logic signed [15:0] fixed_shift;
   logic signed [17:0] fixed_distance;
-  logic signed [63:0] fixed_out, extent_u;
+  logic signed [63:0] fixed_out, extent;
   // Opacities from 0 to what is too large for the packet.
   localparam [splatline_pkg::PEAK+4:0] PEAK_TOP = 1 << (splatline_pkg::PEAK + 4);
   logic [splatline_pkg::PEAK+4:0] peak_fixed, peak_fixed2, peak_even;
@@ -149,6 +149,14 @@ module setup_pack (
       .result(fixed_out)
   );
 
+  // Extents with their slack.
+  function automatic logic [63:0] widened(input logic signed [63:0] plain);
+    logic [64:0] sum;
+    sum = {1'b0, plain} + {11'd0, plain[63:10]};
+    widened = sum[64] || sum[63] ? {1'b0, {63{1'b1}}} : sum[63:0];
+  endfunction
+  always_ff @(posedge clk) extent <= widened(fixed_out);
+
   // Does the opacity lie in the middle between two numbers? Then the even one is taken. Distance, what is dropped and the answer have a cycle each.
   logic signed [17:0] peak_dropped;
   logic peak_half, peak_within;
@@ -162,7 +170,6 @@ module setup_pack (
     peak_within <= peak_dropped >= 18'sd1 && peak_dropped <= 18'sd31;
     peak_half <= peak_within && peak_rest == 32'h80000000;
     if (phase == 5) peak_fixed <= fixed_out[63] ? '0 : fixed_out >> (splatline_pkg::PEAK + 4) != 0 ? PEAK_TOP : fixed_out[splatline_pkg::PEAK+4:0];
-    if (phase == 6) extent_u <= fixed_out;
   end
 
   // A mantissa's exponent with the packet's bits, and whether it has a place there.
@@ -180,23 +187,18 @@ module setup_pack (
     shear_nothing <= shear_exponent1 < 18'(-512 - DROP);
   end
 
-  // The third round: what has been found stands still again.
+  // The third round: what has been found stands still again; the second extent comes a cycle after the rest.
   logic signed [63:0] u2, v2, extent_u2, extent_v2;
   logic near2, far2, degenerate2, peak_half2, invisible2;
   logic [31:0] cutoff2;
   splatline_pkg::footprint_t known2;
   logic [47:0] key2;
-  function automatic logic [63:0] widened(input logic signed [63:0] extent);
-    logic [64:0] sum;
-    sum = {1'b0, extent} + {11'd0, extent[63:10]};
-    widened = sum[64] || sum[63] ? {1'b0, {63{1'b1}}} : sum[63:0];
-  endfunction
 
   always_ff @(posedge clk) begin
+    if (phase == 0) extent_v2 <= extent;
     if (phase == 7) begin
       {u2, v2, near2, far2, degenerate2, peak_half2, cutoff2} <= {u1, v1, too_near, too_far, degenerate, peak_half, cutoff1[31:0]};
-      extent_u2 <= widened(extent_u);
-      extent_v2 <= widened(fixed_out);
+      extent_u2 <= extent;
       peak_fixed2 <= peak_fixed;
       invisible2 <= by_opacity && (peak1 <= 0 || cutoff1 <= 0);
       known2 <= 0;
@@ -228,6 +230,12 @@ module setup_pack (
     rounded = splatline_math::shift_round(position, 7'(32 - SUBPIXEL));
   endfunction
 
+  // The same with half a pixel more, in one addition.
+  function automatic logic signed [63:0] half_more(input logic signed [63:0] position);
+    localparam signed [63:0] HALF = 1 << (SUBPIXEL - 1);
+    half_more = 64'($signed({position >>> (32 - SUBPIXEL), 1'b1} + {HALF, position[31-SUBPIXEL]}) >>> 1);
+  endfunction
+
   function automatic logic [15:0] clipped(input logic signed [31:0] value, input logic [15:0] limit);
     clipped = value < 0 ? 16'd0 : value > $signed({16'd0, limit}) ? limit : value[15:0];
   endfunction
@@ -245,7 +253,7 @@ module setup_pack (
   always_ff @(posedge clk) begin
     {centre_u, centre_v} <= {rounded(u2), rounded(v2)};
     // A half more: of the pixels' middles and of both ends' roundings. -x - 1 is ~x.
-    {middle_u, middle_v} <= {rounded(u2 + 64'sh80000000), rounded(v2 + 64'sh80000000)};
+    {middle_u, middle_v} <= {half_more(u2), half_more(v2)};
     low_u <= (middle_u <<< (32 - SUBPIXEL)) + ~extent_u2;
     low_v <= (middle_v <<< (32 - SUBPIXEL)) + ~extent_v2;
     high_u <= (middle_u <<< (32 - SUBPIXEL)) + extent_u2;

@@ -45,6 +45,7 @@ module setup_unit #(
   // Constants: of the cores in a memory, of the units around them in registers.
   (* ram_style = "block", no_rw_check *) logic [81:0] constants[0:63];
   logic [81:0] eye_x, eye_y, eye_z, flags, near, far;
+  logic [287:0] rotation;
   always_ff @(posedge clk) begin
     if (constant_valid) begin
       if (!constant_index[6]) constants[constant_index[5:0]] <= {constant_exponent, constant_value};
@@ -57,6 +58,8 @@ module setup_unit #(
         7'(splatline_setup_pkg::FAR): far <= {constant_exponent, constant_value};
         default: ;
       endcase
+      for (int entry = 0; entry < 9; entry = entry + 1)
+        if (constant_index == 7'(splatline_setup_pkg::AXIS_XX + entry)) rotation[32*entry+:32] <= constant_value[31:0];
     end
   end
 
@@ -78,6 +81,7 @@ module setup_unit #(
       .eye_z(eye_z[63:0]),
       .eye_exponent(eye_x[79:64]),
       .eye_top(eye_y[79:64]),
+      .rotation,
       .valid(taken),
       .record,
       .place({load_side, loaded}),
@@ -134,8 +138,9 @@ module setup_unit #(
   logic [23*8-1:0] result_places;
   logic [3:0] splat;
   logic [81:0] constant1, constant2, constant3;
+  logic [50:0] right3;
   logic [14*64-1:0] starts;
-  splatline_setup_pkg::slot_t slot3, slot20;
+  splatline_setup_pkg::slot_t slot1, slot2, slot3, slot20;
   logic [15:0] half21;
   logic [16:0] kept21;
   logic [3:0] rule_flags;
@@ -154,6 +159,8 @@ module setup_unit #(
     issue = fetched;
     if (other) issue.a_constant = fetched.b_constant;
   end
+  assign slot1 = slots[1*BITS+:BITS];
+  assign slot2 = slots[2*BITS+:BITS];
   assign slot3 = slots[3*BITS+:BITS];
   assign slot20 = slots[20*BITS+:BITS];
   always_ff @(posedge clk) begin
@@ -169,6 +176,9 @@ module setup_unit #(
     side <= fetched_side;
     constant1 <= constants[constant_place];
     {constant2, constant3} <= {constant1, constant2};
+    // The cores' common share of the right factor and of the exponents.
+    right3[32:0] <= slot2.plain && !slot2.entry ? 33'h80000000 : slot2.b_constant ? constant2[32:0] : 33'd0;
+    right3[50:33] <= ((slot2.b_constant && !slot2.plain) || slot2.pick != 0 ? constant2[81:64] : 18'd0) + 18'(slot2.offset);
     starts <= {starts[13*64-1:0], slot3.addend ? constant3[63:0] : 64'd0};
     // A mantissa's rounding.
     half21 <= slot20.normal ? 16'd1 << slot20.drop : 16'd0;
@@ -179,8 +189,6 @@ module setup_unit #(
   logic out2;
   logic [3:0] out_place2;
   logic side1, side2;
-  splatline_setup_pkg::slot_t slot2;
-  assign slot2 = slots[2*BITS+:BITS];
   assign out2 = slot2.out;
   assign out_place2 = {side2, slot2.place[2:0]};
   always_ff @(posedge clk) {side1, side2} <= {side, side1};
@@ -207,8 +215,9 @@ module setup_unit #(
           .a_place,
           .b_place,
           .result_place(result_places[22*8+:8]),
-          .constant1({constant1[81:64], constant1[32:0]}),
-          .constant3({constant3[81:64], constant3[32:0]}),
+          .constant1(slot1.a_constant ? {constant1[81:64], constant1[32:0]} : 51'd0),
+          .picked3(constant3[32:0]),
+          .right3,
           .start17(starts[14*64-1-:64]),
           .half21,
           .kept21,
@@ -257,9 +266,6 @@ module setup_unit #(
   logic [47:0] packed_depth;
   splatline_pkg::footprint_t packed_packet;
   logic [95:0] colour;
-  function automatic logic [62:0] magnitude(input logic [63:0] value);
-    magnitude = 63'(value[63] ? -value : value);
-  endfunction
   // Two phases behind, in a register of its own: it reaches every bit of a splat's words.
   logic [2:0] pack_phase;
   always_ff @(posedge clk) pack_phase <= phase - 3'd1;
@@ -272,10 +278,10 @@ module setup_unit #(
       .columns(flags[31:16]),
       .rows(flags[47:32]),
       .near_negative(near[63]),
-      .near(magnitude(near[63:0])),
+      .near(near[62:0]),
       .near_leading(near[81:64]),
       .far_negative(far[63]),
-      .far(magnitude(far[63:0])),
+      .far(far[62:0]),
       .far_leading(far[81:64]),
       .valid(drain_valid2),
       .word,

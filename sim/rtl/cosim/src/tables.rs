@@ -44,25 +44,30 @@ fn roots(text: &mut String) {
     text.push_str("      default: root_entry = 41'd0;\n    endcase\n  endfunction\n\n");
 }
 
-/// 256 entries of the reciprocal, then 32 of the logarithm and, from 64 entries after those on, 192 of the root.
+/// The steps of 256 entries of the reciprocal, then of 32 of the logarithm and, from 64 entries after those on, of 192 of the root; 512 after them the entries.
 fn setup(text: &mut String) {
     text.push_str(
-        "  // {entry, step}: reciprocals from 0, logarithms from 256, roots from 320 on.\n  function automatic logic [54:0] setup_entry(input logic [8:0] index);\n    case (index)\n",
+        "  // Steps of reciprocals from 0, of logarithms from 256, of roots from 320 on; entries 512 later.\n  function automatic logic [31:0] setup_entry(input logic [9:0] index);\n    case (index)\n",
     );
-    let mut row = |index: usize, entry: u32, step: u32| {
-        let _ = writeln!(
-            text,
-            "      9'd{index}: setup_entry = {{32'd{entry}, 23'd{step}}};"
-        );
-    };
+    let mut rows: Vec<(usize, [u32; 2])> = Vec::new();
     for (i, pair) in RECIPROCALS.windows(2).enumerate() {
-        row(i, pair[0], pair[0] - pair[1]);
+        rows.push((i, [pair[0] - pair[1], pair[0]]));
     }
     for (i, pair) in LOGARITHMS.chunks_exact(2).enumerate() {
-        row(256 + i, pair[1], pair[0]);
+        rows.push((256 + i, [pair[0], pair[1]]));
     }
     for (i, pair) in ROOTS.windows(2).enumerate() {
-        row(256 + FIRST_ROOT + i, pair[0], pair[1] - pair[0]);
+        rows.push((256 + FIRST_ROOT + i, [pair[1] - pair[0], pair[0]]));
     }
-    text.push_str("      default: setup_entry = 55'd0;\n    endcase\n  endfunction\n\n");
+    for (part, first) in [0, 512].into_iter().enumerate() {
+        for (index, pair) in &rows {
+            let _ = writeln!(
+                text,
+                "      10'd{}: setup_entry = 32'd{};",
+                first + index,
+                pair[part]
+            );
+        }
+    }
+    text.push_str("      default: setup_entry = 32'd0;\n    endcase\n  endfunction\n\n");
 }

@@ -26,7 +26,7 @@ pub const ROUNDS: usize = 16;
 const CYCLES: usize = 256;
 
 /// Orders of the operations that are tried before the round is made a cycle longer.
-const ATTEMPTS: u64 = 400;
+const ATTEMPTS: u64 = 4_000;
 
 /// So many cycles before a round ends the next splats' records may begin to come in.
 pub const LOAD_AHEAD: usize = 48;
@@ -237,7 +237,7 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
             if seed == 0 {
                 0
             } else {
-                split_mix(&mut state) as usize % LATENCY
+                split_mix(&mut state) as usize % (LATENCY << (seed % 4))
             }
         })
         .collect();

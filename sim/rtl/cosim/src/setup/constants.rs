@@ -41,7 +41,9 @@ pub fn constants(
         let (_, value, exponent) = find(name)?;
         words.push((address as u8, *value, *exponent));
     }
-    for (name, value, exponent) in registers(view, rules)? {
+    let rotation = known.iter().filter(|(name, ..)| name.starts_with("axis_"));
+    let rotation = rotation.map(|(name, value, exponent)| (name.as_str(), *value, *exponent));
+    for (name, value, exponent) in registers(view, rules)?.into_iter().chain(rotation) {
         let place = REGISTERS.iter().position(|register| *register == name);
         let place = place.with_context(|| format!("there is no register '{name}'"))?;
         words.push((FIRST_REGISTER + place as u8, value, exponent));
@@ -277,7 +279,7 @@ fn registers(view: &View, rules: &Rules) -> Result<Vec<(&'static str, i64, i32)>
     ])
 }
 
-/// A limit of depth with its leading bit as far up as it goes, and that bit's power. What lies beyond every depth stays there.
+/// A limit of depth as a sign and a magnitude, its leading bit as far up as it goes, and that bit's power. What lies beyond every depth stays there.
 fn limit(depth: Extended) -> (i64, i32) {
     if depth.value == 0 {
         return (0, 0);
@@ -287,7 +289,8 @@ fn limit(depth: Extended) -> (i64, i32) {
         spare => depth.value << (spare - 1),
     };
     let leading = depth.leading();
-    (value, leading.clamp(-30_000, 30_000))
+    let magnitude = value.unsigned_abs() as i64;
+    (magnitude | value & i64::MIN, leading.clamp(-30_000, 30_000))
 }
 
 #[cfg(test)]

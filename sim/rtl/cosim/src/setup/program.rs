@@ -22,6 +22,11 @@ pub fn low_bits(widths: &Widths) -> u32 {
     u32::from(widths.position).saturating_sub(30)
 }
 
+/// Do the sums of a turned axis fit an item of 32 bits?
+pub fn turned(widths: &Widths) -> bool {
+    u32::from(widths.mantissa) + GUARD + 3 <= 32
+}
+
 /// What a program computes: setup, with what protects its splats against samples closer together than pixels, or something else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProgramKind {
@@ -76,11 +81,13 @@ impl SetupProgram {
             constants: Vec::new(),
         };
         let parts = if low_bits(widths) > 0 { "low" } else { "whole" };
+        let axes = if turned(widths) { "narrow" } else { "broad" };
         let mut stands = false;
         for line in self.text.lines() {
             if let Some(heading) = line.strip_prefix("== ") {
                 let (kinds, only) = heading.split_once(", ").unwrap_or((heading, parts));
-                stands = only == parts && kinds.split(' ').any(|kind| kind == self.kind.word());
+                stands = [parts, axes].contains(&only)
+                    && kinds.split(' ').any(|kind| kind == self.kind.word());
             } else if stands && !line.is_empty() && !line.starts_with("//") {
                 let read = reader.line(line);
                 read.with_context(|| format!("{FILE}: '{line}'"))?;

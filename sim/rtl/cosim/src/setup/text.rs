@@ -5,7 +5,7 @@
 use super::assemble::{
     LATENCY, LOAD_AHEAD, Operand, Operation, Pick, Program, Table, Term, Unit, constant,
 };
-use super::program::{SetupProgram, low_bits};
+use super::program::{SetupProgram, low_bits, turned};
 use anyhow::{Result, ensure};
 use splatline::format::Widths;
 use splatline::setup::axis_bits;
@@ -17,7 +17,10 @@ const TYPES: &str = include_str!("../../../setup_types.svh");
 /// Numbers that stand in registers, from this address on.
 pub const FIRST_REGISTER: u8 = 64;
 /// Their names.
-pub const REGISTERS: [&str; 6] = ["eye_x", "eye_y", "eye_z", "flags", "near", "far"];
+pub const REGISTERS: [&str; 15] = [
+    "eye_x", "eye_y", "eye_z", "flags", "near", "far", "axis_xx", "axis_xy", "axis_xz", "axis_yx",
+    "axis_yy", "axis_yz", "axis_zx", "axis_zy", "axis_zz",
+];
 
 /// Fields of a slot in the order of `setup_types.svh`, first the most significant: name and bits.
 const FIELDS: [(&str, u32); 33] = [
@@ -93,6 +96,7 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
     } = *widths;
     let (low, round) = (low_bits(widths), program.round);
     let axis_drop = 31 - axis_bits(widths);
+    let turned = u32::from(turned(widths));
     let (out_round, out_slot) = (out / round, out % round);
     let results = program.operations.iter().filter(|operation| operation.out);
     let words: usize = results.map(|operation| operation.terms.len()).sum();
@@ -103,6 +107,7 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
   localparam int LOW = {low};  // those of its low part
   localparam int MANTISSA = {mantissa};  // magnitude bits of a mantissa
   localparam int AXIS_DROP = {axis_drop};  // bits of an axis' components that are 0
+  localparam int TURNED = {turned};  // do axes come turned?
   localparam int ROUND = {round};  // cycles of a round
   localparam int LATENCY = {LATENCY};  // cycles from a sum's last slot to its use
   localparam int LOAD_AHEAD = {LOAD_AHEAD};  // cycles before a round's end from which its records are full
@@ -230,18 +235,21 @@ fn meaning(values: &mut Vec<(&'static str, i64)>, slot: &Term) {
 /// Bits by which a plain term stands higher in the core than its exponent says: those of a mantissa.
 const PLAIN: i32 = 31;
 
-/// What the core adds to the factors' exponents: tables have those of their own.
+/// What the core adds to the factors' exponents: tables have those of their own. A root's rest stands 8 bits higher in the core, 7 where its exponent is even;
+/// a first factor whose exponent does not count gives `-PLAIN`.
 fn offset(slot: &Term) -> i64 {
     let table = match (slot.table, slot.entry) {
         (Table::None, _) => 0,
         (Table::Reciprocal, true) => -59,
         (Table::Reciprocal, false) => -81,
         (Table::Root, true) => -8,
-        (Table::Root, false) => -24,
-        (Table::Logarithm, true) => -32,
-        (Table::Logarithm, false) => -46,
+        (Table::Root, false) => -32,
+        (Table::Logarithm, true) => PLAIN - 32,
+        (Table::Logarithm, false) => PLAIN - 46,
     };
-    table + i64::from(slot.doubled) - if slot.plain { i64::from(PLAIN) } else { 0 }
+    let picks = matches!(slot.pick, Pick::Negative | Pick::NotNegative);
+    let without = i32::from(slot.power || picks) - i32::from(slot.plain);
+    (table + i32::from(slot.doubled) + without * PLAIN).into()
 }
 
 fn sum(values: &mut Vec<(&'static str, i64)>, operation: &Operation, term: usize) {
