@@ -66,7 +66,8 @@ pub fn sharp_determinant(widths: &Widths, [a, b, c]: &[ScreenAxis; 3]) -> SoftFl
     sum_of_products(squares, bits)
 }
 
-/// The 2x2 minor m_j x m_k.
+/// The 2x2 minor m_j x m_k. In line, where its width is known.
+#[inline(always)]
 pub(super) fn minor(j: &ScreenAxis, k: &ScreenAxis, bits: u32) -> SoftFloat {
     let crossed = j.y.times_within(k.x, 2 * bits).negated();
     sum_of_products([j.x.times_within(k.y, 2 * bits), crossed], bits)
