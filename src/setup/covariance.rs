@@ -27,7 +27,9 @@ pub struct Covariance2d {
 
 /// Covariance2d and determinant from the columns of M and the low-pass variance h (square pixels, not negative).
 ///
-/// Each result is rounded once to the design's mantissa, the determinant's minors and the trace once more.
+/// Each result is rounded once to the design's mantissa, the determinant's minors and the trace once more. In line where small processors are to
+/// know the mantissa: each of its nine sums would else be there for every one.
+#[cfg_attr(target_pointer_width = "32", inline(always))]
 pub fn covariance(widths: &Widths, low_pass: SoftFloat, columns: &[ScreenAxis; 3]) -> Covariance2d {
     let bits = u32::from(widths.mantissa);
     let h = low_pass.term_within(low_pass.length());
