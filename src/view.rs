@@ -262,13 +262,11 @@ impl Pose for Translation {
     /// excluded because W is a rotation, so that |W u| <= 128 sqrt(3).
     #[inline]
     fn to_camera(&self, rotation: &Rotation, centre: &[I8F24; 3], widths: &Widths) -> CameraPoint {
-        let mut value = [0; 3];
-        for (row, (entries, d)) in rotation.iter().zip(self.0).enumerate() {
-            value[row] = d.to_bits();
+        let mut value = self.0.map(|d| d.to_bits());
+        for (sum, entries) in value.iter_mut().zip(rotation) {
             for (w, u) in entries.iter().zip(centre) {
                 let entry = round_entry(*w, widths.view.into());
-                let product = entry.wrapping_mul(i64::from(u.to_bits()));
-                value[row] = i64::wrapping_add(value[row], product);
+                *sum = sum.wrapping_add(entry.wrapping_mul(i64::from(u.to_bits())));
             }
         }
         CameraPoint {

@@ -260,11 +260,13 @@ impl Blend {
         self.opacity.of(peak, one) > u64::from(self.alpha_max)
     }
 
-    /// [`Blend::opacity`] of a splat that [is not clamped](Blend::is_clamped); `None` if the rules skip it.
+    /// [`Blend::opacity`] of a splat that [is not clamped](Blend::is_clamped).
     #[inline(always)]
-    pub fn opacity_unclamped(&self, peak: u32, weight: u32) -> Option<u32> {
-        let alpha = self.opacity.of(peak, weight) as u32;
-        (alpha > 0 && !self.is_skipped(peak, weight)).then_some(alpha)
+    pub fn opacity_unclamped(&self, peak: u32, weight: u32) -> u32 {
+        if self.is_skipped(peak, weight) {
+            return 0;
+        }
+        self.opacity.of(peak, weight) as u32
     }
 
     /// "Over", nearest splat first. Alpha in UQ1.alpha and at most 1, colour in UQ4.colour. A finished pixel must not be passed.

@@ -265,11 +265,12 @@ impl<'a, D: Design> Painter32<'a, D> {
             }
             let weight = table.weight(radial as u32, &widths, rules.table_range);
             let alpha = if CLAMPED {
-                Some(blend.opacity(peak, weight)).filter(|alpha| *alpha > 0)
+                blend.opacity(peak, weight)
             } else {
                 blend.opacity_unclamped(peak, weight)
             };
-            if let Some(alpha) = alpha {
+            // Under usual rules an opacity of 0 takes nothing: a pixel that has not finished has more than the least transmittance.
+            if USUAL || alpha > 0 {
                 blend.front_to_back_of_opacity(pixel, alpha, &colour);
             }
         };

@@ -19,7 +19,7 @@ use crate::raster::Window;
 pub struct PixelReader {
     accumulator: u8,
     transmittance: u8,
-    /// Does no channel of the frame's pixels exceed 1 - T?
+    /// Does no channel of the frame's pixels exceed 1 - T by half a level, and has T at most 25 bits?
     bounded: bool,
 }
 
@@ -33,7 +33,7 @@ impl PixelReader {
         }
     }
 
-    /// The same for pixels no channel of which exceeds 1 - T, if that is so.
+    /// The same for pixels no channel of which exceeds 1 - T by half a level, if that is so, and T of at most 25 bits.
     pub(super) const fn where_bounded(self, bounded: bool) -> Self {
         PixelReader { bounded, ..self }
     }
@@ -78,7 +78,7 @@ impl PixelReader {
         level(red, 11, 31) | level(green, 5, 63) | level(blue, 0, 31)
     }
 
-    /// The same of pixels none of whose channels exceeds 1 - T, in a function of its own: a pixel then costs Cortex-M0+ 30 instructions less.
+    /// The same of [bounded](PixelReader::where_bounded) pixels, in a function of its own: a pixel then costs Cortex-M0+ 30 instructions less.
     /// Widths of at most 26 bits, to which light and background are scaled: six bits of levels fit the word above them.
     #[inline(never)]
     fn write_bounded_565(&self, pixels: &[Pixel], background: u16, sent: &mut [u16]) {
@@ -88,7 +88,7 @@ impl PixelReader {
         let behind = [background >> 11, background >> 5 & 63, background & 31];
         let behind = behind.map(|level| scaled(level.into(), self.transmittance));
         for (sent, pixel) in sent.iter_mut().zip(pixels) {
-            // T has fewer bits than the sums, so that it is scaled by an even number, and its flag leaves the word.
+            // T has fewer than 26 bits, so that it is scaled by an even number, and its flag leaves the word.
             let transmittance = pixel.transmittance;
             let level = |channel: usize| {
                 let light = pixel.colour[channel].wrapping_mul(top[channel]);

@@ -315,12 +315,13 @@ impl<'t, D: Design> Renderer<'t, D> {
         target.clear(&widths);
         let (coverage, bounded) = match self.narrow(L::CONIC) {
             Some(painter) => {
-                let mut bounded = sums_are_exact(&widths);
+                let (mut bounded, mut layers) = (widths.transmittance < 26, 0u32);
                 list.visit(&window, Compositing::FrontToBack, |footprint| {
                     bounded &= footprint.colour.iter().all(|c| *c <= 1 << widths.colour);
+                    layers = layers.saturating_add(1);
                     painter.draw_with(footprint, &mut target, &paint)
                 });
-                (None, bounded)
+                (None, bounded && layers <= bounded_layers(&widths))
             }
             None => (Some(self.paint(list, &mut target)), false),
         };
@@ -422,21 +423,28 @@ impl core::fmt::Display for RenderError {
 impl core::error::Error for NoTable {}
 impl core::error::Error for RenderError {}
 
-/// Nothing is rounded where sums have the bits of their products: of colours up to 1 they are at most 1 - T.
-fn sums_are_exact(widths: &Widths) -> bool {
-    widths.accumulator == widths.transmittance + widths.colour
+/// Layers of colours up to 1 after which a channel is above 1 - T by less than half of a display's 63rd: each rounds a sum up by half a unit at
+/// most, and by nothing where sums have the bits of their products.
+fn bounded_layers(widths: &Widths) -> u32 {
+    if widths.accumulator == widths.transmittance + widths.colour {
+        return u32::MAX;
+    }
+    1 << widths.accumulator >> 6
 }
 
 #[test]
-fn one_bit_less_is_rounded() {
-    use crate::format::Micro16;
+fn rounded_sums_are_bounded_for_so_many_layers() {
+    use crate::format::{Lean18, Micro16};
     let exact = Micro16::WIDTHS;
-    assert!(sums_are_exact(&exact));
+    assert_eq!(bounded_layers(&exact), u32::MAX);
     for accumulator in [exact.accumulator - 1, exact.transmittance - exact.colour] {
         let widths = Widths {
             accumulator,
             ..exact
         };
-        assert!(!sums_are_exact(&widths));
+        assert_eq!(bounded_layers(&widths), (1 << accumulator) / 64);
     }
+    // Half a unit each, 63 levels, less than half a level.
+    let most = bounded_layers(&Lean18::WIDTHS);
+    assert!(63 * most < 1 << Lean18::WIDTHS.accumulator);
 }

@@ -1,6 +1,6 @@
 //! Numbers wider than a mantissa of setup: where the eye is, how far a splat is away from it, where the picture's depths end.
 
-use super::words::leading_zeros_wide;
+use super::words::{leading_zeros_wide, shifted_up};
 
 /// `value * 2^exponent`. Every bit pattern is a number; nothing needs to be normalised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,28 +38,26 @@ impl Extended {
     #[cfg_attr(not(target_pointer_width = "32"), inline)]
     #[cfg_attr(target_pointer_width = "32", inline(never))]
     pub const fn exceeds(self, other: Extended) -> bool {
-        if (self.value > 0) != (other.value > 0) || self.value == 0 || other.value == 0 {
-            return self.value > 0 && other.value <= 0 || self.value == 0 && other.value < 0;
+        let (sign, other_sign) = (self.value.signum(), other.value.signum());
+        if sign != other_sign {
+            return sign > other_sign;
         }
-        let (a, b) = (self.leading(), other.leading());
-        let farther = if a != b {
-            a > b
+        // Of negative numbers the one nearer to 0 is larger.
+        let (larger, smaller) = if sign < 0 {
+            (other, self)
         } else {
-            self.normal() > other.normal()
+            (self, other)
         };
-        let same = a == b && self.normal() == other.normal();
-        if self.value > 0 {
-            farther
-        } else {
-            !farther && !same
-        }
+        let (a, b) = (larger.leading(), smaller.leading());
+        a > b || a == b && larger.normal() > smaller.normal()
     }
 
     /// The magnitude moved up until its leading bit is bit 63; 0 stays 0.
-    #[inline(always)]
+    #[cfg_attr(not(target_pointer_width = "32"), inline)]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
     const fn normal(self) -> u64 {
         let magnitude = self.value.unsigned_abs();
-        magnitude.wrapping_shl(leading_zeros_wide(magnitude))
+        shifted_up(magnitude, leading_zeros_wide(magnitude) & 63)
     }
 }
 

@@ -297,21 +297,36 @@ const fn shift_down(value: i64, shift: i32) -> i64 {
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> SoftFloat {
     const { assert!(N <= 4) };
     let window = bits + GUARD;
-    let mut cuts = [Cut::NONE; N];
-    for (cut, term) in cuts.iter_mut().zip(terms) {
-        *cut = term.cut(window);
-    }
     if !fits_words(bits) {
+        let mut cuts = [Cut::NONE; N];
+        for (cut, term) in cuts.iter_mut().zip(terms) {
+            *cut = term.cut(window);
+        }
         return sum(&cuts, bits);
     }
-    let mut words = [(0, 0); N];
-    for (word, cut) in words.iter_mut().zip(cuts) {
-        *word = (cut.value as i32, cut.top);
-    }
-    match words.as_slice() {
-        [(value, top)] => SoftFloat::from_sum(*value, top.saturating_sub(window as i32), bits),
-        [(a, a_top), (b, b_top)] => by_mantissa!(bits, sum_of_two(*a, *a_top, *b, *b_top)),
-        _ => by_mantissa!(bits, sum_in_words(&words)),
+    // Term by term: a loop that a compiler for size keeps would have them all in memory.
+    let word = |term: Product| {
+        let Cut { value, top } = term.cut(window);
+        (value as i32, top)
+    };
+    match *terms.as_slice() {
+        [a] => {
+            let (value, top) = word(a);
+            SoftFloat::from_sum(value, top.saturating_sub(window as i32), bits)
+        }
+        [a, b] => {
+            let ((a, a_top), (b, b_top)) = (word(a), word(b));
+            by_mantissa!(bits, sum_of_two(a, a_top, b, b_top))
+        }
+        [a, b, c] => {
+            let words = [word(a), word(b), word(c)];
+            by_mantissa!(bits, sum_in_words(&words))
+        }
+        [a, b, c, d] => {
+            let words = [word(a), word(b), word(c), word(d)];
+            by_mantissa!(bits, sum_in_words(&words))
+        }
+        _ => SoftFloat::ZERO,
     }
 }
 

@@ -111,6 +111,14 @@ pub(super) const fn rounded_to_word(value: i64, shift: u32) -> i32 {
     (halves as i32).wrapping_add(1) >> 1
 }
 
+/// `a b 2^-cut` rounded down, for numbers of at most 18 bits and a sign: two products of words. What is cut off does not matter to a rounding
+/// of more bits, halves up.
+#[inline(always)]
+const fn product_above(a: i32, b: i32, cut: u32) -> i32 {
+    let below = (a & ((1 << cut) - 1)).wrapping_mul(b) >> cut;
+    (a >> cut).wrapping_mul(b).wrapping_add(below)
+}
+
 /// A number of pixels with `fraction` (at most 32) fraction bits in Q.32; what leaves the word is lost.
 pub(super) const fn in_q32(value: i64, fraction: u32) -> i64 {
     value << (32u32.saturating_sub(fraction) & 63)
@@ -189,11 +197,11 @@ impl<D: Design> Seed<D> {
         }
     }
 
-    /// Do all products of a seed fit a signed word, and the lanes too? Then they are 32-bit products, with the same bits for every
-    /// footprint of setup: |dx| is below `2^bits` within its rows.
+    /// Do the lanes fit a word, and the products of a seed one or [two](product_above) words? Then they are 32-bit products, with the same bits for
+    /// every footprint of setup: |dx| is below `2^bits` within its rows.
     #[inline(always)]
     pub(super) fn is_narrow(&self) -> bool {
-        self.design.widths().mantissa <= 15 && D::Lane::BITS == 32
+        self.design.widths().mantissa <= 18 && D::Lane::BITS == 32
     }
 
     /// Does C dy^2 fit a signed word as well, within the box of a footprint of setup?
@@ -229,7 +237,23 @@ impl<D: Design> Seed<D> {
     pub(super) fn at(&self, x: u16, centre: i64, down: i64) -> (D::Lane, D::Lane, D::Lane) {
         let dx = (i64::from(x) << 32).wrapping_sub(centre);
         let bits = u32::from(self.design.widths().mantissa);
-        if self.is_narrow() {
+        // Of a footprint of setup |A dx| is below 2^36 and A dx^2 below 2^(26 + drop), where drop is 7 to 9.
+        let (along_cut, across_cut) = (5, 6);
+        let split = (7..32).contains(&self.drop_radial) && (6..32).contains(&self.drop_first);
+        if self.is_narrow() && bits > 15 && split {
+            let dx = rounded_to_word(dx, self.drop_dx);
+            let along = product_above(self.horizontal as i32, dx, along_cut);
+            let rounded = shift_word(along, (bits - along_cut) as i32);
+            let across = product_above(rounded, dx, across_cut);
+            let radial = shift_word(across, self.drop_radial - across_cut as i32);
+            let first = shift_word(along, self.drop_first - along_cut as i32);
+            return (
+                D::Lane::from_wide(radial.wrapping_add(down as i32).into()),
+                D::Lane::from_wide(first.wrapping_add(self.balance.unit as i32).into()),
+                self.second,
+            );
+        }
+        if self.is_narrow() && bits <= 15 {
             let dx = rounded_to_word(dx, self.drop_dx);
             let along = (self.horizontal as i32).wrapping_mul(dx);
             let across = shift_word(along, bits as i32).wrapping_mul(dx);

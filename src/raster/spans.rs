@@ -415,9 +415,12 @@ impl HalfWidth {
     #[inline(always)]
     fn of(&self, rest: i64, widths: &Widths) -> i64 {
         let rest = ((rest as u64) >> (vertical_fraction(widths) - REST)) as u32;
-        let (root, shift) = (widths.mantissa <= 15)
-            .then(|| self.short_root(rest))
-            .flatten()
+        let by_words = match widths.mantissa {
+            0..=15 => self.short_root(rest),
+            16..=18 => self.split_root(rest),
+            _ => None,
+        };
+        let (root, shift) = by_words
             .unwrap_or_else(|| root_seed(u64::from(self.mantissa).wrapping_mul(rest.into())));
         let exponent = shift.wrapping_add(self.power);
         match exponent as u32 {
@@ -435,18 +438,36 @@ impl HalfWidth {
     #[inline(always)]
     fn short_root(&self, rest: u32) -> Option<(u32, i32)> {
         let (low, high) = (rest & 0x3fff, rest >> 14);
-        let mut normal =
+        let normal =
             (self.mantissa.wrapping_mul(low) >> 14).wrapping_add(self.mantissa.wrapping_mul(high));
-        if normal >> 22 == 0 {
-            return None;
-        }
-        let mut shift = -1;
-        while normal >> 30 == 0 {
-            normal <<= 2;
-            shift -= 1;
-        }
-        Some((root_of(normal), shift))
+        root_of_bits(normal, -1)
     }
+
+    /// The same of 19 bits with 29: what lies 16 bits up.
+    #[inline(always)]
+    fn split_root(&self, rest: u32) -> Option<(u32, i32)> {
+        let (low, high) = (rest & 0x1fff, rest >> 13);
+        let (below, above) = (self.mantissa & 0x3f, self.mantissa >> 6);
+        let carried =
+            (self.mantissa.wrapping_mul(low) >> 13).wrapping_add(below.wrapping_mul(high));
+        root_of_bits(
+            (above.wrapping_mul(high) << 3).wrapping_add(carried >> 3),
+            0,
+        )
+    }
+}
+
+/// Root and shift of a product's upper bits, unless they are fewer than count; `shift` if both of the highest bits are taken.
+#[inline(always)]
+fn root_of_bits(mut normal: u32, mut shift: i32) -> Option<(u32, i32)> {
+    if normal >> 22 == 0 {
+        return None;
+    }
+    while normal >> 30 == 0 {
+        normal <<= 2;
+        shift -= 1;
+    }
+    Some((root_of(normal), shift))
 }
 
 #[cfg(test)]

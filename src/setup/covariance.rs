@@ -27,7 +27,9 @@ pub struct Covariance2d {
 
 /// Covariance2d and determinant from the columns of M and the low-pass variance h (square pixels, not negative).
 ///
-/// Each result is rounded once to the design's mantissa, the determinant's minors and the trace once more.
+/// Each result is rounded once to the design's mantissa, the determinant's minors and the trace once more. In line where small processors are to
+/// know the mantissa: each of its nine sums would else be there for every one.
+#[cfg_attr(target_pointer_width = "32", inline(always))]
 pub fn covariance(widths: &Widths, low_pass: SoftFloat, columns: &[ScreenAxis; 3]) -> Covariance2d {
     let bits = u32::from(widths.mantissa);
     let h = low_pass.term_within(low_pass.length());
@@ -66,7 +68,8 @@ pub fn sharp_determinant(widths: &Widths, [a, b, c]: &[ScreenAxis; 3]) -> SoftFl
     sum_of_products(squares, bits)
 }
 
-/// The 2x2 minor m_j x m_k.
+/// The 2x2 minor m_j x m_k. In line, where its width is known.
+#[inline(always)]
 pub(super) fn minor(j: &ScreenAxis, k: &ScreenAxis, bits: u32) -> SoftFloat {
     let crossed = j.y.times_within(k.x, 2 * bits).negated();
     sum_of_products([j.x.times_within(k.y, 2 * bits), crossed], bits)

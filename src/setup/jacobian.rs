@@ -104,14 +104,17 @@ impl Turn {
     #[inline(always)]
     fn new(bits: u32, rotation: &Rotation) -> Turn {
         let kept = kept_bits(bits);
-        let mut entries = [[Digits::new(0, kept); 3]; 3];
-        for (row, from) in entries.iter_mut().zip(rotation) {
-            *row = from.map(|entry| {
-                let rounded = round_entry(entry, kept) as i32;
-                Digits::new(rounded >> ENTRY.saturating_sub(kept), kept)
-            });
+        let digits = |entry| {
+            let rounded = round_entry(entry, kept) as i32;
+            Digits::new(rounded >> ENTRY.saturating_sub(kept), kept)
+        };
+        // Entry by entry: what is filled in a loop is cleared before and copied afterwards.
+        let row = |row: [_; 3]| [digits(row[0]), digits(row[1]), digits(row[2])];
+        let [x, y, z] = *rotation;
+        Turn {
+            entries: [row(x), row(y), row(z)],
+            bits,
         }
-        Turn { entries, bits }
     }
 
     #[inline(always)]

@@ -228,6 +228,7 @@ fn ends_and_smallest_opacities_are_the_same() {
         ends::<128>(coarse, rules);
         ends::<512>(PLAIN, rules);
         ends::<32>(LONG, rules);
+        ends::<1024>(Lean18::WIDTHS, rules);
     }
 }
 

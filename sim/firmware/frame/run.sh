@@ -3,17 +3,19 @@
 # it costs: instructions for 200, 1000 and 3000 splats, code, tables, RAM and stack. Fails where a frame costs 3 % more than it did; says which
 # bars it misses.
 #
-#   sim/firmware/frame/run.sh [small] [profile]        small: built for size; profile: also the ten costliest functions of each phase
+#   sim/firmware/frame/run.sh [lean18] [small] [profile]        lean18: by that design and the kernel's own pixel loop; small: built for size;
+#                                                               profile: also the ten costliest functions of each phase
 #
 # The M0+ image runs on a board with an M3, which executes the same instructions, because the M0 that QEMU has is one with 16 KiB of RAM.
 set -eu
 cd "$(dirname "$0")"
-profile=release; functions=
+profile=release; functions=; design=micro16; features=
 for word in "$@"; do
     case $word in
+    lean18) design=lean18; features="--features lean18" ;;
     small) profile=small ;;
     profile) functions=10 ;;
-    *) echo "frame/run.sh: unknown word '$word': expected small or profile" >&2; exit 2 ;;
+    *) echo "frame/run.sh: unknown word '$word': expected lean18, small or profile" >&2; exit 2 ;;
     esac
 done
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
@@ -27,9 +29,10 @@ work=$CARGO_TARGET_DIR/measured
 mkdir -p "$work"
 (cd ../counter && cargo build --quiet --locked --release)
 counter=$CARGO_TARGET_DIR/release/libsplatline_counter.so
-cargo run --quiet --locked --release -- "$work/frames.ppm" >"$work/host" || fail "the host's own frame failed"
+cargo run --quiet --locked --release $features -- "$work/frames.ppm" >"$work/host" || fail "the host's own frame failed"
 echo "host:" $(cat "$work/host")
 grep -E '^(checksum|visible)=' "$work/host" >"$work/host.lines"
+covered=$(sed -n 's/^covered=//p' "$work/host" | head -1)
 
 emulator() {
     case $1 in
@@ -40,22 +43,27 @@ emulator() {
 }
 # What a frame cost when this was written and what it is to cost, in millions of instructions, for 200, 1000 and 3000 splats; - without a bar.
 costs() {
-    case $1 in
-    thumbv6m-*) echo "15.6:18 30.3:35 61.8:-" ;;
-    thumbv7em-*) echo "10.2:11 19.3:20 38.5:-" ;;
-    riscv32*) echo "12.9:13 24.0:25 47.7:-" ;;
+    case $design.$1 in
+    lean18.thumbv6m-*) echo "26.8:- 43.1:- 79.2:-" ;;
+    lean18.thumbv7em-*) echo "18.3:- 27.4:- 47.5:-" ;;
+    lean18.riscv32*) echo "19.4:- 30.7:- 55.4:-" ;;
+    *.thumbv6m-*) echo "15.6:18 30.3:35 61.8:-" ;;
+    *.thumbv7em-*) echo "10.2:11 19.3:20 38.5:-" ;;
+    *.riscv32*) echo "12.9:13 24.0:25 47.7:-" ;;
     esac
 }
 phase() { awk -v p="phase_$2" '$1 == "phase" && $2 == p { print $6 }' "$1"; }
+# Instructions of the pixel loop while 200 splats are drawn.
+pixel_loop() { awk '$1 == "phase" { on = $2 == "phase_draw_200" } on && $2 ~ /paint_as|pixel_loop.*paint/ { s += $4 } END { print s + 0 }' "$1"; }
 section() { "$tools/llvm-size" -A "$1" | awk -v s="$2" '$1 == s { print $2 }'; }
 symbols() { awk -v p="$2" '$4 ~ p { print $2 }' "$1" | while read -r size; do echo $((0x$size)); done | awk '{ s += $1 } END { print s + 0 }'; }
 
 echo
-echo "| target | 200 splats: set up, draw, frame | 1000 | 3000 | code | tables | RAM | stack |"
-echo "|---|---|---|---|---|---|---|---|"
+echo "| target | 200 splats: set up, draw, frame | 1000 | 3000 | code | tables | RAM | stack | 200 splats, a covered pixel: draw; pixel loop |"
+echo "|---|---|---|---|---|---|---|---|---|"
 failed=0 missed=
 for target in thumbv6m-none-eabi thumbv7em-none-eabi riscv32imac-unknown-none-elf; do
-    cargo build --quiet --locked --profile "$profile" --target "$target"
+    cargo build --quiet --locked --profile "$profile" $features --target "$target"
     elf=$CARGO_TARGET_DIR/$target/$profile/splatline-frame
     base=$work/$target.frame
     "$tools/llvm-nm" -S "$elf" >"$base.symbols"
@@ -84,7 +92,9 @@ for target in thumbv6m-none-eabi thumbv7em-none-eabi riscv32imac-unknown-none-el
         fi
         shift
     done
-    echo "$row $(($(section "$elf" .text) - around)) | $(($(section "$elf" .rodata) - scene)) | $(section "$elf" .bss) | $(sed -n 's/^stack=//p' "$base.out" | tr -d '\r') |"
+    covering=$(awk -v draw="$(phase "$base.count" draw_200)" -v loop="$(pixel_loop "$base.count")" -v n="$covered" \
+        'BEGIN { printf "%.1f; %.1f", draw / n, loop / n }')
+    echo "$row $(($(section "$elf" .text) - around)) | $(($(section "$elf" .rodata) - scene)) | $(section "$elf" .bss) | $(sed -n 's/^stack=//p' "$base.out" | tr -d '\r') | $covering |"
     if [ -n "$functions" ]; then
         awk -v most="$functions" '/^phase/ { n = 0 } n++ <= most { print }' "$base.count" | sed 's/^/    /'
     fi

@@ -10,13 +10,16 @@ use proptest::prelude::*;
 #[test]
 fn half_widths_of_short_mantissas() {
     let short = Micro16::WIDTHS;
-    let long = Widths {
-        mantissa: 18,
-        ..short
-    };
+    let with_mantissa = |mantissa| Widths { mantissa, ..short };
+    let long = with_mantissa(19);
     let unit = vertical_fraction(&short) - REST;
-    for variance in [0.7, 1.0, 3.3, 900.0] {
-        let half = HalfWidth::new(soft(variance, short.mantissa.into()));
+    let variances = [0.7, 1.0, 3.3, 900.0];
+    for (variance, bits) in variances
+        .iter()
+        .flat_map(|v| [15, 18].map(|bits| (*v, bits)))
+    {
+        let short = with_mantissa(bits);
+        let half = HalfWidth::new(soft(variance, bits.into()));
         let longer = (18..29).flat_map(|bit| [(1 << bit) + 0x2a53, (3 << bit >> 1) + 0x15ad]);
         for rest in (1..64).chain([0x3fff, 0x4001, 0xffffff]).chain(longer) {
             assert_eq!(half.of(rest << unit, &short), half.of(rest << unit, &long));
@@ -214,6 +217,15 @@ fn short_words_are_taken_where_they_suffice() {
     assert!(micro.is_narrow());
     let wide = RuntimeWidths::<i64>::new(Micro16::WIDTHS).unwrap();
     assert!(!Seed::new(wide, &Footprint::EMPTY.ldl, 0, 0).is_narrow());
+    let long = Widths {
+        mantissa: 19,
+        ..Lean18::WIDTHS
+    };
+    for (widths, narrow) in [(Lean18::WIDTHS, true), (long, false)] {
+        let design = RuntimeWidths::<i32>::for_lanes(widths).unwrap();
+        let seed = Seed::new(design, &Footprint::EMPTY.ldl, 0, 0);
+        assert_eq!(seed.is_narrow(), narrow);
+    }
     let far = Ldl {
         squared_width: SoftFloat {
             mantissa: 1 << 14,
@@ -282,6 +294,38 @@ proptest! {
             }
             word = word.wrapping_add(rows.seeds.shear_per_row >> drop) << (64 - bits) >> (64 - bits);
             rows.next_row();
+        }
+    }
+
+    /// The oracle is the same by words of 64 bits, for low-passed splats of any size that meet the window.
+    #[test]
+    fn words_give_the_same_runs(
+        [length, thickness] in [-1.0f64..25.0, -0.85..20.0], angle in prop_oneof![-1.6..1.6f64, -1e-3..1e-3f64],
+        [x, y] in [-10.0..150.0, -10.0..130.0f64], along in -4.0..4.0f64,
+    ) {
+        let (length, thickness) = (length.max(thickness).exp2(), thickness.exp2());
+        let (sin, cos) = f64::sin_cos(angle);
+        let centre = [x - along * length * cos, y - along * length * sin];
+        prop_assume!(centre.iter().all(|c: &f64| c.abs() < 26f64.exp2()));
+        let window = Window { first: [7, 3], end: [135, 120] };
+        for widths in [Lean18::WIDTHS, Widths { mantissa: 16, ..Lean18::WIDTHS }, Micro16::WIDTHS] {
+            let footprint = ellipse(&widths, centre, [length, thickness], [cos, sin]);
+            let short = RuntimeWidths::<i32>::for_lanes(widths).unwrap();
+            let mut short = EllipseSpans::new(short, &footprint, &window);
+            let mut wide = EllipseSpans::new(RuntimeWidths::new(widths).unwrap(), &footprint, &window);
+            prop_assert!(short.seed.is_narrow() && !wide.seed.is_narrow());
+            while let Some(run) = wide.next_span() {
+                let expected = Span {
+                    y: run.y,
+                    x: run.x,
+                    length: run.length,
+                    radial: run.radial as i32,
+                    first: run.first as i32,
+                    second: run.second as i32,
+                };
+                prop_assert_eq!(short.next_span(), Some(expected));
+            }
+            prop_assert_eq!(short.next_span(), None);
         }
     }
 

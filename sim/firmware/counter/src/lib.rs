@@ -95,10 +95,14 @@ impl State {
             };
             let number =
                 |text| u64::from_str_radix(text, 16).map_err(|_| format!("{file}: {line}"));
-            let first = number(first)? & !1;
+            let (first, size) = (number(first)? & !1, number(size)?);
+            // A label within a function has no size.
+            if size == 0 {
+                continue;
+            }
             self.functions.push(Function {
                 first,
-                last: first + number(size)?,
+                last: first + size,
                 name: name.to_owned(),
             });
         }

@@ -5,10 +5,14 @@
 pub mod scene;
 
 use scene::{MOST, SIDE};
+#[cfg(feature = "lean18")]
+pub use splatline::Lean18 as Drawn;
+#[cfg(not(feature = "lean18"))]
+pub use splatline::Micro16 as Drawn;
 #[cfg(feature = "emulated")]
 use splatline::front::CompactScene;
 use splatline::front::{PackedList, packed_words};
-use splatline::{Micro16, Pixel, Renderer};
+use splatline::{Pixel, Renderer};
 #[cfg(feature = "emulated")]
 use splatline_firmware::checksum::Checksum;
 #[cfg(feature = "emulated")]
@@ -24,7 +28,7 @@ pub const BACKGROUND: u16 = 0x0883;
 pub const STRIP_PIXELS: usize = SIDE as usize * STRIP as usize;
 
 /// Words of the list.
-pub const WORDS: usize = MOST * packed_words(&Micro16::WIDTHS);
+pub const WORDS: usize = MOST * packed_words(&Drawn::WIDTHS);
 
 /// All memory that drawing needs beside the stack.
 #[derive(Debug)]
@@ -48,10 +52,10 @@ impl FrameMemory {
 
 /// Draws the scenes one after the other, for ever, by one core; `send` gets a strip's first row and its pixels.
 pub fn show(memory: &mut FrameMemory, mut send: impl FnMut(u16, &[u16])) -> ! {
-    let renderer = Renderer::new(Micro16);
+    let renderer = Renderer::new(Drawn);
     let view = scene::view();
     let FrameMemory { list, strip, sent } = memory;
-    let mut list = PackedList::new(Micro16, list);
+    let mut list = PackedList::new(Drawn, list);
     loop {
         for scene in &scene::SCENES {
             // A list that is full is left empty, and shows as the background.
@@ -84,10 +88,10 @@ pub fn draw(
     set_up: extern "C" fn(),
     draw: extern "C" fn(),
 ) -> Option<FrameOutcome> {
-    let renderer = Renderer::new(Micro16);
+    let renderer = Renderer::new(Drawn);
     let view = scene::view();
     let FrameMemory { list, strip, sent } = memory;
-    let mut list = PackedList::new(Micro16, list);
+    let mut list = PackedList::new(Drawn, list);
     set_up();
     let counts = renderer.set_up_scene(&view, scene, &mut list);
     phase_rest();
@@ -122,7 +126,7 @@ pub fn expected(scene: &CompactScene) -> (FrameOutcome, u64, Vec<u16>) {
     use splatline::front::Splats;
     use splatline::kernel::{entries, fill_gaussian};
     use splatline::{LentList, Rules};
-    let widths = Micro16::WIDTHS;
+    let widths = Drawn::WIDTHS;
     let mut table = vec![0; entries(&widths)];
     fill_gaussian(&mut table, &widths, 4);
     let design = RuntimeWidths::new(widths).expect("a named design's");

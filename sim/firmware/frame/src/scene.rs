@@ -36,7 +36,8 @@ impl SceneRandom {
     /// A number below `end`, from `first` on.
     const fn between(&mut self, first: i32, end: i32) -> i32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        first + ((self.0 >> 16) as i32 * (end - first) >> 16)
+        // Of the widest ranges the product wraps, and some numbers lie below `first`.
+        first + (((self.0 >> 16) as i32).wrapping_mul(end - first) >> 16)
     }
 }
 
@@ -50,12 +51,12 @@ const fn splats<const N: usize>(size: i32) -> [CompactSplat; N] {
             random.between(-26_214, 26_214),
             random.between(-26_214, 26_214),
             random.between(-16_384, 16_384),
-            random.between(12_000, 32_000) * size >> 10,
-            random.between(-20_000, 20_000) * size >> 10,
-            random.between(-20_000, 20_000) * size >> 10,
-            random.between(12_000, 32_000) * size >> 10,
-            random.between(-20_000, 20_000) * size >> 10,
-            random.between(12_000, 32_000) * size >> 10,
+            (random.between(12_000, 32_000) * size) >> 10,
+            (random.between(-20_000, 20_000) * size) >> 10,
+            (random.between(-20_000, 20_000) * size) >> 10,
+            (random.between(12_000, 32_000) * size) >> 10,
+            (random.between(-20_000, 20_000) * size) >> 10,
+            (random.between(12_000, 32_000) * size) >> 10,
             0,
         ];
         // Columns by their own exponents: 5 bits each, here 0.
