@@ -6,7 +6,8 @@
 //!
 //! [`EllipseSpans`]: splatline::raster::EllipseSpans
 
-use super::lanes::Wide;
+use super::lanes::{Doubles, Wide};
+use super::row_reals::RowReals;
 use super::recurrence::{has_short_squared_width, is_zero};
 use super::setup::number::{Arithmetic, RoundingShift, turn_of};
 use super::tile::TILE;
@@ -145,12 +146,18 @@ impl BlockSpans {
             let centre = lanes.wide_load(window(&rows.centre, start));
             let vertical = lanes.wide_load(window(&rows.vertical, start));
             let runs = runs(math, words, [centre, vertical], columns, &mut large);
-            lanes.wide_store(window_mut(&mut self.x, start), runs.x);
-            lanes.wide_store(window_mut(&mut self.end, start), runs.end);
-            lanes.wide_store(window_mut(&mut self.radial, start), runs.radial);
-            lanes.wide_store(window_mut(&mut self.first, start), runs.first);
+            self.store(lanes, start, runs);
         }
         large
+    }
+
+    /// Notes the runs of the rows from number `start` on.
+    #[inline(always)]
+    fn store<L: Wide>(&mut self, lanes: L, start: usize, runs: Runs<L>) {
+        lanes.wide_store(window_mut(&mut self.x, start), runs.x);
+        lanes.wide_store(window_mut(&mut self.end, start), runs.end);
+        lanes.wide_store(window_mut(&mut self.radial, start), runs.radial);
+        lanes.wide_store(window_mut(&mut self.first, start), runs.first);
     }
 
     /// The run of row number `row`, if it has pixels in the block.
@@ -200,15 +207,20 @@ impl RowBatch {
 
     /// Computes the runs of a footprint in the tile that begins at column `left`; `false` if vectors cannot.
     #[inline(always)]
-    pub fn fill<L: Wide>(&mut self, lanes: L, constants: &RowConstants<i64>, left: u16) -> bool {
-        if !self.recurrences.fill(constants) {
-            return false;
-        }
+    pub fn fill<L: Doubles>(&mut self, lanes: L, constants: &RowConstants<i64>, left: u16) -> bool {
         let [first, last] = constants
             .visible
             .map(|x| usize::from(x.saturating_sub(left)));
         let block = usize::from(BLOCK);
         self.touched = (first / block, last.div_ceil(block).min(BLOCKS));
+        if let Some(reals) = RowReals::new(lanes, constants)
+            && self.fill_in_reals(&reals, constants, left)
+        {
+            return true;
+        }
+        if !self.recurrences.fill(constants) {
+            return false;
+        }
         let math = Arithmetic { lanes };
         let words = RowWords::new(math, constants);
         let mut large = math.splat(0);
@@ -217,6 +229,41 @@ impl RowBatch {
             large = math.max(large, far);
         }
         is_zero(lanes, excess(lanes, constants, large))
+    }
+
+    /// The same in double precision; `false` where it has not all bits.
+    #[inline(always)]
+    fn fill_in_reals<L: Doubles>(
+        &mut self,
+        reals: &RowReals<L>,
+        constants: &RowConstants<i64>,
+        left: u16,
+    ) -> bool {
+        let first = constants.rows[0];
+        let mut found = reals.nothing();
+        let mut begin = 0;
+        for block in &constants.blocks {
+            let end = usize::from(block.end.saturating_sub(first)).min(ROWS);
+            if begin < end {
+                let Some(mut rows) = reals.block(block, end - begin) else {
+                    return false;
+                };
+                let mut start = begin;
+                while start < end {
+                    let span = reals.span(&rows, &mut found);
+                    for touched in self.touched() {
+                        let column = left + touched as u16 * BLOCK;
+                        let runs = reals.runs(&rows, &span, column, &mut found);
+                        self.blocks[touched].store(reals.lanes, start, runs);
+                    }
+                    rows = reals.step(&rows);
+                    start += L::WIDE;
+                }
+            }
+            begin = end;
+        }
+        self.recurrences.count = begin;
+        reals.holds(&found)
     }
 
     /// Blocks that the footprint's box touches; the others hold what an earlier footprint left there.
@@ -376,7 +423,7 @@ pub fn is_tame(constants: &RowConstants<i64>) -> bool {
 }
 
 /// 1 / A on vectors, for half-widths sqrt(rest / A) by the root table, a multiplication and a shift that rounds.
-struct SquaredWidth<L: Wide> {
+pub(super) struct SquaredWidth<L: Wide> {
     mantissa: L::Word,
     odd: L::Word,
     power: L::Word,
@@ -385,7 +432,7 @@ struct SquaredWidth<L: Wide> {
 
 impl<L: Wide> SquaredWidth<L> {
     #[inline(always)]
-    fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
+    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
         let (mantissa, odd, power) = constants.squared_width;
         SquaredWidth {
             mantissa: math.splat(mantissa as i64),
@@ -398,8 +445,13 @@ impl<L: Wide> SquaredWidth<L> {
     /// Q.32 pixels, for rows with a positive `rest` of the cut-off; anything for others.
     #[inline(always)]
     fn half_width(&self, math: Arithmetic<L>, rest: L::Word) -> L::Word {
+        self.half_of(math, math.lanes.wide_shr(rest, self.drop))
+    }
+
+    /// The same for rests with [`REST`] fraction bits.
+    #[inline(always)]
+    pub fn half_of(&self, math: Arithmetic<L>, narrow: L::Word) -> L::Word {
         let (lanes, zero) = (math.lanes, math.splat(0));
-        let narrow = lanes.wide_shr(rest, self.drop);
         let squared = lanes.wide_mul_unsigned(self.mantissa, narrow);
         let squared = lanes.wide_shl(squared, self.odd);
         let (root, shift) = math.root_seed(squared);

@@ -5,7 +5,7 @@
 
 #![allow(unsafe_code)]
 
-use super::Portable;
+use super::{Doubles, Portable};
 use super::words::PixelWords;
 
 /// Sums of a pixel; the last one is the sum of weights.
@@ -21,7 +21,7 @@ pub struct ShareShift {
 }
 
 /// Operations on a pixel's sums.
-pub trait PixelSums: PixelWords {
+pub trait PixelSums: PixelWords + Doubles {
     /// Attributes of a splat.
     type Attributes: Copy;
 

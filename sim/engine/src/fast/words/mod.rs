@@ -10,7 +10,6 @@ pub mod tile;
 pub mod visit;
 
 use super::TILE;
-use super::lanes::Wide;
 use super::lanes::sums::PixelSums;
 use super::lanes::{Doubles, PixelTask, VectorLevel, VectorTask};
 use super::lanes::{dispatch_pixels, dispatch_vectors, prefetch};
@@ -270,7 +269,7 @@ impl SinglePainting<'_> {
 
 impl Painting<'_> {
     #[inline(always)]
-    fn paint<L: Wide, P: PixelPath>(
+    fn paint<L: Doubles, P: PixelPath>(
         self,
         lanes: L,
         path: &P,
