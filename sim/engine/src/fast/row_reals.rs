@@ -1,26 +1,29 @@
-//! Spans and seeds of many rows at once in double precision, bit for bit those of [`rows`](super::rows).
+//! Spans of many rows at once in double precision, bit for bit those of [`rows`](super::rows).
 //!
 //! A double holds an integer of 53 bits, and a right shift that rounds, `(v + 2^(s-1)) >> s`, is `floor(v 2^-s + 1/2)`: two instructions for
-//! words with a sign, where AVX2 has no such shift. So the rows' sequences and seeds are the kernel's integers in doubles, for designs whose
-//! products fit. Only the root is not the kernel's: the processor's own, of which the table's differs by at most [`ERROR`]. Where both ends of
-//! that interval give the same column, so does the kernel's; elsewhere, one row in some thousand, its table is looked up.
+//! words with a sign, where AVX2 has no such shift. So the rows' sequences are the kernel's integers in doubles. The root is not the kernel's
+//! but the processor's, of which the table's differs by at most [`ERROR`]. Where both ends of that interval give the same column, so does the
+//! kernel's; elsewhere, in one row of some thousand, its table is looked up.
 //!
 //! Columns are in pixels, what is left of the cut-off in units of 2^-[`REST`].
 
 use super::lanes::Doubles;
 use super::lanes::singles::HAS_FUSED_ADD;
-use super::rows::{Runs, SquaredWidth};
+use super::rows::{RowWords, Runs, longest_rest, most_bits, seeds};
 use super::setup::number::Arithmetic;
 use splatline::raster::{BLOCK, REST, RowBlock, RowConstants};
 
-/// Most bits of a mantissa: what is computed from two of them stays far below 2^53.
-const MOST_BITS: u32 = 18;
-
-/// Integers end here, so that three of them and a rounding bit have a sum without an error.
+/// What is as far down as this has no error in a double, nor has the sum of three such integers and a rounding bit.
 const MOST: f64 = (1u64 << 49) as f64;
+
+/// As far from the screen's edge as this, columns in Q.32 are integers of 51 bits.
+const FARTHEST: f64 = (1 << 19) as f64;
 
 /// Added to an integer of up to 51 bits, makes the number's lower bits the integer's.
 const WHOLE: f64 = 3.0 * (1u64 << 51) as f64;
+
+/// Half-widths by the root table: relative error, and what the last bits of Q.32 and of the doubles may add.
+const ERROR: [f64; 2] = [1.0 / (1 << 16) as f64, 1.0 / (1 << 26) as f64];
 
 /// k and k (k - 1) / 2 for row k of a vector.
 static NUMBERS: [i64; 8] = bits([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
@@ -37,42 +40,36 @@ const fn bits(numbers: [f64; 8]) -> [i64; 8] {
     bits
 }
 
-/// Half-widths of the root table: relative error, and what the last bit of Q.32 and of the doubles may add.
-const ERROR: [f64; 2] = [1.0 / (1 << 16) as f64, 1.0 / (1 << 26) as f64];
-
-#[inline(always)]
-fn splat<L: Doubles>(lanes: L, value: f64) -> L::Word {
-    lanes.wide_splat(value.to_bits() as i64)
-}
-
 /// 2^exponent, of exponents that are no more than a number may have.
 #[inline(always)]
 fn power(exponent: i32) -> f64 {
     f64::from_bits(((1023 + exponent.clamp(-1000, 1000)) as u64) << 52)
 }
 
+#[inline(always)]
+fn splat<L: Doubles>(lanes: L, value: f64) -> L::Word {
+    lanes.wide_splat(value.to_bits() as i64)
+}
+
 /// What is the same for all rows of a footprint.
-pub struct RowReals<L: Doubles> {
-    /// The vectors.
-    pub lanes: L,
-    kernel: SquaredWidth<L>,
+pub struct RowReals<'a, L: Doubles> {
+    math: Arithmetic<L>,
+    words: &'a RowWords<L>,
     columns: [f64; 2],
+    /// Change of the centre per row.
     shear: f64,
+    /// Change of the change of the vertical distance, in its own unit, which is so large here.
     curve: f64,
     scale: f64,
     reach: L::Word,
+    /// One past the longest rest that the table takes, and past the longest square of a half-width whose distances fit the seeds.
+    longest: [L::Word; 2],
     /// The square of a half-width for a unit of the rest.
     squared_width: L::Word,
-    horizontal: L::Word,
     to_dx: L::Word,
-    to_along: L::Word,
-    to_vertical: L::Word,
-    to_radial: L::Word,
-    to_first: L::Word,
-    start: L::Word,
-    unit: L::Word,
-    /// |dx| ends here.
-    farthest: L::Word,
+    to_down: L::Word,
+    /// [`WHOLE`], less what a turned shift would leave too large.
+    turn_of_down: L::Word,
 }
 
 /// Some rows' words, and what leads to the next ones.
@@ -85,127 +82,91 @@ pub struct RealRows<L: Doubles> {
     second: L::Word,
 }
 
-/// Where some rows begin, negative, and end.
+/// Where some rows begin, negative, and end, and what the vertical distance adds to their radial indices.
 pub struct RealSpan<L: Doubles> {
     left: L::Word,
     end: L::Word,
-    /// What the vertical distance adds to the radial index.
     down: L::Word,
 }
 
-/// The largest numbers found on the way: what is left of the cut-off, and the distance from the centre.
-pub struct Largest<L: Doubles> {
-    rest: L::Word,
-    far: L::Word,
-}
-
-impl<L: Doubles> RowReals<L> {
-    /// Of a footprint; `None` where double precision has not all bits.
+impl<'a, L: Doubles> RowReals<'a, L> {
+    /// Of a footprint whose words are [tame](super::rows::is_tame).
     #[inline(always)]
-    pub fn new(lanes: L, constants: &RowConstants<i64>) -> Option<Self> {
-        let (drop_dx, bits, drop_radial, drop_first) = constants.drops;
-        let long = 2 * bits as i32 - drop_radial.min(drop_first);
-        let added = constants.start.unsigned_abs() | constants.unit.unsigned_abs();
+    pub fn new(math: Arithmetic<L>, words: &'a RowWords<L>, constants: &RowConstants<i64>) -> Self {
+        let lanes = math.lanes;
+        let below = constants.vertical_fraction.saturating_sub(REST);
+        let scale = power(-(below as i32));
         let (mantissa, odd, half) = constants.squared_width;
-        let is_exact = bits <= MOST_BITS
-            && long < 50
-            && added < MOST as u64
-            && constants.horizontal.unsigned_abs() <= 1 << bits
-            && mantissa < 1 << MOST_BITS
-            && half <= 30
-            && constants.vertical_fraction >= REST;
-        if !is_exact {
-            return None;
-        }
-        let scale = power(REST as i32 - constants.vertical_fraction as i32);
-        let [first, last] = constants.bounds;
-        let [visible, end] = constants.visible;
-        Some(RowReals {
-            lanes,
-            kernel: SquaredWidth::new(Arithmetic { lanes }, constants),
-            columns: [
-                first.max(visible - visible % BLOCK).into(),
-                last.min(end).into(),
-            ],
+        let drop = constants
+            .vertical_fraction
+            .saturating_sub(constants.fraction);
+        let to_dx = power(32 - constants.drops.0 as i32);
+        // Roots are wrong by less than this leaves.
+        let farthest = power(most_bits(constants) as i32) * (1.0 - 1.0 / 1024.0) / to_dx;
+        RowReals {
+            math,
+            words,
+            columns: words.columns.map(|column| column as f64),
             shear: constants.shear as f64 * power(-32),
             curve: constants.curve as f64,
             scale,
             reach: splat(lanes, constants.reach as f64 * scale),
-            squared_width: splat(lanes, (mantissa << odd) as f64 * power(2 * half.max(-400) - 64)),
-            horizontal: splat(lanes, constants.horizontal as f64),
-            to_dx: splat(lanes, -power(32 - drop_dx as i32)),
-            to_along: splat(lanes, power(-(bits as i32))),
-            to_vertical: splat(lanes, power(constants.fraction as i32 - REST as i32)),
-            to_radial: splat(lanes, power(-drop_radial)),
-            to_first: splat(lanes, power(-drop_first)),
-            start: splat(lanes, constants.start as f64),
-            unit: splat(lanes, constants.unit as f64),
-            farthest: splat(lanes, power(bits as i32)),
-        })
+            longest: [
+                splat(lanes, power(longest_rest(constants) as i32 - below as i32)),
+                splat(lanes, farthest * farthest),
+            ],
+            squared_width: splat(
+                lanes,
+                (mantissa << odd) as f64 * power(2 * half.max(-400) - 64),
+            ),
+            to_dx: splat(lanes, -to_dx),
+            to_down: splat(lanes, power(below as i32 - drop as i32)),
+            turn_of_down: math.sub(splat(lanes, WHOLE), math.turn_of(words.drop_vertical)),
+        }
     }
 
     #[inline(always)]
     fn splat(&self, value: f64) -> L::Word {
-        splat(self.lanes, value)
+        splat(self.math.lanes, value)
     }
 
     /// a b + c, of which the product is exact.
     #[inline(always)]
     fn exact(&self, a: L::Word, b: L::Word, c: L::Word) -> L::Word {
+        let lanes = self.math.lanes;
         if HAS_FUSED_ADD {
-            self.lanes.double_mul_add(a, b, c)
+            lanes.double_mul_add(a, b, c)
         } else {
-            self.lanes.double_add(self.lanes.double_mul(a, b), c)
+            lanes.double_add(lanes.double_mul(a, b), c)
         }
     }
 
-    /// a b to the nearest integer, halves up.
+    /// a b to the nearest integer, halves up, [`WHOLE`] more.
     #[inline(always)]
     fn rounded(&self, a: L::Word, b: L::Word) -> L::Word {
-        self.lanes.double_floor(self.exact(a, b, self.splat(0.5)))
+        let lanes = self.math.lanes;
+        let floor = lanes.double_floor(self.exact(a, b, self.splat(0.5)));
+        lanes.double_add(floor, self.splat(WHOLE))
     }
 
-    /// An integer as a word.
+    /// An integer, [`WHOLE`] more, as a word.
     #[inline(always)]
     fn word(&self, a: L::Word) -> L::Word {
-        let whole = self.splat(WHOLE);
-        self.lanes
-            .wide_sub(self.lanes.double_add(a, whole), whole)
-    }
-
-    /// Nothing found yet.
-    #[inline(always)]
-    pub fn nothing(&self) -> Largest<L> {
-        let zero = self.splat(0.0);
-        Largest {
-            rest: zero,
-            far: zero,
-        }
-    }
-
-    /// Did all rows have their words?
-    #[inline(always)]
-    pub fn holds(&self, found: &Largest<L>) -> bool {
-        let lanes = self.lanes;
-        let one = lanes.wide_splat(-1);
-        let zero = lanes.wide_splat(0);
-        let long = lanes.double_greater(self.splat(power(31)), found.rest);
-        let far = lanes.double_greater(self.farthest, found.far);
-        let good = lanes.wide_select(zero, lanes.wide_select(zero, one, long), far);
-        !lanes.wide_any(lanes.wide_xor(good, one))
+        self.math.sub(a, self.splat(WHOLE))
     }
 
     /// The first of so many rows of a block; `None` where their words are too large.
     #[inline(always)]
     pub fn block(&self, block: &RowBlock, count: usize) -> Option<RealRows<L>> {
-        let lanes = self.lanes;
-        let [vertical, change] = block.vertical.map(|word| word as f64);
+        let lanes = self.math.lanes;
+        let [vertical, change] = block.vertical;
+        let (vertical, change) = (vertical as f64, change as f64);
         let centre = block.centre as f64 * power(-32);
         let last = (count + 8) as f64;
         let largest = vertical.abs() + last * (change.abs() + last * self.curve.abs());
         let farthest = centre.abs() + last * self.shear.abs();
-        // Words beyond a double's are large even when they are rounded to one.
-        if !(largest < MOST && farthest < power(19)) {
+        // Words beyond a double's bits are larger than this whatever they are rounded to.
+        if largest >= MOST || farthest >= FARTHEST {
             return None;
         }
         let (vertical, change) = (vertical * self.scale, change * self.scale);
@@ -226,7 +187,7 @@ impl<L: Doubles> RowReals<L> {
     /// On to the next rows.
     #[inline(always)]
     pub fn step(&self, rows: &RealRows<L>) -> RealRows<L> {
-        let lanes = self.lanes;
+        let lanes = self.math.lanes;
         RealRows {
             centre: lanes.double_add(rows.centre, rows.slope),
             vertical: lanes.double_add(rows.vertical, rows.change),
@@ -235,12 +196,12 @@ impl<L: Doubles> RowReals<L> {
         }
     }
 
-    /// The spans of some rows within the ellipse.
+    /// The spans of some rows within the ellipse. `longest` becomes the most that a row leaves of the cut-off.
     #[inline(always)]
-    pub fn span(&self, rows: &RealRows<L>, found: &mut Largest<L>) -> RealSpan<L> {
-        let (lanes, zero) = (self.lanes, self.splat(0.0));
+    pub fn span(&self, rows: &RealRows<L>, longest: &mut L::Word) -> RealSpan<L> {
+        let (lanes, zero) = (self.math.lanes, self.splat(0.0));
         let rest = lanes.double_sub(self.reach, rows.vertical);
-        found.rest = lanes.double_max(found.rest, rest);
+        *longest = lanes.double_max(*longest, rest);
         let open = lanes.double_greater(rest, zero);
         let narrow = lanes.double_max(lanes.double_floor(rest), zero);
         let half = lanes.double_root(lanes.double_mul(narrow, self.squared_width));
@@ -252,31 +213,34 @@ impl<L: Doubles> RowReals<L> {
             lanes.wide_xor(right, nearer.1),
         );
         if lanes.wide_any(lanes.wide_select(zero, doubt, open)) {
-            (left, right) = self.ends(rows.centre, self.kernels_half(narrow));
+            (left, right) = self.ends(rows.centre, self.half_by_table(narrow));
         }
         let end = lanes.double_add(right, self.splat(1.0));
         RealSpan {
             left,
             end: lanes.wide_select(zero, end, open),
-            down: lanes.double_add(self.rounded(rows.vertical, self.to_vertical), self.start),
+            down: self
+                .math
+                .sub(self.rounded(rows.vertical, self.to_down), self.turn_of_down),
         }
     }
 
     /// First columns, negative, and last ones within so much of the centre.
     #[inline(always)]
     fn ends(&self, centre: L::Word, half: L::Word) -> (L::Word, L::Word) {
-        let lanes = self.lanes;
+        let lanes = self.math.lanes;
         (
             lanes.double_floor(lanes.double_sub(half, centre)),
             lanes.double_floor(lanes.double_add(half, centre)),
         )
     }
 
-    /// Half-widths by the kernel's table.
+    /// The kernel's half-widths.
     #[inline(always)]
-    fn kernels_half(&self, narrow: L::Word) -> L::Word {
-        let lanes = self.lanes;
-        let half = self.kernel.half_of(Arithmetic { lanes }, self.word(narrow));
+    fn half_by_table(&self, narrow: L::Word) -> L::Word {
+        let lanes = self.math.lanes;
+        let narrow = self.word(lanes.double_add(narrow, self.splat(WHOLE)));
+        let half = self.words.squared_width.half_of(self.math, narrow);
         let mut halves = [0; 8];
         lanes.wide_store(&mut halves, half);
         for half in &mut halves {
@@ -285,34 +249,30 @@ impl<L: Doubles> RowReals<L> {
         lanes.wide_load(&halves)
     }
 
-    /// The runs of some rows in the block that begins at this column.
+    /// The runs of some rows in the block that begins at this column, by [`seeds`].
     #[inline(always)]
-    pub fn runs(
-        &self,
-        rows: &RealRows<L>,
-        span: &RealSpan<L>,
-        column: u16,
-        found: &mut Largest<L>,
-    ) -> Runs<L> {
-        let (lanes, zero) = (self.lanes, self.splat(0.0));
-        let first = f64::from(column);
-        let last = first + f64::from(BLOCK);
-        let first = self.splat(-first.max(self.columns[0]));
+    pub fn runs(&self, rows: &RealRows<L>, span: &RealSpan<L>, column: f64) -> Runs<L> {
+        let lanes = self.math.lanes;
+        let first = self.splat(-column.max(self.columns[0]));
+        let last = (column + f64::from(BLOCK)).min(self.columns[1]);
         let left = lanes.double_min(span.left, first);
-        let end = lanes.double_min(span.end, self.splat(last.min(self.columns[1])));
+        let end = lanes.double_min(span.end, self.splat(last));
         let dx = self.rounded(lanes.double_add(left, rows.centre), self.to_dx);
-        let open = lanes.double_greater(lanes.double_add(left, end), zero);
-        let far = lanes.wide_and(dx, lanes.wide_splat(i64::MAX));
-        found.far = lanes.double_max(found.far, lanes.wide_select(zero, far, open));
-        let along = lanes.double_mul(self.horizontal, dx);
-        let across = lanes.double_mul(self.rounded(along, self.to_along), dx);
-        let radial = lanes.double_add(self.rounded(across, self.to_radial), span.down);
-        let difference = lanes.double_add(self.rounded(along, self.to_first), self.unit);
-        Runs {
-            x: self.word(lanes.double_sub(zero, left)),
-            end: self.word(end),
-            radial: self.word(radial),
-            first: self.word(difference),
-        }
+        let whole = self.splat(WHOLE);
+        let x = lanes.double_sub(whole, left);
+        let end = lanes.double_add(whole, end);
+        let columns = [self.word(x), self.word(end)];
+        seeds(self.math, self.words, columns, [self.word(dx), span.down])
+    }
+
+    /// Is something left of the cut-off that table or seeds do not take? Not 0 where it is.
+    #[inline(always)]
+    pub fn excess(&self, longest: L::Word) -> L::Word {
+        let (lanes, zero, one) = (self.math.lanes, self.math.splat(0), self.math.splat(1));
+        let square = lanes.double_mul(longest, self.squared_width);
+        let fits = lanes.double_greater(self.longest[0], longest);
+        let near = lanes.double_greater(self.longest[1], square);
+        let excess = lanes.wide_select(one, zero, fits);
+        lanes.wide_select(one, excess, near)
     }
 }

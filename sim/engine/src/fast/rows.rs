@@ -7,9 +7,9 @@
 //! [`EllipseSpans`]: splatline::raster::EllipseSpans
 
 use super::lanes::{Doubles, Wide};
-use super::row_reals::RowReals;
 use super::recurrence::{has_short_squared_width, is_zero};
-use super::setup::number::{Arithmetic, RoundingShift, turn_of};
+use super::row_reals::RowReals;
+use super::setup::number::{Arithmetic, RoundingShift};
 use super::tile::TILE;
 use core::ops::Range;
 use splatline::footprint::Footprint;
@@ -88,9 +88,6 @@ impl Recurrences {
     /// A footprint's rows; `false` where words are larger than the vectors' arithmetic takes.
     #[inline(always)]
     pub fn fill(&mut self, constants: &RowConstants<i64>) -> bool {
-        if !is_tame(constants) {
-            return false;
-        }
         let [first, last] = constants.rows;
         self.count = usize::from(last.saturating_sub(first)).min(ROWS);
         let (mut far, mut long) = (0, 0);
@@ -213,16 +210,17 @@ impl RowBatch {
             .map(|x| usize::from(x.saturating_sub(left)));
         let block = usize::from(BLOCK);
         self.touched = (first / block, last.div_ceil(block).min(BLOCKS));
-        if let Some(reals) = RowReals::new(lanes, constants)
-            && self.fill_in_reals(&reals, constants, left)
-        {
+        if !is_tame(constants) {
+            return false;
+        }
+        let math = Arithmetic { lanes };
+        let words = RowWords::new(math, constants);
+        if self.fill_in_reals(math, &words, constants, left) {
             return true;
         }
         if !self.recurrences.fill(constants) {
             return false;
         }
-        let math = Arithmetic { lanes };
-        let words = RowWords::new(math, constants);
         let mut large = math.splat(0);
         for number in self.touched() {
             let far = self.blocks[number].fill(math, &words, &self.recurrences, left, number);
@@ -231,16 +229,18 @@ impl RowBatch {
         is_zero(lanes, excess(lanes, constants, large))
     }
 
-    /// The same in double precision; `false` where it has not all bits.
+    /// The same with rows in double precision; `false` where it has not all bits.
     #[inline(always)]
     fn fill_in_reals<L: Doubles>(
         &mut self,
-        reals: &RowReals<L>,
+        math: Arithmetic<L>,
+        words: &RowWords<L>,
         constants: &RowConstants<i64>,
         left: u16,
     ) -> bool {
+        let reals = RowReals::new(math, words, constants);
         let first = constants.rows[0];
-        let mut found = reals.nothing();
+        let mut longest = math.splat(0);
         let mut begin = 0;
         for block in &constants.blocks {
             let end = usize::from(block.end.saturating_sub(first)).min(ROWS);
@@ -250,11 +250,11 @@ impl RowBatch {
                 };
                 let mut start = begin;
                 while start < end {
-                    let span = reals.span(&rows, &mut found);
+                    let span = reals.span(&rows, &mut longest);
                     for touched in self.touched() {
-                        let column = left + touched as u16 * BLOCK;
-                        let runs = reals.runs(&rows, &span, column, &mut found);
-                        self.blocks[touched].store(reals.lanes, start, runs);
+                        let column = f64::from(left) + (touched * usize::from(BLOCK)) as f64;
+                        let runs = reals.runs(&rows, &span, column);
+                        self.blocks[touched].store(math.lanes, start, runs);
                     }
                     rows = reals.step(&rows);
                     start += L::WIDE;
@@ -263,7 +263,7 @@ impl RowBatch {
             begin = end;
         }
         self.recurrences.count = begin;
-        reals.holds(&found)
+        !math.lanes.wide_any(reals.excess(longest))
     }
 
     /// Blocks that the footprint's box touches; the others hold what an earlier footprint left there.
@@ -301,9 +301,10 @@ pub struct Runs<L: Wide> {
 /// What is the same for all rows of a footprint, on vectors.
 pub struct RowWords<L: Wide> {
     /// First column that runs may begin at, from the block that the window begins in, and one past the last.
-    columns: [i64; 2],
+    pub columns: [i64; 2],
     reach: L::Word,
-    squared_width: SquaredWidth<L>,
+    /// See [`SquaredWidth`].
+    pub squared_width: SquaredWidth<L>,
     horizontal: L::Word,
     /// Without what the shifts beside them leave too large.
     start: L::Word,
@@ -312,7 +313,7 @@ pub struct RowWords<L: Wide> {
     turn_of_dx: L::Word,
     drop_along: RoundingShift<L>,
     drop_radial: RoundingShift<L>,
-    drop_vertical: RoundingShift<L>,
+    pub drop_vertical: RoundingShift<L>,
     drop_first: RoundingShift<L>,
     /// Left shifts of radial index and first difference, where lanes have more fraction bits than the products.
     raises: [L::Word; 2],
@@ -333,9 +334,14 @@ impl<L: Wide> RowWords<L> {
         let drop_vertical = constants
             .vertical_fraction
             .saturating_sub(constants.fraction);
+        let (drop_dx, drop_along) = (math.drop(drop_dx), math.drop(bits));
+        let (drop_radial, drop_first) = (math.drop(drop_radial), math.drop(drop_first));
+        let drop_vertical = math.drop(drop_vertical);
         // A left shift drops the turn.
-        let turn = |drop, raise| if raise > 0 { 0 } else { turn_of(drop) };
-        let turns = turn(drop_radial, raises[0]).wrapping_add(turn_of(drop_vertical));
+        let raises = [math.splat(raises[0].into()), math.splat(raises[1].into())];
+        let turn = math.lanes.wide_shl(math.turn_of(drop_radial), raises[0]);
+        let turns = math.add(turn, math.turn_of(drop_vertical));
+        let turn = math.lanes.wide_shl(math.turn_of(drop_first), raises[1]);
         RowWords {
             columns: [
                 first.max(visible - visible % BLOCK).into(),
@@ -344,15 +350,15 @@ impl<L: Wide> RowWords<L> {
             reach: math.splat(constants.reach),
             squared_width: SquaredWidth::new(math, constants),
             horizontal: math.splat(constants.horizontal),
-            start: math.splat(constants.start.wrapping_sub(turns)),
-            unit: math.splat(constants.unit.wrapping_sub(turn(drop_first, raises[1]))),
-            drop_dx: math.drop(drop_dx),
-            turn_of_dx: math.splat(turn_of(drop_dx)),
-            drop_along: math.drop(bits),
-            drop_radial: math.drop(drop_radial),
-            drop_vertical: math.drop(drop_vertical),
-            drop_first: math.drop(drop_first),
-            raises: raises.map(|raise| math.splat(raise.into())),
+            start: math.sub(math.splat(constants.start), turns),
+            unit: math.sub(math.splat(constants.unit), turn),
+            drop_dx,
+            turn_of_dx: math.turn_of(drop_dx),
+            drop_along,
+            drop_radial,
+            drop_vertical,
+            drop_first,
+            raises,
         }
     }
 }
@@ -380,35 +386,49 @@ pub fn runs<L: Wide>(
     let open = math.greater(end, x);
     let far = math.select(zero, math.magnitude(dx), open);
     *large = math.max(*large, far);
+    let down = math.dropped(vertical, rows.drop_vertical);
+    seeds(math, rows, [x, end], [dx, down])
+}
+
+/// The runs between the columns of each row, `dx` from the centre and with so much, not turned back, from the vertical distance.
+#[inline(always)]
+pub fn seeds<L: Wide>(
+    math: Arithmetic<L>,
+    rows: &RowWords<L>,
+    [x, end]: [L::Word; 2],
+    [dx, down]: [L::Word; 2],
+) -> Runs<L> {
     let along = math.mul(rows.horizontal, dx);
     // The product sees the lower 32 bits.
     let across = math.mul(math.dropped(along, rows.drop_along), dx);
-    let shifted = |value, drop, raise| math.lanes.wide_shl(math.dropped(value, drop), raise);
-    let radial = math.add(
-        shifted(across, rows.drop_radial, rows.raises[0]),
-        math.dropped(vertical, rows.drop_vertical),
-    );
-    let first = shifted(along, rows.drop_first, rows.raises[1]);
+    let across = math.dropped(across, rows.drop_radial);
+    let radial = math.add(math.lanes.wide_shl(across, rows.raises[0]), down);
+    let first = math.dropped(along, rows.drop_first);
     Runs {
         x,
         end,
         radial: math.add(radial, rows.start),
-        first: math.add(first, rows.unit),
+        first: math.add(math.lanes.wide_shl(first, rows.raises[1]), rows.unit),
     }
 }
 
 /// Bits of the largest distance from the centre that are too many for the arithmetic of [`runs`]; 0 if there are none.
 #[inline(always)]
 pub fn excess<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) -> L::Word {
+    lanes.wide_shr(large, lanes.wide_splat(most_bits(constants).into()))
+}
+
+/// Bits that the distance from the centre may have.
+#[inline(always)]
+pub fn most_bits(constants: &RowConstants<i64>) -> u32 {
     // Designs of at most 15 bits keep dx below their mantissa, and all of a seed in 32 bits.
     // So do those whose products are shifted to the left, which must not reach the sign.
     let (_, bits, drop_radial, drop_first) = constants.drops;
-    let limit = if bits <= 15 || drop_radial.min(drop_first) < 0 {
+    if bits <= 15 || drop_radial.min(drop_first) < 0 {
         bits
     } else {
         bits.max(30)
-    };
-    lanes.wide_shr(large, lanes.wide_splat(limit.into()))
+    }
 }
 
 /// Are a footprint's words small enough for vectors, whatever the row?

@@ -5,8 +5,8 @@
 
 #![allow(unsafe_code)]
 
-use super::{Doubles, Portable};
 use super::words::PixelWords;
+use super::{Doubles, Portable};
 
 /// Sums of a pixel; the last one is the sum of weights.
 pub type Sums = [u32; 8];
