@@ -61,7 +61,7 @@ pub fn longest_rest(constants: &RowConstants<i64>) -> u32 {
 }
 
 /// The runs of one footprint's rows in one block of a tile.
-struct BlockSpans {
+pub struct BlockSpans {
     x: [i64; ROOM],
     end: [i64; ROOM],
     radial: [i64; ROOM],
@@ -116,7 +116,7 @@ impl Recurrences {
 impl BlockSpans {
     /// No runs.
     #[inline(always)]
-    pub fn new() -> Self {
+    fn new() -> Self {
         BlockSpans {
             x: [0; ROOM],
             end: [0; ROOM],
@@ -127,7 +127,7 @@ impl BlockSpans {
 
     /// The runs in block number `block` of the tile that begins at column `left`; the largest distance from the centre.
     #[inline(always)]
-    pub fn fill<L: Wide>(
+    fn fill<L: Wide>(
         &mut self,
         math: Arithmetic<L>,
         words: &RowWords<L>,
@@ -278,6 +278,12 @@ impl RowBatch {
         self.recurrences.count
     }
 
+    /// The runs in one block.
+    #[inline(always)]
+    pub fn block(&self, block: usize) -> &BlockSpans {
+        &self.blocks[block]
+    }
+
     /// The run in one row and block, if it has pixels.
     #[inline(always)]
     pub fn run(&self, row: usize, block: usize) -> Option<RunWords> {
@@ -313,6 +319,7 @@ pub struct RowWords<L: Wide> {
     turn_of_dx: L::Word,
     drop_along: RoundingShift<L>,
     drop_radial: RoundingShift<L>,
+    /// Right shift from the vertical distance to the radial index.
     pub drop_vertical: RoundingShift<L>,
     drop_first: RoundingShift<L>,
     /// Left shifts of radial index and first difference, where lanes have more fraction bits than the products.
@@ -443,7 +450,7 @@ pub fn is_tame(constants: &RowConstants<i64>) -> bool {
 }
 
 /// 1 / A on vectors, for half-widths sqrt(rest / A) by the root table, a multiplication and a shift that rounds.
-pub(super) struct SquaredWidth<L: Wide> {
+pub struct SquaredWidth<L: Wide> {
     mantissa: L::Word,
     odd: L::Word,
     power: L::Word,
