@@ -40,10 +40,10 @@ const fn bits(numbers: [f64; 8]) -> [i64; 8] {
     bits
 }
 
-/// 2^exponent, of exponents that are no more than a number may have.
+/// 2^exponent, of exponents that a number may have.
 #[inline(always)]
 fn power(exponent: i32) -> f64 {
-    f64::from_bits(((1023 + exponent.clamp(-1000, 1000)) as u64) << 52)
+    f64::from_bits((i64::from(1023 + exponent) as u64) << 52)
 }
 
 #[inline(always)]
@@ -100,9 +100,9 @@ impl<'a, L: Doubles> RowReals<'a, L> {
         let drop = constants
             .vertical_fraction
             .saturating_sub(constants.fraction);
-        let to_dx = power(32 - constants.drops.0 as i32);
+        let unit_of_dx = constants.drops.0 as i32 - 32;
         // Roots are wrong by less than this leaves.
-        let farthest = power(most_bits(constants) as i32) * (1.0 - 1.0 / 1024.0) / to_dx;
+        let farthest = power(most_bits(constants) as i32 + unit_of_dx) * (1.0 - 1.0 / 1024.0);
         RowReals {
             math,
             words,
@@ -119,7 +119,7 @@ impl<'a, L: Doubles> RowReals<'a, L> {
                 lanes,
                 (mantissa << odd) as f64 * power(2 * half.max(-400) - 64),
             ),
-            to_dx: splat(lanes, -to_dx),
+            to_dx: splat(lanes, -power(-unit_of_dx)),
             to_down: splat(lanes, power(below as i32 - drop as i32)),
             turn_of_down: math.sub(splat(lanes, WHOLE), math.turn_of(words.drop_vertical)),
         }

@@ -241,28 +241,29 @@ impl RowBatch {
         let reals = RowReals::new(math, words, constants);
         let first = constants.rows[0];
         let mut longest = math.splat(0);
-        let mut begin = 0;
+        let count = usize::from(constants.rows[1].saturating_sub(first)).min(ROWS);
+        let mut start = 0;
         for block in &constants.blocks {
-            let end = usize::from(block.end.saturating_sub(first)).min(ROWS);
-            if begin < end {
-                let Some(mut rows) = reals.block(block, end - begin) else {
-                    return false;
-                };
-                let mut start = begin;
-                while start < end {
-                    let span = reals.span(&rows, &mut longest);
-                    for touched in self.touched() {
-                        let column = f64::from(left) + (touched * usize::from(BLOCK)) as f64;
-                        let runs = reals.runs(&rows, &span, column);
-                        self.blocks[touched].store(math.lanes, start, runs);
-                    }
-                    rows = reals.step(&rows);
-                    start += L::WIDE;
-                }
+            if start >= count {
+                break;
             }
-            begin = end;
+            let end = usize::from(block.end.saturating_sub(first)).min(count);
+            let Some(mut rows) = reals.block(block, end) else {
+                return false;
+            };
+            while start < end {
+                let span = reals.span(&rows, &mut longest);
+                for touched in self.touched() {
+                    let column = f64::from(left) + (touched * usize::from(BLOCK)) as f64;
+                    let runs = reals.runs(&rows, &span, column);
+                    self.blocks[touched].store(math.lanes, start, runs);
+                }
+                rows = reals.step(&rows);
+                start += L::WIDE;
+            }
+            start = end;
         }
-        self.recurrences.count = begin;
+        self.recurrences.count = count;
         !math.lanes.wide_any(reals.excess(longest))
     }
 
@@ -458,6 +459,7 @@ pub struct SquaredWidth<L: Wide> {
 }
 
 impl<L: Wide> SquaredWidth<L> {
+    /// Of a footprint.
     #[inline(always)]
     pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
         let (mantissa, odd, power) = constants.squared_width;

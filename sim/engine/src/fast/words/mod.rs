@@ -312,10 +312,10 @@ impl Painting<'_> {
                 let splat = path.splat(&splat, rows.second);
                 for block in batch.touched() {
                     let runs = batch.block(block);
-                    for (row, y) in (0..batch.rows()).zip(rows.rows[0]..) {
+                    for row in 0..batch.rows() {
                         let Some(run) = runs.run(row) else { continue };
                         let run = columns(&run, left);
-                        let (pixels, live) = tile.row(y);
+                        let (pixels, live) = tile.row(rows.rows[0].wrapping_add(row as u16));
                         if counts {
                             coverage.visited += run.length as u64;
                             path.paint::<true>(&splat, &run, pixels, &mut coverage);
