@@ -23,7 +23,7 @@ const FARTHEST: f64 = (1 << 19) as f64;
 const WHOLE: f64 = 3.0 * (1u64 << 51) as f64;
 
 /// Half-widths by the root table: relative error, and what the last bits of Q.32 and of the doubles may add.
-const ERROR: [f64; 2] = [1.0 / (1 << 16) as f64, 1.0 / (1 << 26) as f64];
+pub(super) const ERROR: [f64; 2] = [1.0 / (1 << 16) as f64, 1.0 / (1 << 26) as f64];
 
 /// k and k (k - 1) / 2 for row k of a vector.
 static NUMBERS: [i64; 8] = bits([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);

@@ -215,18 +215,28 @@ impl RowBatch {
         }
         let math = Arithmetic { lanes };
         let words = RowWords::new(math, constants);
-        if self.fill_in_reals(math, &words, constants, left) {
-            return true;
-        }
+        self.fill_in_reals(math, &words, constants, left)
+            || self.fill_in_words(math, &words, constants, left)
+    }
+
+    /// The same with all of a row in words; `false` where they are too large.
+    #[inline(always)]
+    fn fill_in_words<L: Wide>(
+        &mut self,
+        math: Arithmetic<L>,
+        words: &RowWords<L>,
+        constants: &RowConstants<i64>,
+        left: u16,
+    ) -> bool {
         if !self.recurrences.fill(constants) {
             return false;
         }
         let mut large = math.splat(0);
         for number in self.touched() {
-            let far = self.blocks[number].fill(math, &words, &self.recurrences, left, number);
+            let far = self.blocks[number].fill(math, words, &self.recurrences, left, number);
             large = math.max(large, far);
         }
-        is_zero(lanes, excess(lanes, constants, large))
+        is_zero(math.lanes, excess(math.lanes, constants, large))
     }
 
     /// The same with rows in double precision; `false` where it has not all bits.
@@ -515,3 +525,6 @@ fn window_mut(words: &mut [i64; ROOM], start: usize) -> &mut [i64; 8] {
     };
     window
 }
+
+#[cfg(test)]
+mod tests;
