@@ -82,7 +82,7 @@ pub struct RowBlock {
 
 /// What the rows of one footprint are computed from, for implementations that compute several at once: [`EllipseSpans`] stays their
 /// definition.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct RowConstants<L> {
     /// First row, and one past the last of those whose seeds are here.
     pub rows: [u16; 2],
@@ -233,15 +233,16 @@ impl<D: Design> EllipseSpans<D> {
             centre: self.centre,
             vertical: [self.vertical.value, self.vertical.first],
         };
-        let blocks = core::array::from_fn(|_| {
+        let mut blocks = [next; ROW_BLOCKS];
+        for block in &mut blocks {
             let y = next.end;
             if y != rows[0] && y < rows[1] {
                 let (centre, Quadratic { value, first, .. }) = self.seeds.at(self.seed.design, y);
                 (next.centre, next.vertical) = (centre, [value, first]);
             }
             next.end = (y - y % BLOCK).saturating_add(BLOCK).min(rows[1]);
-            next
-        });
+            *block = next;
+        }
         rows[1] = next.end;
         RowConstants {
             rows,

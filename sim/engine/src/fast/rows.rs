@@ -6,9 +6,10 @@
 //!
 //! [`EllipseSpans`]: splatline::raster::EllipseSpans
 
-use super::lanes::Wide;
+use super::lanes::{Doubles, Wide};
 use super::recurrence::{has_short_squared_width, is_zero};
-use super::setup::number::{Arithmetic, RoundingShift, turn_of};
+use super::row_reals::RowReals;
+use super::setup::number::{Arithmetic, RoundingShift};
 use super::tile::TILE;
 use core::ops::Range;
 use splatline::footprint::Footprint;
@@ -60,7 +61,7 @@ pub fn longest_rest(constants: &RowConstants<i64>) -> u32 {
 }
 
 /// The runs of one footprint's rows in one block of a tile.
-struct BlockSpans {
+pub struct BlockSpans {
     x: [i64; ROOM],
     end: [i64; ROOM],
     radial: [i64; ROOM],
@@ -87,9 +88,6 @@ impl Recurrences {
     /// A footprint's rows; `false` where words are larger than the vectors' arithmetic takes.
     #[inline(always)]
     pub fn fill(&mut self, constants: &RowConstants<i64>) -> bool {
-        if !is_tame(constants) {
-            return false;
-        }
         let [first, last] = constants.rows;
         self.count = usize::from(last.saturating_sub(first)).min(ROWS);
         let (mut far, mut long) = (0, 0);
@@ -118,7 +116,7 @@ impl Recurrences {
 impl BlockSpans {
     /// No runs.
     #[inline(always)]
-    pub fn new() -> Self {
+    fn new() -> Self {
         BlockSpans {
             x: [0; ROOM],
             end: [0; ROOM],
@@ -129,7 +127,7 @@ impl BlockSpans {
 
     /// The runs in block number `block` of the tile that begins at column `left`; the largest distance from the centre.
     #[inline(always)]
-    pub fn fill<L: Wide>(
+    fn fill<L: Wide>(
         &mut self,
         math: Arithmetic<L>,
         words: &RowWords<L>,
@@ -145,12 +143,18 @@ impl BlockSpans {
             let centre = lanes.wide_load(window(&rows.centre, start));
             let vertical = lanes.wide_load(window(&rows.vertical, start));
             let runs = runs(math, words, [centre, vertical], columns, &mut large);
-            lanes.wide_store(window_mut(&mut self.x, start), runs.x);
-            lanes.wide_store(window_mut(&mut self.end, start), runs.end);
-            lanes.wide_store(window_mut(&mut self.radial, start), runs.radial);
-            lanes.wide_store(window_mut(&mut self.first, start), runs.first);
+            self.store(lanes, start, runs);
         }
         large
+    }
+
+    /// Notes the runs of the rows from number `start` on.
+    #[inline(always)]
+    fn store<L: Wide>(&mut self, lanes: L, start: usize, runs: Runs<L>) {
+        lanes.wide_store(window_mut(&mut self.x, start), runs.x);
+        lanes.wide_store(window_mut(&mut self.end, start), runs.end);
+        lanes.wide_store(window_mut(&mut self.radial, start), runs.radial);
+        lanes.wide_store(window_mut(&mut self.first, start), runs.first);
     }
 
     /// The run of row number `row`, if it has pixels in the block.
@@ -200,23 +204,77 @@ impl RowBatch {
 
     /// Computes the runs of a footprint in the tile that begins at column `left`; `false` if vectors cannot.
     #[inline(always)]
-    pub fn fill<L: Wide>(&mut self, lanes: L, constants: &RowConstants<i64>, left: u16) -> bool {
-        if !self.recurrences.fill(constants) {
-            return false;
-        }
+    pub fn fill<L: Doubles>(&mut self, lanes: L, constants: &RowConstants<i64>, left: u16) -> bool {
         let [first, last] = constants
             .visible
             .map(|x| usize::from(x.saturating_sub(left)));
         let block = usize::from(BLOCK);
         self.touched = (first / block, last.div_ceil(block).min(BLOCKS));
+        if !is_tame(constants) {
+            return false;
+        }
         let math = Arithmetic { lanes };
         let words = RowWords::new(math, constants);
+        self.fill_in_reals(math, &words, constants, left)
+            || self.fill_in_words(math, &words, constants, left)
+    }
+
+    /// The same with all of a row in words; `false` where they are too large.
+    #[inline(always)]
+    fn fill_in_words<L: Wide>(
+        &mut self,
+        math: Arithmetic<L>,
+        words: &RowWords<L>,
+        constants: &RowConstants<i64>,
+        left: u16,
+    ) -> bool {
+        if !self.recurrences.fill(constants) {
+            return false;
+        }
         let mut large = math.splat(0);
         for number in self.touched() {
-            let far = self.blocks[number].fill(math, &words, &self.recurrences, left, number);
+            let far = self.blocks[number].fill(math, words, &self.recurrences, left, number);
             large = math.max(large, far);
         }
-        is_zero(lanes, excess(lanes, constants, large))
+        is_zero(math.lanes, excess(math.lanes, constants, large))
+    }
+
+    /// The same with rows in double precision; `false` where it has not all bits.
+    #[inline(always)]
+    fn fill_in_reals<L: Doubles>(
+        &mut self,
+        math: Arithmetic<L>,
+        words: &RowWords<L>,
+        constants: &RowConstants<i64>,
+        left: u16,
+    ) -> bool {
+        let reals = RowReals::new(math, words, constants);
+        let first = constants.rows[0];
+        let mut longest = math.splat(0);
+        let count = usize::from(constants.rows[1].saturating_sub(first)).min(ROWS);
+        let mut start = 0;
+        for block in &constants.blocks {
+            if start >= count {
+                break;
+            }
+            let end = usize::from(block.end.saturating_sub(first)).min(count);
+            let Some(mut rows) = reals.block(block, end) else {
+                return false;
+            };
+            while start < end {
+                let span = reals.span(&rows, &mut longest);
+                for touched in self.touched() {
+                    let column = f64::from(left) + (touched * usize::from(BLOCK)) as f64;
+                    let runs = reals.runs(&rows, &span, column);
+                    self.blocks[touched].store(math.lanes, start, runs);
+                }
+                rows = reals.step(&rows);
+                start += L::WIDE;
+            }
+            start = end;
+        }
+        self.recurrences.count = count;
+        !math.lanes.wide_any(reals.excess(longest))
     }
 
     /// Blocks that the footprint's box touches; the others hold what an earlier footprint left there.
@@ -229,6 +287,12 @@ impl RowBatch {
     #[inline(always)]
     pub fn rows(&self) -> usize {
         self.recurrences.count
+    }
+
+    /// The runs in one block.
+    #[inline(always)]
+    pub fn block(&self, block: usize) -> &BlockSpans {
+        &self.blocks[block]
     }
 
     /// The run in one row and block, if it has pixels.
@@ -254,9 +318,10 @@ pub struct Runs<L: Wide> {
 /// What is the same for all rows of a footprint, on vectors.
 pub struct RowWords<L: Wide> {
     /// First column that runs may begin at, from the block that the window begins in, and one past the last.
-    columns: [i64; 2],
+    pub columns: [i64; 2],
     reach: L::Word,
-    squared_width: SquaredWidth<L>,
+    /// See [`SquaredWidth`].
+    pub squared_width: SquaredWidth<L>,
     horizontal: L::Word,
     /// Without what the shifts beside them leave too large.
     start: L::Word,
@@ -265,7 +330,8 @@ pub struct RowWords<L: Wide> {
     turn_of_dx: L::Word,
     drop_along: RoundingShift<L>,
     drop_radial: RoundingShift<L>,
-    drop_vertical: RoundingShift<L>,
+    /// Right shift from the vertical distance to the radial index.
+    pub drop_vertical: RoundingShift<L>,
     drop_first: RoundingShift<L>,
     /// Left shifts of radial index and first difference, where lanes have more fraction bits than the products.
     raises: [L::Word; 2],
@@ -286,9 +352,14 @@ impl<L: Wide> RowWords<L> {
         let drop_vertical = constants
             .vertical_fraction
             .saturating_sub(constants.fraction);
+        let (drop_dx, drop_along) = (math.drop(drop_dx), math.drop(bits));
+        let (drop_radial, drop_first) = (math.drop(drop_radial), math.drop(drop_first));
+        let drop_vertical = math.drop(drop_vertical);
         // A left shift drops the turn.
-        let turn = |drop, raise| if raise > 0 { 0 } else { turn_of(drop) };
-        let turns = turn(drop_radial, raises[0]).wrapping_add(turn_of(drop_vertical));
+        let raises = [math.splat(raises[0].into()), math.splat(raises[1].into())];
+        let turn = math.lanes.wide_shl(math.turn_of(drop_radial), raises[0]);
+        let turns = math.add(turn, math.turn_of(drop_vertical));
+        let turn = math.lanes.wide_shl(math.turn_of(drop_first), raises[1]);
         RowWords {
             columns: [
                 first.max(visible - visible % BLOCK).into(),
@@ -297,15 +368,15 @@ impl<L: Wide> RowWords<L> {
             reach: math.splat(constants.reach),
             squared_width: SquaredWidth::new(math, constants),
             horizontal: math.splat(constants.horizontal),
-            start: math.splat(constants.start.wrapping_sub(turns)),
-            unit: math.splat(constants.unit.wrapping_sub(turn(drop_first, raises[1]))),
-            drop_dx: math.drop(drop_dx),
-            turn_of_dx: math.splat(turn_of(drop_dx)),
-            drop_along: math.drop(bits),
-            drop_radial: math.drop(drop_radial),
-            drop_vertical: math.drop(drop_vertical),
-            drop_first: math.drop(drop_first),
-            raises: raises.map(|raise| math.splat(raise.into())),
+            start: math.sub(math.splat(constants.start), turns),
+            unit: math.sub(math.splat(constants.unit), turn),
+            drop_dx,
+            turn_of_dx: math.turn_of(drop_dx),
+            drop_along,
+            drop_radial,
+            drop_vertical,
+            drop_first,
+            raises,
         }
     }
 }
@@ -333,35 +404,49 @@ pub fn runs<L: Wide>(
     let open = math.greater(end, x);
     let far = math.select(zero, math.magnitude(dx), open);
     *large = math.max(*large, far);
+    let down = math.dropped(vertical, rows.drop_vertical);
+    seeds(math, rows, [x, end], [dx, down])
+}
+
+/// The runs between the columns of each row, `dx` from the centre and with so much, not turned back, from the vertical distance.
+#[inline(always)]
+pub fn seeds<L: Wide>(
+    math: Arithmetic<L>,
+    rows: &RowWords<L>,
+    [x, end]: [L::Word; 2],
+    [dx, down]: [L::Word; 2],
+) -> Runs<L> {
     let along = math.mul(rows.horizontal, dx);
     // The product sees the lower 32 bits.
     let across = math.mul(math.dropped(along, rows.drop_along), dx);
-    let shifted = |value, drop, raise| math.lanes.wide_shl(math.dropped(value, drop), raise);
-    let radial = math.add(
-        shifted(across, rows.drop_radial, rows.raises[0]),
-        math.dropped(vertical, rows.drop_vertical),
-    );
-    let first = shifted(along, rows.drop_first, rows.raises[1]);
+    let across = math.dropped(across, rows.drop_radial);
+    let radial = math.add(math.lanes.wide_shl(across, rows.raises[0]), down);
+    let first = math.dropped(along, rows.drop_first);
     Runs {
         x,
         end,
         radial: math.add(radial, rows.start),
-        first: math.add(first, rows.unit),
+        first: math.add(math.lanes.wide_shl(first, rows.raises[1]), rows.unit),
     }
 }
 
 /// Bits of the largest distance from the centre that are too many for the arithmetic of [`runs`]; 0 if there are none.
 #[inline(always)]
 pub fn excess<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) -> L::Word {
+    lanes.wide_shr(large, lanes.wide_splat(most_bits(constants).into()))
+}
+
+/// Bits that the distance from the centre may have.
+#[inline(always)]
+pub fn most_bits(constants: &RowConstants<i64>) -> u32 {
     // Designs of at most 15 bits keep dx below their mantissa, and all of a seed in 32 bits.
     // So do those whose products are shifted to the left, which must not reach the sign.
     let (_, bits, drop_radial, drop_first) = constants.drops;
-    let limit = if bits <= 15 || drop_radial.min(drop_first) < 0 {
+    if bits <= 15 || drop_radial.min(drop_first) < 0 {
         bits
     } else {
         bits.max(30)
-    };
-    lanes.wide_shr(large, lanes.wide_splat(limit.into()))
+    }
 }
 
 /// Are a footprint's words small enough for vectors, whatever the row?
@@ -376,7 +461,7 @@ pub fn is_tame(constants: &RowConstants<i64>) -> bool {
 }
 
 /// 1 / A on vectors, for half-widths sqrt(rest / A) by the root table, a multiplication and a shift that rounds.
-struct SquaredWidth<L: Wide> {
+pub struct SquaredWidth<L: Wide> {
     mantissa: L::Word,
     odd: L::Word,
     power: L::Word,
@@ -384,8 +469,9 @@ struct SquaredWidth<L: Wide> {
 }
 
 impl<L: Wide> SquaredWidth<L> {
+    /// Of a footprint.
     #[inline(always)]
-    fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
+    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
         let (mantissa, odd, power) = constants.squared_width;
         SquaredWidth {
             mantissa: math.splat(mantissa as i64),
@@ -398,8 +484,13 @@ impl<L: Wide> SquaredWidth<L> {
     /// Q.32 pixels, for rows with a positive `rest` of the cut-off; anything for others.
     #[inline(always)]
     fn half_width(&self, math: Arithmetic<L>, rest: L::Word) -> L::Word {
+        self.half_of(math, math.lanes.wide_shr(rest, self.drop))
+    }
+
+    /// The same for rests with [`REST`] fraction bits.
+    #[inline(always)]
+    pub fn half_of(&self, math: Arithmetic<L>, narrow: L::Word) -> L::Word {
         let (lanes, zero) = (math.lanes, math.splat(0));
-        let narrow = lanes.wide_shr(rest, self.drop);
         let squared = lanes.wide_mul_unsigned(self.mantissa, narrow);
         let squared = lanes.wide_shl(squared, self.odd);
         let (root, shift) = math.root_seed(squared);
@@ -434,3 +525,6 @@ fn window_mut(words: &mut [i64; ROOM], start: usize) -> &mut [i64; 8] {
     };
     window
 }
+
+#[cfg(test)]
+mod tests;

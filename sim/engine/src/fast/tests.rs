@@ -164,7 +164,7 @@ pub(super) fn arbitrary() -> impl Strategy<Value = Footprint> {
 }
 
 /// Ordinary footprints, of all sizes and opacities.
-fn ordinary(
+pub(super) fn ordinary(
     widths: Widths,
     rules: &Rules,
     seed: u64,

@@ -24,6 +24,8 @@ pub trait Doubles: Singles {
     fn double_max(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// The largest integer that is not larger.
     fn double_floor(self, a: Self::Word) -> Self::Word;
+    /// The square root.
+    fn double_root(self, a: Self::Word) -> Self::Word;
     /// a > b.
     fn double_greater(self, a: Self::Word, b: Self::Word) -> Self::Truth;
     /// a | b, of words.
@@ -78,6 +80,10 @@ impl Doubles for Portable {
         a.map(|a| double(a).floor().to_bits() as i64)
     }
     #[inline(always)]
+    fn double_root(self, a: Words) -> Words {
+        a.map(|a| double(a).sqrt().to_bits() as i64)
+    }
+    #[inline(always)]
     fn double_greater(self, a: Words, b: Words) -> [bool; 8] {
         std::array::from_fn(|k| double(a[k]) > double(b[k]))
     }
@@ -130,6 +136,10 @@ mod x86 {
             op!(_mm256_castpd_si256(_mm256_floor_pd(_mm256_castsi256_pd(a))))
         }
         #[inline(always)]
+        fn double_root(self, a: __m256i) -> __m256i {
+            op!(_mm256_castpd_si256(_mm256_sqrt_pd(_mm256_castsi256_pd(a))))
+        }
+        #[inline(always)]
         fn double_greater(self, a: __m256i, b: __m256i) -> __m256i {
             op!(_mm256_castpd_si256(_mm256_cmp_pd::<_CMP_GT_OQ>(
                 _mm256_castsi256_pd(a),
@@ -163,6 +173,10 @@ mod x86 {
             op!(_mm512_castpd_si512(_mm512_roundscale_pd::<9>(
                 _mm512_castsi512_pd(a)
             )))
+        }
+        #[inline(always)]
+        fn double_root(self, a: __m512i) -> __m512i {
+            op!(_mm512_castpd_si512(_mm512_sqrt_pd(_mm512_castsi512_pd(a))))
         }
         #[inline(always)]
         fn double_greater(self, a: __m512i, b: __m512i) -> __mmask8 {

@@ -11,15 +11,21 @@ pub const HAS_FUSED_ADD: bool = cfg!(any(target_arch = "x86_64", target_arch = "
 /// Most pixels of a vector.
 pub const MOST: usize = 16;
 
-/// A table of 32-bit words whose length is a power of two.
+/// A table of 32-bit words whose length is a power of two, and the last one's number for every pixel of a vector.
 #[derive(Clone, Debug)]
-pub struct PackedWords(Box<[u32]>);
+pub struct PackedWords {
+    words: Box<[u32]>,
+    last: [i32; MOST],
+}
 
 impl PackedWords {
     /// These words, and zeros up to a power of two.
     pub fn new(mut words: Vec<u32>) -> Self {
         words.resize(words.len().next_power_of_two(), 0);
-        PackedWords(words.into())
+        PackedWords {
+            last: [words.len() as i32 - 1; MOST],
+            words: words.into(),
+        }
     }
 }
 
@@ -49,7 +55,7 @@ pub trait Singles: Wide {
     /// The larger one, as signed numbers.
     fn whole_max(self, a: Self::Whole, b: Self::Whole) -> Self::Whole;
     /// Zeros come in; by less than 32.
-    fn whole_shr(self, a: Self::Whole, by: i32) -> Self::Whole;
+    fn whole_shr(self, a: Self::Whole, by: Self::Whole) -> Self::Whole;
     /// a > b, as signed numbers.
     fn whole_greater(self, a: Self::Whole, b: Self::Whole) -> Self::Choice;
     /// The words of these numbers, modulo the table's length.
@@ -130,8 +136,8 @@ impl Singles for Portable {
         zip(a, b, i32::max)
     }
     #[inline(always)]
-    fn whole_shr(self, a: Self::Whole, by: i32) -> Self::Whole {
-        a.map(|a| (a as u32).wrapping_shr(by as u32) as i32)
+    fn whole_shr(self, a: Self::Whole, by: Self::Whole) -> Self::Whole {
+        zip(a, by, |a, by| (a as u32).wrapping_shr(by as u32) as i32)
     }
     #[inline(always)]
     fn whole_greater(self, a: Self::Whole, b: Self::Whole) -> Self::Choice {
@@ -139,7 +145,7 @@ impl Singles for Portable {
     }
     #[inline(always)]
     fn packed(self, table: &PackedWords, index: Self::Whole) -> Self::Whole {
-        index.map(|index| table.0[index as usize & (table.0.len() - 1)] as i32)
+        index.map(|index| table.words[index as usize & (table.words.len() - 1)] as i32)
     }
     #[inline(always)]
     fn single_of(self, a: Self::Whole) -> Self::Single {
@@ -260,8 +266,8 @@ mod x86 {
             op!(_mm256_max_epi32(a, b))
         }
         #[inline(always)]
-        fn whole_shr(self, a: __m256i, by: i32) -> __m256i {
-            op!(_mm256_srl_epi32(a, _mm_cvtsi32_si128(by)))
+        fn whole_shr(self, a: __m256i, by: __m256i) -> __m256i {
+            op!(_mm256_srlv_epi32(a, by))
         }
         #[inline(always)]
         fn whole_greater(self, a: __m256i, b: __m256i) -> __m256 {
@@ -269,11 +275,10 @@ mod x86 {
         }
         #[inline(always)]
         fn packed(self, table: &PackedWords, index: __m256i) -> __m256i {
-            let last = table.0.len() as i32 - 1;
             // SAFETY: the length is a power of two, so that every masked number lies in the table.
             unsafe {
-                let index = _mm256_and_si256(index, _mm256_set1_epi32(last));
-                _mm256_i32gather_epi32::<4>(table.0.as_ptr().cast(), index)
+                let index = _mm256_and_si256(index, self.whole_load(&table.last));
+                _mm256_i32gather_epi32::<4>(table.words.as_ptr().cast(), index)
             }
         }
         #[inline(always)]
@@ -390,8 +395,8 @@ mod x86 {
             op!(_mm512_max_epi32(a, b))
         }
         #[inline(always)]
-        fn whole_shr(self, a: __m512i, by: i32) -> __m512i {
-            op!(_mm512_srl_epi32(a, _mm_cvtsi32_si128(by)))
+        fn whole_shr(self, a: __m512i, by: __m512i) -> __m512i {
+            op!(_mm512_srlv_epi32(a, by))
         }
         #[inline(always)]
         fn whole_greater(self, a: __m512i, b: __m512i) -> __mmask16 {
@@ -399,11 +404,10 @@ mod x86 {
         }
         #[inline(always)]
         fn packed(self, table: &PackedWords, index: __m512i) -> __m512i {
-            let last = table.0.len() as i32 - 1;
             // SAFETY: the length is a power of two, so that every masked number lies in the table.
             unsafe {
-                let index = _mm512_and_si512(index, _mm512_set1_epi32(last));
-                _mm512_i32gather_epi32::<4>(index, table.0.as_ptr().cast())
+                let index = _mm512_and_si512(index, self.whole_load(&table.last));
+                _mm512_i32gather_epi32::<4>(index, table.words.as_ptr().cast())
             }
         }
         #[inline(always)]

@@ -5,8 +5,8 @@
 
 #![allow(unsafe_code)]
 
-use super::Portable;
 use super::words::PixelWords;
+use super::{Doubles, Portable};
 
 /// Sums of a pixel; the last one is the sum of weights.
 pub type Sums = [u32; 8];
@@ -21,7 +21,7 @@ pub struct ShareShift {
 }
 
 /// Operations on a pixel's sums.
-pub trait PixelSums: PixelWords {
+pub trait PixelSums: PixelWords + Doubles {
     /// Attributes of a splat.
     type Attributes: Copy;
 

@@ -83,28 +83,35 @@ fn gaussian() -> Factors {
     Factors::gaussian(&entries, &Deep32::WIDTHS, 4).expect("its products are exact")
 }
 
-/// Whole products of 64-bit words.
-struct WholeProducts {
+/// Products of 64-bit words, whole and of their lower halves.
+struct Products {
     a: [i64; 8],
     b: [i64; 8],
 }
 
-impl VectorTask for &WholeProducts {
-    type Output = [i64; 4];
+impl VectorTask for &Products {
+    type Output = [[i64; 4]; 3];
 
     #[inline(always)]
-    fn run<L: Doubles>(self, lanes: L) -> [i64; 4] {
-        let product = lanes.wide_mul_whole(lanes.wide_load(&self.a), lanes.wide_load(&self.b));
-        let mut stored = [0; 8];
-        lanes.wide_store(&mut stored, product);
-        std::array::from_fn(|k| stored[k])
+    fn run<L: Doubles>(self, lanes: L) -> [[i64; 4]; 3] {
+        let (a, b) = (lanes.wide_load(&self.a), lanes.wide_load(&self.b));
+        let products = [
+            lanes.wide_mul_whole(a, b),
+            lanes.wide_mul(a, b),
+            lanes.wide_mul_unsigned(a, b),
+        ];
+        products.map(|product| {
+            let mut stored = [0; 8];
+            lanes.wide_store(&mut stored, product);
+            std::array::from_fn(|k| stored[k])
+        })
     }
 }
 
 proptest! {
     #[test]
-    fn whole_products_are_the_portable_ones(a: [i64; 8], b: [i64; 8]) {
-        let products = WholeProducts { a, b };
+    fn products_are_the_portable_ones(a: [i64; 8], b: [i64; 8]) {
+        let products = Products { a, b };
         let expected = products.run(Portable);
         for choice in [VectorLevel::Avx2, VectorLevel::Best] {
             let found = dispatch_vectors(choice, &products).unwrap_or(expected);

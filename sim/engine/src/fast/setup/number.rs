@@ -16,19 +16,13 @@ pub struct Number<W: Wide> {
 }
 
 /// A shift to the right that rounds, by the same amount in every word: two instructions a vector, where a shift with the sign by an amount of each
-/// word's own is a dozen without AVX-512. What it leaves is too large by [`turn_of`], for the sign's sake: that goes into a constant which is added
+/// word's own is a dozen without AVX-512. What it leaves is too large by [`Arithmetic::turn_of`], for the sign's sake: that goes into a constant which is added
 /// anyway.
 #[derive(Clone, Copy)]
 pub struct RoundingShift<W: Wide> {
     /// Half of a unit and the turn.
     raise: W::Word,
     by: W::Word,
-}
-
-/// What [`Arithmetic::dropped`] by so much leaves too large.
-#[inline(always)]
-pub fn turn_of(shift: u32) -> i64 {
-    (TURN as u64).checked_shr(shift).unwrap_or(0) as i64
 }
 
 /// The turn that makes signed words unsigned ones in their order, and back.
@@ -148,14 +142,21 @@ impl<W: Wide> Arithmetic<W> {
     /// A shift to the right by so much.
     #[inline(always)]
     pub fn drop(self, shift: u32) -> RoundingShift<W> {
-        let half = (1u64.checked_shl(shift).unwrap_or(0) >> 1) as i64;
+        let by = self.splat(shift.into());
+        let half = self.shr(self.lanes.wide_shl(self.splat(1), by), 1);
         RoundingShift {
-            raise: self.splat(TURN.wrapping_add(half)),
-            by: self.splat(shift.into()),
+            raise: self.plus(half, TURN),
+            by,
         }
     }
 
-    /// `shift_round`, and [`turn_of`] the shift more. The turn does not reach the lower 32 bits if the shift is at most 31.
+    /// What [`Arithmetic::dropped`] by so much leaves too large.
+    #[inline(always)]
+    pub fn turn_of(self, drop: RoundingShift<W>) -> Word<W> {
+        self.lanes.wide_shr(self.splat(TURN), drop.by)
+    }
+
+    /// `shift_round`, and [`turn_of`](Arithmetic::turn_of) the shift more. The turn does not reach the lower 32 bits if the shift is at most 31.
     #[inline(always)]
     pub fn dropped(self, value: Word<W>, drop: RoundingShift<W>) -> Word<W> {
         self.lanes.wide_shr(self.add(value, drop.raise), drop.by)

@@ -10,7 +10,6 @@ pub mod tile;
 pub mod visit;
 
 use super::TILE;
-use super::lanes::Wide;
 use super::lanes::sums::PixelSums;
 use super::lanes::{Doubles, PixelTask, VectorLevel, VectorTask};
 use super::lanes::{dispatch_pixels, dispatch_vectors, prefetch};
@@ -71,7 +70,13 @@ impl<D: Design> WordPainter<D> {
     }
 
     /// What the list's first footprint is computed from within the window.
-    fn prepare(&self, footprints: &Results, list: &[u32], window: &Window) -> PreparedFootprint {
+    fn prepare(
+        &self,
+        footprints: &Results,
+        list: &[u32],
+        window: &Window,
+        place: &mut RowConstants<i64>,
+    ) -> PreparedFootprint {
         let footprint = |index: &u32| &footprints[*index as usize];
         if let Some(next) = list.get(AHEAD) {
             prefetch(footprint(next));
@@ -87,7 +92,10 @@ impl<D: Design> WordPainter<D> {
         let numbers = self.numbers.splat(footprint);
         let fits = |splat: &SplatNumbers| self.single.as_ref().is_none_or(|s| s.fits(splat));
         match numbers.filter(fits) {
-            Some(splat) => PreparedFootprint::Rows(rows.constants().widened(), splat),
+            Some(splat) => {
+                *place = rows.constants().widened();
+                PreparedFootprint::Rows(splat)
+            }
             None => PreparedFootprint::Scalar,
         }
     }
@@ -129,7 +137,7 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
         let clear = Pixel::clear(&self.design.widths());
         let painting = Painting {
             operator: self.numbers.operator,
-            prepare: &|list, window| self.prepare(footprints, list, window),
+            prepare: &|list, window, rows| self.prepare(footprints, list, window, rows),
             list,
             start,
             counts: self.counts,
@@ -176,24 +184,20 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
 }
 
 /// What is drawn of a footprint.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "one at a time, on the stack of the loop that draws it"
-)]
 enum PreparedFootprint {
     /// Nothing of it lies in the window.
     Nothing,
     /// By the kernel's painter.
     Scalar,
-    /// By vectors.
-    Rows(RowConstants<i64>, SplatNumbers),
+    /// By vectors, from these numbers and the constants of its rows, which are left in memory that serves all.
+    Rows(SplatNumbers),
 }
 
 /// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves all.
 #[derive(Clone, Copy)]
 struct Painting<'a> {
     operator: u8,
-    prepare: &'a dyn Fn(&[u32], &Window) -> PreparedFootprint,
+    prepare: &'a dyn Fn(&[u32], &Window, &mut RowConstants<i64>) -> PreparedFootprint,
     list: &'a [u32],
     start: Start,
     counts: bool,
@@ -270,7 +274,7 @@ impl SinglePainting<'_> {
 
 impl Painting<'_> {
     #[inline(always)]
-    fn paint<L: Wide, P: PixelPath>(
+    fn paint<L: Doubles, P: PixelPath>(
         self,
         lanes: L,
         path: &P,
@@ -284,7 +288,7 @@ impl Painting<'_> {
             counts,
             ..
         } = self;
-        let mut batch = RowBatch::new();
+        let (mut batch, mut rows) = (RowBatch::new(), RowConstants::default());
         let mut coverage = Coverage::default();
         let mut window = tile.window();
         let left = window.first[0];
@@ -297,28 +301,26 @@ impl Painting<'_> {
         }
         for part in list.chunks(CHECK_INTERVAL) {
             for (number, index) in part.iter().enumerate() {
-                let (rows, splat) = match prepare(&part[number..], &window) {
+                let splat = match prepare(&part[number..], &window, &mut rows) {
                     PreparedFootprint::Nothing => continue,
-                    PreparedFootprint::Rows(rows, splat) if batch.fill(lanes, &rows, left) => {
-                        (rows, splat)
-                    }
+                    PreparedFootprint::Rows(splat) if batch.fill(lanes, &rows, left) => splat,
                     _ => {
                         coverage += scalar(*index, tile);
                         continue;
                     }
                 };
                 let splat = path.splat(&splat, rows.second);
-                for row in 0..batch.rows() {
-                    for block in batch.touched() {
-                        if let Some(run) = batch.run(row, block) {
-                            let y = rows.rows[0] + row as u16;
-                            let run = columns(&run, left);
-                            if counts {
-                                coverage.visited += run.length as u64;
-                                path.paint::<true>(&splat, &run, tile.row(y), &mut coverage);
-                            } else if let Some(run) = cut(run, tile.live(y), rows.second) {
-                                path.paint::<false>(&splat, &run, tile.row(y), &mut coverage);
-                            }
+                for block in batch.touched() {
+                    let runs = batch.block(block);
+                    for row in 0..batch.rows() {
+                        let Some(run) = runs.run(row) else { continue };
+                        let run = columns(&run, left);
+                        let (pixels, live) = tile.row(rows.rows[0].wrapping_add(row as u16));
+                        if counts {
+                            coverage.visited += run.length as u64;
+                            path.paint::<true>(&splat, &run, pixels, &mut coverage);
+                        } else if let Some(run) = cut(run, live, rows.second) {
+                            path.paint::<false>(&splat, &run, pixels, &mut coverage);
                         }
                     }
                 }
@@ -353,7 +355,8 @@ pub(super) fn columns(run: &RunWords, left: u16) -> Pixels {
 /// The run from its first to its last pixel in work; `None` if it has none.
 #[inline(always)]
 fn cut(run: Pixels, live: u64, second: i64) -> Option<Pixels> {
-    let of_run = live >> run.x & (u64::MAX >> (64 - run.length.clamp(1, 64)));
+    // At most a block.
+    let of_run = live >> run.x & ((1 << (run.length % 64)) - 1);
     if of_run == 0 {
         return None;
     }

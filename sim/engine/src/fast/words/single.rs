@@ -99,6 +99,9 @@ pub struct SinglePixels<'a, L: Singles, const OPERATOR: u8> {
     numbers: &'a SingleNumbers,
     lead: L::Whole,
     slope: L::Whole,
+    below: L::Whole,
+    unseen: L::Whole,
+    interpolation: L::Whole,
     zero: L::Whole,
     whole: L::Single,
     opacity: L::Single,
@@ -132,6 +135,9 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
             numbers,
             lead: lanes.whole(numbers.lead),
             slope: lanes.whole(numbers.slope),
+            below: lanes.whole(numbers.below),
+            unseen: lanes.whole(numbers.unseen),
+            interpolation: lanes.whole(numbers.interpolation),
             zero: lanes.whole(0),
             whole: lanes.single(WHOLE),
             opacity: lanes.single(numbers.opacity),
@@ -143,12 +149,12 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
     /// The kernel at radial indices inside the footprint, as an integer number; anything elsewhere.
     #[inline(always)]
     fn weight(&self, radial: L::Whole) -> L::Single {
-        let (lanes, numbers) = (self.lanes, self.numbers);
+        let lanes = self.lanes;
         let ahead = lanes.whole_add(lanes.whole_max(radial, self.zero), self.lead);
-        let word = lanes.packed(&numbers.table, lanes.whole_shr(ahead, numbers.below));
+        let word = lanes.packed(&self.numbers.table, lanes.whole_shr(ahead, self.below));
         let slope = lanes.whole_and(word, self.slope);
-        let fall = lanes.whole_mul(slope, lanes.whole_shr(ahead, numbers.unseen));
-        let weight = lanes.whole_shr(lanes.whole_sub(word, fall), numbers.interpolation);
+        let fall = lanes.whole_mul(slope, lanes.whole_shr(ahead, self.unseen));
+        let weight = lanes.whole_shr(lanes.whole_sub(word, fall), self.interpolation);
         lanes.single_of(weight)
     }
 
@@ -216,7 +222,11 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
                 end => end,
             }),
             peak: lanes.single(splat.peak as f32 * numbers.peak),
-            colour: [0, 1, 2].map(|k| lanes.single(splat.colour[k] as f32 * numbers.colour)),
+            colour: [
+                lanes.single(splat.colour[0] as f32 * numbers.colour),
+                lanes.single(splat.colour[1] as f32 * numbers.colour),
+                lanes.single(splat.colour[2] as f32 * numbers.colour),
+            ],
             ahead: [
                 lanes.whole_mul(lanes.whole_load(&PAIRS), lanes.whole(second)),
                 lanes.whole_add(whole, lanes.whole_mul(lanes.whole_load(&PLACES), along)),
@@ -361,7 +371,12 @@ mod tests {
                     first: i64::from(self.bits(32) as i32 >> self.bits(4).max(6)),
                 };
                 let second = i64::from(self.up_to(1 << 24));
-                path.paint::<true>(&path.splat(&splat, second), &run, tile.row(0), &mut counts);
+                path.paint::<true>(
+                    &path.splat(&splat, second),
+                    &run,
+                    tile.row(0).0,
+                    &mut counts,
+                );
                 let (mut radial, mut first) = (run.radial as i32, run.first as i32);
                 for pixel in &mut pixels[x..x + run.length] {
                     let index = radial.max(0) as u64;

@@ -138,17 +138,11 @@ impl<W: PixelWord> WordTile<W> {
         self.window
     }
 
-    /// Row `y` of the screen.
+    /// Row `y` of the screen, and those of its pixels that had not finished when they were last looked at.
     #[inline(always)]
-    pub fn row(&mut self, y: u16) -> &mut Row<W> {
-        let row = y.wrapping_sub(self.window.first[1]) % TILE[1];
-        &mut self.rows[usize::from(row)]
-    }
-
-    /// The pixels of row `y` of the screen that had not finished when they were last looked at.
-    #[inline(always)]
-    pub fn live(&self, y: u16) -> u64 {
-        self.live[usize::from(y.wrapping_sub(self.window.first[1]) % TILE[1])]
+    pub fn row(&mut self, y: u16) -> (&mut Row<W>, u64) {
+        let row = usize::from(y.wrapping_sub(self.window.first[1]) % TILE[1]);
+        (&mut self.rows[row], self.live[row])
     }
 
     /// Looks which pixels have finished: a bit for each of a row.

@@ -1,0 +1,278 @@
+//! Spans of many rows at once in double precision, bit for bit those of [`rows`](super::rows).
+//!
+//! A double holds an integer of 53 bits, and a right shift that rounds, `(v + 2^(s-1)) >> s`, is `floor(v 2^-s + 1/2)`: two instructions for
+//! words with a sign, where AVX2 has no such shift. So the rows' sequences are the kernel's integers in doubles. The root is not the kernel's
+//! but the processor's, of which the table's differs by at most [`ERROR`]. Where both ends of that interval give the same column, so does the
+//! kernel's; elsewhere, in one row of some thousand, its table is looked up.
+//!
+//! Columns are in pixels, what is left of the cut-off in units of 2^-[`REST`].
+
+use super::lanes::Doubles;
+use super::lanes::singles::HAS_FUSED_ADD;
+use super::rows::{RowWords, Runs, longest_rest, most_bits, seeds};
+use super::setup::number::Arithmetic;
+use splatline::raster::{BLOCK, REST, RowBlock, RowConstants};
+
+/// What is as far down as this has no error in a double, nor has the sum of three such integers and a rounding bit.
+const MOST: f64 = (1u64 << 49) as f64;
+
+/// As far from the screen's edge as this, columns in Q.32 are integers of 51 bits.
+const FARTHEST: f64 = (1 << 19) as f64;
+
+/// Added to an integer of up to 51 bits, makes the number's lower bits the integer's.
+const WHOLE: f64 = 3.0 * (1u64 << 51) as f64;
+
+/// Half-widths by the root table: relative error, and what the last bits of Q.32 and of the doubles may add.
+pub(super) const ERROR: [f64; 2] = [1.0 / (1 << 16) as f64, 1.0 / (1 << 26) as f64];
+
+/// k and k (k - 1) / 2 for row k of a vector.
+static NUMBERS: [i64; 8] = bits([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+static PAIRS: [i64; 8] = bits([0.0, 0.0, 1.0, 3.0, 6.0, 10.0, 15.0, 21.0]);
+
+/// Numbers as a vector takes them.
+const fn bits(numbers: [f64; 8]) -> [i64; 8] {
+    let mut bits = [0; 8];
+    let mut k = 0;
+    while k < 8 {
+        bits[k] = numbers[k].to_bits() as i64;
+        k += 1;
+    }
+    bits
+}
+
+/// 2^exponent, of exponents that a number may have.
+#[inline(always)]
+fn power(exponent: i32) -> f64 {
+    f64::from_bits((i64::from(1023 + exponent) as u64) << 52)
+}
+
+#[inline(always)]
+fn splat<L: Doubles>(lanes: L, value: f64) -> L::Word {
+    lanes.wide_splat(value.to_bits() as i64)
+}
+
+/// What is the same for all rows of a footprint.
+pub struct RowReals<'a, L: Doubles> {
+    math: Arithmetic<L>,
+    words: &'a RowWords<L>,
+    columns: [f64; 2],
+    /// Change of the centre per row.
+    shear: f64,
+    /// Change of the change of the vertical distance, in its own unit, which is so large here.
+    curve: f64,
+    scale: f64,
+    reach: L::Word,
+    /// One past the longest rest that the table takes, and past the longest square of a half-width whose distances fit the seeds.
+    longest: [L::Word; 2],
+    /// The square of a half-width for a unit of the rest.
+    squared_width: L::Word,
+    to_dx: L::Word,
+    to_down: L::Word,
+    /// [`WHOLE`], less what a turned shift would leave too large.
+    turn_of_down: L::Word,
+}
+
+/// Some rows' words, and what leads to the next ones.
+#[derive(Clone, Copy)]
+pub struct RealRows<L: Doubles> {
+    centre: L::Word,
+    vertical: L::Word,
+    slope: L::Word,
+    change: L::Word,
+    second: L::Word,
+}
+
+/// Where some rows begin, negative, and end, and what the vertical distance adds to their radial indices.
+pub struct RealSpan<L: Doubles> {
+    left: L::Word,
+    end: L::Word,
+    down: L::Word,
+}
+
+impl<'a, L: Doubles> RowReals<'a, L> {
+    /// Of a footprint whose words are [tame](super::rows::is_tame).
+    #[inline(always)]
+    pub fn new(math: Arithmetic<L>, words: &'a RowWords<L>, constants: &RowConstants<i64>) -> Self {
+        let lanes = math.lanes;
+        let below = constants.vertical_fraction.saturating_sub(REST);
+        let scale = power(-(below as i32));
+        let (mantissa, odd, half) = constants.squared_width;
+        let drop = constants
+            .vertical_fraction
+            .saturating_sub(constants.fraction);
+        let unit_of_dx = constants.drops.0 as i32 - 32;
+        // Roots are wrong by less than this leaves.
+        let farthest = power(most_bits(constants) as i32 + unit_of_dx) * (1.0 - 1.0 / 1024.0);
+        RowReals {
+            math,
+            words,
+            columns: words.columns.map(|column| column as f64),
+            shear: constants.shear as f64 * power(-32),
+            curve: constants.curve as f64,
+            scale,
+            reach: splat(lanes, constants.reach as f64 * scale),
+            longest: [
+                splat(lanes, power(longest_rest(constants) as i32 - below as i32)),
+                splat(lanes, farthest * farthest),
+            ],
+            squared_width: splat(
+                lanes,
+                (mantissa << odd) as f64 * power(2 * half.max(-400) - 64),
+            ),
+            to_dx: splat(lanes, -power(-unit_of_dx)),
+            to_down: splat(lanes, power(below as i32 - drop as i32)),
+            turn_of_down: math.sub(splat(lanes, WHOLE), math.turn_of(words.drop_vertical)),
+        }
+    }
+
+    #[inline(always)]
+    fn splat(&self, value: f64) -> L::Word {
+        splat(self.math.lanes, value)
+    }
+
+    /// a b + c, of which the product is exact.
+    #[inline(always)]
+    fn exact(&self, a: L::Word, b: L::Word, c: L::Word) -> L::Word {
+        let lanes = self.math.lanes;
+        if HAS_FUSED_ADD {
+            lanes.double_mul_add(a, b, c)
+        } else {
+            lanes.double_add(lanes.double_mul(a, b), c)
+        }
+    }
+
+    /// a b to the nearest integer, halves up, [`WHOLE`] more.
+    #[inline(always)]
+    fn rounded(&self, a: L::Word, b: L::Word) -> L::Word {
+        let lanes = self.math.lanes;
+        let floor = lanes.double_floor(self.exact(a, b, self.splat(0.5)));
+        lanes.double_add(floor, self.splat(WHOLE))
+    }
+
+    /// An integer, [`WHOLE`] more, as a word.
+    #[inline(always)]
+    fn word(&self, a: L::Word) -> L::Word {
+        self.math.sub(a, self.splat(WHOLE))
+    }
+
+    /// The first of so many rows of a block; `None` where their words are too large.
+    #[inline(always)]
+    pub fn block(&self, block: &RowBlock, count: usize) -> Option<RealRows<L>> {
+        let lanes = self.math.lanes;
+        let [vertical, change] = block.vertical;
+        let (vertical, change) = (vertical as f64, change as f64);
+        let centre = block.centre as f64 * power(-32);
+        let last = (count + 8) as f64;
+        let largest = vertical.abs() + last * (change.abs() + last * self.curve.abs());
+        let farthest = centre.abs() + last * self.shear.abs();
+        // Words beyond a double's bits are larger than this whatever they are rounded to.
+        if largest >= MOST || farthest >= FARTHEST {
+            return None;
+        }
+        let (vertical, change) = (vertical * self.scale, change * self.scale);
+        let curve = self.curve * self.scale;
+        let (numbers, pairs) = (lanes.wide_load(&NUMBERS), lanes.wide_load(&PAIRS));
+        let width = L::WIDE as f64;
+        let bent = self.exact(pairs, self.splat(curve), self.splat(vertical));
+        let along = change * width + curve * (width * (width - 1.0) / 2.0);
+        Some(RealRows {
+            centre: self.exact(numbers, self.splat(self.shear), self.splat(centre)),
+            vertical: self.exact(numbers, self.splat(change), bent),
+            slope: self.splat(self.shear * width),
+            change: self.exact(numbers, self.splat(curve * width), self.splat(along)),
+            second: self.splat(curve * width * width),
+        })
+    }
+
+    /// On to the next rows.
+    #[inline(always)]
+    pub fn step(&self, rows: &RealRows<L>) -> RealRows<L> {
+        let lanes = self.math.lanes;
+        RealRows {
+            centre: lanes.double_add(rows.centre, rows.slope),
+            vertical: lanes.double_add(rows.vertical, rows.change),
+            change: lanes.double_add(rows.change, rows.second),
+            ..*rows
+        }
+    }
+
+    /// The spans of some rows within the ellipse. `longest` becomes the most that a row leaves of the cut-off.
+    #[inline(always)]
+    pub fn span(&self, rows: &RealRows<L>, longest: &mut L::Word) -> RealSpan<L> {
+        let (lanes, zero) = (self.math.lanes, self.splat(0.0));
+        let rest = lanes.double_sub(self.reach, rows.vertical);
+        *longest = lanes.double_max(*longest, rest);
+        let open = lanes.double_greater(rest, zero);
+        let narrow = lanes.double_max(lanes.double_floor(rest), zero);
+        let half = lanes.double_root(lanes.double_mul(narrow, self.squared_width));
+        let error = self.exact(half, self.splat(ERROR[0]), self.splat(ERROR[1]));
+        let (mut left, mut right) = self.ends(rows.centre, lanes.double_add(half, error));
+        let nearer = self.ends(rows.centre, lanes.double_sub(half, error));
+        let doubt = lanes.wide_or(
+            lanes.wide_xor(left, nearer.0),
+            lanes.wide_xor(right, nearer.1),
+        );
+        if lanes.wide_any(lanes.wide_select(zero, doubt, open)) {
+            (left, right) = self.ends(rows.centre, self.half_by_table(narrow));
+        }
+        let end = lanes.double_add(right, self.splat(1.0));
+        RealSpan {
+            left,
+            end: lanes.wide_select(zero, end, open),
+            down: self
+                .math
+                .sub(self.rounded(rows.vertical, self.to_down), self.turn_of_down),
+        }
+    }
+
+    /// First columns, negative, and last ones within so much of the centre.
+    #[inline(always)]
+    fn ends(&self, centre: L::Word, half: L::Word) -> (L::Word, L::Word) {
+        let lanes = self.math.lanes;
+        (
+            lanes.double_floor(lanes.double_sub(half, centre)),
+            lanes.double_floor(lanes.double_add(half, centre)),
+        )
+    }
+
+    /// The kernel's half-widths.
+    #[inline(always)]
+    fn half_by_table(&self, narrow: L::Word) -> L::Word {
+        let lanes = self.math.lanes;
+        let narrow = self.word(lanes.double_add(narrow, self.splat(WHOLE)));
+        let half = self.words.squared_width.half_of(self.math, narrow);
+        let mut halves = [0; 8];
+        lanes.wide_store(&mut halves, half);
+        for half in &mut halves {
+            *half = (*half as f64 * power(-32)).to_bits() as i64;
+        }
+        lanes.wide_load(&halves)
+    }
+
+    /// The runs of some rows in the block that begins at this column, by [`seeds`].
+    #[inline(always)]
+    pub fn runs(&self, rows: &RealRows<L>, span: &RealSpan<L>, column: f64) -> Runs<L> {
+        let lanes = self.math.lanes;
+        let first = self.splat(-column.max(self.columns[0]));
+        let last = (column + f64::from(BLOCK)).min(self.columns[1]);
+        let left = lanes.double_min(span.left, first);
+        let end = lanes.double_min(span.end, self.splat(last));
+        let dx = self.rounded(lanes.double_add(left, rows.centre), self.to_dx);
+        let whole = self.splat(WHOLE);
+        let x = lanes.double_sub(whole, left);
+        let end = lanes.double_add(whole, end);
+        let columns = [self.word(x), self.word(end)];
+        seeds(self.math, self.words, columns, [self.word(dx), span.down])
+    }
+
+    /// Is something left of the cut-off that table or seeds do not take? Not 0 where it is.
+    #[inline(always)]
+    pub fn excess(&self, longest: L::Word) -> L::Word {
+        let (lanes, zero, one) = (self.math.lanes, self.math.splat(0), self.math.splat(1));
+        let square = lanes.double_mul(longest, self.squared_width);
+        let fits = lanes.double_greater(self.longest[0], longest);
+        let near = lanes.double_greater(self.longest[1], square);
+        let excess = lanes.wide_select(one, zero, fits);
+        lanes.wide_select(one, excess, near)
+    }
+}
