@@ -13,10 +13,10 @@ use super::rows::{RowWords, Runs, longest_rest, most_bits, seeds};
 use super::setup::number::Arithmetic;
 use splatline::raster::{BLOCK, REST, RowBlock, RowConstants};
 
-/// What is as far down as this has no error in a double, nor has the sum of three such integers and a rounding bit.
+/// Integers below this have no error in a double, nor has a sum of three of them and a rounding bit.
 const MOST: f64 = (1u64 << 49) as f64;
 
-/// As far from the screen's edge as this, columns in Q.32 are integers of 51 bits.
+/// Columns below this have at most 51 bits in Q.32.
 const FARTHEST: f64 = (1 << 19) as f64;
 
 /// Added to an integer of up to 51 bits, makes the number's lower bits the integer's.
@@ -165,7 +165,7 @@ impl<'a, L: Doubles> RowReals<'a, L> {
         let last = (count + 8) as f64;
         let largest = vertical.abs() + last * (change.abs() + last * self.curve.abs());
         let farthest = centre.abs() + last * self.shear.abs();
-        // Words beyond a double's bits are larger than this whatever they are rounded to.
+        // Words of more bits than a double are larger than this however they were rounded.
         if largest >= MOST || farthest >= FARTHEST {
             return None;
         }

@@ -193,11 +193,14 @@ enum PreparedFootprint {
     Rows(SplatNumbers),
 }
 
+/// Prepares a list's first footprint for a window, and leaves the constants of its rows in the place given.
+type Prepare<'a> = dyn Fn(&[u32], &Window, &mut RowConstants<i64>) -> PreparedFootprint + 'a;
+
 /// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves all.
 #[derive(Clone, Copy)]
 struct Painting<'a> {
     operator: u8,
-    prepare: &'a dyn Fn(&[u32], &Window, &mut RowConstants<i64>) -> PreparedFootprint,
+    prepare: &'a Prepare<'a>,
     list: &'a [u32],
     start: Start,
     counts: bool,
