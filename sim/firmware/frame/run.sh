@@ -44,12 +44,12 @@ emulator() {
 # What a frame cost when this was written and what it is to cost, in millions of instructions, for 200, 1000 and 3000 splats; - without a bar.
 costs() {
     case $design.$1 in
-    lean18.thumbv6m-*) echo "26.8:- 43.1:- 79.2:-" ;;
-    lean18.thumbv7em-*) echo "18.3:- 27.4:- 47.5:-" ;;
-    lean18.riscv32*) echo "19.4:- 30.7:- 55.4:-" ;;
-    *.thumbv6m-*) echo "15.6:18 30.3:35 61.8:-" ;;
-    *.thumbv7em-*) echo "10.2:11 19.3:20 38.5:-" ;;
-    *.riscv32*) echo "12.9:13 24.0:25 47.7:-" ;;
+    lean18.thumbv6m-*) echo "26.6:- 42.4:- 77.3:-" ;;
+    lean18.thumbv7em-*) echo "18.2:- 27.1:- 46.6:-" ;;
+    lean18.riscv32*) echo "19.3:- 30.0:- 53.2:-" ;;
+    *.thumbv6m-*) echo "15.4:18 29.6:35 59.6:-" ;;
+    *.thumbv7em-*) echo "10.1:11 18.8:20 37.2:-" ;;
+    *.riscv32*) echo "12.7:13 23.1:25 45.2:-" ;;
     esac
 }
 phase() { awk -v p="phase_$2" '$1 == "phase" && $2 == p { print $6 }' "$1"; }
