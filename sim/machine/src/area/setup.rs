@@ -1,4 +1,5 @@
-//! Area of the setup unit in `sim/rtl`: straight lines through its synthesis.
+//! Area of the setup unit in `sim/rtl`: a straight line through its synthesis for designs whose axes are turned in front
+//! of the cores, and one for others.
 //!
 //! The unit is a base and a number of equal cores, each with multipliers of its own; all cores together take a round of slots for as many splats as
 //! there are cores. So an interval between two splats is a number of cores. Below eight cycles there is no such circuit: its ends take a
@@ -122,33 +123,35 @@ pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
     units.iter().find(same).map(|unit| unit.round)
 }
 
-/// A unit with so many cores for a family, by the lines; nothing where none was synthesised.
+/// Bits of the widest mantissa whose axes are turned in front of the cores.
+const TURNED: u8 = 21;
+
+/// A unit with so many cores for a family: on lean18's line where axes are turned in front of the cores, on standard24's
+/// elsewhere; nothing where none was synthesised.
 pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -> Option<Fabric> {
+    let design = if mantissa <= TURNED {
+        "lean18"
+    } else {
+        "standard24"
+    };
+    let at = |cores: u32| {
+        let same = |unit: &&SetupUnit| {
+            unit.family == family && unit.design == design && unit.cores == cores
+        };
+        units.iter().find(same).map(|unit| unit.fabric)
+    };
+    let [few, many] = FITTED_CORES;
+    let (one, more) = (at(few)?, at(many)?);
     let of = |resource: fn(&Fabric) -> u64| {
-        let at = |design: &str, cores: u32| {
-            let same = |unit: &&SetupUnit| {
-                unit.family == family && unit.design == design && unit.cores == cores
-            };
-            let unit = units.iter().find(same)?;
-            Some((f64::from(unit.mantissa), resource(&unit.fabric) as f64))
-        };
-        let [few, many] = FITTED_CORES;
-        let ends = |design: &str| {
-            let ((bits, a), (_, b)) = (at(design, few)?, at(design, many)?);
-            let core = (b - a) / f64::from(many - few);
-            Some((bits, core, a - core * f64::from(few)))
-        };
-        let (low, high) = (ends("lean18")?, ends("standard24")?);
-        let along = (f64::from(mantissa) - low.0) / (high.0 - low.0);
-        let core = low.1 + along * (high.1 - low.1);
-        let base = low.2 + along * (high.2 - low.2);
-        Some((base + core * f64::from(cores)).round() as u64)
+        let (a, b) = (resource(&one) as f64, resource(&more) as f64);
+        let core = (b - a) / f64::from(many - few);
+        (a + core * (f64::from(cores) - f64::from(few))).round() as u64
     };
     Some(Fabric {
-        luts: of(|fabric| fabric.luts)?,
-        flip_flops: of(|fabric| fabric.flip_flops)?,
-        dsps: of(|fabric| fabric.dsps)?,
-        memory_kbit: of(|fabric| fabric.memory_kbit)?,
+        luts: of(|fabric| fabric.luts),
+        flip_flops: of(|fabric| fabric.flip_flops),
+        dsps: of(|fabric| fabric.dsps),
+        memory_kbit: of(|fabric| fabric.memory_kbit),
     })
 }
 
@@ -209,7 +212,7 @@ mod tests {
         let queues = around(&machine, &prices).luts - ten.map_or(0, |ten| ten.luts);
         assert_eq!(
             around(&eight, &prices).luts - queues,
-            estimate(&units, Family::Ecp5, widths.mantissa, 24).map_or(0, |unit| unit.luts)
+            estimate(&units, Family::Ecp5, widths.mantissa, 20).map_or(0, |unit| unit.luts)
         );
     }
 
