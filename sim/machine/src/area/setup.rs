@@ -116,15 +116,19 @@ pub(super) fn of_machine(
     built.then(|| estimate(&units, calibration.family, widths.mantissa, cores))?
 }
 
-/// Slots of a splat for a design: longer where positions have two parts.
-pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
-    let two_parts = widths.position > 30;
-    let same = |unit: &&SetupUnit| (unit.position > 30) == two_parts;
-    units.iter().find(same).map(|unit| unit.round)
-}
-
 /// Bits of the widest mantissa whose axes are turned in front of the cores.
 const TURNED: u8 = 21;
+
+/// Slots of a splat for a design: longer where positions have two parts or axes are turned in the cores. The longest where no circuit is alike.
+pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
+    let kind = |position: u8, mantissa: u8| (position > 30, mantissa <= TURNED);
+    let of = kind(widths.position, widths.mantissa);
+    let same = units
+        .iter()
+        .find(|unit| kind(unit.position, unit.mantissa) == of);
+    let longest = || units.iter().max_by_key(|unit| unit.round);
+    same.or_else(longest).map(|unit| unit.round)
+}
 
 /// A unit with so many cores for a family: on lean18's line where axes are turned in front of the cores, on standard24's
 /// elsewhere; nothing where none was synthesised.
