@@ -315,13 +315,12 @@ impl<'t, D: Design> Renderer<'t, D> {
         target.clear(&widths);
         let (coverage, bounded) = match self.narrow(L::CONIC) {
             Some(painter) => {
-                let (mut bounded, mut layers) = (widths.transmittance < 26, 0u32);
+                let mut drawn = Drawn::default();
                 list.visit(&window, Compositing::FrontToBack, |footprint| {
-                    bounded &= footprint.colour.iter().all(|c| *c <= 1 << widths.colour);
-                    layers = layers.saturating_add(1);
+                    drawn.note(&footprint.colour, &widths);
                     painter.draw_with(footprint, &mut target, &paint)
                 });
-                (None, bounded && layers <= bounded_layers(&widths))
+                (None, drawn.is_bounded(&widths))
             }
             None => (Some(self.paint(list, &mut target)), false),
         };
@@ -423,6 +422,26 @@ impl core::fmt::Display for RenderError {
 impl core::error::Error for NoTable {}
 impl core::error::Error for RenderError {}
 
+/// What was drawn into a frame, of which follows whether channels can exceed 1 - T.
+#[derive(Clone, Copy, Default)]
+struct Drawn {
+    layers: u32,
+    bright: bool,
+}
+
+impl Drawn {
+    #[inline(always)]
+    fn note(&mut self, colour: &[u32; 3], widths: &Widths) {
+        self.bright |= colour.iter().any(|c| *c > 1 << widths.colour);
+        self.layers = self.layers.saturating_add(1);
+    }
+
+    /// See [`PixelReader::where_bounded`].
+    fn is_bounded(self, widths: &Widths) -> bool {
+        widths.transmittance < 26 && !self.bright && self.layers <= bounded_layers(widths)
+    }
+}
+
 /// Layers of colours up to 1 after which a channel is above 1 - T by less than half of a display's 63rd: each rounds a sum up by half a unit at
 /// most, and by nothing where sums have the bits of their products.
 fn bounded_layers(widths: &Widths) -> u32 {
@@ -447,4 +466,22 @@ fn rounded_sums_are_bounded_for_so_many_layers() {
     // Half a unit each, 63 levels, less than half a level.
     let most = bounded_layers(&Lean18::WIDTHS);
     assert!(63 * most < 1 << Lean18::WIDTHS.accumulator);
+
+    let one = 1 << Lean18::WIDTHS.colour;
+    let drawn = |layers: u32, colour: u32, transmittance: u8| {
+        let widths = Widths {
+            transmittance,
+            ..Lean18::WIDTHS
+        };
+        let mut drawn = Drawn::default();
+        drawn.note(&[0, colour, 1], &widths);
+        for _ in 1..layers {
+            drawn.note(&[one; 3], &widths);
+        }
+        drawn.is_bounded(&widths)
+    };
+    assert!(drawn(most, one, 25));
+    assert!(!drawn(most + 1, one, 25));
+    assert!(!drawn(1, one, 26));
+    assert!(!drawn(1, one + 1, 25));
 }

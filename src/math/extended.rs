@@ -81,6 +81,16 @@ mod tests {
             prop_assert!(whole.exceeds(half));
         }
 
+        /// The same number in more or fewer digits, and one unit more.
+        #[test]
+        fn digits_do_not_count(value in 1i64..1 << 20, by in 1u32..42, exponent in -100..100) {
+            let short = Extended { value, exponent };
+            let long = Extended { value: value << by, exponent: exponent - by as i32 };
+            let more = Extended { value: long.value + 1, ..long };
+            prop_assert!(!short.exceeds(long) && !long.exceeds(short));
+            prop_assert!(more.exceeds(short) && !short.exceeds(more));
+        }
+
         #[test]
         fn every_bit_pattern_is_defined(value: i64, exponent: i32, other: i64, power: i32) {
             let (a, b) = (Extended { value, exponent }, Extended { value: other, exponent: power });

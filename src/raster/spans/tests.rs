@@ -404,3 +404,54 @@ fn runs_are_these() {
         ]
     );
 }
+
+/// Seeds of words are those of 64 bits whatever their shifts, also those that no footprint of setup has.
+#[test]
+fn seeds_by_words_are_defined_for_all_shifts() {
+    let short = RuntimeWidths::<i32>::for_lanes(Lean18::WIDTHS).unwrap();
+    let wide = RuntimeWidths::new(Lean18::WIDTHS).unwrap();
+    let mut next = crate::random();
+    for half in 2..26 {
+        for exponent in -90..20 {
+            let ldl = Ldl {
+                horizontal: SoftFloat {
+                    mantissa: 1 << 17 | (next() as i32 & 0x1ffff),
+                    exponent,
+                },
+                ..Footprint::EMPTY.ldl
+            };
+            let short = Seed::new(short, &ldl, half, 0);
+            let wide = Seed::new(wide, &ldl, half, 0);
+            for _ in 0..8 {
+                let column = next() as u16;
+                let dx = next() as i64 >> (31 - half);
+                let centre = (i64::from(column) << 32) - dx;
+                let (radial, first, second) = wide.at(column, centre, 1 << 20);
+                let expected = (radial as i32, first as i32, second as i32);
+                assert_eq!(
+                    short.at(column, centre, 1 << 20),
+                    expected,
+                    "{half} {exponent}"
+                );
+            }
+        }
+    }
+}
+
+/// What lanes of 64 bits are given is the same, but for the lane's word.
+#[test]
+fn widened_constants_are_the_same() {
+    let footprint = ellipse(&Micro16::WIDTHS, [40.0, 30.0], [9.0, 2.0], [0.8, 0.6]);
+    let window = Window {
+        first: [0, 0],
+        end: [64, 64],
+    };
+    let short = EllipseSpans::new(Micro16, &footprint, &window).constants();
+    let wide = short.widened();
+    assert!(short.second != 0 && short.bounds != [0; 2]);
+    assert_eq!(
+        std::format!("{:?}", RowConstants { second: 0, ..wide }),
+        std::format!("{:?}", RowConstants { second: 0, ..short })
+    );
+    assert_eq!(wide.second, i64::from(short.second));
+}
