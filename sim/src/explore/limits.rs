@@ -118,8 +118,11 @@ impl Quantity {
 
     /// The value as people read it.
     pub fn show(self, value: f64) -> String {
+        let in_millions = self == Quantity::BytesPerSecond;
+        let value = if in_millions { value / 1e6 } else { value };
         match self {
-            Quantity::BytesPerSecond => format!("{:.0}", value / 1e6),
+            _ if value.abs() >= 1e15 => format!("{value:.3e}"),
+            Quantity::BytesPerSecond => format!("{value:.0}"),
             Quantity::Luts | Quantity::FlipFlops | Quantity::Dsps | Quantity::MemoryKbit => {
                 format!("{value:.0}")
             }
@@ -229,6 +232,13 @@ pub fn limits_of_part(name: &str, part: &crate::machine::parts::Part) -> Vec<Lim
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_of_any_size_are_read_at_a_glance() {
+        let fps = |value: f64| Quantity::FramesPerSecond.show(value);
+        assert_eq!(fps(59.941), "59.94");
+        assert_eq!(fps(1e308), "1.000e308");
+    }
 
     #[test]
     fn rates_are_lower_limits_and_the_rest_upper_ones() {
