@@ -35,8 +35,8 @@ pub struct DesignChoice {
     constants: Constants,
 }
 
-/// Designs whose widths are constants of a type: those that people draw by. Each type compiles all drawings once more (the engine and the machine were a
-/// fifth larger with five), and the others are as fast with their widths in fields.
+/// Designs whose widths are constants of a type: those that people draw by. Each type compiles all drawings once more,
+/// and the other designs are as fast with their widths in fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Constants {
     Lean18,

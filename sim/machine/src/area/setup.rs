@@ -8,6 +8,7 @@
 use super::{Calibration, Fabric, Family, RESOURCES, lines_of};
 use crate::config::Config;
 use splatline::format::Widths;
+use splatline::math::GUARD;
 use std::fmt::Write;
 
 /// The counts, as `rtl -- area setup` prints them.
@@ -116,12 +117,15 @@ pub(super) fn of_machine(
     built.then(|| estimate(&units, calibration.family, widths.mantissa, cores))?
 }
 
-/// Bits of the widest mantissa whose axes are turned in front of the cores.
-const TURNED: u8 = 21;
+/// Are axes turned in front of the cores? Their sums, two bits and a sign longer than a window, are then items of 32 bits.
+pub fn is_turned(mantissa: u8) -> bool {
+    u32::from(mantissa) + GUARD + 3 <= 32
+}
 
-/// Slots of a splat for a design: longer where positions have two parts or axes are turned in the cores. The longest where no circuit is alike.
+/// Slots of a splat for a design: more where positions have two parts or axes are turned in the cores. The most where no
+/// circuit is alike.
 pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
-    let kind = |position: u8, mantissa: u8| (position > 30, mantissa <= TURNED);
+    let kind = |position: u8, mantissa: u8| (position > 30, is_turned(mantissa));
     let of = kind(widths.position, widths.mantissa);
     let same = units
         .iter()
@@ -133,7 +137,7 @@ pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
 /// A unit with so many cores for a family: on lean18's line where axes are turned in front of the cores, on standard24's
 /// elsewhere; nothing where none was synthesised.
 pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -> Option<Fabric> {
-    let design = if mantissa <= TURNED {
+    let design = if is_turned(mantissa) {
         "lean18"
     } else {
         "standard24"

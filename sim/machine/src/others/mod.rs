@@ -209,8 +209,7 @@ pub fn run_all(
     table: &EnergyTable,
 ) -> Result<Vec<Outcome>, TooLarge> {
     let run = |preset: &Preset| {
-        let design =
-            DesignChoice::named(preset.design).unwrap_or_else(|| DesignChoice::all().remove(3));
+        let design = DesignChoice::named(preset.design).expect("presets name designs of ours");
         let (widths, traversal) = (&design.widths, design.traversal);
         let own = Options {
             design: &design,

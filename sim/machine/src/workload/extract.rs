@@ -144,7 +144,7 @@ fn ranks(order: &[u32], splats: usize) -> Vec<u32> {
 }
 
 impl ExtractJob<'_> {
-    /// The work of all tiles, of which one is what `tile` makes of a list and a window. Compiled once, not for every design.
+    /// The work of all tiles, of which one is what `tile` makes of a list and a window. Compiled once, not by design.
     fn all_tiles(
         &self,
         widths: &Widths,

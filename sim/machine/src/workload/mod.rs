@@ -193,8 +193,8 @@ impl Bins {
     }
 }
 
-/// Every tile's part on some core, in the order of the tiles. Takes a function behind a reference, so that what spreads the work is compiled once and
-/// not for every design.
+/// Every tile's part on some core, in the order of the tiles. Takes a function behind a reference, so that what spreads
+/// the work is compiled once and not for every design.
 fn each_tile<Part: Send>(tiles: usize, part: &(dyn Fn(usize) -> Part + Sync)) -> Vec<Part> {
     (0..tiles).into_par_iter().map(part).collect()
 }

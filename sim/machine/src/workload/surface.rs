@@ -185,7 +185,7 @@ impl SurfaceJob<'_> {
         self.all_tiles(&widths, &|tile| self.tile::<D, C>(design, &painter, tile))
     }
 
-    /// The work of all tiles, of which one is what `tile` makes of its number. Compiled once, not for every design and cell.
+    /// The work of all tiles, of which one is what `tile` makes of its number. Compiled once, not by design and cell.
     fn all_tiles(
         &self,
         widths: &Widths,

@@ -8,9 +8,8 @@
 //! With a column `opacity` pixels finish: a footprint takes opacity exp(-r/2), at most 0.999, of a pixel's light, and one that has a ten-thousandth left is
 //! finished, as in 3D Gaussian splatting and EWA. Footprints without an opacity take no light, so that nothing finishes.
 
-use crate::input::Refused;
-
 use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, mask};
+use crate::input::Refused;
 use splatline::format::Traversal;
 use splatline::raster::Window;
 

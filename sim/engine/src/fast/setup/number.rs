@@ -16,8 +16,8 @@ pub struct Number<W: Wide> {
 }
 
 /// A shift to the right that rounds, by the same amount in every word: two instructions a vector, where a shift with the sign by an amount of each
-/// word's own is a dozen without AVX-512. What it leaves is too large by [`Arithmetic::turn_of`], for the sign's sake: that goes into a constant which is added
-/// anyway.
+/// word's own is a dozen without AVX-512. What it leaves is too large by [`Arithmetic::turn_of`], for the sign's sake:
+/// that goes into a constant which is added anyway.
 #[derive(Clone, Copy)]
 pub struct RoundingShift<W: Wide> {
     /// Half of a unit and the turn.

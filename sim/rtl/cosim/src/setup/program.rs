@@ -7,6 +7,7 @@ use crate::mutation::Mutation;
 use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Widths;
 use splatline::math::GUARD;
+use splatline_sim::machine::area::setup::is_turned;
 
 /// The programs' file in the folder of the co-simulation.
 pub const FILE: &str = "setup_program.txt";
@@ -20,11 +21,6 @@ const ITEMS: [&str; 16] = [
 /// Bits of the difference's low part; 0 where it has none.
 pub fn low_bits(widths: &Widths) -> u32 {
     u32::from(widths.position).saturating_sub(30)
-}
-
-/// Do the sums of a turned axis fit an item of 32 bits?
-pub fn turned(widths: &Widths) -> bool {
-    u32::from(widths.mantissa) + GUARD + 3 <= 32
 }
 
 /// What a program computes: setup, with what protects its splats against samples closer together than pixels, or something else.
@@ -81,7 +77,11 @@ impl SetupProgram {
             constants: Vec::new(),
         };
         let parts = if low_bits(widths) > 0 { "low" } else { "whole" };
-        let axes = if turned(widths) { "narrow" } else { "broad" };
+        let axes = if is_turned(widths.mantissa) {
+            "narrow"
+        } else {
+            "broad"
+        };
         let mut stands = false;
         for line in self.text.lines() {
             if let Some(heading) = line.strip_prefix("== ") {

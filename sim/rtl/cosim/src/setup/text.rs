@@ -5,10 +5,11 @@
 use super::assemble::{
     LATENCY, LOAD_AHEAD, Operand, Operation, Pick, Program, Table, Term, Unit, constant,
 };
-use super::program::{SetupProgram, low_bits, turned};
+use super::program::{SetupProgram, low_bits};
 use anyhow::{Result, ensure};
 use splatline::format::Widths;
 use splatline::setup::axis_bits;
+use splatline_sim::machine::area::setup::is_turned;
 use std::fmt::Write;
 
 /// The slot's type.
@@ -96,7 +97,7 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
     } = *widths;
     let (low, round) = (low_bits(widths), program.round);
     let axis_drop = 31 - axis_bits(widths);
-    let turned = u32::from(turned(widths));
+    let turned = u32::from(is_turned(widths.mantissa));
     let (out_round, out_slot) = (out / round, out % round);
     let results = program.operations.iter().filter(|operation| operation.out);
     let words: usize = results.map(|operation| operation.terms.len()).sum();
