@@ -36,7 +36,7 @@ pub struct DesignChoice {
 }
 
 /// Designs whose widths are constants of a type: those that people draw by. Each type compiles all drawings once more,
-/// and the other designs are as fast with their widths in fields.
+/// and the other designs are as fast by spans with their widths in fields (by box a tenth slower).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Constants {
     Lean18,
