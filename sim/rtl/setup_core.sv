@@ -1,4 +1,4 @@
-// A core of the setup unit: a register file and one pipeline, through which goes every sum of products of setup, one term a cycle.
+// A core of the setup unit: one pipeline, through which goes every sum of products of setup, one term a cycle. Its registers and tables stand in setup_memory.sv.
 //
 //   registers | factors | rest, exponents | signs, choice | product (2) | term | largest (6) | distance | shift (2) | sign | sum |
 //   normalisation (3) | rounding | carry, write
@@ -14,11 +14,15 @@
 // The unit of a sum is known once the exponent of its last term is; until then its terms wait three cycles, so that up to four can be aligned to the largest.
 module setup_core (
     input logic clk,
-    // Slots by stage: slots[i] was issued i cycles ago. Registers' addresses come with the first and the last.
+    // Slots by stage: slots[i] was issued i cycles ago.
     input logic [24*splatline_setup_pkg::SLOT_BITS-1:0] slots,
-    input logic [7:0] a_place,
-    input logic [7:0] b_place,
-    input logic [7:0] result_place,
+    // Registers that the slot reads, one cycle after its issue, and its result.
+    input logic [50:0] register_a1,
+    input logic [50:0] register_b1,
+    output logic [50:0] result23,
+    // What a table is asked for two cycles after, and its answer.
+    output logic [8:0] index2,
+    input logic [31:0] table3,
     // The slot's constant as first factor one cycle after its issue and as what is picked three cycles after, 0 where it is neither; the right factor's share
     // that is the same for all cores: the constant, or 2^31 beside a plain term, with what the slot adds to the exponents. Where a sum begins, seventeen
     // cycles after.
@@ -63,29 +67,12 @@ module setup_core (
   assign slot22 = slots[22*BITS+:BITS];
 
   // 0 to 2: registers, record, constant. What a slot does not use is 0, so that the sources need no choice, only an or.
-  (* ram_style = "block", no_rw_check *) logic [50:0] registers_a[0:255];
-  (* ram_style = "block", no_rw_check *) logic [50:0] registers_b[0:255];
   logic [splatline_setup_pkg::BEAT_BITS-1:0] records[0:15];
-  logic write23;
-  logic [7:0] place23;
-  logic [32:0] result23;
-  logic signed [17:0] exponent23;
-  logic [50:0] register_a1;
-  logic [50:0] register_b1;
   logic [splatline_setup_pkg::BEAT_BITS-1:0] beat0;
   logic [43:0] even_item1, odd_item1, item1;
-  logic unread_a0, unread_b0;
-  assign unread_a0 = slot0.a_constant || slot0.a_input;
-  assign unread_b0 = slot0.b_constant || slot0.lookup != 0 || (slot0.plain && slot0.pick == 0);
   assign beat0 = records[{side, slot0.a[3:1]}];
   assign item1 = even_item1 | odd_item1;
   always_ff @(posedge clk) begin
-    if (write23) begin
-      registers_a[place23] <= {exponent23, result23};
-      registers_b[place23] <= {exponent23, result23};
-    end
-    register_a1 <= unread_a0 ? 51'd0 : registers_a[a_place];
-    register_b1 <= unread_b0 ? 51'd0 : registers_b[b_place];
     if (load) records[load_place] <= load_beat;
     even_item1 <= slot0.a_input && !slot0.a[0] ? beat0[43:0] : 44'd0;
     odd_item1 <= slot0.a_input && slot0.a[0] ? beat0[87:44] : 44'd0;
@@ -94,8 +81,6 @@ module setup_core (
   logic signed [32:0] a2, b2, b3, second_value3;
   logic signed [17:0] a_exponent2, b_exponent2, b_exponent3;
   logic even2, even3, chosen2, chosen3, picks3;
-  logic [8:0] index2;
-  logic [31:0] table3;
   // A root's argument is halved where its exponent needs it to be even.
   assign even2 = a_exponent2[0];
   always_comb begin
@@ -116,7 +101,6 @@ module setup_core (
     b_exponent3 <= chosen2 ? 18'sd0 : b_exponent2;
     chosen3 <= chosen2;
     even3 <= even2 && slot2.lookup == 2'd2 && !slot2.entry;
-    table3 <= splatline_tables::setup_entry({slot2.entry, index2});
   end
 
   // 2: the left factor: the first one, or of a table's argument the rest, whose place the slot's own exponent knows; beside an entry 2^31. What the first factor
@@ -264,11 +248,9 @@ module setup_core (
     exponent22 <= unit21 + 18'sd32 - $signed({12'd0, spare21});
     nothing22 <= slot21.normal && moved21[31] == moved21[32];
 
-    place23 <= result_place;
-    write23 <= slot22.write;
     // What carries is a power of two.
-    result23 <= {rounded22[33], carried22 ? rounded22[33] : rounded22[32], rounded22[31] | carried22, rounded22[30:1]};
-    exponent23 <= exponent22 + $signed({17'd0, carried22});
-    if (nothing22) exponent23 <= NOTHING;
+    result23[32:0] <= {rounded22[33], carried22 ? rounded22[33] : rounded22[32], rounded22[31] | carried22, rounded22[30:1]};
+    result23[50:33] <= exponent22 + $signed({17'd0, carried22});
+    if (nothing22) result23[50:33] <= NOTHING;
   end
 endmodule

@@ -134,13 +134,14 @@ module setup_unit #(
   logic issued;
   splatline_setup_pkg::slot_t fetched, issue;
   logic [24*BITS-1:0] slots;
-  logic [7:0] a_place, b_place;
+  logic [7:0] a_place, b_place, write_place;
   logic [23*8-1:0] result_places;
   logic [3:0] splat;
   logic [81:0] constant1, constant2, constant3;
   logic [50:0] right3;
   logic [14*64-1:0] starts;
-  splatline_setup_pkg::slot_t slot1, slot2, slot3, slot20;
+  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot20, slot22;
+  logic unread_a0, unread_b0, writes;
   logic [15:0] half21;
   logic [16:0] kept21;
   logic [3:0] rule_flags;
@@ -159,10 +160,14 @@ module setup_unit #(
     issue = fetched;
     if (other) issue.a_constant = fetched.b_constant;
   end
+  assign slot0 = slots[0+:BITS];
   assign slot1 = slots[1*BITS+:BITS];
   assign slot2 = slots[2*BITS+:BITS];
   assign slot3 = slots[3*BITS+:BITS];
   assign slot20 = slots[20*BITS+:BITS];
+  assign slot22 = slots[22*BITS+:BITS];
+  assign unread_a0 = slot0.a_constant || slot0.a_input;
+  assign unread_b0 = slot0.b_constant || slot0.lookup != 0 || (slot0.plain && slot0.pick == 0);
   always_ff @(posedge clk) begin
     stored <= splatline_setup_pkg::microcode(cycle);
     issued <= issues;
@@ -171,6 +176,8 @@ module setup_unit #(
     a_place <= other ? fetched.b + {4'd0, splat & fetched.b_turn} : fetched.a + {4'd0, splat & fetched.a_turn};
     b_place <= fetched.b + {4'd0, splat & fetched.b_turn};
     result_places <= {result_places[22*8-1:0], fetched.place + {4'd0, splat & fetched.place_turn}};
+    write_place <= result_places[22*8+:8];
+    writes <= slot22.write;
     slots <= {slots[23*BITS-1:0], issue};
     constant_place <= fetched.constant;
     side <= fetched_side;
@@ -202,8 +209,31 @@ module setup_unit #(
     chosen = 0;
     for (int core = 0; core < CORES; core = core + 1) chosen = chosen | chosen_words[core*WORD+:WORD];
   end
+  logic [51*CORES-1:0] registers_a, registers_b, core_results;
+  logic [9*CORES-1:0] indices;
+  logic [32*CORES-1:0] entries;
   genvar i;
   generate
+    for (i = 0; i < CORES; i = i + 2) begin : gen_memory
+      localparam PAIR = i + 1 < CORES ? 2 : 1;
+      setup_memory #(
+          .CORES(PAIR)
+      ) memory (
+          .clk,
+          .write(writes),
+          .write_place,
+          .results(core_results[51*i+:51*PAIR]),
+          .unread_a(unread_a0),
+          .unread_b(unread_b0),
+          .a_place,
+          .b_place,
+          .a(registers_a[51*i+:51*PAIR]),
+          .b(registers_b[51*i+:51*PAIR]),
+          .entry(slot2.entry),
+          .index(indices[9*i+:9*PAIR]),
+          .found(entries[32*i+:32*PAIR])
+      );
+    end
     for (i = 0; i < CORES; i = i + 1) begin : gen_core
       logic signed [32:0] out_a, out_b;
       logic signed [17:0] out_a_exponent, out_b_exponent;
@@ -212,9 +242,11 @@ module setup_unit #(
       setup_core core (
           .clk,
           .slots,
-          .a_place,
-          .b_place,
-          .result_place(result_places[22*8+:8]),
+          .register_a1(registers_a[51*i+:51]),
+          .register_b1(registers_b[51*i+:51]),
+          .result23(core_results[51*i+:51]),
+          .index2(indices[9*i+:9]),
+          .table3(entries[32*i+:32]),
           .constant1(slot1.a_constant ? {constant1[81:64], constant1[32:0]} : 51'd0),
           .picked3(constant3[32:0]),
           .right3,
