@@ -2,12 +2,16 @@
 
 #![allow(unsafe_code)]
 
-use super::Portable;
 use super::singles::Singles;
 use super::wide::Words;
+use super::{Portable, Wide};
 
 /// Double-precision operations on the bits of [`Wide::Word`](super::Wide::Word), each rounded once to nearest, halves to even.
-pub trait Doubles: Singles {
+pub trait Doubles: Wide {
+    /// Pixels in single precision on the same processor.
+    type Singles: Singles;
+    /// See [`Doubles::Singles`].
+    fn singles(self) -> Self::Singles;
     /// a + b.
     fn double_add(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// a - b.
@@ -47,6 +51,12 @@ fn zip(a: Words, b: Words, operation: impl Fn(f64, f64) -> f64) -> Words {
 }
 
 impl Doubles for Portable {
+    type Singles = Portable;
+
+    #[inline(always)]
+    fn singles(self) -> Portable {
+        self
+    }
     #[inline(always)]
     fn double_add(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| a + b)
@@ -125,6 +135,12 @@ mod x86 {
     }
 
     impl Doubles for Avx2 {
+        type Singles = Avx2;
+
+        #[inline(always)]
+        fn singles(self) -> Avx2 {
+            self
+        }
         arithmetic!(
             __m256i, _mm256_castsi256_pd, _mm256_castpd_si256,
             two: double_add = _mm256_add_pd, double_sub = _mm256_sub_pd, double_mul = _mm256_mul_pd,
@@ -161,6 +177,12 @@ mod x86 {
     }
 
     impl Doubles for Avx512 {
+        type Singles = Avx2;
+
+        #[inline(always)]
+        fn singles(self) -> Avx2 {
+            self.avx2()
+        }
         arithmetic!(
             __m512i, _mm512_castsi512_pd, _mm512_castpd_si512,
             two: double_add = _mm512_add_pd, double_sub = _mm512_sub_pd, double_mul = _mm512_mul_pd,

@@ -3,19 +3,19 @@
 
 #![allow(unsafe_code)]
 
-use super::{Portable, Wide};
+use super::Portable;
 
 /// Is a fused multiply-add one instruction wherever [`dispatch_vectors`](super::dispatch_vectors) runs a task? Elsewhere (wasm) it is a call.
 pub const HAS_FUSED_ADD: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
 
-/// Most pixels of a vector.
-pub const MOST: usize = 16;
+/// Pixels of a vector. Sixteen with AVX-512 lost: a run of random splats has ten, and looking up sixteen entries takes twice the time of eight.
+pub const SINGLES: usize = 8;
 
 /// A table of 32-bit words whose length is a power of two, and the last one's number for every pixel of a vector.
 #[derive(Clone, Debug)]
 pub struct PackedWords {
     words: Box<[u32]>,
-    last: [i32; MOST],
+    last: [i32; SINGLES],
 }
 
 impl PackedWords {
@@ -23,16 +23,14 @@ impl PackedWords {
     pub fn new(mut words: Vec<u32>) -> Self {
         words.resize(words.len().next_power_of_two(), 0);
         PackedWords {
-            last: [words.len() as i32 - 1; MOST],
+            last: [words.len() as i32 - 1; SINGLES],
             words: words.into(),
         }
     }
 }
 
 /// Operations on pixels in single precision. Integers wrap; numbers are rounded to nearest, halves to even.
-pub trait Singles: Wide {
-    /// Pixels of a vector.
-    const SINGLES: usize;
+pub trait Singles: Copy {
     /// Integers of 32 bits.
     type Whole: Copy;
     /// Numbers of single precision.
@@ -42,8 +40,8 @@ pub trait Singles: Wide {
 
     /// Equal integers.
     fn whole(self, value: i32) -> Self::Whole;
-    /// The first integers of the array.
-    fn whole_load(self, from: &[i32; MOST]) -> Self::Whole;
+    /// The integers of the array.
+    fn whole_load(self, from: &[i32; SINGLES]) -> Self::Whole;
     /// a + b.
     fn whole_add(self, a: Self::Whole, b: Self::Whole) -> Self::Whole;
     /// a - b.
@@ -94,26 +92,22 @@ pub trait Singles: Wide {
     fn chosen(self, choice: Self::Choice) -> u32;
 }
 
-/// As many pixels as AVX2 has.
-const ARRAY: usize = 8;
-
-fn zip<T: Copy, U>(a: [T; ARRAY], b: [T; ARRAY], f: impl Fn(T, T) -> U) -> [U; ARRAY] {
+fn zip<T: Copy, U>(a: [T; SINGLES], b: [T; SINGLES], f: impl Fn(T, T) -> U) -> [U; SINGLES] {
     std::array::from_fn(|k| f(a[k], b[k]))
 }
 
 impl Singles for Portable {
-    const SINGLES: usize = ARRAY;
-    type Whole = [i32; ARRAY];
-    type Single = [f32; ARRAY];
-    type Choice = [bool; ARRAY];
+    type Whole = [i32; SINGLES];
+    type Single = [f32; SINGLES];
+    type Choice = [bool; SINGLES];
 
     #[inline(always)]
     fn whole(self, value: i32) -> Self::Whole {
-        [value; ARRAY]
+        [value; SINGLES]
     }
     #[inline(always)]
-    fn whole_load(self, from: &[i32; MOST]) -> Self::Whole {
-        std::array::from_fn(|k| from[k])
+    fn whole_load(self, from: &[i32; SINGLES]) -> Self::Whole {
+        *from
     }
     #[inline(always)]
     fn whole_add(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
@@ -153,7 +147,7 @@ impl Singles for Portable {
     }
     #[inline(always)]
     fn single(self, value: f32) -> Self::Single {
-        [value; ARRAY]
+        [value; SINGLES]
     }
     #[inline(always)]
     fn single_read(self, from: &[f32], at: usize) -> Self::Single {
@@ -223,15 +217,13 @@ mod x86 {
     //! look-ups of numbers that have been brought into the table.
 
     use super::super::avx2::Avx2;
-    use super::super::avx512::Avx512;
-    use super::{MOST, PackedWords, Singles};
+    use super::{PackedWords, SINGLES, Singles};
     use std::arch::x86_64::*;
 
     /// Words of which an unaligned part starts with so many true ones.
     static FIRST: [i32; 16] = [-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0];
 
     impl Singles for Avx2 {
-        const SINGLES: usize = 8;
         type Whole = __m256i;
         type Single = __m256;
         type Choice = __m256;
@@ -241,8 +233,8 @@ mod x86 {
             op!(_mm256_set1_epi32(value))
         }
         #[inline(always)]
-        fn whole_load(self, from: &[i32; MOST]) -> __m256i {
-            // SAFETY: the array has more words than are read.
+        fn whole_load(self, from: &[i32; SINGLES]) -> __m256i {
+            // SAFETY: an array of eight words is read.
             unsafe { _mm256_loadu_si256(from.as_ptr().cast()) }
         }
         #[inline(always)]
@@ -356,132 +348,6 @@ mod x86 {
         #[inline(always)]
         fn chosen(self, choice: __m256) -> u32 {
             self.signs(choice)
-        }
-    }
-
-    impl Singles for Avx512 {
-        const SINGLES: usize = 16;
-        type Whole = __m512i;
-        type Single = __m512;
-        type Choice = __mmask16;
-
-        #[inline(always)]
-        fn whole(self, value: i32) -> __m512i {
-            op!(_mm512_set1_epi32(value))
-        }
-        #[inline(always)]
-        fn whole_load(self, from: &[i32; MOST]) -> __m512i {
-            // SAFETY: a vector of the array's words is read.
-            unsafe { _mm512_loadu_epi32(from.as_ptr()) }
-        }
-        #[inline(always)]
-        fn whole_add(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_add_epi32(a, b))
-        }
-        #[inline(always)]
-        fn whole_sub(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_sub_epi32(a, b))
-        }
-        #[inline(always)]
-        fn whole_mul(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_mullo_epi32(a, b))
-        }
-        #[inline(always)]
-        fn whole_and(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_and_si512(a, b))
-        }
-        #[inline(always)]
-        fn whole_max(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_max_epi32(a, b))
-        }
-        #[inline(always)]
-        fn whole_shr(self, a: __m512i, by: __m512i) -> __m512i {
-            op!(_mm512_srlv_epi32(a, by))
-        }
-        #[inline(always)]
-        fn whole_greater(self, a: __m512i, b: __m512i) -> __mmask16 {
-            op!(_mm512_cmpgt_epi32_mask(a, b))
-        }
-        #[inline(always)]
-        fn packed(self, table: &PackedWords, index: __m512i) -> __m512i {
-            // SAFETY: the length is a power of two, so that every masked number lies in the table.
-            unsafe {
-                let index = _mm512_and_si512(index, self.whole_load(&table.last));
-                _mm512_i32gather_epi32::<4>(index, table.words.as_ptr().cast())
-            }
-        }
-        #[inline(always)]
-        fn single_of(self, a: __m512i) -> __m512 {
-            op!(_mm512_cvtepi32_ps(a))
-        }
-        #[inline(always)]
-        fn single(self, value: f32) -> __m512 {
-            op!(_mm512_set1_ps(value))
-        }
-        #[inline(always)]
-        fn single_read(self, from: &[f32], at: usize) -> __m512 {
-            match from.get(at..).and_then(|rest| rest.first_chunk::<16>()) {
-                // SAFETY: an array of sixteen numbers is read.
-                Some(numbers) => unsafe { _mm512_loadu_ps(numbers.as_ptr()) },
-                None => self.single(0.0),
-            }
-        }
-        #[inline(always)]
-        fn single_write(self, to: &mut [f32], at: usize, value: __m512) {
-            let place = to.get_mut(at..);
-            if let Some(numbers) = place.and_then(|rest| rest.first_chunk_mut::<16>()) {
-                // SAFETY: an array of sixteen numbers is written.
-                unsafe { _mm512_storeu_ps(numbers.as_mut_ptr(), value) }
-            }
-        }
-        #[inline(always)]
-        fn fused_add(self, a: __m512, b: __m512, c: __m512) -> __m512 {
-            op!(_mm512_fmadd_ps(a, b, c))
-        }
-        #[inline(always)]
-        fn single_sub(self, a: __m512, b: __m512) -> __m512 {
-            op!(_mm512_sub_ps(a, b))
-        }
-        #[inline(always)]
-        fn single_min(self, a: __m512, b: __m512) -> __m512 {
-            op!(_mm512_min_ps(a, b))
-        }
-        #[inline(always)]
-        fn at_least_zero(self, a: __m512) -> __m512 {
-            op!(_mm512_max_ps(a, _mm512_setzero_ps()))
-        }
-        #[inline(always)]
-        fn single_less(self, a: __m512, b: __m512) -> __mmask16 {
-            op!(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b))
-        }
-        #[inline(always)]
-        fn single_keep(self, a: __m512, choice: __mmask16) -> __m512 {
-            op!(_mm512_maskz_mov_ps(choice, a))
-        }
-        #[inline(always)]
-        fn single_clear(self, a: __m512, choice: __mmask16) -> __m512 {
-            op!(_mm512_maskz_mov_ps(!choice, a))
-        }
-        #[inline(always)]
-        fn single_mark(self, a: __m512, choice: __mmask16) -> __m512 {
-            let sign = op!(_mm512_set1_ps(-0.0));
-            op!(_mm512_mask_or_ps(a, choice, a, sign))
-        }
-        #[inline(always)]
-        fn signs(self, a: __m512) -> u32 {
-            op!(_mm512_movepi32_mask(_mm512_castps_si512(a))).into()
-        }
-        #[inline(always)]
-        fn choose_first(self, count: usize) -> __mmask16 {
-            ((1u32 << count.min(16)) - 1) as u16
-        }
-        #[inline(always)]
-        fn choose_both(self, a: __mmask16, b: __mmask16) -> __mmask16 {
-            a & b
-        }
-        #[inline(always)]
-        fn chosen(self, choice: __mmask16) -> u32 {
-            choice.into()
         }
     }
 }

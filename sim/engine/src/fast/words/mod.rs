@@ -270,7 +270,7 @@ impl VectorTask for SinglePainting<'_> {
 impl SinglePainting<'_> {
     #[inline(always)]
     fn paint<L: Doubles, const OPERATOR: u8>(self, lanes: L) -> Coverage {
-        let path = SinglePixels::<L, OPERATOR>::new(lanes, self.numbers);
+        let path = SinglePixels::<_, OPERATOR>::new(lanes.singles(), self.numbers);
         self.painting.paint(lanes, &path, self.scalar, self.tile)
     }
 }

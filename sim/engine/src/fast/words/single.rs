@@ -16,7 +16,7 @@
 
 use super::path::{OMIT_FINISHING, PixelPath, Pixels, SplatNumbers};
 use super::tile::Row;
-use crate::fast::lanes::singles::{HAS_FUSED_ADD, MOST, PackedWords, Singles};
+use crate::fast::lanes::singles::{HAS_FUSED_ADD, PackedWords, SINGLES, Singles};
 use crate::fast::tile::TILE;
 use splatline::blend::Blend;
 use splatline::draw::Coverage;
@@ -123,8 +123,8 @@ pub struct SingleSplat<L: Singles> {
 }
 
 /// 0, 1, 2 and so on, and k (k - 1) / 2.
-const PLACES: [i32; MOST] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
-const PAIRS: [i32; MOST] = [0, 0, 1, 3, 6, 10, 15, 21, 28, 36, 45, 55, 66, 78, 91, 105];
+const PLACES: [i32; SINGLES] = [0, 1, 2, 3, 4, 5, 6, 7];
+const PAIRS: [i32; SINGLES] = [0, 0, 1, 3, 6, 10, 15, 21];
 
 impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
     /// On these vectors.
@@ -211,7 +211,7 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
     #[inline(always)]
     fn splat(&self, splat: &SplatNumbers, second: i64) -> SingleSplat<L> {
         let (lanes, numbers) = (self.lanes, self.numbers);
-        let width = L::SINGLES as i32;
+        let width = SINGLES as i32;
         let second = second as i32;
         let along = lanes.whole(second.wrapping_mul(width));
         let whole = lanes.whole(second.wrapping_mul(width * (width - 1) / 2));
@@ -248,16 +248,16 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
         let along = lanes.whole_mul(lanes.whole_load(&PLACES), lanes.whole(first));
         let start = lanes.whole_add(lanes.whole(pixels.radial as i32), splat.ahead[0]);
         let mut radial = lanes.whole_add(start, along);
-        let width = lanes.whole(first.wrapping_mul(L::SINGLES as i32));
+        let width = lanes.whole(first.wrapping_mul(SINGLES as i32));
         let mut difference = lanes.whole_add(width, splat.ahead[1]);
         let (mut x, mut rest) = (pixels.x, pixels.length);
-        while rest > L::SINGLES {
+        while rest > SINGLES {
             let inside = lanes.whole_greater(splat.end, radial);
             self.blend::<COUNTS>(splat, radial, inside, x, row, counts);
             radial = lanes.whole_add(radial, difference);
             difference = lanes.whole_add(difference, splat.second);
-            x += L::SINGLES;
-            rest -= L::SINGLES;
+            x += SINGLES;
+            rest -= SINGLES;
         }
         let inside = lanes.whole_greater(splat.end, radial);
         let inside = lanes.choose_both(inside, lanes.choose_first(rest));
@@ -266,7 +266,7 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
 
     #[inline(always)]
     fn finished(&self, row: &Row<f32>) -> u64 {
-        let columns = (0..usize::from(TILE[0])).step_by(L::SINGLES);
+        let columns = (0..usize::from(TILE[0])).step_by(SINGLES);
         columns.fold(0, |all, x| {
             let signs = self.lanes.signs(self.lanes.single_read(&row[0], x));
             all | u64::from(signs) << x
@@ -341,7 +341,7 @@ mod tests {
             );
             let table = FootprintTable::new(&entries, &WIDTHS, self.rules.table_range).unwrap();
             let numbers = SingleNumbers::new(&WIDTHS, &self.rules, &entries, 32).unwrap();
-            let path = SinglePixels::<L, OPERATOR>::new(lanes, &numbers);
+            let path = SinglePixels::<_, OPERATOR>::new(lanes.singles(), &numbers);
             let blend = Blend::new(&WIDTHS, &self.rules);
             let minimum = blend.constants().minimum_transmittance;
             let window = Window {
