@@ -2,7 +2,8 @@
 //!
 //! A price of NaN would make every area NaN and every comparison false; a memory of 0 words divides by zero.
 
-use super::calibration::{Calibration, Lines, PriceLine};
+use super::calibration::Calibration;
+use toml::{Table, Value};
 
 /// Operands of a multiplier: at least a sign and a bit, at most what any device has.
 const MULTIPLIER: (u64, u64) = (2, 128);
@@ -17,80 +18,58 @@ pub type Refused = (String, String, String);
 impl Calibration {
     /// The first key whose value makes no sense.
     pub fn check(&self) -> Result<(), Refused> {
-        for (name, lines) in [("luts", &self.luts), ("flip_flops", &self.flip_flops)] {
-            check_lines(name, lines)?;
+        if self.shapes.is_empty() {
+            let allowed = "at least one [words, bits]";
+            return Err(("shapes".into(), "[]".into(), allowed.into()));
         }
-        for bits in self.multiplier {
-            whole("multiplier", bits, MULTIPLIER)?;
-        }
-        let shapes = || "at least one [words, bits]".to_owned();
-        check(!self.shapes.is_empty(), "shapes", "[]", shapes)?;
-        for number in self.shapes.as_flattened() {
-            whole("shapes", *number, BLOCK)?;
-        }
-        whole("block_kbit", self.block_kbit, BLOCK)?;
-        check_line("setup_kbit", &self.setup_kbit)?;
-        check_line("row_kbit", &self.row_kbit)?;
-        if let Some(memory) = &self.lut_memory {
-            whole("lut_memory.words", memory.words, BLOCK)?;
-            whole("lut_memory.bits", memory.bits, BLOCK)?;
-            whole("lut_memory.luts", memory.luts, BLOCK)?;
-        }
-        weight("luts_per_dsp", self.luts_per_dsp)?;
-        weight("luts_per_kbit", self.luts_per_kbit)
+        let all = Table::try_from(self).expect("prices were read from a table");
+        let mut all = all.iter();
+        all.try_for_each(|(key, value)| check(key, value))
     }
 }
 
 /// Lines through what was synthesised may begin below zero, and their sums are cut at zero.
-fn check_lines(name: &str, lines: &Lines) -> Result<(), Refused> {
-    let Lines {
-        setup,
-        shared_setup,
-        rows,
-        lane,
-        rest,
-    } = lines;
-    for (part, line) in [
-        ("setup", setup),
-        ("shared_setup", shared_setup),
-        ("rows", rows),
-        ("lane", lane),
-    ] {
-        check_line(&format!("{name}.{part}"), line)?;
-    }
-    price(&format!("{name}.rest"), *rest)
-}
-
-fn check_line(name: &str, line: &PriceLine) -> Result<(), Refused> {
-    price(&format!("{name}.at_zero"), line.at_zero)?;
-    weight(&format!("{name}.per_bit"), line.per_bit)
-}
-
-fn price(key: &str, value: f64) -> Result<(), Refused> {
-    let allowed = || format!("numbers from {} to {LARGEST}", -LARGEST);
-    check(value.abs() <= LARGEST, key, value, allowed)
-}
-
-fn weight(key: &str, value: f64) -> Result<(), Refused> {
-    let allowed = || format!("numbers from 0 to {LARGEST}");
-    check((0.0..=LARGEST).contains(&value), key, value, allowed)
-}
-
-fn whole(key: &str, value: u64, (low, high): (u64, u64)) -> Result<(), Refused> {
-    let allowed = || format!("whole numbers from {low} to {high}");
-    check((low..=high).contains(&value), key, value, allowed)
-}
-
-fn check(
-    holds: bool,
-    key: &str,
-    value: impl ToString,
-    allowed: impl Fn() -> String,
-) -> Result<(), Refused> {
+fn check(path: &str, value: &Value) -> Result<(), Refused> {
+    let key = path.rsplit('.').next().unwrap_or(path);
+    let (found, holds, allowed) = match value {
+        Value::Table(inner) => {
+            let mut inner = inner.iter();
+            return inner.try_for_each(|(key, value)| check(&format!("{path}.{key}"), value));
+        }
+        Value::Array(list) => return list.iter().try_for_each(|value| check(path, value)),
+        Value::Integer(count) => {
+            let (low, high) = if key == "multiplier" {
+                MULTIPLIER
+            } else {
+                BLOCK
+            };
+            let holds = (low as i64..=high as i64).contains(count);
+            (
+                count.to_string(),
+                holds,
+                format!("whole numbers from {low} to {high}"),
+            )
+        }
+        Value::Float(price) => {
+            let low = if ["at_zero", "rest"].contains(&key) {
+                -LARGEST
+            } else {
+                0.0
+            };
+            let holds = (low..=LARGEST).contains(price);
+            (
+                price.to_string(),
+                holds,
+                format!("numbers from {low} to {LARGEST}"),
+            )
+        }
+        // The family, which is a name.
+        _ => return Ok(()),
+    };
     if holds {
         Ok(())
     } else {
-        Err((key.to_owned(), value.to_string(), allowed()))
+        Err((path.to_owned(), found, allowed))
     }
 }
 
