@@ -27,29 +27,34 @@ module packet_fetch #(
   logic [31:0] left;
   logic [1:0] entry;
   logic [INDEX-1:0] step, gathered;
-  logic free, last, goes, word_out_valid, word_out_ready;
+  logic free, last, goes, takes, pending, word_out_valid, word_out_ready;
   logic [127:0] word_out;
 
+  // An entry's address is some sums, for which it has a cycle of its own, while the packet before is still asked for.
   assign last = step == INDEX'(WORDS - 1);
-  assign read_valid = list_valid && left != 0 && free;
-  assign read_address = base + list[32*entry+:32] * WORDS + 32'(step);
+  assign read_valid = pending && free;
   assign goes = read_valid && read_ready;
+  assign takes = list_valid && left != 0 && (!pending || (goes && last));
   // A word of the lists is used up with its last entry, or with the last of all.
-  assign list_ready = goes && last && (entry == 2'd3 || left == 1);
+  assign list_ready = takes && (entry == 2'd3 || left == 1);
 
   always_ff @(posedge clk) begin
     if (goes) begin
       step <= last ? '0 : step + 1'b1;
-      if (last) begin
-        entry <= entry + 1'b1;
-        left <= left - 1'b1;
-      end
+      read_address <= read_address + 1'b1;
+      if (last) pending <= 0;
+    end
+    if (takes) begin
+      pending <= 1;
+      read_address <= base + splatline_math::times(list[32*entry+:32], 4'(WORDS));
+      entry <= entry + 1'b1;
+      left <= left - 1'b1;
     end
     if (begins) begin
       left <= entries;
       {entry, step} <= 0;
     end
-    if (rst) left <= 0;
+    if (rst) {left, pending} <= 0;
   end
 
   fifo #(

@@ -93,7 +93,7 @@ module splat_machine #(
       .rst,
       .begins(stream_begins),
       .first(raster_begins ? base_lists : base_records),
-      .count(raster_begins ? (32'(entries) + 32'd3) >> 2 : records * RECORD),
+      .count(raster_begins ? (32'(entries) + 32'd3) >> 2 : splatline_math::times(records, 4'(RECORD))),
       .read_valid(stream_read),
       .read_ready(read_ready_stream),
       .read_address(stream_address),
@@ -209,7 +209,7 @@ module splat_machine #(
       .write_address(order_write_address),
       .write_word(order_word),
       .write_strobe(order_strobe),
-      .settled,
+      .settled(rests),
       .done(order_done),
       .full,
       .splats(visible),
@@ -354,16 +354,18 @@ module splat_machine #(
         state <= TILE;
         pixels <= drawn_first;
       end
-      DRAIN: if (pixels_left == 0 && settled) state <= IDLE;
+      DRAIN: if (pixels_left == 0 && rests) state <= IDLE;
       default: ;
     endcase
     if (pixel_valid && pixel_ready) pixels <= pixels + 1'b1;
-    if ((pixel_valid || background_valid) && write_ready) pixels_left <= pixels_left - 1'b1;
+    if ((pixel_valid || background_valid) && writes_ready) pixels_left <= pixels_left - 1'b1;
     if (rst) state <= IDLE;
   end
 
-  // The port.
+  // The port. What is chosen stands in a register, so that neither choice nor sums in front of it add to the memory's way.
   logic [2:0] comes;
+  logic asks, asks_ready;
+  logic [31:0] asked_address;
   assign {order_comes, stream_comes, fetch_comes} = comes;
   read_arbiter #(
       .UNITS(3),
@@ -375,37 +377,57 @@ module splat_machine #(
       .ready({read_ready_order, read_ready_stream, read_ready_fetch}),
       .address({order_address, stream_address, fetch_address}),
       .comes,
-      .read_valid,
-      .read_ready,
-      .read_address,
+      .read_valid(asks),
+      .read_ready(asks_ready),
+      .read_address(asked_address),
       .word_valid
   );
+  assign asks_ready = !read_valid || read_ready;
+  always_ff @(posedge clk) begin
+    if (asks_ready) {read_valid, read_address} <= {asks, asked_address};
+    if (rst) read_valid <= 0;
+  end
 
   logic [31:0] transmittance_word;
   assign transmittance_word = {transmittance[splatline_pkg::TRANSMITTANCE+1], 31'(transmittance[splatline_pkg::TRANSMITTANCE:0])};
-  assign pixel_ready = write_ready;
-  assign background_ready = write_ready && !pixel_valid;
-  assign store_ready = write_ready && !pixel_valid;
-  assign write_ready_order = write_ready && !pixel_valid && !stores;
-  assign write_valid = pixel_valid || background_valid || stores || order_write;
+  logic writes, writes_ready, rests;
+  logic [31:0] chosen_address;
+  logic [127:0] chosen_word;
+  logic [3:0] chosen_strobe;
+  assign pixel_ready = writes_ready;
+  assign background_ready = writes_ready && !pixel_valid;
+  assign store_ready = writes_ready && !pixel_valid;
+  assign write_ready_order = writes_ready && !pixel_valid && !stores;
+  assign writes = pixel_valid || background_valid || stores || order_write;
   always_comb begin
-    write_address = order_write_address;
-    write_word = order_word;
-    write_strobe = order_strobe;
+    chosen_address = order_write_address;
+    chosen_word = order_word;
+    chosen_strobe = order_strobe;
     if (stores) begin
-      write_address = packet_address + 32'(step);
-      write_word = packet_words[128*step+:128];
-      write_strobe = 4'hf;
+      chosen_address = packet_address + 32'(step);
+      chosen_word = packet_words[128*step+:128];
+      chosen_strobe = 4'hf;
     end
     if (background_valid) begin
-      write_address = base_frame + background_place;
-      write_word = 128'd1 << splatline_pkg::TRANSMITTANCE;
-      write_strobe = 4'hf;
+      chosen_address = base_frame + background_place;
+      chosen_word = 128'd1 << splatline_pkg::TRANSMITTANCE;
+      chosen_strobe = 4'hf;
     end
     if (pixel_valid) begin
-      write_address = base_frame + pixels;
-      write_word = {32'(colour[2*SUM+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[0+:SUM]), transmittance_word};
-      write_strobe = 4'hf;
+      chosen_address = base_frame + pixels;
+      chosen_word = {32'(colour[2*SUM+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[0+:SUM]), transmittance_word};
+      chosen_strobe = 4'hf;
     end
+  end
+  assign writes_ready = !write_valid || write_ready;
+  assign rests = settled && !write_valid;
+  always_ff @(posedge clk) begin
+    if (writes_ready) begin
+      write_valid <= writes;
+      write_address <= chosen_address;
+      write_word <= chosen_word;
+      write_strobe <= chosen_strobe;
+    end
+    if (rst) write_valid <= 0;
   end
 endmodule

@@ -61,4 +61,10 @@ package splatline_math;
     pick = place[1] ? (place[0] ? pairs[7:6] : pairs[5:4]) : (place[0] ? pairs[3:2] : pairs[1:0]);
   endfunction
 
+  // So many times a number, by sums: for a small constant, which synthesis would give a multiplier that the lanes need.
+  function automatic logic [31:0] times(input logic [31:0] number, input logic [3:0] factor);
+    times = 0;
+    for (int i = 0; i < 4; i = i + 1) if (factor[i]) times = times + (number << i);
+  endfunction
+
 endpackage

@@ -46,11 +46,12 @@ module tile_finder #(
     place = 28'({16'd0, number} + 28'd1) << bits;
     edge_of = place > 28'(limit) ? limit : place[15:0];
   endfunction
-  always_comb begin
-    window.first_column = 16'(column) << COLUMN_BITS;
-    window.first_row = 16'(row) << ROW_BITS;
-    window.end_column = edge_of(column, COLUMN_BITS, columns);
-    window.end_row = edge_of(row, ROW_BITS, rows);
+  // A tile is asked for before it is found: its window is there a cycle behind its number, with nothing but sums after it.
+  always_ff @(posedge clk) begin
+    window.first_column <= 16'(column) << COLUMN_BITS;
+    window.first_row <= 16'(row) << ROW_BITS;
+    window.end_column <= edge_of(column, COLUMN_BITS, columns);
+    window.end_row <= edge_of(row, ROW_BITS, rows);
   end
   assign last_in_row = window.end_column == columns;
   assign asks = state == ASK;
