@@ -4,19 +4,25 @@
 // An entry comes out three cycles after it went in at the earliest: written, read, registered. A place is taken by `claim`, when something
 // enters the pipeline before the queue, and given back when the entry leaves the queue.
 //
+// A pipeline knows some parts of an entry long before the last. They need not wait in registers beside it: each part has a memory of its own, into
+// which it goes as soon as it is there, all parts of all entries in the same order. The entry is in when its last part is, the one of the
+// highest bits. ENDS says where parts end in `in`, 16 bits for each, the first part's lowest.
+//
 // With RESTS, entries leave in every other cycle at most. Then no memory has to know within a cycle whether its entry is taken, which for the queue of
 // splats reached the enables of some twenty block RAMs and was the circuit's longest path.
 module fifo #(
     parameter BITS = 8,
     parameter PLACES = 32,
-    parameter RESTS = 0
+    parameter RESTS = 0,
+    parameter PARTS = 1,
+    parameter [16*PARTS-1:0] ENDS = 16'(BITS)
 ) (
     input logic clk,
     input logic rst,
     input logic claim,
     output logic free,
     output logic none,  // nothing in the queue or on its way to it
-    input logic in_valid,
+    input logic [PARTS-1:0] in_valid,
     input logic [BITS-1:0] in,
     output logic out_valid,
     input logic out_ready,
@@ -24,30 +30,45 @@ module fifo #(
 );
   localparam INDEX = $clog2(PLACES);
 
-  // A word is never read in the cycle in which it is written (its place would be empty), so that no circuit has to say what comes out then.
-  (* ram_style = "block", no_rw_check *) logic [BITS-1:0] memory[0:PLACES-1];
+  // Where each part's next word goes; an entry is there when its last part is.
+  logic [PARTS*(INDEX+1)-1:0] tails;
   logic [INDEX:0] head, tail, claimed;
-  logic [BITS-1:0] word;
   logic word_valid, word_moves, out_moves, leaves;
 
+  assign tail = tails[(PARTS-1)*(INDEX+1)+:INDEX+1];
   assign out_moves = !out_valid || (out_ready && RESTS == 0);
   assign word_moves = !word_valid || out_moves;
   assign leaves = out_valid && out_ready;
   assign none = claimed == 0;
 
+  genvar p;
+  generate
+    for (p = 0; p < PARTS; p = p + 1) begin : gen_part
+      localparam END = ENDS[16*p+:16];
+      localparam FIRST = p == 0 ? 0 : ENDS[16*(p==0?0:p-1)+:16];
+      // A word is never read in the cycle in which it is written (its place would be empty), so that no circuit has to say what comes out then.
+      (* ram_style = "block", no_rw_check *) logic [END-FIRST-1:0] memory[0:PLACES-1];
+      logic [END-FIRST-1:0] word;
+      logic [INDEX:0] place;
+      assign place = tails[p*(INDEX+1)+:INDEX+1];
+      always_ff @(posedge clk) begin
+        if (in_valid[p]) memory[place[INDEX-1:0]] <= in[END-1:FIRST];
+        if (word_moves) word <= memory[head[INDEX-1:0]];
+        if (out_moves) out[END-1:FIRST] <= word;
+        if (rst) tails[p*(INDEX+1)+:INDEX+1] <= 0;
+        else if (in_valid[p]) tails[p*(INDEX+1)+:INDEX+1] <= place + 1'b1;
+      end
+    end
+  endgenerate
+
   always_ff @(posedge clk) begin
-    if (in_valid) memory[tail[INDEX-1:0]] <= in;
-    if (word_moves) word <= memory[head[INDEX-1:0]];
-    if (out_moves) out <= word;
     if (rst) begin
       head <= 0;
-      tail <= 0;
       claimed <= 0;
       free <= 1;
       word_valid <= 0;
       out_valid <= 0;
     end else begin
-      if (in_valid) tail <= tail + 1'b1;
       if (word_moves) begin
         word_valid <= head != tail;
         if (head != tail) head <= head + 1'b1;

@@ -71,9 +71,9 @@ module row_generator (
   logic signed [CENTRE-1:0] centre1;
   logic signed [ROW-1:0] vertical1, rest1;
   logic coarse1, coarse13, coarse14, coarse15, coarse18;
-  logic [ROW_BITS-1:0] row1, row32;
+  logic [ROW_BITS-1:0] row1;
   logic [M-1:0] squared_width1;
-  splatline_pkg::paint_t paint1, paint32;
+  splatline_pkg::paint_t paint1;
   logic [15:0] box_first1, box_end1, first_column1, end_column1;
   logic squared_width_odd1;
   logic signed [15:0] squared_width_power1, squared_width_power7;
@@ -101,7 +101,6 @@ module row_generator (
     balance1 <= shape0.balance;
   end
   assign positive1 = !rest1[ROW-1] && rest1 != 0;
-  delay #(.BITS(ROW_BITS + $bits(paint1)), .STAGES(31)) hold_paint (.clk, .rst, .advance(1'b1), .in({row1, paint1}), .out({row32, paint32}));
   delay #(.BITS(16), .STAGES(6)) hold_power (.clk, .rst, .advance(1'b1), .in(squared_width_power1), .out(squared_width_power7));
 
   // Stage 3: the squared half-width, Q.24 before the exponent. Stage 5: brought to [1/4, 1) by an even shift.
@@ -173,12 +172,11 @@ module row_generator (
 
   // Stages 17 to 20: the span within the window.
   logic [15:0] box_first16, box_end16, first_column16, end_column16, x18;
-  logic [COLUMN_BITS-1:0] column20, x32;
+  logic [COLUMN_BITS-1:0] column20;
   logic [4:0] head20, head28;
-  logic [COLUMN_BITS:0] count20, count32;
+  logic [COLUMN_BITS:0] count20;
   delay #(.BITS(64), .STAGES(15)) hold_columns (.clk, .rst, .advance(1'b1), .in({box_first1, box_end1, first_column1, end_column1}), .out({box_first16, box_end16, first_column16, end_column16}));
   row_window cut (.clk, .low(low16), .high(high16), .box_first(box_first16), .box_end(box_end16), .first_column(first_column16), .end_column(end_column16), .x18, .holds19, .head20, .column20, .count20);
-  delay #(.BITS(2 * COLUMN_BITS + 1), .STAGES(12)) hold_column (.clk, .rst, .advance(1'b1), .in({column20, count20}), .out({x32, count32}));
   delay #(.BITS(5), .STAGES(8)) hold_head (.clk, .rst, .advance(1'b1), .in(head20), .out(head28));
 
   // Stage 21: dx, rounded, as a magnitude (`Seed::at`). Back to one in the same addition: -(q + d) = ~q + !d.
@@ -226,7 +224,7 @@ module row_generator (
   // C dy^2 and what balances the seed: stage 3. What is left of the window is skipped (`Run::skip`): stages 22 to 32. Over n pixels the index
   // grows by n first + n (n - 1) / 2 second = n (2 first + (n - 1) second) / 2: one product more, and a bit more, since n (n - 1) is even.
   localparam signed [ROW-1:0] VERTICAL_HALF = ROW'(1) << (VERTICAL - RADIAL - 1);
-  logic [31:0] base2, base3, base30, sum31, radial32, first29, first32, second27, second32;
+  logic [31:0] base2, base3, base30, sum31, radial32, first29, second27;
   logic [36:0] head_second22;
   logic [32:0] head_second27, less28, mean29;
   logic [31:0] head_second28;
@@ -247,27 +245,31 @@ module row_generator (
   delay #(.BITS(32), .STAGES(27)) hold_base (.clk, .rst, .advance(1'b1), .in(base3), .out(base30));
   delay #(.BITS(32), .STAGES(19)) hold_second20 (.clk, .rst, .advance(1'b1), .in(second1), .out(second20));
   delay #(.BITS(32), .STAGES(7)) hold_second27 (.clk, .rst, .advance(1'b1), .in(second20), .out(second27));
-  delay #(.BITS(32), .STAGES(5)) hold_second32 (.clk, .rst, .advance(1'b1), .in(second27), .out(second32));
   delay #(.BITS(33), .STAGES(5)) hold_head_second (.clk, .rst, .advance(1'b1), .in(head_second22[32:0]), .out(head_second27));
-  delay #(.BITS(32), .STAGES(3)) hold_first (.clk, .rst, .advance(1'b1), .in(first29), .out(first32));
   multiply #(.LEFT(32), .RIGHT(5)) multiply_head_second (.clk, .advance(1'b1), .left(second20), .right(head20), .product(head_second22));
   multiply #(.LEFT(33), .RIGHT(5)) multiply_skipped (.clk, .advance(1'b1), .left(mean29), .right(head29), .product(skipped31));
 
-  // Stage 32: the run, in the order of `run_t`.
+  // The slot's run, in parts as they are ready: in stages 1, 20, 29 and 32.
+  localparam PART_1 = ROW_BITS + 32 + $bits(paint1);
+  localparam PART_20 = PART_1 + 2 * COLUMN_BITS + 1;
+  localparam PART_29 = PART_20 + 32;
+  localparam PART_32 = PART_29 + 1 + 32;
   fifo #(
-      .BITS(1 + $bits(run)),
-      .PLACES(PLACES)
+      .BITS(PART_32),
+      .PLACES(PLACES),
+      .PARTS(4),
+      .ENDS({16'(PART_32), 16'(PART_29), 16'(PART_20), 16'(PART_1)})
   ) slots (
       .clk,
       .rst,
       .claim(issue),
       .free(place),
       .none,
-      .in_valid(slot[STAGES]),
-      .in({open[STAGES], row32, x32, count32, radial32, first32, second32, paint32}),
+      .in_valid({slot[STAGES], slot[29], slot[20], slot[1]}),
+      .in({open[STAGES], radial32, first29, column20, count20, row1, second1, paint1}),
       .out_valid(slot_valid),
       .out_ready(slot_ready),
-      .out({slot_has_run, run})
+      .out({slot_has_run, run.radial, run.first, run.column, run.count, run.row, run.second, run.paint})
   );
   assign idle = !busy && none;
 endmodule

@@ -4,7 +4,8 @@
 // four rows and more. Then packets are taken in every fourth cycle since the reset and in no other, so that no two stages ever want the same turn.
 //
 // Stages never stand still. What is ready waits in a queue, and a packet is only taken if there is a place for it, so that no signal
-// has to reach every register of the unit within a cycle. A name's number is the stage: the cycle after the packet's handshake is 1.
+// has to reach every register of the unit within a cycle. Nor does what is ready early travel along: it goes into its place of the queue in five parts.
+// A name's number is the stage: the cycle after the packet's handshake is 1.
 //
 // The rows' seed is that of their block, so a window begins with the first row of one (`RowSeeds::at`).
 module splat_setup #(
@@ -66,25 +67,9 @@ module splat_setup #(
     end
   end
 
-  // Stage 1: the footprint. What only the rows need waits for stage 22.
+  // Stage 1: the footprint.
   splatline_pkg::footprint_t f1;
-  logic [15:0] first_row22, end_row22, box_first22, box_end22;
-  logic [31:0] cutoff22;
-  logic [PEAK-1:0] peak22;
-  logic [COLOUR-1:0] colours22;
-  logic [M-1:0] squared_width22, horizontal22;
-  logic [9:0] squared_width_exponent22;
   always_ff @(posedge clk) f1 <= footprint;
-  delay #(
-      .BITS(64 + 32 + PEAK + COLOUR + 2 * M + 10),
-      .STAGES(21)
-  ) hold_footprint (
-      .clk,
-      .rst,
-      .advance(1'b1),
-      .in({f1.first_row, f1.end_row, f1.first_column, f1.end_column, f1.cutoff, f1.peak, f1.red, f1.green, f1.blue, f1.squared_width_mantissa, f1.horizontal_mantissa, f1.squared_width_exponent}),
-      .out({first_row22, end_row22, box_first22, box_end22, cutoff22, peak22, colours22, squared_width22, horizontal22, squared_width_exponent22})
-  );
 
   // Stage 1: the first row of the block, or of the box. Stage 2: the distance of its sample points from the centre, Q.subpixel. Stage 3: that as a magnitude.
   logic [15:0] row1;
@@ -109,7 +94,7 @@ module splat_setup #(
   delay #(.BITS(16), .STAGES(3)) hold_shear_exponent7 (.clk, .rst, .advance(1'b1), .in(shear_exponent4), .out(shear_exponent7));
 
   // Stage 4: does xc take large steps, or dx large values (`centre_fraction`)? Then it has fewer fraction bits.
-  logic far3, coarse4, coarse7, coarse13, coarse24;
+  logic far3, coarse4, coarse7, coarse12, coarse13;
   logic signed [15:0] leading3;
   function automatic logic signed [15:0] fraction(input logic coarse);
     fraction = coarse ? 16'(COARSE) : 16'(FINE);
@@ -120,8 +105,8 @@ module splat_setup #(
     shear_shift5 <= -shear_exponent4 - fraction(coarse4);
   end
   delay #(.BITS(1), .STAGES(3)) hold_coarse7 (.clk, .rst, .advance(1'b1), .in(coarse4), .out(coarse7));
-  delay #(.BITS(1), .STAGES(6)) hold_coarse13 (.clk, .rst, .advance(1'b1), .in(coarse7), .out(coarse13));
-  delay #(.BITS(1), .STAGES(11)) hold_coarse24 (.clk, .rst, .advance(1'b1), .in(coarse13), .out(coarse24));
+  delay #(.BITS(1), .STAGES(5)) hold_coarse12 (.clk, .rst, .advance(1'b1), .in(coarse7), .out(coarse12));
+  always_ff @(posedge clk) coarse13 <= coarse12;
 
   // Alignments: to A at RADIAL + GUARD bits for the seeds (from stage 3), S (5), C with GUARD bits (8) and S dy (10) in fixed point; and to C dy, doubled (14), and C dy^2 (17).
   logic [M-1:0] horizontal3, vertical7, vertical8, along14;
@@ -225,7 +210,7 @@ module splat_setup #(
 
   // Stage 16: xc - 1/2 of the first row. Stage 17: cut to its word, of which no row that meets the window gets near the ends.
   logic signed [WIDE-1:0] base14, base15, sum16, centre_u13;
-  logic signed [CENTRE-1:0] centre17, centre24, shear24;
+  logic signed [CENTRE-1:0] centre17, shear12;
   logic [CENTRE-1:0] centre_u12;
   localparam signed [WIDE-1:0] PIXEL_HALF = WIDE'(1) << (SUBPIXEL - 1);
   delay #(.BITS(CENTRE), .STAGES(11)) hold_centre_u (.clk, .rst, .advance(1'b1), .in(f1.centre_u), .out(centre_u12));
@@ -236,16 +221,13 @@ module splat_setup #(
     sum16 <= base15 + WIDE'(moved15);
     centre17 <= sum16[WIDE-1:CENTRE-1] == {(WIDE - CENTRE + 1) {sum16[WIDE-1]}} ? CENTRE'(sum16) : {sum16[WIDE-1], {(CENTRE - 1) {!sum16[WIDE-1]}}};
   end
-  delay #(.BITS(CENTRE), .STAGES(7)) hold_centre24 (.clk, .rst, .advance(1'b1), .in(centre17), .out(centre24));
-  delay #(.BITS(CENTRE), .STAGES(14)) hold_shear24 (.clk, .rst, .advance(1'b1), .in(shear_fixed10[CENTRE-1:0]), .out(shear24));
+  delay #(.BITS(CENTRE), .STAGES(2)) hold_shear12 (.clk, .rst, .advance(1'b1), .in(shear_fixed10[CENTRE-1:0]), .out(shear12));
 
   // Stage 20: the first difference of C dy^2. Stage 23: C dy^2.
-  logic [ROW-1:0] curve17, curve24, unit17, unit19, start17, start22, first20, first24, vertical23, vertical24;
+  logic [ROW-1:0] curve17, unit17, unit19, start17, start22, first20, vertical23, vertical24;
   seed_balance #(.BITS(ROW)) balance_rows (.clk, .fine(fine13), .second(curve17), .unit(unit17), .start(start17));
-  delay #(.BITS(ROW), .STAGES(7)) hold_curve (.clk, .rst, .advance(1'b1), .in(curve17), .out(curve24));
   delay #(.BITS(ROW), .STAGES(2)) hold_unit (.clk, .rst, .advance(1'b1), .in(unit17), .out(unit19));
   delay #(.BITS(ROW), .STAGES(5)) hold_start (.clk, .rst, .advance(1'b1), .in(start17), .out(start22));
-  delay #(.BITS(ROW), .STAGES(4)) hold_first (.clk, .rst, .advance(1'b1), .in(first20), .out(first24));
   always_ff @(posedge clk) begin
     first20 <= ROW'(double19) + unit19;
     vertical23 <= ROW'(vertical22) + start22;
@@ -258,8 +240,8 @@ module splat_setup #(
   // `Seed::new`: unit of dx and the alignments that follow from it, constants of the footprint.
   logic [6:0] squared_width_length2;
   logic signed [15:0] squared_width_exponent2, half4, drop_wide5, drop6, power7, horizontal_exponent6, drop_radial8, drop_first8, drop7;
-  logic [5:0] drop_dx24;
-  logic signed [15:0] drop_radial24, drop_first24;
+  logic [5:0] drop_dx12;
+  logic signed [15:0] drop_radial12, drop_first12;
   delay #(.BITS(16), .STAGES(5)) hold_horizontal_exponent (.clk, .rst, .advance(1'b1), .in(extend(f1.horizontal_exponent)), .out(horizontal_exponent6));
   always_ff @(posedge clk) begin
     squared_width_length2 <= splatline_math::length(64'(f1.squared_width_mantissa));
@@ -273,91 +255,80 @@ module splat_setup #(
     drop_radial8 <= (fraction(coarse7) <<< 1) - $signed(16'(M)) - $signed(16'(RADIAL)) - power7 - drop7;
     drop_first8 <= fraction(coarse7) - 16'sd1 - $signed(16'(RADIAL)) - power7;
   end
-  delay #(.BITS(32), .STAGES(16)) hold_drops (.clk, .rst, .advance(1'b1), .in({drop_radial8, drop_first8}), .out({drop_radial24, drop_first24}));
-  delay #(.BITS(6), .STAGES(17)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop7[5:0]), .out(drop_dx24));
+  delay #(.BITS(32), .STAGES(4)) hold_drops (.clk, .rst, .advance(1'b1), .in({drop_radial8, drop_first8}), .out({drop_radial12, drop_first12}));
+  delay #(.BITS(6), .STAGES(5)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop7[5:0]), .out(drop_dx12));
 
-  logic [31:0] second12, second24, unit_balanced12, unit_balanced24, balance12, balance24;
+  logic [31:0] second12, unit_balanced12, balance12;
   seed_balance balance_lanes (.clk, .fine(fine8), .second(second12), .unit(unit_balanced12), .start(balance12));
-  delay #(.BITS(96), .STAGES(12)) hold_balance (.clk, .rst, .advance(1'b1), .in({second12, unit_balanced12, balance12}), .out({second24, unit_balanced24, balance24}));
 
-  // Stages 23 and 24: what is visible, and how many rows.
-  logic [15:0] row24, rows24, first_column24, end_column24, box_first24, box_end24;
-  visible_box visible (.clk, .window, .first_row22, .end_row22, .box_first22, .box_end22, .row24, .rows24, .first_column24, .end_column24, .box_first24, .box_end24);
-  logic [31:0] cutoff23;
-  logic [32:0] cutoff_half23;
-  logic [PEAK-1:0] peak23, peak24;
-  logic [COLOUR-1:0] colours23, colours24;
-  logic [M-1:0] squared_width23, horizontal23, squared_width24, horizontal24;
-  logic [9:0] squared_width_exponent23;
-  logic [ROW-2:0] reach24;
-  logic [RADIAL+4:0] cutoff24;
-  logic squared_width_odd24;
-  logic signed [15:0] squared_width_power24;
+  // Stages 2 and 3: what is visible, and how many rows; the footprint's other words as rows and lanes take them.
+  logic [15:0] row3, rows3, first_column3, end_column3, box_first3, box_end3;
+  visible_box visible (.clk, .window, .first_row1(f1.first_row), .end_row1(f1.end_row), .box_first1(f1.first_column), .box_end1(f1.end_column), .row3, .rows3, .first_column3, .end_column3, .box_first3, .box_end3);
+  logic [31:0] cutoff2;
+  logic [32:0] cutoff_half2;
+  logic [PEAK-1:0] peak2, peak3;
+  logic [COLOUR-1:0] colours2, colours3;
+  logic [M-1:0] squared_width2, squared_width3;
+  logic [ROW-2:0] reach3;
+  logic [RADIAL+4:0] cutoff3;
+  logic squared_width_odd3;
+  logic signed [15:0] squared_width_power3;
   // From UQ4.28, halves up.
   function automatic logic [ROW-2:0] reach_of(input logic [31:0] cutoff);
     reach_of = (ROW - 1)'(((64'(cutoff) << VERTICAL) + (64'd1 << 27)) >> 28);
   endfunction
-  assign cutoff_half23 = RADIAL == 28 ? {1'b0, cutoff23} : {1'b0, cutoff23} + (33'd1 << (27 - RADIAL));
+  assign cutoff_half2 = RADIAL == 28 ? {1'b0, cutoff2} : {1'b0, cutoff2} + (33'd1 << (27 - RADIAL));
   always_ff @(posedge clk) begin
-    cutoff23 <= cutoff22;
-    peak23 <= peak22;
-    colours23 <= colours22;
-    squared_width23 <= squared_width22;
-    horizontal23 <= horizontal22;
-    squared_width_exponent23 <= squared_width_exponent22;
+    cutoff2 <= f1.cutoff;
+    peak2 <= f1.peak;
+    colours2 <= {f1.red, f1.green, f1.blue};
+    squared_width2 <= f1.squared_width_mantissa;
 
-    reach24 <= reach_of(cutoff23) + SLACK;
-    cutoff24 <= (RADIAL + 5)'(cutoff_half23 >> (28 - RADIAL));
-    peak24 <= peak23;
-    colours24 <= colours23;
-    squared_width24 <= squared_width23;
-    horizontal24 <= horizontal23;
-    squared_width_odd24 <= squared_width_exponent23[0];
-    squared_width_power24 <= (extend(squared_width_exponent23) >>> 1) + 16'sd20;
+    reach3 <= reach_of(cutoff2) + SLACK;
+    cutoff3 <= (RADIAL + 5)'(cutoff_half2 >> (28 - RADIAL));
+    peak3 <= peak2;
+    colours3 <= colours2;
+    squared_width3 <= squared_width2;
+    squared_width_odd3 <= squared_width_exponent2[0];
+    squared_width_power3 <= (squared_width_exponent2 >>> 1) + 16'sd20;
   end
 
-  // The fields in the order of `start_t` and `shape_t`.
+  // The splat, in parts as they are ready: in stages 3, 12, 17, 20 and 24.
+  localparam PART_3 = 6 * 16 + (ROW - 1) + 2 * M + 17 + (RADIAL + 5) + PEAK + COLOUR;
+  localparam PART_12 = PART_3 + CENTRE + 1 + 6 + 2 * 16 + 3 * 32;
+  localparam PART_17 = PART_12 + CENTRE + ROW;
+  localparam PART_20 = PART_17 + ROW;
+  localparam PART_24 = PART_20 + ROW;
   fifo #(
-      .BITS($bits(start) + $bits(shape)),
+      .BITS(PART_24),
       .PLACES(PLACES),
-      .RESTS(1)
+      .RESTS(1),
+      .PARTS(5),
+      .ENDS({16'(PART_24), 16'(PART_20), 16'(PART_17), 16'(PART_12), 16'(PART_3)})
   ) splats (
       .clk,
       .rst,
       .claim(taken),
       .free(place),
       .none(idle),
-      .in_valid(valid[STAGES]),
+      .in_valid({valid[STAGES], valid[20], valid[17], valid[12], valid[3]}),
       .in({
-        row24,
-        rows24,
-        centre24,
-        shear24,
         vertical24,
-        first24,
-        curve24,
-        box_first24,
-        box_end24,
-        first_column24,
-        end_column24,
-        reach24,
-        coarse24,
-        squared_width24,
-        squared_width_odd24,
-        squared_width_power24,
-        horizontal24,
-        drop_dx24,
-        drop_radial24,
-        drop_first24,
-        second24,
-        unit_balanced24,
-        balance24,
-        cutoff24,
-        peak24,
-        colours24
+        first20,
+        {centre17, curve17},
+        {shear12, coarse12, drop_dx12, drop_radial12, drop_first12, second12, unit_balanced12, balance12},
+        {row3, rows3, box_first3, box_end3, first_column3, end_column3, reach3},
+        {squared_width3, squared_width_odd3, squared_width_power3, horizontal3, cutoff3, peak3, colours3}
       }),
       .out_valid(splat_valid),
       .out_ready(splat_ready),
-      .out({start, shape})
+      .out({
+        start.vertical,
+        start.first,
+        {start.centre, start.second},
+        {start.shear, shape.coarse, shape.drop_dx, shape.drop_radial, shape.drop_first, shape.second, shape.unit, shape.balance},
+        {start.row, start.rows, shape.box_first, shape.box_end, shape.first_column, shape.end_column, shape.reach},
+        {shape.squared_width, shape.squared_width_odd, shape.squared_width_power, shape.horizontal, shape.paint}
+      })
   );
 endmodule

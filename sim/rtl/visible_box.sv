@@ -3,37 +3,37 @@
 // Whatever box comes, the rows that leave this unit lie in the window, and where there is one, the columns do and there is one of them at least, which is what
 // row_window.sv is promised (proven, `formal/visible_box_properties.svh`).
 //
-//   23 what is visible | 24 how many rows: none, if the window holds none of the box's columns
+//   2 what is visible | 3 how many rows: none, if the window holds none of the box's columns
 module visible_box (
     input logic clk,
     input splatline_pkg::window_t window,
-    // In stage 22: the box.
-    input logic [15:0] first_row22,
-    input logic [15:0] end_row22,
-    input logic [15:0] box_first22,
-    input logic [15:0] box_end22,
-    output logic [15:0] row24,
-    output logic [15:0] rows24,
-    output logic [15:0] first_column24,
-    output logic [15:0] end_column24,
-    output logic [15:0] box_first24,
-    output logic [15:0] box_end24
+    // In stage 1: the box.
+    input logic [15:0] first_row1,
+    input logic [15:0] end_row1,
+    input logic [15:0] box_first1,
+    input logic [15:0] box_end1,
+    output logic [15:0] row3,
+    output logic [15:0] rows3,
+    output logic [15:0] first_column3,
+    output logic [15:0] end_column3,
+    output logic [15:0] box_first3,
+    output logic [15:0] box_end3
 );
-  logic [15:0] row23, end_row23, first_column23, end_column23, box_first23, box_end23;
+  logic [15:0] row2, end_row2, first_column2, end_column2, box_first2, box_end2;
   always_ff @(posedge clk) begin
-    row23 <= first_row22 > window.first_row ? first_row22 : window.first_row;
-    end_row23 <= end_row22 < window.end_row ? end_row22 : window.end_row;
-    first_column23 <= box_first22 > window.first_column ? box_first22 : window.first_column;
-    end_column23 <= box_end22 < window.end_column ? box_end22 : window.end_column;
-    box_first23 <= box_first22;
-    box_end23 <= box_end22;
+    row2 <= first_row1 > window.first_row ? first_row1 : window.first_row;
+    end_row2 <= end_row1 < window.end_row ? end_row1 : window.end_row;
+    first_column2 <= box_first1 > window.first_column ? box_first1 : window.first_column;
+    end_column2 <= box_end1 < window.end_column ? box_end1 : window.end_column;
+    box_first2 <= box_first1;
+    box_end2 <= box_end1;
 
-    row24 <= row23;
-    rows24 <= first_column23 < end_column23 && row23 < end_row23 ? end_row23 - row23 : 16'd0;
-    first_column24 <= first_column23;
-    end_column24 <= end_column23;
-    box_first24 <= box_first23;
-    box_end24 <= box_end23;
+    row3 <= row2;
+    rows3 <= first_column2 < end_column2 && row2 < end_row2 ? end_row2 - row2 : 16'd0;
+    first_column3 <= first_column2;
+    end_column3 <= end_column2;
+    box_first3 <= box_first2;
+    box_end3 <= box_end2;
   end
 
 `ifdef FORMAL

@@ -27,7 +27,7 @@ struct Proof {
 }
 
 /// What is proven.
-const PROOFS: [Proof; 9] = [
+const PROOFS: [Proof; 10] = [
     inductive(
         "fifo",
         &["fifo.sv"],
@@ -40,6 +40,15 @@ const PROOFS: [Proof; 9] = [
             "fifo",
             &["fifo.sv"],
             "-set BITS 4 -set PLACES 4 -set RESTS 1",
+            ["7", "2"],
+        )
+    },
+    Proof {
+        judge: "fifo of parts",
+        ..inductive(
+            "fifo",
+            &["fifo.sv"],
+            "-set BITS 4 -set PLACES 4 -set PARTS 2 -set ENDS 262146",
             ["7", "2"],
         )
     },
