@@ -362,7 +362,7 @@ module splat_machine #(
     if (rst) state <= IDLE;
   end
 
-  // The port. What is chosen stands in a register, so that neither choice nor sums in front of it add to the memory's way.
+  // The port. What is chosen stands in a register: neither the choice nor sums in front of it add to the memory's way.
   logic [2:0] comes;
   logic asks, asks_ready;
   logic [31:0] asked_address;

@@ -59,7 +59,7 @@ module tile_background #(
   assign pixel_valid = found && tile < turn;
   assign place = first + 32'(pixel);
   always_ff @(posedge clk) begin
-    // Of a tile's two cycles before it is found its window takes the first.
+    // Of a tile's three cycles before it is found its window takes the first.
     last <= (COLUMN_BITS + ROW_BITS)'(width * height) - 1'b1;
     if (pixel_valid && pixel_ready) pixel <= last_pixel ? '0 : pixel + 1'b1;
     if (begins) pixel <= 0;

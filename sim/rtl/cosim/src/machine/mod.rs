@@ -1,4 +1,5 @@
 //! The whole machine (`sim/rtl/splat_machine.sv`) from a memory image to a frame.
 
+pub mod area;
 pub mod loads;
 pub mod unit;

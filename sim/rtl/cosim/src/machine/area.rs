@@ -1,0 +1,141 @@
+//! Area of the whole machine and of each unit in it: `rtl -- area machine`.
+
+use crate::area::fabric;
+use crate::circuit::Circuit;
+use crate::placement::{self, machine};
+use anyhow::{Context, Result};
+use serde_json::{Map, Value};
+use splatline_sim::machine::area::Fabric;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::fs;
+
+/// Cores of setup: a splat in 8 and in 16 cycles.
+const CORES: [u32; 2] = [20, 10];
+
+/// Instances in `splat_machine.sv`, and what they are called in the table.
+const UNITS: [(&str, &str); 8] = [
+    ("setup", "setup"),
+    ("order", "order"),
+    ("raster", "primitive"),
+    ("fetch", "fetch"),
+    ("stream", "stream"),
+    ("reads", "arbiter"),
+    ("drawn", "finder"),
+    ("background", "background"),
+];
+
+/// What stands in the machine itself: its states, its port, the words of records and packets.
+const CONTROL: &str = "control";
+
+/// The table, in lines of `sim/machine/src/area/machine.csv`; each machine is shown on stderr as it comes.
+pub fn report() -> Result<String> {
+    let mut text = "cores,unit,luts,flip_flops,dsps,memory_kbit\n".to_owned();
+    for cores in CORES {
+        let circuit = machine(cores)?;
+        for (unit, fabric) in by_unit(&circuit)? {
+            let counts = fabric.resources().map(|(_, count)| count.to_string());
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "{cores},{unit},{}", counts.join(","));
+        }
+    }
+    Ok(text)
+}
+
+/// Units of the machine by name, and the whole of it: of the netlist that is placed.
+fn by_unit(circuit: &Circuit) -> Result<Vec<(&'static str, Fabric)>> {
+    let folder = tempfile::tempdir()?;
+    placement::netlist(circuit, folder.path())?;
+    let text = fs::read(folder.path().join(placement::NETLIST))?;
+    let netlist: Value = serde_json::from_slice(&text)?;
+    let cells = netlist["modules"][placement::WRAPPER]["cells"].as_object();
+    let units = counted(cells.context("a netlist without cells")?);
+    let whole = units
+        .iter()
+        .fold(Fabric::default(), |sum, unit| sum + unit.1);
+    eprintln!("{circuit}: {whole}");
+    Ok([units, vec![("whole", whole)]].concat())
+}
+
+/// Cells of a flattened machine, unit by unit, without the wrapper's.
+fn counted(cells: &Map<String, Value>) -> Vec<(&'static str, Fabric)> {
+    let mut kinds: BTreeMap<&str, BTreeMap<String, u64>> = BTreeMap::new();
+    for (name, cell) in cells {
+        if let (Some(unit), Some(kind)) = (unit_of(name), cell["type"].as_str()) {
+            let of_unit = kinds.entry(unit).or_default();
+            *of_unit.entry(kind.to_owned()).or_default() += 1;
+        }
+    }
+    let names = UNITS.iter().map(|(_, name)| *name).chain([CONTROL]);
+    let area = |name| kinds.get(name).map(fabric).unwrap_or_default();
+    names.map(|name| (name, area(name))).collect()
+}
+
+/// The unit in which a cell of the machine stands. Its name begins with the unit's, behind `$flatten` if Yosys named it.
+fn unit_of(cell: &str) -> Option<&'static str> {
+    let name = cell.trim_start_matches("$flatten").trim_start_matches('\\');
+    let name = name.strip_prefix("placed.")?.trim_start_matches('\\');
+    let instance = name.split_once('.').map(|(instance, _)| instance);
+    let unit = UNITS.iter().find(|(unit, _)| Some(*unit) == instance);
+    Some(unit.map_or(CONTROL, |(_, name)| name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tools::rtl;
+
+    #[test]
+    fn cells_are_counted_for_the_unit_in_which_they_stand() {
+        for (cell, unit) in [
+            ("placed.raster.rows.root_TRELLIS_FF_Q", Some("primitive")),
+            ("$flatten\\placed.\\setup.\\pack.$abc$1$lut", Some("setup")),
+            ("placed.drawn.tile_TRELLIS_FF_Q_1", Some("finder")),
+            ("placed.number_TRELLIS_FF_Q", Some(CONTROL)),
+            ("$flatten\\placed.$abc$1$lut", Some(CONTROL)),
+            ("inputs_TRELLIS_FF_Q", None),
+        ] {
+            assert_eq!(unit_of(cell), unit, "{cell}");
+        }
+    }
+
+    #[test]
+    fn every_unit_of_the_machine_has_a_line() {
+        let text = fs::read_to_string(rtl().join("splat_machine.sv")).unwrap();
+        // `memory_stream stream (`, and `) setup (` behind parameters.
+        let words = text.lines().map(|line| line.split_whitespace().collect());
+        let mut instances: Vec<&str> = words
+            .filter_map(|words: Vec<&str>| match words[..] {
+                ["module", ..] => None,
+                [_, instance, "("] if instance != "#" => Some(instance),
+                _ => None,
+            })
+            .filter(|instance| text.contains(&format!(" {instance} (\n      .clk,")))
+            .collect();
+        instances.sort_unstable();
+        let mut units = UNITS.map(|(instance, _)| instance);
+        units.sort_unstable();
+        assert_eq!(instances, units);
+    }
+    #[test]
+    fn the_committed_table_is_of_all_units() {
+        let table = include_str!("../../../../machine/src/area/machine.csv");
+        let names = UNITS.iter().map(|(_, name)| *name);
+        let names: Vec<&str> = names.chain([CONTROL, "whole"]).collect();
+        let lines: Vec<&str> = table.lines().skip(1).collect();
+        assert_eq!(lines.len(), CORES.len() * names.len());
+        for machine in lines.chunks(names.len()) {
+            let units: Vec<&str> = machine
+                .iter()
+                .filter_map(|line| line.split(',').nth(1))
+                .collect();
+            assert_eq!(units, names);
+            for column in 2..6 {
+                let count = |line: &&str| line.split(',').nth(column).unwrap().parse().unwrap();
+                let counts: Vec<u64> = machine.iter().map(count).collect();
+                let (whole, units) = counts.split_last().unwrap();
+                assert_eq!(units.iter().sum::<u64>(), *whole);
+            }
+        }
+    }
+}
