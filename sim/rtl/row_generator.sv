@@ -18,6 +18,7 @@ module row_generator (
     input logic slot_ready,
     output logic slot_has_run,
     output splatline_pkg::run_t run,
+    output splatline_pkg::paint_t paint,
     output logic idle
 );
   localparam M = splatline_pkg::MANTISSA;
@@ -73,6 +74,7 @@ module row_generator (
   logic coarse1, coarse13, coarse14, coarse15, coarse18;
   logic [ROW_BITS-1:0] row1;
   logic [M-1:0] squared_width1;
+  logic [RADIAL+4:0] cutoff1;
   splatline_pkg::paint_t paint1;
   logic [15:0] box_first1, box_end1, first_column1, end_column1;
   logic squared_width_odd1;
@@ -90,6 +92,7 @@ module row_generator (
     squared_width1 <= shape0.squared_width;
     squared_width_odd1 <= shape0.squared_width_odd;
     squared_width_power1 <= shape0.squared_width_power;
+    cutoff1 <= shape0.cutoff;
     paint1 <= shape0.paint;
     {box_first1, box_end1, first_column1, end_column1} <= {shape0.box_first, shape0.box_end, shape0.first_column, shape0.end_column};
     drop_dx1 <= shape0.drop_dx;
@@ -250,7 +253,7 @@ module row_generator (
   multiply #(.LEFT(33), .RIGHT(5)) multiply_skipped (.clk, .advance(1'b1), .left(mean29), .right(head29), .product(skipped31));
 
   // The slot's run, in parts as they are ready: in stages 1, 20, 29 and 32.
-  localparam PART_1 = ROW_BITS + 32 + $bits(paint1);
+  localparam PART_1 = ROW_BITS + 32 + $bits(cutoff1) + $bits(paint1);
   localparam PART_20 = PART_1 + 2 * COLUMN_BITS + 1;
   localparam PART_29 = PART_20 + 32;
   localparam PART_32 = PART_29 + 1 + 32;
@@ -266,10 +269,10 @@ module row_generator (
       .free(place),
       .none,
       .in_valid({slot[STAGES], slot[29], slot[20], slot[1]}),
-      .in({open[STAGES], radial32, first29, column20, count20, row1, second1, paint1}),
+      .in({open[STAGES], radial32, first29, column20, count20, row1, second1, cutoff1, paint1}),
       .out_valid(slot_valid),
       .out_ready(slot_ready),
-      .out({slot_has_run, run.radial, run.first, run.column, run.count, run.row, run.second, run.paint})
+      .out({slot_has_run, run.radial, run.first, run.column, run.count, run.row, run.second, run.cutoff, paint})
   );
   assign idle = !busy && none;
 endmodule

@@ -328,7 +328,7 @@ module splat_setup #(
         {start.centre, start.second},
         {start.shear, shape.coarse, shape.drop_dx, shape.drop_radial, shape.drop_first, shape.second, shape.unit, shape.balance},
         {start.row, start.rows, shape.box_first, shape.box_end, shape.first_column, shape.end_column, shape.reach},
-        {shape.squared_width, shape.squared_width_odd, shape.squared_width_power, shape.horizontal, shape.paint}
+        {shape.squared_width, shape.squared_width_odd, shape.squared_width_power, shape.horizontal, shape.cutoff, shape.paint}
       })
   );
 endmodule

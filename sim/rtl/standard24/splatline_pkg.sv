@@ -67,9 +67,8 @@ package splatline_pkg;
     logic wide_table;  // The footprint table ends at r = 16, otherwise at r = 4.
   } rules_t;
 
-  // What the pixels of a splat need.
+  // What blending needs of a splat.
   typedef struct packed {
-    logic [RADIAL+4:0] cutoff;  // UQ4.radial, may round up to 16
     logic [PEAK+3:0] peak;  // UQ4.peak
     logic [COLOUR_BITS-1:0] red;  // Q.colour
     logic [COLOUR_BITS-1:0] green;
@@ -95,6 +94,7 @@ package splatline_pkg;
     logic [31:0] second;
     logic [31:0] unit;
     logic [31:0] balance;
+    logic [RADIAL+4:0] cutoff;  // UQ4.radial, may round up to 16
     paint_t paint;
   } shape_t;
 
@@ -117,7 +117,7 @@ package splatline_pkg;
     logic [31:0] radial;  // Q.radial, and its differences
     logic [31:0] first;
     logic [31:0] second;
-    paint_t paint;
+    logic [RADIAL+4:0] cutoff;
   } run_t;
 
 endpackage
