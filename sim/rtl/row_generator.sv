@@ -38,7 +38,7 @@ module row_generator (
 
   // The splat whose rows are being issued: the row, and what is differenced down the rows.
   logic busy, place, issue, none, some0;
-  logic [15:0] row0;
+  logic [ROW_BITS-1:0] row0;
   logic signed [CENTRE-1:0] centre0, shear0;
   logic signed [ROW-1:0] vertical0, first0, second0;
   splatline_pkg::shape_t shape0;
@@ -76,15 +76,16 @@ module row_generator (
   logic [M-1:0] squared_width1;
   logic [RADIAL+4:0] cutoff1;
   splatline_pkg::paint_t paint1;
-  logic [15:0] box_first1, box_end1, first_column1, end_column1;
+  logic [15:0] start_column1, end_column1;
+  logic [splatline_pkg::BLOCK_BITS-1:0] first_column1, first_column16;
   logic squared_width_odd1;
   logic signed [15:0] squared_width_power1, squared_width_power7;
   logic [5:0] drop_dx1, drop_dx19;
   logic [M-1:0] horizontal1, horizontal21;
-  logic signed [15:0] drop_first1, drop_first23, drop_radial1, drop_radial26;
+  logic signed [15:0] drop_first1, drop_first23, drop_radial1, drop_radial23, drop_radial26;
   logic [31:0] second1, second20, unit1, unit27, balance1, balance2;
   always_ff @(posedge clk) begin
-    row1 <= row0[ROW_BITS-1:0];
+    row1 <= row0;
     centre1 <= centre0;
     vertical1 <= vertical0;
     rest1 <= $signed({1'b0, shape0.reach}) - vertical0;
@@ -94,7 +95,7 @@ module row_generator (
     squared_width_power1 <= shape0.squared_width_power;
     cutoff1 <= shape0.cutoff;
     paint1 <= shape0.paint;
-    {box_first1, box_end1, first_column1, end_column1} <= {shape0.box_first, shape0.box_end, shape0.first_column, shape0.end_column};
+    {start_column1, first_column1, end_column1} <= {shape0.start_column, shape0.first_column, shape0.end_column};
     drop_dx1 <= shape0.drop_dx;
     horizontal1 <= shape0.horizontal;
     drop_first1 <= shape0.drop_first;
@@ -174,12 +175,12 @@ module row_generator (
   end
 
   // Stages 17 to 20: the span within the window.
-  logic [15:0] box_first16, box_end16, first_column16, end_column16, x18;
+  logic [15:0] start_column16, end_column16, x18;
   logic [COLUMN_BITS-1:0] column20;
   logic [4:0] head20, head28;
   logic [COLUMN_BITS:0] count20;
-  delay #(.BITS(64), .STAGES(15)) hold_columns (.clk, .rst, .advance(1'b1), .in({box_first1, box_end1, first_column1, end_column1}), .out({box_first16, box_end16, first_column16, end_column16}));
-  row_window cut (.clk, .low(low16), .high(high16), .box_first(box_first16), .box_end(box_end16), .first_column(first_column16), .end_column(end_column16), .x18, .holds19, .head20, .column20, .count20);
+  delay #(.BITS(2 * 16 + splatline_pkg::BLOCK_BITS), .STAGES(15)) hold_columns (.clk, .rst, .advance(1'b1), .in({start_column1, first_column1, end_column1}), .out({start_column16, first_column16, end_column16}));
+  row_window cut (.clk, .low(low16), .high(high16), .start_column(start_column16), .first_column(first_column16), .end_column(end_column16), .x18, .holds19, .head20, .column20, .count20);
   delay #(.BITS(5), .STAGES(8)) hold_head (.clk, .rst, .advance(1'b1), .in(head20), .out(head28));
 
   // Stage 21: dx, rounded, as a magnitude (`Seed::at`). Back to one in the same addition: -(q + d) = ~q + !d.
@@ -217,8 +218,8 @@ module row_generator (
   // Stage 28: the first difference. Stage 30: the radial index without its constants.
   logic signed [63:0] first27, radial30;
   logic [31:0] first28;
-  delay #(.BITS(16), .STAGES(22)) hold_drop_first (.clk, .rst, .advance(1'b1), .in(drop_first1), .out(drop_first23));
-  delay #(.BITS(16), .STAGES(25)) hold_drop_radial (.clk, .rst, .advance(1'b1), .in(drop_radial1), .out(drop_radial26));
+  delay #(.BITS(32), .STAGES(22)) hold_drops (.clk, .rst, .advance(1'b1), .in({drop_first1, drop_radial1}), .out({drop_first23, drop_radial23}));
+  delay #(.BITS(16), .STAGES(3)) hold_drop_radial (.clk, .rst, .advance(1'b1), .in(drop_radial23), .out(drop_radial26));
   delay #(.BITS(32), .STAGES(26)) hold_unit (.clk, .rst, .advance(1'b1), .in(unit1), .out(unit27));
   align #(.BITS(2 * M + 1)) align_first (.clk, .negative(negative23), .magnitude(along23), .shift(drop_first23), .result(first27));
   align #(.BITS(2 * M + 2)) align_radial (.clk, .negative(1'b0), .magnitude(across26), .shift(drop_radial26), .result(radial30));

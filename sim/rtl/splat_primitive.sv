@@ -214,11 +214,14 @@ module splat_primitive #(
   // The lanes.
   logic [LANES-1:0] queue_ready, lane_idle, pixels_idle;
   assign slot_ready = !slot_has_run || run_ready;
-  // What the lane that owns the row being read out gives: transmittance and colour.
+  // What the lane that owns the row being read out gives: transmittance and colour. The others give 0, so that joining them costs less than choosing.
   localparam WORD_BITS = TRANSMITTANCE_BITS + COLOUR_BITS;
-  // Places of words are a power of two apart. By another distance Yosys may choose with a multiplier and a shifter as wide as all words.
-  localparam WORD_PLACE = $clog2(WORD_BITS);
-  logic [(LANES<<WORD_PLACE)-1:0] words;
+  logic [LANES*WORD_BITS-1:0] words;
+  logic [WORD_BITS-1:0] read_word;
+  always_comb begin
+    read_word = '0;
+    for (int i = 0; i < LANES; i = i + 1) read_word = read_word | words[i*WORD_BITS+:WORD_BITS];
+  end
   logic [ROW_BITS-1:0] word_row, read_row;
   always_ff @(posedge clk)
     if (scan_moves) begin
@@ -230,10 +233,10 @@ module splat_primitive #(
   generate
     if (LANES == 1) begin : gen_single
       assign run_ready = queue_ready[0];
-      assign {pixel_transmittance, pixel_colour} = words[WORD_BITS-1:0];
+      assign {pixel_transmittance, pixel_colour} = read_word;
     end else begin : gen_banked
       assign run_ready = queue_ready[run.row[LANE_BITS-1:0]];
-      assign {pixel_transmittance, pixel_colour} = words[{read_row[LANE_BITS-1:0], {WORD_PLACE{1'b0}}}+:WORD_BITS];
+      assign {pixel_transmittance, pixel_colour} = read_word;
     end
 
     for (l = 0; l < LANES; l = l + 1) begin : gen_lane
@@ -386,18 +389,20 @@ module splat_primitive #(
           .idle(blend_quiet)
       );
       logic [WORD_BITS-1:0] scanned_word;
-      assign words[(l<<WORD_PLACE)+:(1<<WORD_PLACE)] = (1 << WORD_PLACE)'(scanned_word);
+      assign words[l*WORD_BITS+:WORD_BITS] = mine_in_word ? scanned_word : '0;
       assign scanned_word = side ? {transmittances[0+:TRANSMITTANCE_BITS], colours[0+:COLOUR_BITS]} : {transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS], colours[COLOUR_BITS+:COLOUR_BITS]};
 
       // The lane owns the bank of the side that is drawn, the scan the other one; it clears what it has read.
-      logic clears, mine_in_scan;
+      logic clears, mine_in_scan, mine_in_word;
       logic [ADDRESS-1:0] scan_address;
       if (LANES == 1) begin : gen_scan_all
         assign scan_address = {scan_row, scan_column};
         assign mine_in_scan = 1'b1;
+        assign mine_in_word = 1'b1;
       end else begin : gen_scan_own
         assign scan_address = {scan_row[ROW_BITS-1:LANE_BITS], scan_column};
         assign mine_in_scan = scan_row[LANE_BITS-1:0] == l[LANE_BITS-1:0];
+        assign mine_in_word = read_row[LANE_BITS-1:0] == l[LANE_BITS-1:0];
       end
       assign clears = state == CLEAR || (scan_valid && scan_moves && mine_in_scan);
       genvar b;

@@ -262,8 +262,11 @@ module splat_setup #(
   seed_balance balance_lanes (.clk, .fine(fine8), .second(second12), .unit(unit_balanced12), .start(balance12));
 
   // Stages 2 and 3: what is visible, and how many rows; the footprint's other words as rows and lanes take them.
-  logic [15:0] row3, rows3, first_column3, end_column3, box_first3, box_end3;
-  visible_box visible (.clk, .window, .first_row1(f1.first_row), .end_row1(f1.end_row), .box_first1(f1.first_column), .box_end1(f1.end_column), .row3, .rows3, .first_column3, .end_column3, .box_first3, .box_end3);
+  logic [splatline_pkg::TILE_ROW_BITS-1:0] row3;
+  logic [splatline_pkg::TILE_ROW_BITS:0] rows3;
+  logic [15:0] end_column3, start_column3;
+  logic [splatline_pkg::BLOCK_BITS-1:0] first_column3;
+  visible_box visible (.clk, .window, .first_row1(f1.first_row), .end_row1(f1.end_row), .box_first1(f1.first_column), .box_end1(f1.end_column), .row3, .rows3, .first_column3, .end_column3, .start_column3);
   logic [31:0] cutoff2;
   logic [32:0] cutoff_half2;
   logic [PEAK-1:0] peak2, peak3;
@@ -294,7 +297,7 @@ module splat_setup #(
   end
 
   // The splat, in parts as they are ready: in stages 3, 12, 17, 20 and 24.
-  localparam PART_3 = 6 * 16 + (ROW - 1) + 2 * M + 17 + (RADIAL + 5) + PEAK + COLOUR;
+  localparam PART_3 = 2 * splatline_pkg::TILE_ROW_BITS + 1 + 2 * 16 + splatline_pkg::BLOCK_BITS + (ROW - 1) + 2 * M + 17 + (RADIAL + 5) + PEAK + COLOUR;
   localparam PART_12 = PART_3 + CENTRE + 1 + 6 + 2 * 16 + 3 * 32;
   localparam PART_17 = PART_12 + CENTRE + ROW;
   localparam PART_20 = PART_17 + ROW;
@@ -317,7 +320,7 @@ module splat_setup #(
         first20,
         {centre17, curve17},
         {shear12, coarse12, drop_dx12, drop_radial12, drop_first12, second12, unit_balanced12, balance12},
-        {row3, rows3, box_first3, box_end3, first_column3, end_column3, reach3},
+        {row3, rows3, start_column3, first_column3, end_column3, reach3},
         {squared_width3, squared_width_odd3, squared_width_power3, horizontal3, cutoff3, peak3, colours3}
       }),
       .out_valid(splat_valid),
@@ -327,7 +330,7 @@ module splat_setup #(
         start.first,
         {start.centre, start.second},
         {start.shear, shape.coarse, shape.drop_dx, shape.drop_radial, shape.drop_first, shape.second, shape.unit, shape.balance},
-        {start.row, start.rows, shape.box_first, shape.box_end, shape.first_column, shape.end_column, shape.reach},
+        {start.row, start.rows, shape.start_column, shape.first_column, shape.end_column, shape.reach},
         {shape.squared_width, shape.squared_width_odd, shape.squared_width_power, shape.horizontal, shape.cutoff, shape.paint}
       })
   );

@@ -77,9 +77,8 @@ package splatline_pkg;
 
   // What the rows of a splat need (`EllipseSpans`, `HalfWidth` and `Seed`), constant from row to row.
   typedef struct packed {
-    logic [15:0] box_first;  // columns of the footprint's box
-    logic [15:0] box_end;
-    logic [15:0] first_column;  // and of its part in the window
+    logic [15:0] start_column;  // first column of the footprint's box in the window's block
+    logic [BLOCK_BITS-1:0] first_column;  // columns of its part in the window: the first within the block
     logic [15:0] end_column;
     logic [VERTICAL+4:0] reach;  // cut-off and slack, UQ5.vertical
     logic coarse;  // xc has SUBPIXEL - 2 fraction bits, otherwise SUBPIXEL + 8
@@ -100,8 +99,8 @@ package splatline_pkg;
 
   // Where a splat's rows begin and how they change.
   typedef struct packed {
-    logic [15:0] row;
-    logic [15:0] rows;  // rows in the window
+    logic [TILE_ROW_BITS-1:0] row;  // within the tile
+    logic [TILE_ROW_BITS:0] rows;  // rows in the window
     logic signed [SUBPIXEL+27:0] centre;  // xc - 1/2, and its change
     logic signed [SUBPIXEL+27:0] shear;
     logic signed [VERTICAL+5:0] vertical;  // C dy^2, Q5.vertical, and its differences
