@@ -71,7 +71,7 @@ module row_generator (
   // Stage 1: the row; what is left of the cut-off, Q.vertical.
   logic signed [CENTRE-1:0] centre1;
   logic signed [ROW-1:0] vertical1, rest1;
-  logic coarse1, coarse13, coarse14, coarse15, coarse18;
+  logic coarse1, coarse13, coarse14, coarse15, coarse18, coarse19;
   logic [ROW_BITS-1:0] row1;
   logic [M-1:0] squared_width1;
   logic [RADIAL+4:0] cutoff1;
@@ -80,9 +80,9 @@ module row_generator (
   logic [splatline_pkg::BLOCK_BITS-1:0] first_column1, first_column16;
   logic squared_width_odd1;
   logic signed [15:0] squared_width_power1, squared_width_power7;
-  logic [5:0] drop_dx1, drop_dx19;
+  logic [5:0] drop_dx1, drop_dx16, drop_dx19;
   logic [M-1:0] horizontal1, horizontal21;
-  logic signed [15:0] drop_first1, drop_first23, drop_radial1, drop_radial23, drop_radial26;
+  logic signed [15:0] drop_first1, drop_first21, drop_first23, drop_radial22, drop_radial26;
   logic [31:0] second1, second20, unit1, unit27, balance1, balance2;
   always_ff @(posedge clk) begin
     row1 <= row0;
@@ -99,7 +99,6 @@ module row_generator (
     drop_dx1 <= shape0.drop_dx;
     horizontal1 <= shape0.horizontal;
     drop_first1 <= shape0.drop_first;
-    drop_radial1 <= shape0.drop_radial;
     second1 <= shape0.second;
     unit1 <= shape0.unit;
     balance1 <= shape0.balance;
@@ -179,7 +178,7 @@ module row_generator (
   logic [COLUMN_BITS-1:0] column20;
   logic [4:0] head20, head28;
   logic [COLUMN_BITS:0] count20;
-  delay #(.BITS(2 * 16 + splatline_pkg::BLOCK_BITS), .STAGES(15)) hold_columns (.clk, .rst, .advance(1'b1), .in({start_column1, first_column1, end_column1}), .out({start_column16, first_column16, end_column16}));
+  delay #(.BITS(2 * 16 + splatline_pkg::BLOCK_BITS + 6), .STAGES(15)) hold_columns (.clk, .rst, .advance(1'b1), .in({start_column1, first_column1, end_column1, drop_dx1}), .out({start_column16, first_column16, end_column16, drop_dx16}));
   row_window cut (.clk, .low(low16), .high(high16), .start_column(start_column16), .first_column(first_column16), .end_column(end_column16), .x18, .holds19, .head20, .column20, .count20);
   delay #(.BITS(5), .STAGES(8)) hold_head (.clk, .rst, .advance(1'b1), .in(head20), .out(head28));
 
@@ -190,7 +189,7 @@ module row_generator (
   logic [1:0] rest20;
   logic negative20, negative21, negative23;
   logic [M:0] dx21, dx24;
-  delay #(.BITS(6), .STAGES(18)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop_dx1), .out(drop_dx19));
+  delay #(.BITS(6), .STAGES(3)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop_dx16), .out(drop_dx19));
   // Shifted by fours, and in the next stage by what is left.
   assign moved20 = (M + 2)'(fours20 >> rest20);
   always_ff @(posedge clk) begin
@@ -203,7 +202,7 @@ module row_generator (
   end
   delay #(.BITS(M + 1), .STAGES(3)) hold_dx (.clk, .rst, .advance(1'b1), .in(dx21), .out(dx24));
   delay #(.BITS(1), .STAGES(2)) hold_negative (.clk, .rst, .advance(1'b1), .in(negative21), .out(negative23));
-  delay #(.BITS(M), .STAGES(20)) hold_horizontal (.clk, .rst, .advance(1'b1), .in(horizontal1), .out(horizontal21));
+  delay #(.BITS(M + 16), .STAGES(20)) hold_horizontal (.clk, .rst, .advance(1'b1), .in({horizontal1, drop_first1}), .out({horizontal21, drop_first21}));
 
   // Stage 23: A dx. Stage 24: rounded to a mantissa. Stage 26: A dx^2, which is never negative.
   logic [2*M:0] along23, along_rounded23;
@@ -217,9 +216,17 @@ module row_generator (
 
   // Stage 28: the first difference. Stage 30: the radial index without its constants.
   logic signed [63:0] first27, radial30;
+  logic signed [7:0] more20, more21;
   logic [31:0] first28;
-  delay #(.BITS(32), .STAGES(22)) hold_drops (.clk, .rst, .advance(1'b1), .in({drop_first1, drop_radial1}), .out({drop_first23, drop_radial23}));
-  delay #(.BITS(16), .STAGES(3)) hold_drop_radial (.clk, .rst, .advance(1'b1), .in(drop_radial23), .out(drop_radial26));
+  delay #(.BITS(16), .STAGES(2)) hold_drop_first (.clk, .rst, .advance(1'b1), .in(drop_first21), .out(drop_first23));
+  delay #(.BITS(16), .STAGES(4)) hold_drop_radial (.clk, .rst, .advance(1'b1), .in(drop_radial22), .out(drop_radial26));
+  // The radial index has the product of one dx more and a rounded mantissa less than its difference, which has a factor of two.
+  always_ff @(posedge clk) begin
+    coarse19 <= coarse18;
+    more20 <= 8'(coarse19 ? COARSE + 1 - M : FINE + 1 - M) - $signed({2'b00, drop_dx19});
+    more21 <= more20;
+    drop_radial22 <= drop_first21 + 16'(more21);
+  end
   delay #(.BITS(32), .STAGES(26)) hold_unit (.clk, .rst, .advance(1'b1), .in(unit1), .out(unit27));
   align #(.BITS(2 * M + 1)) align_first (.clk, .negative(negative23), .magnitude(along23), .shift(drop_first23), .result(first27));
   align #(.BITS(2 * M + 2)) align_radial (.clk, .negative(1'b0), .magnitude(across26), .shift(drop_radial26), .result(radial30));

@@ -87,7 +87,6 @@ package splatline_pkg;
     logic signed [15:0] squared_width_power;
     logic [MANTISSA-1:0] horizontal;
     logic [5:0] drop_dx;
-    logic signed [15:0] drop_radial;
     logic signed [15:0] drop_first;
     // `Balance`, Q.radial, low words: the lanes' arithmetic is modulo 2^32.
     logic [31:0] second;
