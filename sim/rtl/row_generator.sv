@@ -110,26 +110,28 @@ module row_generator (
   logic [29:0] doubled1;
   logic [M+29:0] product3;
   logic [63:0] squared3, squared4, normal4;
-  logic [4:0] pairs3, pairs4;
+  logic [1:0] sixteenth3, sixteens3, sixteens4, pair4;
+  logic [2:0] pairs4;
   logic [7:0] index5;
   logic [15:0] fraction5;
   logic [4:0] pairs5;
   assign doubled1 = squared_width_odd1 ? {rest1[ROW-2-:29], 1'b0} : {1'b0, rest1[ROW-2-:29]};
   multiply #(.LEFT(30), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled1), .right(squared_width1), .product(product3));
   assign squared3 = 64'(product3);
-  // Pairs of leading zeros; 31 where there is nothing.
-  always_comb begin
-    pairs3 = 5'd31;
-    for (int i = 0; i < 32; i = i + 1) if (squared3[2*i] || squared3[2*i+1]) pairs3 = 5'd31 - i[4:0];
-  end
-  // Half of the shift, where it is 32 or more, is made while the leading zeros are counted.
-  assign normal4 = squared4 << {pairs4[3:0], 1'b0};
+  // Pairs of leading zeros, 31 where there is nothing: eights of them in one stage, the others in the next.
+  logic [7:1] some4;
+  assign sixteenth3 = splatline_math::leading({|squared3[63:48], |squared3[47:32], |squared3[31:16]});
+  assign sixteens3 = ~sixteenth3;
+  always_comb for (int i = 1; i < 8; i = i + 1) some4[i] = squared4[48+2*i] || squared4[49+2*i];
+  assign pair4 = splatline_math::leading(some4[7:4] != 0 ? some4[7:5] : some4[3:1]);
+  assign pairs4 = {some4[7:4] == 0, ~pair4};
+  assign normal4 = squared4 << {pairs4, 1'b0};
   always_ff @(posedge clk) begin
-    squared4 <= squared3[63:32] == 0 ? squared3 << 32 : squared3;
-    pairs4 <= pairs3;
+    squared4 <= squared3 << {sixteens3, 4'd0};
+    sixteens4 <= sixteens3;
     index5 <= normal4[63:56];
     fraction5 <= normal4[55:40];
-    pairs5 <= pairs4;
+    pairs5 <= {sixteens4, pairs4};
   end
 
   // Stages 6 and 7: the root table's entry and the step to the next. Stage 9: the root, UQ0.24, and its left shift to Q.32 pixels.
