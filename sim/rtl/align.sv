@@ -3,10 +3,12 @@
 //
 //   sign | shift by the distance's lowest bits | shift by eights; what it moves out to the left | rounding
 //
-// Without SATURATES nothing may be moved out to the left, and nobody looks. With SIGNED, `magnitude` is the value itself, which then needs no negation in front of this.
+// Without SATURATES nothing may be moved out to the left, and nobody looks. With SIGNED, `magnitude` is the value
+// itself, which then needs no negation in front of this.
 //
-// The value stands left of 64 zeros and is only ever moved right: one shifter for both directions, and the last bit moved out rounds. What stays left of
-// the result's sign must equal it; that is known for every number of eights at once, without a count of leading zeros.
+// The value stands left of 64 zeros and is only ever moved right: one shifter for both directions, and the last bit
+// moved out rounds. What stays left of the result's sign must equal it; that is known for every number of eights at
+// once, without a count of leading zeros.
 module align #(
     parameter BITS = 18,
     parameter SIGNED = 0,

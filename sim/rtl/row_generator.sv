@@ -222,7 +222,8 @@ module row_generator (
   logic [31:0] first28;
   delay #(.BITS(16), .STAGES(2)) hold_drop_first (.clk, .rst, .advance(1'b1), .in(drop_first21), .out(drop_first23));
   delay #(.BITS(16), .STAGES(4)) hold_drop_radial (.clk, .rst, .advance(1'b1), .in(drop_radial22), .out(drop_radial26));
-  // The radial index has the product of one dx more and a rounded mantissa less than its difference, which has a factor of two.
+  // The radial index has the product of one dx more and a rounded mantissa less than its difference, which has a
+  // factor of two.
   always_ff @(posedge clk) begin
     coarse19 <= coarse18;
     more20 <= 8'(coarse19 ? COARSE + 1 - M : FINE + 1 - M) - $signed({2'b00, drop_dx19});

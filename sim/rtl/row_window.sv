@@ -1,13 +1,14 @@
 // A row's span cut to the window: from where it begins and ends (any number of columns away) to the run's first column and length.
 //
-// Whatever the arithmetic before it gives, no run leaves this unit that has a pixel outside the window or no pixel at all
-// (proven, `formal/row_window_properties.svh`). The window must lie within one block of columns, and of what lies in a block the column's lowest
-// bits say all: whole columns are compared only where the span comes from afar.
+// Whatever the arithmetic before it gives, no run leaves this unit that has a pixel outside the window or no pixel at
+// all (proven, `formal/row_window_properties.svh`). The window must lie within one block of columns, and of what lies
+// in a block the column's lowest bits say all: whole columns are compared only where the span comes from afar.
 //
 //   17 within the block and the window | 18 | 19 order, length, part left of the window | 20 what is left
 module row_window (
     input logic clk,
-    // In stage 16: the span, where the block's part of the box begins, and the columns of the box in the window, of which there is one at least.
+    // In stage 16: the span, where the block's part of the box begins, and the columns of the box in the window, of
+    // which there is one at least.
     input logic signed [32:0] low,
     input logic signed [32:0] high,
     input logic [15:0] start_column,
@@ -22,8 +23,9 @@ module row_window (
   localparam BLOCK_BITS = splatline_pkg::BLOCK_BITS;
   localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
 
-  // Numbers of columns have 16 bits: what lies above these decides beside the comparison, not in it. A span that begins right of the box ends in it at the
-  // latest, so that it has no pixel, and neither has one that ends left of it.
+  // Numbers of columns have 16 bits: what lies above these decides beside the comparison, not in it. A span that
+  // begins right of the box ends in it at the latest, so that it has no pixel, and neither has one that ends left of
+  // it.
   function automatic logic [15:0] not_before(input logic signed [32:0] value, input logic [15:0] first);
     if (value[32] || (value[31:16] == 0 && value[15:0] < first)) not_before = first;
     else not_before = value[15:0] | {16{value[31:16] != 0}};

@@ -1,8 +1,9 @@
-// What blending needs of the runs of a lane: it lies where the lane's queue took the run, and pixels carry their run's number, not their paint. The peak
-// is read in one stage of the pipeline, the colour in another, both into a register.
+// What blending needs of the runs of a lane: it lies where the lane's queue took the run, and pixels carry their run's
+// number, not their paint. The peak is read in one stage of the pipeline, the colour in another, both into a register.
 //
-// A run's words may be needed while DEPTH runs wait behind it and eight are behind the queue: one in front of the lane, one in it, and as many as fit in the
-// stages behind it, where runs are two cycles apart at least. Hence SLOTS is DEPTH + 8 or more.
+// A run's words may be needed while DEPTH runs wait behind it and eight are behind the queue: one in front of the
+// lane, one in it, and as many as fit in the stages behind it, where runs are two cycles apart at least. Hence SLOTS
+// is DEPTH + 8 or more.
 module run_paint #(
     parameter SLOTS = 16
 ) (

@@ -1,7 +1,8 @@
 // A queue of runs before a lane, so that lanes with long rows and lanes with short ones need not wait for each other. The lane sees a
 // register, not the memory: a run can be taken two cycles after it came.
 //
-// Runs are numbered as they come, modulo SLOTS: by its number the lane's pipeline finds what it needs of a run later (run_paint.sv).
+// Runs are numbered as they come, modulo SLOTS: by its number the lane's pipeline finds what it needs of a run later
+// (run_paint.sv).
 module run_queue #(
     parameter DEPTH = 8,
     parameter SLOTS = 16

@@ -214,7 +214,8 @@ module splat_primitive #(
   // The lanes.
   logic [LANES-1:0] queue_ready, lane_idle, pixels_idle;
   assign slot_ready = !slot_has_run || run_ready;
-  // What the lane that owns the row being read out gives: transmittance and colour. The others give 0, so that joining them costs less than choosing.
+  // What the lane that owns the row being read out gives: transmittance and colour. The others give 0, so that joining
+  // them costs less than choosing.
   localparam WORD_BITS = TRANSMITTANCE_BITS + COLOUR_BITS;
   logic [LANES*WORD_BITS-1:0] words;
   logic [WORD_BITS-1:0] read_word;

@@ -3,9 +3,10 @@
 // With an interval of 4 stages take turns at three products, two alignments and a normalisation (turn.sv), which costs nothing where splats have
 // four rows and more. Then packets are taken in every fourth cycle since the reset and in no other, so that no two stages ever want the same turn.
 //
-// Stages never stand still. What is ready waits in a queue, and a packet is only taken if there is a place for it, so that no signal
-// has to reach every register of the unit within a cycle. Nor does what is ready early travel along: it goes into its place of the queue in five parts.
-// A name's number is the stage: the cycle after the packet's handshake is 1.
+// Stages never stand still. What is ready waits in a queue, and a packet is only taken if there is a place for it, so
+// that no signal has to reach every register of the unit within a cycle. Nor does what is ready early travel along: it
+// goes into its place of the queue in five parts. A name's number is the stage: the cycle after the packet's handshake
+// is 1.
 //
 // The rows' seed is that of their block, so a window begins with the first row of one (`RowSeeds::at`).
 module splat_setup #(

@@ -1,6 +1,8 @@
-// A footprint's box cut to the window: its first visible row and how many there are, its columns there, and the first in the window's block.
+// A footprint's box cut to the window: its first visible row and how many there are, its columns there, and the first
+// in the window's block.
 //
-// Rows are counted within the tile, of which the window is a part. Whatever box comes, the rows that leave this unit lie in the window, and where there is one, the columns do and there is one of them at least, which is what
+// Rows are counted within the tile, of which the window is a part. Whatever box comes, the rows that leave this unit
+// lie in the window, and where there is one, the columns do and there is one of them at least, which is what
 // row_window.sv is promised (proven, `formal/visible_box_properties.svh`).
 //
 //   2 what is visible | 3 how many rows: none, if the window holds none of the box's columns

@@ -1,6 +1,8 @@
-// What lane.sv promises: every pixel of a run is visited once, in order, and no other place, so that a run within the window stays there; and no
-// place is visited again before its last value is written; runs begin two moves apart at least, which run_paint.sv counts on. Its user's side of the bargain is assumed: runs have a pixel at least, end within the
-// tile's columns, and stay until they are taken. Included in the module where FORMAL is defined (`rtl -- formal`).
+// What lane.sv promises: every pixel of a run is visited once, in order, and no other place, so that a run within the
+// window stays there; and no place is visited again before its last value is written; runs begin two moves apart at
+// least, which run_paint.sv counts on. Its user's side of the bargain is assumed: runs have a pixel at least, end
+// within the tile's columns, and stay until they are taken. Included in the module where FORMAL is defined (`rtl --
+// formal`).
 
   logic started, waited, began;
   logic [PLACE-1:0] place, waiting;

@@ -1,6 +1,7 @@
-// What row_counter.sv promises for every sequence of splats and places: the rows of a splat, each once and in order, and before the next splat is taken. So rows
-// that lie in a window stay there. Its user's side of the bargain is assumed: a splat's rows lie in the tile (visible_box.sv). Included in the module
-// where FORMAL is defined (`rtl -- formal`).
+// What row_counter.sv promises for every sequence of splats and places: the rows of a splat, each once and in order,
+// and before the next splat is taken. So rows that lie in a window stay there. Its user's side of the bargain is
+// assumed: a splat's rows lie in the tile (visible_box.sv). Included in the module where FORMAL is defined (`rtl --
+// formal`).
 
   logic started;
   logic [COUNT-1:0] begun, all, issued;

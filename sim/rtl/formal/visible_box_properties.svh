@@ -1,5 +1,6 @@
-// What visible_box.sv promises for every box and every window: rows and columns that lie in the window and in the box. Of the window it is assumed that it lies
-// in one tile, of the box nothing. Included in the module where FORMAL is defined (`rtl -- formal`).
+// What visible_box.sv promises for every box and every window: rows and columns that lie in the window and in the box.
+// Of the window it is assumed that it lies in one tile, of the box nothing. Included in the module where FORMAL is
+// defined (`rtl -- formal`).
 
   logic [1:0] passed;
   splatline_pkg::window_t window2, window3;
