@@ -10,7 +10,8 @@
 // Where a product is rounded and then added to something, its half rides on that addition: the bit below the result is a carry. With ties to even a
 // product in the middle carries only from an odd number on; of a colour, where the sum is what is rounded, an odd sum loses its last bit again.
 module blend #(
-    parameter ADDRESS = 10
+    parameter ADDRESS = 10,
+    parameter SLOT_BITS = 4
 ) (
     input logic clk,
     input logic rst,
@@ -20,7 +21,10 @@ module blend #(
     input logic [ADDRESS-1:0] pixel_address,
     input logic [splatline_pkg::WEIGHT:0] weight,
     input logic [splatline_pkg::PEAK+3:0] peak,
-    input logic [3*splatline_pkg::COLOUR_BITS-1:0] colour,  // blue, green, red
+    input logic [SLOT_BITS-1:0] pixel_slot,
+    // The colour of the run with this number, which arrives in the next cycle: blue, green, red.
+    output logic [SLOT_BITS-1:0] colour_slot,
+    input logic [3*splatline_pkg::COLOUR_BITS-1:0] colour11,
     // Transmittance: flag and UQ1.transmittance; the word of `read_address` arrives two cycles later.
     output logic [ADDRESS-1:0] transmittance_read_address,
     input logic [splatline_pkg::TRANSMITTANCE+1:0] transmittance_read,
@@ -48,11 +52,10 @@ module blend #(
 
   logic valid5, valid6, valid7, valid8, valid9, valid10, valid11, valid12, valid13, valid14;
   logic [ADDRESS-1:0] address5, address10, address13;
-  logic [3*C-1:0] colour11;
   delay #(.BITS(ADDRESS), .STAGES(1)) hold_address5 (.clk, .rst, .advance, .in(pixel_address), .out(address5));
   delay #(.BITS(ADDRESS), .STAGES(5)) hold_address10 (.clk, .rst, .advance, .in(address5), .out(address10));
   delay #(.BITS(ADDRESS), .STAGES(3)) hold_address13 (.clk, .rst, .advance, .in(address10), .out(address13));
-  delay #(.BITS(3 * C), .STAGES(7)) hold_colour (.clk, .rst, .advance, .in(colour), .out(colour11));
+  delay #(.BITS(SLOT_BITS), .STAGES(6)) hold_slot10 (.clk, .rst, .advance, .in(pixel_slot), .out(colour_slot));
 
   // Stages 4 to 8: opacity, clamped; what the rules skip by its product goes no further.
   localparam logic [PEAK+WEIGHT:0] MIDDLE_OF_OPACITY = ((PEAK + WEIGHT + 1)'(1) << (OPACITY_SHIFT - 1)) - 1'b1;

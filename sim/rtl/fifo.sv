@@ -4,9 +4,10 @@
 // An entry comes out three cycles after it went in at the earliest: written, read, registered. A place is taken by `claim`, when something
 // enters the pipeline before the queue, and given back when the entry leaves the queue.
 //
-// A pipeline knows some parts of an entry long before the last. They need not wait in registers beside it: each part has a memory of its own, into
-// which it goes as soon as it is there, all parts of all entries in the same order. The entry is in when its last part is, the one of the
-// highest bits. ENDS says where parts end in `in`, 16 bits for each, the first part's lowest.
+// A pipeline knows some parts of an entry long before the last. They need not wait in registers beside it: each part
+// has a memory of its own, into which it goes as soon as it is there, all parts of all entries in the same order. The
+// entry is in when its last part is, the one of the highest bits. ENDS says where parts end in `in`, 16 bits for each,
+// the first part's lowest.
 //
 // With RESTS, entries leave in every other cycle at most. Then no memory has to know within a cycle whether its entry is taken, which for the queue of
 // splats reached the enables of some twenty block RAMs and was the circuit's longest path.
@@ -46,7 +47,8 @@ module fifo #(
     for (p = 0; p < PARTS; p = p + 1) begin : gen_part
       localparam END = ENDS[16*p+:16];
       localparam FIRST = p == 0 ? 0 : ENDS[16*(p==0?0:p-1)+:16];
-      // A word is never read in the cycle in which it is written (its place would be empty), so that no circuit has to say what comes out then.
+      // A word is never read in the cycle in which it is written (its place would be empty), so that no circuit has to
+      // say what comes out then.
       (* ram_style = "block", no_rw_check *) logic [END-FIRST-1:0] memory[0:PLACES-1];
       logic [END-FIRST-1:0] word;
       logic [INDEX:0] place;

@@ -6,7 +6,8 @@
 // so that nothing has to be compared but the last pixels of the runs before with the columns of the run to come. A run waits for
 // that comparison in the cycle after it came to the queue's front, so that runs of a single pixel take two cycles.
 module lane #(
-    parameter INTERVAL = 7
+    parameter INTERVAL = 7,
+    parameter SLOT_BITS = 4
 ) (
     input logic clk,
     input logic rst,
@@ -14,11 +15,11 @@ module lane #(
     input logic run_valid,
     output logic run_ready,
     input splatline_pkg::run_t run,
+    input logic [SLOT_BITS-1:0] run_slot,
     output logic pixel_valid,
     output logic [splatline_pkg::RADIAL+3:0] radial,  // UQ4.radial, below the cut-off
     output logic [splatline_pkg::TILE_ROW_BITS+splatline_pkg::TILE_COLUMN_BITS-1:0] address,  // row, column within the tile
-    output logic [splatline_pkg::PEAK+3:0] peak,
-    output logic [3*splatline_pkg::COLOUR_BITS-1:0] colour,  // blue, green, red
+    output logic [SLOT_BITS-1:0] slot,  // its run's number
     output logic idle
 );
   localparam RADIAL = splatline_pkg::RADIAL;
@@ -82,6 +83,7 @@ module lane #(
     if (advance) begin
       if (last) begin
         at <= run;
+        slot <= run_slot;
         final_pixel <= run.count == (COLUMN_BITS + 1)'(1);
       end else begin
         at.column <= at.column + 1'b1;
@@ -96,11 +98,9 @@ module lane #(
   // Negative indices are rounding noise around 0.
   logic [31:0] clamped;
   assign clamped = at.radial[31] ? 32'd0 : at.radial;
-  assign pixel_valid = active && clamped < 32'(at.paint.cutoff);
+  assign pixel_valid = active && clamped < 32'(at.cutoff);
   assign radial = clamped[RADIAL+3:0];
   assign address = {at.row, at.column};
-  assign peak = at.paint.peak;
-  assign colour = {at.paint.blue, at.paint.green, at.paint.red};
 
 `ifdef FORMAL
 `include "formal/lane_properties.svh"

@@ -1,7 +1,9 @@
 // A magnitude with sign rounded to MANTISSA bits, three cycles later (`Scaled::from_wide`): halves away from minus infinity, as the
-// two's complement rounds.
+// two's complement rounds. That of 0 is 0, with any exponent.
 //
-//   ones' complement and leading bit | shift by an even number | by one more; rounding and its overflow
+//   left by sixteens | by fours | by what is left; rounding and its overflow
+//
+// Zeros are not counted first: each stage sees by itself how far the leading one is from the left.
 module normalise #(
     parameter BITS = 36
 ) (
@@ -15,33 +17,36 @@ module normalise #(
 );
   localparam M = splatline_pkg::MANTISSA;
 
-  logic signed [BITS:0] value1;
-  logic [6:0] length1;
+  logic [63:0] wide, left1, left2;
+  logic [1:0] sixteens, fours1, ones2, sixteenth, fourth1, one2;
   logic signed [15:0] exponent1, exponent2;
   logic negative1, negative2;
-  logic [M+2:0] even2;
-  logic odd2;
-  logic [M+1:0] moved2;
-  logic [M:0] whole2;
+  logic [M+3:0] top2;
+  logic [M:0] moved2, whole2;
+  logic sticky2;
 
-  assign moved2 = odd2 ? even2[M+2:1] : even2[M+1:0];
-  // Back to a magnitude in the same addition: -(q + d) = ~q + !d.
-  assign whole2 = (negative2 ? ~moved2[M+1:1] : moved2[M+1:1]) + {{M{1'b0}}, moved2[0] != negative2};
+  assign wide = 64'(magnitude) << (64 - BITS);
+  assign sixteenth = splatline_math::leading({|wide[63:48], |wide[47:32], |wide[31:16]});
+  assign fourth1 = splatline_math::leading({|left1[63:60], |left1[59:56], |left1[55:52]});
+  assign one2 = splatline_math::leading(left2[63:61]);
+  assign {sixteens, fours1, ones2} = ~{sixteenth, fourth1, one2};
+  assign top2 = left2[63-:M+4];
+  assign moved2 = (M + 1)'((top2 << ones2) >> 3);
+  // Of what is cut off, a half is rounded up, of a negative number what is more than a half.
+  assign sticky2 = |(left2[63-M-1:0] << ones2);
+  assign whole2 = {1'b0, moved2[M:1]} + {{M{1'b0}}, moved2[0] && (sticky2 || !negative2)};
   always_ff @(posedge clk) begin
-    value1 <= negative ? -$signed({1'b0, magnitude}) : $signed({1'b0, magnitude});
-    length1 <= splatline_math::length(64'(magnitude));
-    exponent1 <= exponent;
+    left1 <= wide << {sixteens, 4'd0};
+    exponent1 <= exponent - $signed({10'd0, sixteens, 4'd0});
     negative1 <= negative;
 
-    // Moved from left of M + 1 zeros, so that M bits and the one that rounds are left.
-    even2 <= (M + 3)'($signed({value1, {(M + 1) {1'b0}}}) >>> {length1[6:1], 1'b0});
-    odd2 <= length1[0];
-    exponent2 <= exponent1 + $signed({9'd0, length1}) - $signed(16'(M));
+    left2 <= left1 << {fours1, 2'd0};
+    exponent2 <= exponent1 + $signed(16'(BITS - M)) - $signed({12'd0, fours1, 2'd0});
     negative2 <= negative1;
 
     // 2^M is half as much, twice.
     result <= {whole2[M] | whole2[M-1], whole2[M-2:0]};
-    result_exponent <= whole2[M] ? exponent2 + 16'sd1 : exponent2;
+    result_exponent <= exponent2 - $signed({14'd0, ones2}) + $signed({15'd0, whole2[M]});
     result_negative <= negative2;
   end
 endmodule

@@ -6,17 +6,18 @@ module row_counter (
     input logic rst,
     input logic splat_valid,
     output logic splat_ready,
-    // The splat's first row and how many it has.
-    input logic [15:0] first,
-    input logic [15:0] rows,
+    // The splat's first row within the tile and how many it has.
+    input logic [splatline_pkg::TILE_ROW_BITS-1:0] first,
+    input logic [splatline_pkg::TILE_ROW_BITS:0] rows,
     input logic place,  // for a row
     output logic busy,
     output logic issue,
-    output logic [15:0] row,
+    output logic [splatline_pkg::TILE_ROW_BITS-1:0] row,
     output logic some
 );
+  localparam COUNT = splatline_pkg::TILE_ROW_BITS + 1;
   logic last;
-  logic [15:0] left;
+  logic [COUNT-1:0] left;
   assign issue = busy && place;
   assign splat_ready = !busy || (issue && last);
   assign some = left != 0;
@@ -26,11 +27,11 @@ module row_counter (
     if (splat_ready) begin
       row <= first;
       left <= rows;
-      last <= rows <= 16'd1;
+      last <= rows <= COUNT'(1);
     end else if (issue) begin
-      row <= row + 16'd1;
-      left <= left - 16'd1;
-      last <= left == 16'd2;
+      row <= row + 1'b1;
+      left <= left - 1'b1;
+      last <= left == COUNT'(2);
     end
   end
 

@@ -18,6 +18,7 @@ module row_generator (
     input logic slot_ready,
     output logic slot_has_run,
     output splatline_pkg::run_t run,
+    output splatline_pkg::paint_t paint,
     output logic idle
 );
   localparam M = splatline_pkg::MANTISSA;
@@ -37,7 +38,7 @@ module row_generator (
 
   // The splat whose rows are being issued: the row, and what is differenced down the rows.
   logic busy, place, issue, none, some0;
-  logic [15:0] row0;
+  logic [ROW_BITS-1:0] row0;
   logic signed [CENTRE-1:0] centre0, shear0;
   logic signed [ROW-1:0] vertical0, first0, second0;
   splatline_pkg::shape_t shape0;
@@ -70,19 +71,21 @@ module row_generator (
   // Stage 1: the row; what is left of the cut-off, Q.vertical.
   logic signed [CENTRE-1:0] centre1;
   logic signed [ROW-1:0] vertical1, rest1;
-  logic coarse1, coarse13, coarse14, coarse15, coarse18;
+  logic coarse1, coarse13, coarse14, coarse15, coarse18, coarse19;
   logic [ROW_BITS-1:0] row1;
   logic [M-1:0] squared_width1;
+  logic [RADIAL+4:0] cutoff1;
   splatline_pkg::paint_t paint1;
-  logic [15:0] box_first1, box_end1, first_column1, end_column1;
+  logic [15:0] start_column1, end_column1;
+  logic [splatline_pkg::BLOCK_BITS-1:0] first_column1, first_column16;
   logic squared_width_odd1;
   logic signed [15:0] squared_width_power1, squared_width_power7;
-  logic [5:0] drop_dx1, drop_dx19;
+  logic [5:0] drop_dx1, drop_dx16, drop_dx19;
   logic [M-1:0] horizontal1, horizontal21;
-  logic signed [15:0] drop_first1, drop_first23, drop_radial1, drop_radial26;
+  logic signed [15:0] drop_first1, drop_first21, drop_first23, drop_radial22, drop_radial26;
   logic [31:0] second1, second20, unit1, unit27, balance1, balance2;
   always_ff @(posedge clk) begin
-    row1 <= row0[ROW_BITS-1:0];
+    row1 <= row0;
     centre1 <= centre0;
     vertical1 <= vertical0;
     rest1 <= $signed({1'b0, shape0.reach}) - vertical0;
@@ -90,12 +93,12 @@ module row_generator (
     squared_width1 <= shape0.squared_width;
     squared_width_odd1 <= shape0.squared_width_odd;
     squared_width_power1 <= shape0.squared_width_power;
+    cutoff1 <= shape0.cutoff;
     paint1 <= shape0.paint;
-    {box_first1, box_end1, first_column1, end_column1} <= {shape0.box_first, shape0.box_end, shape0.first_column, shape0.end_column};
+    {start_column1, first_column1, end_column1} <= {shape0.start_column, shape0.first_column, shape0.end_column};
     drop_dx1 <= shape0.drop_dx;
     horizontal1 <= shape0.horizontal;
     drop_first1 <= shape0.drop_first;
-    drop_radial1 <= shape0.drop_radial;
     second1 <= shape0.second;
     unit1 <= shape0.unit;
     balance1 <= shape0.balance;
@@ -107,26 +110,28 @@ module row_generator (
   logic [29:0] doubled1;
   logic [M+29:0] product3;
   logic [63:0] squared3, squared4, normal4;
-  logic [4:0] pairs3, pairs4;
+  logic [1:0] sixteenth3, sixteens3, sixteens4, pair4;
+  logic [2:0] pairs4;
   logic [7:0] index5;
   logic [15:0] fraction5;
   logic [4:0] pairs5;
   assign doubled1 = squared_width_odd1 ? {rest1[ROW-2-:29], 1'b0} : {1'b0, rest1[ROW-2-:29]};
   multiply #(.LEFT(30), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled1), .right(squared_width1), .product(product3));
   assign squared3 = 64'(product3);
-  // Pairs of leading zeros; 31 where there is nothing.
-  always_comb begin
-    pairs3 = 5'd31;
-    for (int i = 0; i < 32; i = i + 1) if (squared3[2*i] || squared3[2*i+1]) pairs3 = 5'd31 - i[4:0];
-  end
-  // Half of the shift, where it is 32 or more, is made while the leading zeros are counted.
-  assign normal4 = squared4 << {pairs4[3:0], 1'b0};
+  // Pairs of leading zeros, 31 where there is nothing: eights of them in one stage, the others in the next.
+  logic [7:1] some4;
+  assign sixteenth3 = splatline_math::leading({|squared3[63:48], |squared3[47:32], |squared3[31:16]});
+  assign sixteens3 = ~sixteenth3;
+  always_comb for (int i = 1; i < 8; i = i + 1) some4[i] = squared4[48+2*i] || squared4[49+2*i];
+  assign pair4 = splatline_math::leading(some4[7:4] != 0 ? some4[7:5] : some4[3:1]);
+  assign pairs4 = {some4[7:4] == 0, ~pair4};
+  assign normal4 = squared4 << {pairs4, 1'b0};
   always_ff @(posedge clk) begin
-    squared4 <= squared3[63:32] == 0 ? squared3 << 32 : squared3;
-    pairs4 <= pairs3;
+    squared4 <= squared3 << {sixteens3, 4'd0};
+    sixteens4 <= sixteens3;
     index5 <= normal4[63:56];
     fraction5 <= normal4[55:40];
-    pairs5 <= pairs4;
+    pairs5 <= {sixteens4, pairs4};
   end
 
   // Stages 6 and 7: the root table's entry and the step to the next. Stage 9: the root, UQ0.24, and its left shift to Q.32 pixels.
@@ -171,12 +176,12 @@ module row_generator (
   end
 
   // Stages 17 to 20: the span within the window.
-  logic [15:0] box_first16, box_end16, first_column16, end_column16, x18;
+  logic [15:0] start_column16, end_column16, x18;
   logic [COLUMN_BITS-1:0] column20;
   logic [4:0] head20, head28;
   logic [COLUMN_BITS:0] count20;
-  delay #(.BITS(64), .STAGES(15)) hold_columns (.clk, .rst, .advance(1'b1), .in({box_first1, box_end1, first_column1, end_column1}), .out({box_first16, box_end16, first_column16, end_column16}));
-  row_window cut (.clk, .low(low16), .high(high16), .box_first(box_first16), .box_end(box_end16), .first_column(first_column16), .end_column(end_column16), .x18, .holds19, .head20, .column20, .count20);
+  delay #(.BITS(2 * 16 + splatline_pkg::BLOCK_BITS + 6), .STAGES(15)) hold_columns (.clk, .rst, .advance(1'b1), .in({start_column1, first_column1, end_column1, drop_dx1}), .out({start_column16, first_column16, end_column16, drop_dx16}));
+  row_window cut (.clk, .low(low16), .high(high16), .start_column(start_column16), .first_column(first_column16), .end_column(end_column16), .x18, .holds19, .head20, .column20, .count20);
   delay #(.BITS(5), .STAGES(8)) hold_head (.clk, .rst, .advance(1'b1), .in(head20), .out(head28));
 
   // Stage 21: dx, rounded, as a magnitude (`Seed::at`). Back to one in the same addition: -(q + d) = ~q + !d.
@@ -186,7 +191,7 @@ module row_generator (
   logic [1:0] rest20;
   logic negative20, negative21, negative23;
   logic [M:0] dx21, dx24;
-  delay #(.BITS(6), .STAGES(18)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop_dx1), .out(drop_dx19));
+  delay #(.BITS(6), .STAGES(3)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop_dx16), .out(drop_dx19));
   // Shifted by fours, and in the next stage by what is left.
   assign moved20 = (M + 2)'(fours20 >> rest20);
   always_ff @(posedge clk) begin
@@ -199,7 +204,7 @@ module row_generator (
   end
   delay #(.BITS(M + 1), .STAGES(3)) hold_dx (.clk, .rst, .advance(1'b1), .in(dx21), .out(dx24));
   delay #(.BITS(1), .STAGES(2)) hold_negative (.clk, .rst, .advance(1'b1), .in(negative21), .out(negative23));
-  delay #(.BITS(M), .STAGES(20)) hold_horizontal (.clk, .rst, .advance(1'b1), .in(horizontal1), .out(horizontal21));
+  delay #(.BITS(M + 16), .STAGES(20)) hold_horizontal (.clk, .rst, .advance(1'b1), .in({horizontal1, drop_first1}), .out({horizontal21, drop_first21}));
 
   // Stage 23: A dx. Stage 24: rounded to a mantissa. Stage 26: A dx^2, which is never negative.
   logic [2*M:0] along23, along_rounded23;
@@ -213,9 +218,18 @@ module row_generator (
 
   // Stage 28: the first difference. Stage 30: the radial index without its constants.
   logic signed [63:0] first27, radial30;
+  logic signed [7:0] more20, more21;
   logic [31:0] first28;
-  delay #(.BITS(16), .STAGES(22)) hold_drop_first (.clk, .rst, .advance(1'b1), .in(drop_first1), .out(drop_first23));
-  delay #(.BITS(16), .STAGES(25)) hold_drop_radial (.clk, .rst, .advance(1'b1), .in(drop_radial1), .out(drop_radial26));
+  delay #(.BITS(16), .STAGES(2)) hold_drop_first (.clk, .rst, .advance(1'b1), .in(drop_first21), .out(drop_first23));
+  delay #(.BITS(16), .STAGES(4)) hold_drop_radial (.clk, .rst, .advance(1'b1), .in(drop_radial22), .out(drop_radial26));
+  // The radial index has the product of one dx more and a rounded mantissa less than its difference, which has a
+  // factor of two.
+  always_ff @(posedge clk) begin
+    coarse19 <= coarse18;
+    more20 <= 8'(coarse19 ? COARSE + 1 - M : FINE + 1 - M) - $signed({2'b00, drop_dx19});
+    more21 <= more20;
+    drop_radial22 <= drop_first21 + 16'(more21);
+  end
   delay #(.BITS(32), .STAGES(26)) hold_unit (.clk, .rst, .advance(1'b1), .in(unit1), .out(unit27));
   align #(.BITS(2 * M + 1)) align_first (.clk, .negative(negative23), .magnitude(along23), .shift(drop_first23), .result(first27));
   align #(.BITS(2 * M + 2)) align_radial (.clk, .negative(1'b0), .magnitude(across26), .shift(drop_radial26), .result(radial30));
@@ -250,7 +264,7 @@ module row_generator (
   multiply #(.LEFT(33), .RIGHT(5)) multiply_skipped (.clk, .advance(1'b1), .left(mean29), .right(head29), .product(skipped31));
 
   // The slot's run, in parts as they are ready: in stages 1, 20, 29 and 32.
-  localparam PART_1 = ROW_BITS + 32 + $bits(paint1);
+  localparam PART_1 = ROW_BITS + 32 + $bits(cutoff1) + $bits(paint1);
   localparam PART_20 = PART_1 + 2 * COLUMN_BITS + 1;
   localparam PART_29 = PART_20 + 32;
   localparam PART_32 = PART_29 + 1 + 32;
@@ -266,10 +280,10 @@ module row_generator (
       .free(place),
       .none,
       .in_valid({slot[STAGES], slot[29], slot[20], slot[1]}),
-      .in({open[STAGES], radial32, first29, column20, count20, row1, second1, paint1}),
+      .in({open[STAGES], radial32, first29, column20, count20, row1, second1, cutoff1, paint1}),
       .out_valid(slot_valid),
       .out_ready(slot_ready),
-      .out({slot_has_run, run.radial, run.first, run.column, run.count, run.row, run.second, run.paint})
+      .out({slot_has_run, run.radial, run.first, run.column, run.count, run.row, run.second, run.cutoff, paint})
   );
   assign idle = !busy && none;
 endmodule

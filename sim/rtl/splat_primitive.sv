@@ -48,6 +48,9 @@ module splat_primitive #(
   localparam COLOUR_BITS = 3 * splatline_pkg::SUM_BITS;
   localparam PEAK_BITS = splatline_pkg::PEAK + 4;
   localparam PAINT_BITS = 3 * splatline_pkg::COLOUR_BITS;
+  // Numbers of a lane's runs, see run_paint.sv.
+  localparam SLOTS = QUEUE < 8 ? 16 : 2 * QUEUE;
+  localparam SLOT_BITS = $clog2(SLOTS);
 
   // What the circuit is not built for fails here, not in the picture. The generator of packages refuses the same widths by name.
   generate
@@ -98,6 +101,7 @@ module splat_primitive #(
   splatline_pkg::start_t start;
   splatline_pkg::shape_t shape;
   splatline_pkg::run_t run;
+  splatline_pkg::paint_t paint;
   logic decode_ready;
   assign packet_ready = decode_ready && state == DRAW;
 
@@ -138,6 +142,7 @@ module splat_primitive #(
       .slot_ready,
       .slot_has_run,
       .run,
+      .paint,
       .idle(rows_idle)
   );
 
@@ -209,11 +214,15 @@ module splat_primitive #(
   // The lanes.
   logic [LANES-1:0] queue_ready, lane_idle, pixels_idle;
   assign slot_ready = !slot_has_run || run_ready;
-  // What the lane that owns the row being read out gives: transmittance and colour.
+  // What the lane that owns the row being read out gives: transmittance and colour. The others give 0, so that joining
+  // them costs less than choosing.
   localparam WORD_BITS = TRANSMITTANCE_BITS + COLOUR_BITS;
-  // Places of words are a power of two apart. By another distance Yosys may choose with a multiplier and a shifter as wide as all words.
-  localparam WORD_PLACE = $clog2(WORD_BITS);
-  logic [(LANES<<WORD_PLACE)-1:0] words;
+  logic [LANES*WORD_BITS-1:0] words;
+  logic [WORD_BITS-1:0] read_word;
+  always_comb begin
+    read_word = '0;
+    for (int i = 0; i < LANES; i = i + 1) read_word = read_word | words[i*WORD_BITS+:WORD_BITS];
+  end
   logic [ROW_BITS-1:0] word_row, read_row;
   always_ff @(posedge clk)
     if (scan_moves) begin
@@ -225,10 +234,10 @@ module splat_primitive #(
   generate
     if (LANES == 1) begin : gen_single
       assign run_ready = queue_ready[0];
-      assign {pixel_transmittance, pixel_colour} = words[WORD_BITS-1:0];
+      assign {pixel_transmittance, pixel_colour} = read_word;
     end else begin : gen_banked
       assign run_ready = queue_ready[run.row[LANE_BITS-1:0]];
-      assign {pixel_transmittance, pixel_colour} = words[{read_row[LANE_BITS-1:0], {WORD_PLACE{1'b0}}}+:WORD_BITS];
+      assign {pixel_transmittance, pixel_colour} = read_word;
     end
 
     for (l = 0; l < LANES; l = l + 1) begin : gen_lane
@@ -240,8 +249,10 @@ module splat_primitive #(
       logic [splatline_pkg::RADIAL+3:0] radial;
       logic [ROW_BITS+COLUMN_BITS-1:0] place;
       logic [ADDRESS-1:0] address0, address5;
-      logic [PEAK_BITS-1:0] peak0, peak5;
-      logic [PAINT_BITS-1:0] colours0, colours5;
+      logic queue_takes;
+      logic [SLOT_BITS-1:0] in_slot, queued_slot, slot0, slot4, slot5, colour_slot;
+      logic [PEAK_BITS-1:0] peak5;
+      logic [PAINT_BITS-1:0] colour_found;
       logic [splatline_pkg::WEIGHT:0] weight;
 
       if (LANES == 1) begin : gen_all_rows
@@ -268,31 +279,51 @@ module splat_primitive #(
         banks_scanned <= scanned_next;
       end
 
+      assign queue_takes = slot_valid && slot_has_run && mine;
       run_queue #(
-          .DEPTH(QUEUE)
+          .DEPTH(QUEUE),
+          .SLOTS(SLOTS)
       ) queue (
           .clk,
           .rst,
-          .in_valid(slot_valid && slot_has_run && mine),
+          .in_valid(queue_takes),
           .in_ready(queue_ready[l]),
           .in_run(run),
+          .in_slot,
           .out_valid(queued),
           .out_ready(taken),
           .out_run(queued_run),
+          .out_slot(queued_slot),
           .empty
       );
-      lane pixels (
+      run_paint #(
+          .SLOTS(SLOTS)
+      ) paints (
+          .clk,
+          .write(queue_takes && queue_ready[l]),
+          .write_slot(in_slot),
+          .paint,
+          .peak_advance(table_moves),
+          .peak_slot(slot4),
+          .peak(peak5),
+          .colour_advance(blend_moves),
+          .colour_slot,
+          .colour(colour_found)
+      );
+      lane #(
+          .SLOT_BITS(SLOT_BITS)
+      ) pixels (
           .clk,
           .rst,
           .advance(moves),
           .run_valid(queued),
           .run_ready(taken),
           .run(queued_run),
+          .run_slot(queued_slot),
           .pixel_valid(inside0),
           .radial,
           .address(place),
-          .peak(peak0),
-          .colour(colours0),
+          .slot(slot0),
           .idle(lane_quiet)
       );
       footprint_table kernel (
@@ -321,16 +352,9 @@ module splat_primitive #(
           inside5 <= inside4;
         end
       end
-      delay #(
-          .BITS(ADDRESS + PEAK_BITS + PAINT_BITS),
-          .STAGES(5)
-      ) hold_paint (
-          .clk,
-          .rst,
-          .advance(table_moves),
-          .in({address0, peak0, colours0}),
-          .out({address5, peak5, colours5})
-      );
+      delay #(.BITS(ADDRESS), .STAGES(5)) hold_address (.clk, .rst, .advance(table_moves), .in(address0), .out(address5));
+      delay #(.BITS(SLOT_BITS), .STAGES(4)) hold_slot4 (.clk, .rst, .advance(table_moves), .in(slot0), .out(slot4));
+      delay #(.BITS(SLOT_BITS), .STAGES(1)) hold_slot5 (.clk, .rst, .advance(table_moves), .in(slot4), .out(slot5));
 
       logic transmittance_write, colour_write;
       logic [ADDRESS-1:0] transmittance_read_address, transmittance_write_address, colour_read_address, colour_write_address;
@@ -339,7 +363,8 @@ module splat_primitive #(
       logic [2*TRANSMITTANCE_BITS-1:0] transmittances;
       logic [2*COLOUR_BITS-1:0] colours;
       blend #(
-          .ADDRESS(ADDRESS)
+          .ADDRESS(ADDRESS),
+          .SLOT_BITS(SLOT_BITS)
       ) over (
           .clk,
           .rst,
@@ -349,7 +374,9 @@ module splat_primitive #(
           .pixel_address(address5),
           .weight,
           .peak(peak5),
-          .colour(colours5),
+          .pixel_slot(slot5),
+          .colour_slot,
+          .colour11(colour_found),
           .transmittance_read_address,
           .transmittance_read(side ? transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS] : transmittances[0+:TRANSMITTANCE_BITS]),
           .transmittance_write,
@@ -363,18 +390,20 @@ module splat_primitive #(
           .idle(blend_quiet)
       );
       logic [WORD_BITS-1:0] scanned_word;
-      assign words[(l<<WORD_PLACE)+:(1<<WORD_PLACE)] = (1 << WORD_PLACE)'(scanned_word);
+      assign words[l*WORD_BITS+:WORD_BITS] = mine_in_word ? scanned_word : '0;
       assign scanned_word = side ? {transmittances[0+:TRANSMITTANCE_BITS], colours[0+:COLOUR_BITS]} : {transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS], colours[COLOUR_BITS+:COLOUR_BITS]};
 
       // The lane owns the bank of the side that is drawn, the scan the other one; it clears what it has read.
-      logic clears, mine_in_scan;
+      logic clears, mine_in_scan, mine_in_word;
       logic [ADDRESS-1:0] scan_address;
       if (LANES == 1) begin : gen_scan_all
         assign scan_address = {scan_row, scan_column};
         assign mine_in_scan = 1'b1;
+        assign mine_in_word = 1'b1;
       end else begin : gen_scan_own
         assign scan_address = {scan_row[ROW_BITS-1:LANE_BITS], scan_column};
         assign mine_in_scan = scan_row[LANE_BITS-1:0] == l[LANE_BITS-1:0];
+        assign mine_in_word = read_row[LANE_BITS-1:0] == l[LANE_BITS-1:0];
       end
       assign clears = state == CLEAR || (scan_valid && scan_moves && mine_in_scan);
       genvar b;

@@ -3,9 +3,10 @@
 // With an interval of 4 stages take turns at three products, two alignments and a normalisation (turn.sv), which costs nothing where splats have
 // four rows and more. Then packets are taken in every fourth cycle since the reset and in no other, so that no two stages ever want the same turn.
 //
-// Stages never stand still. What is ready waits in a queue, and a packet is only taken if there is a place for it, so that no signal
-// has to reach every register of the unit within a cycle. Nor does what is ready early travel along: it goes into its place of the queue in five parts.
-// A name's number is the stage: the cycle after the packet's handshake is 1.
+// Stages never stand still. What is ready waits in a queue, and a packet is only taken if there is a place for it, so
+// that no signal has to reach every register of the unit within a cycle. Nor does what is ready early travel along: it
+// goes into its place of the queue in five parts. A name's number is the stage: the cycle after the packet's handshake
+// is 1.
 //
 // The rows' seed is that of their block, so a window begins with the first row of one (`RowSeeds::at`).
 module splat_setup #(
@@ -239,9 +240,9 @@ module splat_setup #(
 
   // `Seed::new`: unit of dx and the alignments that follow from it, constants of the footprint.
   logic [6:0] squared_width_length2;
-  logic signed [15:0] squared_width_exponent2, half4, drop_wide5, drop6, power7, horizontal_exponent6, drop_radial8, drop_first8, drop7;
+  logic signed [15:0] squared_width_exponent2, half4, drop_wide5, drop6, power7, horizontal_exponent6, drop_first8;
   logic [5:0] drop_dx12;
-  logic signed [15:0] drop_radial12, drop_first12;
+  logic signed [15:0] drop_first12;
   delay #(.BITS(16), .STAGES(5)) hold_horizontal_exponent (.clk, .rst, .advance(1'b1), .in(extend(f1.horizontal_exponent)), .out(horizontal_exponent6));
   always_ff @(posedge clk) begin
     squared_width_length2 <= splatline_math::length(64'(f1.squared_width_mantissa));
@@ -251,19 +252,20 @@ module splat_setup #(
     drop_wide5 <= half4 + fraction(coarse4) - $signed(16'(M));
     drop6 <= drop_wide5 < 0 ? 16'sd0 : drop_wide5 > 63 ? 16'sd63 : drop_wide5;
     power7 <= horizontal_exponent6 + drop6;
-    drop7 <= drop6;
-    drop_radial8 <= (fraction(coarse7) <<< 1) - $signed(16'(M)) - $signed(16'(RADIAL)) - power7 - drop7;
     drop_first8 <= fraction(coarse7) - 16'sd1 - $signed(16'(RADIAL)) - power7;
   end
-  delay #(.BITS(32), .STAGES(4)) hold_drops (.clk, .rst, .advance(1'b1), .in({drop_radial8, drop_first8}), .out({drop_radial12, drop_first12}));
-  delay #(.BITS(6), .STAGES(5)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop7[5:0]), .out(drop_dx12));
+  delay #(.BITS(16), .STAGES(4)) hold_drop_first (.clk, .rst, .advance(1'b1), .in(drop_first8), .out(drop_first12));
+  delay #(.BITS(6), .STAGES(6)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop6[5:0]), .out(drop_dx12));
 
   logic [31:0] second12, unit_balanced12, balance12;
   seed_balance balance_lanes (.clk, .fine(fine8), .second(second12), .unit(unit_balanced12), .start(balance12));
 
   // Stages 2 and 3: what is visible, and how many rows; the footprint's other words as rows and lanes take them.
-  logic [15:0] row3, rows3, first_column3, end_column3, box_first3, box_end3;
-  visible_box visible (.clk, .window, .first_row1(f1.first_row), .end_row1(f1.end_row), .box_first1(f1.first_column), .box_end1(f1.end_column), .row3, .rows3, .first_column3, .end_column3, .box_first3, .box_end3);
+  logic [splatline_pkg::TILE_ROW_BITS-1:0] row3;
+  logic [splatline_pkg::TILE_ROW_BITS:0] rows3;
+  logic [15:0] end_column3, start_column3;
+  logic [splatline_pkg::BLOCK_BITS-1:0] first_column3;
+  visible_box visible (.clk, .window, .first_row1(f1.first_row), .end_row1(f1.end_row), .box_first1(f1.first_column), .box_end1(f1.end_column), .row3, .rows3, .first_column3, .end_column3, .start_column3);
   logic [31:0] cutoff2;
   logic [32:0] cutoff_half2;
   logic [PEAK-1:0] peak2, peak3;
@@ -271,7 +273,8 @@ module splat_setup #(
   logic [M-1:0] squared_width2, squared_width3;
   logic [ROW-2:0] reach3;
   logic [RADIAL+4:0] cutoff3;
-  logic squared_width_odd3;
+  logic squared_width_odd3, squared_width_odd12;
+  logic [M-1:0] horizontal12;
   logic signed [15:0] squared_width_power3;
   // From UQ4.28, halves up.
   function automatic logic [ROW-2:0] reach_of(input logic [31:0] cutoff);
@@ -293,9 +296,12 @@ module splat_setup #(
     squared_width_power3 <= (squared_width_exponent2 >>> 1) + 16'sd20;
   end
 
+  // Two words of the first part wait for the second, which has bits left in its blocks of memory.
+  delay #(.BITS(M + 1), .STAGES(9)) hold_horizontal12 (.clk, .rst, .advance(1'b1), .in({horizontal3, squared_width_odd3}), .out({horizontal12, squared_width_odd12}));
+
   // The splat, in parts as they are ready: in stages 3, 12, 17, 20 and 24.
-  localparam PART_3 = 6 * 16 + (ROW - 1) + 2 * M + 17 + (RADIAL + 5) + PEAK + COLOUR;
-  localparam PART_12 = PART_3 + CENTRE + 1 + 6 + 2 * 16 + 3 * 32;
+  localparam PART_3 = 2 * splatline_pkg::TILE_ROW_BITS + 1 + 2 * 16 + splatline_pkg::BLOCK_BITS + (ROW - 1) + M + 16 + (RADIAL + 5) + PEAK + COLOUR;
+  localparam PART_12 = PART_3 + CENTRE + 1 + 6 + 16 + 3 * 32 + M + 1;
   localparam PART_17 = PART_12 + CENTRE + ROW;
   localparam PART_20 = PART_17 + ROW;
   localparam PART_24 = PART_20 + ROW;
@@ -316,9 +322,9 @@ module splat_setup #(
         vertical24,
         first20,
         {centre17, curve17},
-        {shear12, coarse12, drop_dx12, drop_radial12, drop_first12, second12, unit_balanced12, balance12},
-        {row3, rows3, box_first3, box_end3, first_column3, end_column3, reach3},
-        {squared_width3, squared_width_odd3, squared_width_power3, horizontal3, cutoff3, peak3, colours3}
+        {shear12, coarse12, drop_dx12, drop_first12, second12, unit_balanced12, balance12, horizontal12, squared_width_odd12},
+        {row3, rows3, start_column3, first_column3, end_column3, reach3},
+        {squared_width3, squared_width_power3, cutoff3, peak3, colours3}
       }),
       .out_valid(splat_valid),
       .out_ready(splat_ready),
@@ -326,9 +332,9 @@ module splat_setup #(
         start.vertical,
         start.first,
         {start.centre, start.second},
-        {start.shear, shape.coarse, shape.drop_dx, shape.drop_radial, shape.drop_first, shape.second, shape.unit, shape.balance},
-        {start.row, start.rows, shape.box_first, shape.box_end, shape.first_column, shape.end_column, shape.reach},
-        {shape.squared_width, shape.squared_width_odd, shape.squared_width_power, shape.horizontal, shape.paint}
+        {start.shear, shape.coarse, shape.drop_dx, shape.drop_first, shape.second, shape.unit, shape.balance, shape.horizontal, shape.squared_width_odd},
+        {start.row, start.rows, shape.start_column, shape.first_column, shape.end_column, shape.reach},
+        {shape.squared_width, shape.squared_width_power, shape.cutoff, shape.paint}
       })
   );
 endmodule

@@ -18,9 +18,8 @@
     logic wide_table;  // The footprint table ends at r = 16, otherwise at r = 4.
   } rules_t;
 
-  // What the pixels of a splat need.
+  // What blending needs of a splat.
   typedef struct packed {
-    logic [RADIAL+4:0] cutoff;  // UQ4.radial, may round up to 16
     logic [PEAK+3:0] peak;  // UQ4.peak
     logic [COLOUR_BITS-1:0] red;  // Q.colour
     logic [COLOUR_BITS-1:0] green;
@@ -29,9 +28,8 @@
 
   // What the rows of a splat need (`EllipseSpans`, `HalfWidth` and `Seed`), constant from row to row.
   typedef struct packed {
-    logic [15:0] box_first;  // columns of the footprint's box
-    logic [15:0] box_end;
-    logic [15:0] first_column;  // and of its part in the window
+    logic [15:0] start_column;  // first column of the footprint's box in the window's block
+    logic [BLOCK_BITS-1:0] first_column;  // columns of its part in the window: the first within the block
     logic [15:0] end_column;
     logic [VERTICAL+4:0] reach;  // cut-off and slack, UQ5.vertical
     logic coarse;  // xc has SUBPIXEL - 2 fraction bits, otherwise SUBPIXEL + 8
@@ -40,19 +38,19 @@
     logic signed [15:0] squared_width_power;
     logic [MANTISSA-1:0] horizontal;
     logic [5:0] drop_dx;
-    logic signed [15:0] drop_radial;
     logic signed [15:0] drop_first;
     // `Balance`, Q.radial, low words: the lanes' arithmetic is modulo 2^32.
     logic [31:0] second;
     logic [31:0] unit;
     logic [31:0] balance;
+    logic [RADIAL+4:0] cutoff;  // UQ4.radial, may round up to 16
     paint_t paint;
   } shape_t;
 
   // Where a splat's rows begin and how they change.
   typedef struct packed {
-    logic [15:0] row;
-    logic [15:0] rows;  // rows in the window
+    logic [TILE_ROW_BITS-1:0] row;  // within the tile
+    logic [TILE_ROW_BITS:0] rows;  // rows in the window
     logic signed [SUBPIXEL+27:0] centre;  // xc - 1/2, and its change
     logic signed [SUBPIXEL+27:0] shear;
     logic signed [VERTICAL+5:0] vertical;  // C dy^2, Q5.vertical, and its differences
@@ -68,6 +66,6 @@
     logic [31:0] radial;  // Q.radial, and its differences
     logic [31:0] first;
     logic [31:0] second;
-    paint_t paint;
+    logic [RADIAL+4:0] cutoff;
   } run_t;
 

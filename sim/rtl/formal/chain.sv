@@ -16,11 +16,10 @@ module chain (
   splatline_pkg::run_t out, front;
   logic [splatline_pkg::RADIAL+3:0] radial;
   logic [splatline_pkg::TILE_ROW_BITS+splatline_pkg::TILE_COLUMN_BITS-1:0] address;
-  logic [splatline_pkg::PEAK+3:0] peak;
-  logic [3*splatline_pkg::COLOUR_BITS-1:0] colour;
+  logic [3:0] in_slot, queued_slot, slot;
   fifo #(.BITS($bits(in)), .PLACES(4)) rows (.clk, .rst, .claim, .free, .none, .in_valid(coming[2]), .in, .out_valid(valid), .out_ready(ready), .out);
-  run_queue #(.DEPTH(2)) queue (.clk, .rst, .in_valid(valid), .in_ready(ready), .in_run(out), .out_valid(queued), .out_ready(taken), .out_run(front), .empty);
-  lane pixels (.clk, .rst, .advance(1'b1), .run_valid(queued), .run_ready(taken), .run(front), .pixel_valid, .radial, .address, .peak, .colour, .idle(lane_idle));
+  run_queue #(.DEPTH(2)) queue (.clk, .rst, .in_valid(valid), .in_ready(ready), .in_run(out), .in_slot, .out_valid(queued), .out_ready(taken), .out_run(front), .out_slot(queued_slot), .empty);
+  lane pixels (.clk, .rst, .advance(1'b1), .run_valid(queued), .run_ready(taken), .run(front), .run_slot(queued_slot), .pixel_valid, .radial, .address, .slot, .idle(lane_idle));
 
   logic started;
   logic [5:0] waits;

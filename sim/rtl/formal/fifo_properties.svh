@@ -1,9 +1,10 @@
 // What fifo.sv promises, for every sequence of claims, arrivals and takers: nothing is lost, doubled, overwritten or changed, entries keep
 // their order, an entry that waits stays, and a place is claimed if and only if there is one.
 //
-// Its user's side of the bargain is assumed: a claim only where `free` is set, each part of an entry only for a place claimed before, and the last part not
-// before the others. One entry, chosen freely, is followed on its way from its last part on, and what was written last to one place, chosen freely, of each
-// part; what holds for them holds for all. Included in the module where FORMAL is defined (`rtl -- formal`).
+// Its user's side of the bargain is assumed: a claim only where `free` is set, each part of an entry only for a place
+// claimed before, and the last part not before the others. One entry, chosen freely, is followed on its way from its
+// last part on, and what was written last to one place, chosen freely, of each part; what holds for them holds for
+// all. Included in the module where FORMAL is defined (`rtl -- formal`).
 
   (* anyseq *) logic follow;
 
@@ -25,7 +26,8 @@
   assign spot = head[INDEX-1:0] + INDEX'(before - ahead);
   initial started = 0;
 
-  // Each part's words in memory, and how many are there of entries that are not yet in. Of an early part the entry has what came for its place.
+  // Each part's words in memory, and how many are there of entries that are not yet in. Of an early part the entry has
+  // what came for its place.
   (* anyconst *) logic [INDEX-1:0] watched;
   genvar q;
   generate

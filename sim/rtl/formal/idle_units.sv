@@ -38,6 +38,7 @@ module row_generator (
     input logic slot_ready,
     output logic slot_has_run,
     output splatline_pkg::run_t run,
+    output splatline_pkg::paint_t paint,
     output logic idle
 );
   (* anyseq *) logic takes, gives, has_run, leaves;
@@ -54,16 +55,19 @@ module row_generator (
 endmodule
 
 module run_queue #(
-    parameter DEPTH = 8
+    parameter DEPTH = 8,
+    parameter SLOTS = 16
 ) (
     input logic clk,
     input logic rst,
     input logic in_valid,
     output logic in_ready,
     input splatline_pkg::run_t in_run,
+    output logic [$clog2(SLOTS)-1:0] in_slot,
     output logic out_valid,
     input logic out_ready,
     output splatline_pkg::run_t out_run,
+    output logic [$clog2(SLOTS)-1:0] out_slot,
     output logic empty
 );
   (* anyseq *) logic takes, gives;
@@ -77,18 +81,20 @@ module run_queue #(
 endmodule
 
 // A run gives pixels in its cycles, of which the last is any.
-module lane (
+module lane #(
+    parameter SLOT_BITS = 4
+) (
     input logic clk,
     input logic rst,
     input logic advance,
     input logic run_valid,
     output logic run_ready,
     input splatline_pkg::run_t run,
+    input logic [SLOT_BITS-1:0] run_slot,
     output logic pixel_valid,
     output logic [splatline_pkg::RADIAL+3:0] radial,
     output logic [splatline_pkg::TILE_ROW_BITS+splatline_pkg::TILE_COLUMN_BITS-1:0] address,
-    output logic [splatline_pkg::PEAK+3:0] peak,
-    output logic [3*splatline_pkg::COLOUR_BITS-1:0] colour,
+    output logic [SLOT_BITS-1:0] slot,
     output logic idle
 );
   (* anyseq *) logic takes, gives, ends;
@@ -116,7 +122,8 @@ endmodule
 
 // A pixel leaves with what it writes, or without.
 module blend #(
-    parameter ADDRESS = 10
+    parameter ADDRESS = 10,
+    parameter SLOT_BITS = 4
 ) (
     input logic clk,
     input logic rst,
@@ -126,7 +133,9 @@ module blend #(
     input logic [ADDRESS-1:0] pixel_address,
     input logic [splatline_pkg::WEIGHT:0] weight,
     input logic [splatline_pkg::PEAK+3:0] peak,
-    input logic [3*splatline_pkg::COLOUR_BITS-1:0] colour,
+    input logic [SLOT_BITS-1:0] pixel_slot,
+    output logic [SLOT_BITS-1:0] colour_slot,
+    input logic [3*splatline_pkg::COLOUR_BITS-1:0] colour11,
     output logic [ADDRESS-1:0] transmittance_read_address,
     input logic [splatline_pkg::TRANSMITTANCE+1:0] transmittance_read,
     output logic transmittance_write,

@@ -1,8 +1,10 @@
-// What lane.sv promises: every pixel of a run is visited once, in order, and no other place, so that a run within the window stays there; and no
-// place is visited again before its last value is written. Its user's side of the bargain is assumed: runs have a pixel at least, end within the
-// tile's columns, and stay until they are taken. Included in the module where FORMAL is defined (`rtl -- formal`).
+// What lane.sv promises: every pixel of a run is visited once, in order, and no other place, so that a run within the
+// window stays there; and no place is visited again before its last value is written; runs begin two moves apart at
+// least, which run_paint.sv counts on. Its user's side of the bargain is assumed: runs have a pixel at least, end
+// within the tile's columns, and stay until they are taken. Included in the module where FORMAL is defined (`rtl --
+// formal`).
 
-  logic started, waited;
+  logic started, waited, began;
   logic [PLACE-1:0] place, waiting;
   logic [COLUMN_BITS:0] beyond, length;
   initial started = 0;
@@ -11,6 +13,7 @@
     waited <= run_valid && !run_ready && !rst;
     waiting <= first;
     length <= run.count;
+    began <= rst ? 1'b0 : advance ? run_ready : began;
     if (advance && last) begin
       place <= first;
       beyond <= {1'b0, run.column} + run.count;
@@ -63,6 +66,7 @@
       end
       assert (last == (!active || final_pixel));
       if (apart) assert (run_valid);
+      if (began) assert (!apart);
       assert (since != 0);
       if (visited) assert (since >= INTERVAL);
       // What is left of the run, and the run to come if it may begin now, keep their distance from the watched place.

@@ -1,13 +1,14 @@
-// What row_window.sv promises, whatever span comes: a run has a pixel at least, and all of them lie in the window. Its user's side of the bargain is
-// assumed: columns of the box that lie in the window, at least one, within one block. Included in the module where FORMAL is defined
-// (`rtl -- formal`).
+// What row_window.sv promises, whatever span comes: a run has a pixel at least, and all of them lie in the window. Its
+// user's side of the bargain is assumed: columns of the box that lie in the window, at least one, and where the box
+// begins, within one block. Included in the module where FORMAL is defined (`rtl -- formal`).
 
   logic [3:0] passed;
   logic [COLUMN_BITS-1:0] first17, first18, first19, first20;
-  logic [15:0] last_before;
+  logic [15:0] last_before, first;
   logic [COLUMN_BITS:0] beyond17, beyond18, beyond19, beyond20;
   logic holds20;
   assign last_before = end_column - 16'd1;
+  assign first = {last_before[15:BLOCK_BITS], first_column};
   initial passed = 0;
   always_ff @(posedge clk) begin
     passed <= {passed[2:0], 1'b1};
@@ -24,9 +25,10 @@
   end
 
   always_comb begin
-    assume (first_column < end_column);
-    assume (first_column[15:COLUMN_BITS] == last_before[15:COLUMN_BITS]);
-    assume (box_first <= first_column && end_column <= box_end);
+    assume (first < end_column);
+    assume (first[15:COLUMN_BITS] == last_before[15:COLUMN_BITS]);
+    assume (start_column <= first);
+    assume (start_column[15:BLOCK_BITS] == first[15:BLOCK_BITS]);
   end
 
   always_comb

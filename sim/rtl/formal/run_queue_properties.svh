@@ -7,9 +7,10 @@
   logic followed, gone, started, waited;
   logic [BITS:0] before, front;
   logic [$bits(in_run)-1:0] entry, waiting;
-  logic [BITS-1:0] spot, length;
+  logic [BITS-1:0] spot;
+  logic [$clog2(SLOTS)-1:0] number, length;
   assign front = {{BITS{1'b0}}, out_valid};
-  assign spot = head + BITS'(before - front);
+  assign spot = head[BITS-1:0] + BITS'(before - front);
   assign length = tail - head;
   initial started = 0;
 
@@ -26,6 +27,7 @@
         followed <= 1;
         before <= count + front - {{BITS{1'b0}}, out_valid && out_ready};
         entry <= in_run;
+        number <= in_slot;
       end else if (followed && !gone && out_valid && out_ready) begin
         if (before == 0) gone <= 1;
         else before <= before - 1'b1;
@@ -39,13 +41,13 @@
     if (started) begin
       assert (count <= DEPTH);
       assert (some == (count != 0) && full == (count == DEPTH));
-      assert (length == count[BITS-1:0]);
+      assert ({{BITS{1'b0}}, length} == {{$clog2(SLOTS) - 1{1'b0}}, count});
       assert (in_ready == (count != DEPTH));
       assert (empty == (count == 0 && !out_valid));
       if (waited) assert (out_valid && out_run == waiting);
       if (followed && !gone) begin
         assert (before < count + front);
-        if (before == 0 && out_valid) assert (out_run == entry);
-        else assert (memory[spot] == entry);
+        if (before == 0 && out_valid) assert (out_run == entry && out_slot == number);
+        else assert (memory[spot] == entry && $clog2(SLOTS)'(head + (before - front)) == number);
       end
     end

@@ -64,9 +64,10 @@ const PROOFS: [Proof; 10] = [
     },
 ];
 
-const END_FILES: [&str; 4] = [
+const END_FILES: [&str; 5] = [
     "delay.sv",
     "packet_decode.sv",
+    "run_paint.sv",
     "formal/idle_units.sv",
     "splat_primitive.sv",
 ];
