@@ -1,4 +1,5 @@
-// A core of the setup unit: one pipeline, through which goes every sum of products of setup, one term a cycle. Its registers and tables stand in setup_memory.sv.
+// A core of the setup unit: one pipeline, through which goes every sum of products of setup, one term a cycle. Its
+// registers and tables stand in setup_memory.sv.
 //
 //   registers | factors | rest, exponents | signs, choice | product (2) | term | largest (6) | distance | shift (2) | sign | sum |
 //   normalisation (3) | rounding | carry, write
@@ -249,7 +250,8 @@ module setup_core (
     nothing22 <= slot21.normal && moved21[31] == moved21[32];
 
     // What carries is a power of two.
-    result23[32:0] <= {rounded22[33], carried22 ? rounded22[33] : rounded22[32], rounded22[31] | carried22, rounded22[30:1]};
+    result23[32:31] <= {rounded22[33], carried22 ? rounded22[33] : rounded22[32]};
+    result23[30:0] <= {rounded22[31] | carried22, rounded22[30:1]};
     result23[50:33] <= exponent22 + $signed({17'd0, carried22});
     if (nothing22) result23[50:33] <= NOTHING;
   end

@@ -1,5 +1,6 @@
-// Registers and tables of two cores, or of one: all cores obey the same slot, so that their registers have the same addresses in the same cycle and stand side by
-// side. A word of 51 bits alone would leave a third of its two block RAMs unused. The tables are a memory with a port for each of the two.
+// Registers and tables of two cores, or of one: all cores obey the same slot, so that their registers have the same
+// addresses in the same cycle and stand side by side. A word of 51 bits alone would leave a third of its two block RAMs
+// unused. The tables are a memory with a port for each of the two.
 module setup_memory #(
     parameter CORES = 2
 ) (

@@ -36,17 +36,18 @@ module setup_pack (
   // Words as they come; the last one stands still in the next round at once.
   logic signed [32:0] word_a, word_b;
   logic signed [17:0] word_a_exponent, word_b_exponent;
-  logic [31:0] depth0, u0, v0, high_u0;
+  logic signed [63:0] depth0;
+  logic [31:0] u0, v0, high_u0;
   logic signed [17:0] depth_exponent0;
-  logic signed [31:0] peak0, root_u0, root_v0, horizontal0, squared_width0, shear0, vertical0;
-  logic signed [17:0] peak_exponent0, root_u_exponent0, root_v_exponent0, horizontal_exponent0, squared_width_exponent0, shear_exponent0, vertical_exponent0,
-      cross_exponent0, conic_exponent0;
+  logic signed [31:0] root_u0, root_v0, horizontal0, squared_width0, shear0, vertical0;
+  logic signed [17:0] root_u_exponent0, root_v_exponent0, horizontal_exponent0, squared_width_exponent0, shear_exponent0;
+  logic signed [17:0] vertical_exponent0, cross_exponent0, conic_exponent0;
   logic signed [32:0] cutoff0;
   logic valid0, valid1, valid2;
   assign {word_a, word_a_exponent, word_b, word_b_exponent} = word;
   always_ff @(posedge clk) begin
     case (phase)
-      3'd0: {depth0, depth_exponent0, peak0, peak_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
+      3'd0: {depth0, depth_exponent0} <= {word_b[31:0], word_a[31:0], word_a_exponent};
       3'd1: {u0, cutoff0} <= {word_a[31:0], word_b};
       3'd2: {v0, root_u0, root_u_exponent0} <= {word_a[31:0], word_b[31:0], word_b_exponent};
       3'd3: {root_v0, root_v_exponent0, horizontal0, horizontal_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
@@ -63,29 +64,31 @@ module setup_pack (
   end
 
   // The second round of phases: all of a splat's words stand still, and what is computed from them runs through registers.
-  logic signed [63:0] depth1, u1, v1;
-  logic signed [17:0] depth_exponent1;
+  logic signed [63:0] u1, v1;
   logic signed [31:0] peak1, root_u1, root_v1, horizontal1, squared_width1, shear1, vertical1;
-  logic signed [17:0] peak_exponent1, root_u_exponent1, root_v_exponent1, horizontal_exponent1, squared_width_exponent1, shear_exponent1, vertical_exponent1;
+  logic signed [17:0] peak_exponent1, root_u_exponent1, root_v_exponent1, horizontal_exponent1, squared_width_exponent1;
+  logic signed [17:0] shear_exponent1, vertical_exponent1;
   logic signed [32:0] cutoff1;
   always_ff @(posedge clk) begin
     if (phase == 7) begin
-      {depth1, depth_exponent1, cutoff1} <= {word_a[31:0], depth0, depth_exponent0, cutoff0};
-      {u1, v1} <= {high_u0, u0, word_b[31:0], v0};
-      {peak1, root_u1, root_v1, horizontal1, squared_width1, shear1} <= {peak0, root_u0, root_v0, horizontal0, squared_width0, shear0};
+      {u1, v1, cutoff1} <= {high_u0, u0, word_b[31:0], v0, cutoff0};
+      {peak1, peak_exponent1} <= {word_a[31:0], word_a_exponent};
+      {root_u1, root_v1, horizontal1, squared_width1, shear1} <= {root_u0, root_v0, horizontal0, squared_width0, shear0};
       vertical1 <= vertical0;
-      {peak_exponent1, root_u_exponent1, root_v_exponent1} <= {peak_exponent0, root_u_exponent0, root_v_exponent0};
+      {root_u_exponent1, root_v_exponent1} <= {root_u_exponent0, root_v_exponent0};
       {horizontal_exponent1, squared_width_exponent1, shear_exponent1} <= {horizontal_exponent0, squared_width_exponent0, shear_exponent0};
       vertical_exponent1 <= vertical_exponent0;
     end
   end
 
-  // Depth: leading bit at bit 62, comparisons, key.
-  logic [63:0] depth_magnitude;
-  logic [62:0] depth_normal;
-  logic [6:0] depth_length;
-  logic signed [17:0] depth_leading;
-  logic depth_nothing, too_near, too_far;
+  // Depth: leading bit at bit 62, comparisons, key. Its word comes first, so that a register has eight cycles to move it
+  // by bytes, from phase 2 to phase 2 of the second round, and another one as many to move it by bits: one choice for a
+  // bit and not six.
+  logic [62:0] depth_magnitude, depth_coarse, depth_fine, depth_normal;
+  logic [2:0] bytes, kept_bytes, ones;
+  logic depth_negative1, depth_negative2, depth_negative;
+  logic signed [17:0] depth_exponent1, depth_exponent2, depth_leading;
+  logic too_near, too_far;
   logic [47:0] key;
   logic [46:0] key_magnitude;
 
@@ -104,43 +107,61 @@ module setup_pack (
     else key_magnitude = {9'(depth_leading + 18'sd256), depth_normal[61:24]};
   end
   always_ff @(posedge clk) begin
-    depth_magnitude <= depth1[63] ? -depth1 : depth1;
-    depth_length <= splatline_math::length(depth_magnitude);
-    depth_normal <= 63'(depth_magnitude << (6'd63 - depth_length[5:0]));
-    depth_leading <= depth_exponent1 + $signed({11'd0, depth_length}) - 18'sd1;
-    depth_nothing <= depth_length == 0;
-    too_near <= !exceeds(depth1[63], depth_normal, depth_leading, near_negative, near, near_leading) || (perspective && (depth1[63] || depth_nothing));
-    too_far <= !exceeds(far_negative, far, far_leading, depth1[63], depth_normal, depth_leading);
-    key <= depth_nothing ? {1'b1, 47'd0} : depth1[63] ? {1'b0, ~key_magnitude} : {1'b1, key_magnitude};
+    depth_magnitude <= 63'(depth0[63] ? -depth0 : depth0);
+    if (phase == 2) begin
+      {depth_coarse, bytes} <= {depth_magnitude, 3'd0};
+      {depth_negative1, depth_exponent1} <= {depth0[63], depth_exponent0};
+      {depth_fine, ones, kept_bytes} <= {depth_coarse, 3'd0, bytes};
+      {depth_negative2, depth_exponent2} <= {depth_negative1, depth_exponent1};
+      {depth_negative, depth_normal} <= {depth_negative2, depth_fine};
+      depth_leading <= depth_exponent2 + 18'sd62 - $signed({12'd0, kept_bytes, ones});
+    end else begin
+      if (depth_coarse[62:55] == 0) {depth_coarse, bytes} <= {depth_coarse << 8, bytes + 3'd1};
+      if (!depth_fine[62]) {depth_fine, ones} <= {depth_fine << 1, ones + 3'd1};
+    end
+    too_near <= !exceeds(depth_negative, depth_normal, depth_leading, near_negative, near, near_leading) ||
+        (perspective && (depth_negative || !depth_normal[62]));
+    too_far <= !exceeds(far_negative, far, far_leading, depth_negative, depth_normal, depth_leading);
+    key <= !depth_normal[62] ? {1'b1, 47'd0} : depth_negative ? {1'b0, ~key_magnitude} : {1'b1, key_magnitude};
   end
 
-  // Opacity and extents in fixed point: chosen in phases 0 to 2, with their signs and distances; there four cycles after that.
-  logic signed [31:0] fixed_in;
-  logic [31:0] fixed_value;
+  // Extents and opacity in fixed point: chosen in phases 0 to 2, and in phase 3 the opacity less its last bit; there five
+  // cycles after that.
+  logic signed [31:0] fixed_in, fixed_value;
   logic signed [17:0] fixed_exponent;
   logic signed [17:0] largest0, largest1;
   logic signed [15:0] fixed_shift;
   logic signed [17:0] fixed_distance;
-  logic signed [63:0] fixed_out, extent;
+  logic [4:0] fixed_far;
+  logic signed [63:0] fixed_out;
+  logic [62:0] extent;
+  logic peak_right, peak_half;
   // Opacities from 0 to what is too large for the packet.
   localparam [splatline_pkg::PEAK+4:0] PEAK_TOP = 1 << (splatline_pkg::PEAK + 4);
-  logic [splatline_pkg::PEAK+4:0] peak_fixed, peak_fixed2, peak_even;
-  assign fixed_in = phase == 0 ? peak1 : phase == 1 ? root_u1 : root_v1;
-  assign fixed_exponent = phase == 0 ? peak_exponent1 : phase == 1 ? root_u_exponent1 : root_v_exponent1;
+  logic [splatline_pkg::PEAK+4:0] peak_fixed, peak_even;
+  assign fixed_in = phase == 0 ? root_u1 : phase == 1 ? root_v1 : peak1;
+  assign fixed_exponent = phase == 0 ? root_u_exponent1 : phase == 1 ? root_v_exponent1 : peak_exponent1;
 
   // Beyond 16 bits every shift does the same.
   function automatic logic signed [15:0] limited(input logic signed [17:0] value);
-    limited = value > 18'sd16000 ? 16'sd16000 : value < -18'sd16000 ? -16'sd16000 : value[15:0];
+    limited = value[17:15] == {3{value[17]}} ? value[15:0] : {value[17], {15{!value[17]}}};
   endfunction
 
+  // What is moved so far to the left that an extent reaches 2^60 is known by that, so that nothing has to saturate.
   always_ff @(posedge clk) begin
-    fixed_value <= fixed_in;
-    fixed_distance <= -fixed_exponent - (phase == 0 ? 18'(splatline_pkg::PEAK) : 18'sd32);
+    fixed_value <= fixed_in - $signed({31'd0, phase == 3});
+    fixed_distance <= -fixed_exponent - (phase == 0 || phase == 1 ? 18'sd32 : 18'(splatline_pkg::PEAK));
+    fixed_far <= {fixed_far[3:0], fixed_distance <= -18'sd30};
+    // An opacity in the middle between two numbers becomes another one if its last bit is taken off. Then the even one
+    // is taken.
+    if (phase == 3) peak_right <= fixed_distance > 0;
+    if (phase == 0) peak_half <= peak_right && !fixed_out[0];
   end
   assign fixed_shift = limited(fixed_distance);
   align #(
       .BITS(32),
-      .SIGNED(1)
+      .SIGNED(1),
+      .SATURATES(0)
   ) align_fixed (
       .clk,
       .negative(fixed_value[31]),
@@ -150,26 +171,11 @@ module setup_pack (
   );
 
   // Extents with their slack.
-  function automatic logic [63:0] widened(input logic signed [63:0] plain);
-    logic [64:0] sum;
-    sum = {1'b0, plain} + {11'd0, plain[63:10]};
-    widened = sum[64] || sum[63] ? {1'b0, {63{1'b1}}} : sum[63:0];
-  endfunction
-  always_ff @(posedge clk) extent <= widened(fixed_out);
-
-  // Does the opacity lie in the middle between two numbers? Then the even one is taken. Distance, what is dropped and the answer have a cycle each.
-  logic signed [17:0] peak_dropped;
-  logic peak_half, peak_within;
-  logic [31:0] peak_rest;
   always_ff @(posedge clk) begin
+    extent <= fixed_out[62:0] + {10'd0, fixed_out[62:10]};
     // The largest of three exponents, one comparison a cycle: two of them are there in phase 6, the third in phase 7.
     largest0 <= horizontal_exponent0 > cross_exponent0 ? horizontal_exponent0 : cross_exponent0;
     if (phase == 7) largest1 <= largest0 > conic_exponent0 ? largest0 : conic_exponent0;
-    peak_dropped <= -peak_exponent1 - 18'(splatline_pkg::PEAK);
-    peak_rest <= peak1 << (5'd0 - peak_dropped[4:0]);
-    peak_within <= peak_dropped >= 18'sd1 && peak_dropped <= 18'sd31;
-    peak_half <= peak_within && peak_rest == 32'h80000000;
-    if (phase == 5) peak_fixed <= fixed_out[63] ? '0 : fixed_out >> (splatline_pkg::PEAK + 4) != 0 ? PEAK_TOP : fixed_out[splatline_pkg::PEAK+4:0];
   end
 
   // A mantissa's exponent with the packet's bits, and whether it has a place there.
@@ -177,49 +183,58 @@ module setup_pack (
     packed_exponent = exponent + 18'(DROP);
   endfunction
 
-  function automatic logic packable(input logic signed [17:0] exponent);
-    packable = exponent >= 18'(-512 - DROP) && exponent <= 18'(511 - DROP);
+  function automatic logic packable(input logic signed [17:0] value);
+    packable = value[17:9] == {9{value[17]}};
   endfunction
 
   logic degenerate, shear_nothing;
+  logic signed [17:0] horizontal_power, squared_width_power, shear_power, vertical_power, largest_power;
+  assign horizontal_power = packed_exponent(horizontal_exponent1);
+  assign squared_width_power = packed_exponent(squared_width_exponent1);
+  assign shear_power = packed_exponent(shear_exponent1);
+  assign vertical_power = packed_exponent(vertical_exponent1);
+  assign largest_power = packed_exponent(largest1);
   always_ff @(posedge clk) begin
-    degenerate <= !packable(horizontal_exponent1) || !packable(squared_width_exponent1) || !packable(vertical_exponent1) || !packable(largest1);
-    shear_nothing <= shear_exponent1 < 18'(-512 - DROP);
+    degenerate <= !packable(horizontal_power) || !packable(squared_width_power) || !packable(vertical_power) ||
+        !packable(largest_power);
+    shear_nothing <= shear_power[17] && !packable(shear_power);
   end
 
-  // The third round: what has been found stands still again; the second extent comes a cycle after the rest.
-  logic signed [63:0] u2, v2, extent_u2, extent_v2;
-  logic near2, far2, degenerate2, peak_half2, invisible2;
+  // The third round: what has been found stands still again.
+  logic degenerate2, invisible2;
   logic [31:0] cutoff2;
   splatline_pkg::footprint_t known2;
-  logic [47:0] key2;
 
   always_ff @(posedge clk) begin
-    if (phase == 0) extent_v2 <= extent;
     if (phase == 7) begin
-      {u2, v2, near2, far2, degenerate2, peak_half2, cutoff2} <= {u1, v1, too_near, too_far, degenerate, peak_half, cutoff1[31:0]};
-      extent_u2 <= extent;
-      peak_fixed2 <= peak_fixed;
+      {degenerate2, cutoff2} <= {degenerate, cutoff1[31:0]};
+      peak_fixed <= peak1 <= 0 ? '0 : fixed_far[3] || fixed_out >> (splatline_pkg::PEAK + 4) != 0 ? PEAK_TOP :
+          fixed_out[splatline_pkg::PEAK+4:0];
       invisible2 <= by_opacity && (peak1 <= 0 || cutoff1 <= 0);
       known2 <= 0;
+      known2.centre_u <= centre[27+SUBPIXEL:0];
       known2.version <= splatline_pkg::PACKET_VERSION;
-      key2 <= key;
       known2.horizontal_mantissa <= horizontal1[30:DROP];
-      known2.horizontal_exponent <= 10'(packed_exponent(horizontal_exponent1));
+      known2.horizontal_exponent <= 10'(horizontal_power);
       known2.squared_width_mantissa <= squared_width1[30:DROP];
-      known2.squared_width_exponent <= 10'(packed_exponent(squared_width_exponent1));
+      known2.squared_width_exponent <= 10'(squared_width_power);
       known2.shear_mantissa <= shear_nothing ? 0 : shear1[31:DROP];
-      known2.shear_exponent <= shear_nothing ? 0 : 10'(packed_exponent(shear_exponent1));
+      known2.shear_exponent <= shear_nothing ? 0 : 10'(shear_power);
       known2.vertical_mantissa <= vertical1[30:DROP];
-      known2.vertical_exponent <= 10'(packed_exponent(vertical_exponent1));
+      known2.vertical_exponent <= 10'(vertical_power);
     end
   end
 
-  // The box, its parts within the viewport, the reason.
-  logic signed [63:0] centre_u, centre_v, middle_u, middle_v, low_u, low_v, high_u, high_v;
-  logic range, range_u, range_v, outside_u, outside_v, faint;
-  logic [15:0] first_u, first_v, last_u, last_v;
-  assign peak_even = {peak_fixed2[splatline_pkg::PEAK+4:1], peak_fixed2[0] && !peak_half2};
+  // The box, its parts within the viewport, the reason. Both directions go the same way, u in phase 6 and v right
+  // behind it:
+  //
+  //   position, extent | centre, middle | ends | ends within the viewport | nothing between them?
+  logic signed [63:0] position6, centre, middle, low, high;
+  logic [62:0] extent7;
+  logic range7, range_extent7, outside, faint;
+  logic range, range_u, range_v, outside_u, outside_v;
+  logic [15:0] limit, first, last;
+  assign peak_even = {peak_fixed[splatline_pkg::PEAK+4:1], peak_fixed[0] && !peak_half};
 
   // Is the magnitude at least 2^58?
   function automatic logic beyond(input logic signed [63:0] value);
@@ -236,8 +251,8 @@ module setup_pack (
     half_more = 64'($signed({position >>> (32 - SUBPIXEL), 1'b1} + {HALF, position[31-SUBPIXEL]}) >>> 1);
   endfunction
 
-  function automatic logic [15:0] clipped(input logic signed [31:0] value, input logic [15:0] limit);
-    clipped = value < 0 ? 16'd0 : value > $signed({16'd0, limit}) ? limit : value[15:0];
+  function automatic logic [15:0] clipped(input logic signed [31:0] value, input logic [15:0] edge_of);
+    clipped = value < 0 ? 16'd0 : value > $signed({16'd0, edge_of}) ? edge_of : value[15:0];
   endfunction
 
   // Halves go to the even neighbour; what is beyond the range becomes its largest number.
@@ -251,33 +266,34 @@ module setup_pack (
 
   assign packet_taken = packet_valid;
   always_ff @(posedge clk) begin
-    {centre_u, centre_v} <= {rounded(u2), rounded(v2)};
+    position6 <= phase == 5 ? u1 : v1;
+    centre <= rounded(position6);
     // A half more: of the pixels' middles and of both ends' roundings. -x - 1 is ~x.
-    {middle_u, middle_v} <= {half_more(u2), half_more(v2)};
-    low_u <= (middle_u <<< (32 - SUBPIXEL)) + ~extent_u2;
-    low_v <= (middle_v <<< (32 - SUBPIXEL)) + ~extent_v2;
-    high_u <= (middle_u <<< (32 - SUBPIXEL)) + extent_u2;
-    high_v <= (middle_v <<< (32 - SUBPIXEL)) + extent_v2;
-    {first_u, first_v} <= {clipped(low_u[63:32], columns), clipped(low_v[63:32], rows)};
-    {last_u, last_v} <= {clipped(high_u[63:32], columns), clipped(high_v[63:32], rows)};
-    range <= beyond(u2) || beyond(v2);
-    range_u <= extent_u2[62:60] != 0;
-    range_v <= extent_v2[62:60] != 0;
-    outside_u <= first_u >= last_u;
-    outside_v <= first_v >= last_v;
+    middle <= half_more(position6);
+    extent7 <= extent;
+    range7 <= beyond(position6);
+    range_extent7 <= fixed_far[4] || extent[62:60] != 0;
+    low <= (middle <<< (32 - SUBPIXEL)) + $signed({1'b1, ~extent7});
+    high <= (middle <<< (32 - SUBPIXEL)) + $signed({1'b0, extent7});
+    limit <= phase == 7 ? columns : rows;
+    first <= clipped(low[63:32], limit);
+    last <= clipped(high[63:32], limit);
+    outside <= first >= last;
     faint <= peak_even == 0;
 
+    if (phase == 7) {range, range_u} <= {range7, range_extent7};
+    if (phase == 0) begin
+      packet <= known2;
+      {range, range_v, packet.centre_v} <= {range || range7, range_extent7, centre[27+SUBPIXEL:0]};
+    end
+    if (phase == 1) {packet.first_column, packet.end_column} <= {first, last};
+    if (phase == 2) {outside_u, packet.first_row, packet.end_row} <= {outside, first, last};
+    if (phase == 3) outside_v <= outside;
+
     packet_valid <= phase == 5 && valid2 && !rst;
-    cull <= near2 ? 3'd1 : far2 ? 3'd2 : range ? 3'd3 : degenerate2 ? 3'd4 : invisible2 ? 3'd5 : range_u ? 3'd3 : outside_u ? 3'd6 :
-        range_v ? 3'd3 : outside_v ? 3'd6 : faint ? 3'd5 : 3'd0;
-    depth <= key2;
-    packet <= known2;
-    packet.centre_u <= centre_u[27+SUBPIXEL:0];
-    packet.centre_v <= centre_v[27+SUBPIXEL:0];
-    packet.first_column <= first_u;
-    packet.first_row <= first_v;
-    packet.end_column <= last_u;
-    packet.end_row <= last_v;
+    cull <= too_near ? 3'd1 : too_far ? 3'd2 : range ? 3'd3 : degenerate2 ? 3'd4 : invisible2 ? 3'd5 : range_u ? 3'd3 :
+        outside_u ? 3'd6 : range_v ? 3'd3 : outside_v ? 3'd6 : faint ? 3'd5 : 3'd0;
+    depth <= key;
     packet.cutoff <= cutoff2;
     packet.peak <= peak_even[splatline_pkg::PEAK+4] ? {(splatline_pkg::PEAK + 4) {1'b1}} : peak_even[splatline_pkg::PEAK+3:0];
     packet.red <= shaded(colour[31:0]);

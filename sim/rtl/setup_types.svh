@@ -25,7 +25,8 @@
     logic last;
     logic [1:0] base;  // 0: the largest that a term asks for, 1: the first term's, 2: step alone
     logic signed [6:0] step;  // what is asked for, from the exponent on
-    logic addend;  // the constant is added
+    logic addend;  // a constant is added,
+    logic [5:0] start;  // this one
     logic normal;  // rounded to a mantissa
     logic [4:0] drop;  // of 31 - drop bits; otherwise left as it is,
     logic [5:0] spare;  // moved left by so much

@@ -44,11 +44,15 @@ module setup_unit #(
 
   // Constants: of the cores in a memory, of the units around them in registers.
   (* ram_style = "block", no_rw_check *) logic [81:0] constants[0:63];
+  (* ram_style = "block", no_rw_check *) logic [63:0] starts[0:63];
   logic [81:0] eye_x, eye_y, eye_z, flags, near, far;
   logic [287:0] rotation;
   always_ff @(posedge clk) begin
     if (constant_valid) begin
-      if (!constant_index[6]) constants[constant_index[5:0]] <= {constant_exponent, constant_value};
+      if (!constant_index[6]) begin
+        constants[constant_index[5:0]] <= {constant_exponent, constant_value};
+        starts[constant_index[5:0]] <= constant_value;
+      end
       case (constant_index)
         7'(splatline_setup_pkg::EYE_X): eye_x <= {constant_exponent, constant_value};
         7'(splatline_setup_pkg::EYE_Y): eye_y <= {constant_exponent, constant_value};
@@ -139,8 +143,8 @@ module setup_unit #(
   logic [3:0] splat;
   logic [81:0] constant1, constant2, constant3;
   logic [50:0] right3;
-  logic [14*64-1:0] starts;
-  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot20, slot22;
+  logic [63:0] start16, start17;
+  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot15, slot16, slot20, slot22;
   logic unread_a0, unread_b0, writes;
   logic [15:0] half21;
   logic [16:0] kept21;
@@ -163,7 +167,8 @@ module setup_unit #(
   assign slot0 = slots[0+:BITS];
   assign slot1 = slots[1*BITS+:BITS];
   assign slot2 = slots[2*BITS+:BITS];
-  assign slot3 = slots[3*BITS+:BITS];
+  assign slot15 = slots[15*BITS+:BITS];
+  assign slot16 = slots[16*BITS+:BITS];
   assign slot20 = slots[20*BITS+:BITS];
   assign slot22 = slots[22*BITS+:BITS];
   assign unread_a0 = slot0.a_constant || slot0.a_input;
@@ -186,7 +191,8 @@ module setup_unit #(
     // The cores' common share of the right factor and of the exponents.
     right3[32:0] <= slot2.plain && !slot2.entry ? 33'h80000000 : slot2.b_constant ? constant2[32:0] : 33'd0;
     right3[50:33] <= ((slot2.b_constant && !slot2.plain) || slot2.pick != 0 ? constant2[81:64] : 18'd0) + 18'(slot2.offset);
-    starts <= {starts[13*64-1:0], slot3.addend ? constant3[63:0] : 64'd0};
+    start16 <= starts[slot15.start];
+    start17 <= slot16.addend ? start16 : 64'd0;
     // A mantissa's rounding.
     half21 <= slot20.normal ? 16'd1 << slot20.drop : 16'd0;
     kept21 <= slot20.normal ? ~17'd1 << slot20.drop : ~17'd0;
@@ -250,7 +256,7 @@ module setup_unit #(
           .constant1(slot1.a_constant ? {constant1[81:64], constant1[32:0]} : 51'd0),
           .picked3(constant3[32:0]),
           .right3,
-          .start17(starts[14*64-1-:64]),
+          .start17,
           .half21,
           .kept21,
           .load(beat_valid && beat_place[5:0] == 6'(i)),

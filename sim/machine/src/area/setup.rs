@@ -135,21 +135,17 @@ pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
 }
 
 /// A unit with so many cores for a family: on lean18's line where axes are turned in front of the cores, on standard24's
-/// elsewhere; nothing where none was synthesised.
+/// elsewhere; nothing where none was synthesised. Two cores share their memories, so that an odd one needs more than
+/// half of a pair.
 pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -> Option<Fabric> {
     let design = if is_turned(mantissa) {
         "lean18"
     } else {
         "standard24"
     };
-    let at = |cores: u32| {
-        let same = |unit: &&SetupUnit| {
-            unit.family == family && unit.design == design && unit.cores == cores
-        };
-        units.iter().find(same).map(|unit| unit.fabric)
-    };
     let [few, many] = FITTED_CORES;
-    let (one, more) = (at(few)?, at(many)?);
+    let (one, more) = (find(units, family, design, few)?, find(units, family, design, many)?);
+    let odd = odd_kbit(units, family)?;
     let of = |resource: fn(&Fabric) -> u64| {
         let (a, b) = (resource(&one) as f64, resource(&more) as f64);
         let core = (b - a) / f64::from(many - few);
@@ -159,8 +155,27 @@ pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -
         luts: of(|fabric| fabric.luts),
         flip_flops: of(|fabric| fabric.flip_flops),
         dsps: of(|fabric| fabric.dsps),
-        memory_kbit: of(|fabric| fabric.memory_kbit),
+        memory_kbit: {
+            // The line of pairs, which starts at half of one.
+            let (half, pairs) = (one.memory_kbit as f64 - odd, more.memory_kbit as f64);
+            let core = (pairs - half) / f64::from(many - few);
+            let even = half + core * (f64::from(cores) - f64::from(few));
+            (even + odd * f64::from(cores % 2)).round() as u64
+        },
     })
+}
+
+fn find(units: &[SetupUnit], family: Family, design: &str, cores: u32) -> Option<Fabric> {
+    let same =
+        |unit: &&SetupUnit| unit.family == family && unit.design == design && unit.cores == cores;
+    units.iter().find(same).map(|unit| unit.fabric)
+}
+
+/// What an odd core's memories have more than half of a pair's: lean18's with one core, two, and four.
+fn odd_kbit(units: &[SetupUnit], family: Family) -> Option<f64> {
+    let of = |cores| find(units, family, "lean18", cores).map(|unit| unit.memory_kbit as f64);
+    let (one, two, four) = (of(1)?, of(2)?, of(4)?);
+    Some(one - (two - (four - two) / 2.0))
 }
 
 #[cfg(test)]
@@ -220,7 +235,7 @@ mod tests {
         let queues = around(&machine, &prices).luts - ten.map_or(0, |ten| ten.luts);
         assert_eq!(
             around(&eight, &prices).luts - queues,
-            estimate(&units, Family::Ecp5, widths.mantissa, 20).map_or(0, |unit| unit.luts)
+            estimate(&units, Family::Ecp5, widths.mantissa, 19).map_or(0, |unit| unit.luts)
         );
     }
 

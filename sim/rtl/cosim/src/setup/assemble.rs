@@ -31,6 +31,9 @@ const ATTEMPTS: u64 = 4_000;
 /// So many cycles before a round ends the next splats' records may begin to come in.
 pub const LOAD_AHEAD: usize = 48;
 
+/// So many cycles after a splat's last result its round goes on at least.
+const OUT_AHEAD: usize = 4;
+
 /// An operation's number; also its result's name.
 pub type Value = usize;
 
@@ -242,6 +245,13 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
         })
         .collect();
     let mut taken = vec![false; round];
+    // The results' slots are the longest row and come last: their place is kept, which leaves the gaps to shorter ones.
+    // They are counted before their round ends.
+    let results = operations.iter().find(|operation| operation.out);
+    let results = results.map_or(0, |operation| operation.terms.len());
+    let places = round.checked_sub(results + OUT_AHEAD)?;
+    let kept = places - split_mix(&mut state) as usize % (places + 1);
+    taken[kept..kept + results].fill(true);
     let mut times = vec![0; operations.len()];
     // Cycles from an operation's issue to the end of everything that follows from it.
     let mut rest = vec![0; operations.len()];
@@ -272,11 +282,12 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
         let behind = operations[first + 1..].iter();
         let last = first + behind.take_while(|operation| operation.follows).count();
         let length: usize = operations[first..=last].iter().map(|o| o.terms.len()).sum();
-        // The last results are counted before their round ends.
-        let after = if operations[first].out { 4 } else { 0 };
         let fits = |time: &usize| {
             let slot = time % round;
-            slot + length + after <= round && !taken[slot..slot + length].iter().any(|taken| *taken)
+            if operations[first].out {
+                return slot == kept;
+            }
+            slot + length <= round && !taken[slot..slot + length].iter().any(|taken| *taken)
         };
         let time = (ready[first]..ready[first] + round).find(fits)?;
         if reads_input(&operations[first]) && time + length + LOAD_AHEAD > round
@@ -327,17 +338,14 @@ fn registers(
     (free <= REGISTERS).then_some(places)
 }
 
-/// The constant that a slot reads; an error if it were two.
+/// The constant that a slot's factors read; an error if it were two. What is added has a memory of its own.
 pub fn constant(operation: &Operation, term: usize) -> Result<Option<usize>> {
     let Term { a, b, picked, .. } = operation.terms[term];
     let address = |operand| match operand {
         Operand::Constant(address) => Some(address),
         _ => None,
     };
-    let addend = operation.addend.filter(|_| term == 0);
-    let mut all = [address(a), address(b), picked, addend]
-        .into_iter()
-        .flatten();
+    let mut all = [address(a), address(b), picked].into_iter().flatten();
     let first = all.next();
     ensure!(
         all.all(|other| Some(other) == first),

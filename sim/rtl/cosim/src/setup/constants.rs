@@ -120,9 +120,7 @@ fn screen(widths: &Widths, view: &View, rules: &Rules) -> Result<Vec<Named>> {
         );
         all.push(number(&format!("focal_{name}"), view.focal[axis]));
         let principal = view.principal[axis].to_bits();
-        let (high, low) = (principal >> 31, principal & 0x7fff_ffff);
-        all.push(named(&format!("principal_{name}_high"), high, -1));
-        all.push(named(&format!("principal_{name}_low"), low, -32));
+        all.push(named(&format!("principal_{name}"), principal, -32));
         let [low, high] = ends;
         let (below, above, least, most) = if !perspective {
             // Everything lies below the limit, which is 0.
@@ -148,11 +146,17 @@ fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
         Cutoff::Radial(cutoff) => (0, cutoff.min(rules.kernel.end())),
         Cutoff::Opacity => match (by_opacity(rules), ln(smallest)) {
             (false, _) => (0, rules.kernel.end()),
-            (true, Some(least)) => (least, 0),
+            (true, Some(least)) => (least, 15 << 28),
             (true, None) => {
                 bail!("alpha_min = 0: a cut-off by the opacity needs a smallest opacity")
             }
         },
+    };
+    // Where the opacity has no say, every logarithm lies beyond the end.
+    let (end, power) = if by_opacity(rules) {
+        (15 << 20, -21)
+    } else {
+        (-(1 << 30), -10)
     };
     ensure!(
         widths.mantissa > 16,
@@ -172,7 +176,8 @@ fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
             integral.exponent - 1,
         ),
         named("ln_least", LN_2 * 30 + ((9 - (least << 1)) << 7), -40),
-        named("cutoff", cutoff.into(), -29),
+        named("logarithm_end", end, power),
+        named("cutoff_end", cutoff.into(), -29),
     ])
 }
 
@@ -232,7 +237,7 @@ fn by_opacity(rules: &Rules) -> bool {
     rules.cutoff == Cutoff::Opacity && rules.kernel == Kernel::Gaussian
 }
 
-fn fixed() -> [Named; 13] {
+fn fixed() -> [Named; 11] {
     [
         named("one", 1 << 30, -30),
         named("reciprocal_one", 1 << 47, -47),
@@ -242,10 +247,8 @@ fn fixed() -> [Named; 13] {
         named("quarter", fraction(4).into(), -30),
         named("third", fraction(3).into(), -30),
         named("half", fraction(2).into(), -30),
-        named("logarithm_end", 15 << 20, -21),
         named("ln_2_high", LN_2 >> 9, -40),
         named("ln_2_low", LN_2 & 0x1ff, -49),
-        named("cutoff_end", 15 << 28, -29),
         named("nothing", 0, ZERO_EXPONENT),
     ]
 }

@@ -170,7 +170,10 @@ impl Reader<'_> {
             floor |= cut;
         }
         operation.terms = match form.strip_prefix("pick ") {
-            Some(condition) => vec![self.pick(condition, terms)?],
+            Some(condition) => {
+                let condition = condition.split(", ").next().unwrap_or(condition);
+                vec![self.pick(condition, terms)?]
+            }
             None => self.terms(terms)?,
         };
         for term in &mut operation.terms {
@@ -230,7 +233,6 @@ impl Reader<'_> {
                 "not negative" => Pick::NotNegative,
                 "perspective" => Pick::Flag(0),
                 "normalised" => Pick::Flag(1),
-                "by opacity" => Pick::Flag(2),
                 _ => bail!("no condition '{condition}'"),
             },
             ..Term::default()

@@ -24,7 +24,7 @@ pub const REGISTERS: [&str; 15] = [
 ];
 
 /// Fields of a slot in the order of `setup_types.svh`, first the most significant: name and bits.
-const FIELDS: [(&str, u32); 33] = [
+const FIELDS: [(&str, u32); 34] = [
     ("round", 4),
     ("a_input", 1),
     ("a_constant", 1),
@@ -51,6 +51,7 @@ const FIELDS: [(&str, u32); 33] = [
     ("base", 2),
     ("step", 7),
     ("addend", 1),
+    ("start", 6),
     ("normal", 1),
     ("drop", 5),
     ("spare", 6),
@@ -261,6 +262,7 @@ fn sum(values: &mut Vec<(&'static str, i64)>, operation: &Operation, term: usize
         Unit::At(exponent) => (2, exponent),
     };
     let coarser = |term: &Term| term.again;
+    let addend = operation.addend.filter(|_| term == 0);
     let last = operation.terms.get(term + 1).is_none_or(coarser);
     values.extend([
         ("first", (term == 0 && !operation.follows).into()),
@@ -268,7 +270,8 @@ fn sum(values: &mut Vec<(&'static str, i64)>, operation: &Operation, term: usize
         ("last", last.into()),
         ("base", unit),
         ("step", step.into()),
-        ("addend", (term == 0 && operation.addend.is_some()).into()),
+        ("addend", addend.is_some().into()),
+        ("start", addend.unwrap_or(0) as i64),
         ("normal", operation.bits.is_some().into()),
         ("drop", i64::from(31 - operation.bits.unwrap_or(31))),
         ("spare", 32 - i64::from(operation.below)),
