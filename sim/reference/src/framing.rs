@@ -62,32 +62,28 @@ pub struct Orbit {
 
 impl Ball {
     /// The ball around some places; `size` is the extent of a scene of one place.
-    pub fn around(places: &[Vector], size: f64) -> Ball {
-        let Some(guess) = box_middle(places, OUTERMOST) else {
+    pub fn around(places: impl Iterator<Item = Vector> + Clone, size: f64) -> Ball {
+        let Some(guess) = box_middle(places.clone(), OUTERMOST) else {
             return Ball {
                 centre: [0.0; 3],
                 radius: 1.0,
                 strays: 0,
             };
         };
-        let distance =
-            |from: Vector, place: &Vector| vector::length(vector::subtract(*place, from));
-        let mut distances: Vec<f64> = places.iter().map(|place| distance(guess, place)).collect();
+        let distance = |from: Vector, place: Vector| vector::length(vector::subtract(place, from));
+        let distances = places.clone().map(|place| distance(guess, place));
+        let mut distances: Vec<f64> = distances.collect();
         let last = distances.len() - 1;
         let most = (last as f64 * MOST).ceil() as usize;
         let usual = *distances.select_nth_unstable_by(most, f64::total_cmp).1;
         let limit = STRAY_DISTANCE * usual;
-        let near: Vec<Vector> = places
-            .iter()
-            .copied()
-            .filter(|place| distance(guess, place) <= limit)
-            .collect();
-        // Half of the places lie within the box's middle, so `near` is not empty.
-        let centre = box_middle(&near, 0.0).unwrap_or(guess);
-        let radius = near
-            .iter()
-            .map(|place| distance(centre, place))
-            .fold(0.0, f64::max);
+        let strays = distances.len() - distances.iter().filter(|d| **d <= limit).count();
+        drop(distances);
+        let near = places.filter(|place| distance(guess, *place) <= limit);
+        // Half of the places lie within the box's middle, so that some are near.
+        let centre = box_middle(near.clone(), 0.0).unwrap_or(guess);
+        let radius = near.map(|place| distance(centre, place));
+        let radius = radius.fold(0.0, f64::max);
         let least = if size > 0.0 && size.is_finite() {
             size
         } else {
@@ -96,27 +92,30 @@ impl Ball {
         Ball {
             centre,
             radius: if radius > 0.0 { radius } else { least },
-            strays: places.len() - near.len(),
+            strays,
         }
     }
 }
 
 /// The middle of the box that leaves out a share of the places on each side of each axis.
-fn box_middle(places: &[Vector], outermost: f64) -> Option<Vector> {
-    let last = places.len().checked_sub(1)?;
-    let rank = (last as f64 * outermost) as usize;
-    Some([0, 1, 2].map(|axis| {
-        let mut along: Vec<f64> = places.iter().map(|place| place[axis]).collect();
+fn box_middle(places: impl Iterator<Item = Vector> + Clone, outermost: f64) -> Option<Vector> {
+    let mut middle = [0.0; 3];
+    for (axis, middle) in middle.iter_mut().enumerate() {
+        let mut along: Vec<f64> = places.clone().map(|place| place[axis]).collect();
+        let last = along.len().checked_sub(1)?;
+        let rank = (last as f64 * outermost) as usize;
         let least = *along.select_nth_unstable_by(rank, f64::total_cmp).1;
         let greatest = *along.select_nth_unstable_by(last - rank, f64::total_cmp).1;
-        least / 2.0 + greatest / 2.0
-    }))
+        *middle = least / 2.0 + greatest / 2.0;
+    }
+    Some(middle)
 }
 
 impl FramingInput {
     /// How a scene of splats is framed: volumes along +z, captures across their thinner horizontal side.
     pub fn of_scene(scene: &Scene, up: Option<Vector>) -> FramingInput {
-        let places: Vec<Vector> = scene.splats.iter().map(|splat| splat.centre).collect();
+        // Not as a list: of four million splats it would be 100 MB beside them.
+        let places = scene.splats.iter().map(|splat| splat.centre);
         let longest = scene.splats.first().map_or(1.0, |splat| {
             3.0 * splat
                 .axes
@@ -124,12 +123,12 @@ impl FramingInput {
                 .map(|axis| vector::length(*axis))
                 .fold(0.0, f64::max)
         });
-        let ball = Ball::around(&places, longest);
+        let ball = Ball::around(places.clone(), longest);
         let chosen = up.unwrap_or(scene.up);
         let (front, reason) = match scene.weight {
             Weight::Mass => ([0.0, 0.0, -1.0], "a volume is seen along +z with -y up"),
             Weight::Opacity => (
-                thinner_side(&places, &ball, chosen),
+                thinner_side(places, &ball, chosen),
                 "a capture is seen across its thinner horizontal side; -y is up in trainers' files, +y in glTF",
             ),
         };
@@ -148,8 +147,8 @@ impl FramingInput {
         is_height_field: bool,
         up: Option<Vector>,
     ) -> FramingInput {
-        let places: Vec<Vector> = scene.points.iter().map(|point| point.centre).collect();
-        let ball = Ball::around(&places, 3.0 * scene.radius);
+        let places = scene.points.iter().map(|point| point.centre);
+        let ball = Ball::around(places.clone(), 3.0 * scene.radius);
         let chosen = up.unwrap_or(scene.up);
         let (front, elevation, reason) = if is_height_field {
             (
@@ -159,7 +158,7 @@ impl FramingInput {
             )
         } else {
             (
-                thinner_side(&places, &ball, chosen),
+                thinner_side(places, &ball, chosen),
                 0.0,
                 cloud_reason(scene.up),
             )
@@ -298,15 +297,14 @@ fn cloud_reason(up: Vector) -> &'static str {
 }
 
 /// The horizontal axis along which the framed places extend least, towards its positive end.
-fn thinner_side(places: &[Vector], ball: &Ball, up: Vector) -> Vector {
+fn thinner_side(places: impl Iterator<Item = Vector> + Clone, ball: &Ball, up: Vector) -> Vector {
     let vertical = (0..3).max_by(|&a, &b| up[a].abs().total_cmp(&up[b].abs()));
     let extent = |axis: usize| {
-        let offset = |place: &Vector| (place[axis] - ball.centre[axis]).abs();
-        places
-            .iter()
-            .filter(|place| vector::length(vector::subtract(**place, ball.centre)) <= ball.radius)
-            .map(offset)
-            .fold(0.0, f64::max)
+        let is_framed =
+            |place: &Vector| vector::length(vector::subtract(*place, ball.centre)) <= ball.radius;
+        let framed = places.clone().filter(is_framed);
+        let offsets = framed.map(|place| (place[axis] - ball.centre[axis]).abs());
+        offsets.fold(0.0, f64::max)
     };
     let thinner = (0..3)
         .filter(|axis| Some(*axis) != vertical)
