@@ -136,9 +136,10 @@ pub struct Renderer<S = Scene> {
 impl Renderer<Scene> {
     /// A scene from a file, under the rules that are natural for its kind, seen by `camera`.
     pub fn load(path: &Path, camera: &Camera) -> Result<Self, LoadError> {
-        let scene = scene::load(path, &LoadOptions::default())?;
+        let mut scene = scene::load(path, &LoadOptions::default())?;
         let settings = Settings::new(scene.natural_rules);
-        Ok(Renderer::new(scene, camera, settings))
+        let quantised = QuantisedScene::releasing(&mut scene, camera, &settings.rules);
+        Ok(Renderer::of_quantised(scene, quantised, camera, settings))
     }
 }
 
@@ -146,6 +147,17 @@ impl<S: Borrow<Scene>> Renderer<S> {
     /// A scene seen by `camera`. Frames are drawn by the rayon pool that they are asked for in, unless the renderer is given threads of its own.
     pub fn new(scene: S, camera: &Camera, settings: Settings) -> Self {
         let quantised = QuantisedScene::new(scene.borrow(), camera, &settings.rules);
+        Renderer::of_quantised(scene, quantised, camera, settings)
+    }
+
+    /// The same of a scene that has been quantised already under these settings' rules. Where colours do not depend on the
+    /// view its splats may be [released](QuantisedScene::releasing).
+    pub fn of_quantised(
+        scene: S,
+        quantised: QuantisedScene,
+        camera: &Camera,
+        settings: Settings,
+    ) -> Self {
         let rules = quantised.rules(&settings.rules);
         let hides = !settings.counts
             && settings.compositing == Compositing::FrontToBack

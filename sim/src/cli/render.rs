@@ -11,7 +11,7 @@ use crate::camera::Camera;
 use crate::cameras::{self, lens::Lens};
 use crate::picture::{Depth, EXTENSIONS, Picture, PictureFormat};
 use crate::plan::draw::on_threads;
-use crate::plan::measure::draw_alone;
+use crate::plan::measure::{draw_alone, draw_last};
 use crate::plan::{Engine, Prepared, Technique};
 use crate::progress::ProgressMeter;
 use crate::texture::image::distorted;
@@ -60,7 +60,11 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let progress = ProgressMeter::new(2);
     progress.doing(format!("drawing {}", prepared.scene.name()));
     let effort = drawing.effort_of_pictures();
-    let (measured, report) = draw_alone(&prepared, &effort, &progress)?;
+    let (measured, report) = if options.maps.is_empty() {
+        draw_last(&mut prepared, &effort, &progress)?
+    } else {
+        draw_alone(&prepared, &effort, &progress)?
+    };
     progress.advance();
     progress.doing(format!("writing {}", options.output.display()));
     let bent = lens.map(|lens| distorted(&measured.drawing.picture, &prepared.plan.camera, &lens));

@@ -1,7 +1,8 @@
 //! From a prepared plan to a picture through the kernel: the systems' different results become one [`Drawing`].
 
 use super::{
-    AlphaChannel, DesignVariant, Prepared, SheetBuffers, SplatMethod, Splats, Subject, surface_unit,
+    AlphaChannel, AnyScene, DesignVariant, Prepared, SheetBuffers, SplatMethod, Splats, Subject,
+    Technique, surface_unit,
 };
 use crate::fast::frame::FrameFacts;
 use crate::fast::lanes::VectorLevel;
@@ -25,6 +26,7 @@ use anyhow::{Context, Error, Result, bail};
 use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::setup::{self as kernel, Cull};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// One drawn picture and what drawing it took.
@@ -74,6 +76,25 @@ impl Prepared {
         Ok(drawing.picture)
     }
 
+    /// The splats in the kernel's formats, and no longer in double precision: for a plan that is drawn once. `None` where
+    /// these are needed.
+    pub fn release(&mut self) -> Option<QuantisedScene> {
+        let Technique::Splats {
+            rules,
+            method: SplatMethod::Composited,
+            ..
+        } = &self.plan.technique
+        else {
+            return None;
+        };
+        match Arc::get_mut(&mut self.scene)? {
+            AnyScene::Splats(scene) => {
+                Some(QuantisedScene::releasing(scene, &self.plan.camera, rules))
+            }
+            AnyScene::Surface { .. } => None,
+        }
+    }
+
     /// What draws through the kernel again and again: the scene in its formats. Pixels are counted if `counts` asks for it.
     pub fn kernel<'a>(
         &'a self,
@@ -81,10 +102,31 @@ impl Prepared {
         vectors: Option<VectorLevel>,
         counts: bool,
     ) -> Result<KernelDrawing<'a>> {
+        self.kernel_of(None, entry, vectors, counts)
+    }
+
+    /// The same of splats that may have been [released](Prepared::release).
+    pub fn kernel_of<'a>(
+        &'a self,
+        released: Option<QuantisedScene>,
+        entry: &'a DesignVariant,
+        vectors: Option<VectorLevel>,
+        counts: bool,
+    ) -> Result<KernelDrawing<'a>> {
         let engine = vectors.map_or(fixed::best_engine(), fixed::PaintEngine::Vectors);
         Ok(match self.subject()? {
             Subject::Splats(splats) => match splats.method {
-                SplatMethod::Composited => KernelDrawing::splats(splats, entry, engine, counts),
+                SplatMethod::Composited => {
+                    let Splats {
+                        scene,
+                        camera,
+                        rules,
+                        ..
+                    } = splats;
+                    let quantised =
+                        released.unwrap_or_else(|| QuantisedScene::new(scene, camera, rules));
+                    KernelDrawing::splats(splats, quantised, entry, (engine, counts))
+                }
                 SplatMethod::Points(hybrid) => {
                     let (Splats { scene, camera, .. }, options) = (splats, splats.options(entry));
                     let renderer =
@@ -248,11 +290,12 @@ pub enum KernelDrawing<'a> {
 }
 
 impl<'a> KernelDrawing<'a> {
+    /// Splats that are composited one by one.
     fn splats(
         splats: Splats<'a>,
+        quantised: QuantisedScene,
         entry: &DesignVariant,
-        engine: fixed::PaintEngine,
-        counts: bool,
+        (engine, counts): (fixed::PaintEngine, bool),
     ) -> Self {
         let settings = Settings {
             rules: *splats.rules,
@@ -262,7 +305,7 @@ impl<'a> KernelDrawing<'a> {
             engine,
             counts,
         };
-        let renderer = Renderer::new(splats.scene, splats.camera, settings);
+        let renderer = Renderer::of_quantised(splats.scene, quantised, splats.camera, settings);
         KernelDrawing::Splats(Box::new(renderer), Picture::new(0, 0))
     }
 

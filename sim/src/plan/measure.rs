@@ -6,6 +6,7 @@ use super::{DesignVariant, Drawing, Engine, Prepared};
 use crate::atomic;
 use crate::design::DesignChoice;
 use crate::fast::lanes::VectorLevel;
+use crate::fixed::QuantisedScene;
 use crate::machine::Timing;
 use crate::machine::area::Family;
 use crate::machine::clock::{Clock, Throughput};
@@ -101,9 +102,33 @@ pub fn draw_alone(
     effort: &Effort,
     progress: &ProgressMeter,
 ) -> Result<(Measured, Report)> {
+    draw_from(prepared, None, effort, progress)
+}
+
+/// The same of a scene that is not needed afterwards, so that it need not be in memory twice.
+pub fn draw_last(
+    prepared: &mut Prepared,
+    effort: &Effort,
+    progress: &ProgressMeter,
+) -> Result<(Measured, Report)> {
+    let started = Instant::now();
+    let released = match prepared.plan.engine {
+        Engine::Fixed => on_threads(effort.threads, || prepared.release())?,
+        _ => None,
+    };
+    prepared.prepare_s += started.elapsed().as_secs_f64();
+    draw_from(prepared, released, effort, progress)
+}
+
+fn draw_from(
+    prepared: &Prepared,
+    released: Option<QuantisedScene>,
+    effort: &Effort,
+    progress: &ProgressMeter,
+) -> Result<(Measured, Report)> {
     let plan = &prepared.plan;
     if plan.engine == Engine::Fixed {
-        let measured = measure_fixed(prepared, effort, &plan.entry, progress)?;
+        let measured = measure_fixed(prepared, released, effort, &plan.entry, progress)?;
         let report = report_of_entry(prepared, &plan.entry, &measured)?;
         return Ok((measured, report));
     }
@@ -115,12 +140,13 @@ pub fn draw_alone(
 /// The scene is brought into the kernel's formats once, before the first picture.
 fn measure_fixed(
     prepared: &Prepared,
+    released: Option<QuantisedScene>,
     effort: &Effort,
     entry: &DesignVariant,
     progress: &ProgressMeter,
 ) -> Result<Measured> {
     let started = Instant::now();
-    let prepare = || prepared.kernel(entry, effort.vectors, effort.counts);
+    let prepare = || prepared.kernel_of(released, entry, effort.vectors, effort.counts);
     let mut kernel = on_threads(effort.threads, prepare)??;
     let prepare_s = started.elapsed().as_secs_f64();
     let mut measured = measure(effort, progress, || {
@@ -205,7 +231,7 @@ pub fn compare_all(
     let mut kept = None;
     for entry in &entries {
         progress.doing(entry.title());
-        let measured = measure_fixed(prepared, effort, entry, &progress)?;
+        let measured = measure_fixed(prepared, None, effort, entry, &progress)?;
         let (error, cycles) = judge(prepared, effort.threads, entry, &measured.drawing, &float)?;
         let pixels = measured.drawing.pixels.unwrap_or_default();
         let traversal = prepared.traversal_name(entry);

@@ -204,6 +204,8 @@ pub struct Prepared {
     pub plan: Plan,
     /// What was loaded; shared by all frames of a path.
     pub scene: Arc<AnyScene>,
+    /// Its splats or points, also once they have been [released](Prepared::release).
+    pub count: usize,
     /// Points of a surface as volume kernels, whose masses depend on the camera.
     flattened: Option<Scene>,
     /// What was changed on the way in; for reports and stderr.
@@ -298,6 +300,7 @@ impl Prepared {
         }
         Prepared {
             plan,
+            count: scene.len(),
             scene,
             flattened,
             warnings,

@@ -126,7 +126,10 @@ fn scene_facts(prepared: &Prepared, measured: &Measured) -> SceneFacts {
     let drawing = &measured.drawing;
     let (culled, clamped) = (drawing.culled.clone(), drawing.clamped);
     match &*prepared.scene {
-        AnyScene::Splats(scene) => SceneFacts::new(scene, culled, clamped, drawing.colour_log2),
+        AnyScene::Splats(scene) => SceneFacts {
+            splats: prepared.count as u64,
+            ..SceneFacts::new(scene, culled, clamped, drawing.colour_log2)
+        },
         AnyScene::Surface { scene, .. } => SceneFacts {
             culled,
             clamped,

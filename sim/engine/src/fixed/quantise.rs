@@ -23,7 +23,7 @@ use splatline::splat::{Axis, Position, VolumeSplat};
 use splatline::view::{Pose, Projection, View};
 
 /// A scene and its camera in the kernel's formats.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct QuantisedScene {
     /// The camera.
     pub view: View,
@@ -52,35 +52,28 @@ impl QuantisedScene {
     }
 
     fn scaled_by(scene: &Scene, camera: &Camera, rules: &Rules, scale_log2: i32) -> Self {
-        let colours = colours(scene, camera);
-        let colour_log2 = colour_log2(&colours);
-        let weight_log2 = if rules.normalised { 2 * scale_log2 } else { 0 };
-        let weights = scene.weights_for(rules);
-        let unit = exp2(-colour_log2);
-        let seen = scene
-            .splats
-            .par_iter()
-            .zip(colours.par_iter().zip(&weights));
-        let quantised = seen.clone().map(|(splat, (colour, weight))| VolumeSplat {
-            centre: position(splat.centre, scale_log2),
-            axes: splat.axes.map(|axis| self::axis(axis, scale_log2)),
-            weight: scaled(*weight).scaled_by(weight_log2),
-            colour: colour.map(|value| float::colour(finite_or_zero(value) * unit)),
-        });
-        let beyond = |splat: &Splat, colour: &[f64; 3]| {
-            let mut values = splat.centre.iter().chain(colour);
-            !values.all(|value| value.is_finite())
-        };
-        QuantisedScene {
-            view: view(camera, scale_log2),
-            splats: quantised.collect(),
-            scale_log2,
-            colour_log2,
-            clamped: seen
-                .filter(|(splat, (colour, _))| beyond(splat, colour))
-                .count(),
-            order: scene.order,
+        let (quantiser, mut quantised) = Quantiser::new(scene, camera, rules, scale_log2);
+        quantiser.append(scene.splats.par_iter().enumerate(), &mut quantised);
+        quantised
+    }
+
+    /// The same of a scene that is left without splats: their memory is given back as they are quantised, since a million
+    /// of them take 128 MB. Splats whose colours depend on the view are kept, for [`QuantisedScene::set_camera`].
+    pub fn releasing(scene: &mut Scene, camera: &Camera, rules: &Rules) -> Self {
+        if scene.harmonics.is_some() {
+            return QuantisedScene::new(scene, camera, rules);
         }
+        let (quantiser, mut quantised) = Quantiser::new(scene, camera, rules, 0);
+        let splats = &mut scene.splats;
+        while !splats.is_empty() {
+            // From the back, where a list can be shortened.
+            let first = splats.len().saturating_sub(RELEASED);
+            quantiser.append(splats[first..].par_iter().enumerate().rev(), &mut quantised);
+            splats.truncate(first);
+            splats.shrink_to_fit();
+        }
+        quantised.splats.reverse();
+        quantised
     }
 
     /// The same scene seen by another camera: only the view, and colours where they depend on it.
@@ -90,7 +83,7 @@ impl QuantisedScene {
             return;
         }
         let colours = colours(scene, camera);
-        self.colour_log2 = colour_log2(&colours);
+        self.colour_log2 = colour_log2(colours.iter());
         let unit = exp2(-self.colour_log2);
         let splats = self.splats.par_iter_mut();
         splats.zip(&colours).for_each(|(splat, colour)| {
@@ -146,6 +139,85 @@ fn distance_key(view: &View, widths: &Widths, centre: &Position) -> u64 {
     })
 }
 
+/// Splats that are quantised before the memory of as many is given back.
+const RELEASED: usize = 1 << 16;
+
+/// What is the same for all splats of a scene.
+struct Quantiser {
+    /// Colours that depend on the view; none if they are the splats' own.
+    colours: Vec<[f64; 3]>,
+    weigh: fn(&Splat) -> f64,
+    scale_log2: i32,
+    weight_log2: i32,
+    /// What colours are multiplied by.
+    unit: f64,
+}
+
+impl Quantiser {
+    /// With a scene that has no splats yet, but room for them.
+    fn new(
+        scene: &Scene,
+        camera: &Camera,
+        rules: &Rules,
+        scale_log2: i32,
+    ) -> (Self, QuantisedScene) {
+        let colours = match scene.harmonics {
+            Some(_) => colours(scene, camera),
+            None => Vec::new(),
+        };
+        let own = scene.splats.iter().map(|splat| &splat.colour);
+        let own = own.take_while(|_| scene.harmonics.is_none());
+        let colour_log2 = colour_log2(own.chain(&colours));
+        let quantiser = Quantiser {
+            colours,
+            weigh: scene.weighing(rules),
+            scale_log2,
+            weight_log2: if rules.normalised { 2 * scale_log2 } else { 0 },
+            unit: exp2(-colour_log2),
+        };
+        let quantised = QuantisedScene {
+            view: view(camera, scale_log2),
+            splats: Vec::with_capacity(scene.splats.len()),
+            scale_log2,
+            colour_log2,
+            clamped: 0,
+            order: scene.order,
+        };
+        (quantiser, quantised)
+    }
+
+    fn colour<'a>(&'a self, index: usize, splat: &'a Splat) -> &'a [f64; 3] {
+        self.colours.get(index).unwrap_or(&splat.colour)
+    }
+
+    fn splat(&self, index: usize, splat: &Splat) -> VolumeSplat {
+        let colour = self.colour(index, splat);
+        VolumeSplat {
+            centre: position(splat.centre, self.scale_log2),
+            axes: splat.axes.map(|axis| self::axis(axis, self.scale_log2)),
+            weight: scaled((self.weigh)(splat)).scaled_by(self.weight_log2),
+            colour: colour.map(|value| float::colour(finite_or_zero(value) * self.unit)),
+        }
+    }
+
+    /// Adds numbered splats, on all cores.
+    fn append<'a>(
+        &self,
+        numbered: impl ParallelIterator<Item = (usize, &'a Splat)> + Clone,
+        to: &mut QuantisedScene,
+    ) {
+        let quantised = numbered
+            .clone()
+            .map(|(index, splat)| self.splat(index, splat));
+        to.splats.par_extend(quantised);
+        let beyond = numbered.filter(|(index, splat)| {
+            let mut values = splat.centre.iter().chain(self.colour(*index, splat));
+            !values.all(|value| value.is_finite())
+        });
+        to.clamped += beyond.count();
+    }
+}
+
 /// All splats' colours, on all cores.
 fn colours(scene: &Scene, camera: &Camera) -> Vec<[f64; 3]> {
     let indices = (0..scene.splats.len()).into_par_iter();
@@ -153,8 +225,8 @@ fn colours(scene: &Scene, camera: &Camera) -> Vec<[f64; 3]> {
 }
 
 /// The least power of two, at least 1, by which all colours come below 8, the end of every named design's formats.
-fn colour_log2(colours: &[[f64; 3]]) -> i32 {
-    let finite = colours.iter().flatten().filter(|value| value.is_finite());
+fn colour_log2<'a>(colours: impl Iterator<Item = &'a [f64; 3]>) -> i32 {
+    let finite = colours.flatten().filter(|value| value.is_finite());
     let largest = finite.fold(0.0f64, |largest, value| largest.max(*value));
     (0..1000)
         .find(|power| largest * exp2(-power) < 8.0 - exp2(-14))
@@ -279,6 +351,21 @@ mod tests {
             }
         }
         assert_eq!(key([0.0; 3]), depth::key(Extended::ZERO));
+    }
+
+    #[test]
+    fn released_scenes_are_quantised_alike() {
+        use crate::scene::synthetic::{camera, random_gaussians, random_harmonics};
+        let mut bad = random_gaussians(2 * RELEASED + 3, 1, 1.0);
+        bad.splats[5].centre[1] = f64::NAN;
+        bad.splats[7].colour[2] = 40.0;
+        let camera = camera(8, 8);
+        for (mut scene, left) in [(bad, 0), (random_harmonics(50, 1, 2), 50)] {
+            let expected = QuantisedScene::new(&scene, &camera, &Rules::GAUSSIAN_3D);
+            let found = QuantisedScene::releasing(&mut scene, &camera, &Rules::GAUSSIAN_3D);
+            assert_eq!(found, expected);
+            assert_eq!(scene.splats.len(), left);
+        }
     }
 
     #[test]

@@ -11,12 +11,16 @@ use crate::rules::Rules;
 impl Scene {
     /// One weight per splat with the meaning that `rules` want: a mass if they are normalised, else an opacity.
     pub fn weights_for(&self, rules: &Rules) -> Vec<f64> {
-        let convert: fn(&Splat) -> f64 = match (self.weight, rules.normalised) {
+        self.splats.iter().map(self.weighing(rules)).collect()
+    }
+
+    /// What gives each of its splats that weight.
+    pub fn weighing(&self, rules: &Rules) -> fn(&Splat) -> f64 {
+        match (self.weight, rules.normalised) {
             (Weight::Opacity, false) | (Weight::Mass, true) => |splat| splat.weight,
             (Weight::Mass, false) => opacity_of_mass,
             (Weight::Opacity, true) => |splat| splat.weight * mean_section(splat),
-        };
-        self.splats.iter().map(convert).collect()
+        }
     }
 }
 
