@@ -9,7 +9,7 @@ mod digest;
 use std::path::{Path, PathBuf};
 
 /// What the program is made of: the kernel, this crate, and the versions of what both depend on.
-const PARTS: [&str; 9] = [
+const PARTS: [&str; 11] = [
     "../src",
     "../Cargo.toml",
     "../Cargo.lock",
@@ -17,6 +17,8 @@ const PARTS: [&str; 9] = [
     "reference/Cargo.toml",
     "engine/src",
     "engine/Cargo.toml",
+    "machine/src",
+    "machine/Cargo.toml",
     "src",
     "Cargo.toml",
 ];
