@@ -12,5 +12,6 @@ mod photos;
 mod refusals;
 mod stability;
 mod texture;
+mod texture_function;
 mod vectors;
 mod vectors_bench;
