@@ -144,7 +144,10 @@ pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -
         "standard24"
     };
     let [few, many] = FITTED_CORES;
-    let (one, more) = (find(units, family, design, few)?, find(units, family, design, many)?);
+    let (one, more) = (
+        find(units, family, design, few)?,
+        find(units, family, design, many)?,
+    );
     let odd = odd_kbit(units, family)?;
     let of = |resource: fn(&Fabric) -> u64| {
         let (a, b) = (resource(&one) as f64, resource(&more) as f64);
