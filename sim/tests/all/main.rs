@@ -12,6 +12,5 @@ mod photos;
 mod refusals;
 mod stability;
 mod texture;
-mod texture_function;
 mod vectors;
 mod vectors_bench;

@@ -1,9 +1,9 @@
 //! Texture coefficients against naive sums, and textured surfaces in fixed point against the reference.
 
-use crate::texture_function::texture_function;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::metrics::compare;
+use splatline_sim::reference::texture::texture_function;
 use splatline_sim::scene::points::height_field::HeightField;
 use splatline_sim::surface::Style;
 use splatline_sim::texture::Texture;

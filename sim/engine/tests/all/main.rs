@@ -3,9 +3,7 @@
 mod allocations;
 mod harmonics;
 mod kernels;
-mod reproject;
 mod rounded_camera;
 mod sheets;
 mod surface;
-mod surface_oracle;
 mod warp;

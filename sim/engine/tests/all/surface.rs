@@ -1,6 +1,5 @@
 //! Surface splats: the reference against other ways to the same thing, and the kernel against the reference.
 
-use crate::surface_oracle::{exact_depth, inverse_jacobian, overlapping_layers};
 use splatline::format::Traversal;
 use splatline_engine::camera::Camera;
 use splatline_engine::design::DesignChoice;
@@ -9,7 +8,9 @@ use splatline_engine::scene::points::synthetic::{Paint, scene, sheet, sphere};
 use splatline_engine::scene::points::{self, SurfaceScene};
 use splatline_engine::surface::{Buffer, Style};
 use splatline_engine::{fixed, vector};
-use splatline_reference::engines::surface::{draw, project};
+use splatline_reference::engines::surface::{
+    draw, exact_depth, inverse_jacobian, overlapping_layers, project,
+};
 use std::path::Path;
 
 /// Least PSNR (dB) and largest bias of colour and alpha against the reference, by design.

@@ -1,6 +1,5 @@
 //! Depth images and textured planes drawn from elsewhere as points and splats.
 
-use crate::reproject::reproject;
 use splatline_engine::camera::Camera;
 use splatline_engine::design::DesignChoice;
 use splatline_engine::fixed::{HybridDrawing, Options, draw_hybrid};
@@ -12,7 +11,7 @@ use splatline_engine::scene::points::synthetic::{Paint, scene, sphere};
 use splatline_engine::surface::Style;
 use splatline_engine::texture::Texture;
 use splatline_engine::texture::warp::{DepthImage, hybrid, rules, textured_plane};
-use splatline_reference::engines as reference;
+use splatline_reference::engines::{self as reference, warp::reproject};
 
 fn camera(eye: [f64; 3], size: usize) -> Camera {
     Camera::look_at(eye, [0.0; 3], [0.0, 0.0, 1.0], 40.0, size, size).unwrap()

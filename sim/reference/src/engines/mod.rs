@@ -25,6 +25,8 @@ pub mod sheets;
 pub mod single;
 pub mod sphere;
 pub mod surface;
+pub mod texture;
+pub mod warp;
 
 use crate::picture::Picture;
 

@@ -31,7 +31,7 @@ mod volume;
 mod weights;
 
 #[cfg(test)]
-mod damage_tests;
+mod damage;
 #[cfg(test)]
 mod format_tests;
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Tests of the spz reader, on files built here from the format's description.
 
-use crate::scene::damage_tests::assert_told;
+use crate::scene::damage::assert_told;
 use std::io::Write;
 
 use super::*;
@@ -238,7 +238,7 @@ fn streams_hold_what_one_stream_holds() {
 
 #[test]
 fn damaged_streams_are_refused() {
-    super::super::damage_tests::survives(&streams(1, |_| ()), &|bytes| load(bytes, "x"));
+    super::super::damage::survives(&streams(1, |_| ()), &|bytes| load(bytes, "x"));
 }
 
 #[test]

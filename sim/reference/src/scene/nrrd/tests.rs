@@ -1,6 +1,6 @@
 //! Tests of the NRRD reader: types, encodings, spacings, damage.
 
-use crate::scene::damage_tests::assert_told;
+use crate::scene::damage::assert_told;
 use std::io::Write;
 
 use super::*;

@@ -3,7 +3,7 @@
 //! What a surface splatted with given coefficients looks like on its own texture, without screen, low-pass filter and depth: the function
 //! that the optimised coefficients fit, and the limit of a drawing under ever greater magnification.
 
-use splatline_sim::texture::coefficients::SamplePoint;
+use crate::texture::coefficients::SamplePoint;
 
 /// f(u) = sum_k w_k g_k(u) / sum_k g_k(u) with g_k = exp(-r_k / 2) inside `cutoff`; none where no function reaches.
 pub fn texture_function(

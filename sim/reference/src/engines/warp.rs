@@ -1,8 +1,8 @@
 //! The warping equation between two cameras, written out (McMillan 1997; \[HYBRID\] 3): where a pixel of a depth image is seen by another
-//! camera. The counterpart of the reference's warp, which goes through space and the ordinary projection.
+//! camera. The counterpart of [`crate::texture::warp`], which goes through space and the ordinary projection.
 
-use splatline_engine::camera::Camera;
-use splatline_engine::vector::{Vector, dot};
+use crate::camera::Camera;
+use crate::vector::{Vector, dot};
 
 /// Screen position and depth in `to` of the place that `from` sees at `place` and `depth`.
 ///
