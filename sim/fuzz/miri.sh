@@ -5,7 +5,7 @@
 cd "$(dirname "$0")/../.." || exit 1
 cargo +nightly miri --version >/dev/null 2>&1 || { echo "no Miri: rustup component add --toolchain nightly miri rust-src" >&2; exit 1; }
 skips=""
-slow="exhaustive seed_is_good accurate noise_is narrow_interpolator wide_ deep_stack follow_the_paper tables_ shapes_ close_everywhere short_numbers_by_words coverage_is_the_quotient ties_go_to these_words two_words_round seeds_by_words words_give_the_same rounded_sums"
+slow="exhaustive seed_is_good accurate noise_is narrow_interpolator wide_ deep_stack follow_the_paper tables_ shapes_ close_everywhere short_numbers_by_words coverage_is_the_quotient ties_go_to these_words two_words_round seeds_by_words words_give_the_same rounded_sums boxes_follow"
 for name in ${MIRI_SKIP-$slow}; do skips="$skips --skip $name"; done
 # The property tests look for their files of regressions, so Miri lets them see the folder; and tests compare with powers of two from
 # the mathematical library, which Miri otherwise disturbs on purpose.
