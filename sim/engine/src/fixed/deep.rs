@@ -42,15 +42,9 @@ pub fn draw(
     to_picture(&pixels, camera, &channel, quantised.colour_log2)
 }
 
-/// Compiled once, not for every design.
-fn in_order(seen: Vec<(usize, Footprint)>, back_to_front: bool) -> Vec<Footprint> {
-    let footprints = seen.into_iter().map(|(_, footprint)| footprint);
-    let mut footprints: Vec<Footprint> = footprints.collect();
-    footprints.par_sort_by_key(|footprint| footprint.depth);
-    if back_to_front {
-        footprints.reverse();
-    }
-    footprints
+/// The nearest splat first, ties as they come. Compiled once, not for every design.
+pub(super) fn sort_by_depth(seen: &mut [(usize, Footprint)]) {
+    seen.par_sort_by_key(|(_, footprint)| footprint.depth);
 }
 
 fn draw_with<D: Design + Send + Sync>(
@@ -63,7 +57,12 @@ fn draw_with<D: Design + Send + Sync>(
     let rules = kernel_rules(options.rules);
     let widths = design.widths();
     let back_to_front = options.compositing == Compositing::BackToFront;
-    let footprints = in_order(seen(design, quantised, &rules, engine), back_to_front);
+    let mut seen = seen(design, quantised, &rules, engine);
+    sort_by_depth(&mut seen);
+    if back_to_front {
+        seen.reverse();
+    }
+    let footprints: Vec<Footprint> = seen.into_iter().map(|(_, footprint)| footprint).collect();
     let memory = table_entries(&widths, &rules);
     let table = table(&memory, &widths, &rules);
     let visitor = match (engine, options.traversal) {

@@ -4,6 +4,7 @@
 //! needs beside a pixel's word of [`Pixel`] two counters, two numbers of splats and the largest contribution so far (a word of transmittance and a
 //! comparison), and for depths a multiplication and an addition; depths and normals themselves come from the host.
 
+use super::deep::sort_by_depth;
 use super::frame::{TileLists, paint_apart, table, table_entries};
 use super::quantise::QuantisedScene;
 use super::render::{Options, best_engine, set_up};
@@ -47,12 +48,11 @@ impl DesignJob for MapJob<'_> {
         let (quantised, widths) = (self.quantised, design.widths());
         let rules = quantised.rules(self.options.rules);
         let outcomes = set_up(design, quantised, &rules, best_engine()).into_iter();
-        let seen = outcomes
-            .enumerate()
-            .filter_map(|(index, outcome)| Some((outcome.ok()?, index)));
-        let mut seen: Vec<(Footprint, usize)> = seen.collect();
-        seen.par_sort_by_key(|(footprint, _)| footprint.depth);
-        let (footprints, indices): (Vec<Footprint>, Vec<usize>) = seen.into_iter().unzip();
+        let numbered = outcomes.enumerate();
+        let seen = numbered.filter_map(|(index, outcome)| Some((index, outcome.ok()?)));
+        let mut seen: Vec<(usize, Footprint)> = seen.collect();
+        sort_by_depth(&mut seen);
+        let (indices, footprints): (Vec<usize>, Vec<Footprint>) = seen.into_iter().unzip();
         let memory = table_entries(&widths, &rules);
         let table = table(&memory, &widths, &rules);
         let order = Compositing::FrontToBack;

@@ -53,7 +53,7 @@ impl QuantisedScene {
 
     fn scaled_by(scene: &Scene, camera: &Camera, rules: &Rules, scale_log2: i32) -> Self {
         let (quantiser, mut quantised) = Quantiser::new(scene, camera, rules, scale_log2);
-        quantiser.append(scene.splats.par_iter().enumerate(), &mut quantised);
+        quantiser.append(&scene.splats, &mut quantised);
         quantised
     }
 
@@ -68,7 +68,9 @@ impl QuantisedScene {
         while !splats.is_empty() {
             // From the back, where a list can be shortened.
             let first = splats.len().saturating_sub(RELEASED);
-            quantiser.append(splats[first..].par_iter().enumerate().rev(), &mut quantised);
+            let already = quantised.splats.len();
+            quantiser.append(&splats[first..], &mut quantised);
+            quantised.splats[already..].reverse();
             splats.truncate(first);
             splats.shrink_to_fit();
         }
@@ -200,21 +202,16 @@ impl Quantiser {
         }
     }
 
-    /// Adds numbered splats, on all cores.
-    fn append<'a>(
-        &self,
-        numbered: impl ParallelIterator<Item = (usize, &'a Splat)> + Clone,
-        to: &mut QuantisedScene,
-    ) {
-        let quantised = numbered
-            .clone()
-            .map(|(index, splat)| self.splat(index, splat));
+    /// Adds the scene's splats, or some of a scene whose colours are the splats' own, on all cores.
+    fn append(&self, splats: &[Splat], to: &mut QuantisedScene) {
+        let numbered = splats.par_iter().enumerate();
+        let quantised = numbered.map(|(index, splat)| self.splat(index, splat));
         to.splats.par_extend(quantised);
-        let beyond = numbered.filter(|(index, splat)| {
+        let beyond = |(index, splat): &(usize, &Splat)| {
             let mut values = splat.centre.iter().chain(self.colour(*index, splat));
             !values.all(|value| value.is_finite())
-        });
-        to.clamped += beyond.count();
+        };
+        to.clamped += splats.par_iter().enumerate().filter(beyond).count();
     }
 }
 
