@@ -40,10 +40,7 @@ module setup_core (
     input logic [splatline_setup_pkg::BEAT_BITS-1:0] load_beat,
     input logic side,
     // What `out` slots read, two cycles after.
-    output logic signed [32:0] out_a,
-    output logic signed [17:0] out_a_exponent,
-    output logic signed [32:0] out_b,
-    output logic signed [17:0] out_b_exponent
+    output logic [50:0] out2
 );
   localparam BITS = splatline_setup_pkg::SLOT_BITS;
   // Exponent of 0: below that of every term in use by more than a factor's, and twice it has a place.
@@ -89,17 +86,17 @@ module setup_core (
     if (slot2.lookup == 2'd2) index2 = 9'd256 + {1'b0, even2 ? a2[30:23] : a2[31:24]};
     if (slot2.lookup == 2'd3) index2 = {4'b1000, a2[29:25]};
   end
-  assign {out_a, out_a_exponent, out_b, out_b_exponent} = {a2, a_exponent2, b2, b_exponent2};
+  assign out2 = {b2, b_exponent2};
   // Does the sign pick the constant?
   assign picks3 = slot3.pick != 0;
   assign chosen2 = slot2.pick != 0 && (slot2.pick[1] ^ a2[32]);
   always_ff @(posedge clk) begin
     {a_exponent2, a2} <= {{6{item1[43]}}, item1[43:32], item1[31], item1[31:0]} | constant1 | register_a1;
     {b_exponent2, b2} <= register_b1;
-    // What is picked is a left factor.
-    b3 <= slot2.pick != 0 ? 33'sd0 : b2;
+    // What is picked is a left factor, and what leaves is none.
+    b3 <= slot2.pick != 0 || slot2.out ? 33'sd0 : b2;
     second_value3 <= slot2.pick != 0 && !chosen2 ? b2 : 33'sd0;
-    b_exponent3 <= chosen2 ? 18'sd0 : b_exponent2;
+    b_exponent3 <= chosen2 || slot2.out ? 18'sd0 : b_exponent2;
     chosen3 <= chosen2;
     even3 <= even2 && slot2.lookup == 2'd2 && !slot2.entry;
   end

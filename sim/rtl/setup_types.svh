@@ -31,9 +31,10 @@
     logic [4:0] drop;  // of 31 - drop bits; otherwise left as it is,
     logic [5:0] spare;  // moved left by so much
     logic write;
-    logic out;
-    logic [7:0] place;  // register or word of the result
+    logic [7:0] place;  // register of the result
     logic [3:0] place_turn;
+    logic out;  // what stands at the second factor's register leaves the core and is no factor,
+    logic [3:0] word;  // as this word
   } slot_t;
 
   // A splat as setup takes it: `VolumeSplat` with exponents of 10 bits, as the packet has them.
@@ -52,5 +53,5 @@
   // What the cores get of it: the difference to the eye in two parts, the axes, the weight; see setup_difference.sv.
   localparam int ITEM_BITS = 44;  // {exponent 12, value 32}
   localparam int BEAT_BITS = 88;  // two of them
-  localparam int WORD_BITS = 102;  // two results with their exponents
+  localparam int WORD_BITS = 102;  // two words of a splat, which are results with their exponents
 

@@ -2,7 +2,7 @@
 //!
 //! The list says nothing of the arithmetic: what a sum, a rounding or a table is stands in `setup_core.sv`.
 
-use super::assemble::{Operand, Operation, Pick, Program, Table, Term, Unit};
+use super::assemble::{Operand, Operation, Pick, Program, Table, Term, Unit, Value};
 use crate::mutation::Mutation;
 use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Widths;
@@ -74,6 +74,7 @@ impl SetupProgram {
         let mut reader = Reader {
             widths,
             operations: Vec::new(),
+            results: Vec::new(),
             constants: Vec::new(),
         };
         let parts = if low_bits(widths) > 0 { "low" } else { "whole" };
@@ -93,7 +94,7 @@ impl SetupProgram {
                 read.with_context(|| format!("{FILE}: '{line}'"))?;
             }
         }
-        Program::new(reader.operations, reader.constants)
+        Program::new(reader.operations, &reader.results, reader.constants)
     }
 }
 
@@ -101,6 +102,8 @@ impl SetupProgram {
 struct Reader<'a> {
     widths: &'a Widths,
     operations: Vec<Operation>,
+    /// What leaves the core, in the packer's order.
+    results: Vec<Value>,
     /// In the order of their addresses.
     constants: Vec<String>,
 }
@@ -109,6 +112,9 @@ impl Reader<'_> {
     fn line(&mut self, line: &str) -> Result<()> {
         let (name, rest) = line.split_once(" = ").context("no '='")?;
         let (form, terms) = rest.split_once(": ").context("no ':'")?;
+        if form == "out" {
+            return self.out(terms);
+        }
         let lines = match form.rsplit_once(' ') {
             Some(("reciprocal", bits)) => vec![
                 format!("{name}, seed = exact: reciprocal entry {terms} - reciprocal step {terms}"),
@@ -130,6 +136,16 @@ impl Reader<'_> {
         lines.iter().try_for_each(|line| self.line(line))
     }
 
+    fn out(&mut self, values: &str) -> Result<()> {
+        for value in values.split(" + ") {
+            match self.operand(value.trim_end_matches(']'))? {
+                Operand::Value(value) => self.results.push(value),
+                _ => bail!("{value} is no result"),
+            }
+        }
+        Ok(())
+    }
+
     fn operation(&mut self, name: &str, form: &str, terms: &str) -> Result<()> {
         let mut operation = Operation {
             name: name.to_owned(),
@@ -139,7 +155,6 @@ impl Reader<'_> {
             bits: None,
             below: 0,
             follows: false,
-            out: false,
         };
         let mut floor = false;
         for part in form.split(", ") {
@@ -148,7 +163,6 @@ impl Reader<'_> {
                 |above: i32| Ok::<_, anyhow::Error>(above - self.number(value)? - GUARD as i32);
             match word {
                 "exact" | "pick" => {}
-                "out" => operation.out = true,
                 "word" => {
                     let before = self.operations.last().context("no sum before")?;
                     (operation.unit, operation.follows) = (before.unit, true);
