@@ -15,8 +15,8 @@
     logic plain;  // the first factor, not the product
     logic signed [7:0] offset;  // added to the factors' exponents
     logic [1:0] pick;  // not the first factor but the constant where it is negative (1) or is not (2), otherwise the second
-    logic by_flag;  // the second factor, not the first, where the flag is not set
-    logic [1:0] flag;
+    logic by_flag;  // where the flag is not set: beside a constant as second factor, the second register alone, to 31 bits;
+    logic [1:0] flag;  // otherwise the constant as first factor
     logic negated;  // negated before it is aligned
     logic subtracted;  // negated after it is aligned
     logic down;  // rounded down

@@ -164,7 +164,9 @@ module setup_unit #(
   assign other = fetched.by_flag && !rule_flags[fetched.flag];
   always_comb begin
     issue = fetched;
-    if (other) issue.a_constant = fetched.b_constant;
+    if (other && fetched.b_constant)
+      {issue.b_constant, issue.plain, issue.offset, issue.drop} = {1'b0, 1'b1, -8'sd31, 5'd0};
+    else if (other) issue.a_constant = 1;
   end
   assign slot0 = slots[0+:BITS];
   assign slot1 = slots[1*BITS+:BITS];

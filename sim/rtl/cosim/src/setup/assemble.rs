@@ -80,8 +80,6 @@ pub enum Pick {
     Negative,
     /// The constant where it is not negative, otherwise the second.
     NotNegative,
-    /// The first where the rules' or the view's flag is set, otherwise the second.
-    Flag(u8),
 }
 
 /// One slot: a product, or one number, added to a sum.
@@ -93,6 +91,11 @@ pub struct Term {
     pub b: Operand,
     /// The constant that is picked by the sign.
     pub picked: Option<usize>,
+    /// The rules' or the view's flag without which `other` is taken.
+    pub flag: Option<u8>,
+    /// A constant as first factor, or a result instead of a product with a constant, which is then not rounded to
+    /// less than 31 bits.
+    pub other: Operand,
     /// The term is `a`, not the product.
     pub plain: bool,
     /// Twice as much.
@@ -248,7 +251,8 @@ fn slots(operations: &[Operation], times: &[usize], round: usize) -> Vec<Option<
 
 /// The results that an operation reads.
 fn read(operation: &Operation) -> impl Iterator<Item = Value> + '_ {
-    let factors = operation.terms.iter().flat_map(|term| [term.a, term.b]);
+    let terms = operation.terms.iter();
+    let factors = terms.flat_map(|term| [term.a, term.b, term.other]);
     factors.filter_map(|factor| match factor {
         Operand::Value(value) => Some(value),
         _ => None,
@@ -335,7 +339,8 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
 
 /// Has a slot no use for a register as second factor?
 fn spares_second(term: &Term) -> bool {
-    !matches!(term.b, Operand::Value(_)) && matches!(term.pick, Pick::None)
+    let used = [term.b, term.other].map(|factor| matches!(factor, Operand::Value(_)));
+    used == [false; 2] && term.pick == Pick::None
 }
 
 /// Cycles in which the results leave, all of them in one round: the earliest for which they are ready, in slots that
@@ -406,12 +411,19 @@ fn registers(
 
 /// The constant that a slot's factors read; an error if it were two. What is added has a memory of its own.
 pub fn constant(operation: &Operation, term: usize) -> Result<Option<usize>> {
-    let Term { a, b, picked, .. } = operation.terms[term];
+    let Term {
+        a,
+        b,
+        picked,
+        other,
+        ..
+    } = operation.terms[term];
     let address = |operand| match operand {
         Operand::Constant(address) => Some(address),
         _ => None,
     };
-    let mut all = [address(a), address(b), picked].into_iter().flatten();
+    let all = [address(a), address(b), address(other), picked];
+    let mut all = all.into_iter().flatten();
     let first = all.next();
     ensure!(
         all.all(|other| Some(other) == first),

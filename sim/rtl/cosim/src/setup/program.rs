@@ -245,8 +245,6 @@ impl Reader<'_> {
             pick: match condition {
                 "negative" => Pick::Negative,
                 "not negative" => Pick::NotNegative,
-                "perspective" => Pick::Flag(0),
-                "normalised" => Pick::Flag(1),
                 _ => bail!("no condition '{condition}'"),
             },
             ..Term::default()
@@ -261,6 +259,7 @@ impl Reader<'_> {
             ..Term::default()
         };
         let mut rest = text.trim_start();
+        let mut is_other = false;
         while !rest.is_empty() {
             let end = if rest.starts_with('[') { ']' } else { ' ' };
             let (word, behind) = rest.split_once(end).unwrap_or((rest, ""));
@@ -286,6 +285,10 @@ impl Reader<'_> {
                 "step" => term.plain = false,
                 "power" => term.power = true,
                 "double" => term.doubled = true,
+                "perspective" => term.flag = Some(0),
+                "normalised" => term.flag = Some(1),
+                "else" => is_other = true,
+                _ if is_other => (term.other, is_other) = (self.operand(word)?, false),
                 _ if term.a == Operand::None => term.a = self.operand(word)?,
                 _ => term.b = self.operand(word)?,
             }

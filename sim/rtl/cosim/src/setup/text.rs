@@ -225,6 +225,9 @@ fn factors(values: &mut Vec<(&'static str, i64)>, program: &Program, slot: &Term
         Operand::Constant(_) => values.push(("b_constant", 1)),
         Operand::Input(_) | Operand::None => {}
     }
+    if let Operand::Value(value) = slot.other {
+        values.extend(second(program, value));
+    }
 }
 
 fn of_term(values: &mut Vec<(&'static str, i64)>, slot: &Term) {
@@ -234,11 +237,10 @@ fn of_term(values: &mut Vec<(&'static str, i64)>, slot: &Term) {
         Table::Root => 2,
         Table::Logarithm => 3,
     };
-    let (pick, by_flag, flag) = match slot.pick {
-        Pick::None => (0, false, 0),
-        Pick::Negative => (1, false, 0),
-        Pick::NotNegative => (2, false, 0),
-        Pick::Flag(flag) => (0, true, flag.into()),
+    let pick = match slot.pick {
+        Pick::None => 0,
+        Pick::Negative => 1,
+        Pick::NotNegative => 2,
     };
     values.extend([
         ("lookup", table),
@@ -247,8 +249,8 @@ fn of_term(values: &mut Vec<(&'static str, i64)>, slot: &Term) {
         ("plain", slot.plain.into()),
         ("offset", offset(slot)),
         ("pick", pick),
-        ("by_flag", by_flag.into()),
-        ("flag", flag),
+        ("by_flag", slot.flag.is_some().into()),
+        ("flag", slot.flag.unwrap_or(0).into()),
         ("negated", slot.before.into()),
         ("subtracted", slot.after.into()),
         ("down", slot.floor.into()),
@@ -270,7 +272,7 @@ fn offset(slot: &Term) -> i64 {
         (Table::Logarithm, true) => PLAIN - 32,
         (Table::Logarithm, false) => PLAIN - 46,
     };
-    let picks = matches!(slot.pick, Pick::Negative | Pick::NotNegative);
+    let picks = slot.pick != Pick::None;
     let without = i32::from(slot.power || picks) - i32::from(slot.plain);
     (table + i32::from(slot.doubled) + without * PLAIN).into()
 }
