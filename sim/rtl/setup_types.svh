@@ -29,7 +29,8 @@
     logic [5:0] start;  // this one
     logic normal;  // rounded to a mantissa
     logic [4:0] drop;  // of 31 - drop bits; otherwise left as it is,
-    logic [5:0] spare;  // moved left by so much
+    logic [5:0] spare;  // moved left by so much,
+    logic extended;  // with what stands above its place as exponent, and below that is left off whether anything stands there
     logic write;
     logic [7:0] place;  // register of the result
     logic [3:0] place_turn;

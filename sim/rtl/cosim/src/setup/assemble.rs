@@ -144,6 +144,8 @@ pub struct Operation {
     pub bits: Option<u32>,
     /// Bits of the sum below the word.
     pub below: u32,
+    /// The word has all bits above these, where others have their exponent.
+    pub long: bool,
     /// Goes on with the sum of the operation before, right behind it.
     pub follows: bool,
 }

@@ -23,6 +23,15 @@ pub fn low_bits(widths: &Widths) -> u32 {
     u32::from(widths.position).saturating_sub(30)
 }
 
+/// Bits of a position that are below its centre's rounding: where the others have room in one word, or else 0.
+pub fn faint_bits(widths: &Widths) -> u32 {
+    let bits = 31u32.saturating_sub(widths.subpixel.into());
+    if bits < LEAST_FAINT { 0 } else { bits }
+}
+
+/// A long word has 51 bits, one of which stands for those that it has not.
+const LEAST_FAINT: u32 = 14;
+
 /// What a program computes: setup, with what protects its splats against samples closer together than pixels, or something else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProgramKind {
@@ -83,11 +92,16 @@ impl SetupProgram {
         } else {
             "broad"
         };
+        let centres = if faint_bits(widths) > 0 {
+            "long"
+        } else {
+            "short"
+        };
         let mut stands = false;
         for line in self.text.lines() {
             if let Some(heading) = line.strip_prefix("== ") {
                 let (kinds, only) = heading.split_once(", ").unwrap_or((heading, parts));
-                stands = [parts, axes].contains(&only)
+                stands = [parts, axes, centres].contains(&only)
                     && kinds.split(' ').any(|kind| kind == self.kind.word());
             } else if stands && !line.is_empty() && !line.starts_with("//") {
                 let read = reader.line(line);
@@ -154,6 +168,7 @@ impl Reader<'_> {
             addend: None,
             bits: None,
             below: 0,
+            long: false,
             follows: false,
         };
         let mut floor = false;
@@ -172,6 +187,7 @@ impl Reader<'_> {
                 "heron" => operation.unit = Unit::First(window(32)?),
                 "first" => operation.unit = Unit::First(self.number(value)?),
                 "at" => operation.unit = Unit::At(self.number(value)?),
+                "long" => (operation.long, operation.below) = (true, faint_bits(self.widths)),
                 "from" => operation.below = self.number(value)? as u32,
                 "plus" => operation.addend = Some(self.constant(value)),
                 "rounded" => {}

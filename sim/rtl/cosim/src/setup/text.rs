@@ -5,7 +5,7 @@
 use super::assemble::{
     LATENCY, LOAD_AHEAD, Operand, Operation, Pick, Program, Table, Term, Unit, Value, constant,
 };
-use super::program::{SetupProgram, low_bits};
+use super::program::{SetupProgram, faint_bits, low_bits};
 use anyhow::{Result, ensure};
 use splatline::format::Widths;
 use splatline::setup::axis_bits;
@@ -24,7 +24,7 @@ pub const REGISTERS: [&str; 15] = [
 ];
 
 /// Fields of a slot in the order of `setup_types.svh`, first the most significant: name and bits.
-const FIELDS: [(&str, u32); 35] = [
+const FIELDS: [(&str, u32); 36] = [
     ("round", 4),
     ("a_input", 1),
     ("a_constant", 1),
@@ -55,6 +55,7 @@ const FIELDS: [(&str, u32); 35] = [
     ("normal", 1),
     ("drop", 5),
     ("spare", 6),
+    ("extended", 1),
     ("write", 1),
     ("place", 8),
     ("place_turn", 4),
@@ -96,7 +97,7 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
     let Widths {
         position, mantissa, ..
     } = *widths;
-    let (low, round) = (low_bits(widths), program.round);
+    let (low, faint, round) = (low_bits(widths), faint_bits(widths), program.round);
     let axis_drop = 31 - axis_bits(widths);
     let turned = u32::from(is_turned(widths.mantissa));
     let (out_round, out_last) = (program.exits.round, program.exits.last());
@@ -105,6 +106,7 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
         text,
         "  localparam int POSITION = {position};  // magnitude bits of a difference to the eye
   localparam int LOW = {low};  // those of its low part
+  localparam int FAINT = {faint};  // those of a position that are below its centre's rounding; 0: it comes in two words
   localparam int MANTISSA = {mantissa};  // magnitude bits of a mantissa
   localparam int AXIS_DROP = {axis_drop};  // bits of an axis' components that are 0
   localparam int TURNED = {turned};  // do axes come turned?
@@ -298,5 +300,6 @@ fn sum(values: &mut Vec<(&'static str, i64)>, operation: &Operation, term: usize
         ("normal", operation.bits.is_some().into()),
         ("drop", i64::from(31 - operation.bits.unwrap_or(31))),
         ("spare", 32 - i64::from(operation.below)),
+        ("extended", operation.long.into()),
     ]);
 }
