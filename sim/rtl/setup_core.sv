@@ -40,21 +40,20 @@ module setup_core (
     input logic [splatline_setup_pkg::BEAT_BITS-1:0] load_beat,
     input logic side,
     // What `out` slots read, two cycles after.
-    output logic signed [32:0] out_a,
-    output logic signed [17:0] out_a_exponent,
-    output logic signed [32:0] out_b,
-    output logic signed [17:0] out_b_exponent
+    output logic [50:0] out2
 );
   localparam BITS = splatline_setup_pkg::SLOT_BITS;
   // Exponent of 0: below that of every term in use by more than a factor's, and twice it has a place.
   localparam signed [17:0] NOTHING = -18'sd49152;
+  localparam FAINT = splatline_setup_pkg::FAINT;
 
-  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot4, slot8, slot9, slot10, slot11, slot12, slot16, slot17, slot19, slot20, slot21, slot22;
+  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot4, slot7, slot8, slot9, slot10, slot11, slot12, slot16, slot17, slot18, slot19, slot20, slot21, slot22;
   assign slot0 = slots[0+:BITS];
   assign slot1 = slots[1*BITS+:BITS];
   assign slot2 = slots[2*BITS+:BITS];
   assign slot3 = slots[3*BITS+:BITS];
   assign slot4 = slots[4*BITS+:BITS];
+  assign slot7 = slots[7*BITS+:BITS];
   assign slot8 = slots[8*BITS+:BITS];
   assign slot9 = slots[9*BITS+:BITS];
   assign slot10 = slots[10*BITS+:BITS];
@@ -62,6 +61,7 @@ module setup_core (
   assign slot12 = slots[12*BITS+:BITS];
   assign slot16 = slots[16*BITS+:BITS];
   assign slot17 = slots[17*BITS+:BITS];
+  assign slot18 = slots[18*BITS+:BITS];
   assign slot19 = slots[19*BITS+:BITS];
   assign slot20 = slots[20*BITS+:BITS];
   assign slot21 = slots[21*BITS+:BITS];
@@ -89,17 +89,17 @@ module setup_core (
     if (slot2.lookup == 2'd2) index2 = 9'd256 + {1'b0, even2 ? a2[30:23] : a2[31:24]};
     if (slot2.lookup == 2'd3) index2 = {4'b1000, a2[29:25]};
   end
-  assign {out_a, out_a_exponent, out_b, out_b_exponent} = {a2, a_exponent2, b2, b_exponent2};
+  assign out2 = {b2, b_exponent2};
   // Does the sign pick the constant?
   assign picks3 = slot3.pick != 0;
   assign chosen2 = slot2.pick != 0 && (slot2.pick[1] ^ a2[32]);
   always_ff @(posedge clk) begin
     {a_exponent2, a2} <= {{6{item1[43]}}, item1[43:32], item1[31], item1[31:0]} | constant1 | register_a1;
     {b_exponent2, b2} <= register_b1;
-    // What is picked is a left factor.
-    b3 <= slot2.pick != 0 ? 33'sd0 : b2;
+    // What is picked is a left factor, and what leaves is none.
+    b3 <= slot2.pick != 0 || slot2.out ? 33'sd0 : b2;
     second_value3 <= slot2.pick != 0 && !chosen2 ? b2 : 33'sd0;
-    b_exponent3 <= chosen2 ? 18'sd0 : b_exponent2;
+    b_exponent3 <= chosen2 || slot2.out ? 18'sd0 : b_exponent2;
     chosen3 <= chosen2;
     even3 <= even2 && slot2.lookup == 2'd2 && !slot2.entry;
   end
@@ -135,7 +135,8 @@ module setup_core (
     left4 <= picked3_or_left + {32'd0, slot3.negated};
     if (slot3.lookup != 0) right4 <= {1'b0, table3};
     else right4 <= b3 | right3[32:0];
-    sum4 <= first3 + second3 + $signed({17'd0, even3});
+    // One addition with a carry.
+    sum4 <= 18'($signed({first3, 1'b1} + {second3, even3}) >>> 1);
     exponent5 <= sum4;
   end
 
@@ -156,11 +157,12 @@ module setup_core (
 
   // 7 to 13: the term, and the sum's unit: the largest that its terms ask for, or the first one's.
   logic signed [63:0] term7, term8, term9, term10, term11, term12, term13;
-  logic signed [17:0] asked8, unit9, unit10, unit11, unit12, unit13;
-  assign asked8 = 18'(slot8.step) + (slot8.base == 2'd2 ? 18'sd0 : exponent8);
+  logic signed [17:0] exponent_asked8, asked8, unit9, unit10, unit11, unit12, unit13;
+  assign asked8 = 18'(slot8.step) + exponent_asked8;
   always_ff @(posedge clk) begin
     term7 <= {high6 + 47'(cross6), low6};
     {exponent6, exponent7, exponent8} <= {exponent5, exponent6, exponent7};
+    exponent_asked8 <= slot7.base == 2'd2 ? 18'sd0 : exponent7;
     {term8, exponent9} <= {term7, exponent8};
     {term9, term10, term11, term12, term13} <= {term8, term9, term10, term11, term12};
     {exponent10, exponent11, exponent12, exponent13} <= {exponent9, exponent10, exponent11, exponent12};
@@ -197,7 +199,14 @@ module setup_core (
   // 17: the sum, whose start is 0 after its first term. A sum in two parts goes on in the coarser unit of the second.
   logic signed [63:0] so_far17, sum18;
   logic rounds17;
+  // What is left of a sum above and below a long word.
+  logic signed [17:0] around18;
   generate
+    if (FAINT > 0) begin : gen_long
+      assign around18 = 18'({sum18[FAINT-1:0] != 0, sum18[63:FAINT+33]});
+    end else begin : gen_short
+      assign around18 = 0;
+    end
     if (splatline_setup_pkg::LOW > 0) begin : gen_parts
       assign so_far17 = slot17.first ? 64'sd0 : slot17.again ? sum18 >>> splatline_setup_pkg::LOW : sum18;
       assign rounds17 = slot17.again && sum18[splatline_setup_pkg::LOW-1];
@@ -208,7 +217,8 @@ module setup_core (
   endgenerate
   always_ff @(posedge clk) begin
     sum18 <= 64'(65'({so_far17 | start17, 1'b1} + {aligned17, carry17 || rounds17}) >> 1);
-    {unit18, unit19, unit20, unit21} <= {unit17, unit18, unit19, unit20};
+    {unit18, unit20, unit21} <= {unit17, unit19, unit20};
+    unit19 <= FAINT > 0 && slot18.extended ? around18 : unit18;
   end
 
   // 18 to 21: moved left until the leading bit stands below the sign, or as far as the slot says; 22: rounded; 23: carried.
@@ -246,7 +256,8 @@ module setup_core (
     moved21 <= 34'((moved20 << rest20) >> 7);
     spare21 <= {far20, middle20, near20, rest20};
     rounded22 <= (moved21 + {18'd0, half21}) & {17'h1ffff, kept21};
-    exponent22 <= unit21 + 18'sd32 - $signed({12'd0, spare21});
+    // 32 bits to the left change nothing.
+    exponent22 <= unit21 - 18'($signed({!spare21[5], spare21[4:0]}));
     nothing22 <= slot21.normal && moved21[31] == moved21[32];
 
     // What carries is a power of two.

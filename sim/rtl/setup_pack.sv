@@ -37,23 +37,37 @@ module setup_pack (
   logic signed [32:0] word_a, word_b;
   logic signed [17:0] word_a_exponent, word_b_exponent;
   logic signed [63:0] depth0;
-  logic [31:0] u0, v0, high_u0;
+  logic [63:0] long_a;
+  logic [31:0] u0, v0, high_u0, high_v0;
   logic signed [17:0] depth_exponent0;
   logic signed [31:0] root_u0, root_v0, horizontal0, squared_width0, shear0, vertical0;
   logic signed [17:0] root_u_exponent0, root_v_exponent0, horizontal_exponent0, squared_width_exponent0, shear_exponent0;
   logic signed [17:0] vertical_exponent0, cross_exponent0, conic_exponent0;
   logic signed [32:0] cutoff0;
+  logic signed [31:0] peak0;
+  logic signed [17:0] peak_exponent0;
   logic valid0, valid1, valid2;
   assign {word_a, word_a_exponent, word_b, word_b_exponent} = word;
+  // A position in one word of which the core took a part for its exponent, or the lower half of one.
+  localparam FAINT = splatline_setup_pkg::FAINT;
+  generate
+    if (FAINT > 0) begin : gen_long
+      logic [31-FAINT:0] around;
+      assign around = word_a_exponent[31-FAINT:0] - (32 - FAINT)'(FAINT);
+      assign long_a = {around[30-FAINT:0], word_a, {(FAINT - 1) {1'b0}}, around[31-FAINT]};
+    end else begin : gen_short
+      assign long_a = {32'd0, word_a[31:0]};
+    end
+  endgenerate
   always_ff @(posedge clk) begin
     case (phase)
       3'd0: {depth0, depth_exponent0} <= {word_b[31:0], word_a[31:0], word_a_exponent};
-      3'd1: {u0, cutoff0} <= {word_a[31:0], word_b};
-      3'd2: {v0, root_u0, root_u_exponent0} <= {word_a[31:0], word_b[31:0], word_b_exponent};
+      3'd1: {high_u0, u0, cutoff0} <= {long_a, word_b};
+      3'd2: {high_v0, v0, root_u0, root_u_exponent0} <= {long_a, word_b[31:0], word_b_exponent};
       3'd3: {root_v0, root_v_exponent0, horizontal0, horizontal_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
       3'd4: {squared_width0, squared_width_exponent0, shear0, shear_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
       3'd5: {vertical0, vertical_exponent0, cross_exponent0} <= {word_a[31:0], word_a_exponent, word_b_exponent};
-      3'd6: {conic_exponent0, high_u0} <= {word_a_exponent, word_b[31:0]};
+      3'd6: {conic_exponent0, peak0, peak_exponent0} <= {word_a_exponent, word_b[31:0], word_b_exponent};
       default: ;
     endcase
     if (rst) {valid0, valid1, valid2} <= 0;
@@ -71,8 +85,9 @@ module setup_pack (
   logic signed [32:0] cutoff1;
   always_ff @(posedge clk) begin
     if (phase == 7) begin
-      {u1, v1, cutoff1} <= {high_u0, u0, word_b[31:0], v0, cutoff0};
-      {peak1, peak_exponent1} <= {word_a[31:0], word_a_exponent};
+      {u1, v1, cutoff1} <= {high_u0, u0, high_v0, v0, cutoff0};
+      if (FAINT == 0) {u1[63:32], v1[63:32]} <= {word_a[31:0], word_b[31:0]};
+      {peak1, peak_exponent1} <= {peak0, peak_exponent0};
       {root_u1, root_v1, horizontal1, squared_width1, shear1} <= {root_u0, root_v0, horizontal0, squared_width0, shear0};
       vertical1 <= vertical0;
       {root_u_exponent1, root_v_exponent1} <= {root_u_exponent0, root_v_exponent0};

@@ -15,8 +15,8 @@
     logic plain;  // the first factor, not the product
     logic signed [7:0] offset;  // added to the factors' exponents
     logic [1:0] pick;  // not the first factor but the constant where it is negative (1) or is not (2), otherwise the second
-    logic by_flag;  // the second factor, not the first, where the flag is not set
-    logic [1:0] flag;
+    logic by_flag;  // where the flag is not set: beside a constant as second factor, the second register alone, to 31 bits;
+    logic [1:0] flag;  // otherwise the constant as first factor
     logic negated;  // negated before it is aligned
     logic subtracted;  // negated after it is aligned
     logic down;  // rounded down
@@ -29,11 +29,13 @@
     logic [5:0] start;  // this one
     logic normal;  // rounded to a mantissa
     logic [4:0] drop;  // of 31 - drop bits; otherwise left as it is,
-    logic [5:0] spare;  // moved left by so much
+    logic [5:0] spare;  // moved left by so much,
+    logic extended;  // with what stands above its place as exponent, and below that is left off whether anything stands there
     logic write;
-    logic out;
-    logic [7:0] place;  // register or word of the result
+    logic [7:0] place;  // register of the result
     logic [3:0] place_turn;
+    logic out;  // what stands at the second factor's register leaves the core and is no factor,
+    logic [3:0] word;  // as this word
   } slot_t;
 
   // A splat as setup takes it: `VolumeSplat` with exponents of 10 bits, as the packet has them.
@@ -52,5 +54,5 @@
   // What the cores get of it: the difference to the eye in two parts, the axes, the weight; see setup_difference.sv.
   localparam int ITEM_BITS = 44;  // {exponent 12, value 32}
   localparam int BEAT_BITS = 88;  // two of them
-  localparam int WORD_BITS = 102;  // two results with their exponents
+  localparam int WORD_BITS = 102;  // two words of a splat, which are results with their exponents
 

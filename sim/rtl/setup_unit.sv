@@ -32,7 +32,6 @@ module setup_unit #(
   localparam BITS = splatline_setup_pkg::SLOT_BITS;
   localparam ROUND = splatline_setup_pkg::ROUND;
   localparam WORD = splatline_setup_pkg::WORD_BITS;
-  localparam WORDS = splatline_setup_pkg::WORDS;
   localparam OUT_ROUND = splatline_setup_pkg::OUT_ROUND;
   localparam PLACES = 8;
 
@@ -120,7 +119,7 @@ module setup_unit #(
       round <= round + 1'b1;
       counts <= {counts[6*OUT_ROUND-1:0], batch};
     end
-    if (issues && cycle == 8'(splatline_setup_pkg::OUT_SLOT + WORDS + 3) && counts[6*OUT_ROUND+:6] != 0) begin
+    if (issues && cycle == 8'(splatline_setup_pkg::OUT_LAST + 4) && counts[6*OUT_ROUND+:6] != 0) begin
       pending[round[0]] <= 1;
       if (round[0]) pending_count[11:6] <= counts[6*OUT_ROUND+:6];
       else pending_count[5:0] <= counts[6*OUT_ROUND+:6];
@@ -140,7 +139,7 @@ module setup_unit #(
   logic [24*BITS-1:0] slots;
   logic [7:0] a_place, b_place, write_place;
   logic [23*8-1:0] result_places;
-  logic [3:0] splat;
+  logic [3:0] splat, leaving, second_splat;
   logic [81:0] constant1, constant2, constant3;
   logic [50:0] right3;
   logic [63:0] start16, start17;
@@ -155,6 +154,9 @@ module setup_unit #(
   logic side;
   logic fetched_side;
   assign splat = place_round - fetched.round;
+  // Results are those of an older splat than the slot's, in whose shadow they leave.
+  assign leaving = place_round - 4'(OUT_ROUND);
+  assign second_splat = fetched.out ? leaving : splat;
   // The program's memory has its register to itself; a pause is a slot without effect.
   assign fetched = issued ? stored : {BITS{1'b0}};
   // Flags are the same for all splats.
@@ -162,7 +164,9 @@ module setup_unit #(
   assign other = fetched.by_flag && !rule_flags[fetched.flag];
   always_comb begin
     issue = fetched;
-    if (other) issue.a_constant = fetched.b_constant;
+    if (other && fetched.b_constant)
+      {issue.b_constant, issue.plain, issue.offset, issue.drop} = {1'b0, 1'b1, -8'sd31, 5'd0};
+    else if (other) issue.a_constant = 1;
   end
   assign slot0 = slots[0+:BITS];
   assign slot1 = slots[1*BITS+:BITS];
@@ -172,14 +176,14 @@ module setup_unit #(
   assign slot20 = slots[20*BITS+:BITS];
   assign slot22 = slots[22*BITS+:BITS];
   assign unread_a0 = slot0.a_constant || slot0.a_input;
-  assign unread_b0 = slot0.b_constant || slot0.lookup != 0 || (slot0.plain && slot0.pick == 0);
+  assign unread_b0 = !slot0.out && (slot0.b_constant || slot0.lookup != 0 || (slot0.plain && slot0.pick == 0));
   always_ff @(posedge clk) begin
     stored <= splatline_setup_pkg::microcode(cycle);
     issued <= issues;
     place_round <= round;
     fetched_side <= round[0];
     a_place <= other ? fetched.b + {4'd0, splat & fetched.b_turn} : fetched.a + {4'd0, splat & fetched.a_turn};
-    b_place <= fetched.b + {4'd0, splat & fetched.b_turn};
+    b_place <= fetched.b + {4'd0, second_splat & fetched.b_turn};
     result_places <= {result_places[22*8-1:0], fetched.place + {4'd0, splat & fetched.place_turn}};
     write_place <= result_places[22*8+:8];
     writes <= slot22.write;
@@ -199,11 +203,11 @@ module setup_unit #(
   end
 
   // Cores, and the words that leave them.
-  logic out2;
+  logic [1:0] out2;
   logic [3:0] out_place2;
   logic side1, side2;
-  assign out2 = slot2.out;
-  assign out_place2 = {side2, slot2.place[2:0]};
+  assign out2 = {slot2.out && slot2.word[0], slot2.out && !slot2.word[0]};
+  assign out_place2 = {side2, slot2.word[3:1]};
   always_ff @(posedge clk) {side1, side2} <= {side, side1};
 
   logic [5:0] drain_core, drain_core1;
@@ -241,9 +245,9 @@ module setup_unit #(
       );
     end
     for (i = 0; i < CORES; i = i + 1) begin : gen_core
-      logic signed [32:0] out_a, out_b;
-      logic signed [17:0] out_a_exponent, out_b_exponent;
-      (* ram_style = "distributed" *) logic [WORD-1:0] results[0:15];
+      logic [50:0] leaves2;
+      (* ram_style = "distributed" *) logic [50:0] even_results[0:15];
+      (* ram_style = "distributed" *) logic [50:0] odd_results[0:15];
       logic [WORD-1:0] result;
       setup_core core (
           .clk,
@@ -263,14 +267,13 @@ module setup_unit #(
           .load_place({beat_place[6], phase - 3'd1}),
           .load_beat(beat),
           .side,
-          .out_a,
-          .out_a_exponent,
-          .out_b,
-          .out_b_exponent
+          .out2(leaves2)
       );
       always_ff @(posedge clk) begin
-        if (out2) results[out_place2] <= {out_a, out_a_exponent, out_b, out_b_exponent};
-        result <= drain_core == 6'(i) ? results[{drain_side, drain_word}] : {WORD{1'b0}};
+        if (out2[0]) even_results[out_place2] <= leaves2;
+        if (out2[1]) odd_results[out_place2] <= leaves2;
+        result <= drain_core == 6'(i) ? {even_results[{drain_side, drain_word}], odd_results[{drain_side, drain_word}]} :
+            {WORD{1'b0}};
       end
       assign chosen_words[i*WORD+:WORD] = result;
     end

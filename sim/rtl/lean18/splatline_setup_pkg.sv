@@ -3,15 +3,15 @@ package splatline_setup_pkg;
 
   localparam int POSITION = 30;  // magnitude bits of a difference to the eye
   localparam int LOW = 0;  // those of its low part
+  localparam int FAINT = 19;  // those of a position that are below its centre's rounding; 0: it comes in two words
   localparam int MANTISSA = 18;  // magnitude bits of a mantissa
   localparam int AXIS_DROP = 7;  // bits of an axis' components that are 0
   localparam int TURNED = 1;  // do axes come turned?
-  localparam int ROUND = 147;  // cycles of a round
+  localparam int ROUND = 135;  // cycles of a round
   localparam int LATENCY = 24;  // cycles from a sum's last slot to its use
   localparam int LOAD_AHEAD = 48;  // cycles before a round's end from which its records are full
   localparam int OUT_ROUND = 9;  // round in which a splat's results come
-  localparam int OUT_SLOT = 34;  // their first slot
-  localparam int WORDS = 8;  // slots with results
+  localparam int OUT_LAST = 13;  // the last slot with one of them
   localparam int FIRST_REGISTER = 64;  // address of the first number outside the cores
   localparam int EYE_X = 64;
   localparam int EYE_Y = 65;
@@ -28,7 +28,7 @@ package splatline_setup_pkg;
   localparam int AXIS_ZX = 76;
   localparam int AXIS_ZY = 77;
   localparam int AXIS_ZZ = 78;
-  localparam int SLOT_BITS = 103;
+  localparam int SLOT_BITS = 108;
 
   // One issue slot of a core: a term of a sum. What the fields mean stands in setup_core.sv.
   typedef struct packed {
@@ -47,8 +47,8 @@ package splatline_setup_pkg;
     logic plain;  // the first factor, not the product
     logic signed [7:0] offset;  // added to the factors' exponents
     logic [1:0] pick;  // not the first factor but the constant where it is negative (1) or is not (2), otherwise the second
-    logic by_flag;  // the second factor, not the first, where the flag is not set
-    logic [1:0] flag;
+    logic by_flag;  // where the flag is not set: beside a constant as second factor, the second register alone, to 31 bits;
+    logic [1:0] flag;  // otherwise the constant as first factor
     logic negated;  // negated before it is aligned
     logic subtracted;  // negated after it is aligned
     logic down;  // rounded down
@@ -61,11 +61,13 @@ package splatline_setup_pkg;
     logic [5:0] start;  // this one
     logic normal;  // rounded to a mantissa
     logic [4:0] drop;  // of 31 - drop bits; otherwise left as it is,
-    logic [5:0] spare;  // moved left by so much
+    logic [5:0] spare;  // moved left by so much,
+    logic extended;  // with what stands above its place as exponent, and below that is left off whether anything stands there
     logic write;
-    logic out;
-    logic [7:0] place;  // register or word of the result
+    logic [7:0] place;  // register of the result
     logic [3:0] place_turn;
+    logic out;  // what stands at the second factor's register leaves the core and is no factor,
+    logic [3:0] word;  // as this word
   } slot_t;
 
   // A splat as setup takes it: `VolumeSplat` with exponents of 10 bits, as the packet has them.
@@ -84,159 +86,147 @@ package splatline_setup_pkg;
   // What the cores get of it: the difference to the eye in two parts, the axes, the weight; see setup_difference.sv.
   localparam int ITEM_BITS = 44;  // {exponent 12, value 32}
   localparam int BEAT_BITS = 88;  // two of them
-  localparam int WORD_BITS = 102;  // two results with their exponents
+  localparam int WORD_BITS = 102;  // two words of a splat, which are results with their exponents
 
   // The slot that is issued in each cycle of a round.
-  function automatic logic [102:0] microcode(input logic [7:0] cycle);
+  function automatic logic [107:0] microcode(input logic [7:0] cycle);
     case (cycle)
-      8'd0: microcode = 103'h4001000180000110002580b60;  // z
-      8'd1: microcode = 103'h40210001c0000010002580b60;  // z
-      8'd2: microcode = 103'h4041000200000050002582b60;  // z
-      8'd3: microcode = 103'h2000000243c20053e0000200f;  // z, high
-      8'd4: microcode = 103'h2000000243c20053e0008210f;  // z, low
-      8'd5: microcode = 103'h4001000000000110002580b40;  // x
-      8'd6: microcode = 103'h4021000040000010002580b40;  // x
-      8'd7: microcode = 103'h4041000080000050002582b40;  // x
-      8'd8: microcode = 103'h40010000c0000110002580b50;  // y
-      8'd9: microcode = 103'h4021000100000010002580b50;  // y
-      8'd10: microcode = 103'h4041000140000050002582b50;  // y
-      8'd11: microcode = 103'h41a0000003c20153e02d829e1;  // axis 2, row 1
-      8'd12: microcode = 103'h4180000003c20153e02d829c1;  // axis 2, row 0
-      8'd13: microcode = 103'h4100000003c20153e02d82941;  // axis 0, row 2
-      8'd14: microcode = 103'h4160000003c20153e02d829a1;  // axis 1, row 2
-      8'd15: microcode = 103'h4140000003c20153e02d82981;  // axis 1, row 1
-      8'd16: microcode = 103'h4120000003c20153e02d82961;  // axis 1, row 0
-      8'd17: microcode = 103'h40c0000003c20153e02d82901;  // axis 0, row 0
-      8'd18: microcode = 103'h40e0000003c20153e02d82921;  // axis 0, row 1
-      8'd19: microcode = 103'h41c0000003c20153e02d82a01;  // axis 2, row 2
-      8'd20: microcode = 103'h41e0000003c20153e00082207;  // weight
-      8'd21: microcode = 103'h9780000003c2016c150002c10;  // above the least ratio v
-      8'd22: microcode = 103'h9780000003c2056c154002c20;  // below the largest ratio v
-      8'd23: microcode = 103'h9760000003c2056c144002be0;  // below the largest ratio u
-      8'd24: microcode = 103'h9760000003c2016c140002bd0;  // above the least ratio u
-      8'd25: microcode = 103'h19502d8000000096a328082d90;  // 1/determinant, defect
-      8'd26: microcode = 103'h16c000001b4c0113e00080b70;  // 1/z, seed
-      8'd27: microcode = 103'h16c00000115e0853e00082b70;  // 1/z, seed
-      8'd28: microcode = 103'h11900c80000000304802d80d10;  // yy, sharp
-      8'd29: microcode = 103'h11980cc0000000204802d80d10;  // yy, sharp
-      8'd30: microcode = 103'h11a00d00000000244802d82d10;  // yy, sharp
-      8'd31: microcode = 103'h11940d00000000304802d80d50;  // minor 1 2
-      8'd32: microcode = 103'h11980ce0000000a44802d82d50;  // minor 1 2
-      8'd33: microcode = 103'h9442a41000000150002d82df0;  // area
-      8'd34: microcode = 103'h4821e00f000000110000081000;  // results
-      8'd35: microcode = 103'h4860eb21000000010000081010;  // results
-      8'd36: microcode = 103'h4880eec0000000010000081020;  // results
-      8'd37: microcode = 103'h49dc0607000000010000081030;  // results
-      8'd38: microcode = 103'h48d0e707000000010000081040;  // results
-      8'd39: microcode = 103'h48b0e787000000010000081050;  // results
-      8'd40: microcode = 103'h4900e287000000010000081060;  // results
-      8'd41: microcode = 103'h49186387000000050000081070;  // results
-      8'd42: microcode = 103'h118c0cc0000000304802d80d30;  // minor 0 1
-      8'd43: microcode = 103'h11900ca0000000a44802d82d30;  // minor 0 1
-      8'd44: microcode = 103'h215c2db000000096a328082dc0;  // 1/density, defect
-      8'd45: microcode = 103'h9820bc0582008153e00082c30;  // ratio v, from below
-      8'd46: microcode = 103'h118c0d00000000304802d80d40;  // minor 0 2
-      8'd47: microcode = 103'h11900ce0000000a44802d82d40;  // minor 0 2
-      8'd48: microcode = 103'h97a0bb0482008153e00082bf0;  // ratio u, from below
-      8'd49: microcode = 103'h19b00000003c20110202d80da0;  // 1/determinant
-      8'd50: microcode = 103'h19b00d90000000050202d82da0;  // 1/determinant
-      8'd51: microcode = 103'h16c0b7000000096a328082b80;  // 1/z, defect
-      8'd52: microcode = 103'h118c0c60000000304802d80487;  // xx
-      8'd53: microcode = 103'h11940ca0000000204802d80487;  // xx
-      8'd54: microcode = 103'h119c0ce0000000204802d80487;  // xx
-      8'd55: microcode = 103'h12000000603c20244802d82487;  // xx
-      8'd56: microcode = 103'h29c01000640000150002d82e10;  // peak, normalised
-      8'd57: microcode = 103'h840edf0000000150002d82883;  // weight of the area
-      8'd58: microcode = 103'h31602e2000000056c574082e30;  // 1/3 - d (1/4 ..)
-      8'd59: microcode = 103'h3918600003bc0012b17c054e60;  // cut-off, unlimited
-      8'd60: microcode = 103'h391870008043e002b000054e60;  // cut-off, unlimited
-      8'd61: microcode = 103'h391870008443e002b000054e60;  // cut-off, unlimited
-      8'd62: microcode = 103'h39602000003c2002b000054e60;  // cut-off, unlimited
-      8'd63: microcode = 103'h39602e5000000046b000056e60;  // cut-off, unlimited
-      8'd64: microcode = 103'h3a000000243c2006b000002e70;  // above 0
-      8'd65: microcode = 103'h3a000000883c2046b000002e80;  // beyond the end
-      8'd66: microcode = 103'h11a20000003c20304802d80507;  // yy
-      8'd67: microcode = 103'h12000000603c20244802d82507;  // yy
-      8'd68: microcode = 103'h41d40507000000150002f82ed0;  // extent squared v
-      8'd69: microcode = 103'h9840c305c2008153e02d82c40;  // ratio v, from above
-      8'd70: microcode = 103'h21b60000003c20110202080dd0;  // 1/density
-      8'd71: microcode = 103'h21b60dc0000000050202082dd0;  // 1/density
-      8'd72: microcode = 103'h97c0bf04c2008153e02d82c00;  // ratio u, from above
-      8'd73: microcode = 103'h41d40487000000150002f82eb0;  // extent squared u
-      8'd74: microcode = 103'h19542da0000000150002d82ac1;  // density squared
-      8'd75: microcode = 103'h16e0000003c20110202580b90;  // 1/z
-      8'd76: microcode = 103'h16e0b80000000050202582b90;  // 1/z
-      8'd77: microcode = 103'h97810003c000016c138002387;  // position v, high
-      8'd78: microcode = 103'ha000000243c2006c000082407;  // position v, low
-      8'd79: microcode = 103'h1090e000003c20304802d80d20;  // trace
-      8'd80: microcode = 103'h11a20000003c20244802d82d20;  // trace
-      8'd81: microcode = 103'h29c20207003c25153e020828c3;  // peak
-      8'd82: microcode = 103'h31602e3000000056c578082e40;  // 1/2 - d (1/3 ..)
-      8'd83: microcode = 103'h118c0c80000000304802d80a61;  // xy
-      8'd84: microcode = 103'h11940cc0000000204802d80a61;  // xy
-      8'd85: microcode = 103'h119c0d00000000244802d82a61;  // xy
-      8'd86: microcode = 103'h19ac0000003c20110202d80587;  // 1/yy
-      8'd87: microcode = 103'h19ac0d70000000050202d82587;  // 1/yy
-      8'd88: microcode = 103'h39ce0e60242008153e00082e90;  // cut-off above 0
-      8'd89: microcode = 103'h976100034000016c130002287;  // position u, high
-      8'd90: microcode = 103'ha000000243c2006c000082307;  // position u, low
-      8'd91: microcode = 103'h10a0e00001b4c0113e00080d60;  // 1/yy, seed
-      8'd92: microcode = 103'h10a0e0000115e0853e00082d60;  // 1/yy, seed
-      8'd93: microcode = 103'h93c2000003c20304802d80cf0;  // sheared 2 v
-      8'd94: microcode = 103'h9880a01000000a44802d82cf0;  // sheared 2 v
-      8'd95: microcode = 103'h194c2da0000000150002d82787;  // cross
-      8'd96: microcode = 103'h9382000003c20304802d80cd0;  // sheared 2 u
-      8'd97: microcode = 103'h9800a01000000a44802d82cd0;  // sheared 2 u
-      8'd98: microcode = 103'h9202000003c20304802d80c50;  // sheared 0 u
-      8'd99: microcode = 103'h9800941000000a44802d82c50;  // sheared 0 u
-      8'd100: microcode = 103'h17210002c3c24153e00082ba0;  // 1/z or 1
-      8'd101: microcode = 103'h9242000003c20304802d80c70;  // sheared 0 v
-      8'd102: microcode = 103'h9880941000000a44802d82c70;  // sheared 0 v
-      8'd103: microcode = 103'h9302000003c20304802d80cb0;  // sheared 1 v
-      8'd104: microcode = 103'h98809a1000000a44802d82cb0;  // sheared 1 v
-      8'd105: microcode = 103'h92c2000003c20304802d80c90;  // sheared 1 u
-      8'd106: microcode = 103'h98009a1000000a44802d82c90;  // sheared 1 u
-      8'd107: microcode = 103'h11a60d30000000304802d80a81;  // determinant
-      8'd108: microcode = 103'h11a80d40000000204802d80a81;  // determinant
-      8'd109: microcode = 103'h11aa0d50000000204802d80a81;  // determinant
-      8'd110: microcode = 103'h11a41000600000244802d82a81;  // determinant
-      8'd111: microcode = 103'ha0000002c3c20304802d80aa1;  // slant
-      8'd112: microcode = 103'h9800c00000000204802d80aa1;  // slant
-      8'd113: microcode = 103'h9880c40000000244802d82aa1;  // slant
-      8'd114: microcode = 103'h1958200002bb20113e02080ae1;  // density, seed
-      8'd115: microcode = 103'h19582000021c00053e02082ae1;  // density, seed
-      8'd116: microcode = 103'h215c2000003c20314a02d80de0;  // density, twice
-      8'd117: microcode = 103'h21582dd0000000254a02d82de0;  // density, twice
-      8'd118: microcode = 103'h99e0a41000000150002d82d00;  // column 2 v
-      8'd119: microcode = 103'h29186000031e2016b968082b01;  // rest
-      8'd120: microcode = 103'h31602e4000000016b800082e50;  // d (1/2 ..)
-      8'd121: microcode = 103'h99a0a21000000150002d82ce0;  // column 2 u
-      8'd122: microcode = 103'h39d00e908c2010153e00082b21;  // cut-off
-      8'd123: microcode = 103'h98a0a21000000150002d82c60;  // column 0 u
-      8'd124: microcode = 103'h16a0ba0000000150002582bc0;  // on plane v
-      8'd125: microcode = 103'h1680ba0000000150002582bb0;  // on plane u
-      8'd126: microcode = 103'h1741000340000150002d82a21;  // gain u
-      8'd127: microcode = 103'h17410003c0000150002d82a41;  // gain v
-      8'd128: microcode = 103'h9960a41000000150002d82cc0;  // column 1 v
-      8'd129: microcode = 103'h98e0a41000000150002d82c80;  // column 0 v
-      8'd130: microcode = 103'h9920a21000000150002d82ca0;  // column 1 u
-      8'd131: microcode = 103'h10a0ed6000000096a328082d70;  // 1/yy, defect
-      8'd132: microcode = 103'h41da000002bb20113e02f80ee0;  // extent v
-      8'd133: microcode = 103'h41da0000021c00053e02f82ee0;  // extent v
-      8'd134: microcode = 103'h1150200001b4c0113e00080d80;  // 1/determinant, seed
-      8'd135: microcode = 103'h115020000115e0853e00082d80;  // 1/determinant, seed
-      8'd136: microcode = 103'h1890eda0000000150002d82807;  // conic c
-      8'd137: microcode = 103'h19502587000000150002d82687;  // squared_width
-      8'd138: microcode = 103'h194c2587000000150002d82707;  // shear
-      8'd139: microcode = 103'h195c200001b4c0113e00080db0;  // 1/density, seed
-      8'd140: microcode = 103'h195c20000115e0853e00082db0;  // 1/density, seed
-      8'd141: microcode = 103'h21106de0000000150002d82e00;  // peak of the profile
-      8'd142: microcode = 103'h18a0eda0000000150002d82607;  // horizontal
-      8'd143: microcode = 103'h2960300070000056c56c082e20;  // 1/4 - d/5
-      8'd144: microcode = 103'h41d6000002bb20113e02f80ec0;  // extent u
-      8'd145: microcode = 103'h41d60000021c00053e02f82ec0;  // extent u
-      8'd146: microcode = 103'h39642000003c40153e02f82ea0;  // cut-off, 16 bits
-      default: microcode = 103'h0;
+      8'd0: microcode = 108'h800201e300000220004b015811;  // z; out: z, high
+      8'd1: microcode = 108'h804221e380000020004b015810;  // z; out: z, low
+      8'd2: microcode = 108'h808250e4000000a0004b035812;  // z; out: position u
+      8'd3: microcode = 108'h400060e4878400a7c0000201f4;  // z, high; out: position v
+      8'd4: microcode = 108'h4000e0e4878400a7c0010221fc;  // z, low; out: conic c
+      8'd5: microcode = 108'h8002a0e000000220004b015417;  // x; out: horizontal
+      8'd6: microcode = 108'h804290e080000020004b01541a;  // x; out: 1/yy
+      8'd7: microcode = 108'h8082b0e1000000a0004b035418;  // x; out: squared_width
+      8'd8: microcode = 108'h8002c0e180000220004b015619;  // y; out: shear
+      8'd9: microcode = 108'h8042d0e200000020004b01561b;  // y; out: cross
+      8'd10: microcode = 108'h80830862800000a0004b03561d;  // y; out: peak
+      8'd11: microcode = 108'h83415020078402a7c05b032c33;  // axis 2, row 1; out: cut-off
+      8'd12: microcode = 108'h8301be00078402a7c05b032835;  // axis 2, row 0; out: extent u
+      8'd13: microcode = 108'h8201c200078402a7c05b031836;  // axis 0, row 2; out: extent v
+      8'd14: microcode = 108'h82c00000078402a7c05b032420;  // axis 1, row 2
+      8'd15: microcode = 108'h82800000078402a7c05b032020;  // axis 1, row 1
+      8'd16: microcode = 108'h82400000078402a7c05b031c20;  // axis 1, row 0
+      8'd17: microcode = 108'h81800000078402a7c05b031020;  // axis 0, row 0
+      8'd18: microcode = 108'h81c00000078402a7c05b031420;  // axis 0, row 1
+      8'd19: microcode = 108'h83800000078402a7c05b033020;  // axis 2, row 2
+      8'd20: microcode = 108'h83c00000078402a7c0010240e0;  // weight
+      8'd21: microcode = 108'h12dc1620b040102a7c001037200;  // ratio v, from below
+      8'd22: microcode = 108'h12cc16009040102a7c001036a00;  // ratio u, from below
+      8'd23: microcode = 108'h230018c0000000609005b019600;  // minor 1 2
+      8'd24: microcode = 108'h23081880000001489005b039600;  // minor 1 2
+      8'd25: microcode = 108'h327059a00000012d46581039c00;  // 1/determinant, defect
+      8'd26: microcode = 108'h2b00000536988227c001015a00;  // 1/z or 1, seed
+      8'd27: microcode = 108'h2b00000522bc90a7c001035a00;  // 1/z or 1, seed
+      8'd28: microcode = 108'h22f01780000000609005b0070e0;  // xx
+      8'd29: microcode = 108'h23001800000000409005b0070e0;  // xx
+      8'd30: microcode = 108'h23101880000000409005b0070e0;  // xx
+      8'd31: microcode = 108'h24000000c07840489005b0270e0;  // xx
+      8'd32: microcode = 108'h42904000036980227c001019e00;  // 1/density, seed
+      8'd33: microcode = 108'h42904000022bc10a7c001039e00;  // 1/density, seed
+      8'd34: microcode = 108'h126856400000002a0005b03a600;  // area
+      8'd35: microcode = 108'h5200da400000002a0005b03a800;  // peak of the profile
+      8'd36: microcode = 108'h62985aa0000000ad8ae8103ac00;  // 1/3 - d (1/4 ..)
+      8'd37: microcode = 108'h7210c0000778002562f80a9b200;  // cut-off, unlimited
+      8'd38: microcode = 108'h7210e0010087c00560000a9b200;  // cut-off, unlimited
+      8'd39: microcode = 108'h7210e0010887c00560000a9b200;  // cut-off, unlimited
+      8'd40: microcode = 108'h729840000078400560000a9b200;  // cut-off, unlimited
+      8'd41: microcode = 108'h72985b000000008d60000abb200;  // cut-off, unlimited
+      8'd42: microcode = 108'h740000004878400d6000003b400;  // above 0
+      8'd43: microcode = 108'h740000011078408d6000003b600;  // beyond the end
+      8'd44: microcode = 108'h3101d3c20000012d46581039800;  // 1/yy, defect
+      8'd45: microcode = 108'h12e01720b840102a7c05b037400;  // ratio v, from above
+      8'd46: microcode = 108'h12d016a09840102a7c05b036c00;  // ratio u, from above
+      8'd47: microcode = 108'h231c0000007840609005b0080e0;  // yy
+      8'd48: microcode = 108'h24000000c07840489005b0280e0;  // yy
+      8'd49: microcode = 108'h33340000007840220405b014020;  // 1/determinant
+      8'd50: microcode = 108'h333419c00000000a0405b034020;  // 1/determinant
+      8'd51: microcode = 108'h2b015a05000092d46581035c00;  // 1/z or 1, defect
+      8'd52: microcode = 108'h12c020006800002d826006e50e0;  // position u
+      8'd53: microcode = 108'h8374080e0000002a0005f03c000;  // extent squared v
+      8'd54: microcode = 108'h8374070e0000002a0005f03bc00;  // extent squared u
+      8'd55: microcode = 108'h20e1c000007840609005b019000;  // trace
+      8'd56: microcode = 108'h231c0000007840489005b039000;  // trace
+      8'd57: microcode = 108'h429059e00000012d4658103a000;  // 1/density, defect
+      8'd58: microcode = 108'h1081da600000002a0005b030060;  // weight of the area
+      8'd59: microcode = 108'h5350240ec8000a2a0005b030860;  // peak
+      8'd60: microcode = 108'h62985ac0000000ad8af0103ae00;  // 1/2 - d (1/3 ..)
+      8'd61: microcode = 108'h12c420007800002d827006e60e0;  // position v
+      8'd62: microcode = 108'h4270490e0000002a0005b02b0e0;  // squared_width
+      8'd63: microcode = 108'h22f017c0000000609005b00f060;  // xy
+      8'd64: microcode = 108'h23001840000000409005b00f060;  // xy
+      8'd65: microcode = 108'h231018c0000000489005b02f060;  // xy
+      8'd66: microcode = 108'h73681b204840102a7c00103b800;  // cut-off above 0
+      8'd67: microcode = 108'h41e0c90e0000002a0005b02c0e0;  // shear
+      8'd68: microcode = 108'h41e0d4020000002a0005b02d0e0;  // cross
+      8'd69: microcode = 108'h12284000007840609005b017a00;  // sheared 0 v
+      8'd70: microcode = 108'h12e81182000001489005b037a00;  // sheared 0 v
+      8'd71: microcode = 108'h12584000007840609005b018a00;  // sheared 2 v
+      8'd72: microcode = 108'h12e81302000001489005b038a00;  // sheared 2 v
+      8'd73: microcode = 108'h12404000007840609005b018200;  // sheared 1 v
+      8'd74: microcode = 108'h12e81242000001489005b038200;  // sheared 1 v
+      8'd75: microcode = 108'h2b40000007840220404b015e00;  // 1/z or 1
+      8'd76: microcode = 108'h2b415c00000000a0404b035e00;  // 1/z or 1
+      8'd77: microcode = 108'h12504000007840609005b018600;  // sheared 2 u
+      8'd78: microcode = 108'h12d81302000001489005b038600;  // sheared 2 u
+      8'd79: microcode = 108'h12384000007840609005b017e00;  // sheared 1 u
+      8'd80: microcode = 108'h12d81242000001489005b037e00;  // sheared 1 u
+      8'd81: microcode = 108'h12204000007840609005b017600;  // sheared 0 u
+      8'd82: microcode = 108'h12d81182000001489005b037600;  // sheared 0 u
+      8'd83: microcode = 108'h23241920000000609005b013820;  // determinant
+      8'd84: microcode = 108'h23281940000000409005b013820;  // determinant
+      8'd85: microcode = 108'h232c1960000000409005b013820;  // determinant
+      8'd86: microcode = 108'h23202000c00000489005b033820;  // determinant
+      8'd87: microcode = 108'h14000000507840609005b00f860;  // slant
+      8'd88: microcode = 108'h12d816c0000000409005b00f860;  // slant
+      8'd89: microcode = 108'h12e81740000000489005b02f860;  // slant
+      8'd90: microcode = 108'h31f0d4020000002a0005b034420;  // density squared
+      8'd91: microcode = 108'h433c0000007840220404101a200;  // 1/density
+      8'd92: microcode = 108'h433c1a000000000a0404103a200;  // 1/density
+      8'd93: microcode = 108'h5210c000063c402d72d01034c20;  // rest
+      8'd94: microcode = 108'h12f416400000002a0005b037c00;  // column 0 v
+      8'd95: microcode = 108'h62985ae00000002d7000103b000;  // d (1/2 ..)
+      8'd96: microcode = 108'h131416400000002a0005b038c00;  // column 2 v
+      8'd97: microcode = 108'h736c1b811840202a7c001035020;  // cut-off
+      8'd98: microcode = 108'h130416400000002a0005b038400;  // column 1 v
+      8'd99: microcode = 108'h30e1d4020000002a0005b02e0e0;  // conic c
+      8'd100: microcode = 108'h2ac15e00000002a0004b036200;  // on plane v
+      8'd101: microcode = 108'h2a815e00000002a0004b036000;  // on plane u
+      8'd102: microcode = 108'h2bc20007800002a0005b036400;  // gain v
+      8'd103: microcode = 108'h2bc20006800002a0005b033420;  // gain u
+      8'd104: microcode = 108'h12fc13420000002a0005b038000;  // column 1 u
+      8'd105: microcode = 108'h130c13420000002a0005b038800;  // column 2 u
+      8'd106: microcode = 108'h12ec13420000002a0005b037800;  // column 0 u
+      8'd107: microcode = 108'h2101c000036980227c001013c20;  // 1/yy, seed
+      8'd108: microcode = 108'h2101c000022bc10a7c001033c20;  // 1/yy, seed
+      8'd109: microcode = 108'h3101d4020000002a0005b02a0e0;  // horizontal
+      8'd110: microcode = 108'h22704000036980227c001019a00;  // 1/determinant, seed
+      8'd111: microcode = 108'h22704000022bc10a7c001039a00;  // 1/determinant, seed
+      8'd112: microcode = 108'h32784000007840220405b0090e0;  // 1/yy
+      8'd113: microcode = 108'h327859800000000a0405b0290e0;  // 1/yy
+      8'd114: microcode = 108'h32884000057640227c041014820;  // density, seed
+      8'd115: microcode = 108'h328840000438000a7c041034820;  // density, seed
+      8'd116: microcode = 108'h42904000007840629405b01a400;  // density, twice
+      8'd117: microcode = 108'h42885a200000004a9405b03a400;  // density, twice
+      8'd118: microcode = 108'h52986000e00000ad8ad8103aa00;  // 1/4 - d/5
+      8'd119: microcode = 108'h83780000057640227c05f01be00;  // extent u
+      8'd120: microcode = 108'h837800000438000a7c05f03be00;  // extent u
+      8'd121: microcode = 108'h72a040000078802a7c05f03ba00;  // cut-off, 16 bits
+      8'd122: microcode = 108'h83800000057640227c05f01c200;  // extent v
+      8'd123: microcode = 108'h838000000438000a7c05f03c200;  // extent v
+      8'd124: microcode = 108'h2c400000078402d82a00036e00;  // above the least ratio v
+      8'd125: microcode = 108'h2c00000007840ad82880036800;  // below the largest ratio u
+      8'd126: microcode = 108'h2c000000078402d82800036600;  // above the least ratio u
+      8'd127: microcode = 108'h2c40000007840ad82a80037000;  // below the largest ratio v
+      8'd128: microcode = 108'h12f817c0000000609005b018e00;  // yy, sharp
+      8'd129: microcode = 108'h13081840000000409005b018e00;  // yy, sharp
+      8'd130: microcode = 108'h131818c0000000489005b038e00;  // yy, sharp
+      8'd131: microcode = 108'h12f01840000000609005b019200;  // minor 0 1
+      8'd132: microcode = 108'h12f81800000001489005b039200;  // minor 0 1
+      8'd133: microcode = 108'h12f018c0000000609005b019400;  // minor 0 2
+      8'd134: microcode = 108'h12f81880000001489005b039400;  // minor 0 2
+      default: microcode = 108'h0;
     endcase
   endfunction
 

@@ -122,8 +122,8 @@ mod with_verilator {
     }
 
     /// Scenes, hard cases and arbitrary bits, among them culls of every kind.
-    fn packets_are_the_kernels(kind: ProgramKind) {
-        let unit = SetupUnit::new("lean18", 3, kind).unwrap();
+    fn packets_are_the_kernels(design: &str, kind: ProgramKind) {
+        let unit = SetupUnit::new(design, 3, kind).unwrap();
         let found = total(&agrees(&unit));
         assert!(found.compared >= 4_000, "{found:?}");
         for cull in SetupUnit::COUNTS {
@@ -133,12 +133,18 @@ mod with_verilator {
 
     #[test]
     fn setup_unit_gives_the_kernels_packets() {
-        packets_are_the_kernels(ProgramKind::Filter);
+        packets_are_the_kernels("lean18", ProgramKind::Filter);
+    }
+
+    /// Positions in two words, and axes turned in the cores.
+    #[test]
+    fn wide_setup_unit_gives_the_kernels_packets() {
+        packets_are_the_kernels("standard24", ProgramKind::Filter);
     }
 
     #[test]
     fn setup_unit_compensates_opacities() {
-        packets_are_the_kernels(ProgramKind::Compensation);
+        packets_are_the_kernels("lean18", ProgramKind::Compensation);
     }
 
     /// The same with distance scaling, nearer than the distance k, there and beyond.

@@ -6,6 +6,8 @@
 //!
 //! A result has as many registers in a row as rounds pass until its last reader, and splats take them in turn. So a register is written again only
 //! by a slot that is issued after the old value's last reader, and the sequencer may pause between any two rounds.
+//!
+//! Results leave by the second factor's port in slots that have no use for it, so that they take no slots of their own.
 
 use crate::random::split_mix;
 use anyhow::{Context, Result, ensure};
@@ -30,6 +32,9 @@ const ATTEMPTS: u64 = 4_000;
 
 /// So many cycles before a round ends the next splats' records may begin to come in.
 pub const LOAD_AHEAD: usize = 48;
+
+/// Results of a splat that leave the core at most.
+pub const RESULTS: usize = 16;
 
 /// So many cycles after a splat's last result its round goes on at least.
 const OUT_AHEAD: usize = 4;
@@ -75,8 +80,6 @@ pub enum Pick {
     Negative,
     /// The constant where it is not negative, otherwise the second.
     NotNegative,
-    /// The first where the rules' or the view's flag is set, otherwise the second.
-    Flag(u8),
 }
 
 /// One slot: a product, or one number, added to a sum.
@@ -88,6 +91,11 @@ pub struct Term {
     pub b: Operand,
     /// The constant that is picked by the sign.
     pub picked: Option<usize>,
+    /// The rules' or the view's flag without which `other` is taken.
+    pub flag: Option<u8>,
+    /// A constant as first factor, or a result instead of a product with a constant, which is then not rounded to
+    /// less than 31 bits.
+    pub other: Operand,
     /// The term is `a`, not the product.
     pub plain: bool,
     /// Twice as much.
@@ -121,7 +129,7 @@ pub enum Unit {
     At(i32),
 }
 
-/// A sum of terms, or the words of the result.
+/// A sum of terms.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Operation {
     /// What it is.
@@ -136,10 +144,10 @@ pub struct Operation {
     pub bits: Option<u32>,
     /// Bits of the sum below the word.
     pub below: u32,
+    /// The word has all bits above these, where others have their exponent.
+    pub long: bool,
     /// Goes on with the sum of the operation before, right behind it.
     pub follows: bool,
-    /// Its terms' factors leave the core; there is no result.
-    pub out: bool,
 }
 
 /// Where an operation stands.
@@ -153,6 +161,23 @@ pub struct Place {
     pub copies: usize,
 }
 
+/// When a splat's results leave.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Exits {
+    /// Rounds after the splat's first one.
+    pub round: usize,
+    /// Cycle in that round and value of every result.
+    pub results: Vec<(usize, Value)>,
+}
+
+impl Exits {
+    /// The cycle after which all are out.
+    pub fn last(&self) -> usize {
+        let cycles = self.results.iter().map(|(cycle, _)| *cycle);
+        cycles.max().unwrap_or(0)
+    }
+}
+
 /// A program with places.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Program {
@@ -160,6 +185,8 @@ pub struct Program {
     pub operations: Vec<Operation>,
     /// Their places.
     pub places: Vec<Place>,
+    /// When the results leave.
+    pub exits: Exits,
     /// Cycles of a round.
     pub round: usize,
     /// Constants in the order of their addresses.
@@ -167,19 +194,25 @@ pub struct Program {
 }
 
 impl Program {
-    /// The shortest round that holds the operations.
-    pub fn new(operations: Vec<Operation>, constants: Vec<String>) -> Result<Program> {
+    /// The shortest round that holds the operations, of which these are the results.
+    pub fn new(
+        operations: Vec<Operation>,
+        results: &[Value],
+        constants: Vec<String>,
+    ) -> Result<Program> {
         ensure!(constants.len() <= CONSTANTS, "there are too many constants");
+        ensure!(results.len() <= RESULTS, "there are too many results");
         let slots: usize = operations.iter().map(|o| o.terms.len()).sum();
         let found = (slots..=CYCLES).find_map(|round| {
             let placed = (0..ATTEMPTS).find_map(|seed| {
                 let times = schedule(&operations, round, seed)?;
-                let registers = registers(&operations, &times, round)?;
-                Some((times, registers))
+                let exits = exits(&operations, results, &times, round)?;
+                let registers = registers(&operations, &times, &exits, round)?;
+                Some((times, registers, exits))
             })?;
             Some((round, placed))
         });
-        let (round, (times, registers)) = found.context("no round holds the operations")?;
+        let (round, (times, registers, exits)) = found.context("no round holds the operations")?;
         let places = times.into_iter().zip(registers);
         Ok(Program {
             places: places
@@ -190,32 +223,38 @@ impl Program {
                 })
                 .collect(),
             operations,
+            exits,
             round,
             constants,
         })
     }
 
-    /// Cycles from a splat's first slot to that of its first result.
+    /// Cycles from a splat's first slot to that of its last result.
     pub fn latency(&self) -> usize {
-        let out = self.operations.iter().position(|operation| operation.out);
-        out.map_or(0, |out| self.places[out].time)
+        self.exits.round * self.round + self.exits.last()
     }
 
     /// The slot of every cycle of a round: operation and term.
     pub fn slots(&self) -> Vec<Option<(usize, usize)>> {
-        let mut slots = vec![None; self.round];
-        for (index, place) in self.places.iter().enumerate() {
-            for term in 0..self.operations[index].terms.len() {
-                slots[place.time % self.round + term] = Some((index, term));
-            }
-        }
-        slots
+        let times: Vec<usize> = self.places.iter().map(|place| place.time).collect();
+        slots(&self.operations, &times, self.round)
     }
+}
+
+fn slots(operations: &[Operation], times: &[usize], round: usize) -> Vec<Option<(usize, usize)>> {
+    let mut slots = vec![None; round];
+    for (index, time) in times.iter().enumerate() {
+        for term in 0..operations[index].terms.len() {
+            slots[time % round + term] = Some((index, term));
+        }
+    }
+    slots
 }
 
 /// The results that an operation reads.
 fn read(operation: &Operation) -> impl Iterator<Item = Value> + '_ {
-    let factors = operation.terms.iter().flat_map(|term| [term.a, term.b]);
+    let terms = operation.terms.iter();
+    let factors = terms.flat_map(|term| [term.a, term.b, term.other]);
     factors.filter_map(|factor| match factor {
         Operand::Value(value) => Some(value),
         _ => None,
@@ -245,13 +284,6 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
         })
         .collect();
     let mut taken = vec![false; round];
-    // The results' slots are the longest row and come last: their place is kept, which leaves the gaps to shorter ones.
-    // They are counted before their round ends.
-    let results = operations.iter().find(|operation| operation.out);
-    let results = results.map_or(0, |operation| operation.terms.len());
-    let places = round.checked_sub(results + OUT_AHEAD)?;
-    let kept = places - split_mix(&mut state) as usize % (places + 1);
-    taken[kept..kept + results].fill(true);
     let mut times = vec![0; operations.len()];
     // Cycles from an operation's issue to the end of everything that follows from it.
     let mut rest = vec![0; operations.len()];
@@ -284,9 +316,6 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
         let length: usize = operations[first..=last].iter().map(|o| o.terms.len()).sum();
         let fits = |time: &usize| {
             let slot = time % round;
-            if operations[first].out {
-                return slot == kept;
-            }
             slot + length <= round && !taken[slot..slot + length].iter().any(|taken| *taken)
         };
         let time = (ready[first]..ready[first] + round).find(fits)?;
@@ -310,23 +339,67 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
     Some(times)
 }
 
+/// Has a slot no use for a register as second factor?
+fn spares_second(term: &Term) -> bool {
+    let used = [term.b, term.other].map(|factor| matches!(factor, Operand::Value(_)));
+    used == [false; 2] && term.pick == Pick::None
+}
+
+/// Cycles in which the results leave, all of them in one round: the earliest for which they are ready, in slots that
+/// spare the second factor. They are counted before that round ends.
+fn exits(
+    operations: &[Operation],
+    results: &[Value],
+    times: &[usize],
+    round: usize,
+) -> Option<Exits> {
+    let mut ready: Vec<(usize, usize)> = results
+        .iter()
+        .map(|value| times[*value] + operations[*value].terms.len() - 1 + LATENCY)
+        .zip(0..)
+        .collect();
+    ready.sort_unstable();
+    let first = ready.last()?.0 / round;
+    let slots = slots(operations, times, round);
+    (first..ROUNDS).find_map(|of_round| {
+        let free = slots.iter().enumerate().take(round - OUT_AHEAD);
+        let mut free = free.filter(|(_, slot)| {
+            slot.is_none_or(|(operation, term)| spares_second(&operations[operation].terms[term]))
+        });
+        let mut exits = Exits {
+            round: of_round,
+            results: results.iter().map(|value| (0, *value)).collect(),
+        };
+        for (time, number) in &ready {
+            let (cycle, _) = free.find(|(cycle, _)| of_round * round + cycle >= *time)?;
+            exits.results[*number].0 = cycle;
+        }
+        Some(exits)
+    })
+}
+
 /// Registers for every result: the first, and how many. Nothing if there are too few.
 fn registers(
     operations: &[Operation],
     times: &[usize],
+    exits: &Exits,
     round: usize,
 ) -> Option<Vec<(usize, usize)>> {
     let last_slot = |index: usize| times[index] + operations[index].terms.len() - 1;
     let mut copies = vec![1; operations.len()];
+    let mut lasts = |value: usize, until: usize| {
+        let rounds = (until - last_slot(value)).div_ceil(round);
+        copies[value] = copies[value].max(rounds.next_power_of_two());
+    };
     for (index, operation) in operations.iter().enumerate() {
         for value in read(operation) {
-            let rounds = (last_slot(index) - last_slot(value)).div_ceil(round);
-            copies[value] = copies[value].max(rounds.next_power_of_two());
+            lasts(value, last_slot(index));
         }
     }
-    let mut order: Vec<usize> = (0..operations.len())
-        .filter(|i| !operations[*i].out)
-        .collect();
+    for (cycle, value) in &exits.results {
+        lasts(*value, exits.round * round + cycle);
+    }
+    let mut order: Vec<usize> = (0..operations.len()).collect();
     // The widest first, so that all stand at a multiple of their width.
     order.sort_by_key(|index| REGISTERS - copies[*index]);
     let mut free = 0;
@@ -340,12 +413,19 @@ fn registers(
 
 /// The constant that a slot's factors read; an error if it were two. What is added has a memory of its own.
 pub fn constant(operation: &Operation, term: usize) -> Result<Option<usize>> {
-    let Term { a, b, picked, .. } = operation.terms[term];
+    let Term {
+        a,
+        b,
+        picked,
+        other,
+        ..
+    } = operation.terms[term];
     let address = |operand| match operand {
         Operand::Constant(address) => Some(address),
         _ => None,
     };
-    let mut all = [address(a), address(b), picked].into_iter().flatten();
+    let all = [address(a), address(b), address(other), picked];
+    let mut all = all.into_iter().flatten();
     let first = all.next();
     ensure!(
         all.all(|other| Some(other) == first),

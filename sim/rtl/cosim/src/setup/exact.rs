@@ -6,6 +6,7 @@
 use super::loads::{name_of, rules, soft_float};
 use super::unit::SetupLoad;
 use crate::random::split_mix;
+use fixed::types::I32F32;
 use splatline::float;
 use splatline::math::{Extended, SoftFloat};
 use splatline::rules::Rules as KernelRules;
@@ -59,6 +60,7 @@ pub fn exact(count: usize, seed: u64) -> Vec<SetupLoad> {
         load.name = format!("on the planes{word}, ewa");
         loads.push(load);
     }
+    loads.extend([0, 1, 1 << 18].map(|above| on_the_range(above, seed)));
     loads.push(least_components(count / 10));
     loads.push(on_the_edge(count / 10));
     loads.push(flat_and_slanted(count / 3));
@@ -196,6 +198,27 @@ fn far_from_the_origin(count: usize, seed: u64) -> SetupLoad {
         splats: (0..count)
             .map(|_| VolumeSplat {
                 centre: [at_place; 3],
+                ..few_bits(&mut state)
+            })
+            .collect(),
+    }
+}
+
+/// Positions of -2^26 pixels, which are out of range, or by so many of the last bits nearer, which are not.
+fn on_the_range(above: i64, seed: u64) -> SetupLoad {
+    let view = straight(Projection::Orthographic, FOCAL);
+    let edge = I32F32::from_bits(above - (1 << 58));
+    let mut state = seed;
+    SetupLoad {
+        name: format!("{above} above the range's end, 3dgs"),
+        view: View {
+            principal: [edge, view.principal[1]],
+            ..view
+        },
+        rules: KernelRules::GAUSSIAN_3D,
+        splats: (0..8)
+            .map(|_| VolumeSplat {
+                centre: [SoftFloat::ZERO, SoftFloat::ZERO, soft_float(1, 0)],
                 ..few_bits(&mut state)
             })
             .collect(),

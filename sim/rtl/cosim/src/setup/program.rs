@@ -2,7 +2,7 @@
 //!
 //! The list says nothing of the arithmetic: what a sum, a rounding or a table is stands in `setup_core.sv`.
 
-use super::assemble::{Operand, Operation, Pick, Program, Table, Term, Unit};
+use super::assemble::{Operand, Operation, Pick, Program, Table, Term, Unit, Value};
 use crate::mutation::Mutation;
 use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Widths;
@@ -22,6 +22,15 @@ const ITEMS: [&str; 16] = [
 pub fn low_bits(widths: &Widths) -> u32 {
     u32::from(widths.position).saturating_sub(30)
 }
+
+/// Bits of a position that are below its centre's rounding: where the others have room in one word, or else 0.
+pub fn faint_bits(widths: &Widths) -> u32 {
+    let bits = 31u32.saturating_sub(widths.subpixel.into());
+    if bits < LEAST_FAINT { 0 } else { bits }
+}
+
+/// A long word has 51 bits, one of which stands for those that it has not.
+const LEAST_FAINT: u32 = 14;
 
 /// What a program computes: setup, with what protects its splats against samples closer together than pixels, or something else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +83,7 @@ impl SetupProgram {
         let mut reader = Reader {
             widths,
             operations: Vec::new(),
+            results: Vec::new(),
             constants: Vec::new(),
         };
         let parts = if low_bits(widths) > 0 { "low" } else { "whole" };
@@ -82,18 +92,23 @@ impl SetupProgram {
         } else {
             "broad"
         };
+        let centres = if faint_bits(widths) > 0 {
+            "long"
+        } else {
+            "short"
+        };
         let mut stands = false;
         for line in self.text.lines() {
             if let Some(heading) = line.strip_prefix("== ") {
                 let (kinds, only) = heading.split_once(", ").unwrap_or((heading, parts));
-                stands = [parts, axes].contains(&only)
+                stands = [parts, axes, centres].contains(&only)
                     && kinds.split(' ').any(|kind| kind == self.kind.word());
             } else if stands && !line.is_empty() && !line.starts_with("//") {
                 let read = reader.line(line);
                 read.with_context(|| format!("{FILE}: '{line}'"))?;
             }
         }
-        Program::new(reader.operations, reader.constants)
+        Program::new(reader.operations, &reader.results, reader.constants)
     }
 }
 
@@ -101,6 +116,8 @@ impl SetupProgram {
 struct Reader<'a> {
     widths: &'a Widths,
     operations: Vec<Operation>,
+    /// What leaves the core, in the packer's order.
+    results: Vec<Value>,
     /// In the order of their addresses.
     constants: Vec<String>,
 }
@@ -109,6 +126,9 @@ impl Reader<'_> {
     fn line(&mut self, line: &str) -> Result<()> {
         let (name, rest) = line.split_once(" = ").context("no '='")?;
         let (form, terms) = rest.split_once(": ").context("no ':'")?;
+        if form == "out" {
+            return self.out(terms);
+        }
         let lines = match form.rsplit_once(' ') {
             Some(("reciprocal", bits)) => vec![
                 format!("{name}, seed = exact: reciprocal entry {terms} - reciprocal step {terms}"),
@@ -130,6 +150,16 @@ impl Reader<'_> {
         lines.iter().try_for_each(|line| self.line(line))
     }
 
+    fn out(&mut self, values: &str) -> Result<()> {
+        for value in values.split(" + ") {
+            match self.operand(value.trim_end_matches(']'))? {
+                Operand::Value(value) => self.results.push(value),
+                _ => bail!("{value} is no result"),
+            }
+        }
+        Ok(())
+    }
+
     fn operation(&mut self, name: &str, form: &str, terms: &str) -> Result<()> {
         let mut operation = Operation {
             name: name.to_owned(),
@@ -138,8 +168,8 @@ impl Reader<'_> {
             addend: None,
             bits: None,
             below: 0,
+            long: false,
             follows: false,
-            out: false,
         };
         let mut floor = false;
         for part in form.split(", ") {
@@ -148,7 +178,6 @@ impl Reader<'_> {
                 |above: i32| Ok::<_, anyhow::Error>(above - self.number(value)? - GUARD as i32);
             match word {
                 "exact" | "pick" => {}
-                "out" => operation.out = true,
                 "word" => {
                     let before = self.operations.last().context("no sum before")?;
                     (operation.unit, operation.follows) = (before.unit, true);
@@ -158,6 +187,7 @@ impl Reader<'_> {
                 "heron" => operation.unit = Unit::First(window(32)?),
                 "first" => operation.unit = Unit::First(self.number(value)?),
                 "at" => operation.unit = Unit::At(self.number(value)?),
+                "long" => (operation.long, operation.below) = (true, faint_bits(self.widths)),
                 "from" => operation.below = self.number(value)? as u32,
                 "plus" => operation.addend = Some(self.constant(value)),
                 "rounded" => {}
@@ -231,8 +261,6 @@ impl Reader<'_> {
             pick: match condition {
                 "negative" => Pick::Negative,
                 "not negative" => Pick::NotNegative,
-                "perspective" => Pick::Flag(0),
-                "normalised" => Pick::Flag(1),
                 _ => bail!("no condition '{condition}'"),
             },
             ..Term::default()
@@ -247,6 +275,7 @@ impl Reader<'_> {
             ..Term::default()
         };
         let mut rest = text.trim_start();
+        let mut is_other = false;
         while !rest.is_empty() {
             let end = if rest.starts_with('[') { ']' } else { ' ' };
             let (word, behind) = rest.split_once(end).unwrap_or((rest, ""));
@@ -272,6 +301,10 @@ impl Reader<'_> {
                 "step" => term.plain = false,
                 "power" => term.power = true,
                 "double" => term.doubled = true,
+                "perspective" => term.flag = Some(0),
+                "normalised" => term.flag = Some(1),
+                "else" => is_other = true,
+                _ if is_other => (term.other, is_other) = (self.operand(word)?, false),
                 _ if term.a == Operand::None => term.a = self.operand(word)?,
                 _ => term.b = self.operand(word)?,
             }

@@ -3,9 +3,9 @@
 //! `sim/rtl/<design>/splatline_setup_pkg.sv` is this module's output; a test compares the committed files with it.
 
 use super::assemble::{
-    LATENCY, LOAD_AHEAD, Operand, Operation, Pick, Program, Table, Term, Unit, constant,
+    LATENCY, LOAD_AHEAD, Operand, Operation, Pick, Program, Table, Term, Unit, Value, constant,
 };
-use super::program::{SetupProgram, low_bits};
+use super::program::{SetupProgram, faint_bits, low_bits};
 use anyhow::{Result, ensure};
 use splatline::format::Widths;
 use splatline::setup::axis_bits;
@@ -24,7 +24,7 @@ pub const REGISTERS: [&str; 15] = [
 ];
 
 /// Fields of a slot in the order of `setup_types.svh`, first the most significant: name and bits.
-const FIELDS: [(&str, u32); 34] = [
+const FIELDS: [(&str, u32); 36] = [
     ("round", 4),
     ("a_input", 1),
     ("a_constant", 1),
@@ -55,10 +55,12 @@ const FIELDS: [(&str, u32); 34] = [
     ("normal", 1),
     ("drop", 5),
     ("spare", 6),
+    ("extended", 1),
     ("write", 1),
-    ("out", 1),
     ("place", 8),
     ("place_turn", 4),
+    ("out", 1),
+    ("word", 4),
 ];
 
 /// Bits of a slot.
@@ -92,21 +94,19 @@ pub fn text(name: &str, widths: &Widths, program: &SetupProgram) -> Result<Strin
 }
 
 fn parameters(text: &mut String, widths: &Widths, program: &Program) {
-    let out = program.latency();
     let Widths {
         position, mantissa, ..
     } = *widths;
-    let (low, round) = (low_bits(widths), program.round);
+    let (low, faint, round) = (low_bits(widths), faint_bits(widths), program.round);
     let axis_drop = 31 - axis_bits(widths);
     let turned = u32::from(is_turned(widths.mantissa));
-    let (out_round, out_slot) = (out / round, out % round);
-    let results = program.operations.iter().filter(|operation| operation.out);
-    let words: usize = results.map(|operation| operation.terms.len()).sum();
+    let (out_round, out_last) = (program.exits.round, program.exits.last());
     // Writing to a String cannot fail.
     let _ = writeln!(
         text,
         "  localparam int POSITION = {position};  // magnitude bits of a difference to the eye
   localparam int LOW = {low};  // those of its low part
+  localparam int FAINT = {faint};  // those of a position that are below its centre's rounding; 0: it comes in two words
   localparam int MANTISSA = {mantissa};  // magnitude bits of a mantissa
   localparam int AXIS_DROP = {axis_drop};  // bits of an axis' components that are 0
   localparam int TURNED = {turned};  // do axes come turned?
@@ -114,8 +114,7 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
   localparam int LATENCY = {LATENCY};  // cycles from a sum's last slot to its use
   localparam int LOAD_AHEAD = {LOAD_AHEAD};  // cycles before a round's end from which its records are full
   localparam int OUT_ROUND = {out_round};  // round in which a splat's results come
-  localparam int OUT_SLOT = {out_slot};  // their first slot
-  localparam int WORDS = {words};  // slots with results
+  localparam int OUT_LAST = {out_last};  // the last slot with one of them
   localparam int FIRST_REGISTER = {FIRST_REGISTER};  // address of the first number outside the cores"
     );
     for (place, name) in REGISTERS.iter().enumerate() {
@@ -137,14 +136,26 @@ fn microcode(text: &mut String, program: &Program) -> Result<()> {
         bits - 1
     );
     for (cycle, slot) in program.slots().iter().enumerate() {
-        let Some((operation, term)) = *slot else {
+        let mut values = Vec::new();
+        let mut names = Vec::new();
+        if let Some((operation, term)) = *slot {
+            values = meaning(program, operation, term)?;
+            names.push(program.operations[operation].name.clone());
+        }
+        if let Some(word) = leaving(program, cycle) {
+            let (_, value) = program.exits.results[word];
+            values.extend(second(program, value));
+            values.extend([("out", 1), ("word", word as i64)]);
+            names.push(format!("out: {}", program.operations[value].name));
+        }
+        if names.is_empty() {
             continue;
-        };
-        let word = word(program, operation, term)?;
+        }
+        let word = word(&values);
         let _ = writeln!(
             text,
             "      8'd{cycle}: microcode = {bits}'h{word:x};  // {}",
-            program.operations[operation].name
+            names.join("; ")
         );
     }
     let _ = writeln!(
@@ -154,7 +165,14 @@ fn microcode(text: &mut String, program: &Program) -> Result<()> {
     Ok(())
 }
 
-fn word(program: &Program, index: usize, term: usize) -> Result<u128> {
+/// The number of the result that leaves in a cycle of the round.
+fn leaving(program: &Program, cycle: usize) -> Option<usize> {
+    let results = &program.exits.results;
+    results.iter().position(|(at, _)| *at == cycle)
+}
+
+/// A slot's fields that are not 0.
+fn meaning(program: &Program, index: usize, term: usize) -> Result<Vec<(&'static str, i64)>> {
     let operation = &program.operations[index];
     let place = program.places[index];
     let slot = operation.terms[term];
@@ -163,21 +181,32 @@ fn word(program: &Program, index: usize, term: usize) -> Result<u128> {
         values.push(("constant", address as i64));
     }
     factors(&mut values, program, &slot);
-    meaning(&mut values, &slot);
+    of_term(&mut values, &slot);
     sum(&mut values, operation, term);
     let last = term + 1 == operation.terms.len();
-    let target = if operation.out { term } else { place.register };
-    values.push(("place", target as i64));
+    values.push(("place", place.register as i64));
     values.push(("place_turn", place.copies as i64 - 1));
-    values.push(("write", (last && !operation.out).into()));
-    values.push(("out", operation.out.into()));
+    values.push(("write", last.into()));
+    Ok(values)
+}
+
+fn word(values: &[(&'static str, i64)]) -> u128 {
     let mut word = 0u128;
     for (name, bits) in FIELDS {
         let value = values.iter().rfind(|(known, _)| *known == name);
         let value = value.map_or(0, |(_, value)| *value);
         word = word << bits | (value as u128 & ((1 << bits) - 1));
     }
-    Ok(word)
+    word
+}
+
+/// A value as second factor.
+fn second(program: &Program, value: Value) -> [(&'static str, i64); 2] {
+    let place = program.places[value];
+    [
+        ("b", place.register as i64),
+        ("b_turn", place.copies as i64 - 1),
+    ]
 }
 
 fn factors(values: &mut Vec<(&'static str, i64)>, program: &Program, slot: &Term) {
@@ -194,30 +223,26 @@ fn factors(values: &mut Vec<(&'static str, i64)>, program: &Program, slot: &Term
         Operand::None => {}
     }
     match slot.b {
-        Operand::Value(value) => {
-            let place = program.places[value];
-            values.extend([
-                ("b", place.register as i64),
-                ("b_turn", place.copies as i64 - 1),
-            ]);
-        }
+        Operand::Value(value) => values.extend(second(program, value)),
         Operand::Constant(_) => values.push(("b_constant", 1)),
         Operand::Input(_) | Operand::None => {}
     }
+    if let Operand::Value(value) = slot.other {
+        values.extend(second(program, value));
+    }
 }
 
-fn meaning(values: &mut Vec<(&'static str, i64)>, slot: &Term) {
+fn of_term(values: &mut Vec<(&'static str, i64)>, slot: &Term) {
     let table = match slot.table {
         Table::None => 0,
         Table::Reciprocal => 1,
         Table::Root => 2,
         Table::Logarithm => 3,
     };
-    let (pick, by_flag, flag) = match slot.pick {
-        Pick::None => (0, false, 0),
-        Pick::Negative => (1, false, 0),
-        Pick::NotNegative => (2, false, 0),
-        Pick::Flag(flag) => (0, true, flag.into()),
+    let pick = match slot.pick {
+        Pick::None => 0,
+        Pick::Negative => 1,
+        Pick::NotNegative => 2,
     };
     values.extend([
         ("lookup", table),
@@ -226,8 +251,8 @@ fn meaning(values: &mut Vec<(&'static str, i64)>, slot: &Term) {
         ("plain", slot.plain.into()),
         ("offset", offset(slot)),
         ("pick", pick),
-        ("by_flag", by_flag.into()),
-        ("flag", flag),
+        ("by_flag", slot.flag.is_some().into()),
+        ("flag", slot.flag.unwrap_or(0).into()),
         ("negated", slot.before.into()),
         ("subtracted", slot.after.into()),
         ("down", slot.floor.into()),
@@ -249,7 +274,7 @@ fn offset(slot: &Term) -> i64 {
         (Table::Logarithm, true) => PLAIN - 32,
         (Table::Logarithm, false) => PLAIN - 46,
     };
-    let picks = matches!(slot.pick, Pick::Negative | Pick::NotNegative);
+    let picks = slot.pick != Pick::None;
     let without = i32::from(slot.power || picks) - i32::from(slot.plain);
     (table + i32::from(slot.doubled) + without * PLAIN).into()
 }
@@ -275,5 +300,6 @@ fn sum(values: &mut Vec<(&'static str, i64)>, operation: &Operation, term: usize
         ("normal", operation.bits.is_some().into()),
         ("drop", i64::from(31 - operation.bits.unwrap_or(31))),
         ("spare", 32 - i64::from(operation.below)),
+        ("extended", operation.long.into()),
     ]);
 }
