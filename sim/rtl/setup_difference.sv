@@ -41,6 +41,7 @@ module setup_difference (
   // Four records follow each other, eight cycles apart.
   logic [3:0] valids;
   logic [27:0] places;
+  logic first_phase;  // phase 0, in a register of its own: it reaches every bit of the records
   logic [359:0] rest1, rest2, rest3, rest4, rest_in;
   logic [95:0] centre1;
   logic [29:0] exponents1;
@@ -54,7 +55,8 @@ module setup_difference (
   assign rest_in[359:324] = {4'd0, record.weight};
   logic [39:0] powers1, powers2, powers3, powers4;
   always_ff @(posedge clk) begin
-    if (phase == 0) begin
+    first_phase <= rst || phase == 3'd7;
+    if (first_phase) begin
       valids <= {valids[2:0], valid};
       places <= {places[20:0], place};
       rest1 <= rest_in;
