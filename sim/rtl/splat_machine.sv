@@ -115,10 +115,9 @@ module splat_machine #(
   assign record_valid = state == GEOMETRY && stream_valid && gathered == 3'(RECORD - 1);
   assign stream_ready = state == GEOMETRY ? gathered != 3'(RECORD - 1) || record_ready : list_ready;
   always_ff @(posedge clk) begin
-    if (state == GEOMETRY && stream_valid && stream_ready) begin
-      gathered <= gathered == 3'(RECORD - 1) ? 3'd0 : gathered + 1'b1;
-      held <= {stream_word, held[128*(RECORD-1)-1:128]};
-    end
+    if (state == GEOMETRY && stream_valid && stream_ready) gathered <= gathered == 3'(RECORD - 1) ? 3'd0 : gathered + 1'b1;
+    // The last word is taken with the record, and whether that is taken need not reach every bit of the others.
+    if (gathered != 3'(RECORD - 1) && stream_valid) held <= {stream_word, held[128*(RECORD-1)-1:128]};
     if (rst) gathered <= 0;
   end
   setup_unit #(
