@@ -79,7 +79,6 @@ module setup_unit #(
   setup_difference from_eye (
       .clk,
       .rst,
-      .phase,
       .eye_x(eye_x[63:0]),
       .eye_y(eye_y[63:0]),
       .eye_z(eye_z[63:0]),
@@ -313,9 +312,11 @@ module setup_unit #(
   end
 
   logic none;
+  // Packets come in every eighth cycle at most.
   fifo #(
       .BITS(splatline_pkg::PACKET_BITS + 51),
-      .PLACES(PLACES)
+      .PLACES(PLACES),
+      .RESTS(1)
   ) queue (
       .clk,
       .rst,
