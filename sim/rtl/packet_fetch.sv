@@ -76,13 +76,14 @@ module packet_fetch #(
   logic [128*(WORDS-1)-1:0] held;
   logic whole, moves;
   assign whole = gathered == INDEX'(WORDS - 1);
-  assign moves = !packet_valid || packet_ready;
+  // A packet's place is free for a cycle before the next one comes, which takes as long anyway: so nothing before it hangs on who takes it.
+  assign moves = !packet_valid;
   assign word_out_ready = !whole || moves;
   always_ff @(posedge clk) begin
     if (moves) begin
       packet_valid <= word_out_valid && whole;
       packet <= {word_out, held};
-    end
+    end else if (packet_ready) packet_valid <= 0;
     if (word_out_valid && word_out_ready) begin
       gathered <= whole ? '0 : gathered + 1'b1;
       held <= {word_out, held[128*(WORDS-1)-1:128]};

@@ -10,14 +10,13 @@
 module setup_difference (
     input logic clk,
     input logic rst,
-    input logic [2:0] phase,
     input logic signed [63:0] eye_x,
     input logic signed [63:0] eye_y,
     input logic signed [63:0] eye_z,
     input logic signed [15:0] eye_exponent,
     input logic signed [15:0] eye_top,  // one above the leading bit of the largest coordinate
     input logic [287:0] rotation,  // of the axes, row by row, 30 fraction bits
-    // Taken in phase 0; `place` says which core and side it is for.
+    // Taken in phase 0, the first after a reset and then every eighth cycle; `place` says which core and side it is for.
     input logic valid,
     input splatline_setup_pkg::record_t record,
     input logic [6:0] place,
@@ -41,6 +40,8 @@ module setup_difference (
   // Four records follow each other, eight cycles apart.
   logic [3:0] valids;
   logic [27:0] places;
+  logic [2:0] phase;
+  logic first_phase;  // phase 0, in a register of its own: it reaches every bit of the records
   logic [359:0] rest1, rest2, rest3, rest4, rest_in;
   logic [95:0] centre1;
   logic [29:0] exponents1;
@@ -54,7 +55,9 @@ module setup_difference (
   assign rest_in[359:324] = {4'd0, record.weight};
   logic [39:0] powers1, powers2, powers3, powers4;
   always_ff @(posedge clk) begin
-    if (phase == 0) begin
+    phase <= rst ? 3'd0 : phase + 1'b1;
+    first_phase <= rst || phase == 3'd7;
+    if (first_phase) begin
       valids <= {valids[2:0], valid};
       places <= {places[20:0], place};
       rest1 <= rest_in;

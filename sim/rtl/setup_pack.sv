@@ -47,6 +47,7 @@ module setup_pack (
   logic signed [31:0] peak0;
   logic signed [17:0] peak_exponent0;
   logic valid0, valid1, valid2;
+  logic ends;  // phase 7, in a register of its own: it reaches every bit of the words
   assign {word_a, word_a_exponent, word_b, word_b_exponent} = word;
   // A position in one word of which the core took a part for its exponent, or the lower half of one.
   localparam FAINT = splatline_setup_pkg::FAINT;
@@ -70,10 +71,11 @@ module setup_pack (
       3'd6: {conic_exponent0, peak0, peak_exponent0} <= {word_a_exponent, word_b[31:0], word_b_exponent};
       default: ;
     endcase
+    ends <= phase == 3'd6;
     if (rst) {valid0, valid1, valid2} <= 0;
     else begin
       if (phase == 0) valid0 <= valid;
-      if (phase == 7) {valid1, valid2} <= {valid0, valid1};
+      if (ends) {valid1, valid2} <= {valid0, valid1};
     end
   end
 
@@ -84,7 +86,7 @@ module setup_pack (
   logic signed [17:0] shear_exponent1, vertical_exponent1;
   logic signed [32:0] cutoff1;
   always_ff @(posedge clk) begin
-    if (phase == 7) begin
+    if (ends) begin
       {u1, v1, cutoff1} <= {high_u0, u0, high_v0, v0, cutoff0};
       if (FAINT == 0) {u1[63:32], v1[63:32]} <= {word_a[31:0], word_b[31:0]};
       {peak1, peak_exponent1} <= {peak0, peak_exponent0};
@@ -190,7 +192,7 @@ module setup_pack (
     extent <= fixed_out[62:0] + {10'd0, fixed_out[62:10]};
     // The largest of three exponents, one comparison a cycle: two of them are there in phase 6, the third in phase 7.
     largest0 <= horizontal_exponent0 > cross_exponent0 ? horizontal_exponent0 : cross_exponent0;
-    if (phase == 7) largest1 <= largest0 > conic_exponent0 ? largest0 : conic_exponent0;
+    if (ends) largest1 <= largest0 > conic_exponent0 ? largest0 : conic_exponent0;
   end
 
   // A mantissa's exponent with the packet's bits, and whether it has a place there.
@@ -221,7 +223,7 @@ module setup_pack (
   splatline_pkg::footprint_t known2;
 
   always_ff @(posedge clk) begin
-    if (phase == 7) begin
+    if (ends) begin
       {degenerate2, cutoff2} <= {degenerate, cutoff1[31:0]};
       peak_fixed <= peak1 <= 0 ? '0 : fixed_far[3] || fixed_out >> (splatline_pkg::PEAK + 4) != 0 ? PEAK_TOP :
           fixed_out[splatline_pkg::PEAK+4:0];
@@ -296,7 +298,7 @@ module setup_pack (
     outside <= first >= last;
     faint <= peak_even == 0;
 
-    if (phase == 7) {range, range_u} <= {range7, range_extent7};
+    if (ends) {range, range_u} <= {range7, range_extent7};
     if (phase == 0) begin
       packet <= known2;
       {range, range_v, packet.centre_v} <= {range || range7, range_extent7, centre[27+SUBPIXEL:0]};

@@ -1,9 +1,9 @@
 // Splat setup: records of volume splats in, footprint packets out, in the same order, each with the reason for which it is culled (0: none; 1 near,
 // 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside). Packet and reason equal those of the kernel's `setup` (src/setup).
 //
-//   record -> setup_difference -> CORES x setup_core -> setup_pack -> fifo
+//   record -> setup_difference -> CORES x setup_core -> setup_pack -> fifo; cores stand in pairs (setup_pair.sv)
 //
-// The program of a splat has ROUND slots (splatline_setup_pkg, generated). All cores obey the same slot in the same cycle, each for its own splat, so that
+// The program of a splat has ROUND slots (splatline_setup_pkg, generated). All cores obey the same slot, pair after pair, each for its own splat, so that
 // a round takes up to CORES splats in: one in ROUND / CORES cycles, in eight at best. That is the trade of multipliers for speed: a core has
 // four multipliers of 18 bits. What needs 64 bits once for a splat stands before and behind the cores, once for all of them.
 //
@@ -78,7 +78,6 @@ module setup_unit #(
   setup_difference from_eye (
       .clk,
       .rst,
-      .phase,
       .eye_x(eye_x[63:0]),
       .eye_y(eye_y[63:0]),
       .eye_z(eye_z[63:0]),
@@ -202,88 +201,61 @@ module setup_unit #(
     kept21 <= slot20.normal ? ~17'd1 << slot20.drop : ~17'd0;
   end
 
-  // Cores, and the words that leave them.
-  logic [1:0] out2;
-  logic [3:0] out_place2;
+  // The cores, pair after pair: what they are told, and the words that leave them.
   logic side1, side2;
-  assign out2 = {slot2.out && slot2.word[0], slot2.out && !slot2.word[0]};
-  assign out_place2 = {side2, slot2.word[3:1]};
+  logic [5:0] drain_core;
+  splatline_setup_pkg::step_t step;
   always_ff @(posedge clk) {side1, side2} <= {side, side1};
-
-  logic [5:0] drain_core, drain_core1;
-  logic [2:0] drain_word;
-  // One core's word: the others' are 0.
-  logic [CORES*WORD-1:0] chosen_words;
-  logic [WORD-1:0] chosen;
-  always_comb begin
-    chosen = 0;
-    for (int core = 0; core < CORES; core = core + 1) chosen = chosen | chosen_words[core*WORD+:WORD];
-  end
-  logic [51*CORES-1:0] registers_a, registers_b, core_results;
-  logic [9*CORES-1:0] indices;
-  logic [32*CORES-1:0] entries;
+  assign step = {
+    slots,
+    unread_a0,
+    unread_b0,
+    a_place,
+    b_place,
+    writes,
+    write_place,
+    slot1.a_constant ? {constant1[81:64], constant1[32:0]} : 51'd0,
+    constant3[32:0],
+    right3,
+    start17,
+    half21,
+    kept21,
+    side,
+    side2,
+    beat_valid,
+    beat_place[5:0],
+    beat_place[6],
+    phase - 3'd1,
+    beat,
+    drain_core,
+    drain_side,
+    phase
+  };
+  localparam PAIRS = (CORES + 1) / 2;
+  localparam STEP = $bits(step);
+  logic [(PAIRS+1)*STEP-1:0] steps;
+  logic [(PAIRS+1)*WORD-1:0] words;
+  assign steps[0+:STEP] = step;
+  assign words[0+:WORD] = 0;
   genvar i;
   generate
-    for (i = 0; i < CORES; i = i + 2) begin : gen_memory
-      localparam PAIR = i + 1 < CORES ? 2 : 1;
-      setup_memory #(
-          .CORES(PAIR)
-      ) memory (
+    for (i = 0; i < PAIRS; i = i + 1) begin : gen_pair
+      setup_pair #(
+          .CORES(2 * i + 1 < CORES ? 2 : 1)
+      ) pair (
           .clk,
-          .write(writes),
-          .write_place,
-          .results(core_results[51*i+:51*PAIR]),
-          .unread_a(unread_a0),
-          .unread_b(unread_b0),
-          .a_place,
-          .b_place,
-          .a(registers_a[51*i+:51*PAIR]),
-          .b(registers_b[51*i+:51*PAIR]),
-          .entry(slot2.entry),
-          .index(indices[9*i+:9*PAIR]),
-          .found(entries[32*i+:32*PAIR])
+          .told(steps[i*STEP+:STEP]),
+          .tells(steps[(i+1)*STEP+:STEP]),
+          .word_in(words[i*WORD+:WORD]),
+          .word_out(words[(i+1)*WORD+:WORD])
       );
-    end
-    for (i = 0; i < CORES; i = i + 1) begin : gen_core
-      logic [50:0] leaves2;
-      (* ram_style = "distributed" *) logic [50:0] even_results[0:15];
-      (* ram_style = "distributed" *) logic [50:0] odd_results[0:15];
-      logic [WORD-1:0] result;
-      setup_core core (
-          .clk,
-          .slots,
-          .register_a1(registers_a[51*i+:51]),
-          .register_b1(registers_b[51*i+:51]),
-          .result23(core_results[51*i+:51]),
-          .index2(indices[9*i+:9]),
-          .table3(entries[32*i+:32]),
-          .constant1(slot1.a_constant ? {constant1[81:64], constant1[32:0]} : 51'd0),
-          .picked3(constant3[32:0]),
-          .right3,
-          .start17,
-          .half21,
-          .kept21,
-          .load(beat_valid && beat_place[5:0] == 6'(i)),
-          .load_place({beat_place[6], phase - 3'd1}),
-          .load_beat(beat),
-          .side,
-          .out2(leaves2)
-      );
-      always_ff @(posedge clk) begin
-        if (out2[0]) even_results[out_place2] <= leaves2;
-        if (out2[1]) odd_results[out_place2] <= leaves2;
-        result <= drain_core == 6'(i) ? {even_results[{drain_side, drain_word}], odd_results[{drain_side, drain_word}]} :
-            {WORD{1'b0}};
-      end
-      assign chosen_words[i*WORD+:WORD] = result;
     end
   endgenerate
 
   // Results leave core by core, a splat in eight cycles, if the queue has a place for its packet.
-  logic draining, begins, free, drain_valid1, drain_valid2;
+  logic draining, begins, free;
+  logic [PAIRS:0] drain_valids;
   logic [5:0] drain_count;
-  logic [WORD-1:0] word;
-  assign drain_word = phase;
   assign drain_count = drain_side ? pending_count[11:6] : pending_count[5:0];
   assign begins = phase == 0 && pending[drain_side] && free;
   assign drained = phase == 7 && draining && drain_core + 1'b1 == drain_count;
@@ -295,10 +267,8 @@ module setup_unit #(
     end
     // Rounds without splats leave no results.
     if (drained || (!pending[drain_side] && pending[!drain_side])) drain_side <= !drain_side;
-    drain_core1 <= drain_core;
-    word <= chosen;
-    {drain_valid1, drain_valid2} <= {begins, drain_valid1};
-    if (rst) {draining, drain_core, drain_side, drain_valid1, drain_valid2} <= 0;
+    drain_valids <= {drain_valids[PAIRS-1:0], begins};
+    if (rst) {draining, drain_core, drain_side, drain_valids} <= 0;
   end
 
   logic packed_valid;
@@ -307,9 +277,9 @@ module setup_unit #(
   logic [47:0] packed_depth;
   splatline_pkg::footprint_t packed_packet;
   logic [95:0] colour;
-  // Two phases behind, in a register of its own: it reaches every bit of a splat's words.
+  // As far behind as the words are that come through all pairs, in a register of its own: it reaches every bit of them.
   logic [2:0] pack_phase;
-  always_ff @(posedge clk) pack_phase <= phase - 3'd1;
+  always_ff @(posedge clk) pack_phase <= phase - 3'(PAIRS);
   setup_pack pack (
       .clk,
       .rst,
@@ -324,8 +294,8 @@ module setup_unit #(
       .far_negative(far[63]),
       .far(far[62:0]),
       .far_leading(far[81:64]),
-      .valid(drain_valid2),
-      .word,
+      .valid(drain_valids[PAIRS]),
+      .word(words[PAIRS*WORD+:WORD]),
       .packet_valid(packed_valid),
       .packet_taken(packed_taken),
       .colour,
@@ -346,9 +316,11 @@ module setup_unit #(
   end
 
   logic none;
+  // Packets come in every eighth cycle at most.
   fifo #(
       .BITS(splatline_pkg::PACKET_BITS + 51),
-      .PLACES(PLACES)
+      .PLACES(PLACES),
+      .RESTS(1)
   ) queue (
       .clk,
       .rst,

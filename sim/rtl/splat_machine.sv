@@ -107,19 +107,18 @@ module splat_machine #(
   // Records to packets.
   logic record_valid, record_ready, setup_valid, setup_ready, list_ready;
   logic [2:0] gathered, cull;
-  logic [128*(RECORD-1)-1:0] held;
   logic [128*RECORD-1:0] record_words;
   logic [47:0] depth;
   splatline_pkg::footprint_t footprint;
-  assign record_words = {stream_word, held};
-  assign record_valid = state == GEOMETRY && stream_valid && gathered == 3'(RECORD - 1);
-  assign stream_ready = state == GEOMETRY ? gathered != 3'(RECORD - 1) || record_ready : list_ready;
+  // The whole record, so that whether it is taken need not reach the stream: its words come in fewer cycles than lie between two records.
+  assign record_valid = gathered == 3'(RECORD);
+  assign stream_ready = state == GEOMETRY ? !record_valid : list_ready;
   always_ff @(posedge clk) begin
     if (state == GEOMETRY && stream_valid && stream_ready) begin
-      gathered <= gathered == 3'(RECORD - 1) ? 3'd0 : gathered + 1'b1;
-      held <= {stream_word, held[128*(RECORD-1)-1:128]};
+      gathered <= gathered + 1'b1;
+      record_words <= {stream_word, record_words[128*RECORD-1:128]};
     end
-    if (rst) gathered <= 0;
+    if (rst || (record_valid && record_ready)) gathered <= 0;
   end
   setup_unit #(
       .CORES(CORES)

@@ -85,7 +85,7 @@ module splat_primitive #(
   state_t state;
   splatline_pkg::window_t window;
   // The buffer that is drawn into; the other one is read out, or clear.
-  logic side, reading;
+  logic side, side_next, reading;
   // Buffers that belong to the scan: the one that is not drawn into, or both. Each lane has registers of its own for its banks.
   logic [1:0] scanned, scanned_next;
   // The lanes may move in the next cycle.
@@ -164,12 +164,13 @@ module splat_primitive #(
     else if (state == CLEAR) scanned_next = &clear_address ? 2'b10 : 2'b11;
     else scanned_next = finishes ? ~scanned : scanned;
   end
-  always_ff @(posedge clk) scanned <= scanned_next;
+  // Each lane has a register of its own for the side, too.
+  assign side_next = !rst && side != finishes;
+  always_ff @(posedge clk) {scanned, side} <= {scanned_next, side_next};
 
   always_ff @(posedge clk) begin
     if (rst) begin
       state <= CLEAR;
-      side <= 0;
       clear_address <= 0;
       pixel_valid <= 0;
       word_valid <= 0;
@@ -188,7 +189,6 @@ module splat_primitive #(
         DRAW:
         if (finishes) begin
           state <= IDLE;
-          side <= !side;
         end
         default: state <= CLEAR;
       endcase
@@ -223,12 +223,8 @@ module splat_primitive #(
     read_word = '0;
     for (int i = 0; i < LANES; i = i + 1) read_word = read_word | words[i*WORD_BITS+:WORD_BITS];
   end
-  logic [ROW_BITS-1:0] word_row, read_row;
-  always_ff @(posedge clk)
-    if (scan_moves) begin
-      word_row <= scan_row;
-      read_row <= word_row;
-    end
+  logic [ROW_BITS-1:0] word_row;
+  always_ff @(posedge clk) if (scan_moves) word_row <= scan_row;
 
   genvar l;
   generate
@@ -243,7 +239,7 @@ module splat_primitive #(
     for (l = 0; l < LANES; l = l + 1) begin : gen_lane
       logic mine, queued, taken, empty, inside0, inside1, inside2, inside3, inside4, inside5, lane_quiet, blend_quiet;
       // A register for each part of each lane, kept although all say the same: one alone would have to reach thousands of others.
-      logic moves, table_moves, blend_moves, bank_moves;
+      logic moves, table_moves, blend_moves, bank_moves, drawn;
       logic [1:0] banks_scanned;
       splatline_pkg::run_t queued_run;
       logic [splatline_pkg::RADIAL+3:0] radial;
@@ -277,6 +273,7 @@ module splat_primitive #(
           bank_moves <= may_move;
         end
         banks_scanned <= scanned_next;
+        drawn <= side_next;
       end
 
       assign queue_takes = slot_valid && slot_has_run && mine;
@@ -378,12 +375,12 @@ module splat_primitive #(
           .colour_slot,
           .colour11(colour_found),
           .transmittance_read_address,
-          .transmittance_read(side ? transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS] : transmittances[0+:TRANSMITTANCE_BITS]),
+          .transmittance_read(drawn ? transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS] : transmittances[0+:TRANSMITTANCE_BITS]),
           .transmittance_write,
           .transmittance_write_address,
           .transmittance_word,
           .colour_read_address,
-          .colour_read(side ? colours[COLOUR_BITS+:COLOUR_BITS] : colours[0+:COLOUR_BITS]),
+          .colour_read(drawn ? colours[COLOUR_BITS+:COLOUR_BITS] : colours[0+:COLOUR_BITS]),
           .colour_write,
           .colour_write_address,
           .colour_word,
@@ -391,7 +388,7 @@ module splat_primitive #(
       );
       logic [WORD_BITS-1:0] scanned_word;
       assign words[l*WORD_BITS+:WORD_BITS] = mine_in_word ? scanned_word : '0;
-      assign scanned_word = side ? {transmittances[0+:TRANSMITTANCE_BITS], colours[0+:COLOUR_BITS]} : {transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS], colours[COLOUR_BITS+:COLOUR_BITS]};
+      assign scanned_word = drawn ? {transmittances[0+:TRANSMITTANCE_BITS], colours[0+:COLOUR_BITS]} : {transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS], colours[COLOUR_BITS+:COLOUR_BITS]};
 
       // The lane owns the bank of the side that is drawn, the scan the other one; it clears what it has read.
       logic clears, mine_in_scan, mine_in_word;
@@ -403,7 +400,7 @@ module splat_primitive #(
       end else begin : gen_scan_own
         assign scan_address = {scan_row[ROW_BITS-1:LANE_BITS], scan_column};
         assign mine_in_scan = scan_row[LANE_BITS-1:0] == l[LANE_BITS-1:0];
-        assign mine_in_word = read_row[LANE_BITS-1:0] == l[LANE_BITS-1:0];
+        always_ff @(posedge clk) if (scan_moves) mine_in_word <= word_row[LANE_BITS-1:0] == l[LANE_BITS-1:0];
       end
       assign clears = state == CLEAR || (scan_valid && scan_moves && mine_in_scan);
       genvar b;

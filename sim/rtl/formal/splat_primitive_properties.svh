@@ -17,7 +17,7 @@
     for (l = 0; l < LANES; l = l + 1) begin : gen_promises
       assign inside_any[l] = gen_lane[l].inside1 || gen_lane[l].inside2 || gen_lane[l].inside3 || gen_lane[l].inside4 || gen_lane[l].inside5;
       assign writes_astray[l] = (gen_lane[l].transmittance_write || gen_lane[l].colour_write) && gen_lane[l].banks_scanned[side];
-      always_comb if (started && !rst) assert (gen_lane[l].banks_scanned == scanned);
+      always_comb if (started && !rst) assert (gen_lane[l].banks_scanned == scanned && gen_lane[l].drawn == side);
     end
   endgenerate
   assign at_rest = all_idle && inside_any == 0 && &pixels_idle;

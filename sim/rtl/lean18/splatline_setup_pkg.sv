@@ -88,6 +88,32 @@ package splatline_setup_pkg;
   localparam int BEAT_BITS = 88;  // two of them
   localparam int WORD_BITS = 102;  // two words of a splat, which are results with their exponents
 
+  // What all cores obey in a cycle and what comes and goes beside it: one pair of cores hands it to the next (setup_pair.sv). What the fields
+  // mean stands in setup_core.sv and setup_memory.sv.
+  typedef struct packed {
+    logic [24*SLOT_BITS-1:0] slots;  // slot i was issued i cycles ago
+    logic unread_a;
+    logic unread_b;
+    logic [7:0] a_place;
+    logic [7:0] b_place;
+    logic write;
+    logic [7:0] write_place;
+    logic [50:0] constant1;
+    logic [32:0] picked3;
+    logic [50:0] right3;
+    logic [63:0] start17;
+    logic [15:0] half21;
+    logic [16:0] kept21;
+    logic side;  // of the records that are read,
+    logic out_side;  // of the results that `out` slots write
+    logic load;  // a beat of a record comes
+    logic [5:0] load_core;  // to this core, counted from the pair's first,
+    logic [3:0] load_place;
+    logic [BEAT_BITS-1:0] load_beat;
+    logic [5:0] drain_core;  // whose results go,
+    logic [3:0] drain_place;  // this one
+  } step_t;
+
   // The slot that is issued in each cycle of a round.
   function automatic logic [107:0] microcode(input logic [7:0] cycle);
     case (cycle)

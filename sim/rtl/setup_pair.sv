@@ -1,0 +1,96 @@
+// Two cores of the setup unit, or one, with their registers and their results.
+//
+// All cores obey the same slot. Were it sent to all of them at once, thousands of wires would lead from one place all over the device and
+// back. So each pair holds what it is told for a cycle and hands it to the next one, which does the same a cycle later; results go the
+// same way, and leave the last pair as many cycles after they were asked for, whichever core they are from.
+module setup_pair #(
+    parameter CORES = 2
+) (
+    input logic clk,
+    input splatline_setup_pkg::step_t told,
+    output splatline_setup_pkg::step_t tells,
+    // A core's result on its way: the others' are 0.
+    input logic [splatline_setup_pkg::WORD_BITS-1:0] word_in,
+    output logic [splatline_setup_pkg::WORD_BITS-1:0] word_out
+);
+  localparam BITS = splatline_setup_pkg::SLOT_BITS;
+  localparam WORD = splatline_setup_pkg::WORD_BITS;
+
+  splatline_setup_pkg::step_t step;
+  always_ff @(posedge clk) step <= told;
+  always_comb begin
+    tells = step;
+    tells.load_core = step.load_core - 6'd2;
+    tells.drain_core = step.drain_core - 6'd2;
+  end
+
+  splatline_setup_pkg::slot_t slot2;
+  assign slot2 = step.slots[2*BITS+:BITS];
+  logic [51*CORES-1:0] registers_a, registers_b, core_results;
+  logic [9*CORES-1:0] indices;
+  logic [32*CORES-1:0] entries;
+  setup_memory #(
+      .CORES(CORES)
+  ) memory (
+      .clk,
+      .write(step.write),
+      .write_place(step.write_place),
+      .results(core_results),
+      .unread_a(step.unread_a),
+      .unread_b(step.unread_b),
+      .a_place(step.a_place),
+      .b_place(step.b_place),
+      .a(registers_a),
+      .b(registers_b),
+      .entry(slot2.entry),
+      .index(indices),
+      .found(entries)
+  );
+
+  logic [CORES*WORD-1:0] words;
+  genvar i;
+  generate
+    for (i = 0; i < CORES; i = i + 1) begin : gen_core
+      logic [50:0] leaves2;
+      logic loads, drains;  // is it this core's turn?
+      always_ff @(posedge clk) begin
+        loads <= told.load && told.load_core == 6'(i);
+        drains <= told.drain_core == 6'(i);
+      end
+      (* ram_style = "distributed" *) logic [50:0] even_results[0:15];
+      (* ram_style = "distributed" *) logic [50:0] odd_results[0:15];
+      setup_core core (
+          .clk,
+          .slots(step.slots),
+          .register_a1(registers_a[51*i+:51]),
+          .register_b1(registers_b[51*i+:51]),
+          .result23(core_results[51*i+:51]),
+          .index2(indices[9*i+:9]),
+          .table3(entries[32*i+:32]),
+          .constant1(step.constant1),
+          .picked3(step.picked3),
+          .right3(step.right3),
+          .start17(step.start17),
+          .half21(step.half21),
+          .kept21(step.kept21),
+          .load(loads),
+          .load_place(step.load_place),
+          .load_beat(step.load_beat),
+          .side(step.side),
+          .out2(leaves2)
+      );
+      always_ff @(posedge clk) begin
+        if (slot2.out && !slot2.word[0]) even_results[{step.out_side, slot2.word[3:1]}] <= leaves2;
+        if (slot2.out && slot2.word[0]) odd_results[{step.out_side, slot2.word[3:1]}] <= leaves2;
+      end
+      assign words[i*WORD+:WORD] = drains ? {even_results[step.drain_place], odd_results[step.drain_place]} : {WORD{1'b0}};
+    end
+  endgenerate
+
+  logic [WORD-1:0] chosen;
+  always_comb begin
+    chosen = word_in;
+    for (int core = 0; core < CORES; core = core + 1) chosen = chosen | words[core*WORD+:WORD];
+  end
+  always_ff @(posedge clk) word_out <= chosen;
+endmodule
