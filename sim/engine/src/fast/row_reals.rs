@@ -9,7 +9,7 @@
 
 use super::lanes::Doubles;
 use super::lanes::singles::HAS_FUSED_ADD;
-use super::rows::{RowWords, Runs, longest_rest, most_bits, seeds};
+use super::rows::{Runs, SeedWords, SquaredWidth, columns_of_runs, longest_rest, most_bits, seeds};
 use super::setup::number::Arithmetic;
 use splatline::raster::{BLOCK, REST, RowBlock, RowConstants};
 
@@ -54,7 +54,8 @@ fn splat<L: Doubles>(lanes: L, value: f64) -> L::Word {
 /// What is the same for all rows of a footprint.
 pub struct RowReals<'a, L: Doubles> {
     math: Arithmetic<L>,
-    words: &'a RowWords<L>,
+    constants: &'a RowConstants<i64>,
+    seeds: SeedWords<L>,
     columns: [f64; 2],
     /// Change of the centre per row.
     shear: f64,
@@ -92,8 +93,8 @@ pub struct RealSpan<L: Doubles> {
 impl<'a, L: Doubles> RowReals<'a, L> {
     /// Of a footprint whose words are [tame](super::rows::is_tame).
     #[inline(always)]
-    pub fn new(math: Arithmetic<L>, words: &'a RowWords<L>, constants: &RowConstants<i64>) -> Self {
-        let lanes = math.lanes;
+    pub fn new(math: Arithmetic<L>, constants: &'a RowConstants<i64>) -> Self {
+        let (lanes, seeds) = (math.lanes, SeedWords::new(math, constants));
         let below = constants.vertical_fraction.saturating_sub(REST);
         let scale = power(-(below as i32));
         let (mantissa, odd, half) = constants.squared_width;
@@ -105,8 +106,7 @@ impl<'a, L: Doubles> RowReals<'a, L> {
         let farthest = power(most_bits(constants) as i32 + unit_of_dx) * (1.0 - 1.0 / 1024.0);
         RowReals {
             math,
-            words,
-            columns: words.columns.map(|column| column as f64),
+            columns: columns_of_runs(constants).map(f64::from),
             shear: constants.shear as f64 * power(-32),
             curve: constants.curve as f64,
             scale,
@@ -121,7 +121,9 @@ impl<'a, L: Doubles> RowReals<'a, L> {
             ),
             to_dx: splat(lanes, -power(-unit_of_dx)),
             to_down: splat(lanes, power(below as i32 - drop as i32)),
-            turn_of_down: math.sub(splat(lanes, WHOLE), math.turn_of(words.drop_vertical)),
+            turn_of_down: math.sub(splat(lanes, WHOLE), math.turn_of(seeds.drop_vertical)),
+            constants,
+            seeds,
         }
     }
 
@@ -240,7 +242,8 @@ impl<'a, L: Doubles> RowReals<'a, L> {
     fn half_by_table(&self, narrow: L::Word) -> L::Word {
         let lanes = self.math.lanes;
         let narrow = self.word(lanes.double_add(narrow, self.splat(WHOLE)));
-        let half = self.words.squared_width.half_of(self.math, narrow);
+        let table = SquaredWidth::new(self.math, self.constants);
+        let half = table.half_of(self.math, narrow);
         let mut halves = [0; 8];
         lanes.wide_store(&mut halves, half);
         for half in &mut halves {
@@ -262,7 +265,7 @@ impl<'a, L: Doubles> RowReals<'a, L> {
         let x = lanes.double_sub(whole, left);
         let end = lanes.double_add(whole, end);
         let columns = [self.word(x), self.word(end)];
-        seeds(self.math, self.words, columns, [self.word(dx), span.down])
+        seeds(self.math, &self.seeds, columns, [self.word(dx), span.down])
     }
 
     /// Is something left of the cut-off that table or seeds do not take? Not 0 where it is.

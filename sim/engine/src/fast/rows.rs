@@ -214,9 +214,7 @@ impl RowBatch {
             return false;
         }
         let math = Arithmetic { lanes };
-        let words = RowWords::new(math, constants);
-        self.fill_in_reals(math, &words, constants, left)
-            || self.fill_in_words(math, &words, constants, left)
+        self.fill_in_reals(math, constants, left) || self.fill_in_words(math, constants, left)
     }
 
     /// The same with all of a row in words; `false` where they are too large.
@@ -224,16 +222,16 @@ impl RowBatch {
     fn fill_in_words<L: Wide>(
         &mut self,
         math: Arithmetic<L>,
-        words: &RowWords<L>,
         constants: &RowConstants<i64>,
         left: u16,
     ) -> bool {
         if !self.recurrences.fill(constants) {
             return false;
         }
+        let words = RowWords::new(math, constants);
         let mut large = math.splat(0);
         for number in self.touched() {
-            let far = self.blocks[number].fill(math, words, &self.recurrences, left, number);
+            let far = self.blocks[number].fill(math, &words, &self.recurrences, left, number);
             large = math.max(large, far);
         }
         is_zero(math.lanes, excess(math.lanes, constants, large))
@@ -244,11 +242,10 @@ impl RowBatch {
     fn fill_in_reals<L: Doubles>(
         &mut self,
         math: Arithmetic<L>,
-        words: &RowWords<L>,
         constants: &RowConstants<i64>,
         left: u16,
     ) -> bool {
-        let reals = RowReals::new(math, words, constants);
+        let reals = RowReals::new(math, constants);
         let first = constants.rows[0];
         let mut longest = math.splat(0);
         let count = usize::from(constants.rows[1].saturating_sub(first)).min(ROWS);
@@ -317,17 +314,43 @@ pub struct Runs<L: Wide> {
 
 /// What is the same for all rows of a footprint, on vectors.
 pub struct RowWords<L: Wide> {
-    /// First column that runs may begin at, from the block that the window begins in, and one past the last.
-    pub columns: [i64; 2],
+    columns: [i64; 2],
     reach: L::Word,
-    /// See [`SquaredWidth`].
-    pub squared_width: SquaredWidth<L>,
+    squared_width: SquaredWidth<L>,
+    drop_dx: RoundingShift<L>,
+    turn_of_dx: L::Word,
+    seeds: SeedWords<L>,
+}
+
+impl<L: Wide> RowWords<L> {
+    /// Of a footprint whose words are [tame](is_tame), or of whatever.
+    #[inline(always)]
+    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
+        let drop_dx = math.drop(constants.drops.0);
+        RowWords {
+            columns: columns_of_runs(constants).map(i64::from),
+            reach: math.splat(constants.reach),
+            squared_width: SquaredWidth::new(math, constants),
+            drop_dx,
+            turn_of_dx: math.turn_of(drop_dx),
+            seeds: SeedWords::new(math, constants),
+        }
+    }
+}
+
+/// First column that runs may begin at, from the block that the window begins in, and one past the last.
+#[inline(always)]
+pub fn columns_of_runs(constants: &RowConstants<i64>) -> [u16; 2] {
+    let ([first, last], [visible, end]) = (constants.bounds, constants.visible);
+    [first.max(visible - visible % BLOCK), last.min(end)]
+}
+
+/// What the seeds of a footprint's runs are computed from.
+pub struct SeedWords<L: Wide> {
     horizontal: L::Word,
     /// Without what the shifts beside them leave too large.
     start: L::Word,
     unit: L::Word,
-    drop_dx: RoundingShift<L>,
-    turn_of_dx: L::Word,
     drop_along: RoundingShift<L>,
     drop_radial: RoundingShift<L>,
     /// Right shift from the vertical distance to the radial index.
@@ -337,22 +360,17 @@ pub struct RowWords<L: Wide> {
     raises: [L::Word; 2],
 }
 
-impl<L: Wide> RowWords<L> {
-    /// Of a footprint whose words are [tame](is_tame), or of whatever.
+impl<L: Wide> SeedWords<L> {
+    /// Of a footprint.
     #[inline(always)]
     pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
-        let RowConstants {
-            bounds: [first, last],
-            visible: [visible, end],
-            ..
-        } = *constants;
-        let (drop_dx, bits, drop_radial, drop_first) = constants.drops;
+        let (_, bits, drop_radial, drop_first) = constants.drops;
         let raises = [drop_radial, drop_first].map(|drop| drop.min(0).unsigned_abs());
         let [drop_radial, drop_first] = [drop_radial, drop_first].map(|drop| drop.max(0) as u32);
         let drop_vertical = constants
             .vertical_fraction
             .saturating_sub(constants.fraction);
-        let (drop_dx, drop_along) = (math.drop(drop_dx), math.drop(bits));
+        let drop_along = math.drop(bits);
         let (drop_radial, drop_first) = (math.drop(drop_radial), math.drop(drop_first));
         let drop_vertical = math.drop(drop_vertical);
         // A left shift drops the turn.
@@ -360,18 +378,10 @@ impl<L: Wide> RowWords<L> {
         let turn = math.lanes.wide_shl(math.turn_of(drop_radial), raises[0]);
         let turns = math.add(turn, math.turn_of(drop_vertical));
         let turn = math.lanes.wide_shl(math.turn_of(drop_first), raises[1]);
-        RowWords {
-            columns: [
-                first.max(visible - visible % BLOCK).into(),
-                last.min(end).into(),
-            ],
-            reach: math.splat(constants.reach),
-            squared_width: SquaredWidth::new(math, constants),
+        SeedWords {
             horizontal: math.splat(constants.horizontal),
             start: math.sub(math.splat(constants.start), turns),
             unit: math.sub(math.splat(constants.unit), turn),
-            drop_dx,
-            turn_of_dx: math.turn_of(drop_dx),
             drop_along,
             drop_radial,
             drop_vertical,
@@ -404,15 +414,15 @@ pub fn runs<L: Wide>(
     let open = math.greater(end, x);
     let far = math.select(zero, math.magnitude(dx), open);
     *large = math.max(*large, far);
-    let down = math.dropped(vertical, rows.drop_vertical);
-    seeds(math, rows, [x, end], [dx, down])
+    let down = math.dropped(vertical, rows.seeds.drop_vertical);
+    seeds(math, &rows.seeds, [x, end], [dx, down])
 }
 
 /// The runs between the columns of each row, `dx` from the centre and with so much, not turned back, from the vertical distance.
 #[inline(always)]
 pub fn seeds<L: Wide>(
     math: Arithmetic<L>,
-    rows: &RowWords<L>,
+    rows: &SeedWords<L>,
     [x, end]: [L::Word; 2],
     [dx, down]: [L::Word; 2],
 ) -> Runs<L> {

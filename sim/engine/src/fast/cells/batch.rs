@@ -12,14 +12,14 @@ use splatline::draw::Coverage;
 use splatline::raster::{RowConstants, Window};
 
 /// What a footprint's rows in a tile and its pixels are computed from.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct CellFootprint {
     pub rows: RowConstants<i64>,
     pub numbers: FusedSplatNumbers,
 }
 
-/// Gives what is needed of the footprint that a list begins with; nothing if vectors cannot draw it.
-pub type Prepare<'a> = dyn Fn(&[u32]) -> Option<CellFootprint> + 'a;
+/// Gives what is needed, within a window, of the footprint that a list begins with; nothing if vectors cannot draw it.
+pub type Prepare<'a> = dyn Fn(&[u32], &Window) -> Option<CellFootprint> + 'a;
 
 /// What is left of a footprint when its cells have been listed.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,7 +48,7 @@ impl<const DEEP: bool> Batch<DEEP> {
     }
 
     /// Lists the cells of as many footprints from the list's start as there is room for, and returns their number: 0 if vectors cannot
-    /// draw the first one.
+    /// draw the first one. `live` is the part of the tile's window that is painted.
     #[inline(always)]
     pub fn fill<L: Fused>(
         &mut self,
@@ -56,6 +56,7 @@ impl<const DEEP: bool> Batch<DEEP> {
         list: &[u32],
         prepare: &Prepare,
         window: &Window,
+        live: &Window,
     ) -> usize {
         self.parts.clear();
         let mut count = 0;
@@ -63,7 +64,7 @@ impl<const DEEP: bool> Batch<DEEP> {
             if self.parts.is_full() {
                 break;
             }
-            let Some(CellFootprint { rows, numbers }) = prepare(&list[count..]) else {
+            let Some(CellFootprint { rows, numbers }) = prepare(&list[count..], live) else {
                 break;
             };
             if !self.parts.fill(lanes, &rows, window) {

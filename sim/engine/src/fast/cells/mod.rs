@@ -38,19 +38,20 @@ pub struct FusedPainter<D> {
     rules: Rules,
     scheme: FusedScheme,
     lanes: FusedLanes,
+    counts: bool,
 }
 
 impl<D: Design> FusedPainter<D> {
-    /// A painter for a design and rules; `None` under widths or on a processor that cannot.
-    pub fn new(design: D, rules: &Rules, choice: VectorLevel) -> Option<Self> {
+    /// A painter for a design and rules; `None` under widths or on a processor that cannot. Pixels are counted if `counts` asks for it.
+    pub fn new(design: D, rules: &Rules, choice: VectorLevel, counts: bool) -> Option<Self> {
         if choice != VectorLevel::Best {
             return None;
         }
-        Self::on(design, rules, FusedLanes::detect()?)
+        Self::on(design, rules, FusedLanes::detect()?, counts)
     }
 
     /// The same on these lanes.
-    pub fn on(design: D, rules: &Rules, lanes: FusedLanes) -> Option<Self> {
+    pub fn on(design: D, rules: &Rules, lanes: FusedLanes, counts: bool) -> Option<Self> {
         let table = TableMemory::new(&design.widths(), rules);
         let scheme = FusedScheme::new(&design.widths(), rules, &table.table(), D::Lane::BITS)?;
         Some(FusedPainter {
@@ -59,6 +60,7 @@ impl<D: Design> FusedPainter<D> {
             rules: *rules,
             scheme,
             lanes,
+            counts,
         })
     }
 
@@ -74,6 +76,9 @@ impl<D: Design> FusedPainter<D> {
             prefetch(footprint(next));
         }
         let footprint = footprint(list.first()?).as_ref().ok()?;
+        if Window::of(footprint).intersect(window).is_empty() {
+            return Some(CellFootprint::default());
+        }
         let rows = EllipseSpans::new(self.design, footprint, window)
             .constants()
             .widened();
@@ -112,18 +117,24 @@ impl<D: Design + Send + Sync> TilePainter for FusedPainter<D> {
     ) -> Coverage {
         let scale = self.scheme.scale();
         let tile = scratch.cells.get_or_insert_with(|| CellTile::new(scale));
-        self.lanes.run(CellPainting {
+        let coverage = self.lanes.run(CellPainting {
             scheme: &self.scheme,
             rules: &self.rules,
-            prepare: &|list| self.prepare(footprints, list, &window),
+            prepare: &|list, live| self.prepare(footprints, list, live),
             scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
             tile,
             window,
             clear: Pixel::clear(&self.design.widths()),
             list,
             start,
+            counts: self.counts,
             pixels,
-        })
+        });
+        if self.counts {
+            coverage
+        } else {
+            Coverage::default()
+        }
     }
 }
 
@@ -139,6 +150,7 @@ struct CellPainting<'a> {
     clear: Pixel,
     list: &'a [u32],
     start: Start,
+    counts: bool,
     /// The tile's pixels, row by row.
     pixels: &'a mut [Pixel],
 }
@@ -170,19 +182,22 @@ impl CellPainting<'_> {
             clear,
             list,
             start,
+            counts,
             pixels,
         } = self;
         let path = FusedPixels::<L, STOP_BEFORE, DEEP>::new(lanes, scheme, rules);
         let mut coverage = Coverage::default();
         let mut batch = Batch::<DEEP>::new();
         tile.open(window, clear, scheme.scale());
+        let mut live = window;
         if start == Start::Resumed {
             tile.set_pixels(pixels);
+            live = tile.live_window().filter(|_| !counts).unwrap_or(window);
         }
         for chunk in list.chunks(CHECK_INTERVAL) {
             let mut rest = chunk;
             while let Some((first, others)) = rest.split_first() {
-                let listed = batch.fill(lanes, rest, prepare, &window);
+                let listed = batch.fill(lanes, rest, prepare, &window, &live);
                 coverage += batch.paint(&path, listed, tile.cells());
                 rest = if listed == 0 {
                     coverage += scalar(*first, tile);
@@ -191,8 +206,10 @@ impl CellPainting<'_> {
                     &rest[listed..]
                 };
             }
-            if tile.is_finished() {
-                break;
+            match tile.live_window() {
+                Some(_) if counts => {}
+                Some(smaller) => live = smaller,
+                None => break,
             }
         }
         let columns = usize::from(window.end[0] - window.first[0]).max(1);

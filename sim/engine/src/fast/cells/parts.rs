@@ -119,7 +119,7 @@ impl<const DEEP: bool> CellParts<DEEP> {
     }
 
     /// Lists the cells of a footprint's rows within the window; `false` and none of them if a word was too long for vectors. The list must
-    /// not be full.
+    /// not be full. The window is the tile's; rows and columns of the constants may be fewer.
     #[inline(always)]
     pub fn fill<L: Fused>(
         &mut self,
@@ -132,6 +132,9 @@ impl<const DEEP: bool> CellParts<DEEP> {
         let mut visited = math.splat(0);
         let [top, bottom] = constants.rows;
         let count = bottom.saturating_sub(top).min(TILE[1]);
+        if count == 0 {
+            return true;
+        }
         let offset = top.wrapping_sub(window.first[1]) % TILE[1];
         if !stays_near(constants, usize::from(count)) {
             return false;

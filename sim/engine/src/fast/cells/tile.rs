@@ -108,12 +108,30 @@ impl CellTile {
         &mut self.cells
     }
 
-    /// Have all its pixels finished?
+    /// The smallest window of whole cells around the pixels in work; `None` if there are none.
     #[inline(always)]
-    pub fn is_finished(&self) -> bool {
-        let rows = extent(&self.window)[1];
-        let mut cells = self.cells.iter().take(rows * CELLS_OF_ROW);
-        cells.all(Cell::is_finished)
+    pub fn live_window(&self) -> Option<Window> {
+        let Window {
+            first: [left, top],
+            end: [right, _],
+        } = self.window;
+        let (mut columns, mut rows) = (0u8, None);
+        let cells = self.cells.chunks_exact(CELLS_OF_ROW);
+        for (y, row) in (top..).zip(cells.take(extent(&self.window)[1])) {
+            let flags = row.iter().rev();
+            let live = flags.fold(0, |live, cell| live << 1 | u8::from(!cell.is_finished()));
+            if live != 0 {
+                columns |= live;
+                rows = Some((rows.map_or(y, |(first, _)| first), y + 1));
+            }
+        }
+        let (first, end) = rows?;
+        let width = COLUMNS as u16;
+        let last = left + width * (8 - columns.leading_zeros() as u16);
+        Some(Window {
+            first: [left + width * columns.trailing_zeros() as u16, first],
+            end: [last.min(right), end],
+        })
     }
 
     /// The pixels as the kernel knows them, row by row.

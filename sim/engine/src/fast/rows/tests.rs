@@ -17,7 +17,6 @@ impl VectorTask for &BothWays<'_> {
     #[inline(always)]
     fn run<L: Doubles>(self, lanes: L) -> [AllRuns; 2] {
         let (constants, math) = (self.0, Arithmetic { lanes });
-        let words = RowWords::new(math, constants);
         let mut batch = RowBatch::new();
         batch.touched = (0, BLOCKS);
         let runs = |batch: &RowBatch, filled: bool| {
@@ -28,9 +27,9 @@ impl VectorTask for &BothWays<'_> {
             };
             filled.then(|| places.map(run).collect())
         };
-        let filled = is_tame(constants) && batch.fill_in_reals(math, &words, constants, 0);
+        let filled = is_tame(constants) && batch.fill_in_reals(math, constants, 0);
         let reals = runs(&batch, filled);
-        let filled = is_tame(constants) && batch.fill_in_words(math, &words, constants, 0);
+        let filled = is_tame(constants) && batch.fill_in_words(math, constants, 0);
         [reals, runs(&batch, filled)]
     }
 }
