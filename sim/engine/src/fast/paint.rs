@@ -73,7 +73,8 @@ impl<D: Design + Send + Sync> TilePainter for ByLength<D> {
     ) -> Coverage {
         let first = list.iter().take(CHECK_INTERVAL);
         let first = first.flat_map(|index| &footprints[*index as usize]);
-        // A footprint's longest run grows as the root of 1 / A: nine pixels for 2 at the largest cut-off, where both took the same time.
+        // A footprint's longest run grows as the root of 1 / A. At 2, nine pixels by the largest cut-off, both took
+        // about the same time.
         let (mut sum, mut count) = (0, 0);
         for footprint in first {
             sum += footprint.ldl.squared_width.leading().clamp(-32, 32);
