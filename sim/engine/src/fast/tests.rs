@@ -5,7 +5,7 @@ use super::cells::FusedPainter;
 use super::lanes::{FusedLanes, VectorLevel};
 use super::painter::{PaintScratch, TilePainter};
 use super::words::WordPainter;
-use crate::fast::Start;
+use crate::fast::{Start, tile_painter};
 use crate::fixed::{QuantisedScene, kernel_rules, table, table_entries};
 use crate::rules;
 use crate::scene::synthetic;
@@ -181,7 +181,7 @@ pub(super) fn ordinary(
 
 /// The tile as a painter gives it.
 fn painted(
-    painter: &impl TilePainter,
+    painter: &dyn TilePainter,
     window: Window,
     footprints: &[Result<Footprint, Cull>],
 ) -> (Vec<Pixel>, Coverage) {
@@ -256,6 +256,13 @@ fn agree(
         let (got, coverage) = painted(&painter, window, footprints);
         assert_same(&got, &pixels, &format!("fused: {lanes:?}, {counts}"));
         assert!(!counts || coverage == expected, "fused: {lanes:?}");
+    }
+    for counts in [true, false] {
+        let (design, choice) = (any_widths(widths), Some(VectorLevel::Best));
+        let chosen = tile_painter(design, rules, order, traversal, choice, counts);
+        let (got, coverage) = painted(&*chosen, window, footprints);
+        assert_same(&got, &pixels, &format!("chosen, {counts}"));
+        assert!(!counts || coverage == expected, "chosen");
     }
     true
 }

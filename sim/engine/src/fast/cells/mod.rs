@@ -42,7 +42,8 @@ pub struct FusedPainter<D> {
 }
 
 impl<D: Design> FusedPainter<D> {
-    /// A painter for a design and rules; `None` under widths or on a processor that cannot. Pixels are counted if `counts` asks for it.
+    /// A painter for a design and rules; `None` under widths or on a processor that cannot. Pixels are counted if
+    /// `counts` asks for it.
     pub fn new(design: D, rules: &Rules, choice: VectorLevel, counts: bool) -> Option<Self> {
         if choice != VectorLevel::Best {
             return None;
