@@ -272,8 +272,8 @@ module setup_unit #(
       always_ff @(posedge clk) begin
         if (out2[0]) even_results[out_place2] <= leaves2;
         if (out2[1]) odd_results[out_place2] <= leaves2;
-        result <= drain_core == 6'(i) ? {even_results[{drain_side, drain_word}], odd_results[{drain_side, drain_word}]} :
-            {WORD{1'b0}};
+        result <= drain_core != 6'(i) ? {WORD{1'b0}} :
+            {even_results[{drain_side, drain_word}], odd_results[{drain_side, drain_word}]};
       end
       assign chosen_words[i*WORD+:WORD] = result;
     end
