@@ -1,8 +1,9 @@
 // Two cores of the setup unit, or one, with their registers and their results.
 //
-// All cores obey the same slot. Were it sent to all of them at once, thousands of wires would lead from one place all over the device and
-// back. So each pair holds what it is told for a cycle and hands it to the next one, which does the same a cycle later; results go the
-// same way, and leave the last pair as many cycles after they were asked for, whichever core they are from.
+// All cores obey the same slot. Were it sent to all of them at once, thousands of wires would lead from one place all
+// over the device and back. So each pair holds what it is told for a cycle and hands it to the next one, which does the
+// same a cycle later; results go the same way, and leave the last pair as many cycles after they were asked for,
+// whichever core they are from.
 module setup_pair #(
     parameter CORES = 2
 ) (
@@ -82,7 +83,9 @@ module setup_pair #(
           .out_b,
           .out_b_exponent
       );
-      always_ff @(posedge clk) if (slot2.out) results[{step.out_side, slot2.place[2:0]}] <= {out_a, out_a_exponent, out_b, out_b_exponent};
+      logic [WORD-1:0] result;
+      assign result = {out_a, out_a_exponent, out_b, out_b_exponent};
+      always_ff @(posedge clk) if (slot2.out) results[{step.out_side, slot2.place[2:0]}] <= result;
       assign words[i*WORD+:WORD] = drains ? results[step.drain_place] : {WORD{1'b0}};
     end
   endgenerate
