@@ -88,8 +88,8 @@ package splatline_setup_pkg;
   localparam int BEAT_BITS = 88;  // two of them
   localparam int WORD_BITS = 102;  // two words of a splat, which are results with their exponents
 
-  // What all cores obey in a cycle and what comes and goes beside it: one pair of cores hands it to the next (setup_pair.sv). What the fields
-  // mean stands in setup_core.sv and setup_memory.sv.
+  // What all cores obey in a cycle and what comes and goes beside it: one pair of cores hands it to the next
+  // (setup_pair.sv). What the fields mean stands in setup_core.sv and setup_memory.sv.
   typedef struct packed {
     logic [24*SLOT_BITS-1:0] slots;  // slot i was issued i cycles ago
     logic unread_a;
