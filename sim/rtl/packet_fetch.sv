@@ -76,7 +76,8 @@ module packet_fetch #(
   logic [128*(WORDS-1)-1:0] held;
   logic whole, moves;
   assign whole = gathered == INDEX'(WORDS - 1);
-  // A packet's place is free for a cycle before the next one comes, which takes as long anyway: so nothing before it hangs on who takes it.
+  // A packet's place is free for a cycle before the next one comes, which takes as long anyway: so nothing before it
+  // hangs on who takes it.
   assign moves = !packet_valid;
   assign word_out_ready = !whole || moves;
   always_ff @(posedge clk) begin

@@ -47,7 +47,8 @@ module setup_core (
   localparam signed [17:0] NOTHING = -18'sd49152;
   localparam FAINT = splatline_setup_pkg::FAINT;
 
-  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot4, slot7, slot8, slot9, slot10, slot11, slot12, slot16, slot17, slot18, slot19, slot20, slot21, slot22;
+  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot4, slot7, slot8, slot9, slot10, slot11, slot12;
+  splatline_setup_pkg::slot_t slot16, slot17, slot18, slot19, slot20, slot21, slot22;
   assign slot0 = slots[0+:BITS];
   assign slot1 = slots[1*BITS+:BITS];
   assign slot2 = slots[2*BITS+:BITS];

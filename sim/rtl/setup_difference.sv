@@ -16,7 +16,8 @@ module setup_difference (
     input logic signed [15:0] eye_exponent,
     input logic signed [15:0] eye_top,  // one above the leading bit of the largest coordinate
     input logic [287:0] rotation,  // of the axes, row by row, 30 fraction bits
-    // Taken in phase 0, the first after a reset and then every eighth cycle; `place` says which core and side it is for.
+    // Taken in phase 0, the first after a reset and then every eighth cycle; `place` says which core and side it is
+    // for.
     input logic valid,
     input splatline_setup_pkg::record_t record,
     input logic [6:0] place,

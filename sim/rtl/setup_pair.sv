@@ -1,8 +1,9 @@
 // Two cores of the setup unit, or one, with their registers and their results.
 //
-// All cores obey the same slot. Were it sent to all of them at once, thousands of wires would lead from one place all over the device and
-// back. So each pair holds what it is told for a cycle and hands it to the next one, which does the same a cycle later; results go the
-// same way, and leave the last pair as many cycles after they were asked for, whichever core they are from.
+// All cores obey the same slot. Were it sent to all of them at once, thousands of wires would lead from one place all
+// over the device and back. So each pair holds what it is told for a cycle and hands it to the next one, which does the
+// same a cycle later; results go the same way, and leave the last pair as many cycles after they were asked for,
+// whichever core they are from.
 module setup_pair #(
     parameter CORES = 2
 ) (
@@ -83,7 +84,9 @@ module setup_pair #(
         if (slot2.out && !slot2.word[0]) even_results[{step.out_side, slot2.word[3:1]}] <= leaves2;
         if (slot2.out && slot2.word[0]) odd_results[{step.out_side, slot2.word[3:1]}] <= leaves2;
       end
-      assign words[i*WORD+:WORD] = drains ? {even_results[step.drain_place], odd_results[step.drain_place]} : {WORD{1'b0}};
+      logic [WORD-1:0] result;
+      assign result = {even_results[step.drain_place], odd_results[step.drain_place]};
+      assign words[i*WORD+:WORD] = drains ? result : {WORD{1'b0}};
     end
   endgenerate
 

@@ -110,7 +110,8 @@ module splat_machine #(
   logic [128*RECORD-1:0] record_words;
   logic [47:0] depth;
   splatline_pkg::footprint_t footprint;
-  // The whole record, so that whether it is taken need not reach the stream: its words come in fewer cycles than lie between two records.
+  // The whole record, so that whether it is taken need not reach the stream: its words come in fewer cycles than lie
+  // between two records.
   assign record_valid = gathered == 3'(RECORD);
   assign stream_ready = state == GEOMETRY ? !record_valid : list_ready;
   always_ff @(posedge clk) begin

@@ -47,8 +47,8 @@ package splatline_setup_pkg;
     logic plain;  // the first factor, not the product
     logic signed [7:0] offset;  // added to the factors' exponents
     logic [1:0] pick;  // not the first factor but the constant where it is negative (1) or is not (2), otherwise the second
-    logic by_flag;  // where the flag is not set: beside a constant as second factor, the second register alone, to 31 bits;
-    logic [1:0] flag;  // otherwise the constant as first factor
+    logic by_flag;  // where the flag is not set, the constant is the first factor; beside one as second factor
+    logic [1:0] flag;  // the term is the second register, to 31 bits
     logic negated;  // negated before it is aligned
     logic subtracted;  // negated after it is aligned
     logic down;  // rounded down
@@ -62,7 +62,7 @@ package splatline_setup_pkg;
     logic normal;  // rounded to a mantissa
     logic [4:0] drop;  // of 31 - drop bits; otherwise left as it is,
     logic [5:0] spare;  // moved left by so much,
-    logic extended;  // with what stands above its place as exponent, and below that is left off whether anything stands there
+    logic extended;  // with what is above it in the exponent's place, and a bit for what is below it
     logic write;
     logic [7:0] place;  // register of the result
     logic [3:0] place_turn;
@@ -88,8 +88,8 @@ package splatline_setup_pkg;
   localparam int BEAT_BITS = 88;  // two of them
   localparam int WORD_BITS = 102;  // two words of a splat, which are results with their exponents
 
-  // What all cores obey in a cycle and what comes and goes beside it: one pair of cores hands it to the next (setup_pair.sv). What the fields
-  // mean stands in setup_core.sv and setup_memory.sv.
+  // What all cores obey in a cycle and what comes and goes beside it: one pair of cores hands it to the next
+  // (setup_pair.sv). What the fields mean stands in setup_core.sv and setup_memory.sv.
   typedef struct packed {
     logic [24*SLOT_BITS-1:0] slots;  // slot i was issued i cycles ago
     logic unread_a;

@@ -207,15 +207,15 @@ mod tests {
         assert_eq!(parse("design,widths\n"), None);
     }
 
-    /// A unit that takes a splat in a tenth of a round is one of ten cores; what has no circuit is counted.
+    /// A unit that takes a splat in a ninth of a round is one of nine cores; what has no circuit is counted.
     #[test]
     fn a_machines_setup_is_the_circuit_where_there_is_one() {
         let units = synthesised();
         let prices = Family::Ecp5.calibration();
         let machine = Config::machine(4);
         let widths = Lean18::WIDTHS;
-        let ten = estimate(&units, Family::Ecp5, widths.mantissa, 10);
-        assert_eq!(of_machine(&widths, &machine, &prices), ten);
+        let nine = estimate(&units, Family::Ecp5, widths.mantissa, 9);
+        assert_eq!(of_machine(&widths, &machine, &prices), nine);
         let fast = Config {
             setup_units: 1,
             setup_interval: 7,
@@ -235,10 +235,10 @@ mod tests {
             of_machine(&widths, &machine, &Family::Ice40.calibration()),
             None
         );
-        let queues = around(&machine, &prices).luts - ten.map_or(0, |ten| ten.luts);
+        let queues = around(&machine, &prices).luts - nine.map_or(0, |nine| nine.luts);
         assert_eq!(
             around(&eight, &prices).luts - queues,
-            estimate(&units, Family::Ecp5, widths.mantissa, 19).map_or(0, |unit| unit.luts)
+            estimate(&units, Family::Ecp5, widths.mantissa, 17).map_or(0, |unit| unit.luts)
         );
     }
 

@@ -290,7 +290,7 @@ endmodule
     fn every_mutation_has_its_place() {
         for (judge, unit, choices) in [
             ("primitive", &PRIMITIVE, 50),
-            ("setup", &SETUP, 55),
+            ("setup", &SETUP, 61),
             ("machine", &MACHINE, 22),
             ("order", &ORDER, 26),
             ("harmonics", &HARMONICS, 41),

@@ -7,6 +7,7 @@ pub mod exact;
 pub mod loads;
 pub mod program;
 pub mod record;
+pub mod schedule;
 pub mod tables;
 pub mod text;
 pub mod unit;

@@ -2,10 +2,9 @@
 //!
 //! `sim/rtl/<design>/splatline_setup_pkg.sv` is this module's output; a test compares the committed files with it.
 
-use super::assemble::{
-    LATENCY, LOAD_AHEAD, Operand, Operation, Pick, Program, Table, Term, Unit, Value, constant,
-};
+use super::assemble::{Operand, Operation, Pick, Program, Table, Term, Unit, Value, constant};
 use super::program::{SetupProgram, faint_bits, low_bits};
+use super::schedule::{LATENCY, LOAD_AHEAD};
 use anyhow::{Result, ensure};
 use splatline::format::Widths;
 use splatline::setup::axis_bits;
