@@ -79,11 +79,11 @@ impl MachineUnit {
             circuit = circuit.with_program(SetupProgram::new(ProgramKind::DistanceScaling));
         }
         let program = circuit.program.assembled(&circuit.widths)?;
-        // Every core of setup takes a splat in a round of the program.
+        // Every core of setup takes a splat in a round of the program, and each pair hands on a cycle later what it was told.
         let config = Config {
             setup_units: cores,
             setup_interval: program.round as u32,
-            setup_latency: program.latency() as u32,
+            setup_latency: program.latency() as u32 + cores.div_ceil(2) - 1,
             ..Config::machine(lanes)
         };
         Ok(MachineUnit {
