@@ -92,7 +92,7 @@ fn small() -> Vec<Seen> {
     let row = Seen {
         name: ROW,
         scene: synthetic::random_gaussians(40, 3, 0.5),
-        camera: row_of(2_000),
+        camera: row_of(8_000),
     };
     let tile = Seen {
         name: "tile",
