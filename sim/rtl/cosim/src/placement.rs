@@ -30,21 +30,18 @@ fn synthesis(circuit: &Circuit, top: &str) -> String {
     }
 }
 
-/// How nextpnr goes about the machine, from version 0.7 on. Its usual router takes whole nets out again for one wire,
-/// and had 204,000 of 244,000 arcs left after 300,000 tries; and a flip-flop's place is looked for as long as it takes.
-const MACHINES_WAY: &[&str] = &[
-    "--router",
-    "router2",
-    "--placer-heap-cell-placement-timeout",
-    "0",
-];
-
-fn way(circuit: &Circuit) -> &'static [&'static str] {
-    if *circuit.unit == MACHINE {
-        MACHINES_WAY
-    } else {
-        &[]
+/// nextpnr's options for a circuit. The machine needs version 0.7: its usual router takes whole nets out again for one
+/// wire, and had 204,000 of 244,000 arcs left after 300,000 tries; and a flip-flop's place is looked for as long as it takes.
+fn placer_options(circuit: &Circuit) -> &'static [&'static str] {
+    if *circuit.unit != MACHINE {
+        return &[];
     }
+    &[
+        "--router",
+        "router2",
+        "--placer-heap-cell-placement-timeout",
+        "0",
+    ]
 }
 
 /// Programs that place on it and that pack a bitstream.
@@ -94,7 +91,7 @@ pub fn report(words: &str, seed: Option<u32>) -> Result<()> {
         let counts = counts.map(|(_, count)| count.to_string()).join(",");
         for seed in &seeds {
             let started = Instant::now();
-            let timing = placed(folder.path(), *seed, way(&circuit))?;
+            let timing = placed(folder.path(), *seed, placer_options(&circuit))?;
             let seconds = started.elapsed().as_secs();
             let tool = version()?;
             println!(
@@ -112,7 +109,7 @@ pub fn bitstream(circuit: &Circuit, file: &Path) -> Result<String> {
     let packer = first_that_runs(PACKERS)?;
     let folder = tempfile::tempdir()?;
     let fabric = netlist(circuit, folder.path())?;
-    let options = [way(circuit), &["--textcfg", "circuit.config"]].concat();
+    let options = [placer_options(circuit), &["--textcfg", "circuit.config"]].concat();
     let timing = placed(folder.path(), SEEDS[0], &options)?;
     run(Command::new(packer)
         .args(["--compress", "circuit.config", "circuit.bit"])

@@ -79,7 +79,8 @@ impl MachineUnit {
             circuit = circuit.with_program(SetupProgram::new(ProgramKind::DistanceScaling));
         }
         let program = circuit.program.assembled(&circuit.widths)?;
-        // Every core of setup takes a splat in a round of the program, and each pair hands on a cycle later what it was told.
+        // Every core of setup takes a splat in a round of the program, and each pair hands on a cycle later what it
+        // was told.
         let config = Config {
             setup_units: cores,
             setup_interval: program.round as u32,
@@ -345,4 +346,19 @@ fn places([columns, rows]: [usize; 2]) -> impl Iterator<Item = usize> {
         let right = columns.min(left + tile[0]);
         (top..bottom).flat_map(move |y| (left..right).map(move |x| y * columns + x))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The preset's setup is the program's, for as many cores as take a splat in its interval.
+    #[test]
+    fn the_models_machine_has_the_programs_latency() {
+        let preset = Config::machine(4);
+        let one = MachineUnit::new("lean18", 1, 4, false).unwrap().config;
+        let cores = one.setup_interval.div_ceil(preset.setup_interval);
+        let unit = MachineUnit::new("lean18", cores, 4, false).unwrap();
+        assert_eq!(unit.config.setup_latency, preset.setup_latency);
+    }
 }

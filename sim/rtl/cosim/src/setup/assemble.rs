@@ -1,7 +1,7 @@
 //! From a list of sums to a microprogram: every operation gets its slots in a round of fixed length, and its result a register.
 //!
-//! The cores of `setup_unit.sv` have one issue slot a cycle and a pipeline of [`LATENCY`](super::schedule::LATENCY) cycles. A splat's operations depend on each other over
-//! many such latencies, so a round starts the next splats long before the last ones are done: slot t of the list is issued in cycle t modulo the
+//! The cores of `setup_unit.sv` have one issue slot a cycle and a pipeline of [`LATENCY`](super::schedule::LATENCY)
+//! cycles. A splat's operations depend on each other over many such latencies, so a round starts the next splats long before the last ones are done: slot t of the list is issued in cycle t modulo the
 //! round's length, for the splats that came t / length rounds before (modulo scheduling). Nothing branches; a culled splat runs through.
 //!
 //! A result has as many registers in a row as rounds pass until its last reader, and splats take them in turn. So a register is written again only
