@@ -119,12 +119,9 @@ fn description(bytes: &[u8], header: &LasHeader) -> Result<LazVlr, Problem> {
 fn checked(data: &[u8], header: &LasHeader) -> Result<LazVlr, Problem> {
     let vlr = LazVlr::from_buffer(data).map_err(|error| damaged(&error.to_string()))?;
     let fix = "unpack the file to .las";
-    if vlr.items().is_empty() || vlr.items_size() != header.record_bytes as u64 {
-        let found = format!(
-            "{} bytes beside records of {}",
-            vlr.items_size(),
-            header.record_bytes
-        );
+    let size = record_size(&vlr);
+    if vlr.items().is_empty() || size != header.record_bytes {
+        let found = format!("{size} bytes beside records of {}", header.record_bytes);
         return Err(malformed("packed record length", found, fix));
     }
     let sizes = vlr
@@ -150,6 +147,14 @@ fn checked(data: &[u8], header: &LasHeader) -> Result<LazVlr, Problem> {
         return Err(malformed("packed chunks", found, fix));
     }
     Ok(vlr)
+}
+
+/// Bytes of a record, summed here: the crate's sum has 16 bits, which damaged sizes overflow.
+fn record_size(vlr: &LazVlr) -> usize {
+    vlr.items()
+        .iter()
+        .map(|item| usize::from(item.size()))
+        .sum()
 }
 
 /// Compressor 2 of the description; 1 is one chunk without a table, of the years before 2011.
@@ -188,7 +193,7 @@ fn chunk_size(vlr: &LazVlr, source: &LazBytes) -> Result<u64, Problem> {
     let rest = source.get_ref().get(source.position() as usize..);
     let mut reader = Reader::new(rest.unwrap_or_default());
     let field = "packed points";
-    reader.take(vlr.items_size() as usize, field)?;
+    reader.take(record_size(vlr), field)?;
     let count = u32::from_le_bytes(reader.array(field)?);
     let layers: u64 = vlr
         .items()

@@ -132,6 +132,21 @@ fn messages_name_the_field_and_the_fix() {
     }
 }
 
+/// The description of the packing follows the header and its record's own 54 bytes; its items, after 34, have a type, a size and a version.
+#[cfg(feature = "laz")]
+#[test]
+fn sizes_of_items_beyond_sixteen_bits_are_an_error() {
+    let mut whole = bytes("old.laz");
+    for item in whole[227 + 54 + 34..].chunks_exact_mut(6).take(2) {
+        item[2..4].fill(255);
+    }
+    let told = cloud(&whole).unwrap_err().to_string();
+    assert_told(
+        &told,
+        "packed record length: 131070 bytes beside records of 26",
+    );
+}
+
 #[test]
 fn withheld_points_are_left_out_and_told_and_a_black_cloud_has_no_colours() {
     let mut whole = bytes("old.las");
