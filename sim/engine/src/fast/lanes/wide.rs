@@ -156,7 +156,6 @@ mod x86 {
     use super::super::avx2::Avx2;
     use super::super::avx512::Avx512;
     use super::Wide;
-    use std::arch::asm;
     use std::arch::x86_64::*;
 
     impl Wide for Avx512 {
@@ -246,30 +245,40 @@ mod x86 {
     }
 
     /// Products of lower halves, written out: the compiler knows the intrinsics as products of 64 bits by 64, which it makes of them where a factor
-    /// was brought into another block.
+    /// was brought into another block. Miri, which interprets no assembly, has the intrinsics.
     #[inline]
     #[target_feature(enable = "avx2")]
     fn product(a: __m256i, b: __m256i) -> __m256i {
-        let product;
-        // SAFETY: the processor has the instruction, which works on registers.
-        unsafe {
-            asm!("vpmuldq {}, {}, {}", lateout(ymm_reg) product, in(ymm_reg) a, in(ymm_reg) b,
-                options(pure, nomem, nostack, preserves_flags));
+        #[cfg(miri)]
+        return _mm256_mul_epi32(a, b);
+        #[cfg(not(miri))]
+        {
+            let product;
+            // SAFETY: the processor has the instruction, which works on registers.
+            unsafe {
+                std::arch::asm!("vpmuldq {}, {}, {}", lateout(ymm_reg) product, in(ymm_reg) a, in(ymm_reg) b,
+                    options(pure, nomem, nostack, preserves_flags));
+            }
+            product
         }
-        product
     }
 
     /// The same without signs.
     #[inline]
     #[target_feature(enable = "avx2")]
     fn product_unsigned(a: __m256i, b: __m256i) -> __m256i {
-        let product;
-        // SAFETY: as above.
-        unsafe {
-            asm!("vpmuludq {}, {}, {}", lateout(ymm_reg) product, in(ymm_reg) a, in(ymm_reg) b,
-                options(pure, nomem, nostack, preserves_flags));
+        #[cfg(miri)]
+        return _mm256_mul_epu32(a, b);
+        #[cfg(not(miri))]
+        {
+            let product;
+            // SAFETY: as above.
+            unsafe {
+                std::arch::asm!("vpmuludq {}, {}, {}", lateout(ymm_reg) product, in(ymm_reg) a, in(ymm_reg) b,
+                    options(pure, nomem, nostack, preserves_flags));
+            }
+            product
         }
-        product
     }
 
     impl Wide for Avx2 {
