@@ -69,9 +69,8 @@ pub fn circuits() -> Result<Vec<Circuit>> {
     Ok(all)
 }
 
-/// Cores of setup in the machine that is placed: a splat in 16 cycles. Those for one in 8 take 97 of a hundred multipliers of the device, and
-/// nextpnr 0.7 found no place for all flip-flops.
-const PLACED_CORES: u32 = 10;
+/// Cores of setup in the machine that is placed: a splat in 16 cycles. Those for one in 8 take 92 of a hundred multipliers of the device.
+const PLACED_CORES: u32 = 9;
 
 /// The machine with four lanes and so many cores of setup.
 pub fn machine(cores: u32) -> Result<Circuit> {
