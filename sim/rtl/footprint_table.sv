@@ -38,10 +38,10 @@ module footprint_table (
   logic [STEP-1:0] step3;
   logic [STEP+KEPT-1:0] product4;
 
-  // Rounded to nearest as the kernel does: low + ((-step fraction + half) >> KEPT).
-  // -floor((half - product) / 2^KEPT) = ceil((product - half) / 2^KEPT), halves of the fall thus round down.
-  logic [STEP+KEPT:0] fall4;
-  assign fall4 = ({1'b0, product4} + {{(STEP + 2) {1'b0}}, {(KEPT - 1) {1'b1}}}) >> KEPT;
+  // Rounded to nearest as the kernel does: low + ((-step fraction + half) >> KEPT), which is
+  // ((low << KEPT) + half - step fraction) >> KEPT: halves round down, and one subtraction serves both.
+  logic [WEIGHT+KEPT:0] lowered4;
+  assign lowered4 = {low4, 1'b1, {(KEPT - 1) {1'b0}}} - (WEIGHT + KEPT + 1)'(product4);
 
   always_ff @(posedge clk) begin
     if (write_valid && write_index[TABLE]) end_entry <= {write_step, write_low};
@@ -59,7 +59,7 @@ module footprint_table (
       fraction3 <= fraction2;
       low4 <= low3;
       product4 <= step3 * fraction3;
-      weight <= low4 - fall4[WEIGHT:0];
+      weight <= lowered4[WEIGHT+KEPT:KEPT];
     end
   end
 endmodule
