@@ -12,7 +12,8 @@
 module splat_primitive #(
     parameter LANES = 1,
     parameter QUEUE = 8,
-    parameter SETUP_INTERVAL = 4
+    parameter SETUP_INTERVAL = 4,
+    parameter BLOCK_WORDS = 512  // of a block RAM at its full width; 0 where a memory's bits are paid for one by one
 ) (
     input logic clk,
     input logic rst,
@@ -429,7 +430,8 @@ module splat_primitive #(
       end
       tile_colours #(
           .BITS(COLOUR_BITS),
-          .ADDRESS(ADDRESS)
+          .ADDRESS(ADDRESS),
+          .BLOCK_WORDS(BLOCK_WORDS)
       ) colour_banks (
           .clk,
           .drawn,

@@ -180,7 +180,8 @@ endmodule
 
 module tile_colours #(
     parameter BITS = 32,
-    parameter ADDRESS = 10
+    parameter ADDRESS = 10,
+    parameter BLOCK_WORDS = 512
 ) (
     input logic clk,
     input logic drawn,
