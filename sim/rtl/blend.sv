@@ -130,6 +130,15 @@ module blend #(
   assign transmittance_word = stop10 && rules.omit_finishing ? {1'b1, transmittance10[T:0]} : {stop10, rest10};
   always_ff @(posedge clk) if (advance) share11 <= rounded10;
 
+  // Stages 10 to 12: a transmittance of 1 says that nothing has been added to the colours, which nobody has cleared
+  // (tile_colours.sv).
+  logic whole11, whole12;
+  always_ff @(posedge clk)
+    if (advance) begin
+      whole11 <= transmittance10[T];
+      whole12 <= whole11;
+    end
+
   // Stages 11 to 14: the sums. Shares of 1 in all and colours below 2^n make at most 2^n, rounded or not (src/blend/mod.rs).
   logic coloured11;
   localparam logic [T+C:0] MIDDLE_OF_COLOUR = ((T + C + 1)'(1) << (COLOUR_SHIFT - 1)) - 1'b1;
@@ -188,7 +197,7 @@ module blend #(
       valid13 <= valid12;
       valid14 <= valid13;
     end
-    if (advance) colour13 <= colour_read;
+    if (advance) colour13 <= whole12 ? '0 : colour_read;
   end
 
   assign idle = !(valid5 || valid6 || valid7 || valid8 || valid9 || valid10 || valid11 || valid12 || valid13 || valid14);

@@ -15,7 +15,8 @@ module splat_machine #(
     parameter CORES = 4,
     parameter LANES = 1,
     parameter DIGIT = 8,
-    parameter TILE_BITS = 12
+    parameter TILE_BITS = 12,
+    parameter BLOCK_WORDS = 512  // see splat_primitive.sv
 ) (
     input logic clk,
     input logic rst,
@@ -298,7 +299,8 @@ module splat_machine #(
   logic [23:0] left;
   assign packet_ready = state == DRAW && left != 0 && primitive_ready;
   splat_primitive #(
-      .LANES(LANES)
+      .LANES(LANES),
+      .BLOCK_WORDS(BLOCK_WORDS)
   ) raster (
       .clk,
       .rst,

@@ -12,7 +12,8 @@
 module splat_primitive #(
     parameter LANES = 1,
     parameter QUEUE = 8,
-    parameter SETUP_INTERVAL = 4
+    parameter SETUP_INTERVAL = 4,
+    parameter BLOCK_WORDS = 512  // of a block RAM at its full width; 0 where a memory's bits are paid for one by one
 ) (
     input logic clk,
     input logic rst,
@@ -358,7 +359,7 @@ module splat_primitive #(
       logic [TRANSMITTANCE_BITS-1:0] transmittance_word;
       logic [COLOUR_BITS-1:0] colour_word;
       logic [2*TRANSMITTANCE_BITS-1:0] transmittances;
-      logic [2*COLOUR_BITS-1:0] colours;
+      logic [COLOUR_BITS-1:0] colour_read;
       blend #(
           .ADDRESS(ADDRESS),
           .SLOT_BITS(SLOT_BITS)
@@ -380,15 +381,19 @@ module splat_primitive #(
           .transmittance_write_address,
           .transmittance_word,
           .colour_read_address,
-          .colour_read(drawn ? colours[COLOUR_BITS+:COLOUR_BITS] : colours[0+:COLOUR_BITS]),
+          .colour_read,
           .colour_write,
           .colour_write_address,
           .colour_word,
           .idle(blend_quiet)
       );
-      logic [WORD_BITS-1:0] scanned_word;
-      assign words[l*WORD_BITS+:WORD_BITS] = mine_in_word ? scanned_word : '0;
-      assign scanned_word = drawn ? {transmittances[0+:TRANSMITTANCE_BITS], colours[0+:COLOUR_BITS]} : {transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS], colours[COLOUR_BITS+:COLOUR_BITS]};
+      // Where nothing lies in front of the background, there is no colour, and the memory's is of an older tile.
+      logic [TRANSMITTANCE_BITS-1:0] scanned_transmittance;
+      logic [COLOUR_BITS-1:0] scanned_colour;
+      logic coloured;
+      assign scanned_transmittance = drawn ? transmittances[0+:TRANSMITTANCE_BITS] : transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS];
+      assign coloured = mine_in_word && !scanned_transmittance[splatline_pkg::TRANSMITTANCE];
+      assign words[l*WORD_BITS+:WORD_BITS] = {mine_in_word ? scanned_transmittance : '0, coloured ? scanned_colour : '0};
 
       // The lane owns the bank of the side that is drawn, the scan the other one; it clears what it has read.
       logic clears, mine_in_scan, mine_in_word;
@@ -422,23 +427,24 @@ module splat_primitive #(
             .read_address(banks_scanned[b] ? scan_address : transmittance_read_address),
             .read_word(transmittances[b*TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS])
         );
-        tile_buffer #(
-            .BITS(COLOUR_BITS),
-            .ADDRESS(ADDRESS)
-        ) colour_bank (
-            .clk,
-            .clears(banks_scanned[b]),
-            .clear(clears),
-            .clear_address(state == CLEAR ? clear_address : scan_address),
-            .advance(bank_moves),
-            .write(colour_write),
-            .write_address(colour_write_address),
-            .write_word(colour_word),
-            .read(banks_scanned[b] ? scan_moves : bank_moves),
-            .read_address(banks_scanned[b] ? scan_address : colour_read_address),
-            .read_word(colours[b*COLOUR_BITS+:COLOUR_BITS])
-        );
       end
+      tile_colours #(
+          .BITS(COLOUR_BITS),
+          .ADDRESS(ADDRESS),
+          .BLOCK_WORDS(BLOCK_WORDS)
+      ) colour_banks (
+          .clk,
+          .drawn,
+          .advance(bank_moves),
+          .write(colour_write),
+          .write_address(colour_write_address),
+          .write_word(colour_word),
+          .read_address(colour_read_address),
+          .read_word(colour_read),
+          .scan(scan_moves),
+          .scan_address,
+          .scan_word(scanned_colour)
+      );
       assign lane_idle[l] = empty && lane_quiet;
       assign pixels_idle[l] = !inside1 && !inside2 && !inside3 && !inside4 && !inside5 && blend_quiet;
     end

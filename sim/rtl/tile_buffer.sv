@@ -1,5 +1,6 @@
-// One bank of the tile buffer: a memory with one read and one write port, and the write port's registers. There are two of each bank, one
-// that is drawn into while the other is read out. The read-out clears behind itself, so that a bank is clear whenever a tile begins.
+// One bank of transmittances: a memory with one read and one write port, and the write port's registers. A lane has
+// two, one that is drawn into while the other is read out. The read-out clears behind itself, so that a bank is clear
+// whenever a tile begins; then nobody looks at colours (tile_colours.sv).
 //
 // A word comes two cycles after its address: block RAM is slow, so that its word goes into a register before anything chooses between two buffers.
 //

@@ -177,3 +177,22 @@ module tile_buffer #(
     output logic [BITS-1:0] read_word
 );
 endmodule
+
+module tile_colours #(
+    parameter BITS = 32,
+    parameter ADDRESS = 10,
+    parameter BLOCK_WORDS = 512
+) (
+    input logic clk,
+    input logic drawn,
+    input logic advance,
+    input logic write,
+    input logic [ADDRESS-1:0] write_address,
+    input logic [BITS-1:0] write_word,
+    input logic [ADDRESS-1:0] read_address,
+    output logic [BITS-1:0] read_word,
+    input logic scan,
+    input logic [ADDRESS-1:0] scan_address,
+    output logic [BITS-1:0] scan_word
+);
+endmodule

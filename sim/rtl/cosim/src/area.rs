@@ -124,6 +124,14 @@ fn chosen(design: Option<&str>) -> Result<Vec<Subject>> {
     Ok(subjects)
 }
 
+/// Words of a family's block RAM at its full width.
+const fn block_words(family: Family) -> u32 {
+    match family {
+        Family::Ice40 => 256,
+        Family::Ecp5 | Family::Xilinx7 => 512,
+    }
+}
+
 /// One design's circuits for a family. The primitive is the sum of setup, rows and what is left without both.
 fn primitive(subject: &Subject, family: Family) -> Result<Vec<Synthesised>> {
     let circuit = Circuit::new(&PRIMITIVE, subject.name, 1)?;
@@ -140,7 +148,7 @@ fn primitive(subject: &Subject, family: Family) -> Result<Vec<Synthesised>> {
         (SynthesisedPart::Rows, rows),
     ];
     for lanes in LANES {
-        let parameters = [("LANES", lanes)];
+        let parameters = [("LANES", lanes), ("BLOCK_WORDS", block_words(family))];
         let rest = synthesised(&circuit, family, PRIMITIVE.top, &parameters, &SHARED)?;
         found.push((SynthesisedPart::Lanes(lanes), rest + usual + rows));
     }

@@ -4,7 +4,7 @@
 //! memories makes them. A gate equivalent is the area of the library's smallest NAND of two inputs: the figure that can be compared across nodes. The longest
 //! path of a module is abc's, between its ports and registers, with the loads of the cells and without wires: a circuit that is laid out is slower.
 
-use crate::circuit::Circuit;
+use crate::circuit::{Circuit, MACHINE, PRIMITIVE};
 use crate::tools::yosys;
 use anyhow::{Context, Result, ensure};
 use flate2::read::GzDecoder;
@@ -259,8 +259,13 @@ fn mapped<'a>(circuit: &Circuit, library: &'a Library, liberty: &str) -> Result<
     fs::write(path("mapping.abc"), MAPPING)?;
     let read = circuit.read_command(folder.path())?;
     let top = circuit.unit.top;
-    let parameters = circuit.parameters.iter();
+    let mut parameters = circuit.parameters.clone();
+    if [PRIMITIVE, MACHINE].contains(circuit.unit) {
+        // A memory has as many words as it needs.
+        parameters.push(("BLOCK_WORDS", 0));
+    }
     let parameters: String = parameters
+        .iter()
         .map(|(name, value)| format!("chparam -set {name} {value} {top}; "))
         .collect();
     let cells = path("cells.lib").display().to_string();

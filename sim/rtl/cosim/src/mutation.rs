@@ -289,7 +289,7 @@ endmodule
     #[test]
     fn every_mutation_has_its_place() {
         for (judge, unit, choices) in [
-            ("primitive", &PRIMITIVE, 50),
+            ("primitive", &PRIMITIVE, 52),
             ("setup", &SETUP, 61),
             ("machine", &MACHINE, 22),
             ("order", &ORDER, 26),
