@@ -22,9 +22,8 @@ module normalise #(
   logic signed [15:0] exponent1, exponent2;
   logic negative1, negative2;
   logic [M+3:0] top2;
-  logic [M:0] moved2;
-  logic [M-1:0] whole2;
-  logic below2, up2, over2;
+  logic [M:0] moved2, whole2;
+  logic below2, up2;
 
   assign wide = 64'(magnitude) << (64 - BITS);
   assign sixteenth = splatline_math::leading({|wide[63:48], |wide[47:32], |wide[31:16]});
@@ -33,11 +32,10 @@ module normalise #(
   assign {sixteens, fours1, ones2} = ~{sixteenth, fourth1, one2};
   assign moved1 = left1 << {fours1, 2'd0};
   assign moved2 = (M + 1)'((top2 << ones2) >> 3);
-  // Of what is cut off, a half is rounded up, of a negative number what is more than a half. What lies below in any case
-  // is known a cycle before, and whether the sum overflows is seen without its carry, on which the exponent would wait.
+  // Of what is cut off, a half is rounded up, of a negative number what is more than a half. What lies below in any case is
+  // known a cycle before.
   assign up2 = moved2[0] && (below2 || 3'(top2 << ones2) != 0 || !negative2);
-  assign whole2 = moved2[M:1] + {{(M - 1) {1'b0}}, up2};
-  assign over2 = up2 && &moved2[M:1];
+  assign whole2 = {1'b0, moved2[M:1]} + {{M{1'b0}}, up2};
   always_ff @(posedge clk) begin
     left1 <= wide << {sixteens, 4'd0};
     exponent1 <= exponent - $signed({10'd0, sixteens, 4'd0});
@@ -49,8 +47,8 @@ module normalise #(
     negative2 <= negative1;
 
     // 2^M is half as much, twice.
-    result <= {over2 | whole2[M-1], whole2[M-2:0]};
-    result_exponent <= exponent2 - $signed({14'd0, ones2}) + $signed({15'd0, over2});
+    result <= {whole2[M] | whole2[M-1], whole2[M-2:0]};
+    result_exponent <= exponent2 - $signed({14'd0, ones2}) + $signed({15'd0, whole2[M]});
     result_negative <= negative2;
   end
 endmodule
