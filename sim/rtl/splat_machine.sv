@@ -364,7 +364,8 @@ module splat_machine #(
     if (rst) state <= IDLE;
   end
 
-  // The port. What is chosen stands in a register: neither the choice nor sums in front of it add to the memory's way.
+  // The port. What is chosen stands in a register or a queue: neither the choice nor sums in front of it add to the
+  // memory's way.
   logic [2:0] comes;
   logic asks, asks_ready;
   logic [31:0] asked_address;
@@ -420,15 +421,17 @@ module splat_machine #(
       if (pixel_valid) chosen_word = {32'(colour[2*SUM+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[0+:SUM]), transmittance_word};
     end
   end
-  assign writes_ready = !write_valid || write_ready;
   assign rests = settled && !write_valid;
-  always_ff @(posedge clk) begin
-    if (writes_ready) begin
-      write_valid <= writes;
-      write_address <= chosen_address;
-      write_word <= chosen_word;
-      write_strobe <= chosen_strobe;
-    end
-    if (rst) write_valid <= 0;
-  end
+  write_queue #(
+      .BITS(164)
+  ) writing (
+      .clk,
+      .rst,
+      .in_valid(writes),
+      .in_ready(writes_ready),
+      .in({chosen_strobe, chosen_address, chosen_word}),
+      .out_valid(write_valid),
+      .out_ready(write_ready),
+      .out({write_strobe, write_address, write_word})
+  );
 endmodule
