@@ -364,7 +364,8 @@ module splat_machine #(
     if (rst) state <= IDLE;
   end
 
-  // The port. What is chosen stands in a register: neither the choice nor sums in front of it add to the memory's way.
+  // The port. What is chosen stands in a register or a queue: neither the choice nor sums in front of it add to the
+  // memory's way.
   logic [2:0] comes;
   logic asks, asks_ready;
   logic [31:0] asked_address;
@@ -398,9 +399,12 @@ module splat_machine #(
   logic [3:0] chosen_strobe;
   assign pixel_ready = writes_ready;
   assign background_ready = writes_ready && !pixel_valid;
-  assign store_ready = writes_ready && !pixel_valid;
-  assign write_ready_order = writes_ready && !pixel_valid && !stores;
+  assign store_ready = writes_ready;
+  assign write_ready_order = writes_ready && !stores;
   assign writes = pixel_valid || background_valid || stores || order_write;
+  // The phase says whose word it may be, not whether there is one: that is known later.
+  logic paints;
+  assign paints = state != GEOMETRY && state != ORDER;
   always_comb begin
     chosen_address = order_write_address;
     chosen_word = order_word;
@@ -410,26 +414,24 @@ module splat_machine #(
       chosen_word = packet_words[128*step+:128];
       chosen_strobe = 4'hf;
     end
-    if (background_valid) begin
-      chosen_address = base_frame + background_place;
+    if (paints) begin
+      chosen_address = base_frame + (pixel_valid ? pixels : background_place);
       chosen_word = 128'd1 << splatline_pkg::TRANSMITTANCE;
       chosen_strobe = 4'hf;
-    end
-    if (pixel_valid) begin
-      chosen_address = base_frame + pixels;
-      chosen_word = {32'(colour[2*SUM+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[0+:SUM]), transmittance_word};
-      chosen_strobe = 4'hf;
+      if (pixel_valid) chosen_word = {32'(colour[2*SUM+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[0+:SUM]), transmittance_word};
     end
   end
-  assign writes_ready = !write_valid || write_ready;
   assign rests = settled && !write_valid;
-  always_ff @(posedge clk) begin
-    if (writes_ready) begin
-      write_valid <= writes;
-      write_address <= chosen_address;
-      write_word <= chosen_word;
-      write_strobe <= chosen_strobe;
-    end
-    if (rst) write_valid <= 0;
-  end
+  write_queue #(
+      .BITS(164)
+  ) writing (
+      .clk,
+      .rst,
+      .in_valid(writes),
+      .in_ready(writes_ready),
+      .in({chosen_strobe, chosen_address, chosen_word}),
+      .out_valid(write_valid),
+      .out_ready(write_ready),
+      .out({write_strobe, write_address, write_word})
+  );
 endmodule

@@ -291,7 +291,7 @@ endmodule
         for (judge, unit, choices) in [
             ("primitive", &PRIMITIVE, 52),
             ("setup", &SETUP, 61),
-            ("machine", &MACHINE, 22),
+            ("machine", &MACHINE, 24),
             ("order", &ORDER, 26),
             ("harmonics", &HARMONICS, 41),
         ] {

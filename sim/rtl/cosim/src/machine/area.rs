@@ -14,13 +14,14 @@ use std::fs;
 const CORES: [u32; 2] = [17, 9];
 
 /// Instances in `splat_machine.sv`, and what they are called in the table.
-const UNITS: [(&str, &str); 8] = [
+const UNITS: [(&str, &str); 9] = [
     ("setup", "setup"),
     ("order", "order"),
     ("raster", "primitive"),
     ("fetch", "fetch"),
     ("stream", "stream"),
     ("reads", "arbiter"),
+    ("writing", "port"),
     ("drawn", "finder"),
     ("background", "background"),
 ];

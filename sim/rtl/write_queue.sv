@@ -1,0 +1,37 @@
+// Two words on their way to the memory: whether it takes one reaches nobody who writes in the same cycle.
+//
+// A word comes out in the cycle after it went in at the earliest, as from a register.
+module write_queue #(
+    parameter BITS = 8
+) (
+    input logic clk,
+    input logic rst,
+    input logic in_valid,
+    output logic in_ready,
+    input logic [BITS-1:0] in,
+    output logic out_valid,
+    input logic out_ready,
+    output logic [BITS-1:0] out
+);
+  (* ram_style = "distributed" *) logic [BITS-1:0] words[0:1];
+  logic head, tail, full, put, leaves;
+
+  assign in_ready = !full;
+  assign put = in_valid && !full;
+  assign leaves = out_valid && out_ready;
+  assign out = words[head];
+  always_ff @(posedge clk) begin
+    if (put) words[tail] <= in;
+    if (rst) begin
+      head <= 0;
+      tail <= 0;
+      full <= 0;
+      out_valid <= 0;
+    end else begin
+      head <= head ^ leaves;
+      tail <= tail ^ put;
+      full <= !leaves && (full || (put && out_valid));
+      out_valid <= put || full || (out_valid && !out_ready);
+    end
+  end
+endmodule
