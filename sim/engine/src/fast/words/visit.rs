@@ -48,7 +48,7 @@ impl OpacityVisitor {
         })
     }
 
-    /// Visits the footprints of `list`, in this order, in the pixels of `window`, which is at most a [`TILE`](crate::fast::TILE) and begins a block.
+    /// Visits the footprints of `list`, in this order, in the pixels of `window`, which is at most a [`TILE`] and begins a block.
     /// What vectors cannot do is visited by `alone`.
     pub fn visit(
         &self,
