@@ -16,6 +16,7 @@ pub mod order;
 mod paint;
 mod painter;
 pub mod recurrence;
+mod row_group;
 mod row_reals;
 pub mod rows;
 pub mod setup;

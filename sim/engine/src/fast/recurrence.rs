@@ -51,7 +51,7 @@ impl<L: Wide> RowVectors<L> {
             second: splat(second.wrapping_mul(width * width)),
             reach: splat(constants.reach),
             longest: splat(0),
-            limit: longest_rest(constants),
+            limit: longest_rest(constants.drops.1, constants.vertical_fraction),
         }
     }
 

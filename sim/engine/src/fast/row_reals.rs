@@ -14,7 +14,7 @@ use super::setup::number::Arithmetic;
 use splatline::raster::{BLOCK, REST, RowBlock, RowConstants};
 
 /// Integers below this have no error in a double, nor has a sum of three of them and a rounding bit.
-const MOST: f64 = (1u64 << 49) as f64;
+pub const MOST: f64 = (1u64 << 49) as f64;
 
 /// Columns below this have at most 51 bits in Q.32.
 const FARTHEST: f64 = (1 << 19) as f64;
@@ -42,8 +42,14 @@ const fn bits(numbers: [f64; 8]) -> [i64; 8] {
 
 /// 2^exponent, of exponents that a number may have.
 #[inline(always)]
-fn power(exponent: i32) -> f64 {
+pub fn power(exponent: i32) -> f64 {
     f64::from_bits((i64::from(1023 + exponent) as u64) << 52)
+}
+
+/// The same in each word.
+#[inline(always)]
+fn powers<L: Doubles>(math: Arithmetic<L>, exponent: L::Word) -> L::Word {
+    math.shl(math.plus(exponent, 1023), 52)
 }
 
 #[inline(always)]
@@ -51,26 +57,60 @@ fn splat<L: Doubles>(lanes: L, value: f64) -> L::Word {
     lanes.wide_splat(value.to_bits() as i64)
 }
 
-/// What is the same for all rows of a footprint.
-pub struct RowReals<'a, L: Doubles> {
-    math: Arithmetic<L>,
-    constants: &'a RowConstants<i64>,
+/// What is the same for all rows of a footprint, or of a footprint in each word.
+#[derive(Clone, Copy)]
+pub struct RowReals<L: Doubles> {
+    pub math: Arithmetic<L>,
     seeds: SeedWords<L>,
-    columns: [f64; 2],
-    /// Change of the centre per row.
-    shear: f64,
-    /// Change of the change of the vertical distance, in its own unit, which is so large here.
-    curve: f64,
+    line: RowLine,
+    /// For a unit of C dy^2, which is so large here.
     scale: f64,
     reach: L::Word,
     /// One past the longest rest that the table takes, and past the longest square of a half-width whose distances fit the seeds.
     longest: [L::Word; 2],
     /// The square of a half-width for a unit of the rest.
     squared_width: L::Word,
+    /// The root's table of rests with no bits more than it takes.
+    table: SquaredWidth<L>,
     to_dx: L::Word,
     to_down: L::Word,
     /// [`WHOLE`], less what a turned shift would leave too large.
     turn_of_down: L::Word,
+}
+
+/// What is never needed of several footprints at once.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RowLine {
+    /// First column that runs may begin at, and one past the last.
+    pub columns: [u16; 2],
+    /// Change of the centre per row.
+    pub shear: f64,
+    /// Change of the change of the vertical distance, in its own unit.
+    pub curve: f64,
+}
+
+/// The seeds of a block of rows: xc - 1/2 in the first one, C dy^2 and its change.
+#[derive(Clone, Copy, Debug)]
+pub struct RealBlock {
+    /// One past the last row.
+    pub end: u16,
+    /// In pixels.
+    pub centre: f64,
+    /// In the unit of C dy^2.
+    pub vertical: [f64; 2],
+}
+
+impl RealBlock {
+    /// From the kernel's words.
+    #[inline(always)]
+    pub fn new(block: &RowBlock) -> Self {
+        let [vertical, change] = block.vertical;
+        RealBlock {
+            end: block.end,
+            centre: block.centre as f64 * power(-32),
+            vertical: [vertical as f64, change as f64],
+        }
+    }
 }
 
 /// Some rows' words, and what leads to the next ones.
@@ -90,40 +130,134 @@ pub struct RealSpan<L: Doubles> {
     down: L::Word,
 }
 
-impl<'a, L: Doubles> RowReals<'a, L> {
+/// What [`RowReals`] follow from, of a footprint or of one in each word.
+pub struct RowNumbers<L: Doubles> {
+    pub seeds: SeedWords<L>,
+    /// Fraction bits of C dy^2.
+    pub fraction: u32,
+    /// Bits of the longest rest of the cut-off that the root takes, in the unit of C dy^2.
+    pub longest_rest: u32,
+    /// Cut-off and slack in the unit of C dy^2, and the square of a half-width for a unit of the rest.
+    pub reach: L::Word,
+    /// See `reach`.
+    pub squared_width: L::Word,
+    /// The same for the root's table, of rests with no bits more than it takes.
+    pub table: SquaredWidth<L>,
+    /// Distances along a row have a unit of two to this power, and as many bits.
+    pub unit: L::Word,
+    /// See `unit`.
+    pub most_bits: L::Word,
+}
+
+/// Words of [`RowReals`] that differ between footprints.
+pub const DIFFERENT: usize = 14;
+
+impl<L: Doubles> RowReals<L> {
     /// Of a footprint whose words are [tame](super::rows::is_tame).
     #[inline(always)]
-    pub fn new(math: Arithmetic<L>, constants: &'a RowConstants<i64>) -> Self {
-        let (lanes, seeds) = (math.lanes, SeedWords::new(math, constants));
-        let below = constants.vertical_fraction.saturating_sub(REST);
-        let scale = power(-(below as i32));
+    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
         let (mantissa, odd, half) = constants.squared_width;
-        let drop = constants
-            .vertical_fraction
-            .saturating_sub(constants.fraction);
-        let unit_of_dx = constants.drops.0 as i32 - 32;
-        // Roots are wrong by less than this leaves.
-        let farthest = power(most_bits(constants) as i32 + unit_of_dx) * (1.0 - 1.0 / 1024.0);
-        RowReals {
+        let squared_width = (mantissa << odd) as f64 * power(2 * half.max(-400) - 64);
+        let reals = RowReals::of(
             math,
-            columns: columns_of_runs(constants).map(f64::from),
+            RowNumbers {
+                seeds: SeedWords::new(math, constants),
+                fraction: constants.vertical_fraction,
+                longest_rest: longest_rest(constants.drops.1, constants.vertical_fraction),
+                reach: splat(math.lanes, constants.reach as f64),
+                squared_width: splat(math.lanes, squared_width),
+                table: SquaredWidth::new(math, constants, 0),
+                unit: math.splat(i64::from(constants.drops.0) - 32),
+                most_bits: math.splat(most_bits(constants).into()),
+            },
+        );
+        let line = RowLine {
+            columns: columns_of_runs(constants),
             shear: constants.shear as f64 * power(-32),
             curve: constants.curve as f64,
+        };
+        RowReals { line, ..reals }
+    }
+
+    /// Without what one footprint alone needs.
+    #[inline(always)]
+    pub fn of(math: Arithmetic<L>, numbers: RowNumbers<L>) -> Self {
+        let (lanes, seeds) = (math.lanes, numbers.seeds);
+        let below = numbers.fraction.saturating_sub(REST) as i32;
+        let scale = power(-below);
+        // Roots are wrong by less than this leaves.
+        let almost = splat(lanes, 1.0 - 1.0 / 1024.0);
+        let farthest = powers(math, math.add(numbers.most_bits, numbers.unit));
+        let farthest = lanes.double_mul(farthest, almost);
+        let to_dx = powers(math, math.negate(numbers.unit));
+        RowReals {
+            math,
+            line: RowLine::default(),
             scale,
-            reach: splat(lanes, constants.reach as f64 * scale),
+            reach: lanes.double_mul(numbers.reach, splat(lanes, scale)),
             longest: [
-                splat(lanes, power(longest_rest(constants) as i32 - below as i32)),
-                splat(lanes, farthest * farthest),
+                splat(lanes, power(numbers.longest_rest as i32 - below)),
+                lanes.double_mul(farthest, farthest),
             ],
-            squared_width: splat(
-                lanes,
-                (mantissa << odd) as f64 * power(2 * half.max(-400) - 64),
+            squared_width: numbers.squared_width,
+            table: numbers.table,
+            to_dx: lanes.double_sub(math.splat(0), to_dx),
+            to_down: powers(
+                math,
+                math.sub(math.splat(below.into()), seeds.drop_vertical.by),
             ),
-            to_dx: splat(lanes, -power(-unit_of_dx)),
-            to_down: splat(lanes, power(below as i32 - drop as i32)),
             turn_of_down: math.sub(splat(lanes, WHOLE), math.turn_of(seeds.drop_vertical)),
-            constants,
             seeds,
+        }
+    }
+
+    /// The words that differ between footprints.
+    #[inline(always)]
+    pub fn words(&self) -> [L::Word; DIFFERENT] {
+        let [a, b, c, d, e, f, g] = self.seeds.words();
+        let SquaredWidth {
+            mantissa: h,
+            odd: i,
+            power: j,
+            ..
+        } = self.table;
+        let (k, l, m, n) = (self.reach, self.longest[1], self.squared_width, self.to_dx);
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, n]
+    }
+
+    /// The same of one footprint, of which these are the words.
+    #[inline(always)]
+    pub fn one(&self, line: RowLine, words: [L::Word; DIFFERENT]) -> Self {
+        let [
+            a,
+            b,
+            c,
+            d,
+            e,
+            f,
+            g,
+            mantissa,
+            odd,
+            power,
+            reach,
+            farthest,
+            width,
+            to_dx,
+        ] = words;
+        RowReals {
+            line,
+            reach,
+            longest: [self.longest[0], farthest],
+            squared_width: width,
+            table: SquaredWidth {
+                mantissa,
+                odd,
+                power,
+                ..self.table
+            },
+            to_dx,
+            seeds: self.seeds.with([a, b, c, d, e, f, g]),
+            ..*self
         }
     }
 
@@ -159,28 +293,26 @@ impl<'a, L: Doubles> RowReals<'a, L> {
 
     /// The first of so many rows of a block; `None` where their words are too large.
     #[inline(always)]
-    pub fn block(&self, block: &RowBlock, count: usize) -> Option<RealRows<L>> {
-        let lanes = self.math.lanes;
-        let [vertical, change] = block.vertical;
-        let (vertical, change) = (vertical as f64, change as f64);
-        let centre = block.centre as f64 * power(-32);
+    pub fn block(&self, block: &RealBlock, count: usize) -> Option<RealRows<L>> {
+        let (lanes, line) = (self.math.lanes, &self.line);
+        let (centre, [vertical, change]) = (block.centre, block.vertical);
         let last = (count + 8) as f64;
-        let largest = vertical.abs() + last * (change.abs() + last * self.curve.abs());
-        let farthest = centre.abs() + last * self.shear.abs();
+        let largest = vertical.abs() + last * (change.abs() + last * line.curve.abs());
+        let farthest = centre.abs() + last * line.shear.abs();
         // Words of more bits than a double are larger than this however they were rounded.
         if largest >= MOST || farthest >= FARTHEST {
             return None;
         }
         let (vertical, change) = (vertical * self.scale, change * self.scale);
-        let curve = self.curve * self.scale;
+        let curve = line.curve * self.scale;
         let (numbers, pairs) = (lanes.wide_load(&NUMBERS), lanes.wide_load(&PAIRS));
         let width = L::WIDE as f64;
         let bent = self.exact(pairs, self.splat(curve), self.splat(vertical));
         let along = change * width + curve * (width * (width - 1.0) / 2.0);
         Some(RealRows {
-            centre: self.exact(numbers, self.splat(self.shear), self.splat(centre)),
+            centre: self.exact(numbers, self.splat(line.shear), self.splat(centre)),
             vertical: self.exact(numbers, self.splat(change), bent),
-            slope: self.splat(self.shear * width),
+            slope: self.splat(line.shear * width),
             change: self.exact(numbers, self.splat(curve * width), self.splat(along)),
             second: self.splat(curve * width * width),
         })
@@ -242,8 +374,7 @@ impl<'a, L: Doubles> RowReals<'a, L> {
     fn half_by_table(&self, narrow: L::Word) -> L::Word {
         let lanes = self.math.lanes;
         let narrow = self.word(lanes.double_add(narrow, self.splat(WHOLE)));
-        let table = SquaredWidth::new(self.math, self.constants);
-        let half = table.half_of(self.math, narrow);
+        let half = self.table.half_of(self.math, narrow);
         let mut halves = [0; 8];
         lanes.wide_store(&mut halves, half);
         for half in &mut halves {
@@ -256,8 +387,8 @@ impl<'a, L: Doubles> RowReals<'a, L> {
     #[inline(always)]
     pub fn runs(&self, rows: &RealRows<L>, span: &RealSpan<L>, column: f64) -> Runs<L> {
         let lanes = self.math.lanes;
-        let first = self.splat(-column.max(self.columns[0]));
-        let last = (column + f64::from(BLOCK)).min(self.columns[1]);
+        let first = self.splat(-column.max(self.line.columns[0].into()));
+        let last = (column + f64::from(BLOCK)).min(self.line.columns[1].into());
         let left = lanes.double_min(span.left, first);
         let end = lanes.double_min(span.end, self.splat(last));
         let dx = self.rounded(lanes.double_add(left, rows.centre), self.to_dx);

@@ -8,13 +8,14 @@
 
 use super::lanes::{Doubles, Wide};
 use super::recurrence::{has_short_squared_width, is_zero};
-use super::row_reals::RowReals;
+use super::row_group::RowGroup;
+use super::row_reals::{RealBlock, RowReals};
 use super::setup::number::{Arithmetic, RoundingShift};
 use super::tile::TILE;
 use core::ops::Range;
 use splatline::footprint::Footprint;
 use splatline::format::{RuntimeWidths, Widths};
-use splatline::raster::{BLOCK, EllipseSpans, REST, RowConstants, Window};
+use splatline::raster::{BLOCK, EllipseSpans, REST, ROW_BLOCKS, RowConstants, Window};
 
 /// Most rows of a footprint in a tile.
 const ROWS: usize = TILE[1] as usize;
@@ -53,11 +54,11 @@ impl RuntimeRows {
     }
 }
 
-/// Bits of the longest rest of the cut-off that the root takes.
+/// Bits of the longest rest of the cut-off that the root takes, of a mantissa and C dy^2 with so many.
 #[inline(always)]
-pub fn longest_rest(constants: &RowConstants<i64>) -> u32 {
-    let bits = if constants.drops.1 <= 18 { 28 } else { 32 };
-    constants.vertical_fraction.saturating_sub(REST).min(31) + bits
+pub fn longest_rest(mantissa: u32, vertical_fraction: u32) -> u32 {
+    let bits = if mantissa <= 18 { 28 } else { 32 };
+    vertical_fraction.saturating_sub(REST).min(31) + bits
 }
 
 /// The runs of one footprint's rows in one block of a tile.
@@ -109,7 +110,7 @@ impl Recurrences {
             begin = end;
         }
         // Centres below 2^61, what is left of the cut-off short enough for the root.
-        far >> 61 == 0 && long >> longest_rest(constants) == 0
+        far >> 61 == 0 && long >> longest_rest(constants.drops.1, constants.vertical_fraction) == 0
     }
 }
 
@@ -205,16 +206,38 @@ impl RowBatch {
     /// Computes the runs of a footprint in the tile that begins at column `left`; `false` if vectors cannot.
     #[inline(always)]
     pub fn fill<L: Doubles>(&mut self, lanes: L, constants: &RowConstants<i64>, left: u16) -> bool {
-        let [first, last] = constants
-            .visible
-            .map(|x| usize::from(x.saturating_sub(left)));
-        let block = usize::from(BLOCK);
-        self.touched = (first / block, last.div_ceil(block).min(BLOCKS));
+        self.touch(constants.visible, left);
         if !is_tame(constants) {
             return false;
         }
         let math = Arithmetic { lanes };
         self.fill_in_reals(math, constants, left) || self.fill_in_words(math, constants, left)
+    }
+
+    /// Notes the blocks of the visible columns.
+    #[inline(always)]
+    fn touch(&mut self, visible: [u16; 2], left: u16) {
+        let [first, last] = visible.map(|x| usize::from(x.saturating_sub(left)));
+        let block = usize::from(BLOCK);
+        self.touched = (first / block, last.div_ceil(block).min(BLOCKS));
+    }
+
+    /// Computes the runs of a group's footprint `k`; `false` if that cannot. `together` is what the group's computation gave.
+    #[inline(always)]
+    pub fn fill_member<L: Doubles>(
+        &mut self,
+        together: &RowReals<L>,
+        group: &RowGroup,
+        k: usize,
+        left: u16,
+    ) -> bool {
+        let member = group.member(k);
+        self.touch(member.visible, left);
+        if !group.is_ordinary(k) {
+            return false;
+        }
+        let block = |number| group.block(k, number);
+        self.fill_blocks(&group.reals(k, together), member.rows, 2, block, left)
     }
 
     /// The same with all of a row in words; `false` where they are too large.
@@ -246,16 +269,30 @@ impl RowBatch {
         left: u16,
     ) -> bool {
         let reals = RowReals::new(math, constants);
-        let first = constants.rows[0];
-        let mut longest = math.splat(0);
-        let count = usize::from(constants.rows[1].saturating_sub(first)).min(ROWS);
+        let block = |number: usize| RealBlock::new(&constants.blocks[number]);
+        self.fill_blocks(&reals, constants.rows, ROW_BLOCKS, block, left)
+    }
+
+    /// The rows of these blocks, in double precision.
+    #[inline(always)]
+    fn fill_blocks<L: Doubles>(
+        &mut self,
+        reals: &RowReals<L>,
+        [first, last]: [u16; 2],
+        blocks: usize,
+        block: impl Fn(usize) -> RealBlock,
+        left: u16,
+    ) -> bool {
+        let mut longest = reals.math.splat(0);
+        let count = usize::from(last.saturating_sub(first)).min(ROWS);
         let mut start = 0;
-        for block in &constants.blocks {
+        for number in 0..blocks {
             if start >= count {
                 break;
             }
+            let block = block(number);
             let end = usize::from(block.end.saturating_sub(first)).min(count);
-            let Some(mut rows) = reals.block(block, end) else {
+            let Some(mut rows) = reals.block(&block, end) else {
                 return false;
             };
             while start < end {
@@ -263,7 +300,7 @@ impl RowBatch {
                 for touched in self.touched() {
                     let column = f64::from(left) + (touched * usize::from(BLOCK)) as f64;
                     let runs = reals.runs(&rows, &span, column);
-                    self.blocks[touched].store(math.lanes, start, runs);
+                    self.blocks[touched].store(reals.math.lanes, start, runs);
                 }
                 rows = reals.step(&rows);
                 start += L::WIDE;
@@ -271,7 +308,7 @@ impl RowBatch {
             start = end;
         }
         self.recurrences.count = count;
-        !math.lanes.wide_any(reals.excess(longest))
+        !reals.math.lanes.wide_any(reals.excess(longest))
     }
 
     /// Blocks that the footprint's box touches; the others hold what an earlier footprint left there.
@@ -326,11 +363,15 @@ impl<L: Wide> RowWords<L> {
     /// Of a footprint whose words are [tame](is_tame), or of whatever.
     #[inline(always)]
     pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
-        let drop_dx = math.drop(constants.drops.0);
+        let drop_dx = math.drop(math.splat(constants.drops.0.into()));
         RowWords {
             columns: columns_of_runs(constants).map(i64::from),
             reach: math.splat(constants.reach),
-            squared_width: SquaredWidth::new(math, constants),
+            squared_width: SquaredWidth::new(
+                math,
+                constants,
+                constants.vertical_fraction.saturating_sub(REST),
+            ),
             drop_dx,
             turn_of_dx: math.turn_of(drop_dx),
             seeds: SeedWords::new(math, constants),
@@ -346,6 +387,7 @@ pub fn columns_of_runs(constants: &RowConstants<i64>) -> [u16; 2] {
 }
 
 /// What the seeds of a footprint's runs are computed from.
+#[derive(Clone, Copy)]
 pub struct SeedWords<L: Wide> {
     horizontal: L::Word,
     /// Without what the shifts beside them leave too large.
@@ -370,23 +412,68 @@ impl<L: Wide> SeedWords<L> {
         let drop_vertical = constants
             .vertical_fraction
             .saturating_sub(constants.fraction);
-        let drop_along = math.drop(bits);
-        let (drop_radial, drop_first) = (math.drop(drop_radial), math.drop(drop_first));
-        let drop_vertical = math.drop(drop_vertical);
+        SeedWords::of(
+            math,
+            [
+                math.splat(constants.horizontal),
+                math.splat(constants.start),
+                math.splat(constants.unit),
+            ],
+            [
+                math.splat(bits.into()),
+                math.splat(drop_radial.into()),
+                math.splat(drop_first.into()),
+                math.splat(drop_vertical.into()),
+            ],
+            [math.splat(raises[0].into()), math.splat(raises[1].into())],
+        )
+    }
+
+    /// Of the mantissa of A, what is added to the seeds, right shifts in the order of the fields, and left shifts.
+    #[inline(always)]
+    pub fn of(
+        math: Arithmetic<L>,
+        [horizontal, start, unit]: [L::Word; 3],
+        [drop_along, drop_radial, drop_first, drop_vertical]: [L::Word; 4],
+        raises: [L::Word; 2],
+    ) -> Self {
+        let (drop_along, drop_radial) = (math.drop(drop_along), math.drop(drop_radial));
+        let (drop_first, drop_vertical) = (math.drop(drop_first), math.drop(drop_vertical));
         // A left shift drops the turn.
-        let raises = [math.splat(raises[0].into()), math.splat(raises[1].into())];
         let turn = math.lanes.wide_shl(math.turn_of(drop_radial), raises[0]);
         let turns = math.add(turn, math.turn_of(drop_vertical));
         let turn = math.lanes.wide_shl(math.turn_of(drop_first), raises[1]);
         SeedWords {
-            horizontal: math.splat(constants.horizontal),
-            start: math.sub(math.splat(constants.start), turns),
-            unit: math.sub(math.splat(constants.unit), turn),
+            horizontal,
+            start: math.sub(start, turns),
+            unit: math.sub(unit, turn),
             drop_along,
             drop_radial,
             drop_vertical,
             drop_first,
             raises,
+        }
+    }
+
+    /// The words that differ between footprints without left shifts.
+    #[inline(always)]
+    pub fn words(&self) -> [L::Word; 7] {
+        let (radial, first) = (self.drop_radial, self.drop_first);
+        let shifts = [radial.raise, radial.by, first.raise, first.by];
+        let [a, b, c, d] = shifts;
+        [self.horizontal, self.start, self.unit, a, b, c, d]
+    }
+
+    /// The same of a footprint with these words.
+    #[inline(always)]
+    pub fn with(&self, [horizontal, start, unit, a, b, c, d]: [L::Word; 7]) -> Self {
+        SeedWords {
+            horizontal,
+            start,
+            unit,
+            drop_radial: RoundingShift { raise: a, by: b },
+            drop_first: RoundingShift { raise: c, by: d },
+            ..*self
         }
     }
 }
@@ -471,23 +558,28 @@ pub fn is_tame(constants: &RowConstants<i64>) -> bool {
 }
 
 /// 1 / A on vectors, for half-widths sqrt(rest / A) by the root table, a multiplication and a shift that rounds.
+#[derive(Clone, Copy)]
 pub struct SquaredWidth<L: Wide> {
-    mantissa: L::Word,
-    odd: L::Word,
-    power: L::Word,
-    drop: L::Word,
+    /// Mantissa of 1 / A, 1 if its exponent is odd, and the power of two of its root, Q.32.
+    pub mantissa: L::Word,
+    /// See `mantissa`.
+    pub odd: L::Word,
+    /// See `mantissa`.
+    pub power: L::Word,
+    /// Bits of a rest beyond [`REST`].
+    pub drop: L::Word,
 }
 
 impl<L: Wide> SquaredWidth<L> {
-    /// Of a footprint.
+    /// Of a footprint, for rests with so many bits beyond [`REST`].
     #[inline(always)]
-    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
+    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>, drop: u32) -> Self {
         let (mantissa, odd, power) = constants.squared_width;
         SquaredWidth {
             mantissa: math.splat(mantissa as i64),
             odd: math.splat(odd.into()),
             power: math.splat(power.into()),
-            drop: math.splat(constants.vertical_fraction.saturating_sub(REST).into()),
+            drop: math.splat(drop.into()),
         }
     }
 

@@ -11,7 +11,7 @@
 mod doubt;
 pub mod number;
 mod position;
-mod real;
+pub(super) mod real;
 mod stages;
 mod surface;
 

@@ -21,8 +21,9 @@ pub struct Number<W: Wide> {
 #[derive(Clone, Copy)]
 pub struct RoundingShift<W: Wide> {
     /// Half of a unit and the turn.
-    raise: W::Word,
-    by: W::Word,
+    pub raise: W::Word,
+    /// Bits that are dropped.
+    pub by: W::Word,
 }
 
 /// The turn that makes signed words unsigned ones in their order, and back.
@@ -37,7 +38,7 @@ pub struct Arithmetic<W: Wide> {
 
 type Truth<W> = <W as Wide>::Truth;
 /// A vector of words.
-pub(super) type Word<W> = <W as Wide>::Word;
+pub type Word<W> = <W as Wide>::Word;
 
 impl<W: Wide> Arithmetic<W> {
     /// The same word everywhere.
@@ -141,8 +142,7 @@ impl<W: Wide> Arithmetic<W> {
 
     /// A shift to the right by so much.
     #[inline(always)]
-    pub fn drop(self, shift: u32) -> RoundingShift<W> {
-        let by = self.splat(shift.into());
+    pub fn drop(self, by: Word<W>) -> RoundingShift<W> {
         let half = self.shr(self.lanes.wide_shl(self.splat(1), by), 1);
         RoundingShift {
             raise: self.plus(half, TURN),

@@ -90,6 +90,14 @@ impl<W: Doubles> Reals<'_, W> {
         self.doubt_where(math.select(math.splat(1), math.splat(0), greater));
     }
 
+    /// Puts splats in doubt unless the number is less than `most`.
+    #[inline(always)]
+    pub fn doubt_unless_less(self, number: Word<W>, most: f64) {
+        let math = self.words;
+        let less = math.lanes.double_greater(self.constant(most), number);
+        self.doubt_where(math.select(math.splat(1), math.splat(0), less));
+    }
+
     /// |a|.
     #[inline(always)]
     pub fn magnitude(self, a: Real<W>) -> Real<W> {

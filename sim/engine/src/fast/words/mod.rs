@@ -14,13 +14,16 @@ use super::lanes::sums::PixelSums;
 use super::lanes::{Doubles, PixelTask, VectorLevel, VectorTask};
 use super::lanes::{dispatch_pixels, dispatch_vectors, prefetch};
 use super::painter::{CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter};
+use super::row_group::RowGroup;
 use super::rows::{RowBatch, RunWords};
+use super::setup::number::Arithmetic;
 use path::{BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers, PixelPath};
 use path::{Pixels, SplatNumbers, WordPixels, X_RAY};
 use single::{SingleNumbers, SinglePixels};
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
-use splatline::format::{Design, Lane, Traversal};
+use splatline::footprint::Footprint;
+use splatline::format::{Design, Lane, Traversal, Widths};
 use splatline::raster::{EllipseSpans, RowConstants, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::target::Target;
@@ -69,19 +72,16 @@ impl<D: Design> WordPainter<D> {
         })
     }
 
-    /// What the list's first footprint is computed from within the window.
+    /// What a footprint is computed from within the window.
+    #[cold]
     fn prepare(
         &self,
         footprints: &Results,
-        list: &[u32],
+        index: u32,
         window: &Window,
         place: &mut RowConstants<i64>,
     ) -> PreparedFootprint {
-        let footprint = |index: &u32| &footprints[*index as usize];
-        if let Some(next) = list.get(AHEAD) {
-            prefetch(footprint(next));
-        }
-        let Some(Ok(footprint)) = list.first().map(footprint) else {
+        let Ok(footprint) = &footprints[index as usize] else {
             return PreparedFootprint::Nothing;
         };
         let bounds = Window::of(footprint);
@@ -89,9 +89,7 @@ impl<D: Design> WordPainter<D> {
             return PreparedFootprint::Nothing;
         }
         let rows = EllipseSpans::new(self.design, footprint, window);
-        let numbers = self.numbers.splat(footprint);
-        let fits = |splat: &SplatNumbers| self.single.as_ref().is_none_or(|s| s.fits(splat));
-        match numbers.filter(fits) {
+        match splat_numbers(&self.numbers, self.single.as_ref(), footprint) {
             Some(splat) => {
                 *place = rows.constants().widened();
                 PreparedFootprint::Rows(splat)
@@ -136,8 +134,11 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
     ) -> Coverage {
         let clear = Pixel::clear(&self.design.widths());
         let painting = Painting {
-            operator: self.numbers.operator,
-            prepare: &|list, window, rows| self.prepare(footprints, list, window, rows),
+            widths: self.design.widths(),
+            numbers: &self.numbers,
+            single: self.single.as_ref(),
+            prepare: &|index, window, rows| self.prepare(footprints, index, window, rows),
+            footprints,
             list,
             start,
             counts: self.counts,
@@ -193,14 +194,30 @@ enum PreparedFootprint {
     Rows(SplatNumbers),
 }
 
-/// Prepares a list's first footprint for a window, and leaves the constants of its rows in the place given.
-type Prepare<'a> = dyn Fn(&[u32], &Window, &mut RowConstants<i64>) -> PreparedFootprint + 'a;
+/// Prepares a footprint for a window by itself, and leaves the constants of its rows in the place given.
+type Prepare<'a> = dyn Fn(u32, &Window, &mut RowConstants<i64>) -> PreparedFootprint + 'a;
+
+/// What a footprint's pixels need beside its rows; `None` if it lies outside its formats.
+#[inline(always)]
+fn splat_numbers(
+    numbers: &PathNumbers,
+    single: Option<&SingleNumbers>,
+    footprint: &Footprint,
+) -> Option<SplatNumbers> {
+    let splat = numbers.splat(footprint)?;
+    single
+        .is_none_or(|single| single.fits(&splat))
+        .then_some(splat)
+}
 
 /// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves all.
 #[derive(Clone, Copy)]
 struct Painting<'a> {
-    operator: u8,
+    widths: Widths,
+    numbers: &'a PathNumbers,
+    single: Option<&'a SingleNumbers>,
     prepare: &'a Prepare<'a>,
+    footprints: &'a Results,
     list: &'a [u32],
     start: Start,
     counts: bool,
@@ -225,7 +242,7 @@ impl PixelTask for WordPainting<'_> {
         const EVEN_OMIT_FINISHING: u8 = EVEN | OMIT_FINISHING;
         const EVEN_BACK_TO_FRONT: u8 = EVEN | BACK_TO_FRONT;
         const EVEN_X_RAY: u8 = EVEN | X_RAY;
-        match self.painting.operator {
+        match self.painting.numbers.operator {
             OMIT_FINISHING => self.paint::<L, OMIT_FINISHING>(lanes),
             BACK_TO_FRONT => self.paint::<L, BACK_TO_FRONT>(lanes),
             X_RAY => self.paint::<L, X_RAY>(lanes),
@@ -259,7 +276,7 @@ impl VectorTask for SinglePainting<'_> {
 
     #[inline(always)]
     fn run<L: Doubles>(self, lanes: L) -> Coverage {
-        if self.painting.operator == EVEN | OMIT_FINISHING {
+        if self.painting.numbers.operator == EVEN | OMIT_FINISHING {
             self.paint::<L, OMIT_FINISHING>(lanes)
         } else {
             self.paint::<L, DRAW_FINISHING>(lanes)
@@ -291,7 +308,9 @@ impl Painting<'_> {
             counts,
             ..
         } = self;
+        let math = Arithmetic { lanes };
         let (mut batch, mut rows) = (RowBatch::new(), RowConstants::default());
+        let (mut group, widths) = (RowGroup::new(), self.widths);
         let mut coverage = Coverage::default();
         let mut window = tile.window();
         let left = window.first[0];
@@ -303,27 +322,51 @@ impl Painting<'_> {
             }
         }
         for part in list.chunks(CHECK_INTERVAL) {
-            for (number, index) in part.iter().enumerate() {
-                let splat = match prepare(&part[number..], &window, &mut rows) {
-                    PreparedFootprint::Nothing => continue,
-                    PreparedFootprint::Rows(splat) if batch.fill(lanes, &rows, left) => splat,
-                    _ => {
-                        coverage += scalar(*index, tile);
+            for (number, indices) in part.chunks(L::WIDE).enumerate() {
+                let ahead = (number + 1) * L::WIDE;
+                for index in part.iter().skip(ahead).take(L::WIDE) {
+                    prefetch(&self.footprints[*index as usize]);
+                }
+                for (k, index) in indices.iter().enumerate() {
+                    if let Ok(footprint) = &self.footprints[*index as usize] {
+                        group.read(k, footprint, &window);
+                    }
+                }
+                let together = group.compute(math, &widths);
+                for (k, index) in indices.iter().enumerate() {
+                    if group.member(k).is_empty() {
                         continue;
                     }
-                };
-                let splat = path.splat(&splat, rows.second);
-                for block in batch.touched() {
-                    let runs = batch.block(block);
-                    for row in 0..batch.rows() {
-                        let Some(run) = runs.run(row) else { continue };
-                        let run = columns(&run, left);
-                        let (pixels, live) = tile.row(rows.rows[0].wrapping_add(row as u16));
-                        if counts {
-                            coverage.visited += run.length as u64;
-                            path.paint::<true>(&splat, &run, pixels, &mut coverage);
-                        } else if let Some(run) = cut(run, live, rows.second) {
-                            path.paint::<false>(&splat, &run, pixels, &mut coverage);
+                    let splat = self.footprints[*index as usize].as_ref().ok();
+                    let splat = splat.and_then(|f| splat_numbers(self.numbers, self.single, f));
+                    let (splat, first, second) = match splat {
+                        Some(splat) if batch.fill_member(&together, &group, k, left) => {
+                            (splat, group.member(k).rows[0], group.second(k))
+                        }
+                        _ => match prepare(*index, &window, &mut rows) {
+                            PreparedFootprint::Nothing => continue,
+                            PreparedFootprint::Rows(splat) if batch.fill(lanes, &rows, left) => {
+                                (splat, rows.rows[0], rows.second)
+                            }
+                            _ => {
+                                coverage += scalar(*index, tile);
+                                continue;
+                            }
+                        },
+                    };
+                    let splat = path.splat(&splat, second);
+                    for block in batch.touched() {
+                        let runs = batch.block(block);
+                        for row in 0..batch.rows() {
+                            let Some(run) = runs.run(row) else { continue };
+                            let run = columns(&run, left);
+                            let (pixels, live) = tile.row(first.wrapping_add(row as u16));
+                            if counts {
+                                coverage.visited += run.length as u64;
+                                path.paint::<true>(&splat, &run, pixels, &mut coverage);
+                            } else if let Some(run) = cut(run, live, second) {
+                                path.paint::<false>(&splat, &run, pixels, &mut coverage);
+                            }
                         }
                     }
                 }
