@@ -194,10 +194,9 @@ pub fn page(data: &Path) -> Result<Page> {
     page.add(tables.others.only(0, GUITAR).markdown());
     page.beside("machines.csv", tables.others.csv());
     page.add(
-        "## Beside what is published\n\nFigures of others are those of the abstract that is named, and - is what it does not say: area and energy of most, and no scene, camera or format that could be \
-         run again. So cycles, bytes and errors are not compared; what is here beside each other is the rate and the energy of a pixel of the screen, whose scenes differ. Ours are the rows of sixteen \
-         lanes above (guitar, energy estimated for 45 nm with its DRAM). Who has the scenes of a paper runs `splatline optimize` on them, and `splatline simulate --machines` for the presets. \
-         [published.csv](published.csv)",
+        "## Beside what is published\n\nOthers' figures are their abstracts'; - is what these leave out. None names a scene that could be run again, so only rate and energy of a screen's \
+         pixel stand side by side. Ours are sixteen lanes as above (guitar, energy estimated for 45 nm with its DRAM) and circuits in standard cells, mapped by Yosys, memories apart. Who has a \
+         paper's scenes runs `splatline optimize` and `splatline simulate --machines`. [published.csv](published.csv)",
     );
     let published = published(&tables.others.only(0, GUITAR))?;
     page.add(published.markdown());
@@ -217,6 +216,8 @@ pub fn page(data: &Path) -> Result<Page> {
 
 /// What papers print of their machines, by their abstracts.
 const PUBLISHED: &str = include_str!("published.csv");
+/// Our circuits in the cells of a library, as `rtl -- area asic` prints them: a line a unit, the whole circuit first.
+const CELLS: &str = include_str!("../../../rtl/cosim/asic.csv");
 
 /// The published machines, and ours by the rows of machines that were run on one scene.
 fn published(run: &Table) -> Result<Table> {
@@ -250,10 +251,43 @@ fn published(run: &Table) -> Result<Table> {
                 nanojoules(path)
             ),
             "[accuracy](accuracy.md)".to_owned(),
-            "this page; the whole frame with its DRAM".to_owned(),
+            "whole frame with its DRAM".to_owned(),
         ]);
     }
+    add_circuits(&mut table)?;
     Ok(table)
+}
+
+/// Primitives of four lanes in standard cells, each by the line of its top.
+fn add_circuits(table: &mut Table) -> Result<()> {
+    let lines = CELLS
+        .lines()
+        .map(|line| line.split(',').collect::<Vec<_>>());
+    for line in lines.filter(|line| line[1] == "splat_primitive") {
+        let number = |place: usize| line[place].parse::<f64>();
+        let (design, _) = line[0]
+            .split_once(' ')
+            .context("asic.csv names no circuit")?;
+        table.push([
+            format!("splatline {design}"),
+            "fixed".to_owned(),
+            "splat primitive, four lanes".to_owned(),
+            "SKY130 (synthesised)".to_owned(),
+            format!(
+                "{:.2} mm2 ({:.2} scaled to 28 nm); {:.0} k gates; {:.0} kbit",
+                number(3)? / 1e6,
+                number(8)?,
+                number(4)? / 1e3,
+                number(6)? / 1024.0
+            ),
+            format!("{:.0} without wires", 1e3 / number(7)?),
+            "-".to_owned(),
+            "-".to_owned(),
+            "[accuracy](accuracy.md)".to_owned(),
+            "`rtl -- area asic`".to_owned(),
+        ]);
+    }
+    Ok(())
 }
 
 /// Plots of the cycles of four lanes.
