@@ -18,6 +18,7 @@ mod painter;
 pub mod recurrence;
 mod row_group;
 mod row_reals;
+mod row_words;
 pub mod rows;
 pub mod setup;
 pub mod surface;

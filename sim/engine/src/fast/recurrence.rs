@@ -4,7 +4,7 @@
 //! without an order of summation. Root, span and seeds of a row follow from its words ([`rows`](super::rows)).
 
 use super::lanes::Wide;
-use super::rows::longest_rest;
+use super::row_words::longest_rest;
 use super::setup::number::Arithmetic;
 use splatline::raster::{RowBlock, RowConstants};
 

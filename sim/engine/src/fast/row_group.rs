@@ -7,7 +7,7 @@
 
 use super::lanes::Doubles;
 use super::row_reals::{DIFFERENT, MOST, RealBlock, RowLine, RowNumbers, RowReals, power};
-use super::rows::{SeedWords, SquaredWidth, longest_rest};
+use super::row_words::{SeedWords, SquaredWidth, longest_rest};
 use super::setup::number::{Arithmetic, Word};
 use super::setup::real::{Real, Reals};
 use splatline::footprint::Footprint;
@@ -46,6 +46,7 @@ pub struct Member {
 }
 
 /// Some footprints and their constants; memory that is used again for the next ones.
+#[derive(Default)]
 pub struct RowGroup {
     members: [Member; WORDS],
     inputs: [List; INPUTS],
@@ -66,21 +67,6 @@ impl Member {
 }
 
 impl RowGroup {
-    /// No footprints.
-    pub fn new() -> Self {
-        let none = [0; WORDS];
-        RowGroup {
-            members: [Member::default(); WORDS],
-            inputs: [none; INPUTS],
-            seeds: [[none; 3]; 2],
-            constants: [none; DIFFERENT],
-            shear: none,
-            curve: none,
-            second: none,
-            doubt: none,
-        }
-    }
-
     /// Takes a footprint as number `k`.
     #[inline(always)]
     pub fn read(&mut self, k: usize, footprint: &Footprint, window: &Window) {

@@ -9,7 +9,9 @@
 
 use super::lanes::Doubles;
 use super::lanes::singles::HAS_FUSED_ADD;
-use super::rows::{Runs, SeedWords, SquaredWidth, columns_of_runs, longest_rest, most_bits, seeds};
+use super::row_words::{
+    Runs, SeedWords, SquaredWidth, columns_of_runs, longest_rest, most_bits, seeds,
+};
 use super::setup::number::Arithmetic;
 use splatline::raster::{BLOCK, REST, RowBlock, RowConstants};
 
@@ -153,7 +155,7 @@ pub struct RowNumbers<L: Doubles> {
 pub const DIFFERENT: usize = 14;
 
 impl<L: Doubles> RowReals<L> {
-    /// Of a footprint whose words are [tame](super::rows::is_tame).
+    /// Of a footprint whose words are [tame](super::row_words::is_tame).
     #[inline(always)]
     pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
         let (mantissa, odd, half) = constants.squared_width;

@@ -14,7 +14,7 @@ pub mod tile;
 use super::lanes::fused::Fused;
 use super::lanes::{FusedLanes, FusedTask, VectorLevel, prefetch};
 use super::painter::{CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter};
-use super::rows::is_tame;
+use super::row_words::is_tame;
 use batch::{Batch, CellFootprint, Prepare};
 use fused::{FusedPixels, FusedScheme};
 pub use intervals::TableReach;

@@ -7,7 +7,7 @@
 use super::tile::{AREA, CELLS_OF_ROW, COLUMNS};
 use crate::fast::lanes::fused::Fused;
 use crate::fast::recurrence::{RowVectors, stays_near};
-use crate::fast::rows::{RowWords, Runs, excess, runs};
+use crate::fast::row_words::{RowWords, Runs, excess, runs};
 use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::TILE;
 use splatline::raster::{BLOCK, RowConstants, Window};

@@ -156,6 +156,8 @@ mod x86 {
     use super::super::avx2::Avx2;
     use super::super::avx512::Avx512;
     use super::Wide;
+    #[cfg(not(miri))]
+    use std::arch::asm;
     use std::arch::x86_64::*;
 
     impl Wide for Avx512 {
@@ -244,41 +246,37 @@ mod x86 {
         }
     }
 
+    /// Products of lower halves. Miri, which interprets no assembly, has the intrinsics.
+    #[cfg(miri)]
+    use std::arch::x86_64::{_mm256_mul_epi32 as product, _mm256_mul_epu32 as product_unsigned};
+
     /// Products of lower halves, written out: the compiler knows the intrinsics as products of 64 bits by 64, which it makes of them where a factor
-    /// was brought into another block. Miri, which interprets no assembly, has the intrinsics.
+    /// was brought into another block.
+    #[cfg(not(miri))]
     #[inline]
     #[target_feature(enable = "avx2")]
     fn product(a: __m256i, b: __m256i) -> __m256i {
-        #[cfg(miri)]
-        return _mm256_mul_epi32(a, b);
-        #[cfg(not(miri))]
-        {
-            let product;
-            // SAFETY: the processor has the instruction, which works on registers.
-            unsafe {
-                std::arch::asm!("vpmuldq {}, {}, {}", lateout(ymm_reg) product, in(ymm_reg) a, in(ymm_reg) b,
-                    options(pure, nomem, nostack, preserves_flags));
-            }
-            product
+        let product;
+        // SAFETY: the processor has the instruction, which works on registers.
+        unsafe {
+            asm!("vpmuldq {}, {}, {}", lateout(ymm_reg) product, in(ymm_reg) a, in(ymm_reg) b,
+                options(pure, nomem, nostack, preserves_flags));
         }
+        product
     }
 
     /// The same without signs.
+    #[cfg(not(miri))]
     #[inline]
     #[target_feature(enable = "avx2")]
     fn product_unsigned(a: __m256i, b: __m256i) -> __m256i {
-        #[cfg(miri)]
-        return _mm256_mul_epu32(a, b);
-        #[cfg(not(miri))]
-        {
-            let product;
-            // SAFETY: as above.
-            unsafe {
-                std::arch::asm!("vpmuludq {}, {}, {}", lateout(ymm_reg) product, in(ymm_reg) a, in(ymm_reg) b,
-                    options(pure, nomem, nostack, preserves_flags));
-            }
-            product
+        let product;
+        // SAFETY: as above.
+        unsafe {
+            asm!("vpmuludq {}, {}, {}", lateout(ymm_reg) product, in(ymm_reg) a, in(ymm_reg) b,
+                options(pure, nomem, nostack, preserves_flags));
         }
+        product
     }
 
     impl Wide for Avx2 {

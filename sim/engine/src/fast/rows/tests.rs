@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::fast::lanes::{Portable, VectorLevel, VectorTask, dispatch_vectors};
+use crate::fast::row_words::SquaredWidth;
 use crate::fast::tests::{ordinary, usual_widths};
 use proptest::prelude::*;
 use splatline::format::{Lean18, Standard24};
@@ -37,7 +38,7 @@ impl VectorTask for &AllWays<'_> {
         let reals = runs(&batch, filled);
         let filled = is_tame(constants) && batch.fill_in_words(math, constants, 0);
         let words = runs(&batch, filled);
-        let (mut group, k) = (RowGroup::new(), L::WIDE - 1);
+        let (mut group, k) = (RowGroup::default(), L::WIDE - 1);
         group.read(k, self.footprint, self.window);
         let together = group.compute(math, self.widths);
         let filled = batch.fill_member(&together, &group, k, 0);

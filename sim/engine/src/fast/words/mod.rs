@@ -310,7 +310,7 @@ impl Painting<'_> {
         } = self;
         let math = Arithmetic { lanes };
         let (mut batch, mut rows) = (RowBatch::new(), RowConstants::default());
-        let (mut group, widths) = (RowGroup::new(), self.widths);
+        let (mut group, widths) = (RowGroup::default(), self.widths);
         let mut coverage = Coverage::default();
         let mut window = tile.window();
         let left = window.first[0];

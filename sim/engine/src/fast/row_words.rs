@@ -1,0 +1,294 @@
+//! A footprint's rows in words of 64 bits, a row in each: root, span and seeds, as the kernel's
+//! [`EllipseSpans`](splatline::raster::EllipseSpans) have them.
+//!
+//! [`row_reals`](super::row_reals) takes the seeds and the root's table from here and computes the rest in doubles. What words could not
+//! hold is told by [`is_tame`] beforehand and by [`excess`] afterwards.
+
+use super::lanes::Wide;
+use super::recurrence::has_short_squared_width;
+use super::setup::number::{Arithmetic, RoundingShift};
+use splatline::raster::{BLOCK, REST, RowConstants};
+
+/// Bits of the longest rest of the cut-off that the root takes, of a mantissa and C dy^2 with so many.
+#[inline(always)]
+pub fn longest_rest(mantissa: u32, vertical_fraction: u32) -> u32 {
+    let bits = if mantissa <= 18 { 28 } else { 32 };
+    vertical_fraction.saturating_sub(REST).min(31) + bits
+}
+
+/// Runs of several rows in one block: a word for each row. Empty where `end` is not beyond `x`.
+#[derive(Clone, Copy)]
+pub struct Runs<L: Wide> {
+    /// First column, and one past the last.
+    pub x: L::Word,
+    /// See `x`.
+    pub end: L::Word,
+    /// Radial index and first difference at `x`, not cut to the lanes' word yet.
+    pub radial: L::Word,
+    /// See `radial`.
+    pub first: L::Word,
+}
+
+/// What is the same for all rows of a footprint, on vectors.
+pub struct RowWords<L: Wide> {
+    columns: [i64; 2],
+    reach: L::Word,
+    squared_width: SquaredWidth<L>,
+    drop_dx: RoundingShift<L>,
+    turn_of_dx: L::Word,
+    seeds: SeedWords<L>,
+}
+
+impl<L: Wide> RowWords<L> {
+    /// Of a footprint whose words are [tame](is_tame), or of whatever.
+    #[inline(always)]
+    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
+        let drop_dx = math.drop(math.splat(constants.drops.0.into()));
+        RowWords {
+            columns: columns_of_runs(constants).map(i64::from),
+            reach: math.splat(constants.reach),
+            squared_width: SquaredWidth::new(
+                math,
+                constants,
+                constants.vertical_fraction.saturating_sub(REST),
+            ),
+            drop_dx,
+            turn_of_dx: math.turn_of(drop_dx),
+            seeds: SeedWords::new(math, constants),
+        }
+    }
+}
+
+/// First column that runs may begin at, from the block that the window begins in, and one past the last.
+#[inline(always)]
+pub fn columns_of_runs(constants: &RowConstants<i64>) -> [u16; 2] {
+    let ([first, last], [visible, end]) = (constants.bounds, constants.visible);
+    [first.max(visible - visible % BLOCK), last.min(end)]
+}
+
+/// What the seeds of a footprint's runs are computed from.
+#[derive(Clone, Copy)]
+pub struct SeedWords<L: Wide> {
+    horizontal: L::Word,
+    /// Without what the shifts beside them leave too large.
+    start: L::Word,
+    unit: L::Word,
+    drop_along: RoundingShift<L>,
+    drop_radial: RoundingShift<L>,
+    /// Right shift from the vertical distance to the radial index.
+    pub drop_vertical: RoundingShift<L>,
+    drop_first: RoundingShift<L>,
+    /// Left shifts of radial index and first difference, where lanes have more fraction bits than the products.
+    raises: [L::Word; 2],
+}
+
+impl<L: Wide> SeedWords<L> {
+    /// Of a footprint.
+    #[inline(always)]
+    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
+        let (_, bits, drop_radial, drop_first) = constants.drops;
+        let raises = [drop_radial, drop_first].map(|drop| drop.min(0).unsigned_abs());
+        let [drop_radial, drop_first] = [drop_radial, drop_first].map(|drop| drop.max(0) as u32);
+        let drop_vertical = constants
+            .vertical_fraction
+            .saturating_sub(constants.fraction);
+        SeedWords::of(
+            math,
+            [
+                math.splat(constants.horizontal),
+                math.splat(constants.start),
+                math.splat(constants.unit),
+            ],
+            [
+                math.splat(bits.into()),
+                math.splat(drop_radial.into()),
+                math.splat(drop_first.into()),
+                math.splat(drop_vertical.into()),
+            ],
+            [math.splat(raises[0].into()), math.splat(raises[1].into())],
+        )
+    }
+
+    /// Of the mantissa of A, what is added to the seeds, right shifts in the order of the fields, and left shifts.
+    #[inline(always)]
+    pub fn of(
+        math: Arithmetic<L>,
+        [horizontal, start, unit]: [L::Word; 3],
+        [drop_along, drop_radial, drop_first, drop_vertical]: [L::Word; 4],
+        raises: [L::Word; 2],
+    ) -> Self {
+        let (drop_along, drop_radial) = (math.drop(drop_along), math.drop(drop_radial));
+        let (drop_first, drop_vertical) = (math.drop(drop_first), math.drop(drop_vertical));
+        // A left shift drops the turn.
+        let turn = math.lanes.wide_shl(math.turn_of(drop_radial), raises[0]);
+        let turns = math.add(turn, math.turn_of(drop_vertical));
+        let turn = math.lanes.wide_shl(math.turn_of(drop_first), raises[1]);
+        SeedWords {
+            horizontal,
+            start: math.sub(start, turns),
+            unit: math.sub(unit, turn),
+            drop_along,
+            drop_radial,
+            drop_vertical,
+            drop_first,
+            raises,
+        }
+    }
+
+    /// The words that differ between footprints without left shifts.
+    #[inline(always)]
+    pub fn words(&self) -> [L::Word; 7] {
+        let (radial, first) = (self.drop_radial, self.drop_first);
+        let shifts = [radial.raise, radial.by, first.raise, first.by];
+        let [a, b, c, d] = shifts;
+        [self.horizontal, self.start, self.unit, a, b, c, d]
+    }
+
+    /// The same of a footprint with these words.
+    #[inline(always)]
+    pub fn with(&self, [horizontal, start, unit, a, b, c, d]: [L::Word; 7]) -> Self {
+        SeedWords {
+            horizontal,
+            start,
+            unit,
+            drop_radial: RoundingShift { raise: a, by: b },
+            drop_first: RoundingShift { raise: c, by: d },
+            ..*self
+        }
+    }
+}
+
+/// The runs between two columns, the first of which begins a block, of rows with these centres and radial indices at the centre. `large`
+/// becomes the largest distance from the centre.
+#[inline(always)]
+pub fn runs<L: Wide>(
+    math: Arithmetic<L>,
+    rows: &RowWords<L>,
+    [centre, vertical]: [L::Word; 2],
+    columns: [i64; 2],
+    large: &mut L::Word,
+) -> Runs<L> {
+    let zero = math.splat(0);
+    let rest = math.sub(rows.reach, vertical);
+    let half = rows.squared_width.half_width(math, rest);
+    let (low, high) = ends(math, centre, half);
+    // An open row has its last column in the box beyond its first one: what lies outside makes the run empty.
+    let x = math.max(low, math.splat(columns[0].max(rows.columns[0])));
+    let high = math.min(high, math.splat(columns[1].min(rows.columns[1])));
+    let end = math.select(zero, high, math.greater(rest, zero));
+    let dx = math.dropped(math.sub(math.shl(x, 32), centre), rows.drop_dx);
+    let dx = math.sub(dx, rows.turn_of_dx);
+    let open = math.greater(end, x);
+    let far = math.select(zero, math.magnitude(dx), open);
+    *large = math.max(*large, far);
+    let down = math.dropped(vertical, rows.seeds.drop_vertical);
+    seeds(math, &rows.seeds, [x, end], [dx, down])
+}
+
+/// The runs between the columns of each row, `dx` from the centre and with so much, not turned back, from the vertical distance.
+#[inline(always)]
+pub fn seeds<L: Wide>(
+    math: Arithmetic<L>,
+    rows: &SeedWords<L>,
+    [x, end]: [L::Word; 2],
+    [dx, down]: [L::Word; 2],
+) -> Runs<L> {
+    let along = math.mul(rows.horizontal, dx);
+    // The product sees the lower 32 bits.
+    let across = math.mul(math.dropped(along, rows.drop_along), dx);
+    let across = math.dropped(across, rows.drop_radial);
+    let radial = math.add(math.lanes.wide_shl(across, rows.raises[0]), down);
+    let first = math.dropped(along, rows.drop_first);
+    Runs {
+        x,
+        end,
+        radial: math.add(radial, rows.start),
+        first: math.add(math.lanes.wide_shl(first, rows.raises[1]), rows.unit),
+    }
+}
+
+/// Bits of the largest distance from the centre that are too many for the arithmetic of [`runs`]; 0 if there are none.
+#[inline(always)]
+pub fn excess<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) -> L::Word {
+    lanes.wide_shr(large, lanes.wide_splat(most_bits(constants).into()))
+}
+
+/// Bits that the distance from the centre may have.
+#[inline(always)]
+pub fn most_bits(constants: &RowConstants<i64>) -> u32 {
+    // Designs of at most 15 bits keep dx below their mantissa, and all of a seed in 32 bits.
+    // So do those whose products are shifted to the left, which must not reach the sign.
+    let (_, bits, drop_radial, drop_first) = constants.drops;
+    if bits <= 15 || drop_radial.min(drop_first) < 0 {
+        bits
+    } else {
+        bits.max(30)
+    }
+}
+
+/// Are a footprint's words small enough for vectors, whatever the row?
+#[inline(always)]
+pub fn is_tame(constants: &RowConstants<i64>) -> bool {
+    let (_, bits, drop_radial, drop_first) = constants.drops;
+    // A product of two mantissas, shifted to the left, stays below 2^62, and below 2^31 times a lane's word.
+    let most_raised = (62 - 2 * bits as i32).clamp(0, 31);
+    has_short_squared_width(constants)
+        && constants.horizontal.unsigned_abs() <= 1 << bits
+        && drop_radial.min(drop_first) >= -most_raised
+}
+
+/// 1 / A on vectors, for half-widths sqrt(rest / A) by the root table, a multiplication and a shift that rounds.
+#[derive(Clone, Copy)]
+pub struct SquaredWidth<L: Wide> {
+    /// Mantissa of 1 / A, 1 if its exponent is odd, and the power of two of its root, Q.32.
+    pub mantissa: L::Word,
+    /// See `mantissa`.
+    pub odd: L::Word,
+    /// See `mantissa`.
+    pub power: L::Word,
+    /// Bits of a rest beyond [`REST`].
+    pub drop: L::Word,
+}
+
+impl<L: Wide> SquaredWidth<L> {
+    /// Of a footprint, for rests with so many bits beyond [`REST`].
+    #[inline(always)]
+    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>, drop: u32) -> Self {
+        let (mantissa, odd, power) = constants.squared_width;
+        SquaredWidth {
+            mantissa: math.splat(mantissa as i64),
+            odd: math.splat(odd.into()),
+            power: math.splat(power.into()),
+            drop: math.splat(drop.into()),
+        }
+    }
+
+    /// Q.32 pixels, for rows with a positive `rest` of the cut-off; anything for others.
+    #[inline(always)]
+    fn half_width(&self, math: Arithmetic<L>, rest: L::Word) -> L::Word {
+        self.half_of(math, math.lanes.wide_shr(rest, self.drop))
+    }
+
+    /// The same for rests with [`REST`] fraction bits.
+    #[inline(always)]
+    pub fn half_of(&self, math: Arithmetic<L>, narrow: L::Word) -> L::Word {
+        let (lanes, zero) = (math.lanes, math.splat(0));
+        let squared = lanes.wide_mul_unsigned(self.mantissa, narrow);
+        let squared = lanes.wide_shl(squared, self.odd);
+        let (root, shift) = math.root_seed(squared);
+        let root = math.select(root, zero, lanes.wide_equal(squared, zero));
+        // Roots have no sign: of the shifts to the left and to the right, one is by a negative amount and gives 0.
+        let left = math.add(shift, self.power);
+        let right = math.sub(math.splat(-1), left);
+        let rounded = math.shr(math.plus(lanes.wide_shr(root, right), 1), 1);
+        math.add(rounded, lanes.wide_shl(root, left))
+    }
+}
+
+/// First column and one past the last whose sample points lie within `half` of the centre.
+#[inline(always)]
+fn ends<L: Wide>(math: Arithmetic<L>, centre: L::Word, half: L::Word) -> (L::Word, L::Word) {
+    let low = math.floor(math.sub(centre, half), (1 << 32) - 1, 32);
+    let high = math.floor(math.add(centre, half), 0, 32);
+    (low, math.plus(high, 1))
+}
