@@ -7,7 +7,7 @@
 //! With many frames the search runs on those that are heaviest; what it finds is evaluated on all of them, and a frame that misses a limit joins the
 //! search, which begins again. So the answer holds for every frame, and most frames are looked at once.
 
-use super::evaluator::{Choice, Evaluator, FrameCost, Reached, Subject};
+use super::evaluator::{Evaluator, Reached, Subject};
 use super::formats::{self, FormatRow};
 use super::limits::{Limit, missed};
 use super::refusal::{RuledOut, has_only_widths, ruled_out};
@@ -20,7 +20,6 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 use splatline::format::WIDTH_RANGES;
 use std::fmt::Write;
-use std::sync::{Mutex, PoisonError};
 use toml::Value;
 
 /// The machines that are searched unless a space is given.
@@ -267,22 +266,11 @@ fn heaviest(evaluator: &Evaluator, space: &Space) -> Result<Vec<usize>> {
     let at = evaluator.choice(space, &start(evaluator.subject, space))?;
     let mut order: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
     if at.machine.check_together().is_ok() {
-        let costs = on_all_frames(evaluator, &at)?;
+        let costs = evaluator.on_all_frames(&at)?;
         order.sort_by_key(|frame| std::cmp::Reverse(costs[*frame].pace.cycles_per_frame));
     }
     order.truncate(FEW_FRAMES);
     Ok(order)
-}
-
-/// What a choice takes on each of all frames.
-pub(super) fn on_all_frames(evaluator: &Evaluator, choice: &Choice) -> Result<Vec<FrameCost>> {
-    let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
-    let costs = Mutex::default();
-    evaluator.run(std::slice::from_ref(choice), &all, false, &|_, found| {
-        *costs.lock().unwrap_or_else(PoisonError::into_inner) = found;
-        Ok(())
-    })?;
-    Ok(costs.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 /// Where the search ends, and what each limit is missed by at least where they cannot be held together.
@@ -375,7 +363,7 @@ fn answered(search: &Search, best: &BestPoint, searched: &[usize]) -> Result<Att
         let choice = search.choice(point)?;
         let mut reached = reached.clone();
         if searched.len() < frames.len() {
-            let costs = on_all_frames(evaluator, &choice)?;
+            let costs = evaluator.on_all_frames(&choice)?;
             for frame in frames.iter().filter(|frame| !searched.contains(frame)) {
                 let error = evaluator.error(&choice.variant, &[*frame])?;
                 let one = evaluator.reached(&choice, error, &costs[*frame..=*frame]);

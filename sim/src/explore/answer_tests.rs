@@ -3,6 +3,7 @@
 use super::*;
 use crate::explore::answer_page;
 use crate::explore::detail::detail;
+use crate::explore::evaluator::Choice;
 use crate::explore::folder::Appender;
 use crate::explore::limits::{Quantity, tightest};
 use crate::explore::sweep;
@@ -146,7 +147,7 @@ fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
         if choice.machine.check_together().is_err() {
             continue;
         }
-        let cost = &on_all_frames(&evaluator, &choice).unwrap()[0];
+        let cost = &evaluator.on_all_frames(&choice).unwrap()[0];
         let reached = evaluator.reached(&choice, None, std::slice::from_ref(cost));
         let best = evaluator.at_best(&choice, &[0]).unwrap();
         assert!(best.pace.cycles_per_frame <= reached.pace.cycles_per_frame);
@@ -286,7 +287,7 @@ fn an_answer_holds_on_every_frame() {
         variant: DesignVariant::new(DesignChoice::from_toml("d.toml", &toml).unwrap(), None),
         machine: found.machine,
     };
-    let costs = on_all_frames(&evaluator, &choice).unwrap();
+    let costs = evaluator.on_all_frames(&choice).unwrap();
     for frame in 0..6 {
         let error = evaluator.error(&choice.variant, &[frame]).unwrap();
         let reached = evaluator.reached(&choice, error, &costs[frame..=frame]);

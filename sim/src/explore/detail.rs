@@ -14,7 +14,6 @@ use crate::plan::DesignVariant;
 use crate::report::machine::{Watched, watch};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use std::sync::{Mutex, PoisonError};
 
 /// The slowest frame of an answer's first machine.
 pub struct Detail {
@@ -61,11 +60,9 @@ pub fn detail(
     };
     let choice = chosen(subject, found)?;
     let evaluator = Evaluator::new(subject, false);
-    let all: Vec<usize> = (0..subject.frames.len()).collect();
-    let costs = costs(&evaluator, std::slice::from_ref(&choice), &all)?;
-    let by_cycles = |frame: &usize| costs[0][*frame].pace.cycles_per_frame;
-    let slowest = all
-        .into_iter()
+    let costs = evaluator.on_all_frames(&choice)?;
+    let by_cycles = |frame: &usize| costs[*frame].pace.cycles_per_frame;
+    let slowest = (0..costs.len())
         .max_by_key(by_cycles)
         .context("there is no frame")?;
     let Choice { variant, machine } = &choice;
@@ -99,28 +96,6 @@ fn chosen(subject: &Subject, found: &Found) -> Result<Choice> {
     let variant = DesignVariant::new(design, subject.traversal);
     let machine = found.machine;
     Ok(Choice { variant, machine })
-}
-
-/// What choices take on frames.
-fn costs(
-    evaluator: &Evaluator,
-    choices: &[Choice],
-    frames: &[usize],
-) -> Result<Vec<Vec<FrameCost>>> {
-    let all = Mutex::new(vec![Vec::new(); choices.len()]);
-    // Those of the same rows side by side.
-    let mut order: Vec<usize> = (0..choices.len()).collect();
-    order.sort_by_cached_key(|place| super::evaluator::work_key(&choices[*place]));
-    for group in order.chunk_by(|a, b| {
-        super::evaluator::work_key(&choices[*a]) == super::evaluator::work_key(&choices[*b])
-    }) {
-        let of_group: Vec<Choice> = group.iter().map(|place| choices[*place].clone()).collect();
-        evaluator.run(&of_group, frames, false, &|place, found| {
-            all.lock().unwrap_or_else(PoisonError::into_inner)[group[place]] = found;
-            Ok(())
-        })?;
-    }
-    Ok(all.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 /// Each setting that costs or gains most, one step down and one up, on the slowest frame.
@@ -158,7 +133,7 @@ fn knobs(
         }
     }
     let choices: Vec<Choice> = changed.iter().map(|(.., choice)| choice.clone()).collect();
-    let costs = costs(evaluator, &choices, &[frame])?;
+    let costs = evaluator.costs(&choices, &[frame], false)?;
     let before = &found.reached;
     let knob = |((setting, [from, to], choice), costs): (
         (String, [String; 2], Choice),

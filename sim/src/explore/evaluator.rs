@@ -453,6 +453,35 @@ impl<'a> Evaluator<'a> {
         Ok(())
     }
 
+    /// What choices take on each of these frames; of those that share rows, one makes them.
+    pub fn costs(
+        &self,
+        choices: &[Choice],
+        frames: &[usize],
+        keep: bool,
+    ) -> Result<Vec<Vec<FrameCost>>> {
+        let key = |place: &usize| work_key(&choices[*place]);
+        let mut order: Vec<usize> = (0..choices.len()).collect();
+        order.sort_by_cached_key(key);
+        let groups: Vec<&[usize]> = order.chunk_by(|a, b| key(a) == key(b)).collect();
+        let all = Mutex::new(vec![Vec::new(); choices.len()]);
+        groups.par_iter().try_for_each(|group| {
+            let of_group: Vec<Choice> = group.iter().map(|place| choices[*place].clone()).collect();
+            self.run(&of_group, frames, keep, &|place, costs| {
+                all.lock().unwrap_or_else(PoisonError::into_inner)[group[place]] = costs;
+                Ok(())
+            })
+        })?;
+        Ok(all.into_inner().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// What a choice takes on each of all frames.
+    pub fn on_all_frames(&self, choice: &Choice) -> Result<Vec<FrameCost>> {
+        let all: Vec<usize> = (0..self.subject.frames.len()).collect();
+        let mut costs = self.costs(std::slice::from_ref(choice), &all, false)?;
+        Ok(costs.swap_remove(0))
+    }
+
     /// The rows of a frame by a design, in tiles of a size.
     pub fn workload(
         &self,

@@ -4,7 +4,6 @@
 //! Pictures are drawn with every operation rounded. Area is that of [`crate::machine::area::lane`]. A machine in a format has the rows and the cycles
 //! of the fixed design, whose lanes also take a pixel a cycle.
 
-use super::answer::on_all_frames;
 use super::evaluator::{DesignError, Evaluator};
 use super::limits::{Limit, missed};
 use super::search::{Judge, Search};
@@ -127,7 +126,7 @@ pub(super) fn beside_point(
         }
         let choice = search.choice(&at)?;
         let error = evaluator.error(&choice.variant, &all)?;
-        let reached = evaluator.reached(&choice, error, &on_all_frames(evaluator, &choice)?);
+        let reached = evaluator.reached(&choice, error, &evaluator.on_all_frames(&choice)?);
         rows.push(FormatRow {
             holds: missed(limits, None, &reached) <= 0.0,
             machine: Some(MachineInFormat {

@@ -8,11 +8,9 @@ use super::space::{Space, SpacePart};
 use crate::machine::area::lane::fixed_lane;
 use crate::plan::DesignVariant;
 use anyhow::Result;
-use rayon::prelude::*;
 use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::collections::HashMap;
-use std::sync::Mutex;
 
 mod moves;
 
@@ -274,27 +272,14 @@ impl<'a> Search<'a> {
             errors.push(self.design_error(choice)?);
         }
         let (points, choices): (Vec<_>, Vec<_>) = batch.iter().cloned().unzip();
-        let found = Mutex::new(Vec::with_capacity(batch.len()));
-        let groups = choices.chunk_by(|a, b| work_key(a) == work_key(b));
-        let firsts = groups.scan(0, |first, group| {
-            *first += group.len();
-            Some((*first - group.len(), group))
-        });
-        let groups: Vec<(usize, &[Choice])> = firsts.collect();
-        groups.par_iter().try_for_each(|(first, group)| {
-            self.evaluator
-                .run(group, &self.frames, true, &|place, costs| {
-                    let all = first + place;
-                    let reached = self.evaluator.reached(&choices[all], errors[all], &costs);
-                    let mut found = found
-                        .lock()
-                        .unwrap_or_else(std::sync::PoisonError::into_inner);
-                    found.push((points[all].clone(), Some(reached)));
-                    Ok(())
-                })
-        })?;
+        let costs = self.evaluator.costs(&choices, &self.frames, true)?;
+        for (place, (point, costs)) in points.into_iter().zip(costs).enumerate() {
+            let reached = self
+                .evaluator
+                .reached(&choices[place], errors[place], &costs);
+            self.known.insert(point, Some(reached));
+        }
         self.simulated += batch.len();
-        self.known.extend(found.into_inner().unwrap_or_default());
         Ok(())
     }
 
