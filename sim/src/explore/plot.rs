@@ -111,7 +111,7 @@ fn points(sweep: &Sweep, kept: &[&Candidate]) -> String {
     let axes: Vec<&str> = columns
         .iter()
         .map(String::as_str)
-        .filter(|name| *name != "point" && !RESULTS.contains(name))
+        .filter(|name| *name != "point" && !RESULTS.iter().any(|(result, _)| result == name))
         .collect();
     let rows: Vec<&[String]> = sweep
         .candidates

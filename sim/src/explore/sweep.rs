@@ -5,7 +5,7 @@
 use super::evaluator::{Choice, DesignError, ErrorDetail, Evaluator, Reached, Subject, work_key};
 use super::folder::Appender;
 use super::space::Space;
-use super::table::{RESULTS, ResultTable};
+use super::table::{ERRORS, RESULTS, ResultTable};
 use crate::metrics::Percentiles;
 use anyhow::{Result, anyhow};
 
@@ -94,7 +94,7 @@ fn results(reached: &Reached, frames: usize) -> Vec<String> {
 /// PSNR, rms, largest error, bias, structural similarity, percentiles and FLIP; equal pictures have no PSNR.
 fn errors(error: Option<&DesignError>) -> Vec<String> {
     let Some(error) = error else {
-        return vec![String::new(); 8];
+        return vec![String::new(); ERRORS];
     };
     let psnr = error.psnr_db();
     let psnr = if psnr.is_finite() {

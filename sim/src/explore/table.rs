@@ -8,6 +8,7 @@
 
 use super::space::Space;
 use crate::digest::Digest;
+use ColumnKind::{Count, Nothing, Number, NumberOrNothing, Positive};
 use std::collections::BTreeMap;
 
 /// The last column: tells whether its row is as it was written.
@@ -18,54 +19,53 @@ const DIGEST_DIGITS: usize = 16;
 
 /// Columns behind the axes. Of several frames cycles, pace and bytes are those of the slowest, energy is that of the dearest, errors are over all. Area is that of the raster units, of what is around them, and all of it in look-up tables; energy is that of a picture.
 /// `clock_assumed` is 1 where nobody gave the clock (`crate::machine::clock`).
-pub const RESULTS: [&str; 36] = [
-    "psnr_db",
-    "rms",
-    "max_abs",
-    "bias",
-    "ssim",
-    "p95",
-    "p99",
-    "flip",
-    "cycles",
-    "geometry",
-    "sort",
-    "raster",
-    "lanes_busy",
-    "covered_per_cycle_and_lane",
-    "live_per_cycle_and_lane",
-    "clock_mhz",
-    "clock_assumed",
-    "frames_per_s",
-    "ms_per_frame",
-    "ms_per_frame_95",
-    "ms_per_frame_mean",
-    "frames",
-    "bytes_per_frame",
-    "bytes_per_s",
-    "packet_hit_rate",
-    "raster_luts",
-    "raster_flip_flops",
-    "raster_dsps",
-    "raster_memory_kbit",
-    "around_luts",
-    "around_flip_flops",
-    "around_dsps",
-    "around_memory_kbit",
-    "area",
-    "energy_mj",
-    "left_out",
+pub const RESULTS: [(&str, ColumnKind); 36] = [
+    ("psnr_db", NumberOrNothing),
+    ("rms", Positive),
+    ("max_abs", Positive),
+    ("bias", Number),
+    ("ssim", Number),
+    ("p95", Positive),
+    ("p99", Positive),
+    ("flip", Positive),
+    ("cycles", Count),
+    ("geometry", Count),
+    ("sort", Count),
+    ("raster", Count),
+    ("lanes_busy", Positive),
+    ("covered_per_cycle_and_lane", Positive),
+    ("live_per_cycle_and_lane", Positive),
+    ("clock_mhz", Positive),
+    ("clock_assumed", Count),
+    ("frames_per_s", Positive),
+    ("ms_per_frame", Positive),
+    ("ms_per_frame_95", Positive),
+    ("ms_per_frame_mean", Positive),
+    ("frames", Count),
+    ("bytes_per_frame", Count),
+    ("bytes_per_s", Positive),
+    ("packet_hit_rate", Positive),
+    ("raster_luts", Count),
+    ("raster_flip_flops", Count),
+    ("raster_dsps", Count),
+    ("raster_memory_kbit", Count),
+    ("around_luts", Count),
+    ("around_flip_flops", Count),
+    ("around_dsps", Count),
+    ("around_memory_kbit", Count),
+    ("area", Positive),
+    ("energy_mj", Positive),
+    ("left_out", Nothing),
 ];
 
-/// Those about errors, which are empty without references.
-const ERRORS: [&str; 8] = [
-    "psnr_db", "rms", "max_abs", "bias", "ssim", "p95", "p99", "flip",
-];
+/// The first ones are about errors, and empty without references.
+pub const ERRORS: usize = 8;
 
 /// The heading for a space.
 pub fn heading(space: &Space) -> Vec<String> {
     let axes = space.axes.iter().map(|axis| axis.key.as_str());
-    let names = std::iter::once("point").chain(axes).chain(RESULTS);
+    let results = RESULTS.map(|(name, _)| name);
+    let names = std::iter::once("point").chain(axes).chain(results);
     names.chain([ROW_DIGEST]).map(str::to_owned).collect()
 }
 
@@ -218,22 +218,9 @@ fn check_results(results: &[String], errors: bool) -> Result<(), String> {
     let Some((reason, numbers)) = results.split_last() else {
         return Ok(());
     };
-    for (name, text) in RESULTS.iter().zip(numbers) {
-        let kind = match name {
-            _ if !reason.is_empty() => ColumnKind::Nothing,
-            // Equal pictures have none.
-            &"psnr_db" if errors => ColumnKind::NumberOrNothing,
-            name if ERRORS.contains(name) && !errors => ColumnKind::Nothing,
-            &"bias" | &"ssim" => ColumnKind::Number,
-            &"rms" | &"max_abs" | &"p95" | &"p99" | &"flip" => ColumnKind::Positive,
-            &"lanes_busy" | &"area" | &"energy_mj" => ColumnKind::Positive,
-            &"clock_mhz" | &"frames_per_s" | &"bytes_per_s" | &"packet_hit_rate" => {
-                ColumnKind::Positive
-            }
-            name if name.starts_with("ms_per_frame") => ColumnKind::Positive,
-            name if name.ends_with("per_cycle_and_lane") => ColumnKind::Positive,
-            _ => ColumnKind::Count,
-        };
+    for (place, ((name, kind), text)) in RESULTS.iter().zip(numbers).enumerate() {
+        let empty = !reason.is_empty() || (place < ERRORS && !errors);
+        let kind = if empty { Nothing } else { *kind };
         if !kind.allows(text) {
             return Err(format!("{name} is '{text}', expected {}", kind.name()));
         }
@@ -243,11 +230,16 @@ fn check_results(results: &[String], errors: bool) -> Result<(), String> {
 
 /// What a field may hold.
 #[derive(Clone, Copy)]
-enum ColumnKind {
+pub enum ColumnKind {
+    /// Nothing at all.
     Nothing,
+    /// A number.
     Number,
+    /// The same, or nothing: equal pictures have no PSNR.
     NumberOrNothing,
+    /// A number, 0 or more.
     Positive,
+    /// A whole number.
     Count,
 }
 
@@ -255,21 +247,21 @@ impl ColumnKind {
     fn allows(self, text: &str) -> bool {
         let number = text.parse::<f64>().ok().filter(|value| value.is_finite());
         match self {
-            ColumnKind::Nothing => text.is_empty(),
-            ColumnKind::Number => number.is_some(),
-            ColumnKind::NumberOrNothing => text.is_empty() || number.is_some(),
-            ColumnKind::Positive => number.is_some_and(|value| value >= 0.0),
-            ColumnKind::Count => text.parse::<u64>().is_ok(),
+            Nothing => text.is_empty(),
+            Number => number.is_some(),
+            NumberOrNothing => text.is_empty() || number.is_some(),
+            Positive => number.is_some_and(|value| value >= 0.0),
+            Count => text.parse::<u64>().is_ok(),
         }
     }
 
     fn name(self) -> &'static str {
         match self {
-            ColumnKind::Nothing => "nothing",
-            ColumnKind::Number => "a finite number",
-            ColumnKind::NumberOrNothing => "a finite number or nothing",
-            ColumnKind::Positive => "a finite number, 0 or more",
-            ColumnKind::Count => "a whole number, 0 or more",
+            Nothing => "nothing",
+            Number => "a finite number",
+            NumberOrNothing => "a finite number or nothing",
+            Positive => "a finite number, 0 or more",
+            Count => "a whole number, 0 or more",
         }
     }
 }
@@ -337,7 +329,7 @@ mod tests {
         checked(&format!("1,1,rows,{SOUND}"), true).unwrap();
         checked(&format!("1,1,rows,{}{}quads", ",".repeat(34), ","), true).unwrap();
         let columns = RESULTS.len() - 1;
-        for (column, name) in RESULTS.iter().enumerate().take(columns) {
+        for (column, (name, _)) in RESULTS.iter().enumerate().take(columns) {
             for wrong in ["NaN", "inf", "text", "1e999", "--1", " "] {
                 let mut fields: Vec<&str> = SOUND.split(',').collect();
                 fields[column] = wrong;
