@@ -278,15 +278,8 @@ impl Scalar {
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write;
-
+    use super::super::damage::gzip;
     use super::*;
-
-    fn gzip(bytes: &[u8]) -> Vec<u8> {
-        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
-        encoder.write_all(bytes).unwrap();
-        encoder.finish().unwrap()
-    }
 
     #[test]
     fn numbers_are_read_in_both_byte_orders() {
