@@ -1,10 +1,10 @@
 //! The golden table: every system of the papers as a plan, drawn to the committed bits and errors.
 
+use super::shell::Shell;
 use splatline_sim::plan::golden::{GoldenLine, lines, plans, table};
 use splatline_sim::plan::{Plan, Prepared};
 use splatline_sim::systems::SYSTEMS;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("plans")
@@ -51,23 +51,12 @@ fn every_system_has_a_plan_that_exercises_it() {
 /// What a report records of a plan is the plan, with what its picture settles of the machine.
 #[test]
 fn the_command_line_draws_every_plan_and_records_it() {
-    let place = tempfile::tempdir().unwrap();
+    let shell = Shell::new();
     for (name, path) in plans(&folder()).unwrap() {
-        let report = place.path().join(format!("{name}.json"));
-        let drawn = Command::new(env!("CARGO_BIN_EXE_splatline"))
-            .arg("render")
-            .arg("--plan")
-            .arg(&path)
-            .arg("-o")
-            .arg(place.path().join(format!("{name}.png")))
-            .arg("--json")
-            .arg(&report)
-            .output()
-            .unwrap();
-        let errors = String::from_utf8_lossy(&drawn.stderr);
-        assert!(drawn.status.success(), "{name}: {errors}");
+        let plan = path.display();
+        shell.succeed(&format!("render --plan {plan} -o x.png --json x.json"));
         let stated = Prepared::from_file(&path, &|_| ()).unwrap().plan;
-        let recorded = Plan::from_report(&std::fs::read_to_string(&report).unwrap()).unwrap();
+        let recorded = Plan::from_report(&shell.read("x.json")).unwrap();
         assert_eq!(stated, recorded, "{name}");
     }
 }

@@ -10,6 +10,7 @@ mod machine_commands;
 mod outputs;
 mod photos;
 mod refusals;
+mod shell;
 mod stability;
 mod texture;
 mod vectors;

@@ -1,19 +1,17 @@
 //! No output of any command replaces a file that the command has read, whatever that file is called and however it came to be read.
 
 use super::hostile::seeds::seed;
+use super::shell::Shell;
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::Command;
 
 /// A folder of scenes that consist of several files, and of settings.
-fn scenes(folder: &Path) {
-    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.join(name), bytes).unwrap();
-    for made in ["sg", "d", "ve"] {
-        std::fs::create_dir(folder.join(made)).unwrap();
-    }
+fn scenes() -> Shell {
+    let shell = Shell::new();
+    let write = |name: &str, bytes: &[u8]| shell.write(name, bytes);
     let bundle = std::io::Cursor::new(seed("first.sog"));
     let mut bundle = zip::ZipArchive::new(bundle).unwrap();
-    bundle.extract(folder.join("sg")).unwrap();
+    bundle.extract(shell.path("sg")).unwrap();
     write("scene.ply", &seed("binary.ply"));
     write("ve/splats.hex", &seed("binary.ply"));
     write("volume.mhd", &seed("volume.mhd"));
@@ -31,6 +29,7 @@ fn scenes(folder: &Path) {
     write("d/action_counts.yaml", &seed("prices.toml"));
     write("path.toml", &seed("path.toml"));
     write("d/design.toml", b"base = \"lean18\"\n");
+    shell
 }
 
 /// A scene of glTF with its numbers in a file beside it: a binary one taken apart.
@@ -126,26 +125,20 @@ const CASES: &[(&str, Option<(&str, &str)>)] = &[
 fn no_command_replaces_what_it_reads() {
     let mut failed = Vec::new();
     for (line, link) in CASES {
-        let folder = tempfile::tempdir().unwrap();
-        scenes(folder.path());
+        let shell = scenes();
         if let Some((file, name)) = link {
-            let name = folder.path().join(name);
+            let name = shell.path(name);
             let _ = std::fs::remove_file(&name);
-            std::fs::hard_link(folder.path().join(file), name).unwrap();
+            std::fs::hard_link(shell.path(file), name).unwrap();
         }
-        let before = contents(folder.path());
-        let output = Command::new(env!("CARGO_BIN_EXE_splatline"))
-            .args(line.split_whitespace())
-            .current_dir(folder.path())
-            .output()
-            .unwrap();
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let before = contents(&shell.path(""));
+        let said = shell.run(line);
         let refused =
-            said.contains("would be destroyed") && matches!(output.status.code(), Some(1 | 2));
+            said.stderr.contains("would be destroyed") && matches!(said.code, Some(1 | 2));
         let changed =
             |(name, bytes): (&String, &Vec<u8>)| std::fs::read(name).ok().as_ref() != Some(bytes);
         if !refused || before.iter().any(changed) {
-            failed.push(format!("{line}: {said}"));
+            failed.push(format!("{line}: {}", said.stderr));
         }
     }
     assert!(failed.is_empty(), "{}", failed.join("\n"));

@@ -1,45 +1,29 @@
 //! What the binary refuses with a message, before it draws or allocates: numbers without a picture, pictures without memory, files that never end.
 
-use super::command_line::{refused, splatline, stderr};
+use super::shell::{Shell, said};
 use std::process::Command;
 
 /// Coordinates of which squares, sums or differences overflow: no camera can be placed, and nothing is drawn from none.
 #[test]
 fn absurd_coordinates_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    let picture = path("a.png");
+    let shell = Shell::new();
     let header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
     for huge in ["1e154", "1e160", "1e308"] {
         let cloud = format!("0 0 0\n{huge} 0 0\n0 {huge} 0\n-{huge} 1 1\n");
-        std::fs::write(path("c.xyz"), &cloud).unwrap();
-        std::fs::write(path("c.ply"), format!("{header}{cloud}")).unwrap();
-        std::fs::write(path("h.csv"), format!("0,{huge},0\n-{huge},0,0\n0,0,0\n")).unwrap();
-        for scene in ["c.xyz", "c.ply", "h.csv"].map(path) {
+        shell.write("c.xyz", &cloud);
+        shell.write("c.ply", format!("{header}{cloud}"));
+        shell.write("h.csv", format!("0,{huge},0\n-{huge},0,0\n0,0,0\n"));
+        for scene in ["c.xyz", "c.ply", "h.csv"] {
             for engine in ["fixed", "float"] {
-                let output = splatline(&[
-                    "render", &scene, "--as", "surface", "--engine", engine, "-o", &picture,
-                ]);
-                let printed = stderr(&output);
-                assert_eq!(output.status.code(), Some(1), "{scene} {huge}: {printed}");
-                assert!(printed.contains(&scene), "{scene}: {printed}");
+                let line = format!("render {scene} --as surface --engine {engine} -o a.png");
+                shell.refused(1, &line, scene);
             }
         }
     }
-    std::fs::write(path("flat.csv"), "0,1\n1,0\n").unwrap();
-    let spacing = [
-        "render",
-        &path("flat.csv"),
-        "--as",
-        "surface",
-        "--spacing",
-        "1e154",
-        "-o",
-        &picture,
-    ];
-    refused(1, &spacing, "too large or too far apart");
-    let output = splatline(&["info", &path("h.csv")]);
-    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    shell.write("flat.csv", "0,1\n1,0\n");
+    let spacing = "render flat.csv --as surface --spacing 1e154 -o a.png";
+    shell.refused(1, spacing, "too large or too far apart");
+    let printed = String::from_utf8(shell.run("info h.csv").stdout).unwrap();
     assert!(printed.contains("framed     no ball: "), "{printed}");
     assert!(!printed.contains("inf"), "{printed}");
 }
@@ -48,63 +32,30 @@ fn absurd_coordinates_are_refused() {
 #[cfg(target_os = "linux")]
 #[test]
 fn what_does_not_fit_into_memory_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("v").display().to_string();
-    let picture = folder.path().join("a.png").display().to_string();
-    refused(
-        1,
-        &["vectors", "export", "--splats", "4294967295", &out],
-        "MB of memory",
-    );
-    refused(
-        1,
-        &[
-            "vectors",
-            "export",
-            "--splats",
-            "100000",
-            "--size",
-            "16384x16384",
-            &out,
-        ],
-        "MB of memory",
-    );
-    let machine = [
-        "raster_units=1024",
-        "row_fifo=65536",
-        "lanes=64",
-        "layout=rows",
-    ];
-    let set = machine.iter().flat_map(|word| ["--set", word]);
-    let model: Vec<&str> = ["simulate", "random:9"].into_iter().chain(set).collect();
-    refused(
+    let shell = Shell::new();
+    let many = "vectors export --splats 4294967295 v";
+    shell.refused(1, many, "MB of memory");
+    let large = "vectors export --splats 100000 --size 16384x16384 v";
+    shell.refused(1, large, "MB of memory");
+    let units = "--set raster_units=1024 --set row_fifo=65536";
+    let lanes = "--set lanes=64 --set layout=rows";
+    shell.refused(
         2,
-        &model,
+        &format!("simulate random:9 {units} {lanes}"),
         "raster_units = 1024: with these lanes and FIFOs the simulator would take",
     );
-    for command in [
-        &[
-            "render",
-            "random:9",
-            "--size",
-            "16384x16384",
-            "-o",
-            &picture,
-        ][..],
-        &["compare", "random:9", "--size", "8192x8192", "-o", &out],
+    for line in [
+        "render random:9 --size 16384x16384 -o a.png",
+        "compare random:9 --size 8192x8192 -o v",
     ] {
-        let line = "ulimit -v 4000000; exec \"$0\" \"$@\"";
-        let output = Command::new("sh")
-            .args(["-c", line, env!("CARGO_BIN_EXE_splatline")])
-            .args(command)
-            .output()
-            .unwrap();
-        let printed = stderr(&output);
-        assert_eq!(output.status.code(), Some(1), "{command:?}: {printed}");
-        assert!(
-            printed.contains("MB are available: give a smaller --size"),
-            "{printed}"
-        );
+        let limited = "ulimit -v 4000000; exec \"$0\" \"$@\"";
+        let mut command = Command::new("sh");
+        command.args(["-c", limited, env!("CARGO_BIN_EXE_splatline")]);
+        command.args(line.split(' ')).current_dir(shell.path(""));
+        let said = said(command);
+        assert_eq!(said.code, Some(1), "{line}: {}", said.stderr);
+        let expected = "MB are available: give a smaller --size";
+        assert!(said.stderr.contains(expected), "{}", said.stderr);
     }
 }
 
@@ -112,35 +63,25 @@ fn what_does_not_fit_into_memory_is_refused() {
 #[cfg(unix)]
 #[test]
 fn pipes_and_devices_are_no_settings() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    std::fs::write(path("s.toml"), "[machine]\nlanes = [1]\n").unwrap();
-    assert!(
-        Command::new("mkfifo")
-            .arg(path("pipe.toml"))
-            .status()
-            .unwrap()
-            .success()
-    );
-    std::os::unix::fs::symlink("/dev/zero", path("zero.toml")).unwrap();
-    std::fs::create_dir(path("folder.toml")).unwrap();
-    for input in ["pipe.toml", "zero.toml", "folder.toml"].map(path) {
+    let shell = Shell::new();
+    shell.write("s.toml", "[machine]\nlanes = [1]\n");
+    let made = Command::new("mkfifo").arg(shell.path("pipe.toml")).status();
+    assert!(made.unwrap().success());
+    std::os::unix::fs::symlink("/dev/zero", shell.path("zero.toml")).unwrap();
+    std::fs::create_dir(shell.path("folder.toml")).unwrap();
+    for input in ["pipe.toml", "zero.toml", "folder.toml"] {
         for options in [
-            &["render", "random:9", "-o", "OUT.png", "--camera"][..],
-            &["render", "demo", "-o", "OUT.png", "--transfer"],
-            &["render", "random:9", "-o", "OUT.png", "--design"],
-            &["simulate", "random:9", "--machine"],
-            &["simulate", "random:9", "--calibration"],
-            &["simulate", "--footprints"],
-            &["sweep", "random:9", "-o", "OUT.d", "--space"],
-            &["render", "--as", "surface", "-o", "OUT.png"],
-            &["render", "-o", "OUT.png"],
+            "render random:9 -o out.png --camera",
+            "render demo -o out.png --transfer",
+            "render random:9 -o out.png --design",
+            "simulate random:9 --machine",
+            "simulate random:9 --calibration",
+            "simulate --footprints",
+            "sweep random:9 -o out.d --space",
+            "render --as surface -o out.png",
+            "render -o out.png",
         ] {
-            let out = path("out");
-            let options = options.iter().map(|option| option.replace("OUT", &out));
-            let options: Vec<String> = options.chain([input.clone()]).collect();
-            let options: Vec<&str> = options.iter().map(String::as_str).collect();
-            refused(1, &options, "not a regular file");
+            shell.refused(1, &format!("{options} {input}"), "not a regular file");
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Texture coefficients against naive sums, and textured surfaces in fixed point against the reference.
 
+use super::shell::{Shell, holds};
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::metrics::compare;
@@ -278,76 +279,41 @@ fn correlation(a: impl Iterator<Item = f64>, b: impl Iterator<Item = f64>) -> f6
     product(&a, ma, &b, mb) / (product(&a, ma, &a, ma) * product(&b, mb, &b, mb)).sqrt()
 }
 
-/// Runs the program; exit code and stderr.
-fn splatline(arguments: &[&str]) -> (Option<i32>, String) {
-    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_splatline"));
-    let output = program.args(arguments).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    (output.status.code(), said)
-}
-
 #[test]
 fn the_command_line_drapes_a_photograph_and_names_what_is_wrong() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = |name: &str| folder.path().join(name).display().to_string();
-    let (heights, photograph, picture) = (file("hill.csv"), file("hill.png"), file("out.png"));
+    let shell = Shell::new();
     let rows = (0..12).map(|y| {
         let row: Vec<String> = (0..12)
             .map(|x| format!("{}", 0.1 * f64::from(x * y % 5)))
             .collect();
         row.join(",")
     });
-    std::fs::write(&heights, rows.collect::<Vec<_>>().join("\n")).unwrap();
+    shell.write("hill.csv", rows.collect::<Vec<_>>().join("\n"));
     let photo = image::RgbImage::from_fn(48, 48, |x, _| {
         image::Rgb([if x < 24 { 250 } else { 10 }; 3])
     });
-    photo.save(&photograph).unwrap();
-    let surface = [
-        "render", &heights, "--as", "surface", "--size", "48x48", "-o", &picture,
-    ];
-    let with = |more: &[&str]| splatline(&[&surface[..], more].concat());
-    assert_eq!(with(&[]), (Some(0), String::new()));
+    photo.save(shell.path("hill.png")).unwrap();
+    let hill = "render hill.csv --as surface --size 48x48 -o out.png";
+    shell.results(hill);
+    let draped = format!("{hill} --texture hill.png --coefficients");
     for method in ["plain", "prefiltered", "optimised"] {
-        let (code, said) = with(&["--texture", &photograph, "--coefficients", method]);
-        assert_eq!(code, Some(0), "{said}");
-        assert!(said.contains(&format!("{method} coefficients")), "{said}");
-        let drawn = splatline_sim::picture::Picture::read_png(picture.as_ref()).unwrap();
+        let said = shell.run(&format!("{draped} {method}"));
+        assert_eq!(said.code, Some(0), "{}", said.stderr);
+        holds(&said.stderr, &[&format!("{method} coefficients")]);
+        let drawn = splatline_sim::picture::Picture::read_png(&shell.path("out.png")).unwrap();
         let [left, right] = [16, 32].map(|x| drawn.pixels[24 * 48 + x]);
         assert!(
             left[0] > 0.8 && right[0] < 0.2 && left[3] == 1.0,
             "{left:?} {right:?}"
         );
     }
-    let (code, said) = with(&["--texture", &photograph, "--coefficients", "best"]);
-    assert!(
-        code == Some(2) && said.contains("plain, prefiltered, optimised"),
-        "{said}"
-    );
-    let (code, said) = with(&["--texture", &heights]);
-    assert!(
-        code == Some(1) && said.contains("hill.csv") && said.contains(".jpg"),
-        "{said}"
-    );
-    std::fs::write(&heights, "1,2\n3,high\n").unwrap();
-    let (code, said) = with(&[]);
-    assert!(
-        code == Some(1) && said.contains("hill.csv: line 2, height 2: 'high'"),
-        "{said}"
-    );
-    let cloud = file("cloud.xyz");
-    std::fs::write(&cloud, "0 0 0\n1 0 0\n0 1 0\n1 1 0\n").unwrap();
-    let (code, said) = splatline(&[
-        "render",
-        &cloud,
-        "--as",
-        "surface",
-        "--texture",
-        &photograph,
-        "-o",
-        &picture,
-    ]);
-    assert!(
-        code == Some(2) && said.contains("--texture needs a height field"),
-        "{said}"
-    );
+    let methods = "plain, prefiltered, optimised";
+    shell.refused(2, &format!("{draped} best"), methods);
+    let said = shell.refused(1, &format!("{hill} --texture hill.csv"), "hill.csv");
+    holds(&said, &[".jpg"]);
+    shell.write("hill.csv", "1,2\n3,high\n");
+    shell.refused(1, hill, "hill.csv: line 2, height 2: 'high'");
+    shell.write("cloud.xyz", "0 0 0\n1 0 0\n0 1 0\n1 1 0\n");
+    let cloud = "render cloud.xyz --as surface --texture hill.png -o out.png";
+    shell.refused(2, cloud, "--texture needs a height field");
 }

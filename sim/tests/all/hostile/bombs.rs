@@ -4,6 +4,7 @@
 //! message that has a number and a limit, not by a signal. What a file claims is true where that can be had for little (a gzip of gigabytes
 //! of zeros), so that the claim alone does not give it away.
 
+use super::super::shell::{Shell, holds};
 use super::seeds::{gzip, seed};
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
@@ -14,29 +15,18 @@ const LIMITS: &str = "ulimit -v 4000000; ulimit -t 1; exec \"$0\" \"$@\"";
 const MEGABYTE: usize = 1 << 20;
 
 /// A file's name, its bytes, and the options of the command that reads it. `FILE` stands for it.
-type Bomb = (String, Vec<u8>, &'static [&'static str]);
+type Bomb = (String, Vec<u8>, &'static str);
 
-const INFO: &[&str] = &["info", "FILE"];
-const RENDER: &[&str] = &["render", "FILE", "--size", "16x16", "-o", "x.png"];
-const SURFACE: &[&str] = &[
-    "render", "FILE", "--as", "surface", "--size", "16x16", "-o", "x.png",
-];
-const CAMERA: &[&str] = &["render", "demo", "--camera", "FILE", "-o", "x.png"];
-const PATH: &[&str] = &["render", "demo", "--camera-path", "FILE", "-o", "x.png"];
-const DESIGN: &[&str] = &["render", "demo", "--design", "FILE", "-o", "x.png"];
-const MACHINE: &[&str] = &["model", "demo", "--machine", "FILE"];
-const SPACE: &[&str] = &["explore", "demo", "--space", "FILE", "-o", "sweep"];
-const TABLE: &[&str] = &["model", "--footprints", "FILE", "--size", "16x16"];
-const TEXTURE: &[&str] = &[
-    "render",
-    "grid.csv",
-    "--as",
-    "surface",
-    "--texture",
-    "FILE",
-    "-o",
-    "x.png",
-];
+const INFO: &str = "info FILE";
+const RENDER: &str = "render FILE --size 16x16 -o x.png";
+const SURFACE: &str = "render FILE --as surface --size 16x16 -o x.png";
+const CAMERA: &str = "render demo --camera FILE -o x.png";
+const PATH: &str = "render demo --camera-path FILE -o x.png";
+const DESIGN: &str = "render demo --design FILE -o x.png";
+const MACHINE: &str = "model demo --machine FILE";
+const SPACE: &str = "explore demo --space FILE -o sweep";
+const TABLE: &str = "model --footprints FILE --size 16x16";
+const TEXTURE: &str = "render grid.csv --as surface --texture FILE -o x.png";
 
 /// So many megabytes of zeros, packed: members of a gzip stream may follow each other.
 fn zeros(begin: &[u8], megabytes: usize) -> Vec<u8> {
@@ -292,12 +282,9 @@ fn pictures() -> Vec<Bomb> {
 /// What became of it, if it is not a message with a number.
 fn failure(folder: &Path, (name, bytes, options): &Bomb) -> Option<String> {
     std::fs::write(folder.join(name), bytes).unwrap();
-    let options = options
-        .iter()
-        .map(|word| if *word == "FILE" { name } else { *word });
     let output = Command::new("sh")
         .args(["-c", LIMITS, env!("CARGO_BIN_EXE_splatline")])
-        .args(options)
+        .args(options.replace("FILE", name).split(' '))
         .current_dir(folder)
         .output()
         .unwrap();
@@ -342,35 +329,12 @@ fn bombs_are_refused_with_a_number() {
 /// What fits is drawn, what does not is refused, at the user's word.
 #[test]
 fn the_users_limit_is_kept() {
-    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
-    let drawn = |megabytes: &str| {
-        let output = Command::new(env!("CARGO_BIN_EXE_splatline"))
-            .args([
-                "render",
-                "scene.nrrd",
-                "--size",
-                "16x16",
-                "-o",
-                "x.png",
-                "--memory",
-                megabytes,
-            ])
-            .current_dir(folder.path())
-            .output()
-            .unwrap();
-        (
-            output.status.code(),
-            String::from_utf8_lossy(&output.stderr).into_owned(),
-        )
-    };
+    let shell = Shell::new();
     let header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 90 90 90\nencoding: raw\n\n";
     let bytes = [header.as_bytes(), &rubbish(90 * 90 * 90)].concat();
-    std::fs::write(folder.path().join("scene.nrrd"), bytes).unwrap();
-    let (code, told) = drawn("40");
-    assert_eq!(code, Some(1), "{told}");
-    assert!(
-        told.contains("MB are available") && told.contains("--memory"),
-        "{told}"
-    );
-    assert_eq!(drawn("2000").0, Some(0));
+    shell.write("scene.nrrd", bytes);
+    let render = "render scene.nrrd --size 16x16 -o x.png --memory";
+    let told = shell.refused(1, &format!("{render} 40"), "MB are available");
+    holds(&told, &["--memory"]);
+    shell.succeed(&format!("{render} 2000"));
 }

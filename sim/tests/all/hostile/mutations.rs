@@ -6,6 +6,7 @@
 //!
 //! The file of the try that is under way lies in the test's temporary folder, so that even an abort leaves what caused it.
 
+use super::super::shell::Shell;
 use super::readers::{FORMATS, Reader};
 use super::seeds::seed;
 use splatline_sim::plan::Prepared;
@@ -76,14 +77,10 @@ fn folder_file(path: &Path) -> Result<(), String> {
 }
 
 /// What this program records of a picture.
-fn report(folder: &Path) -> Vec<u8> {
-    let options = "render random:9 --size 16x16 -o x.png --json report.json";
-    let drawn = Command::new(env!("CARGO_BIN_EXE_splatline"))
-        .args(options.split(' '))
-        .current_dir(folder)
-        .output();
-    assert!(drawn.unwrap().status.success());
-    std::fs::read(folder.join(REPORT)).unwrap()
+fn report() -> Vec<u8> {
+    let shell = Shell::new();
+    shell.succeed("render random:9 --size 16x16 -o x.png --json report.json");
+    shell.bytes(REPORT)
 }
 
 /// As `--from` reads it. Pictures of any size are asked for; small ones are drawn.
@@ -259,7 +256,7 @@ fn mutated_files_are_answered() {
         std::fs::create_dir(&below).unwrap();
         let started = Instant::now();
         let sound = match *name {
-            REPORT => report(&below),
+            REPORT => report(),
             META => unpacked(META),
             other => seed(other),
         };

@@ -3,45 +3,17 @@
 mod questions;
 mod sweeps;
 
-use super::command_line::splatline;
-use std::path::Path;
-
-fn succeed(arguments: &[&str]) -> String {
-    let output = splatline(arguments);
-    let error = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {error}");
-    assert!(error.is_empty(), "nothing but results in a pipe: {error}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-fn fail(code: i32, arguments: &[&str]) -> String {
-    let output = splatline(arguments);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}");
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().unwrap()
-}
-
-const SCENE: [&str; 3] = ["random:300:1", "--size", "48x32"];
-
-fn with<'a>(command: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    [&[command], &SCENE[..], more].concat()
-}
+use super::shell::{Shell, holds};
 
 #[test]
 fn model_writes_accounts_and_the_resolved_machine() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let printed = succeed(&with("model", &["--set", "lanes=4", "-o", text(&out)]));
+    let shell = Shell::new();
+    let printed = shell.results("model SCENE --set lanes=4 -o out");
     assert!(printed.contains("simulated cycles per second"));
-    let timing: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(out.join("timing.json")).unwrap()).unwrap();
+    let timing = shell.json("out/timing.json");
     let luts = timing["area"]["raster"]["luts"].as_u64().unwrap();
-    assert!(
-        printed.contains(&format!("area: raster units {luts} LUT")) && printed.contains("Xilinx 7")
-    );
+    let area = format!("area: raster units {luts} LUT");
+    holds(&printed, &[&area, "Xilinx 7"]);
     let total = timing["cycles"]["total"].as_u64().unwrap();
     for (name, unit) in timing["cycles"]["units"].as_object().unwrap() {
         let stalled: u64 = unit["stalled"]
@@ -53,25 +25,17 @@ fn model_writes_accounts_and_the_resolved_machine() {
         let sum = unit["busy"].as_u64().unwrap() + stalled + unit["idle"].as_u64().unwrap();
         assert_eq!(sum, unit["instances"].as_u64().unwrap() * total, "{name}");
     }
-    let machine = out.join("machine.toml");
-    assert!(
-        std::fs::read_to_string(&machine)
-            .unwrap()
-            .contains("lanes = 4")
-    );
-    let again = succeed(&with("model", &["--machine", text(&machine)]));
+    assert!(shell.read("out/machine.toml").contains("lanes = 4"));
+    let again = shell.results("model SCENE --machine out/machine.toml");
     assert_eq!(again.lines().next(), printed.lines().next());
 }
 
 /// The energies of a report add up to the last digit, the export holds the same counts, and a wrong table is refused by name and line.
 #[test]
 fn model_says_what_a_picture_takes_and_for_what() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let printed = succeed(&with("model", &["-o", text(&out)]));
-    let timing: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(out.join("timing.json")).unwrap()).unwrap();
-    let energy = &timing["energy"];
+    let shell = Shell::new();
+    let printed = shell.results("model SCENE -o out");
+    let energy = &shell.json("out/timing.json")["energy"];
     let whole = |value: &serde_json::Value| value.as_u64().unwrap();
     let mut sum = 0;
     for unit in energy["units"].as_array().unwrap() {
@@ -83,66 +47,43 @@ fn model_says_what_a_picture_takes_and_for_what() {
         sum += of_unit;
     }
     assert_eq!(whole(&energy["attojoules"]), sum);
-    let said = format!("energy: {:.4} mJ a frame", sum as f64 / 1e15);
-    assert!(printed.contains(&said) && printed.contains("estimate"));
-    let counts = std::fs::read_to_string(out.join("action_counts.yaml")).unwrap();
+    let energy = format!("energy: {:.4} mJ a frame", sum as f64 / 1e15);
+    holds(&printed, &[&energy, "estimate"]);
+    let counts = shell.read("out/action_counts.yaml");
     assert!(counts.contains("- name: splatline.lanes.table_"));
 
-    let table = folder.path().join("mine.toml");
     let shipped = splatline_sim::machine::energy::SHIPPED;
-    std::fs::write(&table, shipped.replace("pj = 3.1", "pj = -3.1")).unwrap();
-    let refused = fail(1, &with("model", &["--energy", text(&table)]));
-    assert!(
-        refused.contains("mine.toml:29: multiplier.pj = -3.1: allowed are numbers above 0"),
-        "{refused}"
-    );
+    shell.write("mine.toml", shipped.replace("pj = 3.1", "pj = -3.1"));
+    let expected = "mine.toml:29: multiplier.pj = -3.1: allowed are numbers above 0";
+    shell.refused(1, "model SCENE --energy mine.toml", expected);
 }
 
 /// A part needs a clock; with one the report says what it did, and its requests come out for the simulators of DRAM.
 #[test]
 fn a_memory_part_is_a_setting_and_its_requests_are_a_trace() {
-    let folder = tempfile::tempdir().unwrap();
-    let part = [
-        "--set",
-        "memory_part=ddr3-1600-x16",
-        "--set",
-        "clock_mhz=100",
-    ];
-    let no_clock = fail(2, &with("model", &part[..2]));
-    assert!(
-        no_clock
-            .contains("memory_part = \"ddr3-1600-x16\": allowed with a clock_mhz of 1 to 10000"),
-        "{no_clock}"
-    );
-    let printed = succeed(&with("model", &part));
-    assert!(printed.contains("memory ddr3-1600-x16: ") && printed.contains("row"));
-    let file = folder.path().join("requests.txt");
+    let shell = Shell::new();
+    let part = "--set memory_part=ddr3-1600-x16";
+    let expected = "memory_part = \"ddr3-1600-x16\": allowed with a clock_mhz of 1 to 10000";
+    shell.refused(2, &format!("model SCENE {part}"), expected);
+    let part = format!("{part} --set clock_mhz=100");
+    let printed = shell.results(&format!("model SCENE {part}"));
+    holds(&printed, &["memory ddr3-1600-x16: ", "row"]);
     for (format, first) in [("ramulator2", "LD 0x0\n"), ("dramsim3", "0x0 READ 0\n")] {
-        let trace = ["--format", format, "-o", text(&file)];
-        let said = succeed(&with("trace", &[&part[..], &trace].concat()));
-        let lines = std::fs::read_to_string(&file).unwrap();
+        let told = shell.results(&format!("trace SCENE {part} --format {format} -o r.txt"));
+        let lines = shell.read("r.txt");
         assert!(lines.starts_with(first), "{}", &lines[..80]);
-        assert!(said.contains(&format!(
-            "{} requests to ddr3-1600-x16",
-            lines.lines().count()
-        )));
+        let count = lines.lines().count();
+        holds(&told, &[&format!("{count} requests to ddr3-1600-x16")]);
     }
-    let channels = fail(
-        2,
-        &with("trace", &["--format", "dramsim3", "-o", text(&file)]),
-    );
-    assert!(
-        channels.contains("--set memory_part=ddr3-1600-x16"),
-        "{channels}"
-    );
+    let channels = "trace SCENE --format dramsim3 -o r.txt";
+    shell.refused(2, channels, "--set memory_part=ddr3-1600-x16");
 }
 
 /// Machines of others stand beside ours on the same splats; options that none of them would hear are refused.
 #[test]
 fn machines_of_others_stand_beside_ours() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out");
-    let printed = succeed(&with("model", &["--machines", "-o", text(&out)]));
+    let shell = Shell::new();
+    let printed = shell.results("model SCENE --machines -o out");
     for name in [
         "box-tiles",
         "sub-tiles",
@@ -154,53 +95,44 @@ fn machines_of_others_stand_beside_ours() {
         assert!(printed.contains(&format!("| {name} |")), "{printed}");
     }
     assert!(printed.contains("reimplemented from the paper"));
-    let json: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(out.join("machines.json")).unwrap()).unwrap();
+    let json = shell.json("out/machines.json");
     let machines = json["machines"].as_array().unwrap();
     let live = |machine: &serde_json::Value| machine["cycles"]["pixels"]["live"].as_u64().unwrap();
     assert_eq!(live(&machines[0]), live(&machines[1]));
-    fail(2, &with("model", &["--machines", "--set", "lanes=4"]));
+    assert_eq!(
+        shell.run("model SCENE --machines --set lanes=4").code,
+        Some(2)
+    );
 }
 
 /// Floating-point datapaths draw by `render` and stand in the report of `compare`, worse with fewer bits; what they cannot draw is refused.
 #[test]
 fn floating_point_datapaths_are_engines() {
-    let folder = tempfile::tempdir().unwrap();
-    let (picture, out) = (folder.path().join("x.png"), folder.path().join("out"));
+    let shell = Shell::new();
     for engine in ["fp32", "fp16", "bfloat16", "e5m2-fp16", "fp8"] {
-        succeed(&with("render", &["--engine", engine, "-o", text(&picture)]));
+        shell.results(&format!("render SCENE --engine {engine} -o x.png"));
     }
-    let printed = succeed(&with("compare", &["--only", "--formats", "-o", text(&out)]));
-    let report: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(out.join("report.json")).unwrap()).unwrap();
+    let printed = shell.results("compare SCENE --only --formats -o out");
+    let report = shell.json("out/report.json");
     let formats = report["formats"].as_array().unwrap();
     let psnr = formats
         .iter()
         .map(|row| row["error"]["rgb"]["psnr_db"].as_f64().unwrap());
     let psnr: Vec<f64> = psnr.collect();
     assert!(psnr.is_sorted_by(|wide, narrow| wide > narrow), "{psnr:?}");
-    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    let page = shell.read("out/report.html");
     assert!(printed.contains("bfloat16") && page.contains("Floating-point datapaths"));
-    let refused = |command: &str, more: &[&str]| fail(1, &with(command, more));
-    let x_ray = [
-        "--engine",
-        "fp16",
-        "--compositing",
-        "x-ray",
-        "-o",
-        text(&picture),
-    ];
-    assert!(refused("render", &x_ray).contains("front to back"));
-    let wrong = ["--engine", "fp16", "-o", text(&out)];
-    assert!(fail(2, &with("compare", &wrong)).contains("--formats"));
+    let x_ray = "render SCENE --engine fp16 --compositing x-ray -o x.png";
+    shell.refused(1, x_ray, "front to back");
+    shell.refused(2, "compare SCENE --engine fp16 -o out", "--formats");
 }
 
 /// Beside what is fitted and beside the cheapest machine; a format whose error is too large holds nothing.
 #[test]
 fn formats_stand_beside_fixed_designs() {
-    let folder = tempfile::tempdir().unwrap();
-    let asked = ["--psnr", "40", "--formats", "fp16,bfloat16,fp8"];
-    let printed = succeed(&with("fit", &asked));
+    let shell = Shell::new();
+    let asked = "SCENE --psnr 40 --formats fp16,bfloat16,fp8";
+    let printed = shell.results(&format!("fit {asked}"));
     let line = |name: &str| {
         let mut lines = printed
             .lines()
@@ -214,15 +146,9 @@ fn formats_stand_beside_fixed_designs() {
     let cells: Vec<&str> = line("fixed").split_whitespace().collect();
     let psnr: f64 = cells[1].parse().unwrap();
     assert!((40.0..60.0).contains(&psnr), "{printed}");
-    assert!(
-        printed.contains("Cheapest: fixed; bfloat16 takes"),
-        "{printed}"
-    );
-    let out = folder.path().join("out");
-    let machine = ["--fps", "60", "-o", text(&out)];
-    succeed(&with("optimize", &[&asked[..], &machine].concat()));
-    let json: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(out.join("answer.json")).unwrap()).unwrap();
+    holds(&printed, &["Cheapest: fixed; bfloat16 takes"]);
+    shell.results(&format!("optimize {asked} --fps 60 -o out"));
+    let json = shell.json("out/answer.json");
     let rows = json["answer"]["formats"].as_array().unwrap();
     let names: Vec<&str> = rows
         .iter()
@@ -240,39 +166,33 @@ fn formats_stand_beside_fixed_designs() {
     assert!(of(1, "luts_in_all") > of(2, "luts_in_all"));
     assert!(of(2, "luts_in_all") > of(0, "luts_in_all"));
     assert!(of(1, "mj_per_frame") > of(2, "mj_per_frame"));
-    let page = std::fs::read_to_string(out.join("answer.html")).unwrap();
+    let page = shell.read("out/answer.html");
     assert!(
         page.contains("In floating-point formats")
             && page.contains("error and transistors of a lane")
     );
-    assert!(fail(2, &with("fit", &["--psnr", "40", "--formats", "fp12"])).contains("fp12"));
+    shell.refused(2, "fit SCENE --psnr 40 --formats fp12", "fp12");
 }
 
 #[test]
 fn area_is_counted_for_a_family_or_by_prices_of_ones_own() {
-    let folder = tempfile::tempdir().unwrap();
-    let prices = folder.path().join("prices.toml");
-    std::fs::write(&prices, "family = \"ice40\"\nluts_per_dsp = 1.0\n").unwrap();
-    let ecp5 = succeed(&with("model", &["--family", "ecp5"]));
-    assert!(ecp5.contains("area for ECP5") && ecp5.contains("of its synthesis"));
-    let own = succeed(&with("model", &["--calibration", text(&prices)]));
-    assert!(own.contains("not held against any synthesis"));
-    std::fs::write(&prices, "luts_per_dps = 1.0\n").unwrap();
-    let refused = fail(1, &with("model", &["--calibration", text(&prices)]));
-    assert!(refused.contains("luts_per_dps"), "{refused}");
+    let shell = Shell::new();
+    shell.write("p.toml", "family = \"ice40\"\nluts_per_dsp = 1.0\n");
+    let ecp5 = shell.results("model SCENE --family ecp5");
+    holds(&ecp5, &["area for ECP5", "of its synthesis"]);
+    let own = shell.results("model SCENE --calibration p.toml");
+    holds(&own, &["not held against any synthesis"]);
+    shell.write("p.toml", "luts_per_dps = 1.0\n");
+    shell.refused(1, "model SCENE --calibration p.toml", "luts_per_dps");
 }
 
 #[test]
 fn a_table_of_footprints_is_timed_like_the_scene_it_came_from() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("f.csv");
-    succeed(&with("footprints", &["-o", text(&table)]));
-    let from_table = ["model", "--footprints", text(&table), "--screen", "48x32"];
-    let printed = succeed(&from_table);
-    assert!(
-        printed.contains("cycles = geometry") && printed.contains("0 left out"),
-        "{printed}"
-    );
+    let shell = Shell::new();
+    shell.results("footprints SCENE -o f.csv");
+    let from_table = "model --footprints f.csv --screen 48x32";
+    let printed = shell.results(from_table);
+    holds(&printed, &["cycles = geometry", "0 left out"]);
     let cycles = |printed: &str| {
         let line = printed
             .lines()
@@ -281,93 +201,63 @@ fn a_table_of_footprints_is_timed_like_the_scene_it_came_from() {
         let words: Vec<&str> = line.split_whitespace().collect();
         words[1].parse::<f64>().unwrap()
     };
-    let scene = cycles(&succeed(&with("model", &[])));
-    assert!(
-        (cycles(&printed) / scene - 1.0).abs() < 0.002,
-        "{printed} {scene}"
-    );
+    let near = |printed: &str, scene: &str| {
+        let ratio = cycles(printed) / cycles(scene);
+        assert!((ratio - 1.0).abs() < 0.002, "{printed} {scene}");
+    };
+    near(&printed, &shell.results("model SCENE"));
     // Without opacities nothing finishes; nor does anything in an X-ray.
-    let whole = std::fs::read_to_string(&table).unwrap();
-    std::fs::write(&table, whole.replace("opacity", "unknown")).unwrap();
-    let printed = succeed(&from_table);
-    let scene = cycles(&succeed(&with("model", &["--compositing", "x-ray"])));
-    assert!(
-        (cycles(&printed) / scene - 1.0).abs() < 0.002,
-        "{printed} {scene}"
-    );
+    let whole = shell.read("f.csv");
+    shell.write("f.csv", whole.replace("opacity", "unknown"));
+    let x_ray = shell.results("model SCENE --compositing x-ray");
+    near(&shell.results(from_table), &x_ray);
     let without: String = whole
         .lines()
         .map(|line| line.rsplit_once(',').unwrap().0.to_owned() + "\n")
         .collect();
-    std::fs::write(&table, without).unwrap();
-    let refused = fail(1, &from_table);
-    assert!(
-        refused.contains("no cut-off") && refused.contains("--cutoff"),
-        "{refused}"
-    );
-    let empty = folder.path().join("empty.csv");
-    std::fs::write(&empty, "").unwrap();
-    assert!(fail(1, &["model", "--footprints", text(&empty)]).contains("no column 'u'"));
+    shell.write("f.csv", without);
+    let refused = shell.refused(1, from_table, "no cut-off");
+    holds(&refused, &["--cutoff"]);
+    shell.write("empty.csv", "");
+    shell.refused(1, "model --footprints empty.csv", "no column 'u'");
 }
 
 #[test]
 fn needs_fit_and_trace_answer() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name);
-    let needs = succeed(&with("needs", &["--json", text(&path("n.json"))]));
-    assert!(needs.contains("row_fifo") && needs.contains("layers: at most"));
-    let fit = succeed(&with(
-        "fit",
-        &["--max-error", "0.02", "-o", text(&path("d.toml"))],
-    ));
+    let shell = Shell::new();
+    let needs = shell.results("needs SCENE --json n.json");
+    holds(&needs, &["row_fifo", "layers: at most"]);
+    let fit = shell.results("fit SCENE --max-error 0.02 -o d.toml");
     assert!(fit.contains("binding width"));
-    succeed(&with(
-        "render",
-        &[
-            "--design",
-            text(&path("d.toml")),
-            "-o",
-            text(&path("x.png")),
-        ],
-    ));
-    assert!(fail(1, &with("fit", &["--max-error", "1e-12"])).contains("above --max-error"));
+    shell.results("render SCENE --design d.toml -o x.png");
+    shell.refused(1, "fit SCENE --max-error 1e-12", "above --max-error");
     for format in ["kanata", "vcd", "perfetto"] {
-        let printed = succeed(&with(
-            "trace",
-            &[
-                "--format",
-                format,
-                "--last",
-                "20",
-                "-o",
-                text(&path(format)),
-            ],
+        let printed = shell.results(&format!(
+            "trace SCENE --format {format} --last 20 -o {format}"
         ));
         assert!(printed.contains("splats 0 to 20"), "{printed}");
-        assert!(path(format).metadata().unwrap().len() > 200);
+        assert!(shell.bytes(format).len() > 200);
     }
 }
 
 #[test]
 fn bad_machines_name_key_line_and_range() {
-    let folder = tempfile::tempdir().unwrap();
-    let machine = folder.path().join("m.toml");
-    std::fs::write(&machine, "[lanes]\nlanes = 5\n").unwrap();
-    let message = fail(1, &with("model", &["--machine", text(&machine)]));
-    assert!(
-        message.contains("m.toml:2: lanes.lanes = 5: allowed are 1, 2, 4"),
-        "{message}"
-    );
-    assert!(fail(2, &with("model", &["--set", "lanes=5"])).contains("lanes = 5: allowed are"));
-    assert!(fail(2, &with("model", &["--set", "lane=4"])).contains("did you mean lanes"));
-    assert!(
-        fail(
+    let shell = Shell::new();
+    shell.write("m.toml", "[lanes]\nlanes = 5\n");
+    for (code, line, expected) in [
+        (
+            1,
+            "model SCENE --machine m.toml",
+            "m.toml:2: lanes.lanes = 5: allowed are 1, 2, 4",
+        ),
+        (2, "model SCENE --set lanes=5", "lanes = 5: allowed are"),
+        (2, "model SCENE --set lane=4", "did you mean lanes"),
+        (
             2,
-            &with(
-                "trace",
-                &["--format", "vcd", "--first", "9", "--last", "3", "-o", "x"]
-            )
-        )
-        .contains("smaller")
-    );
+            "trace SCENE --format vcd --first 9 --last 3 -o x",
+            "smaller",
+        ),
+    ] {
+        shell.refused(code, line, expected);
+    }
 }
