@@ -4,13 +4,8 @@ use super::*;
 
 #[test]
 fn compare_writes_all_files_and_all_designs() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("new/out");
-    run_line(&format!(
-        "compare random:300 --size 60x40 --repeat 3 -o {}",
-        out.display()
-    ))
-    .unwrap();
+    let folder = Folder::new();
+    folder.run("compare random:300 --size 60x40 --repeat 3 -o ./new/out");
     for name in [
         "fixed.png",
         "float.png",
@@ -18,9 +13,10 @@ fn compare_writes_all_files_and_all_designs() {
         "report.json",
         "report.html",
     ] {
-        assert!(out.join(name).is_file(), "{name}");
+        let name = format!("new/out/{name}");
+        assert!(folder.path(&name).is_file(), "{name}");
     }
-    let report = read_report(&out.join("report.json"));
+    let report = folder.report("new/out/report.json");
     assert_eq!(report.table.len(), 10);
     assert_eq!(
         (report.engine.as_str(), report.reference.as_deref()),
@@ -45,27 +41,19 @@ fn compare_writes_all_files_and_all_designs() {
 
 #[test]
 fn only_restricts_the_table_and_a_file_joins_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().display();
-    run_line(&format!(
-        "compare random:300 --size 30x30 --only --design lean18 --traversal box -o {out}"
-    ))
-    .unwrap();
-    let report = read_report(&folder.path().join("report.json"));
+    let folder = Folder::new();
+    let small = "compare random:300 --size 30x30 -o ./";
+    folder.run(&format!("{small} --only --design lean18 --traversal box"));
+    let report = folder.report("report.json");
     assert_eq!(report.table.len(), 1);
     assert_eq!(
         (report.design_name(), report.traversal.as_deref()),
         ("lean18", Some("box"))
     );
 
-    let file = folder.path().join("mine12.toml");
-    std::fs::write(&file, "base = \"lean18\"\nmantissa = 17\n").unwrap();
-    let file = file.display();
-    run_line(&format!(
-        "compare random:300 --size 30x30 --design {file} --engine exact -o {out}"
-    ))
-    .unwrap();
-    let report = read_report(&folder.path().join("report.json"));
+    folder.write("mine12.toml", "base = \"lean18\"\nmantissa = 17\n");
+    folder.run(&format!("{small} --design ./mine12.toml --engine exact"));
+    let report = folder.report("report.json");
     assert_eq!(report.table.len(), 12);
     assert_eq!(
         (report.design_name(), report.reference.as_deref()),
@@ -75,38 +63,30 @@ fn only_restricts_the_table_and_a_file_joins_it() {
 
 #[test]
 fn render_writes_the_picture_and_a_report_without_errors() {
-    let folder = tempfile::tempdir().unwrap();
-    let (png, json) = (folder.path().join("a.png"), folder.path().join("a.json"));
-    let camera = folder.path().join("c.json");
+    let folder = Folder::new();
     for (engine, design, view, depth) in [
         (
             "fixed",
             true,
-            "--eye -1,-2,-6 --target 0,0,0 --size 40x30".to_owned(),
+            "--eye -1,-2,-6 --target 0,0,0 --size 40x30",
             8,
         ),
         // The camera of the first report, as a camera file.
-        ("float", false, format!("--camera {}", camera.display()), 16),
-        (
-            "exact",
-            false,
-            format!("--camera {} --size 80x60", camera.display()),
-            8,
-        ),
+        ("float", false, "--camera ./c.json", 16),
+        ("exact", false, "--camera ./c.json --size 80x60", 8),
     ] {
-        let (png, json) = (png.display(), json.display());
-        run_line(&format!(
-            "render random:300 --engine {engine} {view} --depth {depth} -o {png} --json {json}"
-        ))
-        .unwrap();
-        let report = read_report(Path::new(&json.to_string()));
-        let picture = Picture::read_png(Path::new(&png.to_string())).unwrap();
+        folder.run(&format!(
+            "render random:300 --engine {engine} {view} --depth {depth} -o ./a.png --json ./a.json"
+        ));
+        let report = folder.report("a.json");
+        let picture = Picture::read_png(&folder.path("a.png")).unwrap();
         assert_eq!(
             (report.camera.width, report.camera.height),
             (picture.width as u64, picture.height as u64)
         );
         assert_eq!(picture.width, if engine == "exact" { 80 } else { 40 });
-        std::fs::write(&camera, serde_json::to_string(&report.camera).unwrap()).unwrap();
+        let camera = serde_json::to_string(&report.camera).unwrap();
+        folder.write("c.json", &camera);
         assert_eq!((report.error, report.table.len()), (None, 0));
         assert_eq!(
             (report.pixels.is_some(), report.design.is_none()),
@@ -119,11 +99,10 @@ fn render_writes_the_picture_and_a_report_without_errors() {
 /// Without alpha a viewer shows black where nothing was drawn, or the colour asked for.
 #[test]
 fn pictures_have_a_background_and_floats_have_none() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name);
+    let folder = Folder::new();
     let render = |options: &str, name: &str| {
-        let line = format!("random:50 --size 24x16 --zoom 0.2 {options}");
-        run_line(&format!("render {line} -o {}", path(name).display())).unwrap();
+        let scene = "render random:50 --size 24x16 --zoom 0.2";
+        folder.run(&format!("{scene} {options} -o ./{name}"));
     };
     for (options, corner) in [
         ("", [0.0, 0.0, 0.0, 1.0]),
@@ -131,13 +110,13 @@ fn pictures_have_a_background_and_floats_have_none() {
         ("--alpha", [0.0; 4]),
     ] {
         render(options, "x.png");
-        let pixels = Picture::read_png(&path("x.png")).unwrap().pixels;
+        let pixels = Picture::read_png(&folder.path("x.png")).unwrap().pixels;
         assert_eq!(pixels[0], corner, "{options}");
         assert!(pixels.iter().any(|pixel| *pixel != corner), "{options}");
     }
     render("", "x.npy");
     render("", "x.exr");
-    let size = |name: &str| path(name).metadata().unwrap().len();
+    let size = |name: &str| folder.path(name).metadata().unwrap().len();
     assert_eq!(size("x.npy"), 128 + 24 * 16 * 4 * 8);
     assert!(size("x.exr") > 24 * 16 * 4 * 4);
 }
@@ -145,64 +124,50 @@ fn pictures_have_a_background_and_floats_have_none() {
 /// What was read is still there afterwards, and a name never lies about its format.
 #[test]
 fn inputs_are_never_overwritten_and_names_do_not_lie() {
-    let folder = tempfile::tempdir().unwrap();
-    let scene = folder.path().join("cloud.xyz");
-    write_cloud(&scene);
-    let before = std::fs::read(&scene).unwrap();
-    let (scene, out) = (scene.display(), folder.path().display());
+    let folder = Folder::new();
+    folder.write("cloud.xyz", &cloud());
     for line in [
-        format!("render {scene} -o {scene}"),
-        format!("footprints {scene} -o {scene}"),
-        format!("render {scene} -o {out}/x.png --json {scene}"),
-        format!("render {scene} -o {out}/x.jpg"),
-        format!("render {scene} -o {out}/x"),
-        format!("footprints random:9 -o {out}/x.png"),
-        format!("fit random:9 --max-error 1 -o {out}/x.json"),
-        format!("trace random:9 --format vcd -o {out}/x.json"),
-        format!("render random:9 -o {out}/x.png --json {out}/x.png"),
+        "render ./cloud.xyz -o ./cloud.xyz",
+        "footprints ./cloud.xyz -o ./cloud.xyz",
+        "render ./cloud.xyz -o ./x.png --json ./cloud.xyz",
+        "render ./cloud.xyz -o ./x.jpg",
+        "render ./cloud.xyz -o ./x",
+        "footprints random:9 -o ./x.png",
+        "fit random:9 --max-error 1 -o ./x.json",
+        "trace random:9 --format vcd -o ./x.json",
+        "render random:9 -o ./x.png --json ./x.png",
     ] {
-        assert!(matches!(run_line(&line), Err(Failure::Usage(_))), "{line}");
+        folder.usage(line);
     }
-    assert_eq!(
-        std::fs::read(folder.path().join("cloud.xyz")).unwrap(),
-        before
-    );
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    assert_eq!(folder.read("cloud.xyz"), cloud());
+    assert_eq!(std::fs::read_dir(folder.path("")).unwrap().count(), 1);
 }
 
 /// A report records the whole plan: `--from` draws the same bits, though the design's file is gone.
 #[test]
 fn a_report_draws_the_same_bits_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    let (cloud, heights, design) = (path("c.xyz"), path("h.csv"), path("mine.toml"));
-    write_cloud(Path::new(&cloud));
-    std::fs::write(&heights, "0,0.1,0.3\n0,0.2,0.2\n0.1,0.1,0\n").unwrap();
-    let (json, first, again) = (path("r.json"), path("a.npy"), path("b.npy"));
+    let folder = Folder::new();
+    folder.write("c.xyz", &cloud());
+    folder.write("h.csv", HEIGHTS);
     for scene in [
         "random:200 --orbit 40,20 --traversal box --compositing back-to-front --rules ewa",
         "random:200 --engine float --kernel cubic",
         "random:200 --engine exact --zoom 1.5",
         "demo --light 1,0,0.3 --rules ewa --antialias swan --points auto",
         "random:60 --rules ewa --antialias swan --traversal stamp --phase-bits 2",
-        &format!("{cloud} --as surface --layers 3 --edges --light 1,0,1"),
-        &format!("{cloud} --as surface --engine float --cull-backfaces"),
-        &format!("{heights} --as surface --spacing 0.3"),
+        "./c.xyz --as surface --layers 3 --edges --light 1,0,1",
+        "./c.xyz --as surface --engine float --cull-backfaces",
+        "./h.csv --as surface --spacing 0.3",
     ] {
-        std::fs::write(
-            &design,
-            "base = \"lean18\"\nmantissa = 17\nrounding = \"truncate\"\n",
-        )
-        .unwrap();
-        let line = format!("{scene} --design {design} --size 40x30");
-        run_line(&format!("render {line} -o {first} --json {json}")).unwrap();
-        std::fs::remove_file(&design).unwrap();
-        let report = read_report(Path::new(&json));
-        let second = path("again.json");
-        run_line(&format!("render --from {json} -o {again} --json {second}")).unwrap();
-        let same = std::fs::read(&first).unwrap() == std::fs::read(&again).unwrap();
-        assert!(same, "{scene}");
-        let repeated = read_report(Path::new(&second));
+        let design = "base = \"lean18\"\nmantissa = 17\nrounding = \"truncate\"\n";
+        folder.write("mine.toml", design);
+        let line = format!("{scene} --design ./mine.toml --size 40x30");
+        folder.run(&format!("render {line} -o ./a.npy --json ./r.json"));
+        std::fs::remove_file(folder.path("mine.toml")).unwrap();
+        let report = folder.report("r.json");
+        folder.run("render --from ./r.json -o ./b.npy --json ./again.json");
+        assert!(folder.bytes("a.npy") == folder.bytes("b.npy"), "{scene}");
+        let repeated = folder.report("again.json");
         assert_eq!(
             Report {
                 host: report.host,
@@ -212,45 +177,38 @@ fn a_report_draws_the_same_bits_again() {
             "{scene}"
         );
     }
-    let refused = parse(&format!("render --from {json} --zoom 2 -o {again}"));
+    let refused = parse("render --from r.json --zoom 2 -o b.npy");
     assert_eq!(refused.unwrap_err().kind(), ErrorKind::ArgumentConflict);
 }
 
 /// The machine is part of the plan as well, and a comparison's report makes a comparison again.
 #[test]
 fn a_report_counts_the_same_cycles_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = |name: &str| folder.path().join(name).join("report.json");
-    let shown = |name: &str| folder.path().join(name).display().to_string();
+    let folder = Folder::new();
     let machine = "--machine primitive-2 --set read_bandwidth=16";
     let line = format!("random:200 --size 40x30 --only --engine exact {machine}");
-    run_line(&format!("compare {line} -o {}", shown("a"))).unwrap();
-    let from = |name: &str| format!("--from {}", out(name).display());
-    run_line(&format!("compare {} --only -o {}", from("a"), shown("b"))).unwrap();
-    let (first, second) = (read_report(&out("a")), read_report(&out("b")));
+    folder.run(&format!("compare {line} -o ./a"));
+    folder.run("compare --from ./a/report.json --only -o ./b");
+    let [first, second] = ["a", "b"].map(|name| folder.report(&format!("{name}/report.json")));
     assert_eq!(first.plan, second.plan);
-    let counted = |name: &str| read_json(&out(name))["cycles"].clone();
+    let counted = |name: &str| folder.json(&format!("{name}/report.json"))["cycles"].clone();
     assert!(counted("a").is_object());
     assert_eq!(counted("a"), counted("b"));
     assert_eq!(first.error, second.error);
-    run_line(&format!("model {} -o {}", from("a"), shown("m"))).unwrap();
-    let timing = read_json(&folder.path().join("m/timing.json"));
+    folder.run("model --from ./a/report.json -o ./m");
+    let timing = folder.json("m/timing.json");
     assert_eq!(timing["cycles"]["total"], counted("a")["total"]);
 }
 
 /// Surfaces come through the same entrance; what counts cycles has a unit for them.
 #[test]
 fn surfaces_are_taken_by_every_command_that_they_mean_something_for() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    let cloud = path("c.xyz");
-    write_cloud(Path::new(&cloud));
-    let scene =
-        format!("{cloud} --as surface --size 40x30 --eye 2.5,2.5,16 --target 2.5,2.5,0 --up 0,1,0");
+    let folder = Folder::new();
+    folder.write("c.xyz", &cloud());
+    let scene = "./c.xyz --as surface --size 40x30 --eye 2.5,2.5,16 --target 2.5,2.5,0 --up 0,1,0";
     let lines = |engine: &str| -> Vec<Vec<f64>> {
-        let csv = path("f.csv");
-        run_line(&format!("footprints {scene} --engine {engine} -o {csv}")).unwrap();
-        let text = std::fs::read_to_string(csv).unwrap();
+        folder.run(&format!("footprints {scene} --engine {engine} -o ./f.csv"));
+        let text = folder.read("f.csv");
         // Points of a surface have no opacity of their own: that field alone is empty.
         let number = |(column, field): (usize, &str)| match column {
             11 if field.is_empty() => 0.0,
@@ -276,59 +234,42 @@ fn surfaces_are_taken_by_every_command_that_they_mean_something_for() {
             "{a:?} {b:?}"
         );
     }
-    let toml = path("fit.toml");
-    run_line(&format!("fit {scene} --max-error 0.02 -o {toml}")).unwrap();
-    run_line(&format!(
-        "compare {scene} --design {toml} --only -o {}",
-        path("out")
-    ))
-    .unwrap();
-    let report = read_report(&folder.path().join("out/report.json"));
+    folder.run(&format!("fit {scene} --max-error 0.02 -o ./fit.toml"));
+    folder.run(&format!(
+        "compare {scene} --design ./fit.toml --only -o ./out"
+    ));
+    let report = folder.report("out/report.json");
     assert!(report.error.unwrap().rgb.max_abs <= 0.02);
-    std::fs::write(path("s.toml"), "[machine]\nlanes = [1, 2]\n").unwrap();
-    run_line(&format!(
-        "sweep {scene} --space {} -o {}",
-        path("s.toml"),
-        path("e")
-    ))
-    .unwrap();
-    run_line(&format!("trace {scene} --format vcd -o {}", path("t.vcd"))).unwrap();
+    folder.write("s.toml", "[machine]\nlanes = [1, 2]\n");
+    folder.run(&format!("sweep {scene} --space ./s.toml -o ./e"));
+    folder.run(&format!("trace {scene} --format vcd -o ./t.vcd"));
 }
 
 /// Its machine has a unit that is an estimate, and says so; what else is of volume splats alone refuses it.
 #[test]
 fn a_surface_is_simulated_and_its_question_answered() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    let cloud = path("c.xyz");
-    write_cloud(Path::new(&cloud));
-    let scene = format!("{cloud} --as surface --size 40x30");
-    run_line(&format!("simulate {scene} -o {}", path("m"))).unwrap();
-    let timing = read_json(&folder.path().join("m/timing.json"));
+    let folder = Folder::new();
+    folder.write("c.xyz", &cloud());
+    let scene = "./c.xyz --as surface --size 40x30";
+    folder.run(&format!("simulate {scene} -o ./m"));
+    let timing = folder.json("m/timing.json");
     let work = &timing["cycles"]["surface"];
     assert!(
         work["samples"].as_u64() > work["fragments"].as_u64()
             && work["fragments"].as_u64() > Some(0)
     );
     let limits = "--fps 100 --max-error 0.05 --lut 100000";
-    std::fs::write(
-        path("s.toml"),
-        "[machine]\nlanes = [1, 2]\nresolve_interval = [1, 8]\nsetup_interval = [8, 16]\n",
-    )
-    .unwrap();
-    let space = path("s.toml");
-    run_line(&format!(
-        "optimize {scene} {limits} --space {space} -o {}",
-        path("a")
-    ))
-    .unwrap();
-    let answer = read_json(&folder.path().join("a/answer.json"));
+    let space = "[machine]\nlanes = [1, 2]\nresolve_interval = [1, 8]\nsetup_interval = [8, 16]\n";
+    folder.write("s.toml", space);
+    let question = format!("optimize {scene} {limits} --space ./s.toml -o ./a");
+    folder.run(&question);
+    let answer = folder.json("a/answer.json");
     assert_eq!(answer["answer"]["holds"], true);
     for said in [&timing["area"]["of"], &answer["area_of"]] {
         let said = said.as_str().unwrap();
         assert!(said.contains("the surface unit is an estimate"), "{said}");
     }
-    let page = std::fs::read_to_string(folder.path().join("a/answer.html")).unwrap();
+    let page = folder.read("a/answer.html");
     assert!(page.contains("the surface unit is an estimate") && page.contains("gather"));
     for (options, expected) in [
         ("--machines", VOLUMES_ALONE),
@@ -346,10 +287,8 @@ fn a_surface_is_simulated_and_its_question_answered() {
         ),
         ("--layers 2 --set surface_layers=4", "surface_layers = 2"),
     ] {
-        let Err(failure) = run_line(&format!("simulate {scene} {options}")) else {
-            panic!("{options} was accepted");
-        };
-        let message = format!("{failure:?}");
+        let failure = folder.attempt(&format!("simulate {scene} {options}"));
+        let message = format!("{:?}", failure.expect_err(options));
         assert!(message.contains(expected), "{options}: {message}");
     }
     let volume = run_line("simulate random:20:1 --size 40x30 --set surface_layers=1");
@@ -359,8 +298,7 @@ fn a_surface_is_simulated_and_its_question_answered() {
 /// Up, angle and orbit without an eye turn the automatic view, which still shows the whole scene.
 #[test]
 fn view_options_alone_keep_the_whole_scene_in_view() {
-    let folder = tempfile::tempdir().unwrap();
-    let [json, png] = ["r.json", "x.png"].map(|name| folder.path().join(name));
+    let folder = Folder::new();
     let scene = crate::scene::load(Path::new("random:200"), &Default::default()).unwrap();
     let mut cameras = Vec::new();
     for options in [
@@ -370,10 +308,9 @@ fn view_options_alone_keep_the_whole_scene_in_view() {
         "--orbit 40,20",
         "--up 1,0,0 --fov 70",
     ] {
-        let (out, report) = (png.display(), json.display());
-        let line = format!("render random:200 --size 64x48 {options} -o {out} --json {report}");
-        run_line(&line).unwrap();
-        let camera = crate::camera::Camera::from_json_file(&json).unwrap();
+        let line = format!("render random:200 --size 64x48 {options}");
+        folder.run(&format!("{line} -o ./x.png --json ./r.json"));
+        let camera = crate::camera::Camera::from_json_file(&folder.path("r.json")).unwrap();
         for splat in &scene.splats {
             let [x, y, z] = camera.to_camera(splat.centre);
             let [u, v] = [camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy];
@@ -388,35 +325,24 @@ fn view_options_alone_keep_the_whole_scene_in_view() {
 /// The camera of a report draws the same picture again, from the report itself as well.
 #[test]
 fn a_reports_camera_can_be_used_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    let (json, first, again) = (path("r.json"), path("a.npy"), path("b.npy"));
-    run_line(&format!(
-        "render random:200 --orbit 40,20 --size 40x30 -o {first} --json {json}"
-    ))
-    .unwrap();
-    run_line(&format!("render random:200 --camera {json} -o {again}")).unwrap();
-    assert!(std::fs::read(&first).unwrap() == std::fs::read(&again).unwrap());
-    run_line(&format!(
-        "render random:200 --camera {json} --zoom 2 -o {again}"
-    ))
-    .unwrap();
-    assert!(std::fs::read(&first).unwrap() != std::fs::read(&again).unwrap());
+    let folder = Folder::new();
+    folder.run("render random:200 --orbit 40,20 --size 40x30 -o ./a.npy --json ./r.json");
+    folder.run("render random:200 --camera ./r.json -o ./b.npy");
+    assert!(folder.bytes("a.npy") == folder.bytes("b.npy"));
+    folder.run("render random:200 --camera ./r.json --zoom 2 -o ./b.npy");
+    assert!(folder.bytes("a.npy") != folder.bytes("b.npy"));
 }
 
 #[test]
 fn footprints_are_csv_with_empty_fields_for_culled_splats() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let read =
         |engine: &str| -> Vec<Vec<String>> {
-            let path = folder.path().join("f.csv");
             let view = "--eye 0,0,-2 --target 0,0,0 --size 40x30";
-            run_line(&format!(
-                "footprints random:300 --engine {engine} {view} -o {}",
-                path.display()
-            ))
-            .unwrap();
-            let text = std::fs::read_to_string(path).unwrap();
+            folder.run(&format!(
+                "footprints random:300 --engine {engine} {view} -o ./f.csv"
+            ));
+            let text = folder.read("f.csv");
             assert!(text.starts_with(
                 "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,opacity,cutoff\n"
             ));
@@ -464,46 +390,33 @@ fn footprints_are_csv_with_empty_fields_for_culled_splats() {
 
 #[test]
 fn the_demo_writes_its_report() {
-    let folder = tempfile::tempdir().unwrap();
-    demo::run_into(
-        folder.path(),
-        PictureSize {
-            width: 32,
-            height: 32,
-        },
-        1,
-    )
-    .unwrap();
-    assert_eq!(
-        read_report(&folder.path().join("report.json")).table.len(),
-        10
-    );
-    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    let folder = Folder::new();
+    let size = PictureSize {
+        width: 32,
+        height: 32,
+    };
+    demo::run_into(&folder.path(""), size, 1).unwrap();
+    assert_eq!(folder.report("report.json").table.len(), 10);
+    let page = folder.read("page.html");
     assert!(page.contains("brainsmall") && page.contains("id=\"scene\""));
 }
 
 /// A square of 6 x 6 points in the plane z = 0, seen from +z by default up.
-fn write_cloud(path: &Path) {
+fn cloud() -> String {
     let mut text = String::from("# x y z nx ny nz r g b\n");
     for index in 0..36 {
         let (x, y) = (index % 6, index / 6);
         text += &format!("{x} {y} {} 0.1 0 1 {} 80 200\n", 0.1 * f64::from(x), 40 * x);
     }
-    std::fs::write(path, text).unwrap();
+    text
 }
 
 #[test]
 fn a_cloud_is_drawn_as_a_surface() {
-    let folder = tempfile::tempdir().unwrap();
-    let (cloud, picture) = (
-        folder.path().join("cloud.xyz"),
-        folder.path().join("cloud.png"),
-    );
-    write_cloud(&cloud);
-    let scene = format!(
-        "{} --as surface --size 40x30 --eye 2.5,2.5,16 --target 2.5,2.5,0 --up 0,1,0",
-        cloud.display()
-    );
+    let folder = Folder::new();
+    folder.write("cloud.xyz", &cloud());
+    let scene =
+        "./cloud.xyz --as surface --size 40x30 --eye 2.5,2.5,16 --target 2.5,2.5,0 --up 0,1,0";
     for options in [
         "",
         "--layers 4 --edges",
@@ -511,22 +424,14 @@ fn a_cloud_is_drawn_as_a_surface() {
         "--engine float",
         "--z-threshold 0.5",
     ] {
-        run_line(&format!(
-            "render {scene} {options} --alpha -o {}",
-            picture.display()
-        ))
-        .unwrap();
-        let drawn = Picture::read_png(&picture).unwrap();
+        folder.run(&format!("render {scene} {options} --alpha -o ./cloud.png"));
+        let drawn = Picture::read_png(&folder.path("cloud.png")).unwrap();
         let middle = drawn.pixels[15 * 40 + 20];
         assert!(middle[3] > 0.99 && middle[2] > 0.1, "{options}: {middle:?}");
         assert_eq!(drawn.pixels[0], [0.0; 4], "{options}");
     }
-    run_line(&format!(
-        "compare {scene} --layers 2 --only -o {}",
-        folder.path().display()
-    ))
-    .unwrap();
-    let report = read_report(&folder.path().join("report.json"));
+    folder.run(&format!("compare {scene} --layers 2 --only -o ./"));
+    let report = folder.report("report.json");
     assert_eq!(
         (report.rules.name, report.compositing.as_str()),
         ("surf", "2 layers")
@@ -536,31 +441,23 @@ fn a_cloud_is_drawn_as_a_surface() {
 
 #[test]
 fn points_and_stamps_ask_for_distance_scaling() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = folder.path().join("x.png");
-    let line = |options: &str| {
-        let output = output.display();
-        run_line(&format!(
-            "render random:50 {options} -o {output} --size 32x32"
-        ))
-    };
+    let folder = Folder::new();
+    let line = |options: &str| format!("render random:50 {options} -o ./x.png --size 32x32");
     for options in [
         "--points all",
         "--traversal stamp",
         "--antialias swan --points auto",
     ] {
-        let Err(Failure::Usage(message)) = line(options) else {
-            panic!("{options} was accepted");
-        };
+        let message = folder.usage(&line(options));
         assert!(message.contains("--rules ewa and --antialias swan"));
     }
     let sound = "--rules ewa --antialias swan";
     let backwards = format!("{sound} --points auto --compositing back-to-front");
-    assert!(matches!(line(&backwards), Err(Failure::Usage(_))));
+    folder.usage(&line(&backwards));
     for options in ["--points auto", "--traversal stamp --phase-bits 2"] {
-        line(&format!("{sound} {options}")).unwrap();
+        folder.run(&line(&format!("{sound} {options}")));
     }
     for kernel in ["cubic", "quadratic", "disc"] {
-        line(&format!("--kernel {kernel} --antialias none")).unwrap();
+        folder.run(&line(&format!("--kernel {kernel} --antialias none")));
     }
 }

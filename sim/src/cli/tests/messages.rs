@@ -9,23 +9,22 @@ use crate::scene::synthetic;
 use std::sync::Mutex;
 
 /// What the progress bar said during a command, and how far it came.
-fn said(line: &str) -> Vec<String> {
+fn said(folder: &Folder, line: &str) -> Vec<String> {
     heard::take();
-    run_line(line).unwrap();
+    folder.run(line);
     heard::take()
 }
 
 /// Nothing that takes long is silent: each command says what it is at, and its bar arrives.
 #[test]
 fn long_work_is_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    let (photo, heights) = (path("photo.png"), path("h.csv"));
-    std::fs::write(&heights, "0,0.1,0.3\n0,0.2,0.2\n0.1,0.1,0\n").unwrap();
+    let folder = Folder::new();
+    folder.write("h.csv", HEIGHTS);
     let small = "random:60 --size 16x16";
+    let photo = "--texture ./photo.png";
     for (line, expected) in [
         (
-            format!("render {small} -o {photo}"),
+            format!("render {small} -o ./photo.png"),
             &[
                 "loading random:60",
                 "drawing random:60",
@@ -34,11 +33,11 @@ fn long_work_is_told() {
             ][..],
         ),
         (
-            format!("render {small} --engine exact --repeat 3 -o {photo}"),
+            format!("render {small} --engine exact --repeat 3 -o ./photo.png"),
             &["drawing random:60", "2000 of 2000"],
         ),
         (
-            format!("compare {small} --only -o {}", path("c")),
+            format!("compare {small} --only -o ./c"),
             &["float reference", "standard24 by spans", "2000 of 2000"],
         ),
         (
@@ -50,10 +49,7 @@ fn long_work_is_told() {
             ],
         ),
         (
-            format!(
-                "render {heights} --as surface --texture {photo} --size 16x16 -o {}",
-                path("s.png")
-            ),
+            format!("render ./h.csv --as surface {photo} --size 16x16 -o ./s.png"),
             &["colours from ", "drawing h.csv"],
         ),
         (
@@ -65,7 +61,7 @@ fn long_work_is_told() {
             &["measuring hard cases against exact arithmetic"],
         ),
     ] {
-        let said = said(&line);
+        let said = said(&folder, &line);
         for words in expected {
             let printed = said.iter().any(|line| line.contains(words));
             assert!(printed, "{line}: {words} is not in {said:?}");
@@ -100,16 +96,11 @@ fn a_single_picture_moves_the_bar() {
 /// `convert` is whatever the total has beyond the other stages; of one run they add up but for the rounding of a sum, a nanosecond.
 #[test]
 fn every_phase_of_the_total_has_a_name() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
+    let folder = Folder::new();
     for engine in ["fixed", "float"] {
-        let line = format!(
-            "render random:300 --size 80x60 --engine {engine} -o {} --json {}",
-            path("x.png"),
-            path("r.json")
-        );
-        run_line(&line).unwrap();
-        let report = read_report(&folder.path().join("r.json"));
+        let line = format!("render random:300 --size 80x60 --engine {engine}");
+        folder.run(&format!("{line} -o ./x.png --json ./r.json"));
+        let report = folder.report("r.json");
         let host = report.host;
         let named = host.setup_s + host.sort_s + host.raster_s + host.convert_s;
         assert!((host.total_s - named).abs() < 1e-9, "{host:?}");

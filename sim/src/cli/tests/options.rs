@@ -188,51 +188,47 @@ fn every_cause_is_named_once() {
 
 #[test]
 fn usage_and_input_failures_are_told_apart() {
-    let usage = |line: &str| match run_line(line) {
-        Err(Failure::Usage(message)) => message,
-        other => panic!("{line}: {other:?}"),
-    };
-    let input = |line: &str| match run_line(line) {
+    let folder = Folder::new();
+    let input = |line: &str| match folder.attempt(line) {
         Err(Failure::Input(error)) => explain(&error),
         other => panic!("{line}: {other:?}"),
     };
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().display();
-    assert!(
-        usage(&format!(
-            "render random:9 -o {out}/a.png --eye 0,0,0 --target 0,0,0"
-        ))
-        .contains("--eye")
-    );
-    assert!(
-        usage(&format!("footprints a.ply -o {out}/a.csv --engine exact")).contains("no footprints")
-    );
-    assert!(
-        usage(&format!(
-            "render a.ply -o {out}/a.png --engine float --traversal box"
-        ))
-        .contains("no meaning")
-    );
-    assert!(input(&format!("render missing.ply -o {out}/a.png")).contains("missing.ply"));
-    assert!(input(&format!("render a.ply -o {out}/no/such/a.png")).contains("does not exist"));
-    assert!(input(&format!("render a.ply -o {out}")).contains("is a folder"));
-    std::fs::write(folder.path().join("file"), "").unwrap();
-    assert!(input(&format!("compare a.ply -o {out}/file")).contains("cannot create"));
+    for (line, expected) in [
+        (
+            "render random:9 -o ./a.png --eye 0,0,0 --target 0,0,0",
+            "--eye",
+        ),
+        (
+            "footprints a.ply -o ./a.csv --engine exact",
+            "no footprints",
+        ),
+        (
+            "render a.ply -o ./a.png --engine float --traversal box",
+            "no meaning",
+        ),
+    ] {
+        let message = folder.usage(line);
+        assert!(message.contains(expected), "{message}");
+    }
+    folder.write("file", "");
+    for (line, expected) in [
+        ("render missing.ply -o ./a.png", "missing.ply"),
+        ("render a.ply -o ./no/such/a.png", "does not exist"),
+        ("render a.ply -o ./", "is a folder"),
+        ("compare a.ply -o ./file", "cannot create"),
+    ] {
+        let message = input(line);
+        assert!(message.contains(expected), "{message}");
+    }
 }
 
 #[test]
 fn surface_options_that_make_no_sense_are_refused() {
-    let usage = |line: &str| match run_line(line) {
-        Err(Failure::Usage(message)) => message,
-        other => panic!("{line}: {other:?}"),
-    };
-    assert!(
-        usage("render a.ply --as surface --rules ewa -o a.png")
-            .starts_with("--rules has no meaning")
-    );
-    assert!(
-        usage("render a.ply --as surface --engine exact -o a.png").contains("use fixed or float")
-    );
+    let folder = Folder::new();
+    let rules = folder.usage("render a.ply --as surface --rules ewa -o a.png");
+    assert!(rules.starts_with("--rules has no meaning"), "{rules}");
+    let exact = folder.usage("render a.ply --as surface --engine exact -o a.png");
+    assert!(exact.contains("use fixed or float"), "{exact}");
     for line in [
         "--layers 2",
         "--edges",
