@@ -12,7 +12,7 @@ use splatline::setup::setup;
 use splatline::splat::{Axis, VolumeSplat};
 use splatline::target::Target;
 use splatline::view::{Eye, Projection, RatioLimits, View};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 const SIZE: [u16; 2] = [96, 64];
@@ -117,48 +117,37 @@ fn expected() -> Vec<u8> {
     pixels.flat_map(words).flat_map(u32::to_ne_bytes).collect()
 }
 
-/// Cargo leaves the static library beside this test.
-fn static_library() -> PathBuf {
-    let folder = std::env::current_exe().unwrap();
-    folder.with_file_name("libsplatline_capi.a")
+/// Compiles examples with the library, which cargo leaves beside this test, and runs the program; what it writes.
+fn written(name: &str, sources: &[&str]) -> Vec<u8> {
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let library = std::env::current_exe().unwrap();
+    let flags = "-std=c99 -O1 -Wall -Wextra -Werror -pedantic";
+    let compiled = Command::new(&compiler)
+        .args(flags.split(' '))
+        .arg("-I")
+        .arg(here.join("include"))
+        .args(
+            sources
+                .iter()
+                .map(|source| here.join("examples").join(source)),
+        )
+        .arg(library.with_file_name("libsplatline_capi.a"))
+        .args(["-lpthread", "-ldl", "-lm", "-o"])
+        .arg(&program)
+        .status();
+    assert!(compiled.unwrap().success());
+    let output = program.with_extension("written");
+    let ran = Command::new(&program).arg(&output).status();
+    assert!(ran.unwrap().success());
+    std::fs::read(output).unwrap()
 }
 
 #[test]
 #[cfg_attr(not(has_cc), ignore = "no C compiler: install one or name it in CC")]
 fn a_program_in_c_draws_the_same_picture() {
-    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let (program, output) = (folder.join("picture"), folder.join("picture.pixels"));
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let compiled = Command::new(&compiler)
-        .args([
-            "-std=c99",
-            "-O1",
-            "-Wall",
-            "-Wextra",
-            "-Werror",
-            "-pedantic",
-        ])
-        .arg("-I")
-        .arg(here.join("include"))
-        .args([
-            here.join("examples/main.c"),
-            here.join("examples/picture.c"),
-        ])
-        .arg(static_library())
-        .args(["-lpthread", "-ldl", "-lm", "-o"])
-        .arg(&program)
-        .status()
-        .unwrap();
-    assert!(compiled.success());
-    assert!(
-        Command::new(&program)
-            .arg(&output)
-            .status()
-            .unwrap()
-            .success()
-    );
-    let (got, expected) = (std::fs::read(&output).unwrap(), expected());
+    let (got, expected) = (written("picture", &["main.c", "picture.c"]), expected());
     assert_eq!(got.len(), expected.len());
     let differing = got.iter().zip(&expected).position(|(g, e)| g != e);
     assert_eq!(differing, None, "first differing byte");
@@ -174,33 +163,10 @@ fn a_program_in_c_draws_the_same_picture() {
 #[cfg_attr(not(has_cc), ignore = "no C compiler: install one or name it in CC")]
 fn the_front_door_in_c_sends_what_rusts_does() {
     use splatline::{BoundedList, Camera, Gaussian, Micro16, Renderer};
-    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let (program, output) = (folder.join("display"), folder.join("display.rgb565"));
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let source = here.join("examples/display.c");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/display.c");
     let lines = std::fs::read_to_string(&source).unwrap().lines().count();
     assert!(lines <= 45, "the example of 40 lines has {lines}");
-    let compiled = Command::new(&compiler)
-        .args([
-            "-std=c99",
-            "-O1",
-            "-Wall",
-            "-Wextra",
-            "-Werror",
-            "-pedantic",
-        ])
-        .arg("-I")
-        .arg(here.join("include"))
-        .args([source, static_library()])
-        .args(["-lpthread", "-ldl", "-lm", "-o"])
-        .arg(&program)
-        .status()
-        .unwrap();
-    assert!(compiled.success());
-    let ran = Command::new(&program).arg(&output).status().unwrap();
-    assert!(ran.success());
-
+    let sent = written("display", &["display.c"]);
     let size = [160, 128];
     let eye = [0.0, -1.0, -4.0];
     let camera = Camera::look_at(eye, [0.0; 3], [0.0, -1.0, 0.0], 40.0, size).unwrap();
@@ -223,5 +189,5 @@ fn the_front_door_in_c_sends_what_rusts_does() {
     let (frame, counts) = drawn.unwrap();
     assert_eq!(counts.drawn, 3);
     let expected: Vec<u8> = frame.rgb565(0x0883).flat_map(u16::to_ne_bytes).collect();
-    assert!(std::fs::read(&output).unwrap() == expected);
+    assert!(sent == expected);
 }

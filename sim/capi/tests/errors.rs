@@ -117,59 +117,18 @@ fn sizes_strides_and_choices_are_checked() {
     assert_eq!(draw(&good, PIXELS - 1, 16), SPLATLINE_ERROR_SIZE);
     assert_eq!(draw(&good, PIXELS, 17), SPLATLINE_ERROR_SIZE);
     assert_eq!(draw(&good, PIXELS, 15), SPLATLINE_ERROR_STRIDE);
-    assert_eq!(
-        draw(
-            &SplatlinePainter {
-                traversal: 2,
-                ..good
-            },
-            PIXELS,
-            16
-        ),
-        SPLATLINE_ERROR_VALUE
-    );
-    assert_eq!(
-        draw(
-            &SplatlinePainter {
-                compositing: 3,
-                ..good
-            },
-            PIXELS,
-            16
-        ),
-        SPLATLINE_ERROR_VALUE
-    );
-    assert_eq!(
-        draw(&painter(&table[1..]), PIXELS, 16),
-        SPLATLINE_ERROR_SIZE
-    );
-    let wide = SplatlineWidths { radial: 45, ..w };
-    assert_eq!(
-        draw(
-            &SplatlinePainter {
-                widths: wide,
-                ..good
-            },
-            PIXELS,
-            16
-        ),
-        SPLATLINE_ERROR_WIDTHS
-    );
-    let steep = SplatlineRules {
-        table_range: 5,
-        ..good.rules
+    let short = draw(&painter(&table[1..]), PIXELS, 16);
+    assert_eq!(short, SPLATLINE_ERROR_SIZE);
+    let mut with = |change: fn(&mut SplatlinePainter)| {
+        let mut painter = good;
+        change(&mut painter);
+        draw(&painter, PIXELS, 16)
     };
-    assert_eq!(
-        draw(
-            &SplatlinePainter {
-                rules: steep,
-                ..good
-            },
-            PIXELS,
-            16
-        ),
-        SPLATLINE_ERROR_VALUE
-    );
+    assert_eq!(with(|p| p.traversal = 2), SPLATLINE_ERROR_VALUE);
+    assert_eq!(with(|p| p.compositing = 3), SPLATLINE_ERROR_VALUE);
+    assert_eq!(with(|p| p.widths.radial = 45), SPLATLINE_ERROR_WIDTHS);
+    assert_eq!(with(|p| p.rules.table_range = 5), SPLATLINE_ERROR_VALUE);
+    let wide = SplatlineWidths { radial: 45, ..w };
     // SAFETY: every pointer leads to at least as much as is said.
     unsafe {
         assert_eq!(splatline_design(5, &mut widths()), SPLATLINE_ERROR_VALUE);
