@@ -8,18 +8,19 @@ use fixed::types::U4F28;
 
 /// Red, green, blue in UQ(range).colour, with the design's [range](Widths::colour_range): rounded to nearest, halves to even, saturated below the
 /// format's end, or truncated as the design's pixel path is.
+#[inline]
 pub fn colour(widths: &Widths, colour: [U4F28; 3]) -> [u32; 3] {
     let drop = 28u32.saturating_sub(widths.colour.into());
     let last = (1u64 << (widths.colour + widths.colour_range())) - 1;
+    // What carries from halves on, of odd numbers, and above halves, of even ones.
+    let (below_half, odd) = if drop == 0 || widths.rounding == Rounding::Truncate {
+        (0, 0)
+    } else {
+        ((1 << (drop - 1)) - 1, 1)
+    };
     colour.map(|channel| {
         let value = u64::from(channel.to_bits());
-        let whole = value >> drop;
-        if drop == 0 || widths.rounding == Rounding::Truncate {
-            return whole.min(last) as u32;
-        }
-        let rest = value - (whole << drop);
-        let half = 1 << (drop - 1);
-        let rounded = whole + u64::from(rest > half || rest == half && whole & 1 == 1);
+        let rounded = (value + below_half + (value >> drop & odd)) >> drop;
         rounded.min(last) as u32
     })
 }

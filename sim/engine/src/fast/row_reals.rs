@@ -343,11 +343,11 @@ impl<L: Doubles> RowReals<L> {
         let half = lanes.double_root(lanes.double_mul(narrow, self.squared_width));
         let error = self.exact(half, self.splat(ERROR[0]), self.splat(ERROR[1]));
         let (mut left, mut right) = self.ends(rows.centre, lanes.double_add(half, error));
-        let nearer = self.ends(rows.centre, lanes.double_sub(half, error));
-        let doubt = lanes.wide_or(
-            lanes.wide_xor(left, nearer.0),
-            lanes.wide_xor(right, nearer.1),
-        );
+        // A column that is farther than the nearer end of the interval.
+        let nearer = lanes.double_sub(half, error);
+        let left_of = lanes.double_sub(left, lanes.double_sub(nearer, rows.centre));
+        let right_of = lanes.double_sub(right, lanes.double_add(nearer, rows.centre));
+        let doubt = lanes.double_max(lanes.double_max(left_of, right_of), zero);
         if lanes.wide_any(lanes.wide_select(zero, doubt, open)) {
             (left, right) = self.ends(rows.centre, self.half_by_table(narrow));
         }

@@ -194,9 +194,14 @@ pub fn prefetch<T>(place: &T) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         let first = std::ptr::from_ref(place).cast::<i8>();
         let last = size_of::<T>().saturating_sub(1);
-        for byte in (0..last).step_by(64).chain([last]) {
+        let mut byte = 0;
+        loop {
             // SAFETY: asking for memory never faults; the byte lies in the same object as the first.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(byte)) };
+            if byte == last {
+                break;
+            }
+            byte = (byte + 64).min(last);
         }
     }
     #[cfg(not(target_arch = "x86_64"))]

@@ -174,13 +174,12 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
         let x = x % usize::from(TILE[0]);
         let [plane_of_light, colours @ ..] = row;
         let light = lanes.single_read(plane_of_light, x);
-        let covered = lanes.chosen(inside);
-        let live = covered & !lanes.signs(light);
         if COUNTS {
+            let covered = lanes.chosen(inside);
             counts.covered += u64::from(covered.count_ones());
-            counts.finished += u64::from((covered & !live).count_ones());
+            counts.finished += u64::from((covered & lanes.signs(light)).count_ones());
         }
-        if live == 0 {
+        if lanes.all_signed(light, inside) {
             return;
         }
         let alpha = lanes.fused_add(self.weight(radial), splat.peak, self.opacity);

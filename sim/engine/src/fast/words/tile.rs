@@ -73,10 +73,11 @@ impl PixelWord for f32 {
     }
     fn light(self) -> u32 {
         let mark = if self.is_sign_negative() { FINISHED } else { 0 };
-        self.abs() as u32 | mark
+        (self.abs() + WHOLE).sum() | mark
     }
     fn sum(self) -> u32 {
-        (self - WHOLE) as u32
+        // A unit is the last bit: no conversion, which saturates one by one.
+        self.to_bits().wrapping_sub(WHOLE.to_bits())
     }
 }
 
