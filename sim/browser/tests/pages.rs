@@ -20,7 +20,7 @@ const SCREENS: [(u32, u32, bool); 4] = [
 ];
 
 /// Runs `splatline`.
-fn splatline(arguments: &[&str], output: &Path) -> Result<()> {
+fn splatline(line: &str, output: &Path) -> Result<()> {
     let tests = std::env::current_exe()?;
     let folder = tests.ancestors().nth(2).context("no target folder")?;
     let program = folder.join("splatline");
@@ -30,12 +30,12 @@ fn splatline(arguments: &[&str], output: &Path) -> Result<()> {
         program.display()
     );
     let done = Command::new(&program)
-        .args(arguments)
+        .args(line.split(' '))
         .arg("-o")
         .arg(output)
         .output()?;
     let said = String::from_utf8_lossy(&done.stderr);
-    ensure!(done.status.success(), "{arguments:?}: {said}");
+    ensure!(done.status.success(), "{line}: {said}");
     Ok(())
 }
 
@@ -85,26 +85,16 @@ fn the_live_page_draws_the_hosts_bits_by_every_design() -> Result<()> {
     let page = folder.path().join("page.html");
     for design in ["classic8", "micro16", "lean18", "standard24", "deep32"] {
         for traversal in ["box", "spans"] {
-            let scene = ["page", "random:800:3", "--size", "200x150"];
-            let by = ["--design", design, "--traversal", traversal];
-            splatline(&[&scene[..], &by].concat(), &page)?;
+            let by = format!("--design {design} --traversal {traversal}");
+            splatline(&format!("page random:800:3 --size 200x150 {by}"), &page)?;
             browser.open(&page, READY)?;
             let same = browser.text("document.body.dataset.same")?;
             ensure!(same == "yes", "{design} by {traversal}: other bits");
         }
     }
     // Normalised kernels, and a scene cut off at a radial index.
-    let deep = [
-        "page",
-        "deep-stack",
-        "--size",
-        "150x150",
-        "--rules",
-        "ewa",
-        "--kernel",
-        "cubic",
-    ];
-    splatline(&deep, &page)?;
+    let deep = "page deep-stack --size 150x150 --rules ewa --kernel cubic";
+    splatline(deep, &page)?;
     browser.open(&page, READY)?;
     let same = browser.text("document.body.dataset.same")?;
     ensure!(same == "yes", "deep-stack by ewa: other bits");
@@ -119,17 +109,13 @@ fn the_live_page_draws_the_hosts_bits_by_every_design() -> Result<()> {
 fn the_live_page_answers() -> Result<()> {
     let (mut browser, folder) = browser()?;
     let page = folder.path().join("page.html");
-    let scene = ["random:2000", "--size", "256x256"];
-    splatline(
-        &[&["page"], &scene[..], &["--design", "lean18"]].concat(),
-        &page,
-    )?;
+    let scene = "random:2000 --size 256x256 --design lean18";
+    splatline(&format!("page {scene}"), &page)?;
     browser.open(&page, READY)?;
 
     // Figures are those of the host's own comparison.
     let compared = folder.path().join("compared");
-    let by = ["--design", "lean18", "--only"];
-    splatline(&[&["compare"], &scene[..], &by].concat(), &compared)?;
+    splatline(&format!("compare {scene} --only"), &compared)?;
     let report = std::fs::read_to_string(compared.join("report.json"))?;
     let report: Value = serde_json::from_str(&report)?;
     let of_host = |field: &str| report["error"]["rgb"][field].as_f64().context("no figure");
@@ -213,17 +199,7 @@ fn the_live_page_answers() -> Result<()> {
 fn the_report_answers() -> Result<()> {
     let (mut browser, folder) = browser()?;
     let out = folder.path().join("out");
-    splatline(
-        &[
-            "compare",
-            "random:1500",
-            "--size",
-            "200x160",
-            "--design",
-            "lean18",
-        ],
-        &out,
-    )?;
+    splatline("compare random:1500 --size 200x160 --design lean18", &out)?;
     browser.open(&out.join("report.html"), READY)?;
 
     // The pixel under the pointer, by each engine.
@@ -322,10 +298,7 @@ fn the_report_answers() -> Result<()> {
     look(&mut browser, "report")?;
 
     // One design: no plot of a single dot.
-    splatline(
-        &["compare", "random:200", "--size", "64x64", "--only"],
-        &out,
-    )?;
+    splatline("compare random:200 --size 64x64 --only", &out)?;
     browser.open(&out.join("report.html"), READY)?;
     ensure!(
         browser.number("document.querySelectorAll('.plot').length")? == 0.0,
@@ -347,18 +320,9 @@ fn the_sweeps_page_answers() -> Result<()> {
         "sample = \"grid\"\n[design]\nmantissa = [14, 18, 24]\nalpha = [8, 14, 20]\n[machine]\nlanes = [1, 4, 8]\n",
     )?;
     let out = folder.path().join("out");
-    let space = space.to_string_lossy();
-    splatline(
-        &[
-            "explore",
-            "random:800",
-            "--size",
-            "128x96",
-            "--space",
-            &space,
-        ],
-        &out,
-    )?;
+    let space = space.display();
+    let sweep = format!("explore random:800 --size 128x96 --space {space}");
+    splatline(&sweep, &out)?;
     browser.open(&out.join("front.html"), READY)?;
 
     let cells = |column: &str| {
@@ -427,7 +391,7 @@ fn frames_a_second() -> Result<()> {
     const FRAMES: f64 = 20.0;
     let (mut browser, folder) = browser()?;
     let page = folder.path().join("page.html");
-    splatline(&["page", "random:20000", "--size", "512x512"], &page)?;
+    splatline("page random:20000 --size 512x512", &page)?;
     browser.open(&page, READY)?;
     println!("live page, 20,000 splats at 512x512, one core, frames a second:");
     let kinds = [
