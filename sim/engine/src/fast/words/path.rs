@@ -178,12 +178,10 @@ impl PathNumbers {
     #[inline(always)]
     pub fn splat(&self, footprint: &Footprint) -> Option<SplatNumbers> {
         let end = self.reach.end(footprint.cutoff)?;
-        let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
+        let in_format = |value: u32, fraction: u8| u64::from(value) >> fraction < 16;
+        let [red, green, blue] = footprint.colour;
         let fits = in_format(footprint.opacity, self.widths.peak)
-            && footprint
-                .colour
-                .iter()
-                .all(|c| in_format(*c, self.widths.colour));
+            && in_format(red | green | blue, self.widths.colour);
         fits.then(|| SplatNumbers {
             end: end << self.raise,
             peak: footprint.opacity,
