@@ -10,7 +10,11 @@ use super::{Portable, Wide};
 
 /// A falling table's intervals: an entry in the upper half of a word, its fall to the next one in the lower. Their number is a power of two.
 #[derive(Clone, Debug)]
-pub struct Falls(Box<[u64]>);
+pub struct Falls {
+    intervals: Box<[u64]>,
+    /// The last one's number, for every word of a vector.
+    last: [i64; 8],
+}
 
 impl Falls {
     /// The intervals between these entries; `None` if they rise anywhere.
@@ -21,13 +25,16 @@ impl Falls {
         };
         let mut intervals: Vec<u64> = entries.windows(2).map(interval).collect::<Option<_>>()?;
         intervals.resize(intervals.len().next_power_of_two(), 0);
-        Some(Falls(intervals.into()))
+        Some(Falls {
+            last: [intervals.len() as i64 - 1; 8],
+            intervals: intervals.into(),
+        })
     }
 
     /// The interval of this number, modulo the table's length.
     #[inline(always)]
     fn at(&self, index: i64) -> i64 {
-        self.0[index as usize & (self.0.len() - 1)] as i64
+        self.intervals[index as usize & (self.intervals.len() - 1)] as i64
     }
 }
 
@@ -39,6 +46,8 @@ pub trait PixelWords: Wide {
     fn write(self, to: &mut [u64], at: usize, value: Self::Word);
     /// Words whose most significant bit is set.
     fn marked(self, a: Self::Word) -> Self::Truth;
+    /// Is the most significant bit set of every word for which it is true?
+    fn all_marked(self, a: Self::Word, truth: Self::Truth) -> bool;
     /// The first `count` words.
     fn first(self, count: usize) -> Self::Truth;
     /// Both.
@@ -79,6 +88,10 @@ impl PixelWords for Portable {
     #[inline(always)]
     fn marked(self, a: Words) -> [bool; 8] {
         a.map(|a| a < 0)
+    }
+    #[inline(always)]
+    fn all_marked(self, a: Words, truth: [bool; 8]) -> bool {
+        a.iter().zip(truth).all(|(a, truth)| !truth || *a < 0)
     }
     #[inline(always)]
     fn first(self, count: usize) -> [bool; 8] {
@@ -160,6 +173,13 @@ mod x86 {
             op!(_mm256_cmpgt_epi64(_mm256_setzero_si256(), a))
         }
         #[inline(always)]
+        fn all_marked(self, a: __m256i, truth: __m256i) -> bool {
+            op!({
+                let (a, truth) = (_mm256_castsi256_pd(a), _mm256_castsi256_pd(truth));
+                _mm256_testc_pd(a, truth) == 1
+            })
+        }
+        #[inline(always)]
         fn first(self, count: usize) -> __m256i {
             let start = 4 - count.min(4);
             match FIRST[start..].first_chunk::<4>() {
@@ -207,10 +227,9 @@ mod x86 {
         /// Four loads: a gather of four takes longer on most processors.
         #[inline(always)]
         fn intervals(self, table: &Falls, index: __m256i) -> __m256i {
-            let last = table.0.len() as i64 - 1;
+            let index = self.wide_and(index, self.wide_load(&table.last));
             // SAFETY: the length is a power of two, so that every masked number lies in the table.
             unsafe {
-                let index = _mm256_and_si256(index, _mm256_set1_epi64x(last));
                 let (low, high) = (
                     _mm256_castsi256_si128(index),
                     _mm256_extracti128_si256::<1>(index),
@@ -221,7 +240,7 @@ mod x86 {
                     _mm_cvtsi128_si64(high),
                     _mm_extract_epi64::<1>(high),
                 ];
-                let words = table.0.as_ptr();
+                let words = table.intervals.as_ptr();
                 let low = _mm_set_epi64x(
                     *words.add(places[1] as usize) as i64,
                     *words.add(places[0] as usize) as i64,

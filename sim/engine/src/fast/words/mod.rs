@@ -313,7 +313,7 @@ impl Painting<'_> {
         let (mut group, widths) = (RowGroup::default(), self.widths);
         let mut coverage = Coverage::default();
         let mut window = tile.window();
-        let left = window.first[0];
+        let [left, top] = window.first;
         if start == Start::Resumed && !counts {
             tile.look(|row| path.finished(row));
             match tile.live_window() {
@@ -321,10 +321,22 @@ impl Painting<'_> {
                 None => return coverage,
             }
         }
-        for part in list.chunks(CHECK_INTERVAL) {
-            for (number, indices) in part.chunks(L::WIDE).enumerate() {
-                let ahead = (number + 1) * L::WIDE;
-                for index in part.iter().skip(ahead).take(L::WIDE) {
+        for (number, part) in list.chunks(CHECK_INTERVAL).enumerate() {
+            // Those that finished pixels hide are left out before anything is computed of them.
+            let (mut seen, mut count) = ([0; CHECK_INTERVAL], 0);
+            for index in part {
+                if let Ok(footprint) = &self.footprints[*index as usize]
+                    && tile.is_live(&Window::of(footprint))
+                {
+                    seen[count % CHECK_INTERVAL] = *index;
+                    count += 1;
+                }
+            }
+            let next = list.chunks(CHECK_INTERVAL).nth(number + 1);
+            let mut ahead = next.unwrap_or_default().iter();
+            for indices in seen[..count].chunks(L::WIDE) {
+                // The next part's footprints, two for each of these, of which some were left out.
+                for index in ahead.by_ref().take(2 * L::WIDE) {
                     prefetch(&self.footprints[*index as usize]);
                 }
                 for (k, index) in indices.iter().enumerate() {
@@ -355,12 +367,13 @@ impl Painting<'_> {
                         },
                     };
                     let splat = path.splat(&splat, second);
+                    let first = usize::from(first.wrapping_sub(top));
                     for block in batch.touched() {
                         let runs = batch.block(block);
                         for row in 0..batch.rows() {
                             let Some(run) = runs.run(row) else { continue };
                             let run = columns(&run, left);
-                            let (pixels, live) = tile.row(first.wrapping_add(row as u16));
+                            let (pixels, live) = tile.row(first + row);
                             if counts {
                                 coverage.visited += run.length as u64;
                                 path.paint::<true>(&splat, &run, pixels, &mut coverage);

@@ -7,8 +7,9 @@
 //!   exactly, because integers that wrap have no order of summation. Lanes of 32 bits lie in the upper half of a word, so that they wrap as
 //!   lanes of 64 do.
 //! - Every product is of 32 bits by 32 and stays in its word.
-//! - An opacity of 0 leaves a pixel as it is, whatever its state: T - 0 = T > stop for a pixel in work, and a finished pixel's word
-//!   is negative, hence below stop, hence marked again. So pixels outside or finished need no selection, only opacity 0.
+//! - A contribution of 0 leaves a pixel as it is, whatever its state: T - 0 = T > stop for a pixel in work, and a finished pixel's word
+//!   is negative, hence below stop, hence marked again. So pixels outside or finished need no selection: the first have opacity 0,
+//!   the others no transmittance.
 //! - A table that falls is interpolated without a sign: low + ((change rest + half) >> k) = low - ((fall rest + half - 1) >> k).
 
 use super::tile::{PixelWord, Row};
@@ -178,12 +179,10 @@ impl PathNumbers {
     #[inline(always)]
     pub fn splat(&self, footprint: &Footprint) -> Option<SplatNumbers> {
         let end = self.reach.end(footprint.cutoff)?;
-        let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
+        let in_format = |value: u32, fraction: u8| u64::from(value) >> fraction < 16;
+        let [red, green, blue] = footprint.colour;
         let fits = in_format(footprint.opacity, self.widths.peak)
-            && footprint
-                .colour
-                .iter()
-                .all(|c| in_format(*c, self.widths.colour));
+            && in_format(red | green | blue, self.widths.colour);
         fits.then(|| SplatNumbers {
             end: end << self.raise,
             peak: footprint.opacity,
@@ -365,22 +364,23 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let x = x % usize::from(TILE[0]);
         let [plane_of_light, colours @ ..] = row;
         let light = lanes.read(plane_of_light, x);
-        let live = lanes.except(inside, lanes.marked(light));
-        let flags = lanes.flags(live);
         if COUNTS {
-            let covered = lanes.flags(inside).count_ones();
-            counts.covered += u64::from(covered);
-            counts.finished += u64::from(covered - flags.count_ones());
+            let finished = lanes.both(inside, lanes.marked(light));
+            counts.covered += u64::from(lanes.flags(inside).count_ones());
+            counts.finished += u64::from(lanes.flags(finished).count_ones());
         }
-        if flags == 0 {
+        if lanes.all_marked(light, inside) {
             return;
         }
-        let alpha = self.alpha(splat, radial, live);
         if OPERATOR & !EVEN == BACK_TO_FRONT || OPERATOR & !EVEN == X_RAY {
-            self.layer(splat, alpha, live, x, row);
+            let live = lanes.except(inside, lanes.marked(light));
+            self.layer(splat, self.alpha(splat, radial, live), live, x, row);
             return;
         }
-        let share = self.rounded(lanes.wide_mul_unsigned(light, alpha), self.share);
+        let alpha = self.alpha(splat, radial, inside);
+        // A finished pixel gives no more light.
+        let left = lanes.clear(light, lanes.marked(light));
+        let share = self.rounded(lanes.wide_mul_unsigned(left, alpha), self.share);
         let rest = lanes.wide_sub(light, share);
         let stop = lanes.wide_greater(self.stop, rest);
         let marks = lanes.keep(self.mark, stop);

@@ -88,7 +88,8 @@ impl SingleNumbers {
     /// Are colours within their format?
     #[inline(always)]
     pub fn fits(&self, splat: &SplatNumbers) -> bool {
-        splat.colour.iter().all(|c| *c <= self.end_of_colour)
+        let [red, green, blue] = splat.colour;
+        red.max(green).max(blue) <= self.end_of_colour
     }
 }
 

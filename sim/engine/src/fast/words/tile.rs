@@ -139,10 +139,10 @@ impl<W: PixelWord> WordTile<W> {
         self.window
     }
 
-    /// Row `y` of the screen, and those of its pixels that had not finished when they were last looked at.
+    /// Row number `row` of the tile, and those of its pixels that had not finished when they were last looked at.
     #[inline(always)]
-    pub fn row(&mut self, y: u16) -> (&mut Row<W>, u64) {
-        let row = usize::from(y.wrapping_sub(self.window.first[1]) % TILE[1]);
+    pub fn row(&mut self, row: usize) -> (&mut Row<W>, u64) {
+        let row = row % ROWS;
         (&mut self.rows[row], self.live[row])
     }
 
@@ -155,6 +155,19 @@ impl<W: PixelWord> WordTile<W> {
                 *live = !finished(row);
             }
         }
+    }
+
+    /// Had a pixel within these bounds, which are the screen's, not finished when it was last looked at?
+    #[inline(always)]
+    pub fn is_live(&self, bounds: &Window) -> bool {
+        let seen = bounds.intersect(&self.window);
+        if seen.is_empty() {
+            return false;
+        }
+        let [x, y] = [0, 1].map(|axis| usize::from(seen.first[axis] - self.window.first[axis]));
+        let columns = u64::MAX >> ((64 - seen.columns()) % 64) << (x % 64);
+        let rows = self.live.get(y..y + usize::from(seen.rows()));
+        rows.is_some_and(|rows| rows.iter().any(|live| live & columns != 0))
     }
 
     /// The smallest window around the pixels that had not finished when they were last looked at; `None` if there are none.
