@@ -69,6 +69,11 @@ fn what_does_not_fit_into_memory_is_refused() {
         ],
         "MB of memory",
     );
+    refused(
+        1,
+        &["info", "random:10000000", "--memory", "500"],
+        "10000000 splats of degree 0 would take",
+    );
     let machine = [
         "raster_units=1024",
         "row_fifo=65536",
