@@ -1,5 +1,6 @@
 //! No output of any command replaces a file that the command has read, whatever that file is called and however it came to be read.
 
+use super::command_line::{refused, stderr};
 use super::hostile::seeds::seed;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -149,4 +150,43 @@ fn no_command_replaces_what_it_reads() {
         }
     }
     assert!(failed.is_empty(), "{}", failed.join("\n"));
+}
+
+#[test]
+fn a_file_in_the_place_of_a_folder_is_named_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    let taken = folder.path().join("taken").display().to_string();
+    std::fs::write(&taken, "mine").unwrap();
+    for command in [
+        "compare random:9 -o",
+        "simulate random:9 -o",
+        "man -o",
+        "vectors export",
+    ] {
+        let words = command.split_whitespace().chain([taken.as_str()]);
+        refused(1, &words.collect::<Vec<_>>(), "it is a file; name a folder");
+    }
+    assert_eq!(std::fs::read(&taken).unwrap(), b"mine");
+}
+
+/// Linux names files by any bytes, and a report is text.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_name_that_no_report_can_state_is_shown_with_what_to_do() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let name = std::ffi::OsStr::from_bytes(b"odd\xff.ply");
+    std::fs::write(folder.path().join(name), seed("gaussian.ply")).unwrap();
+    let run = |options: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_splatline"));
+        command.arg("render").arg(name).args(options);
+        command.current_dir(folder.path()).output().unwrap()
+    };
+    let output = run(&["-o", "a.png", "--json", "a.json"]);
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(
+        said.contains("odd\u{fffd}.ply: ") && said.contains("rename it"),
+        "{said}"
+    );
 }
