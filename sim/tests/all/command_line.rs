@@ -244,6 +244,67 @@ fn an_empty_picture_says_why() {
     assert_eq!(stderr(&seen), "");
 }
 
+/// What is found on an empty picture holds for no other one: every command that measures says that it is empty, and equal pictures have no decibels.
+#[test]
+fn measures_of_an_empty_picture_say_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out").display().to_string();
+    let away = "random:9 --eye 0,0,900 --target 0,0,1000 --up 0,1,0 --size 16x16";
+    for (command, options) in [
+        ("fit", "--max-error 0.1"),
+        ("optimize", "--fps 1 --max-error 0.1"),
+        ("simulate", ""),
+        ("profile", ""),
+        ("compare", "--only --formats -o OUT"),
+    ] {
+        let options = options.replace("OUT", &out);
+        let line = format!("{command} {away} {options}");
+        let output = splatline(&line.split_whitespace().collect::<Vec<_>>());
+        let (said, printed) = (stderr(&output), String::from_utf8_lossy(&output.stdout));
+        assert_eq!(output.status.code(), Some(0), "{line}: {said}");
+        assert!(
+            said.contains("the picture is empty: all 9 splats are culled"),
+            "{line}: {said}"
+        );
+        assert!(
+            !printed.contains("identical dB") && !printed.contains("inf dB"),
+            "{printed}"
+        );
+    }
+}
+
+/// PSNR stands beside the largest error and the bias, also in what bake says.
+#[test]
+fn bake_tells_the_bias() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let json = path("b.json");
+    let output = splatline(&[
+        "bake",
+        "random:50",
+        "--size",
+        "32x32",
+        "--keep",
+        "20",
+        "--json",
+        &json,
+        "-o",
+        &path("s.bin"),
+    ]);
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        printed.contains("PSNR ") && printed.contains(", bias "),
+        "{printed}"
+    );
+    let report: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
+    let bias = report["views"][0]["bias"].as_f64().unwrap();
+    assert!(
+        bias.abs() <= report["views"][0]["max_abs"].as_f64().unwrap(),
+        "{report}"
+    );
+}
+
 #[test]
 fn info_tells_what_is_in_a_scene() {
     let folder = tempfile::tempdir().unwrap();
