@@ -26,14 +26,17 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
         io::Error::new(io::ErrorKind::InvalidInput, message)
     })?;
     let mut builder = tempfile::Builder::new();
-    let prefix = format!(".{}.", name.to_string_lossy());
+    // A file's name may be the longest that there can be, and the temporary one's must not be longer.
+    let beginning: String = name.to_string_lossy().chars().take(32).collect();
+    let prefix = format!(".{beginning}.");
     builder.prefix(&prefix).suffix(".tmp");
     if let Some(usual) = usual_permissions() {
         builder.permissions(usual);
     }
     let folder = target.parent().filter(|folder| *folder != Path::new(""));
     let mut file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
-    file.write_all(bytes)?;
+    // Through the file itself, whose errors do not name the temporary one.
+    file.as_file_mut().write_all(bytes)?;
     if let Some(existing) = existing {
         file.as_file().set_permissions(existing.permissions())?;
     }
@@ -99,6 +102,15 @@ mod tests {
         );
         assert!(write(Path::new(""), b"x").is_err());
         assert!(names_in(folder.path()).is_empty());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_longest_name_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let name = "x".repeat(255);
+        write(&folder.path().join(&name), b"x").unwrap();
+        assert_eq!(names_in(folder.path()), [name]);
     }
 
     /// A reader at any moment is what is left if the writer dies at that moment.

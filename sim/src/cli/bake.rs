@@ -7,8 +7,10 @@ use super::values::DesignName;
 use super::view_args::{MoreScenes, PathOptions, ViewOptions};
 use crate::bake::{BakedScene, contributions, error, most_visible};
 use crate::fixed::QuantisedScene;
+use crate::metrics::ChannelError;
 use crate::plan::Subject;
 use crate::progress::ProgressMeter;
+use crate::report::table::psnr_text;
 use clap::{Arg, Args};
 use std::path::PathBuf;
 
@@ -85,7 +87,7 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
     for (frame, camera) in frames.iter().zip(&cameras) {
         progress.doing(format!("comparing {}", frame.name));
         let colour = error(scene, &baked, camera, rules)?.colour;
-        views.push((frame.name.as_str(), colour.psnr_db, colour.max_abs));
+        views.push((frame.name.as_str(), colour));
     }
     drop(progress);
     let bytes = if options
@@ -109,14 +111,20 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
     write(&options.output, &bytes)?;
     let (all, count) = (scene.splats.len(), kept.len());
     let share = kept.iter().map(|number| shares[*number]).sum::<f64>() / shares.iter().sum::<f64>();
-    let worst = views
-        .iter()
-        .fold(f64::INFINITY, |worst, (_, psnr, _)| worst.min(*psnr));
-    let largest = views
-        .iter()
-        .fold(0.0, |most: f64, (_, _, error)| most.max(*error));
+    let colours = || views.iter().map(|(_, colour)| colour);
+    let worst = colours().fold(f64::INFINITY, |worst, colour| worst.min(colour.psnr_db));
+    let largest = colours().fold(0.0, |most: f64, colour| most.max(colour.max_abs));
+    let bias = colours()
+        .map(|colour| colour.bias)
+        .fold(
+            0.0,
+            |most: f64, bias| if bias.abs() > most.abs() { bias } else { most },
+        );
     if let Some(path) = &options.json {
-        let of_view = |(name, psnr, error): &(&str, f64, f64)| serde_json::json!({ "view": name, "psnr_db": psnr, "max_abs": error });
+        let of_view = |(name, colour): &(&str, ChannelError)| {
+            let (psnr, largest, bias) = (colour.psnr_db, colour.max_abs, colour.bias);
+            serde_json::json!({ "view": name, "psnr_db": psnr, "max_abs": largest, "bias": bias })
+        };
         let report = serde_json::json!({
             "scene": scene.name, "splats": all, "kept": count, "bytes": 24 * count, "share_of_light": share,
             "views": views.iter().map(of_view).collect::<Vec<_>>(),
@@ -125,12 +133,14 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
     }
     print_result(&format!(
         "{}: {count} of {all} splats, {} bytes in flash, {:.1} % of the light of {} view(s)\n\
-         against the whole scene: {worst:.1} dB in the worst view, largest error {:.1}/255\n{}\n",
+         against the whole scene, worst of the views: PSNR {}, largest error {:.1}/255, bias {:+.2}/255\n{}\n",
         scene.name,
         24 * count,
         100.0 * share,
         views.len(),
+        psnr_text(worst),
         255.0 * largest,
+        255.0 * bias,
         options.output.display()
     ))
 }

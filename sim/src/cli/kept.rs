@@ -106,6 +106,9 @@ pub fn text(kept: &[&ReusedOrderFrame], frames: usize) -> String {
         100.0 * mean(&|frame: &ReusedOrderFrame| of(&frame.lists)) / mean(whole).max(1.0)
     };
     let rms = Spread::of(kept.iter().map(|frame| frame.error.rms));
+    let bias = kept
+        .iter()
+        .fold(0.0, |most: f64, frame| most.max(frame.error.bias.abs()));
     let psnr = |rms: f64| {
         if rms > 0.0 {
             format!("{:.2} dB", -20.0 * rms.log10())
@@ -116,7 +119,7 @@ pub fn text(kept: &[&ReusedOrderFrame], frames: usize) -> String {
     format!(
         "order kept in {} of {frames} frames, a frame of them on the mean:\n{}{}{}  \
            entries                {:.2} % came, {:.2} % left; inversions {:.0}, {:.4} % of a tile's pairs of entries\n  \
-           against exact order    PSNR worst {}, 95 % {}, mean {}; largest error {:.2e} ({})\n",
+           against exact order    PSNR worst {}, 95 % {}, mean {}; largest error {:.2e} ({}), bias up to {:.2e}\n",
         kept.len(),
         pair("sort, Mcycles", |frame| frame.sort_cycles, 1e6),
         pair("all phases, Mcycles", |frame| frame.cycles, 1e6),
@@ -130,5 +133,6 @@ pub fn text(kept: &[&ReusedOrderFrame], frames: usize) -> String {
         psnr(rms.mean),
         worst.error.max_abs,
         worst.name,
+        bias,
     )
 }

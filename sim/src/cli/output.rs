@@ -132,7 +132,9 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 
 /// Writes a record as JSON.
 pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(record)? + "\n";
+    let text = serde_json::to_string_pretty(record)
+        .with_context(|| format!("cannot write '{}'", path.display()))?;
+    let text = text + "\n";
     write(path, text.as_bytes())
 }
 
@@ -154,6 +156,10 @@ pub fn read_settings(path: &Path) -> Result<String, Failure> {
 
 /// The folder for results, made if need be.
 pub fn create_folder(folder: &Path) -> Result<(), Failure> {
+    if folder.exists() && !folder.is_dir() {
+        let shown = folder.display();
+        return Err(anyhow!("cannot write to '{shown}': it is a file; name a folder").into());
+    }
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot create the folder '{}'", folder.display()))?;
     Ok(())

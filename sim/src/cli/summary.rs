@@ -3,7 +3,7 @@
 use crate::metrics::ChannelError;
 use crate::picture::{Backdrop, Picture};
 use crate::report::Report;
-use crate::report::facts::ReasonCounts;
+use crate::report::facts::{ReasonCounts, reasons};
 use crate::report::formats::formats_text;
 use crate::report::table::{flip_text, psnr_text, scientific, signed, throughput_text};
 use std::path::Path;
@@ -37,13 +37,13 @@ pub fn if_nothing_is_seen(
         };
     }
     let all = scene.splats;
-    let culled: u64 = scene.culled.values().sum();
-    let why = match all.saturating_sub(culled) {
+    let why = match scene.shown() {
         _ if all == 0 => "the scene has no splats".to_owned(),
         0 => format!("all {all} splats are culled{}", reasons(&scene.culled)),
         rest if rest == all => "all splats are transparent or smaller than a pixel".to_owned(),
-        _ => format!(
-            "of {all} splats {culled} are culled{}; the rest is transparent or smaller than a pixel",
+        rest => format!(
+            "of {all} splats {} are culled{}; the rest is transparent or smaller than a pixel",
+            all - rest,
             reasons(&scene.culled)
         ),
     };
@@ -115,15 +115,6 @@ fn left_out(what: &str, counts: &ReasonCounts) -> String {
         0 => String::new(),
         total => format!(", {total} {what}{}", reasons(counts)),
     }
-}
-
-/// ` (near 3, outside 4)`.
-fn reasons(counts: &ReasonCounts) -> String {
-    let named = counts.iter().filter(|(_, count)| **count > 0);
-    let named: Vec<String> = named
-        .map(|(reason, count)| format!("{reason} {count}"))
-        .collect();
-    format!(" ({})", named.join(", "))
 }
 
 /// The chosen design's errors.

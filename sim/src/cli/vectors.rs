@@ -1,5 +1,6 @@
 //! `splatline vectors`: test vectors for every stage boundary, written and checked.
 
+use super::output::create_folder;
 use super::resolve::sound_camera;
 use super::say::{Failure, print_result};
 use super::values::AntialiasChoice;
@@ -20,6 +21,7 @@ pub fn run(action: &VectorsAction) -> Result<(), Failure> {
 }
 
 fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
+    create_folder(&options.folder)?;
     let mut design = DesignChoice::load(&options.design.0)?;
     if let Some(traversal) = options.traversal {
         design.traversal = traversal.into();

@@ -335,3 +335,30 @@ fn of_two_limits_the_tighter_holds() {
     let bounds: Vec<f64> = tightest(all).iter().map(|limit| limit.bound).collect();
     assert_eq!(bounds, [50.0, 60.0]);
 }
+
+/// A table with 12 bits needs a radial index with 10: the search goes around designs that are none, and a sweep says which point is none.
+#[test]
+fn widths_that_exclude_each_other_end_no_search() {
+    let frames = frames(&[1.0]);
+    let subject = subject(&frames);
+    let text = "[design]\nradial = [8, 9, 20]\ntable = [6, 12]\n[machine]\nlanes = [1, 2]\n";
+    let space = Space::from_toml("s.toml", text).unwrap();
+    for limits in [
+        vec![limit(Quantity::PsnrDb, 10.0)],
+        vec![limit(Quantity::FramesPerSecond, 1.0)],
+    ] {
+        let answer = optimize(&subject, &limits, &space, &|_| ()).unwrap();
+        assert!(answer.holds, "{}", answer.text());
+    }
+    // Every bit of a table is dear, and the search begins with 12 of them.
+    let text = "[design]\nradial = { from = 8, to = 27 }\ntable = [12]\n";
+    let space = Space::from_toml("s.toml", text).unwrap();
+    let limits = [limit(Quantity::PsnrDb, 10.0)];
+    assert!(optimize(&subject, &limits, &space, &|_| ()).unwrap().holds);
+    let evaluator = Evaluator::new(&subject, false);
+    let refused = evaluator.choice(&space, &[0, 0]).unwrap_err().to_string();
+    assert!(
+        refused.contains("radial = 8") && !refused.contains("toml"),
+        "{refused}"
+    );
+}

@@ -3,6 +3,7 @@
 use super::answer::{Answer, Found, Standing};
 use super::{formats, refusal};
 use crate::machine::config::Config;
+use crate::report::table::psnr_text;
 use std::fmt::Write;
 
 /// Limits that are named: the tightest.
@@ -162,9 +163,10 @@ fn point(found: &Found) -> String {
     let pace = &reached.pace;
     let error = reached.error.map_or(String::new(), |error| {
         format!(
-            "; largest error {:.3e}, PSNR {:.2} dB",
+            "; PSNR {}, largest error {:.3e}, bias {:+.2e}",
+            psnr_text(error.psnr_db()),
             error.max_abs,
-            error.psnr_db()
+            error.bias
         )
     });
     format!(

@@ -21,7 +21,7 @@ use crate::machine::workload::Workload;
 use crate::machine::{Timing, simulate};
 use crate::picture::Picture;
 use crate::plan::{self, DesignVariant, Engine, Prepared};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use rayon::prelude::*;
 use serde::Serialize;
 use splatline::format::{Rounding, Traversal};
@@ -614,5 +614,17 @@ fn changed(start: &DesignChoice, settings: &[(&str, &toml::Value)]) -> Result<De
     for (key, value) in settings.iter().filter(|(key, _)| *key != "base") {
         table.insert((*key).to_owned(), (*value).clone());
     }
-    Ok(DesignChoice::from_toml("space.toml", &table.to_string())?)
+    DesignChoice::from_toml("space.toml", &table.to_string()).map_err(|refused| {
+        // Its line would be one of a file that nobody has.
+        let refused = refused.to_string();
+        let what = refused.split_once(": ").map_or(&*refused, |(_, what)| what);
+        let point: Vec<String> = settings
+            .iter()
+            .map(|(key, value)| format!("{key} = {value}"))
+            .collect();
+        anyhow!(
+            "the space has a point without a design ({}): {what}",
+            point.join(", ")
+        )
+    })
 }

@@ -12,6 +12,7 @@ use crate::machine::area::lane::fixed_lane;
 use crate::machine::config::Config;
 use crate::machine::energy::of_pixel;
 use crate::plan::{DesignVariant, Engine};
+use crate::report::table::decibels;
 use anyhow::Result;
 use serde::Serialize;
 use splatline::format::Widths;
@@ -148,6 +149,7 @@ pub fn table(rows: &[FormatRow]) -> (Vec<&'static str>, Vec<Vec<String>>) {
         "format",
         "PSNR dB",
         "largest",
+        "bias",
         "transistors a lane",
         "LUT a lane",
         "pJ a pixel",
@@ -157,12 +159,13 @@ pub fn table(rows: &[FormatRow]) -> (Vec<&'static str>, Vec<Vec<String>>) {
     }
     headings.push("holds");
     let line = |row: &FormatRow| {
-        let error = row.error.map(|error| (error.psnr_db(), error.max_abs));
-        let (psnr, largest) = error.unwrap_or((f64::NAN, f64::NAN));
+        let error = row.error;
+        let shown = |text: fn(DesignError) -> String| error.map_or_else(|| "-".to_owned(), text);
         let mut cells = vec![
             row.format.to_owned(),
-            format!("{psnr:.2}"),
-            format!("{largest:.2e}"),
+            shown(|error| decibels(error.psnr_db())),
+            shown(|error| format!("{:.2e}", error.max_abs)),
+            shown(|error| format!("{:+.2e}", error.bias)),
             row.transistors.to_string(),
             format!("{:.0}", row.lane_luts),
             format!("{:.1}", row.pj_per_pixel),

@@ -103,20 +103,23 @@ impl<'a> Search<'a> {
 
     /// The design and the machine of a point.
     pub fn choice(&self, point: &[usize]) -> Result<Choice> {
+        let variant = self.variant(point)?;
+        let machine = self.evaluator.machine(self.space, point)?;
+        Ok(Choice { variant, machine })
+    }
+
+    /// The design of a point.
+    fn variant(&self, point: &[usize]) -> Result<DesignVariant> {
         let axes = self.space.axes.iter().zip(point);
         let of_design = axes.filter(|(axis, _)| axis.part == SpacePart::Design);
         let key: Vec<usize> = of_design.map(|(_, index)| *index).collect();
         let known = self.designs.borrow().get(&key).cloned();
-        let variant = match known {
-            Some(variant) => variant,
-            None => {
-                let variant = self.evaluator.variant(self.space, point)?;
-                self.designs.borrow_mut().insert(key, variant.clone());
-                variant
-            }
-        };
-        let machine = self.evaluator.machine(self.space, point)?;
-        Ok(Choice { variant, machine })
+        if let Some(variant) = known {
+            return Ok(variant);
+        }
+        let variant = self.evaluator.variant(self.space, point)?;
+        self.designs.borrow_mut().insert(key, variant.clone());
+        Ok(variant)
     }
 
     /// What a choice could reach at best on the frames that are searched.
@@ -185,8 +188,16 @@ impl<'a> Search<'a> {
         self.design_error(&choice)
     }
 
+    /// Is there such a design? Widths bound each other, as a table's interval is no less than a step of the radial index.
+    fn is_design(&self, point: &[usize]) -> bool {
+        self.variant(point).is_ok()
+    }
+
     /// Are the limits on errors held? Where a few tiles miss them, the rest is not drawn.
     fn holds_errors(&mut self, point: &[usize]) -> Result<bool> {
+        if !self.is_design(point) {
+            return Ok(false);
+        }
         let choice = self.choice(point)?;
         let same = |other: &Choice| {
             other.variant.traversal == choice.variant.traversal
@@ -244,6 +255,10 @@ impl<'a> Search<'a> {
         for point in points {
             let listed = open.iter().any(|(other, _)| other == point);
             if self.known.contains_key(point) || listed {
+                continue;
+            }
+            if !self.is_design(point) {
+                self.known.insert(point.clone(), None);
                 continue;
             }
             let choice = self.choice(point)?;
@@ -304,6 +319,9 @@ impl<'a> Search<'a> {
         let mut best = at.to_vec();
         let mut hopeful = Vec::new();
         for point in points {
+            if !self.is_design(point) {
+                continue;
+            }
             let choice = self.choice(point)?;
             if choice.machine.check_together().is_ok() {
                 let reached = self.at_best(&choice)?;

@@ -118,7 +118,17 @@ pub fn report_of_drawing(
         },
         table: Vec::new(),
         formats: Vec::new(),
-        plan: serde_json::to_value(plan)?,
+        plan: stated(plan)?,
+    })
+}
+
+/// The plan as a report states it; JSON is text, so that it cannot name every file that a system can hold.
+fn stated(plan: &Plan) -> Result<serde_json::Value> {
+    serde_json::to_value(plan).with_context(|| {
+        let scene = plan.source.path.display();
+        format!(
+            "{scene}: a report names the scene's files, and one of these names is not UTF-8: rename it"
+        )
     })
 }
 

@@ -50,6 +50,15 @@ impl SceneFacts {
     }
 }
 
+/// ` (near 3, outside 4)`.
+pub fn reasons(counts: &ReasonCounts) -> String {
+    let named = counts.iter().filter(|(_, count)| **count > 0);
+    let named: Vec<String> = named
+        .map(|(reason, count)| format!("{reason} {count}"))
+        .collect();
+    format!(" ({})", named.join(", "))
+}
+
 /// Reasons for culling that are a matter of the kernel's ranges and not of the view.
 const BEYOND_RANGE: [(&str, &str); 2] = [
     (
@@ -63,6 +72,11 @@ const BEYOND_RANGE: [(&str, &str); 2] = [
 ];
 
 impl SceneFacts {
+    /// Splats that are left to draw.
+    pub fn shown(&self) -> u64 {
+        self.splats.saturating_sub(self.culled.values().sum())
+    }
+
     /// What was not drawn as it was given, in one line after those that are known already: what was clamped, rescaled, and culled
     /// for range.
     /// Splats that the view simply does not show are no matter for a warning.

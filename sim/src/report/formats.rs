@@ -1,7 +1,7 @@
 //! What floating-point datapaths make of the report's picture, as a table of its page and as lines on a terminal.
 
 use super::html::html_table;
-use super::table::{decibels, flip_text, scientific, signed};
+use super::table::{decibels, flip_text, psnr_text, scientific, signed};
 use super::{FormatRow, Report};
 
 /// A section of the page; nothing if nobody asked.
@@ -47,9 +47,9 @@ pub fn formats_text(report: &Report) -> String {
     let line = |row: &FormatRow| {
         let error = &row.error.rgb;
         format!(
-            "{:<9} PSNR {} dB, max error {}, p99 {}, bias {}, SSIM {:.6}, FLIP {}, {} transistors a lane, {:.1} pJ a pixel\n",
+            "{:<9} PSNR {}, max error {}, p99 {}, bias {}, SSIM {:.6}, FLIP {}, {} transistors a lane, {:.1} pJ a pixel\n",
             row.engine,
-            decibels(error.psnr_db),
+            psnr_text(error.psnr_db),
             scientific(error.max_abs),
             scientific(error.percentiles.p99),
             signed(error.bias),

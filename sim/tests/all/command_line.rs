@@ -140,6 +140,45 @@ fn an_empty_picture_says_why() {
     shell.results("render random:9 --size 16x16 -o a.png");
 }
 
+/// What is found on an empty picture holds for no other one: every command that measures says that it is empty, and equal pictures have no decibels.
+#[test]
+fn measures_of_an_empty_picture_say_so() {
+    let shell = Shell::new();
+    let away = "random:9 --eye 0,0,900 --target 0,0,1000 --up 0,1,0 --size 16x16";
+    for (command, options) in [
+        ("fit", "--max-error 0.1"),
+        ("optimize", "--fps 1 --max-error 0.1"),
+        ("simulate", ""),
+        ("profile", ""),
+        ("compare", "--only --formats -o out"),
+    ] {
+        let line = format!("{command} {away} {options}");
+        let said = shell.run(&line);
+        assert_eq!(said.code, Some(0), "{line}: {}", said.stderr);
+        let empty = "the picture is empty: all 9 splats are culled";
+        assert!(said.stderr.contains(empty), "{line}: {}", said.stderr);
+        let printed = String::from_utf8(said.stdout).unwrap();
+        assert!(
+            !printed.contains("identical dB") && !printed.contains("inf dB"),
+            "{printed}"
+        );
+    }
+}
+
+/// PSNR stands beside the largest error and the bias, also in what bake says.
+#[test]
+fn bake_tells_the_bias() {
+    let shell = Shell::new();
+    let printed = shell.succeed("bake random:50 --size 32x32 --keep 20 --json b.json -o s.bin");
+    holds(&printed, &["PSNR ", ", bias "]);
+    let report = shell.json("b.json");
+    let bias = report["views"][0]["bias"].as_f64().unwrap();
+    assert!(
+        bias.abs() <= report["views"][0]["max_abs"].as_f64().unwrap(),
+        "{report}"
+    );
+}
+
 #[test]
 fn info_tells_what_is_in_a_scene() {
     let shell = Shell::new();

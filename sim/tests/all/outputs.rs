@@ -1,7 +1,7 @@
 //! No output of any command replaces a file that the command has read, whatever that file is called and however it came to be read.
 
 use super::hostile::seeds::seed;
-use super::shell::Shell;
+use super::shell::{Shell, said};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -142,4 +142,38 @@ fn no_command_replaces_what_it_reads() {
         }
     }
     assert!(failed.is_empty(), "{}", failed.join("\n"));
+}
+
+#[test]
+fn a_file_in_the_place_of_a_folder_is_named_as_such() {
+    let shell = Shell::new();
+    shell.write("taken", "mine");
+    for command in [
+        "compare random:9 -o taken",
+        "simulate random:9 -o taken",
+        "man -o taken",
+        "vectors export taken",
+    ] {
+        shell.refused(1, command, "it is a file; name a folder");
+    }
+    assert_eq!(shell.bytes("taken"), b"mine");
+}
+
+/// Linux names files by any bytes, and a report is text.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_name_that_no_report_can_state_is_shown_with_what_to_do() {
+    use std::os::unix::ffi::OsStrExt;
+    let shell = Shell::new();
+    let name = std::ffi::OsStr::from_bytes(b"odd\xff.ply");
+    std::fs::write(shell.path("").join(name), seed("gaussian.ply")).unwrap();
+    let mut command = shell.command("render -o a.png --json a.json");
+    command.arg(name);
+    let said = said(command);
+    assert_eq!(said.code, Some(1), "{}", said.stderr);
+    assert!(
+        said.stderr.contains("odd\u{fffd}.ply: ") && said.stderr.contains("rename it"),
+        "{}",
+        said.stderr
+    );
 }

@@ -8,7 +8,7 @@ use super::error::{LoadError, Problem};
 use super::file::read_file;
 use super::volume::{self, Noted, Volume};
 use super::{
-    Scene, gltf, ksplat, nrrd, ply, points, shade, sog, splat_file, spz, synthetic,
+    Scene, gaussian, gltf, ksplat, nrrd, ply, points, shade, sog, splat_file, spz, synthetic,
     transfer::Transfer,
 };
 use crate::input;
@@ -276,7 +276,10 @@ fn load_synthetic(name: &str) -> Result<Scene, Problem> {
         .ok()
         .filter(|count| (1..=synthetic::MAX_COUNT).contains(count));
     match (count, seed.parse()) {
-        (Some(count), Ok(seed)) => Ok(synthetic::random_gaussians(count, seed, 1.0)),
+        (Some(count), Ok(seed)) => {
+            gaussian::room_for(0, count as u64, 0)?;
+            Ok(synthetic::random_gaussians(count, seed, 1.0))
+        }
         _ => Err(Problem::malformed(
             "random scene",
             format!("'{arguments}' is not COUNT or COUNT:SEED"),

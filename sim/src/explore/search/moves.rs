@@ -165,7 +165,10 @@ impl Search<'_> {
                 let Some(lowered) = step(self, &raised, *down, -1) else {
                     continue;
                 };
-                if self.cost(&lowered)? >= cost || !self.holds_errors(&lowered)? {
+                if !self.is_design(&lowered)
+                    || self.cost(&lowered)? >= cost
+                    || !self.holds_errors(&lowered)?
+                {
                     continue;
                 }
                 return self.lowest_width(&lowered, *down);
