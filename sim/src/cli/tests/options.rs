@@ -215,7 +215,7 @@ fn usage_and_input_failures_are_told_apart() {
         ("render missing.ply -o ./a.png", "missing.ply"),
         ("render a.ply -o ./no/such/a.png", "does not exist"),
         ("render a.ply -o ./", "is a folder"),
-        ("compare a.ply -o ./file", "cannot create"),
+        ("compare a.ply -o ./file", "it is a file; name a folder"),
     ] {
         let message = input(line);
         assert!(message.contains(expected), "{message}");
