@@ -156,8 +156,8 @@ fn a_sweep_of_nothing_can_be_resumed() {
     let shell = Shell::new();
     shell.write("s.toml", "[machine]\nlanes = [1, 2]\n");
     let away = "explore SCENE --eye 0,0,900 --target 0,0,1000 --space s.toml -o out";
-    holds(&shell.results(away), &["2 points, 2 of them new"]);
-    holds(&shell.results(away), &["2 points, 0 of them new"]);
+    holds(&shell.succeed(away), &["2 points, 2 of them new"]);
+    holds(&shell.succeed(away), &["2 points, 0 of them new"]);
 }
 
 /// Stopped by Ctrl-C again and again, a sweep still ends with the rows of one that was left alone.
