@@ -8,6 +8,7 @@ A line is a formula, its name, what it was given and what it gives; what a formu
 """
 
 import inspect
+import os
 import sys
 
 import arithmetic
@@ -219,7 +220,12 @@ def main(arguments):
     if len(arguments) != 2 or not arguments[1].partition(":")[2].isdigit():
         sys.exit(__doc__)
     stage, _, number = arguments[1].partition(":")
-    Way(Folder(arguments[0])).explain(stage, int(number))
+    try:
+        Way(Folder(arguments[0])).explain(stage, int(number))
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # A reader that has gone away (`| head`) is no error; nowhere takes what Python flushes when it ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":
