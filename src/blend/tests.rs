@@ -38,6 +38,16 @@ const NARROW: [Widths; 5] = [
 ];
 
 /// A product of exactly the least opacity is drawn, one less is not.
+/// No design asks for more than 28 bits, but the function is public.
+#[test]
+fn any_bits_of_a_weight_are_defined() {
+    let blend = Blend::new(&Standard24::WIDTHS, &Rules::GAUSSIAN_3D);
+    for bits in 0..=u8::MAX {
+        let clamped = blend.is_clamped(u32::MAX, bits);
+        assert_eq!(clamped, blend.is_clamped(u32::MAX, bits % 32), "{bits}");
+    }
+}
+
 #[test]
 fn the_least_opacity_is_drawn() {
     for widths in [Classic8::WIDTHS, Lean18::WIDTHS, Standard24::WIDTHS] {

@@ -70,7 +70,7 @@ impl<'a> PerspectiveTable<'a> {
         PerspectiveTable { entries }
     }
 
-    /// The correction for a footprint of `spread` (UQ0.32) with `radial_bits` (at most 44) fraction bits of r.
+    /// The correction for a footprint of `spread` (UQ0.32) with `radial_bits` fraction bits of r; more than 44 count as 44.
     pub fn index(&self, spread: u32, radial_bits: u32) -> PerspectiveIndex<'a> {
         let row = (spread >> (32 - 4 - SPREAD_LOG2)) as usize;
         let start = row * COLUMNS;
@@ -84,7 +84,7 @@ impl<'a> PerspectiveTable<'a> {
         PerspectiveIndex {
             rows,
             spread,
-            radial_bits,
+            radial_bits: radial_bits.min(44),
         }
     }
 }
@@ -152,6 +152,18 @@ mod tests {
         let mut table = [u32::MAX; PERSPECTIVE_ENTRIES];
         fill_perspective(&mut table);
         assert!(table == TABLE);
+    }
+
+    #[test]
+    fn more_fraction_bits_than_the_format_has_count_as_what_it_has() {
+        for bits in [45, 72, 1 << 31, u32::MAX] {
+            let correct = |bits| {
+                PerspectiveTable::new(&TABLE)
+                    .index(1 << 27, bits)
+                    .correct(3 << 44)
+            };
+            assert_eq!(correct(bits), correct(44), "{bits}");
+        }
     }
 
     /// \[HYBRID\] 4.2 as it is printed, on distances: i and d in affine radii, a the half-angle.

@@ -51,8 +51,11 @@ const fn logarithm(y: u128) -> i64 {
 /// Fraction bits of d.
 pub const REST: u32 = 36;
 
-/// 1/n with 30 fraction bits.
+/// 1/n in Q1.30, rounded towards 0, with the sign of n: the coefficients of the series. 0 gives the largest word.
 pub const fn fraction(n: i64) -> i32 {
+    if n == 0 {
+        return i32::MAX;
+    }
     ((1 << 30) / n) as i32
 }
 
@@ -115,6 +118,24 @@ mod tests {
                 error(1_234_567_891, exponent) <= 2f64.powi(-30),
                 "{exponent}"
             );
+        }
+    }
+
+    #[test]
+    fn a_fraction_of_anything_is_defined() {
+        let table = [
+            (0, i32::MAX),
+            (1, 1 << 30),
+            (-1, -1 << 30),
+            (3, 357_913_941),
+            (-3, -357_913_941),
+            (1 << 30, 1),
+            ((1 << 30) + 1, 0),
+            (i64::MIN, 0),
+            (i64::MAX, 0),
+        ];
+        for (n, expected) in table {
+            assert_eq!(fraction(n), expected, "1/{n}");
         }
     }
 

@@ -9,7 +9,7 @@
 use super::words::{leading_zeros_wide, rounded_down, shifted_up};
 use crate::format::Rounding;
 
-/// `value / 2^shift`, rounded to nearest, halves up. `shift >= 64` gives 0.
+/// `value / 2^shift`, rounded to nearest, halves up. `shift >= 64` gives 0. Values less than half of `2^shift` below the type's end wrap.
 #[inline]
 pub const fn shift_round(value: i64, shift: u32) -> i64 {
     if shift == 0 {
@@ -35,7 +35,8 @@ pub const fn shift_left(value: i64, shift: u32) -> i64 {
     if value < 0 { i64::MIN } else { i64::MAX }
 }
 
-/// `value * 2^-shift` for either sign of `shift`: rounds to nearest to the right, saturates to the left.
+/// `value * 2^-shift` for either sign of `shift`: rounds to nearest, halves up, to the right and saturates to the left.
+/// Nothing wraps but the largest value moved by 1.
 #[cfg_attr(not(target_pointer_width = "32"), inline)]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
 pub const fn shift_signed(value: i64, shift: i32) -> i64 {
@@ -49,7 +50,7 @@ pub const fn shift_signed(value: i64, shift: i32) -> i64 {
 }
 
 /// `value / 2^shift` in the pixel path, by the design's rounding. `shift >= 64` gives 0; a negative shift
-/// multiplies and drops what leaves the word (the width ranges keep values below it).
+/// multiplies and drops what leaves the word (the width ranges keep values below it). Rounding up wraps at the word's end, as in [`shift_round`].
 #[inline(always)]
 pub const fn shift_unsigned(value: u64, shift: i32, rounding: Rounding) -> u64 {
     if shift >= 64 || shift <= -64 {
@@ -76,6 +77,20 @@ mod tests {
     #[test]
     fn shifts_end_where_the_word_ends() {
         assert_eq!([63, 64].map(|shift| shift_round(i64::MIN, shift)), [-1, 0]);
+        // Half of 2^shift below the end, and one more, which wraps.
+        let end = i64::MAX - 8;
+        assert_eq!(
+            [end, end + 1].map(|value| shift_round(value, 4)),
+            [i64::MAX >> 4, i64::MIN >> 4]
+        );
+        assert_eq!(
+            [end, end + 1].map(|value| shift_signed(value, 4)),
+            [i64::MAX >> 4, 1 << 59]
+        );
+        assert_eq!(
+            [i64::MAX, i64::MAX - 1].map(|value| shift_signed(value, 1)),
+            [i64::MIN >> 1, i64::MAX >> 1]
+        );
         let moved = |value, shift| shift_unsigned(value, shift, Rounding::Nearest);
         assert_eq!([-64, -63].map(|shift| moved(1, shift)), [0, 1 << 63]);
         assert_eq!([63, 64].map(|shift| moved(1 << 62, shift)), [1, 0]);

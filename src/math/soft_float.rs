@@ -9,6 +9,8 @@
 //! lengths alone, so that no leading zeros are counted before the sum. A cut rounds down, because a floor of a floor is one floor: it may be
 //! done before or after the alignment, and costs nothing in hardware.
 //!
+//! `bits` is 1 to 31 wherever a result is rounded to it. Other numbers of bits are no width: what they give has no meaning, but nothing panics.
+//!
 //! On 32-bit processors normalisation is a function of its own and not inlined, for the sake of code size (docs/firmware.md).
 
 use super::shift::{shift_left, shift_signed};
@@ -69,7 +71,7 @@ impl SoftFloat {
         exponent: ZERO_EXPONENT,
     };
 
-    /// `value * 2^exponent` with the magnitude rounded to nearest to `bits` (at most 31) bits.
+    /// `value * 2^exponent` with the magnitude rounded to nearest, halves up, to `bits` (1 to 31) bits; the exponent saturates.
     #[cfg_attr(not(target_pointer_width = "32"), inline)]
     #[cfg_attr(target_pointer_width = "32", inline(never))]
     pub const fn from_wide(value: i64, exponent: i32, bits: u32) -> SoftFloat {
@@ -105,7 +107,7 @@ impl SoftFloat {
     /// `below` is the bit after the word.
     #[inline(always)]
     const fn rounded(normal: i32, below: u32, exponent: i32, length: i32, bits: u32) -> SoftFloat {
-        let exponent = exponent.saturating_add(length - bits as i32);
+        let exponent = exponent.saturating_add(length.wrapping_sub(bits as i32));
         let mantissa = if bits == 31 {
             normal.wrapping_add(below as i32)
         } else {
@@ -169,7 +171,7 @@ impl SoftFloat {
     /// Product of mantissas that are known to have `bits` bits each, rounded to as many; exact where they have.
     #[inline(always)]
     pub fn multiply_within(self, other: SoftFloat, bits: u32) -> SoftFloat {
-        sum_of_products([self.times_within(other, 2 * bits)], bits)
+        sum_of_products([self.times_within(other, bits.wrapping_mul(2))], bits)
     }
 
     /// Product rounded to `bits`.
@@ -251,12 +253,12 @@ impl Product {
     /// Cut to the first `window` bits of its format.
     #[inline(always)]
     const fn cut(self, window: u32) -> Cut {
-        let drop = self.length as i32 - window as i32;
+        let drop = (self.length as i32).wrapping_sub(window as i32);
         // Two short mantissas make a word.
         let word = self.length < 32 && drop >= 0;
         Cut {
             value: if word {
-                (self.value as i32 >> drop) as i64
+                (self.value as i32).wrapping_shr(drop as u32) as i64
             } else {
                 shift_down(self.value, drop)
             },
@@ -296,7 +298,7 @@ const fn shift_down(value: i64, shift: i32) -> i64 {
 #[cfg_attr(target_pointer_width = "32", inline(always))]
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> SoftFloat {
     const { assert!(N <= 4) };
-    let window = bits + GUARD;
+    let window = window(bits);
     if !fits_words(bits) {
         let mut cuts = [Cut::NONE; N];
         for (cut, term) in cuts.iter_mut().zip(terms) {
@@ -330,9 +332,15 @@ pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> SoftFl
     }
 }
 
+/// Bits of a term in a sum.
+#[inline(always)]
+const fn window(bits: u32) -> u32 {
+    bits.wrapping_add(GUARD)
+}
+
 /// Does a sum of four terms fit a word, the sign included?
 const fn fits_words(bits: u32) -> bool {
-    bits + GUARD + 2 < 32
+    bits < 32 - GUARD - 2
 }
 
 /// [`SoftFloat::from_sum`] of one mantissa.
@@ -354,7 +362,7 @@ fn rounded_sum<const KNOWN: u32>(value: i32, exponent: i32, bits: u32) -> SoftFl
 fn sum_of_two<const KNOWN: u32>(a: i32, a_top: i32, b: i32, b_top: i32, bits: u32) -> SoftFloat {
     let bits = known::<KNOWN>(bits);
     let at = |value: i32, top: i32| {
-        SoftFloat::from_sum(value, top.saturating_sub((bits + GUARD) as i32), bits)
+        SoftFloat::from_sum(value, top.saturating_sub(window(bits) as i32), bits)
     };
     let down = |value: i32, shift: i32| value >> if shift as u32 > 31 { 31 } else { shift };
     if b == 0 || (a != 0 && a_top >= b_top) {
@@ -380,13 +388,13 @@ fn sum_in_words<const KNOWN: u32>(terms: &[(i32, i32)], bits: u32) -> SoftFloat 
         let shift = top.wrapping_sub(*end);
         sum = sum.wrapping_add(value >> if shift as u32 > 31 { 31 } else { shift });
     }
-    SoftFloat::from_sum(sum, top.saturating_sub((bits + GUARD) as i32), bits)
+    SoftFloat::from_sum(sum, top.saturating_sub(window(bits) as i32), bits)
 }
 
 /// The same in a window that ends at `2^top`, below which all terms lie, rounded once to `bits`.
 #[inline]
 pub fn sum_below<const N: usize>(terms: [Product; N], top: i32, bits: u32) -> SoftFloat {
-    let unit = top.saturating_sub((bits + GUARD) as i32);
+    let unit = top.saturating_sub(window(bits) as i32);
     let mut sum = 0i64;
     for term in terms {
         sum = sum.wrapping_add(shift_down(term.value, unit.saturating_sub(term.exponent)));
@@ -408,7 +416,7 @@ fn sum(terms: &[Cut], bits: u32) -> SoftFloat {
     for term in terms {
         sum = sum.wrapping_add(shift_down(term.value, top.saturating_sub(term.top)));
     }
-    SoftFloat::from_wide(sum, top.saturating_sub((bits + GUARD) as i32), bits)
+    SoftFloat::from_wide(sum, top.saturating_sub(window(bits) as i32), bits)
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ pub static ROOTS: [u32; LAST - FIRST + 1] = {
 
 /// Square root of a 64-bit integer as `(root, shift)`: `sqrt(value) = root * 2^shift`, `root` in UQ0.24 of the range [1/2, 1).
 ///
-/// Relative error below 2^-16.9 (tested). 0 gives `(0, 0)`. The shift lies in -24 ..= 8.
+/// Relative error below 2^-16.9 (tested). 0 gives `(0, 0)`. The shift lies in -23 ..= 8.
 #[inline]
 pub fn root_seed(value: u64) -> (u32, i32) {
     if value == 0 {
@@ -36,7 +36,9 @@ pub fn root_seed(value: u64) -> (u32, i32) {
     (root_of(normal), 8 - (even / 2) as i32)
 }
 
-/// The root of a number of [1/4, 1) in UQ0.32, UQ0.24: of its upper two bits one is set. The lowest eight bits do not count.
+/// The root of a number of [1/4, 1) in UQ0.32, UQ0.24 of [1/2, 1): of its upper two bits one is set. The lowest eight bits do not count.
+///
+/// Smaller numbers, which [`root_seed`] and [`square_root`] never ask for, give roots of the table's first interval: at least 1/2, below 0.504.
 #[inline(always)]
 pub fn root_of(normal: u32) -> u32 {
     // Saturating, so that neither place needs a comparison.
@@ -156,7 +158,13 @@ mod tests {
     #[test]
     fn ends_of_the_format() {
         assert_eq!(root_seed(0), (0, 0));
-        assert_eq!(root_seed(u64::MAX).1, 8 + 24 - 24);
+        assert_eq!(root_seed(u64::MAX), ((1 << 24) - 1, 8));
+        assert_eq!(root_seed(1), (1 << 23, -23));
+        // Below its range a root is one of the first interval.
+        for normal in [0, 1, 255, 1 << 24, (1 << 30) - 1] {
+            let root = f64::from(root_of(normal)) / 2f64.powi(24);
+            assert!((0.5..0.504).contains(&root), "{normal}: {root}");
+        }
         for mantissa in [i32::MIN, -1, 0, 1, i32::MAX] {
             for exponent in [i32::MIN, -1, 0, 1, i32::MAX] {
                 let got = square_root(SoftFloat { mantissa, exponent }, 24);

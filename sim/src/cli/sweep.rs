@@ -89,6 +89,13 @@ fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<
         })
         .as_bytes(),
     )?;
+    let left_out: Vec<&str> = table.left_out().collect();
+    if let Some(reason) = left_out.first() {
+        let count = left_out.len();
+        print_result(&format!(
+            "{count} of the points left out, why in the column left_out, the first because of {reason}\n"
+        ))?;
+    }
     print_result(&format!("{note}\n"))?;
     print_result(&format!(
         "front of error, cycles, area and energy: {} of {} points\n",

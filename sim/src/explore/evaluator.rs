@@ -21,7 +21,7 @@ use crate::machine::workload::Workload;
 use crate::machine::{Timing, simulate};
 use crate::picture::Picture;
 use crate::plan::{self, DesignVariant, Engine, Prepared};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 use splatline::format::{Rounding, Traversal};
@@ -601,6 +601,11 @@ impl<'a> Evaluator<'a> {
 }
 
 /// A design with some of its keys set otherwise; `base` names another one to begin with, or its file.
+/// Widths of a point that no design has, or that exclude each other.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct NoDesign(String);
+
 fn changed(start: &DesignChoice, settings: &[(&str, &toml::Value)]) -> Result<DesignChoice> {
     if settings.is_empty() {
         return Ok(start.clone());
@@ -622,9 +627,10 @@ fn changed(start: &DesignChoice, settings: &[(&str, &toml::Value)]) -> Result<De
             .iter()
             .map(|(key, value)| format!("{key} = {value}"))
             .collect();
-        anyhow!(
-            "the space has a point without a design ({}): {what}",
-            point.join(", ")
-        )
+        let point = point.join(", ");
+        NoDesign(format!(
+            "the space has a point without a design ({point}): {what}"
+        ))
+        .into()
     })
 }

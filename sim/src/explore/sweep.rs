@@ -2,7 +2,9 @@
 //! lane shape. Of several frames one after the other is walked, so that the rows of one alone lie in memory; a point's line has its slowest frame, and
 //! the spread of its time over all.
 
-use super::evaluator::{Choice, DesignError, ErrorDetail, Evaluator, Reached, Subject, work_key};
+use super::evaluator::{
+    Choice, DesignError, ErrorDetail, Evaluator, NoDesign, Reached, Subject, work_key,
+};
 use super::folder::Appender;
 use super::space::Space;
 use super::table::{ERRORS, RESULTS, ResultTable};
@@ -33,7 +35,8 @@ pub fn run(
     evaluate(&evaluator, space, open, &append)
 }
 
-/// Evaluates numbered points, those that share work side by side, and hands each one's results over as soon as they are known.
+/// Evaluates numbered points, those that share work side by side, and hands each one's results over as soon as they are known. Points without a design
+/// or a machine are left out; where none has a design, a value of the space is mistaken.
 pub fn evaluate<'a>(
     evaluator: &Evaluator,
     space: &Space,
@@ -42,14 +45,28 @@ pub fn evaluate<'a>(
 ) -> Result<()> {
     let frames: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
     let mut open: Vec<(usize, Choice)> = Vec::new();
+    let (mut without, mut designs) = (Vec::new(), 0);
     for (number, point) in points {
-        let choice = evaluator.choice(space, point)?;
+        let choice = match evaluator.choice(space, point) {
+            Err(refused) if refused.is::<NoDesign>() => {
+                without.push((number, refused));
+                continue;
+            }
+            choice => choice?,
+        };
+        designs += 1;
         match choice.machine.check_together() {
             Ok(()) => open.push((number, choice)),
             Err((key, value, allowed)) => {
                 take(number, left_out(&format!("{key} = {value}: {allowed}")))?;
             }
         }
+    }
+    if designs == 0 && !without.is_empty() {
+        return Err(without.swap_remove(0).1);
+    }
+    for (number, refused) in without {
+        take(number, left_out(&refused.to_string()))?;
     }
     for group in open.chunk_by(|a, b| work_key(&a.1) == work_key(&b.1)) {
         let (numbers, choices): (Vec<usize>, Vec<Choice>) = group.iter().cloned().unzip();
@@ -133,16 +150,42 @@ mod tests {
                          layout = [\"run\", \"quad\"]\nrow_cycles = [1, 3]\n";
 
     fn sweep(done: &ResultTable, path: &std::path::Path) {
+        swept(SPACE, done, path).unwrap();
+    }
+
+    fn swept(space: &str, done: &ResultTable, path: &std::path::Path) -> Result<()> {
         let scene = synthetic::random_gaussians(300, 1, 2.0);
         let camera = synthetic::camera(48, 32);
-        let space = Space::from_toml("s.toml", SPACE).unwrap();
+        let space = Space::from_toml("s.toml", space).unwrap();
         let design = DesignChoice::named("standard24").unwrap();
         let rules = scene.natural_rules;
         let prepared = Prepared::of_splats(scene, camera, rules, design);
         let mut subject = Subject::new(vec![&prepared]).unwrap();
         subject.draw_references().unwrap();
         let (out, _) = Appender::open(path, &heading(&space)).unwrap();
-        run(&subject, &space, done, &out, &|| ()).unwrap();
+        run(&subject, &space, done, &out, &|| ())
+    }
+
+    /// A table of 12 bits has more intervals than a radial index of 9 bits has steps.
+    #[test]
+    fn points_without_a_design_are_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        let (none, space) = (
+            ResultTable::default(),
+            "[design]\nradial = [9, 20]\ntable = [10, 12]\n",
+        );
+        swept(space, &none, &path).unwrap();
+        let table = ResultTable::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        assert_eq!(table.rows.len(), 4);
+        let reasons: Vec<&str> = table.left_out().collect();
+        assert!(
+            matches!(reasons[..], [reason] if reason.contains("radial = 9")),
+            "{reasons:?}"
+        );
+        std::fs::remove_file(&path).unwrap();
+        let refused = swept("[design]\nradial = [9]\ntable = [12]\n", &none, &path).unwrap_err();
+        assert!(refused.to_string().contains("table = 12"), "{refused}");
     }
 
     #[test]

@@ -122,6 +122,15 @@ pub struct ResultTable {
 }
 
 impl ResultTable {
+    /// Why points were left out, in their order.
+    pub fn left_out(&self) -> impl Iterator<Item = &str> {
+        let column = self.heading.iter().position(|name| name == "left_out");
+        let reasons = self.rows.values().filter_map(move |row| row.get(column?));
+        reasons
+            .map(String::as_str)
+            .filter(|reason| !reason.is_empty())
+    }
+
     /// Reads the text of a table; a last line without its end is dropped. Without a whole line it is the table of a sweep that was
     /// interrupted before it began, which has no heading and no points.
     pub fn from_csv(text: &str) -> Result<ResultTable, String> {

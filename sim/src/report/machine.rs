@@ -131,7 +131,7 @@ pub fn plots(timing: &Timing, watched: &Watched, columns: u32, config: &Config) 
         plot(
             "Cycles of the lanes per tile",
             "tiles",
-            heat_map(watched, columns),
+            heat_map(watched, columns, [config.tile_width, config.tile_height]),
         ),
         plot("Roofline", "roofline", roofline(timing, config)),
     ]
@@ -247,15 +247,17 @@ fn over_time(timing: &Timing, watched: &Watched) -> String {
     chart.finish()
 }
 
-/// The screen, a square for each tile.
-fn heat_map(watched: &Watched, columns: u32) -> String {
+/// The screen, a rectangle for each tile, of its proportions.
+fn heat_map(watched: &Watched, columns: u32, tile: [u16; 2]) -> String {
     let tiles = watched.tiles.len();
     let columns = match columns {
         0 => tiles.max(1),
         columns => columns as usize,
     };
     let rows = tiles.div_ceil(columns).max(1);
-    let side = (WIDTH - 20.0) / columns as f64;
+    let width = (WIDTH - 20.0) / columns as f64;
+    let [across, down] = tile.map(|side| f64::from(side.max(1)));
+    let side = width * down / across;
     let most = watched.tiles.iter().copied().max().unwrap_or(0).max(1);
     let height = side * rows as f64 + 44.0;
     let mut chart = Chart::new(WIDTH, height, "cycles of every tile");
@@ -264,9 +266,9 @@ fn heat_map(watched: &Watched, columns: u32) -> String {
         // The root, so that tiles of a tenth of the most can still be seen.
         let shade = (*cycles as f64 / most as f64).sqrt();
         let area = Rectangle {
-            left: 10.0 + side * x as f64,
+            left: 10.0 + width * x as f64,
             top: 10.0 + side * y as f64,
-            width: side,
+            width,
             height: side,
         };
         let colour = format!("fill=\"#c2410c\" fill-opacity=\"{shade:.3}\"");
@@ -315,8 +317,9 @@ fn roofline(timing: &Timing, config: &Config) -> String {
         "{bytes:.2} bytes a live pixel, {reached:.3} pixels a cycle: {:.1} % of the roof",
         100.0 * reached / bound
     );
-    let below = (place.0.min(WIDTH - 420.0) + 8.0, place.1 + 16.0);
-    chart.text(below, Anchor::Start, "", &words);
+    // Above the frame, where neither a roof nor the edge of the picture is in the way.
+    let above = (LEFT + area.width, TOP - 16.0);
+    chart.text(above, Anchor::End, "", &words);
     chart.finish()
 }
 
@@ -328,6 +331,7 @@ mod tests {
     use crate::machine::lanes::LaneShape;
     use crate::machine::simulate;
     use crate::machine::workload::extract;
+    use crate::report::chart::text_width;
     use crate::scene::synthetic;
 
     /// The slots hold all the lanes' cycles, and no tile took more than the phase.
@@ -365,10 +369,39 @@ mod tests {
         }
         assert!(!page.contains("NaN") && !page.contains("inf"));
         assert_eq!(page.matches("<svg").count(), 4);
+        // Tiles of 16 x 16 are squares, those of twice the width have twice the width.
+        let shape = |tile_width| {
+            let plots = plots(
+                &timing,
+                &watched,
+                3,
+                &Config {
+                    tile_width,
+                    ..config
+                },
+            );
+            let attribute = |name: &str| {
+                let (_, rest) = plots[2].svg.split_once("<rect").unwrap();
+                let (_, rest) = rest.split_once(&format!(" {name}=\"")).unwrap();
+                rest.split('"').next().unwrap().parse::<f64>().unwrap()
+            };
+            attribute("width") / attribute("height")
+        };
+        assert!((shape(16) - 1.0).abs() < 1e-3 && (shape(32) - 2.0).abs() < 1e-3);
         // The bar of every unit ends where its cycles do, and the roofline's point is under its roof.
         let roof = plots(&timing, &watched, workload.columns, &config);
         let percent = roof[3].svg.split(" % of the roof").next().unwrap();
         let percent: f64 = percent.rsplit(' ').next().unwrap().parse().unwrap();
         assert!(percent > 0.0 && percent <= 100.0, "{percent}");
+        // Its words lie above the frame and end with it, so that no line crosses them.
+        let words = roof[3]
+            .svg
+            .split("<text")
+            .find(|text| text.contains("of the roof"));
+        let (words, _) = words.unwrap().split_once("</text>").unwrap();
+        assert!(words.contains("text-anchor=\"end\""), "{words}");
+        let (place, words) = words.split_once('>').unwrap();
+        let end: f64 = place.split('"').nth(3).unwrap().parse().unwrap();
+        assert!(end <= WIDTH && end > text_width(words), "{place}");
     }
 }

@@ -169,6 +169,9 @@ fn the_exponential_is_accurate() {
         [31, 32].map(|octaves| octaves::transmittance(octaves << 4, 4)),
         [1, 0]
     );
+    for fraction in [0, 1, 4, 26] {
+        assert_eq!(octaves::transmittance(u32::MAX, fraction), 0, "{fraction}");
+    }
     // More fraction bits than the format has count as what it has.
     assert_eq!(octaves::transmittance(1 << 28, 40), ONE / 2);
 }

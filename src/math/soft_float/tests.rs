@@ -65,6 +65,17 @@ proptest! {
         prop_assert_eq!(sum_below(terms, top, bits), SoftFloat::from_wide(sum as i64, unit, bits));
     }
 
+    /// What they give has no meaning, but a panic would be one in a build with overflow checks.
+    #[test]
+    fn widths_that_are_none_do_not_panic(wide: i64, exponent: i32, mantissa: i32, length: u32, top: i32,
+        bits in prop_oneof![any::<u32>(), 0u32..64, u32::MAX - 20..=u32::MAX, (1u32 << 31) - 20..(1 << 31) + 20]) {
+        let (number, term) = (SoftFloat { mantissa, exponent }, Product { value: wide, exponent: top, length });
+        let _ = (number.multiply_within(number, bits), number.multiply(number, bits), term.normalise(bits));
+        let _ = (sum_of_products([term], bits), sum_of_products([term, number.times(number)], bits));
+        let _ = (sum_of_products([term; 3], bits), sum_below([term; 2], top, bits));
+        let _ = (crate::math::square_root(number, bits), crate::math::reciprocal(number, bits));
+    }
+
     #[test]
     fn every_bit_pattern_is_defined(mantissa: i32, exponent: i32, wide: i64, fraction in 0u32..64, bits in 1u32..=31) {
         let number = SoftFloat { mantissa, exponent };
