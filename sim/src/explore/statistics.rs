@@ -245,7 +245,8 @@ fn open_chart(classes: &[u64; TENTHS]) -> String {
     bars_of(heading, "up to", &bars)
 }
 
-/// How wide a name is at most: the page's style writes them larger than other charts' (`.charts .chart text`, 19 pixels on a narrow screen).
+/// How wide a name is at most: the page's style writes them larger than other charts' (`.charts .chart text`, 19 pixels
+/// on a narrow screen).
 fn name_width(name: &str) -> f64 {
     text_width(name) * 19.0 / TEXT
 }
