@@ -38,8 +38,8 @@ pub enum Traversal {
 
 /// Widths of every quantity, in bits. "Fraction" counts bits right of the binary point.
 ///
-/// A function that takes widths takes them as [checked](Widths::check), as a [`Design`] has them: its bounds rest on that, and widths out of their
-/// ranges may end in an overflow. All other arguments may have any bits.
+/// A function that takes widths takes them as [checked](Widths::check), as a [`Design`] has them: its bounds rest on
+/// that, and widths out of their ranges may end in an overflow. All other arguments may have any bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Widths {
     /// Magnitude bits of a splat's difference to the eye, and of the rotation by which it gets to camera space (8 to 60; above 30

@@ -253,8 +253,8 @@ impl Blend {
         product < self.opacity_min
     }
 
-    /// Can the opacity of a splat with this peak (UQ4.peak) exceed the clamp? No kernel is above 1, which has `weight_bits` fraction bits:
-    /// the widths' (at most 28; of others the low five bits count).
+    /// Can the opacity of a splat with this peak (UQ4.peak) exceed the clamp? No kernel is above 1, which has
+    /// `weight_bits` fraction bits: the widths' (at most 28; of others the low five bits count).
     #[inline(always)]
     pub fn is_clamped(&self, peak: u32, weight_bits: u8) -> bool {
         let one = 1u32.wrapping_shl(weight_bits.into());

@@ -70,7 +70,8 @@ impl<'a> PerspectiveTable<'a> {
         PerspectiveTable { entries }
     }
 
-    /// The correction for a footprint of `spread` (UQ0.32) with `radial_bits` fraction bits of r; more than 44 count as 44.
+    /// The correction for a footprint of `spread` (UQ0.32) with `radial_bits` fraction bits of r; more than 44 count as
+    /// 44.
     pub fn index(&self, spread: u32, radial_bits: u32) -> PerspectiveIndex<'a> {
         let row = (spread >> (32 - 4 - SPREAD_LOG2)) as usize;
         let start = row * COLUMNS;

@@ -9,7 +9,8 @@
 use super::words::{leading_zeros_wide, rounded_down, shifted_up};
 use crate::format::Rounding;
 
-/// `value / 2^shift`, rounded to nearest, halves up. `shift >= 64` gives 0. Values less than half of `2^shift` below the type's end wrap.
+/// `value / 2^shift`, rounded to nearest, halves up. `shift >= 64` gives 0. Values less than half of `2^shift` below
+/// the type's end wrap.
 #[inline]
 pub const fn shift_round(value: i64, shift: u32) -> i64 {
     if shift == 0 {
@@ -49,8 +50,9 @@ pub const fn shift_signed(value: i64, shift: i32) -> i64 {
     rounded_down(value, shift as u32)
 }
 
-/// `value / 2^shift` in the pixel path, by the design's rounding. `shift >= 64` gives 0; a negative shift
-/// multiplies and drops what leaves the word (the width ranges keep values below it). Rounding up wraps at the word's end, as in [`shift_round`].
+/// `value / 2^shift` in the pixel path, by the design's rounding. `shift >= 64` gives 0; a negative shift multiplies
+/// and drops what leaves the word (the width ranges keep values below it). Rounding up wraps at the word's end, as in
+/// [`shift_round`].
 #[inline(always)]
 pub const fn shift_unsigned(value: u64, shift: i32, rounding: Rounding) -> u64 {
     if shift >= 64 || shift <= -64 {

@@ -9,7 +9,8 @@
 //! lengths alone, so that no leading zeros are counted before the sum. A cut rounds down, because a floor of a floor is one floor: it may be
 //! done before or after the alignment, and costs nothing in hardware.
 //!
-//! `bits` is 1 to 31 wherever a result is rounded to it. Other numbers of bits are no width: what they give has no meaning, but nothing panics.
+//! `bits` is 1 to 31 wherever a result is rounded to it. Other numbers of bits are no width: what they give has no
+//! meaning, but nothing panics.
 //!
 //! On 32-bit processors normalisation is a function of its own and not inlined, for the sake of code size (docs/firmware.md).
 
@@ -71,7 +72,8 @@ impl SoftFloat {
         exponent: ZERO_EXPONENT,
     };
 
-    /// `value * 2^exponent` with the magnitude rounded to nearest, halves up, to `bits` (1 to 31) bits; the exponent saturates.
+    /// `value * 2^exponent` with the magnitude rounded to nearest, halves up, to `bits` (1 to 31) bits; the exponent
+    /// saturates.
     #[cfg_attr(not(target_pointer_width = "32"), inline)]
     #[cfg_attr(target_pointer_width = "32", inline(never))]
     pub const fn from_wide(value: i64, exponent: i32, bits: u32) -> SoftFloat {

@@ -36,9 +36,11 @@ pub fn root_seed(value: u64) -> (u32, i32) {
     (root_of(normal), 8 - (even / 2) as i32)
 }
 
-/// The root of a number of [1/4, 1) in UQ0.32, UQ0.24 of [1/2, 1): of its upper two bits one is set. The lowest eight bits do not count.
+/// The root of a number of [1/4, 1) in UQ0.32, UQ0.24 of [1/2, 1): of its upper two bits one is set. The lowest eight
+/// bits do not count.
 ///
-/// Smaller numbers, which [`root_seed`] and [`square_root`] never ask for, give roots of the table's first interval: at least 1/2, below 0.504.
+/// Smaller numbers, which [`root_seed`] and [`square_root`] never ask for, give roots of the table's first interval: at
+/// least 1/2, below 0.504.
 #[inline(always)]
 pub fn root_of(normal: u32) -> u32 {
     // Saturating, so that neither place needs a comparison.

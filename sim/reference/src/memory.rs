@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Why work is not begun.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what} would take about {needed} MB of memory, {limit} MB are available: {fix}")]
+#[error("{what} would take about {needed} MB of memory, {of}{limit} MB are available: {fix}")]
 pub struct TooLarge {
     /// What takes it.
     pub what: String,
@@ -18,6 +18,8 @@ pub struct TooLarge {
     pub needed: u64,
     /// Available, in millions of bytes.
     pub limit: u64,
+    /// `of the 300 MB granted `; nothing where the user has named no limit.
+    pub of: String,
     /// What to do about it.
     pub fix: &'static str,
 }
@@ -68,6 +70,7 @@ pub fn list<T>(count: u64, what: &str) -> Result<Vec<T>, TooLarge> {
                 .saturating_mul(size_of::<T>() as u64)
                 .div_ceil(MEGABYTE),
             limit: available().unwrap_or(0) / MEGABYTE,
+            of: of_the_granted(),
             fix: FIX,
         }),
     }
@@ -88,10 +91,24 @@ fn within(bytes: u64, limit: Option<u64>, what: &str, fix: &'static str) -> Resu
             what: what.to_owned(),
             needed: bytes.div_ceil(MEGABYTE),
             limit: limit / MEGABYTE,
+            of: of_the_granted(),
             fix,
         }),
         _ => Ok(()),
     }
+}
+
+/// The user's own number: what the process has left of it would read as another limit.
+fn of_the_granted() -> String {
+    match granted() {
+        Some(bytes) => format!("of the {} MB granted ", bytes / MEGABYTE),
+        None => String::new(),
+    }
+}
+
+/// What the user grants, if anything.
+fn granted() -> Option<u64> {
+    Some(GRANTED.load(Ordering::Relaxed)).filter(|bytes| *bytes < u64::MAX)
 }
 
 /// The most bytes of memory that this process has had so far, if the system says.
@@ -116,8 +133,7 @@ pub fn available() -> Option<u64> {
     // What is cached for files counts as used in a group, and would be given up.
     let cached = after(&text("/sys/fs/cgroup/memory.stat"), "inactive_file ").unwrap_or(0);
     let used = group("current").map(|bytes| bytes.saturating_sub(cached));
-    let granted = Some(GRANTED.load(Ordering::Relaxed)).filter(|bytes| *bytes < u64::MAX);
-    let granted = difference(granted, kilobytes(&status, "VmRSS:"));
+    let granted = difference(granted(), kilobytes(&status, "VmRSS:"));
     let left = difference(group("max"), used);
     [system, address_space, data, left, granted]
         .into_iter()

@@ -7,7 +7,7 @@ use crate::machine::config::Config;
 use crate::machine::histogram::{Histogram, Histograms};
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::workload::{Workload, WorkloadRow};
-use crate::report::chart::{Anchor, Chart};
+use crate::report::chart::{Anchor, Chart, TEXT, text_width};
 use crate::report::html::escape;
 use crate::report::labels::Rectangle;
 use crate::report::shell::Shell;
@@ -175,7 +175,10 @@ pub fn page(title: &str, frames: &[(String, Statistics)]) -> String {
                 &statistics.pairs_until_finished,
             ),
         ] {
-            body += &chart_of(what, histogram);
+            // Of no members there is nothing to show; the words say so.
+            if !histogram.classes.is_empty() {
+                body += &chart_of(what, histogram);
+            }
         }
         body += &open_chart(&statistics.open_part_per_splat);
         body += "</div>\n</section>\n";
@@ -229,22 +232,28 @@ fn chart_of(what: &str, histogram: &Histogram) -> String {
         "{what}: mean {mean:.1}, at most {}",
         count(histogram.largest)
     );
-    bars_of(&heading, &bars.collect::<Vec<_>>())
+    bars_of(&heading, "from", &bars.collect::<Vec<_>>())
 }
 
 fn open_chart(classes: &[u64; TENTHS]) -> String {
     let name = |class: usize| match class {
-        0 => "none".to_owned(),
         class if class == TENTHS - 1 => "all".to_owned(),
-        class => format!("{} %", 10 * class),
+        class => format!("{}", 10 * class),
     };
     let bars: Vec<(String, u64)> = (0..).map(name).zip(*classes).collect();
-    bars_of("part of a splat's pixels that is still open", &bars)
+    let heading = "part of a splat's pixels that is still open, up to so many per cent";
+    bars_of(heading, "up to", &bars)
+}
+
+/// How wide a name is at most: the page's style writes them larger than other charts' (`.charts .chart text`, 19 pixels
+/// on a narrow screen).
+fn name_width(name: &str) -> f64 {
+    text_width(name) * 19.0 / TEXT
 }
 
 /// Bars beside each other, with their names below.
-fn bars_of(heading: &str, bars: &[(String, u64)]) -> String {
-    let (width, height, left) = (430.0, 150.0, 10.0);
+fn bars_of(heading: &str, class: &str, bars: &[(String, u64)]) -> String {
+    let (width, height, left) = (430.0, 150.0, 8.0);
     let most = bars
         .iter()
         .map(|(_, members)| *members)
@@ -253,8 +262,13 @@ fn bars_of(heading: &str, bars: &[(String, u64)]) -> String {
         .max(1);
     let step = (width - 2.0 * left) / bars.len().max(1) as f64;
     let mut chart = Chart::new(width, height + 44.0, heading);
-    // Names that would touch are left out.
-    let every = (30.0 / step).ceil().max(1.0) as usize;
+    // Every bar is named, or every second, or third: names do not touch.
+    let widths: Vec<f64> = bars.iter().map(|(name, _)| name_width(name)).collect();
+    let apart = |every: &usize| {
+        let named: Vec<&f64> = widths.iter().step_by(*every).collect();
+        (named.windows(2)).all(|pair| (pair[0] + pair[1]) / 2.0 <= step * *every as f64)
+    };
+    let every = (1..=bars.len()).find(apart).unwrap_or(1);
     for (place, (name, members)) in bars.iter().enumerate() {
         let tall = height * *members as f64 / most as f64;
         let bar = Rectangle {
@@ -266,7 +280,7 @@ fn bars_of(heading: &str, bars: &[(String, u64)]) -> String {
         chart.bar(
             &bar,
             "fill=\"#2f6fde\"",
-            &format!("from {name}: {}", count(*members)),
+            &format!("{class} {name}: {}", count(*members)),
         );
         if place % every == 0 {
             let middle = left + step * (place as f64 + 0.5);
@@ -322,10 +336,42 @@ mod tests {
         let reuse = statistics.reuse.unwrap();
         assert_eq!(reuse.pairs[1], now.pairs.len() as u64);
         assert!(reuse.pairs[0] > reuse.pairs[1] / 2 && reuse.pairs[0] < reuse.pairs[1]);
+        // No tile of this frame finishes: a chart of nothing is not drawn.
+        assert_eq!(statistics.finished_tiles[0], 0);
         let page = page("<random>", &[("a & b".to_owned(), statistics)]);
         assert!(page.contains("&lt;random&gt;") && page.contains("a &amp; b"));
-        assert_eq!(page.matches("<svg").count(), 7);
+        assert_eq!(page.matches("<svg").count(), 6);
         assert!(page.contains("Of the frame before, ") && !page.contains("NaN"));
+    }
+
+    /// Names of a chart's bars do not touch, however many and long they are; what can be named is.
+    #[test]
+    fn names_of_bars_keep_apart() {
+        let named = |count: u32, name: fn(u32) -> String| {
+            let bars: Vec<(String, u64)> = (0..count).map(|bar| (name(bar), 1)).collect();
+            let chart = bars_of("bars", "from", &bars);
+            let texts: Vec<(f64, f64)> = (chart.split("<text").skip(1))
+                .map(|text| {
+                    let (_, place) = text.split_once(" x=\"").unwrap();
+                    let (_, name) = text.split_once('>').unwrap();
+                    let (name, _) = name.split_once('<').unwrap();
+                    (
+                        place.split('"').next().unwrap().parse().unwrap(),
+                        name_width(name),
+                    )
+                })
+                .collect();
+            for pair in texts.windows(2) {
+                let apart = pair[1].0 - pair[0].0;
+                assert!(apart + 0.1 >= (pair[0].1 + pair[1].1) / 2.0, "{pair:?}");
+            }
+            texts.len()
+        };
+        assert_eq!(named(9, |bar| (1 << bar).to_string()), 9);
+        named(12, |bar| (1 << bar).to_string());
+        named(40, |bar| (1u64 << bar).to_string());
+        let open = open_chart(&[1; TENTHS]);
+        assert_eq!(open.matches("<text").count(), TENTHS, "{open}");
     }
 
     #[test]

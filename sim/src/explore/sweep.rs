@@ -35,8 +35,8 @@ pub fn run(
     evaluate(&evaluator, space, open, &append)
 }
 
-/// Evaluates numbered points, those that share work side by side, and hands each one's results over as soon as they are known. Points without a design
-/// or a machine are left out; where none has a design, a value of the space is mistaken.
+/// Evaluates numbered points, those that share work side by side, and hands each one's results over as soon as they are
+/// known. Points without a design or a machine are left out; where none has a design, a value of the space is mistaken.
 pub fn evaluate<'a>(
     evaluator: &Evaluator,
     space: &Space,

@@ -39,6 +39,7 @@ fn what_does_not_fit_into_memory_is_refused() {
     shell.refused(1, large, "MB of memory");
     let scene = "info random:10000000 --memory 500";
     shell.refused(1, scene, "10000000 splats of degree 0 would take");
+    shell.refused(1, scene, "MB of memory, of the 500 MB granted ");
     let units = "--set raster_units=1024 --set row_fifo=65536";
     let lanes = "--set lanes=64 --set layout=rows";
     shell.refused(

@@ -84,8 +84,8 @@ const fn log2_near_one(e: i64) -> i64 {
     (series << 2) + round_shift(series * LOG2_E_LESS_1, 25)
 }
 
-/// 2^-D for D in UQ4.fraction, UQ1.31. Error: at most 2^-30. Beyond the format depths of 32 octaves and more give 0, and more than 28 fraction
-/// bits count as 28.
+/// 2^-D for D in UQ4.fraction, UQ1.31. Error: at most 2^-30. Beyond the format depths of 32 octaves and more give 0,
+/// and more than 28 fraction bits count as 28.
 #[inline]
 pub const fn transmittance(depth: u32, fraction: u32) -> u32 {
     let depth = (depth as u64) << (28 - if fraction > 28 { 28 } else { fraction });
