@@ -14,7 +14,7 @@ use crate::input::{self, Refused, line_of};
 use serde::{Deserialize, Serialize};
 use splatline::format::{
     Classic8, Deep32, Design, Lean18, Micro16, Rounding, RuntimeWidths, Standard24, Traversal,
-    WIDTH_RANGES, Widths,
+    WIDTH_RANGES, WidthError, Widths,
 };
 use std::borrow::Cow;
 use std::path::Path;
@@ -137,6 +137,16 @@ impl DesignChoice {
 
     /// Parses the text of a design file; `file` is its name for messages.
     pub fn from_toml(file: &str, text: &str) -> Result<Self, Refused> {
+        let choice = Self::unchecked(file, text)?;
+        choice.widths.check().map_err(|error| {
+            let line = line_of(text, &[error.field]);
+            Refused(format!("{file}:{line}: {}", out_of_range(&error)))
+        })?;
+        Ok(choice)
+    }
+
+    /// The same with widths that may be out of their ranges, or exclude each other.
+    pub fn unchecked(file: &str, text: &str) -> Result<Self, Refused> {
         let parsed: DesignFile =
             toml::from_str(text).map_err(|error| Refused(format!("{file}: {error}")))?;
         let Some(mut choice) = Self::named(&parsed.base) else {
@@ -152,15 +162,14 @@ impl DesignChoice {
             .to_string_lossy()
             .into_owned();
         parsed.apply(&mut choice);
-        choice.widths.check().map_err(|error| {
-            let (field, value, (low, high)) = (error.field, error.value, error.range);
-            let line = line_of(text, &[field]);
-            Refused(format!(
-                "{file}:{line}: {field} = {value} is out of range: allowed are {low} to {high}"
-            ))
-        })?;
         Ok(choice)
     }
+}
+
+/// Which width is refused, and what it may be.
+pub fn out_of_range(error: &WidthError) -> String {
+    let (field, value, (low, high)) = (error.field, error.value, error.range);
+    format!("{field} = {value} is out of range: allowed are {low} to {high}")
 }
 
 /// A design with every field resolved, as reports show it.

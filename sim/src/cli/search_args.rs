@@ -9,8 +9,8 @@ use super::resolve::{
 use super::say::{Failure, warn};
 use super::values::{FORMATS, METRICS, one_of, positive};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions, of_units};
-use crate::explore::evaluator::Subject;
 use crate::explore::limits::Quantity;
+use crate::explore::subject::Subject;
 use crate::plan::Engine;
 use clap::Args;
 use splatline::format::Traversal;

@@ -36,18 +36,17 @@ pub fn if_nothing_is_seen(
             _ => String::new(),
         };
     }
-    let all = scene.splats;
-    let why = match scene.shown() {
-        _ if all == 0 => "the scene has no splats".to_owned(),
-        0 => format!("all {all} splats are culled{}", reasons(&scene.culled)),
-        rest if rest == all => "all splats are transparent or smaller than a pixel".to_owned(),
-        rest => format!(
-            "of {all} splats {} are culled{}; the rest is transparent or smaller than a pixel",
-            all - rest,
-            reasons(&scene.culled)
-        ),
+    let unseen = || {
+        let (all, culled) = (scene.splats, scene.splats - scene.shown());
+        scene.empty(&match culled {
+            0 => "all splats are transparent or smaller than a pixel".to_owned(),
+            _ => format!(
+                "of {all} splats {culled} are culled{}; the rest is transparent or smaller than a pixel",
+                reasons(&scene.culled)
+            ),
+        })
     };
-    format!("{}: the picture is empty: {why}\n", scene.name)
+    scene.if_nothing_is_left().unwrap_or_else(unseen) + "\n"
 }
 
 /// Says that surfaces were merged, which the layers asked for could not keep apart; nothing if none were.

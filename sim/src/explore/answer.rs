@@ -7,12 +7,13 @@
 //! With many frames the search runs on those that are heaviest; what it finds is evaluated on all of them, and a frame that misses a limit joins the
 //! search, which begins again. So the answer holds for every frame, and most frames are looked at once.
 
-use super::evaluator::{Evaluator, Reached, Subject};
+use super::evaluator::{Evaluator, Reached};
 use super::formats::{self, FormatRow};
 use super::limits::{Limit, missed};
 use super::refusal::{RuledOut, has_only_widths, ruled_out};
 use super::search::{Score, Search, compare};
 use super::space::{Space, SpaceAxis, SpacePart};
+use super::subject::{Choice, Subject};
 use crate::design::{DesignChoice, ResolvedDesign};
 use crate::input::Refused;
 use crate::machine::config::{Config, setting};
@@ -263,9 +264,10 @@ pub fn optimize(
 
 /// The frames that take the most cycles where the search starts.
 fn heaviest(evaluator: &Evaluator, space: &Space) -> Result<Vec<usize>> {
-    let at = evaluator.choice(space, &start(evaluator.subject, space))?;
-    let mut order: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
-    if at.machine.check_together().is_ok() {
+    let subject = evaluator.subject;
+    let at = Choice::possible(subject.choice(space, &start(subject, space)))?;
+    let mut order: Vec<usize> = (0..subject.frames.len()).collect();
+    if let Some(at) = at {
         let costs = evaluator.on_all_frames(&at)?;
         order.sort_by_key(|frame| std::cmp::Reverse(costs[*frame].pace.cycles_per_frame));
     }

@@ -3,9 +3,9 @@
 use super::*;
 use crate::explore::answer_page;
 use crate::explore::detail::detail;
-use crate::explore::evaluator::Choice;
 use crate::explore::folder::Appender;
 use crate::explore::limits::{Quantity, tightest};
+use crate::explore::subject::Choice;
 use crate::explore::sweep;
 use crate::explore::table::{ResultTable, heading};
 use crate::plan::{DesignVariant, Plan, Prepared};
@@ -143,7 +143,7 @@ fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
     let space = Space::from_toml("s.toml", SPACE).unwrap();
     let evaluator = Evaluator::new(&subject, false);
     for point in space.points.iter().step_by(7) {
-        let choice = evaluator.choice(&space, point).unwrap();
+        let choice = evaluator.subject.choice(&space, point).unwrap();
         if choice.machine.check_together().is_err() {
             continue;
         }
@@ -243,7 +243,11 @@ fn a_surface_is_answered_with_all_bytes_and_all_energy() {
     let space = Space::from_toml("s.toml", "[machine]\nsurface_layers = [1, 0]\n").unwrap();
     let evaluator = Evaluator::new(&subject, false);
     for point in [[0], [1]] {
-        let error = evaluator.choice(&space, &point).unwrap_err().to_string();
+        let error = evaluator
+            .subject
+            .choice(&space, &point)
+            .unwrap_err()
+            .to_string();
         assert!(
             error.contains("it needs a machine with surface_layers"),
             "{error}"
@@ -318,7 +322,10 @@ fn the_usual_space_holds_its_start() {
         ..subject(&frames)
     };
     let evaluator = Evaluator::new(&subject, false);
-    let choice = evaluator.choice(&space, &start(&subject, &space)).unwrap();
+    let choice = evaluator
+        .subject
+        .choice(&space, &start(&subject, &space))
+        .unwrap();
     assert_eq!(choice.variant.design.widths, design.widths);
     assert_eq!(choice.machine, machine);
 }
@@ -355,8 +362,16 @@ fn widths_that_exclude_each_other_end_no_search() {
     let space = Space::from_toml("s.toml", text).unwrap();
     let limits = [limit(Quantity::PsnrDb, 10.0)];
     assert!(optimize(&subject, &limits, &space, &|_| ()).unwrap().holds);
+    // So many frames that the heaviest are asked for at that first point.
+    let many = self::frames(&[1.0, 1.1, 1.2, 1.3, 1.4]);
+    let many = self::subject(&many);
+    assert!(optimize(&many, &limits, &space, &|_| ()).unwrap().holds);
     let evaluator = Evaluator::new(&subject, false);
-    let refused = evaluator.choice(&space, &[0, 0]).unwrap_err().to_string();
+    let refused = evaluator
+        .subject
+        .choice(&space, &[0, 0])
+        .unwrap_err()
+        .to_string();
     assert!(
         refused.contains("radial = 8") && !refused.contains("toml"),
         "{refused}"

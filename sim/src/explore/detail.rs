@@ -1,10 +1,11 @@
 //! What a page shows of an answer's first machine beside the answer: its slowest frame in full, and what a change of one setting would do.
 
 use super::answer::{Answer, Found, value_of};
-use super::evaluator::{Choice, Evaluator, FrameCost, Subject};
+use super::evaluator::{Evaluator, FrameCost};
 use super::limits::{Limit, missed};
 use super::search::EXCHANGED;
 use super::space::Space;
+use super::subject::{Choice, Subject};
 use crate::design::DesignChoice;
 use crate::machine::energy::{self, Energy};
 use crate::machine::lanes::{LaneShape, LaneWork};

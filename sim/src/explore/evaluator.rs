@@ -5,30 +5,29 @@
 //! some; a sweep does not, so it keeps none and holds the rows of one frame alone in memory.
 
 use super::bounds::FrameCounts;
+use super::cache::Cache;
 pub use super::errors::{DesignError, ErrorDetail};
 use super::errors::{errors_inside, worst};
-use super::space::{Space, SpacePart};
-use crate::design::{DesignChoice, traversal_name};
+use super::subject::{Choice, Subject};
+use crate::design::traversal_name;
 use crate::fixed::{Canvas, QuantisedScene};
 use crate::machine::area::lane::{FloatLane, in_format};
-use crate::machine::area::{Area, Calibration, estimate};
+use crate::machine::area::{Area, estimate};
 use crate::machine::clock::{Clock, Throughput};
-use crate::machine::config::Config;
-use crate::machine::energy::{self, EnergyTable};
+use crate::machine::energy;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::summary::Spread;
 use crate::machine::workload::Workload;
 use crate::machine::{Timing, simulate};
 use crate::picture::Picture;
 use crate::plan::{self, DesignVariant, Engine, Prepared};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use rayon::prelude::*;
 use serde::Serialize;
-use splatline::format::{Rounding, Traversal};
+use splatline::format::Rounding;
 use splatline::raster::Window;
-use std::collections::{BTreeMap, HashMap, VecDeque};
-use std::hash::Hash;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Bytes of rows kept at most, and of their groupings.
 const MOST_BYTES: usize = 1_000_000_000;
@@ -38,69 +37,6 @@ const MOST_CANVASES: usize = 4;
 
 /// Tiles of a frame that are drawn alone at most before all of it is.
 const MOST_PROBED: usize = 3;
-
-/// What is explored: frames, and the design and the machine that everything starts from.
-pub struct Subject<'a> {
-    /// The frames, of one scene or many.
-    pub frames: Vec<&'a Prepared>,
-    /// Their pictures in double precision; none leaves errors out.
-    pub references: Vec<Picture>,
-    /// The design to start from.
-    pub design: DesignChoice,
-    /// The traversal, unless the space or the design says otherwise.
-    pub traversal: Option<Traversal>,
-    /// The machine to start from.
-    pub machine: Config,
-    /// Prices of area.
-    pub calibration: Calibration,
-    /// Energies of actions.
-    pub energy: EnergyTable,
-    /// Floating-point formats that stand beside the answer.
-    pub formats: Vec<Engine>,
-}
-
-impl<'a> Subject<'a> {
-    /// Frames with the design and the machine that the first one's plan has, and no references yet.
-    pub fn new(frames: Vec<&'a Prepared>) -> Result<Subject<'a>> {
-        let plan = &frames.first().context("there is no frame")?.plan;
-        // Of several scenes, the one with most harmonics.
-        let harmonics = frames
-            .iter()
-            .map(|frame| frame.plan.machine.harmonics_bytes);
-        let machine = Config {
-            harmonics_bytes: harmonics.max().unwrap_or(0),
-            ..plan.machine
-        };
-        Ok(Subject {
-            references: Vec::new(),
-            design: plan.entry.design.clone(),
-            traversal: None,
-            machine,
-            calibration: Calibration::default(),
-            energy: EnergyTable::default(),
-            formats: Vec::new(),
-            frames,
-        })
-    }
-
-    /// Draws the references, once for all that follows.
-    pub fn draw_references(&mut self) -> Result<()> {
-        for frame in &self.frames {
-            let drawing = frame.draw_reference(Engine::Float, &|_, _| ())?;
-            self.references.push(drawing.picture);
-        }
-        Ok(())
-    }
-}
-
-/// A design by one traversal on a machine.
-#[derive(Clone, Debug)]
-pub struct Choice {
-    /// The design and its traversal.
-    pub variant: DesignVariant,
-    /// The machine.
-    pub machine: Config,
-}
 
 /// What a choice takes on one frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -163,67 +99,6 @@ pub fn work_key(choice: &Choice) -> WorkKey {
     (design_key(&choice.variant), tile)
 }
 
-/// Results by what they depend on, as long as all take no more than so many bytes: the oldest leave first.
-struct Cache<K, V> {
-    most: usize,
-    bytes: fn(&V) -> usize,
-    kept: Mutex<Kept<K, V>>,
-}
-
-/// What is kept, its keys as they came, and its bytes.
-struct Kept<K, V> {
-    known: HashMap<K, V>,
-    order: VecDeque<K>,
-    bytes: usize,
-}
-
-impl<K: Hash + Eq + Clone, V: Clone> Cache<K, V> {
-    fn new(most: usize, bytes: fn(&V) -> usize) -> Cache<K, V> {
-        let kept = Kept {
-            known: HashMap::new(),
-            order: VecDeque::new(),
-            bytes: 0,
-        };
-        Cache {
-            most,
-            bytes,
-            kept: Mutex::new(kept),
-        }
-    }
-
-    /// Of what is so small that all of it stays.
-    fn of_all() -> Cache<K, V> {
-        Cache::new(usize::MAX, |_| 0)
-    }
-
-    fn kept(&self) -> MutexGuard<'_, Kept<K, V>> {
-        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// What is known, or else made and kept.
-    fn get(&self, key: K, make: impl FnOnce() -> Result<V>) -> Result<V> {
-        if let Some(known) = self.kept().known.get(&key) {
-            return Ok(known.clone());
-        }
-        // Not under the lock: others may look meanwhile.
-        let made = make()?;
-        let bytes = (self.bytes)(&made);
-        let mut kept = self.kept();
-        while kept.bytes.saturating_add(bytes) > self.most
-            && let Some(oldest) = kept.order.pop_front()
-        {
-            let left = kept.known.remove(&oldest);
-            kept.bytes -= left.as_ref().map_or(0, self.bytes);
-        }
-        // Another one may have made it meanwhile.
-        if kept.known.insert(key.clone(), made.clone()).is_none() {
-            kept.bytes += bytes;
-            kept.order.push_back(key);
-        }
-        Ok(made)
-    }
-}
-
 /// Is given what a choice of a list takes on each frame, as soon as that is known.
 pub type Sink<'a> = &'a (dyn Fn(usize, Vec<FrameCost>) -> Result<()> + Sync);
 
@@ -280,33 +155,6 @@ impl<'a> Evaluator<'a> {
         self.format.and_then(Engine::lane)
     }
 
-    /// The design and the machine of a point.
-    pub fn choice(&self, space: &Space, point: &[usize]) -> Result<Choice> {
-        let variant = self.variant(space, point)?;
-        let machine = self.machine(space, point)?;
-        Ok(Choice { variant, machine })
-    }
-
-    /// The design of a point.
-    pub fn variant(&self, space: &Space, point: &[usize]) -> Result<DesignVariant> {
-        let settings = space.settings(point, |part| part == SpacePart::Design);
-        let design = changed(&self.subject.design, &settings)?;
-        let swept = settings.iter().any(|(key, _)| *key == "traversal");
-        let traversal = if swept { None } else { self.subject.traversal };
-        Ok(DesignVariant::new(design, traversal))
-    }
-
-    /// The machine of a point.
-    pub fn machine(&self, space: &Space, point: &[usize]) -> Result<Config> {
-        let mut machine = self.subject.machine;
-        let settings = space.settings(point, |part| part != SpacePart::Design);
-        machine.set_all("space", &settings)?;
-        for frame in &self.subject.frames {
-            frame.check_machine(&machine)?;
-        }
-        Ok(machine)
-    }
-
     /// The errors of a design over some frames; nothing without references.
     pub fn error(&self, variant: &DesignVariant, frames: &[usize]) -> Result<Option<DesignError>> {
         let mut all = Vec::with_capacity(frames.len());
@@ -350,12 +198,7 @@ impl<'a> Evaluator<'a> {
     ) -> Result<Option<DesignError>> {
         let mut all = Vec::with_capacity(frames.len());
         for frame in frames {
-            let known = self
-                .errors
-                .kept()
-                .known
-                .get(&(design_key(variant), *frame))
-                .copied();
+            let known = self.errors.known(&(design_key(variant), *frame));
             let windows = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
             let windows = windows.get(frame).cloned().unwrap_or_default();
             all.push(match (known, self.scenes.get(*frame)) {
@@ -598,39 +441,4 @@ impl<'a> Evaluator<'a> {
     fn no_cost(&self, choice: &Choice) -> FrameCost {
         self.cost(choice, &Timing::default())
     }
-}
-
-/// A design with some of its keys set otherwise; `base` names another one to begin with, or its file.
-/// Widths of a point that no design has, or that exclude each other.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct NoDesign(String);
-
-fn changed(start: &DesignChoice, settings: &[(&str, &toml::Value)]) -> Result<DesignChoice> {
-    if settings.is_empty() {
-        return Ok(start.clone());
-    }
-    let base = settings.iter().find(|(key, _)| *key == "base");
-    let start = match base.and_then(|(_, value)| value.as_str()) {
-        Some(name) => DesignChoice::load(name)?,
-        None => start.clone(),
-    };
-    let mut table: toml::Table = start.resolved().to_toml().parse()?;
-    for (key, value) in settings.iter().filter(|(key, _)| *key != "base") {
-        table.insert((*key).to_owned(), (*value).clone());
-    }
-    DesignChoice::from_toml("space.toml", &table.to_string()).map_err(|refused| {
-        // Its line would be one of a file that nobody has.
-        let refused = refused.to_string();
-        let what = refused.split_once(": ").map_or(&*refused, |(_, what)| what);
-        let point: Vec<String> = settings
-            .iter()
-            .map(|(key, value)| format!("{key} = {value}"))
-            .collect();
-        let point = point.join(", ");
-        NoDesign(format!(
-            "the space has a point without a design ({point}): {what}"
-        ))
-        .into()
-    })
 }

@@ -5,11 +5,12 @@
 //! Tried and dropped: all widths lowered in step (ends at the one that needs most), and coordinate search by area per error (twice the
 //! drawings for designs of the same area).
 
-use super::evaluator::{DesignError, Evaluator, Subject};
+use super::evaluator::{DesignError, Evaluator};
 use super::formats::{FormatRow, beside_design};
 use super::limits::Limit;
 use super::search::Search;
 use super::space::Space;
+use super::subject::Subject;
 use crate::design::traversal_name;
 use anyhow::{Context, Result};
 use serde::Serialize;

@@ -5,8 +5,8 @@
 //! digest of its sources, every settings file by a digest of its text, and camera, rules, design, machine and prices by all their
 //! values. Results may share a table only if all of it is equal, and where it is not, the message says what differs.
 
-use super::evaluator::Subject;
 use super::space::Space;
+use super::subject::Subject;
 use crate::design::traversal_name;
 use crate::difference::{Difference, differences};
 use crate::digest::Digest;

@@ -1,7 +1,7 @@
 //! Exploration: sweeps over designs and machines, the Pareto front, the smallest design within a budget, and what a scene needs.
 //!
 //! ```text
-//! frames, a design, a machine -> evaluator (errors, cycles, area, energy of any choice)
+//! frames, a design, a machine -> subject -> evaluator (errors, cycles, area, energy of any choice)
 //! space (TOML) -> points -> sweep: all points (CSV appended) -> front (CSV, HTML)
 //! limits (frames a second, LUT, error ...) -> search: descent -> answer, the cheapest point; fit, the smallest design
 //! ```
@@ -10,6 +10,7 @@ pub mod answer;
 pub mod answer_page;
 mod answer_text;
 mod bounds;
+mod cache;
 pub mod detail;
 mod errors;
 pub mod evaluator;
@@ -25,5 +26,6 @@ pub mod refusal;
 mod search;
 pub mod space;
 pub mod statistics;
+pub mod subject;
 pub mod sweep;
 pub mod table;

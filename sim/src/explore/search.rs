@@ -2,9 +2,10 @@
 //!
 //! A point is better if it misses its limits by less, and among points that hold them if it costs less.
 
-use super::evaluator::{Choice, DesignError, Evaluator, Reached, work_key};
+use super::evaluator::{DesignError, Evaluator, Reached, work_key};
 use super::limits::{Limit, missed};
 use super::space::{Space, SpacePart};
+use super::subject::Choice;
 use crate::machine::area::lane::fixed_lane;
 use crate::plan::DesignVariant;
 use anyhow::Result;
@@ -45,7 +46,7 @@ pub struct Search<'a> {
     pub space: &'a Space,
     /// What is to be held.
     pub limits: &'a [Limit],
-    /// What has been evaluated; nothing for what makes no machine.
+    /// What has been evaluated; nothing for what makes no design or no machine.
     pub known: HashMap<Vec<usize>, Option<Reached>>,
     /// Is a point judged by what it could reach at best, without a drawing and a simulation?
     by_bounds: bool,
@@ -104,7 +105,7 @@ impl<'a> Search<'a> {
     /// The design and the machine of a point.
     pub fn choice(&self, point: &[usize]) -> Result<Choice> {
         let variant = self.variant(point)?;
-        let machine = self.evaluator.machine(self.space, point)?;
+        let machine = self.evaluator.subject.machine(self.space, point)?;
         Ok(Choice { variant, machine })
     }
 
@@ -117,7 +118,7 @@ impl<'a> Search<'a> {
         if let Some(variant) = known {
             return Ok(variant);
         }
-        let variant = self.evaluator.variant(self.space, point)?;
+        let variant = self.evaluator.subject.variant(self.space, point)?;
         self.designs.borrow_mut().insert(key, variant.clone());
         Ok(variant)
     }
@@ -188,17 +189,11 @@ impl<'a> Search<'a> {
         self.design_error(&choice)
     }
 
-    /// Is there such a design? Widths bound each other, as a table's interval is no less than a step of the radial index.
-    fn is_design(&self, point: &[usize]) -> bool {
-        self.variant(point).is_ok()
-    }
-
     /// Are the limits on errors held? Where a few tiles miss them, the rest is not drawn.
     fn holds_errors(&mut self, point: &[usize]) -> Result<bool> {
-        if !self.is_design(point) {
+        let Some(choice) = Choice::designed(self.choice(point))? else {
             return Ok(false);
-        }
-        let choice = self.choice(point)?;
+        };
         let same = |other: &Choice| {
             other.variant.traversal == choice.variant.traversal
                 && other.variant.design.widths == choice.variant.design.widths
@@ -257,14 +252,11 @@ impl<'a> Search<'a> {
             if self.known.contains_key(point) || listed {
                 continue;
             }
-            if !self.is_design(point) {
+            let Some(choice) = Choice::possible(self.choice(point))? else {
                 self.known.insert(point.clone(), None);
                 continue;
-            }
-            let choice = self.choice(point)?;
-            if choice.machine.check_together().is_err() {
-                self.known.insert(point.clone(), None);
-            } else if self.by_bounds {
+            };
+            if self.by_bounds {
                 let reached = self.at_best(&choice)?;
                 self.known.insert(point.clone(), Some(reached));
             } else {
@@ -298,7 +290,7 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// The score of a point; infinite for what makes no machine.
+    /// The score of a point; infinite for what makes no design or no machine.
     fn score(&mut self, point: &[usize], judge: Judge) -> Result<Score> {
         self.evaluate(&[point.to_vec()])?;
         Ok(self.scored(point, judge))
@@ -319,11 +311,7 @@ impl<'a> Search<'a> {
         let mut best = at.to_vec();
         let mut hopeful = Vec::new();
         for point in points {
-            if !self.is_design(point) {
-                continue;
-            }
-            let choice = self.choice(point)?;
-            if choice.machine.check_together().is_ok() {
+            if let Some(choice) = Choice::possible(self.choice(point))? {
                 let reached = self.at_best(&choice)?;
                 hopeful.push((judge(&reached), point));
             }
@@ -345,9 +333,10 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    /// What a point costs, which needs no simulation.
+    /// What a point costs, which needs no simulation; infinite for what makes no design.
     fn cost(&self, point: &[usize]) -> Result<f64> {
-        Ok(self.evaluator.area(&self.choice(point)?).weight)
+        let choice = Choice::designed(self.choice(point))?;
+        Ok(choice.map_or(f64::INFINITY, |choice| self.evaluator.area(&choice).weight))
     }
 
     /// The better of two points; the second only if it is better.

@@ -2,11 +2,10 @@
 //! lane shape. Of several frames one after the other is walked, so that the rows of one alone lie in memory; a point's line has its slowest frame, and
 //! the spread of its time over all.
 
-use super::evaluator::{
-    Choice, DesignError, ErrorDetail, Evaluator, NoDesign, Reached, Subject, work_key,
-};
+use super::evaluator::{DesignError, ErrorDetail, Evaluator, Reached, work_key};
 use super::folder::Appender;
 use super::space::Space;
+use super::subject::{Choice, NoDesign, Subject};
 use super::table::{ERRORS, RESULTS, ResultTable};
 use crate::metrics::Percentiles;
 use anyhow::{Result, anyhow};
@@ -47,7 +46,7 @@ pub fn evaluate<'a>(
     let mut open: Vec<(usize, Choice)> = Vec::new();
     let (mut without, mut designs) = (Vec::new(), 0);
     for (number, point) in points {
-        let choice = match evaluator.choice(space, point) {
+        let choice = match evaluator.subject.choice(space, point) {
             Err(refused) if refused.is::<NoDesign>() => {
                 without.push((number, refused));
                 continue;

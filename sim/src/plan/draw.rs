@@ -17,7 +17,7 @@ use crate::picture::Picture;
 use crate::reference::compositor::RowProgress as Rows;
 use crate::reference::sphere::{self, Shape};
 use crate::renderer::{Drawn, Renderer, Settings};
-use crate::report::facts::{ReasonCounts, SceneFacts, reasons};
+use crate::report::facts::{ReasonCounts, SceneFacts};
 use crate::report::{HostTimes, PixelCounts};
 use crate::scene::Scene;
 use crate::surface::Style;
@@ -171,13 +171,7 @@ impl Prepared {
         } = facts;
         let facts = SceneFacts::new(splats.scene, culled, clamped, colour_log2);
         let mut warnings = facts.warnings(&self.warnings);
-        if facts.splats > 0 && facts.shown() == 0 {
-            let (name, culled) = (&facts.name, reasons(&facts.culled));
-            warnings.push(format!(
-                "{name}: the picture is empty: all {} splats are culled{culled}",
-                facts.splats
-            ));
-        }
+        warnings.extend(facts.if_nothing_is_left());
         Ok(warnings)
     }
 

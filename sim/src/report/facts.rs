@@ -77,6 +77,24 @@ impl SceneFacts {
         self.splats.saturating_sub(self.culled.values().sum())
     }
 
+    /// Says that the picture is empty because nothing is left to draw; nothing if something is.
+    pub fn if_nothing_is_left(&self) -> Option<String> {
+        let all = self.splats;
+        match self.shown() {
+            _ if all == 0 => Some(self.empty("the scene has no splats")),
+            0 => Some(self.empty(&format!(
+                "all {all} splats are culled{}",
+                reasons(&self.culled)
+            ))),
+            _ => None,
+        }
+    }
+
+    /// Says why the picture is empty.
+    pub fn empty(&self, why: &str) -> String {
+        format!("{}: the picture is empty: {why}", self.name)
+    }
+
     /// What was not drawn as it was given, in one line after those that are known already: what was clamped, rescaled, and culled
     /// for range.
     /// Splats that the view simply does not show are no matter for a warning.

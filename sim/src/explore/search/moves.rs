@@ -165,10 +165,7 @@ impl Search<'_> {
                 let Some(lowered) = step(self, &raised, *down, -1) else {
                     continue;
                 };
-                if !self.is_design(&lowered)
-                    || self.cost(&lowered)? >= cost
-                    || !self.holds_errors(&lowered)?
-                {
+                if self.cost(&lowered)? >= cost || !self.holds_errors(&lowered)? {
                     continue;
                 }
                 return self.lowest_width(&lowered, *down);

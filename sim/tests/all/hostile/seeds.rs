@@ -2,9 +2,9 @@
 
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::explore::evaluator::Subject;
 use splatline_sim::explore::identity::Identity;
 use splatline_sim::explore::space::Space;
+use splatline_sim::explore::subject::Subject;
 use splatline_sim::explore::table::{heading, row_digest, to_line};
 use splatline_sim::machine::area::Calibration;
 use splatline_sim::machine::config::{self, Config};

@@ -322,16 +322,7 @@ impl Painting<'_> {
             }
         }
         for (number, part) in list.chunks(CHECK_INTERVAL).enumerate() {
-            // Those that finished pixels hide are left out before anything is computed of them.
-            let (mut seen, mut count) = ([0; CHECK_INTERVAL], 0);
-            for index in part {
-                if let Ok(footprint) = &self.footprints[*index as usize]
-                    && tile.is_live(&Window::of(footprint))
-                {
-                    seen[count % CHECK_INTERVAL] = *index;
-                    count += 1;
-                }
-            }
+            let (seen, count) = self.seen(part, tile);
             let next = list.chunks(CHECK_INTERVAL).nth(number + 1);
             let mut ahead = next.unwrap_or_default().iter();
             for indices in seen[..count].chunks(L::WIDE) {
@@ -397,6 +388,26 @@ impl Painting<'_> {
             }
         }
         coverage
+    }
+
+    /// Those of a part that finished pixels do not hide, and how many: nothing is computed of the others.
+    #[inline(always)]
+    fn seen<W: PixelWord>(
+        &self,
+        part: &[u32],
+        tile: &WordTile<W>,
+    ) -> ([u32; CHECK_INTERVAL], usize) {
+        let (mut seen, mut count) = ([0; CHECK_INTERVAL], 0);
+        for index in part {
+            if let Ok(footprint) = &self.footprints[*index as usize]
+                && tile.is_live(&Window::of(footprint))
+            {
+                // A part has no more than so many.
+                seen[count % CHECK_INTERVAL] = *index;
+                count += 1;
+            }
+        }
+        (seen, count)
     }
 }
 
