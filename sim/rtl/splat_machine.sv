@@ -138,7 +138,10 @@ module splat_machine #(
       .packet_ready(setup_ready),
       .cull,
       .depth,
-      .packet(footprint)
+      .packet(footprint),
+      .direction_valid(),
+      .direction_seen(),
+      .direction()
   );
 
   // Packets to memory, word by word, and what is sorted of them to the sorter. A packet's place is its number's, so that culled ones leave theirs free.

@@ -48,7 +48,7 @@ mod with_verilator {
     use splatline_rtl::order::unit::OrderUnit;
     use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
     use splatline_rtl::setup::distant::enlarged;
-    use splatline_rtl::setup::program::ProgramKind;
+    use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
     use splatline_rtl::setup::tables::TableUnits;
     use splatline_rtl::setup::unit::SetupUnit;
     use splatline_rtl::simulation::Simulation;
@@ -146,6 +146,15 @@ mod with_verilator {
     #[test]
     fn setup_unit_compensates_opacities() {
         packets_are_the_kernels("lean18", 3, ProgramKind::Compensation);
+    }
+
+    /// Directions beside packets, from positions in one part and in two.
+    #[test]
+    fn setup_unit_gives_the_kernels_directions() {
+        for design in ["lean18", "standard24"] {
+            let program = SetupProgram::new(ProgramKind::Filter).with_direction();
+            agrees(&SetupUnit::with_program(design, 2, program).unwrap());
+        }
     }
 
     /// The same with distance scaling, nearer than the distance k, there and beyond.
