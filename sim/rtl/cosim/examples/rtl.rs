@@ -4,6 +4,7 @@ use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Traversal;
 use splatline_rtl::circuit::{Circuit, DESIGNS, HARMONICS, ORDER, PRIMITIVE};
 use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
+use splatline_rtl::machine::loads::MachineOption;
 use splatline_rtl::machine::unit::MachineUnit;
 use splatline_rtl::order::unit::OrderUnit;
 use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
@@ -28,7 +29,8 @@ const USAGE: &str = "usage: rtl COMMAND
                 scaling or compensated opacities, and with directions for harmonics, in the setup unit's program
   compare UNIT  every word and cycle of a unit against the kernel and the model, as a table:
                 primitive, shapes (of the primitive: 1 to 16 lanes, a packet in every cycle, a third design), setup, distance (setup with distance
-                scaling), compensation (setup with compensated opacities), direction (setup with directions), tables (reciprocal, root and logarithm of setup), order, harmonics, machine, frames-distance (machine with distance scaling)
+                scaling), compensation (setup with compensated opacities), direction (setup with directions), tables (reciprocal, root and logarithm of setup), order, harmonics, machine, frames-distance (machine with distance scaling),
+                frames-harmonics (machine with harmonics)
   mutations [UNIT [PART]]   is every mutation noticed, or those of a unit, or those whose name contains PART?
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mutation
   area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/machine/src/area/synthesised.csv (18 minutes) and setup.csv (an hour)
@@ -205,8 +207,14 @@ fn compare_design(unit: &str, design: &str) -> Result<()> {
             program(&["direction"])?,
         )?),
         "tables" => report(&TableUnits::new(design)?),
-        "machine" => report(&MachineUnit::new(design, 8, 4, false)?),
-        "frames-distance" => report(&MachineUnit::new(design, 8, 4, true)?),
+        "machine" => report(&MachineUnit::new(design, 8, 4, MachineOption::None)?),
+        "frames-distance" => report(&MachineUnit::new(
+            design,
+            8,
+            4,
+            MachineOption::DistanceScaling,
+        )?),
+        "frames-harmonics" => report(&MachineUnit::new(design, 8, 4, MachineOption::Harmonics)?),
         _ => bail!("no unit '{unit}'\n{USAGE}"),
     }
 }

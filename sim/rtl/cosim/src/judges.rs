@@ -2,6 +2,7 @@
 
 use crate::circuit::Effort;
 use crate::harmonics::unit::HarmonicsUnit;
+use crate::machine::loads::MachineOption;
 use crate::machine::unit::MachineUnit;
 use crate::mutation::{Mutation, mutations};
 use crate::order::unit::OrderUnit;
@@ -106,7 +107,7 @@ fn judges(name: &str) -> Result<Vec<Box<dyn Judgement>>> {
         "order" => vec![Box::new(Judge::new(OrderUnit::new(8)?, name, quick)?)],
         "harmonics" => vec![Box::new(Judge::new(HarmonicsUnit::new(1)?, name, quick)?)],
         "machine" => {
-            let unit = MachineUnit::new("lean18", 2, 4, false)?;
+            let unit = MachineUnit::new("lean18", 2, 4, MachineOption::None)?;
             vec![Box::new(Judge::new(unit, name, quick)?)]
         }
         _ => bail!("no judge '{name}'; there are {}", JUDGES.join(", ")),

@@ -44,6 +44,7 @@ mod with_verilator {
     use splatline_rtl::findings::Findings;
     use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
     use splatline_rtl::judges;
+    use splatline_rtl::machine::loads::MachineOption;
     use splatline_rtl::machine::unit::MachineUnit;
     use splatline_rtl::order::unit::OrderUnit;
     use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
@@ -192,7 +193,7 @@ mod with_verilator {
     /// their lists. Of tiles without splats there are some before, between and behind the others, in the last column and the last row.
     #[test]
     fn the_machine_draws_the_kernels_frame() {
-        let found = agrees(&MachineUnit::new("lean18", 2, 4, false).unwrap());
+        let found = agrees(&MachineUnit::new("lean18", 2, 4, MachineOption::None).unwrap());
         for (load, found) in &found {
             assert!(found.counted("painted") > 1_000, "{found:?}");
             if load.seen.name == "sparse" {
@@ -212,9 +213,10 @@ mod with_verilator {
     #[test]
     #[ignore = "verilates and compiles a machine; also `cargo run -p splatline-rtl --example rtl -- compare frames-distance`"]
     fn the_machine_enlarges_what_is_far() {
-        let plain = MachineUnit::new("lean18", 2, 4, false).unwrap();
+        let plain = MachineUnit::new("lean18", 2, 4, MachineOption::None).unwrap();
         let plain = plain.loads(Extent::Quick, &mut Vec::new()).unwrap();
-        let found = agrees(&MachineUnit::new("lean18", 2, 4, true).unwrap());
+        let found =
+            agrees(&MachineUnit::new("lean18", 2, 4, MachineOption::DistanceScaling).unwrap());
         let (crowd, counts) = &found[0];
         let (beyond, splats) = (counts.counted("beyond k"), counts.counted("splats"));
         assert!(
@@ -222,6 +224,12 @@ mod with_verilator {
             "{beyond} of {splats} splats"
         );
         assert_ne!(crowd.lists.entries(), plain[0].lists.entries());
+    }
+
+    /// Frames whose splats have colours of harmonics, from degree 1 to 4, by a machine that evaluates them.
+    #[test]
+    fn the_machine_draws_harmonics() {
+        agrees(&MachineUnit::new("lean18", 2, 4, MachineOption::Harmonics).unwrap());
     }
 
     /// What Verilator says of a circuit, all warnings but those that lint.vlt gives a reason for.
@@ -241,6 +249,11 @@ mod with_verilator {
         (output.status.success(), words)
     }
 
+    fn with_harmonics(design: &str) -> Circuit {
+        let unit = MachineUnit::new(design, 1, 1, MachineOption::Harmonics).unwrap();
+        unit.circuit().clone()
+    }
+
     fn primitive(design: &str, lanes: u32, queue: u32) -> Circuit {
         let circuit = Circuit::new(&PRIMITIVE, design, lanes).unwrap();
         circuit.with("QUEUE", queue)
@@ -254,6 +267,7 @@ mod with_verilator {
                 circuits.push(primitive(design, lanes, queue));
             }
             circuits.push(Circuit::new(&MACHINE, design, 1).unwrap());
+            circuits.push(with_harmonics(design));
         }
         for multipliers in MULTIPLIERS {
             circuits.push(Circuit::new(&HARMONICS, "lean18", multipliers).unwrap());
@@ -267,7 +281,10 @@ mod with_verilator {
     #[test]
     fn illegal_circuits_do_not_elaborate() {
         let harmonics = Circuit::new(&HARMONICS, "lean18", 3).unwrap();
+        let undirected =
+            with_harmonics("lean18").with_program(SetupProgram::new(ProgramKind::Filter));
         for (circuit, words) in [
+            (undirected, "needs a program of setup with directions"),
             (harmonics, "MULTIPLIERS must be 1 or 2"),
             (primitive("lean18", 3, 8), "LANES must be 1, 2, 4, 8 or 16"),
             (primitive("lean18", 32, 8), "LANES must be 1, 2, 4, 8 or 16"),
