@@ -1,5 +1,6 @@
 // A splat's direction in the scene's axes: the unit vector that a core gives in the camera's, turned back by the transposed rotation in exact
-// Q.30 (`direction` of src/setup/harmonics.rs), a splat in eight cycles. In parallel projection that vector is the third axis.
+// Q.30 (`direction` of src/setup/harmonics.rs), a splat in eight cycles. In parallel projection that vector is the third axis. The
+// kernel does not clamp what comes of it, a row of the rotation; the harmonics of both do.
 //
 //   words, clamped | halves, entries | parts of products | products | two terms and one | sum | both halves | clamped | kept
 //
@@ -71,7 +72,7 @@ module setup_direction (
   assign rounded6 = sum6[63:30];
   always_comb begin
     turned6 = rounded6[31:0];
-    if (perspective && rounded6[33:30] != {4{rounded6[33]}}) turned6 = rounded6[33] ? -ONE : ONE;
+    if (rounded6[33:30] != {4{rounded6[33]}}) turned6 = rounded6[33] ? -ONE : ONE;
   end
   always_ff @(posedge clk) begin
     pair4 <= term(products[0+:49]) + term(products[49+:49]);

@@ -325,7 +325,7 @@ module setup_unit #(
   end
 
   assign direction_valid = DIRECTS && packed_valid;
-  assign direction_seen = packed_cull == 0;
+  assign direction_seen = DIRECTS && packed_cull == 0;
   generate
     if (DIRECTS) begin : gen_direction
       setup_direction directions (

@@ -432,10 +432,11 @@ module splat_machine #(
   logic [32*READERS-1:0] reader_addresses;
   logic asks, asks_ready;
   logic [31:0] asked_address;
-  assign readers = READERS'({harmonics_read, order_read, stream_read, fetch_read});
-  assign reader_addresses = (32 * READERS)'({harmonics_address, order_address, stream_address, fetch_address});
-  assign {read_ready_harmonics, read_ready_order, read_ready_stream, read_ready_fetch} = 4'(readers_ready);
-  assign {harmonics_comes, order_comes, stream_comes, fetch_comes} = 4'(comes);
+  // Harmonics, the last one here, come first: records are read far ahead, and would keep them waiting.
+  assign readers = READERS'({order_read, stream_read, fetch_read, harmonics_read} >> (4 - READERS));
+  assign reader_addresses = (32 * READERS)'({order_address, stream_address, fetch_address, harmonics_address} >> (32 * (4 - READERS)));
+  assign {read_ready_order, read_ready_stream, read_ready_fetch, read_ready_harmonics} = 4'(readers_ready) << (4 - READERS);
+  assign {order_comes, stream_comes, fetch_comes, harmonics_comes} = 4'(comes) << (4 - READERS);
   read_arbiter #(
       .UNITS(READERS),
       .DEPTH(9)

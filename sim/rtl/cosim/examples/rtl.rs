@@ -35,7 +35,8 @@ const USAGE: &str = "usage: rtl COMMAND
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mutation
   area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/machine/src/area/synthesised.csv (18 minutes) and setup.csv (an hour)
   area order|harmonics            the same of these units for the ECP5
-  area machine                    the same of the whole machine with four lanes, by unit: sim/machine/src/area/machine.csv
+  area machine                    the same of the whole machine with four lanes, by unit: sim/machine/src/area/machine.csv;
+                                  of one with harmonics: frames-harmonics
   area asic LIBERTY [WORDS]       square micrometres, gate equivalents and longest path by unit in the cells of a Liberty file (gzip too), of all circuits
                                   that fmax places or of those whose name contains WORDS
   fmax WORDS [SEED]   clock by nextpnr on the ECP5 of circuits whose name contains WORDS, as 'lean18 splat_primitive', in lines of placed.csv
@@ -68,6 +69,7 @@ fn main() -> ExitCode {
             print_area(&MULTIPLIERS.map(|value| Circuit::new(&HARMONICS, "lean18", value)))
         }
         ["area", "machine"] => print(machine::area::report()),
+        ["area", "frames-harmonics"] => print(machine::area::report_with_harmonics()),
         ["area", "asic", liberty, words @ ..] => placement::circuits()
             .map(|circuits| named(circuits, words.first().copied().unwrap_or_default()))
             .and_then(|circuits| asic::report(Path::new(liberty), &circuits)),

@@ -226,10 +226,11 @@ mod with_verilator {
         assert_ne!(crowd.lists.entries(), plain[0].lists.entries());
     }
 
-    /// Frames whose splats have colours of harmonics, from degree 1 to 4, by a machine that evaluates them.
+    /// Frames whose splats have colours of harmonics, of degree 0 to 4, by a machine that evaluates them. It has cores enough
+    /// for many splats to be on their way behind one that waits for its colour.
     #[test]
     fn the_machine_draws_harmonics() {
-        agrees(&MachineUnit::new("lean18", 2, 4, MachineOption::Harmonics).unwrap());
+        agrees(&MachineUnit::new("lean18", 12, 4, MachineOption::Harmonics).unwrap());
     }
 
     /// What Verilator says of a circuit, all warnings but those that lint.vlt gives a reason for.

@@ -32,6 +32,11 @@ impl SceneHarmonics {
         }
     }
 
+    /// Bytes of a splat.
+    pub fn bytes(&self) -> u32 {
+        16 * words(self.degree) as u32
+    }
+
     /// The words that the machine reads; the last quarter of each is anything.
     pub fn words(&self) -> impl Iterator<Item = [u32; 4]> {
         let mut state = 7;

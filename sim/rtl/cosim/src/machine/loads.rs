@@ -89,6 +89,7 @@ pub fn loads(
         Extent::Full => (scenes(&SCENES, 128, missing)?, u64::MAX),
     };
     if option == MachineOption::Harmonics {
+        seen.push(aside());
         (1..)
             .zip(&mut seen)
             .for_each(|(degree, seen)| add_harmonics(seen, degree));
@@ -137,6 +138,22 @@ fn small() -> Vec<Seen> {
         camera: synthetic::camera(32, 32),
     };
     vec![crowd, sparse, row, tile]
+}
+
+/// Of eight splats in a row seven are culled: enough to leave the queue, behind one that waited there for its colour, until
+/// the next one's colour has come.
+fn aside() -> Seen {
+    let mut scene = synthetic::random_gaussians(400, 7, 2.0);
+    for (number, splat) in scene.splats.iter_mut().enumerate() {
+        if number % 8 != 0 {
+            splat.centre[0] += 1e4;
+        }
+    }
+    Seen {
+        name: "aside",
+        scene,
+        camera: synthetic::camera(64, 64),
+    }
 }
 
 /// A picture of one row that is as wide as a scene: the vertical focal length alone is so small that every splat meets it.

@@ -29,6 +29,12 @@ use splatline_sim::machine::{Config, simulate_alone};
 /// Words of a record.
 const RECORD: usize = 5;
 
+/// Cycles in which a harmonics unit with one multiplier makes a colour, by the degree (`rtl -- compare harmonics`).
+const HARMONICS_CYCLES: [u32; 5] = [14, 22, 52, 95, 153];
+
+/// Places of setup's queue where packets wait for colours (`setup_unit.sv`).
+const WAITING_FOR_COLOURS: u32 = 32;
+
 /// Cycles without an access to the memory after which the machine hangs.
 const PATIENCE: u64 = 1 << 18;
 
@@ -104,12 +110,17 @@ impl MachineUnit {
 
     /// The model's cycles: all, geometry, raster.
     fn modelled(&self, load: &MachineLoad, memory: &MemoryTiming) -> [u64; 3] {
-        let config = Config {
+        let mut config = Config {
             latency: memory.latency as u32,
             read_bandwidth: memory.bytes,
             write_bandwidth: memory.bytes,
             ..self.config
         };
+        if let Some(harmonics) = &load.harmonics {
+            config.harmonics_bytes = harmonics.bytes();
+            config.harmonics_cycles = HARMONICS_CYCLES[usize::from(harmonics.degree)];
+            config.bin_fifo = WAITING_FOR_COLOURS;
+        }
         let timing = simulate_alone(&load.workload, &config);
         [timing.total, timing.geometry, timing.raster]
     }
@@ -211,7 +222,7 @@ impl Unit for MachineUnit {
             ))
         } else if full {
             None
-        } else if timing.memory.pauses == 0 && load.harmonics.is_none() && apart >= load.apart {
+        } else if timing.memory.pauses == 0 && apart >= load.apart {
             Some(format!("{} cycles, {all} by the model", findings.cycles))
         } else {
             let size = scene.view.viewport.map(usize::from);
