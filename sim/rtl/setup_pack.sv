@@ -20,7 +20,7 @@ module setup_pack (
     input logic [62:0] far,
     input logic signed [17:0] far_leading,
     input logic valid,  // in phase 0: a splat's words begin
-    input logic [splatline_setup_pkg::WORD_BITS-1:0] word,
+    input logic [101:0] word,
     output logic packet_valid,
     output logic packet_taken,  // the colour below is used
     input logic [95:0] colour,  // blue, green, red
@@ -272,13 +272,8 @@ module setup_pack (
     clipped = value < 0 ? 16'd0 : value > $signed({16'd0, edge_of}) ? edge_of : value[15:0];
   endfunction
 
-  // Halves go to the even neighbour; what is beyond the range becomes its largest number.
-  localparam RANGE = splatline_pkg::COLOUR_BITS - COLOUR;
-  function automatic logic [COLOUR+RANGE-1:0] shaded(input logic [31:0] value);
-    logic [COLOUR+4:0] nearest;
-    nearest = {1'b0, value[31-:COLOUR+4]};
-    if (value[27-COLOUR] && (value[26-COLOUR:0] != 0 || nearest[0])) nearest = nearest + 1'b1;
-    shaded = nearest >> (COLOUR + RANGE) != 0 ? '1 : nearest[COLOUR+RANGE-1:0];
+  function automatic logic [splatline_pkg::COLOUR_BITS-1:0] shaded(input logic [31:0] value);
+    shaded = splatline_pkg::COLOUR_BITS'(splatline_math::shaded(value, 5'(28 - COLOUR), 6'(splatline_pkg::COLOUR_BITS)));
   endfunction
 
   assign packet_taken = packet_valid;

@@ -58,6 +58,8 @@ module setup_pair #(
         loads <= told.load && told.load_core == 6'(i);
         drains <= told.drain_core == 6'(i);
       end
+      // The direction's words leave beside the others, without their exponents.
+      logic beside;
       (* ram_style = "distributed" *) logic [50:0] even_results[0:15];
       (* ram_style = "distributed" *) logic [50:0] odd_results[0:15];
       setup_core core (
@@ -81,11 +83,19 @@ module setup_pair #(
           .out2(leaves2)
       );
       always_ff @(posedge clk) begin
-        if (slot2.out && !slot2.word[0]) even_results[{step.out_side, slot2.word[3:1]}] <= leaves2;
-        if (slot2.out && slot2.word[0]) odd_results[{step.out_side, slot2.word[3:1]}] <= leaves2;
+        if (slot2.out && !beside && !slot2.word[0]) even_results[{step.out_side, slot2.word[3:1]}] <= leaves2;
+        if (slot2.out && !beside && slot2.word[0]) odd_results[{step.out_side, slot2.word[3:1]}] <= leaves2;
       end
       logic [WORD-1:0] result;
-      assign result = {even_results[step.drain_place], odd_results[step.drain_place]};
+      if (WORD > 102) begin : gen_direction
+        (* ram_style = "distributed" *) logic [32:0] directions[0:15];
+        assign beside = slot2.word[4];
+        always_ff @(posedge clk) if (slot2.out && beside) directions[{step.out_side, slot2.word[2:0]}] <= leaves2[50:18];
+        assign result = {directions[step.drain_place], even_results[step.drain_place], odd_results[step.drain_place]};
+      end else begin : gen_no_direction
+        assign beside = 0;
+        assign result = {even_results[step.drain_place], odd_results[step.drain_place]};
+      end
       assign words[i*WORD+:WORD] = drains ? result : {WORD{1'b0}};
     end
   endgenerate

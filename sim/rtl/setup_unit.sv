@@ -2,6 +2,10 @@
 // 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside). Packet and reason equal those of the kernel's `setup` (src/setup).
 //
 //   record -> setup_difference -> CORES x setup_core -> setup_pack -> fifo; cores stand in pairs (setup_pair.sv)
+//                                                  `-> setup_direction -> direction
+//
+// A program with directions gives the direction of each splat as well (`direction` of src/setup/harmonics.rs), before its packet leaves the queue.
+// Whoever takes it must have a place for each of the queue's packets.
 //
 // The program of a splat has ROUND slots (splatline_setup_pkg, generated). All cores obey the same slot, pair after pair, each for its own splat, so that
 // a round takes up to CORES splats in: one in ROUND / CORES cycles, in eight at best. That is the trade of multipliers for speed: a core has
@@ -27,13 +31,18 @@ module setup_unit #(
     input logic packet_ready,
     output logic [2:0] cull,
     output logic [47:0] depth,  // the sort key, which has no place in the packet
-    output splatline_pkg::footprint_t packet
+    output splatline_pkg::footprint_t packet,
+    output logic direction_valid,
+    output logic direction_seen,  // the splat is not culled
+    output logic [95:0] direction  // 3 x Q1.30, x in the lowest bits
 );
   localparam BITS = splatline_setup_pkg::SLOT_BITS;
   localparam ROUND = splatline_setup_pkg::ROUND;
   localparam WORD = splatline_setup_pkg::WORD_BITS;
   localparam OUT_ROUND = splatline_setup_pkg::OUT_ROUND;
-  localparam PLACES = 8;
+  localparam DIRECTS = WORD > 102;
+  // Packets that wait for colours, which depend on directions, are more.
+  localparam PLACES = DIRECTS ? 32 : 8;
 
   generate
     if (CORES < 1 || CORES > 32) begin : gen_illegal
@@ -295,7 +304,7 @@ module setup_unit #(
       .far(far[62:0]),
       .far_leading(far[81:64]),
       .valid(drain_valids[PAIRS]),
-      .word(words[PAIRS*WORD+:WORD]),
+      .word(words[PAIRS*WORD+:102]),
       .packet_valid(packed_valid),
       .packet_taken(packed_taken),
       .colour,
@@ -314,6 +323,25 @@ module setup_unit #(
     if (packed_taken) colour_out <= colour_out + 1'b1;
     if (rst) {colour_in, colour_out} <= 0;
   end
+
+  assign direction_valid = DIRECTS && packed_valid;
+  assign direction_seen = DIRECTS && packed_cull == 0;
+  generate
+    if (DIRECTS) begin : gen_direction
+      setup_direction directions (
+          .clk,
+          .phase(pack_phase),
+          .perspective(flags[0]),
+          .constant_valid,
+          .constant_index,
+          .constant_value(constant_value[31:0]),
+          .word(words[PAIRS*WORD+102+:33]),
+          .direction
+      );
+    end else begin : gen_no_direction
+      assign direction = 0;
+    end
+  endgenerate
 
   logic none;
   // Packets come in every eighth cycle at most.

@@ -4,19 +4,26 @@
 //                        `-> splat_order <-> memory -> lists -> memory
 //   lists -> packet_fetch <- packets; -> splat_primitive -> frame <- tile_background
 //
+// With HARMONICS, the number of multipliers of their unit, splats have colours of harmonics instead of their records'.
+// The program of setup then is one with directions, and the harmonics of splats that are seen are read in the first phase:
+//
+//   directions of setup_unit, harmonics -> harmonics_colours -> packets
+//
 // Camera and rules are written beforehand (`constant_*`, `rules`, `table_*`), and where everything lies is held steady while a frame is drawn. Three
 // phases, one after the other: no tile can be drawn in the order of depths before the last splat is binned. One port to memory, which reads and writes
 // words of 16 bytes at the same time; words that are read come in the order in which they were asked for, and `settled` says that none
 // that was written is still on its way.
 //
-// A record has 5 words, a packet as many as its bits need, a splat to be sorted one, four list entries one, a pixel one (transmittance with
+// A record has 5 words, a splat's harmonics one for the base and one for each coefficient (3 x Q3.28, red lowest), a packet
+// as many as its bits need, a splat to be sorted one, four list entries one, a pixel one (transmittance with
 // the flag of finished pixels, red, green, blue, 32 bits each). Pixels follow each other tile by tile, each row by row.
 module splat_machine #(
     parameter CORES = 4,
     parameter LANES = 1,
     parameter DIGIT = 8,
     parameter TILE_BITS = 12,
-    parameter BLOCK_WORDS = 512  // see splat_primitive.sv
+    parameter BLOCK_WORDS = 512,  // see splat_primitive.sv
+    parameter HARMONICS = 0
 ) (
     input logic clk,
     input logic rst,
@@ -33,6 +40,8 @@ module splat_machine #(
     input logic begins,
     input logic [31:0] records,
     input logic [31:0] base_records,
+    input logic [31:0] base_harmonics,
+    input logic [2:0] degree,
     input logic [31:0] base_packets,
     input logic [31:0] base_a,
     input logic [31:0] base_b,
@@ -64,6 +73,15 @@ module splat_machine #(
   localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
   localparam ROW_BITS = splatline_pkg::TILE_ROW_BITS;
   localparam SUM = splatline_pkg::SUM_BITS;
+
+  localparam READERS = HARMONICS == 0 ? 3 : 4;
+  localparam DIRECTS = splatline_setup_pkg::WORD_BITS > 102;
+
+  generate
+    if (HARMONICS != 0 && !DIRECTS) begin : gen_illegal
+      $error("splat_machine: HARMONICS needs a program of setup with directions");
+    end
+  endgenerate
 
   typedef enum logic [2:0] {
     IDLE,
@@ -111,6 +129,8 @@ module splat_machine #(
   logic [128*RECORD-1:0] record_words;
   logic [47:0] depth;
   splatline_pkg::footprint_t footprint;
+  logic direction_valid, direction_seen;
+  logic [95:0] direction;
   // The whole record, so that whether it is taken need not reach the stream: its words come in fewer cycles than lie
   // between two records.
   assign record_valid = gathered == 3'(RECORD);
@@ -138,8 +158,50 @@ module splat_machine #(
       .packet_ready(setup_ready),
       .cull,
       .depth,
-      .packet(footprint)
+      .packet(footprint),
+      .direction_valid,
+      .direction_seen,
+      .direction
   );
+
+  // Colours come after a while; packets wait for them in their queue.
+  logic harmonics_read, harmonics_comes, read_ready_harmonics, coloured;
+  logic [31:0] harmonics_address;
+  splatline_pkg::footprint_t shown;
+  generate
+    if (HARMONICS != 0) begin : gen_harmonics
+      logic [3*splatline_pkg::COLOUR_BITS-1:0] colour;
+      harmonics_colours #(
+          .MULTIPLIERS(HARMONICS)
+      ) harmonics (
+          .clk,
+          .rst,
+          .begins(state == IDLE && begins),
+          .base(base_harmonics),
+          .degree,
+          .direction_valid,
+          .direction_seen,
+          .direction,
+          .read_valid(harmonics_read),
+          .read_ready(read_ready_harmonics),
+          .read_address(harmonics_address),
+          .word_valid(harmonics_comes),
+          .word(word[95:0]),
+          .colour_valid(coloured),
+          .colour_ready(setup_valid && setup_ready && cull == 0),
+          .colour
+      );
+      always_comb begin
+        shown = footprint;
+        {shown.blue, shown.green, shown.red} = colour;
+      end
+    end else begin : gen_no_harmonics
+      assign harmonics_read = 0;
+      assign harmonics_address = 0;
+      assign coloured = 1;
+      assign shown = footprint;
+    end
+  endgenerate
 
   // Packets to memory, word by word, and what is sorted of them to the sorter. A packet's place is its number's, so that culled ones leave theirs free.
   logic [31:0] number, packet_address;
@@ -147,8 +209,8 @@ module splat_machine #(
   logic stores, sorts, sort_ready, store_ready;
   logic [128*PACKET-1:0] packet_words;
   logic [127:0] sort_word;
-  assign packet_words = (128 * PACKET)'(footprint);
-  assign stores = state == GEOMETRY && setup_valid && cull == 0 && step != 4'(PACKET);
+  assign packet_words = (128 * PACKET)'(shown);
+  assign stores = state == GEOMETRY && setup_valid && coloured && cull == 0 && step != 4'(PACKET);
   // Only packets that are seen come so far.
   assign sorts = state == GEOMETRY && setup_valid && step == 4'(PACKET);
   assign setup_ready = state == GEOMETRY && (cull != 0 || (sorts && sort_ready));
@@ -366,19 +428,24 @@ module splat_machine #(
 
   // The port. What is chosen stands in a register or a queue: neither the choice nor sums in front of it add to the
   // memory's way.
-  logic [2:0] comes;
+  logic [READERS-1:0] comes, readers, readers_ready;
+  logic [32*READERS-1:0] reader_addresses;
   logic asks, asks_ready;
   logic [31:0] asked_address;
-  assign {order_comes, stream_comes, fetch_comes} = comes;
+  // Harmonics, the last one here, come first: records are read far ahead, and would keep them waiting.
+  assign readers = READERS'({order_read, stream_read, fetch_read, harmonics_read} >> (4 - READERS));
+  assign reader_addresses = (32 * READERS)'({order_address, stream_address, fetch_address, harmonics_address} >> (32 * (4 - READERS)));
+  assign {read_ready_order, read_ready_stream, read_ready_fetch, read_ready_harmonics} = 4'(readers_ready) << (4 - READERS);
+  assign {order_comes, stream_comes, fetch_comes, harmonics_comes} = 4'(comes) << (4 - READERS);
   read_arbiter #(
-      .UNITS(3),
+      .UNITS(READERS),
       .DEPTH(9)
   ) reads (
       .clk,
       .rst,
-      .valid({order_read, stream_read, fetch_read}),
-      .ready({read_ready_order, read_ready_stream, read_ready_fetch}),
-      .address({order_address, stream_address, fetch_address}),
+      .valid(readers),
+      .ready(readers_ready),
+      .address(reader_addresses),
       .comes,
       .read_valid(asks),
       .read_ready(asks_ready),

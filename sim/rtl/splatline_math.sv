@@ -61,6 +61,17 @@ package splatline_math;
     pick = place[1] ? (place[0] ? pairs[7:6] : pairs[5:4]) : (place[0] ? pairs[3:2] : pairs[1:0]);
   endfunction
 
+  // A colour of 28 fraction bits without the last `drop`, in `bits` of them: halves go to the even neighbour; what is beyond the range becomes
+  // its largest number.
+  function automatic logic [31:0] shaded(input logic [31:0] value, input logic [4:0] drop, input logic [5:0] bits);
+    logic [32:0] nearest;
+    logic [31:0] lost;
+    nearest = {1'b0, value >> drop};
+    lost = value << (6'd32 - {1'b0, drop});
+    if (lost[31] && (lost[30:0] != 0 || nearest[0])) nearest = nearest + 1'b1;
+    shaded = nearest >> bits != 0 ? 32'hffffffff : nearest[31:0];
+  endfunction
+
   // So many times a number, by sums: for a small constant, which synthesis would give a multiplier that the lanes need.
   function automatic logic [31:0] times(input logic [31:0] number, input logic [3:0] factor);
     times = 0;

@@ -122,6 +122,7 @@ pub struct Config {
     pub setup_interval: u32,
     pub setup_latency: u32,
     pub setup_fifo: u32,
+    pub harmonics_cycles: u32,
     pub bin_cycles: u32,
     pub bin_tile_cycles: u32,
     pub bin_fifo: u32,

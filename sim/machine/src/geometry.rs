@@ -1,11 +1,12 @@
 //! The geometry phase: splats are fetched, set up, binned into tiles and written as packets and list entries.
 //!
 //! ```text
-//! memory -> [setup_fifo] -> setup units -> [bin_fifo] -> binning -> write channel
+//! memory -> [setup_fifo] -> setup units -> [bin_fifo] -> harmonics -> binning -> write channel
 //! ```
 //!
 //! Splats keep their order. The setup units take them in turn, each accepts one every `setup_interval` cycles and works in a
-//! pipeline of `setup_latency`; a full FIFO behind holds the splat in its unit. A culled splat takes as long as another until it is known to be culled, so that
+//! pipeline of `setup_latency`; a full FIFO behind holds the splat in its unit. Colours of harmonics, if there are any, are made
+//! splat after splat of those that are seen. A culled splat takes as long as another until it is known to be culled, so that
 //! the phase does not end before the last one has come out, seen or not.
 
 use super::accounts::{Account, Cause, Fifo};
@@ -24,6 +25,8 @@ pub(super) struct Geometry {
     pub footprints: Fifo,
     /// When all splats so far have left setup.
     left: u64,
+    /// When all that were seen so far have colours of their harmonics.
+    coloured: u64,
     /// Splats that were handed on, and tiles that were examined for them.
     pub visible: u64,
     pub tiles: u64,
@@ -44,6 +47,7 @@ impl Geometry {
             splats: Fifo::new(config.setup_fifo),
             footprints: Fifo::new(config.bin_fifo),
             left: 0,
+            coloured: 0,
             visible: 0,
             tiles: 0,
             entries: 0,
@@ -80,7 +84,14 @@ impl Geometry {
     }
 
     fn bin(&mut self, config: &Config, handed_on: u64, tiles: u32) {
-        self.binning.wait(Cause::Upstream, handed_on);
+        let mut upstream = handed_on;
+        if config.harmonics_cycles > 0 {
+            // They are asked for when it is known that the splat is seen, and while others' are in use.
+            let read = handed_on + u64::from(config.latency);
+            upstream = self.coloured.max(read) + u64::from(config.harmonics_cycles);
+            self.coloured = upstream;
+        }
+        self.binning.wait(Cause::Upstream, upstream);
         self.footprints.pass(handed_on, self.binning.at());
         self.binning.work(
             u64::from(config.bin_cycles) + u64::from(config.bin_tile_cycles) * u64::from(tiles),

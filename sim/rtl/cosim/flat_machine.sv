@@ -1,7 +1,8 @@
 // The whole machine with one C integer for each port of its rules and table, for simulation.
 module flat_machine #(
     parameter CORES = 4,
-    parameter LANES = 1
+    parameter LANES = 1,
+    parameter HARMONICS = 0
 ) (
     input logic clk,
     input logic rst,
@@ -21,6 +22,8 @@ module flat_machine #(
     input logic begins,
     input logic [31:0] records,
     input logic [31:0] base_records,
+    input logic [31:0] base_harmonics,
+    input logic [2:0] degree,
     input logic [31:0] base_packets,
     input logic [31:0] base_a,
     input logic [31:0] base_b,
@@ -51,7 +54,8 @@ module flat_machine #(
 
   splat_machine #(
       .CORES(CORES),
-      .LANES(LANES)
+      .LANES(LANES),
+      .HARMONICS(HARMONICS)
   ) machine (
       .clk,
       .rst,
@@ -67,6 +71,8 @@ module flat_machine #(
       .begins,
       .records,
       .base_records,
+      .base_harmonics,
+      .degree,
       .base_packets,
       .base_a,
       .base_b,

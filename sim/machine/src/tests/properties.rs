@@ -131,14 +131,14 @@ proptest! {
     /// Units that take their tiles as they become free are left out: a longer step may hand a tile to another unit and end the frame sooner, as in
     /// any list schedule (docs/hardware-model.md, "Tiles"). A unit by itself may not.
     #[test]
-    fn nothing_gets_faster_by_waiting_longer(workload in workload(), config in machine(), key in 0usize..11, more in 1u32..9) {
+    fn nothing_gets_faster_by_waiting_longer(workload in workload(), config in machine(), key in 0usize..12, more in 1u32..9) {
         let config = match config.raster_units {
             1 => config,
             _ => Config { assignment: Assignment::Static, ..config },
         };
         let key = [
             "latency", "setup_interval", "setup_latency", "bin_cycles", "bin_tile_cycles", "sort_cycles", "splat_cycles", "row_cycles",
-            "table_latency", "blend_latency", "write_back_cycles",
+            "table_latency", "blend_latency", "write_back_cycles", "harmonics_cycles",
         ][key];
         let mut slower = config;
         slower.set("test", key, &more_of(&config, key, more)).unwrap();

@@ -4,6 +4,7 @@ use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Traversal;
 use splatline_rtl::circuit::{Circuit, DESIGNS, HARMONICS, ORDER, PRIMITIVE};
 use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
+use splatline_rtl::machine::loads::MachineOption;
 use splatline_rtl::machine::unit::MachineUnit;
 use splatline_rtl::order::unit::OrderUnit;
 use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
@@ -24,16 +25,18 @@ use std::process::ExitCode;
 
 const USAGE: &str = "usage: rtl COMMAND
   package       write the packages, tables and programs in sim/rtl from the kernel's widths and tables
-  package DESIGN FOLDER [distance|compensation]   the packages of a design (a name or a TOML file) into a folder, with distance scaling or
-                compensated opacities in the setup unit's program
+  package DESIGN FOLDER [distance|compensation] [direction]   the packages of a design (a name or a TOML file) into a folder, with distance
+                scaling or compensated opacities, and with directions for harmonics, in the setup unit's program
   compare UNIT  every word and cycle of a unit against the kernel and the model, as a table:
                 primitive, shapes (of the primitive: 1 to 16 lanes, a packet in every cycle, a third design), setup, distance (setup with distance
-                scaling), compensation (setup with compensated opacities), tables (reciprocal, root and logarithm of setup), order, harmonics, machine, frames-distance (machine with distance scaling)
+                scaling), compensation (setup with compensated opacities), direction (setup with directions), tables (reciprocal, root and logarithm of setup), order, harmonics, machine, frames-distance (machine with distance scaling),
+                frames-harmonics (machine with harmonics)
   mutations [UNIT [PART]]   is every mutation noticed, or those of a unit, or those whose name contains PART?
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mutation
   area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/machine/src/area/synthesised.csv (18 minutes) and setup.csv (an hour)
   area order|harmonics            the same of these units for the ECP5
-  area machine                    the same of the whole machine with four lanes, by unit: sim/machine/src/area/machine.csv
+  area machine                    the same of the whole machine with four lanes, by unit: sim/machine/src/area/machine.csv;
+                                  of one with harmonics: frames-harmonics
   area asic LIBERTY [WORDS]       square micrometres, gate equivalents and longest path by unit in the cells of a Liberty file (gzip too), of all circuits
                                   that fmax places or of those whose name contains WORDS
   fmax WORDS [SEED]   clock by nextpnr on the ECP5 of circuits whose name contains WORDS, as 'lean18 splat_primitive', in lines of placed.csv
@@ -48,14 +51,8 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match words.as_slice() {
         ["package"] => write_packages(),
-        ["package", design, folder] => {
-            write_package(design, Path::new(folder), ProgramKind::Filter)
-        }
-        ["package", design, folder, "distance"] => {
-            write_package(design, Path::new(folder), ProgramKind::DistanceScaling)
-        }
-        ["package", design, folder, "compensation"] => {
-            write_package(design, Path::new(folder), ProgramKind::Compensation)
+        ["package", design, folder, options @ ..] => {
+            program(options).and_then(|program| write_package(design, Path::new(folder), &program))
         }
         ["compare", unit] => compare(unit),
         ["mutations"] => judge(None, ""),
@@ -72,6 +69,7 @@ fn main() -> ExitCode {
             print_area(&MULTIPLIERS.map(|value| Circuit::new(&HARMONICS, "lean18", value)))
         }
         ["area", "machine"] => print(machine::area::report()),
+        ["area", "frames-harmonics"] => print(machine::area::report_with_harmonics()),
         ["area", "asic", liberty, words @ ..] => placement::circuits()
             .map(|circuits| named(circuits, words.first().copied().unwrap_or_default()))
             .and_then(|circuits| asic::report(Path::new(liberty), &circuits)),
@@ -119,20 +117,34 @@ fn print(text: Result<String>) -> Result<()> {
 
 fn write_packages() -> Result<()> {
     for (design, _) in DESIGNS {
-        write_package(design, &rtl().join(design), ProgramKind::Filter)?;
+        write_package(design, &rtl().join(design), &program(&[])?)?;
     }
     atomic::write(&tables::path(), tables::text().as_bytes())?;
     let program = harmonics::text::text()?;
     Ok(atomic::write(&harmonics::text::path(), program.as_bytes())?)
 }
 
-fn write_package(design: &str, folder: &Path, kind: ProgramKind) -> Result<()> {
+/// Setup's program with these options.
+fn program(options: &[&str]) -> Result<SetupProgram> {
+    let (kind, rest) = match options {
+        ["distance", rest @ ..] => (ProgramKind::DistanceScaling, rest),
+        ["compensation", rest @ ..] => (ProgramKind::Compensation, rest),
+        rest => (ProgramKind::Filter, rest),
+    };
+    match rest {
+        [] => Ok(SetupProgram::new(kind)),
+        ["direction"] => Ok(SetupProgram::new(kind).with_direction()),
+        _ => bail!("no option of setup's program: {rest:?}"),
+    }
+}
+
+fn write_package(design: &str, folder: &Path, program: &SetupProgram) -> Result<()> {
     let choice = DesignChoice::load(design)?;
     let (name, widths) = (choice.name.as_str(), &choice.widths);
     std::fs::create_dir_all(folder)?;
     let text = package::text(name, widths)?;
     atomic::write(&folder.join("splatline_pkg.sv"), text.as_bytes())?;
-    let text = setup::text::text(name, widths, &SetupProgram::new(kind))?;
+    let text = setup::text::text(name, widths, program)?;
     let path = folder.join("splatline_setup_pkg.sv");
     Ok(atomic::write(&path, text.as_bytes())?)
 }
@@ -191,9 +203,20 @@ fn compare_design(unit: &str, design: &str) -> Result<()> {
         "setup" => report(&SetupUnit::new(design, 7, ProgramKind::Filter)?),
         "compensation" => report(&SetupUnit::new(design, 7, ProgramKind::Compensation)?),
         "distance" => report(&SetupUnit::new(design, 7, ProgramKind::DistanceScaling)?),
+        "direction" => report(&SetupUnit::with_program(
+            design,
+            7,
+            program(&["direction"])?,
+        )?),
         "tables" => report(&TableUnits::new(design)?),
-        "machine" => report(&MachineUnit::new(design, 8, 4, false)?),
-        "frames-distance" => report(&MachineUnit::new(design, 8, 4, true)?),
+        "machine" => report(&MachineUnit::new(design, 8, 4, MachineOption::None)?),
+        "frames-distance" => report(&MachineUnit::new(
+            design,
+            8,
+            4,
+            MachineOption::DistanceScaling,
+        )?),
+        "frames-harmonics" => report(&MachineUnit::new(design, 8, 4, MachineOption::Harmonics)?),
         _ => bail!("no unit '{unit}'\n{USAGE}"),
     }
 }

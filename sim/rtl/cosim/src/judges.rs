@@ -2,6 +2,7 @@
 
 use crate::circuit::Effort;
 use crate::harmonics::unit::HarmonicsUnit;
+use crate::machine::loads::MachineOption;
 use crate::machine::unit::MachineUnit;
 use crate::mutation::{Mutation, mutations};
 use crate::order::unit::OrderUnit;
@@ -13,7 +14,7 @@ use crate::unit::{Extent, Judge, Judgement, Unit};
 use anyhow::{Result, bail, ensure};
 use splatline::format::Lean18;
 
-/// Setup's programs with a mistake in distance scaling or compensation.
+/// Setup's programs with a mistake in distance scaling, compensation or directions.
 const PROGRAMS: &str = "programs";
 
 /// Mutations that the design has no number to show: all arguments are drawn, and none may differ.
@@ -100,32 +101,55 @@ fn judges(name: &str) -> Result<Vec<Box<dyn Judgement>>> {
             Extent::Full,
         )?)],
         PROGRAMS => vec![
-            Box::new(ProgramJudge::new(ProgramKind::DistanceScaling)?),
-            Box::new(ProgramJudge::new(ProgramKind::Compensation)?),
+            Box::new(ProgramJudge::new(SetupProgram::new(
+                ProgramKind::DistanceScaling,
+            ))?),
+            Box::new(ProgramJudge::new(SetupProgram::new(
+                ProgramKind::Compensation,
+            ))?),
+            Box::new(ProgramJudge::new(directed())?),
         ],
         "order" => vec![Box::new(Judge::new(OrderUnit::new(8)?, name, quick)?)],
-        "harmonics" => vec![Box::new(Judge::new(HarmonicsUnit::new(1)?, name, quick)?)],
+        // What leads to the unit and away from it stands in setup and in the machine.
+        "harmonics" => vec![
+            Box::new(Judge::new(HarmonicsUnit::new(1)?, name, quick)?),
+            Box::new(Judge::new(
+                SetupUnit::with_program("lean18", 2, directed())?,
+                name,
+                quick,
+            )?),
+            Box::new(Judge::new(
+                MachineUnit::new("lean18", 12, 4, MachineOption::Harmonics)?,
+                name,
+                quick,
+            )?),
+        ],
         "machine" => {
-            let unit = MachineUnit::new("lean18", 2, 4, false)?;
+            let unit = MachineUnit::new("lean18", 2, 4, MachineOption::None)?;
             vec![Box::new(Judge::new(unit, name, quick)?)]
         }
         _ => bail!("no judge '{name}'; there are {}", JUDGES.join(", ")),
     })
 }
 
+/// The program with directions.
+fn directed() -> SetupProgram {
+    SetupProgram::new(ProgramKind::Filter).with_direction()
+}
+
 /// A setup unit of one core for each of a program's mistakes: a program is data of the circuit, in a package, and no choice can be made there.
 struct ProgramJudge {
-    kind: ProgramKind,
+    right: SetupProgram,
     loads: Vec<SetupLoad>,
 }
 
 impl ProgramJudge {
     /// Without a mistake the circuit must agree.
-    fn new(kind: ProgramKind) -> Result<ProgramJudge> {
-        let right = SetupUnit::new("lean18", 1, kind)?;
-        let loads = right.loads(Extent::Quick, &mut Vec::new())?;
-        let judge = ProgramJudge { kind, loads };
-        let difference = judge.difference(&right)?;
+    fn new(right: SetupProgram) -> Result<ProgramJudge> {
+        let unit = SetupUnit::with_program("lean18", 1, right.clone())?;
+        let loads = unit.loads(Extent::Quick, &mut Vec::new())?;
+        let judge = ProgramJudge { right, loads };
+        let difference = judge.difference(&unit)?;
         ensure!(difference.is_none(), "without a mutation: {difference:?}");
         Ok(judge)
     }
@@ -138,11 +162,10 @@ impl ProgramJudge {
 
 impl Judgement for ProgramJudge {
     fn verdict(&self, mutation: &Mutation) -> Result<Option<String>> {
-        let right = SetupProgram::new(self.kind);
-        let program = right.mutated(mutation)?;
+        let program = self.right.mutated(mutation)?;
         // A mistake in lines of the other program's is none here, and a circuit takes a while.
         let widths = &Lean18::WIDTHS;
-        if program.assembled(widths)? == right.assembled(widths)? {
+        if program.assembled(widths)? == self.right.assembled(widths)? {
             return Ok(None);
         }
         self.difference(&SetupUnit::with_program("lean18", 1, program)?)

@@ -156,6 +156,10 @@ impl<U: Unit> Judgement for Judge<U> {
             let library = &self.library;
             return Ok(self.unit.first_difference(library, number, &self.loads));
         }
+        let sources = self.unit.circuit().sources()?;
+        if !sources.iter().any(|(name, _)| *name == mutation.file) {
+            return Ok(None);
+        }
         let library = self.unit.circuit().mutated(mutation)?;
         Ok(self.unit.first_difference(&library, 0, &self.loads))
     }

@@ -44,11 +44,12 @@ mod with_verilator {
     use splatline_rtl::findings::Findings;
     use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
     use splatline_rtl::judges;
+    use splatline_rtl::machine::loads::MachineOption;
     use splatline_rtl::machine::unit::MachineUnit;
     use splatline_rtl::order::unit::OrderUnit;
     use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
     use splatline_rtl::setup::distant::enlarged;
-    use splatline_rtl::setup::program::ProgramKind;
+    use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
     use splatline_rtl::setup::tables::TableUnits;
     use splatline_rtl::setup::unit::SetupUnit;
     use splatline_rtl::simulation::Simulation;
@@ -148,6 +149,15 @@ mod with_verilator {
         packets_are_the_kernels("lean18", 3, ProgramKind::Compensation);
     }
 
+    /// Directions beside packets, from positions in one part and in two.
+    #[test]
+    fn setup_unit_gives_the_kernels_directions() {
+        for design in ["lean18", "standard24"] {
+            let program = SetupProgram::new(ProgramKind::Filter).with_direction();
+            agrees(&SetupUnit::with_program(design, 2, program).unwrap());
+        }
+    }
+
     /// The same with distance scaling, nearer than the distance k, there and beyond.
     #[test]
     fn setup_unit_enlarges_what_is_far() {
@@ -183,7 +193,7 @@ mod with_verilator {
     /// their lists. Of tiles without splats there are some before, between and behind the others, in the last column and the last row.
     #[test]
     fn the_machine_draws_the_kernels_frame() {
-        let found = agrees(&MachineUnit::new("lean18", 2, 4, false).unwrap());
+        let found = agrees(&MachineUnit::new("lean18", 2, 4, MachineOption::None).unwrap());
         for (load, found) in &found {
             assert!(found.counted("painted") > 1_000, "{found:?}");
             if load.seen.name == "sparse" {
@@ -203,9 +213,10 @@ mod with_verilator {
     #[test]
     #[ignore = "verilates and compiles a machine; also `cargo run -p splatline-rtl --example rtl -- compare frames-distance`"]
     fn the_machine_enlarges_what_is_far() {
-        let plain = MachineUnit::new("lean18", 2, 4, false).unwrap();
+        let plain = MachineUnit::new("lean18", 2, 4, MachineOption::None).unwrap();
         let plain = plain.loads(Extent::Quick, &mut Vec::new()).unwrap();
-        let found = agrees(&MachineUnit::new("lean18", 2, 4, true).unwrap());
+        let found =
+            agrees(&MachineUnit::new("lean18", 2, 4, MachineOption::DistanceScaling).unwrap());
         let (crowd, counts) = &found[0];
         let (beyond, splats) = (counts.counted("beyond k"), counts.counted("splats"));
         assert!(
@@ -213,6 +224,13 @@ mod with_verilator {
             "{beyond} of {splats} splats"
         );
         assert_ne!(crowd.lists.entries(), plain[0].lists.entries());
+    }
+
+    /// Frames whose splats have colours of harmonics, of degree 0 to 4, by a machine that evaluates them. It has cores enough
+    /// for many splats to be on their way behind one that waits for its colour.
+    #[test]
+    fn the_machine_draws_harmonics() {
+        agrees(&MachineUnit::new("lean18", 12, 4, MachineOption::Harmonics).unwrap());
     }
 
     /// What Verilator says of a circuit, all warnings but those that lint.vlt gives a reason for.
@@ -232,6 +250,11 @@ mod with_verilator {
         (output.status.success(), words)
     }
 
+    fn with_harmonics(design: &str) -> Circuit {
+        let unit = MachineUnit::new(design, 1, 1, MachineOption::Harmonics).unwrap();
+        unit.circuit().clone()
+    }
+
     fn primitive(design: &str, lanes: u32, queue: u32) -> Circuit {
         let circuit = Circuit::new(&PRIMITIVE, design, lanes).unwrap();
         circuit.with("QUEUE", queue)
@@ -245,6 +268,7 @@ mod with_verilator {
                 circuits.push(primitive(design, lanes, queue));
             }
             circuits.push(Circuit::new(&MACHINE, design, 1).unwrap());
+            circuits.push(with_harmonics(design));
         }
         for multipliers in MULTIPLIERS {
             circuits.push(Circuit::new(&HARMONICS, "lean18", multipliers).unwrap());
@@ -258,7 +282,10 @@ mod with_verilator {
     #[test]
     fn illegal_circuits_do_not_elaborate() {
         let harmonics = Circuit::new(&HARMONICS, "lean18", 3).unwrap();
+        let undirected =
+            with_harmonics("lean18").with_program(SetupProgram::new(ProgramKind::Filter));
         for (circuit, words) in [
+            (undirected, "needs a program of setup with directions"),
             (harmonics, "MULTIPLIERS must be 1 or 2"),
             (primitive("lean18", 3, 8), "LANES must be 1, 2, 4, 8 or 16"),
             (primitive("lean18", 32, 8), "LANES must be 1, 2, 4, 8 or 16"),

@@ -1,8 +1,11 @@
 //! Area of the whole machine and of each unit in it: `rtl -- area machine`.
 
+use super::loads::MachineOption;
+use super::unit::MachineUnit;
 use crate::area::fabric;
 use crate::circuit::Circuit;
 use crate::placement::{self, machine};
+use crate::unit::Unit;
 use anyhow::{Context, Result};
 use serde_json::{Map, Value};
 use splatline_sim::machine::area::Fabric;
@@ -26,19 +29,36 @@ const UNITS: [(&str, &str); 9] = [
     ("background", "background"),
 ];
 
+/// The one that is an option; its generate block's name stands before it.
+const OPTION: (&str, &str) = ("harmonics", "harmonics");
+
 /// What stands in the machine itself: its states, its port, the words of records and packets.
 const CONTROL: &str = "control";
 
 /// The table, in lines of `sim/machine/src/area/machine.csv`; each machine is shown on stderr as it comes.
 pub fn report() -> Result<String> {
-    let mut text = "cores,unit,luts,flip_flops,dsps,memory_kbit\n".to_owned();
+    let mut text = HEAD.to_owned();
     for cores in CORES {
-        let circuit = machine(cores)?;
-        for (unit, fabric) in by_unit(&circuit)? {
-            let counts = fabric.resources().map(|(_, count)| count.to_string());
-            // Writing to a String cannot fail.
-            let _ = writeln!(text, "{cores},{unit},{}", counts.join(","));
-        }
+        text += &lines(cores, &machine(cores)?)?;
+    }
+    Ok(text)
+}
+
+/// The same of a machine for harmonics: a splat in 16 cycles, and a multiplier for them.
+pub fn report_with_harmonics() -> Result<String> {
+    let cores = 10;
+    let unit = MachineUnit::new("lean18", cores, 4, MachineOption::Harmonics)?;
+    Ok(HEAD.to_owned() + &lines(cores, unit.circuit())?)
+}
+
+const HEAD: &str = "cores,unit,luts,flip_flops,dsps,memory_kbit\n";
+
+fn lines(cores: u32, circuit: &Circuit) -> Result<String> {
+    let mut text = String::new();
+    for (unit, fabric) in by_unit(circuit)? {
+        let counts = fabric.resources().map(|(_, count)| count.to_string());
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{cores},{unit},{}", counts.join(","));
     }
     Ok(text)
 }
@@ -67,7 +87,9 @@ fn counted(cells: &Map<String, Value>) -> Vec<(&'static str, Fabric)> {
             *of_unit.entry(kind.to_owned()).or_default() += 1;
         }
     }
-    let names = UNITS.iter().map(|(_, name)| *name).chain([CONTROL]);
+    let option = Some(OPTION.1).filter(|name| kinds.contains_key(name));
+    let names = UNITS.iter().map(|(_, name)| *name);
+    let names = names.chain([CONTROL]).chain(option);
     let area = |name| kinds.get(name).map(fabric).unwrap_or_default();
     names.map(|name| (name, area(name))).collect()
 }
@@ -76,8 +98,10 @@ fn counted(cells: &Map<String, Value>) -> Vec<(&'static str, Fabric)> {
 fn unit_of(cell: &str) -> Option<&'static str> {
     let name = cell.trim_start_matches("$flatten").trim_start_matches('\\');
     let name = name.strip_prefix("placed.")?.trim_start_matches('\\');
+    let name = name.strip_prefix("gen_harmonics.").unwrap_or(name);
     let instance = name.split_once('.').map(|(instance, _)| instance);
-    let unit = UNITS.iter().find(|(unit, _)| Some(*unit) == instance);
+    let mut units = UNITS.iter().chain([&OPTION]);
+    let unit = units.find(|(unit, _)| Some(*unit) == instance);
     Some(unit.map_or(CONTROL, |(_, name)| name))
 }
 
@@ -91,6 +115,10 @@ mod tests {
         for (cell, unit) in [
             ("placed.raster.rows.root_TRELLIS_FF_Q", Some("primitive")),
             ("$flatten\\placed.\\setup.\\pack.$abc$1$lut", Some("setup")),
+            (
+                "$flatten\\placed.\\gen_harmonics.harmonics.$abc$1$lut",
+                Some("harmonics"),
+            ),
             ("placed.drawn.tile_TRELLIS_FF_Q_1", Some("finder")),
             ("placed.number_TRELLIS_FF_Q", Some(CONTROL)),
             ("$flatten\\placed.$abc$1$lut", Some(CONTROL)),

@@ -1,5 +1,6 @@
 //! Frames that the machine draws: small ones that show what goes wrong between its units, and captured scenes.
 
+use super::harmonics::SceneHarmonics;
 use crate::order::loads::{OrderLoad, ordered};
 use crate::package::TILE;
 use crate::scenes::{SCENES, Seen, scenes};
@@ -20,21 +21,34 @@ pub struct MachineLoad {
     pub workload: Workload,
     /// The lists of its tiles.
     pub lists: OrderLoad,
+    /// Of a machine that makes the splats' colours.
+    pub harmonics: Option<SceneHarmonics>,
     /// Cycles that model and circuit may be apart: what happens once in a frame is not modelled.
     pub apart: u64,
 }
 
 impl MachineLoad {
-    /// Of a scene; with distance scaling it has the spacing of its samples.
-    fn new(mut seen: Seen, design: &DesignChoice, scales: bool, apart: u64) -> MachineLoad {
-        if scales {
+    /// Of a scene. With distance scaling it has the spacing of its samples; a machine for harmonics is given them apart from the splats, which keep colours
+    /// that it must not use.
+    fn new(
+        mut seen: Seen,
+        design: &DesignChoice,
+        option: MachineOption,
+        apart: u64,
+    ) -> MachineLoad {
+        if option == MachineOption::DistanceScaling {
             seen.scene.natural_rules = spaced(&seen);
         }
+        let harmonics = match option {
+            MachineOption::Harmonics => seen.scene.harmonics.take(),
+            _ => None,
+        };
         let (workload, lists) = ordered(&seen, design);
         MachineLoad {
             seen,
             workload,
             lists,
+            harmonics: harmonics.as_ref().map(SceneHarmonics::new),
             apart,
         }
     }
@@ -44,6 +58,17 @@ impl MachineLoad {
         let size = [self.seen.camera.width, self.seen.camera.height];
         [0, 1].map(|axis| size[axis].div_ceil(TILE[axis].into()))
     }
+}
+
+/// What a machine does beside what all do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MachineOption {
+    /// Nothing.
+    None,
+    /// Distance scaling.
+    DistanceScaling,
+    /// Colours of harmonics.
+    Harmonics,
 }
 
 /// The rules of the scene with the spacing of its samples.
@@ -56,21 +81,34 @@ fn spaced(seen: &Seen) -> Rules {
 pub fn loads(
     extent: Extent,
     design: &DesignChoice,
-    scales: bool,
+    option: MachineOption,
     missing: &mut Vec<&'static str>,
 ) -> Result<Vec<MachineLoad>> {
-    let (seen, apart) = match extent {
+    let (mut seen, apart) = match extent {
         Extent::Quick => (small(), 1_200),
         Extent::Full => (scenes(&SCENES, 128, missing)?, u64::MAX),
     };
+    if option == MachineOption::Harmonics {
+        seen.push(aside());
+        (1..)
+            .zip(&mut seen)
+            .for_each(|(degree, seen)| add_harmonics(seen, degree));
+    }
     let mut loads = Vec::new();
     for seen in seen {
         // Distance scaling replaces the low-pass filter, without which no splat of the row is high enough to meet it.
-        if !(scales && seen.name == ROW) {
-            loads.push(MachineLoad::new(seen, design, scales, apart));
+        if !(option == MachineOption::DistanceScaling && seen.name == ROW) {
+            loads.push(MachineLoad::new(seen, design, option, apart));
         }
     }
     Ok(loads)
+}
+
+/// Random harmonics for a scene that has none.
+fn add_harmonics(seen: &mut Seen, degree: u8) {
+    let count = seen.scene.splats.len();
+    let random = || synthetic::random_harmonics(count, 1, degree % 5).harmonics;
+    seen.scene.harmonics = seen.scene.harmonics.take().or_else(random);
 }
 
 const ROW: &str = "row";
@@ -100,6 +138,22 @@ fn small() -> Vec<Seen> {
         camera: synthetic::camera(32, 32),
     };
     vec![crowd, sparse, row, tile]
+}
+
+/// Of eight splats in a row seven are culled: enough to leave the queue, behind one that waited there for its colour, until
+/// the next one's colour has come.
+fn aside() -> Seen {
+    let mut scene = synthetic::random_gaussians(400, 7, 2.0);
+    for (number, splat) in scene.splats.iter_mut().enumerate() {
+        if number % 8 != 0 {
+            splat.centre[0] += 1e4;
+        }
+    }
+    Seen {
+        name: "aside",
+        scene,
+        camera: synthetic::camera(64, 64),
+    }
 }
 
 /// A picture of one row that is as wide as a scene: the vertical focal length alone is so small that every splat meets it.

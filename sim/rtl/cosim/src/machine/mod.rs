@@ -1,5 +1,6 @@
 //! The whole machine (`sim/rtl/splat_machine.sv`) from a memory image to a frame.
 
 pub mod area;
+pub mod harmonics;
 pub mod loads;
 pub mod unit;

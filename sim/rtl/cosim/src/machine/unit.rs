@@ -1,6 +1,6 @@
 //! A scene's records in a memory image, through the machine, and the frame that it leaves there: every pixel against the kernel's, cycles against the model's.
 
-use super::loads::{MachineLoad, loads};
+use super::loads::{MachineLoad, MachineOption, loads};
 use crate::bench::Bench;
 use crate::circuit::{Circuit, MACHINE};
 use crate::findings::Findings;
@@ -28,6 +28,12 @@ use splatline_sim::machine::{Config, simulate_alone};
 
 /// Words of a record.
 const RECORD: usize = 5;
+
+/// Cycles in which a harmonics unit with one multiplier makes a colour, by the degree (`rtl -- compare harmonics`).
+const HARMONICS_CYCLES: [u32; 5] = [14, 22, 52, 95, 153];
+
+/// Places of setup's queue where packets wait for colours (`setup_unit.sv`).
+const WAITING_FOR_COLOURS: u32 = 32;
 
 /// Cycles without an access to the memory after which the machine hangs.
 const PATIENCE: u64 = 1 << 18;
@@ -67,17 +73,24 @@ const fn timing([latency, pauses]: [u64; 2], bytes: u32, frames: u32, full: bool
 pub struct MachineUnit {
     circuit: Circuit,
     design: DesignChoice,
-    scales: bool,
+    option: MachineOption,
     config: Config,
 }
 
 impl MachineUnit {
-    /// A design's with so many cores of setup and lanes, with distance scaling or without.
-    pub fn new(design: &str, cores: u32, lanes: u32, scales: bool) -> Result<MachineUnit> {
-        let mut circuit = Circuit::new(&MACHINE, design, lanes)?.with("CORES", cores);
-        if scales {
-            circuit = circuit.with_program(SetupProgram::new(ProgramKind::DistanceScaling));
-        }
+    /// A design's with so many cores of setup and lanes.
+    pub fn new(design: &str, cores: u32, lanes: u32, option: MachineOption) -> Result<MachineUnit> {
+        let circuit = Circuit::new(&MACHINE, design, lanes)?.with("CORES", cores);
+        let filter = SetupProgram::new(ProgramKind::Filter);
+        let circuit = match option {
+            MachineOption::None => circuit,
+            MachineOption::DistanceScaling => {
+                circuit.with_program(SetupProgram::new(ProgramKind::DistanceScaling))
+            }
+            MachineOption::Harmonics => circuit
+                .with("HARMONICS", 1)
+                .with_program(filter.with_direction()),
+        };
         let program = circuit.program.assembled(&circuit.widths)?;
         // Every core of setup takes a splat in a round of the program, and each pair hands on a cycle later what it
         // was told.
@@ -90,19 +103,24 @@ impl MachineUnit {
         Ok(MachineUnit {
             circuit,
             design: DesignChoice::load(design)?,
-            scales,
+            option,
             config,
         })
     }
 
     /// The model's cycles: all, geometry, raster.
     fn modelled(&self, load: &MachineLoad, memory: &MemoryTiming) -> [u64; 3] {
-        let config = Config {
+        let mut config = Config {
             latency: memory.latency as u32,
             read_bandwidth: memory.bytes,
             write_bandwidth: memory.bytes,
             ..self.config
         };
+        if let Some(harmonics) = &load.harmonics {
+            config.harmonics_bytes = harmonics.bytes();
+            config.harmonics_cycles = HARMONICS_CYCLES[usize::from(harmonics.degree)];
+            config.bin_fifo = WAITING_FOR_COLOURS;
+        }
         let timing = simulate_alone(&load.workload, &config);
         [timing.total, timing.geometry, timing.raster]
     }
@@ -131,7 +149,7 @@ impl Unit for MachineUnit {
     }
 
     fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<MachineLoad>> {
-        loads(extent, &self.design, self.scales, missing)
+        loads(extent, &self.design, self.option, missing)
     }
 
     fn name(&self, load: &MachineLoad) -> String {
@@ -146,7 +164,7 @@ impl Unit for MachineUnit {
     ) -> Result<Findings> {
         let timing = TIMINGS[pressure];
         let rules = load.seen.scene.natural_rules;
-        let scene = QuantisedScene::new(&load.seen.scene, &load.seen.camera, &rules);
+        let mut scene = QuantisedScene::new(&load.seen.scene, &load.seen.camera, &rules);
         let rules = scene.rules(&rules);
         let widths = &self.circuit.widths;
         let mut bench = Bench::new(circuit, 1)?;
@@ -155,7 +173,10 @@ impl Unit for MachineUnit {
         // The tile buffers are cleared once.
         (0..1_100).for_each(|_| bench.cycle());
         let room = load.lists.entries() - usize::from(timing.full);
-        let (words, frame) = image(&mut bench, widths, &scene, room)?;
+        let (words, frame) = image(&mut bench, widths, &scene, load, room)?;
+        if let Some(harmonics) = &load.harmonics {
+            harmonics.shine(widths, &scene.view, &mut scene.splats);
+        }
         let mut run = FrameRun {
             memory: Memory::new(&bench.circuit, words, timing.memory, 1)?,
             bench,
@@ -267,12 +288,13 @@ impl FrameRun {
     }
 }
 
-/// Records at the beginning, bits of nothing in all places that the machine is to write, and a word between any two regions; drives the ports that say where
+/// Records and harmonics at the beginning, bits of nothing in all places that the machine is to write, and a word between any two regions; drives the ports that say where
 /// all of it lies. Gives the image and the word at which the frame begins.
 fn image(
     bench: &mut Bench,
     widths: &Widths,
     scene: &QuantisedScene,
+    load: &MachineLoad,
     room: usize,
 ) -> Result<(Vec<[u32; 4]>, usize)> {
     let mut words: Vec<[u32; 4]> = Vec::new();
@@ -286,6 +308,14 @@ fn image(
     let packet = Layout::new(widths, Traversal::Spans).words().div_ceil(4);
     let [columns, rows] = scene.view.viewport;
     let pixels = usize::from(columns) * usize::from(rows);
+    if let Some(harmonics) = &load.harmonics {
+        words.push([!0; 4]);
+        bench.set(&[
+            ("base_harmonics", words.len() as u64),
+            ("degree", harmonics.degree.into()),
+        ])?;
+        words.extend(harmonics.words());
+    }
     let mut next = words.len() + 1;
     for (base, size) in [
         ("base_packets", packet * count),
@@ -361,9 +391,10 @@ mod tests {
     #[test]
     fn the_models_machine_has_the_programs_latency() {
         let preset = Config::machine(4);
-        let one = MachineUnit::new("lean18", 1, 4, false).unwrap().config;
+        let none = MachineOption::None;
+        let one = MachineUnit::new("lean18", 1, 4, none).unwrap().config;
         let cores = one.setup_interval.div_ceil(preset.setup_interval);
-        let unit = MachineUnit::new("lean18", cores, 4, false).unwrap();
+        let unit = MachineUnit::new("lean18", cores, 4, none).unwrap();
         assert_eq!(unit.config.setup_latency, preset.setup_latency);
     }
 }

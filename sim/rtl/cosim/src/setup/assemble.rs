@@ -21,8 +21,11 @@ const CYCLES: usize = 256;
 /// Orders of the operations that are tried before the round is made a cycle longer.
 const ATTEMPTS: u64 = 4_000;
 
-/// Results of a splat that leave the core at most.
-pub const RESULTS: usize = 16;
+/// Words of a splat that leave the core at most: two of them at a time, and beside these the direction's.
+const WORDS: usize = 24;
+
+/// The first word of the direction.
+const DIRECTION: usize = 16;
 
 /// An operation's number; also its result's name.
 pub type Value = usize;
@@ -153,6 +156,8 @@ pub struct Exits {
     pub round: usize,
     /// Cycle in that round and value of every result.
     pub results: Vec<(usize, Value)>,
+    /// The word as which each leaves.
+    pub words: Vec<usize>,
 }
 
 impl Exits {
@@ -182,11 +187,12 @@ impl Program {
     /// The shortest round that holds the operations, of which these are the results.
     pub fn new(
         operations: Vec<Operation>,
-        results: &[Value],
+        results: &[(usize, Value)],
         constants: Vec<String>,
     ) -> Result<Program> {
         ensure!(constants.len() <= CONSTANTS, "there are too many constants");
-        ensure!(results.len() <= RESULTS, "there are too many results");
+        let fits = |(word, _): &(usize, Value)| *word < WORDS;
+        ensure!(results.iter().all(fits), "there are too many results");
         let slots: usize = operations.iter().map(|o| o.terms.len()).sum();
         let found = (slots..=CYCLES).find_map(|round| {
             let placed = (0..ATTEMPTS).find_map(|seed| {
@@ -217,6 +223,11 @@ impl Program {
     /// Cycles from a splat's first slot to that of its last result.
     pub fn latency(&self) -> usize {
         self.exits.round * self.round + self.exits.last()
+    }
+
+    /// Does a direction leave beside the words of the packet?
+    pub fn directs(&self) -> bool {
+        self.exits.words.iter().any(|word| *word >= DIRECTION)
     }
 
     /// The slot of every cycle of a round: operation and term.

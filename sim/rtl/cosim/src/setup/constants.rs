@@ -103,6 +103,16 @@ fn turn(widths: &Widths, view: &View) -> Vec<Named> {
     all
 }
 
+/// The rotation's entries, for the registers by which a direction is turned back.
+pub fn turned_back(view: &View) -> impl Iterator<Item = Constant> {
+    let first = REGISTERS.iter().position(|name| *name == "back_xx");
+    let entries = view.rotation.into_iter().flatten();
+    let places = FIRST_REGISTER + first.unwrap_or(0) as u8..;
+    places
+        .zip(entries)
+        .map(|(place, entry)| (place, entry.to_bits().into(), 0))
+}
+
 fn screen(widths: &Widths, view: &View, rules: &Rules) -> Result<Vec<Named>> {
     let bits = u32::from(widths.mantissa);
     let perspective = view.projection == Projection::Perspective;

@@ -62,6 +62,8 @@ impl ProgramKind {
 pub struct SetupProgram {
     /// What it computes.
     pub kind: ProgramKind,
+    /// Does it give the direction of every splat as well?
+    pub directs: bool,
     text: String,
 }
 
@@ -69,7 +71,19 @@ impl SetupProgram {
     /// The program of a kind.
     pub fn new(kind: ProgramKind) -> SetupProgram {
         let text = include_str!("../../setup_program.txt").to_owned();
-        SetupProgram { kind, text }
+        SetupProgram {
+            kind,
+            directs: false,
+            text,
+        }
+    }
+
+    /// The same with the direction of every splat.
+    pub fn with_direction(self) -> SetupProgram {
+        SetupProgram {
+            directs: true,
+            ..self
+        }
     }
 
     /// The same with a mistake in the text.
@@ -102,7 +116,9 @@ impl SetupProgram {
             if let Some(heading) = line.strip_prefix("== ") {
                 let (kinds, only) = heading.split_once(", ").unwrap_or((heading, parts));
                 stands = [parts, axes, centres].contains(&only)
-                    && kinds.split(' ').any(|kind| kind == self.kind.word());
+                    && kinds.split(' ').any(|kind| {
+                        kind == self.kind.word() || self.directs && kind == "direction"
+                    });
             } else if stands && !line.is_empty() && !line.starts_with("//") {
                 let read = reader.line(line);
                 read.with_context(|| format!("{FILE}: '{line}'"))?;
@@ -116,8 +132,8 @@ impl SetupProgram {
 struct Reader<'a> {
     widths: &'a Widths,
     operations: Vec<Operation>,
-    /// What leaves the core, in the packer's order.
-    results: Vec<Value>,
+    /// What leaves the core, each as this word.
+    results: Vec<(usize, Value)>,
     /// In the order of their addresses.
     constants: Vec<String>,
 }
@@ -126,8 +142,9 @@ impl Reader<'_> {
     fn line(&mut self, line: &str) -> Result<()> {
         let (name, rest) = line.split_once(" = ").context("no '='")?;
         let (form, terms) = rest.split_once(": ").context("no ':'")?;
-        if form == "out" {
-            return self.out(terms);
+        if let Some(from) = form.strip_prefix("out") {
+            let first = from.strip_prefix(" from ").map_or(Ok(0), str::parse)?;
+            return self.out(first, terms);
         }
         let lines = match form.rsplit_once(' ') {
             Some(("reciprocal", bits)) => vec![
@@ -150,10 +167,10 @@ impl Reader<'_> {
         lines.iter().try_for_each(|line| self.line(line))
     }
 
-    fn out(&mut self, values: &str) -> Result<()> {
-        for value in values.split(" + ") {
+    fn out(&mut self, first: usize, values: &str) -> Result<()> {
+        for (word, value) in (first..).zip(values.split(" + ")) {
             match self.operand(value.trim_end_matches(']'))? {
-                Operand::Value(value) => self.results.push(value),
+                Operand::Value(value) => self.results.push((word, value)),
                 _ => bail!("{value} is no result"),
             }
         }

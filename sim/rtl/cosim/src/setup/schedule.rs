@@ -131,13 +131,13 @@ fn spares_second(term: &Term) -> bool {
 /// spare the second factor. They are counted before that round ends.
 pub(super) fn exits(
     operations: &[Operation],
-    results: &[Value],
+    results: &[(usize, Value)],
     times: &[usize],
     round: usize,
 ) -> Option<Exits> {
     let mut ready: Vec<(usize, usize)> = results
         .iter()
-        .map(|value| times[*value] + operations[*value].terms.len() - 1 + LATENCY)
+        .map(|(_, value)| times[*value] + operations[*value].terms.len() - 1 + LATENCY)
         .zip(0..)
         .collect();
     ready.sort_unstable();
@@ -150,7 +150,8 @@ pub(super) fn exits(
         });
         let mut exits = Exits {
             round: of_round,
-            results: results.iter().map(|value| (0, *value)).collect(),
+            results: results.iter().map(|(_, value)| (0, *value)).collect(),
+            words: results.iter().map(|(word, _)| *word).collect(),
         };
         for (time, number) in &ready {
             let (cycle, _) = free.find(|(cycle, _)| of_round * round + cycle >= *time)?;

@@ -16,11 +16,15 @@ const TYPES: &str = include_str!("../../../setup_types.svh");
 
 /// Numbers that stand in registers, from this address on.
 pub const FIRST_REGISTER: u8 = 64;
-/// Their names.
-pub const REGISTERS: [&str; 15] = [
+/// Their names; behind those of every program the rotation's entries as they are, by which a direction is turned back.
+pub const REGISTERS: [&str; 24] = [
     "eye_x", "eye_y", "eye_z", "flags", "near", "far", "axis_xx", "axis_xy", "axis_xz", "axis_yx",
-    "axis_yy", "axis_yz", "axis_zx", "axis_zy", "axis_zz",
+    "axis_yy", "axis_yz", "axis_zx", "axis_zy", "axis_zz", "back_xx", "back_xy", "back_xz",
+    "back_yx", "back_yy", "back_yz", "back_zx", "back_zy", "back_zz",
 ];
+
+/// Registers that every program has.
+const OF_EVERY_PROGRAM: usize = 15;
 
 /// Fields of a slot in the order of `setup_types.svh`, first the most significant: name and bits.
 const FIELDS: [(&str, u32); 36] = [
@@ -62,9 +66,32 @@ const FIELDS: [(&str, u32); 36] = [
     ("word", 4),
 ];
 
+/// The fields of a program's slots: with a direction there are more words than 16.
+fn fields(program: &Program) -> impl Iterator<Item = (&'static str, u32)> {
+    let more = u32::from(program.directs());
+    FIELDS
+        .into_iter()
+        .map(move |(name, bits)| (name, bits + if name == "word" { more } else { 0 }))
+}
+
 /// Bits of a slot.
-fn slot_bits() -> u32 {
-    FIELDS.iter().map(|(_, bits)| bits).sum()
+fn slot_bits(program: &Program) -> u32 {
+    fields(program).map(|(_, bits)| bits).sum()
+}
+
+/// The types of a program; with a direction they have a word more at a time, without its exponent.
+fn types(program: &Program) -> Result<String> {
+    let mut text = TYPES.to_owned();
+    if program.directs() {
+        for (narrow, wide) in [
+            ("logic [3:0] word;", "logic [4:0] word;"),
+            ("WORD_BITS = 102;", "WORD_BITS = 135;"),
+        ] {
+            ensure!(text.contains(narrow), "setup_types.svh has no '{narrow}'");
+            text = text.replace(narrow, wide);
+        }
+    }
+    Ok(text)
 }
 
 /// The text of a design's package with this program.
@@ -86,7 +113,7 @@ pub fn text(name: &str, widths: &Widths, program: &SetupProgram) -> Result<Strin
          package splatline_setup_pkg;\n\n"
     );
     parameters(&mut text, widths, &program);
-    text.push_str(TYPES);
+    text.push_str(&types(&program)?);
     microcode(&mut text, &program)?;
     text.push_str("endpackage\n");
     Ok(text)
@@ -116,7 +143,11 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
   localparam int OUT_LAST = {out_last};  // the last slot with one of them
   localparam int FIRST_REGISTER = {FIRST_REGISTER};  // address of the first number outside the cores"
     );
-    for (place, name) in REGISTERS.iter().enumerate() {
+    let registers = match program.directs() {
+        true => REGISTERS.len(),
+        false => OF_EVERY_PROGRAM,
+    };
+    for (place, name) in REGISTERS.iter().take(registers).enumerate() {
         let _ = writeln!(
             text,
             "  localparam int {} = {};",
@@ -124,11 +155,15 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
             usize::from(FIRST_REGISTER) + place
         );
     }
-    let _ = writeln!(text, "  localparam int SLOT_BITS = {};\n", slot_bits());
+    let _ = writeln!(
+        text,
+        "  localparam int SLOT_BITS = {};\n",
+        slot_bits(program)
+    );
 }
 
 fn microcode(text: &mut String, program: &Program) -> Result<()> {
-    let bits = slot_bits();
+    let bits = slot_bits(program);
     let _ = writeln!(
         text,
         "  // The slot that is issued in each cycle of a round.\n  function automatic logic [{}:0] microcode(input logic [7:0] cycle);\n    case (cycle)",
@@ -141,8 +176,9 @@ fn microcode(text: &mut String, program: &Program) -> Result<()> {
             values = meaning(program, operation, term)?;
             names.push(program.operations[operation].name.clone());
         }
-        if let Some(word) = leaving(program, cycle) {
-            let (_, value) = program.exits.results[word];
+        if let Some(number) = leaving(program, cycle) {
+            let (_, value) = program.exits.results[number];
+            let word = program.exits.words[number];
             values.extend(second(program, value));
             values.extend([("out", 1), ("word", word as i64)]);
             names.push(format!("out: {}", program.operations[value].name));
@@ -150,7 +186,7 @@ fn microcode(text: &mut String, program: &Program) -> Result<()> {
         if names.is_empty() {
             continue;
         }
-        let word = word(&values);
+        let word = word(program, &values);
         let _ = writeln!(
             text,
             "      8'd{cycle}: microcode = {bits}'h{word:x};  // {}",
@@ -189,9 +225,9 @@ fn meaning(program: &Program, index: usize, term: usize) -> Result<Vec<(&'static
     Ok(values)
 }
 
-fn word(values: &[(&'static str, i64)]) -> u128 {
+fn word(program: &Program, values: &[(&'static str, i64)]) -> u128 {
     let mut word = 0u128;
-    for (name, bits) in FIELDS {
+    for (name, bits) in fields(program) {
         let value = values.iter().rfind(|(known, _)| *known == name);
         let value = value.map_or(0, |(_, value)| *value);
         word = word << bits | (value as u128 & ((1 << bits) - 1));

@@ -1,6 +1,6 @@
 //! The setup unit against the kernel's `setup`: every packet and every reason of a cull, with back-pressure at both ends.
 
-use super::constants::constants;
+use super::constants::{constants, turned_back};
 use super::distant::distant;
 use super::exact::exact;
 use super::loads::{captured, synthetic};
@@ -9,14 +9,15 @@ use super::record::record;
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
 use crate::circuit::{Circuit, SETUP};
 use crate::findings::Findings;
-use crate::simulation::Simulation;
+use crate::simulation::{Port, Simulation};
 use crate::unit::{Extent, Unit};
 use anyhow::{Context, Result};
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
-use splatline::format::{RuntimeWidths, Traversal};
+use splatline::format::{RuntimeWidths, Traversal, Widths};
 use splatline::math::SoftFloat;
 use splatline::rules::Rules;
+use splatline::setup::harmonics::direction;
 use splatline::setup::{Cull, setup};
 use splatline::splat::VolumeSplat;
 use splatline::view::View;
@@ -129,6 +130,7 @@ impl Unit for SetupUnit {
             layout: Layout::new(&self.circuit.widths, Traversal::Spans),
             load,
             offered: Vec::new(),
+            directions: DirectionPorts::new(&bench.circuit, &self.circuit)?,
             culled: [0; 6],
         };
         let mut items = Vec::new();
@@ -141,6 +143,10 @@ impl Unit for SetupUnit {
         }
         let channels = channels(&bench.circuit)?;
         let mut findings = bench.run(&channels, &items, &PRESSURES[pressure], &mut checker)?;
+        if let Some(ports) = &checker.directions {
+            let few = (ports.came != items.len()).then(|| format!("{} directions", ports.came));
+            findings.first_difference = findings.first_difference.or(few);
+        }
         for (name, count) in CULLS.into_iter().zip(checker.culled) {
             findings.count(name, count);
         }
@@ -193,7 +199,11 @@ pub fn write_constants(
 ) -> Result<()> {
     let widths = &circuit.widths;
     let names = circuit.program.assembled(widths)?.constants;
-    for (index, value, exponent) in constants(&names, widths, view, rules)? {
+    let mut words = constants(&names, widths, view, rules)?;
+    if circuit.program.directs {
+        words.extend(turned_back(view));
+    }
+    for (index, value, exponent) in words {
         bench.set(&[
             ("constant_valid", 1),
             ("constant_index", index.into()),
@@ -210,10 +220,55 @@ struct SetupChecker<'a> {
     layout: Layout,
     load: &'a SetupLoad,
     offered: Vec<&'a VolumeSplat>,
+    directions: Option<DirectionPorts>,
     culled: [u64; 6],
 }
 
+/// Where directions come, each once and at its own time, and how many have come.
+struct DirectionPorts {
+    valid: Port,
+    seen: Port,
+    direction: Port,
+    widths: Widths,
+    came: usize,
+}
+
+impl DirectionPorts {
+    /// Nothing if the program gives none.
+    fn new(simulation: &Simulation, circuit: &Circuit) -> Result<Option<DirectionPorts>> {
+        if !circuit.program.directs {
+            return Ok(None);
+        }
+        Ok(Some(DirectionPorts {
+            valid: simulation.port("direction_valid")?,
+            seen: simulation.port("direction_seen")?,
+            direction: simulation.port("direction")?,
+            widths: circuit.widths,
+            came: 0,
+        }))
+    }
+}
+
 impl Checker for SetupChecker<'_> {
+    fn observe(&mut self, circuit: &Simulation, _: u64) -> Option<String> {
+        let ports = self
+            .directions
+            .as_mut()
+            .filter(|ports| circuit.is(ports.valid))?;
+        let number = ports.came;
+        ports.came += 1;
+        let Some(splat) = self.offered.get(number) else {
+            return Some("a direction too many".to_owned());
+        };
+        let SetupLoad { view, rules, .. } = self.load;
+        let wanted = direction(&ports.widths, view, &splat.centre);
+        let wanted = wanted.map(|axis| axis.to_bits() as u32);
+        let seen = setup(self.design, view, rules, splat).is_ok();
+        let got = circuit.words(ports.direction);
+        (got != wanted || circuit.is(ports.seen) != seen)
+            .then(|| format!("splat {number}: direction {got:x?}, not {wanted:x?}; seen: {seen}"))
+    }
+
     fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
         let SetupLoad { view, rules, .. } = self.load;
         let expected = setup(self.design, view, rules, self.offered[number]);

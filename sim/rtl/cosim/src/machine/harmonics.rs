@@ -1,0 +1,65 @@
+//! The harmonics of a scene's splats in memory, and the kernel's colours of them.
+
+use crate::random::split_mix;
+use fixed::types::I4F28;
+use splatline::float::coefficient;
+use splatline::format::Widths;
+use splatline::setup::harmonics::{Harmonics, direction};
+use splatline::splat::VolumeSplat;
+use splatline::view::View;
+use splatline_sim::scene;
+
+/// Base and coefficients of every splat, Q3.28.
+pub struct SceneHarmonics {
+    /// Their degree, 0 to 4.
+    pub degree: u8,
+    colours: Vec<[I4F28; 3]>,
+}
+
+impl SceneHarmonics {
+    /// Of a scene.
+    pub fn new(harmonics: &scene::Harmonics) -> SceneHarmonics {
+        let each = words(harmonics.degree) - 1;
+        let fixed = |colour: &[f32; 3]| colour.map(|channel| coefficient(channel.into()));
+        let of_splat = |(number, base)| {
+            let coefficients = harmonics.coefficients[number * each..][..each].iter();
+            [base].into_iter().chain(coefficients).map(fixed)
+        };
+        let splats = harmonics.base.iter().enumerate();
+        SceneHarmonics {
+            degree: harmonics.degree,
+            colours: splats.flat_map(of_splat).collect(),
+        }
+    }
+
+    /// Bytes of a splat.
+    pub fn bytes(&self) -> u32 {
+        16 * words(self.degree) as u32
+    }
+
+    /// The words that the machine reads; the last quarter of each is anything.
+    pub fn words(&self) -> impl Iterator<Item = [u32; 4]> {
+        let mut state = 7;
+        self.colours.iter().map(move |colour| {
+            let [red, green, blue] = colour.map(|channel| channel.to_bits() as u32);
+            [red, green, blue, split_mix(&mut state) as u32]
+        })
+    }
+
+    /// Gives splats the colours in which the kernel sees them.
+    pub fn shine(&self, widths: &Widths, view: &View, splats: &mut [VolumeSplat]) {
+        let parts = self.colours.chunks(words(self.degree));
+        for (splat, part) in splats.iter_mut().zip(parts) {
+            let harmonics = Harmonics {
+                base: part[0],
+                coefficients: &part[1..],
+            };
+            splat.colour = harmonics.colour(direction(widths, view, &splat.centre));
+        }
+    }
+}
+
+/// Words of a splat: its base and its coefficients.
+fn words(degree: u8) -> usize {
+    (usize::from(degree) + 1).pow(2)
+}
