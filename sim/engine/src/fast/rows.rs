@@ -278,6 +278,9 @@ impl RowBatch {
         left: u16,
     ) -> bool {
         let mut longest = reals.math.splat(0);
+        let columns: [_; BLOCKS] =
+            std::array::from_fn(|block| reals.columns(left.saturating_add(block as u16 * BLOCK)));
+        let touched = self.touched();
         let count = usize::from(last.saturating_sub(first)).min(ROWS);
         let mut start = 0;
         for number in 0..blocks {
@@ -291,10 +294,12 @@ impl RowBatch {
             };
             while start < end {
                 let span = reals.span(&rows, &mut longest);
-                for touched in self.touched() {
-                    let column = f64::from(left) + (touched * usize::from(BLOCK)) as f64;
-                    let runs = reals.runs(&rows, &span, column);
-                    self.blocks[touched].store(reals.math.lanes, start, runs);
+                // Without a loop, which would fetch its constants for the one block that most footprints touch.
+                for (number, spans) in self.blocks.iter_mut().enumerate() {
+                    if touched.contains(&number) {
+                        let runs = reals.runs(&rows, &span, columns[number]);
+                        spans.store(reals.math.lanes, start, runs);
+                    }
                 }
                 rows = reals.step(&rows);
                 start += L::WIDE;
