@@ -152,6 +152,19 @@ impl BlockSpans {
         lanes.wide_store(window_mut(&mut self.first, start), runs.first);
     }
 
+    /// First column of the rows from number `start` on, and one past the last.
+    #[inline(always)]
+    pub fn columns<L: Wide>(&self, lanes: L, start: usize) -> [L::Word; 2] {
+        [&self.x, &self.end].map(|list| lanes.wide_load(window(list, start)))
+    }
+
+    /// Radial index and first difference at the first column of row number `row`.
+    #[inline(always)]
+    pub fn seeds(&self, row: usize) -> [i64; 2] {
+        let row = row % ROWS;
+        [self.radial[row], self.first[row]]
+    }
+
     /// The run of row number `row`, if it has pixels in the block.
     #[inline(always)]
     pub fn run(&self, row: usize) -> Option<RunWords> {
