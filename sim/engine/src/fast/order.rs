@@ -5,7 +5,7 @@
 //! by depth, ties by index, whatever sorts it.
 //!
 //! A footprint's sort key has 48 bits. An entry holds its difference to the nearest splat's key above the index, in as many bits as the indices
-//! leave, which is all of it but for scenes of extreme depth and count. The radix sort looks at the 32 leading ones; the few entries that are
+//! leave, which is all of it but for scenes of extreme depth and count. The radix sort looks at the 16 leading ones; the few entries that are
 //! equal there and out of order are sorted once more.
 
 use rayon::prelude::*;
@@ -124,7 +124,7 @@ struct Packing {
     index: u32,
     /// Bits of a difference to the nearest key for which an entry has no room.
     dropped: u32,
-    /// First of the bits, at most 32, that the radix sort looks at.
+    /// First of the bits that the radix sort looks at.
     first: u32,
     /// Are all splats equally near? Then lists are in order as they are.
     flat: bool,
@@ -147,7 +147,7 @@ impl Packing {
             nearest,
             index,
             dropped,
-            first: index + (depth - dropped).saturating_sub(u32::BITS),
+            first: index + (depth - dropped).saturating_sub(8 * DIGITS as u32),
             flat: nearest == farthest,
         }
     }
@@ -371,14 +371,17 @@ pub fn tile_lists(grid: &Grid, keys: Vec<Vec<Key>>) -> Vec<Vec<u32>> {
 /// Lists shorter than this are sorted by comparison.
 const SHORT: usize = 96;
 
-/// Sorts entries whose indices ascend by the 32 bits from `first` on: radix sort on bytes, which keeps equal ones in order.
+/// Bytes that the radix sort looks at: of a tile's thousands of splats, few are as near as others in more.
+const DIGITS: usize = 2;
+
+/// Sorts entries whose indices ascend by the leading bits, from `first` on: radix sort on bytes, which keeps equal ones in order.
 fn sort_by_depth(entries: &mut Vec<u64>, spare: &mut Vec<u64>, first: u32) {
     if entries.len() < SHORT {
         entries.sort_unstable();
         return;
     }
     let byte = |entry: u64, number: usize| usize::from((entry >> first >> (8 * number)) as u8);
-    let mut counts = [[0u32; 256]; 4];
+    let mut counts = [[0u32; 256]; DIGITS];
     for entry in entries.iter() {
         for (number, counts) in counts.iter_mut().enumerate() {
             counts[byte(*entry, number)] += 1;

@@ -385,14 +385,26 @@ impl<L: Doubles> RowReals<L> {
         lanes.wide_load(&halves)
     }
 
-    /// The runs of some rows in the block that begins at this column, by [`seeds`].
+    /// First column, negative, that runs in the block from this column on may begin at, and one past the last.
     #[inline(always)]
-    pub fn runs(&self, rows: &RealRows<L>, span: &RealSpan<L>, column: f64) -> Runs<L> {
+    pub fn columns(&self, column: u16) -> [L::Word; 2] {
+        let [first, last] = self.line.columns;
+        let first = -f64::from(column.max(first));
+        let last = f64::from(column.saturating_add(BLOCK).min(last));
+        [self.splat(first), self.splat(last)]
+    }
+
+    /// The runs of some rows between these [`columns`](RowReals::columns), by [`seeds`].
+    #[inline(always)]
+    pub fn runs(
+        &self,
+        rows: &RealRows<L>,
+        span: &RealSpan<L>,
+        [first, last]: [L::Word; 2],
+    ) -> Runs<L> {
         let lanes = self.math.lanes;
-        let first = self.splat(-column.max(self.line.columns[0].into()));
-        let last = (column + f64::from(BLOCK)).min(self.line.columns[1].into());
         let left = lanes.double_min(span.left, first);
-        let end = lanes.double_min(span.end, self.splat(last));
+        let end = lanes.double_min(span.end, last);
         let dx = self.rounded(lanes.double_add(left, rows.centre), self.to_dx);
         let whole = self.splat(WHOLE);
         let x = lanes.double_sub(whole, left);

@@ -152,6 +152,19 @@ impl BlockSpans {
         lanes.wide_store(window_mut(&mut self.first, start), runs.first);
     }
 
+    /// First column of the rows from number `start` on, and one past the last.
+    #[inline(always)]
+    pub fn columns<L: Wide>(&self, lanes: L, start: usize) -> [L::Word; 2] {
+        [&self.x, &self.end].map(|list| lanes.wide_load(window(list, start)))
+    }
+
+    /// Radial index and first difference at the first column of row number `row`.
+    #[inline(always)]
+    pub fn seeds(&self, row: usize) -> [i64; 2] {
+        let row = row % ROWS;
+        [self.radial[row], self.first[row]]
+    }
+
     /// The run of row number `row`, if it has pixels in the block.
     #[inline(always)]
     pub fn run(&self, row: usize) -> Option<RunWords> {
@@ -278,6 +291,9 @@ impl RowBatch {
         left: u16,
     ) -> bool {
         let mut longest = reals.math.splat(0);
+        let columns: [_; BLOCKS] =
+            std::array::from_fn(|block| reals.columns(left.saturating_add(block as u16 * BLOCK)));
+        let touched = self.touched();
         let count = usize::from(last.saturating_sub(first)).min(ROWS);
         let mut start = 0;
         for number in 0..blocks {
@@ -291,10 +307,12 @@ impl RowBatch {
             };
             while start < end {
                 let span = reals.span(&rows, &mut longest);
-                for touched in self.touched() {
-                    let column = f64::from(left) + (touched * usize::from(BLOCK)) as f64;
-                    let runs = reals.runs(&rows, &span, column);
-                    self.blocks[touched].store(reals.math.lanes, start, runs);
+                // Without a loop, which would fetch its constants for the one block that most footprints touch.
+                for (number, spans) in self.blocks.iter_mut().enumerate() {
+                    if touched.contains(&number) {
+                        let runs = reals.runs(&rows, &span, columns[number]);
+                        spans.store(reals.math.lanes, start, runs);
+                    }
                 }
                 rows = reals.step(&rows);
                 start += L::WIDE;

@@ -11,20 +11,30 @@ pub const HAS_FUSED_ADD: bool = cfg!(any(target_arch = "x86_64", target_arch = "
 /// Pixels of a vector. Sixteen with AVX-512 lost: a run of random splats has ten, and looking up sixteen entries takes twice the time of eight.
 pub const SINGLES: usize = 8;
 
-/// A table of 32-bit words whose length is a power of two, and the last one's number for every pixel of a vector.
+/// A table of 32-bit words whose length is a power of two.
 #[derive(Clone, Debug)]
-pub struct PackedWords {
-    words: Box<[u32]>,
-    last: [i32; SINGLES],
+pub struct PackedWords(Box<[u32]>);
+
+/// The same on vectors, with the last one's number.
+#[derive(Clone, Copy)]
+pub struct PackedOn<'a, L: Singles> {
+    words: &'a [u32],
+    last: L::Whole,
 }
 
 impl PackedWords {
     /// These words, and zeros up to a power of two.
     pub fn new(mut words: Vec<u32>) -> Self {
         words.resize(words.len().next_power_of_two(), 0);
-        PackedWords {
-            last: [words.len() as i32 - 1; SINGLES],
-            words: words.into(),
+        PackedWords(words.into())
+    }
+
+    /// The table on these vectors.
+    #[inline(always)]
+    pub fn on<L: Singles>(&self, lanes: L) -> PackedOn<'_, L> {
+        PackedOn {
+            words: &self.0,
+            last: lanes.whole(self.0.len() as i32 - 1),
         }
     }
 }
@@ -56,8 +66,13 @@ pub trait Singles: Copy {
     fn whole_shr(self, a: Self::Whole, by: Self::Whole) -> Self::Whole;
     /// a > b, as signed numbers.
     fn whole_greater(self, a: Self::Whole, b: Self::Whole) -> Self::Choice;
-    /// The words of these numbers, modulo the table's length.
-    fn packed(self, table: &PackedWords, index: Self::Whole) -> Self::Whole;
+    /// The words of these numbers, modulo the table's length, where it is true, else 0.
+    fn packed(
+        self,
+        table: &PackedOn<Self>,
+        index: Self::Whole,
+        choice: Self::Choice,
+    ) -> Self::Whole;
     /// Integers of at most 24 bits as numbers.
     fn single_of(self, a: Self::Whole) -> Self::Single;
     /// Equal numbers.
@@ -76,8 +91,10 @@ pub trait Singles: Copy {
     fn at_least_zero(self, a: Self::Single) -> Self::Single;
     /// a < b.
     fn single_less(self, a: Self::Single, b: Self::Single) -> Self::Choice;
-    /// The number where it is true, else 0.
-    fn single_keep(self, a: Self::Single, choice: Self::Choice) -> Self::Single;
+    /// b where it is true, else a.
+    fn single_select(self, a: Self::Single, b: Self::Single, choice: Self::Choice) -> Self::Single;
+    /// The number, and its sign set where that of `signs` is, all of whose other bits are 0.
+    fn with_signs(self, a: Self::Single, signs: Self::Single) -> Self::Single;
     /// The number where it is false, else 0.
     fn single_clear(self, a: Self::Single, choice: Self::Choice) -> Self::Single;
     /// The number, and its sign set where it is true.
@@ -86,7 +103,7 @@ pub trait Singles: Copy {
     fn all_signed(self, a: Self::Single, choice: Self::Choice) -> bool;
     /// A bit for every set sign.
     fn signs(self, a: Self::Single) -> u32;
-    /// The first `count` pixels.
+    /// The first `count` pixels, of which a vector has no less.
     fn choose_first(self, count: usize) -> Self::Choice;
     /// Both.
     fn choose_both(self, a: Self::Choice, b: Self::Choice) -> Self::Choice;
@@ -140,8 +157,14 @@ impl Singles for Portable {
         zip(a, b, |a, b| a > b)
     }
     #[inline(always)]
-    fn packed(self, table: &PackedWords, index: Self::Whole) -> Self::Whole {
-        index.map(|index| table.words[index as usize & (table.words.len() - 1)] as i32)
+    fn packed(
+        self,
+        table: &PackedOn<Self>,
+        index: Self::Whole,
+        choice: Self::Choice,
+    ) -> Self::Whole {
+        let word = |index: i32| table.words[index as usize & (table.words.len() - 1)] as i32;
+        std::array::from_fn(|k| if choice[k] { word(index[k]) } else { 0 })
     }
     #[inline(always)]
     fn single_of(self, a: Self::Whole) -> Self::Single {
@@ -183,8 +206,12 @@ impl Singles for Portable {
         zip(a, b, |a, b| a < b)
     }
     #[inline(always)]
-    fn single_keep(self, a: Self::Single, choice: Self::Choice) -> Self::Single {
-        std::array::from_fn(|k| if choice[k] { a[k] } else { 0.0 })
+    fn single_select(self, a: Self::Single, b: Self::Single, choice: Self::Choice) -> Self::Single {
+        std::array::from_fn(|k| if choice[k] { b[k] } else { a[k] })
+    }
+    #[inline(always)]
+    fn with_signs(self, a: Self::Single, signs: Self::Single) -> Self::Single {
+        zip(a, signs, |a, b| f32::from_bits(a.to_bits() | b.to_bits()))
     }
     #[inline(always)]
     fn single_clear(self, a: Self::Single, choice: Self::Choice) -> Self::Single {
@@ -223,11 +250,19 @@ mod x86 {
     //! look-ups of numbers that have been brought into the table.
 
     use super::super::avx2::Avx2;
-    use super::{PackedWords, SINGLES, Singles};
+    use super::{PackedOn, SINGLES, Singles};
     use std::arch::x86_64::*;
 
     /// Words of which an unaligned part starts with so many true ones.
-    static FIRST: [i32; 16] = [-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0];
+    static FIRST: [i32; 3 * SINGLES] = {
+        let mut words = [0; 3 * SINGLES];
+        let mut k = 0;
+        while k < SINGLES {
+            words[k] = -1;
+            k += 1;
+        }
+        words
+    };
 
     impl Singles for Avx2 {
         type Whole = __m256i;
@@ -272,11 +307,13 @@ mod x86 {
             op!(_mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b)))
         }
         #[inline(always)]
-        fn packed(self, table: &PackedWords, index: __m256i) -> __m256i {
+        fn packed(self, table: &PackedOn<Self>, index: __m256i, choice: __m256) -> __m256i {
             // SAFETY: the length is a power of two, so that every masked number lies in the table.
             unsafe {
-                let index = _mm256_and_si256(index, self.whole_load(&table.last));
-                _mm256_i32gather_epi32::<4>(table.words.as_ptr().cast(), index)
+                let index = _mm256_and_si256(index, table.last);
+                let choice = _mm256_castps_si256(choice);
+                let words = table.words.as_ptr().cast();
+                _mm256_mask_i32gather_epi32::<4>(_mm256_setzero_si256(), words, index, choice)
             }
         }
         #[inline(always)]
@@ -324,8 +361,12 @@ mod x86 {
             op!(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b))
         }
         #[inline(always)]
-        fn single_keep(self, a: __m256, choice: __m256) -> __m256 {
-            op!(_mm256_and_ps(a, choice))
+        fn single_select(self, a: __m256, b: __m256, choice: __m256) -> __m256 {
+            op!(_mm256_blendv_ps(a, b, choice))
+        }
+        #[inline(always)]
+        fn with_signs(self, a: __m256, signs: __m256) -> __m256 {
+            op!(_mm256_or_ps(a, signs))
         }
         #[inline(always)]
         fn single_clear(self, a: __m256, choice: __m256) -> __m256 {
@@ -348,7 +389,8 @@ mod x86 {
         }
         #[inline(always)]
         fn choose_first(self, count: usize) -> __m256 {
-            match FIRST[8 - count.min(8)..].first_chunk::<8>() {
+            let start = SINGLES.wrapping_sub(count) % (2 * SINGLES);
+            match FIRST[start..].first_chunk::<8>() {
                 // SAFETY: an array of eight words is read.
                 Some(words) => unsafe { _mm256_loadu_ps(words.as_ptr().cast()) },
                 None => self.single(0.0),

@@ -66,7 +66,8 @@ impl FusedTask for &AllFused {
         lanes.pack(&mut packed, a, truth);
         packed[self.bits.count_ones() as usize..].fill(0);
         let bits = [lanes.bits(truth), lanes.marked(a)].map(u64::from);
-        let mut results = vec![packed, [bits[0], bits[1], lanes.sum(a), 0, 0, 0, 0, 0]];
+        let flags = lanes.wide_flags(truth).into();
+        let mut results = vec![packed, [bits[0], bits[1], flags, lanes.sum(a), 0, 0, 0, 0]];
         for word in words {
             let mut stored = [0; 8];
             lanes.write(&mut stored, word);

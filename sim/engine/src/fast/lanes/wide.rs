@@ -49,6 +49,8 @@ pub trait Wide: Copy + Send + Sync {
     fn wide_equal(self, a: Self::Word, b: Self::Word) -> Self::Truth;
     /// `b` where it is true, else `a`.
     fn wide_select(self, a: Self::Word, b: Self::Word, truth: Self::Truth) -> Self::Word;
+    /// A bit for every word.
+    fn wide_flags(self, truth: Self::Truth) -> u32;
 }
 
 /// Eight words of 64 bits as an array.
@@ -145,6 +147,11 @@ impl Wide for Portable {
     #[inline(always)]
     fn wide_select(self, a: Words, b: Words, truth: [bool; 8]) -> Words {
         std::array::from_fn(|k| if truth[k] { b[k] } else { a[k] })
+    }
+    #[inline(always)]
+    fn wide_flags(self, truth: [bool; 8]) -> u32 {
+        let bits = truth.iter().enumerate();
+        bits.fold(0, |all, (k, truth)| all | u32::from(*truth) << k)
     }
 }
 
@@ -243,6 +250,10 @@ mod x86 {
         #[inline(always)]
         fn wide_select(self, a: __m512i, b: __m512i, truth: __mmask8) -> __m512i {
             op!(_mm512_mask_mov_epi64(a, truth, b))
+        }
+        #[inline(always)]
+        fn wide_flags(self, truth: __mmask8) -> u32 {
+            truth.into()
         }
     }
 
@@ -396,6 +407,10 @@ mod x86 {
         #[inline(always)]
         fn wide_select(self, a: __m256i, b: __m256i, truth: __m256i) -> __m256i {
             op!(_mm256_blendv_epi8(a, b, truth))
+        }
+        #[inline(always)]
+        fn wide_flags(self, truth: __m256i) -> u32 {
+            op!(_mm256_movemask_pd(_mm256_castsi256_pd(truth))) as u32
         }
     }
 }

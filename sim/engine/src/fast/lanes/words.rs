@@ -54,8 +54,6 @@ pub trait PixelWords: Wide {
     fn both(self, a: Self::Truth, b: Self::Truth) -> Self::Truth;
     /// a and not b.
     fn except(self, a: Self::Truth, b: Self::Truth) -> Self::Truth;
-    /// A bit for every word.
-    fn flags(self, truth: Self::Truth) -> u32;
     /// a where it is true, else 0.
     fn keep(self, a: Self::Word, truth: Self::Truth) -> Self::Word;
     /// a where it is false, else 0.
@@ -104,11 +102,6 @@ impl PixelWords for Portable {
     #[inline(always)]
     fn except(self, a: [bool; 8], b: [bool; 8]) -> [bool; 8] {
         std::array::from_fn(|k| a[k] && !b[k])
-    }
-    #[inline(always)]
-    fn flags(self, truth: [bool; 8]) -> u32 {
-        let bits = truth.iter().enumerate();
-        bits.fold(0, |all, (k, truth)| all | u32::from(*truth) << k)
     }
     #[inline(always)]
     fn keep(self, a: Words, truth: [bool; 8]) -> Words {
@@ -195,10 +188,6 @@ mod x86 {
         #[inline(always)]
         fn except(self, a: __m256i, b: __m256i) -> __m256i {
             op!(_mm256_andnot_si256(b, a))
-        }
-        #[inline(always)]
-        fn flags(self, truth: __m256i) -> u32 {
-            op!(_mm256_movemask_pd(_mm256_castsi256_pd(truth))) as u32
         }
         #[inline(always)]
         fn keep(self, a: __m256i, truth: __m256i) -> __m256i {

@@ -263,12 +263,12 @@ impl GatherTask<'_, '_> {
         let mut covered = 0;
         for from in (0..pixels.length).step_by(L::WIDE) {
             let inside = path.inside(splat, radial[0], pixels.length - from);
-            covered += u64::from(lanes.flags(inside).count_ones());
+            covered += u64::from(lanes.wide_flags(inside).count_ones());
             let depths = words.in_pixel(lanes, depth);
             let place = [run.x as u16 + from as u16, y];
             let seen = self.seen(lanes, place, depths, &painted.words, inside);
             // Half of a closed surface's samples are hidden: they need no opacity.
-            if lanes.flags(seen) != 0 {
+            if lanes.wide_flags(seen) != 0 {
                 let samples = SampleWords {
                     weights: words.weight(lanes, path.alpha(splat, radial[0], seen)),
                     depths,

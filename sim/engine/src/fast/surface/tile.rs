@@ -172,11 +172,11 @@ impl SumTile {
         let near = lanes.wide_shr(old, material);
         let SampleWords { weights, depths } = *samples;
         let drawn = lanes.wide_greater(weights, none);
-        if lanes.flags(drawn) == 0 {
+        if lanes.wide_flags(drawn) == 0 {
             return;
         }
         let before = lanes.wide_greater(near, lanes.wide_add(depths, splat.threshold));
-        let replaced = lanes.flags(lanes.both(before, drawn));
+        let replaced = lanes.wide_flags(lanes.both(before, drawn));
         if replaced != 0 {
             for (k, sums) in sums[x..].iter_mut().take(L::WIDE).enumerate() {
                 if replaced >> k & 1 != 0 {

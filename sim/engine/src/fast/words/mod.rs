@@ -2,8 +2,10 @@
 //!
 //! A footprint's rows are computed first, several in a vector ([`rows`](super::rows)), and then the pixels of each run. Where nobody asks how many pixels were
 //! covered, finished ones are left out before any work: every [`CHECK_INTERVAL`] footprints the tile is looked at, footprints are cut to the smallest window around what is
-//! still in work, and runs to their first and last pixel that is. The kernel's rows know no windows, so that this moves no bit of a picture.
+//! still in work, and runs to their last pixel that is. The kernel's rows know no windows, so that this moves no bit of a picture.
 
+mod live;
+mod painting;
 pub(super) mod path;
 mod single;
 pub mod tile;
@@ -12,18 +14,17 @@ pub mod visit;
 use super::TILE;
 use super::lanes::sums::PixelSums;
 use super::lanes::{Doubles, PixelTask, VectorLevel, VectorTask};
-use super::lanes::{dispatch_pixels, dispatch_vectors, prefetch};
-use super::painter::{CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter};
-use super::row_group::RowGroup;
-use super::rows::{RowBatch, RunWords};
-use super::setup::number::Arithmetic;
-use path::{BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers, PixelPath};
+use super::lanes::{dispatch_pixels, dispatch_vectors};
+use super::painter::{PaintScratch, Results, Start, TableMemory, TilePainter};
+use super::rows::RunWords;
+use painting::{PaintAlone, Painting, PreparedFootprint};
+use path::{BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers};
 use path::{Pixels, SplatNumbers, WordPixels, X_RAY};
 use single::{SingleNumbers, SinglePixels};
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
-use splatline::format::{Design, Lane, Traversal, Widths};
+use splatline::format::{Design, Lane, Traversal};
 use splatline::raster::{EllipseSpans, RowConstants, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::target::Target;
@@ -184,19 +185,6 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
     }
 }
 
-/// What is drawn of a footprint.
-enum PreparedFootprint {
-    /// Nothing of it lies in the window.
-    Nothing,
-    /// By the kernel's painter.
-    Scalar,
-    /// By vectors, from these numbers and the constants of its rows, which are left in memory that serves all.
-    Rows(SplatNumbers),
-}
-
-/// Prepares a footprint for a window by itself, and leaves the constants of its rows in the place given.
-type Prepare<'a> = dyn Fn(u32, &Window, &mut RowConstants<i64>) -> PreparedFootprint + 'a;
-
 /// What a footprint's pixels need beside its rows; `None` if it lies outside its formats.
 #[inline(always)]
 fn splat_numbers(
@@ -209,22 +197,6 @@ fn splat_numbers(
         .is_none_or(|single| single.fits(&splat))
         .then_some(splat)
 }
-
-/// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves all.
-#[derive(Clone, Copy)]
-struct Painting<'a> {
-    widths: Widths,
-    numbers: &'a PathNumbers,
-    single: Option<&'a SingleNumbers>,
-    prepare: &'a Prepare<'a>,
-    footprints: &'a Results,
-    list: &'a [u32],
-    start: Start,
-    counts: bool,
-}
-
-/// Paints the footprint of this number by the kernel.
-type PaintAlone<'a, W> = dyn Fn(u32, &mut WordTile<W>) -> Coverage + 'a;
 
 /// On 64-bit words.
 struct WordPainting<'a> {
@@ -292,125 +264,6 @@ impl SinglePainting<'_> {
     }
 }
 
-impl Painting<'_> {
-    #[inline(always)]
-    fn paint<L: Doubles, P: PixelPath>(
-        self,
-        lanes: L,
-        path: &P,
-        scalar: &PaintAlone<P::Word>,
-        tile: &mut WordTile<P::Word>,
-    ) -> Coverage {
-        let Painting {
-            prepare,
-            list,
-            start,
-            counts,
-            ..
-        } = self;
-        let math = Arithmetic { lanes };
-        let (mut batch, mut rows) = (RowBatch::new(), RowConstants::default());
-        let (mut group, widths) = (RowGroup::default(), self.widths);
-        let mut coverage = Coverage::default();
-        let mut window = tile.window();
-        let [left, top] = window.first;
-        if start == Start::Resumed && !counts {
-            tile.look(|row| path.finished(row));
-            match tile.live_window() {
-                Some(live) => window = live,
-                None => return coverage,
-            }
-        }
-        for (number, part) in list.chunks(CHECK_INTERVAL).enumerate() {
-            let (seen, count) = self.seen(part, tile);
-            let next = list.chunks(CHECK_INTERVAL).nth(number + 1);
-            let mut ahead = next.unwrap_or_default().iter();
-            for indices in seen[..count].chunks(L::WIDE) {
-                // The next part's footprints, two for each of these, of which some were left out.
-                for index in ahead.by_ref().take(2 * L::WIDE) {
-                    prefetch(&self.footprints[*index as usize]);
-                }
-                for (k, index) in indices.iter().enumerate() {
-                    if let Ok(footprint) = &self.footprints[*index as usize] {
-                        group.read(k, footprint, &window);
-                    }
-                }
-                let together = group.compute(math, &widths);
-                for (k, index) in indices.iter().enumerate() {
-                    if group.member(k).is_empty() {
-                        continue;
-                    }
-                    let splat = self.footprints[*index as usize].as_ref().ok();
-                    let splat = splat.and_then(|f| splat_numbers(self.numbers, self.single, f));
-                    let (splat, first, second) = match splat {
-                        Some(splat) if batch.fill_member(&together, &group, k, left) => {
-                            (splat, group.member(k).rows[0], group.second(k))
-                        }
-                        _ => match prepare(*index, &window, &mut rows) {
-                            PreparedFootprint::Nothing => continue,
-                            PreparedFootprint::Rows(splat) if batch.fill(lanes, &rows, left) => {
-                                (splat, rows.rows[0], rows.second)
-                            }
-                            _ => {
-                                coverage += scalar(*index, tile);
-                                continue;
-                            }
-                        },
-                    };
-                    let splat = path.splat(&splat, second);
-                    let first = usize::from(first.wrapping_sub(top));
-                    for block in batch.touched() {
-                        let runs = batch.block(block);
-                        for row in 0..batch.rows() {
-                            let Some(run) = runs.run(row) else { continue };
-                            let run = columns(&run, left);
-                            let (pixels, live) = tile.row(first + row);
-                            if counts {
-                                coverage.visited += run.length as u64;
-                                path.paint::<true>(&splat, &run, pixels, &mut coverage);
-                            } else if let Some(run) = cut(run, live, second) {
-                                path.paint::<false>(&splat, &run, pixels, &mut coverage);
-                            }
-                        }
-                    }
-                }
-            }
-            if counts {
-                if tile.is_finished() {
-                    break;
-                }
-                continue;
-            }
-            tile.look(|row| path.finished(row));
-            match tile.live_window() {
-                Some(live) => window = live,
-                None => break,
-            }
-        }
-        coverage
-    }
-
-    /// Those of a part that finished pixels do not hide, and how many: nothing is computed of the others.
-    #[inline(always)]
-    fn seen<W: PixelWord>(
-        &self,
-        part: &[u32],
-        tile: &WordTile<W>,
-    ) -> ([u32; CHECK_INTERVAL], usize) {
-        let (mut seen, mut count) = ([0; CHECK_INTERVAL], 0);
-        for index in part {
-            if let Ok(footprint) = &self.footprints[*index as usize]
-                && tile.is_live(&Window::of(footprint))
-            {
-                // A part has no more than so many.
-                seen[count % CHECK_INTERVAL] = *index;
-                count += 1;
-            }
-        }
-        (seen, count)
-    }
-}
-
 /// A run in columns of the tile that begins at column `left`.
 #[inline(always)]
 pub(super) fn columns(run: &RunWords, left: u16) -> Pixels {
@@ -420,22 +273,4 @@ pub(super) fn columns(run: &RunWords, left: u16) -> Pixels {
         radial: run.radial,
         first: run.first,
     }
-}
-
-/// The run from its first to its last pixel in work; `None` if it has none.
-#[inline(always)]
-fn cut(run: Pixels, live: u64, second: i64) -> Option<Pixels> {
-    // At most a block.
-    let of_run = live >> run.x & ((1 << (run.length % 64)) - 1);
-    if of_run == 0 {
-        return None;
-    }
-    let head = of_run.trailing_zeros() as usize;
-    let length = 64 - of_run.leading_zeros() as usize;
-    let run = Pixels { length, ..run };
-    Some(if head == 0 {
-        run
-    } else {
-        run.skip(head, second)
-    })
 }

@@ -196,7 +196,10 @@ impl PathNumbers {
 pub struct WordPixels<'a, L: PixelWords, const OPERATOR: u8> {
     lanes: L,
     falls: &'a Falls,
-    raise: u32,
+    /// Left shifts of lanes that have 32 bits, and to a vector's width.
+    raise: L::Word,
+    raised_by: u32,
+    width: L::Word,
     /// Right shift from a raised radial index to its interval.
     interval: L::Word,
     /// Right shift and mask that leave the position within it.
@@ -249,23 +252,6 @@ pub struct Pixels {
     pub first: i64,
 }
 
-impl Pixels {
-    /// The same without the first `count` pixels.
-    #[inline(always)]
-    pub fn skip(self, count: usize, second: i64) -> Self {
-        let n = count as i64;
-        let moved = n
-            .wrapping_mul(self.first)
-            .wrapping_add((n * (n - 1) / 2).wrapping_mul(second));
-        Pixels {
-            x: self.x + count,
-            length: self.length - count,
-            radial: self.radial.wrapping_add(moved),
-            first: self.first.wrapping_add(n.wrapping_mul(second)),
-        }
-    }
-}
-
 impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     /// On these vectors.
     #[inline(always)]
@@ -281,7 +267,9 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         WordPixels {
             lanes,
             falls: &numbers.falls,
-            raise: numbers.raise,
+            raise: word(numbers.raise.into()),
+            raised_by: numbers.raise,
+            width: word(L::WIDE.ilog2().into()),
             interval: word(u64::from(numbers.raise + rest)),
             position: word(u64::from(numbers.raise + rest - kept)),
             position_mask: word((1 << kept) - 1),
@@ -313,11 +301,11 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     #[inline(always)]
     pub fn start(&self, splat: &SplatWords<L>, pixels: &Pixels) -> [L::Word; 2] {
         let lanes = self.lanes;
-        let first = lanes.wide_splat(pixels.first << self.raise);
-        let start = lanes.wide_splat(pixels.radial << self.raise);
-        let start = lanes.wide_add(start, splat.ahead[0]);
+        let raised = |lane: i64| lanes.wide_shl(lanes.wide_splat(lane), self.raise);
+        let first = raised(pixels.first);
+        let start = lanes.wide_add(raised(pixels.radial), splat.ahead[0]);
         let radial = lanes.wide_add(start, lanes.multiples(first));
-        let width = lanes.wide_splat((pixels.first << self.raise).wrapping_mul(L::WIDE as i64));
+        let width = lanes.wide_shl(first, self.width);
         [radial, lanes.wide_add(width, splat.ahead[1])]
     }
 
@@ -366,8 +354,8 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let light = lanes.read(plane_of_light, x);
         if COUNTS {
             let finished = lanes.both(inside, lanes.marked(light));
-            counts.covered += u64::from(lanes.flags(inside).count_ones());
-            counts.finished += u64::from(lanes.flags(finished).count_ones());
+            counts.covered += u64::from(lanes.wide_flags(inside).count_ones());
+            counts.finished += u64::from(lanes.wide_flags(finished).count_ones());
         }
         if lanes.all_marked(light, inside) {
             return;
@@ -477,7 +465,7 @@ impl<L: PixelWords, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR
     fn splat(&self, numbers: &SplatNumbers, second: i64) -> SplatWords<L> {
         let lanes = self.lanes;
         let width = L::WIDE as i64;
-        let second = second << self.raise;
+        let second = second << self.raised_by;
         let seconds = lanes.wide_splat(second);
         let pairs: [i64; 8] = [0, 0, 1, 3, 6, 10, 15, 21];
         let along = lanes.multiples(lanes.wide_splat(second.wrapping_mul(width)));
@@ -525,7 +513,7 @@ impl<L: PixelWords, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR
         let lanes = self.lanes;
         let columns = (0..usize::from(TILE[0])).step_by(L::WIDE);
         columns.fold(0, |all, x| {
-            let flags = lanes.flags(lanes.marked(lanes.read(&row[0], x)));
+            let flags = lanes.wide_flags(lanes.marked(lanes.read(&row[0], x)));
             all | u64::from(flags) << x
         })
     }

@@ -16,7 +16,7 @@
 
 use super::path::{OMIT_FINISHING, PixelPath, Pixels, SplatNumbers};
 use super::tile::Row;
-use crate::fast::lanes::singles::{HAS_FUSED_ADD, PackedWords, SINGLES, Singles};
+use crate::fast::lanes::singles::{HAS_FUSED_ADD, PackedOn, PackedWords, SINGLES, Singles};
 use crate::fast::tile::TILE;
 use splatline::blend::Blend;
 use splatline::draw::Coverage;
@@ -36,6 +36,8 @@ fn unit(bits: i32) -> f32 {
 #[derive(Clone, Debug)]
 pub struct SingleNumbers {
     table: PackedWords,
+    /// -0: read from memory, it is an operand and not a load before one.
+    sign: f32,
     /// Bits of the radial index below an interval's number.
     below: i32,
     /// Of these, bits that the interpolation does not see.
@@ -71,6 +73,7 @@ impl SingleNumbers {
         let [alpha, fraction] = [widths.alpha, widths.peak + widths.weight].map(i32::from);
         Some(SingleNumbers {
             table: PackedWords::new(words),
+            sign: -0.0,
             below,
             unseen: below - interpolation,
             slope: (1 << (interpolation - 1)) - 1,
@@ -98,6 +101,8 @@ impl SingleNumbers {
 pub struct SinglePixels<'a, L: Singles, const OPERATOR: u8> {
     lanes: L,
     numbers: &'a SingleNumbers,
+    table: PackedOn<'a, L>,
+    sign: L::Single,
     lead: L::Whole,
     slope: L::Whole,
     below: L::Whole,
@@ -134,6 +139,8 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
         SinglePixels {
             lanes,
             numbers,
+            table: numbers.table.on(lanes),
+            sign: lanes.single(numbers.sign),
             lead: lanes.whole(numbers.lead),
             slope: lanes.whole(numbers.slope),
             below: lanes.whole(numbers.below),
@@ -147,12 +154,27 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
         }
     }
 
-    /// The kernel at radial indices inside the footprint, as an integer number; anything elsewhere.
+    /// Radial indices of the first vector of some pixels, and their differences to the next one's.
     #[inline(always)]
-    fn weight(&self, radial: L::Whole) -> L::Single {
+    fn start(&self, splat: &SingleSplat<L>, pixels: &Pixels) -> [L::Whole; 2] {
+        let lanes = self.lanes;
+        let first = lanes.whole(pixels.first as i32);
+        let start = lanes.whole_add(lanes.whole(pixels.radial as i32), splat.ahead[0]);
+        let along = lanes.whole_mul(lanes.whole_load(&PLACES), first);
+        let width = lanes.whole_mul(first, lanes.whole(SINGLES as i32));
+        [
+            lanes.whole_add(start, along),
+            lanes.whole_add(width, splat.ahead[1]),
+        ]
+    }
+
+    /// The kernel at radial indices inside the footprint, as an integer number; 0 elsewhere.
+    #[inline(always)]
+    fn weight(&self, radial: L::Whole, inside: L::Choice) -> L::Single {
         let lanes = self.lanes;
         let ahead = lanes.whole_add(lanes.whole_max(radial, self.zero), self.lead);
-        let word = lanes.packed(&self.numbers.table, lanes.whole_shr(ahead, self.below));
+        let interval = lanes.whole_shr(ahead, self.below);
+        let word = lanes.packed(&self.table, interval, inside);
         let slope = lanes.whole_and(word, self.slope);
         let fall = lanes.whole_mul(slope, lanes.whole_shr(ahead, self.unseen));
         let weight = lanes.whole_shr(lanes.whole_sub(word, fall), self.interpolation);
@@ -171,8 +193,6 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
         counts: &mut Coverage,
     ) {
         let lanes = self.lanes;
-        // Never changes x; tells the compiler that a vector fits.
-        let x = x % usize::from(TILE[0]);
         let [plane_of_light, colours @ ..] = row;
         let light = lanes.single_read(plane_of_light, x);
         if COUNTS {
@@ -183,19 +203,25 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
         if lanes.all_signed(light, inside) {
             return;
         }
-        let alpha = lanes.fused_add(self.weight(radial), splat.peak, self.opacity);
+        let alpha = lanes.fused_add(self.weight(radial, inside), splat.peak, self.opacity);
         let alpha = lanes.single_min(lanes.single_sub(alpha, self.opacity), self.alpha_max);
-        let alpha = lanes.single_keep(alpha, inside);
         let left = lanes.at_least_zero(light);
         let share = lanes.fused_add(left, alpha, self.whole);
         let share = lanes.single_sub(share, self.whole);
-        let stop = lanes.single_less(lanes.single_sub(left, share), self.stop);
-        let share = if OPERATOR == OMIT_FINISHING {
-            lanes.single_clear(share, stop)
+        let rest = lanes.single_sub(left, share);
+        let stop = lanes.single_less(rest, self.stop);
+        let (share, after) = if OPERATOR == OMIT_FINISHING {
+            let share = lanes.single_clear(share, stop);
+            (
+                share,
+                lanes.single_select(rest, lanes.with_signs(light, self.sign), stop),
+            )
         } else {
-            share
+            (
+                share,
+                lanes.single_mark(lanes.single_sub(light, share), stop),
+            )
         };
-        let after = lanes.single_mark(lanes.single_sub(light, share), stop);
         lanes.single_write(plane_of_light, x, after);
         for (plane, colour) in colours.iter_mut().zip(splat.colour) {
             let sum = lanes.fused_add(share, colour, lanes.single_read(plane, x));
@@ -244,23 +270,20 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
         counts: &mut Coverage,
     ) {
         let lanes = self.lanes;
-        let first = pixels.first as i32;
-        let along = lanes.whole_mul(lanes.whole_load(&PLACES), lanes.whole(first));
-        let start = lanes.whole_add(lanes.whole(pixels.radial as i32), splat.ahead[0]);
-        let mut radial = lanes.whole_add(start, along);
-        let width = lanes.whole(first.wrapping_mul(SINGLES as i32));
-        let mut difference = lanes.whole_add(width, splat.ahead[1]);
-        let (mut x, mut rest) = (pixels.x, pixels.length);
-        while rest > SINGLES {
+        let [mut radial, mut difference] = self.start(splat, pixels);
+        let end = (pixels.x + pixels.length).min(TILE[0].into());
+        // Never changes x; tells the compiler that a vector fits.
+        let mut x = pixels.x % usize::from(TILE[0]);
+        let mut next = x + SINGLES;
+        while next < end {
             let inside = lanes.whole_greater(splat.end, radial);
             self.blend::<COUNTS>(splat, radial, inside, x, row, counts);
             radial = lanes.whole_add(radial, difference);
             difference = lanes.whole_add(difference, splat.second);
-            x += SINGLES;
-            rest -= SINGLES;
+            (x, next) = (next, next + SINGLES);
         }
         let inside = lanes.whole_greater(splat.end, radial);
-        let inside = lanes.choose_both(inside, lanes.choose_first(rest));
+        let inside = lanes.choose_both(inside, lanes.choose_first(end - x));
         self.blend::<COUNTS>(splat, radial, inside, x, row, counts);
     }
 
@@ -374,7 +397,7 @@ mod tests {
                 path.paint::<true>(
                     &path.splat(&splat, second),
                     &run,
-                    tile.row(0).0,
+                    &mut tile.rows()[0],
                     &mut counts,
                 );
                 let (mut radial, mut first) = (run.radial as i32, run.first as i32);

@@ -1,5 +1,6 @@
 //! A tile's pixels as words of a [`PixelPath`](super::path::PixelPath): one plane per quantity in every row, so that adjacent pixels are a vector.
 
+use super::path::PixelPath;
 use super::single::WHOLE;
 use crate::fast::painter::Start;
 use crate::fast::tile::{TILE, extent};
@@ -14,7 +15,10 @@ const STRIDE: usize = TILE[0] as usize + SPARE;
 
 /// Columns and rows of a tile.
 const COLUMNS: usize = TILE[0] as usize;
-const ROWS: usize = TILE[1] as usize;
+pub const ROWS: usize = TILE[1] as usize;
+
+/// Words of a list by rows: a vector may reach beyond the last one.
+pub const ROOM: usize = ROWS + 8;
 
 /// The mark of a finished pixel: the transmittance's most significant bit, which no product sees.
 pub const MARK: u64 = 1 << 63;
@@ -86,7 +90,7 @@ impl PixelWord for f32 {
 pub struct WordTile<W> {
     rows: Box<[Row<W>; ROWS]>,
     /// A bit for each pixel of a row that had not finished when it was last looked at.
-    live: [u64; ROWS],
+    live: [i64; ROOM],
     window: Window,
     overflowed: bool,
 }
@@ -96,7 +100,7 @@ impl<W: PixelWord> WordTile<W> {
     pub fn new() -> Self {
         WordTile {
             rows: Box::new([[[W::FINISHED; STRIDE]; 4]; ROWS]),
-            live: [0; ROWS],
+            live: [0; ROOM],
             overflowed: false,
             window: Window {
                 first: [0; 2],
@@ -111,7 +115,7 @@ impl<W: PixelWord> WordTile<W> {
         self.overflowed = false;
         let [columns, rows] = extent(&self.window);
         let of_row = u64::MAX >> (COLUMNS - columns).min(63);
-        self.live = std::array::from_fn(|y| if y < rows { of_row } else { 0 });
+        self.live = std::array::from_fn(|y| if y < rows { of_row as i64 } else { 0 });
         for row in self.rows.iter_mut().take(rows) {
             for (plane, value) in row.iter_mut().zip(words(clear)) {
                 plane.fill(value);
@@ -139,20 +143,26 @@ impl<W: PixelWord> WordTile<W> {
         self.window
     }
 
-    /// Row number `row` of the tile, and those of its pixels that had not finished when they were last looked at.
+    /// All rows of the tile.
     #[inline(always)]
-    pub fn row(&mut self, row: usize) -> (&mut Row<W>, u64) {
-        let row = row % ROWS;
-        (&mut self.rows[row], self.live[row])
+    pub fn rows(&mut self) -> &mut [Row<W>; ROWS] {
+        &mut self.rows
+    }
+
+    /// The pixels of eight rows that had not finished when they were last looked at: a bit for each.
+    #[inline(always)]
+    pub fn live(&self, first: usize) -> &[i64; 8] {
+        let rows = &self.live[first % ROWS..];
+        rows.first_chunk().unwrap_or(&[0; 8])
     }
 
     /// Looks which pixels have finished: a bit for each of a row.
     #[inline(always)]
-    pub fn look(&mut self, finished: impl Fn(&Row<W>) -> u64) {
+    pub fn look(&mut self, path: &impl PixelPath<Word = W>) {
         for (row, live) in self.rows.iter().zip(&mut self.live) {
             // A finished row stays finished.
             if *live != 0 {
-                *live = !finished(row);
+                *live = !path.finished(row) as i64;
             }
         }
     }
@@ -167,7 +177,7 @@ impl<W: PixelWord> WordTile<W> {
         let [x, y] = [0, 1].map(|axis| usize::from(seen.first[axis] - self.window.first[axis]));
         let columns = u64::MAX >> ((64 - seen.columns()) % 64) << (x % 64);
         let rows = self.live.get(y..y + usize::from(seen.rows()));
-        rows.is_some_and(|rows| rows.iter().any(|live| live & columns != 0))
+        rows.is_some_and(|rows| rows.iter().any(|live| *live as u64 & columns != 0))
     }
 
     /// The smallest window around the pixels that had not finished when they were last looked at; `None` if there are none.

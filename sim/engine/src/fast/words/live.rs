@@ -1,0 +1,144 @@
+//! The pixels of a footprint's runs that are in work: several rows in a vector, a bit for each pixel.
+//!
+//! A run ends at its last such pixel, and rows without one are never looked at: whether a row has a run, and whether that is in work, no
+//! branch foresees. Finished pixels before the first one cost a test for each vector of them, less than seeds that are moved on.
+
+use super::path::Pixels;
+use super::tile::{PixelWord, ROOM, WordTile};
+use crate::fast::lanes::Wide;
+use crate::fast::rows::BlockSpans;
+use crate::fast::setup::number::Arithmetic;
+use crate::fast::tile::TILE;
+
+/// The runs of one footprint in one block; memory that is used again for every block.
+pub(super) struct LiveRuns {
+    /// Column of the tile that each row's run begins at.
+    starts: [i64; ROOM],
+    /// A bit for each of its pixels in work.
+    pixels: [i64; ROOM],
+}
+
+impl LiveRuns {
+    /// No runs.
+    pub fn new() -> Self {
+        LiveRuns {
+            starts: [0; ROOM],
+            pixels: [0; ROOM],
+        }
+    }
+
+    /// Finds the pixels in work of so many rows' runs, from row `first` of the tile on, which begins at column `left`. A bit for every row that has
+    /// any comes back.
+    #[inline(always)]
+    pub fn find<L: Wide, W: PixelWord>(
+        &mut self,
+        math: Arithmetic<L>,
+        (runs, count): (&BlockSpans, usize),
+        (tile, first): (&WordTile<W>, usize),
+        left: u16,
+    ) -> u64 {
+        let lanes = math.lanes;
+        let zero = math.splat(0);
+        let mut empty = 0;
+        for row in (0..count).step_by(L::WIDE) {
+            let [x, of_run] = columns(math, runs.columns(lanes, row), left);
+            let live = lanes.wide_load(tile.live(first + row));
+            let pixels = lanes.wide_and(of_run, live);
+            lanes.wide_store(room(&mut self.starts, row), x);
+            lanes.wide_store(room(&mut self.pixels, row), pixels);
+            empty |= u64::from(lanes.wide_flags(lanes.wide_equal(pixels, zero))) << row;
+        }
+        let beyond = u64::MAX.checked_shl(count as u32).unwrap_or(0);
+        !(empty | beyond)
+    }
+
+    /// The run of a row that has pixels in work, up to the last of them.
+    #[inline(always)]
+    pub fn run(&self, runs: &BlockSpans, row: usize) -> Pixels {
+        let row = row % ROOM;
+        let pixels = self.pixels[row] as u64;
+        let x = self.starts[row] as usize;
+        let end = 64 - pixels.leading_zeros() as usize;
+        let [radial, first] = runs.seeds(row);
+        Pixels {
+            x,
+            length: end - x,
+            radial,
+            first,
+        }
+    }
+}
+
+/// First columns of runs in the tile that begins at column `left`, and a bit for each of their pixels.
+#[inline(always)]
+fn columns<L: Wide>(math: Arithmetic<L>, [x, end]: [L::Word; 2], left: u16) -> [L::Word; 2] {
+    let (lanes, left) = (math.lanes, i64::from(left));
+    let (all, end_of_tile) = (math.splat(-1), math.splat(left + i64::from(TILE[0])));
+    let x = math.sub(x, math.splat(left));
+    // From the first column on, and up to the last one: none where a run ends before it begins.
+    let to_end = lanes.wide_shr(all, math.sub(end_of_tile, end));
+    [x, lanes.wide_and(lanes.wide_shl(all, x), to_end)]
+}
+
+/// Place for a vector at a row.
+#[inline(always)]
+fn room(words: &mut [i64; ROOM], row: usize) -> &mut [i64; 8] {
+    let Some(room) = words[row % (ROOM - 8)..].first_chunk_mut() else {
+        unreachable!("the list has room for a vector at every row")
+    };
+    room
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fast::lanes::{Doubles, Portable, VectorLevel, VectorTask, dispatch_vectors};
+    use proptest::prelude::*;
+
+    struct Runs {
+        left: u16,
+        x: [i64; 8],
+        end: [i64; 8],
+    }
+
+    impl VectorTask for &Runs {
+        type Output = Vec<[i64; 2]>;
+
+        #[inline(always)]
+        fn run<L: Doubles>(self, lanes: L) -> Vec<[i64; 2]> {
+            let runs = [&self.x, &self.end].map(|list| lanes.wide_load(list));
+            let mut lists = [[0; 8]; 2];
+            for (list, words) in
+                (lists.iter_mut()).zip(columns(Arithmetic { lanes }, runs, self.left))
+            {
+                lanes.wide_store(list, words);
+            }
+            (0..L::WIDE).map(|k| lists.map(|list| list[k])).collect()
+        }
+    }
+
+    proptest! {
+        /// In the last tile of the widest screen as well.
+        #[test]
+        fn a_bit_is_a_column_of_the_run(
+            tile in prop_oneof![Just(1023u16), 0u16..1024], starts: [u8; 8], ends in prop::array::uniform8(0i64..=64),
+        ) {
+            let left = TILE[0] * tile;
+            let x = starts.map(|x| i64::from(left) + i64::from(x % 64));
+            // A closed row ends in column 0.
+            let end = ends.map(|end| if end == 0 { 0 } else { i64::from(left) + end });
+            let runs = Runs { left, x, end };
+            let others = [VectorLevel::Avx2, VectorLevel::Best];
+            let others = others.map(|level| dispatch_vectors(level, &runs).ok());
+            for found in others.into_iter().flatten().chain([(&runs).run(Portable)]) {
+                for (k, [start, bits]) in found.into_iter().enumerate() {
+                    prop_assert_eq!(start, x[k] - i64::from(left));
+                    for column in 0..64 {
+                        let inside = (x[k]..end[k]).contains(&(i64::from(left) + column));
+                        prop_assert_eq!(bits >> column & 1 == 1, inside, "{} of {:?}", column, (x[k], end[k]));
+                    }
+                }
+            }
+        }
+    }
+}

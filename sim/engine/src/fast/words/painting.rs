@@ -1,0 +1,226 @@
+//! A tile's way through its list: what finished pixels hide is left out, rows are computed for a group, and their runs painted one by one.
+
+use super::live::LiveRuns;
+use super::path::{PathNumbers, PixelPath, SplatNumbers};
+use super::single::SingleNumbers;
+use super::splat_numbers;
+use super::tile::{ROWS, WordTile};
+use crate::fast::lanes::{Doubles, prefetch};
+use crate::fast::painter::{CHECK_INTERVAL, Results, Start};
+use crate::fast::row_group::RowGroup;
+use crate::fast::row_reals::RowReals;
+use crate::fast::rows::RowBatch;
+use crate::fast::setup::number::Arithmetic;
+use splatline::draw::Coverage;
+use splatline::format::Widths;
+use splatline::raster::{RowConstants, Window};
+
+/// What is drawn of a footprint.
+pub(super) enum PreparedFootprint {
+    /// Nothing of it lies in the window.
+    Nothing,
+    /// By the kernel's painter.
+    Scalar,
+    /// By vectors, from these numbers and the constants of its rows, which are left in memory that serves all.
+    Rows(SplatNumbers),
+}
+
+/// Prepares a footprint for a window by itself, and leaves the constants of its rows in the place given.
+pub(super) type Prepare<'a> =
+    dyn Fn(u32, &Window, &mut RowConstants<i64>) -> PreparedFootprint + 'a;
+
+/// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves all.
+#[derive(Clone, Copy)]
+pub(super) struct Painting<'a> {
+    pub widths: Widths,
+    pub numbers: &'a PathNumbers,
+    pub single: Option<&'a SingleNumbers>,
+    pub prepare: &'a Prepare<'a>,
+    pub footprints: &'a Results,
+    pub list: &'a [u32],
+    pub start: Start,
+    pub counts: bool,
+}
+
+/// Paints the footprint of this number by the kernel.
+pub(super) type PaintAlone<'a, W> = dyn Fn(u32, &mut WordTile<W>) -> Coverage + 'a;
+
+/// Painting on its way through a list. Its memory is lent: what is indexed, or seen by a function that is not inlined, keeps a structure
+/// out of registers.
+struct Progress<'a, 'b, L: Doubles, P: PixelPath> {
+    painting: Painting<'a>,
+    math: Arithmetic<L>,
+    path: &'b P,
+    scalar: &'b PaintAlone<'b, P::Word>,
+    tile: &'b mut WordTile<P::Word>,
+    /// The tile's first column and row.
+    corner: [u16; 2],
+    /// Around the pixels in work.
+    window: Window,
+    group: &'b mut RowGroup,
+    batch: &'b mut RowBatch,
+    live: &'b mut LiveRuns,
+    coverage: Coverage,
+}
+
+impl Painting<'_> {
+    /// Paints the tile.
+    #[inline(always)]
+    pub fn paint<L: Doubles, P: PixelPath>(
+        self,
+        lanes: L,
+        path: &P,
+        scalar: &PaintAlone<P::Word>,
+        tile: &mut WordTile<P::Word>,
+    ) -> Coverage {
+        let window = tile.window();
+        let mut progress = Progress {
+            painting: self,
+            math: Arithmetic { lanes },
+            path,
+            scalar,
+            tile,
+            corner: window.first,
+            window,
+            group: &mut RowGroup::default(),
+            batch: &mut RowBatch::new(),
+            live: &mut LiveRuns::new(),
+            coverage: Coverage::default(),
+        };
+        if self.start == Start::Resumed && !self.counts && !progress.look() {
+            return progress.coverage;
+        }
+        for (number, part) in self.list.chunks(CHECK_INTERVAL).enumerate() {
+            let next = self.list.chunks(CHECK_INTERVAL).nth(number + 1);
+            progress.paint_part(part, next.unwrap_or_default());
+            if !progress.look() {
+                break;
+            }
+        }
+        progress.coverage
+    }
+}
+
+impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
+    /// Looks which pixels are in work; `false` if none is.
+    #[inline(always)]
+    fn look(&mut self) -> bool {
+        if self.painting.counts {
+            return !self.tile.is_finished();
+        }
+        self.tile.look(self.path);
+        match self.tile.live_window() {
+            Some(live) => {
+                self.window = live;
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Paints a part of the list, and asks for the memory of the next one.
+    #[inline(always)]
+    fn paint_part(&mut self, part: &[u32], next: &[u32]) {
+        let (seen, count) = self.seen(part);
+        let mut ahead = next.iter();
+        for indices in seen[..count].chunks(L::WIDE) {
+            // Two for each of these, of which some were left out.
+            for index in ahead.by_ref().take(2 * L::WIDE) {
+                prefetch(&self.painting.footprints[*index as usize]);
+            }
+            for (k, index) in indices.iter().enumerate() {
+                if let Ok(footprint) = &self.painting.footprints[*index as usize] {
+                    self.group.read(k, footprint, &self.window);
+                }
+            }
+            let together = self.group.compute(self.math, &self.painting.widths);
+            for (k, index) in indices.iter().enumerate() {
+                if !self.group.member(k).is_empty()
+                    && let Some((splat, first, second)) = self.fill(&together, k, *index)
+                {
+                    if self.painting.counts {
+                        self.paint_rows::<true>(&splat, first, second);
+                    } else {
+                        self.paint_rows::<false>(&splat, first, second);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Those of a part that finished pixels do not hide, and how many: nothing is computed of the others.
+    #[inline(always)]
+    fn seen(&self, part: &[u32]) -> ([u32; CHECK_INTERVAL], usize) {
+        let (mut seen, mut count) = ([0; CHECK_INTERVAL], 0);
+        for index in part {
+            if let Ok(footprint) = &self.painting.footprints[*index as usize]
+                && self.tile.is_live(&Window::of(footprint))
+            {
+                // A part has no more than so many.
+                seen[count % CHECK_INTERVAL] = *index;
+                count += 1;
+            }
+        }
+        (seen, count)
+    }
+
+    /// Computes the rows of a group's footprint `k`, which has this number: its pixels' numbers, first row and second difference; `None` if
+    /// nothing is left to paint of it.
+    #[inline(always)]
+    fn fill(
+        &mut self,
+        together: &RowReals<L>,
+        k: usize,
+        index: u32,
+    ) -> Option<(SplatNumbers, u16, i64)> {
+        let Painting {
+            numbers,
+            single,
+            prepare,
+            footprints,
+            ..
+        } = self.painting;
+        let left = self.corner[0];
+        let splat = footprints[index as usize].as_ref().ok();
+        let splat = splat.and_then(|footprint| splat_numbers(numbers, single, footprint));
+        if let Some(splat) = splat
+            && self.batch.fill_member(together, self.group, k, left)
+        {
+            return Some((splat, self.group.member(k).rows[0], self.group.second(k)));
+        }
+        let (lanes, window) = (self.math.lanes, self.window);
+        let mut rows = RowConstants::default();
+        match prepare(index, &window, &mut rows) {
+            PreparedFootprint::Nothing => {}
+            PreparedFootprint::Rows(splat) if self.batch.fill(lanes, &rows, left) => {
+                return Some((splat, rows.rows[0], rows.second));
+            }
+            _ => self.coverage += (self.scalar)(index, self.tile),
+        }
+        None
+    }
+
+    /// Paints the rows of the batch, of which the first has this number and all this second difference.
+    #[inline(always)]
+    fn paint_rows<const COUNTS: bool>(&mut self, splat: &SplatNumbers, first: u16, second: i64) {
+        let [left, top] = self.corner;
+        let splat = self.path.splat(splat, second);
+        let (first, count) = (usize::from(first.wrapping_sub(top)), self.batch.rows());
+        for block in self.batch.touched() {
+            let runs = self.batch.block(block);
+            let live = (&*self.tile, first);
+            let mut left_over = self.live.find(self.math, (runs, count), live, left);
+            let rows = self.tile.rows();
+            while left_over != 0 {
+                let row = left_over.trailing_zeros() as usize;
+                left_over &= left_over - 1;
+                let run = self.live.run(runs, row);
+                let pixels = &mut rows[(first + row) % ROWS];
+                if COUNTS {
+                    self.coverage.visited += run.length as u64;
+                }
+                (self.path).paint::<COUNTS>(&splat, &run, pixels, &mut self.coverage);
+            }
+        }
+    }
+}
