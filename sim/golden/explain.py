@@ -226,6 +226,9 @@ def main(arguments):
     except BrokenPipeError:
         # A reader that has gone away (`| head`) is no error; nowhere takes what Python flushes when it ends.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except (OSError, ValueError) as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(f"{type(error).__name__}: {error}")
 
 
 if __name__ == "__main__":

@@ -196,7 +196,8 @@ impl<'t, D: Design> Renderer<'t, D> {
     /// an entry has no bits for, thinner than 2^-64 pixels or centred at 2^26, is culled as out of [range](crate::setup::Cull::Range).
     ///
     /// A key of 12 bytes for every splat between near and far has to fit the list's memory before the footprints take its place. If either
-    /// does not fit, the list is left empty, and the error says how many footprints long a list is that has room for both.
+    /// does not fit, the list is left empty, and the error says how many footprints long a list is that has room for it: first for the keys, then
+    /// for both.
     pub fn set_up_scene<P: Pose>(
         &self,
         view: &View<P>,

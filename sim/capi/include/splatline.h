@@ -380,7 +380,7 @@ const char *splatline_error_text(int32_t code);
 // Pointers are null or lead to what their types say.
 int32_t splatline_design(uint32_t name, SplatlineWidths *widths);
 
-// Are all widths within their ranges? SPLATLINE_OK or SPLATLINE_ERROR_WIDTHS.
+// Are all widths within their ranges? SPLATLINE_OK, SPLATLINE_ERROR_WIDTHS, or SPLATLINE_ERROR_VALUE of a rounding that there is not.
 //
 // Memory:
 // Pointers are null or lead to what their types say.
@@ -572,7 +572,8 @@ int32_t splatline_gaussian(const float *mean,
 size_t splatline_list_words(size_t footprints);
 
 // Sorts a scene by depth, nearest first, and sets it up into a list. Returns the number of footprints on the list, or an error;
-// SPLATLINE_ERROR_SIZE if the list has too few words, and then `needed_words`, unless null, is how many suffice.
+// SPLATLINE_ERROR_SIZE if the list has too few words, and then `needed_words`, unless null, is how many it takes: of what is sorted, if even
+// that has no room, so that a second call may ask for more, but no third.
 //
 // Memory:
 // Pointers are null or lead to what their types say; `splats` to `count` splats, `words` to `word_count` words.

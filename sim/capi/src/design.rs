@@ -42,7 +42,7 @@ pub unsafe extern "C" fn splatline_design(name: u32, widths: *mut SplatlineWidth
     code(unsafe { write(widths, named.into()) }.map(|()| SPLATLINE_OK))
 }
 
-/// Are all widths within their ranges? SPLATLINE_OK or SPLATLINE_ERROR_WIDTHS.
+/// Are all widths within their ranges? SPLATLINE_OK, SPLATLINE_ERROR_WIDTHS, or SPLATLINE_ERROR_VALUE of a rounding that there is not.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say.

@@ -84,7 +84,8 @@ pub extern "C" fn splatline_list_words(footprints: usize) -> usize {
 }
 
 /// Sorts a scene by depth, nearest first, and sets it up into a list. Returns the number of footprints on the list, or an error;
-/// SPLATLINE_ERROR_SIZE if the list has too few words, and then `needed_words`, unless null, is how many suffice.
+/// SPLATLINE_ERROR_SIZE if the list has too few words, and then `needed_words`, unless null, is how many it takes: of what is sorted, if even
+/// that has no room, so that a second call may ask for more, but no third.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say; `splats` to `count` splats, `words` to `word_count` words.
@@ -207,26 +208,26 @@ unsafe fn set_up(
     needed_words: *mut usize,
 ) -> Result<i32, Error> {
     // SAFETY: the function's own contract.
-    let words = unsafe { slice_mut(words, word_count) }?;
-    let [columns, rows] = view.viewport.map(u32::from);
-    let list = match words.split_last_mut() {
-        Some((viewport, words)) => {
-            *viewport = rows << 16 | columns;
-            words
-        }
-        None => words,
-    };
-    let mut list = PackedList::new(Micro16, list);
-    match Renderer::new(Micro16).set_up_scene(view, scene, &mut list) {
-        Ok(_) => i32::try_from(list.len()).map_err(|_| Error::Size),
-        Err(full) => {
-            if !needed_words.is_null() {
-                // SAFETY: the function's own contract.
-                unsafe { write(needed_words, splatline_list_words(full.needed)) }?;
-            }
-            Err(Error::Size)
-        }
+    let mut words = unsafe { slice_mut(words, word_count) }?;
+    // Without a word for the viewport even an empty list has no room.
+    let mut nowhere = [0];
+    if word_count == 0 {
+        words = &mut nowhere;
     }
+    let (viewport, list) = words.split_last_mut().ok_or(Error::Size)?;
+    let [columns, rows] = view.viewport.map(u32::from);
+    *viewport = rows << 16 | columns;
+    let mut list = PackedList::new(Micro16, list);
+    let needed = match Renderer::new(Micro16).set_up_scene(view, scene, &mut list) {
+        Ok(_) if word_count > 0 => return i32::try_from(list.len()).map_err(|_| Error::Size),
+        Ok(_) => 0,
+        Err(full) => full.needed,
+    };
+    if !needed_words.is_null() {
+        // SAFETY: the function's own contract.
+        unsafe { write(needed_words, splatline_list_words(needed)) }?;
+    }
+    Err(Error::Size)
 }
 
 /// # Safety

@@ -168,6 +168,49 @@ fn sizes_strides_and_choices_are_checked() {
     }
 }
 
+/// A list without a word for the viewport has no room, even for no splats: it cannot be drawn.
+#[test]
+fn an_empty_scene_needs_a_word_as_well() {
+    let numbers = [[0.0, 0.0, -4.0], [0.0; 3], [0.0, -1.0, 0.0f32]];
+    let [eye, target, up] = numbers.each_ref().map(|vector| vector.as_ptr());
+    let (mut list, mut needed, mut view) = ([0u32], 0, std::mem::MaybeUninit::uninit());
+    // SAFETY: pointers lead to as much as is said.
+    let mut set_up = |count| unsafe {
+        let seen = splatline_look_at(eye, target, up, 40.0, 8, 8, view.as_mut_ptr());
+        assert_eq!(seen, SPLATLINE_OK);
+        splatline_set_up_scene(
+            view.as_ptr(),
+            null(),
+            0,
+            list.as_mut_ptr(),
+            count,
+            &mut needed,
+        )
+    };
+    assert_eq!(set_up(0), SPLATLINE_ERROR_SIZE);
+    assert_eq!(set_up(1), 0);
+    assert_eq!(needed, 1);
+    let window = SplatlineWindow {
+        first: [0; 2],
+        end: [8; 2],
+    };
+    let (mut pixels, mut sent) = ([SplatlinePixel::default(); 64], [0u16; 64]);
+    // SAFETY: as above.
+    let drawn = unsafe {
+        splatline_draw_rgb565(
+            list.as_mut_ptr(),
+            1,
+            0,
+            &window,
+            7,
+            pixels.as_mut_ptr(),
+            sent.as_mut_ptr(),
+            64,
+        )
+    };
+    assert_eq!((drawn, sent), (SPLATLINE_OK, [7; 64]));
+}
+
 #[test]
 fn every_code_has_a_text() {
     for code in -9..=6 {

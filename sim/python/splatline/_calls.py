@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _native
 from ._native import Camera, Design, Machine, Plan
 from ._picture import Picture
-from ._scene import Scene
+from ._scene import Scene, in_rows
 
 #: A scene, its path, one of the command line's own (demo, random:COUNT[:SEED], deep-stack), or a whole plan.
 SceneLike: TypeAlias = Scene | Plan | str | PathLike[str]
@@ -47,6 +47,8 @@ def load(path: str | PathLike[str], transfer: str | PathLike[str] | None = None,
 
 
 def _technique(scene: Scene, rules: Any, compositing: str, method: Any, style: dict[str, Any] | None) -> dict[str, Any]:
+    if (style if scene.kind == "splats" else rules) is not None:
+        raise _native.Error(f"{scene.name}: splats have rules and no style, and points of a surface a style and no rules")
     if scene.kind == "surface":
         return {"surface": {**scene.usual_style(), **(style or {})}}
     if rules is None:
@@ -131,7 +133,8 @@ class Comparison:
     @property
     def psnr_db(self) -> float:
         """Of the colours, in dB over a peak of 1.0; infinite where no sample differs."""
-        return self.record["error"]["rgb"]["psnr_db"]
+        psnr = self.record["error"]["rgb"]["psnr_db"]
+        return np.inf if psnr is None else psnr
 
 
 def compare(
@@ -159,9 +162,9 @@ def metrics(picture: ArrayLike | Picture, reference: ArrayLike | Picture) -> dic
     """Errors of a picture against another, arrays of shape (height, width, 4) or `Picture`s, for "rgb" and "alpha", and "flip".
 
     Both are clamped to 0 to 1 first, as a file holds them. In units of 1.0: max_abs, p95, p99, bias (picture minus reference); psnr_db over a
-    peak of 1.0; ssim of the luminance in windows of 11 x 11 (Wang et al. 2004); flip is the mean of FLIP (Andersson et al. 2020).
+    peak of 1.0, None where no sample differs; ssim of the luminance in windows of 11 x 11 (Wang et al. 2004); flip is the mean of FLIP (Andersson et al. 2020).
     """
-    return _native.metrics_of(np.ascontiguousarray(picture, np.float64), np.ascontiguousarray(reference, np.float64))
+    return _native.metrics_of(in_rows("picture", picture, np.float64, 3), in_rows("reference", reference, np.float64, 3))
 
 
 def footprints(

@@ -6,19 +6,29 @@ import copyreg
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _native
 
 Scene = _native.Scene
 
 
+def in_rows(name: str, values: Any, dtype: DTypeLike, dimensions: int) -> NDArray[Any]:
+    """An array as Rust reads it, copied where it is another."""
+    found = np.ascontiguousarray(values, dtype)
+    if found.ndim != dimensions:
+        raise _native.Error(f"{name} has the shape {np.shape(values)}: allowed are {dimensions} dimensions")
+    return found
+
+
 def _rotations(quaternions: NDArray[np.float64]) -> NDArray[np.float64]:
     """Rotation matrices of quaternions w, x, y, z of any length but 0, shape (n, 3, 3)."""
-    lengths = np.linalg.norm(quaternions, axis=1)
-    if (lengths == 0).any():
-        raise _native.Error(f"rotations[{int(np.argmin(lengths))}] is zero, which is no rotation")
-    w, x, y, z = (quaternions / lengths[:, None]).T
+    largest = np.abs(quaternions).max(axis=1)
+    if (largest == 0).any():
+        raise _native.Error(f"rotations[{int(np.argmin(largest))}] is zero, which is no rotation")
+    # By a power of two, so that no square is beyond what a double holds.
+    quaternions = np.ldexp(quaternions, -np.frexp(largest)[1][:, None])
+    w, x, y, z = (quaternions / np.linalg.norm(quaternions, axis=1)[:, None]).T
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
         [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
@@ -50,11 +60,11 @@ def from_arrays(
     rotations  (n, 4)     quaternions w, x, y, z; none are needed for scales alone
     harmonics  (n, k, 3)  coefficients of degree 1 and up, k = 3, 8, 15 or 24, in the trainers' order
     """
-    centres = np.ascontiguousarray(centres, np.float64)
-    if (axes is None) == (scales is None):
+    centres = in_rows("centres", centres, np.float64, 2)
+    if (axes is None) == (scales is None) or (scales is None and rotations is not None):
         raise _native.Error("give axes, or scales with rotations, and not both")
     if axes is None:
-        lengths = np.asarray(scales, np.float64)
+        lengths = in_rows("scales", scales, np.float64, 2)
         turns = np.tile([1.0, 0.0, 0.0, 0.0], (len(lengths), 1)) if rotations is None else np.asarray(rotations, np.float64)
         if lengths.shape != (len(centres), 3) or turns.shape != (len(centres), 4):
             raise _native.Error(
@@ -65,12 +75,12 @@ def from_arrays(
         axes = np.swapaxes(_rotations(turns) * lengths[:, None, :], 1, 2)
     return Scene.from_axes(
         centres,
-        np.ascontiguousarray(axes, np.float64),
-        np.ascontiguousarray(weights, np.float64),
-        np.ascontiguousarray(colours, np.float64),
-        None if harmonics is None else np.ascontiguousarray(harmonics, np.float32),
+        in_rows("axes", axes, np.float64, 3),
+        in_rows("weights", weights, np.float64, 1),
+        in_rows("colours", colours, np.float64, 2),
+        None if harmonics is None else in_rows("harmonics", harmonics, np.float32, 3),
         weight,
-        (up[0], up[1], up[2]),
+        up,
         name,
     )
 

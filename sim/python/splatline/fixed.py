@@ -8,6 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 
+def _range(bits: int, signed: bool) -> tuple[int, int]:
+    """The smallest integer of a format, and the largest."""
+    return (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
+
+
 class FixedArray:
     """Integers of one fixed-point format: value = raw * 2^-fraction.
 
@@ -21,7 +26,7 @@ class FixedArray:
     def __init__(self, raw: ArrayLike, bits: int, fraction: int = 0, signed: bool = False):
         self.raw = np.asarray(raw)
         self.bits, self.fraction, self.signed = bits, fraction, signed
-        low, high = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
+        low, high = _range(bits, signed)
         if self.raw.dtype.kind not in "iu":
             raise TypeError(f"raw must hold integers, not {self.raw.dtype}: FixedArray.from_numpy rounds numbers")
         if self.raw.size and (int(self.raw.min()) < low or int(self.raw.max()) > high):
@@ -30,7 +35,11 @@ class FixedArray:
     @classmethod
     def from_numpy(cls, values: ArrayLike, bits: int, fraction: int = 0, signed: bool = False) -> FixedArray:
         """Numbers rounded to the nearest of the format, ties to even; out of range is an error."""
-        return cls(np.rint(np.asarray(values, np.float64) * 2.0**fraction).astype(np.int64), bits, fraction, signed)
+        rounded = np.rint(np.asarray(values, np.float64) * 2.0**fraction)
+        low, high = _range(min(bits, 64), signed)
+        if not ((rounded >= low) & (rounded < high + 1)).all():
+            raise ValueError(f"a number is none, or beyond {bits} bits: allowed are {low} to {high} times 2^-{fraction}")
+        return cls(rounded.astype(np.int64 if high < 1 << 63 else np.uint64), bits, fraction, signed)
 
     @property
     def q(self) -> str:

@@ -19,6 +19,7 @@ from . import _native
 from ._calls import SceneLike
 from ._calls import plan as _plan
 from ._native import Camera, Design
+from ._scene import in_rows
 from .fixed import FixedArray
 
 #: First column and row inside, and first beyond.
@@ -79,7 +80,7 @@ class Packets:
 
     def sorted(self) -> Packets:
         """Those that are drawn, nearest first, ties by the splat's number: the order in which they are composited."""
-        drawn = np.array([reason is None for reason in self.culled])
+        drawn = np.array([reason is None for reason in self.culled], bool)
         order = np.argsort(self.depth, kind="stable")
         order = order[drawn[order]]
         return Packets(self.words[order], self.depth[order], self.fields, [None] * len(order), self.splats[order])
@@ -122,7 +123,10 @@ class Stages:
 
     def setup(self, splats: ArrayLike | None = None) -> Packets:
         """Packets of these splats (their numbers in the scene), or of all."""
-        numbers = None if splats is None else np.asarray(splats, np.int64)
+        numbers = None if splats is None else np.atleast_1d(splats)
+        if numbers is not None and numbers.size and numbers.dtype.kind not in "iu":
+            raise _native.Error(f"splats must hold their numbers, not {numbers.dtype}")
+        numbers = numbers if numbers is None else in_rows("splats", numbers, np.int64, 1)
         words, depth, culled = self._kernel.setup(None if numbers is None else numbers.tolist())
         return Packets(words, depth, self.fields, culled, np.arange(len(words)) if numbers is None else numbers)
 
@@ -130,7 +134,7 @@ class Stages:
         """Packets from words of 32 bits, (n, words), or from their bytes, little-endian."""
         if isinstance(words, (bytes, bytearray, memoryview)):
             words = np.frombuffer(words, "<u4").reshape(-1, self.packet_words)
-        rows = np.ascontiguousarray(words, np.uint32)
+        rows = in_rows("words", words, np.uint32, 2)
         return Packets(rows, np.zeros(len(rows), np.int64), self.fields, [None] * len(rows), np.arange(len(rows)))
 
     def spans(self, packet: NDArray[np.uint32], window: Window | None = None) -> Records:
@@ -138,14 +142,14 @@ class Stages:
 
         The last three are signed, with the fraction bits that `fields` says, in squared deviations of the footprint.
         """
-        raw, fraction = self._kernel.spans_of(np.ascontiguousarray(packet, np.uint32), window)
+        raw, fraction = self._kernel.spans_of(in_rows("packet", packet, np.uint32, 1), window)
         fields = [Field(name, 0, 16, False, 0) for name in ("row", "column", "length")]
         fields += [Field(name, 0, 64, True, fraction) for name in ("radial", "first", "second")]
         return Records("spans", "spans of adjacent pixels", {field.name: field for field in fields}, raw)
 
     def radial(self, packet: NDArray[np.uint32], window: Window | None = None) -> Records:
         """Pixels inside the footprint: row, column, and radial index UQ4.radial in squared deviations, in the order of the spans."""
-        raw = self._kernel.radial_indices(np.ascontiguousarray(packet, np.uint32), window)
+        raw = self._kernel.radial_indices(in_rows("packet", packet, np.uint32, 1), window)
         bits = self.widths["radial"]
         fields = [Field("row", 0, 16, False, 0), Field("column", 0, 16, False, 0), Field("radial", 0, bits + 4, False, bits)]
         return Records("radial", "pixels inside a footprint", {field.name: field for field in fields}, raw)
@@ -159,12 +163,12 @@ class Stages:
     def weight(self, radial: FixedArray) -> FixedArray:
         """The reconstruction kernel at these radial indices UQ4.radial, by the table and its interpolation: UQ1.weight, 0 to 1."""
         bits = self.widths["weight"]
-        return FixedArray(self._kernel.weights(np.ascontiguousarray(radial.raw, np.int64)), bits + 1, bits)
+        return FixedArray(self._kernel.weights(in_rows("radial", radial.raw, np.int64, 1)), bits + 1, bits)
 
     def opacity(self, peak: int, weight: FixedArray) -> FixedArray:
         """Opacities UQ1.alpha of a packet's `peak` (its integer) at these weights UQ1.weight; 0 where the rules skip the pixel."""
         bits = self.widths["alpha"]
-        return FixedArray(self._kernel.opacities(int(peak), np.ascontiguousarray(weight.raw, np.uint32)), bits + 1, bits)
+        return FixedArray(self._kernel.opacities(int(peak), in_rows("weight", weight.raw, np.uint32, 1)), bits + 1, bits)
 
     def clear(self, *shape: int) -> NDArray[np.uint32]:
         """Transparent pixels, uint32 of shape (..., 4)."""
@@ -176,12 +180,12 @@ class Stages:
         pixels  (n, 4)  uint32: red, green, blue UQ4.accumulator in units of 2^colour_log2, and transmittance UQ1.transmittance, whose bit 31
                         marks a pixel that takes no more splats
         """
-        rows = np.ascontiguousarray(pixels, np.uint32)
-        return self._kernel.blend(rows, np.ascontiguousarray(opacity.raw, np.uint32), np.asarray(colour, np.int64).tolist())
+        rows = in_rows("pixels", pixels, np.uint32, 2)
+        return self._kernel.blend(rows, in_rows("opacity", opacity.raw, np.uint32, 1), np.asarray(colour, np.int64).tolist())
 
     def tile(self, packets: ArrayLike, window: Window | None = None) -> NDArray[np.uint32]:
         """Packets (n, words) drawn in their order into a window: uint32 of shape (rows, columns, 4), pixels as `blend` has them."""
-        return self._kernel.tile(np.ascontiguousarray(packets, np.uint32), window)
+        return self._kernel.tile(in_rows("packets", packets, np.uint32, 2), window)
 
     def rgba(self, pixels: NDArray[np.uint32]) -> NDArray[np.float64]:
         """Pixels' integers as a picture has them: float64 of the same shape, exactly, in units of 1.0."""

@@ -4,6 +4,7 @@ use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArray
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyFloat};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use splatline_sim::cli;
@@ -33,8 +34,28 @@ pub fn record<'py>(py: Python<'py>, record: &impl Serialize) -> PyResult<Bound<'
 
 /// From a dictionary, with the messages of a plan file.
 pub fn read<T: DeserializeOwned>(value: &Bound<'_, PyAny>) -> PyResult<T> {
+    if let Some(name) = beyond_json(value)? {
+        let message = anyhow::anyhow!("{name} is not finite: leave it out for its usual value");
+        return Err(error(&message));
+    }
     let value: serde_json::Value = pythonize::depythonize(value)?;
     raise(serde_json::from_value(value))
+}
+
+/// The key of a number that JSON does not have, which would be taken for one that was left out.
+fn beyond_json(value: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
+    let Ok(settings) = value.cast::<PyDict>() else {
+        return Ok(None);
+    };
+    for (key, value) in settings {
+        let is_beyond = value
+            .cast::<PyFloat>()
+            .is_ok_and(|number| !number.value().is_finite());
+        if let Some(name) = is_beyond.then(|| key.to_string()).or(beyond_json(&value)?) {
+            return Ok(Some(name));
+        }
+    }
+    Ok(None)
 }
 
 /// A picture as an array of height x width x 4, whose memory it becomes.

@@ -19,7 +19,7 @@ fn toml_of(settings: Option<&Bound<'_, PyDict>>) -> PyResult<toml::Table> {
 /// Widths and rounding of a datapath, and how it walks a footprint.
 ///
 /// `Design("lean18")`, `Design("mine.toml")`, `Design("standard24", mantissa=20, rounding="truncate", traversal="box")`. The names are
-/// classic8, lean18, standard24 and deep32; keys and ranges are those of a design file.
+/// classic8, micro16, lean18, standard24 and deep32; keys and ranges are those of a design file.
 #[pyclass(frozen, eq, skip_from_py_object, module = "splatline")]
 #[derive(Clone, PartialEq)]
 pub struct Design(pub DesignChoice);

@@ -4,7 +4,7 @@ use crate::camera::Camera;
 use crate::convert::{array, raise, read, record};
 use crate::design::{Design, Machine};
 use crate::scene::Scene;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use numpy::PyArray3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -52,9 +52,15 @@ impl Plan {
         let vectors = vectors
             .map(|name| name.parse().map_err(anyhow::Error::msg))
             .transpose()?;
+        for (what, count) in [("threads", threads.unwrap_or(1)), ("repeat", repeat)] {
+            ensure!(
+                (1..=1024).contains(&count),
+                "{what} = {count}: expected a whole number from 1 to 1024"
+            );
+        }
         Ok(Effort {
             vectors,
-            ..Effort::new(threads, repeat.max(1))
+            ..Effort::new(threads, repeat)
         })
     }
 }
@@ -86,6 +92,10 @@ fn limits(given: &Bound<'_, PyDict>) -> PyResult<Vec<Limit>> {
     let given: BTreeMap<String, f64> = pythonize::depythonize(given)?;
     let limit = |(name, bound): (String, f64)| -> Result<Limit> {
         let quantity = serde_json::from_value(name.clone().into()).context("limits")?;
+        ensure!(
+            bound.is_finite(),
+            "limits: {name} is {bound}: expected a finite number"
+        );
         Ok(Limit::new(quantity, bound, &name))
     };
     raise(given.into_iter().map(limit).collect())
@@ -332,6 +342,10 @@ pub fn fit_widths<'py>(
     let frames = frames(&plans);
     let limits = limits(limit)?;
     let found = py.detach(|| {
+        ensure!(
+            !limits.is_empty() && limits.iter().all(|limit| limit.quantity.is_error()),
+            "limits: give one or more of psnr_db, largest_error, rms_error, percentile99 and flip, and no others"
+        );
         let mut subject = subject(&frames, true, None)?;
         subject.traversal = Some(frames[0].plan.entry.traversal);
         let (fitted, error) = fit::fit(&subject, &limits, &|_| ())?;

@@ -221,3 +221,44 @@ def test_machines_and_searches_are_the_command_lines(tmp_path, scene, camera):
 def test_footprints_are_named(scene, camera):
     fixed, real = (splatline.footprints(scene, camera, engine=engine) for engine in ("fixed", "float"))
     assert len(fixed) == 300 and np.nanmax(abs(fixed["u"] - real["u"])) < 1e-3
+
+
+def test_what_no_call_takes_is_said_by_name(scene, camera):
+    arrays = {"centres": np.zeros((2, 3)), "weights": [0.5, 0.5], "colours": np.ones((2, 3)), "scales": np.ones((2, 3))}
+    stages = splatline.Stages(scene, camera)
+    packet = stages.setup([0]).words
+    for call, words in [
+        (lambda: splatline.Scene.from_arrays(**{**arrays, "centres": np.zeros(3)}), r"centres has the shape \(3,\): allowed are 2 dim"),
+        (lambda: splatline.Scene.from_arrays(**{**arrays, "colours": None}), "colours has the shape"),
+        (lambda: splatline.Scene.from_arrays(**{**arrays, "scales": 1.0}), "scales has the shape"),
+        (lambda: splatline.Scene.from_arrays(**{**arrays, "scales": None, "axes": np.ones((2, 3, 3)), "rotations": np.ones((2, 4))}), "not both"),
+        (lambda: splatline.metrics(np.zeros((5, 5)), np.zeros((5, 5))), "picture has the shape"),
+        (lambda: splatline.render(scene, camera, style={"threshold": 1.0}), "splats have rules and no style"),
+        (lambda: splatline.render(scene, camera, threads=10**6), "threads = 1000000: expected a whole number"),
+        (lambda: splatline.render(scene, camera, rules=splatline.Rules("3dgs", low_pass=np.nan)), "low_pass is not finite"),
+        (lambda: splatline.render(scene, camera, rules=splatline.Rules("3dgs", alpha_max=5)), "alpha_max = 5: allowed is 0 to 1"),
+        (lambda: splatline.fit(scene, {"psnr_db": np.inf}, camera), "psnr_db is inf: expected a finite number"),
+        (lambda: splatline.fit(scene, {"frames_per_second": 60}, camera), "and no others"),
+        (lambda: splatline.fit(scene, {"psnr_db": 500}, camera), "below psnr_db 500.00"),
+        (lambda: stages.tile(packet[0]), "packets has the shape"),
+        (lambda: stages.spans(packet), "packet has the shape"),
+        (lambda: stages.setup([True, False]), "splats must hold their numbers, not bool"),
+    ]:
+        with pytest.raises(splatline.Error, match=words):
+            call()
+    with pytest.raises(ValueError, match="length 3"):
+        splatline.Scene.from_arrays(**arrays, up=(0, -1, 0, 5))
+    assert len(stages.setup([]).sorted()) == 0
+
+
+def test_quaternions_of_any_length_turn(camera):
+    arrays = {"centres": np.zeros((1, 3)), "weights": [0.5], "colours": np.ones((1, 3)), "scales": [[1.0, 2.0, 3.0]]}
+    turns = np.array([[1.0, -2.0, 0.5, 3.0]])
+    axes = [splatline.Scene.from_arrays(**arrays, rotations=turns * size).axes for size in (1.0, 2.0**1000, 2.0**-1000)]
+    assert (axes[0] == axes[1]).all() and (axes[0] == axes[2]).all()
+
+
+def test_pictures_without_a_difference_have_an_infinite_psnr(camera):
+    nothing = splatline.Scene.from_arrays(np.zeros((0, 3)), [], np.zeros((0, 3)), scales=np.zeros((0, 3)))
+    comparison = splatline.compare(nothing, camera)
+    assert comparison.psnr_db == np.inf and comparison.record["error"]["rgb"]["identical"]

@@ -93,6 +93,10 @@ def test_fixed_arrays_know_their_format():
         _ = values == FixedArray([1, 2, 3], 8, 3)
     with pytest.raises(TypeError, match="must hold integers"):
         FixedArray([0.5], 4)
+    assert FixedArray.from_numpy([2.0**63], 64).raw.tolist() == [1 << 63]
+    for beyond in (np.nan, np.inf, 1e30, 2.0**63, -(2.0**64)):
+        with pytest.raises(ValueError, match="or beyond 64 bits"):
+            FixedArray.from_numpy([beyond], 64, 0, True)
 
 
 def test_apytypes_holds_the_same_numbers():

@@ -60,9 +60,11 @@ def svd():
         for field in register.get("fields", []):
             high, low = field["bits"]
             fields += "<field>" + element("name", field["name"]) + element("description", field["description"])
-            fields += element("bitRange", f"[{high}:{low}]") + "</field>\n"
+            fields += element("bitRange", f"[{high}:{low}]")
+            fields += "".join(element(key, field[key]) for key in ("access", "modifiedWriteValues") if key in field) + "</field>\n"
         registers += "<register>" + element("name", register["name"]) + element("description", register["description"])
         registers += element("addressOffset", register["offset"]) + element("access", register["access"])
+        registers += element("resetValue", register["reset"]) if "reset" in register else ""
         registers += (f"\n<fields>\n{fields}</fields>" if fields else "") + "</register>\n"
     return f"""<?xml version="1.0" encoding="utf-8"?>
 <device schemaVersion="1.3" xmlns:xs="http://www.w3.org/2001/XMLSchema-instance">

@@ -34,12 +34,12 @@ def number(name):
 
 def kernel():
     """The example picture and the kernel behind the C interface, as a shared library."""
-    run("cargo", "build", "--release", "-p", "splatline-capi")
+    run("cargo", "build", "-p", "splatline-capi")
     library = BUILD / "libkernel.so"
     svdpi = Path(subprocess.check_output(["verilator", "--getenv", "VERILATOR_ROOT"], text=True).strip()) / "include" / "vltstd"
     includes = [f"-I{folder}" for folder in (CAPI / "include", CAPI / "examples", CAPI / "cosim", svdpi)]
     sources = [CAPI / "examples" / "picture.c", CAPI / "cosim" / "tiles.c", CAPI / "cosim" / "dpi_model.c"]
-    archive = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "libsplatline_capi.a"
+    archive = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "debug" / "libsplatline_capi.a"
     run("cc", "-std=c99", "-O1", "-fPIC", "-shared", *includes, *sources, archive, "-o", library, "-lm", "-ldl", "-lpthread")
     return library
 

@@ -17,7 +17,7 @@
 #define SPLAT_AXI_CONTROL_RASTER_IDLE 0x8u
 /* Version of packets that are taken. (read-only) */
 #define SPLAT_AXI_VERSION 0x04u
-/* Window of the next tile. (read-write) */
+/* Window of the next tile, within one aligned block of 32 x 32 pixels. (read-write) */
 #define SPLAT_AXI_FIRST 0x08u
 /* First column. */
 #define SPLAT_AXI_FIRST_COLUMN 0xffffu
@@ -51,9 +51,9 @@
 #define SPLAT_AXI_TABLE_STEP 0x2cu
 /* Packets taken. (read-only) */
 #define SPLAT_AXI_PACKETS 0x30u
-/* Packets of another version, dropped. (read-only) */
+/* Packets of another version, dropped; counted modulo 65536. (read-only) */
 #define SPLAT_AXI_FOREIGN 0x34u
-/* Packets whose tlast came too early or too late, dropped. (read-only) */
+/* Packets whose tlast came too early or too late, dropped whole. (read-only) */
 #define SPLAT_AXI_BROKEN 0x38u
 /* Pixels read out. (read-only) */
 #define SPLAT_AXI_PIXELS 0x3cu

@@ -54,23 +54,28 @@ module splat_axi #(
   // Packets: words are shifted in from above, so that the first one comes to lie lowest.
   logic [32*WORDS-1:0] words;
   logic [COUNT-1:0] received;
-  logic whole, word_moves, ends, packet_ready, packet_valid;
+  logic whole, word_moves, ends, wrong, skips, packet_ready, packet_valid;
   logic [31:0] packets, broken;
   assign whole = received == COUNT'(WORDS);
   assign packet_valid = whole;
   assign s_axis_packet_tready = !whole && !rst;
   assign word_moves = s_axis_packet_tvalid && s_axis_packet_tready;
   assign ends = received == COUNT'(WORDS - 1);
+  assign wrong = !skips && s_axis_packet_tlast != ends;
   always_ff @(posedge aclk) begin
     if (word_moves) words <= {s_axis_packet_tdata, words[32*WORDS-1:32]};
     if (rst) begin
       received <= 0;
       packets <= 0;
       broken <= 0;
+      skips <= 0;
     end else begin
-      // A packet of the wrong length is dropped, and the next word is taken for the first of another.
-      if (word_moves) received <= s_axis_packet_tlast == ends ? received + 1'b1 : '0;
-      if (word_moves && s_axis_packet_tlast != ends) broken <= broken + 32'd1;
+      // A packet of the wrong length is dropped up to its last word.
+      if (word_moves) begin
+        received <= skips || wrong ? '0 : received + 1'b1;
+        skips <= (skips || wrong) && !s_axis_packet_tlast;
+        if (wrong) broken <= broken + 32'd1;
+      end
       if (whole && packet_ready) begin
         received <= 0;
         packets <= packets + 32'd1;
@@ -126,6 +131,7 @@ module splat_axi #(
       begins <= 0;
       finishes <= 0;
       cycles <= 0;
+      {first, last, alpha_max, minimum_transmittance, least, flags, table_index, table_low, table_step} <= '0;
     end else begin
       s_axil_bvalid <= writes || (s_axil_bvalid && !s_axil_bready);
       s_axil_rvalid <= reads || (s_axil_rvalid && !s_axil_rready);

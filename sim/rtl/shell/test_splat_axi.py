@@ -5,17 +5,20 @@ pixels are held back at random, and the next tile is sent while the one before i
 """
 
 import ctypes
+import json
 import logging
 import os
 import random
+from pathlib import Path
 
 import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
 
-CONTROL, VERSION, FIRST, LAST, ALPHA_MAX, STOP, LEAST, LEAST_HIGH, FLAGS = range(0, 0x24, 4)
-TABLE_INDEX, TABLE_LOW, TABLE_STEP, PACKETS, FOREIGN, BROKEN, PIXELS, CYCLES = range(0x24, 0x44, 4)
+REGISTERS = json.loads(Path(__file__).with_name("registers.json").read_text())["registers"]
+(CONTROL, VERSION, FIRST, LAST, ALPHA_MAX, STOP, LEAST, LEAST_HIGH, FLAGS, TABLE_INDEX, TABLE_LOW, TABLE_STEP, PACKETS, FOREIGN, BROKEN, PIXELS,
+ CYCLES) = (int(register["offset"], 16) for register in REGISTERS)
 BEGIN, FINISH = 1, 2
 
 
@@ -82,6 +85,9 @@ class Board:
         await ClockCycles(self.dut.aclk, 8)
         self.dut.aresetn.value = 1
         await ClockCycles(self.dut.aclk, 4)
+        for register in REGISTERS[:-1]:
+            found = await self.read(int(register["offset"], 16))
+            assert found == int(register.get("reset", "0"), 16), f"{register['name']} is {found:#x} after a reset"
 
     async def write(self, address, value):
         await self.registers.write_dword(address, value)
@@ -127,8 +133,18 @@ async def tiles_of_the_example_picture(dut):
     board.packets.set_pause_generator(pauses(1, 10))
     board.pixels.set_pause_generator(pauses(2, 30))
 
-    # A packet without its last words is counted and leaves no trace.
-    await board.send(kernel.packet(0, words)[:3])
+    # A reset in a tile, and in a packet, leaves no trace.
+    await board.begin(kernel.tile(tiles[0]))
+    for length in (words, 3):
+        await board.send(kernel.packet(0, words)[:length])
+    await ClockCycles(dut.aclk, 100)
+    await board.reset()
+    await board.load(kernel, int(os.environ["SPLATLINE_TABLE"]))
+
+    # Nor does a packet without its last words, or with words behind them, were they a packet again. Each is counted once.
+    packet = kernel.packet(0, words)
+    for broken in (packet[:3], packet + packet[:1], packet + packet):
+        await board.send(broken)
     await board.packets.wait()
     for tile in tiles:
         await board.begin(kernel.tile(tile))
@@ -150,5 +166,5 @@ async def tiles_of_the_example_picture(dut):
             assert kernel.is_pixel(x, y, word), f"tile {tile}: pixel ({x}, {y}) is {word:032x}"
         compared += len(places)
     counted = [await board.read(address) for address in (PACKETS, FOREIGN, BROKEN, PIXELS)]
-    assert counted == [kernel.packets * len(tiles), 0, 1, compared], counted
+    assert counted == [kernel.packets * len(tiles), 0, 3, compared], counted
     dut._log.info("cocotb bench: %d pixels of %d tiles, 0 mismatches", compared, len(tiles))

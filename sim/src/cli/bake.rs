@@ -126,7 +126,8 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
             serde_json::json!({ "view": name, "psnr_db": psnr, "max_abs": largest, "bias": bias })
         };
         let report = serde_json::json!({
-            "scene": scene.name, "splats": all, "kept": count, "bytes": 24 * count, "share_of_light": share,
+            "format": "splatline-bake/1", "scene": scene.name, "splats": all, "kept": count, "bytes": 24 * count,
+            "share_of_light": share,
             "views": views.iter().map(of_view).collect::<Vec<_>>(),
         });
         write(path, format!("{report:#}\n").as_bytes())?;

@@ -122,8 +122,17 @@ pub fn refusal(design: &str, limits: &[Limit], error: &DesignError) -> String {
         .filter(|limit| limit.excess_of_error(Some(*error)) > 0.0)
         .map(|limit| {
             let found = limit.quantity.of_error(error).unwrap_or_default();
-            let (what, bound) = (limit.quantity.name(), limit.bound);
-            format!("{what} {found:.3e}, above {} {bound:.3e}", limit.of)
+            let [found, bound] = [found, limit.bound].map(|value| limit.quantity.show(value));
+            let missed = if limit.quantity.is_at_least() {
+                "below"
+            } else {
+                "above"
+            };
+            format!(
+                "{} {found}, {missed} {} {bound}",
+                limit.quantity.name(),
+                limit.of
+            )
         });
     let missed = missed.collect::<Vec<_>>().join(" and ");
     format!("design {design} itself has {missed}: start from a wider design or allow more")

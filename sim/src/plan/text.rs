@@ -51,20 +51,29 @@ pub(super) mod rules {
         let changes = RulesChanges::deserialize(from)?;
         let named: Rules = changes.name.parse().map_err(D::Error::custom)?;
         let named = named.with_kernel(changes.kernel.unwrap_or(named.kernel));
+        let number = |key, given: Option<f64>, usual, most: f64| match given {
+            Some(value) if !(0.0..=most).contains(&value) => Err(D::Error::custom(format!(
+                "{key} = {value}: allowed is 0 to {most:?}"
+            ))),
+            _ => Ok(given.unwrap_or(usual)),
+        };
         Ok(Rules {
             name: named.name,
             kernel: named.kernel,
             normalised: changes.normalised.unwrap_or(named.normalised),
-            low_pass: changes.low_pass.unwrap_or(named.low_pass),
+            low_pass: number("low_pass", changes.low_pass, named.low_pass, f64::MAX)?,
             compensated: changes.compensated.unwrap_or(named.compensated),
-            spacing: changes.spacing.unwrap_or(named.spacing),
+            spacing: number("spacing", changes.spacing, named.spacing, f64::MAX)?,
             // A report writes an infinite cut-off as null; no named rules with a finite one can have it.
-            cutoff: changes.cutoff.unwrap_or(named.cutoff),
-            alpha_max: changes.alpha_max.unwrap_or(named.alpha_max),
-            alpha_min: changes.alpha_min.unwrap_or(named.alpha_min),
-            minimum_transmittance: changes
-                .minimum_transmittance
-                .unwrap_or(named.minimum_transmittance),
+            cutoff: number("cutoff", changes.cutoff, named.cutoff, f64::INFINITY)?,
+            alpha_max: number("alpha_max", changes.alpha_max, named.alpha_max, 1.0)?,
+            alpha_min: number("alpha_min", changes.alpha_min, named.alpha_min, 1.0)?,
+            minimum_transmittance: number(
+                "minimum_transmittance",
+                changes.minimum_transmittance,
+                named.minimum_transmittance,
+                1.0,
+            )?,
             omit_finishing: changes.omit_finishing.unwrap_or(named.omit_finishing),
             clamp_jacobian: changes.clamp_jacobian.unwrap_or(named.clamp_jacobian),
         })

@@ -172,6 +172,7 @@ fn bake_tells_the_bias() {
     let printed = shell.succeed("bake random:50 --size 32x32 --keep 20 --json b.json -o s.bin");
     holds(&printed, &["PSNR ", ", bias "]);
     let report = shell.json("b.json");
+    assert_eq!(report["format"], "splatline-bake/1");
     let bias = report["views"][0]["bias"].as_f64().unwrap();
     assert!(
         bias.abs() <= report["views"][0]["max_abs"].as_f64().unwrap(),

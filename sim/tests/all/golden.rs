@@ -60,3 +60,26 @@ fn the_command_line_draws_every_plan_and_records_it() {
         assert_eq!(stated, recorded, "{name}");
     }
 }
+
+/// Numbers of rules that no rules have are refused with what is allowed, and drawn by nobody.
+#[test]
+fn a_plans_rules_are_in_their_ranges() {
+    let shell = Shell::new();
+    let plan = std::fs::read_to_string(folder().join("05-back-to-front.toml")).unwrap();
+    for (key, value) in [
+        ("low_pass", "NaN"),
+        ("low_pass", "-1"),
+        ("spacing", "inf"),
+        ("cutoff", "-1"),
+        ("alpha_max", "5"),
+        ("alpha_min", "NaN"),
+        ("minimum_transmittance", "2"),
+    ] {
+        let changed = format!("name = \"ewa\", {key} = {}", value.to_lowercase());
+        let text = plan.replace("name = \"ewa\"", &changed);
+        assert_ne!(text, plan);
+        shell.write("p.toml", &text);
+        let expected = format!("{key} = {value}: allowed is 0 to ");
+        shell.refused(1, "render --plan p.toml -o x.png", &expected);
+    }
+}

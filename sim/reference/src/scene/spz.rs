@@ -56,7 +56,7 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     }
     let header = SpzHeader::parse(&gunzip_at_most(bytes, HEADER_BYTES as u64, "spz header")?)?;
     if header.version > 3 {
-        return Err(unsupported_version(&header.version.to_string()));
+        return Err(unsupported_version(&format!("{} in gzip", header.version)));
     }
     let scene = scene_bytes(header.degree, header.count.into());
     let unpacked = gunzip_exact(bytes, header.file_bytes(), scene, "spz data")?;

@@ -134,6 +134,10 @@ fn each_message_names_the_field_and_the_fix() {
             "spz version: it is 5; versions 1 to 4 are read; convert to one of these",
         ),
         (
+            pack(&header(4, 1, 0, 12, 0)),
+            "spz version: it is 4 in gzip; versions 1 to 4 are read",
+        ),
+        (
             pack(&header(3, 0, 0, 12, 0)),
             "spz count: it is 0; export a scene with splats in it",
         ),

@@ -230,7 +230,12 @@ fn needs_fit_and_trace_answer() {
     let fit = shell.results("fit SCENE --max-error 0.02 -o d.toml");
     assert!(fit.contains("binding width"));
     shell.results("render SCENE --design d.toml -o x.png");
-    shell.refused(1, "fit SCENE --max-error 1e-12", "above --max-error");
+    shell.refused(
+        1,
+        "fit SCENE --max-error 1e-12",
+        "above --max-error 1.000e-12",
+    );
+    shell.refused(1, "fit SCENE --psnr 500", "below --psnr 500.00");
     for format in ["kanata", "vcd", "perfetto"] {
         let printed = shell.results(&format!(
             "trace SCENE --format {format} --last 20 -o {format}"

@@ -17,13 +17,14 @@ pub(super) mod points;
 mod tests;
 
 use super::Scene;
-use super::error::Problem;
+use super::error::{Problem, shorten};
 use super::gaussian::{
     Gaussian, GaussianScene, TRAINED_ANTIALIASED, base_from_coefficient, coefficient_count,
     degree_of, opacity_from_logit, scale_from_log,
 };
 use crate::rules::Rules;
 use header::Element;
+use std::collections::HashSet;
 
 /// Loads the Gaussians of a PLY file.
 pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
@@ -73,6 +74,14 @@ fn vertex_element(elements: &[Element]) -> Result<&Element, Problem> {
         return Err(Problem::malformed(
             "PLY header",
             "element 'vertex' is declared twice",
+            "declare it once",
+        ));
+    }
+    let mut seen = HashSet::new();
+    if let Some(twice) = vertex.properties.iter().find(|p| !seen.insert(&p.name)) {
+        return Err(Problem::malformed(
+            "element vertex",
+            format!("property '{}' is declared twice", shorten(&twice.name)),
             "declare it once",
         ));
     }

@@ -291,6 +291,10 @@ fn each_message_names_the_field_and_the_fix() {
             "element 'vertex' is declared twice; declare it once",
         ),
         (
+            header("ascii", "1", &with("property float x\n")),
+            "element vertex: property 'x' is declared twice; declare it once",
+        ),
+        (
             header("ascii", "1", &full[1..]),
             "property x: the Gaussians' element vertex lacks it; export the scene with",
         ),
