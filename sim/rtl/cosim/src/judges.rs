@@ -119,7 +119,7 @@ fn judges(name: &str) -> Result<Vec<Box<dyn Judgement>>> {
                 quick,
             )?),
             Box::new(Judge::new(
-                MachineUnit::new("lean18", 12, 4, MachineOption::Harmonics)?,
+                MachineUnit::new("lean18", 6, 4, MachineOption::Harmonics)?,
                 name,
                 quick,
             )?),

@@ -230,7 +230,7 @@ mod with_verilator {
     /// for many splats to be on their way behind one that waits for its colour.
     #[test]
     fn the_machine_draws_harmonics() {
-        agrees(&MachineUnit::new("lean18", 12, 4, MachineOption::Harmonics).unwrap());
+        agrees(&MachineUnit::new("lean18", 6, 4, MachineOption::Harmonics).unwrap());
     }
 
     /// What Verilator says of a circuit, all warnings but those that lint.vlt gives a reason for.

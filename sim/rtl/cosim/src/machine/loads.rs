@@ -89,7 +89,7 @@ pub fn loads(
         Extent::Full => (scenes(&SCENES, 128, missing)?, u64::MAX),
     };
     if option == MachineOption::Harmonics {
-        seen.push(aside());
+        seen.push(gaps());
         (1..)
             .zip(&mut seen)
             .for_each(|(degree, seen)| add_harmonics(seen, degree));
@@ -140,17 +140,16 @@ fn small() -> Vec<Seen> {
     vec![crowd, sparse, row, tile]
 }
 
-/// Of eight splats in a row seven are culled: enough to leave the queue, behind one that waited there for its colour, until
-/// the next one's colour has come.
-fn aside() -> Seen {
+/// Many splats that are seen, then twelve that are culled: these leave the queue behind packets that waited for their colours.
+fn gaps() -> Seen {
     let mut scene = synthetic::random_gaussians(400, 7, 2.0);
     for (number, splat) in scene.splats.iter_mut().enumerate() {
-        if number % 8 != 0 {
+        if number % 128 >= 116 {
             splat.centre[0] += 1e4;
         }
     }
     Seen {
-        name: "aside",
+        name: "gaps",
         scene,
         camera: synthetic::camera(64, 64),
     }
