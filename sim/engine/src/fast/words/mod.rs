@@ -1,7 +1,7 @@
 //! Painting tiles along runs: in single precision where a design and a processor allow it, on 64-bit words elsewhere.
 //!
 //! A footprint's rows are computed first, several in a vector ([`rows`](super::rows)), and then the pixels of each run. Where nobody asks how many pixels were
-//! covered, finished ones are left out before any work: every [`CHECK_INTERVAL`] footprints the tile is looked at, footprints are cut to the smallest window around what is
+//! covered, finished ones are left out before any work: every [`CHECK_INTERVAL`](super::CHECK_INTERVAL) footprints the tile is looked at, footprints are cut to the smallest window around what is
 //! still in work, and runs to their last pixel that is. The kernel's rows know no windows, so that this moves no bit of a picture.
 
 mod live;

@@ -1,4 +1,4 @@
-//! A tile's pixels as words of a [`PixelPath`](super::path::PixelPath): one plane per quantity in every row, so that adjacent pixels are a vector.
+//! A tile's pixels as words of a [`PixelPath`]: one plane per quantity in every row, so that adjacent pixels are a vector.
 
 use super::path::PixelPath;
 use super::single::WHOLE;
