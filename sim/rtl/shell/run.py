@@ -1,4 +1,5 @@
-"""Builds the shell and runs its cocotb bench on Icarus Verilog: `python3 sim/rtl/shell/run.py [TILE ...]`.
+"""Builds the shell and runs its cocotb bench on Icarus Verilog, with a packet stream of 32 bits and of 128:
+`python3 sim/rtl/shell/run.py [TILE ...]`.
 
 Needs yosys, iverilog, a C compiler and cargo, and `pip install 'cocotb>=2' cocotbext-axi`. Icarus Verilog 11 does not read packages of types that are named
 through them, so Yosys writes the elaborated circuit as plain Verilog first; what is simulated is that. All is built in target/shell.
@@ -17,6 +18,7 @@ ROOT = RTL.parent.parent
 CAPI = ROOT / "sim" / "capi"
 BUILD = ROOT / "target" / "shell"
 DESIGN = "standard24"  # of sim/capi/cosim
+STREAMS = (32, 128)
 
 
 def run(*command, folder=ROOT):
@@ -44,13 +46,24 @@ def kernel():
     return library
 
 
-def verilog():
-    """The elaborated shell in plain Verilog."""
+def verilog(stream):
+    """The elaborated shell in plain Verilog, with a packet stream of so many bits."""
     units = (RTL / "files.txt").read_text().split()
-    out = BUILD / "splat_axi.v"
+    out = BUILD / f"splat_axi_{stream}.v"
     read = f"read_verilog -sv {DESIGN}/splatline_pkg.sv {' '.join(units)} shell/splat_axi.sv"
-    run("yosys", "-q", "-p", f"{read}; hierarchy -top splat_axi; proc; opt_clean; write_verilog -noattr {out}", folder=RTL)
+    run("yosys", "-q", "-p", f"{read}; hierarchy -top splat_axi -chparam STREAM {stream}; rename -top splat_axi; proc; opt_clean; write_verilog -noattr {out}", folder=RTL)
     return out
+
+
+def bench(stream):
+    """The bench on a shell with a packet stream of so many bits."""
+    folder = BUILD / f"stream_{stream}"
+    os.environ["SPLATLINE_STREAM"] = str(stream)
+    runner = get_runner("icarus")
+    runner.build(sources=[verilog(stream)], hdl_toplevel="splat_axi", build_dir=folder, timescale=("1ns", "1ps"), always=True)
+    results = runner.test(hdl_toplevel="splat_axi", test_module="test_splat_axi", build_dir=folder, test_dir=folder)
+    if "<failure" in Path(results).read_text():
+        raise SystemExit(f"the bench failed with a stream of {stream} bits: see above")
 
 
 def main():
@@ -59,11 +72,8 @@ def main():
     os.environ["SPLATLINE_PACKET_WORDS"] = str((number("PACKET_BITS") + 31) // 32)
     os.environ["SPLATLINE_TABLE"] = str((1 << number("TABLE")) + 1)
     os.environ["SPLATLINE_TILES"] = ",".join(sys.argv[1:] or ["0", "2"])
-    runner = get_runner("icarus")
-    runner.build(sources=[verilog()], hdl_toplevel="splat_axi", build_dir=BUILD, timescale=("1ns", "1ps"), always=True)
-    results = runner.test(hdl_toplevel="splat_axi", test_module="test_splat_axi", build_dir=BUILD, test_dir=BUILD)
-    if "<failure" in Path(results).read_text():
-        raise SystemExit("the bench failed: see above")
+    for stream in STREAMS:
+        bench(stream)
 
 
 if __name__ == "__main__":
