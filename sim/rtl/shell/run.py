@@ -1,7 +1,13 @@
-"""Builds the shell and runs its cocotb bench on Icarus Verilog: `python3 sim/rtl/shell/run.py [TILE ...]`.
+"""Builds the shells and runs their cocotb benches on Icarus Verilog: the primitive's with a packet stream of 32 bits
+and of 128, and the machine's.
 
-Needs yosys, iverilog, a C compiler and cargo, and `pip install 'cocotb>=2' cocotbext-axi`. Icarus Verilog 11 does not read packages of types that are named
-through them, so Yosys writes the elaborated circuit as plain Verilog first; what is simulated is that. All is built in target/shell.
+    python3 sim/rtl/shell/run.py             both
+    python3 sim/rtl/shell/run.py TILE ...    the primitive's alone, with these tiles
+    python3 sim/rtl/shell/run.py machine     the machine's alone, which takes three minutes
+
+Needs yosys, verilator, iverilog, a C compiler and cargo, and `pip install 'cocotb>=2' cocotbext-axi`. Icarus Verilog
+11 does not read packages of types that are named through them, so Yosys writes the elaborated circuit as plain
+Verilog first; what is simulated is that. All is built in target/shell.
 """
 
 import os
@@ -17,6 +23,8 @@ ROOT = RTL.parent.parent
 CAPI = ROOT / "sim" / "capi"
 BUILD = ROOT / "target" / "shell"
 DESIGN = "standard24"  # of sim/capi/cosim
+STREAMS = (32, 128)
+MACHINE = "lean18"
 
 
 def run(*command, folder=ROOT):
@@ -44,26 +52,65 @@ def kernel():
     return library
 
 
-def verilog():
-    """The elaborated shell in plain Verilog."""
-    units = (RTL / "files.txt").read_text().split()
-    out = BUILD / "splat_axi.v"
-    read = f"read_verilog -sv {DESIGN}/splatline_pkg.sv {' '.join(units)} shell/splat_axi.sv"
-    run("yosys", "-q", "-p", f"{read}; hierarchy -top splat_axi; proc; opt_clean; write_verilog -noattr {out}", folder=RTL)
+def lint(top, sources, parameters):
+    """Verilator's warnings, all but those that lint.vlt gives a reason for, are failures."""
+    chosen = [f"-G{name}={value}" for name, value in parameters.items()]
+    files = ["lint.vlt", *sources, f"shell/{top}.sv"]
+    run("verilator", "--lint-only", "-Wall", "--top-module", top, *chosen, *files, folder=RTL)
+
+
+def verilog(top, sources, parameters):
+    """An elaborated shell in plain Verilog."""
+    out = BUILD / "_".join([top, *map(str, parameters.values())]) / f"{top}.v"
+    out.parent.mkdir(parents=True, exist_ok=True)
+    chosen = " ".join(f"-chparam {name} {value}" for name, value in parameters.items())
+    script = f"read_verilog -sv {' '.join(sources)} shell/{top}.sv; hierarchy -top {top} {chosen}; rename -top {top}"
+    run("yosys", "-q", "-p", f"{script}; proc; opt_clean; write_verilog -noattr {out}", folder=RTL)
     return out
+
+
+def bench(top, sources, parameters):
+    """The bench of a shell."""
+    lint(top, sources, parameters)
+    circuit = verilog(top, sources, parameters)
+    runner = get_runner("icarus")
+    runner.build(sources=[circuit], hdl_toplevel=top, build_dir=circuit.parent, timescale=("1ns", "1ps"), always=True)
+    folders = {"build_dir": circuit.parent, "test_dir": circuit.parent}
+    results = runner.test(hdl_toplevel=top, test_module=f"test_{top}", **folders)
+    if "<failure" in Path(results).read_text():
+        raise SystemExit(f"the bench of {top} failed with {parameters}: see above")
+
+
+def primitive(tiles):
+    """The primitive's shell with streams of all widths."""
+    os.environ["SPLATLINE_KERNEL"] = str(kernel())
+    os.environ["SPLATLINE_PACKET_WORDS"] = str((number("PACKET_BITS") + 31) // 32)
+    os.environ["SPLATLINE_TABLE"] = str((1 << number("TABLE")) + 1)
+    os.environ["SPLATLINE_TILES"] = ",".join(tiles)
+    sources = [f"{DESIGN}/splatline_pkg.sv", *(RTL / "files.txt").read_text().split()]
+    for stream in STREAMS:
+        os.environ["SPLATLINE_STREAM"] = str(stream)
+        bench("splat_axi", sources, {"STREAM": stream})
+
+
+def machine():
+    """The machine's shell."""
+    frame = BUILD / "frame.json"
+    run("cargo", "run", "-p", "splatline-rtl", "--example", "rtl", "--", "frame", MACHINE, frame)
+    os.environ["SPLATLINE_FRAME"] = str(frame)
+    packages = [f"{MACHINE}/{name}.sv" for name in ("splatline_pkg", "splatline_setup_pkg")]
+    sources = [*packages, *(RTL / "machine_files.txt").read_text().split()]
+    bench("machine_axi", sources, {"CORES": 2, "LANES": 1})
 
 
 def main():
     BUILD.mkdir(parents=True, exist_ok=True)
-    os.environ["SPLATLINE_KERNEL"] = str(kernel())
-    os.environ["SPLATLINE_PACKET_WORDS"] = str((number("PACKET_BITS") + 31) // 32)
-    os.environ["SPLATLINE_TABLE"] = str((1 << number("TABLE")) + 1)
-    os.environ["SPLATLINE_TILES"] = ",".join(sys.argv[1:] or ["0", "2"])
-    runner = get_runner("icarus")
-    runner.build(sources=[verilog()], hdl_toplevel="splat_axi", build_dir=BUILD, timescale=("1ns", "1ps"), always=True)
-    results = runner.test(hdl_toplevel="splat_axi", test_module="test_splat_axi", build_dir=BUILD, test_dir=BUILD)
-    if "<failure" in Path(results).read_text():
-        raise SystemExit("the bench failed: see above")
+    run(sys.executable, HERE / "registers.py", "--check")
+    chosen = sys.argv[1:]
+    if chosen != ["machine"]:
+        primitive(chosen or ["0", "2"])
+    if chosen in ([], ["machine"]):
+        machine()
 
 
 if __name__ == "__main__":

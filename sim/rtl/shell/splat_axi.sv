@@ -1,20 +1,22 @@
 // The splat primitive behind the buses of a board: packets come in and pixels go out by AXI4-Stream, everything else by AXI4-Lite.
 //
-//   packets  32-bit words as `splatline_packet_encode` gives them, the first field in the lowest bits; `tlast` with a packet's last word
+//   packets  words as `splatline_packet_encode` gives them, the first field in the lowest bits, one in each beat of 32 bits;
+//            with a STREAM of 64 or 128 bits two or four of them, the first lowest; `tlast` with a packet's last beat
 //   pixels   128 bits, row by row: red, green, blue, and the transmittance with the finished flag in bit 127; `tlast` with a tile's last pixel
 //
 // Registers are listed in registers.json, from which `registers.py` writes splat_axi.svd and splat_axi.h.
 //
-// A begin waits until the tile before has ended, and packets wait until their tile has begun. An end waits until every packet whose first word came
+// A begin waits until the tile before has ended, and packets wait until their tile has begun. An end waits until every packet whose first beat came
 // before it has been drawn, and until the tile before has been read out.
 module splat_axi #(
     parameter LANES = 1,
     parameter QUEUE = 8,
-    parameter SETUP_INTERVAL = 4
+    parameter SETUP_INTERVAL = 4,
+    parameter STREAM = 32
 ) (
     input logic aclk,
     input logic aresetn,
-    input logic [31:0] s_axis_packet_tdata,
+    input logic [STREAM-1:0] s_axis_packet_tdata,
     input logic s_axis_packet_tvalid,
     output logic s_axis_packet_tready,
     input logic s_axis_packet_tlast,
@@ -44,42 +46,49 @@ module splat_axi #(
 );
   localparam T = splatline_pkg::TRANSMITTANCE;
   localparam SUM = splatline_pkg::SUM_BITS;
-  localparam WORDS = (splatline_pkg::PACKET_BITS + 31) / 32;
-  localparam COUNT = $clog2(WORDS + 1);
+  localparam BEATS = (splatline_pkg::PACKET_BITS + STREAM - 1) / STREAM;
+  localparam COUNT = $clog2(BEATS + 1);
+
+  generate
+    if (STREAM != 32 && STREAM != 64 && STREAM != 128) begin : gen_illegal
+      $error("splat_axi: STREAM must be 32, 64 or 128");
+    end
+  endgenerate
 
   // Reset goes through a register: it reaches the whole primitive.
   logic rst;
   always_ff @(posedge aclk) rst <= !aresetn;
 
-  // Packets: words are shifted in from above, so that the first one comes to lie lowest.
-  logic [32*WORDS-1:0] words;
-  logic [COUNT-1:0] received;
-  logic whole, word_moves, ends, wrong, skips, packet_ready, packet_valid;
+  // Packets: beats are shifted in from above, so that the first one comes to lie lowest. The next packet's first beat may
+  // come in the cycle in which a packet is taken, so that four beats fit between two packets.
+  logic [STREAM*BEATS-1:0] beats;
+  logic [COUNT-1:0] received, place;
+  logic whole, beat_moves, packet_moves, ends, wrong, skips, packet_ready, packet_valid;
   logic [31:0] packets, broken;
-  assign whole = received == COUNT'(WORDS);
+  assign whole = received == COUNT'(BEATS);
   assign packet_valid = whole;
-  assign s_axis_packet_tready = !whole && !rst;
-  assign word_moves = s_axis_packet_tvalid && s_axis_packet_tready;
-  assign ends = received == COUNT'(WORDS - 1);
+  assign packet_moves = whole && packet_ready;
+  assign place = packet_moves ? '0 : received;
+  assign s_axis_packet_tready = (!whole || packet_ready) && !rst;
+  assign beat_moves = s_axis_packet_tvalid && s_axis_packet_tready;
+  assign ends = place == COUNT'(BEATS - 1);
   assign wrong = !skips && s_axis_packet_tlast != ends;
   always_ff @(posedge aclk) begin
-    if (word_moves) words <= {s_axis_packet_tdata, words[32*WORDS-1:32]};
+    if (beat_moves) beats <= {s_axis_packet_tdata, beats[STREAM*BEATS-1:STREAM]};
     if (rst) begin
       received <= 0;
       packets <= 0;
       broken <= 0;
       skips <= 0;
     end else begin
-      // A packet of the wrong length is dropped up to its last word.
-      if (word_moves) begin
-        received <= skips || wrong ? '0 : received + 1'b1;
+      received <= place;
+      // A packet of the wrong length is dropped up to its last beat.
+      if (beat_moves) begin
+        received <= skips || wrong ? '0 : place + 1'b1;
         skips <= (skips || wrong) && !s_axis_packet_tlast;
         if (wrong) broken <= broken + 32'd1;
       end
-      if (whole && packet_ready) begin
-        received <= 0;
-        packets <= packets + 32'd1;
-      end
+      if (packet_moves) packets <= packets + 32'd1;
     end
   end
 
@@ -187,7 +196,7 @@ module splat_axi #(
       .tile,
       .packet_valid,
       .packet_ready,
-      .packet(words[splatline_pkg::PACKET_BITS-1:0]),
+      .packet(beats[splatline_pkg::PACKET_BITS-1:0]),
       .finish_valid(may_finish),
       .finish_ready(primitive_finishes),
       .pixel_valid(m_axis_pixel_tvalid),
@@ -202,5 +211,5 @@ module splat_axi #(
 
   // Every word is written whole, whoever writes.
   logic unused;
-  assign unused = &{1'b0, s_axil_awprot, s_axil_arprot, s_axil_wstrb, s_axil_awaddr[1:0], s_axil_araddr[1:0], alpha_max, minimum_transmittance, least, table_index, table_low, table_step, words};
+  assign unused = &{1'b0, s_axil_awprot, s_axil_arprot, s_axil_wstrb, s_axil_awaddr[1:0], s_axil_araddr[1:0], alpha_max, minimum_transmittance, least, table_index, table_low, table_step, beats};
 endmodule

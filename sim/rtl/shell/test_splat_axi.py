@@ -5,6 +5,7 @@ pixels are held back at random, and the next tile is sent while the one before i
 """
 
 import ctypes
+import itertools
 import json
 import logging
 import os
@@ -13,7 +14,7 @@ from pathlib import Path
 
 import cocotb
 from cocotb.clock import Clock
-from cocotb.triggers import ClockCycles
+from cocotb.triggers import ClockCycles, RisingEdge
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
 
 REGISTERS = json.loads(Path(__file__).with_name("registers.json").read_text())["registers"]
@@ -125,6 +126,7 @@ class Board:
 async def tiles_of_the_example_picture(dut):
     kernel = Kernel(os.environ["SPLATLINE_KERNEL"])
     words = int(os.environ["SPLATLINE_PACKET_WORDS"])
+    beat = int(os.environ["SPLATLINE_STREAM"]) // 32
     tiles = [int(tile) for tile in os.environ["SPLATLINE_TILES"].split(",")]
     cocotb.start_soon(Clock(dut.aclk, 10, unit="ns").start())
     board = Board(dut)
@@ -135,15 +137,16 @@ async def tiles_of_the_example_picture(dut):
 
     # A reset in a tile, and in a packet, leaves no trace.
     await board.begin(kernel.tile(tiles[0]))
-    for length in (words, 3):
+    for length in (words, beat):
         await board.send(kernel.packet(0, words)[:length])
     await ClockCycles(dut.aclk, 100)
     await board.reset()
     await board.load(kernel, int(os.environ["SPLATLINE_TABLE"]))
 
-    # Nor does a packet without its last words, or with words behind them, were they a packet again. Each is counted once.
+    # Nor does a packet without its last beats, or with beats behind them, were they a packet again. Each is counted once.
     packet = kernel.packet(0, words)
-    for broken in (packet[:3], packet + packet[:1], packet + packet):
+    whole = packet + [0] * (-words % beat)
+    for broken in (packet[: 3 * beat], packet[:-beat], whole + packet[:1], whole + packet, packet[:1]):
         await board.send(broken)
     await board.packets.wait()
     for tile in tiles:
@@ -166,5 +169,39 @@ async def tiles_of_the_example_picture(dut):
             assert kernel.is_pixel(x, y, word), f"tile {tile}: pixel ({x}, {y}) is {word:032x}"
         compared += len(places)
     counted = [await board.read(address) for address in (PACKETS, FOREIGN, BROKEN, PIXELS)]
-    assert counted == [kernel.packets * len(tiles), 0, 3, compared], counted
+    assert counted == [kernel.packets * len(tiles), 0, 5, compared], counted
     dut._log.info("cocotb bench: %d pixels of %d tiles, 0 mismatches", compared, len(tiles))
+
+
+async def cycles_of_packets(dut, count):
+    """The cycles in which the last beats of so many packets are taken."""
+    cycles = []
+    for cycle in itertools.count():
+        await RisingEdge(dut.aclk)
+        moves = dut.s_axis_packet_tvalid.value == 1 and dut.s_axis_packet_tready.value == 1
+        if moves and dut.s_axis_packet_tlast.value == 1:
+            cycles.append(cycle)
+        if len(cycles) == count:
+            return cycles
+
+
+@cocotb.test()
+async def packets_follow_each_other_without_a_bubble(dut):
+    """Beats of packets behind each other take a cycle each, up to the next in four in which the primitive takes a packet."""
+    kernel = Kernel(os.environ["SPLATLINE_KERNEL"])
+    words = int(os.environ["SPLATLINE_PACKET_WORDS"])
+    beats = -(-words * 32 // int(os.environ["SPLATLINE_STREAM"]))
+    cocotb.start_soon(Clock(dut.aclk, 10, unit="ns").start())
+    board = Board(dut)
+    await board.reset()
+    await board.begin(kernel.tile(int(os.environ["SPLATLINE_TILES"].split(",")[0])))
+    # As many as have a place in the primitive, whatever they paint.
+    count = 24
+    data = b"".join(word.to_bytes(4, "little") for word in kernel.packet(0, words))
+    for _ in range(count):
+        board.packets.send_nowait(AxiStreamFrame(data))
+    cycles = await cycles_of_packets(dut, count)
+    steps = [later - cycle for cycle, later in itertools.pairwise(cycles)]
+    # The first ones wait for the primitive's turn.
+    assert set(steps[2:]) == {4 * -(-beats // 4)}, steps
+    dut._log.info("a packet in %d beats, one in %d cycles", beats, steps[-1])

@@ -43,6 +43,7 @@ const USAGE: &str = "usage: rtl COMMAND
   bitstream DESIGN LANES FILE     the primitive between registers as a bitstream for the ECP5 LFE5U-85F, by Yosys, nextpnr and ecppack
   bitstream machine CORES FILE    the same of the whole machine, lean18 with four lanes and so many cores of setup
   registers DESIGN RULES          what a driver writes into the AXI shell for rules (ewa or 3dgs), as a C array for shell/splat_axi.h
+  frame DESIGN FILE               registers, memory and the kernel's frame of a small scene, for the bench of the machine's AXI shell
   estimate DESIGN LANES           the model's estimate of area, without synthesis
 ";
 
@@ -85,6 +86,7 @@ fn main() -> ExitCode {
             .map_err(Into::into)
             .and_then(|choice| rules::register_writes(&choice.widths, name))
             .map(|text| print!("{text}")),
+        ["frame", design, file] => machine::shell::write_frame(design, Path::new(file)),
         ["estimate", design, lanes] => estimate(design, lanes),
         _ => {
             eprint!("{USAGE}");

@@ -32,34 +32,43 @@ pub fn write_rules(bench: &mut Bench, widths: &Widths, rules: &Rules) -> Result<
     bench.set(&[("table_valid", 0)])
 }
 
-/// The writes that tell the AXI shell the rules of a name at the design's widths, as a C array of {address, value} pairs for `shell/splat_axi.h`.
+/// The registers of an AXI shell and the words that tell it the rules at the design's widths, in the order of writing.
+pub fn rule_writes(widths: &Widths, rules: &Rules) -> Vec<(&'static str, u32)> {
+    let constants = Blend::new(widths, rules).constants();
+    let flags = u32::from(constants.omit_finishing) | u32::from(rules.table_range == 4) << 1;
+    let [least, least_high] = [0, 32].map(|shift| (constants.opacity_min >> shift) as u32);
+    let mut writes = vec![
+        ("alpha_max", constants.alpha_max),
+        ("minimum_transmittance", constants.minimum_transmittance),
+        ("least", least),
+        ("least_high", least_high),
+        ("flags", flags),
+        ("table_index", 0),
+    ];
+    for entry in table(widths, rules) {
+        writes.push(("table_low", entry.low));
+        writes.push(("table_step", entry.step));
+    }
+    writes
+}
+
+/// The writes for rules of a name, as a C array of {address, value} pairs for `shell/splat_axi.h`.
 pub fn register_writes(widths: &Widths, name: &str) -> Result<String> {
     let rules = match name {
         "ewa" => Rules::EWA,
         "3dgs" => Rules::GAUSSIAN_3D,
         _ => bail!("no rules '{name}': ewa or 3dgs"),
     };
-    let constants = Blend::new(widths, &rules).constants();
-    let flags = u32::from(constants.omit_finishing) | u32::from(rules.table_range == 4) << 1;
-    let [least, least_high] = [0, 32].map(|shift| (constants.opacity_min >> shift) as u32);
-    let mut writes = vec![
-        ("ALPHA_MAX", constants.alpha_max),
-        ("MINIMUM_TRANSMITTANCE", constants.minimum_transmittance),
-        ("LEAST", least),
-        ("LEAST_HIGH", least_high),
-        ("FLAGS", flags),
-        ("TABLE_INDEX", 0),
-    ];
-    for entry in table(widths, &rules) {
-        writes.push(("TABLE_LOW", entry.low));
-        writes.push(("TABLE_STEP", entry.step));
-    }
-    let lines = writes.iter();
-    let lines =
-        lines.map(|(register, value)| format!("  {{SPLAT_AXI_{register}, 0x{value:x}u}},\n"));
+    let writes = rule_writes(widths, &rules);
+    let line = |(register, value): &(&str, u32)| {
+        format!(
+            "  {{SPLAT_AXI_{}, 0x{value:x}u}},\n",
+            register.to_uppercase()
+        )
+    };
     Ok(format!(
         "static const uint32_t splat_axi_rules[{}][2] = {{\n{}}};\n",
         writes.len(),
-        lines.collect::<String>()
+        writes.iter().map(line).collect::<String>()
     ))
 }

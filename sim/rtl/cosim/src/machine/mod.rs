@@ -2,5 +2,7 @@
 
 pub mod area;
 pub mod harmonics;
+pub mod image;
 pub mod loads;
+pub mod shell;
 pub mod unit;

@@ -1,33 +1,22 @@
 //! A scene's records in a memory image, through the machine, and the frame that it leaves there: every pixel against the kernel's, cycles against the model's.
 
+use super::image::{MemoryImage, kernel_frame, pixel_word, places};
 use super::loads::{MachineLoad, MachineOption, loads};
 use crate::bench::Bench;
 use crate::circuit::{Circuit, MACHINE};
 use crate::findings::Findings;
 use crate::memory::{Memory, MemoryTiming};
-use crate::package::TILE;
-use crate::random::split_mix;
 use crate::rules::write_rules;
 use crate::setup::distant::enlarged;
 use crate::setup::program::{ProgramKind, SetupProgram};
-use crate::setup::record::record;
 use crate::setup::unit::write_constants;
 use crate::simulation::Simulation;
 use crate::unit::{Extent, Unit};
-use anyhow::{Context, Result, anyhow, ensure};
-use splatline::LentList;
-use splatline::Renderer;
+use anyhow::{Context, Result, ensure};
 use splatline::blend::Pixel;
-use splatline::footprint::Footprint;
-use splatline::footprint::packet::Layout;
-use splatline::format::{RuntimeWidths, Traversal, Widths};
-use splatline::rules::Rules;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed::{QuantisedScene, table_entries};
+use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::machine::{Config, simulate_alone};
-
-/// Words of a record.
-const RECORD: usize = 5;
 
 /// Cycles in which a harmonics unit with one multiplier makes a colour, by the degree (`rtl -- compare harmonics`).
 const HARMONICS_CYCLES: [u32; 5] = [14, 22, 52, 95, 153];
@@ -173,7 +162,12 @@ impl Unit for MachineUnit {
         // The tile buffers are cleared once.
         (0..1_100).for_each(|_| bench.cycle());
         let room = load.lists.entries() - usize::from(timing.full);
-        let (words, frame) = image(&mut bench, widths, &scene, load, room)?;
+        let MemoryImage {
+            words,
+            places,
+            frame,
+        } = MemoryImage::new(widths, &scene, load, room)?;
+        bench.set(&places)?;
         if let Some(harmonics) = &load.harmonics {
             harmonics.shine(widths, &scene.view, &mut scene.splats);
         }
@@ -288,99 +282,13 @@ impl FrameRun {
     }
 }
 
-/// Records and harmonics at the beginning, bits of nothing in all places that the machine is to write, and a word between any two regions; drives the ports that say where
-/// all of it lies. Gives the image and the word at which the frame begins.
-fn image(
-    bench: &mut Bench,
-    widths: &Widths,
-    scene: &QuantisedScene,
-    load: &MachineLoad,
-    room: usize,
-) -> Result<(Vec<[u32; 4]>, usize)> {
-    let mut words: Vec<[u32; 4]> = Vec::new();
-    for splat in &scene.splats {
-        let record = record(splat).context("a splat without a place in a record")?;
-        let mut padded = [0; 4 * RECORD];
-        padded[..record.len()].copy_from_slice(&record);
-        words.extend(padded.as_chunks::<4>().0);
-    }
-    let count = scene.splats.len();
-    let packet = Layout::new(widths, Traversal::Spans).words().div_ceil(4);
-    let [columns, rows] = scene.view.viewport;
-    let pixels = usize::from(columns) * usize::from(rows);
-    if let Some(harmonics) = &load.harmonics {
-        words.push([!0; 4]);
-        bench.set(&[
-            ("base_harmonics", words.len() as u64),
-            ("degree", harmonics.degree.into()),
-        ])?;
-        words.extend(harmonics.words());
-    }
-    let mut next = words.len() + 1;
-    for (base, size) in [
-        ("base_packets", packet * count),
-        ("base_a", count),
-        ("base_b", count),
-        ("base_lists", room.div_ceil(4)),
-        ("base_frame", pixels),
-    ] {
-        bench.set(&[(base, next as u64)])?;
-        next += size + 1;
-    }
-    ensure!(room < 1 << 24, "more list entries than the machine counts");
-    bench.set(&[
-        ("records", count as u64),
-        ("most", room as u64),
-        ("columns", columns.into()),
-        ("rows", rows.into()),
-    ])?;
-    let mut state = 1;
-    words.resize_with(next, || [(); 4].map(|()| split_mix(&mut state) as u32));
-    Ok((words, next - pixels - 1))
-}
-
-/// The frame by the kernel's own renderer.
-fn kernel_frame(widths: &Widths, scene: &QuantisedScene, rules: &Rules) -> Result<Vec<Pixel>> {
-    let design = RuntimeWidths::new(*widths).ok();
-    let memory = table_entries(widths, rules);
-    let design = design.context("widths out of range")?;
-    let renderer =
-        Renderer::with_table(design, *rules, &memory).map_err(|error| anyhow!("{error:?}"))?;
-    let mut footprints = vec![Footprint::EMPTY; scene.splats.len()];
-    let mut order = vec![0; scene.splats.len()];
-    let mut list = LentList::new(&mut footprints, &mut order);
-    let [columns, rows] = scene.view.viewport.map(usize::from);
-    let mut pixels = vec![Pixel::clear(widths); columns * rows];
-    renderer
-        .render(&scene.view, &scene.splats, &mut list, &mut pixels)
-        .map_err(|error| anyhow!("{error}"))?;
-    Ok(pixels)
-}
-
 /// The first pixel with another word than the kernel's.
 fn difference(expected: &[Pixel], got: &[[u32; 4]], size: [usize; 2]) -> Option<String> {
-    let word = |pixel: &Pixel| {
-        let [red, green, blue] = pixel.colour;
-        [pixel.transmittance, red, green, blue]
-    };
     let mut places = places(size).zip(got);
-    let (place, got) = places.find(|(place, got)| word(&expected[*place]) != **got)?;
+    let (place, got) = places.find(|(place, got)| pixel_word(&expected[*place]) != **got)?;
     let at = [place % size[0], place / size[0]];
-    let wanted = word(&expected[place]);
+    let wanted = pixel_word(&expected[place]);
     Some(format!("pixel {at:?}: {got:x?}, not {wanted:x?}"))
-}
-
-/// Places of the frame's pixels in the order in which the machine writes them: tile by tile, each row by row.
-fn places([columns, rows]: [usize; 2]) -> impl Iterator<Item = usize> {
-    let tile = TILE.map(usize::from);
-    let tiles = (0..rows)
-        .step_by(tile[1])
-        .flat_map(move |y| (0..columns).step_by(tile[0]).map(move |x| [x, y]));
-    tiles.flat_map(move |[left, top]| {
-        let bottom = rows.min(top + tile[1]);
-        let right = columns.min(left + tile[0]);
-        (top..bottom).flat_map(move |y| (left..right).map(move |x| y * columns + x))
-    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The setup unit against the kernel's `setup`: every packet and every reason of a cull, with back-pressure at both ends.
 
-use super::constants::{constants, turned_back};
+use super::constants::{Constant, constants, turned_back};
 use super::distant::distant;
 use super::exact::exact;
 use super::loads::{captured, synthetic};
@@ -190,20 +190,25 @@ pub(super) fn packet(words: &[u32]) -> Packet {
     packet
 }
 
-/// Writes the constants that the circuit's program asks for, by their names.
-pub fn write_constants(
-    bench: &mut Bench,
-    circuit: &Circuit,
-    view: &View,
-    rules: &Rules,
-) -> Result<()> {
+/// The constants that the circuit's program asks for, by their names.
+pub fn constant_words(circuit: &Circuit, view: &View, rules: &Rules) -> Result<Vec<Constant>> {
     let widths = &circuit.widths;
     let names = circuit.program.assembled(widths)?.constants;
     let mut words = constants(&names, widths, view, rules)?;
     if circuit.program.directs {
         words.extend(turned_back(view));
     }
-    for (index, value, exponent) in words {
+    Ok(words)
+}
+
+/// Writes the constants of the circuit's program.
+pub fn write_constants(
+    bench: &mut Bench,
+    circuit: &Circuit,
+    view: &View,
+    rules: &Rules,
+) -> Result<()> {
+    for (index, value, exponent) in constant_words(circuit, view, rules)? {
         bench.set(&[
             ("constant_valid", 1),
             ("constant_index", index.into()),
