@@ -91,7 +91,7 @@ class Board:
         return state
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=5, timeout_unit="ms")  # A frame takes a twentieth of it.
 async def a_frame(dut):
     load = json.loads(Path(os.environ["SPLATLINE_FRAME"]).read_text())
     first, frame, entries = load["first"], load["frame"], load["entries"]

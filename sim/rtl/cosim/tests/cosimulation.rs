@@ -195,7 +195,8 @@ mod with_verilator {
     fn the_machine_draws_the_kernels_frame() {
         let found = agrees(&MachineUnit::new("lean18", 2, 4, MachineOption::None).unwrap());
         for (load, found) in &found {
-            assert!(found.counted("painted") > 1_000, "{found:?}");
+            // Of one frame; five are drawn.
+            assert!(found.counted("painted") > 200, "{found:?}");
             if load.seen.name == "sparse" {
                 let empty: Vec<bool> = load.lists.lists.iter().map(Vec::is_empty).collect();
                 let first = empty.iter().position(|empty| !empty).unwrap();
