@@ -66,11 +66,19 @@ impl HeightField {
 
     /// Reads a file's bytes; a problem names the line.
     pub(crate) fn parse(bytes: &[u8], spacing: f64) -> Result<HeightField, Problem> {
-        let between = |byte: &&u8| b",;\n".contains(byte);
-        let most = 1 + bytes.iter().filter(between).count();
-        let each = size_of::<f64>() + size_of::<SurfacePoint>();
-        memory::room_for_records(most as u64, each, "the grid's points")?;
         let text = String::from_utf8_lossy(bytes);
+        // Counted before a number is read: a row of millions takes long to be read and is refused at once.
+        let separators = bytes.iter().filter(|byte| b",;".contains(byte)).count();
+        let count = separators + text.lines().filter(|line| !line.trim().is_empty()).count();
+        if count > MOST_HEIGHTS {
+            return Err(Problem::malformed(
+                "heights",
+                format!("there are more than {MOST_HEIGHTS}"),
+                "give a smaller grid",
+            ));
+        }
+        let each = size_of::<f64>() + size_of::<SurfacePoint>();
+        memory::room_for_records(count as u64, each, "the grid's points")?;
         let (mut columns, mut rows, mut heights) = (0, 0, Vec::new());
         for (index, line) in text.lines().enumerate() {
             let line = line.trim();
@@ -209,13 +217,6 @@ fn read_row(line: &str, number: usize, heights: &mut Vec<f64>) -> Result<(), Pro
                 "write heights such as 1.5, separated by commas",
             ));
         };
-        if heights.len() == MOST_HEIGHTS {
-            return Err(Problem::malformed(
-                format!("line {number}"),
-                format!("there are more than {MOST_HEIGHTS} heights"),
-                "give a smaller grid",
-            ));
-        }
         heights.push(height);
     }
     Ok(())
