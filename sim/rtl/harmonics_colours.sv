@@ -28,9 +28,9 @@ module harmonics_colours #(
     output logic [3*splatline_pkg::COLOUR_BITS-1:0] colour  // red in the lowest bits
 );
   // Of splats that are seen, what is read and in which direction.
-  logic [4:0] count, left;
+  logic [4:0] count;
   logic [31:0] next, address;
-  logic seen, address_valid, takes, free;
+  logic seen, address_valid, asked;
   always_comb begin
     case (degree)
       3'd0: count = 5'd1;
@@ -41,20 +41,9 @@ module harmonics_colours #(
     endcase
   end
   assign seen = direction_valid && direction_seen;
-  assign takes = address_valid && left == 0;
-  assign read_valid = left != 0 && free;
   always_ff @(posedge clk) begin
     if (direction_valid) next <= next + 32'(count);
-    if (read_valid && read_ready) begin
-      read_address <= read_address + 1'b1;
-      left <= left - 1'b1;
-    end
-    if (takes) begin
-      read_address <= address;
-      left <= count;
-    end
     if (begins) next <= base;
-    if (rst) left <= 0;
   end
   fifo #(
       .BITS(32),
@@ -68,7 +57,7 @@ module harmonics_colours #(
       .in_valid(seen),
       .in(next),
       .out_valid(address_valid),
-      .out_ready(left == 0),
+      .out_ready(asked),
       .out(address)
   );
 
@@ -89,17 +78,21 @@ module harmonics_colours #(
       .out_ready(splat_ready),
       .out(splat)
   );
-  fifo #(
+  memory_stream #(
       .BITS(96),
       .PLACES(WORDS)
   ) words (
       .clk,
       .rst,
-      .claim(read_valid && read_ready),
-      .free,
-      .none(),
-      .in_valid(word_valid),
-      .in(word),
+      .begins(address_valid && asked),
+      .first(address),
+      .count(32'(count)),
+      .read_valid,
+      .read_ready,
+      .read_address,
+      .asked,
+      .word_valid,
+      .word,
       .out_valid(coefficient_valid),
       .out_ready(coefficient_ready),
       .out(coefficient)

@@ -1,8 +1,9 @@
-// Words of the memory, one after the other from an address on: what reads records, splats to be sorted and lists.
+// Words of the memory, one after the other from an address on: what reads records, splats to be sorted, lists and harmonics.
 //
 // A word is asked for only if the queue behind has a place, so that the memory never has to wait for whoever takes the words. `begins` starts anew
-// once all words of the run before have been taken.
+// once all words of the run before have been asked for.
 module memory_stream #(
+    parameter BITS = 128,
     parameter PLACES = 128
 ) (
     input logic clk,
@@ -13,16 +14,18 @@ module memory_stream #(
     output logic read_valid,
     input logic read_ready,
     output logic [31:0] read_address,
+    output logic asked,  // for all words of the run
     input logic word_valid,
-    input logic [127:0] word,
+    input logic [BITS-1:0] word,
     output logic out_valid,
     input logic out_ready,
-    output logic [127:0] out
+    output logic [BITS-1:0] out
 );
   logic [31:0] left;
   logic free;
 
-  assign read_valid = left != 0 && free;
+  assign asked = left == 0;
+  assign read_valid = !asked && free;
   always_ff @(posedge clk) begin
     if (begins) begin
       left <= count;
@@ -35,7 +38,7 @@ module memory_stream #(
   end
 
   fifo #(
-      .BITS(128),
+      .BITS(BITS),
       .PLACES(PLACES)
   ) queue (
       .clk,

@@ -20,7 +20,7 @@ module setup_pack (
     input logic [62:0] far,
     input logic signed [17:0] far_leading,
     input logic valid,  // in phase 0: a splat's words begin
-    input logic [101:0] word,
+    input logic [splatline_setup_pkg::PAIR_BITS-1:0] word,
     output logic packet_valid,
     output logic packet_taken,  // the colour below is used
     input logic [95:0] colour,  // blue, green, red

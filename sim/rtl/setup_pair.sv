@@ -87,7 +87,7 @@ module setup_pair #(
         if (slot2.out && !beside && slot2.word[0]) odd_results[{step.out_side, slot2.word[3:1]}] <= leaves2;
       end
       logic [WORD-1:0] result;
-      if (WORD > 102) begin : gen_direction
+      if (splatline_setup_pkg::DIRECTS) begin : gen_direction
         (* ram_style = "distributed" *) logic [32:0] directions[0:15];
         assign beside = slot2.word[4];
         always_ff @(posedge clk) if (slot2.out && beside) directions[{step.out_side, slot2.word[2:0]}] <= leaves2[50:18];

@@ -40,7 +40,8 @@ module setup_unit #(
   localparam ROUND = splatline_setup_pkg::ROUND;
   localparam WORD = splatline_setup_pkg::WORD_BITS;
   localparam OUT_ROUND = splatline_setup_pkg::OUT_ROUND;
-  localparam DIRECTS = WORD > 102;
+  localparam PAIR = splatline_setup_pkg::PAIR_BITS;
+  localparam DIRECTS = splatline_setup_pkg::DIRECTS;
   // Packets that wait for colours, which depend on directions, are more.
   localparam PLACES = DIRECTS ? 32 : 8;
 
@@ -304,7 +305,7 @@ module setup_unit #(
       .far(far[62:0]),
       .far_leading(far[81:64]),
       .valid(drain_valids[PAIRS]),
-      .word(words[PAIRS*WORD+:102]),
+      .word(words[PAIRS*WORD+:PAIR]),
       .packet_valid(packed_valid),
       .packet_taken(packed_taken),
       .colour,
@@ -335,7 +336,7 @@ module setup_unit #(
           .constant_valid,
           .constant_index,
           .constant_value(constant_value[31:0]),
-          .word(words[PAIRS*WORD+102+:33]),
+          .word(words[PAIRS*WORD+PAIR+:33]),
           .direction
       );
     end else begin : gen_no_direction

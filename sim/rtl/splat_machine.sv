@@ -75,10 +75,9 @@ module splat_machine #(
   localparam SUM = splatline_pkg::SUM_BITS;
 
   localparam READERS = HARMONICS == 0 ? 3 : 4;
-  localparam DIRECTS = splatline_setup_pkg::WORD_BITS > 102;
 
   generate
-    if (HARMONICS != 0 && !DIRECTS) begin : gen_illegal
+    if (HARMONICS != 0 && !splatline_setup_pkg::DIRECTS) begin : gen_illegal
       $error("splat_machine: HARMONICS needs a program of setup with directions");
     end
   endgenerate
@@ -116,6 +115,7 @@ module splat_machine #(
       .read_valid(stream_read),
       .read_ready(read_ready_stream),
       .read_address(stream_address),
+      .asked(),
       .word_valid(stream_comes),
       .word,
       .out_valid(stream_valid),

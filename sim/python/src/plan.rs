@@ -19,7 +19,7 @@ use splatline_sim::machine::energy::EnergyTable;
 use splatline_sim::machine::parts::{Part, Parts};
 use splatline_sim::machine::record::{CostedMachine, Prices};
 use splatline_sim::plan::FootprintLine;
-use splatline_sim::plan::measure::draw_alone;
+use splatline_sim::plan::measure::{count_of_threads_or_runs, draw_alone};
 use splatline_sim::plan::{
     self, DesignVariant, Effort, Engine, Prepared, Technique, all_entries, compare_all,
 };
@@ -53,10 +53,8 @@ impl Plan {
             .map(|name| name.parse().map_err(anyhow::Error::msg))
             .transpose()?;
         for (what, count) in [("threads", threads.unwrap_or(1)), ("repeat", repeat)] {
-            ensure!(
-                (1..=1024).contains(&count),
-                "{what} = {count}: expected a whole number from 1 to 1024"
-            );
+            count_of_threads_or_runs(count)
+                .map_err(|error| anyhow::anyhow!("{what} = {count}: {error}"))?;
         }
         Ok(Effort {
             vectors,

@@ -86,7 +86,9 @@ package splatline_setup_pkg;
   // What the cores get of it: the difference to the eye in two parts, the axes, the weight; see setup_difference.sv.
   localparam int ITEM_BITS = 44;  // {exponent 12, value 32}
   localparam int BEAT_BITS = 88;  // two of them
-  localparam int WORD_BITS = 102;  // two words of a splat, which are results with their exponents
+  localparam int PAIR_BITS = 102;  // two words of a splat, which are results with their exponents
+  localparam logic DIRECTS = 1'b0;  // Does the program give directions? Their words leave beside, without exponents.
+  localparam int WORD_BITS = PAIR_BITS + (DIRECTS ? 33 : 0);
 
   // What all cores obey in a cycle and what comes and goes beside it: one pair of cores hands it to the next
   // (setup_pair.sv). What the fields mean stands in setup_core.sv and setup_memory.sv.

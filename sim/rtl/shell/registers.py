@@ -107,9 +107,9 @@ def check_circuit(shell, source):
     reads = {4 * int(word) for word in re.findall(r"5'd(\d+): s_axil_rdata", text)}
     writes = {4 * int(word) for word in re.findall(r"5'd(\d+): \w+(?:\[[\d:]+\])? <= s_axil_wdata", text)} | {0}
     for access, found in (("read", reads), ("write", writes)):
-        told = {int(register["offset"], 16) for register in source["registers"] if access in register["access"]}
-        if told != found:
-            sys.exit(f"{MAPS[shell]} and {shell}.sv differ in what they {access}: {sorted(told ^ found)}")
+        mapped = {int(register["offset"], 16) for register in source["registers"] if access in register["access"]}
+        if mapped != found:
+            sys.exit(f"{MAPS[shell]} and {shell}.sv differ in what they {access}: {sorted(mapped ^ found)}")
 
 
 def main():

@@ -6,20 +6,17 @@ pixels are held back at random, and the next tile is sent while the one before i
 
 import ctypes
 import itertools
-import json
-import logging
 import os
-import random
-from pathlib import Path
 
 import cocotb
+from buses import RegisterBoard, offsets, pauses, reset_values
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, RisingEdge
-from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
+from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
 
-REGISTERS = json.loads(Path(__file__).with_name("registers.json").read_text())["registers"]
+MAP = "registers.json"
 (CONTROL, VERSION, FIRST, LAST, ALPHA_MAX, STOP, LEAST, LEAST_HIGH, FLAGS, TABLE_INDEX, TABLE_LOW, TABLE_STEP, PACKETS, FOREIGN, BROKEN, PIXELS,
- CYCLES) = (int(register["offset"], 16) for register in REGISTERS)
+ CYCLES) = offsets(MAP).values()
 BEGIN, FINISH = 1, 2
 
 
@@ -61,40 +58,13 @@ class Kernel:
         return self.library.model_pixel_is(x, y, last >> 31, *signed) == 1
 
 
-def pauses(seed, share):
-    """True in `share` of 100 cycles: the bus waits."""
-    numbers = random.Random(seed)
-    while True:
-        yield numbers.randrange(100) < share
-
-
-class Board:
+class Board(RegisterBoard):
     """The buses around the circuit."""
 
     def __init__(self, dut):
-        reset = {"reset": dut.aresetn, "reset_active_level": False}
-        self.dut = dut
-        # A line for each of twenty thousand words would be no log.
-        for bus in ("s_axil", "s_axis_packet", "m_axis_pixel"):
-            logging.getLogger(f"cocotb.{dut._name}.{bus}").setLevel(logging.WARNING)
-        self.registers = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.aclk, **reset)
-        self.packets = AxiStreamSource(AxiStreamBus.from_prefix(dut, "s_axis_packet"), dut.aclk, **reset)
-        self.pixels = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis_pixel"), dut.aclk, **reset)
-
-    async def reset(self):
-        self.dut.aresetn.value = 0
-        await ClockCycles(self.dut.aclk, 8)
-        self.dut.aresetn.value = 1
-        await ClockCycles(self.dut.aclk, 4)
-        for register in REGISTERS[:-1]:
-            found = await self.read(int(register["offset"], 16))
-            assert found == int(register.get("reset", "0"), 16), f"{register['name']} is {found:#x} after a reset"
-
-    async def write(self, address, value):
-        await self.registers.write_dword(address, value)
-
-    async def read(self, address):
-        return await self.registers.read_dword(address)
+        super().__init__(dut, reset_values(MAP, but="cycles"), ("s_axis_packet", "m_axis_pixel"))
+        self.packets = AxiStreamSource(AxiStreamBus.from_prefix(dut, "s_axis_packet"), dut.aclk, **self.reset_port)
+        self.pixels = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis_pixel"), dut.aclk, **self.reset_port)
 
     async def load(self, kernel, entries):
         alpha_max, least, minimum_transmittance, omit_finishing, wide_table = kernel.rules()

@@ -7,6 +7,7 @@ use crate::hybrid::Points;
 use crate::machine::area::Family;
 use crate::picture::Depth;
 use crate::plan::Engine;
+use crate::plan::measure::count_of_threads_or_runs;
 use crate::reference::sphere::Index;
 use crate::rules::{Compositing, Kernel};
 use crate::sheets::SheetKind;
@@ -291,12 +292,9 @@ pub fn depth(text: &str) -> Result<Depth, String> {
     }
 }
 
-/// Counts of threads and runs; the upper bound keeps a slip of the finger from asking for a million threads.
+/// Counts of threads and runs.
 pub fn at_least_one(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count) if (1..=1024).contains(&count) => Ok(count),
-        _ => Err("expected a whole number from 1 to 1024".to_owned()),
-    }
+    count_of_threads_or_runs(text.parse().unwrap_or(0))
 }
 
 /// Protection against aliasing.

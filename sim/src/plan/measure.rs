@@ -22,6 +22,15 @@ use std::num::NonZero;
 use std::path::Path;
 use std::time::Instant;
 
+/// Threads, and runs, that may be asked for: the upper bound keeps a slip of the finger from asking for a million.
+pub fn count_of_threads_or_runs(count: usize) -> Result<usize, String> {
+    if (1..=1024).contains(&count) {
+        Ok(count)
+    } else {
+        Err("expected a whole number from 1 to 1024".to_owned())
+    }
+}
+
 /// What drawing may take of this computer; it changes times and no picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effort {

@@ -293,7 +293,7 @@ endmodule
             ("setup", &SETUP, 60),
             ("machine", &MACHINE, 24),
             ("order", &ORDER, 26),
-            ("harmonics", &MACHINE, 66),
+            ("harmonics", &MACHINE, 65),
         ] {
             let sources = Circuit::new(unit, "lean18", 1).unwrap().sources().unwrap();
             let mutations = mutations(judge).unwrap();

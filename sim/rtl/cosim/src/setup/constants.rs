@@ -4,7 +4,7 @@
 //! compares them; every one is exact, or the kernel's own value.
 
 use super::program::low_bits;
-use super::text::{FIRST_REGISTER, REGISTERS};
+use super::text::{FIRST_REGISTER, OF_EVERY_PROGRAM, REGISTERS};
 use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Widths;
 use splatline::kernel::Kernel;
@@ -105,9 +105,8 @@ fn turn(widths: &Widths, view: &View) -> Vec<Named> {
 
 /// The rotation's entries, for the registers by which a direction is turned back.
 pub fn turned_back(view: &View) -> impl Iterator<Item = Constant> {
-    let first = REGISTERS.iter().position(|name| *name == "back_xx");
     let entries = view.rotation.into_iter().flatten();
-    let places = FIRST_REGISTER + first.unwrap_or(0) as u8..;
+    let places = FIRST_REGISTER + OF_EVERY_PROGRAM as u8..;
     places
         .zip(entries)
         .map(|(place, entry)| (place, entry.to_bits().into(), 0))

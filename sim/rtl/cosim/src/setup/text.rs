@@ -23,8 +23,8 @@ pub const REGISTERS: [&str; 24] = [
     "back_yx", "back_yy", "back_yz", "back_zx", "back_zy", "back_zz",
 ];
 
-/// Registers that every program has.
-const OF_EVERY_PROGRAM: usize = 15;
+/// Registers that every program has; the rotation's begin behind them.
+pub const OF_EVERY_PROGRAM: usize = 15;
 
 /// Fields of a slot in the order of `setup_types.svh`, first the most significant: name and bits.
 const FIELDS: [(&str, u32); 36] = [
@@ -79,16 +79,16 @@ fn slot_bits(program: &Program) -> u32 {
     fields(program).map(|(_, bits)| bits).sum()
 }
 
-/// The types of a program; with a direction they have a word more at a time, without its exponent.
+/// The types of a program.
 fn types(program: &Program) -> Result<String> {
     let mut text = TYPES.to_owned();
     if program.directs() {
-        for (narrow, wide) in [
+        for (without, with) in [
             ("logic [3:0] word;", "logic [4:0] word;"),
-            ("WORD_BITS = 102;", "WORD_BITS = 135;"),
+            ("DIRECTS = 1'b0;", "DIRECTS = 1'b1;"),
         ] {
-            ensure!(text.contains(narrow), "setup_types.svh has no '{narrow}'");
-            text = text.replace(narrow, wide);
+            ensure!(text.contains(without), "setup_types.svh has no '{without}'");
+            text = text.replace(without, with);
         }
     }
     Ok(text)
@@ -143,9 +143,10 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
   localparam int OUT_LAST = {out_last};  // the last slot with one of them
   localparam int FIRST_REGISTER = {FIRST_REGISTER};  // address of the first number outside the cores"
     );
-    let registers = match program.directs() {
-        true => REGISTERS.len(),
-        false => OF_EVERY_PROGRAM,
+    let registers = if program.directs() {
+        REGISTERS.len()
+    } else {
+        OF_EVERY_PROGRAM
     };
     for (place, name) in REGISTERS.iter().take(registers).enumerate() {
         let _ = writeln!(
