@@ -27,6 +27,7 @@ pub mod avx512;
 mod doubles;
 pub mod factors;
 pub mod fused;
+pub mod packed;
 mod portable;
 mod run;
 pub mod singles;

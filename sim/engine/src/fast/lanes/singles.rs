@@ -4,40 +4,13 @@
 #![allow(unsafe_code)]
 
 use super::Portable;
+use super::packed::PackedOn;
 
 /// Is a fused multiply-add one instruction wherever [`dispatch_vectors`](super::dispatch_vectors) runs a task? Elsewhere (wasm) it is a call.
 pub const HAS_FUSED_ADD: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
 
 /// Pixels of a vector. Sixteen with AVX-512 lost: a run of random splats has ten, and looking up sixteen entries takes twice the time of eight.
 pub const SINGLES: usize = 8;
-
-/// A table of 32-bit words whose length is a power of two.
-#[derive(Clone, Debug)]
-pub struct PackedWords(Box<[u32]>);
-
-/// The same on vectors, with the last one's number.
-#[derive(Clone, Copy)]
-pub struct PackedOn<'a, L: Singles> {
-    words: &'a [u32],
-    last: L::Whole,
-}
-
-impl PackedWords {
-    /// These words, and zeros up to a power of two.
-    pub fn new(mut words: Vec<u32>) -> Self {
-        words.resize(words.len().next_power_of_two(), 0);
-        PackedWords(words.into())
-    }
-
-    /// The table on these vectors.
-    #[inline(always)]
-    pub fn on<L: Singles>(&self, lanes: L) -> PackedOn<'_, L> {
-        PackedOn {
-            words: &self.0,
-            last: lanes.whole(self.0.len() as i32 - 1),
-        }
-    }
-}
 
 /// Operations on pixels in single precision. Integers wrap; numbers are rounded to nearest, halves to even.
 pub trait Singles: Copy {
@@ -66,6 +39,8 @@ pub trait Singles: Copy {
     fn whole_shr(self, a: Self::Whole, by: Self::Whole) -> Self::Whole;
     /// a > b, as signed numbers.
     fn whole_greater(self, a: Self::Whole, b: Self::Whole) -> Self::Choice;
+    /// Is the instruction that looks up all of a vector's words at once the quicker way?
+    fn gathers(self) -> bool;
     /// The words of these numbers, modulo the table's length, where it is true, else 0.
     fn packed(
         self,
@@ -73,8 +48,10 @@ pub trait Singles: Copy {
         index: Self::Whole,
         choice: Self::Choice,
     ) -> Self::Whole;
-    /// Integers of at most 24 bits as numbers.
-    fn single_of(self, a: Self::Whole) -> Self::Single;
+    /// Products of the lower 16 bits as signed numbers; `a` has no others.
+    fn short_mul(self, a: Self::Whole, b: Self::Whole) -> Self::Whole;
+    /// Integers below 2^23 added to `whole`, which is 2^23.
+    fn single_of(self, a: Self::Whole, whole: Self::Single) -> Self::Single;
     /// Equal numbers.
     fn single(self, value: f32) -> Self::Single;
     /// The numbers from place `at` on; zeros if there are too few.
@@ -157,6 +134,10 @@ impl Singles for Portable {
         zip(a, b, |a, b| a > b)
     }
     #[inline(always)]
+    fn gathers(self) -> bool {
+        false
+    }
+    #[inline(always)]
     fn packed(
         self,
         table: &PackedOn<Self>,
@@ -167,8 +148,12 @@ impl Singles for Portable {
         std::array::from_fn(|k| if choice[k] { word(index[k]) } else { 0 })
     }
     #[inline(always)]
-    fn single_of(self, a: Self::Whole) -> Self::Single {
-        a.map(|a| a as f32)
+    fn short_mul(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
+        zip(a, b, |a, b| a.wrapping_mul((b as i16).into()))
+    }
+    #[inline(always)]
+    fn single_of(self, a: Self::Whole, whole: Self::Single) -> Self::Single {
+        std::array::from_fn(|k| f32::from_bits(a[k] as u32 | whole[k].to_bits()))
     }
     #[inline(always)]
     fn single(self, value: f32) -> Self::Single {
@@ -246,11 +231,12 @@ impl Singles for Portable {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores are of whole arrays,
-    //! look-ups of numbers that have been brought into the table.
+    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores are of whole
+    //! arrays.
 
     use super::super::avx2::Avx2;
-    use super::{PackedOn, SINGLES, Singles};
+    use super::super::packed::{PackedOn, x86 as packed};
+    use super::{SINGLES, Singles};
     use std::arch::x86_64::*;
 
     /// Words of which an unaligned part starts with so many true ones.
@@ -307,18 +293,27 @@ mod x86 {
             op!(_mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b)))
         }
         #[inline(always)]
+        fn gathers(self) -> bool {
+            packed::gathers_are_quicker(self)
+        }
+        #[inline(always)]
         fn packed(self, table: &PackedOn<Self>, index: __m256i, choice: __m256) -> __m256i {
-            // SAFETY: the length is a power of two, so that every masked number lies in the table.
-            unsafe {
-                let index = _mm256_and_si256(index, table.last);
-                let choice = _mm256_castps_si256(choice);
-                let words = table.words.as_ptr().cast();
-                _mm256_mask_i32gather_epi32::<4>(_mm256_setzero_si256(), words, index, choice)
+            if table.gathers {
+                packed::gather(self, table, index, choice)
+            } else {
+                packed::load(self, table, index, choice)
             }
         }
         #[inline(always)]
-        fn single_of(self, a: __m256i) -> __m256 {
-            op!(_mm256_cvtepi32_ps(a))
+        fn short_mul(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_madd_epi16(a, b))
+        }
+        #[inline(always)]
+        fn single_of(self, a: __m256i, whole: __m256) -> __m256 {
+            op!(_mm256_castsi256_ps(_mm256_add_epi32(
+                a,
+                _mm256_castps_si256(whole)
+            )))
         }
         #[inline(always)]
         fn single(self, value: f32) -> __m256 {

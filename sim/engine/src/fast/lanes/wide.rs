@@ -158,7 +158,7 @@ impl Wide for Portable {
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores are of whole arrays,
-    //! gathers of indices that have been brought into the table.
+    //! look-ups of indices that have been brought into the table.
 
     use super::super::avx2::Avx2;
     use super::super::avx512::Avx512;
@@ -391,7 +391,16 @@ mod x86 {
             let index = self.wide_select(inside, last, negative);
             // SAFETY: every index and the next one lie in the table. An entry and the next one are a word of 64 bits.
             unsafe {
-                let pairs = _mm256_i64gather_epi64::<4>(table.as_ptr().cast(), index);
+                // Four loads: a gather of four takes longer on most processors.
+                let words = table.as_ptr();
+                let word = |place: i64| words.add(place as usize).cast::<i64>().read_unaligned();
+                let two = |index: __m128i| {
+                    let upper = word(_mm_extract_epi64::<1>(index));
+                    _mm_set_epi64x(upper, word(_mm_cvtsi128_si64(index)))
+                };
+                let low = two(_mm256_castsi256_si128(index));
+                let high = two(_mm256_extracti128_si256::<1>(index));
+                let pairs = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(low), high);
                 let low = _mm256_and_si256(pairs, self.wide_splat(u32::MAX.into()));
                 [low, _mm256_srli_epi64::<32>(pairs)]
             }

@@ -1,22 +1,27 @@
 //! The pixel path in single precision, front to back, for designs whose every product is one fused multiply-add ([`Blend::is_single`]).
 //!
 //! A pixel is four numbers: its transmittance T, an integer, negative once it has finished; and its sums, each 2^23 more than the integer C.
-//! With M = 2^23 a vector of pixels is
+//! With M = 2^23, L = max(T, 0), P' = P 2^-(p+w) and O = M 2^-a a vector of pixels is
 //!
 //! ```text
-//! W  = (word - slope (f + 1)) >> k                   the packed table, in integers
-//! A' = min(fma(W, P 2^-(p+w), M 2^-a) - M 2^-a, A'max)   opacity; the unit between M 2^-a and twice that is 2^-a
-//! G  = fma(max(T, 0), A', M) - M                     contribution
-//! T' = T - G
-//! C' = fma(G, K 2^-(t+c-s), C)
+//! W' = M + ((word - slope (f + 1)) >> k)         the packed table, in integers, of which the last makes a number
+//! A' = min(fma(W', P', O - M P'), O + A'max)     O more than the opacity; from O to twice that the unit is 2^-a
+//! G' = fma(L, A', M - L O)                       M more than the contribution
+//! T' = T - (G' - M),  finished if G' > L + M - stop
+//! C' = fma(G' - M, K 2^-(t+c-s), C)
 //! ```
 //!
-//! which is the kernel's arithmetic ([`splatline::blend`]) bit for bit. An opacity of 0 leaves a pixel as it is, so that pixels outside and
-//! finished ones need no selection: the first have opacity 0, the others no transmittance.
+//! which is the kernel's arithmetic ([`splatline::blend`]) bit for bit: what is added to every fused multiply-add is exact, so that each has
+//! the one rounding of its product. Subtractions do not stand between the steps, since each step waits for the one before. An opacity of 0
+//! leaves a pixel as it is, so that pixels outside and finished ones need no selection: the first have opacity 0, the others no transmittance.
+//!
+//! The product of slope and position is one of 16 bits by 16, the quickest that there is: of the position and the interval's number above
+//! it, which the packed table counts on, it sees 16 bits as a signed number, and what it does not see is taken off the interval's word.
 
 use super::path::{OMIT_FINISHING, PixelPath, Pixels, SplatNumbers};
 use super::tile::Row;
-use crate::fast::lanes::singles::{HAS_FUSED_ADD, PackedOn, PackedWords, SINGLES, Singles};
+use crate::fast::lanes::packed::{PackedOn, PackedWords};
+use crate::fast::lanes::singles::{HAS_FUSED_ADD, SINGLES, Singles};
 use crate::fast::tile::TILE;
 use splatline::blend::Blend;
 use splatline::draw::Coverage;
@@ -49,6 +54,7 @@ pub struct SingleNumbers {
     /// Integers are these times their units.
     peak: f32,
     colour: f32,
+    /// O, O + A'max, and the least transmittance that does not finish a pixel less M.
     opacity: f32,
     alpha_max: f32,
     stop: f32,
@@ -60,14 +66,28 @@ impl SingleNumbers {
     /// For widths, rules, the entries of a table and lanes of so many bits that allow it.
     pub fn new(widths: &Widths, rules: &Rules, entries: &[u32], lane_bits: u32) -> Option<Self> {
         let blend = Blend::new(widths, rules);
-        let drawable = HAS_FUSED_ADD && blend.is_single() && blend.draws_all_visible();
-        if !drawable || widths.interpolation == 0 || lane_bits > 32 {
+        // Numbers below M are its last bits; O and P' have 24 bits together; a product's sign changes where intervals begin.
+        let fits = widths.weight <= 22
+            && widths.peak + widths.weight <= widths.alpha + 24
+            && (1..=15).contains(&widths.interpolation);
+        if !HAS_FUSED_ADD
+            || !blend.is_single()
+            || !blend.draws_all_visible()
+            || !fits
+            || lane_bits > 32
+        {
             return None;
         }
         let constants = blend.constants();
         // With the last interval: footprints of [`Rules::EWA`] end where their table does.
         let mut words = vec![0; entries.len() + 1];
         pack_into(&mut words, entries, widths, rules.table_range).ok()?;
+        for (number, word) in words.iter_mut().enumerate() {
+            let begin = (number as u32) << widths.interpolation;
+            let unseen = begin.wrapping_sub(begin as i16 as u32);
+            let slope = PackedTable::slope(*word, widths.interpolation);
+            *word = word.wrapping_sub(slope.wrapping_mul(unseen));
+        }
         let below = i32::from(widths.radial + rules.table_range) - i32::from(widths.table);
         let interpolation = i32::from(widths.interpolation);
         let [alpha, fraction] = [widths.alpha, widths.peak + widths.weight].map(i32::from);
@@ -82,8 +102,8 @@ impl SingleNumbers {
             peak: unit(fraction),
             colour: unit(constants.colour_shift),
             opacity: WHOLE * unit(alpha),
-            alpha_max: constants.alpha_max as f32 * unit(alpha),
-            stop: constants.minimum_transmittance as f32 + 1.0,
+            alpha_max: (WHOLE + constants.alpha_max as f32) * unit(alpha),
+            stop: constants.minimum_transmittance as f32 + 1.0 - WHOLE,
             end_of_colour: 1 << (widths.colour + widths.colour_range()),
         })
     }
@@ -110,7 +130,7 @@ pub struct SinglePixels<'a, L: Singles, const OPERATOR: u8> {
     interpolation: L::Whole,
     zero: L::Whole,
     whole: L::Single,
-    opacity: L::Single,
+    opacity_negated: L::Single,
     alpha_max: L::Single,
     stop: L::Single,
 }
@@ -121,6 +141,8 @@ pub struct SingleSplat<L: Singles> {
     /// One past the largest radial index inside.
     end: L::Whole,
     peak: L::Single,
+    /// O - M P'.
+    opacity: L::Single,
     colour: [L::Single; 3],
     /// k (k - 1) / 2 s and w (w - 1) / 2 s + w k s for pixel k of a vector of w.
     ahead: [L::Whole; 2],
@@ -143,12 +165,13 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
             sign: lanes.single(numbers.sign),
             lead: lanes.whole(numbers.lead),
             slope: lanes.whole(numbers.slope),
-            below: lanes.whole(numbers.below),
-            unseen: lanes.whole(numbers.unseen),
-            interpolation: lanes.whole(numbers.interpolation),
+            // Known to be below 32, so that no selection stands behind a shift.
+            below: lanes.whole(numbers.below & 31),
+            unseen: lanes.whole(numbers.unseen & 31),
+            interpolation: lanes.whole(numbers.interpolation & 31),
             zero: lanes.whole(0),
             whole: lanes.single(WHOLE),
-            opacity: lanes.single(numbers.opacity),
+            opacity_negated: lanes.single(-numbers.opacity),
             alpha_max: lanes.single(numbers.alpha_max),
             stop: lanes.single(numbers.stop),
         }
@@ -168,7 +191,7 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
         ]
     }
 
-    /// The kernel at radial indices inside the footprint, as an integer number; 0 elsewhere.
+    /// The kernel at radial indices inside the footprint, M more than an integer; M elsewhere.
     #[inline(always)]
     fn weight(&self, radial: L::Whole, inside: L::Choice) -> L::Single {
         let lanes = self.lanes;
@@ -176,9 +199,9 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
         let interval = lanes.whole_shr(ahead, self.below);
         let word = lanes.packed(&self.table, interval, inside);
         let slope = lanes.whole_and(word, self.slope);
-        let fall = lanes.whole_mul(slope, lanes.whole_shr(ahead, self.unseen));
+        let fall = lanes.short_mul(slope, lanes.whole_shr(ahead, self.unseen));
         let weight = lanes.whole_shr(lanes.whole_sub(word, fall), self.interpolation);
-        lanes.single_of(weight)
+        lanes.single_of(weight, self.whole)
     }
 
     /// One vector of pixels.
@@ -203,13 +226,15 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
         if lanes.all_signed(light, inside) {
             return;
         }
-        let alpha = lanes.fused_add(self.weight(radial, inside), splat.peak, self.opacity);
-        let alpha = lanes.single_min(lanes.single_sub(alpha, self.opacity), self.alpha_max);
         let left = lanes.at_least_zero(light);
-        let share = lanes.fused_add(left, alpha, self.whole);
+        let base = lanes.fused_add(left, self.opacity_negated, self.whole);
+        let least = lanes.single_sub(left, self.stop);
+        let alpha = lanes.fused_add(self.weight(radial, inside), splat.peak, splat.opacity);
+        let alpha = lanes.single_min(alpha, self.alpha_max);
+        let share = lanes.fused_add(left, alpha, base);
+        let stop = lanes.single_less(least, share);
         let share = lanes.single_sub(share, self.whole);
         let rest = lanes.single_sub(left, share);
-        let stop = lanes.single_less(rest, self.stop);
         let (share, after) = if OPERATOR == OMIT_FINISHING {
             let share = lanes.single_clear(share, stop);
             (
@@ -248,6 +273,7 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
                 end => end,
             }),
             peak: lanes.single(splat.peak as f32 * numbers.peak),
+            opacity: lanes.single(numbers.opacity - WHOLE * (splat.peak as f32 * numbers.peak)),
             colour: [
                 lanes.single(splat.colour[0] as f32 * numbers.colour),
                 lanes.single(splat.colour[1] as f32 * numbers.colour),
