@@ -197,8 +197,7 @@ pub struct WordPixels<'a, L: PixelWords, const OPERATOR: u8> {
     lanes: L,
     falls: &'a Falls,
     /// Left shifts of lanes that have 32 bits, and to a vector's width.
-    raise: L::Word,
-    raised_by: u32,
+    raise: u32,
     width: L::Word,
     /// Right shift from a raised radial index to its interval.
     interval: L::Word,
@@ -267,8 +266,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         WordPixels {
             lanes,
             falls: &numbers.falls,
-            raise: word(numbers.raise.into()),
-            raised_by: numbers.raise,
+            raise: numbers.raise,
             width: word(L::WIDE.ilog2().into()),
             interval: word(u64::from(numbers.raise + rest)),
             position: word(u64::from(numbers.raise + rest - kept)),
@@ -301,7 +299,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     #[inline(always)]
     pub fn start(&self, splat: &SplatWords<L>, pixels: &Pixels) -> [L::Word; 2] {
         let lanes = self.lanes;
-        let raised = |lane: i64| lanes.wide_shl(lanes.wide_splat(lane), self.raise);
+        let raised = |lane: i64| lanes.wide_splat(lane << self.raise);
         let first = raised(pixels.first);
         let start = lanes.wide_add(raised(pixels.radial), splat.ahead[0]);
         let radial = lanes.wide_add(start, lanes.multiples(first));
@@ -465,7 +463,7 @@ impl<L: PixelWords, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR
     fn splat(&self, numbers: &SplatNumbers, second: i64) -> SplatWords<L> {
         let lanes = self.lanes;
         let width = L::WIDE as i64;
-        let second = second << self.raised_by;
+        let second = second << self.raise;
         let seconds = lanes.wide_splat(second);
         let pairs: [i64; 8] = [0, 0, 1, 3, 6, 10, 15, 21];
         let along = lanes.multiples(lanes.wide_splat(second.wrapping_mul(width)));
