@@ -68,10 +68,6 @@ pub trait Singles: Copy {
     fn at_least_zero(self, a: Self::Single) -> Self::Single;
     /// a < b.
     fn single_less(self, a: Self::Single, b: Self::Single) -> Self::Choice;
-    /// b where it is true, else a.
-    fn single_select(self, a: Self::Single, b: Self::Single, choice: Self::Choice) -> Self::Single;
-    /// The number, and its sign set where that of `signs` is, all of whose other bits are 0.
-    fn with_signs(self, a: Self::Single, signs: Self::Single) -> Self::Single;
     /// The number where it is false, else 0.
     fn single_clear(self, a: Self::Single, choice: Self::Choice) -> Self::Single;
     /// The number, and its sign set where it is true.
@@ -189,14 +185,6 @@ impl Singles for Portable {
     #[inline(always)]
     fn single_less(self, a: Self::Single, b: Self::Single) -> Self::Choice {
         zip(a, b, |a, b| a < b)
-    }
-    #[inline(always)]
-    fn single_select(self, a: Self::Single, b: Self::Single, choice: Self::Choice) -> Self::Single {
-        std::array::from_fn(|k| if choice[k] { b[k] } else { a[k] })
-    }
-    #[inline(always)]
-    fn with_signs(self, a: Self::Single, signs: Self::Single) -> Self::Single {
-        zip(a, signs, |a, b| f32::from_bits(a.to_bits() | b.to_bits()))
     }
     #[inline(always)]
     fn single_clear(self, a: Self::Single, choice: Self::Choice) -> Self::Single {
@@ -354,14 +342,6 @@ mod x86 {
         #[inline(always)]
         fn single_less(self, a: __m256, b: __m256) -> __m256 {
             op!(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b))
-        }
-        #[inline(always)]
-        fn single_select(self, a: __m256, b: __m256, choice: __m256) -> __m256 {
-            op!(_mm256_blendv_ps(a, b, choice))
-        }
-        #[inline(always)]
-        fn with_signs(self, a: __m256, signs: __m256) -> __m256 {
-            op!(_mm256_or_ps(a, signs))
         }
         #[inline(always)]
         fn single_clear(self, a: __m256, choice: __m256) -> __m256 {

@@ -41,8 +41,6 @@ fn unit(bits: i32) -> f32 {
 #[derive(Clone, Debug)]
 pub struct SingleNumbers {
     table: PackedWords,
-    /// -0: read from memory, it is an operand and not a load before one.
-    sign: f32,
     /// Bits of the radial index below an interval's number.
     below: i32,
     /// Of these, bits that the interpolation does not see.
@@ -93,7 +91,6 @@ impl SingleNumbers {
         let [alpha, fraction] = [widths.alpha, widths.peak + widths.weight].map(i32::from);
         Some(SingleNumbers {
             table: PackedWords::new(words),
-            sign: -0.0,
             below,
             unseen: below - interpolation,
             slope: (1 << (interpolation - 1)) - 1,
@@ -122,7 +119,6 @@ pub struct SinglePixels<'a, L: Singles, const OPERATOR: u8> {
     lanes: L,
     numbers: &'a SingleNumbers,
     table: PackedOn<'a, L>,
-    sign: L::Single,
     lead: L::Whole,
     slope: L::Whole,
     below: L::Whole,
@@ -162,7 +158,6 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
             lanes,
             numbers,
             table: numbers.table.on(lanes),
-            sign: lanes.single(numbers.sign),
             lead: lanes.whole(numbers.lead),
             slope: lanes.whole(numbers.slope),
             // Known to be below 32, so that no selection stands behind a shift.
@@ -234,20 +229,13 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
         let share = lanes.fused_add(left, alpha, base);
         let stop = lanes.single_less(least, share);
         let share = lanes.single_sub(share, self.whole);
-        let rest = lanes.single_sub(left, share);
-        let (share, after) = if OPERATOR == OMIT_FINISHING {
-            let share = lanes.single_clear(share, stop);
-            (
-                share,
-                lanes.single_select(rest, lanes.with_signs(light, self.sign), stop),
-            )
+        let share = if OPERATOR == OMIT_FINISHING {
+            lanes.single_clear(share, stop)
         } else {
-            (
-                share,
-                lanes.single_mark(lanes.single_sub(light, share), stop),
-            )
+            share
         };
-        lanes.single_write(plane_of_light, x, after);
+        let rest = lanes.single_sub(light, share);
+        lanes.single_write(plane_of_light, x, lanes.single_mark(rest, stop));
         for (plane, colour) in colours.iter_mut().zip(splat.colour) {
             let sum = lanes.fused_add(share, colour, lanes.single_read(plane, x));
             lanes.single_write(plane, x, sum);
