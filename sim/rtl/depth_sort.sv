@@ -152,7 +152,7 @@ module depth_sort #(
       CLEAR: begin
         value <= value + 1'b1;
         if (value[PLACE-1:0] == {PLACE{1'b1}}) state <= TAKE;
-        {count, side, pass, step, counting, counted, follows} <= 0;
+        {side, pass, step, counting, counted, follows} <= 0;
       end
       TAKE: begin
         counting <= step != 0 && step <= (PASS_BITS + 1)'(PASSES);
@@ -215,7 +215,7 @@ module depth_sort #(
     endcase
     if (begins || rst) begin
       state <= rst ? DONE : CLEAR;
-      value <= 0;
+      {value, count} <= 0;
     end
   end
 endmodule

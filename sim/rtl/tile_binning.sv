@@ -144,7 +144,7 @@ module tile_binning #(
       CLEAR: begin
         index <= index + 1'b1;
         if (index + 1'b1 == tiles) state <= COUNT;
-        {walking, entered, full} <= 0;
+        {walking, entered} <= 0;
       end
       COUNT: begin
         if (ends && !box_valid && !walking && !entered) state <= SUM;
@@ -170,7 +170,7 @@ module tile_binning #(
     endcase
     if (begins || rst) begin
       state <= rst ? DONE : CLEAR;
-      index <= 0;
+      {index, entries, full} <= 0;
     end
   end
 endmodule
