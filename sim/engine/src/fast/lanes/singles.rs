@@ -48,7 +48,7 @@ pub trait Singles: Copy {
         index: Self::Whole,
         choice: Self::Choice,
     ) -> Self::Whole;
-    /// Products of the lower 16 bits as signed numbers; `a` has no others.
+    /// `a`, from 0 to below 2^15, times the lower 16 bits of `b` as a signed number.
     fn short_mul(self, a: Self::Whole, b: Self::Whole) -> Self::Whole;
     /// Integers below 2^23 added to `whole`, which is 2^23.
     fn single_of(self, a: Self::Whole, whole: Self::Single) -> Self::Single;

@@ -64,7 +64,7 @@ impl SingleNumbers {
     /// For widths, rules, the entries of a table and lanes of so many bits that allow it.
     pub fn new(widths: &Widths, rules: &Rules, entries: &[u32], lane_bits: u32) -> Option<Self> {
         let blend = Blend::new(widths, rules);
-        // Numbers below M are its last bits; O and P' have 24 bits together; a product's sign changes where intervals begin.
+        // W lies in M's last bits, O - M P' in 24, and where 16 bits of a position change their sign an interval begins.
         let fits = widths.weight <= 22
             && widths.peak + widths.weight <= widths.alpha + 24
             && (1..=15).contains(&widths.interpolation);
