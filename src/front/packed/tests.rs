@@ -197,7 +197,7 @@ fn strips_visit_their_own_footprints() {
             first: [0, first],
             end: [1, end],
         };
-        let meets = |rows: &&[u16; 2]| (rows[0]..rows[1]).any(|y| (first..end).contains(&y));
+        let meets = |rows: &&[u16; 2]| (first..end).any(|y| (rows[0]..rows[1]).contains(&y));
         let expected: Vec<[u16; 2]> = rows.iter().filter(meets).copied().collect();
         let mut seen = [Vec::new(), Vec::new()];
         let [a, b] = &mut seen;

@@ -156,7 +156,7 @@ impl Wide for Portable {
 }
 
 #[cfg(target_arch = "x86_64")]
-mod x86 {
+pub(super) mod x86 {
     //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores are of whole arrays,
     //! look-ups of indices that have been brought into the table.
 
@@ -255,6 +255,23 @@ mod x86 {
         fn wide_flags(self, truth: __mmask8) -> u32 {
             truth.into()
         }
+    }
+
+    /// A word for each of four places by a load of its own: a gather of four takes longer on most processors.
+    #[inline(always)]
+    pub fn four_words(_: Avx2, places: __m256i, word: impl Fn(usize) -> u64) -> __m256i {
+        op!({
+            let two = |places: __m128i| {
+                let upper = word(_mm_extract_epi64::<1>(places) as usize);
+                _mm_set_epi64x(
+                    upper as i64,
+                    word(_mm_cvtsi128_si64(places) as usize) as i64,
+                )
+            };
+            let low = two(_mm256_castsi256_si128(places));
+            let high = two(_mm256_extracti128_si256::<1>(places));
+            _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(low), high)
+        })
     }
 
     /// Products of lower halves. Miri, which interprets no assembly, has the intrinsics.
@@ -391,16 +408,10 @@ mod x86 {
             let index = self.wide_select(inside, last, negative);
             // SAFETY: every index and the next one lie in the table. An entry and the next one are a word of 64 bits.
             unsafe {
-                // Four loads: a gather of four takes longer on most processors.
                 let words = table.as_ptr();
-                let word = |place: i64| words.add(place as usize).cast::<i64>().read_unaligned();
-                let two = |index: __m128i| {
-                    let upper = word(_mm_extract_epi64::<1>(index));
-                    _mm_set_epi64x(upper, word(_mm_cvtsi128_si64(index)))
-                };
-                let low = two(_mm256_castsi256_si128(index));
-                let high = two(_mm256_extracti128_si256::<1>(index));
-                let pairs = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(low), high);
+                let pairs = four_words(self, index, |place| {
+                    words.add(place).cast::<u64>().read_unaligned()
+                });
                 let low = _mm256_and_si256(pairs, self.wide_splat(u32::MAX.into()));
                 [low, _mm256_srli_epi64::<32>(pairs)]
             }

@@ -136,6 +136,7 @@ mod x86 {
 
     use super::super::Wide;
     use super::super::avx2::Avx2;
+    use super::super::wide::x86::four_words;
     use super::{Falls, PixelWords};
     use std::arch::x86_64::*;
 
@@ -213,33 +214,12 @@ mod x86 {
                 _mm256_add_epi64(odd, _mm256_add_epi64(upper, upper))
             })
         }
-        /// Four loads: a gather of four takes longer on most processors.
         #[inline(always)]
         fn intervals(self, table: &Falls, index: __m256i) -> __m256i {
             let index = self.wide_and(index, self.wide_load(&table.last));
+            let words = table.intervals.as_ptr();
             // SAFETY: the length is a power of two, so that every masked number lies in the table.
-            unsafe {
-                let (low, high) = (
-                    _mm256_castsi256_si128(index),
-                    _mm256_extracti128_si256::<1>(index),
-                );
-                let places = [
-                    _mm_cvtsi128_si64(low),
-                    _mm_extract_epi64::<1>(low),
-                    _mm_cvtsi128_si64(high),
-                    _mm_extract_epi64::<1>(high),
-                ];
-                let words = table.intervals.as_ptr();
-                let low = _mm_set_epi64x(
-                    *words.add(places[1] as usize) as i64,
-                    *words.add(places[0] as usize) as i64,
-                );
-                let high = _mm_set_epi64x(
-                    *words.add(places[3] as usize) as i64,
-                    *words.add(places[2] as usize) as i64,
-                );
-                _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(low), high)
-            }
+            four_words(self, index, |place| unsafe { *words.add(place) })
         }
     }
 }
