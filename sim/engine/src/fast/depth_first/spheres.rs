@@ -7,6 +7,8 @@
 //! - The camera-space error E is at most (2^-21 + 2^(3 - position)) (|u|_1 + |e|_1): six roundings of 2^-24 of the terms here, and in the kernel the
 //!   difference and the rotation, each rounded to `position` bits of the largest coordinate. The smallest normal number covers what is below the normal ones.
 //! - x/z is then off by at most E / (z - E) (1 + 2 |rho|), and f x/z by the kernel's three roundings to `view` bits.
+//! - An axis is rounded to 20 bits and more of its block, and its turned components to more of them: with mantissas as small as an axis may have,
+//!   which should use all bits, that can be more than the axis itself ([`AXIS_ERROR`]).
 //! - A variance goes through a dozen roundings to `mantissa` bits and the cut-off and the root have 16: with at least [`LEAST_BITS`] bits that is
 //!   below 1/64 of the extent. Two pixels more are for the subpixel grid, the samples' places and the principal point.
 
@@ -20,6 +22,9 @@ use splatline::view::{Projection, View};
 
 /// Narrower numbers of a design are not covered by the margins.
 const LEAST_BITS: u8 = 14;
+
+/// How much longer than it is the kernel can take an axis for, in units of its mantissa: sqrt(3) (2^11 + 3 2^9) with [`LEAST_BITS`].
+const AXIS_ERROR: f64 = 8192.0;
 
 /// The largest cut-off by opacity.
 const LARGEST_CUTOFF: f64 = 15.0;
@@ -90,7 +95,13 @@ fn largest_cutoff(rules: &Rules) -> f64 {
 fn sphere(splat: &VolumeSplat, rules: &Rules) -> [f32; 4] {
     let squares = splat.axes.iter().map(|axis| {
         let mantissas = axis.mantissa.iter().map(|m| f64::from(*m).powi(2));
-        mantissas.sum::<f64>() * exp2(2 * axis.exponent.clamp(-512, 511))
+        let length = mantissas.sum::<f64>().sqrt();
+        let most = if length > 0.0 {
+            length + AXIS_ERROR
+        } else {
+            0.0
+        };
+        most * most * exp2(2 * axis.exponent.clamp(-512, 511))
     });
     let cutoff = match rules.cutoff {
         Cutoff::Opacity if !rules.normalised => {
