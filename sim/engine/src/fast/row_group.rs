@@ -101,6 +101,20 @@ impl RowGroup {
     /// Computes the constants of the footprints that were read. What does not differ between them comes back.
     #[inline(always)]
     pub fn compute<L: Doubles>(&mut self, math: Arithmetic<L>, widths: &Widths) -> RowReals<L> {
+        if L::ROWS_APART {
+            self.compute_apart(math, widths)
+        } else {
+            self.compute_here(math, widths)
+        }
+    }
+
+    #[inline(never)]
+    fn compute_apart<L: Doubles>(&mut self, math: Arithmetic<L>, widths: &Widths) -> RowReals<L> {
+        self.compute_here(math, widths)
+    }
+
+    #[inline(always)]
+    fn compute_here<L: Doubles>(&mut self, math: Arithmetic<L>, widths: &Widths) -> RowReals<L> {
         let lanes = math.lanes;
         let mut inputs = [math.splat(0); INPUTS];
         for (word, list) in inputs.iter_mut().zip(&self.inputs) {

@@ -218,6 +218,30 @@ impl RowBatch {
             return false;
         }
         let math = Arithmetic { lanes };
+        if L::ROWS_APART {
+            self.fill_apart(math, constants, left)
+        } else {
+            self.fill_here(math, constants, left)
+        }
+    }
+
+    #[inline(never)]
+    fn fill_apart<L: Doubles>(
+        &mut self,
+        math: Arithmetic<L>,
+        constants: &RowConstants<i64>,
+        left: u16,
+    ) -> bool {
+        self.fill_here(math, constants, left)
+    }
+
+    #[inline(always)]
+    fn fill_here<L: Doubles>(
+        &mut self,
+        math: Arithmetic<L>,
+        constants: &RowConstants<i64>,
+        left: u16,
+    ) -> bool {
         self.fill_in_reals(math, constants, left) || self.fill_in_words(math, constants, left)
     }
 
@@ -243,8 +267,35 @@ impl RowBatch {
         if !group.is_ordinary(k) {
             return false;
         }
+        if L::ROWS_APART {
+            self.fill_member_apart(together, group, k, left)
+        } else {
+            self.fill_member_here(together, group, k, left)
+        }
+    }
+
+    #[inline(never)]
+    fn fill_member_apart<L: Doubles>(
+        &mut self,
+        together: &RowReals<L>,
+        group: &RowGroup,
+        k: usize,
+        left: u16,
+    ) -> bool {
+        self.fill_member_here(together, group, k, left)
+    }
+
+    #[inline(always)]
+    fn fill_member_here<L: Doubles>(
+        &mut self,
+        together: &RowReals<L>,
+        group: &RowGroup,
+        k: usize,
+        left: u16,
+    ) -> bool {
         let block = |number| group.block(k, number);
-        self.fill_blocks(&group.reals(k, together), member.rows, 2, block, left)
+        let (reals, rows) = (group.reals(k, together), group.member(k).rows);
+        self.fill_blocks(&reals, rows, 2, block, left)
     }
 
     /// The same with all of a row in words; `false` where they are too large.

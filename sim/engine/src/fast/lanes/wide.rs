@@ -10,6 +10,9 @@ use super::Portable;
 pub trait Wide: Copy + Send + Sync {
     /// Words of a vector, at most 8.
     const WIDE: usize;
+    /// Are the rows of footprints functions that all painters call, and not compiled into each? Calls take some time from painting, copies took
+    /// most of the time in which this crate is compiled.
+    const ROWS_APART: bool = false;
     /// A vector.
     type Word: Copy;
     /// One truth value per word.
@@ -69,6 +72,8 @@ fn amount(by: i64) -> Option<u32> {
 
 impl Wide for Portable {
     const WIDE: usize = 8;
+    /// Where arrays are there to be compared with: ten times the instructions of a processor's own vectors.
+    const ROWS_APART: bool = cfg!(target_arch = "x86_64");
     type Word = Words;
     type Truth = [bool; 8];
 
