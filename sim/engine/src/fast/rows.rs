@@ -267,35 +267,8 @@ impl RowBatch {
         if !group.is_ordinary(k) {
             return false;
         }
-        if L::ROWS_APART {
-            self.fill_member_apart(together, group, k, left)
-        } else {
-            self.fill_member_here(together, group, k, left)
-        }
-    }
-
-    #[inline(never)]
-    fn fill_member_apart<L: Doubles>(
-        &mut self,
-        together: &RowReals<L>,
-        group: &RowGroup,
-        k: usize,
-        left: u16,
-    ) -> bool {
-        self.fill_member_here(together, group, k, left)
-    }
-
-    #[inline(always)]
-    fn fill_member_here<L: Doubles>(
-        &mut self,
-        together: &RowReals<L>,
-        group: &RowGroup,
-        k: usize,
-        left: u16,
-    ) -> bool {
         let block = |number| group.block(k, number);
-        let (reals, rows) = (group.reals(k, together), group.member(k).rows);
-        self.fill_blocks(&reals, rows, 2, block, left)
+        self.fill_blocks(&group.reals(k, together), member.rows, 2, block, left)
     }
 
     /// The same with all of a row in words; `false` where they are too large.

@@ -5,7 +5,7 @@
 //! instructions beside its load and store; words of 64 bits take as much room as the products need anyway, so that nothing is taken
 //! apart into even and odd words and interleaved again.
 //!
-//! As in [`pixels`](crate::fast::pixels), an opacity of 0 changes no pixel.
+//! As in [`words`](crate::fast::words), an opacity of 0 changes no pixel.
 
 use super::intervals::{Intervals, TableReach};
 use super::parts::CellPart;
