@@ -12,6 +12,7 @@ use crate::explore::space::Space;
 use crate::machine::area::synthesis;
 use crate::machine::config;
 use crate::progress::ProgressMeter;
+use anyhow::anyhow;
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
@@ -96,14 +97,17 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
         format!("  {} MHz: {}\n", clock.mhz, clock.of)
     });
     print_result(&format!("{of}  {note}\n"))?;
-    let Some(folder) = &options.output else {
-        return Ok(());
-    };
-    let progress = ProgressMeter::spinner("simulating what a change of each setting would do");
-    let detail = detail(&subject, &limits, &space, &answer)?;
-    drop(progress);
-    let page = answer_page::page(&shown, &answer, detail.as_ref(), &note);
-    write_answer(&answer, &note, folder, &page)
+    if let Some(folder) = &options.output {
+        let progress = ProgressMeter::spinner("simulating what a change of each setting would do");
+        let detail = detail(&subject, &limits, &space, &answer)?;
+        drop(progress);
+        let page = answer_page::page(&shown, &answer, detail.as_ref(), &note);
+        write_answer(&answer, &note, folder, &page)?;
+    }
+    if !answer.holds {
+        return Err(anyhow!("no point holds all limits").into());
+    }
+    Ok(())
 }
 
 /// The frames by their names and their size.

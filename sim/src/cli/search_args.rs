@@ -133,7 +133,7 @@ Examples:
   splatline optimize guitar.ply --space space.toml --max-error 0.004 -o out      over fields and values of your own, as `sweep` takes them
   splatline optimize guitar.ply --fps 60 --psnr 40 --formats fp16,bfloat16,fp8 -o out      machines with float lanes beside the answer
 
-`explore` with a limit is the earlier name of this command.";
+The exit status is 1 where no point holds all limits. `explore` with a limit is the earlier name of this command.";
 
 #[derive(Debug, Args)]
 #[command(mut_args(of_units))]
