@@ -12,6 +12,10 @@ use super::singles::Singles;
 pub struct PackedWords(Box<[u32]>);
 
 /// The same on vectors, with the last one's number.
+#[cfg_attr(
+    not(target_arch = "x86_64"),
+    allow(dead_code, reason = "arrays go by the length")
+)]
 #[derive(Clone, Copy)]
 pub struct PackedOn<'a, L: Singles> {
     pub(super) words: &'a [u32],

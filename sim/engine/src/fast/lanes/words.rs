@@ -13,6 +13,10 @@ use super::{Portable, Wide};
 pub struct Falls {
     intervals: Box<[u64]>,
     /// The last one's number, for every word of a vector.
+    #[cfg_attr(
+        not(target_arch = "x86_64"),
+        allow(dead_code, reason = "arrays go by the length")
+    )]
     last: [i64; 8],
 }
 
