@@ -61,19 +61,21 @@ def test_the_pixels_are_not_copied(scene, camera):
     assert type(owner).__name__ == "PySliceContainer"
 
 
-def test_a_call_costs_less_than_a_millisecond():
-    """A picture of one pixel: what is left is plan, threads, report and array."""
+def test_a_call_costs_less_than_adding_in_python():
+    """A picture of one pixel: what is left is plan, threads, report and array. A ratio, since machines differ."""
     scene = splatline.load("random:1")
     plan = splatline.plan(scene, splatline.Camera.framing(scene, size=(1, 1)))
     splatline.render(plan)
 
-    def seconds():
+    def seconds(work):
         began = time.perf_counter()
-        splatline.render(plan)
+        work()
         return time.perf_counter() - began
 
+    pairs = [(seconds(lambda: splatline.render(plan)), seconds(lambda: sum(range(100_000)))) for _ in range(101)]
     # The fastest: what else the machine does lengthens the others.
-    assert min(seconds() for _ in range(101)) < 1e-3
+    call, adding = map(min, zip(*pairs))
+    assert call < adding, f"{call * 1e3:.3f} ms a call, {adding * 1e3:.3f} ms for 100,000 additions"
 
 
 def test_others_run_while_a_picture_is_drawn(scene, camera):
