@@ -7,24 +7,32 @@
 //! - The camera-space error E is at most (2^-21 + 2^(3 - position)) (|u|_1 + |e|_1): six roundings of 2^-24 of the terms here, and in the kernel the
 //!   difference and the rotation, each rounded to `position` bits of the largest coordinate. The smallest normal number covers what is below the normal ones.
 //! - x/z is then off by at most E / (z - E) (1 + 2 |rho|), and f x/z by the kernel's three roundings to `view` bits.
-//! - An axis is rounded to 20 bits and more of its block, and its turned components to more of them: with mantissas as small as an axis may have,
-//!   which should use all bits, that can be more than the axis itself ([`AXIS_ERROR`]).
+//! - An axis is rounded to `axis_bits` of its block, which mantissas should use all of: where they are small, that can be more than the axis itself
+//!   ([`AXIS_ERROR`]). One of length 0 stays 0.
 //! - A variance goes through a dozen roundings to `mantissa` bits and the cut-off and the root have 16: with at least [`LEAST_BITS`] bits that is
 //!   below 1/64 of the extent. Two pixels more are for the subpixel grid, the samples' places and the principal point.
 
 use rayon::prelude::*;
 use splatline::float::exp2;
-use splatline::format::Widths;
+use splatline::format::{Deep32, Widths};
 use splatline::math::{Extended, SoftFloat};
 use splatline::rules::{Cutoff, Rules, THRESHOLD};
+use splatline::setup::axis_bits;
 use splatline::splat::VolumeSplat;
 use splatline::view::{Projection, View};
 
 /// Narrower numbers of a design are not covered by the margins.
 const LEAST_BITS: u8 = 14;
 
-/// How much longer than it is the kernel can take an axis for, in units of its mantissa: sqrt(3) (2^11 + 3 2^9) with [`LEAST_BITS`].
-const AXIS_ERROR: f64 = 8192.0;
+/// How much longer than it is the kernel can take an axis for, in units of its mantissa: sqrt(3) (1 + 3/4) of what components are rounded to with
+/// [`LEAST_BITS`], for the axis itself and for the three products of a turned component.
+const AXIS_ERROR: f64 = {
+    let narrowest = Widths {
+        mantissa: LEAST_BITS,
+        ..Deep32::WIDTHS
+    };
+    (4u32 << (31 - axis_bits(&narrowest))) as f64
+};
 
 /// The largest cut-off by opacity.
 const LARGEST_CUTOFF: f64 = 15.0;
