@@ -219,9 +219,13 @@ fn packet_stage(
     );
     for (index, footprint) in visible {
         let packet = layout.encode(footprint);
-        let bit = |at: usize| i64::from(packet[at / 32] >> (at % 32) & 1);
+        let join = |word, part: &u32| word << 32 | u64::from(*part);
+        let words: Vec<u64> = packet
+            .chunks(2)
+            .map(|pair| pair.iter().rev().fold(0, join))
+            .collect();
         let own = &stage.fields[..stage.fields.len() - 2];
-        let mut record: Vec<i64> = own.iter().map(|field| field.value(bit)).collect();
+        let mut record: Vec<i64> = own.iter().map(|field| field.value(&words)).collect();
         record.extend([footprint.depth as i64, *index as i64]);
         stage.records.push(record);
     }

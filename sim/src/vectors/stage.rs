@@ -1,7 +1,6 @@
 //! One stage's records: fields, their places, and the text form.
 
 use serde::{Deserialize, Serialize};
-use std::fmt::Write;
 
 /// A field of a record.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -19,15 +18,32 @@ pub struct RecordField {
 }
 
 impl RecordField {
-    /// What the field holds in a record of these bits.
-    pub(super) fn value(&self, bit: impl Fn(usize) -> i64) -> i64 {
-        let value = (0..self.bits).fold(0i64, |v, at| v | bit(self.offset + at) << at);
-        let spare = 64 - self.bits as u32;
+    /// Of 64 bits, those left of the field.
+    fn spare(&self) -> u32 {
+        64 - self.bits as u32
+    }
+
+    /// What the field holds in a record of these words, the least significant first.
+    pub(super) fn value(&self, words: &[u64]) -> i64 {
+        let word = |index: usize| words.get(index).copied().unwrap_or(0);
+        let (index, shift) = (self.offset / 64, self.offset % 64);
+        // In two steps, since a shift by 64 is none.
+        let bits = word(index) >> shift | word(index + 1) << 1 << (63 - shift);
+        let top = bits.unbounded_shl(self.spare());
         if self.signed {
-            value << spare >> spare
+            top.cast_signed().unbounded_shr(self.spare())
         } else {
-            value
+            top.unbounded_shr(self.spare()).cast_signed()
         }
+    }
+
+    /// Puts a value's least significant bits into a record of zeros that has a word more than its bits need.
+    fn put(&self, words: &mut [u64], value: i64) {
+        let top = value.cast_unsigned().unbounded_shl(self.spare());
+        let bits = top.unbounded_shr(self.spare());
+        let (index, shift) = (self.offset / 64, self.offset % 64);
+        words[index] |= bits << shift;
+        words[index + 1] |= bits >> 1 >> (63 - shift);
     }
 }
 
@@ -85,24 +101,19 @@ impl VectorStage {
         text
     }
 
+    /// Zeros for a record's bits, and a word more.
+    fn words(&self) -> Vec<u64> {
+        vec![0; self.bits() / 64 + 2]
+    }
+
     fn write_record(&self, text: &mut String, record: &[i64]) {
-        let digits = self.bits().div_ceil(4);
-        let mut bits = vec![false; 4 * digits];
+        let mut words = self.words();
         for (field, value) in self.fields.iter().zip(record) {
-            for (bit, place) in bits
-                .iter_mut()
-                .skip(field.offset)
-                .take(field.bits)
-                .enumerate()
-            {
-                *place = value >> bit & 1 == 1;
-            }
+            field.put(&mut words, *value);
         }
-        for digit in bits.chunks(4).rev() {
-            let value = digit.iter().rev().fold(0, |v, bit| 2 * v + u32::from(*bit));
-            // Writing to a String cannot fail.
-            let _ = write!(text, "{value:x}");
-        }
+        let digit = |at: usize| (words[at / 16] >> (4 * (at % 16)) & 15) as u32;
+        let digits = (0..self.bits().div_ceil(4)).rev();
+        text.extend(digits.filter_map(|at| char::from_digit(digit(at), 16)));
         text.push('\n');
     }
 
@@ -111,7 +122,7 @@ impl VectorStage {
         let mut records = Vec::new();
         for (index, line) in text.lines().enumerate() {
             let line = line.split("//").next().unwrap_or_default();
-            for word in line.split_whitespace() {
+            for word in line.split_ascii_whitespace() {
                 let record = self.parse_record(word);
                 records.push(record.map_err(|message| format!("line {}: {message}", index + 1))?);
             }
@@ -120,20 +131,28 @@ impl VectorStage {
     }
 
     fn parse_record(&self, word: &str) -> Result<Vec<i64>, String> {
-        let mut bits = Vec::with_capacity(self.bits() + 3);
-        for digit in word.chars().rev().filter(|c| *c != '_') {
+        let bits = self.bits();
+        let mut words = self.words();
+        let mut too_long = false;
+        for (at, digit) in word.chars().rev().filter(|c| *c != '_').enumerate() {
             let Some(value) = digit.to_digit(16) else {
                 return Err(format!(
                     "'{digit}' is not a hexadecimal digit (x and z mean that a bit is undefined)"
                 ));
             };
-            bits.extend((0..4).map(|bit| value >> bit & 1 == 1));
+            too_long |= value >> bits.saturating_sub(4 * at).min(4) != 0;
+            if let Some(word) = words.get_mut(at / 16) {
+                *word |= u64::from(value) << (4 * (at % 16));
+            }
         }
-        if bits.iter().skip(self.bits()).any(|bit| *bit) {
-            return Err(format!("the record has more than {} bits", self.bits()));
+        if too_long {
+            return Err(format!("the record has more than {bits} bits"));
         }
-        let bit = |at: usize| i64::from(bits.get(at).copied().unwrap_or(false));
-        Ok(self.fields.iter().map(|field| field.value(bit)).collect())
+        Ok(self
+            .fields
+            .iter()
+            .map(|field| field.value(&words))
+            .collect())
     }
 }
 
