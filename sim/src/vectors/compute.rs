@@ -35,7 +35,7 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
     let widths = design.widths();
     let rules = kernel_rules(&subject.rules);
     if subject.systems {
-        let mut splats = SetupStages::new(&widths).splats;
+        let mut splats = splats_stage();
         splats.records = subject.splats.iter().map(|splat| record![splat]).collect();
         let systems = systems::stages(design, subject);
         return [splats].into_iter().chain(systems).collect();
@@ -93,6 +93,16 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
     ]
 }
 
+/// The inputs, whose fields are the same for every subject.
+pub(super) fn splats_stage() -> VectorStage {
+    stage(
+        "splats",
+        "one input splat a record",
+        "x:n y:n z:n axis_a_x:-32 axis_a_y:-32 axis_a_z:-32 axis_a_exponent:-32 axis_b_x:-32 axis_b_y:-32 axis_b_z:-32 axis_b_exponent:-32 \
+         axis_c_x:-32 axis_c_y:-32 axis_c_z:-32 axis_c_exponent:-32 weight:n red:32.28 green:32.28 blue:32.28",
+    )
+}
+
 /// One record per splat each.
 struct SetupStages {
     splats: VectorStage,
@@ -108,12 +118,7 @@ impl SetupStages {
         let subpixel = widths.subpixel;
         let centre = 28 + subpixel;
         SetupStages {
-            splats: stage(
-                "splats",
-                "one input splat a record",
-                "x:n y:n z:n axis_a_x:-32 axis_a_y:-32 axis_a_z:-32 axis_a_exponent:-32 axis_b_x:-32 axis_b_y:-32 axis_b_z:-32 axis_b_exponent:-32 \
-                 axis_c_x:-32 axis_c_y:-32 axis_c_z:-32 axis_c_exponent:-32 weight:n red:32.28 green:32.28 blue:32.28",
-            ),
+            splats: splats_stage(),
             camera: stage(
                 "camera",
                 "t = W (u - e), one splat a record: three words with one exponent",

@@ -1,5 +1,6 @@
 //! A folder of vectors: written by [`export`], checked by [`verify`].
 
+use super::compute::splats_stage;
 use super::manifest::{Manifest, StageRecord, digest};
 use super::work::room_for;
 use super::{VectorStage, VectorSubject, compute};
@@ -71,12 +72,7 @@ pub fn verify(folder: &Path) -> Result<Verified, Refused> {
         return Err(refused(&file, message));
     }
     refuse_absurd_picture(folder, &file, subject.view.viewport)?;
-    // Without splats this gives the stages' fields, which is what it takes to read the splats.
-    let empty = compute(&subject);
-    let splats = empty.first().map_or(Ok(Vec::new()), |stage| {
-        read_splats(folder, &manifest, stage)
-    })?;
-    subject.splats = splats;
+    subject.splats = read_splats(folder, &manifest, &splats_stage())?;
     room_for(&subject).map_err(|error| refused(folder, error))?;
     let expected = compute(&subject);
     let owners = Owners::new(&expected);
