@@ -23,7 +23,7 @@ impl RecordField {
         64 - self.bits as u32
     }
 
-    /// What the field holds in a record of these words, the least significant first.
+    /// What the field holds in a record of these words, the least significant first; bits behind the last word are zeros.
     pub(super) fn value(&self, words: &[u64]) -> i64 {
         let word = |index: usize| words.get(index).copied().unwrap_or(0);
         let (index, shift) = (self.offset / 64, self.offset % 64);
@@ -179,6 +179,34 @@ mod tests {
             "// test: \n000000000000000007\n8c0000000000000000\nfffffffffffffffff3\n"
         );
         assert_eq!(stage.parse(&text), Ok(stage.records.clone()));
+    }
+
+    /// Fields of every width at every place within a word, against one number of 128 bits.
+    #[test]
+    fn fields_are_the_bits_of_one_number() {
+        for (before, bits) in (1..64).flat_map(|before| (1..=64).map(move |bits| (before, bits))) {
+            for signed in [false, true] {
+                let fields = [("before", before, false, 0), ("field", bits, signed, 0)];
+                let mut stage = VectorStage::new(
+                    "test",
+                    "",
+                    fields.map(|(n, b, s, f)| (n.to_owned(), b, s, f)),
+                );
+                let mask = u64::MAX >> (64 - bits);
+                for word in
+                    [0, 1, u64::MAX, 1 << (bits - 1), 0x9e37_79b9_7f4a_7c15].map(|w| w & mask)
+                {
+                    let negative = signed && word >> (bits - 1) == 1;
+                    let value = if negative { word | !mask } else { word } as i64;
+                    let digits = (before + bits).div_ceil(4);
+                    let number = u128::from(word) << before;
+                    stage.records = vec![vec![0, value]];
+                    let text = stage.to_text();
+                    assert_eq!(text, format!("// test: \n{number:0digits$x}\n"));
+                    assert_eq!(stage.parse(&text), Ok(stage.records.clone()));
+                }
+            }
+        }
     }
 
     #[test]
