@@ -23,19 +23,22 @@ module align #(
   logic signed [BITS:0] value1;
   logic signed [BITS+7:0] value2;
   logic signed [15:0] shift1;
-  logic far2, overflow3, negative3;
+  logic beyond1, far1, far2, overflow3, negative3;
   logic [2:0] ones1;
   logic [3:0] eights1;
   logic [3:0] eights2;
   logic signed [64:0] moved3;
 
+  // shift > 64 and shift < -63, by its bits: a comparison would take a carry of sixteen.
+  assign beyond1 = !shift1[15] && (shift1[14:7] != 0 || (shift1[6] && shift1[5:0] != 0));
+  assign far1 = shift1[15] && (shift1[14:6] != 9'h1ff || shift1[5:0] == 0);
   assign eights1 = shift1[6:3] + 4'd7 + {3'd0, shift1[2:0] != 0};
   logic signed [BITS:0] value;
   generate
     if (SIGNED) begin : gen_signed
       assign value = $signed({negative, magnitude});
     end else begin : gen_magnitude
-      assign value = negative ? -$signed({1'b0, magnitude}) : $signed({1'b0, magnitude});
+      assign value = $signed({1'b0, magnitude} ^ {(BITS + 1) {negative}}) + $signed({{BITS{1'b0}}, negative});
     end
   endgenerate
 
@@ -56,9 +59,9 @@ module align #(
     ones1 <= shift[2:0] - 3'd1;
 
     value2 <= $signed({value1, 7'd0}) >>> ones1;
-    far2 <= shift1 < -16'sd63;
+    far2 <= far1;
     // Beyond either end the lowest bits of the distance make no difference.
-    eights2 <= shift1 > 16'sd64 ? 4'd15 : shift1 < -16'sd63 ? 4'd0 : eights1;
+    eights2 <= beyond1 ? 4'd15 : far1 ? 4'd0 : eights1;
 
     overflow3 <= SATURATES != 0 && (differs2[eights2] || (far2 && value2 != 0));
     negative3 <= value2[BITS+7];

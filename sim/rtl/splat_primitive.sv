@@ -61,8 +61,8 @@ module splat_primitive #(
     if (QUEUE < 2 || QUEUE > 256 || (QUEUE & (QUEUE - 1)) != 0) begin : gen_illegal_queue
       $error("QUEUE must be a power of two from 2 to 256");
     end
-    if (COLUMN_BITS < 1 || COLUMN_BITS > splatline_pkg::BLOCK_BITS || splatline_pkg::BLOCK_BITS > 5) begin : gen_illegal_columns
-      $error("a tile must have 2 columns or more, and not more than a seed's block of at most 32");
+    if (COLUMN_BITS < 1 || COLUMN_BITS != splatline_pkg::BLOCK_BITS) begin : gen_illegal_columns
+      $error("a tile must have as many columns as a seed's block, and 2 or more");
     end
     if (ROW_BITS < 1 || ROW_BITS > 8 || ADDRESS < 1) begin : gen_illegal_rows
       $error("a tile must have from 2 to 256 rows");

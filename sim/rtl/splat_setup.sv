@@ -8,7 +8,7 @@
 // goes into its place of the queue in five parts. A name's number is the stage: the cycle after the packet's handshake
 // is 1.
 //
-// The rows' seed is that of their block, so a window begins with the first row of one (`RowSeeds::at`).
+// The rows' seed is that of their block, as the columns' is, so a window begins with the first row and column of one (`RowSeeds::at`).
 module splat_setup #(
     parameter INTERVAL = 4
 ) (
@@ -264,8 +264,7 @@ module splat_setup #(
   logic [splatline_pkg::TILE_ROW_BITS-1:0] row3;
   logic [splatline_pkg::TILE_ROW_BITS:0] rows3;
   logic [15:0] end_column3, start_column3;
-  logic [splatline_pkg::BLOCK_BITS-1:0] first_column3;
-  visible_box visible (.clk, .window, .first_row1(f1.first_row), .end_row1(f1.end_row), .box_first1(f1.first_column), .box_end1(f1.end_column), .row3, .rows3, .first_column3, .end_column3, .start_column3);
+  visible_box visible (.clk, .window, .first_row1(f1.first_row), .end_row1(f1.end_row), .box_first1(f1.first_column), .box_end1(f1.end_column), .row3, .rows3, .start_column3, .end_column3);
   logic [31:0] cutoff2;
   logic [32:0] cutoff_half2;
   logic [PEAK-1:0] peak2, peak3;
@@ -300,7 +299,7 @@ module splat_setup #(
   delay #(.BITS(M + 1), .STAGES(9)) hold_horizontal12 (.clk, .rst, .advance(1'b1), .in({horizontal3, squared_width_odd3}), .out({horizontal12, squared_width_odd12}));
 
   // The splat, in parts as they are ready: in stages 3, 12, 17, 20 and 24.
-  localparam PART_3 = 2 * splatline_pkg::TILE_ROW_BITS + 1 + 2 * 16 + splatline_pkg::BLOCK_BITS + (ROW - 1) + M + 16 + (RADIAL + 5) + PEAK + COLOUR;
+  localparam PART_3 = 2 * splatline_pkg::TILE_ROW_BITS + 1 + 2 * 16 + (ROW - 1) + M + 16 + (RADIAL + 5) + PEAK + COLOUR;
   localparam PART_12 = PART_3 + CENTRE + 1 + 6 + 16 + 3 * 32 + M + 1;
   localparam PART_17 = PART_12 + CENTRE + ROW;
   localparam PART_20 = PART_17 + ROW;
@@ -323,7 +322,7 @@ module splat_setup #(
         first20,
         {centre17, curve17},
         {shear12, coarse12, drop_dx12, drop_first12, second12, unit_balanced12, balance12, horizontal12, squared_width_odd12},
-        {row3, rows3, start_column3, first_column3, end_column3, reach3},
+        {row3, rows3, start_column3, end_column3, reach3},
         {squared_width3, squared_width_power3, cutoff3, peak3, colours3}
       }),
       .out_valid(splat_valid),
@@ -333,7 +332,7 @@ module splat_setup #(
         start.first,
         {start.centre, start.second},
         {start.shear, shape.coarse, shape.drop_dx, shape.drop_first, shape.second, shape.unit, shape.balance, shape.horizontal, shape.squared_width_odd},
-        {start.row, start.rows, shape.start_column, shape.first_column, shape.end_column, shape.reach},
+        {start.row, start.rows, shape.start_column, shape.end_column, shape.reach},
         {shape.squared_width, shape.squared_width_power, shape.cutoff, shape.paint}
       })
   );

@@ -28,8 +28,7 @@
 
   // What the rows of a splat need (`EllipseSpans`, `HalfWidth` and `Seed`), constant from row to row.
   typedef struct packed {
-    logic [15:0] start_column;  // first column of the footprint's box in the window's block
-    logic [BLOCK_BITS-1:0] first_column;  // columns of its part in the window: the first within the block
+    logic [15:0] start_column;  // columns of the footprint's box in the window
     logic [15:0] end_column;
     logic [VERTICAL+4:0] reach;  // cut-off and slack, UQ5.vertical
     logic coarse;  // xc has SUBPIXEL - 2 fraction bits, otherwise SUBPIXEL + 8

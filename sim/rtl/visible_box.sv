@@ -1,5 +1,4 @@
-// A footprint's box cut to the window: its first visible row and how many there are, its columns there, and the first
-// in the window's block.
+// A footprint's box cut to the window: its first visible row and how many there are, and its columns there.
 //
 // Rows are counted within the tile, of which the window is a part. Whatever box comes, the rows that leave this unit
 // lie in the window, and where there is one, the columns do and there is one of them at least, which is what
@@ -18,24 +17,20 @@ module visible_box #(
     input logic [15:0] box_end1,
     output logic [ROW_BITS-1:0] row3,
     output logic [ROW_BITS:0] rows3,
-    output logic [splatline_pkg::BLOCK_BITS-1:0] first_column3,  // within its block
-    output logic [15:0] end_column3,
-    output logic [15:0] start_column3
+    output logic [15:0] start_column3,
+    output logic [15:0] end_column3
 );
-  logic [15:0] row2, end_row2, first_column2, end_column2, block, start_column2;
-  assign block = {window.first_column[15:splatline_pkg::BLOCK_BITS], splatline_pkg::BLOCK_BITS'(0)};
+  logic [15:0] row2, end_row2, start_column2, end_column2;
   always_ff @(posedge clk) begin
     row2 <= first_row1 > window.first_row ? first_row1 : window.first_row;
     end_row2 <= end_row1 < window.end_row ? end_row1 : window.end_row;
-    first_column2 <= box_first1 > window.first_column ? box_first1 : window.first_column;
+    start_column2 <= box_first1 > window.first_column ? box_first1 : window.first_column;
     end_column2 <= box_end1 < window.end_column ? box_end1 : window.end_column;
-    start_column2 <= box_first1 > block ? box_first1 : block;
 
     row3 <= row2[ROW_BITS-1:0];
-    rows3 <= first_column2 < end_column2 && row2 < end_row2 ? end_row2[ROW_BITS:0] - row2[ROW_BITS:0] : '0;
-    first_column3 <= first_column2[splatline_pkg::BLOCK_BITS-1:0];
-    end_column3 <= end_column2;
+    rows3 <= start_column2 < end_column2 && row2 < end_row2 ? end_row2[ROW_BITS:0] - row2[ROW_BITS:0] : '0;
     start_column3 <= start_column2;
+    end_column3 <= end_column2;
   end
 
 `ifdef FORMAL

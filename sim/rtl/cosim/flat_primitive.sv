@@ -96,10 +96,10 @@ module flat_primitive #(
 
   assign splat_begun = splats.splat_valid && splats.splat_ready;
   assign run_left = splats.slot_valid && splats.slot_has_run && splats.run_ready;
-  assign squared = splats.rows.squared4;
-  assign squared_valid = splats.rows.open[4];
-  assign root = 32'(splats.rows.root9);
-  assign root_valid = splats.rows.open[9];
+  assign squared = splats.rows.squared5;
+  assign squared_valid = splats.rows.open[5];
+  assign root = 32'(splats.rows.root10);
+  assign root_valid = splats.rows.open[10];
   align #(
       .BITS(40)
   ) check_align (

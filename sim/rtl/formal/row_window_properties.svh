@@ -1,38 +1,31 @@
 // What row_window.sv promises, whatever span comes: a run has a pixel at least, and all of them lie in the window. Its
-// user's side of the bargain is assumed: columns of the box that lie in the window, at least one, and where the box
-// begins, within one block. Included in the module where FORMAL is defined (`rtl -- formal`).
+// user's side of the bargain is assumed: columns of the box that lie in the window, at least one, within one tile. Included in the module
+// where FORMAL is defined (`rtl -- formal`).
 
-  logic [3:0] passed;
-  logic [COLUMN_BITS-1:0] first17, first18, first19, first20;
-  logic [15:0] last_before, first;
-  logic [COLUMN_BITS:0] beyond17, beyond18, beyond19, beyond20;
-  logic holds20;
+  logic [2:0] passed;
+  logic [COLUMN_BITS-1:0] first18, first19, first20;
+  logic [15:0] last_before;
+  logic [COLUMN_BITS:0] beyond18, beyond19, beyond20;
   assign last_before = end_column - 16'd1;
-  assign first = {last_before[15:BLOCK_BITS], first_column};
   initial passed = 0;
   always_ff @(posedge clk) begin
-    passed <= {passed[2:0], 1'b1};
-    first17 <= first_column[COLUMN_BITS-1:0];
-    first18 <= first17;
+    passed <= {passed[1:0], 1'b1};
+    first18 <= start_column[COLUMN_BITS-1:0];
     first19 <= first18;
     first20 <= first19;
-    // One more than the window's last column, counted within the block.
-    beyond17 <= {1'b0, last_before[COLUMN_BITS-1:0]} + 1'b1;
-    beyond18 <= beyond17;
+    // One more than the window's last column, counted within the tile.
+    beyond18 <= {1'b0, last_before[COLUMN_BITS-1:0]} + 1'b1;
     beyond19 <= beyond18;
     beyond20 <= beyond19;
-    holds20 <= holds19;
   end
 
   always_comb begin
-    assume (first < end_column);
-    assume (first[15:COLUMN_BITS] == last_before[15:COLUMN_BITS]);
-    assume (start_column <= first);
-    assume (start_column[15:BLOCK_BITS] == first[15:BLOCK_BITS]);
+    assume (start_column < end_column);
+    assume (start_column[15:COLUMN_BITS] == last_before[15:COLUMN_BITS]);
   end
 
   always_comb
-    if (passed[3] && holds20) begin
+    if (passed[2] && holds20) begin
       assert (count20 != 0);
       assert (column20 >= first20);
       assert ({1'b0, column20} + count20 <= beyond20);

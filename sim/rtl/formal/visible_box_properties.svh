@@ -4,7 +4,7 @@
 
   logic [1:0] passed;
   splatline_pkg::window_t window2, window3;
-  logic [15:0] first3, full3, last_before, first_row2, end2, first_row3, end3, box_first2, box_end2, box_first3, box_end3;
+  logic [15:0] full3, last_before, first_row2, end2, first_row3, end3, box_first2, box_end2, box_first3, box_end3;
   initial passed = 0;
   always_ff @(posedge clk) begin
     passed <= {passed[0], 1'b1};
@@ -14,7 +14,6 @@
     end2 <= end_row1;
     first_row3 <= first_row2;
     end3 <= end2;
-    first3 <= first_column2;
     full3 <= row2;
     box_first2 <= box_first1;
     box_end2 <= box_end1;
@@ -31,8 +30,7 @@
       assert (full3 >= window3.first_row && full3 >= first_row3);
       assert ({1'b0, full3} + rows3 <= {1'b0, window3.end_row});
       assert ({1'b0, full3} + rows3 <= {1'b0, end3});
-      assert (first3 < end_column3 && first_column3 == first3[splatline_pkg::BLOCK_BITS-1:0]);
-      assert (first3 >= window3.first_column && end_column3 <= window3.end_column);
-      assert (box_first3 <= start_column3 && start_column3 <= first3 && end_column3 <= box_end3);
-      assert (start_column3[15:splatline_pkg::BLOCK_BITS] >= window3.first_column[15:splatline_pkg::BLOCK_BITS]);
+      assert (start_column3 < end_column3);
+      assert (start_column3 >= window3.first_column && end_column3 <= window3.end_column);
+      assert (box_first3 <= start_column3 && end_column3 <= box_end3);
     end

@@ -12,9 +12,9 @@ use splatline_sim::fixed::table_entries;
 pub use splatline_sim::machine::primitive::TILE;
 use std::fmt::Write;
 
-/// Base-2 logarithms of a tile's columns and rows. The columns must be at most a seed block's, so that a row is one run.
+/// Base-2 logarithms of a tile's columns and rows. The columns are a seed block's, so that a row is one run from its seed on.
 pub const TILE_BITS: [u32; 2] = [TILE[0].ilog2(), TILE[1].ilog2()];
-const _: () = assert!(TILE[0] <= BLOCK && TILE[0].is_power_of_two() && TILE[1].is_power_of_two());
+const _: () = assert!(TILE[0] == BLOCK && TILE[0].is_power_of_two() && TILE[1].is_power_of_two());
 
 /// Types of the units' interfaces, in terms of the generated widths.
 const TYPES: &str = include_str!("../../types.svh");

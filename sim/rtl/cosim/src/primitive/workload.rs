@@ -235,7 +235,7 @@ impl WorkloadRandom {
         low + (high - low) * f64::from(self.bits(32)) / 2f64.powi(32)
     }
 
-    /// A part of a block from its first row on; in half of the cases all of it.
+    /// A part of a block from its first column and row on; in half of the cases all of it.
     fn window(&mut self, block: [u16; 2]) -> Window {
         let mut window = Window {
             first: block,
@@ -243,12 +243,8 @@ impl WorkloadRandom {
         };
         if self.below(2) == 0 {
             for axis in 0..2 {
-                let size = u32::from(TILE[axis]);
-                let (a, b) = (self.below(size), self.below(size));
-                window.first[axis] = block[axis] + a.min(b) as u16;
-                window.end[axis] = block[axis] + a.max(b) as u16 + 1;
+                window.end[axis] = block[axis] + self.below(TILE[axis].into()) as u16 + 1;
             }
-            window.first[1] = block[1];
         }
         window
     }
