@@ -11,27 +11,28 @@
 // once, without a count of leading zeros.
 module align #(
     parameter BITS = 18,
+    parameter SHIFT = 16,
     parameter SIGNED = 0,
     parameter SATURATES = 1
 ) (
     input logic clk,
     input logic negative,
     input logic [BITS-1:0] magnitude,
-    input logic signed [15:0] shift,
+    input logic signed [SHIFT-1:0] shift,
     output logic signed [63:0] result
 );
   logic signed [BITS:0] value1;
   logic signed [BITS+7:0] value2;
-  logic signed [15:0] shift1;
+  logic signed [SHIFT-1:0] shift1;
   logic beyond1, far1, far2, overflow3, negative3;
   logic [2:0] ones1;
   logic [3:0] eights1;
   logic [3:0] eights2;
   logic signed [64:0] moved3;
 
-  // shift > 64 and shift < -63, by its bits: a comparison would take a carry of sixteen.
-  assign beyond1 = !shift1[15] && (shift1[14:7] != 0 || (shift1[6] && shift1[5:0] != 0));
-  assign far1 = shift1[15] && (shift1[14:6] != 9'h1ff || shift1[5:0] == 0);
+  // shift > 64 and shift < -63, by its bits: a comparison would take a carry.
+  assign beyond1 = !shift1[SHIFT-1] && (shift1[SHIFT-2:7] != 0 || (shift1[6] && shift1[5:0] != 0));
+  assign far1 = shift1[SHIFT-1] && (!(&shift1[SHIFT-2:6]) || shift1[5:0] == 0);
   assign eights1 = shift1[6:3] + 4'd7 + {3'd0, shift1[2:0] != 0};
   logic signed [BITS:0] value;
   generate

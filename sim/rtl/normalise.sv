@@ -10,16 +10,17 @@ module normalise #(
     input logic clk,
     input logic negative,
     input logic [BITS-1:0] magnitude,
-    input logic signed [15:0] exponent,
+    input logic signed [splatline_pkg::EXPONENT-1:0] exponent,
     output logic result_negative,
     output logic [splatline_pkg::MANTISSA-1:0] result,
-    output logic signed [15:0] result_exponent
+    output logic signed [splatline_pkg::EXPONENT-1:0] result_exponent
 );
   localparam M = splatline_pkg::MANTISSA;
+  localparam E = splatline_pkg::EXPONENT;
 
   logic [63:0] wide, left1, moved1;
   logic [1:0] sixteens, fours1, ones2, sixteenth, fourth1, one2;
-  logic signed [15:0] exponent1, exponent2;
+  logic signed [E-1:0] exponent1, exponent2;
   logic negative1, negative2;
   logic [M+3:0] top2;
   logic [M:0] moved2, whole2;
@@ -38,17 +39,17 @@ module normalise #(
   assign whole2 = {1'b0, moved2[M:1]} + {{M{1'b0}}, up2};
   always_ff @(posedge clk) begin
     left1 <= wide << {sixteens, 4'd0};
-    exponent1 <= exponent - $signed({10'd0, sixteens, 4'd0});
+    exponent1 <= exponent - E'($signed({1'b0, sixteens, 4'd0}));
     negative1 <= negative;
 
     top2 <= moved1[63-:M+4];
     below2 <= |moved1[63-M-4:0];
-    exponent2 <= exponent1 + $signed(16'(BITS - M)) - $signed({12'd0, fours1, 2'd0});
+    exponent2 <= exponent1 + $signed(E'(BITS - M)) - E'($signed({1'b0, fours1, 2'd0}));
     negative2 <= negative1;
 
     // 2^M is half as much, twice.
     result <= {whole2[M] | whole2[M-1], whole2[M-2:0]};
-    result_exponent <= exponent2 - $signed({14'd0, ones2}) + $signed({15'd0, whole2[M]});
+    result_exponent <= exponent2 - E'($signed({1'b0, ones2})) + E'($signed({1'b0, whole2[M]}));
     result_negative <= negative2;
   end
 endmodule

@@ -22,6 +22,7 @@ module row_generator (
     output logic idle
 );
   localparam M = splatline_pkg::MANTISSA;
+  localparam E = splatline_pkg::EXPONENT;
   localparam RADIAL = splatline_pkg::RADIAL;
   localparam ROW_BITS = splatline_pkg::TILE_ROW_BITS;
   localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
@@ -78,10 +79,10 @@ module row_generator (
   splatline_pkg::paint_t paint1;
   logic [15:0] start_column1, end_column1;
   logic squared_width_odd1;
-  logic signed [15:0] squared_width_power1, squared_width_power8;
+  logic signed [E-1:0] squared_width_power1, squared_width_power8;
   logic [5:0] drop_dx1, drop_dx17, drop_dx20;
   logic [M-1:0] horizontal1, horizontal22;
-  logic signed [15:0] drop_first1, drop_first22, drop_first24, drop_radial23, drop_radial27;
+  logic signed [E-1:0] drop_first1, drop_first22, drop_first24, drop_radial23, drop_radial27;
   logic [31:0] second1, unit1, unit28, balance1, balance2;
   always_ff @(posedge clk) begin
     row1 <= row0;
@@ -103,7 +104,7 @@ module row_generator (
     balance1 <= shape0.balance;
   end
   assign positive1 = !rest1[ROW-1] && rest1 != 0;
-  delay #(.BITS(16), .STAGES(7)) hold_power (.clk, .rst, .advance(1'b1), .in(squared_width_power1), .out(squared_width_power8));
+  delay #(.BITS(E), .STAGES(7)) hold_power (.clk, .rst, .advance(1'b1), .in(squared_width_power1), .out(squared_width_power8));
 
   // Stage 4: the squared half-width, Q.24 before the exponent, from factors that multipliers hold in registers of their own. Stage 6: brought
   // to [1/4, 1) by an even shift.
@@ -144,7 +145,7 @@ module row_generator (
   logic [23:0] low9;
   logic [32:0] step9, risen9;
   logic [24:0] root10;
-  logic signed [15:0] power9, power10;
+  logic signed [E-1:0] power9, power10;
   assign risen9 = step9 + 33'h8000;
   always_ff @(posedge clk) begin
     entry7 <= splatline_tables::root_entry(index6);
@@ -155,7 +156,7 @@ module row_generator (
     pairs8 <= pairs7;
     low9 <= entry8[23:0];
     step9 <= entry8[40:24] * fraction8;
-    power9 <= $signed({11'd0, pairs8}) - 16'sd8 - squared_width_power8;
+    power9 <= E'($signed({1'b0, pairs8})) - E'(8) - squared_width_power8;
     root10 <= {1'b0, low9} + {8'd0, risen9[32:16]};
     power10 <= power9;
   end
@@ -165,7 +166,7 @@ module row_generator (
   logic signed [CENTRE:0] half15, low16, high16;
   logic signed [CENTRE-1:0] centre15, centre19;
   logic signed [32:0] low17, high17;
-  align #(.BITS(25)) align_half (.clk, .negative(1'b0), .magnitude(root10), .shift(power10), .result(half14));
+  align #(.BITS(25), .SHIFT(E)) align_half (.clk, .negative(1'b0), .magnitude(root10), .shift(power10), .result(half14));
   delay #(.BITS(CENTRE + 1), .STAGES(14)) hold_centre15 (.clk, .rst, .advance(1'b1), .in({coarse1, centre1}), .out({coarse15, centre15}));
   delay #(.BITS(CENTRE + 1), .STAGES(4)) hold_centre19 (.clk, .rst, .advance(1'b1), .in({coarse15, centre15}), .out({coarse19, centre19}));
   delay #(.BITS(1), .STAGES(13)) hold_coarse14 (.clk, .rst, .advance(1'b1), .in(coarse1), .out(coarse14));
@@ -205,7 +206,7 @@ module row_generator (
   end
   delay #(.BITS(M + 1), .STAGES(3)) hold_dx (.clk, .rst, .advance(1'b1), .in(dx22), .out(dx25));
   delay #(.BITS(1), .STAGES(2)) hold_negative (.clk, .rst, .advance(1'b1), .in(negative22), .out(negative24));
-  delay #(.BITS(M + 16), .STAGES(21)) hold_horizontal (.clk, .rst, .advance(1'b1), .in({horizontal1, drop_first1}), .out({horizontal22, drop_first22}));
+  delay #(.BITS(M + E), .STAGES(21)) hold_horizontal (.clk, .rst, .advance(1'b1), .in({horizontal1, drop_first1}), .out({horizontal22, drop_first22}));
 
   // Stage 24: A dx. Stage 25: rounded to a mantissa. Stage 27: A dx^2, which is never negative.
   logic [2*M:0] along24, along_rounded24;
@@ -221,19 +222,19 @@ module row_generator (
   logic signed [63:0] first28, radial31;
   logic signed [7:0] more21, more22;
   logic [31:0] first29;
-  delay #(.BITS(16), .STAGES(2)) hold_drop_first (.clk, .rst, .advance(1'b1), .in(drop_first22), .out(drop_first24));
-  delay #(.BITS(16), .STAGES(4)) hold_drop_radial (.clk, .rst, .advance(1'b1), .in(drop_radial23), .out(drop_radial27));
+  delay #(.BITS(E), .STAGES(2)) hold_drop_first (.clk, .rst, .advance(1'b1), .in(drop_first22), .out(drop_first24));
+  delay #(.BITS(E), .STAGES(4)) hold_drop_radial (.clk, .rst, .advance(1'b1), .in(drop_radial23), .out(drop_radial27));
   // The radial index has the product of one dx more and a rounded mantissa less than its difference, which has a
   // factor of two.
   always_ff @(posedge clk) begin
     coarse20 <= coarse19;
     more21 <= 8'(coarse20 ? COARSE + 1 - M : FINE + 1 - M) - $signed({2'b00, drop_dx20});
     more22 <= more21;
-    drop_radial23 <= drop_first22 + 16'(more22);
+    drop_radial23 <= drop_first22 + E'(more22);
   end
   delay #(.BITS(32), .STAGES(27)) hold_unit (.clk, .rst, .advance(1'b1), .in(unit1), .out(unit28));
-  align #(.BITS(2 * M + 1)) align_first (.clk, .negative(negative24), .magnitude(along24), .shift(drop_first24), .result(first28));
-  align #(.BITS(2 * M + 2)) align_radial (.clk, .negative(1'b0), .magnitude(across27), .shift(drop_radial27), .result(radial31));
+  align #(.BITS(2 * M + 1), .SHIFT(E)) align_first (.clk, .negative(negative24), .magnitude(along24), .shift(drop_first24), .result(first28));
+  align #(.BITS(2 * M + 2), .SHIFT(E)) align_radial (.clk, .negative(1'b0), .magnitude(across27), .shift(drop_radial27), .result(radial31));
   always_ff @(posedge clk) first29 <= first28[31:0] + unit28;
 
   // Stage 3: C dy^2 and what balances the seed. Stage 32: the radial index.

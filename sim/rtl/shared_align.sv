@@ -8,26 +8,27 @@ module shared_align #(
     input logic [1:0] phase,
     input logic [3:0] negative,
     input logic [4*BITS-1:0] magnitude,
-    input logic [63:0] shift,
+    input logic [4*splatline_pkg::EXPONENT-1:0] shift,
     output logic [255:0] result
 );
+  localparam E = splatline_pkg::EXPONENT;
   localparam UNITS = INTERVAL == 4 ? 1 : 4;
   logic [UNITS-1:0] negatives;
   logic [UNITS*BITS-1:0] magnitudes;
-  logic [UNITS*16-1:0] shifts;
+  logic [UNITS*E-1:0] shifts;
   turn #(.BITS(1), .INTERVAL(INTERVAL)) turn_negative (.clk, .phase, .in(negative), .out(negatives));
   turn #(.BITS(BITS), .INTERVAL(INTERVAL)) turn_magnitude (.clk, .phase, .in(magnitude), .out(magnitudes));
-  turn #(.BITS(16), .INTERVAL(INTERVAL)) turn_shift (.clk, .phase, .in(shift), .out(shifts));
+  turn #(.BITS(E), .INTERVAL(INTERVAL)) turn_shift (.clk, .phase, .in(shift), .out(shifts));
   genvar i;
   generate
     if (INTERVAL == 4) begin : gen_one
       logic [63:0] only;
-      align #(.BITS(BITS)) unit (.clk, .negative(negatives), .magnitude(magnitudes), .shift(shifts), .result(only));
+      align #(.BITS(BITS), .SHIFT(E)) unit (.clk, .negative(negatives), .magnitude(magnitudes), .shift(shifts), .result(only));
       assign result = {4{only}};
     end else begin : gen_all
       for (i = 0; i < 4; i = i + 1) begin : gen_stage
         if (USED[i]) begin : gen_used
-          align #(.BITS(BITS)) unit (.clk, .negative(negatives[i]), .magnitude(magnitudes[i*BITS+:BITS]), .shift(shifts[i*16+:16]), .result(result[i*64+:64]));
+          align #(.BITS(BITS), .SHIFT(E)) unit (.clk, .negative(negatives[i]), .magnitude(magnitudes[i*BITS+:BITS]), .shift(shifts[i*E+:E]), .result(result[i*64+:64]));
         end else begin : gen_unused
           assign result[i*64+:64] = 0;
         end

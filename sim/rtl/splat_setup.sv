@@ -25,6 +25,7 @@ module splat_setup #(
     output logic idle
 );
   localparam M = splatline_pkg::MANTISSA;
+  localparam E = splatline_pkg::EXPONENT;
   localparam SUBPIXEL = splatline_pkg::SUBPIXEL;
   localparam RADIAL = splatline_pkg::RADIAL;
   localparam VERTICAL = splatline_pkg::VERTICAL;
@@ -46,8 +47,8 @@ module splat_setup #(
   // Bits of a distance between a row and a centre.
   localparam DY = (CENTRE > 17 + SUBPIXEL ? CENTRE : 17 + SUBPIXEL) + 1;
 
-  function automatic logic signed [15:0] extend(input logic [9:0] exponent);
-    extend = {{6{exponent[9]}}, exponent};
+  function automatic logic signed [E-1:0] extend(input logic [9:0] exponent);
+    extend = {{(E - 10) {exponent[9]}}, exponent};
   endfunction
 
   // Cycles since the reset: with an interval, whose turn it is.
@@ -79,7 +80,7 @@ module splat_setup #(
   logic [DY-1:0] dy3;
   logic shear_negative2, shear_negative5, shear_negative7;
   logic [M-1:0] shear2, shear5, shear7;
-  logic signed [15:0] shear_exponent2, shear_exponent4, shear_exponent7, shear_shift5;
+  logic signed [E-1:0] shear_exponent2, shear_exponent4, shear_exponent7, shear_shift5;
   always_ff @(posedge clk) begin
     row1 <= footprint.first_row > window.first_row ? footprint.first_row : window.first_row;
     dy2 <= DY'($signed({1'b0, row1, 1'b1, {(SUBPIXEL - 1) {1'b0}}})) - DY'($signed(f1.centre_v));
@@ -91,18 +92,18 @@ module splat_setup #(
   end
   delay #(.BITS(M + 1), .STAGES(3)) hold_shear5 (.clk, .rst, .advance(1'b1), .in({shear_negative2, shear2}), .out({shear_negative5, shear5}));
   delay #(.BITS(M + 1), .STAGES(2)) hold_shear7 (.clk, .rst, .advance(1'b1), .in({shear_negative5, shear5}), .out({shear_negative7, shear7}));
-  delay #(.BITS(16), .STAGES(2)) hold_shear_exponent4 (.clk, .rst, .advance(1'b1), .in(shear_exponent2), .out(shear_exponent4));
-  delay #(.BITS(16), .STAGES(3)) hold_shear_exponent7 (.clk, .rst, .advance(1'b1), .in(shear_exponent4), .out(shear_exponent7));
+  delay #(.BITS(E), .STAGES(2)) hold_shear_exponent4 (.clk, .rst, .advance(1'b1), .in(shear_exponent2), .out(shear_exponent4));
+  delay #(.BITS(E), .STAGES(3)) hold_shear_exponent7 (.clk, .rst, .advance(1'b1), .in(shear_exponent4), .out(shear_exponent7));
 
   // Stage 4: does xc take large steps, or dx large values (`centre_fraction`)? Then it has fewer fraction bits.
   logic far3, coarse4, coarse7, coarse12, coarse13;
-  logic signed [15:0] leading3;
-  function automatic logic signed [15:0] fraction(input logic coarse);
-    fraction = coarse ? 16'(COARSE) : 16'(FINE);
+  logic signed [E-1:0] leading3;
+  function automatic logic signed [E-1:0] fraction(input logic coarse);
+    fraction = coarse ? E'(COARSE) : E'(FINE);
   endfunction
   always_ff @(posedge clk) begin
-    far3 <= shear2 != 0 && shear_exponent2 > 16'sd13 - 16'(M);
-    coarse4 <= far3 || (leading3 >>> 1) > 16'sd13;
+    far3 <= shear2 != 0 && shear_exponent2 > E'(13) - E'(M);
+    coarse4 <= far3 || (leading3 >>> 1) > E'(13);
     shear_shift5 <= -shear_exponent4 - fraction(coarse4);
   end
   delay #(.BITS(1), .STAGES(3)) hold_coarse7 (.clk, .rst, .advance(1'b1), .in(coarse4), .out(coarse7));
@@ -111,14 +112,14 @@ module splat_setup #(
 
   // Alignments: to A at RADIAL + GUARD bits for the seeds (from stage 3), S (5), C with GUARD bits (8) and S dy (10) in fixed point; and to C dy, doubled (14), and C dy^2 (17).
   logic [M-1:0] horizontal3, vertical7, vertical8, along14;
-  logic signed [15:0] horizontal_exponent3, vertical_exponent7, vertical_exponent8, moved_shift10, along_exponent14, square_shift17;
+  logic signed [E-1:0] horizontal_exponent3, vertical_exponent7, vertical_exponent8, moved_shift10, along_exponent14, square_shift17;
   logic [2*M-1:0] moved10, square17;
   logic moved_negative10, along_negative14;
   logic signed [63:0] fine8, shear_fixed10, fine13, moved15, double19, vertical22;
   logic [127:0] spare_alignments;
-  delay #(.BITS(M + 16), .STAGES(2)) hold_horizontal3 (.clk, .rst, .advance(1'b1), .in({f1.horizontal_mantissa, extend(f1.horizontal_exponent)}), .out({horizontal3, horizontal_exponent3}));
-  delay #(.BITS(M + 16), .STAGES(6)) hold_vertical7 (.clk, .rst, .advance(1'b1), .in({f1.vertical_mantissa, extend(f1.vertical_exponent)}), .out({vertical7, vertical_exponent7}));
-  delay #(.BITS(M + 16), .STAGES(1)) hold_vertical8 (.clk, .rst, .advance(1'b1), .in({vertical7, vertical_exponent7}), .out({vertical8, vertical_exponent8}));
+  delay #(.BITS(M + E), .STAGES(2)) hold_horizontal3 (.clk, .rst, .advance(1'b1), .in({f1.horizontal_mantissa, extend(f1.horizontal_exponent)}), .out({horizontal3, horizontal_exponent3}));
+  delay #(.BITS(M + E), .STAGES(6)) hold_vertical7 (.clk, .rst, .advance(1'b1), .in({f1.vertical_mantissa, extend(f1.vertical_exponent)}), .out({vertical7, vertical_exponent7}));
+  delay #(.BITS(M + E), .STAGES(1)) hold_vertical8 (.clk, .rst, .advance(1'b1), .in({vertical7, vertical_exponent7}), .out({vertical8, vertical_exponent8}));
   shared_align #(
       .BITS(2 * M),
       .INTERVAL(INTERVAL)
@@ -127,7 +128,7 @@ module splat_setup #(
       .phase,
       .negative({1'b0, moved_negative10, shear_negative5, 1'b0}),
       .magnitude({(2 * M)'(horizontal3), moved10, (2 * M)'(shear5), (2 * M)'(vertical8)}),
-      .shift({16'(-horizontal_exponent3 - 16'(RADIAL + GUARD)), moved_shift10, shear_shift5, 16'(-vertical_exponent8 - 16'(VERTICAL + GUARD))}),
+      .shift({E'(-horizontal_exponent3 - E'(RADIAL + GUARD)), moved_shift10, shear_shift5, E'(-vertical_exponent8 - E'(VERTICAL + GUARD))}),
       .result({fine8, moved15, shear_fixed10, fine13})
   );
   shared_align #(
@@ -139,7 +140,7 @@ module splat_setup #(
       .phase,
       .negative({1'b0, along_negative14, 2'b00}),
       .magnitude({(2 * M)'(0), (2 * M)'(along14), square17, (2 * M)'(0)}),
-      .shift({16'd0, 16'(-along_exponent14 - 16'(VERTICAL + 1)), square_shift17, 16'd0}),
+      .shift({E'(0), E'(-along_exponent14 - E'(VERTICAL + 1)), square_shift17, E'(0)}),
       .result({spare_alignments[127:64], double19, vertical22, spare_alignments[63:0]})
   );
 
@@ -147,12 +148,12 @@ module splat_setup #(
   localparam NORMAL = DY > 2 * M ? DY : 2 * M;
   logic dy_negative7;
   logic [M-1:0] dy7, dy14;
-  logic signed [15:0] dy_exponent7, dy_exponent14, along_exponent10;
+  logic signed [E-1:0] dy_exponent7, dy_exponent14, along_exponent10;
   logic dy_negative10;
   logic [2*M-1:0] along10;
   logic [1:0] spare_negatives;
   logic [2*M-1:0] spare_mantissas;
-  logic [31:0] spare_exponents;
+  logic [2*E-1:0] spare_exponents;
   shared_normalise #(
       .BITS(NORMAL),
       .INTERVAL(INTERVAL),
@@ -162,12 +163,12 @@ module splat_setup #(
       .phase,
       .negative({dy_negative3, dy_negative10, 2'b00}),
       .magnitude({NORMAL'(dy3), NORMAL'(along10), NORMAL'(0), NORMAL'(0)}),
-      .exponent({16'(-SUBPIXEL), along_exponent10, 32'd0}),
+      .exponent({E'(-SUBPIXEL), along_exponent10, (2 * E)'(0)}),
       .result_negative({dy_negative7, along_negative14, spare_negatives}),
       .result({dy7, along14, spare_mantissas}),
       .result_exponent({dy_exponent7, along_exponent14, spare_exponents})
   );
-  delay #(.BITS(M + 16), .STAGES(7)) hold_dy (.clk, .rst, .advance(1'b1), .in({dy7, dy_exponent7}), .out({dy14, dy_exponent14}));
+  delay #(.BITS(M + E), .STAGES(7)) hold_dy (.clk, .rst, .advance(1'b1), .in({dy7, dy_exponent7}), .out({dy14, dy_exponent14}));
 
   // Products of mantissas: C dy (from stage 7), C dy dy (14), and beside them S dy (7).
   logic [4*M-1:0] spare_squares;
@@ -189,7 +190,7 @@ module splat_setup #(
     dy8 <= dy7;
   end
   multiply #(.LEFT(M), .RIGHT(M)) multiply_moved (.clk, .advance(1'b1), .left(shear8), .right(dy8), .product(moved10));
-  logic signed [15:0] along_exponent8, along_exponent9, moved_shift8, moved_shift9, square_shift15, square_shift16;
+  logic signed [E-1:0] along_exponent8, along_exponent9, moved_shift8, moved_shift9, square_shift15, square_shift16;
   logic dy_negative8, dy_negative9, moved_negative8, moved_negative9;
   always_ff @(posedge clk) begin
     along_exponent8 <= vertical_exponent7 + dy_exponent7;
@@ -204,7 +205,7 @@ module splat_setup #(
     moved_negative8 <= dy_negative7 != shear_negative7;
     moved_negative9 <= moved_negative8;
     moved_negative10 <= moved_negative9;
-    square_shift15 <= -(along_exponent14 + dy_exponent14) - 16'(VERTICAL);
+    square_shift15 <= -(along_exponent14 + dy_exponent14) - E'(VERTICAL);
     square_shift16 <= square_shift15;
     square_shift17 <= square_shift16;
   end
@@ -240,21 +241,21 @@ module splat_setup #(
 
   // `Seed::new`: unit of dx and the alignments that follow from it, constants of the footprint.
   logic [6:0] squared_width_length2;
-  logic signed [15:0] squared_width_exponent2, half4, drop_wide5, drop6, power7, horizontal_exponent6, drop_first8;
+  logic signed [E-1:0] squared_width_exponent2, half4, drop_wide5, drop6, power7, horizontal_exponent6, drop_first8;
   logic [5:0] drop_dx12;
-  logic signed [15:0] drop_first12;
-  delay #(.BITS(16), .STAGES(5)) hold_horizontal_exponent (.clk, .rst, .advance(1'b1), .in(extend(f1.horizontal_exponent)), .out(horizontal_exponent6));
+  logic signed [E-1:0] drop_first12;
+  delay #(.BITS(E), .STAGES(5)) hold_horizontal_exponent (.clk, .rst, .advance(1'b1), .in(extend(f1.horizontal_exponent)), .out(horizontal_exponent6));
   always_ff @(posedge clk) begin
     squared_width_length2 <= splatline_math::length(64'(f1.squared_width_mantissa));
     squared_width_exponent2 <= extend(f1.squared_width_exponent);
-    leading3 <= squared_width_exponent2 + $signed({9'd0, squared_width_length2}) + 16'sd5;
+    leading3 <= squared_width_exponent2 + E'($signed({1'b0, squared_width_length2})) + E'(5);
     half4 <= leading3 >>> 1;
-    drop_wide5 <= half4 + fraction(coarse4) - $signed(16'(M));
-    drop6 <= drop_wide5 < 0 ? 16'sd0 : drop_wide5 > 63 ? 16'sd63 : drop_wide5;
+    drop_wide5 <= half4 + fraction(coarse4) - $signed(E'(M));
+    drop6 <= drop_wide5 < 0 ? E'(0) : drop_wide5 > 63 ? E'(63) : drop_wide5;
     power7 <= horizontal_exponent6 + drop6;
-    drop_first8 <= fraction(coarse7) - 16'sd1 - $signed(16'(RADIAL)) - power7;
+    drop_first8 <= fraction(coarse7) - E'(1) - $signed(E'(RADIAL)) - power7;
   end
-  delay #(.BITS(16), .STAGES(4)) hold_drop_first (.clk, .rst, .advance(1'b1), .in(drop_first8), .out(drop_first12));
+  delay #(.BITS(E), .STAGES(4)) hold_drop_first (.clk, .rst, .advance(1'b1), .in(drop_first8), .out(drop_first12));
   delay #(.BITS(6), .STAGES(6)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop6[5:0]), .out(drop_dx12));
 
   logic [31:0] second12, unit_balanced12, balance12;
@@ -274,7 +275,7 @@ module splat_setup #(
   logic [RADIAL+4:0] cutoff3;
   logic squared_width_odd3, squared_width_odd12;
   logic [M-1:0] horizontal12;
-  logic signed [15:0] squared_width_power3;
+  logic signed [E-1:0] squared_width_power3;
   // From UQ4.28, halves up.
   function automatic logic [ROW-2:0] reach_of(input logic [31:0] cutoff);
     reach_of = (ROW - 1)'(((64'(cutoff) << VERTICAL) + (64'd1 << 27)) >> 28);
@@ -292,15 +293,15 @@ module splat_setup #(
     colours3 <= colours2;
     squared_width3 <= squared_width2;
     squared_width_odd3 <= squared_width_exponent2[0];
-    squared_width_power3 <= (squared_width_exponent2 >>> 1) + 16'sd20;
+    squared_width_power3 <= (squared_width_exponent2 >>> 1) + E'(20);
   end
 
   // Two words of the first part wait for the second, which has bits left in its blocks of memory.
   delay #(.BITS(M + 1), .STAGES(9)) hold_horizontal12 (.clk, .rst, .advance(1'b1), .in({horizontal3, squared_width_odd3}), .out({horizontal12, squared_width_odd12}));
 
   // The splat, in parts as they are ready: in stages 3, 12, 17, 20 and 24.
-  localparam PART_3 = 2 * splatline_pkg::TILE_ROW_BITS + 1 + 2 * 16 + (ROW - 1) + M + 16 + (RADIAL + 5) + PEAK + COLOUR;
-  localparam PART_12 = PART_3 + CENTRE + 1 + 6 + 16 + 3 * 32 + M + 1;
+  localparam PART_3 = 2 * splatline_pkg::TILE_ROW_BITS + 1 + 2 * 16 + (ROW - 1) + M + E + (RADIAL + 5) + PEAK + COLOUR;
+  localparam PART_12 = PART_3 + CENTRE + 1 + 6 + E + 3 * 32 + M + 1;
   localparam PART_17 = PART_12 + CENTRE + ROW;
   localparam PART_20 = PART_17 + ROW;
   localparam PART_24 = PART_20 + ROW;

@@ -110,18 +110,20 @@ module flat_primitive #(
       .result(aligned)
   );
   logic [splatline_pkg::MANTISSA-1:0] normal_mantissa;
+  logic signed [splatline_pkg::EXPONENT-1:0] short_exponent;
   normalise #(
       .BITS(40)
   ) check_normalise (
       .clk,
       .negative(unit_negative),
       .magnitude(unit_magnitude[39:0]),
-      .exponent(16'sd0),
+      .exponent('0),
       .result_negative(normal_negative),
       .result(normal_mantissa),
-      .result_exponent(normal_exponent)
+      .result_exponent(short_exponent)
   );
   assign normal = 32'(normal_mantissa);
+  assign normal_exponent = 16'(short_exponent);
   genvar l;
   generate
     for (l = 0; l < 16; l = l + 1) begin : gen_popped

@@ -50,6 +50,9 @@ package splatline_pkg;
   // What the units hand to each other; formats are those of the kernel's structs of the same names (src/raster/spans.rs,
   // src/raster/mod.rs). Kept in types.svh, which the generator copies in here: Yosys knows no types across packages.
 
+  // Bits of an exponent and of a shift: those of a packet have 10, and no sum of them needs more than these.
+  localparam int EXPONENT = 12;
+
   // The part of the screen that the tile buffer holds: columns and rows first .. end.
   typedef struct packed {
     logic [15:0] first_column;
@@ -83,10 +86,10 @@ package splatline_pkg;
     logic coarse;  // xc has SUBPIXEL - 2 fraction bits, otherwise SUBPIXEL + 8
     logic [MANTISSA-1:0] squared_width;
     logic squared_width_odd;
-    logic signed [15:0] squared_width_power;
+    logic signed [EXPONENT-1:0] squared_width_power;
     logic [MANTISSA-1:0] horizontal;
     logic [5:0] drop_dx;
-    logic signed [15:0] drop_first;
+    logic signed [EXPONENT-1:0] drop_first;
     // `Balance`, Q.radial, low words: the lanes' arithmetic is modulo 2^32.
     logic [31:0] second;
     logic [31:0] unit;
