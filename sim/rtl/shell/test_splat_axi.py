@@ -148,6 +148,35 @@ async def tiles_of_the_example_picture(dut):
     dut._log.info("cocotb bench: %d pixels of %d tiles, 0 mismatches", compared, len(tiles))
 
 
+@cocotb.test()
+async def an_end_without_a_tile_does_nothing(dut):
+    """Nor does a second end of a tile end the next one, whenever it comes. A begin and an end in one word are a tile."""
+    cocotb.start_soon(Clock(dut.aclk, 10, unit="ns").start())
+    board = Board(dut)
+    await board.reset()
+    tile, pixels = (32, 64, 36, 66), 8
+    await board.write(CONTROL, FINISH)
+    assert await board.read(CONTROL) & FINISH == 0, "an end waits for a tile"
+    for late in range(16):
+        await board.begin(tile)
+        await ClockCycles(dut.aclk, 50)
+        assert await board.read(PIXELS) == 2 * pixels * late, "the tile has ended by itself"
+        # The second tile's end waits until the first one has been read out.
+        board.pixels.pause = True
+        await board.write(CONTROL, FINISH)
+        await board.begin(tile)
+        await board.write(CONTROL, FINISH)
+        assert await board.read(CONTROL) & FINISH
+        board.pixels.pause = False
+        await ClockCycles(dut.aclk, late)
+        await board.write(CONTROL, FINISH)
+        for _ in range(2):
+            assert len((await board.pixels.recv()).tdata) == 16 * pixels
+    await board.write(CONTROL, BEGIN | FINISH)
+    assert len((await board.pixels.recv()).tdata) == 16 * pixels
+    assert await board.read(CONTROL) & (BEGIN | FINISH) == 0
+
+
 async def cycles_of_packets(dut, count):
     """The cycles in which the last beats of so many packets are taken."""
     cycles = []
