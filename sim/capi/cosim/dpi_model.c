@@ -27,6 +27,14 @@ void model_table(int index, int *low, int *step) {
     *step = (int)down;
 }
 
+// Words of a packet, and entries of the footprint table; 0 before the picture is set up.
+void model_sizes(int *packet_words, int *table_entries) {
+    size_t words = 0;
+    splatline_packet_words(&bench.painter.widths, SPLATLINE_TRAVERSAL_SPANS, &words);
+    *packet_words = (int)words;
+    *table_entries = (int)bench.painter.table_count;
+}
+
 // A tile's window: 1, or 0 if there is no such tile.
 int model_tile(int tile, int *first_column, int *first_row, int *end_column, int *end_row) {
     SplatlineWindow window = bench_tile(tile);

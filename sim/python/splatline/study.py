@@ -216,9 +216,10 @@ class Study:
         return json.dumps({key: values[index] for (key, values), index in zip(self.axes.items(), point)}, sort_keys=True)
 
     def stored(self) -> dict[str, tuple[list[str], str | None]]:
-        """Results and failure by the point's key, each checked against its digest."""
+        """Results and failure by the point's key, each checked against its digest; in the keys' order, whoever came first."""
         found = {}
-        for point, results, failure, digest in self._database.execute("SELECT point, results, failure, digest FROM splatline_points"):
+        query = "SELECT point, results, failure, digest FROM splatline_points ORDER BY point"
+        for point, results, failure, digest in self._database.execute(query):
             if digest != _digest(self.identity, point, results, failure or ""):
                 raise _native.Error(f"{self.path}: the point {point} is not as it was written: delete it, and run the study again")
             found[point] = (json.loads(results), failure)

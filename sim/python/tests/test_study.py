@@ -89,7 +89,8 @@ def test_what_is_stored_is_not_run_again(complete, plan, tmp_path):
     again = Study(path, plan, SPACE)
     before = len(again.stored())
     assert again.run(workers=1) == 32 - before and again.run(workers=1) == 0
-    assert results(again) == results(complete)
+    # Also in their order, although every fourth one came last.
+    assert list(results(again).items()) == list(results(complete).items())
 
 
 def test_what_was_edited_is_found(complete, plan, tmp_path):

@@ -4,6 +4,7 @@ and of 128, and the machine's.
     python3 sim/rtl/shell/run.py             both
     python3 sim/rtl/shell/run.py TILE ...    the primitive's alone, with these tiles
     python3 sim/rtl/shell/run.py machine     the machine's alone, which takes three minutes
+    python3 sim/rtl/shell/run.py inputs      none: makes what they compare with, and prints for a shell where it is
 
 Needs yosys, verilator, iverilog, a C compiler and cargo, and `pip install 'cocotb>=2' cocotbext-axi`. Icarus Verilog
 11 does not read packages of types that are named through them, so Yosys writes the elaborated circuit as plain
@@ -16,6 +17,7 @@ import sys
 from pathlib import Path
 
 from cocotb_tools.runner import get_runner
+from simulate import simulate
 
 HERE = Path(__file__).resolve().parent
 RTL = HERE.parent
@@ -29,15 +31,6 @@ MACHINE = "lean18"
 
 def run(*command, folder=ROOT):
     subprocess.run([str(word) for word in command], check=True, cwd=folder)
-
-
-def number(name):
-    """A constant of the design's package."""
-    for line in (RTL / DESIGN / "splatline_pkg.sv").read_text().splitlines():
-        words = line.split()
-        if words[:3] == ["localparam", "int", name]:
-            return int(words[4].rstrip(";"))
-    raise SystemExit(f"{DESIGN}/splatline_pkg.sv has no {name}")
 
 
 def kernel():
@@ -75,29 +68,28 @@ def bench(top, sources, parameters):
     circuit = verilog(top, sources, parameters)
     runner = get_runner("icarus")
     runner.build(sources=[circuit], hdl_toplevel=top, build_dir=circuit.parent, timescale=("1ns", "1ps"), always=True)
-    folders = {"build_dir": circuit.parent, "test_dir": circuit.parent}
-    results = runner.test(hdl_toplevel=top, test_module=f"test_{top}", **folders)
-    if "<failure" in Path(results).read_text():
-        raise SystemExit(f"the bench of {top} failed with {parameters}: see above")
+    simulate(circuit.parent, top)
 
 
 def primitive(tiles):
     """The primitive's shell with streams of all widths."""
     os.environ["SPLATLINE_KERNEL"] = str(kernel())
-    os.environ["SPLATLINE_PACKET_WORDS"] = str((number("PACKET_BITS") + 31) // 32)
-    os.environ["SPLATLINE_TABLE"] = str((1 << number("TABLE")) + 1)
     os.environ["SPLATLINE_TILES"] = ",".join(tiles)
     sources = [f"{DESIGN}/splatline_pkg.sv", *(RTL / "files.txt").read_text().split()]
     for stream in STREAMS:
-        os.environ["SPLATLINE_STREAM"] = str(stream)
         bench("splat_axi", sources, {"STREAM": stream})
+
+
+def frame():
+    """A scene for the machine, and the kernel's frame of it."""
+    file = BUILD / "frame.json"
+    run("cargo", "run", "-p", "splatline-rtl", "--example", "rtl", "--", "frame", MACHINE, file)
+    return file
 
 
 def machine():
     """The machine's shell."""
-    frame = BUILD / "frame.json"
-    run("cargo", "run", "-p", "splatline-rtl", "--example", "rtl", "--", "frame", MACHINE, frame)
-    os.environ["SPLATLINE_FRAME"] = str(frame)
+    os.environ["SPLATLINE_FRAME"] = str(frame())
     packages = [f"{MACHINE}/{name}.sv" for name in ("splatline_pkg", "splatline_setup_pkg")]
     sources = [*packages, *(RTL / "machine_files.txt").read_text().split()]
     bench("machine_axi", sources, {"CORES": 2, "LANES": 1})
@@ -107,6 +99,9 @@ def main():
     BUILD.mkdir(parents=True, exist_ok=True)
     run(sys.executable, HERE / "registers.py", "--check")
     chosen = sys.argv[1:]
+    if chosen == ["inputs"]:
+        print(f"export SPLATLINE_KERNEL='{kernel()}' SPLATLINE_FRAME='{frame()}'")
+        return
     if chosen != ["machine"]:
         primitive(chosen or ["0", "2"])
     if chosen in ([], ["machine"]):

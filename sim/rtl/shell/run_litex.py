@@ -60,7 +60,7 @@ class Script(bench.Board):
         # They are 0 after a reset, which this picture does not tell from their values.
         for rule in (bench.STOP, bench.LEAST_HIGH):
             await self.write(rule, 0xFFFF_FFFF)
-        await self.load(kernel, (1 << run.number("TABLE")) + 1)
+        await self.load(kernel)
         for tile in tiles:
             await self.begin(kernel.tile(tile))
             self.steps.append((SEND, 0, 0))
@@ -189,8 +189,7 @@ def main() -> None:
     kernel = bench.Kernel(str(run.kernel()))
     script = Script()
     asyncio.run(script.draw(kernel, options.tiles))
-    length = (run.number("PACKET_BITS") + 31) // 32
-    packets = [kernel.packet(index, length) for index in range(kernel.packets)]
+    packets = [kernel.packet(index) for index in range(kernel.packets)]
     judge(kernel, options.tiles, simulate(script.steps, packets, options.lanes))
 
 

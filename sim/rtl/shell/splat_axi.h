@@ -9,7 +9,7 @@
 #define SPLAT_AXI_CONTROL 0x00u
 /* Write 1: begin a tile with the window in first and last. Read: 1 while a begin waits for the tile before. */
 #define SPLAT_AXI_CONTROL_BEGIN 0x1u
-/* Write 1: end the tile. Read: 1 while an end waits for packets under way. */
+/* Write 1: end the tile; while none has begun, or is to begin, this does nothing. Read: 1 while an end waits for packets under way. */
 #define SPLAT_AXI_CONTROL_END 0x2u
 /* Read: every pixel is written and known to be. */
 #define SPLAT_AXI_CONTROL_IDLE 0x4u

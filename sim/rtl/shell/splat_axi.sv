@@ -7,7 +7,7 @@
 // Registers are listed in registers.json, from which `registers.py` writes splat_axi.svd and splat_axi.h.
 //
 // A begin waits until the tile before has ended, and packets wait until their tile has begun. An end waits until every packet whose first beat came
-// before it has been drawn, and until the tile before has been read out.
+// before it has been drawn, and until the tile before has been read out. Without a tile that it could end it does nothing.
 module splat_axi #(
     parameter LANES = 1,
     parameter QUEUE = 8,
@@ -93,7 +93,7 @@ module splat_axi #(
   end
 
   // Registers: an address and its word are taken together, an answer waits for its taker.
-  logic writes, reads, begins, finishes, begin_ready, finish_ready, idle, raster_idle, table_valid;
+  logic writes, reads, begins, finishes, drawing, ends_tile, begin_ready, finish_ready, idle, raster_idle, table_valid;
   logic [31:0] first, last, alpha_max, minimum_transmittance, table_index, table_low, table_step, cycles, pixels;
   logic [63:0] least;
   logic [1:0] flags;
@@ -102,6 +102,8 @@ module splat_axi #(
   assign reads = s_axil_arvalid && !s_axil_rvalid && !rst;
   assign {s_axil_awready, s_axil_wready, s_axil_arready} = {writes, writes, reads};
   assign {s_axil_bresp, s_axil_rresp} = 4'd0;
+  // A tile is drawn, or is to be, from this very write on.
+  assign ends_tile = (drawing && !finish_ready) || begins || s_axil_wdata[0];
   always_ff @(posedge aclk) begin
     table_valid <= writes && s_axil_awaddr[6:2] == 5'd11;
     if (table_valid) table_index <= table_index + 32'd1;
@@ -139,13 +141,15 @@ module splat_axi #(
       s_axil_rvalid <= 0;
       begins <= 0;
       finishes <= 0;
+      drawing <= 0;
       cycles <= 0;
       {first, last, alpha_max, minimum_transmittance, least, flags, table_index, table_low, table_step} <= '0;
     end else begin
       s_axil_bvalid <= writes || (s_axil_bvalid && !s_axil_bready);
       s_axil_rvalid <= reads || (s_axil_rvalid && !s_axil_rready);
       begins <= (begins && !begin_ready) || (writes && s_axil_awaddr[6:2] == 5'd0 && s_axil_wdata[0]);
-      finishes <= (finishes && !finish_ready) || (writes && s_axil_awaddr[6:2] == 5'd0 && s_axil_wdata[1]);
+      finishes <= (finishes && !finish_ready) || (writes && s_axil_awaddr[6:2] == 5'd0 && s_axil_wdata[1] && ends_tile);
+      drawing <= (drawing && !finish_ready) || (begins && begin_ready);
       cycles <= cycles + 32'd1;
     end
   end

@@ -29,6 +29,7 @@ class Kernel:
         self.library.model_table.restype = None
         self.packets = self.library.model_begin()
         assert self.packets > 0, "the example picture cannot be set up"
+        self.words, self.entries = self.integers(self.library.model_sizes, count=2)[1]
 
     def integers(self, function, *arguments, count):
         """What a function writes through `count` pointers to int, as 32-bit words; its result first."""
@@ -47,10 +48,10 @@ class Kernel:
     def tile(self, index):
         return self.integers(self.library.model_tile, index, count=4)[1]
 
-    def packet(self, index, words):
+    def packet(self, index):
         packet = (ctypes.c_uint32 * 64)()
         assert self.library.model_packet(index, packet) >= 0
-        return list(packet)[:words]
+        return list(packet)[: self.words]
 
     def is_pixel(self, x, y, word):
         red, green, blue, last = [(word >> (32 * i)) & 0xFFFFFFFF for i in range(4)]
@@ -66,7 +67,7 @@ class Board(RegisterBoard):
         self.packets = AxiStreamSource(AxiStreamBus.from_prefix(dut, "s_axis_packet"), dut.aclk, **self.reset_port)
         self.pixels = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis_pixel"), dut.aclk, **self.reset_port)
 
-    async def load(self, kernel, entries):
+    async def load(self, kernel):
         alpha_max, least, minimum_transmittance, omit_finishing, wide_table = kernel.rules()
         await self.write(ALPHA_MAX, alpha_max)
         await self.write(STOP, minimum_transmittance & 0xFFFFFFFF)
@@ -74,7 +75,7 @@ class Board(RegisterBoard):
         await self.write(LEAST_HIGH, (least >> 32) & 0xFFFFFFFF)
         await self.write(FLAGS, omit_finishing | wide_table << 1)
         await self.write(TABLE_INDEX, 0)
-        for index in range(entries):
+        for index in range(kernel.entries):
             low, step = kernel.table(index)
             await self.write(TABLE_LOW, low)
             await self.write(TABLE_STEP, step)
@@ -92,29 +93,33 @@ class Board(RegisterBoard):
         await self.packets.send(AxiStreamFrame(data))
 
 
+def chosen_tiles():
+    return [int(tile) for tile in os.environ.get("SPLATLINE_TILES", "0,2").split(",")]
+
+
 @cocotb.test()
 async def tiles_of_the_example_picture(dut):
     kernel = Kernel(os.environ["SPLATLINE_KERNEL"])
-    words = int(os.environ["SPLATLINE_PACKET_WORDS"])
-    beat = int(os.environ["SPLATLINE_STREAM"]) // 32
-    tiles = [int(tile) for tile in os.environ["SPLATLINE_TILES"].split(",")]
+    words = kernel.words
+    beat = len(dut.s_axis_packet_tdata) // 32
+    tiles = chosen_tiles()
     cocotb.start_soon(Clock(dut.aclk, 10, unit="ns").start())
     board = Board(dut)
     await board.reset()
-    await board.load(kernel, int(os.environ["SPLATLINE_TABLE"]))
+    await board.load(kernel)
     board.packets.set_pause_generator(pauses(1, 10))
     board.pixels.set_pause_generator(pauses(2, 30))
 
     # A reset in a tile, and in a packet, leaves no trace.
     await board.begin(kernel.tile(tiles[0]))
     for length in (words, beat):
-        await board.send(kernel.packet(0, words)[:length])
+        await board.send(kernel.packet(0)[:length])
     await ClockCycles(dut.aclk, 100)
     await board.reset()
-    await board.load(kernel, int(os.environ["SPLATLINE_TABLE"]))
+    await board.load(kernel)
 
     # Nor does a packet without its last beats, or with beats behind them, were they a packet again. Each is counted once.
-    packet = kernel.packet(0, words)
+    packet = kernel.packet(0)
     whole = packet + [0] * (-words % beat)
     for broken in (packet[: 3 * beat], packet[:-beat], whole + packet[:1], whole + packet, packet[:1]):
         await board.send(broken)
@@ -122,7 +127,7 @@ async def tiles_of_the_example_picture(dut):
     for tile in tiles:
         await board.begin(kernel.tile(tile))
         for index in range(kernel.packets):
-            await board.send(kernel.packet(index, words))
+            await board.send(kernel.packet(index))
         await board.packets.wait()
         await board.write(CONTROL, FINISH)
         while await board.read(CONTROL) & FINISH:
@@ -143,6 +148,35 @@ async def tiles_of_the_example_picture(dut):
     dut._log.info("cocotb bench: %d pixels of %d tiles, 0 mismatches", compared, len(tiles))
 
 
+@cocotb.test()
+async def an_end_without_a_tile_does_nothing(dut):
+    """Nor does a second end of a tile end the next one, whenever it comes. A begin and an end in one word are a tile."""
+    cocotb.start_soon(Clock(dut.aclk, 10, unit="ns").start())
+    board = Board(dut)
+    await board.reset()
+    tile, pixels = (32, 64, 36, 66), 8
+    await board.write(CONTROL, FINISH)
+    assert await board.read(CONTROL) & FINISH == 0, "an end waits for a tile"
+    for late in range(16):
+        await board.begin(tile)
+        await ClockCycles(dut.aclk, 50)
+        assert await board.read(PIXELS) == 2 * pixels * late, "the tile has ended by itself"
+        # The second tile's end waits until the first one has been read out.
+        board.pixels.pause = True
+        await board.write(CONTROL, FINISH)
+        await board.begin(tile)
+        await board.write(CONTROL, FINISH)
+        assert await board.read(CONTROL) & FINISH
+        board.pixels.pause = False
+        await ClockCycles(dut.aclk, late)
+        await board.write(CONTROL, FINISH)
+        for _ in range(2):
+            assert len((await board.pixels.recv()).tdata) == 16 * pixels
+    await board.write(CONTROL, BEGIN | FINISH)
+    assert len((await board.pixels.recv()).tdata) == 16 * pixels
+    assert await board.read(CONTROL) & (BEGIN | FINISH) == 0
+
+
 async def cycles_of_packets(dut, count):
     """The cycles in which the last beats of so many packets are taken."""
     cycles = []
@@ -159,15 +193,14 @@ async def cycles_of_packets(dut, count):
 async def packets_follow_each_other_without_a_bubble(dut):
     """Beats of packets behind each other take a cycle each, up to the next in four in which the primitive takes a packet."""
     kernel = Kernel(os.environ["SPLATLINE_KERNEL"])
-    words = int(os.environ["SPLATLINE_PACKET_WORDS"])
-    beats = -(-words * 32 // int(os.environ["SPLATLINE_STREAM"]))
+    beats = -(-kernel.words * 32 // len(dut.s_axis_packet_tdata))
     cocotb.start_soon(Clock(dut.aclk, 10, unit="ns").start())
     board = Board(dut)
     await board.reset()
-    await board.begin(kernel.tile(int(os.environ["SPLATLINE_TILES"].split(",")[0])))
+    await board.begin(kernel.tile(chosen_tiles()[0]))
     # As many as have a place in the primitive, whatever they paint.
     count = 24
-    data = b"".join(word.to_bytes(4, "little") for word in kernel.packet(0, words))
+    data = b"".join(word.to_bytes(4, "little") for word in kernel.packet(0))
     for _ in range(count):
         board.packets.send_nowait(AxiStreamFrame(data))
     cycles = await cycles_of_packets(dut, count)

@@ -12,16 +12,16 @@ use crate::plan::{Engine, Plan, all_entries, compare_all};
 
 pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    let outputs = Outputs::default()
-        .folder(&options.output, &FILES)?
-        .json(drawing.json.as_ref())?;
+    let json = drawing.json.as_ref();
     if let Some(folder) = &options.photos {
-        let outputs = Outputs::default().json(drawing.json.as_ref())?;
-        return photos::run(options, folder, outputs);
+        return photos::run(options, folder, Outputs::default().json(json)?);
     }
     if options.path.is_path() {
-        return frames::compare(options, outputs);
+        return frames::compare(options, Outputs::default().json(json)?);
     }
+    let outputs = Outputs::default()
+        .folder(&options.output, &FILES)?
+        .json(json)?;
     let asked = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
     let mut prepared = asked.prepare()?;
     outputs.spare_inputs()?;

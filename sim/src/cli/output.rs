@@ -3,7 +3,7 @@
 //!
 //! `-` is stdout. What would have been said there goes to stderr then, so that a pipe holds the result alone.
 
-use super::say::{Failure, divert, printed};
+use super::say::{Failure, divert, print_error, printed};
 use crate::{atomic, input};
 use anyhow::{Context, anyhow};
 use serde::Serialize;
@@ -13,14 +13,24 @@ use std::path::{Path, PathBuf};
 /// The name of stdout, and of stdin where a file is read.
 pub const STREAM: &str = "-";
 
+/// What says that a folder holds results, of which command, and a file of these that another command writes as well.
+const RECORDS: [(&str, &str, &str); 6] = [
+    ("report.json", "compare", ""),
+    ("frames.json", "compare --camera-path", ""),
+    ("photos.json", "compare --photos", ""),
+    ("timing.json", "simulate", "machine.toml"),
+    ("answer.json", "optimize", "machine.toml"),
+    ("sweep.json", "sweep", ""),
+];
+
 /// Is this stdout (or stdin)?
 pub fn is_stream(path: &Path) -> bool {
     path == Path::new(STREAM)
 }
 
-/// The files that a command is going to write.
+/// The files that a command is going to write, and a folder that is for its results alone.
 #[derive(Default)]
-pub struct Outputs(Vec<PathBuf>);
+pub struct Outputs(Vec<PathBuf>, Option<PathBuf>);
 
 impl Outputs {
     /// With a file of one of these formats, or stdout.
@@ -65,17 +75,40 @@ impl Outputs {
     /// With these files of a folder, which is made if need be.
     pub fn folder(mut self, folder: &Path, files: &[&str]) -> Result<Outputs, Failure> {
         create_folder(folder)?;
+        self.1 = Some(folder.to_owned());
         self.0.extend(files.iter().map(|file| folder.join(file)));
         Ok(self)
     }
 
-    /// Fails if a file that the command has read would be replaced. Asked when everything is read, before the work.
+    /// Fails if a file that the command has read, or a result of another command, would be replaced; tells of results
+    /// beside which its own will lie. Asked when everything is read, before the work.
     pub fn spare_inputs(&self) -> Result<(), Failure> {
         let outputs = self.0.iter().filter(|path| !is_stream(path));
         for output in outputs {
             atomic::refuse_input(output).map_err(|refused| {
                 Failure::Usage(format!("cannot write '{}': {refused}", output.display()))
             })?;
+        }
+        let Some(folder) = &self.1 else {
+            return Ok(());
+        };
+        let writes = |file: &str| self.0.contains(&folder.join(file));
+        let there = |file: &str| folder.join(file).is_file();
+        let shown = folder.display();
+        for (record, command, shared) in RECORDS {
+            if writes(record) || !there(record) {
+                continue;
+            }
+            if writes(shared) && there(shared) {
+                let message = format!(
+                    "cannot write to '{shown}': '{shared}' there is a result of `{command}` and would be replaced; name another folder"
+                );
+                return Err(Failure::Usage(message));
+            }
+            let note = format!(
+                "note: '{shown}' also holds results of `{command}`, which stay as they are\n"
+            );
+            print_error(&note);
         }
         Ok(())
     }

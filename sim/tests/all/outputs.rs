@@ -144,6 +144,29 @@ fn no_command_replaces_what_it_reads() {
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
 
+/// Who repeats a command replaces its results; those of another one are told of, and never replaced.
+#[test]
+fn a_folder_of_another_commands_results_is_not_written_to_silently() {
+    let shell = Shell::new();
+    let scene = "random:9 --size 16x16";
+    for _ in 0..2 {
+        shell.results(&format!("simulate {scene} -o out"));
+    }
+    let timing = shell.bytes("out/timing.json");
+    let said = shell.run(&format!("compare {scene} --only -o out"));
+    let note = "note: 'out' also holds results of `simulate`, which stay as they are\n";
+    assert_eq!((said.code, &*said.stderr), (Some(0), note));
+    assert_eq!(shell.bytes("out/timing.json"), timing);
+    let machine = shell.bytes("out/machine.toml");
+    let question = format!("optimize {scene} --lut 200000 -o out");
+    shell.refused(
+        2,
+        &question,
+        "'machine.toml' there is a result of `simulate`",
+    );
+    assert_eq!(shell.bytes("out/machine.toml"), machine);
+}
+
 #[test]
 fn a_file_in_the_place_of_a_folder_is_named_as_such() {
     let shell = Shell::new();
