@@ -30,17 +30,20 @@ pub fn is_stream(path: &Path) -> bool {
 
 /// The files that a command is going to write, and a folder that is for its results alone.
 #[derive(Default)]
-pub struct Outputs(Vec<PathBuf>, Option<PathBuf>);
+pub struct Outputs {
+    files: Vec<PathBuf>,
+    folder: Option<PathBuf>,
+}
 
 impl Outputs {
     /// With a file of one of these formats, or stdout.
     pub fn file(mut self, path: &Path, extensions: &[&str]) -> Result<Outputs, Failure> {
-        if self.0.iter().any(|other| other == path) {
+        if self.files.iter().any(|other| other == path) {
             let shown = path.display();
             let message = format!("two results cannot both be written to '{shown}'");
             return Err(Failure::Usage(message));
         }
-        self.0.push(path.to_owned());
+        self.files.push(path.to_owned());
         if is_stream(path) {
             divert();
             return Ok(self);
@@ -59,7 +62,7 @@ impl Outputs {
         for path in paths {
             check_folder_of(&path)?;
             check_extension(&path, extensions)?;
-            self.0.push(path);
+            self.files.push(path);
         }
         Ok(self)
     }
@@ -75,24 +78,25 @@ impl Outputs {
     /// With these files of a folder, which is made if need be.
     pub fn folder(mut self, folder: &Path, files: &[&str]) -> Result<Outputs, Failure> {
         create_folder(folder)?;
-        self.1 = Some(folder.to_owned());
-        self.0.extend(files.iter().map(|file| folder.join(file)));
+        self.folder = Some(folder.to_owned());
+        self.files
+            .extend(files.iter().map(|file| folder.join(file)));
         Ok(self)
     }
 
     /// Fails if a file that the command has read, or a result of another command, would be replaced; tells of results
     /// beside which its own will lie. Asked when everything is read, before the work.
     pub fn spare_inputs(&self) -> Result<(), Failure> {
-        let outputs = self.0.iter().filter(|path| !is_stream(path));
+        let outputs = self.files.iter().filter(|path| !is_stream(path));
         for output in outputs {
             atomic::refuse_input(output).map_err(|refused| {
                 Failure::Usage(format!("cannot write '{}': {refused}", output.display()))
             })?;
         }
-        let Some(folder) = &self.1 else {
+        let Some(folder) = &self.folder else {
             return Ok(());
         };
-        let writes = |file: &str| self.0.contains(&folder.join(file));
+        let writes = |file: &str| self.files.contains(&folder.join(file));
         let there = |file: &str| folder.join(file).is_file();
         let shown = folder.display();
         for (record, command, shared) in RECORDS {

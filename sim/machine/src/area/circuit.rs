@@ -117,9 +117,6 @@ impl Product {
     }
 }
 
-/// Factors of a row's products with the pixels before its first.
-pub const PIXEL_JUMPS: [[u64; 2]; 2] = [[32, 5], [33, 5]];
-
 /// Bits of adders, and widths of shifters by any number of places.
 pub struct Operators {
     pub adder_bits: u64,

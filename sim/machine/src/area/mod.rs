@@ -19,7 +19,7 @@ pub use calibration::{Calibration, ClockFactor, Family, Lines, LutMemory, PriceL
 
 use super::config::{Config, LaneLayout, Overlap, Termination};
 use super::primitive::{QUEUE, SETUP_INTERVAL};
-use circuit::{Bits, GeometryCircuit, Operators, PIXEL_JUMPS};
+use circuit::{Bits, GeometryCircuit, Operators};
 use serde::Serialize;
 use splatline::footprint::packet;
 use splatline::format::{Traversal, Widths};
@@ -138,7 +138,6 @@ fn rows(bits: &Bits, traversal: Traversal, config: &Config, calibration: &Calibr
     }
     let logic = |lines: &Lines| lines.rows.at(bits.mantissa).round() as u64;
     let products = bits.row_products().map(|product| product.factors);
-    let products = [&products[..], &PIXEL_JUMPS].concat();
     Fabric {
         luts: logic(&calibration.luts),
         flip_flops: logic(&calibration.flip_flops),
