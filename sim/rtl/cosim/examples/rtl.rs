@@ -4,7 +4,7 @@ use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Traversal;
 use splatline_rtl::circuit::{Circuit, DESIGNS, HARMONICS, ORDER, PRIMITIVE};
 use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
-use splatline_rtl::machine::loads::MachineOption;
+use splatline_rtl::machine::MachineOption;
 use splatline_rtl::machine::unit::MachineUnit;
 use splatline_rtl::order::unit::OrderUnit;
 use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};

@@ -3,11 +3,11 @@
 //!
 //! Libraries are kept in the build folder under a hash of all that they are made of, so that an unchanged circuit is built once.
 
-use crate::mutation::{Mutation, with_choices};
+use crate::mutation::{Mutation, MutationNumber, with_choices};
 use crate::package;
 use crate::setup::program::{ProgramKind, SetupProgram};
 use crate::setup::text;
-use crate::tools::{rtl, run};
+use crate::tools::{rtl, run, tool};
 use anyhow::{Context, Result};
 use splatline::format::{Lean18, Standard24, Widths};
 use splatline_sim::machine::area::synthesis::subjects;
@@ -31,66 +31,36 @@ pub struct RtlUnit {
     /// The module at its top.
     pub top: &'static str,
     /// The list of its files.
-    pub list: &'static str,
-    /// What is simulated instead: the unit with a C integer for each port.
-    flat: Option<&'static str>,
-    packages: Packages,
+    list: &'static str,
     /// The parameter that tells its circuits apart.
-    pub parameter: &'static str,
+    parameter: &'static str,
+    /// How many packages it is read with: that of the widths, and that of setup's program.
+    packages: usize,
 }
 
-/// The packages that a unit is read with.
-#[derive(Debug, PartialEq, Eq)]
-enum Packages {
-    None,
-    Widths,
-    WidthsAndProgram,
+const fn unit([top, list, parameter]: [&'static str; 3], packages: usize) -> RtlUnit {
+    RtlUnit {
+        top,
+        list,
+        parameter,
+        packages,
+    }
 }
 
 /// The splat primitive.
-pub const PRIMITIVE: RtlUnit = RtlUnit {
-    top: "splat_primitive",
-    list: "files.txt",
-    flat: Some("flat_primitive"),
-    packages: Packages::Widths,
-    parameter: "LANES",
-};
+pub const PRIMITIVE: RtlUnit = unit(["splat_primitive", "files.txt", "LANES"], 1);
 
 /// The setup unit.
-pub const SETUP: RtlUnit = RtlUnit {
-    top: "setup_unit",
-    list: "setup_files.txt",
-    flat: None,
-    packages: Packages::WidthsAndProgram,
-    parameter: "CORES",
-};
+pub const SETUP: RtlUnit = unit(["setup_unit", "setup_files.txt", "CORES"], 2);
 
 /// Sorter and binning.
-pub const ORDER: RtlUnit = RtlUnit {
-    top: "splat_order",
-    list: "order_files.txt",
-    flat: None,
-    packages: Packages::None,
-    parameter: "DIGIT",
-};
+pub const ORDER: RtlUnit = unit(["splat_order", "order_files.txt", "DIGIT"], 0);
 
 /// The harmonics unit.
-pub const HARMONICS: RtlUnit = RtlUnit {
-    top: "harmonics_unit",
-    list: "harmonics_files.txt",
-    flat: None,
-    packages: Packages::None,
-    parameter: "MULTIPLIERS",
-};
+pub const HARMONICS: RtlUnit = unit(["harmonics_unit", "harmonics_files.txt", "MULTIPLIERS"], 0);
 
 /// The whole machine.
-pub const MACHINE: RtlUnit = RtlUnit {
-    top: "splat_machine",
-    list: "machine_files.txt",
-    flat: Some("flat_machine"),
-    packages: Packages::WidthsAndProgram,
-    parameter: "LANES",
-};
+pub const MACHINE: RtlUnit = unit(["splat_machine", "machine_files.txt", "LANES"], 2);
 
 /// A circuit.
 #[derive(Clone)]
@@ -140,11 +110,11 @@ impl Circuit {
     /// Its packages and files, in the order in which they are read.
     pub fn sources(&self) -> Result<Vec<Source>> {
         let mut sources = Vec::new();
-        if self.unit.packages != Packages::None {
+        if self.unit.packages > 0 {
             let text = package::text(&self.design, &self.widths)?;
             sources.push(("splatline_pkg.sv".to_owned(), text));
         }
-        if self.unit.packages == Packages::WidthsAndProgram {
+        if self.unit.packages > 1 {
             let text = text::text(&self.design, &self.widths, &self.program)?;
             sources.push(("splatline_setup_pkg.sv".to_owned(), text));
         }
@@ -156,11 +126,9 @@ impl Circuit {
 
     /// Yosys' words for reading it, with its files in this folder.
     pub fn read_command(&self, folder: &Path) -> Result<String> {
-        let mut command = "read_verilog -sv".to_owned();
-        for path in write(folder, &self.sources()?)? {
-            command += &format!(" {}", path.display());
-        }
-        Ok(command)
+        let paths = write(folder, &self.sources()?)?;
+        let paths = paths.iter().map(|path| format!(" {}", path.display()));
+        Ok("read_verilog -sv".to_owned() + &paths.collect::<String>())
     }
 
     /// The circuit without a mutation as a library for [`Simulation`](crate::simulation::Simulation).
@@ -179,23 +147,21 @@ impl Circuit {
         self.verilated(sources, Effort::Little)
     }
 
-    /// The circuit with all of these mutations that one circuit can hold.
-    pub fn with_choices(&self, mutations: &[Mutation]) -> Result<PathBuf> {
-        self.verilated(
-            with_choices(self.sources()?, mutations)?.sources,
-            Effort::Little,
-        )
+    /// The circuit with all of these mutations that one circuit can hold, and their numbers.
+    pub fn with_choices(&self, mutations: &[Mutation]) -> Result<(PathBuf, Vec<MutationNumber>)> {
+        let (sources, chosen) = with_choices(self.sources()?, mutations)?;
+        Ok((self.verilated(sources, Effort::Little)?, chosen))
     }
 
+    /// The library of these sources. Units with ports that are no integers of C have a module of their own around them.
     fn verilated(&self, mut sources: Vec<Source>, effort: Effort) -> Result<PathBuf> {
-        let top = self.unit.flat.unwrap_or(self.unit.top);
-        if self.unit.flat.is_some() {
-            let file = format!("{top}.sv");
-            let text = fs::read_to_string(rtl().join("cosim").join(&file))?;
-            sources.push((file, text));
+        let mut top = self.unit.top.to_owned();
+        let flat = top.replace("splat_", "flat_");
+        if let Ok(text) = fs::read_to_string(rtl().join(format!("cosim/{flat}.sv"))) {
+            sources.push((format!("{flat}.sv"), text));
+            top = flat;
         }
-        let verilator = std::env::var("VERILATOR").unwrap_or_else(|_| "verilator".to_owned());
-        let version = run(Command::new(&verilator).arg("--version"))?;
+        let version = run(verilator().arg("--version"))?;
         let mut hash = DefaultHasher::new();
         (&version, &sources, &self.parameters, OPTIONS, effort.flag()).hash(&mut hash);
         SHIM.hash(&mut hash);
@@ -207,8 +173,7 @@ impl Circuit {
         lock.lock()?;
         if !library.exists() {
             let folder = tempfile::tempdir_in(&kept)?;
-            let built = self.build(folder.path(), &verilator, &sources, effort)?;
-            fs::rename(built, &library)?;
+            fs::rename(self.build(folder.path(), &top, &sources, effort)?, &library)?;
         }
         Ok(library)
     }
@@ -216,16 +181,15 @@ impl Circuit {
     fn build(
         &self,
         folder: &Path,
-        verilator: &str,
+        top: &str,
         sources: &[Source],
         effort: Effort,
     ) -> Result<PathBuf> {
-        let root = run(Command::new(verilator).args(["--getenv", "VERILATOR_ROOT"]))?;
+        let root = run(verilator().args(["--getenv", "VERILATOR_ROOT"]))?;
         let include = Path::new(root.trim()).join("include");
-        let model = folder.join("model");
-        let top = self.unit.flat.unwrap_or(self.unit.top);
+        let (model, library) = (folder.join("model"), folder.join("circuit.so"));
         let parameters = self.parameters.iter();
-        run(Command::new(verilator)
+        run(verilator()
             .args(OPTIONS)
             .args(["--prefix", "Circuit", "--top-module", top])
             .args(parameters.map(|(name, value)| format!("-G{name}={value}")))
@@ -241,12 +205,10 @@ impl Circuit {
             }
         }
         fs::write(folder.join("circuit.cpp"), unity + SHIM)?;
-        let library = folder.join("circuit.so");
-        let compiler = std::env::var("CXX").unwrap_or_else(|_| "c++".to_owned());
-        run(Command::new(compiler)
-            .args(["-std=c++17", effort.flag(), "-w", "-shared", "-fPIC", "-I"])
-            .args([model.as_os_str(), OsStr::new("-I"), include.as_os_str()])
-            .args([OsStr::new("-I"), include.join("vltstd").as_os_str()])
+        let headers = [&model, &include, &include.join("vltstd")];
+        run(tool("CXX", "c++")
+            .args(["-std=c++17", effort.flag(), "-w", "-shared", "-fPIC"])
+            .args(headers.map(|folder| format!("-I{}", folder.display())))
             .arg(folder.join("circuit.cpp"))
             .args(["verilated.cpp", "verilated_threads.cpp"].map(|file| include.join(file)))
             .args([OsStr::new("-o"), library.as_os_str()]))?;
@@ -256,15 +218,17 @@ impl Circuit {
 
 impl fmt::Display for Circuit {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        if self.unit.packages != Packages::None {
+        if self.unit.packages > 0 {
             write!(formatter, "{} ", self.design)?;
         }
         write!(formatter, "{}", self.unit.top)?;
-        for (name, value) in &self.parameters {
-            write!(formatter, " {name}={value}")?;
-        }
-        Ok(())
+        let mut parameters = self.parameters.iter();
+        parameters.try_for_each(|(name, value)| write!(formatter, " {name}={value}"))
     }
+}
+
+fn verilator() -> Command {
+    tool("VERILATOR", "verilator")
 }
 
 /// The C++ compiler's effort.
@@ -300,13 +264,12 @@ const SHIM: &str = include_str!("../shim.cpp");
 
 /// Writes files into a folder.
 fn write(folder: &Path, sources: &[Source]) -> Result<Vec<PathBuf>> {
-    let mut paths = Vec::new();
-    for (name, text) in sources {
+    let written = |(name, text): &Source| {
         let path = folder.join(name);
         fs::write(&path, text)?;
-        paths.push(path);
-    }
-    Ok(paths)
+        Ok(path)
+    };
+    sources.iter().map(written).collect()
 }
 
 /// The ports of Verilator's class, as the shim lists them. In its header `VL_INW(&record,607,0,19);` is an input of 608 bits.

@@ -8,3 +8,8 @@ pub fn split_mix(state: &mut u64) -> u64 {
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
 }
+
+/// A word of nothing.
+pub fn noise(state: &mut u64) -> [u32; 4] {
+    [(); 4].map(|()| split_mix(state) as u32)
+}

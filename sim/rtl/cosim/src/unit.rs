@@ -3,11 +3,11 @@
 
 use crate::circuit::{Circuit, Effort};
 use crate::findings::Findings;
-use crate::mutation::{Mutation, MutationNumber, mutations, with_choices};
+use crate::mutation::{Mutation, MutationNumber, mutations};
 use crate::simulation::Simulation;
 use anyhow::{Result, bail, ensure};
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// How much is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,56 +111,29 @@ pub fn report<U: Unit>(unit: &U) -> Result<()> {
     }
 }
 
-/// A unit with its mutations: one circuit with all that have a choice; the others are built when they are asked for.
-pub struct Judge<U: Unit> {
-    unit: U,
-    loads: Vec<U::Load>,
-    mutations: Vec<Mutation>,
-    chosen: Vec<MutationNumber>,
-    library: PathBuf,
-}
+/// What notices mutations: it says how one is noticed, or nothing if it survives.
+pub type Judge = Box<dyn Fn(&Mutation) -> Result<Option<String>>>;
 
-/// What notices mutations.
-pub trait Judgement {
-    /// How a mutation is noticed; nothing if it survives.
-    fn verdict(&self, mutation: &Mutation) -> Result<Option<String>>;
-}
-
-impl<U: Unit> Judge<U> {
-    /// Builds the circuit for the mutations of this judge; without one of them it must agree.
-    pub fn new(unit: U, judge: &str, extent: Extent) -> Result<Judge<U>> {
-        let mutations = mutations(judge)?;
-        let circuit = unit.circuit();
-        let judge = Judge {
-            chosen: with_choices(circuit.sources()?, &mutations)?.chosen,
-            library: circuit.with_choices(&mutations)?,
-            loads: unit.loads(extent, &mut Vec::new())?,
-            mutations,
-            unit,
-        };
-        let difference = judge.unit.first_difference(&judge.library, 0, &judge.loads);
-        ensure!(
-            difference.is_none(),
-            "without a mutation: {}",
-            difference.unwrap_or_default()
-        );
-        Ok(judge)
-    }
-}
-
-impl<U: Unit> Judgement for Judge<U> {
-    fn verdict(&self, mutation: &Mutation) -> Result<Option<String>> {
-        let place = self.mutations.iter().position(|m| m.name == mutation.name);
-        let number = place.map_or(0, |place| place + 1);
-        if self.chosen.contains(&number) {
-            let library = &self.library;
-            return Ok(self.unit.first_difference(library, number, &self.loads));
+/// A unit's comparison as a judge. One circuit has all of its mutations that have a choice, and without one of them it must agree; circuits with the others
+/// are built when they are asked for.
+pub fn judge_of<U: Unit + 'static>(unit: Result<U>, judge: &str, extent: Extent) -> Result<Judge> {
+    let unit = unit?;
+    let (library, chosen) = unit.circuit().with_choices(&mutations(judge)?)?;
+    let loads = unit.loads(extent, &mut Vec::new())?;
+    let difference = unit.first_difference(&library, 0, &loads);
+    ensure!(difference.is_none(), "without a mutation: {difference:?}");
+    Ok(Box::new(move |mutation| {
+        if chosen.contains(&mutation.number) {
+            return Ok(unit.first_difference(&library, mutation.number, &loads));
         }
-        let sources = self.unit.circuit().sources()?;
-        if !sources.iter().any(|(name, _)| *name == mutation.file) {
+        let circuit = unit.circuit();
+        if circuit
+            .sources()?
+            .iter()
+            .all(|(name, _)| *name != mutation.file)
+        {
             return Ok(None);
         }
-        let library = self.unit.circuit().mutated(mutation)?;
-        Ok(self.unit.first_difference(&library, 0, &self.loads))
-    }
+        Ok(unit.first_difference(&circuit.mutated(mutation)?, 0, &loads))
+    }))
 }

@@ -44,7 +44,7 @@ mod with_verilator {
     use splatline_rtl::findings::Findings;
     use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
     use splatline_rtl::judges;
-    use splatline_rtl::machine::loads::MachineOption;
+    use splatline_rtl::machine::MachineOption;
     use splatline_rtl::machine::unit::MachineUnit;
     use splatline_rtl::order::unit::OrderUnit;
     use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};

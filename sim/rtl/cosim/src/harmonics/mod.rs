@@ -3,8 +3,9 @@
 //! [`program`] is the basis as a list of sums, [`schedule`] puts them in an order, [`text`] writes that as a circuit reads it; [`loads`] makes splats and
 //! [`unit`](mod@unit) compares every colour.
 
-pub mod loads;
-pub mod program;
-pub mod schedule;
+mod loads;
+mod program;
+pub(crate) mod scene;
+mod schedule;
 pub mod text;
 pub mod unit;

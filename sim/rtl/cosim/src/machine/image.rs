@@ -2,7 +2,7 @@
 
 use super::loads::MachineLoad;
 use crate::package::TILE;
-use crate::random::split_mix;
+use crate::random::noise;
 use crate::setup::record::record;
 use anyhow::{Context, Result, anyhow, ensure};
 use splatline::LentList;
@@ -20,7 +20,6 @@ const RECORD: usize = 5;
 /// Records and harmonics at the beginning, bits of nothing in all places that the machine is to write, and a word
 /// between any two regions.
 pub struct MemoryImage {
-    /// The words.
     pub words: Vec<[u32; 4]>,
     /// The machine's inputs that say where all of it lies, and how much it is.
     pub places: Vec<(&'static str, u64)>,
@@ -73,7 +72,7 @@ impl MemoryImage {
             next += size + 1;
         }
         let mut state = 1;
-        words.resize_with(next, || [(); 4].map(|()| split_mix(&mut state) as u32));
+        words.resize_with(next, || noise(&mut state));
         let frame = next - pixels - 1;
         Ok(MemoryImage {
             words,

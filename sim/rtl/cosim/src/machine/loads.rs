@@ -1,6 +1,6 @@
 //! Frames that the machine draws: small ones that show what goes wrong between its units, and captured scenes.
 
-use super::harmonics::SceneHarmonics;
+use crate::harmonics::scene::SceneHarmonics;
 use crate::order::loads::{OrderLoad, ordered};
 use crate::package::TILE;
 use crate::scenes::{SCENES, Seen, scenes};
@@ -10,12 +10,11 @@ use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::hybrid::spacing;
 use splatline_sim::machine::workload::Workload;
-use splatline_sim::rules::{Antialias, Rules};
+use splatline_sim::rules::Antialias;
 use splatline_sim::scene::synthetic;
 
 /// A scene, its work for the model, and its lists.
 pub struct MachineLoad {
-    /// The scene.
     pub seen: Seen,
     /// What the model clocks.
     pub workload: Workload,
@@ -37,7 +36,8 @@ impl MachineLoad {
         apart: u64,
     ) -> MachineLoad {
         if option == MachineOption::DistanceScaling {
-            seen.scene.natural_rules = spaced(&seen);
+            let spacing = Antialias::Swan(spacing(&seen.scene));
+            seen.scene.natural_rules = seen.scene.natural_rules.with_antialias(spacing);
         }
         let harmonics = match option {
             MachineOption::Harmonics => seen.scene.harmonics.take(),
@@ -71,12 +71,6 @@ pub enum MachineOption {
     Harmonics,
 }
 
-/// The rules of the scene with the spacing of its samples.
-fn spaced(seen: &Seen) -> Rules {
-    let rules = seen.scene.natural_rules;
-    rules.with_antialias(Antialias::Swan(spacing(&seen.scene)))
-}
-
 /// The frames of an extent.
 pub fn loads(
     extent: Extent,
@@ -90,9 +84,9 @@ pub fn loads(
     };
     if option == MachineOption::Harmonics {
         seen.push(gaps());
-        (1..)
-            .zip(&mut seen)
-            .for_each(|(degree, seen)| add_harmonics(seen, degree));
+        for (degree, seen) in (1..).zip(&mut seen) {
+            add_harmonics(seen, degree);
+        }
     }
     let mut loads = Vec::new();
     for seen in seen {
@@ -117,47 +111,29 @@ const ROW: &str = "row";
 /// edges; a single row of pixels, whose many tiles are looked up while those without splats are written; and one tile alone with more splats than wait
 /// for it, behind which no word is on its way when its pixels begin to leave.
 fn small() -> Vec<Seen> {
-    let crowd = Seen {
-        name: "crowd",
-        scene: synthetic::random_gaussians(120, 9, 4.0),
-        camera: synthetic::camera(70, 45),
-    };
-    let sparse = Seen {
-        name: "sparse",
-        scene: synthetic::random_gaussians(7, 5, 2.0),
-        camera: synthetic::camera(200, 100),
-    };
-    let row = Seen {
-        name: ROW,
-        scene: synthetic::random_gaussians(40, 3, 0.5),
-        camera: row_of(8_000),
-    };
-    let tile = Seen {
-        name: "tile",
-        scene: synthetic::random_gaussians(300, 4, 20.0),
-        camera: synthetic::camera(32, 32),
-    };
-    vec![crowd, sparse, row, tile]
+    let mut row = Seen::random(ROW, (40, 3, 0.5), [8_000, 8_000]);
+    row.camera = row_of(row.camera);
+    vec![
+        Seen::random("crowd", (120, 9, 4.0), [70, 45]),
+        Seen::random("sparse", (7, 5, 2.0), [200, 100]),
+        row,
+        Seen::random("tile", (300, 4, 20.0), [32, 32]),
+    ]
 }
 
 /// Many splats that are seen, then twelve that are culled: these leave the queue behind packets that waited for their colours.
 fn gaps() -> Seen {
-    let mut scene = synthetic::random_gaussians(400, 7, 2.0);
-    for (number, splat) in scene.splats.iter_mut().enumerate() {
+    let mut gaps = Seen::random("gaps", (400, 7, 2.0), [64, 64]);
+    for (number, splat) in gaps.scene.splats.iter_mut().enumerate() {
         if number % 128 >= 116 {
             splat.centre[0] += 1e4;
         }
     }
-    Seen {
-        name: "gaps",
-        scene,
-        camera: synthetic::camera(64, 64),
-    }
+    gaps
 }
 
 /// A picture of one row that is as wide as a scene: the vertical focal length alone is so small that every splat meets it.
-fn row_of(columns: usize) -> Camera {
-    let camera = synthetic::camera(columns, columns);
+fn row_of(camera: Camera) -> Camera {
     Camera {
         fy: 1.0,
         cy: 0.5,

@@ -1,6 +1,6 @@
 //! Tiles through the primitive: the next one is drawn while the last is read out, with back-pressure at every interface.
 
-use super::stamps::{StampPorts, Stamps};
+use super::stamps::{HandshakePorts, Stamps};
 use super::words::{self, Roots};
 use super::workload::{self, BenchTile, BenchWorkload};
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
@@ -8,7 +8,7 @@ use crate::circuit::{Circuit, PRIMITIVE};
 use crate::findings::Findings;
 use crate::rules::write_rules;
 use crate::scenes::scenes;
-use crate::simulation::{Port, Simulation};
+use crate::simulation::Simulation;
 use crate::unit::{Extent, Unit};
 use anyhow::{Context, Result};
 use splatline::blend::{FINISHED, Pixel};
@@ -27,16 +27,13 @@ use splatline_sim::rules::Rules;
 pub const LANES: [u32; 2] = [1, 4];
 
 /// At full speed; with packets that come late and nothing else, so that cycles can still be compared; with back-pressure everywhere.
-pub const PRESSURES: [Pressure; 3] = [pressure(0, 0, 0), pressure(200, 0, 0), pressure(80, 60, 90)];
+const PRESSURES: [Pressure; 3] = [pressure(0, 0, 0), pressure(200, 0, 0), pressure(80, 60, 90)];
 
 const fn pressure(packets: u8, lanes: u8, pixels: u8) -> Pressure {
     Pressure {
-        offers: [packets; 2],
-        answers: pixels,
         inside: lanes,
-        stalls: 0,
-        resets: 0,
         retracts: false,
+        ..Pressure::at_ends([packets, packets, pixels])
     }
 }
 
@@ -44,7 +41,7 @@ const fn pressure(packets: u8, lanes: u8, pixels: u8) -> Pressure {
 pub struct PrimitiveLoad {
     /// The rules' name.
     pub rules_name: &'static str,
-    /// The kernel's rules.
+    /// The kernel's.
     pub rules: KernelRules,
     /// Footprints and tiles.
     pub workload: BenchWorkload,
@@ -90,20 +87,16 @@ impl PrimitiveUnit {
             Extent::Quick => (1_200, 256, 64),
             Extent::Full => (40_000, 512, 128),
         };
+        let mut seen = vec![workload::crowd(), workload::sparse(), workload::hard()?];
+        seen.extend(scenes(&["deep stack"], deep, missing)?);
+        seen.extend(scenes(&["guitar", "lion"], size, missing)?);
         let mut workloads = vec![
             workload::random(widths, random, 20, 7),
             workload::random(widths, random / 4, 1, 8),
             workload::vast(widths, random / 4, 10),
-            workload::crowd(design, rules),
-            workload::sparse(design, rules),
-            workload::hard(design, rules)?,
         ];
-        let mut seen = scenes(&["deep stack"], deep, missing)?;
-        seen.extend(scenes(&["guitar", "lion"], size, missing)?);
-        workloads.extend(
-            seen.iter()
-                .map(|seen| workload::picture(seen, design, rules)),
-        );
+        let pictures = seen.iter();
+        workloads.extend(pictures.map(|seen| workload::picture(seen, design, rules)));
         Ok(workloads)
     }
 }
@@ -142,19 +135,15 @@ impl Unit for PrimitiveUnit {
             alpha_min: Rules::GAUSSIAN_3D.alpha_min,
             ..Rules::EWA
         };
-        let count = match extent {
-            Extent::Quick => 600,
-            Extent::Full => 20_000,
-        };
+        let quick = extent == Extent::Quick;
+        let count = if quick { 600 } else { 20_000 };
         loads.push(PrimitiveLoad {
             rules_name: "ewa, faint skipped",
             rules: kernel_rules(&faint),
             workload: workload::random(&self.circuit.widths, count, 20, 9),
         });
-        if extent == Extent::Quick {
-            loads
-                .iter_mut()
-                .for_each(|load| shorten(&mut load.workload));
+        for load in loads.iter_mut().filter(|_| quick) {
+            shorten(&mut load.workload);
         }
         Ok(loads)
     }
@@ -182,17 +171,12 @@ impl Unit for PrimitiveUnit {
         }
         let golden = Golden::new(widths, &load.rules)?;
         let layout = Layout::new(widths, Traversal::Spans);
-        let BenchWorkload {
-            tiles, footprints, ..
-        } = &load.workload;
-        let items: Vec<Item> = tiles
-            .iter()
-            .map(|tile| item(&layout, tile, footprints))
-            .collect();
+        let (tiles, footprints) = (&load.workload.tiles, &load.workload.footprints);
+        let (mut items, mut pixels) = (Vec::new(), Vec::new());
         let mut coverage = Coverage::default();
-        let mut pixels = Vec::new();
         for tile in tiles {
             let (drawn, covered) = golden.draw(tile, footprints);
+            items.push(item(&layout, tile, footprints));
             pixels.extend(drawn);
             coverage += covered;
         }
@@ -207,7 +191,7 @@ impl Unit for PrimitiveUnit {
             stamps: Stamps::default(),
             raster_cycles: 0,
             roots: Roots::new(&bench.circuit)?,
-            ports: PrimitivePorts::new(&bench.circuit)?,
+            ports: HandshakePorts::new(&bench.circuit)?,
             enabled: true,
         };
         let mut findings = bench.run(&channels, &items, pressure, &mut checker)?;
@@ -246,7 +230,7 @@ fn shorten(workload: &mut BenchWorkload) {
 }
 
 /// Tiles, packets and ends of tiles in, pixels out.
-pub fn channels(circuit: &Simulation) -> Result<Channels> {
+fn channels(circuit: &Simulation) -> Result<Channels> {
     let window = ["first_column", "first_row", "end_column", "end_row"];
     let pixel = ["finished", "transmittance", "red", "green", "blue"];
     Ok(Channels {
@@ -261,7 +245,7 @@ pub fn channels(circuit: &Simulation) -> Result<Channels> {
 }
 
 /// A tile in one lane: its window, its packets, its end.
-pub fn item(layout: &Layout, tile: &BenchTile, footprints: &[Footprint]) -> Item {
+fn item(layout: &Layout, tile: &BenchTile, footprints: &[Footprint]) -> Item {
     let [first, end] = [tile.window.first, tile.window.end];
     let window = [first[0], first[1], end[0], end[1]].map(|place| vec![place.into()]);
     let offer = |source, data| Offer { source, data };
@@ -327,24 +311,6 @@ impl<'a> Golden<'a> {
     }
 }
 
-struct PrimitivePorts {
-    tile: [Port; 2],
-    finish: [Port; 2],
-    lanes_enable: Port,
-    stamps: StampPorts,
-}
-
-impl PrimitivePorts {
-    fn new(circuit: &Simulation) -> Result<PrimitivePorts> {
-        Ok(PrimitivePorts {
-            tile: [circuit.port("tile_valid")?, circuit.port("tile_ready")?],
-            finish: [circuit.port("finish_valid")?, circuit.port("finish_ready")?],
-            lanes_enable: circuit.port("lanes_enable")?,
-            stamps: StampPorts::new(circuit)?,
-        })
-    }
-}
-
 struct PrimitiveChecker<'a> {
     design: RuntimeWidths,
     /// Lanes, and cycles between two packets.
@@ -359,7 +325,7 @@ struct PrimitiveChecker<'a> {
     stamps: Stamps,
     raster_cycles: u64,
     roots: Roots,
-    ports: PrimitivePorts,
+    ports: HandshakePorts,
     /// Were the lanes allowed to move in the cycle before?
     enabled: bool,
 }
@@ -374,16 +340,13 @@ impl Checker for PrimitiveChecker<'_> {
     }
 
     fn observe(&mut self, circuit: &Simulation, cycle: u64) -> Option<String> {
-        let both = |[valid, ready]: [Port; 2]| circuit.is(valid) && circuit.is(ready);
         let mut difference = self.roots.note(circuit);
-        let popped = self.ports.stamps.popped(circuit);
-        if !self.enabled && popped != 0 {
-            difference = Some(format!(
-                "a lane took a run in cycle {cycle}, while lanes were held"
-            ));
+        if !self.enabled && circuit.get(self.ports.lanes_popped) != 0 {
+            let held = format!("a lane took a run in cycle {cycle}, while lanes were held");
+            difference = Some(held);
         }
         self.enabled = circuit.is(self.ports.lanes_enable);
-        if both(self.ports.tile) {
+        if self.ports.tile.moves(circuit) {
             self.stamps = Stamps::default();
             return difference;
         }
@@ -392,9 +355,8 @@ impl Checker for PrimitiveChecker<'_> {
             return difference;
         };
         let packets = tile.list.len();
-        self.stamps
-            .note(&self.ports.stamps, circuit, cycle, packets);
-        if both(self.ports.finish) {
+        self.stamps.note(&self.ports, circuit, cycle, packets);
+        if self.ports.finish.moves(circuit) {
             self.raster_cycles += self.stamps.raster_cycles();
             if let Some(timed) = &mut self.timed {
                 *timed += packets as u64;
@@ -414,11 +376,8 @@ impl PrimitiveChecker<'_> {
         for (index, tile) in self.load.workload.tiles.iter().enumerate() {
             let [columns, rows] = tile.size();
             if number < columns * rows {
-                let [x, y] = tile.window.first;
-                let (x, y) = (
-                    usize::from(x) + number % columns,
-                    usize::from(y) + number / columns,
-                );
+                let [x, y] = tile.window.first.map(usize::from);
+                let (x, y) = (x + number % columns, y + number / columns);
                 return format!("tile {index}, pixel ({x}, {y})");
             }
             number -= columns * rows;

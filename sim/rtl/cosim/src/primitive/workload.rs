@@ -5,16 +5,14 @@ use crate::random::split_mix;
 use crate::scenes::Seen;
 use anyhow::Result;
 use splatline::footprint::{Conic, Footprint};
-use splatline::format::Widths;
+use splatline::format::{Traversal, Widths};
 use splatline::math::SoftFloat;
 use splatline::raster::Window;
 use splatline::setup::{Covariance2d, ldl};
-use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
 use splatline_sim::reference::golden;
 use splatline_sim::rules::{Compositing, Rules};
-use splatline_sim::scene::{Scene, synthetic};
 
 /// A window within one block of the tile buffer, and the footprints to be drawn there, in order.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,68 +35,48 @@ impl BenchTile {
 pub struct BenchWorkload {
     /// What it is.
     pub name: &'static str,
-    /// Footprints, nearest first.
+    /// Nearest first.
     pub footprints: Vec<Footprint>,
     /// Tiles.
     pub tiles: Vec<BenchTile>,
 }
 
 /// A few thousand Gaussians of all sizes over a small picture.
-pub fn crowd(design: &DesignChoice, rules: &Rules) -> BenchWorkload {
-    let scene = synthetic::random_gaussians(2_000, 9, 4.0);
-    let camera = synthetic::camera(150, 100);
-    from_scene("crowd", &scene, &camera, design, rules)
+pub fn crowd() -> Seen {
+    Seen::random("crowd", (2_000, 9, 4.0), [150, 100])
 }
 
 /// A few Gaussians in a picture most of whose tiles have none.
-pub fn sparse(design: &DesignChoice, rules: &Rules) -> BenchWorkload {
-    let scene = synthetic::random_gaussians(20, 9, 4.0);
-    let camera = synthetic::camera(480, 320);
-    from_scene("sparse", &scene, &camera, design, rules)
-}
-
-/// The whole picture of a scene.
-pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorkload {
-    from_scene(seen.name, &seen.scene, &seen.camera, design, rules)
+pub fn sparse() -> Seen {
+    Seen::random("sparse", (20, 9, 4.0), [480, 320])
 }
 
 /// The hard Gaussians of the golden set: needles, huge, near the plane, off the axis.
-pub fn hard(design: &DesignChoice, rules: &Rules) -> Result<BenchWorkload> {
+pub fn hard() -> Result<Seen> {
     let set = golden::GoldenA::load(&golden::archive())?;
-    Ok(from_scene(
-        "hard",
-        &set.scene(golden::ALL),
-        &set.camera,
-        design,
-        rules,
-    ))
+    Ok(Seen {
+        name: "hard",
+        scene: set.scene(golden::ALL),
+        camera: set.camera,
+    })
 }
 
-/// Tiles over a whole picture of a scene.
-fn from_scene(
-    name: &'static str,
-    scene: &Scene,
-    camera: &Camera,
-    design: &DesignChoice,
-    rules: &Rules,
-) -> BenchWorkload {
+/// Tiles over the whole picture of a scene.
+pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorkload {
     let options = fixed::Options {
         rules,
         compositing: Compositing::FrontToBack,
         design,
-        traversal: splatline::format::Traversal::Spans,
+        traversal: Traversal::Spans,
     };
-    let mut footprints: Vec<Footprint> = fixed::footprints(scene, camera, &options)
-        .into_iter()
-        .flatten()
-        .collect();
+    let footprints = fixed::footprints(&seen.scene, &seen.camera, &options);
+    let mut footprints: Vec<Footprint> = footprints.into_iter().flatten().collect();
     footprints.sort_by_key(|footprint| footprint.depth);
-    let viewport = [camera.width, camera.height].map(|size| size as u16);
-    let tiles = tiles(&footprints, viewport);
+    let viewport = [seen.camera.width, seen.camera.height].map(|size| size as u16);
     BenchWorkload {
-        name,
+        name: seen.name,
+        tiles: tiles(&footprints, viewport),
         footprints,
-        tiles,
     }
 }
 
@@ -127,21 +105,25 @@ fn tiles(footprints: &[Footprint], viewport: [u16; 2]) -> Vec<BenchTile> {
 /// Random footprints over random windows: from far below a pixel to far beyond the screen, axis ratios to 2^15, every colour,
 /// opacity and cut-off that a packet can hold (cut-offs up to setup's limit of 15).
 pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> BenchWorkload {
-    random_between(
-        "random packets",
-        &[Kind::Any([-4.0, 20.0])],
-        widths,
-        count,
-        per_tile,
-        seed,
-    )
+    let kinds = [Kind::Any([-4.0, 20.0])];
+    let (footprints, tiles) = random_between(&kinds, widths, [count, per_tile], seed);
+    BenchWorkload {
+        name: "random packets",
+        footprints,
+        tiles,
+    }
 }
 
 /// The same where xc has few fraction bits or leaves the fine word: half-widths of up to 2^28 pixels, the largest that setup gives, and
 /// needles.
 pub fn vast(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
     let kinds = [Kind::Any([12.0, 26.0]), Kind::Flat, Kind::WordAway];
-    random_between("vast packets", &kinds, widths, count, 10, seed)
+    let (footprints, tiles) = random_between(&kinds, widths, [count, 10], seed);
+    BenchWorkload {
+        name: "vast packets",
+        footprints,
+        tiles,
+    }
 }
 
 /// Columns that the fine word of xc holds: 28 bits before the point of a centre, 8 of which give way to a fraction.
@@ -185,16 +167,13 @@ impl Kind {
 
 /// Random footprints over random windows, each of one of the kinds in turn.
 fn random_between(
-    name: &'static str,
     kinds: &[Kind],
     widths: &Widths,
-    count: usize,
-    per_tile: usize,
+    [count, per_tile]: [usize; 2],
     seed: u64,
-) -> BenchWorkload {
+) -> (Vec<Footprint>, Vec<BenchTile>) {
     let mut random = WorkloadRandom(seed);
-    let mut footprints = Vec::with_capacity(count);
-    let mut tiles = Vec::new();
+    let (mut footprints, mut tiles) = (Vec::with_capacity(count), Vec::new());
     while footprints.len() < count {
         let block = TILE.map(|size| size * (random.below(2000 / u32::from(size)) as u16));
         let window = random.window(block);
@@ -202,16 +181,10 @@ fn random_between(
         while footprints.len() < list.end as usize {
             footprints.extend(random.footprint(widths, &window, kinds[tiles.len() % kinds.len()]));
         }
-        tiles.push(BenchTile {
-            window,
-            list: list.collect(),
-        });
+        let list = list.collect();
+        tiles.push(BenchTile { window, list });
     }
-    BenchWorkload {
-        name,
-        footprints,
-        tiles,
-    }
+    (footprints, tiles)
 }
 
 /// The farthest centre that is tried, in pixels.
