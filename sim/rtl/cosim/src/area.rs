@@ -4,45 +4,37 @@
 //! (`sim/machine/src/area/synthesised.csv` and `setup.csv`); `rtl -- area UNIT` counts the cells of another unit.
 
 use crate::circuit::{Circuit, PRIMITIVE, RtlUnit, SETUP};
-use crate::tools::yosys;
-use anyhow::{Context, Result, ensure};
-use serde::Deserialize;
+use crate::tools::{entries, json, yosys};
+use anyhow::{Result, ensure};
 use splatline_sim::machine::area::setup::{self, FITTED_CORES, SetupUnit};
 use splatline_sim::machine::area::synthesis::{self, Subject, Synthesised, SynthesisedPart};
 use splatline_sim::machine::area::{Fabric, Family};
 use splatline_sim::machine::primitive::SETUP_INTERVAL;
-use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
-
-/// Yosys' `stat -json`.
-#[derive(Deserialize)]
-struct Statistics {
-    design: DesignStatistics,
-}
-
-#[derive(Deserialize)]
-struct DesignStatistics {
-    num_cells_by_type: BTreeMap<String, u64>,
-}
 
 /// Runs a script that leaves one module of cells, and counts them.
 pub fn cells(script: &str, folder: &Path) -> Result<Fabric> {
     let counts = folder.join("stat.json");
     let count = format!("tee -q -o {} stat -json", counts.display());
     yosys(&format!("{script}; {count}"))?;
-    let text = fs::read_to_string(&counts)?;
-    let statistics: Statistics = serde_json::from_str(&text).context("yosys' statistics")?;
-    let fabric = fabric(&statistics.design.num_cells_by_type);
+    let statistics = json(&counts)?;
+    let kinds = entries(&statistics["design"]["num_cells_by_type"]);
+    let fabric = fabric(kinds.filter_map(|(kind, number)| Some((kind.as_str(), number.as_u64()?))));
     ensure!(fabric.luts > 0, "yosys counts no look-up tables");
     Ok(fabric)
 }
 
+/// The columns of a table: look-up tables, flip-flops, multipliers and memory.
+pub fn columns(fabric: &Fabric) -> String {
+    let counts = fabric.resources().map(|(_, count)| count.to_string());
+    counts.join(",")
+}
+
 /// Cells of a netlist by kind.
-pub fn fabric(cells: &BTreeMap<String, u64>) -> Fabric {
+pub fn fabric<'a>(cells: impl IntoIterator<Item = (&'a str, u64)>) -> Fabric {
     let mut area = Fabric::default();
     for (kind, number) in cells {
-        match kind.as_str() {
+        match kind {
             "SB_LUT4" | "LUT4" | "TRELLIS_SLICE" => area.luts += number,
             // A CCU2C is a slice's two LUTs with their carry.
             "CCU2C" => area.luts += 2 * number,
@@ -204,8 +196,7 @@ mod tests {
             ("DP16KD", 2),
             ("GSR", 1),
         ];
-        let cells = cells.map(|(kind, number)| (kind.to_owned(), number));
-        let found = fabric(&cells.into());
+        let found = fabric(cells);
         let expected = Fabric {
             luts: 7,
             flip_flops: 5,

@@ -6,12 +6,11 @@
 //! `asic.csv` beside this folder is what it printed for primitives of four lanes in SKY130's cells (sky130_fd_sc_hd, typical corner).
 
 use crate::circuit::{Circuit, MACHINE, PRIMITIVE};
-use crate::tools::yosys;
+use crate::tools::{entries, json, yosys};
 use anyhow::{Context, Result, ensure};
 use flate2::read::GzDecoder;
-use serde::Deserialize;
+use serde_json::Value;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::fs;
 use std::io::Read;
 use std::path::Path;
@@ -47,9 +46,8 @@ impl Library {
                 && depth == *inside
             {
                 if let Some(area) = attribute(line, "area") {
-                    found.0 = area
-                        .parse()
-                        .with_context(|| format!("area of cell {name}"))?;
+                    let area = area.parse();
+                    found.0 = area.with_context(|| format!("area of cell {name}"))?;
                 }
                 found.1 |= group(line, "ff").is_some();
             }
@@ -77,44 +75,14 @@ fn is_nand2(name: &str) -> bool {
 /// The name of a group of this kind that begins in the line.
 fn group(line: &str, kind: &str) -> Option<String> {
     let rest = line.strip_prefix(kind)?.trim_start().strip_prefix('(')?;
-    let name = rest.split_once(')')?.0;
-    Some(
-        name.trim_matches(|c: char| c == '"' || c.is_whitespace())
-            .to_owned(),
-    )
+    let (name, _) = rest.split_once(')')?;
+    let name = name.trim_matches(|c: char| c == '"' || c.is_whitespace());
+    Some(name.to_owned())
 }
 
 fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
     let value = line.strip_prefix(name)?.trim_start().strip_prefix(':')?;
     Some(value.trim_matches(|c: char| c == ';' || c == '"' || c.is_whitespace()))
-}
-
-/// Yosys' netlist. (Its statistics would do, but release 0.23 writes them as broken JSON for more than one module.)
-#[derive(Deserialize)]
-struct Netlist {
-    modules: BTreeMap<String, NetlistModule>,
-}
-
-#[derive(Deserialize)]
-struct NetlistModule {
-    cells: BTreeMap<String, NetlistCell>,
-}
-
-#[derive(Deserialize)]
-struct NetlistCell {
-    #[serde(rename = "type")]
-    kind: String,
-    parameters: BTreeMap<String, String>,
-}
-
-impl NetlistCell {
-    /// Bits of a memory; 0 of anything else. Parameters are binary numerals.
-    fn memory_bits(&self) -> u64 {
-        let parameter = |name| u64::from_str_radix(self.parameters.get(name)?, 2).ok();
-        let is_memory = self.kind.starts_with("$mem");
-        let bits = || Some(parameter("SIZE")? * parameter("WIDTH")?);
-        is_memory.then(bits).flatten().unwrap_or(0)
-    }
 }
 
 /// What a module is made of.
@@ -124,15 +92,25 @@ struct Module {
     memory_bits: u64,
 }
 
-impl From<NetlistModule> for Module {
-    fn from(netlist: NetlistModule) -> Module {
+/// The modules of Yosys' netlist. (Its statistics would do, but release 0.23 writes them as broken JSON for more than one module.)
+fn modules(netlist: &Value) -> BTreeMap<String, Module> {
+    let module = |(name, netlist): (&String, &Value)| {
         let mut module = Module::default();
-        for cell in netlist.cells.into_values() {
-            module.memory_bits += cell.memory_bits();
-            *module.cells.entry(cell.kind).or_default() += 1;
+        for (_, cell) in entries(&netlist["cells"]) {
+            module.memory_bits += memory_bits(cell).unwrap_or(0);
+            let kind = cell["type"].as_str().unwrap_or_default();
+            *module.cells.entry(kind.to_owned()).or_default() += 1;
         }
-        module
-    }
+        (name.clone(), module)
+    };
+    entries(&netlist["modules"]).map(module).collect()
+}
+
+/// Bits of a memory; nothing of anything else. Parameters are binary numerals.
+fn memory_bits(cell: &Value) -> Option<u64> {
+    let parameter = |name| u64::from_str_radix(cell["parameters"][name].as_str()?, 2).ok();
+    let is_memory = cell["type"].as_str()?.starts_with("$mem");
+    is_memory.then_some(parameter("SIZE")? * parameter("WIDTH")?)
 }
 
 /// What a module takes with all that it contains.
@@ -235,27 +213,25 @@ fn lines(circuit: &Circuit, mapped: &Mapped) -> String {
     mapped.units(circuit.unit.top, 1, &mut units);
     let mut units: Vec<_> = units.into_iter().collect();
     units.sort_by(|one, other| other.1.1.area.total_cmp(&one.1.1.area));
-    let mut text = String::new();
-    for (unit, (instances, taken)) in units {
+    let line = |(unit, (instances, taken)): (String, (u64, Taken))| {
         let gates = taken.area / mapped.library.gate;
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "{circuit},{unit},{instances},{:.0},{gates:.0},{},{},{:.2},{:.3}",
+        format!(
+            "{circuit},{unit},{instances},{:.0},{gates:.0},{},{},{:.2},{:.3}\n",
             taken.area,
             taken.flip_flops,
             taken.memory_bits,
             taken.path / 1000.0,
             gates * GATE_28NM / 1e6,
-        );
-    }
-    text
+        )
+    };
+    units.into_iter().map(line).collect()
 }
 
 /// Synthesises a circuit into the library's cells.
 fn mapped<'a>(circuit: &Circuit, library: &'a Library, liberty: &str) -> Result<Mapped<'a>> {
     let folder = tempfile::tempdir()?;
     let path = |name: &str| folder.path().join(name);
+    let words = |name: &str| path(name).display().to_string();
     fs::write(path("cells.lib"), liberty)?;
     fs::write(path("mapping.abc"), MAPPING)?;
     let read = circuit.read_command(folder.path())?;
@@ -265,26 +241,19 @@ fn mapped<'a>(circuit: &Circuit, library: &'a Library, liberty: &str) -> Result<
         // A memory has as many words as it needs.
         parameters.push(("BLOCK_WORDS", 0));
     }
-    let parameters: String = parameters
-        .iter()
-        .map(|(name, value)| format!("chparam -set {name} {value} {top}; "))
-        .collect();
-    let cells = path("cells.lib").display().to_string();
-    let mapping = path("mapping.txt").display().to_string();
-    let netlist = path("netlist.json").display().to_string();
-    let script = path("mapping.abc").display().to_string();
+    let parameters = parameters.iter();
+    let parameters = parameters.map(|(name, value)| format!("chparam -set {name} {value} {top}; "));
+    let (cells, mapping) = (words("cells.lib"), words("mapping.txt"));
+    let (netlist, script) = (words("netlist.json"), words("mapping.abc"));
     yosys(&format!(
-        "{read}; {parameters}synth -top {top} -run begin:fine; opt -fast -full; opt -undriven -fine; techmap; opt -fast; abc -fast; opt -fast; \
+        "{read}; {}synth -top {top} -run begin:fine; opt -fast -full; opt -undriven -fine; techmap; opt -fast; abc -fast; opt -fast; \
          dfflibmap -liberty {cells}; tee -q -o {mapping} abc -liberty {cells} -script {script}; \
-         opt_clean; write_json {netlist}"
+         opt_clean; write_json {netlist}",
+        parameters.collect::<String>()
     ))?;
-    let netlist: Netlist = serde_json::from_slice(&fs::read(path("netlist.json"))?)?;
-    let modules = netlist.modules.into_iter();
     Ok(Mapped {
         library,
-        modules: modules
-            .map(|(name, module)| (name, module.into()))
-            .collect(),
+        modules: modules(&json(&path("netlist.json"))?),
         paths: paths(&fs::read_to_string(path("mapping.txt"))?)?,
     })
 }
@@ -351,14 +320,10 @@ library ("small") {
                 "a": {"type": "lib_nand2_1", "parameters": {}},
                 "b": {"type": "DFF", "parameters": {}},
                 "c": {"type": "$mem_v2", "parameters": {"SIZE": "00100000", "WIDTH": "0101"}}}}}}"#;
-        let netlist: Netlist = serde_json::from_str(text).unwrap();
         let log = "1. Extracting gate netlist of module `$paramod$0123\\lane' to `x'..\nABC: Delay =   281.93 ps\n";
-        let modules = netlist.modules.into_iter();
         let mapped = Mapped {
             library: &library,
-            modules: modules
-                .map(|(name, module)| (name, module.into()))
-                .collect(),
+            modules: modules(&serde_json::from_str(text).unwrap()),
             paths: paths(log).unwrap(),
         };
         let all = mapped.taken("top");
