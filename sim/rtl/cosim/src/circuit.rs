@@ -68,11 +68,10 @@ pub struct Circuit {
     /// Of this unit.
     pub unit: &'static RtlUnit,
     /// Name of its design, for its packages.
-    pub design: String,
-    /// The design's widths.
-    pub widths: Widths,
+    design: String,
+    pub(crate) widths: Widths,
     /// What its cores of setup compute, if it has any.
-    pub program: SetupProgram,
+    pub(crate) program: SetupProgram,
     /// Parameters of the module at the top.
     pub parameters: Vec<(&'static str, u32)>,
 }
@@ -83,8 +82,8 @@ pub type Source = (String, String);
 impl Circuit {
     /// The unit of a design of `rtl -- area`, with its parameter.
     pub fn new(unit: &'static RtlUnit, design: &str, value: u32) -> Result<Circuit> {
-        let mut subjects = subjects().into_iter();
-        let subject = subjects.find(|subject| subject.name == design);
+        let subjects = subjects();
+        let subject = subjects.iter().find(|subject| subject.name == design);
         let subject = subject.with_context(|| format!("no such design: {design}"))?;
         Ok(Circuit {
             unit,
@@ -190,7 +189,7 @@ impl Circuit {
         let (model, library) = (folder.join("model"), folder.join("circuit.so"));
         let parameters = self.parameters.iter();
         run(verilator()
-            .args(OPTIONS)
+            .args(OPTIONS.split(' '))
             .args(["--prefix", "Circuit", "--top-module", top])
             .args(parameters.map(|(name, value)| format!("-G{name}={value}")))
             .args([OsStr::new("--Mdir"), model.as_os_str()])
@@ -250,14 +249,7 @@ impl Effort {
 }
 
 /// Verilator's options for every circuit: what a register holds before reset is drawn by lot.
-const OPTIONS: [&str; 6] = [
-    "--cc",
-    "-O3",
-    "--x-assign",
-    "unique",
-    "--x-initial",
-    "unique",
-];
+const OPTIONS: &str = "--cc -O3 --x-assign unique --x-initial unique";
 
 /// The functions between circuit and program.
 const SHIM: &str = include_str!("../shim.cpp");

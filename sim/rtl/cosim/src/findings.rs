@@ -1,6 +1,5 @@
 //! What a comparison found.
 
-use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
 /// What a comparison found.
@@ -12,19 +11,23 @@ pub struct Findings {
     pub first_difference: Option<String>,
     /// Cycles.
     pub cycles: u64,
-    /// What else there was, by its name.
-    pub counts: BTreeMap<&'static str, u64>,
+    /// What else there was, by its name, in the order of the report's columns.
+    pub counts: Vec<(&'static str, u64)>,
 }
 
 impl Findings {
     /// So many more of this name.
     pub fn count(&mut self, name: &'static str, more: u64) {
-        *self.counts.entry(name).or_default() += more;
+        match self.counts.iter_mut().find(|known| known.0 == name) {
+            Some((_, count)) => *count += more,
+            None => self.counts.push((name, more)),
+        }
     }
 
     /// How many of this name.
     pub fn counted(&self, name: &str) -> u64 {
-        self.counts.get(name).copied().unwrap_or(0)
+        let known = self.counts.iter().find(|known| known.0 == name);
+        known.map_or(0, |(_, count)| *count)
     }
 }
 

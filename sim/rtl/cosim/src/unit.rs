@@ -22,8 +22,6 @@ pub enum Extent {
 pub trait Unit: Sync {
     /// What one comparison is made of.
     type Load: Sync;
-    /// Counts of [`Findings`] that the report shows.
-    const COUNTS: &'static [&'static str];
     /// Ways of feeding and emptying the unit; the first is that at full speed.
     const PRESSURES: usize;
 
@@ -85,23 +83,26 @@ pub fn report<U: Unit>(unit: &U) -> Result<()> {
     let mut missing = Vec::new();
     let loads = unit.loads(Extent::Full, &mut missing)?;
     println!("{circuit}; not at hand: {missing:?}\n");
-    let columns = U::COUNTS.join(" | ");
-    println!("| load | compared | cycles at full speed | {columns} |");
-    println!("|---|{}", "---:|".repeat(2 + U::COUNTS.len()));
     let mut total = Findings::default();
     for parts in loads.chunk_by(|a, b| unit.name(a) == unit.name(b)) {
         let found = unit.compare_parts(&library, parts)?;
         let unhindered = found.first().map_or(0, |first| first.cycles);
         let mut sum = Findings::default();
         found.into_iter().for_each(|part| sum += part);
-        let counts = U::COUNTS.iter().map(|name| sum.counted(name).to_string());
-        let counts: Vec<String> = counts.collect();
-        let name = unit.name(&parts[0]);
-        println!(
-            "| {name} | {} | {unhindered} | {} |",
-            sum.compared,
-            counts.join(" | ")
-        );
+        let columns = |of: fn(&(&'static str, u64)) -> String| -> String {
+            sum.counts
+                .iter()
+                .map(|count| format!(" {} |", of(count)))
+                .collect()
+        };
+        if total.cycles == 0 {
+            let names = columns(|(name, _)| (*name).to_owned());
+            println!("| load | compared | cycles at full speed |{names}");
+            println!("|---|{}", "---:|".repeat(2 + sum.counts.len()));
+        }
+        let counts = columns(|(_, count)| count.to_string());
+        let (name, compared) = (unit.name(&parts[0]), sum.compared);
+        println!("| {name} | {compared} | {unhindered} |{counts}");
         total += sum;
     }
     println!("\n{} compared\n", total.compared);

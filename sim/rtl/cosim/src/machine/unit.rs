@@ -93,20 +93,6 @@ impl MachineUnit {
 
 impl Unit for MachineUnit {
     type Load = MachineLoad;
-    const COUNTS: &'static [&'static str] = &[
-        "splats",
-        "seen",
-        "beyond k",
-        "painted",
-        "entries",
-        "geometry",
-        "geometry, model",
-        "sort",
-        "lists",
-        "raster",
-        "raster, model",
-        "all, model",
-    ];
     const PRESSURES: usize = TIMINGS.len();
 
     fn circuit(&self) -> &Circuit {
@@ -166,7 +152,7 @@ impl Unit for MachineUnit {
             let clear = Pixel::clear(widths);
             let painted = expected.iter().filter(|pixel| **pixel != clear).count();
             let beyond = enlarged(widths, &scene.view, &rules, &scene.splats);
-            for (name, count) in [
+            findings.counts = vec![
                 ("splats", scene.splats.len() as u64),
                 ("seen", circuit.read("visible")?),
                 ("beyond k", beyond as u64),
@@ -179,9 +165,7 @@ impl Unit for MachineUnit {
                 ("raster", phases[3]),
                 ("raster, model", raster),
                 ("all, model", all),
-            ] {
-                findings.count(name, count);
-            }
+            ];
         }
         let timed = timing.pauses == 0 && all.abs_diff(findings.cycles) >= load.apart;
         let timed = timed.then(|| format!("{} cycles, {all} by the model", findings.cycles));

@@ -36,7 +36,6 @@ impl OrderUnit {
 
 impl Unit for OrderUnit {
     type Load = OrderLoad;
-    const COUNTS: &'static [&'static str] = &["entries", "words read", "words written"];
     const PRESSURES: usize = TIMINGS.len();
 
     fn circuit(&self) -> &Circuit {
@@ -114,8 +113,11 @@ impl OrderRun<'_> {
         for _ in 0..2 {
             findings.cycles = self.picture()?;
         }
-        findings.count("words read", self.memory.read);
-        findings.count("words written", self.memory.written);
+        findings.counts = vec![
+            ("entries", self.bench.circuit.read("entries")?),
+            ("words read", self.memory.read),
+            ("words written", self.memory.written),
+        ];
         let mut ends = Vec::new();
         for tile in 0..self.load.lists.len() {
             self.bench.set(&[("end_tile", tile as u64)])?;
@@ -123,7 +125,6 @@ impl OrderRun<'_> {
             ends.push(self.bench.circuit.read("end_place")? as usize);
         }
         let full = self.bench.circuit.read("full")? == 1;
-        findings.count("entries", self.bench.circuit.read("entries")?);
         findings.compared = self.load.splats.len() as u64;
         findings.first_difference = self.memory.astray(full);
         if findings.first_difference.is_none() && !full {

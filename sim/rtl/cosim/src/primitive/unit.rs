@@ -103,15 +103,6 @@ impl PrimitiveUnit {
 
 impl Unit for PrimitiveUnit {
     type Load = PrimitiveLoad;
-    const COUNTS: &'static [&'static str] = &[
-        "tiles",
-        "splats",
-        "visited",
-        "covered",
-        "roots",
-        "splats timed",
-        "raster cycles",
-    ];
     const PRESSURES: usize = PRESSURES.len();
 
     fn circuit(&self) -> &Circuit {
@@ -196,7 +187,7 @@ impl Unit for PrimitiveUnit {
         };
         let mut findings = bench.run(&channels, &items, pressure, &mut checker)?;
         let splats = tiles.iter().map(|tile| tile.list.len() as u64).sum();
-        for (name, count) in [
+        findings.counts = vec![
             ("tiles", tiles.len() as u64),
             ("splats", splats),
             ("visited", coverage.visited),
@@ -204,9 +195,7 @@ impl Unit for PrimitiveUnit {
             ("roots", checker.roots.compared),
             ("splats timed", checker.timed.unwrap_or(0)),
             ("raster cycles", checker.raster_cycles),
-        ] {
-            findings.count(name, count);
-        }
+        ];
         Ok(findings)
     }
 }

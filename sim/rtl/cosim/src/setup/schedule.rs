@@ -1,16 +1,16 @@
 //! When operations are issued, where their results stand, and when those of a splat leave; see [`assemble`](super::assemble).
 
-use super::assemble::{Exits, Operand, Operation, Pick, Term, Value};
+use super::assemble::{Exits, Operand, Operation, Pick, Place, Term, Value};
 use crate::random::split_mix;
 
 /// Cycles from the issue of a sum's last term until its result can be read.
 pub const LATENCY: usize = 24;
 
 /// Registers of a core.
-pub const REGISTERS: usize = 256;
+const REGISTERS: usize = 256;
 
 /// Rounds that a splat may take: as many splats of one core are in flight.
-pub const ROUNDS: usize = 16;
+const ROUNDS: usize = 16;
 
 /// So many cycles before a round ends the next splats' records may begin to come in.
 pub const LOAD_AHEAD: usize = 48;
@@ -44,10 +44,8 @@ fn read(operation: &Operation) -> impl Iterator<Item = Value> + '_ {
 }
 
 fn reads_input(operation: &Operation) -> bool {
-    operation
-        .terms
-        .iter()
-        .any(|term| matches!(term.a, Operand::Input(_)))
+    let mut terms = operation.terms.iter();
+    terms.any(|term| matches!(term.a, Operand::Input(_)))
 }
 
 /// Cycles of every operation's first slot; nothing if the round is too short.
@@ -55,16 +53,10 @@ fn reads_input(operation: &Operation) -> bool {
 /// What has the most behind it comes first; the seed stirs that order by a latency, since not every order fills a round without gaps.
 pub(super) fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usize>> {
     let mut state = seed;
-    let stir: Vec<usize> = operations
-        .iter()
-        .map(|_| {
-            if seed == 0 {
-                0
-            } else {
-                split_mix(&mut state) as usize % (LATENCY << (seed % 4))
-            }
-        })
-        .collect();
+    let mut stir = vec![0; operations.len()];
+    if seed > 0 {
+        stir.fill_with(|| split_mix(&mut state) as usize % (LATENCY << (seed % 4)));
+    }
     let mut taken = vec![false; round];
     let mut times = vec![0; operations.len()];
     // Cycles from an operation's issue to the end of everything that follows from it.
@@ -77,11 +69,12 @@ pub(super) fn schedule(operations: &[Operation], round: usize, seed: u64) -> Opt
         }
     }
     // Factors that an operation waits for, and the cycle from which those that are there can be read.
-    let mut waits: Vec<usize> = operations.iter().map(|o| read(o).count()).collect();
+    let mut waits = vec![0; operations.len()];
     let mut ready = vec![0; operations.len()];
     let mut readers = vec![Vec::new(); operations.len()];
     for (index, operation) in operations.iter().enumerate() {
         for value in read(operation) {
+            waits[index] += 1;
             readers[value].push(index);
         }
     }
@@ -161,18 +154,23 @@ pub(super) fn exits(
     })
 }
 
-/// Registers for every result: the first, and how many. Nothing if there are too few.
-pub(super) fn registers(
+/// Places of all operations, with registers for every result; nothing if there are too few.
+pub(super) fn places(
     operations: &[Operation],
     times: &[usize],
     exits: &Exits,
     round: usize,
-) -> Option<Vec<(usize, usize)>> {
+) -> Option<Vec<Place>> {
     let last_slot = |index: usize| times[index] + operations[index].terms.len() - 1;
-    let mut copies = vec![1; operations.len()];
+    let place = |time: &usize| Place {
+        time: *time,
+        register: 0,
+        copies: 1,
+    };
+    let mut places: Vec<Place> = times.iter().map(place).collect();
     let mut lasts = |value: usize, until: usize| {
         let rounds = (until - last_slot(value)).div_ceil(round);
-        copies[value] = copies[value].max(rounds.next_power_of_two());
+        places[value].copies = places[value].copies.max(rounds.next_power_of_two());
     };
     for (index, operation) in operations.iter().enumerate() {
         for value in read(operation) {
@@ -182,14 +180,13 @@ pub(super) fn registers(
     for (cycle, value) in &exits.results {
         lasts(*value, exits.round * round + cycle);
     }
-    let mut order: Vec<usize> = (0..operations.len()).collect();
+    let mut order: Vec<&mut Place> = places.iter_mut().collect();
     // The widest first, so that all stand at a multiple of their width.
-    order.sort_by_key(|index| REGISTERS - copies[*index]);
+    order.sort_by_key(|place| REGISTERS - place.copies);
     let mut free = 0;
-    let mut places = vec![(0, 1); operations.len()];
-    for index in order {
-        places[index] = (free, copies[index]);
-        free += copies[index];
+    for place in order {
+        place.register = free;
+        free += place.copies;
     }
     (free <= REGISTERS).then_some(places)
 }

@@ -35,7 +35,6 @@ impl TableUnits {
 
 impl Unit for TableUnits {
     type Load = Vec<SoftFloat>;
-    const COUNTS: &'static [&'static str] = &[];
     const PRESSURES: usize = 1;
 
     fn circuit(&self) -> &Circuit {

@@ -33,7 +33,7 @@ const PRESSURES: [Pressure; 3] = [
 ];
 
 /// The names of culls as in [`Cull::ALL`].
-const CULLS: [&str; 6] = [
+const CULLS: [&str; Cull::ALL.len()] = [
     "near",
     "far",
     "range",
@@ -63,7 +63,6 @@ const PART: usize = 10_000;
 
 impl Unit for SetupUnit {
     type Load = SetupLoad;
-    const COUNTS: &'static [&'static str] = &CULLS;
     const PRESSURES: usize = PRESSURES.len();
 
     fn circuit(&self) -> &Circuit {
@@ -124,9 +123,7 @@ impl Unit for SetupUnit {
             let few = || format!("{directions} directions");
             findings.first_difference.get_or_insert_with(few);
         }
-        for (name, count) in CULLS.into_iter().zip(checker.culled) {
-            findings.count(name, count);
-        }
+        findings.counts = CULLS.into_iter().zip(checker.culled).collect();
         Ok(findings)
     }
 }
