@@ -44,8 +44,8 @@ const PACKERS: &[&str] = &["ecppack", "yowasp-ecppack"];
 /// Placements of a circuit: one says little, since the placer begins with random places.
 const SEEDS: [u32; 5] = [1, 2, 3, 4, 5];
 
-/// All circuits that are placed.
-pub fn circuits() -> Result<Vec<Circuit>> {
+/// All circuits that are placed and whose name, as in `lean18 splat_primitive LANES=4`, contains these words.
+pub fn circuits(words: &str) -> Result<Vec<Circuit>> {
     let mut all = Vec::new();
     for (design, _) in DESIGNS {
         for (unit, value) in [(&PRIMITIVE, 1), (&PRIMITIVE, 4), (&SETUP, 1)] {
@@ -56,6 +56,7 @@ pub fn circuits() -> Result<Vec<Circuit>> {
         all.push(Circuit::new(unit, DESIGNS[0].0, value)?);
     }
     all.push(machine(PLACED_CORES)?);
+    all.retain(|circuit| circuit.to_string().contains(words));
     Ok(all)
 }
 
@@ -67,14 +68,11 @@ pub fn machine(cores: u32) -> Result<Circuit> {
     Ok(Circuit::new(&MACHINE, DESIGNS[0].0, 4)?.with("CORES", cores))
 }
 
-/// Places the circuits whose name, as in `lean18 splat_primitive LANES=4`, contains these words, with five seeds or with one, and prints lines of `placed.csv`.
+/// Places circuits with five seeds or with one, and prints lines of `placed.csv`.
 pub fn report(words: &str, seed: Option<u32>) -> Result<()> {
     println!("circuit,tool,seed,luts,flip_flops,dsps,memory_kbit,mhz,seconds,path");
     let seeds = seed.map_or(SEEDS.to_vec(), |seed| vec![seed]);
-    for circuit in circuits()? {
-        if !circuit.to_string().contains(words) {
-            continue;
-        }
+    for circuit in circuits(words)? {
         let folder = tempfile::tempdir()?;
         let counts = columns(&netlist(&circuit, folder.path())?);
         for seed in &seeds {

@@ -39,19 +39,16 @@ pub trait Unit: Sync {
 
     /// The comparison of all pressures, or of one for each part of a divided load.
     fn compare_parts(&self, library: &Path, parts: &[Self::Load]) -> Result<Vec<Findings>> {
-        let jobs: Vec<(usize, usize)> = if parts.len() == 1 {
-            (0..Self::PRESSURES).map(|pressure| (0, pressure)).collect()
-        } else {
-            (0..parts.len())
-                .map(|part| (part, part % Self::PRESSURES))
-                .collect()
+        let jobs = match parts.len() {
+            1 => Self::PRESSURES,
+            count => count,
         };
-        jobs.into_par_iter()
-            .map(|(part, pressure)| {
-                let circuit = Simulation::new(library, part as u32 + 1, 0)?;
-                self.compare(circuit, &parts[part], pressure)
-            })
-            .collect()
+        let compared = |job| {
+            let part = job % parts.len();
+            let circuit = Simulation::new(library, part as u32 + 1, 0)?;
+            self.compare(circuit, &parts[part], job % Self::PRESSURES)
+        };
+        (0..jobs).into_par_iter().map(compared).collect()
     }
 
     /// What a circuit's comparison says first, or nothing if it agrees everywhere.
@@ -64,12 +61,10 @@ pub trait Unit: Sync {
         let pressures = |load| (0..Self::PRESSURES).map(move |pressure| (load, pressure));
         let jobs: Vec<(&Self::Load, usize)> = loads.iter().flat_map(pressures).collect();
         let difference = |(load, pressure): (&Self::Load, usize)| {
-            let found = Simulation::new(library, 1, mutation)
-                .and_then(|circuit| self.compare(circuit, load, pressure));
-            let difference = match found {
-                Ok(findings) => findings.first_difference?,
-                Err(error) => format!("{error:#}"),
-            };
+            let circuit = Simulation::new(library, 1, mutation);
+            let found = circuit.and_then(|circuit| self.compare(circuit, load, pressure));
+            let found = found.map(|findings| findings.first_difference);
+            let difference = found.unwrap_or_else(|error| Some(format!("{error:#}")))?;
             Some(format!("{}: {difference}", self.name(load)))
         };
         jobs.into_par_iter().find_map_first(difference)
@@ -89,18 +84,14 @@ pub fn report<U: Unit>(unit: &U) -> Result<()> {
         let unhindered = found.first().map_or(0, |first| first.cycles);
         let mut sum = Findings::default();
         found.into_iter().for_each(|part| sum += part);
-        let columns = |of: fn(&(&'static str, u64)) -> String| -> String {
-            sum.counts
-                .iter()
-                .map(|count| format!(" {} |", of(count)))
-                .collect()
-        };
+        let counts = sum.counts.iter();
         if total.cycles == 0 {
-            let names = columns(|(name, _)| (*name).to_owned());
+            let names = counts.clone().map(|(name, _)| format!(" {name} |"));
+            let names: String = names.collect();
             println!("| load | compared | cycles at full speed |{names}");
             println!("|---|{}", "---:|".repeat(2 + sum.counts.len()));
         }
-        let counts = columns(|(_, count)| count.to_string());
+        let counts: String = counts.map(|(_, count)| format!(" {count} |")).collect();
         let (name, compared) = (unit.name(&parts[0]), sum.compared);
         println!("| {name} | {compared} | {unhindered} |{counts}");
         total += sum;
@@ -128,11 +119,8 @@ pub fn judge_of<U: Unit + 'static>(unit: Result<U>, judge: &str, extent: Extent)
             return Ok(unit.first_difference(&library, mutation.number, &loads));
         }
         let circuit = unit.circuit();
-        if circuit
-            .sources()?
-            .iter()
-            .all(|(name, _)| *name != mutation.file)
-        {
+        let sources = circuit.sources()?;
+        if sources.iter().all(|(name, _)| *name != mutation.file) {
             return Ok(None);
         }
         Ok(unit.first_difference(&circuit.mutated(mutation)?, 0, &loads))
