@@ -4,6 +4,7 @@
 use crate::circuit::{Circuit, Effort};
 use crate::findings::Findings;
 use crate::mutation::{Mutation, MutationNumber, mutations};
+use crate::scenes::Missing;
 use crate::simulation::Simulation;
 use anyhow::{Result, bail, ensure};
 use rayon::prelude::*;
@@ -29,7 +30,7 @@ pub trait Unit: Sync {
     fn circuit(&self) -> &Circuit;
 
     /// What it is given. The names of scenes whose data is not at hand go to `missing`. Loads of one name in a row are parts of one.
-    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<Self::Load>>;
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<Self::Load>>;
 
     /// A load's name.
     fn name(&self, load: &Self::Load) -> String;

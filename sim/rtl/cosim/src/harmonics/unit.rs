@@ -5,6 +5,7 @@ use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
 use crate::circuit::{Circuit, Effort, HARMONICS};
 use crate::findings::Findings;
 use crate::harmonics::scene::colour;
+use crate::scenes::Missing;
 use crate::simulation::Simulation;
 use crate::unit::{Extent, Unit};
 use anyhow::Result;
@@ -68,7 +69,7 @@ impl Unit for HarmonicsUnit {
         &self.0
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<HarmonicsLoad>> {
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<HarmonicsLoad>> {
         let (count, step) = match extent {
             Extent::Quick => (240, 100),
             Extent::Full => (12_000, 1),
@@ -92,12 +93,7 @@ impl Unit for HarmonicsUnit {
         load.name.clone()
     }
 
-    fn compare(
-        &self,
-        circuit: Simulation,
-        load: &HarmonicsLoad,
-        pressure: usize,
-    ) -> Result<Findings> {
+    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
         let mut bench = Bench::new(circuit, 1)?;
         let channels = Channels {
             sources: vec![

@@ -3,9 +3,7 @@
 use crate::harmonics::scene::SceneHarmonics;
 use crate::order::loads::{OrderLoad, ordered};
 use crate::package::TILE;
-use crate::scenes::{SCENES, Seen, scenes};
-use crate::unit::Extent;
-use anyhow::Result;
+use crate::scenes::Seen;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::hybrid::spacing;
@@ -29,7 +27,7 @@ pub struct MachineLoad {
 impl MachineLoad {
     /// Of a scene. With distance scaling it has the spacing of its samples; a machine for harmonics is given them apart from the splats, which keep colours
     /// that it must not use.
-    fn new(
+    pub fn new(
         mut seen: Seen,
         design: &DesignChoice,
         option: MachineOption,
@@ -71,46 +69,19 @@ pub enum MachineOption {
     Harmonics,
 }
 
-/// The frames of an extent.
-pub fn loads(
-    extent: Extent,
-    design: &DesignChoice,
-    option: MachineOption,
-    missing: &mut Vec<&'static str>,
-) -> Result<Vec<MachineLoad>> {
-    let (mut seen, apart) = match extent {
-        Extent::Quick => (small(), 1_200),
-        Extent::Full => (scenes(&SCENES, 128, missing)?, u64::MAX),
-    };
-    if option == MachineOption::Harmonics {
-        seen.push(gaps());
-        for (degree, seen) in (1..).zip(&mut seen) {
-            add_harmonics(seen, degree);
-        }
-    }
-    let mut loads = Vec::new();
-    for seen in seen {
-        // Distance scaling replaces the low-pass filter, without which no splat of the row is high enough to meet it.
-        if !(option == MachineOption::DistanceScaling && seen.name == ROW) {
-            loads.push(MachineLoad::new(seen, design, option, apart));
-        }
-    }
-    Ok(loads)
-}
-
 /// Random harmonics for a scene that has none.
-fn add_harmonics(seen: &mut Seen, degree: u8) {
+pub fn add_harmonics(seen: &mut Seen, degree: u8) {
     let count = seen.scene.splats.len();
     let random = || synthetic::random_harmonics(count, 1, degree % 5).harmonics;
     seen.scene.harmonics = seen.scene.harmonics.take().or_else(random);
 }
 
-const ROW: &str = "row";
+pub const ROW: &str = "row";
 
 /// A crowd with lists that end within words, culled splats and tiles cut by the edge; a few splats among tiles without any, of which some are at the
 /// edges; a single row of pixels, whose many tiles are looked up while those without splats are written; and one tile alone with more splats than wait
 /// for it, behind which no word is on its way when its pixels begin to leave.
-fn small() -> Vec<Seen> {
+pub fn small() -> Vec<Seen> {
     let mut row = Seen::random(ROW, (40, 3, 0.5), [8_000, 8_000]);
     row.camera = row_of(row.camera);
     vec![
@@ -122,7 +93,7 @@ fn small() -> Vec<Seen> {
 }
 
 /// Many splats that are seen, then twelve that are culled: these leave the queue behind packets that waited for their colours.
-fn gaps() -> Seen {
+pub fn gaps() -> Seen {
     let mut gaps = Seen::random("gaps", (400, 7, 2.0), [64, 64]);
     for (number, splat) in gaps.scene.splats.iter_mut().enumerate() {
         if number % 128 >= 116 {

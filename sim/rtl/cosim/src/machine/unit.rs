@@ -1,15 +1,16 @@
 //! A scene's records in a memory image, through the machine, and the frame that it leaves there: every pixel against the kernel's, cycles against the model's.
 
 use super::image::{MemoryImage, kernel_frame, pixel_word, places};
-use super::loads::{MachineLoad, MachineOption, loads};
+use super::loads::{MachineLoad, MachineOption, ROW, add_harmonics, gaps, small};
 use crate::bench::Bench;
 use crate::circuit::{Circuit, MACHINE};
 use crate::findings::Findings;
 use crate::memory::{Memory, MemoryTiming, timing};
 use crate::rules::write_rules;
+use crate::scenes::{Missing, SCENES, scenes};
 use crate::setup::distant::enlarged;
 use crate::setup::program::{ProgramKind, SetupProgram};
-use crate::setup::unit::write_constants;
+use crate::setup::unit::{constant_words, write_constants};
 use crate::simulation::Simulation;
 use crate::unit::{Extent, Unit};
 use anyhow::{Context, Result, bail, ensure};
@@ -99,27 +100,38 @@ impl Unit for MachineUnit {
         &self.circuit
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<MachineLoad>> {
-        loads(extent, &self.design, self.option, missing)
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<MachineLoad>> {
+        let (mut seen, apart) = match extent {
+            Extent::Quick => (small(), 1_200),
+            Extent::Full => (scenes(&SCENES, 128, missing)?, u64::MAX),
+        };
+        if self.option == MachineOption::Harmonics {
+            seen.push(gaps());
+            for (degree, seen) in (1..).zip(&mut seen) {
+                add_harmonics(seen, degree);
+            }
+        }
+        // Distance scaling replaces the low-pass filter, without which no splat of the row is high enough to meet it.
+        if self.option == MachineOption::DistanceScaling {
+            seen.retain(|seen| seen.name != ROW);
+        }
+        let load = |seen| MachineLoad::new(seen, &self.design, self.option, apart);
+        Ok(seen.into_iter().map(load).collect())
     }
 
     fn name(&self, load: &MachineLoad) -> String {
         load.seen.name.to_owned()
     }
 
-    fn compare(
-        &self,
-        circuit: Simulation,
-        load: &MachineLoad,
-        pressure: usize,
-    ) -> Result<Findings> {
+    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
         let (timing, frames) = TIMINGS[pressure];
         let rules = load.seen.scene.natural_rules;
         let mut scene = QuantisedScene::new(&load.seen.scene, &load.seen.camera, &rules);
         let rules = scene.rules(&rules);
         let widths = &self.circuit.widths;
         let mut bench = Bench::new(circuit, 1)?;
-        write_constants(&mut bench, &self.circuit, &scene.view, &rules)?;
+        let constants = constant_words(&self.circuit, &scene.view, &rules)?;
+        write_constants(&mut bench, &constants)?;
         write_rules(&mut bench, widths, &rules)?;
         // The tile buffers are cleared once.
         (0..1_100).for_each(|_| bench.cycle());

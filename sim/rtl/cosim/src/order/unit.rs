@@ -6,7 +6,7 @@ use crate::circuit::{Circuit, ORDER};
 use crate::findings::Findings;
 use crate::memory::{Memory, MemoryTiming, timing};
 use crate::random::noise;
-use crate::scenes::{SCENES, scenes};
+use crate::scenes::{Missing, SCENES, scenes};
 use crate::simulation::Simulation;
 use crate::unit::{Extent, Unit};
 use anyhow::{Result, bail, ensure};
@@ -42,7 +42,7 @@ impl Unit for OrderUnit {
         &self.0
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<OrderLoad>> {
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<OrderLoad>> {
         let (names, size): (&[_], _) = match extent {
             Extent::Quick => (&["playbot"], 128),
             Extent::Full => (&SCENES, 512),
@@ -59,7 +59,7 @@ impl Unit for OrderUnit {
         load.name.clone()
     }
 
-    fn compare(&self, circuit: Simulation, load: &OrderLoad, pressure: usize) -> Result<Findings> {
+    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
         let room = load.entries();
         if TIMINGS[pressure].0.full && room == 0 {
             return Ok(Findings::default());

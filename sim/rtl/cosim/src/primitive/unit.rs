@@ -7,7 +7,7 @@ use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
 use crate::circuit::{Circuit, PRIMITIVE};
 use crate::findings::Findings;
 use crate::rules::write_rules;
-use crate::scenes::scenes;
+use crate::scenes::{Missing, scenes};
 use crate::simulation::Simulation;
 use crate::unit::{Extent, Unit};
 use anyhow::{Context, Result};
@@ -80,7 +80,7 @@ impl PrimitiveUnit {
         &self,
         rules: &Rules,
         extent: Extent,
-        missing: &mut Vec<&'static str>,
+        missing: &mut Missing,
     ) -> Result<Vec<BenchWorkload>> {
         let (design, widths) = (&self.design, &self.circuit.widths);
         let (random, size, deep) = match extent {
@@ -111,7 +111,7 @@ impl Unit for PrimitiveUnit {
 
     /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of scenes skip nothing there: `3dgs` ends a
     /// footprint where it becomes faint, and `ewa` draws what is there.
-    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<PrimitiveLoad>> {
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<PrimitiveLoad>> {
         let mut loads = Vec::new();
         for (rules_name, rules) in [("3dgs", Rules::GAUSSIAN_3D), ("ewa", Rules::EWA)] {
             for workload in self.of_rules(&rules, extent, missing)? {
@@ -143,12 +143,7 @@ impl Unit for PrimitiveUnit {
         format!("{}, {}", load.workload.name, load.rules_name)
     }
 
-    fn compare(
-        &self,
-        circuit: Simulation,
-        load: &PrimitiveLoad,
-        pressure: usize,
-    ) -> Result<Findings> {
+    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
         let widths = &self.circuit.widths;
         let pressure = &PRESSURES[pressure];
         let mut bench = Bench::new(circuit, 1)?;

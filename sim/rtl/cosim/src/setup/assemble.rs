@@ -9,7 +9,7 @@
 //!
 //! Results leave by the second factor's port in slots that have no use for it, so that they take no slots of their own.
 
-use super::schedule::{exits, places, schedule, slots};
+use super::schedule::{Timed, schedule};
 use anyhow::{Context, Result, ensure};
 
 /// Constants of a picture.
@@ -182,9 +182,13 @@ impl Program {
         let fits = |(word, _): &(usize, Value)| *word < WORDS;
         ensure!(results.iter().all(fits), "there are too many results");
         let placed = |round, seed| {
-            let times = schedule(&operations, round, seed)?;
-            let exits = exits(&operations, results, &times, round)?;
-            Some((places(&operations, &times, &exits, round)?, exits, round))
+            let timed = Timed {
+                times: schedule(&operations, round, seed)?,
+                operations: &operations,
+                round,
+            };
+            let exits = timed.exits(results)?;
+            Some((timed.places(&exits)?, exits, round))
         };
         let slots: usize = operations.iter().map(|o| o.terms.len()).sum();
         let found =
@@ -211,8 +215,12 @@ impl Program {
 
     /// The slot of every cycle of a round: operation and term.
     pub fn slots(&self) -> Vec<Option<(usize, usize)>> {
-        let times: Vec<usize> = self.places.iter().map(|place| place.time).collect();
-        slots(&self.operations, &times, self.round)
+        let timed = Timed {
+            operations: &self.operations,
+            round: self.round,
+            times: self.places.iter().map(|place| place.time).collect(),
+        };
+        timed.slots()
     }
 }
 

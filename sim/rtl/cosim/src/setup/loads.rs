@@ -1,7 +1,7 @@
 //! What is set up: captured scenes, hard cases, and bits of which nobody made a splat.
 
 use crate::random::split_mix;
-use crate::scenes::scenes;
+use crate::scenes::{Missing, scenes};
 use anyhow::Result;
 use splatline::float;
 use splatline::math::SoftFloat;
@@ -71,7 +71,7 @@ pub(super) const fn soft_float(mantissa: i32, exponent: i32) -> SoftFloat {
 }
 
 /// Every `step`-th splat of the scenes at hand under both kinds of rules.
-pub fn captured(step: usize, missing: &mut Vec<&'static str>) -> Result<Vec<SetupLoad>> {
+pub fn captured(step: usize, missing: &mut Missing) -> Result<Vec<SetupLoad>> {
     let mut loads = Vec::new();
     for mut seen in scenes(&["guitar", "playbot", "lion"], 512, missing)? {
         let splats = std::mem::take(&mut seen.scene.splats);

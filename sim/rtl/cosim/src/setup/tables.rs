@@ -5,11 +5,12 @@
 
 use super::program::{ProgramKind, SetupProgram};
 use super::record::record;
-use super::unit::{channels, one_record, packet, write_constants};
+use super::unit::{channels, constant_words, one_record, packet, write_constants};
 use crate::bench::{Bench, Checker, Item, Pressure};
 use crate::circuit::{Circuit, SETUP};
 use crate::findings::Findings;
 use crate::random::split_mix;
+use crate::scenes::Missing;
 use crate::simulation::Simulation;
 use crate::unit::{Extent, Unit};
 use anyhow::{Context, Result};
@@ -42,7 +43,7 @@ impl Unit for TableUnits {
     }
 
     /// For the full extent all mantissas of 18 bits, and as many of wider ones.
-    fn loads(&self, extent: Extent, _: &mut Vec<&'static str>) -> Result<Vec<Vec<SoftFloat>>> {
+    fn loads(&self, extent: Extent, _: &mut Missing) -> Result<Vec<Vec<SoftFloat>>> {
         let mantissa = self.0.widths.mantissa;
         Ok(vec![match extent {
             Extent::Quick => numbers(mantissa, 37 << (mantissa - 18)),
@@ -58,7 +59,8 @@ impl Unit for TableUnits {
         let widths = self.0.widths;
         let (view, _) = hard_cases(1, [640, 480], 1);
         let mut bench = Bench::new(circuit, 1)?;
-        write_constants(&mut bench, &self.0, &view, &Rules::GAUSSIAN_3D)?;
+        let words = constant_words(&self.0, &view, &Rules::GAUSSIAN_3D)?;
+        write_constants(&mut bench, &words)?;
         let item = |number: &SoftFloat| Some(one_record(record(&bearing(*number))?.to_vec()));
         let items: Option<Vec<Item>> = load.iter().map(item).collect();
         let mut checker = TableChecker {

@@ -9,6 +9,7 @@ use super::record::record;
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
 use crate::circuit::{Circuit, SETUP};
 use crate::findings::Findings;
+use crate::scenes::Missing;
 use crate::simulation::{Port, Simulation};
 use crate::unit::{Extent, Unit};
 use anyhow::{Context, Result};
@@ -69,7 +70,7 @@ impl Unit for SetupUnit {
         &self.0
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<SetupLoad>> {
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<SetupLoad>> {
         let (quick, kind) = (extent == Extent::Quick, self.0.program.kind);
         if kind == ProgramKind::DistanceScaling {
             let loads = distant(if quick { 300 } else { 4_000 }, 1);
@@ -89,9 +90,10 @@ impl Unit for SetupUnit {
         load.name.clone()
     }
 
-    fn compare(&self, circuit: Simulation, load: &SetupLoad, pressure: usize) -> Result<Findings> {
+    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
         let mut bench = Bench::new(circuit, 7)?;
-        write_constants(&mut bench, &self.0, &load.view, &load.rules)?;
+        let words = constant_words(&self.0, &load.view, &load.rules)?;
+        write_constants(&mut bench, &words)?;
         let widths = self.0.widths;
         let design = RuntimeWidths::new(widths).ok();
         let mut checker = SetupChecker {
@@ -173,19 +175,14 @@ pub fn constant_words(circuit: &Circuit, view: &View, rules: &Rules) -> Result<V
     Ok(words)
 }
 
-/// Writes the constants of the circuit's program.
-pub fn write_constants(
-    bench: &mut Bench,
-    circuit: &Circuit,
-    view: &View,
-    rules: &Rules,
-) -> Result<()> {
-    for (index, value, exponent) in constant_words(circuit, view, rules)? {
+/// Writes constants for the cores and the registers beside them.
+pub fn write_constants(bench: &mut Bench, words: &[Constant]) -> Result<()> {
+    for (index, value, exponent) in words {
         bench.set(&[
             ("constant_valid", 1),
-            ("constant_index", index.into()),
-            ("constant_value", value as u64),
-            ("constant_exponent", exponent as u64),
+            ("constant_index", (*index).into()),
+            ("constant_value", *value as u64),
+            ("constant_exponent", *exponent as u64),
         ])?;
         bench.cycle();
     }
