@@ -34,27 +34,25 @@ impl Library {
     /// Areas and registers of all cells. A Liberty file is groups in braces, `cell (name) { area : 3.75; ff (IQ, IQ_N) { ... } }`.
     fn parse(text: &str) -> Result<Library> {
         let mut cells = BTreeMap::new();
-        let (mut depth, mut cell) = (0, None);
-        for line in text.lines() {
-            let line = line.trim();
+        let (mut depth, mut inside, mut cell) = (0, 0, String::new());
+        for line in text.lines().map(str::trim) {
             if let Some(name) = group(line, "cell") {
                 cells.insert(name.clone(), (0.0, false));
-                cell = Some((name, depth + 1));
+                (cell, inside) = (name, depth + 1);
             }
-            if let Some((name, inside)) = &cell
-                && let Some(found) = cells.get_mut(name)
-                && depth == *inside
+            if depth == inside
+                && let Some(found) = cells.get_mut(&cell)
             {
                 if let Some(area) = attribute(line, "area") {
                     let area = area.parse();
-                    found.0 = area.with_context(|| format!("area of cell {name}"))?;
+                    found.0 = area.with_context(|| format!("area of cell {cell}"))?;
                 }
                 found.1 |= group(line, "ff").is_some();
             }
             let count = |brace| line.matches(brace).count() as i32;
             depth += count('{') - count('}');
-            if cell.as_ref().is_some_and(|(_, inside)| depth < *inside) {
-                cell = None;
+            if depth < inside {
+                cell.clear();
             }
         }
         let gates = cells.iter().filter(|(name, _)| is_nand2(name));

@@ -196,13 +196,10 @@ impl Circuit {
             .args(write(folder, sources)?))?;
         let header = fs::read_to_string(model.join("Circuit.h"))?;
         fs::write(model.join("ports.h"), ports(&header))?;
-        let mut unity = String::new();
-        for file in fs::read_dir(&model)?.flatten() {
-            let path = file.path();
-            if path.extension().is_some_and(|extension| extension == "cpp") {
-                unity += &format!("#include \"{}\"\n", path.display());
-            }
-        }
+        let files = fs::read_dir(&model)?.flatten().map(|file| file.path());
+        let files = files.filter(|path| path.extension().is_some_and(|end| end == "cpp"));
+        let includes = files.map(|path| format!("#include \"{}\"\n", path.display()));
+        let unity: String = includes.collect();
         fs::write(folder.join("circuit.cpp"), unity + SHIM)?;
         let headers = [&model, &include, &include.join("vltstd")];
         run(tool("CXX", "c++")
@@ -266,20 +263,15 @@ fn write(folder: &Path, sources: &[Source]) -> Result<Vec<PathBuf>> {
 
 /// The ports of Verilator's class, as the shim lists them. In its header `VL_INW(&record,607,0,19);` is an input of 608 bits.
 fn ports(header: &str) -> String {
-    let mut text = String::new();
-    for line in header.lines() {
-        let Some((kind, port)) = line.trim().split_once("(&") else {
-            continue;
-        };
-        let is_input = kind.starts_with("VL_IN");
+    let port = |line: &str| {
+        let (kind, port) = line.trim().split_once("(&")?;
         let mut words = port.split(',');
-        if let (Some(name), Some(high)) = (words.next(), words.next())
-            && (is_input || kind.starts_with("VL_OUT"))
-        {
-            text += &format!("{{\"{name}\", &model.{name}, {high} + 1, {is_input}}},\n");
-        }
-    }
-    text
+        let (name, high) = (words.next()?, words.next()?);
+        let is_input = kind.starts_with("VL_IN");
+        (is_input || kind.starts_with("VL_OUT"))
+            .then(|| format!("{{\"{name}\", &model.{name}, {high} + 1, {is_input}}},\n"))
+    };
+    header.lines().filter_map(port).collect()
 }
 
 #[cfg(test)]

@@ -36,7 +36,7 @@ impl Simulation {
     /// registers hold; inputs are 0.
     pub fn new(library: &Path, seed: u32, mutation: MutationNumber) -> Result<Simulation> {
         // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbols have the shim's types, and the
-        // simulation is freed by the same library before that is unloaded.
+        // simulation is freed by the same library before that is unloaded. A port may be all zeros.
         unsafe {
             let library = Library::new(library).context("a circuit's library")?;
             let make: unsafe extern "C" fn(u32, u32) -> *mut c_void =
@@ -50,19 +50,12 @@ impl Simulation {
                 ports: Vec::new(),
                 _library: library,
             };
-            let mut found = PortData {
-                name: std::ptr::null(),
-                data: std::ptr::null_mut(),
-                bits: 0,
-                is_input: false,
-            };
+            let mut found: PortData = std::mem::zeroed();
             while port(simulation.state, simulation.ports.len(), &mut found) {
                 let name = CStr::from_ptr(found.name).to_str()?.to_owned();
                 simulation.ports.push((name, found));
-            }
-            for place in 0..simulation.ports.len() {
-                if simulation.ports[place].1.is_input {
-                    simulation.set(Port(place), 0);
+                if found.is_input {
+                    simulation.set(Port(simulation.ports.len() - 1), 0);
                 }
             }
             Ok(simulation)

@@ -214,7 +214,7 @@ fn near_the_ends(random: &mut LoadRandom, direction: [i32; 3], degree: u8) -> Ha
 /// A direction for which a product of the kernel's polynomial of degree 4 and order 0 is so near below an odd multiple of 2^63 that its rounding leaves 64 bits.
 fn wrapping(random: &mut LoadRandom) -> [i32; 3] {
     let rounded = |x: i64, y: i64| (x * y + (1 << 29)) >> 30;
-    for _ in 0..20_000 {
+    let found = (0..20_000).find_map(|_| {
         let z = ONE - random.below(ONE as u64 / 4) as i64;
         let zz = rounded(z, z);
         // (5 zz - 30 s) zz = -2^63 - a little, for the s = xx + yy that is nearest.
@@ -222,32 +222,23 @@ fn wrapping(random: &mut LoadRandom) -> [i32; 3] {
         let s = s as i64;
         let product = i128::from(5 * zz - 30 * s) * i128::from(zz);
         let beyond = -(1i128 << 63) - product;
-        if !(1..=1 << 29).contains(&beyond) {
-            continue;
-        }
-        if let Some([x, y]) = with_squares(random, s) {
-            return [x as i32, y as i32, z as i32];
-        }
-    }
-    [ONE as i32; 3]
+        let fits = (1..=1 << 29).contains(&beyond);
+        let [x, y] = fits.then(|| with_squares(random, s))??;
+        Some([x, y, z].map(|axis| axis as i32))
+    });
+    found.unwrap_or([ONE as i32; 3])
 }
 
 /// x and y whose squares, each rounded, have this sum.
 fn with_squares(random: &mut LoadRandom, sum: i64) -> Option<[i64; 2]> {
     let rounded = |x: i64| (x * x + (1 << 29)) >> 30;
-    for _ in 0..64 {
+    (0..64).find_map(|_| {
         let x = random.below(ONE as u64) as i64;
         let left = sum - rounded(x);
-        if !(0..=ONE).contains(&left) {
-            continue;
-        }
         let y = (left as f64 * ONE as f64).sqrt() as i64;
         let near = (y - 2..=y + 2).find(|y| (0..=ONE).contains(y) && rounded(*y) == left);
-        if let Some(y) = near {
-            return Some([x, y]);
-        }
-    }
-    None
+        near.map(|y| [x, y])
+    })
 }
 
 /// Every `step`-th splat of the scene with harmonics in the kernel's directions from its camera; nothing where its data is missing.

@@ -40,10 +40,8 @@ impl SortedSplat {
     pub fn word(&self) -> [u32; 4] {
         let [first, last] = self.tiles;
         let places = [first[0], first[1], last[0], last[1]];
-        let places = places
-            .iter()
-            .rev()
-            .fold(0u128, |word, place| word << 12 | u128::from(*place & 0xfff));
+        let places = places.iter().rev();
+        let places = places.fold(0u128, |word, place| word << 12 | u128::from(*place & 0xfff));
         let word = places << 80 | u128::from(self.number) << 48 | u128::from(self.key);
         [0, 32, 64, 96].map(|bit| (word >> bit) as u32)
     }
@@ -109,13 +107,12 @@ pub fn ordered(seen: &Seen, design: &DesignChoice) -> (Workload, OrderLoad) {
         })
     };
     let list = |tile| workload.pairs_of(tile).iter().map(|pair| pair.splat);
+    let lists = (0..workload.tiles.len()).map(|tile| list(tile).collect());
     let load = OrderLoad {
         name: seen.name.to_owned(),
         size,
         splats: numbered.filter_map(splat).collect(),
-        lists: (0..workload.tiles.len())
-            .map(|tile| list(tile).collect())
-            .collect(),
+        lists: lists.collect(),
     };
     (workload, load)
 }
@@ -149,10 +146,7 @@ pub fn hard() -> Vec<OrderLoad> {
         ),
     ];
     for (name, keys) in keys {
-        let size = [
-            1 + (split_mix(&mut state) % 9) as u16,
-            1 + (split_mix(&mut state) % 7) as u16,
-        ];
+        let size = [9, 7].map(|end| 1 + (split_mix(&mut state) % end) as u16);
         let splats = (0..).zip(keys).map(|(index, key)| SortedSplat {
             // Numbers have gaps where splats were culled.
             number: 3 * index,

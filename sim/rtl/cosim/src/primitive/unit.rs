@@ -74,31 +74,6 @@ impl PrimitiveUnit {
             interval,
         })
     }
-
-    /// The workloads of scenes under one of their rules.
-    fn of_rules(
-        &self,
-        rules: &Rules,
-        extent: Extent,
-        missing: &mut Missing,
-    ) -> Result<Vec<BenchWorkload>> {
-        let (design, widths) = (&self.design, &self.circuit.widths);
-        let (random, size, deep) = match extent {
-            Extent::Quick => (1_200, 256, 64),
-            Extent::Full => (40_000, 512, 128),
-        };
-        let mut seen = vec![workload::crowd(), workload::sparse(), workload::hard()?];
-        seen.extend(scenes(&["deep stack"], deep, missing)?);
-        seen.extend(scenes(&["guitar", "lion"], size, missing)?);
-        let mut workloads = vec![
-            workload::random(widths, random, 20, 7),
-            workload::random(widths, random / 4, 1, 8),
-            workload::vast(widths, random / 4, 10),
-        ];
-        let pictures = seen.iter();
-        workloads.extend(pictures.map(|seen| workload::picture(seen, design, rules)));
-        Ok(workloads)
-    }
 }
 
 impl Unit for PrimitiveUnit {
@@ -112,27 +87,37 @@ impl Unit for PrimitiveUnit {
     /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of scenes skip nothing there: `3dgs` ends a
     /// footprint where it becomes faint, and `ewa` draws what is there.
     fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<PrimitiveLoad>> {
+        let (design, widths) = (&self.design, &self.circuit.widths);
+        let quick = extent == Extent::Quick;
+        let ([random, faint], [size, deep]) = match quick {
+            true => ([1_200, 600], [256, 64]),
+            false => ([40_000, 20_000], [512, 128]),
+        };
+        let mut seen = vec![workload::crowd(), workload::sparse(), workload::hard()?];
+        seen.extend(scenes(&["deep stack"], deep, missing)?);
+        seen.extend(scenes(&["guitar", "lion"], size, missing)?);
         let mut loads = Vec::new();
-        for (rules_name, rules) in [("3dgs", Rules::GAUSSIAN_3D), ("ewa", Rules::EWA)] {
-            for workload in self.of_rules(&rules, extent, missing)? {
-                loads.push(PrimitiveLoad {
-                    rules_name,
-                    rules: kernel_rules(&rules),
-                    workload,
-                });
+        let mut load = |rules_name, rules: &Rules, workload| {
+            loads.push(PrimitiveLoad {
+                rules_name,
+                rules: kernel_rules(rules),
+                workload,
+            });
+        };
+        for (name, rules) in [("3dgs", &Rules::GAUSSIAN_3D), ("ewa", &Rules::EWA)] {
+            load(name, rules, workload::random(widths, random, 20, 7));
+            load(name, rules, workload::random(widths, random / 4, 1, 8));
+            load(name, rules, workload::vast(widths, random / 4, 10));
+            for seen in &seen {
+                load(name, rules, workload::picture(seen, design, rules));
             }
         }
-        let faint = Rules {
+        let skipping = Rules {
             alpha_min: Rules::GAUSSIAN_3D.alpha_min,
             ..Rules::EWA
         };
-        let quick = extent == Extent::Quick;
-        let count = if quick { 600 } else { 20_000 };
-        loads.push(PrimitiveLoad {
-            rules_name: "ewa, faint skipped",
-            rules: kernel_rules(&faint),
-            workload: workload::random(&self.circuit.widths, count, 20, 9),
-        });
+        let faint = workload::random(widths, faint, 20, 9);
+        load("ewa, faint skipped", &skipping, faint);
         for load in loads.iter_mut().filter(|_| quick) {
             shorten(&mut load.workload);
         }

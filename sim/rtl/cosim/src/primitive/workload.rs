@@ -231,14 +231,11 @@ impl WorkloadRandom {
         let [long, ratio, angle] = kind.ranges().map(|[low, high]| self.between(low, high));
         let (long, short) = ((2.0 * long).exp2(), (2.0 * (long - ratio)).exp2());
         let (sine, cosine) = angle.sin_cos();
+        let mantissa = widths.mantissa.into();
         // As setup has them, of the design's mantissa: longer ones have no place in the words of `ldl`.
         let rounded = |number: f64| {
             let exact = fixed::scaled(number);
-            SoftFloat::from_wide(
-                exact.mantissa.into(),
-                exact.exponent,
-                widths.mantissa.into(),
-            )
+            SoftFloat::from_wide(exact.mantissa.into(), exact.exponent, mantissa)
         };
         let variance = Covariance2d {
             xx: rounded(long * cosine * cosine + short * sine * sine),
@@ -249,16 +246,15 @@ impl WorkloadRandom {
         let peak = self.bits(4 + widths.peak) >> self.below(8);
         let cutoff = (self.bits(32) >> self.below(5)).min(15 << 28);
         let radius = f64::from(cutoff).sqrt() / f64::from(1 << 14);
-        let reach = [
-            cosine.hypot(sine * (short / long).sqrt()),
-            sine.hypot(cosine * (short / long).sqrt()),
-        ]
-        .map(|part| part * long.sqrt() * radius);
+        let slim = (short / long).sqrt();
+        let reach = [cosine.hypot(sine * slim), sine.hypot(cosine * slim)];
+        let reach = reach.map(|part| part * long.sqrt() * radius);
         let row_variance = long * sine * sine + short * cosine * cosine;
         let shear = (long - short) * sine * cosine / row_variance;
         if !kind.has(long * short / row_variance, shear, reach[0]) {
             return None;
         }
+        let colour_bits = widths.colour_range() + widths.colour;
         let mut footprint = Footprint {
             depth: u64::from(self.bits(32)) << 16,
             centre: [0; 2],
@@ -271,8 +267,7 @@ impl WorkloadRandom {
             },
             cutoff,
             opacity: peak,
-            colour: [0; 3]
-                .map(|_: u32| self.bits(widths.colour_range() + widths.colour) >> self.below(8)),
+            colour: [(); 3].map(|()| self.bits(colour_bits) >> self.below(8)),
         };
         // In half of the cases the window lies on the ellipse's rim, which for large ones it would hardly meet by chance.
         let rim = self.below(2) == 0;
