@@ -11,8 +11,7 @@ use splatline::blend::Pixel;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::format::{RuntimeWidths, Traversal, Widths};
-use splatline::rules::Rules;
-use splatline_sim::fixed::{QuantisedScene, table_entries};
+use splatline_sim::fixed::table_entries;
 
 /// Words of a record.
 const RECORD: usize = 5;
@@ -29,13 +28,9 @@ pub struct MemoryImage {
 
 impl MemoryImage {
     /// With room for so many entries of the lists.
-    pub fn new(
-        widths: &Widths,
-        scene: &QuantisedScene,
-        load: &MachineLoad,
-        room: usize,
-    ) -> Result<MemoryImage> {
+    pub fn new(widths: &Widths, load: &MachineLoad, room: usize) -> Result<MemoryImage> {
         ensure!(room < 1 << 24, "more list entries than the machine counts");
+        let scene = &load.scene;
         let mut words: Vec<[u32; 4]> = Vec::new();
         for splat in &scene.splats {
             let record = record(splat).context("a splat without a place in a record")?;
@@ -82,22 +77,27 @@ impl MemoryImage {
     }
 }
 
-/// The frame by the kernel's own renderer.
-pub fn kernel_frame(widths: &Widths, scene: &QuantisedScene, rules: &Rules) -> Result<Vec<Pixel>> {
+/// The frame by the kernel's own renderer, in the order in which the machine writes it.
+pub fn kernel_frame(widths: &Widths, load: &MachineLoad) -> Result<Vec<[u32; 4]>> {
+    let (view, mut splats) = (&load.scene.view, load.scene.splats.clone());
+    if let Some(harmonics) = &load.harmonics {
+        harmonics.shine(widths, view, &mut splats);
+    }
     let design = RuntimeWidths::new(*widths).ok();
-    let memory = table_entries(widths, rules);
     let design = design.context("widths out of range")?;
-    let renderer =
-        Renderer::with_table(design, *rules, &memory).map_err(|error| anyhow!("{error:?}"))?;
-    let mut footprints = vec![Footprint::EMPTY; scene.splats.len()];
-    let mut order = vec![0; scene.splats.len()];
+    let memory = table_entries(widths, &load.rules);
+    let renderer = Renderer::with_table(design, load.rules, &memory);
+    let renderer = renderer.map_err(|error| anyhow!("{error:?}"))?;
+    let mut footprints = vec![Footprint::EMPTY; splats.len()];
+    let mut order = vec![0; splats.len()];
     let mut list = LentList::new(&mut footprints, &mut order);
-    let [columns, rows] = scene.view.viewport.map(usize::from);
-    let mut pixels = vec![Pixel::clear(widths); columns * rows];
-    renderer
-        .render(&scene.view, &scene.splats, &mut list, &mut pixels)
-        .map_err(|error| anyhow!("{error}"))?;
-    Ok(pixels)
+    let size = view.viewport.map(usize::from);
+    let mut pixels = vec![Pixel::clear(widths); size[0] * size[1]];
+    let drawn = renderer.render(view, &splats, &mut list, &mut pixels);
+    drawn.map_err(|error| anyhow!("{error}"))?;
+    Ok(places(size)
+        .map(|place| pixel_word(&pixels[place]))
+        .collect())
 }
 
 /// A pixel's word in the memory.

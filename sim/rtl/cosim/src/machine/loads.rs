@@ -2,10 +2,11 @@
 
 use crate::harmonics::scene::SceneHarmonics;
 use crate::order::loads::{OrderLoad, ordered};
-use crate::package::TILE;
 use crate::scenes::Seen;
+use splatline::rules::Rules;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
+use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::hybrid::spacing;
 use splatline_sim::machine::workload::Workload;
 use splatline_sim::rules::Antialias;
@@ -14,6 +15,9 @@ use splatline_sim::scene::synthetic;
 /// A scene, its work for the model, and its lists.
 pub struct MachineLoad {
     pub seen: Seen,
+    /// The scene and its rules in the kernel's formats.
+    pub scene: QuantisedScene,
+    pub rules: Rules,
     /// What the model clocks.
     pub workload: Workload,
     /// The lists of its tiles.
@@ -42,7 +46,11 @@ impl MachineLoad {
             _ => None,
         };
         let (workload, lists) = ordered(&seen, design);
+        let rules = seen.scene.natural_rules;
+        let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
         MachineLoad {
+            rules: scene.rules(&rules),
+            scene,
             seen,
             workload,
             lists,
@@ -53,8 +61,7 @@ impl MachineLoad {
 
     /// Columns and rows of its tiles.
     pub fn tiles(&self) -> [usize; 2] {
-        let size = [self.seen.camera.width, self.seen.camera.height];
-        [0, 1].map(|axis| size[axis].div_ceil(TILE[axis].into()))
+        self.lists.size.map(usize::from)
     }
 }
 

@@ -16,7 +16,6 @@ use crate::unit::{Extent, Unit};
 use anyhow::{Context, Result, bail, ensure};
 use splatline::blend::Pixel;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::machine::{Config, simulate_alone};
 
 /// Cycles in which a harmonics unit with one multiplier makes a colour, by the degree (`rtl -- compare harmonics`).
@@ -125,22 +124,17 @@ impl Unit for MachineUnit {
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
         let (timing, frames) = TIMINGS[pressure];
-        let rules = load.seen.scene.natural_rules;
-        let mut scene = QuantisedScene::new(&load.seen.scene, &load.seen.camera, &rules);
-        let rules = scene.rules(&rules);
+        let MachineLoad { scene, rules, .. } = load;
         let widths = &self.circuit.widths;
         let mut bench = Bench::new(circuit, 1)?;
-        let constants = constant_words(&self.circuit, &scene.view, &rules)?;
+        let constants = constant_words(&self.circuit, &scene.view, rules)?;
         write_constants(&mut bench, &constants)?;
-        write_rules(&mut bench, widths, &rules)?;
+        write_rules(&mut bench, widths, rules)?;
         // The tile buffers are cleared once.
         (0..1_100).for_each(|_| bench.cycle());
         let room = load.lists.entries() - usize::from(timing.full);
-        let image = MemoryImage::new(widths, &scene, load, room)?;
+        let image = MemoryImage::new(widths, load, room)?;
         bench.set(&image.places)?;
-        if let Some(harmonics) = &load.harmonics {
-            harmonics.shine(widths, &scene.view, &mut scene.splats);
-        }
         let mut circuit = bench.circuit;
         let mut memory = Memory::new(&circuit, image.words, timing, 1)?;
         let mut phases = [0; 4];
@@ -151,7 +145,7 @@ impl Unit for MachineUnit {
         // What was written last is on its way for a while.
         (0..=timing.latency).for_each(|_| memory.cycle(&mut circuit));
         let full = circuit.read("full")? == 1;
-        let expected = kernel_frame(widths, &scene, &rules)?;
+        let expected = kernel_frame(widths, load)?;
         let [all, geometry, raster] = self.modelled(load, &timing);
         let mut findings = Findings {
             // Without room for the lists there is no frame.
@@ -161,9 +155,9 @@ impl Unit for MachineUnit {
         };
         // Of the memory at full speed alone: a sum over memories of several speeds tells nothing about any of them.
         if pressure == 0 {
-            let clear = Pixel::clear(widths);
+            let clear = pixel_word(&Pixel::clear(widths));
             let painted = expected.iter().filter(|pixel| **pixel != clear).count();
-            let beyond = enlarged(widths, &scene.view, &rules, &scene.splats);
+            let beyond = enlarged(widths, &scene.view, rules, &scene.splats);
             findings.counts = vec![
                 ("splats", scene.splats.len() as u64),
                 ("seen", circuit.read("visible")?),
@@ -224,11 +218,10 @@ fn draw(
 }
 
 /// The first pixel with another word than the kernel's.
-fn difference(expected: &[Pixel], got: &[[u32; 4]], size: [usize; 2]) -> Option<String> {
-    let mut places = places(size).zip(got);
-    let (place, got) = places.find(|(place, got)| pixel_word(&expected[*place]) != **got)?;
+fn difference(expected: &[[u32; 4]], got: &[[u32; 4]], size: [usize; 2]) -> Option<String> {
+    let mut pixels = places(size).zip(expected).zip(got);
+    let ((place, wanted), got) = pixels.find(|((_, wanted), got)| wanted != got)?;
     let at = [place % size[0], place / size[0]];
-    let wanted = pixel_word(&expected[place]);
     Some(format!("pixel {at:?}: {got:x?}, not {wanted:x?}"))
 }
 
