@@ -164,56 +164,30 @@ fn parts(item: &str) -> Result<(&str, &str)> {
     Ok((&item[..end], body.context("a function without an end")?))
 }
 
-/// Where a module's items begin and end; others than those above are passed over.
+/// Where a module's items begin and end; others than those above are passed over. An item goes on with lines that are indented further, and with its own end.
 fn items(text: &str) -> Vec<Range<usize>> {
-    let mut items = Vec::new();
-    let mut open: Option<(usize, &str)> = None;
-    let mut depth = 0;
-    for (place, word) in words(text) {
-        let Some((start, kind)) = open else {
-            if ["assign", "always_comb", "always_ff", "function"].contains(&word) {
-                (open, depth) = (Some((place, word)), 0);
-            }
-            continue;
-        };
-        match word {
-            "begin" | "case" => depth += 1,
-            "end" | "endcase" => depth -= 1,
-            _ => {}
-        }
-        let ends = match kind {
-            "function" => word == "endfunction",
-            _ => depth == 0 && ["end", "endcase", ";"].contains(&word),
-        };
-        if ends {
-            items.push(start..place + word.len());
-            open = None;
+    let kinds = ["assign ", "always_comb ", "always_ff ", "function "];
+    let mut items: Vec<Range<usize>> = Vec::new();
+    let (mut begin, mut column) = (0, usize::MAX);
+    for line in text.split_inclusive('\n') {
+        let words = line.trim_start();
+        let (place, end) = (
+            begin + line.len() - words.len(),
+            begin + line.trim_end().len(),
+        );
+        let indentation = place - begin;
+        begin += line.len();
+        let ends = words.starts_with("end") || words.starts_with('}');
+        if indentation > column || indentation == column && ends {
+            items.last_mut().expect("an item is open").end = end;
+        } else if kinds.iter().any(|kind| words.starts_with(kind)) {
+            items.push(place..end);
+            column = indentation;
+        } else if !words.is_empty() {
+            column = usize::MAX;
         }
     }
     items
-}
-
-/// Words and semicolons with their places, without those of comments.
-fn words(text: &str) -> Vec<(usize, &str)> {
-    let of_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let mut words = Vec::new();
-    let mut place = 0;
-    while let Some(first) = text[place..].chars().next() {
-        let rest = &text[place..];
-        let until = |end: Option<usize>| end.unwrap_or(rest.len());
-        let length = if rest.starts_with("//") {
-            until(rest.find('\n'))
-        } else if of_word(first) {
-            until(rest.find(|c| !of_word(c)))
-        } else {
-            first.len_utf8()
-        };
-        if of_word(first) || first == ';' {
-            words.push((place, &rest[..length]));
-        }
-        place += length;
-    }
-    words
 }
 
 #[cfg(test)]
