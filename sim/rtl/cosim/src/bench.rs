@@ -3,13 +3,13 @@
 //! What a unit is given are items (a splat, a tile). An item has offers in several lanes, each taken in order and at its own pace, and a number of answers that
 //! must come before the next item's. After a reset the bench begins anew with the first item whose answers have not all come.
 
-use crate::findings::Findings;
 use crate::random::split_mix;
-use crate::simulation::{Port, Simulation};
+use crate::simulation::Port;
+use crate::unit::{Findings, Simulation};
 use anyhow::{Result, ensure};
 
 /// Cycles for which a new circuit is reset.
-pub(crate) const RESET_CYCLES: u64 = 4;
+const RESET_CYCLES: u64 = 4;
 
 /// Cycles in which answers are taken and none comes, nor anything is taken that is offered, after which the circuit hangs.
 const PATIENCE: u64 = 1 << 18;

@@ -14,7 +14,6 @@ pub mod area;
 pub mod asic;
 pub mod bench;
 pub mod circuit;
-pub mod findings;
 pub mod formal;
 pub mod harmonics;
 pub mod judges;

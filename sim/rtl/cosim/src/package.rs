@@ -12,7 +12,7 @@ use splatline_sim::fixed::table_entries;
 pub use splatline_sim::machine::primitive::TILE;
 
 /// Base-2 logarithms of a tile's columns and rows. The columns must be at most a seed block's, so that a row is one run.
-pub const TILE_BITS: [u32; 2] = [TILE[0].ilog2(), TILE[1].ilog2()];
+const TILE_BITS: [u32; 2] = [TILE[0].ilog2(), TILE[1].ilog2()];
 const _: () = assert!(TILE[0] <= BLOCK && TILE[0].is_power_of_two() && TILE[1].is_power_of_two());
 
 /// Types of the units' interfaces, in terms of the generated widths.
@@ -28,7 +28,7 @@ pub fn table(widths: &Widths, rules: &Rules) -> Vec<[u32; 2]> {
 }
 
 /// Why the circuit cannot be built for a design: the width, and what it must be.
-pub fn refusal(widths: &Widths) -> Option<String> {
+fn refusal(widths: &Widths) -> Option<String> {
     if let Err(error) = widths.check() {
         let (field, value, (low, high)) = (error.field, error.value, error.range);
         return Some(format!(

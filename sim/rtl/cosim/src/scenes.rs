@@ -1,5 +1,6 @@
 //! Scenes with their cameras: captured ones, where their data is at hand, and synthetic ones.
 
+use crate::unit::Missing;
 use anyhow::{Context, Result};
 use splatline_sim::camera::Camera;
 use splatline_sim::scene::points::{self, spheres};
@@ -24,9 +25,6 @@ impl Seen {
         }
     }
 }
-
-/// Names of scenes whose data is not at hand.
-pub type Missing = Vec<&'static str>;
 
 /// The scenes of whole pictures: captured ones, the lion scanned as round volume splats, and twenty thousand large, nearly transparent splats.
 pub const SCENES: [&str; 5] = ["guitar", "playbot", "lion", "aneurism", "deep stack"];

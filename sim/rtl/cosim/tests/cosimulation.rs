@@ -42,7 +42,6 @@ mod with_verilator {
     use splatline::format::Lean18;
     use splatline::setup::Cull;
     use splatline_rtl::circuit::{Circuit, Effort, HARMONICS, MACHINE, PRIMITIVE};
-    use splatline_rtl::findings::Findings;
     use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
     use splatline_rtl::judges;
     use splatline_rtl::machine::MachineOption;
@@ -55,7 +54,7 @@ mod with_verilator {
     use splatline_rtl::setup::unit::SetupUnit;
     use splatline_rtl::simulation::Simulation;
     use splatline_rtl::tools::rtl;
-    use splatline_rtl::unit::{Extent, Unit};
+    use splatline_rtl::unit::{Extent, Findings, Unit};
     use std::process::Command;
 
     /// Compares a unit's quick loads under every pressure; gives what was found of each load.

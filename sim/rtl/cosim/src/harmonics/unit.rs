@@ -2,12 +2,9 @@
 
 use super::loads::{HarmonicsLoad, HarmonicsSplat, captured, of_degree, synthetic};
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
-use crate::circuit::{Circuit, Effort, HARMONICS};
-use crate::findings::Findings;
+use crate::circuit::{Effort, HARMONICS};
 use crate::harmonics::scene::colour;
-use crate::scenes::Missing;
-use crate::simulation::Simulation;
-use crate::unit::{Extent, Unit};
+use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
 use anyhow::Result;
 use fixed::types::{I2F30, I4F28};
 

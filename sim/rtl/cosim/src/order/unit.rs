@@ -2,13 +2,11 @@
 
 use super::loads::{OrderLoad, SortedSplat, hard, ordered};
 use crate::bench::Bench;
-use crate::circuit::{Circuit, ORDER};
-use crate::findings::Findings;
+use crate::circuit::ORDER;
 use crate::memory::{Memory, MemoryTiming, timing};
 use crate::random::noise;
-use crate::scenes::{Missing, SCENES, scenes};
-use crate::simulation::Simulation;
-use crate::unit::{Extent, Unit};
+use crate::scenes::{SCENES, scenes};
+use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
 use anyhow::{Result, bail, ensure};
 use splatline_sim::design::DesignChoice;
 

@@ -1,7 +1,8 @@
 //! What is set up: captured scenes, hard cases, and bits of which nobody made a splat.
 
 use crate::random::split_mix;
-use crate::scenes::{Missing, scenes};
+use crate::scenes::scenes;
+use crate::unit::Missing;
 use anyhow::Result;
 use splatline::float;
 use splatline::math::SoftFloat;
