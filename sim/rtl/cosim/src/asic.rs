@@ -24,8 +24,8 @@ const MAPPING: &str = "strash; &get -n; &fraig -x; &put; scorr; dc2; strash; &ge
 
 /// What is read of a Liberty file.
 struct Library {
-    /// Area of each cell, and whether it is a register.
-    cells: BTreeMap<String, (f64, bool)>,
+    /// What each cell takes.
+    cells: BTreeMap<String, Taken>,
     /// Area of the smallest NAND of two inputs.
     gate: f64,
 }
@@ -37,7 +37,7 @@ impl Library {
         let (mut depth, mut inside, mut cell) = (0, 0, String::new());
         for line in text.lines().map(str::trim) {
             if let Some(name) = group(line, "cell") {
-                cells.insert(name.clone(), (0.0, false));
+                cells.insert(name.clone(), Taken::default());
                 (cell, inside) = (name, depth + 1);
             }
             if depth == inside
@@ -45,9 +45,9 @@ impl Library {
             {
                 if let Some(area) = attribute(line, "area") {
                     let area = area.parse();
-                    found.0 = area.with_context(|| format!("area of cell {cell}"))?;
+                    found.area = area.with_context(|| format!("area of cell {cell}"))?;
                 }
-                found.1 |= group(line, "ff").is_some();
+                found.flip_flops |= u64::from(group(line, "ff").is_some());
             }
             let count = |brace| line.matches(brace).count() as i32;
             depth += count('{') - count('}');
@@ -56,7 +56,7 @@ impl Library {
             }
         }
         let gates = cells.iter().filter(|(name, _)| is_nand2(name));
-        let gate = gates.map(|(_, (area, _))| *area).reduce(f64::min);
+        let gate = gates.map(|(_, cell)| cell.area).reduce(f64::min);
         let gate = gate.context("the library names no NAND of two inputs (nand2)")?;
         ensure!(gate > 0.0, "the library's NAND of two inputs has no area");
         Ok(Library { cells, gate })
@@ -141,7 +141,7 @@ struct Mapped<'a> {
 impl Mapped<'_> {
     fn taken(&self, name: &str) -> Taken {
         let Some(module) = self.modules.get(name) else {
-            return Taken::default();
+            return self.library.cells.get(name).copied().unwrap_or_default();
         };
         let mut sum = Taken {
             memory_bits: module.memory_bits,
@@ -149,12 +149,7 @@ impl Mapped<'_> {
             ..Taken::default()
         };
         for (kind, number) in &module.cells {
-            if let Some((area, is_register)) = self.library.cells.get(kind) {
-                sum.area += area * *number as f64;
-                sum.flip_flops += if *is_register { *number } else { 0 };
-            } else {
-                sum.add(self.taken(kind), *number);
-            }
+            sum.add(self.taken(kind), *number);
         }
         sum
     }
@@ -300,8 +295,9 @@ library ("small") {
     fn a_library_gives_areas_registers_and_its_gate() {
         let library = Library::parse(LIBERTY).unwrap();
         assert_eq!(library.gate, 3.5);
-        assert_eq!(library.cells["DFF"], (20.0, true));
-        assert_eq!(library.cells["lib_nand2_1"], (3.5, false));
+        let cell = |name| (library.cells[name].area, library.cells[name].flip_flops);
+        assert_eq!(cell("DFF"), (20.0, 1));
+        assert_eq!(cell("lib_nand2_1"), (3.5, 0));
         assert!(Library::parse("library (none) { }").is_err());
     }
 

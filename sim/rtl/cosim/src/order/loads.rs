@@ -6,10 +6,11 @@ use crate::scenes::Seen;
 use splatline::footprint::Footprint;
 use splatline::footprint::depth::KEY_BITS;
 use splatline::format::Traversal;
+use splatline::setup::Cull;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::{self, Options};
 use splatline_sim::machine::workload::{Workload, extract_from};
-use splatline_sim::rules::Compositing;
+use splatline_sim::rules::{Compositing, Rules};
 
 /// A visible splat as the sorter takes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,10 +84,20 @@ impl OrderLoad {
     }
 }
 
-/// The work of a scene's picture in tiles of the circuit's size, and its splats with the model's lists.
+/// A picture by its scene's rules in tiles of the circuit's size.
 pub fn ordered(seen: &Seen, design: &DesignChoice) -> (Workload, OrderLoad) {
+    let (_, workload, load) = by_rules(seen, design, &seen.scene.natural_rules);
+    (workload, load)
+}
+
+/// What becomes of each splat under these rules, the picture's work in tiles of the circuit's size, and its splats with the model's lists.
+pub fn by_rules(
+    seen: &Seen,
+    design: &DesignChoice,
+    rules: &Rules,
+) -> (Vec<Result<Footprint, Cull>>, Workload, OrderLoad) {
     let options = Options {
-        rules: &seen.scene.natural_rules,
+        rules,
         compositing: Compositing::FrontToBack,
         design,
         traversal: Traversal::Spans,
@@ -95,15 +106,14 @@ pub fn ordered(seen: &Seen, design: &DesignChoice) -> (Workload, OrderLoad) {
     let workload = extract_from(&footprints, &seen.camera, &options, TILE);
     let size = [seen.camera.width, seen.camera.height];
     let size = [0, 1].map(|axis| (size[axis] as u16).div_ceil(TILE[axis]));
-    let numbered = (0..).zip(&footprints);
-    let splat = |(number, footprint): (u32, &Result<_, _>)| {
-        let footprint: &Footprint = footprint.as_ref().ok()?;
-        let tiles = [0, 1].map(|axis| footprint.first[axis] / TILE[axis]);
+    let splat = |(number, footprint): (u32, &Result<Footprint, Cull>)| {
+        let footprint = footprint.as_ref().ok()?;
+        let first = [0, 1].map(|axis| footprint.first[axis] / TILE[axis]);
         let last = [0, 1].map(|axis| (footprint.end[axis] - 1) / TILE[axis]);
         Some(SortedSplat {
             number,
             key: footprint.depth,
-            tiles: [tiles, last],
+            tiles: [first, last],
         })
     };
     let list = |tile| workload.pairs_of(tile).iter().map(|pair| pair.splat);
@@ -111,10 +121,10 @@ pub fn ordered(seen: &Seen, design: &DesignChoice) -> (Workload, OrderLoad) {
     let load = OrderLoad {
         name: seen.name.to_owned(),
         size,
-        splats: numbered.filter_map(splat).collect(),
+        splats: (0..).zip(&footprints).filter_map(splat).collect(),
         lists: lists.collect(),
     };
-    (workload, load)
+    (footprints, workload, load)
 }
 
 /// No splat, one, all keys equal, all keys but one, upside down, in order already, single bits, and random ones with many equals.

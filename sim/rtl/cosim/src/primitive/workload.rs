@@ -1,18 +1,19 @@
 //! What is drawn: tiles of footprints from scenes, and footprints made from random numbers.
 
+use crate::order::loads::{OrderLoad, by_rules};
 use crate::package::TILE;
 use crate::random::split_mix;
 use crate::scenes::Seen;
 use anyhow::Result;
+use splatline::float;
 use splatline::footprint::{Conic, Footprint};
-use splatline::format::{Traversal, Widths};
+use splatline::format::Widths;
 use splatline::math::SoftFloat;
 use splatline::raster::Window;
 use splatline::setup::{Covariance2d, ldl};
 use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed;
 use splatline_sim::reference::golden;
-use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::rules::Rules;
 
 /// A window within one block of the tile buffer, and the footprints to be drawn there, in order.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +36,7 @@ impl BenchTile {
 pub struct BenchWorkload {
     /// What it is.
     pub name: &'static str,
-    /// Nearest first.
+    /// Footprints.
     pub footprints: Vec<Footprint>,
     /// Tiles.
     pub tiles: Vec<BenchTile>,
@@ -63,43 +64,22 @@ pub fn hard() -> Result<Seen> {
 
 /// Tiles over the whole picture of a scene.
 pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorkload {
-    let options = fixed::Options {
-        rules,
-        compositing: Compositing::FrontToBack,
-        design,
-        traversal: Traversal::Spans,
-    };
-    let footprints = fixed::footprints(&seen.scene, &seen.camera, &options);
-    let mut footprints: Vec<Footprint> = footprints.into_iter().flatten().collect();
-    footprints.sort_by_key(|footprint| footprint.depth);
+    let (footprints, _, OrderLoad { size, lists, .. }) = by_rules(seen, design, rules);
     let viewport = [seen.camera.width, seen.camera.height].map(|size| size as u16);
+    let tile = |(index, list): (u16, Vec<u32>)| {
+        let first = [index % size[0] * TILE[0], index / size[0] * TILE[1]];
+        let end = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(viewport[axis]));
+        let window = Window { first, end };
+        BenchTile { window, list }
+    };
+    let drawn = footprints
+        .into_iter()
+        .map(|found| found.unwrap_or(Footprint::EMPTY));
     BenchWorkload {
         name: seen.name,
-        tiles: tiles(&footprints, viewport),
-        footprints,
+        footprints: drawn.collect(),
+        tiles: (0..).zip(lists).map(tile).collect(),
     }
-}
-
-/// The tiles of a viewport with the footprints whose boxes touch them.
-fn tiles(footprints: &[Footprint], viewport: [u16; 2]) -> Vec<BenchTile> {
-    let [columns, rows] = [0, 1].map(|axis| viewport[axis].div_ceil(TILE[axis]));
-    let tile = |index: u16| {
-        let first = [index % columns * TILE[0], index / columns * TILE[1]];
-        let end = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(viewport[axis]));
-        BenchTile {
-            window: Window { first, end },
-            list: Vec::new(),
-        }
-    };
-    let mut tiles: Vec<BenchTile> = (0..columns * rows).map(tile).collect();
-    for (index, footprint) in footprints.iter().enumerate() {
-        for y in footprint.first[1] / TILE[1]..=(footprint.end[1] - 1) / TILE[1] {
-            for x in footprint.first[0] / TILE[0]..=(footprint.end[0] - 1) / TILE[0] {
-                tiles[usize::from(y * columns + x)].list.push(index as u32);
-            }
-        }
-    }
-    tiles
 }
 
 /// Random footprints over random windows: from far below a pixel to far beyond the screen, axis ratios to 2^15, every colour,
@@ -234,7 +214,7 @@ impl WorkloadRandom {
         let mantissa = widths.mantissa.into();
         // As setup has them, of the design's mantissa: longer ones have no place in the words of `ldl`.
         let rounded = |number: f64| {
-            let exact = fixed::scaled(number);
+            let exact = float::scaled(number);
             SoftFloat::from_wide(exact.mantissa.into(), exact.exponent, mantissa)
         };
         let variance = Covariance2d {
