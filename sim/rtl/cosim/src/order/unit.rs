@@ -1,6 +1,6 @@
 //! Splats through sorter and binning with a memory: every place of the order and of every list.
 
-use super::loads::{OrderLoad, SortedSplat, hard, ordered};
+use super::loads::{OrderLoad, hard, ordered};
 use crate::bench::Bench;
 use crate::circuit::ORDER;
 use crate::memory::{Memory, MemoryTiming, timing};
@@ -58,28 +58,10 @@ impl Unit for OrderUnit {
     }
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
-        let room = load.entries();
-        if TIMINGS[pressure].0.full && room == 0 {
+        let (timing, interval) = TIMINGS[pressure];
+        if timing.full && load.entries() == 0 {
             return Ok(Findings::default());
         }
-        OrderRun::new(circuit, load, pressure)?.compare()
-    }
-}
-
-/// A picture in the making.
-struct OrderRun<'a> {
-    bench: Bench,
-    memory: Memory,
-    load: &'a OrderLoad,
-    interval: u64,
-    /// Word at which the lists begin.
-    lists: usize,
-}
-
-impl OrderRun<'_> {
-    /// Bits of nothing in all places of the memory, a word or more between any two regions.
-    fn new(circuit: Simulation, load: &OrderLoad, pressure: usize) -> Result<OrderRun<'_>> {
-        let (timing, interval) = TIMINGS[pressure];
         let room = load.entries() - usize::from(timing.full);
         let mut bench = Bench::new(circuit, 1)?;
         let count = load.splats.len();
@@ -92,99 +74,102 @@ impl OrderRun<'_> {
             ("tiles", load.lists.len() as u64),
             ("most", room as u64),
         ])?;
-        let mut state = 1;
-        let mut words = Vec::new();
+        // Bits of nothing in all places of the memory, a word or more between any two regions.
+        let (mut words, mut state) = (Vec::new(), 1);
         words.resize_with(lists + room.div_ceil(4), || noise(&mut state));
-        let memory = Memory::new(&bench.circuit, words, timing, 1)?;
-        Ok(OrderRun {
-            bench,
-            memory,
-            load,
-            interval,
-            lists,
-        })
-    }
-
-    /// Twice: what a picture leaves behind must not reach the next one.
-    fn compare(mut self) -> Result<Findings> {
+        let mut memory = Memory::new(&bench.circuit, words, timing, 1)?;
         let mut findings = Findings::default();
+        // Twice: what a picture leaves behind must not reach the next one.
         for _ in 0..2 {
-            findings.cycles = self.picture()?;
+            findings.cycles = order(&mut bench.circuit, &mut memory, load, interval)?;
         }
+        findings.compared = count as u64;
         findings.counts = vec![
-            ("entries", self.bench.circuit.read("entries")?),
-            ("words read", self.memory.read),
-            ("words written", self.memory.written),
+            ("entries", bench.circuit.read("entries")?),
+            ("words read", memory.read),
+            ("words written", memory.written),
         ];
         let mut ends = Vec::new();
-        for tile in 0..self.load.lists.len() {
-            self.bench.set(&[("end_tile", tile as u64)])?;
-            self.memory.cycle(&mut self.bench.circuit);
-            ends.push(self.bench.circuit.read("end_place")? as usize);
+        for tile in 0..load.lists.len() {
+            bench.set(&[("end_tile", tile as u64)])?;
+            memory.cycle(&mut bench.circuit);
+            ends.push(bench.circuit.read("end_place")? as usize);
         }
-        let full = self.bench.circuit.read("full")? == 1;
-        findings.compared = self.load.splats.len() as u64;
-        findings.first_difference = self.memory.astray(full);
+        let full = bench.circuit.read("full")? == 1;
+        findings.first_difference = memory.astray(full);
         if findings.first_difference.is_none() && !full {
-            findings.first_difference = self.difference(&ends)?;
+            let splats = bench.circuit.read("splats")?;
+            let sorted = memory
+                .words
+                .iter()
+                .skip(bench.circuit.read("sorted")? as usize);
+            let lists = memory.words[lists..].as_flattened();
+            let order = order_difference(load, splats, sorted);
+            findings.first_difference = order.or_else(|| list_difference(load, lists, &ends));
         }
         Ok(findings)
     }
+}
 
-    /// Gives the cycles until the lists are written.
-    fn picture(&mut self) -> Result<u64> {
-        let circuit = &mut self.bench.circuit;
-        let [begins, ends, done] = circuit.ports(["begins", "ends", "done"])?;
-        let [valid, ready, word] = circuit.ports(["in_valid", "in_ready", "in"])?;
-        circuit.set(ends, 0);
-        circuit.set(begins, 1);
-        self.memory.cycle(circuit);
-        circuit.set(begins, 0);
-        let splats = &self.load.splats;
-        // A circuit that goes on reading and writing hangs as well.
-        let limit = PATIENCE + 200 * splats.len() as u64 + 16 * self.load.entries() as u64;
-        let (mut taken, mut next) = (0, 0);
-        for cycle in 0..limit {
-            let offered = splats.get(taken).filter(|_| cycle >= next);
-            circuit.set(valid, offered.is_some().into());
-            circuit.set(ends, (taken == splats.len()).into());
-            if let Some(splat) = offered {
-                circuit.set_words(word, &splat.word());
-            }
-            self.memory.settle(circuit);
-            if offered.is_some() && circuit.is(ready) {
-                (taken, next) = (taken + 1, cycle + self.interval);
-            }
-            let ended = circuit.is(done);
-            self.memory.edge(circuit);
-            if ended {
-                return Ok(cycle + 1);
-            }
-            ensure!(self.memory.idle < PATIENCE, "the sorter hangs");
+/// Orders a picture; gives the cycles until its lists are written.
+fn order(
+    circuit: &mut Simulation,
+    memory: &mut Memory,
+    load: &OrderLoad,
+    interval: u64,
+) -> Result<u64> {
+    let [begins, ends, done] = circuit.ports(["begins", "ends", "done"])?;
+    let [valid, ready, word] = circuit.ports(["in_valid", "in_ready", "in"])?;
+    circuit.set(ends, 0);
+    circuit.set(begins, 1);
+    memory.cycle(circuit);
+    circuit.set(begins, 0);
+    let splats = &load.splats;
+    // A circuit that goes on reading and writing hangs as well.
+    let limit = PATIENCE + 200 * splats.len() as u64 + 16 * load.entries() as u64;
+    let (mut taken, mut next) = (0, 0);
+    for cycle in 0..limit {
+        let offered = splats.get(taken).filter(|_| cycle >= next);
+        circuit.set(valid, offered.is_some().into());
+        circuit.set(ends, (taken == splats.len()).into());
+        if let Some(splat) = offered {
+            circuit.set_words(word, &splat.word());
         }
-        bail!("the sorter hangs")
+        memory.settle(circuit);
+        if offered.is_some() && circuit.is(ready) {
+            (taken, next) = (taken + 1, cycle + interval);
+        }
+        let ended = circuit.is(done);
+        memory.edge(circuit);
+        if ended {
+            return Ok(cycle + 1);
+        }
+        ensure!(memory.idle < PATIENCE, "the sorter hangs");
     }
+    bail!("the sorter hangs")
+}
 
-    fn difference(&self, ends: &[usize]) -> Result<Option<String>> {
-        let wanted = self.load.sorted();
-        let splats = self.bench.circuit.read("splats")?;
-        if splats != wanted.len() as u64 {
-            return Ok(Some(format!("{splats} splats, not {}", wanted.len())));
-        }
-        let sorted = self.bench.circuit.read("sorted")? as usize;
-        let words = self.memory.words.iter().skip(sorted);
-        let differs = |(word, splat): (&[u32; 4], &SortedSplat)| *word != splat.word();
-        if let Some(place) = words.zip(&wanted).position(differs) {
-            return Ok(Some(format!("another splat at place {place} of the order")));
-        }
-        let listed = self.memory.words[self.lists..].as_flattened();
-        let mut begin = 0;
-        for (tile, (list, end)) in self.load.lists.iter().zip(ends).enumerate() {
-            if listed.get(begin..*end) != Some(list) {
-                return Ok(Some(format!("another list of tile {tile}")));
-            }
-            begin = *end;
-        }
-        Ok(None)
+fn order_difference<'a>(
+    load: &OrderLoad,
+    splats: u64,
+    mut sorted: impl Iterator<Item = &'a [u32; 4]>,
+) -> Option<String> {
+    let wanted = load.sorted();
+    if splats != wanted.len() as u64 {
+        return Some(format!("{splats} splats, not {}", wanted.len()));
     }
+    let mut wanted = wanted.iter();
+    let place = wanted.position(|splat| sorted.next() != Some(&splat.word()))?;
+    Some(format!("another splat at place {place} of the order"))
+}
+
+fn list_difference(load: &OrderLoad, listed: &[u32], ends: &[usize]) -> Option<String> {
+    let mut begin = 0;
+    for (tile, (list, end)) in load.lists.iter().zip(ends).enumerate() {
+        if listed.get(begin..*end) != Some(list) {
+            return Some(format!("another list of tile {tile}"));
+        }
+        begin = *end;
+    }
+    None
 }

@@ -139,9 +139,11 @@ impl Reader<'_> {
                     "{name} = first -30, rounded {bits}: [{name}, seed] + [{name}, seed] * [{name}, defect]"
                 ),
             ],
-            Some(("root", bits)) => vec![format!(
-                "{name} = rounded {bits}: root entry {terms} + root step {terms}"
-            )],
+            Some(("root", bits)) => {
+                vec![format!(
+                    "{name} = rounded {bits}: root entry {terms} + root step {terms}"
+                )]
+            }
             Some(("square root", bits)) => vec![
                 format!("{name}, seed = root 31: {terms}"),
                 format!("1/{name} = reciprocal 31: [{name}, seed]"),
@@ -154,7 +156,7 @@ impl Reader<'_> {
 
     fn out(&mut self, first: usize, values: &str) -> Result<()> {
         for (word, value) in (first..).zip(values.split(" + ")) {
-            match self.operand(value.trim_end_matches(']'))? {
+            match self.operand(value)? {
                 Operand::Value(value) => self.results.push((word, value)),
                 _ => bail!("{value} is no result"),
             }
@@ -207,9 +209,8 @@ impl Reader<'_> {
             }
             None => self.terms(terms)?,
         };
-        for term in &mut operation.terms {
-            term.floor = floor;
-        }
+        let terms = operation.terms.iter_mut();
+        terms.for_each(|term| term.floor = floor);
         self.operations.push(operation);
         Ok(())
     }
@@ -235,6 +236,7 @@ impl Reader<'_> {
 
     fn operand(&mut self, word: &str) -> Result<Operand> {
         if let Some(name) = word.strip_prefix('[') {
+            let name = name.trim_end_matches(']');
             let found = self.operations.iter().rposition(|known| known.name == name);
             let found = found.with_context(|| format!("no result '{name}'"))?;
             return Ok(Operand::Value(found));
@@ -253,8 +255,8 @@ impl Reader<'_> {
             bail!("a choice of one");
         };
         Ok(Term {
-            a: self.operand(a.trim_end_matches(']'))?,
-            b: self.operand(b.trim_end_matches(']'))?,
+            a: self.operand(a)?,
+            b: self.operand(b)?,
             picked: picked.first().map(|name| self.constant(name)),
             plain: true,
             pick: match condition {
@@ -268,12 +270,10 @@ impl Reader<'_> {
 
     fn terms(&mut self, text: &str) -> Result<Vec<Term>> {
         let mut terms = Vec::new();
-        let mut term = Term {
-            plain: true,
-            ..Term::default()
-        };
-        let mut rest = text.trim_start();
-        let mut is_other = false;
+        let (mut term, mut is_other) = (Term::default(), false);
+        // The first term is added as well.
+        let text = format!("+ {text}");
+        let mut rest = text.as_str();
         while !rest.is_empty() {
             let end = if rest.starts_with('[') { ']' } else { ' ' };
             let (word, behind) = rest.split_once(end).unwrap_or((rest, ""));
