@@ -21,20 +21,20 @@ const DEVICE: &str = "--85k --speed 6 --package CABGA756";
 
 /// Flattened before; the machine after, so that its equal cores and lanes are synthesised once.
 fn synthesis(circuit: &Circuit) -> &'static str {
-    match *circuit.unit == MACHINE {
-        true => "synth_ecp5 -abc9 -noflatten -top wrapper; flatten; opt_clean",
-        false => "synth_ecp5 -abc9 -top wrapper",
+    if *circuit.unit == MACHINE {
+        return "synth_ecp5 -abc9 -noflatten -top wrapper; flatten; opt_clean";
     }
+    "synth_ecp5 -abc9 -top wrapper"
 }
 
 /// nextpnr's options for a circuit, first the clock that it is asked for, MHz: above the bars, so that it does not stop too early; of the machine the wires are too
 /// many to be short as well. It needs version 0.7. The usual router takes whole nets out again for one wire, and had 204,000 of 244,000 arcs left after 300,000
 /// tries. The usual placer's places need a quarter more wire than those of the static one, which does not place pins.
 fn placer_options(circuit: &Circuit) -> &'static str {
-    match *circuit.unit == MACHINE {
-        true => "--freq 60 --placer static --lpf pins.lpf --router router2",
-        false => "--freq 110",
+    if *circuit.unit == MACHINE {
+        return "--freq 60 --placer static --lpf pins.lpf --router router2";
     }
+    "--freq 110"
 }
 
 /// Programs that place on it and that pack a bitstream.

@@ -224,18 +224,15 @@ fn take_factors(cell: &mut Value, wiring: &Wiring, enables: &mut Vec<Value>) -> 
 fn take_memory_words(cell: &mut Value, wiring: &Wiring, gone: &mut HashSet<String>) -> u32 {
     let width = |name| i64::from_str_radix(cell["parameters"][name].as_str()?, 2).ok();
     let widths = [width("DATA_WIDTH_A"), width("DATA_WIDTH_B")];
-    let ports: &[&[&str]] = match widths.contains(&Some(PAIRED)) {
-        true => &[&["A", "B"]],
-        false => &[&["A"], &["B"]],
-    };
+    let together = if widths.contains(&Some(PAIRED)) { 2 } else { 1 };
     let mut moved = 0;
-    for sides in ports {
+    for sides in ["A", "B"].chunks(together) {
         let of_side = |side| (0..FACTOR).map(move |bit| format!("DO{side}{bit}"));
         let Some(pins) = wiring.behind(cell, sides.iter().flat_map(of_side)) else {
             continue;
         };
         take_words(cell, &pins, gone);
-        for side in *sides {
+        for side in sides {
             cell["parameters"][format!("REGMODE_{side}")] = "OUTREG".into();
             connect(cell, &format!("OCE{side}"), &pins[0].1.enable);
         }

@@ -87,9 +87,9 @@ impl Unit for PrimitiveUnit {
     fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<PrimitiveLoad>> {
         let (design, widths) = (&self.design, &self.circuit.widths);
         let quick = extent == Extent::Quick;
-        let ([random, faint], [size, deep]) = match quick {
-            true => ([1_200, 600], [256, 64]),
-            false => ([40_000, 20_000], [512, 128]),
+        let ([random, faint], [size, deep]) = match extent {
+            Extent::Quick => ([1_200, 600], [256, 64]),
+            Extent::Full => ([40_000, 20_000], [512, 128]),
         };
         let mut seen = vec![workload::crowd(), workload::sparse(), workload::hard()?];
         seen.extend(scenes(&["deep stack"], deep, missing)?);

@@ -153,11 +153,9 @@ fn parameters(widths: &Widths, program: &Program, slot_bits: u32) -> String {
     let axis_drop = 31 - axis_bits(widths);
     let turned = u32::from(is_turned(mantissa));
     let (out_round, out_last) = (program.exits.round, program.exits.last());
-    let registers = match program.directs() {
-        true => &REGISTERS[..],
-        false => &REGISTERS[..OF_EVERY_PROGRAM],
-    };
-    let registers = (FIRST_REGISTER..).zip(registers).map(|(address, name)| {
+    let count = [OF_EVERY_PROGRAM, REGISTERS.len()][usize::from(program.directs())];
+    let registers = (FIRST_REGISTER..).zip(&REGISTERS[..count]);
+    let registers = registers.map(|(address, name)| {
         let name = name.to_uppercase();
         format!("  localparam int {name} = {address};\n")
     });
