@@ -6,7 +6,7 @@ use crate::random::split_mix;
 use crate::scenes::Seen;
 use anyhow::Result;
 use splatline::float;
-use splatline::footprint::{Conic, Footprint};
+use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::math::SoftFloat;
 use splatline::raster::Window;
@@ -86,24 +86,14 @@ pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorklo
 /// opacity and cut-off that a packet can hold (cut-offs up to setup's limit of 15).
 pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> BenchWorkload {
     let kinds = [Kind::Any([-4.0, 20.0])];
-    let (footprints, tiles) = random_between(&kinds, widths, [count, per_tile], seed);
-    BenchWorkload {
-        name: "random packets",
-        footprints,
-        tiles,
-    }
+    random_between("random packets", &kinds, widths, [count, per_tile], seed)
 }
 
 /// The same where xc has few fraction bits or leaves the fine word: half-widths of up to 2^28 pixels, the largest that setup gives, and
 /// needles.
 pub fn vast(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
     let kinds = [Kind::Any([12.0, 26.0]), Kind::Flat, Kind::WordAway];
-    let (footprints, tiles) = random_between(&kinds, widths, [count, 10], seed);
-    BenchWorkload {
-        name: "vast packets",
-        footprints,
-        tiles,
-    }
+    random_between("vast packets", &kinds, widths, [count, 10], seed)
 }
 
 /// Columns that the fine word of xc holds: 28 bits before the point of a centre, 8 of which give way to a fraction.
@@ -147,11 +137,12 @@ impl Kind {
 
 /// Random footprints over random windows, each of one of the kinds in turn.
 fn random_between(
+    name: &'static str,
     kinds: &[Kind],
     widths: &Widths,
     [count, per_tile]: [usize; 2],
     seed: u64,
-) -> (Vec<Footprint>, Vec<BenchTile>) {
+) -> BenchWorkload {
     let mut random = WorkloadRandom(seed);
     let (mut footprints, mut tiles) = (Vec::with_capacity(count), Vec::new());
     while footprints.len() < count {
@@ -164,7 +155,11 @@ fn random_between(
         let list = list.collect();
         tiles.push(BenchTile { window, list });
     }
-    (footprints, tiles)
+    BenchWorkload {
+        name,
+        footprints,
+        tiles,
+    }
 }
 
 /// The farthest centre that is tried, in pixels.
@@ -237,17 +232,11 @@ impl WorkloadRandom {
         let colour_bits = widths.colour_range() + widths.colour;
         let mut footprint = Footprint {
             depth: u64::from(self.bits(32)) << 16,
-            centre: [0; 2],
-            first: [0; 2],
-            end: [0; 2],
             ldl: ldl(widths, &variance)?,
-            conic: Conic {
-                mantissa: [0; 3],
-                exponent: 0,
-            },
             cutoff,
             opacity: peak,
             colour: [(); 3].map(|()| self.bits(colour_bits) >> self.below(8)),
+            ..Footprint::EMPTY
         };
         // In half of the cases the window lies on the ellipse's rim, which for large ones it would hardly meet by chance.
         let rim = self.below(2) == 0;
