@@ -172,12 +172,9 @@ impl Mapped<'_> {
 
 /// A module's name without Yosys' parameters: `$paramod$0b1f...\delay` and `$paramod\align\BITS=s32'...` are `delay` and `align`.
 fn readable(module: &str) -> &str {
-    let mut parts = module.split('\\');
-    let first = parts.next().unwrap_or_default();
-    match parts.next() {
-        Some(name) if !name.is_empty() => name,
-        _ => first,
-    }
+    let (first, rest) = module.split_once('\\').unwrap_or((module, ""));
+    let name = rest.split('\\').next().filter(|name| !name.is_empty());
+    name.unwrap_or(first)
 }
 
 /// Prints what a circuit takes in the cells of a Liberty file, by unit.

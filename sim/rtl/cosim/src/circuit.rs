@@ -238,10 +238,7 @@ pub enum Effort {
 
 impl Effort {
     fn flag(self) -> &'static str {
-        match self {
-            Effort::Little => "-O1",
-            Effort::Much => "-O2",
-        }
+        ["-O1", "-O2"][self as usize]
     }
 }
 

@@ -49,20 +49,15 @@ pub struct Memory {
     now: u64,
     /// When all beats before have been moved: of words read, and of those written.
     free: [u64; 2],
+    /// Words with the cycle in which they are due.
     reads: VecDeque<(u64, [u32; 4])>,
-    writes: VecDeque<MemoryWrite>,
+    /// The same with their addresses, without the quarters that stay as they are.
+    writes: VecDeque<(u64, usize, [Option<u32>; 4])>,
     /// Requests for words, and words to be written.
     requests: [Channel; 2],
     word_valid: Port,
     word: Port,
     settled: Port,
-}
-
-struct MemoryWrite {
-    due: u64,
-    address: usize,
-    strobe: u32,
-    word: [u32; 4],
 }
 
 impl Memory {
@@ -99,11 +94,10 @@ impl Memory {
 
     /// The first half of a cycle: what the circuit sees, and its outputs.
     pub fn settle(&mut self, circuit: &mut Simulation) {
-        while let Some(write) = self.writes.pop_front_if(|write| write.due <= self.now) {
-            for (lane, value) in write.word.into_iter().enumerate() {
-                if write.strobe >> lane & 1 == 1 {
-                    self.words[write.address][lane] = value;
-                }
+        while let Some((_, address, word)) = self.writes.pop_front_if(|(due, ..)| *due <= self.now)
+        {
+            for (kept, value) in self.words[address].iter_mut().zip(word) {
+                *kept = value.unwrap_or(*kept);
             }
         }
         let paused = [(); 2].map(|()| split_mix(&mut self.random) % 8 < self.timing.pauses);
@@ -141,12 +135,10 @@ impl Memory {
             let (address, strobe) = (address[0] as usize, strobe[0]);
             self.free[1] = self.now + self.beats(strobe);
             if address < self.words.len() {
-                self.writes.push_back(MemoryWrite {
-                    due: self.free[1] + self.timing.latency,
-                    address,
-                    strobe,
-                    word: [0, 1, 2, 3].map(|lane| word[lane]),
-                });
+                let due = self.free[1] + self.timing.latency;
+                let lane = |lane| (strobe >> lane & 1 == 1).then_some(word[lane]);
+                self.writes
+                    .push_back((due, address, [0, 1, 2, 3].map(lane)));
             } else {
                 self.beyond += 1;
             }
