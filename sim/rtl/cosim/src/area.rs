@@ -100,28 +100,16 @@ const SHARED: [&str; 2] = ["splat_setup", "row_generator"];
 
 /// The table of the primitives of all designs, or of one; shown on stderr as it comes, since it takes minutes.
 pub fn of_primitives(design: Option<&str>) -> Result<String> {
+    let subjects = synthesis::subjects();
+    let chosen = |subject: &&Subject| design.is_none_or(|design| design == subject.name);
     let mut lines = Vec::new();
-    for subject in chosen(design)? {
+    for subject in subjects.iter().filter(chosen) {
         for family in Family::ALL {
-            lines.extend(primitive(&subject, family)?);
+            lines.extend(primitive(subject, family)?);
         }
     }
+    ensure!(!lines.is_empty(), "no such design");
     Ok(synthesis::to_csv(&lines))
-}
-
-fn chosen(design: Option<&str>) -> Result<Vec<Subject>> {
-    let mut subjects = synthesis::subjects().to_vec();
-    subjects.retain(|subject| design.is_none_or(|design| design == subject.name));
-    ensure!(!subjects.is_empty(), "no such design");
-    Ok(subjects)
-}
-
-/// Words of a family's block RAM at its full width.
-const fn block_words(family: Family) -> u32 {
-    match family {
-        Family::Ice40 => 256,
-        Family::Ecp5 | Family::Xilinx7 => 512,
-    }
 }
 
 /// One design's circuits for a family. The primitive is the sum of setup, rows and what is left without both.
@@ -139,8 +127,10 @@ fn primitive(subject: &Subject, family: Family) -> Result<Vec<Synthesised>> {
         (SynthesisedPart::Setup(SETUP_INTERVAL), usual),
         (SynthesisedPart::Rows, rows),
     ];
+    // Words of the family's block RAM at its full width.
+    let block_words = if family == Family::Ice40 { 256 } else { 512 };
     for lanes in LANES {
-        let parameters = [("LANES", lanes), ("BLOCK_WORDS", block_words(family))];
+        let parameters = [("LANES", lanes), ("BLOCK_WORDS", block_words)];
         let rest = synthesised(&circuit, family, PRIMITIVE.top, &parameters, &SHARED)?;
         found.push((SynthesisedPart::Lanes(lanes), rest + usual + rows));
     }

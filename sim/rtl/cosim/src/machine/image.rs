@@ -1,7 +1,7 @@
 //! The memory of the machine before a frame, where it is told to put the rest, and the frame that it is to leave there.
 
 use super::loads::MachineLoad;
-use crate::package::TILE;
+use crate::package::{TILE, run_time};
 use crate::random::noise;
 use crate::setup::record::record;
 use anyhow::{Context, Result, anyhow, ensure};
@@ -10,7 +10,7 @@ use splatline::Renderer;
 use splatline::blend::Pixel;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
-use splatline::format::{RuntimeWidths, Traversal, Widths};
+use splatline::format::{Traversal, Widths};
 use splatline_sim::fixed::table_entries;
 
 /// Words of a record.
@@ -83,10 +83,8 @@ pub fn kernel_frame(widths: &Widths, load: &MachineLoad) -> Result<Vec<[u32; 4]>
     if let Some(harmonics) = &load.harmonics {
         harmonics.shine(widths, view, &mut splats);
     }
-    let design = RuntimeWidths::new(*widths).ok();
-    let design = design.context("widths out of range")?;
     let memory = table_entries(widths, &load.rules);
-    let renderer = Renderer::with_table(design, load.rules, &memory);
+    let renderer = Renderer::with_table(run_time(widths)?, load.rules, &memory);
     let renderer = renderer.map_err(|error| anyhow!("{error:?}"))?;
     let mut footprints = vec![Footprint::EMPTY; splats.len()];
     let mut order = vec![0; splats.len()];

@@ -45,8 +45,8 @@ impl MachineLoad {
             MachineOption::Harmonics => seen.scene.harmonics.take(),
             _ => None,
         };
-        let (workload, lists) = ordered(&seen, design);
         let rules = seen.scene.natural_rules;
+        let (_, workload, lists) = ordered(&seen, design, &rules);
         let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
         MachineLoad {
             rules: scene.rules(&rules),

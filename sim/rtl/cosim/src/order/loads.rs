@@ -84,14 +84,8 @@ impl OrderLoad {
     }
 }
 
-/// A picture by its scene's rules in tiles of the circuit's size.
-pub fn ordered(seen: &Seen, design: &DesignChoice) -> (Workload, OrderLoad) {
-    let (_, workload, load) = by_rules(seen, design, &seen.scene.natural_rules);
-    (workload, load)
-}
-
 /// What becomes of each splat under these rules, the picture's work in tiles of the circuit's size, and its splats with the model's lists.
-pub fn by_rules(
+pub fn ordered(
     seen: &Seen,
     design: &DesignChoice,
     rules: &Rules,

@@ -48,7 +48,7 @@ impl Unit for OrderUnit {
         let design = DesignChoice::load("lean18")?;
         let mut loads = hard();
         for seen in scenes(names, size, missing)? {
-            loads.push(ordered(&seen, &design).1);
+            loads.push(ordered(&seen, &design, &seen.scene.natural_rules).2);
         }
         Ok(loads)
     }

@@ -5,6 +5,7 @@ use super::words::{self, Roots};
 use super::workload::{self, BenchTile, BenchWorkload};
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
 use crate::circuit::PRIMITIVE;
+use crate::package::run_time;
 use crate::rules::write_rules;
 use crate::scenes::scenes;
 use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
@@ -138,20 +139,14 @@ impl Unit for PrimitiveUnit {
                 ..Findings::default()
             });
         }
-        let golden = Golden::new(widths, &load.rules)?;
         let layout = Layout::new(widths, Traversal::Spans);
         let (tiles, footprints) = (&load.workload.tiles, &load.workload.footprints);
-        let (mut items, mut pixels) = (Vec::new(), Vec::new());
-        let mut coverage = Coverage::default();
-        for tile in tiles {
-            let (drawn, covered) = golden.draw(tile, footprints);
-            items.push(item(&layout, tile, footprints));
-            pixels.extend(drawn);
-            coverage += covered;
-        }
+        let items = tiles.iter().map(|tile| item(&layout, tile, footprints));
+        let items: Vec<Item> = items.collect();
+        let (pixels, coverage) = draw(widths, &load.rules, tiles, footprints)?;
         let channels = channels(&bench.circuit)?;
         let mut checker = PrimitiveChecker {
-            design: golden.design,
+            design: run_time(widths)?,
             shape: [self.lanes, self.interval],
             timed: (pressure.inside == 0).then_some(0),
             load,
@@ -238,44 +233,30 @@ pub fn pixel(answer: &[Vec<u32>]) -> Pixel {
     }
 }
 
-/// The kernel with its footprint table filled, as the circuit has it before the first tile.
-pub struct Golden<'a> {
-    design: RuntimeWidths,
-    widths: &'a Widths,
-    rules: &'a KernelRules,
-    memory: Vec<u32>,
-}
-
-impl<'a> Golden<'a> {
-    /// Fills the table.
-    pub fn new(widths: &'a Widths, rules: &'a KernelRules) -> Result<Self> {
-        let design = RuntimeWidths::new(*widths).ok();
-        Ok(Golden {
-            design: design.context("widths out of range")?,
-            widths,
-            rules,
-            memory: table_entries(widths, rules),
-        })
-    }
-
-    /// The window's pixels, row by row, and what was visited.
-    ///
-    /// # Panics
-    /// If the tile were larger than its window.
-    pub fn draw(&self, tile: &BenchTile, footprints: &[Footprint]) -> (Vec<Pixel>, Coverage) {
-        let table = table(&self.memory, self.widths, self.rules);
-        let order = Compositing::FrontToBack;
-        let painter = Painter::new(self.design, self.rules, table, order, Traversal::Spans);
+/// The pixels of tiles by the kernel, tile by tile and row by row, and what was visited.
+pub fn draw(
+    widths: &Widths,
+    rules: &KernelRules,
+    tiles: &[BenchTile],
+    footprints: &[Footprint],
+) -> Result<(Vec<Pixel>, Coverage)> {
+    let (design, memory) = (run_time(widths)?, table_entries(widths, rules));
+    let order = Compositing::FrontToBack;
+    let mut drawn = Vec::new();
+    let mut coverage = Coverage::default();
+    for tile in tiles {
+        let table = table(&memory, widths, rules);
+        let painter = Painter::new(design, rules, table, order, Traversal::Spans);
         let [columns, rows] = tile.size();
-        let mut pixels = vec![Pixel::clear(self.widths); columns * rows];
-        let mut target = Target::new(&mut pixels, tile.window, columns)
-            .expect("the memory was made for this window");
-        let mut coverage = Coverage::default();
+        let mut pixels = vec![Pixel::clear(widths); columns * rows];
+        let target = Target::new(&mut pixels, tile.window, columns).ok();
+        let mut target = target.context("a tile that is larger than its window")?;
         for index in &tile.list {
             coverage += painter.draw(&footprints[*index as usize], &mut target);
         }
-        (pixels, coverage)
+        drawn.extend(pixels);
     }
+    Ok((drawn, coverage))
 }
 
 struct PrimitiveChecker<'a> {

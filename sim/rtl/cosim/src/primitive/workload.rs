@@ -1,6 +1,6 @@
 //! What is drawn: tiles of footprints from scenes, and footprints made from random numbers.
 
-use crate::order::loads::{OrderLoad, by_rules};
+use crate::order::loads::{OrderLoad, ordered};
 use crate::package::TILE;
 use crate::random::split_mix;
 use crate::scenes::Seen;
@@ -64,7 +64,7 @@ pub fn hard() -> Result<Seen> {
 
 /// Tiles over the whole picture of a scene.
 pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorkload {
-    let (footprints, _, OrderLoad { size, lists, .. }) = by_rules(seen, design, rules);
+    let (footprints, _, OrderLoad { size, lists, .. }) = ordered(seen, design, rules);
     let viewport = [seen.camera.width, seen.camera.height].map(|size| size as u16);
     let tile = |(index, list): (u16, Vec<u32>)| {
         let first = [index % size[0] * TILE[0], index / size[0] * TILE[1]];

@@ -8,9 +8,10 @@ use super::program::{ProgramKind, SetupProgram};
 use super::record::record;
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
 use crate::circuit::SETUP;
+use crate::package::run_time;
 use crate::simulation::Port;
 use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
 use splatline::format::{RuntimeWidths, Traversal, Widths};
@@ -93,10 +94,9 @@ impl Unit for SetupUnit {
         let words = constant_words(&self.0, &load.view, &load.rules)?;
         write_constants(&mut bench, &words)?;
         let widths = self.0.widths;
-        let design = RuntimeWidths::new(widths).ok();
         let mut checker = SetupChecker {
             widths,
-            design: design.context("widths out of range")?,
+            design: run_time(&widths)?,
             layout: Layout::new(&widths, Traversal::Spans),
             load,
             offered: Vec::new(),
