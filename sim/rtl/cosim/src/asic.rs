@@ -84,22 +84,23 @@ fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
 }
 
 /// What a module is made of.
-#[derive(Default)]
 struct Module {
     cells: BTreeMap<String, u64>,
-    memory_bits: u64,
+    /// What it takes beside them.
+    own: Taken,
 }
 
-/// The modules of Yosys' netlist. (Its statistics would do, but release 0.23 writes them as broken JSON for more than one module.)
-fn modules(netlist: &Value) -> BTreeMap<String, Module> {
+/// The modules of Yosys' netlist, with their longest paths. (Its statistics would do, but release 0.23 writes them as broken JSON for more than one module.)
+fn modules(netlist: &Value, paths: &BTreeMap<String, f64>) -> BTreeMap<String, Module> {
     let module = |(name, netlist): (&String, &Value)| {
-        let mut module = Module::default();
+        let (mut cells, mut own) = (BTreeMap::new(), Taken::default());
         for (_, cell) in entries(&netlist["cells"]) {
-            module.memory_bits += memory_bits(cell).unwrap_or(0);
+            own.memory_bits += memory_bits(cell).unwrap_or(0);
             let kind = cell["type"].as_str().unwrap_or_default();
-            *module.cells.entry(kind.to_owned()).or_default() += 1;
+            *cells.entry(kind.to_owned()).or_default() += 1;
         }
-        (name.clone(), module)
+        own.path = paths.get(name).copied().unwrap_or_default();
+        (name.clone(), Module { cells, own })
     };
     entries(&netlist["modules"]).map(module).collect()
 }
@@ -134,8 +135,6 @@ impl Taken {
 struct Mapped<'a> {
     library: &'a Library,
     modules: BTreeMap<String, Module>,
-    /// Longest path within each module, picoseconds.
-    paths: BTreeMap<String, f64>,
 }
 
 impl Mapped<'_> {
@@ -143,11 +142,7 @@ impl Mapped<'_> {
         let Some(module) = self.modules.get(name) else {
             return self.library.cells.get(name).copied().unwrap_or_default();
         };
-        let mut sum = Taken {
-            memory_bits: module.memory_bits,
-            path: self.paths.get(name).copied().unwrap_or_default(),
-            ..Taken::default()
-        };
+        let mut sum = module.own;
         for (kind, number) in &module.cells {
             sum.add(self.taken(kind), *number);
         }
@@ -241,10 +236,10 @@ fn mapped<'a>(circuit: &Circuit, library: &'a Library, liberty: &str) -> Result<
          opt_clean; write_json {netlist}",
         parameters.collect::<String>()
     ))?;
+    let paths = paths(&fs::read_to_string(path("mapping.txt"))?)?;
     Ok(Mapped {
         library,
-        modules: modules(&json(&path("netlist.json"))?),
-        paths: paths(&fs::read_to_string(path("mapping.txt"))?)?,
+        modules: modules(&json(&path("netlist.json"))?, &paths),
     })
 }
 
@@ -314,8 +309,7 @@ library ("small") {
         let log = "1. Extracting gate netlist of module `$paramod$0123\\lane' to `x'..\nABC: Delay =   281.93 ps\n";
         let mapped = Mapped {
             library: &library,
-            modules: modules(&serde_json::from_str(text).unwrap()),
-            paths: paths(log).unwrap(),
+            modules: modules(&serde_json::from_str(text).unwrap(), &paths(log).unwrap()),
         };
         let all = mapped.taken("top");
         assert_eq!(all.area, 2.0 * (3.5 + 20.0) + 3.5);
