@@ -27,9 +27,9 @@ fn synthesis(circuit: &Circuit) -> &'static str {
     "synth_ecp5 -abc9 -top wrapper"
 }
 
-/// nextpnr's options for a circuit, first the clock that it is asked for, MHz: above the bars, so that it does not stop too early; of the machine the wires are too
-/// many to be short as well. It needs version 0.7. The usual router takes whole nets out again for one wire, and had 204,000 of 244,000 arcs left after 300,000
-/// tries. The usual placer's places need a quarter more wire than those of the static one, which does not place pins.
+/// nextpnr's options for a circuit, first the clock that it is asked for, MHz: above the bars, so that it does not stop too early; of the machine the wires
+/// are too many to be short as well. It needs version 0.7. The usual router takes whole nets out again for one wire, and had 204,000 of 244,000 arcs left
+/// after 300,000 tries. The usual placer's places need a quarter more wire than those of the static one, which does not place pins.
 fn placer_options(circuit: &Circuit) -> &'static str {
     if *circuit.unit == MACHINE {
         return "--freq 60 --placer static --lpf pins.lpf --router router2";
