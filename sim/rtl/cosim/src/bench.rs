@@ -168,7 +168,7 @@ impl Bench {
         let mut findings = Findings::default();
         let mut feeder = Feeder::new(items);
         let (start, mut idle) = (self.cycles, 0);
-        while !feeder.is_done() {
+        while feeder.done < items.len() {
             let resets =
                 pressure.resets > 0 && split_mix(&mut self.random).is_multiple_of(pressure.resets);
             self.circuit.set(self.reset, resets.into());
@@ -182,7 +182,7 @@ impl Bench {
                 for lane in &mut feeder.lanes {
                     let offered = lane.offered.filter(|_| lane.valid);
                     if offered.is_some_and(|source| channels.sources[source].moves(&self.circuit)) {
-                        lane.taken();
+                        (lane.offer, lane.valid) = (lane.offer + 1, false);
                         idle = 0;
                     }
                 }
@@ -192,7 +192,8 @@ impl Bench {
                     let other = checker.check(findings.compared as usize, &answer);
                     difference = difference.or(other);
                     findings.compared += 1;
-                    feeder.answered();
+                    feeder.answers += 1;
+                    feeder.skip_silent();
                     idle = 0;
                 }
             }
@@ -290,11 +291,6 @@ impl Lane {
         self.offered = Some(offer.source);
         Some(offer)
     }
-
-    fn taken(&mut self) {
-        self.offer += 1;
-        self.valid = false;
-    }
 }
 
 impl<'a> Feeder<'a> {
@@ -315,15 +311,6 @@ impl<'a> Feeder<'a> {
         };
         feeder.skip_silent();
         feeder
-    }
-
-    fn is_done(&self) -> bool {
-        self.done == self.items.len()
-    }
-
-    fn answered(&mut self) {
-        self.answers += 1;
-        self.skip_silent();
     }
 
     /// Goes on behind items all of whose answers have come.

@@ -90,7 +90,13 @@ pub const ROW: &str = "row";
 /// for it, behind which no word is on its way when its pixels begin to leave.
 pub fn small() -> Vec<Seen> {
     let mut row = Seen::random(ROW, (40, 3, 0.5), [8_000, 8_000]);
-    row.camera = row_of(row.camera);
+    // As wide as a scene: the vertical focal length alone is so small that every splat meets it.
+    row.camera = Camera {
+        fy: 1.0,
+        cy: 0.5,
+        height: 1,
+        ..row.camera
+    };
     vec![
         Seen::random("crowd", (120, 9, 4.0), [70, 45]),
         Seen::random("sparse", (7, 5, 2.0), [200, 100]),
@@ -108,14 +114,4 @@ pub fn gaps() -> Seen {
         }
     }
     gaps
-}
-
-/// A picture of one row that is as wide as a scene: the vertical focal length alone is so small that every splat meets it.
-fn row_of(camera: Camera) -> Camera {
-    Camera {
-        fy: 1.0,
-        cy: 0.5,
-        height: 1,
-        ..camera
-    }
 }
