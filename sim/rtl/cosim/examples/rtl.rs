@@ -2,9 +2,9 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Traversal;
-use splatline_rtl::circuit::{Circuit, DESIGNS, HARMONICS, ORDER, PRIMITIVE};
+use splatline_rtl::circuit::{Circuit, DESIGNS, HARMONICS, ORDER, PRIMITIVE, RtlUnit};
 use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
-use splatline_rtl::machine::loads::MachineOption;
+use splatline_rtl::machine::MachineOption;
 use splatline_rtl::machine::unit::MachineUnit;
 use splatline_rtl::order::unit::OrderUnit;
 use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
@@ -30,7 +30,7 @@ const USAGE: &str = "usage: rtl COMMAND
   compare UNIT  every word and cycle of a unit against the kernel and the model, as a table:
                 primitive, shapes (of the primitive: 1 to 16 lanes, a packet in every cycle, a third design), setup, distance (setup with distance
                 scaling), compensation (setup with compensated opacities), direction (setup with directions), tables (reciprocal, root and logarithm of setup), order, harmonics, machine, frames-distance (machine with distance scaling),
-                frames-harmonics (machine with harmonics)
+                frames-harmonics (machine with harmonics, by one and by two multipliers)
   mutations [UNIT [PART]]   is every mutation noticed, or those of a unit, or those whose name contains PART?
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mutation
   area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/machine/src/area/synthesised.csv (18 minutes) and setup.csv (an hour)
@@ -62,18 +62,14 @@ fn main() -> ExitCode {
         ["formal"] => formal::report(),
         ["area", "primitive", design @ ..] => print(area::of_primitives(design.first().copied())),
         ["area", "setup", design @ ..] => print(area::of_setup_units(design.first().copied())),
-        ["area", "order"] => print_area(&[
-            Circuit::new(&ORDER, "lean18", 8),
-            Circuit::new(&ORDER, "lean18", 12),
-        ]),
-        ["area", "harmonics"] => {
-            print_area(&MULTIPLIERS.map(|value| Circuit::new(&HARMONICS, "lean18", value)))
-        }
+        ["area", "order"] => print_area(&ORDER, [8, 12]),
+        ["area", "harmonics"] => print_area(&HARMONICS, MULTIPLIERS),
         ["area", "machine"] => print(machine::area::report()),
         ["area", "frames-harmonics"] => print(machine::area::report_with_harmonics()),
-        ["area", "asic", liberty, words @ ..] => placement::circuits()
-            .map(|circuits| named(circuits, words.first().copied().unwrap_or_default()))
-            .and_then(|circuits| asic::report(Path::new(liberty), &circuits)),
+        ["area", "asic", liberty, words @ ..] => {
+            placement::circuits(words.first().copied().unwrap_or_default())
+                .and_then(|circuits| asic::report(Path::new(liberty), &circuits))
+        }
         ["fmax", words] => placement::report(words, None),
         ["fmax", words, seed] => number(seed).and_then(|seed| placement::report(words, Some(seed))),
         ["bitstream", "machine", cores, file] => number(cores)
@@ -152,25 +148,21 @@ fn write_package(design: &str, folder: &Path, program: &SetupProgram) -> Result<
 }
 
 /// Shapes of the primitive that no test draws with: design, lanes, cycles between two packets.
-const SHAPES: [(&str, u32, u32); 11] = [
-    ("lean18", 2, 4),
-    ("lean18", 8, 4),
-    ("lean18", 16, 4),
-    ("lean18", 4, 1),
-    ("standard24", 2, 4),
-    ("standard24", 8, 4),
-    ("standard24", 16, 4),
-    ("standard24", 1, 1),
-    ("24-bit mantissa", 1, 4),
-    ("24-bit mantissa", 4, 4),
-    ("24-bit mantissa", 16, 4),
+const SHAPES: [(&str, &[u32], u32); 5] = [
+    ("lean18", &[2, 8, 16], 4),
+    ("lean18", &[4], 1),
+    ("standard24", &[2, 8, 16], 4),
+    ("standard24", &[1], 1),
+    ("24-bit mantissa", &[1, 4, 16], 4),
 ];
 
 fn compare(unit: &str) -> Result<()> {
     match unit {
         "shapes" => {
             for (design, lanes, interval) in SHAPES {
-                report(&PrimitiveUnit::with_interval(design, lanes, interval)?)?;
+                for lanes in lanes {
+                    report(&PrimitiveUnit::with_interval(design, *lanes, interval)?)?;
+                }
             }
         }
         "order" => {
@@ -194,31 +186,22 @@ fn compare(unit: &str) -> Result<()> {
 }
 
 fn compare_design(unit: &str, design: &str) -> Result<()> {
+    // Of several cores a number that divides no round.
+    let setup = |options| report(&SetupUnit::with_program(design, 7, program(options)?)?);
+    let machine = |option| report(&MachineUnit::new(design, 8, 4, option)?);
     match unit {
         "primitive" => {
-            for lanes in LANES {
-                report(&PrimitiveUnit::new(design, lanes)?)?;
-            }
-            Ok(())
+            let mut lanes = LANES.into_iter();
+            lanes.try_for_each(|lanes| report(&PrimitiveUnit::new(design, lanes)?))
         }
-        // Of several cores a number that divides no round.
-        "setup" => report(&SetupUnit::new(design, 7, ProgramKind::Filter)?),
-        "compensation" => report(&SetupUnit::new(design, 7, ProgramKind::Compensation)?),
-        "distance" => report(&SetupUnit::new(design, 7, ProgramKind::DistanceScaling)?),
-        "direction" => report(&SetupUnit::with_program(
-            design,
-            7,
-            program(&["direction"])?,
-        )?),
+        "setup" => setup(&[]),
+        "compensation" | "distance" | "direction" => setup(&[unit]),
         "tables" => report(&TableUnits::new(design)?),
-        "machine" => report(&MachineUnit::new(design, 8, 4, MachineOption::None)?),
-        "frames-distance" => report(&MachineUnit::new(
-            design,
-            8,
-            4,
-            MachineOption::DistanceScaling,
-        )?),
-        "frames-harmonics" => report(&MachineUnit::new(design, 8, 4, MachineOption::Harmonics)?),
+        "machine" => machine(MachineOption::None),
+        "frames-distance" => machine(MachineOption::DistanceScaling),
+        "frames-harmonics" => MULTIPLIERS
+            .into_iter()
+            .try_for_each(|multipliers| machine(MachineOption::Harmonics(multipliers))),
         _ => bail!("no unit '{unit}'\n{USAGE}"),
     }
 }
@@ -246,24 +229,13 @@ fn judge(unit: Option<&str>, part: &str) -> Result<()> {
     Ok(())
 }
 
-fn print_area(circuits: &[Result<Circuit>]) -> Result<()> {
+fn print_area(unit: &'static RtlUnit, values: [u32; 2]) -> Result<()> {
     println!("circuit,luts,flip_flops,dsps,memory_kbit");
-    for circuit in circuits {
-        let circuit = circuit
-            .as_ref()
-            .map_err(|error| anyhow::anyhow!("{error:#}"))?;
-        let counts = area::of_circuit(circuit)?.resources();
-        println!(
-            "{circuit},{}",
-            counts.map(|(_, count)| count.to_string()).join(",")
-        );
+    for value in values {
+        let circuit = Circuit::new(unit, "lean18", value)?;
+        println!("{circuit},{}", area::columns(&area::of_circuit(&circuit)?));
     }
     Ok(())
-}
-
-fn named(circuits: Vec<Circuit>, words: &str) -> Vec<Circuit> {
-    let contains = |circuit: &Circuit| circuit.to_string().contains(words);
-    circuits.into_iter().filter(contains).collect()
 }
 
 fn estimate(design: &str, lanes: &str) -> Result<()> {

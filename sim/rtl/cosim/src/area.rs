@@ -4,45 +4,37 @@
 //! (`sim/machine/src/area/synthesised.csv` and `setup.csv`); `rtl -- area UNIT` counts the cells of another unit.
 
 use crate::circuit::{Circuit, PRIMITIVE, RtlUnit, SETUP};
-use crate::tools::yosys;
-use anyhow::{Context, Result, ensure};
-use serde::Deserialize;
+use crate::tools::{entries, json, yosys};
+use anyhow::{Result, ensure};
 use splatline_sim::machine::area::setup::{self, FITTED_CORES, SetupUnit};
 use splatline_sim::machine::area::synthesis::{self, Subject, Synthesised, SynthesisedPart};
 use splatline_sim::machine::area::{Fabric, Family};
 use splatline_sim::machine::primitive::SETUP_INTERVAL;
-use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
-
-/// Yosys' `stat -json`.
-#[derive(Deserialize)]
-struct Statistics {
-    design: DesignStatistics,
-}
-
-#[derive(Deserialize)]
-struct DesignStatistics {
-    num_cells_by_type: BTreeMap<String, u64>,
-}
 
 /// Runs a script that leaves one module of cells, and counts them.
 pub fn cells(script: &str, folder: &Path) -> Result<Fabric> {
     let counts = folder.join("stat.json");
     let count = format!("tee -q -o {} stat -json", counts.display());
     yosys(&format!("{script}; {count}"))?;
-    let text = fs::read_to_string(&counts)?;
-    let statistics: Statistics = serde_json::from_str(&text).context("yosys' statistics")?;
-    let fabric = fabric(&statistics.design.num_cells_by_type);
+    let statistics = json(&counts)?;
+    let kinds = entries(&statistics["design"]["num_cells_by_type"]);
+    let fabric = fabric(kinds.filter_map(|(kind, number)| Some((kind.as_str(), number.as_u64()?))));
     ensure!(fabric.luts > 0, "yosys counts no look-up tables");
     Ok(fabric)
 }
 
+/// The columns of a table: look-up tables, flip-flops, multipliers and memory.
+pub fn columns(fabric: &Fabric) -> String {
+    let counts = fabric.resources().map(|(_, count)| count.to_string());
+    counts.join(",")
+}
+
 /// Cells of a netlist by kind.
-pub fn fabric(cells: &BTreeMap<String, u64>) -> Fabric {
+pub fn fabric<'a>(cells: impl IntoIterator<Item = (&'a str, u64)>) -> Fabric {
     let mut area = Fabric::default();
     for (kind, number) in cells {
-        match kind.as_str() {
+        match kind {
             "SB_LUT4" | "LUT4" | "TRELLIS_SLICE" => area.luts += number,
             // A CCU2C is a slice's two LUTs with their carry.
             "CCU2C" => area.luts += 2 * number,
@@ -108,28 +100,16 @@ const SHARED: [&str; 2] = ["splat_setup", "row_generator"];
 
 /// The table of the primitives of all designs, or of one; shown on stderr as it comes, since it takes minutes.
 pub fn of_primitives(design: Option<&str>) -> Result<String> {
+    let subjects = synthesis::subjects();
+    let chosen = |subject: &&Subject| design.is_none_or(|design| design == subject.name);
     let mut lines = Vec::new();
-    for subject in chosen(design)? {
+    for subject in subjects.iter().filter(chosen) {
         for family in Family::ALL {
-            lines.extend(primitive(&subject, family)?);
+            lines.extend(primitive(subject, family)?);
         }
     }
+    ensure!(!lines.is_empty(), "no such design");
     Ok(synthesis::to_csv(&lines))
-}
-
-fn chosen(design: Option<&str>) -> Result<Vec<Subject>> {
-    let mut subjects = synthesis::subjects().to_vec();
-    subjects.retain(|subject| design.is_none_or(|design| design == subject.name));
-    ensure!(!subjects.is_empty(), "no such design");
-    Ok(subjects)
-}
-
-/// Words of a family's block RAM at its full width.
-const fn block_words(family: Family) -> u32 {
-    match family {
-        Family::Ice40 => 256,
-        Family::Ecp5 | Family::Xilinx7 => 512,
-    }
 }
 
 /// One design's circuits for a family. The primitive is the sum of setup, rows and what is left without both.
@@ -147,8 +127,10 @@ fn primitive(subject: &Subject, family: Family) -> Result<Vec<Synthesised>> {
         (SynthesisedPart::Setup(SETUP_INTERVAL), usual),
         (SynthesisedPart::Rows, rows),
     ];
+    // Words of the family's block RAM at its full width.
+    let block_words = if family == Family::Ice40 { 256 } else { 512 };
     for lanes in LANES {
-        let parameters = [("LANES", lanes), ("BLOCK_WORDS", block_words(family))];
+        let parameters = [("LANES", lanes), ("BLOCK_WORDS", block_words)];
         let rest = synthesised(&circuit, family, PRIMITIVE.top, &parameters, &SHARED)?;
         found.push((SynthesisedPart::Lanes(lanes), rest + usual + rows));
     }
@@ -204,8 +186,7 @@ mod tests {
             ("DP16KD", 2),
             ("GSR", 1),
         ];
-        let cells = cells.map(|(kind, number)| (kind.to_owned(), number));
-        let found = fabric(&cells.into());
+        let found = fabric(cells);
         let expected = Fabric {
             luts: 7,
             flip_flops: 5,

@@ -6,12 +6,11 @@
 //! `asic.csv` beside this folder is what it printed for primitives of four lanes in SKY130's cells (sky130_fd_sc_hd, typical corner).
 
 use crate::circuit::{Circuit, MACHINE, PRIMITIVE};
-use crate::tools::yosys;
+use crate::tools::{entries, json, yosys};
 use anyhow::{Context, Result, ensure};
 use flate2::read::GzDecoder;
-use serde::Deserialize;
+use serde_json::Value;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::fs;
 use std::io::Read;
 use std::path::Path;
@@ -25,8 +24,8 @@ const MAPPING: &str = "strash; &get -n; &fraig -x; &put; scorr; dc2; strash; &ge
 
 /// What is read of a Liberty file.
 struct Library {
-    /// Area of each cell, and whether it is a register.
-    cells: BTreeMap<String, (f64, bool)>,
+    /// What each cell takes.
+    cells: BTreeMap<String, Taken>,
     /// Area of the smallest NAND of two inputs.
     gate: f64,
 }
@@ -35,32 +34,29 @@ impl Library {
     /// Areas and registers of all cells. A Liberty file is groups in braces, `cell (name) { area : 3.75; ff (IQ, IQ_N) { ... } }`.
     fn parse(text: &str) -> Result<Library> {
         let mut cells = BTreeMap::new();
-        let (mut depth, mut cell) = (0, None);
-        for line in text.lines() {
-            let line = line.trim();
+        let (mut depth, mut inside, mut cell) = (0, 0, String::new());
+        for line in text.lines().map(str::trim) {
             if let Some(name) = group(line, "cell") {
-                cells.insert(name.clone(), (0.0, false));
-                cell = Some((name, depth + 1));
+                cells.insert(name.clone(), Taken::default());
+                (cell, inside) = (name, depth + 1);
             }
-            if let Some((name, inside)) = &cell
-                && let Some(found) = cells.get_mut(name)
-                && depth == *inside
+            if depth == inside
+                && let Some(found) = cells.get_mut(&cell)
             {
                 if let Some(area) = attribute(line, "area") {
-                    found.0 = area
-                        .parse()
-                        .with_context(|| format!("area of cell {name}"))?;
+                    let area = area.parse();
+                    found.area = area.with_context(|| format!("area of cell {cell}"))?;
                 }
-                found.1 |= group(line, "ff").is_some();
+                found.flip_flops |= u64::from(group(line, "ff").is_some());
             }
             let count = |brace| line.matches(brace).count() as i32;
             depth += count('{') - count('}');
-            if cell.as_ref().is_some_and(|(_, inside)| depth < *inside) {
-                cell = None;
+            if depth < inside {
+                cell.clear();
             }
         }
         let gates = cells.iter().filter(|(name, _)| is_nand2(name));
-        let gate = gates.map(|(_, (area, _))| *area).reduce(f64::min);
+        let gate = gates.map(|(_, cell)| cell.area).reduce(f64::min);
         let gate = gate.context("the library names no NAND of two inputs (nand2)")?;
         ensure!(gate > 0.0, "the library's NAND of two inputs has no area");
         Ok(Library { cells, gate })
@@ -77,11 +73,9 @@ fn is_nand2(name: &str) -> bool {
 /// The name of a group of this kind that begins in the line.
 fn group(line: &str, kind: &str) -> Option<String> {
     let rest = line.strip_prefix(kind)?.trim_start().strip_prefix('(')?;
-    let name = rest.split_once(')')?.0;
-    Some(
-        name.trim_matches(|c: char| c == '"' || c.is_whitespace())
-            .to_owned(),
-    )
+    let (name, _) = rest.split_once(')')?;
+    let name = name.trim_matches(|c: char| c == '"' || c.is_whitespace());
+    Some(name.to_owned())
 }
 
 fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
@@ -89,50 +83,33 @@ fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
     Some(value.trim_matches(|c: char| c == ';' || c == '"' || c.is_whitespace()))
 }
 
-/// Yosys' netlist. (Its statistics would do, but release 0.23 writes them as broken JSON for more than one module.)
-#[derive(Deserialize)]
-struct Netlist {
-    modules: BTreeMap<String, NetlistModule>,
-}
-
-#[derive(Deserialize)]
-struct NetlistModule {
-    cells: BTreeMap<String, NetlistCell>,
-}
-
-#[derive(Deserialize)]
-struct NetlistCell {
-    #[serde(rename = "type")]
-    kind: String,
-    parameters: BTreeMap<String, String>,
-}
-
-impl NetlistCell {
-    /// Bits of a memory; 0 of anything else. Parameters are binary numerals.
-    fn memory_bits(&self) -> u64 {
-        let parameter = |name| u64::from_str_radix(self.parameters.get(name)?, 2).ok();
-        let is_memory = self.kind.starts_with("$mem");
-        let bits = || Some(parameter("SIZE")? * parameter("WIDTH")?);
-        is_memory.then(bits).flatten().unwrap_or(0)
-    }
-}
-
 /// What a module is made of.
-#[derive(Default)]
 struct Module {
     cells: BTreeMap<String, u64>,
-    memory_bits: u64,
+    /// What it takes beside them.
+    own: Taken,
 }
 
-impl From<NetlistModule> for Module {
-    fn from(netlist: NetlistModule) -> Module {
-        let mut module = Module::default();
-        for cell in netlist.cells.into_values() {
-            module.memory_bits += cell.memory_bits();
-            *module.cells.entry(cell.kind).or_default() += 1;
+/// The modules of Yosys' netlist, with their longest paths. (Its statistics would do, but release 0.23 writes them as broken JSON for more than one module.)
+fn modules(netlist: &Value, paths: &BTreeMap<String, f64>) -> BTreeMap<String, Module> {
+    let module = |(name, netlist): (&String, &Value)| {
+        let (mut cells, mut own) = (BTreeMap::new(), Taken::default());
+        for (_, cell) in entries(&netlist["cells"]) {
+            own.memory_bits += memory_bits(cell).unwrap_or(0);
+            let kind = cell["type"].as_str().unwrap_or_default();
+            *cells.entry(kind.to_owned()).or_default() += 1;
         }
-        module
-    }
+        own.path = paths.get(name).copied().unwrap_or_default();
+        (name.clone(), Module { cells, own })
+    };
+    entries(&netlist["modules"]).map(module).collect()
+}
+
+/// Bits of a memory; nothing of anything else. Parameters are binary numerals.
+fn memory_bits(cell: &Value) -> Option<u64> {
+    let parameter = |name| u64::from_str_radix(cell["parameters"][name].as_str()?, 2).ok();
+    let is_memory = cell["type"].as_str()?.starts_with("$mem");
+    is_memory.then_some(parameter("SIZE")? * parameter("WIDTH")?)
 }
 
 /// What a module takes with all that it contains.
@@ -158,27 +135,16 @@ impl Taken {
 struct Mapped<'a> {
     library: &'a Library,
     modules: BTreeMap<String, Module>,
-    /// Longest path within each module, picoseconds.
-    paths: BTreeMap<String, f64>,
 }
 
 impl Mapped<'_> {
     fn taken(&self, name: &str) -> Taken {
         let Some(module) = self.modules.get(name) else {
-            return Taken::default();
+            return self.library.cells.get(name).copied().unwrap_or_default();
         };
-        let mut sum = Taken {
-            memory_bits: module.memory_bits,
-            path: self.paths.get(name).copied().unwrap_or_default(),
-            ..Taken::default()
-        };
+        let mut sum = module.own;
         for (kind, number) in &module.cells {
-            if let Some((area, is_register)) = self.library.cells.get(kind) {
-                sum.area += area * *number as f64;
-                sum.flip_flops += if *is_register { *number } else { 0 };
-            } else {
-                sum.add(self.taken(kind), *number);
-            }
+            sum.add(self.taken(kind), *number);
         }
         sum
     }
@@ -201,12 +167,9 @@ impl Mapped<'_> {
 
 /// A module's name without Yosys' parameters: `$paramod$0b1f...\delay` and `$paramod\align\BITS=s32'...` are `delay` and `align`.
 fn readable(module: &str) -> &str {
-    let mut parts = module.split('\\');
-    let first = parts.next().unwrap_or_default();
-    match parts.next() {
-        Some(name) if !name.is_empty() => name,
-        _ => first,
-    }
+    let (first, rest) = module.split_once('\\').unwrap_or((module, ""));
+    let name = rest.split('\\').next().filter(|name| !name.is_empty());
+    name.unwrap_or(first)
 }
 
 /// Prints what a circuit takes in the cells of a Liberty file, by unit.
@@ -235,27 +198,25 @@ fn lines(circuit: &Circuit, mapped: &Mapped) -> String {
     mapped.units(circuit.unit.top, 1, &mut units);
     let mut units: Vec<_> = units.into_iter().collect();
     units.sort_by(|one, other| other.1.1.area.total_cmp(&one.1.1.area));
-    let mut text = String::new();
-    for (unit, (instances, taken)) in units {
+    let line = |(unit, (instances, taken)): (String, (u64, Taken))| {
         let gates = taken.area / mapped.library.gate;
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "{circuit},{unit},{instances},{:.0},{gates:.0},{},{},{:.2},{:.3}",
+        format!(
+            "{circuit},{unit},{instances},{:.0},{gates:.0},{},{},{:.2},{:.3}\n",
             taken.area,
             taken.flip_flops,
             taken.memory_bits,
             taken.path / 1000.0,
             gates * GATE_28NM / 1e6,
-        );
-    }
-    text
+        )
+    };
+    units.into_iter().map(line).collect()
 }
 
 /// Synthesises a circuit into the library's cells.
 fn mapped<'a>(circuit: &Circuit, library: &'a Library, liberty: &str) -> Result<Mapped<'a>> {
     let folder = tempfile::tempdir()?;
     let path = |name: &str| folder.path().join(name);
+    let words = |name: &str| path(name).display().to_string();
     fs::write(path("cells.lib"), liberty)?;
     fs::write(path("mapping.abc"), MAPPING)?;
     let read = circuit.read_command(folder.path())?;
@@ -265,27 +226,20 @@ fn mapped<'a>(circuit: &Circuit, library: &'a Library, liberty: &str) -> Result<
         // A memory has as many words as it needs.
         parameters.push(("BLOCK_WORDS", 0));
     }
-    let parameters: String = parameters
-        .iter()
-        .map(|(name, value)| format!("chparam -set {name} {value} {top}; "))
-        .collect();
-    let cells = path("cells.lib").display().to_string();
-    let mapping = path("mapping.txt").display().to_string();
-    let netlist = path("netlist.json").display().to_string();
-    let script = path("mapping.abc").display().to_string();
+    let parameters = parameters.iter();
+    let parameters = parameters.map(|(name, value)| format!("chparam -set {name} {value} {top}; "));
+    let (cells, mapping) = (words("cells.lib"), words("mapping.txt"));
+    let (netlist, script) = (words("netlist.json"), words("mapping.abc"));
     yosys(&format!(
-        "{read}; {parameters}synth -top {top} -run begin:fine; opt -fast -full; opt -undriven -fine; techmap; opt -fast; abc -fast; opt -fast; \
+        "{read}; {}synth -top {top} -run begin:fine; opt -fast -full; opt -undriven -fine; techmap; opt -fast; abc -fast; opt -fast; \
          dfflibmap -liberty {cells}; tee -q -o {mapping} abc -liberty {cells} -script {script}; \
-         opt_clean; write_json {netlist}"
+         opt_clean; write_json {netlist}",
+        parameters.collect::<String>()
     ))?;
-    let netlist: Netlist = serde_json::from_slice(&fs::read(path("netlist.json"))?)?;
-    let modules = netlist.modules.into_iter();
+    let paths = paths(&fs::read_to_string(path("mapping.txt"))?)?;
     Ok(Mapped {
         library,
-        modules: modules
-            .map(|(name, module)| (name, module.into()))
-            .collect(),
-        paths: paths(&fs::read_to_string(path("mapping.txt"))?)?,
+        modules: modules(&json(&path("netlist.json"))?, &paths),
     })
 }
 
@@ -333,8 +287,9 @@ library ("small") {
     fn a_library_gives_areas_registers_and_its_gate() {
         let library = Library::parse(LIBERTY).unwrap();
         assert_eq!(library.gate, 3.5);
-        assert_eq!(library.cells["DFF"], (20.0, true));
-        assert_eq!(library.cells["lib_nand2_1"], (3.5, false));
+        let cell = |name| (library.cells[name].area, library.cells[name].flip_flops);
+        assert_eq!(cell("DFF"), (20.0, 1));
+        assert_eq!(cell("lib_nand2_1"), (3.5, 0));
         assert!(Library::parse("library (none) { }").is_err());
     }
 
@@ -351,15 +306,10 @@ library ("small") {
                 "a": {"type": "lib_nand2_1", "parameters": {}},
                 "b": {"type": "DFF", "parameters": {}},
                 "c": {"type": "$mem_v2", "parameters": {"SIZE": "00100000", "WIDTH": "0101"}}}}}}"#;
-        let netlist: Netlist = serde_json::from_str(text).unwrap();
         let log = "1. Extracting gate netlist of module `$paramod$0123\\lane' to `x'..\nABC: Delay =   281.93 ps\n";
-        let modules = netlist.modules.into_iter();
         let mapped = Mapped {
             library: &library,
-            modules: modules
-                .map(|(name, module)| (name, module.into()))
-                .collect(),
-            paths: paths(log).unwrap(),
+            modules: modules(&serde_json::from_str(text).unwrap(), &paths(log).unwrap()),
         };
         let all = mapped.taken("top");
         assert_eq!(all.area, 2.0 * (3.5 + 20.0) + 3.5);

@@ -3,13 +3,13 @@
 //! What a unit is given are items (a splat, a tile). An item has offers in several lanes, each taken in order and at its own pace, and a number of answers that
 //! must come before the next item's. After a reset the bench begins anew with the first item whose answers have not all come.
 
-use crate::findings::Findings;
 use crate::random::split_mix;
-use crate::simulation::{Port, Simulation};
+use crate::simulation::Port;
+use crate::unit::{Findings, Simulation};
 use anyhow::{Result, ensure};
 
 /// Cycles for which a new circuit is reset.
-pub const RESET_CYCLES: u64 = 4;
+const RESET_CYCLES: u64 = 4;
 
 /// Cycles in which answers are taken and none comes, nor anything is taken that is offered, after which the circuit hangs.
 const PATIENCE: u64 = 1 << 18;
@@ -19,30 +19,32 @@ const QUIET: usize = 400;
 
 /// Ports of words that go in or out.
 #[derive(Clone, Debug)]
-pub struct Channel {
-    valid: Port,
-    ready: Port,
-    data: Vec<Port>,
+pub(crate) struct Channel {
+    pub valid: Port,
+    pub ready: Port,
+    pub data: Vec<Port>,
 }
 
 impl Channel {
     /// The channel with ports `NAME_valid`, `NAME_ready` and these for its words.
     pub fn new(circuit: &Simulation, name: &str, data: &[&str]) -> Result<Channel> {
+        let [valid, ready] = ["valid", "ready"].map(|end| format!("{name}_{end}"));
         let data = data.iter().map(|name| circuit.port(name));
         Ok(Channel {
-            valid: circuit.port(&format!("{name}_valid"))?,
-            ready: circuit.port(&format!("{name}_ready"))?,
+            valid: circuit.port(&valid)?,
+            ready: circuit.port(&ready)?,
             data: data.collect::<Result<_>>()?,
         })
     }
 
-    fn moves(&self, circuit: &Simulation) -> bool {
+    /// Is a word handed over in this cycle?
+    pub fn moves(&self, circuit: &Simulation) -> bool {
         circuit.is(self.valid) && circuit.is(self.ready)
     }
 }
 
 /// A unit's channels.
-pub struct Channels {
+pub(crate) struct Channels {
     /// Where words are offered.
     pub sources: Vec<Channel>,
     /// Where answers come.
@@ -53,25 +55,21 @@ pub struct Channels {
 
 /// Words offered at one of the sources, for each of its ports.
 #[derive(Clone, Debug)]
-pub struct Offer {
-    /// The source.
+pub(crate) struct Offer {
     pub source: usize,
-    /// The words.
     pub data: Vec<Vec<u32>>,
 }
 
 /// Offers that belong together, in lanes, and how many answers they have.
 #[derive(Clone, Debug)]
-pub struct Item {
-    /// The offers of each lane.
+pub(crate) struct Item {
     pub lanes: Vec<Vec<Offer>>,
-    /// Answers.
     pub answers: usize,
 }
 
 /// Back-pressure, in 256ths of the cycles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Pressure {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pressure {
     /// The next offer of a lane is held back.
     pub offers: [u8; 2],
     /// No answer is taken.
@@ -86,8 +84,22 @@ pub struct Pressure {
     pub retracts: bool,
 }
 
+impl Pressure {
+    /// At the first lane, at the others, and at the sink.
+    pub const fn at_ends([first, others, answers]: [u8; 3]) -> Pressure {
+        Pressure {
+            offers: [first, others],
+            answers,
+            inside: 0,
+            stalls: 0,
+            resets: 0,
+            retracts: true,
+        }
+    }
+}
+
 /// What compares the answers.
-pub trait Checker {
+pub(crate) trait Checker {
     /// The difference of the next answer from what is expected, in words.
     fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String>;
 
@@ -146,7 +158,7 @@ impl Bench {
     }
 
     /// Gives the items to the circuit and compares what comes until the first difference.
-    pub fn run(
+    pub(crate) fn run(
         &mut self,
         channels: &Channels,
         items: &[Item],
@@ -156,7 +168,7 @@ impl Bench {
         let mut findings = Findings::default();
         let mut feeder = Feeder::new(items);
         let (start, mut idle) = (self.cycles, 0);
-        while !feeder.is_done() {
+        while feeder.done < items.len() {
             let resets =
                 pressure.resets > 0 && split_mix(&mut self.random).is_multiple_of(pressure.resets);
             self.circuit.set(self.reset, resets.into());
@@ -170,7 +182,7 @@ impl Bench {
                 for lane in &mut feeder.lanes {
                     let offered = lane.offered.filter(|_| lane.valid);
                     if offered.is_some_and(|source| channels.sources[source].moves(&self.circuit)) {
-                        lane.taken();
+                        (lane.offer, lane.valid) = (lane.offer + 1, false);
                         idle = 0;
                     }
                 }
@@ -180,7 +192,8 @@ impl Bench {
                     let other = checker.check(findings.compared as usize, &answer);
                     difference = difference.or(other);
                     findings.compared += 1;
-                    feeder.answered();
+                    feeder.answers += 1;
+                    feeder.skip_silent();
                     idle = 0;
                 }
             }
@@ -278,11 +291,6 @@ impl Lane {
         self.offered = Some(offer.source);
         Some(offer)
     }
-
-    fn taken(&mut self) {
-        self.offer += 1;
-        self.valid = false;
-    }
 }
 
 impl<'a> Feeder<'a> {
@@ -303,15 +311,6 @@ impl<'a> Feeder<'a> {
         };
         feeder.skip_silent();
         feeder
-    }
-
-    fn is_done(&self) -> bool {
-        self.done == self.items.len()
-    }
-
-    fn answered(&mut self) {
-        self.answers += 1;
-        self.skip_silent();
     }
 
     /// Goes on behind items all of whose answers have come.

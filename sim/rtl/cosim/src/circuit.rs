@@ -3,11 +3,11 @@
 //!
 //! Libraries are kept in the build folder under a hash of all that they are made of, so that an unchanged circuit is built once.
 
-use crate::mutation::{Mutation, with_choices};
+use crate::mutation::{Mutation, MutationNumber, with_choices};
 use crate::package;
 use crate::setup::program::{ProgramKind, SetupProgram};
 use crate::setup::text;
-use crate::tools::{rtl, run};
+use crate::tools::{rtl, run, tool};
 use anyhow::{Context, Result};
 use splatline::format::{Lean18, Standard24, Widths};
 use splatline_sim::machine::area::synthesis::subjects;
@@ -31,66 +31,36 @@ pub struct RtlUnit {
     /// The module at its top.
     pub top: &'static str,
     /// The list of its files.
-    pub list: &'static str,
-    /// What is simulated instead: the unit with a C integer for each port.
-    flat: Option<&'static str>,
-    packages: Packages,
+    list: &'static str,
     /// The parameter that tells its circuits apart.
-    pub parameter: &'static str,
+    parameter: &'static str,
+    /// How many packages it is read with: that of the widths, and that of setup's program.
+    packages: usize,
 }
 
-/// The packages that a unit is read with.
-#[derive(Debug, PartialEq, Eq)]
-enum Packages {
-    None,
-    Widths,
-    WidthsAndProgram,
+const fn unit([top, list, parameter]: [&'static str; 3], packages: usize) -> RtlUnit {
+    RtlUnit {
+        top,
+        list,
+        parameter,
+        packages,
+    }
 }
 
 /// The splat primitive.
-pub const PRIMITIVE: RtlUnit = RtlUnit {
-    top: "splat_primitive",
-    list: "files.txt",
-    flat: Some("flat_primitive"),
-    packages: Packages::Widths,
-    parameter: "LANES",
-};
+pub const PRIMITIVE: RtlUnit = unit(["splat_primitive", "files.txt", "LANES"], 1);
 
 /// The setup unit.
-pub const SETUP: RtlUnit = RtlUnit {
-    top: "setup_unit",
-    list: "setup_files.txt",
-    flat: None,
-    packages: Packages::WidthsAndProgram,
-    parameter: "CORES",
-};
+pub const SETUP: RtlUnit = unit(["setup_unit", "setup_files.txt", "CORES"], 2);
 
 /// Sorter and binning.
-pub const ORDER: RtlUnit = RtlUnit {
-    top: "splat_order",
-    list: "order_files.txt",
-    flat: None,
-    packages: Packages::None,
-    parameter: "DIGIT",
-};
+pub const ORDER: RtlUnit = unit(["splat_order", "order_files.txt", "DIGIT"], 0);
 
 /// The harmonics unit.
-pub const HARMONICS: RtlUnit = RtlUnit {
-    top: "harmonics_unit",
-    list: "harmonics_files.txt",
-    flat: None,
-    packages: Packages::None,
-    parameter: "MULTIPLIERS",
-};
+pub const HARMONICS: RtlUnit = unit(["harmonics_unit", "harmonics_files.txt", "MULTIPLIERS"], 0);
 
 /// The whole machine.
-pub const MACHINE: RtlUnit = RtlUnit {
-    top: "splat_machine",
-    list: "machine_files.txt",
-    flat: Some("flat_machine"),
-    packages: Packages::WidthsAndProgram,
-    parameter: "LANES",
-};
+pub const MACHINE: RtlUnit = unit(["splat_machine", "machine_files.txt", "LANES"], 2);
 
 /// A circuit.
 #[derive(Clone)]
@@ -98,11 +68,10 @@ pub struct Circuit {
     /// Of this unit.
     pub unit: &'static RtlUnit,
     /// Name of its design, for its packages.
-    pub design: String,
-    /// The design's widths.
-    pub widths: Widths,
+    design: String,
+    pub(crate) widths: Widths,
     /// What its cores of setup compute, if it has any.
-    pub program: SetupProgram,
+    pub(crate) program: SetupProgram,
     /// Parameters of the module at the top.
     pub parameters: Vec<(&'static str, u32)>,
 }
@@ -113,8 +82,8 @@ pub type Source = (String, String);
 impl Circuit {
     /// The unit of a design of `rtl -- area`, with its parameter.
     pub fn new(unit: &'static RtlUnit, design: &str, value: u32) -> Result<Circuit> {
-        let mut subjects = subjects().into_iter();
-        let subject = subjects.find(|subject| subject.name == design);
+        let subjects = subjects();
+        let subject = subjects.iter().find(|subject| subject.name == design);
         let subject = subject.with_context(|| format!("no such design: {design}"))?;
         Ok(Circuit {
             unit,
@@ -140,11 +109,11 @@ impl Circuit {
     /// Its packages and files, in the order in which they are read.
     pub fn sources(&self) -> Result<Vec<Source>> {
         let mut sources = Vec::new();
-        if self.unit.packages != Packages::None {
+        if self.unit.packages > 0 {
             let text = package::text(&self.design, &self.widths)?;
             sources.push(("splatline_pkg.sv".to_owned(), text));
         }
-        if self.unit.packages == Packages::WidthsAndProgram {
+        if self.unit.packages > 1 {
             let text = text::text(&self.design, &self.widths, &self.program)?;
             sources.push(("splatline_setup_pkg.sv".to_owned(), text));
         }
@@ -156,11 +125,9 @@ impl Circuit {
 
     /// Yosys' words for reading it, with its files in this folder.
     pub fn read_command(&self, folder: &Path) -> Result<String> {
-        let mut command = "read_verilog -sv".to_owned();
-        for path in write(folder, &self.sources()?)? {
-            command += &format!(" {}", path.display());
-        }
-        Ok(command)
+        let paths = write(folder, &self.sources()?)?;
+        let paths = paths.iter().map(|path| format!(" {}", path.display()));
+        Ok("read_verilog -sv".to_owned() + &paths.collect::<String>())
     }
 
     /// The circuit without a mutation as a library for [`Simulation`](crate::simulation::Simulation).
@@ -179,23 +146,21 @@ impl Circuit {
         self.verilated(sources, Effort::Little)
     }
 
-    /// The circuit with all of these mutations that one circuit can hold.
-    pub fn with_choices(&self, mutations: &[Mutation]) -> Result<PathBuf> {
-        self.verilated(
-            with_choices(self.sources()?, mutations)?.sources,
-            Effort::Little,
-        )
+    /// The circuit with all of these mutations that one circuit can hold, and their numbers.
+    pub fn with_choices(&self, mutations: &[Mutation]) -> Result<(PathBuf, Vec<MutationNumber>)> {
+        let (sources, chosen) = with_choices(self.sources()?, mutations)?;
+        Ok((self.verilated(sources, Effort::Little)?, chosen))
     }
 
+    /// The library of these sources. Units with ports that are no integers of C have a module of their own around them.
     fn verilated(&self, mut sources: Vec<Source>, effort: Effort) -> Result<PathBuf> {
-        let top = self.unit.flat.unwrap_or(self.unit.top);
-        if self.unit.flat.is_some() {
-            let file = format!("{top}.sv");
-            let text = fs::read_to_string(rtl().join("cosim").join(&file))?;
-            sources.push((file, text));
+        let mut top = self.unit.top.to_owned();
+        let flat = top.replace("splat_", "flat_");
+        if let Ok(text) = fs::read_to_string(rtl().join(format!("cosim/{flat}.sv"))) {
+            sources.push((format!("{flat}.sv"), text));
+            top = flat;
         }
-        let verilator = std::env::var("VERILATOR").unwrap_or_else(|_| "verilator".to_owned());
-        let version = run(Command::new(&verilator).arg("--version"))?;
+        let version = run(verilator().arg("--version"))?;
         let mut hash = DefaultHasher::new();
         (&version, &sources, &self.parameters, OPTIONS, effort.flag()).hash(&mut hash);
         SHIM.hash(&mut hash);
@@ -207,8 +172,7 @@ impl Circuit {
         lock.lock()?;
         if !library.exists() {
             let folder = tempfile::tempdir_in(&kept)?;
-            let built = self.build(folder.path(), &verilator, &sources, effort)?;
-            fs::rename(built, &library)?;
+            fs::rename(self.build(folder.path(), &top, &sources, effort)?, &library)?;
         }
         Ok(library)
     }
@@ -216,37 +180,31 @@ impl Circuit {
     fn build(
         &self,
         folder: &Path,
-        verilator: &str,
+        top: &str,
         sources: &[Source],
         effort: Effort,
     ) -> Result<PathBuf> {
-        let root = run(Command::new(verilator).args(["--getenv", "VERILATOR_ROOT"]))?;
+        let root = run(verilator().args(["--getenv", "VERILATOR_ROOT"]))?;
         let include = Path::new(root.trim()).join("include");
-        let model = folder.join("model");
-        let top = self.unit.flat.unwrap_or(self.unit.top);
+        let (model, library) = (folder.join("model"), folder.join("circuit.so"));
         let parameters = self.parameters.iter();
-        run(Command::new(verilator)
-            .args(OPTIONS)
+        run(verilator()
+            .args(OPTIONS.split(' '))
             .args(["--prefix", "Circuit", "--top-module", top])
             .args(parameters.map(|(name, value)| format!("-G{name}={value}")))
             .args([OsStr::new("--Mdir"), model.as_os_str()])
             .args(write(folder, sources)?))?;
         let header = fs::read_to_string(model.join("Circuit.h"))?;
         fs::write(model.join("ports.h"), ports(&header))?;
-        let mut unity = String::new();
-        for file in fs::read_dir(&model)?.flatten() {
-            let path = file.path();
-            if path.extension().is_some_and(|extension| extension == "cpp") {
-                unity += &format!("#include \"{}\"\n", path.display());
-            }
-        }
+        let files = fs::read_dir(&model)?.flatten().map(|file| file.path());
+        let files = files.filter(|path| path.extension().is_some_and(|end| end == "cpp"));
+        let includes = files.map(|path| format!("#include \"{}\"\n", path.display()));
+        let unity: String = includes.collect();
         fs::write(folder.join("circuit.cpp"), unity + SHIM)?;
-        let library = folder.join("circuit.so");
-        let compiler = std::env::var("CXX").unwrap_or_else(|_| "c++".to_owned());
-        run(Command::new(compiler)
-            .args(["-std=c++17", effort.flag(), "-w", "-shared", "-fPIC", "-I"])
-            .args([model.as_os_str(), OsStr::new("-I"), include.as_os_str()])
-            .args([OsStr::new("-I"), include.join("vltstd").as_os_str()])
+        let headers = [&model, &include, &include.join("vltstd")];
+        run(tool("CXX", "c++")
+            .args(["-std=c++17", effort.flag(), "-w", "-shared", "-fPIC"])
+            .args(headers.map(|folder| format!("-I{}", folder.display())))
             .arg(folder.join("circuit.cpp"))
             .args(["verilated.cpp", "verilated_threads.cpp"].map(|file| include.join(file)))
             .args([OsStr::new("-o"), library.as_os_str()]))?;
@@ -256,15 +214,17 @@ impl Circuit {
 
 impl fmt::Display for Circuit {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        if self.unit.packages != Packages::None {
+        if self.unit.packages > 0 {
             write!(formatter, "{} ", self.design)?;
         }
         write!(formatter, "{}", self.unit.top)?;
-        for (name, value) in &self.parameters {
-            write!(formatter, " {name}={value}")?;
-        }
-        Ok(())
+        let mut parameters = self.parameters.iter();
+        parameters.try_for_each(|(name, value)| write!(formatter, " {name}={value}"))
     }
+}
+
+fn verilator() -> Command {
+    tool("VERILATOR", "verilator")
 }
 
 /// The C++ compiler's effort.
@@ -278,53 +238,37 @@ pub enum Effort {
 
 impl Effort {
     fn flag(self) -> &'static str {
-        match self {
-            Effort::Little => "-O1",
-            Effort::Much => "-O2",
-        }
+        ["-O1", "-O2"][self as usize]
     }
 }
 
 /// Verilator's options for every circuit: what a register holds before reset is drawn by lot.
-const OPTIONS: [&str; 6] = [
-    "--cc",
-    "-O3",
-    "--x-assign",
-    "unique",
-    "--x-initial",
-    "unique",
-];
+const OPTIONS: &str = "--cc -O3 --x-assign unique --x-initial unique";
 
 /// The functions between circuit and program.
 const SHIM: &str = include_str!("../shim.cpp");
 
 /// Writes files into a folder.
 fn write(folder: &Path, sources: &[Source]) -> Result<Vec<PathBuf>> {
-    let mut paths = Vec::new();
-    for (name, text) in sources {
+    let written = |(name, text): &Source| {
         let path = folder.join(name);
         fs::write(&path, text)?;
-        paths.push(path);
-    }
-    Ok(paths)
+        Ok(path)
+    };
+    sources.iter().map(written).collect()
 }
 
 /// The ports of Verilator's class, as the shim lists them. In its header `VL_INW(&record,607,0,19);` is an input of 608 bits.
 fn ports(header: &str) -> String {
-    let mut text = String::new();
-    for line in header.lines() {
-        let Some((kind, port)) = line.trim().split_once("(&") else {
-            continue;
-        };
-        let is_input = kind.starts_with("VL_IN");
+    let port = |line: &str| {
+        let (kind, port) = line.trim().split_once("(&")?;
         let mut words = port.split(',');
-        if let (Some(name), Some(high)) = (words.next(), words.next())
-            && (is_input || kind.starts_with("VL_OUT"))
-        {
-            text += &format!("{{\"{name}\", &model.{name}, {high} + 1, {is_input}}},\n");
-        }
-    }
-    text
+        let (name, high) = (words.next()?, words.next()?);
+        let is_input = kind.starts_with("VL_IN");
+        (is_input || kind.starts_with("VL_OUT"))
+            .then(|| format!("{{\"{name}\", &model.{name}, {high} + 1, {is_input}}},\n"))
+    };
+    header.lines().filter_map(port).collect()
 }
 
 #[cfg(test)]

@@ -2,15 +2,15 @@
 
 use crate::circuit::Effort;
 use crate::harmonics::unit::HarmonicsUnit;
-use crate::machine::loads::MachineOption;
+use crate::machine::MachineOption;
 use crate::machine::unit::MachineUnit;
-use crate::mutation::{Mutation, mutations};
+use crate::mutation::mutations;
 use crate::order::unit::OrderUnit;
 use crate::primitive::unit::PrimitiveUnit;
 use crate::setup::program::{ProgramKind, SetupProgram};
 use crate::setup::tables::TableUnits;
-use crate::setup::unit::{SetupLoad, SetupUnit};
-use crate::unit::{Extent, Judge, Judgement, Unit};
+use crate::setup::unit::SetupUnit;
+use crate::unit::{Extent, Judge, Unit, judge_of};
 use anyhow::{Result, bail, ensure};
 use splatline::format::Lean18;
 
@@ -61,7 +61,7 @@ pub fn judge(judge: &str, names: &[String], mut each: impl FnMut(Verdict)) -> Re
         let mut noticed = None;
         for judge in &judges {
             if noticed.is_none() {
-                noticed = judge.verdict(&mutation)?;
+                noticed = judge(&mutation)?;
             }
         }
         if judge == WITHOUT_EFFECT {
@@ -78,96 +78,60 @@ pub fn judge(judge: &str, names: &[String], mut each: impl FnMut(Verdict)) -> Re
 }
 
 /// One judge or more, of which any may notice a mutation.
-fn judges(name: &str) -> Result<Vec<Box<dyn Judgement>>> {
+fn judges(name: &str) -> Result<Vec<Judge>> {
     let quick = Extent::Quick;
+    let tables = TableUnits::new("lean18");
+    let machine = |cores, option| MachineUnit::new("lean18", cores, 4, option);
+    let program = SetupProgram::new;
+    // A program with directions.
+    let directed = || program(ProgramKind::Filter).with_direction();
     Ok(match name {
-        "primitive" => vec![Box::new(Judge::new(
-            PrimitiveUnit::new("lean18", 4)?,
-            name,
-            quick,
-        )?)],
+        "primitive" => vec![judge_of(PrimitiveUnit::new("lean18", 4), name, quick)?],
         // What no packet shows, the units of the tables do.
         "setup" => vec![
-            Box::new(Judge::new(
-                SetupUnit::new("lean18", 2, ProgramKind::Filter)?,
-                name,
-                quick,
-            )?),
-            Box::new(Judge::new(TableUnits::new("lean18")?, name, quick)?),
+            judge_of(setup(2, program(ProgramKind::Filter)), name, quick)?,
+            judge_of(tables, name, quick)?,
         ],
-        WITHOUT_EFFECT => vec![Box::new(Judge::new(
-            TableUnits::new("lean18")?,
-            name,
-            Extent::Full,
-        )?)],
+        WITHOUT_EFFECT => vec![judge_of(tables, name, Extent::Full)?],
         PROGRAMS => vec![
-            Box::new(ProgramJudge::new(SetupProgram::new(
-                ProgramKind::DistanceScaling,
-            ))?),
-            Box::new(ProgramJudge::new(SetupProgram::new(
-                ProgramKind::Compensation,
-            ))?),
-            Box::new(ProgramJudge::new(directed())?),
+            program_judge(program(ProgramKind::DistanceScaling))?,
+            program_judge(program(ProgramKind::Compensation))?,
+            program_judge(directed())?,
         ],
-        "order" => vec![Box::new(Judge::new(OrderUnit::new(8)?, name, quick)?)],
+        "order" => vec![judge_of(OrderUnit::new(8), name, quick)?],
         // What leads to the unit and away from it stands in setup and in the machine.
         "harmonics" => vec![
-            Box::new(Judge::new(HarmonicsUnit::new(1)?, name, quick)?),
-            Box::new(Judge::new(
-                SetupUnit::with_program("lean18", 2, directed())?,
-                name,
-                quick,
-            )?),
-            Box::new(Judge::new(
-                MachineUnit::new("lean18", 6, 4, MachineOption::Harmonics)?,
-                name,
-                quick,
-            )?),
+            judge_of(HarmonicsUnit::new(1), name, quick)?,
+            judge_of(setup(2, directed()), name, quick)?,
+            judge_of(machine(6, MachineOption::Harmonics(1)), name, quick)?,
         ],
-        "machine" => {
-            let unit = MachineUnit::new("lean18", 2, 4, MachineOption::None)?;
-            vec![Box::new(Judge::new(unit, name, quick)?)]
-        }
+        "machine" => vec![judge_of(machine(2, MachineOption::None), name, quick)?],
         _ => bail!("no judge '{name}'; there are {}", JUDGES.join(", ")),
     })
 }
 
-/// The program with directions.
-fn directed() -> SetupProgram {
-    SetupProgram::new(ProgramKind::Filter).with_direction()
+fn setup(cores: u32, program: SetupProgram) -> Result<SetupUnit> {
+    SetupUnit::with_program("lean18", cores, program)
 }
 
-/// A setup unit of one core for each of a program's mistakes: a program is data of the circuit, in a package, and no choice can be made there.
-struct ProgramJudge {
-    right: SetupProgram,
-    loads: Vec<SetupLoad>,
-}
-
-impl ProgramJudge {
-    /// Without a mistake the circuit must agree.
-    fn new(right: SetupProgram) -> Result<ProgramJudge> {
-        let unit = SetupUnit::with_program("lean18", 1, right.clone())?;
-        let loads = unit.loads(Extent::Quick, &mut Vec::new())?;
-        let judge = ProgramJudge { right, loads };
-        let difference = judge.difference(&unit)?;
-        ensure!(difference.is_none(), "without a mutation: {difference:?}");
-        Ok(judge)
-    }
-
-    fn difference(&self, unit: &SetupUnit) -> Result<Option<String>> {
+/// A setup unit of one core for each of a program's mistakes: a program is data of the circuit, in a package, and no choice can be made there. Without a
+/// mistake the circuit must agree.
+fn program_judge(right: SetupProgram) -> Result<Judge> {
+    let unit = setup(1, right.clone())?;
+    let loads = unit.loads(Extent::Quick, &mut Vec::new())?;
+    let first_difference = move |unit: &SetupUnit| -> Result<Option<String>> {
         let library = unit.circuit().library(Effort::Little)?;
-        Ok(unit.first_difference(&library, 0, &self.loads))
-    }
-}
-
-impl Judgement for ProgramJudge {
-    fn verdict(&self, mutation: &Mutation) -> Result<Option<String>> {
-        let program = self.right.mutated(mutation)?;
+        Ok(unit.first_difference(&library, 0, &loads))
+    };
+    let difference = first_difference(&unit)?;
+    ensure!(difference.is_none(), "without a mutation: {difference:?}");
+    Ok(Box::new(move |mutation| {
+        let program = right.mutated(mutation)?;
         // A mistake in lines of the other program's is none here, and a circuit takes a while.
         let widths = &Lean18::WIDTHS;
-        if program.assembled(widths)? == self.right.assembled(widths)? {
+        if program.assembled(widths)? == right.assembled(widths)? {
             return Ok(None);
         }
-        self.difference(&SetupUnit::with_program("lean18", 1, program)?)
-    }
+        first_difference(&setup(1, program)?)
+    }))
 }

@@ -4,6 +4,7 @@
 //! there before, as on a bus that promises no order between the two directions. A narrower memory behind the port moves a word in several beats; of a
 //! word that is written only those are moved in which anything changes.
 
+use crate::bench::Channel;
 use crate::random::split_mix;
 use crate::simulation::{Port, Simulation};
 use anyhow::Result;
@@ -18,11 +19,22 @@ pub struct MemoryTiming {
     pub pauses: u64,
     /// Bytes that it moves in a cycle in each direction: 4, 8 or 16.
     pub bytes: u32,
+    /// Is there no room for the last entry of the lists?
+    pub full: bool,
+}
+
+/// With this latency and these pauses, for so many bytes.
+pub const fn timing([latency, pauses]: [u64; 2], bytes: u32, full: bool) -> MemoryTiming {
+    MemoryTiming {
+        latency,
+        pauses,
+        bytes,
+        full,
+    }
 }
 
 /// A memory beside a circuit.
 pub struct Memory {
-    /// What it holds.
     pub words: Vec<[u32; 4]>,
     /// Words read.
     pub read: u64,
@@ -30,35 +42,21 @@ pub struct Memory {
     pub written: u64,
     /// Accesses beyond its end.
     pub beyond: u64,
+    /// Cycles since the last access.
+    pub idle: u64,
     timing: MemoryTiming,
     random: u64,
     now: u64,
-    /// When all beats before have been moved.
-    read_free: u64,
-    write_free: u64,
+    /// When all beats before have been moved: of words read, and of those written.
+    free: [u64; 2],
+    /// Words with the cycle in which they are due.
     reads: VecDeque<(u64, [u32; 4])>,
-    writes: VecDeque<MemoryWrite>,
-    ports: MemoryPorts,
-}
-
-struct MemoryWrite {
-    due: u64,
-    address: usize,
-    strobe: u32,
-    word: [u32; 4],
-}
-
-struct MemoryPorts {
-    read_valid: Port,
-    read_ready: Port,
-    read_address: Port,
+    /// The same with their addresses, without the quarters that stay as they are.
+    writes: VecDeque<(u64, usize, [Option<u32>; 4])>,
+    /// Requests for words, and words to be written.
+    requests: [Channel; 2],
     word_valid: Port,
     word: Port,
-    write_valid: Port,
-    write_ready: Port,
-    write_address: Port,
-    write_word: Port,
-    write_strobe: Port,
     settled: Port,
 }
 
@@ -70,91 +68,82 @@ impl Memory {
         timing: MemoryTiming,
         seed: u64,
     ) -> Result<Memory> {
-        let port = |name| circuit.port(name);
+        let writing = ["write_address", "write_word", "write_strobe"];
+        let [word_valid, word, settled] = circuit.ports(["word_valid", "word", "settled"])?;
         Ok(Memory {
             words,
             read: 0,
             written: 0,
             beyond: 0,
+            idle: 0,
             timing,
             random: seed,
             now: 0,
-            read_free: 0,
-            write_free: 0,
+            free: [0; 2],
             reads: VecDeque::new(),
             writes: VecDeque::new(),
-            ports: MemoryPorts {
-                read_valid: port("read_valid")?,
-                read_ready: port("read_ready")?,
-                read_address: port("read_address")?,
-                word_valid: port("word_valid")?,
-                word: port("word")?,
-                write_valid: port("write_valid")?,
-                write_ready: port("write_ready")?,
-                write_address: port("write_address")?,
-                write_word: port("write_word")?,
-                write_strobe: port("write_strobe")?,
-                settled: port("settled")?,
-            },
+            requests: [
+                Channel::new(circuit, "read", &["read_address"])?,
+                Channel::new(circuit, "write", &writing)?,
+            ],
+            word_valid,
+            word,
+            settled,
         })
     }
 
     /// The first half of a cycle: what the circuit sees, and its outputs.
     pub fn settle(&mut self, circuit: &mut Simulation) {
-        while let Some(write) = self.writes.pop_front_if(|write| write.due <= self.now) {
-            for (lane, value) in write.word.into_iter().enumerate() {
-                if write.strobe >> lane & 1 == 1 {
-                    self.words[write.address][lane] = value;
-                }
+        while let Some((_, address, word)) = self.writes.pop_front_if(|(due, ..)| *due <= self.now)
+        {
+            for (kept, value) in self.words[address].iter_mut().zip(word) {
+                *kept = value.unwrap_or(*kept);
             }
         }
         let paused = [(); 2].map(|()| split_mix(&mut self.random) % 8 < self.timing.pauses);
-        let ports = &self.ports;
-        let readable = !paused[0] && self.now >= self.read_free;
-        let writable = !paused[1] && self.now >= self.write_free;
-        circuit.set(ports.read_ready, readable.into());
-        circuit.set(ports.write_ready, writable.into());
-        circuit.set(ports.settled, self.writes.is_empty().into());
+        let sides = self.requests.iter().zip(self.free).zip(paused);
+        for ((request, free), paused) in sides {
+            circuit.set(request.ready, (!paused && self.now >= free).into());
+        }
+        circuit.set(self.settled, self.writes.is_empty().into());
         let arrived = self.reads.front().filter(|(due, _)| *due <= self.now);
-        circuit.set(ports.word_valid, arrived.is_some().into());
+        circuit.set(self.word_valid, arrived.is_some().into());
         if let Some((_, word)) = arrived {
-            circuit.set_words(ports.word, word);
+            circuit.set_words(self.word, word);
         }
         circuit.settle();
     }
 
     /// The second half: what the circuit asks for, and the clock's edge.
     pub fn edge(&mut self, circuit: &mut Simulation) {
-        let ports = &self.ports;
-        let both = |valid, ready| circuit.is(valid) && circuit.is(ready);
-        if circuit.is(ports.word_valid) {
+        let [reading, writing] = &self.requests;
+        if circuit.is(self.word_valid) {
             self.reads.pop_front();
         }
-        if both(ports.read_valid, ports.read_ready) {
-            self.read_free = self.now + self.beats(0xf);
-            let word = self.words.get(circuit.get(ports.read_address) as usize);
+        self.idle += 1;
+        if reading.moves(circuit) {
+            self.free[0] = self.now + self.beats(0xf);
+            let word = self.words.get(circuit.get(reading.data[0]) as usize);
             self.beyond += u64::from(word.is_none());
-            let due = self.read_free + self.timing.latency;
+            let due = self.free[0] + self.timing.latency;
             self.reads.push_back((due, word.copied().unwrap_or([0; 4])));
             self.read += 1;
+            self.idle = 0;
         }
-        if both(ports.write_valid, ports.write_ready) {
-            let strobe = circuit.get(ports.write_strobe) as u32;
-            let address = circuit.get(ports.write_address) as usize;
-            self.write_free = self.now + self.beats(strobe);
-            let mut word = [0; 4];
-            word.copy_from_slice(&circuit.words(ports.write_word));
+        if writing.moves(circuit) {
+            let [address, word, strobe] = [0, 1, 2].map(|place| circuit.words(writing.data[place]));
+            let (address, strobe) = (address[0] as usize, strobe[0]);
+            self.free[1] = self.now + self.beats(strobe);
             if address < self.words.len() {
-                self.writes.push_back(MemoryWrite {
-                    due: self.write_free + self.timing.latency,
-                    address,
-                    strobe,
-                    word,
-                });
+                let due = self.free[1] + self.timing.latency;
+                let lane = |lane| (strobe >> lane & 1 == 1).then_some(word[lane]);
+                self.writes
+                    .push_back((due, address, [0, 1, 2, 3].map(lane)));
             } else {
                 self.beyond += 1;
             }
             self.written += 1;
+            self.idle = 0;
         }
         self.now += 1;
         circuit.edge();
@@ -164,6 +153,13 @@ impl Memory {
     pub fn cycle(&mut self, circuit: &mut Simulation) {
         self.settle(circuit);
         self.edge(circuit);
+    }
+
+    /// What shows before any word is looked at: accesses beyond the memory, or that lists are said to be full that are not.
+    pub fn astray(&self, full: bool) -> Option<String> {
+        let beyond = self.beyond;
+        (beyond > 0 || full != self.timing.full)
+            .then(|| format!("{beyond} accesses astray, full: {full}"))
     }
 
     fn beats(&self, strobe: u32) -> u64 {

@@ -11,6 +11,7 @@ use std::ops::Range;
 /// One mutation: in `file`, the text `from` (which occurs once) becomes `to`.
 #[derive(Clone, Debug)]
 pub struct Mutation {
+    pub number: MutationNumber,
     /// What must notice it: a unit's comparison, or a proof.
     pub judge: String,
     /// What went wrong, in words.
@@ -23,7 +24,7 @@ pub struct Mutation {
     pub to: String,
 }
 
-/// The place of a mutation in its list, from 1 on; 0 is none.
+/// The place of a mutation among those of its judge, from 1 on; 0 is none.
 pub type MutationNumber = usize;
 
 const TABLE: &str = include_str!("../mutations.tsv");
@@ -32,7 +33,8 @@ const TABLE: &str = include_str!("../mutations.tsv");
 pub fn mutations(judge: &str) -> Result<Vec<Mutation>> {
     let mut all = Vec::new();
     for line in TABLE.lines().skip(1) {
-        let mutation = parse(line).with_context(|| format!("mutations.tsv: '{line}'"))?;
+        let mutation = parse(line, all.len() + 1);
+        let mutation = mutation.with_context(|| format!("mutations.tsv: '{line}'"))?;
         if mutation.judge == judge {
             all.push(mutation);
         }
@@ -42,10 +44,11 @@ pub fn mutations(judge: &str) -> Result<Vec<Mutation>> {
 }
 
 /// A line's five columns; a line break within one is written `\n`.
-fn parse(line: &str) -> Option<Mutation> {
+fn parse(line: &str, number: MutationNumber) -> Option<Mutation> {
     let columns = line.split('\t').map(|column| column.replace("\\n", "\n"));
     let [judge, name, file, from, to] = columns.collect::<Vec<String>>().try_into().ok()?;
     Some(Mutation {
+        number,
         judge,
         name,
         file,
@@ -67,28 +70,19 @@ impl Mutation {
     }
 }
 
-/// Sources with choices, and which of the mutations are among them.
-#[derive(Debug)]
-pub struct Switched {
-    /// The sources.
-    pub sources: Vec<Source>,
-    /// Mutations that have a choice.
-    pub chosen: Vec<MutationNumber>,
-}
-
-/// Sources with a choice for each of the mutations that can have one.
-pub fn with_choices(sources: Vec<Source>, mutations: &[Mutation]) -> Result<Switched> {
-    let mut switched = Switched {
-        sources: Vec::new(),
-        chosen: Vec::new(),
-    };
+/// Sources with a choice for each of the mutations that can have one, and the numbers of those.
+pub fn with_choices(
+    sources: Vec<Source>,
+    mutations: &[Mutation],
+) -> Result<(Vec<Source>, Vec<MutationNumber>)> {
+    let (mut switched, mut all_chosen) = (Vec::new(), Vec::new());
     for (name, text) in sources {
-        let own = (1..).zip(mutations).filter(|(_, m)| m.file == name);
+        let own = mutations.iter().filter(|mutation| mutation.file == name);
         let (text, chosen) = file_with_choices(&text, own).with_context(|| name.clone())?;
-        switched.sources.push((name, text));
-        switched.chosen.extend(chosen);
+        switched.push((name, text));
+        all_chosen.extend(chosen);
     }
-    Ok(switched)
+    Ok((switched, all_chosen))
 }
 
 /// What a module is told the number by: `+mutation=NUMBER`.
@@ -102,12 +96,12 @@ const PORTS_END: &str = "\n);\n";
 
 fn file_with_choices<'a>(
     text: &str,
-    mutations: impl Iterator<Item = (MutationNumber, &'a Mutation)>,
+    mutations: impl Iterator<Item = &'a Mutation>,
 ) -> Result<(String, Vec<MutationNumber>)> {
     let items = items(text);
     let mut wrong: Vec<Vec<(MutationNumber, String)>> = vec![Vec::new(); items.len()];
     let mut chosen = Vec::new();
-    for (number, mutation) in mutations {
+    for mutation in mutations {
         let changed = mutation.applied(text)?;
         let place = text.find(&mutation.from).context("its place is there")?;
         let end = place + mutation.from.len();
@@ -118,8 +112,8 @@ fn file_with_choices<'a>(
         {
             let item = &items[index];
             let end = item.end + changed.len() - text.len();
-            wrong[index].push((number, changed[item.start..end].to_owned()));
-            chosen.push(number);
+            wrong[index].push((mutation.number, changed[item.start..end].to_owned()));
+            chosen.push(mutation.number);
         }
     }
     if chosen.is_empty() {
@@ -170,57 +164,30 @@ fn parts(item: &str) -> Result<(&str, &str)> {
     Ok((&item[..end], body.context("a function without an end")?))
 }
 
-/// Where a module's items begin and end; others than those above are passed over.
+/// Where a module's items begin and end; others than those above are passed over. An item goes on with lines that are indented further, and with its own end.
 fn items(text: &str) -> Vec<Range<usize>> {
-    let mut items = Vec::new();
-    let mut open: Option<(usize, &str)> = None;
-    let mut depth = 0;
-    for (place, word) in words(text) {
-        let Some((start, kind)) = open else {
-            if ["assign", "always_comb", "always_ff", "function"].contains(&word) {
-                (open, depth) = (Some((place, word)), 0);
-            }
-            continue;
-        };
-        match word {
-            "begin" | "case" => depth += 1,
-            "end" | "endcase" => depth -= 1,
-            _ => {}
-        }
-        let ends = match kind {
-            "function" => word == "endfunction",
-            _ => depth == 0 && ["end", "endcase", ";"].contains(&word),
-        };
-        if ends {
-            items.push(start..place + word.len());
-            open = None;
+    let kinds = ["assign ", "always_comb ", "always_ff ", "function "];
+    let mut items: Vec<Range<usize>> = Vec::new();
+    let (mut begin, mut column) = (0, usize::MAX);
+    for line in text.split_inclusive('\n') {
+        let words = line.trim_start();
+        let (place, end) = (
+            begin + line.len() - words.len(),
+            begin + line.trim_end().len(),
+        );
+        let indentation = place - begin;
+        begin += line.len();
+        let ends = words.starts_with("end") || words.starts_with('}');
+        if indentation > column || indentation == column && ends {
+            items.last_mut().expect("an item is open").end = end;
+        } else if kinds.iter().any(|kind| words.starts_with(kind)) {
+            items.push(place..end);
+            column = indentation;
+        } else if !words.is_empty() {
+            column = usize::MAX;
         }
     }
     items
-}
-
-/// Words and semicolons, without those of comments.
-fn words(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let mut place = 0;
-    std::iter::from_fn(move || {
-        loop {
-            let rest = text.get(place..)?;
-            let first = rest.chars().next()?;
-            let begin = place;
-            if rest.starts_with("//") {
-                place += rest.find('\n').unwrap_or(rest.len());
-            } else if first.is_ascii_alphanumeric() || first == '_' {
-                let of_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-                place += rest.find(|c| !of_word(c)).unwrap_or(rest.len());
-                return Some((begin, &text[begin..place]));
-            } else {
-                place += first.len_utf8();
-                if first == ';' {
-                    return Some((begin, &text[begin..place]));
-                }
-            }
-        }
-    })
 }
 
 #[cfg(test)]
@@ -251,8 +218,8 @@ endmodule
 
     fn switched(mutations: &[Mutation]) -> (String, Vec<MutationNumber>) {
         let sources = vec![("unit.sv".to_owned(), UNIT.to_owned())];
-        let mut switched = with_choices(sources, mutations).unwrap();
-        (switched.sources.remove(0).1, switched.chosen)
+        let (mut sources, chosen) = with_choices(sources, mutations).unwrap();
+        (sources.remove(0).1, chosen)
     }
 
     #[test]
@@ -265,7 +232,9 @@ endmodule
             "unit\tcondition\tunit.sv\tif (a)\tif (1'b1)",
             "unit\tfunction\tunit.sv\tturned = !value\tturned = value",
         ];
-        let (text, chosen) = switched(&mutations.map(|line| parse(line).unwrap()));
+        let mutations = (1..).zip(mutations);
+        let mutations = mutations.map(|(number, line)| parse(line, number).unwrap());
+        let (text, chosen) = switched(&mutations.collect::<Vec<_>>());
         assert_eq!(chosen, [2, 4, 5, 6]);
         let plain: Vec<&str> = text.split_whitespace().collect();
         let plain = plain.join(" ");
@@ -301,7 +270,7 @@ endmodule
                 let source = sources.iter().find(|source| source.0 == mutation.file);
                 mutation.applied(&source.unwrap().1).unwrap();
             }
-            let chosen = with_choices(sources, &mutations).unwrap().chosen;
+            let (_, chosen) = with_choices(sources, &mutations).unwrap();
             assert_eq!(chosen.len(), choices, "{judge}");
         }
         for mutation in mutations("programs").unwrap() {

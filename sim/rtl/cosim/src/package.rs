@@ -3,93 +3,78 @@
 //! `sim/rtl/<design>/splatline_pkg.sv` is this module's output; a test compares the committed files with it, so that
 //! the parameters of the model and of the circuit cannot drift apart.
 
-use anyhow::{Result, bail};
-use splatline::footprint::packet::{Field, Layout, VERSION};
-use splatline::format::{Rounding, Traversal, Widths};
+use anyhow::{Context, Result, bail};
+use splatline::footprint::packet::{Layout, VERSION};
+use splatline::format::{Rounding, RuntimeWidths, Traversal, Widths};
 use splatline::raster::{BLOCK, GUARD, vertical_fraction};
 use splatline::rules::Rules;
 use splatline_sim::fixed::table_entries;
 pub use splatline_sim::machine::primitive::TILE;
-use std::fmt::Write;
 
 /// Base-2 logarithms of a tile's columns and rows. The columns are a seed block's, so that a row is one run from its seed on.
-pub const TILE_BITS: [u32; 2] = [TILE[0].ilog2(), TILE[1].ilog2()];
+const TILE_BITS: [u32; 2] = [TILE[0].ilog2(), TILE[1].ilog2()];
 const _: () = assert!(TILE[0] == BLOCK && TILE[0].is_power_of_two() && TILE[1].is_power_of_two());
 
 /// Types of the units' interfaces, in terms of the generated widths.
 const TYPES: &str = include_str!("../../types.svh");
 
-/// An entry of the footprint table as the circuit stores it: the kernel at the start of an interval and the step down to its end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TableEntry {
-    /// UQ1.weight.
-    pub low: u32,
-    /// UQ1.weight.
-    pub step: u32,
-}
-
-/// The footprint table of a design under `rules`, in the circuit's form.
-pub fn table(widths: &Widths, rules: &Rules) -> Vec<TableEntry> {
+/// The footprint table of a design under `rules` in the circuit's form, UQ1.weight: the kernel at the start of each interval, and the step down to its end.
+pub fn table(widths: &Widths, rules: &Rules) -> Vec<[u32; 2]> {
     let memory = table_entries(widths, rules);
     // Beyond its end the kernel is 0.
     let next = memory.iter().skip(1).copied().chain([0]);
-    memory
-        .iter()
-        .zip(next)
-        .map(|(low, next)| TableEntry {
-            low: *low,
-            step: low - next,
-        })
-        .collect()
+    let entries = memory.iter().zip(next);
+    entries.map(|(low, next)| [*low, low - next]).collect()
+}
+
+/// Widths as a design that is chosen at run time.
+pub fn run_time(widths: &Widths) -> Result<RuntimeWidths> {
+    let design = RuntimeWidths::new(*widths).ok();
+    design.context("widths out of range")
 }
 
 /// Why the circuit cannot be built for a design: the width, and what it must be.
-pub fn refusal(widths: &Widths) -> Option<String> {
-    let Widths {
-        radial,
-        table,
-        interpolation,
-        weight,
-        peak,
-        alpha,
-        transmittance,
-        colour,
-        accumulator,
-        ..
-    } = *widths;
+fn refusal(widths: &Widths) -> Option<String> {
     if let Err(error) = widths.check() {
-        let (low, high) = error.range;
+        let (field, value, (low, high)) = (error.field, error.value, error.range);
         return Some(format!(
-            "{} = {}: it must be from {low} to {high}",
-            error.field, error.value
+            "{field} = {value}: it must be from {low} to {high}"
         ));
     }
     if widths.rounding == Rounding::Truncate {
         return Some("rounding = truncate: the circuit rounds to nearest".to_owned());
     }
-    if radial > 27 {
-        return Some(format!(
-            "radial = {radial}: the circuit's lanes have 32 bits, which hold at most 27"
-        ));
-    }
-    if interpolation == 0 || table + interpolation > radial + 4 {
-        return Some(format!(
-            "interpolation = {interpolation}: the circuit needs from 1 to radial + 4 - table = {}",
-            (radial + 4).saturating_sub(table)
-        ));
-    }
-    if alpha >= peak + weight {
-        return Some(format!(
-            "alpha = {alpha}: the circuit needs less than peak + weight = {}",
-            peak + weight
-        ));
-    }
-    (accumulator >= transmittance + colour).then(|| {
-        format!(
-            "accumulator = {accumulator}: the circuit needs less than transmittance + colour = {}",
-            transmittance + colour
-        )
-    })
+    let (radial, interpolation) = (widths.radial, widths.interpolation);
+    let (alpha, accumulator) = (widths.alpha, widths.accumulator);
+    let finest = (radial + 4).saturating_sub(widths.table);
+    let [opacity, share] = [
+        widths.peak + widths.weight,
+        widths.transmittance + widths.colour,
+    ];
+    let refusals = [
+        (
+            radial > 27,
+            format!("radial = {radial}: the circuit's lanes have 32 bits, which hold at most 27"),
+        ),
+        (
+            interpolation == 0 || interpolation > finest,
+            format!(
+                "interpolation = {interpolation}: the circuit needs from 1 to radial + 4 - table = {finest}"
+            ),
+        ),
+        (
+            alpha >= opacity,
+            format!("alpha = {alpha}: the circuit needs less than peak + weight = {opacity}"),
+        ),
+        (
+            accumulator >= share,
+            format!(
+                "accumulator = {accumulator}: the circuit needs less than transmittance + colour = {share}"
+            ),
+        ),
+    ];
+    let mut refusals = refusals.into_iter();
+    refusals.find_map(|(refused, why)| refused.then_some(why))
 }
 
 /// The text of a design's package; an error that names the width for which there is no circuit.
@@ -97,25 +82,28 @@ pub fn text(name: &str, widths: &Widths) -> Result<String> {
     if let Some(refusal) = refusal(widths) {
         bail!("there is no circuit for design '{name}': {refusal}");
     }
-    let mut text = format!(
+    let head = format!(
         "// Design {name}: widths and packet of the kernel. Generated by `cargo run -p splatline-rtl --example rtl -- package`; do not edit.\n\
          package splatline_pkg;\n\n"
     );
-    parameters(&mut text, widths);
-    footprint(&mut text, &Layout::new(widths, Traversal::Spans));
-    text.push_str(TYPES);
-    text.push_str("endpackage\n");
-    Ok(text)
+    let layout = Layout::new(widths, Traversal::Spans);
+    let parts = [
+        &head,
+        &parameters(widths, &layout),
+        &footprint(&layout),
+        TYPES,
+        "endpackage\n",
+    ];
+    Ok(parts.concat())
 }
 
-fn parameters(text: &mut String, widths: &Widths) {
-    let steps = [Rules::EWA, Rules::GAUSSIAN_3D]
-        .iter()
-        .flat_map(|rules| table(widths, rules))
-        .map(|entry| u32::BITS - entry.step.leading_zeros())
-        .max()
-        .unwrap_or(1);
-    let layout = Layout::new(widths, Traversal::Spans);
+fn parameters(widths: &Widths, layout: &Layout) -> String {
+    let kinds = [Rules::EWA, Rules::GAUSSIAN_3D];
+    let steps = kinds.iter().flat_map(|rules| table(widths, rules));
+    let steps = steps
+        .map(|[_, step]| u32::BITS - step.leading_zeros())
+        .max();
+    let steps = steps.unwrap_or(1);
     let Widths {
         mantissa,
         subpixel,
@@ -135,9 +123,7 @@ fn parameters(text: &mut String, widths: &Widths) {
     let even = u8::from(widths.rounding == Rounding::NearestEven);
     let [columns, rows] = TILE_BITS;
     let vertical = vertical_fraction(widths);
-    // Writing to a String cannot fail.
-    let _ = writeln!(
-        text,
+    format!(
         "  localparam int MANTISSA = {mantissa};  // magnitude bits of a mantissa
   localparam int SUBPIXEL = {subpixel};  // fraction bits of a centre
   localparam int RADIAL = {radial};  // fraction bits of the radial index
@@ -160,29 +146,28 @@ fn parameters(text: &mut String, widths: &Widths) {
   localparam int TILE_ROW_BITS = {rows};  // log2 of a tile's rows
   localparam int PACKET_BITS = {bits};  // bits of a packet
   localparam logic [3:0] PACKET_VERSION = 4'd{VERSION};
+
 "
-    );
+    )
 }
 
 /// The packet as a packed struct: its first field is the least significant, so the order is reversed.
-fn footprint(text: &mut String, layout: &Layout) {
-    text.push_str("  typedef struct packed {\n");
-    for Field {
-        name,
-        width,
-        signed,
-        fraction,
-        ..
-    } in layout.fields().iter().rev().filter(|field| field.width > 0)
-    {
-        let sign = if *signed { "signed " } else { "" };
-        let format = match fraction {
+fn footprint(layout: &Layout) -> String {
+    let fields = layout.fields().iter().rev().filter(|field| field.width > 0);
+    let lines = fields.map(|field| {
+        let sign = if field.signed { "signed " } else { "" };
+        let format = match field.fraction {
             0 => String::new(),
             bits => format!("  // {bits} fraction bits"),
         };
-        let _ = writeln!(text, "    logic {sign}[{}:0] {name};{format}", width - 1);
-    }
-    text.push_str("  } footprint_t;\n\n");
+        format!(
+            "    logic {sign}[{}:0] {};{format}\n",
+            field.width - 1,
+            field.name
+        )
+    });
+    let lines: String = lines.collect();
+    format!("  typedef struct packed {{\n{lines}  }} footprint_t;\n\n")
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@
 //! everywhere: the first is that of most products, and only products of this enable move in. Registers that are written alike are one enable, whatever they are
 //! called.
 
+use crate::tools::entries;
 use anyhow::{Context, Result};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -42,10 +43,10 @@ pub struct Moved {
 }
 
 /// A flip-flop without a reset.
-#[derive(Clone)]
 struct Register {
     cell: String,
     data: Value,
+    output: u64,
     clock: Value,
     /// The constant 1, if it is written in every cycle.
     enable: Value,
@@ -55,57 +56,45 @@ struct Register {
 struct Wiring {
     /// By the net that it drives.
     registers: HashMap<u64, Register>,
-    /// By the net that it is written with, if nothing else reads that.
+    /// By the net that it is written with, if nothing else reads that: what it drives.
     behind: HashMap<u64, u64>,
     /// Nets that nobody reads have no entry.
     readers: HashMap<u64, u32>,
 }
 
-/// Registers that move in with a cell: its pin, and the net that the register drives.
-type Pins = Vec<(String, u64)>;
+/// Registers that move in with a cell, each with its pin: one or more, all of one clock and enable.
+type Pins<'a> = Vec<(String, &'a Register)>;
 
 /// Moves registers of `top` into multipliers and memories.
 pub fn move_in(netlist: &mut Value, top: &str) -> Result<Moved> {
     let module = &mut netlist["modules"][top];
-    let ports = nets_of_ports(&module["ports"]);
+    let ports = entries(&module["ports"]).flat_map(|(_, port)| nets(&port["bits"]));
+    let ports: Vec<u64> = ports.collect();
     let cells = module["cells"]
         .as_object_mut()
         .with_context(|| format!("a netlist without {top}"))?;
     let before = cells.len();
     let wiring = Wiring::of(cells, &ports);
-    let names: Vec<String> = cells.keys().cloned().collect();
-    let of_kind = |cells: &Map<String, Value>, kind: &str| -> Vec<String> {
-        let names = names.iter().filter(|name| cells[*name]["type"] == kind);
-        names.cloned().collect()
-    };
     let mut moved = Moved::default();
     let mut gone = HashSet::new();
-
-    let multipliers = of_kind(cells, MULTIPLIER);
-    let mut enables = Enables::default();
-    if let Some(first) = most_frequent_enable(cells, &multipliers, &wiring) {
-        enables.number(&first);
-    }
-    for name in &multipliers {
-        let cell = &mut cells[name];
-        let product = wiring.product(cell);
-        if let Some((pins, register)) = product
-            && enables.number(&register.enable) == Some(ENABLES[0])
-        {
-            take_words(cell, pins, &wiring, &mut gone);
-            cell["parameters"]["REG_OUTPUT_CLK"] = "CLK0".into();
-            connect(cell, "CLK0", &register.clock);
-            connect(cell, ENABLES[0], &register.enable);
-            moved.products += 1;
-        }
-        if take_factors(cell, &wiring, &mut enables) {
-            moved.factors += 1;
+    let first = most_frequent_enable(cells, &wiring);
+    let mut enables: Vec<Value> = first.into_iter().collect();
+    for (_, cell) in cells.iter_mut() {
+        if cell["type"] == MULTIPLIER {
+            if let Some(pins) = wiring.product(cell)
+                && number(&mut enables, &pins[0].1.enable) == Some(ENABLES[0])
+            {
+                take_words(cell, &pins, &mut gone);
+                cell["parameters"]["REG_OUTPUT_CLK"] = "CLK0".into();
+                connect(cell, "CLK0", &pins[0].1.clock);
+                connect(cell, ENABLES[0], &pins[0].1.enable);
+                moved.products += 1;
+            }
+            moved.factors += u32::from(take_factors(cell, &wiring, &mut enables).is_some());
+        } else if cell["type"] == MEMORY {
+            moved.words += take_memory_words(cell, &wiring, &mut gone);
         }
     }
-    for name in &of_kind(cells, MEMORY) {
-        moved.words += take_memory_words(&mut cells[name], &wiring, &mut gone);
-    }
-
     cells.retain(|name, _| !gone.contains(name));
     // Registers of factors that only multipliers read, and of enables that only those had.
     loop {
@@ -121,171 +110,131 @@ pub fn move_in(netlist: &mut Value, top: &str) -> Result<Moved> {
     Ok(moved)
 }
 
-/// Enables with their numbers.
-#[derive(Default)]
-struct Enables(Vec<Value>);
-
-impl Enables {
-    /// The pin of an enable, as long as there is one left.
-    fn number(&mut self, enable: &Value) -> Option<&'static str> {
-        let known = self.0.iter().position(|known| known == enable);
-        let number = known.unwrap_or(self.0.len());
-        if known.is_none() && number < ENABLES.len() {
-            self.0.push(enable.clone());
-        }
-        ENABLES.get(number).copied()
+/// The pin of an enable, as long as there is one left.
+fn number(enables: &mut Vec<Value>, enable: &Value) -> Option<&'static str> {
+    let known = enables.iter().position(|known| known == enable);
+    let number = known.unwrap_or(enables.len());
+    let pin = ENABLES.get(number)?;
+    if known.is_none() {
+        enables.push(enable.clone());
     }
+    Some(pin)
 }
 
 impl Wiring {
     fn of(cells: &Map<String, Value>, ports: &[u64]) -> Wiring {
         let mut readers: HashMap<u64, u32> = HashMap::new();
-        for port in ports {
-            *readers.entry(*port).or_default() += 1;
-        }
-        for cell in cells.values() {
-            for net in inputs(cell) {
-                *readers.entry(net).or_default() += 1;
-            }
+        for net in cells.values().flat_map(inputs).chain(ports.iter().copied()) {
+            *readers.entry(net).or_default() += 1;
         }
         let flip_flops = cells.iter().filter(|(_, cell)| cell["type"] == REGISTER);
         let alike = written_alike(flip_flops.clone());
-        let mut registers = HashMap::new();
-        for (name, cell) in flip_flops {
-            if let (Some(net), Some(register)) = (net(pin(cell, "Q")), register(name, cell, &alike))
-            {
-                registers.insert(net, register);
-            }
-        }
-        let mut behind = HashMap::new();
-        for (output, register) in &registers {
-            if let Some(data) = net(&register.data)
-                && readers.get(&data) == Some(&1)
-            {
-                behind.insert(data, *output);
-            }
-        }
+        let registers = flip_flops.filter_map(|(name, cell)| register(name, cell, &alike));
+        let registers = registers.map(|register| (register.output, register));
+        let registers: HashMap<u64, Register> = registers.collect();
+        let behind = registers.iter().filter_map(|(output, register)| {
+            let data = net(&register.data)?;
+            (readers.get(&data) == Some(&1)).then_some((data, *output))
+        });
         Wiring {
+            behind: behind.collect(),
             registers,
-            behind,
             readers,
         }
     }
 
-    /// The registers behind these pins, which must all be of one clock and enable. Pins that nobody reads need none.
-    fn behind(&self, cell: &Value, pins: impl Iterator<Item = String>) -> Option<(Pins, Register)> {
+    /// The registers behind these pins. Pins that nobody reads need none.
+    fn behind(&self, cell: &Value, pins: impl Iterator<Item = String>) -> Option<Pins<'_>> {
         let mut found = Vec::new();
         for name in pins {
-            let Some(net) = net(pin(cell, &name)) else {
-                continue;
-            };
-            if self.readers.contains_key(&net) {
-                found.push((name, *self.behind.get(&net)?));
+            let net = net(pin(cell, &name)).filter(|net| self.readers.contains_key(net));
+            if let Some(net) = net {
+                found.push((name, &self.registers[self.behind.get(&net)?]));
             }
         }
-        let registers: Vec<&Register> = found.iter().map(|(_, net)| &self.registers[net]).collect();
-        let first = (*registers.first()?).clone();
-        let same = registers
-            .iter()
-            .all(|other| other.clock == first.clock && other.enable == first.enable);
-        same.then_some((found, first))
+        together(found)
     }
 
-    fn product(&self, cell: &Value) -> Option<(Pins, Register)> {
+    fn product(&self, cell: &Value) -> Option<Pins<'_>> {
         self.behind(cell, (0..PRODUCT).map(|bit| format!("P{bit}")))
+    }
+
+    /// The registers before a factor's pins. Zeros need none.
+    fn factor(&self, cell: &Value, side: &str) -> Option<Pins<'_>> {
+        let mut found = Vec::new();
+        for bit in 0..FACTOR {
+            let name = format!("{side}{bit}");
+            let bit = pin(cell, &name);
+            if !bit.is_null() && bit != "0" {
+                found.push((name, self.registers.get(&net(bit)?)?));
+            }
+        }
+        together(found)
     }
 }
 
+/// The registers, if there are any and all of them are of one clock and enable.
+fn together(pins: Pins) -> Option<Pins> {
+    let first = pins.first()?.1;
+    let same = |other: &Register| other.clock == first.clock && other.enable == first.enable;
+    pins.iter().all(|(_, other)| same(other)).then_some(pins)
+}
+
 /// The enable of most products that have registers.
-fn most_frequent_enable(
-    cells: &Map<String, Value>,
-    multipliers: &[String],
-    wiring: &Wiring,
-) -> Option<Value> {
+fn most_frequent_enable(cells: &Map<String, Value>, wiring: &Wiring) -> Option<Value> {
     let mut counts: BTreeMap<String, (u32, Value)> = BTreeMap::new();
-    for name in multipliers {
-        if let Some((_, register)) = wiring.product(&cells[name]) {
-            let entry = counts.entry(register.enable.to_string());
-            entry.or_insert((0, register.enable)).0 += 1;
-        }
+    let multipliers = cells.values().filter(|cell| cell["type"] == MULTIPLIER);
+    for pins in multipliers.filter_map(|cell| wiring.product(cell)) {
+        let enable = &pins[0].1.enable;
+        let entry = counts.entry(enable.to_string());
+        entry.or_insert((0, enable.clone())).0 += 1;
     }
     let most = counts.into_values().max_by_key(|(count, _)| *count);
     most.map(|(_, enable)| enable)
 }
 
 /// Lets a cell drive what the registers behind it drove.
-fn take_words(cell: &mut Value, pins: Pins, wiring: &Wiring, gone: &mut HashSet<String>) {
-    for (name, output) in pins {
-        cell["connections"][&name] = Value::from(vec![output]);
-        gone.insert(wiring.registers[&output].cell.clone());
+fn take_words(cell: &mut Value, pins: &Pins, gone: &mut HashSet<String>) {
+    for (name, register) in pins {
+        cell["connections"][name] = Value::from(vec![register.output]);
+        gone.insert(register.cell.clone());
     }
 }
 
 /// Both factors' registers move in, or none: nextpnr times no other multiplier.
-fn take_factors(cell: &mut Value, wiring: &Wiring, enables: &mut Enables) -> bool {
-    let mut settings = Vec::new();
-    let mut pins = Vec::new();
+fn take_factors(cell: &mut Value, wiring: &Wiring, enables: &mut Vec<Value>) -> Option<()> {
+    let mut factors = Vec::new();
     for side in ["A", "B"] {
-        let mut of_side: Option<Register> = None;
-        for bit in 0..FACTOR {
-            let name = format!("{side}{bit}");
-            let Some(bit) = cell["connections"].get(&name).map(|bits| bits[0].clone()) else {
-                continue;
-            };
-            if bit == "0" {
-                continue;
-            }
-            let Some(register) = net(&bit).and_then(|net| wiring.registers.get(&net)) else {
-                return false;
-            };
-            let first = of_side.get_or_insert_with(|| register.clone());
-            if first.clock != register.clock || first.enable != register.enable {
-                return false;
-            }
-            pins.push((name, register.data.clone()));
-        }
-        let Some(register) = of_side else {
-            return false;
-        };
-        let Some(enable) = enables.number(&register.enable) else {
-            return false;
-        };
-        settings.push((side, enable, register));
+        let pins = wiring.factor(cell, side)?;
+        factors.push((side, number(enables, &pins[0].1.enable)?, pins));
     }
-    for (name, data) in pins {
-        connect(cell, &name, &data);
-    }
-    for (side, enable, register) in settings {
+    for (side, enable, pins) in factors {
         cell["parameters"][format!("REG_INPUT{side}_CLK")] = "CLK0".into();
         cell["parameters"][format!("REG_INPUT{side}_CE")] = enable.into();
-        connect(cell, "CLK0", &register.clock);
-        connect(cell, enable, &register.enable);
+        connect(cell, "CLK0", &pins[0].1.clock);
+        connect(cell, enable, &pins[0].1.enable);
+        for (name, register) in pins {
+            connect(cell, &name, &register.data);
+        }
     }
-    true
+    Some(())
 }
 
 /// The registers behind a memory's ports; a wide memory has one port for reading, with the pins of both.
 fn take_memory_words(cell: &mut Value, wiring: &Wiring, gone: &mut HashSet<String>) -> u32 {
-    let wide = ["DATA_WIDTH_A", "DATA_WIDTH_B"]
-        .iter()
-        .any(|name| binary(&cell["parameters"][*name]) == Some(PAIRED));
-    let ports: &[&[&str]] = if wide {
-        &[&["A", "B"]]
-    } else {
-        &[&["A"], &["B"]]
-    };
+    let width = |name| i64::from_str_radix(cell["parameters"][name].as_str()?, 2).ok();
+    let widths = [width("DATA_WIDTH_A"), width("DATA_WIDTH_B")];
+    let together = if widths.contains(&Some(PAIRED)) { 2 } else { 1 };
     let mut moved = 0;
-    for sides in ports {
-        let pins = sides
-            .iter()
-            .flat_map(|side| (0..FACTOR).map(move |bit| format!("DO{side}{bit}")));
-        let Some((pins, register)) = wiring.behind(cell, pins) else {
+    for sides in ["A", "B"].chunks(together) {
+        let of_side = |side| (0..FACTOR).map(move |bit| format!("DO{side}{bit}"));
+        let Some(pins) = wiring.behind(cell, sides.iter().flat_map(of_side)) else {
             continue;
         };
-        take_words(cell, pins, wiring, gone);
-        for side in *sides {
+        take_words(cell, &pins, gone);
+        for side in sides {
             cell["parameters"][format!("REGMODE_{side}")] = "OUTREG".into();
-            connect(cell, &format!("OCE{side}"), &register.enable);
+            connect(cell, &format!("OCE{side}"), &pins[0].1.enable);
         }
         moved += 1;
     }
@@ -324,9 +273,11 @@ fn register(name: &str, cell: &Value, alike: &HashMap<u64, u64>) -> Option<Regis
         },
         _ => return None,
     };
+    let output = net(pin(cell, "Q"))?;
     plain.then(|| Register {
         cell: name.to_owned(),
         data: pin(cell, "DI").clone(),
+        output,
         clock: pin(cell, "CLK").clone(),
         enable,
     })
@@ -346,24 +297,15 @@ fn connect(cell: &mut Value, name: &str, bit: &Value) {
     cell["port_directions"][name] = "input".into();
 }
 
+fn nets(bits: &Value) -> impl Iterator<Item = u64> + '_ {
+    bits.as_array().into_iter().flatten().filter_map(net)
+}
+
 fn inputs(cell: &Value) -> impl Iterator<Item = u64> + '_ {
-    let pins = cell["connections"].as_object().into_iter().flatten();
-    pins.filter(|(name, _)| cell["port_directions"][name.as_str()] != "output")
-        .flat_map(|(_, bits)| bits.as_array().into_iter().flatten())
-        .filter_map(net)
-}
-
-fn nets_of_ports(ports: &Value) -> Vec<u64> {
-    let ports = ports.as_object().into_iter().flatten();
-    ports
-        .flat_map(|(_, port)| port["bits"].as_array().into_iter().flatten())
-        .filter_map(net)
-        .collect()
-}
-
-/// A parameter that Yosys writes in binary.
-fn binary(value: &Value) -> Option<i64> {
-    i64::from_str_radix(value.as_str()?, 2).ok()
+    let directions = &cell["port_directions"];
+    let pins = entries(&cell["connections"]);
+    let pins = pins.filter(|(name, _)| directions[name.as_str()] != "output");
+    pins.flat_map(|(_, bits)| nets(bits))
 }
 
 #[cfg(test)]

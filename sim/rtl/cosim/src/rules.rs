@@ -10,22 +10,20 @@ use splatline::rules::Rules;
 /// Drives the rules at the design's widths and writes the footprint table.
 pub fn write_rules(bench: &mut Bench, widths: &Widths, rules: &Rules) -> Result<()> {
     let constants = Blend::new(widths, rules).constants();
+    let transmittance = constants.minimum_transmittance;
     bench.set(&[
         ("alpha_max", constants.alpha_max.into()),
         ("least", constants.opacity_min),
-        (
-            "minimum_transmittance",
-            constants.minimum_transmittance.into(),
-        ),
+        ("minimum_transmittance", transmittance.into()),
         ("omit_finishing", constants.omit_finishing.into()),
         ("wide_table", (rules.table_range == 4).into()),
         ("table_valid", 1),
     ])?;
-    for (index, entry) in table(widths, rules).iter().enumerate() {
+    for (index, [low, step]) in (0..).zip(table(widths, rules)) {
         bench.set(&[
-            ("table_index", index as u64),
-            ("table_low", entry.low.into()),
-            ("table_step", entry.step.into()),
+            ("table_index", index),
+            ("table_low", low.into()),
+            ("table_step", step.into()),
         ])?;
         bench.cycle();
     }
@@ -45,9 +43,8 @@ pub fn rule_writes(widths: &Widths, rules: &Rules) -> Vec<(&'static str, u32)> {
         ("flags", flags),
         ("table_index", 0),
     ];
-    for entry in table(widths, rules) {
-        writes.push(("table_low", entry.low));
-        writes.push(("table_step", entry.step));
+    for [low, step] in table(widths, rules) {
+        writes.extend([("table_low", low), ("table_step", step)]);
     }
     writes
 }
@@ -61,14 +58,11 @@ pub fn register_writes(widths: &Widths, name: &str) -> Result<String> {
     };
     let writes = rule_writes(widths, &rules);
     let line = |(register, value): &(&str, u32)| {
-        format!(
-            "  {{SPLAT_AXI_{}, 0x{value:x}u}},\n",
-            register.to_uppercase()
-        )
+        let register = register.to_uppercase();
+        format!("  {{SPLAT_AXI_{register}, 0x{value:x}u}},\n")
     };
+    let (count, lines) = (writes.len(), writes.iter().map(line).collect::<String>());
     Ok(format!(
-        "static const uint32_t splat_axi_rules[{}][2] = {{\n{}}};\n",
-        writes.len(),
-        writes.iter().map(line).collect::<String>()
+        "static const uint32_t splat_axi_rules[{count}][2] = {{\n{lines}}};\n"
     ))
 }

@@ -1,41 +1,39 @@
 //! Scenes with their cameras: captured ones, where their data is at hand, and synthetic ones.
 
+use crate::unit::Missing;
 use anyhow::{Context, Result};
 use splatline_sim::camera::Camera;
 use splatline_sim::scene::points::{self, spheres};
 use splatline_sim::scene::{self, Scene, synthetic};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A scene, seen.
 #[derive(Clone)]
 pub struct Seen {
-    /// Its name.
     pub name: &'static str,
-    /// The scene.
     pub scene: Scene,
-    /// The camera.
     pub camera: Camera,
 }
 
-/// The scenes of whole pictures.
+impl Seen {
+    /// So many random Gaussians by a seed and a size, in a picture of so many columns and rows.
+    pub fn random(name: &'static str, of: (usize, u64, f64), pixels: [usize; 2]) -> Seen {
+        Seen {
+            name,
+            scene: synthetic::random_gaussians(of.0, of.1, of.2),
+            camera: synthetic::camera(pixels[0], pixels[1]),
+        }
+    }
+}
+
+/// The scenes of whole pictures: captured ones, the lion scanned as round volume splats, and twenty thousand large, nearly transparent splats.
 pub const SCENES: [&str; 5] = ["guitar", "playbot", "lion", "aneurism", "deep stack"];
 
 /// The named of [`SCENES`] in square pictures of so many pixels a side; the names of those whose data is not at hand go to `missing`.
-pub fn scenes(
-    names: &[&'static str],
-    size: usize,
-    missing: &mut Vec<&'static str>,
-) -> Result<Vec<Seen>> {
+pub fn scenes(names: &[&'static str], size: usize, missing: &mut Missing) -> Result<Vec<Seen>> {
     let mut seen = Vec::new();
     for name in names {
-        let found = match *name {
-            "guitar" => guitar(size)?,
-            "playbot" => playbot()?,
-            "lion" => lion(size)?,
-            "aneurism" => aneurism(size)?,
-            _ => Some(deep_stack(size)),
-        };
-        match found {
+        match scene(name, size)? {
             Some((scene, camera)) => seen.push(Seen {
                 name,
                 scene,
@@ -62,57 +60,36 @@ fn resized(camera: Camera, size: usize) -> Camera {
     }
 }
 
-/// The shared data's file, where it exists.
-fn shared(path: &str) -> Option<PathBuf> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data");
-    let path = Path::new(folder).join(path);
-    path.exists().then_some(path)
-}
-
-/// The captured guitar from close up.
-fn guitar(size: usize) -> Result<Option<(Scene, Camera)>> {
-    let Some(file) = shared("gaussians/guitar.ply") else {
-        return Ok(None);
+/// A scene with its camera for so many pixels a side, by a name of [`SCENES`]; nothing where its data is missing.
+pub fn scene(name: &str, size: usize) -> Result<Option<(Scene, Camera)>> {
+    let file = match name {
+        "guitar" => "gaussians/guitar.ply",
+        "playbot" => "gaussians/playbot_lod4.ply",
+        "lion" => "points/lion_takanawa.ply",
+        "aneurism" => "volumes/aneurism.nhdr",
+        _ => {
+            let scene = synthetic::deep_stack(1);
+            let camera = scene.default_camera(size, size);
+            return Ok(Some((scene, camera)));
+        }
     };
-    let scene = scene::load(&file, &Default::default())?;
-    let (eye, target) = ([2.2, -1.2, 0.5], [0.1, -1.2, 0.1]);
-    let camera = Camera::look_at(eye, target, [0.0, -1.0, 0.0], 50.0, size, size);
-    Ok(Some((scene, camera.context("the guitar's camera")?)))
-}
-
-/// The captured scene with harmonics.
-pub fn playbot() -> Result<Option<(Scene, Camera)>> {
-    let Some(file) = shared("gaussians/playbot_lod4.ply") else {
+    let shared = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data");
+    let file = Path::new(shared).join(file);
+    if !file.exists() {
         return Ok(None);
+    }
+    let scene = match name {
+        "lion" => spheres::as_spheres(&points::load(&file)?, spheres::LION_DEVIATION),
+        _ => scene::load(&file, &Default::default())?,
     };
-    let scene = scene::load(&file, &Default::default())?;
-    let camera = scene.default_camera(640, 480);
+    let looking = |eye, target, up, degrees| Camera::look_at(eye, target, up, degrees, size, size);
+    let camera = match name {
+        // From close up.
+        "guitar" => looking([2.2, -1.2, 0.5], [0.1, -1.2, 0.1], [0.0, -1.0, 0.0], 50.0),
+        "lion" => looking([4.11, 3.88, -0.16], [-2.89, 3.88, -1.16], scene.up, 45.0),
+        "playbot" => Ok(scene.default_camera(640, 480)),
+        _ => Ok(scene.default_camera(size, size)),
+    };
+    let camera = camera.with_context(|| format!("the camera of {name}"))?;
     Ok(Some((scene, camera)))
-}
-
-/// The scanned lion as round volume splats.
-fn lion(size: usize) -> Result<Option<(Scene, Camera)>> {
-    let Some(file) = shared("points/lion_takanawa.ply") else {
-        return Ok(None);
-    };
-    let scene = spheres::as_spheres(&points::load(&file)?, spheres::LION_DEVIATION);
-    let (eye, target) = ([4.11, 3.88, -0.16], [-2.89, 3.88, -1.16]);
-    let camera = Camera::look_at(eye, target, scene.up, 45.0, size, size);
-    Ok(Some((scene, camera.context("the lion's camera")?)))
-}
-
-fn aneurism(size: usize) -> Result<Option<(Scene, Camera)>> {
-    let Some(file) = shared("volumes/aneurism.nhdr") else {
-        return Ok(None);
-    };
-    let scene = scene::load(&file, &Default::default())?;
-    let camera = scene.default_camera(size, size);
-    Ok(Some((scene, camera)))
-}
-
-/// Twenty thousand large, nearly transparent splats.
-fn deep_stack(size: usize) -> (Scene, Camera) {
-    let scene = synthetic::deep_stack(1);
-    let camera = scene.default_camera(size, size);
-    (scene, camera)
 }

@@ -36,7 +36,7 @@ impl Simulation {
     /// registers hold; inputs are 0.
     pub fn new(library: &Path, seed: u32, mutation: MutationNumber) -> Result<Simulation> {
         // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbols have the shim's types, and the
-        // simulation is freed by the same library before that is unloaded.
+        // simulation is freed by the same library before that is unloaded. A port may be all zeros.
         unsafe {
             let library = Library::new(library).context("a circuit's library")?;
             let make: unsafe extern "C" fn(u32, u32) -> *mut c_void =
@@ -50,19 +50,12 @@ impl Simulation {
                 ports: Vec::new(),
                 _library: library,
             };
-            let mut found = PortData {
-                name: std::ptr::null(),
-                data: std::ptr::null_mut(),
-                bits: 0,
-                is_input: false,
-            };
+            let mut found: PortData = std::mem::zeroed();
             while port(simulation.state, simulation.ports.len(), &mut found) {
                 let name = CStr::from_ptr(found.name).to_str()?.to_owned();
                 simulation.ports.push((name, found));
-            }
-            for place in 0..simulation.ports.len() {
-                if simulation.ports[place].1.is_input {
-                    simulation.set(Port(place), 0);
+                if found.is_input {
+                    simulation.set(Port(simulation.ports.len() - 1), 0);
                 }
             }
             Ok(simulation)
@@ -72,57 +65,47 @@ impl Simulation {
     /// The port of this name.
     pub fn port(&self, name: &str) -> Result<Port> {
         let place = self.ports.iter().position(|port| port.0 == name);
-        Ok(Port(place.with_context(|| {
-            format!("the circuit has no port '{name}'")
-        })?))
+        let place = place.with_context(|| format!("the circuit has no port '{name}'"))?;
+        Ok(Port(place))
     }
 
-    /// Drives a port of up to 64 bits; what does not fit is cut off.
-    pub fn set(&mut self, port: Port, value: u64) {
-        let PortData { data, bits, .. } = self.ports[port.0].1;
-        let value = value & (u64::MAX >> (64 - bits.min(64)));
-        // SAFETY: the pointer is the port's in the living model, which stores so many bits in the smallest C integer that holds them, and wider ones in
-        // words of 32 bits.
-        unsafe {
-            match bits {
-                0..=8 => *data.cast() = value as u8,
-                9..=16 => *data.cast() = value as u16,
-                17..=32 => *data.cast() = value as u32,
-                33..=64 => *data.cast() = value,
-                _ => self.set_words(port, &[value as u32, (value >> 32) as u32]),
-            }
+    /// The ports of these names.
+    pub fn ports<const N: usize>(&self, names: [&str; N]) -> Result<[Port; N]> {
+        let mut ports = [Port(0); N];
+        for (port, name) in ports.iter_mut().zip(names) {
+            *port = self.port(name)?;
         }
+        Ok(ports)
+    }
+
+    /// Drives a port with a number; what does not fit is cut off.
+    pub fn set(&mut self, port: Port, value: u64) {
+        self.set_words(port, &[value as u32, (value >> 32) as u32]);
     }
 
     /// Drives a port of any width with words of 32 bits; words that are missing are 0.
     pub fn set_words(&mut self, port: Port, words: &[u32]) {
         let PortData { data, bits, .. } = self.ports[port.0].1;
-        let word = |index: usize| words.get(index).copied().unwrap_or(0);
-        if bits <= 64 {
-            return self.set(port, u64::from(word(0)) | u64::from(word(1)) << 32);
-        }
-        let count = bits.div_ceil(32) as usize;
-        for index in 0..count {
+        for index in 0..bits.div_ceil(32) as usize {
             let kept = (bits - 32 * index as u32).min(32);
-            let value = word(index) & (u32::MAX >> (32 - kept));
-            // SAFETY: the port has so many words.
-            unsafe { *data.cast::<u32>().add(index) = value };
+            let word = words.get(index).copied().unwrap_or(0) & (u32::MAX >> (32 - kept));
+            // SAFETY: the pointer is the port's in the living model, which stores up to 32 bits in the smallest C integer that holds them, and more of them
+            // in words of 32 bits or in an integer of two such words, the lower one first.
+            unsafe {
+                match bits {
+                    0..=8 => *data.cast() = word as u8,
+                    9..=16 => *data.cast() = word as u16,
+                    _ => *data.cast::<u32>().add(index) = word,
+                }
+            }
         }
     }
 
-    /// What is at a port of up to 64 bits; of a wider one the lowest.
+    /// What is at a port; of one with more than 64 bits the lowest.
     pub fn get(&self, port: Port) -> u64 {
-        let PortData { data, bits, .. } = self.ports[port.0].1;
-        // SAFETY: as in `set`.
-        unsafe {
-            match bits {
-                0..=8 => u64::from(*data.cast::<u8>()),
-                9..=16 => u64::from(*data.cast::<u16>()),
-                17..=32 => u64::from(*data.cast::<u32>()),
-                33..=64 => *data.cast::<u64>(),
-                _ => u64::from(*data.cast::<u32>()) | u64::from(*data.cast::<u32>().add(1)) << 32,
-            }
-        }
+        let high = self.ports[port.0].1.bits > 32;
+        let high = if high { self.word(port, 1) } else { 0 };
+        u64::from(self.word(port, 0)) | u64::from(high) << 32
     }
 
     /// Is a port of one bit set?
@@ -130,17 +113,27 @@ impl Simulation {
         self.get(port) != 0
     }
 
+    /// What is at the port of this name.
+    pub fn read(&self, name: &str) -> Result<u64> {
+        Ok(self.get(self.port(name)?))
+    }
+
     /// A port's words.
     pub fn words(&self, port: Port) -> Vec<u32> {
+        let count = self.ports[port.0].1.bits.div_ceil(32) as usize;
+        (0..count).map(|index| self.word(port, index)).collect()
+    }
+
+    fn word(&self, port: Port, index: usize) -> u32 {
         let PortData { data, bits, .. } = self.ports[port.0].1;
-        if bits <= 64 {
-            let value = self.get(port);
-            let words = [value as u32, (value >> 32) as u32];
-            return words[..bits.div_ceil(32) as usize].to_vec();
+        // SAFETY: as in `set_words`; the port has this word.
+        unsafe {
+            match bits {
+                0..=8 => u32::from(*data.cast::<u8>()),
+                9..=16 => u32::from(*data.cast::<u16>()),
+                _ => *data.cast::<u32>().add(index),
+            }
         }
-        // SAFETY: as in `set_words`.
-        let word = |index| unsafe { *data.cast::<u32>().add(index) };
-        (0..bits.div_ceil(32) as usize).map(word).collect()
     }
 
     /// The outputs follow the inputs, before the clock's edge.

@@ -1,13 +1,15 @@
 //! What the units of `sim/rtl` have in common: loads, back-pressure, and a comparison with what defines the unit. From it follow the report of a full
 //! comparison and the judgement of mutations.
 
-use crate::circuit::{Circuit, Effort};
-use crate::findings::Findings;
-use crate::mutation::{Mutation, MutationNumber, mutations, with_choices};
-use crate::simulation::Simulation;
+use crate::circuit::Effort;
+use crate::mutation::{Mutation, MutationNumber, mutations};
 use anyhow::{Result, bail, ensure};
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::ops::AddAssign;
+use std::path::Path;
+
+pub use crate::circuit::Circuit;
+pub use crate::simulation::Simulation;
 
 /// How much is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,12 +20,55 @@ pub enum Extent {
     Full,
 }
 
+/// Names of scenes whose data is not at hand.
+pub type Missing = Vec<&'static str>;
+
+/// What a comparison found.
+#[derive(Clone, Debug, Default)]
+pub struct Findings {
+    /// Answers compared: packets, colours, pixels, places of an order.
+    pub compared: u64,
+    /// The first difference, in words.
+    pub first_difference: Option<String>,
+    /// Cycles.
+    pub cycles: u64,
+    /// What else there was, by its name, in the order of the report's columns.
+    pub counts: Vec<(&'static str, u64)>,
+}
+
+impl Findings {
+    /// So many more of this name.
+    pub fn count(&mut self, name: &'static str, more: u64) {
+        match self.counts.iter_mut().find(|known| known.0 == name) {
+            Some((_, count)) => *count += more,
+            None => self.counts.push((name, more)),
+        }
+    }
+
+    /// How many of this name.
+    pub fn counted(&self, name: &str) -> u64 {
+        let known = self.counts.iter().find(|known| known.0 == name);
+        known.map_or(0, |(_, count)| *count)
+    }
+}
+
+impl AddAssign for Findings {
+    fn add_assign(&mut self, other: Findings) {
+        self.compared += other.compared;
+        self.cycles += other.cycles;
+        for (name, more) in other.counts {
+            self.count(name, more);
+        }
+        if self.first_difference.is_none() {
+            self.first_difference = other.first_difference;
+        }
+    }
+}
+
 /// A unit as it is compared with what defines it.
 pub trait Unit: Sync {
     /// What one comparison is made of.
     type Load: Sync;
-    /// Counts of [`Findings`] that the report shows.
-    const COUNTS: &'static [&'static str];
     /// Ways of feeding and emptying the unit; the first is that at full speed.
     const PRESSURES: usize;
 
@@ -31,7 +76,7 @@ pub trait Unit: Sync {
     fn circuit(&self) -> &Circuit;
 
     /// What it is given. The names of scenes whose data is not at hand go to `missing`. Loads of one name in a row are parts of one.
-    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<Self::Load>>;
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<Self::Load>>;
 
     /// A load's name.
     fn name(&self, load: &Self::Load) -> String;
@@ -41,19 +86,16 @@ pub trait Unit: Sync {
 
     /// The comparison of all pressures, or of one for each part of a divided load.
     fn compare_parts(&self, library: &Path, parts: &[Self::Load]) -> Result<Vec<Findings>> {
-        let jobs: Vec<(usize, usize)> = if parts.len() == 1 {
-            (0..Self::PRESSURES).map(|pressure| (0, pressure)).collect()
-        } else {
-            (0..parts.len())
-                .map(|part| (part, part % Self::PRESSURES))
-                .collect()
+        let jobs = match parts.len() {
+            1 => Self::PRESSURES,
+            count => count,
         };
-        jobs.into_par_iter()
-            .map(|(part, pressure)| {
-                let circuit = Simulation::new(library, part as u32 + 1, 0)?;
-                self.compare(circuit, &parts[part], pressure)
-            })
-            .collect()
+        let compared = |job| {
+            let part = job % parts.len();
+            let circuit = Simulation::new(library, part as u32 + 1, 0)?;
+            self.compare(circuit, &parts[part], job % Self::PRESSURES)
+        };
+        (0..jobs).into_par_iter().map(compared).collect()
     }
 
     /// What a circuit's comparison says first, or nothing if it agrees everywhere.
@@ -66,12 +108,10 @@ pub trait Unit: Sync {
         let pressures = |load| (0..Self::PRESSURES).map(move |pressure| (load, pressure));
         let jobs: Vec<(&Self::Load, usize)> = loads.iter().flat_map(pressures).collect();
         let difference = |(load, pressure): (&Self::Load, usize)| {
-            let found = Simulation::new(library, 1, mutation)
-                .and_then(|circuit| self.compare(circuit, load, pressure));
-            let difference = match found {
-                Ok(findings) => findings.first_difference?,
-                Err(error) => format!("{error:#}"),
-            };
+            let circuit = Simulation::new(library, 1, mutation);
+            let found = circuit.and_then(|circuit| self.compare(circuit, load, pressure));
+            let found = found.map(|findings| findings.first_difference);
+            let difference = found.unwrap_or_else(|error| Some(format!("{error:#}")))?;
             Some(format!("{}: {difference}", self.name(load)))
         };
         jobs.into_par_iter().find_map_first(difference)
@@ -85,23 +125,22 @@ pub fn report<U: Unit>(unit: &U) -> Result<()> {
     let mut missing = Vec::new();
     let loads = unit.loads(Extent::Full, &mut missing)?;
     println!("{circuit}; not at hand: {missing:?}\n");
-    let columns = U::COUNTS.join(" | ");
-    println!("| load | compared | cycles at full speed | {columns} |");
-    println!("|---|{}", "---:|".repeat(2 + U::COUNTS.len()));
     let mut total = Findings::default();
     for parts in loads.chunk_by(|a, b| unit.name(a) == unit.name(b)) {
         let found = unit.compare_parts(&library, parts)?;
         let unhindered = found.first().map_or(0, |first| first.cycles);
         let mut sum = Findings::default();
         found.into_iter().for_each(|part| sum += part);
-        let counts = U::COUNTS.iter().map(|name| sum.counted(name).to_string());
-        let counts: Vec<String> = counts.collect();
-        let name = unit.name(&parts[0]);
-        println!(
-            "| {name} | {} | {unhindered} | {} |",
-            sum.compared,
-            counts.join(" | ")
-        );
+        let counts = sum.counts.iter();
+        if total.cycles == 0 {
+            let names = counts.clone().map(|(name, _)| format!(" {name} |"));
+            let names: String = names.collect();
+            println!("| load | compared | cycles at full speed |{names}");
+            println!("|---|{}", "---:|".repeat(2 + sum.counts.len()));
+        }
+        let counts: String = counts.map(|(_, count)| format!(" {count} |")).collect();
+        let (name, compared) = (unit.name(&parts[0]), sum.compared);
+        println!("| {name} | {compared} | {unhindered} |{counts}");
         total += sum;
     }
     println!("\n{} compared\n", total.compared);
@@ -111,56 +150,26 @@ pub fn report<U: Unit>(unit: &U) -> Result<()> {
     }
 }
 
-/// A unit with its mutations: one circuit with all that have a choice; the others are built when they are asked for.
-pub struct Judge<U: Unit> {
-    unit: U,
-    loads: Vec<U::Load>,
-    mutations: Vec<Mutation>,
-    chosen: Vec<MutationNumber>,
-    library: PathBuf,
-}
+/// What notices mutations: it says how one is noticed, or nothing if it survives.
+pub type Judge = Box<dyn Fn(&Mutation) -> Result<Option<String>>>;
 
-/// What notices mutations.
-pub trait Judgement {
-    /// How a mutation is noticed; nothing if it survives.
-    fn verdict(&self, mutation: &Mutation) -> Result<Option<String>>;
-}
-
-impl<U: Unit> Judge<U> {
-    /// Builds the circuit for the mutations of this judge; without one of them it must agree.
-    pub fn new(unit: U, judge: &str, extent: Extent) -> Result<Judge<U>> {
-        let mutations = mutations(judge)?;
-        let circuit = unit.circuit();
-        let judge = Judge {
-            chosen: with_choices(circuit.sources()?, &mutations)?.chosen,
-            library: circuit.with_choices(&mutations)?,
-            loads: unit.loads(extent, &mut Vec::new())?,
-            mutations,
-            unit,
-        };
-        let difference = judge.unit.first_difference(&judge.library, 0, &judge.loads);
-        ensure!(
-            difference.is_none(),
-            "without a mutation: {}",
-            difference.unwrap_or_default()
-        );
-        Ok(judge)
-    }
-}
-
-impl<U: Unit> Judgement for Judge<U> {
-    fn verdict(&self, mutation: &Mutation) -> Result<Option<String>> {
-        let place = self.mutations.iter().position(|m| m.name == mutation.name);
-        let number = place.map_or(0, |place| place + 1);
-        if self.chosen.contains(&number) {
-            let library = &self.library;
-            return Ok(self.unit.first_difference(library, number, &self.loads));
+/// A unit's comparison as a judge. One circuit has all of its mutations that have a choice, and without one of them it must agree; circuits with the others
+/// are built when they are asked for.
+pub fn judge_of<U: Unit + 'static>(unit: Result<U>, judge: &str, extent: Extent) -> Result<Judge> {
+    let unit = unit?;
+    let (library, chosen) = unit.circuit().with_choices(&mutations(judge)?)?;
+    let loads = unit.loads(extent, &mut Vec::new())?;
+    let difference = unit.first_difference(&library, 0, &loads);
+    ensure!(difference.is_none(), "without a mutation: {difference:?}");
+    Ok(Box::new(move |mutation| {
+        if chosen.contains(&mutation.number) {
+            return Ok(unit.first_difference(&library, mutation.number, &loads));
         }
-        let sources = self.unit.circuit().sources()?;
-        if !sources.iter().any(|(name, _)| *name == mutation.file) {
+        let circuit = unit.circuit();
+        let sources = circuit.sources()?;
+        if sources.iter().all(|(name, _)| *name != mutation.file) {
             return Ok(None);
         }
-        let library = self.unit.circuit().mutated(mutation)?;
-        Ok(self.unit.first_difference(&library, 0, &self.loads))
-    }
+        Ok(unit.first_difference(&circuit.mutated(mutation)?, 0, &loads))
+    }))
 }

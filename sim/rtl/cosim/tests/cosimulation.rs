@@ -40,11 +40,11 @@ fn the_committed_program_of_the_harmonics_unit_is_the_generators() {
 #[cfg(has_rtl)]
 mod with_verilator {
     use splatline::format::Lean18;
+    use splatline::setup::Cull;
     use splatline_rtl::circuit::{Circuit, Effort, HARMONICS, MACHINE, PRIMITIVE};
-    use splatline_rtl::findings::Findings;
     use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
     use splatline_rtl::judges;
-    use splatline_rtl::machine::loads::MachineOption;
+    use splatline_rtl::machine::MachineOption;
     use splatline_rtl::machine::unit::MachineUnit;
     use splatline_rtl::order::unit::OrderUnit;
     use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
@@ -54,7 +54,7 @@ mod with_verilator {
     use splatline_rtl::setup::unit::SetupUnit;
     use splatline_rtl::simulation::Simulation;
     use splatline_rtl::tools::rtl;
-    use splatline_rtl::unit::{Extent, Unit};
+    use splatline_rtl::unit::{Extent, Findings, Unit};
     use std::process::Command;
 
     /// Compares a unit's quick loads under every pressure; gives what was found of each load.
@@ -127,8 +127,9 @@ mod with_verilator {
         let unit = SetupUnit::new(design, cores, kind).unwrap();
         let found = total(&agrees(&unit));
         assert!(found.compared >= 4_000, "{found:?}");
-        for cull in SetupUnit::COUNTS {
-            assert!(found.counted(cull) > 0, "no {cull}: {found:?}");
+        assert_eq!(found.counts.len(), Cull::ALL.len());
+        for (cull, count) in &found.counts {
+            assert!(*count > 0, "no {cull}: {found:?}");
         }
     }
 
@@ -231,7 +232,7 @@ mod with_verilator {
     /// for many splats to be on their way behind one that waits for its colour.
     #[test]
     fn the_machine_draws_harmonics() {
-        agrees(&MachineUnit::new("lean18", 6, 4, MachineOption::Harmonics).unwrap());
+        agrees(&MachineUnit::new("lean18", 6, 4, MachineOption::Harmonics(1)).unwrap());
     }
 
     /// What Verilator says of a circuit, all warnings but those that lint.vlt gives a reason for.
@@ -252,7 +253,7 @@ mod with_verilator {
     }
 
     fn with_harmonics(design: &str) -> Circuit {
-        let unit = MachineUnit::new(design, 1, 1, MachineOption::Harmonics).unwrap();
+        let unit = MachineUnit::new(design, 1, 1, MachineOption::Harmonics(1)).unwrap();
         unit.circuit().clone()
     }
 

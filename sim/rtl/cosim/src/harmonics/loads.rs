@@ -1,40 +1,36 @@
 //! What the harmonics unit is given: a scene's splats, random ones, and bits that round, clamp and wrap where others do not.
 
+use crate::harmonics::scene::SceneHarmonics;
 use crate::random::split_mix;
-use crate::scenes::playbot;
+use crate::scenes::scene;
 use anyhow::Result;
-use splatline::float::coefficient;
+use fixed::types::{I2F30, I4F28};
 use splatline::format::Lean18;
 use splatline::setup::harmonics::direction;
-use splatline::splat::VolumeSplat;
 use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::rules::Rules;
 
 /// A splat's direction and colours, as bits.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct HarmonicsSplat {
     /// Q1.30.
     pub direction: [i32; 3],
     /// As the port takes it: what is above 4 is 4.
     pub degree: u8,
-    /// Q3.28.
-    pub base: [i32; 3],
-    /// Q3.28, as many as the degree has.
-    pub coefficients: Vec<[i32; 3]>,
+    /// Q3.28: its base, then as many coefficients as the degree has.
+    pub colours: Vec<[i32; 3]>,
 }
 
 /// Splats of one kind.
 #[derive(Clone, Debug)]
 pub struct HarmonicsLoad {
-    /// What they are.
     pub name: String,
-    /// The splats.
     pub splats: Vec<HarmonicsSplat>,
 }
 
-/// Coefficients of a degree as the port takes it.
-fn coefficients(degree: u8) -> usize {
-    (usize::from(degree.min(4)) + 1).pow(2) - 1
+/// A splat's base and coefficients of a degree as the port takes it.
+fn colours(degree: u8) -> usize {
+    (usize::from(degree.min(4)) + 1).pow(2)
 }
 
 /// 1.0 of a direction.
@@ -88,20 +84,17 @@ impl LoadRandom {
         }
     }
 
-    fn splat(
-        &mut self,
-        direction: [i32; 3],
-        degree: u8,
-        colour: fn(&mut LoadRandom) -> [i32; 3],
-    ) -> HarmonicsSplat {
+    fn splat(&mut self, direction: [i32; 3], degree: u8, colour: Draw) -> HarmonicsSplat {
         HarmonicsSplat {
             direction,
             degree,
-            base: colour(self),
-            coefficients: (0..coefficients(degree)).map(|_| colour(self)).collect(),
+            colours: (0..colours(degree)).map(|_| colour(self)).collect(),
         }
     }
 }
+
+/// A vector by a load's random numbers.
+type Draw = fn(&mut LoadRandom) -> [i32; 3];
 
 fn unit(vector: [f64; 3]) -> [i32; 3] {
     let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -123,49 +116,47 @@ pub fn of_degree(count: usize, degree: u8, seed: u64) -> HarmonicsLoad {
 
 /// All that is made of random numbers, `count` splats of each kind.
 pub fn synthetic(count: usize, seed: u64) -> Vec<HarmonicsLoad> {
+    let hard: Draw = |random| [(); 3].map(|()| random.hard());
+    let bits: Draw = |random| [(); 3].map(|()| random.bits());
+    let cube: Draw = |random| [(); 3].map(|()| near_one(random));
+    type Make<'a> = &'a dyn Fn(&mut LoadRandom, usize) -> HarmonicsSplat;
+    let kinds: [(&str, Make); 8] = [
+        ("unit directions", &|random, _| {
+            let (direction, degree) = (random.direction(), random.below(5) as u8);
+            random.splat(direction, degree, LoadRandom::usual)
+        }),
+        ("axes, corners, few bits", &|random, _| {
+            let (direction, degree) = (cube(random), random.below(5) as u8);
+            random.splat(direction, degree, hard)
+        }),
+        ("harmonics one by one", &|random, index| {
+            one_harmonic(cube(random), index % 24)
+        }),
+        ("halves subtracted", &|random, _| {
+            one_harmonic(halves(random), 23)
+        }),
+        ("arbitrary words", &|random, _| {
+            let (direction, degree) = (hard(random), random.below(8) as u8);
+            random.splat(direction, degree, hard)
+        }),
+        ("arbitrary bits", &|random, _| {
+            let (direction, degree) = (bits(random), random.below(8) as u8);
+            random.splat(direction, degree, bits)
+        }),
+        ("colours near 0 and 16", &|random, _| {
+            let (direction, degree) = (random.direction(), random.below(5) as u8);
+            near_the_ends(random, direction, degree)
+        }),
+        ("products at the ends of 64 bits", &|random, _| {
+            one_harmonic(wrapping(random), 19)
+        }),
+    ];
     let mut random = LoadRandom(seed);
-    let mut loads = Vec::new();
-    let mut load = |name: &str, splat: &mut dyn FnMut(usize) -> HarmonicsSplat| {
-        loads.push(HarmonicsLoad {
-            name: name.to_owned(),
-            splats: (0..count).map(splat).collect(),
-        });
+    let load = |(name, make): (&str, Make)| HarmonicsLoad {
+        name: name.to_owned(),
+        splats: (0..count).map(|index| make(&mut random, index)).collect(),
     };
-    load("unit directions", &mut |_| {
-        let (direction, degree) = (random.direction(), random.below(5) as u8);
-        random.splat(direction, degree, LoadRandom::usual)
-    });
-    load("axes, corners, few bits", &mut |_| {
-        let direction = [(); 3].map(|()| near_one(&mut random));
-        let degree = random.below(5) as u8;
-        random.splat(direction, degree, |random| [(); 3].map(|()| random.hard()))
-    });
-    load("harmonics one by one", &mut |index| {
-        let direction = [(); 3].map(|()| near_one(&mut random));
-        one_harmonic(direction, index % 24)
-    });
-    load("halves subtracted", &mut |_| {
-        one_harmonic(halves(&mut random), 23)
-    });
-    load("arbitrary words", &mut |_| {
-        let direction = [(); 3].map(|()| random.hard());
-        let degree = random.below(8) as u8;
-        random.splat(direction, degree, |random| [(); 3].map(|()| random.hard()))
-    });
-    load("arbitrary bits", &mut |_| {
-        let direction = [(); 3].map(|()| random.bits());
-        let degree = random.below(8) as u8;
-        random.splat(direction, degree, |random| [(); 3].map(|()| random.bits()))
-    });
-    load("colours near 0 and 16", &mut |_| {
-        let (direction, degree) = (random.direction(), random.below(5) as u8);
-        near_the_ends(&mut random, direction, degree)
-    });
-    load("products at the ends of 64 bits", &mut |_| {
-        let direction = wrapping(&mut random);
-        one_harmonic(direction, 19)
-    });
-    loads
+    kinds.map(load).into()
 }
 
 /// 1, 0, their neighbours, and numbers of few bits, whose products are halves: corners of the cube are far from any unit vector.
@@ -192,38 +183,38 @@ fn halves(random: &mut LoadRandom) -> [i32; 3] {
 
 /// A colour that shows all of one harmonic's bits: the first channel the lowest, the others those above, also of negative ones.
 fn one_harmonic(direction: [i32; 3], which: usize) -> HarmonicsSplat {
-    let mut coefficients = vec![[0; 3]; 24];
-    coefficients[which] = [1 << 28, 1 << 30, -(1 << 28)];
+    let mut colours = vec![[0; 3]; 25];
+    colours[0] = [4 << 28; 3];
+    colours[1 + which] = [1 << 28, 1 << 30, -(1 << 28)];
     HarmonicsSplat {
         direction,
         degree: 4,
-        base: [4 << 28, 4 << 28, 4 << 28],
-        coefficients,
+        colours,
     }
 }
 
 /// A splat whose colours are within a unit of 0 or of 16, or have no bit but the one that rounding to odd leaves.
 fn near_the_ends(random: &mut LoadRandom, direction: [i32; 3], degree: u8) -> HarmonicsSplat {
-    let mut splat = HarmonicsSplat {
-        direction,
-        degree,
-        ..HarmonicsSplat::default()
-    };
-    splat.base = [(); 3].map(|()| [0, 1, -1, i32::MAX, i32::MAX - 1][random.below(5) as usize]);
-    let small =
-        |random: &mut LoadRandom| [(); 3].map(|()| (random.hard() >> 16) >> random.below(16));
-    splat.coefficients = (0..coefficients(degree)).map(|_| small(random)).collect();
+    let ends = [0, 1, -1, i32::MAX, i32::MAX - 1];
+    let base = [(); 3].map(|()| ends[random.below(5) as usize]);
+    let mut small = || [(); 3].map(|()| (random.hard() >> 16) >> random.below(16));
+    let mut colours: Vec<[i32; 3]> = (1..colours(degree)).map(|_| small()).collect();
     if degree > 0 && random.below(2) == 0 {
         // Two large ones in the same direction: from 8 to 16 and above.
-        splat.coefficients[random.below(3) as usize] = [(); 3].map(|()| random.hard());
+        colours[random.below(3) as usize] = [(); 3].map(|()| random.hard());
     }
-    splat
+    colours.insert(0, base);
+    HarmonicsSplat {
+        direction,
+        degree,
+        colours,
+    }
 }
 
 /// A direction for which a product of the kernel's polynomial of degree 4 and order 0 is so near below an odd multiple of 2^63 that its rounding leaves 64 bits.
 fn wrapping(random: &mut LoadRandom) -> [i32; 3] {
     let rounded = |x: i64, y: i64| (x * y + (1 << 29)) >> 30;
-    for _ in 0..20_000 {
+    let found = (0..20_000).find_map(|_| {
         let z = ONE - random.below(ONE as u64 / 4) as i64;
         let zz = rounded(z, z);
         // (5 zz - 30 s) zz = -2^63 - a little, for the s = xx + yy that is nearest.
@@ -231,60 +222,46 @@ fn wrapping(random: &mut LoadRandom) -> [i32; 3] {
         let s = s as i64;
         let product = i128::from(5 * zz - 30 * s) * i128::from(zz);
         let beyond = -(1i128 << 63) - product;
-        if !(1..=1 << 29).contains(&beyond) {
-            continue;
-        }
-        if let Some([x, y]) = with_squares(random, s) {
-            return [x as i32, y as i32, z as i32];
-        }
-    }
-    [ONE as i32; 3]
+        let fits = (1..=1 << 29).contains(&beyond);
+        let [x, y] = fits.then(|| with_squares(random, s))??;
+        Some([x, y, z].map(|axis| axis as i32))
+    });
+    found.unwrap_or([ONE as i32; 3])
 }
 
 /// x and y whose squares, each rounded, have this sum.
 fn with_squares(random: &mut LoadRandom, sum: i64) -> Option<[i64; 2]> {
     let rounded = |x: i64| (x * x + (1 << 29)) >> 30;
-    for _ in 0..64 {
+    (0..64).find_map(|_| {
         let x = random.below(ONE as u64) as i64;
         let left = sum - rounded(x);
-        if !(0..=ONE).contains(&left) {
-            continue;
-        }
         let y = (left as f64 * ONE as f64).sqrt() as i64;
         let near = (y - 2..=y + 2).find(|y| (0..=ONE).contains(y) && rounded(*y) == left);
-        if let Some(y) = near {
-            return Some([x, y]);
-        }
-    }
-    None
+        near.map(|y| [x, y])
+    })
 }
 
 /// Every `step`-th splat of the scene with harmonics in the kernel's directions from its camera; nothing where its data is missing.
 pub fn captured(step: usize) -> Result<Option<HarmonicsLoad>> {
-    let Some((mut scene, camera)) = playbot()? else {
+    let Some((mut scene, camera)) = scene("playbot", 480)? else {
         return Ok(None);
     };
     let Some(harmonics) = scene.harmonics.take() else {
         return Ok(None);
     };
-    let degree = harmonics.degree;
-    let fixed = |colour: &[f32; 3]| colour.map(|x| coefficient(x.into()).to_bits());
+    let harmonics = SceneHarmonics::new(&harmonics);
     let quantised = QuantisedScene::new(&scene, &camera, &Rules::EWA);
-    let seen = |splat: &VolumeSplat| {
-        direction(&Lean18::WIDTHS, &quantised.view, &splat.centre).map(|axis| axis.to_bits())
-    };
-    let parts = harmonics.coefficients.chunks_exact(coefficients(degree));
-    let splats = quantised.splats.iter().zip(&harmonics.base).zip(parts);
-    let splats = splats
-        .step_by(step)
-        .map(|((splat, base), part)| HarmonicsSplat {
-            direction: seen(splat),
-            degree,
-            base: fixed(base),
-            coefficients: part.iter().map(fixed).collect(),
-        });
+    let splats = quantised.splats.iter().zip(harmonics.splats());
+    let splats = splats.step_by(step).map(|(splat, colours)| HarmonicsSplat {
+        direction: direction(&Lean18::WIDTHS, &quantised.view, &splat.centre).map(I2F30::to_bits),
+        degree: harmonics.degree,
+        colours: colours
+            .iter()
+            .map(|colour| colour.map(I4F28::to_bits))
+            .collect(),
+    });
     Ok(Some(HarmonicsLoad {
-        name: format!("playbot, degree {degree}"),
+        name: format!("playbot, degree {}", harmonics.degree),
         splats: splats.collect(),
     }))
 }

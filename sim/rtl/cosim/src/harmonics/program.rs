@@ -10,7 +10,6 @@ pub const HARMONICS: usize = 24;
 /// The right factor of a term; the left one is a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RightFactor {
-    /// A register.
     Register(&'static str),
     /// A small number in halves: exact, no rounding but that of a half.
     Halves(u32),
@@ -23,7 +22,6 @@ pub enum RightFactor {
 pub enum Target {
     /// Nowhere yet.
     Nothing,
-    /// A register.
     Register(&'static str),
     /// The harmonic of this index, from 1 on.
     Harmonic(usize),
@@ -32,9 +30,8 @@ pub enum Target {
 /// One term of a sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Term {
-    /// The left factor's register.
+    /// A register.
     pub left: &'static str,
-    /// The right factor.
     pub right: RightFactor,
     /// Is it subtracted?
     pub negated: bool,
@@ -47,7 +44,6 @@ pub struct Term {
 pub struct Sum {
     /// The lowest degree that needs it.
     pub degree: usize,
-    /// Its terms.
     pub terms: Vec<Term>,
 }
 
@@ -69,15 +65,11 @@ fn sum(line: &'static str) -> Option<Sum> {
 }
 
 fn term(text: &'static str) -> Option<Term> {
-    let (product, target) = match text.split_once(" = ") {
-        None => (text, Target::Nothing),
-        Some((product, target)) => {
-            let harmonic = target.strip_prefix('Y').map(str::parse);
-            let target = harmonic.map_or(Ok(Target::Register(target)), |index| {
-                index.map(Target::Harmonic)
-            });
-            (product, target.ok()?)
-        }
+    let (product, target) = text.split_once(" = ").unwrap_or((text, ""));
+    let target = match target.strip_prefix('Y') {
+        Some(index) => Target::Harmonic(index.parse().ok()?),
+        None if target.is_empty() => Target::Nothing,
+        None => Target::Register(target),
     };
     let positive = product.strip_prefix("- ");
     let (left, right) = positive.unwrap_or(product).split_once(" * ")?;
@@ -87,9 +79,8 @@ fn term(text: &'static str) -> Option<Term> {
     } else if right == "1/2" {
         Halves(1)
     } else {
-        right
-            .parse()
-            .map_or(Register(right), |number: u32| Halves(2 * number))
+        let number = right.parse();
+        number.map_or(Register(right), |number: u32| Halves(2 * number))
     };
     Some(Term {
         left,
@@ -97,6 +88,16 @@ fn term(text: &'static str) -> Option<Term> {
         negated: positive.is_some(),
         target,
     })
+}
+
+impl Term {
+    /// The registers that it reads.
+    pub fn reads(&self) -> Vec<&'static str> {
+        match self.right {
+            Register(right) => vec![self.left, right],
+            Halves(_) | Root(..) => vec![self.left],
+        }
+    }
 }
 
 impl RightFactor {

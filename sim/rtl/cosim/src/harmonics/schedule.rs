@@ -1,6 +1,6 @@
 //! The program in its order: every term at a place, so that no operand is read before it is written, and where each degree ends.
 
-use super::program::{HARMONICS, RightFactor, Sum, Target, Term, sums};
+use super::program::{HARMONICS, Sum, Target, Term, sums};
 use anyhow::{Context, Result, ensure};
 
 /// Places from a term to the first that can read its result; from harmonics_unit.sv: the register file's words, factors, clamps, magnitudes, product (2), quotient,
@@ -14,19 +14,17 @@ pub const LOADS: usize = 3;
 const CHANNELS: usize = 3;
 
 /// The unit's registers.
-pub const REGISTERS: usize = 64;
+const REGISTERS: usize = 64;
 
 /// A term at its place; the first of a sum begins it anew.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedTerm {
-    /// The term.
     pub term: Term,
     /// Does its sum begin with it?
     pub first: bool,
 }
 
 /// The whole program.
-#[derive(Clone, Debug)]
 pub struct Schedule {
     /// By place; nothing where a place waits. The first [`LOADS`] load x, y and z.
     pub places: Vec<Option<PlacedTerm>>,
@@ -36,53 +34,22 @@ pub struct Schedule {
     pub registers: Vec<&'static str>,
 }
 
-/// Names in the order of their first writing.
-struct Written {
-    names: Vec<(&'static str, usize)>,
-}
-
-impl Written {
-    /// The place from which on a register can be read; nothing before its term has a place.
-    fn ready(&self, name: &str) -> Option<usize> {
-        let known = self.names.iter().find(|known| known.0 == name)?;
-        Some(known.1)
-    }
-
-    /// The place from which on a sum can begin.
-    fn ready_for(&self, sum: &Sum) -> Option<usize> {
-        let mut ready = 0;
-        for (offset, term) in sum.terms.iter().enumerate() {
-            ready = ready.max(self.ready(term.left)?.saturating_sub(offset));
-            if let RightFactor::Register(name) = term.right {
-                ready = ready.max(self.ready(name)?.saturating_sub(offset));
-            }
-        }
-        Some(ready)
-    }
-}
-
 /// Takes the sum of the lowest degree that can begin, of those the one with the longest way behind it, place by place.
 pub fn schedule() -> Result<Schedule> {
     let sums = sums()?;
     let ways = ways(&sums);
     let mut places: Vec<Option<PlacedTerm>> = vec![None; LOADS];
-    let mut written = Written {
-        names: ["x", "y", "z"]
-            .iter()
-            .enumerate()
-            .map(|(place, name)| (*name, place + LATENCY))
-            .collect(),
-    };
+    // Registers in the order of their first writing, and the places from which on they can be read.
+    let axes = ["x", "y", "z"].into_iter().zip(LATENCY..);
+    let mut written: Vec<(&str, usize)> = axes.collect();
     let mut left: Vec<usize> = (0..sums.len()).collect();
     // The last place of each degree's terms, and the place of each harmonic.
     let mut ends = [LOADS - 1; 5];
     let mut harmonics = [0; HARMONICS + 1];
     while !left.is_empty() {
         let now = places.len();
-        let can = |index: &&usize| {
-            let ready = written.ready_for(&sums[**index]);
-            ready.is_some_and(|ready| ready <= now)
-        };
+        let can =
+            |index: &&usize| ready(&sums[**index], &written).is_some_and(|place| place <= now);
         let next = left.iter().filter(can);
         let next = next.min_by_key(|index| (sums[**index].degree, usize::MAX - ways[**index]));
         let Some(next) = next.copied() else {
@@ -93,14 +60,12 @@ pub fn schedule() -> Result<Schedule> {
         let sum = &sums[next];
         for (offset, term) in sum.terms.iter().enumerate() {
             match term.target {
-                Target::Register(name) => written.names.push((name, places.len() + LATENCY)),
+                Target::Register(name) => written.push((name, places.len() + LATENCY)),
                 Target::Harmonic(index) => harmonics[index] = places.len(),
                 Target::Nothing => {}
             }
-            places.push(Some(PlacedTerm {
-                term: *term,
-                first: offset == 0,
-            }));
+            let (term, first) = (*term, offset == 0);
+            places.push(Some(PlacedTerm { term, first }));
         }
         for end in &mut ends[sum.degree..] {
             *end = (*end).max(places.len() - 1);
@@ -114,7 +79,7 @@ pub fn schedule() -> Result<Schedule> {
         }
     }
     places.resize(places.len().max(ends[4] + 1), None);
-    let registers: Vec<&str> = written.names.iter().map(|known| known.0).collect();
+    let registers: Vec<&str> = written.iter().map(|known| known.0).collect();
     ensure!(registers.len() <= REGISTERS, "too many registers");
     Ok(Schedule {
         places,
@@ -123,34 +88,40 @@ pub fn schedule() -> Result<Schedule> {
     })
 }
 
+/// The place from which on a sum can begin; nothing before all that it reads has been written.
+fn ready(sum: &Sum, written: &[(&str, usize)]) -> Option<usize> {
+    let mut ready = 0;
+    for (offset, term) in sum.terms.iter().enumerate() {
+        for name in term.reads() {
+            let (_, place) = written.iter().find(|known| known.0 == name)?;
+            ready = ready.max(place.saturating_sub(offset));
+        }
+    }
+    Some(ready)
+}
+
 /// Places from each sum to the end of all that follows from it.
 fn ways(sums: &[Sum]) -> Vec<usize> {
     let mut ways: Vec<usize> = sums.iter().map(|sum| sum.terms.len()).collect();
     // Sums that read a result stand behind it or are harmonics: as often as a way is long.
     for _ in 0..sums.len() {
-        for index in 0..sums.len() {
-            let follows =
-                |other: &Sum| other.degree == sums[index].degree && reads(other, &sums[index]);
+        for (index, sum) in sums.iter().enumerate() {
+            let follows = |other: &Sum| other.degree == sum.degree && reads(other, sum);
             let behind = sums.iter().zip(&ways).filter(|(other, _)| follows(other));
-            let behind = behind.map(|(_, way)| *way).max().unwrap_or(0);
-            ways[index] = sums[index].terms.len() + behind + LATENCY * usize::from(behind > 0);
+            let behind = behind.map(|(_, way)| way + LATENCY).max();
+            ways[index] = sum.terms.len() + behind.unwrap_or(0);
         }
     }
     ways
 }
 
 fn reads(reader: &Sum, of: &Sum) -> bool {
-    let written = |name: &str| {
-        let targets = of.terms.iter().map(|term| term.target);
-        targets
-            .into_iter()
-            .any(|target| matches!(target, Target::Register(written) if written == name))
+    let writes = |name| {
+        of.terms
+            .iter()
+            .any(|term| term.target == Target::Register(name))
     };
-    let right = |term: &Term| matches!(term.right, RightFactor::Register(name) if written(name));
-    reader
-        .terms
-        .iter()
-        .any(|term| written(term.left) || right(term))
+    reader.terms.iter().flat_map(Term::reads).any(writes)
 }
 
 impl Schedule {
@@ -182,8 +153,7 @@ mod tests {
             let Some(PlacedTerm { term, .. }) = placed else {
                 continue;
             };
-            assert!(place >= written(term.left) + LATENCY, "{term:?}");
-            if let RightFactor::Register(name) = term.right {
+            for name in term.reads() {
                 assert!(place >= written(name) + LATENCY, "{term:?}");
             }
         }

@@ -1,10 +1,9 @@
 //! `sim/rtl/harmonics_program.sv`: the program as a circuit reads it.
 
-use super::program::{RightFactor, Target};
+use super::program::{RightFactor, Target, Term};
 use super::schedule::{LOADS, PlacedTerm, Schedule, schedule};
 use crate::tools::rtl;
 use anyhow::Result;
-use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Bits of a slot.
@@ -33,89 +32,90 @@ pub fn path() -> PathBuf {
 /// The file's text.
 pub fn text() -> Result<String> {
     let schedule = schedule()?;
-    let mut text = HEAD.to_owned();
-    // Writing to a String cannot fail.
-    text += "  always_comb begin\n    case (degree)\n";
     let [lower @ .., highest] = schedule.ends;
-    for (degree, end) in lower.iter().enumerate() {
-        let _ = writeln!(text, "      3'd{degree}: end_place = 7'd{end};");
-    }
-    let _ = writeln!(
-        text,
-        "      default: end_place = 7'd{highest};\n    endcase\n  end"
-    );
-    let gaps = schedule.places.iter().enumerate().skip(LOADS);
-    let gaps: Vec<String> = gaps
-        .filter(|place| place.1.is_none())
-        .map(|place| format!("7'd{}", place.0))
-        .collect();
-    let _ = writeln!(
-        text,
-        "  always_comb begin\n    case (place)\n      {}: gap = 1;\n      default: gap = 0;\n    endcase\n  end",
-        gaps.join(", ")
-    );
-    text += "  always_ff @(posedge clk) begin\n    case (place)\n";
+    let ends = lower.iter().enumerate();
+    let ends = ends.map(|(degree, end)| format!("      3'd{degree}: end_place = 7'd{end};\n"));
+    let (mut gaps, mut slots) = (Vec::new(), String::new());
     for (place, slot) in schedule.places.iter().enumerate() {
-        let (bits, words) = match slot {
+        let (word, words) = match slot {
+            Some(placed) => (encoded(&schedule, placed)?, words(placed)),
             None if place < LOADS => {
-                let target = schedule.number(schedule.registers[place])?;
+                let name = schedule.registers[place];
                 (
-                    bits(&[(target, 12), (1, 51), (1, 53), (1, 54)]),
-                    format!("{} = direction", schedule.registers[place]),
+                    encoded(&schedule, &load(name))?,
+                    format!("{name} = direction"),
                 )
             }
-            None => continue,
-            Some(placed) => (encoded(&schedule, placed)?, words(placed)),
+            None => {
+                gaps.push(format!("7'd{place}"));
+                continue;
+            }
         };
-        let _ = writeln!(
-            text,
-            "      7'd{place}: slot <= {SLOT}'h{bits:014x};  // {words}"
-        );
+        slots += &format!("      7'd{place}: slot <= {SLOT}'h{word:014x};  // {words}\n");
     }
-    let _ = writeln!(
-        text,
-        "      default: slot <= {SLOT}'d0;\n    endcase\n  end\nendmodule"
-    );
-    Ok(text)
+    Ok(format!(
+        "{HEAD}  always_comb begin
+    case (degree)
+{}      default: end_place = 7'd{highest};
+    endcase
+  end
+  always_comb begin
+    case (place)
+      {}: gap = 1;
+      default: gap = 0;
+    endcase
+  end
+  always_ff @(posedge clk) begin
+    case (place)
+{slots}      default: slot <= {SLOT}'d0;
+    endcase
+  end
+endmodule
+",
+        ends.collect::<String>(),
+        gaps.join(", ")
+    ))
 }
 
-fn bits(fields: &[(usize, usize)]) -> u64 {
-    fields
-        .iter()
-        .fold(0, |bits, (value, place)| bits | (*value as u64) << place)
+/// What loads an axis of the direction: a sum of nothing, which begins with it.
+fn load(axis: &'static str) -> PlacedTerm {
+    PlacedTerm {
+        term: Term {
+            left: "x",
+            right: RightFactor::Halves(0),
+            negated: false,
+            target: Target::Register(axis),
+        },
+        first: true,
+    }
 }
 
 fn encoded(schedule: &Schedule, placed: &PlacedTerm) -> Result<u64> {
     let term = placed.term;
     let right = match term.right {
-        RightFactor::Register(name) => (schedule.number(name)?, true),
-        _ => (0, false),
+        RightFactor::Register(name) => schedule.number(name)?,
+        _ => 0,
     };
     let target = match term.target {
         Target::Register(name) => schedule.number(name)?,
         Target::Harmonic(index) => index,
         Target::Nothing => 0,
     };
-    let flags = [
-        right.1,
-        matches!(term.right, RightFactor::Root(..)),
-        matches!(term.right, RightFactor::Halves(_)),
-        term.negated,
-        placed.first,
-        matches!(term.target, Target::Register(_)),
-        matches!(term.target, Target::Harmonic(_)),
+    let fields = [
+        (schedule.number(term.left)?, 6),
+        (right, 6),
+        (target, 6),
+        (term.right.constant() as usize, 31),
+        (matches!(term.right, RightFactor::Register(_)).into(), 1),
+        (matches!(term.right, RightFactor::Root(..)).into(), 1),
+        (matches!(term.right, RightFactor::Halves(_)).into(), 1),
+        (term.negated.into(), 1),
+        (placed.first.into(), 1),
+        (matches!(term.target, Target::Register(_)).into(), 1),
+        (matches!(term.target, Target::Harmonic(_)).into(), 1),
     ];
-    let flags = flags
-        .iter()
-        .rev()
-        .fold(0, |bits, flag| bits << 1 | usize::from(*flag));
-    Ok(bits(&[
-        (schedule.number(term.left)?, 0),
-        (right.0, 6),
-        (target, 12),
-        (term.right.constant() as usize, 18),
-        (flags, 49),
-    ]))
+    let fields = fields.iter().rev();
+    Ok(fields.fold(0, |word, (value, bits)| word << bits | *value as u64))
 }
 
 /// The term in words, as a comment.
@@ -125,9 +125,7 @@ fn words(placed: &PlacedTerm) -> String {
         RightFactor::Register(name) => format!("({name})"),
         RightFactor::Halves(number) if number % 2 == 0 => format!("{}", number / 2),
         RightFactor::Halves(number) => format!("{number} / 2"),
-        RightFactor::Root(numerator, denominator) => {
-            format!("root({numerator} / {denominator} pi)")
-        }
+        RightFactor::Root(above, below) => format!("root({above} / {below} pi)"),
     };
     let sign = match (placed.first, term.negated) {
         (true, false) => "",

@@ -2,16 +2,15 @@
 
 use super::loads::MachineOption;
 use super::unit::MachineUnit;
-use crate::area::fabric;
+use crate::area::{columns, fabric};
 use crate::circuit::Circuit;
 use crate::placement::{self, machine};
+use crate::tools::{entries, json};
 use crate::unit::Unit;
-use anyhow::{Context, Result};
-use serde_json::{Map, Value};
+use anyhow::Result;
+use serde_json::Value;
 use splatline_sim::machine::area::Fabric;
 use std::collections::BTreeMap;
-use std::fmt::Write;
-use std::fs;
 
 /// Cores of setup: a splat in 8 and in 16 cycles.
 const CORES: [u32; 2] = [17, 9];
@@ -47,50 +46,43 @@ pub fn report() -> Result<String> {
 /// The same of a machine for harmonics: a splat in 16 cycles, and a multiplier for them.
 pub fn report_with_harmonics() -> Result<String> {
     let cores = 10;
-    let unit = MachineUnit::new("lean18", cores, 4, MachineOption::Harmonics)?;
+    let unit = MachineUnit::new("lean18", cores, 4, MachineOption::Harmonics(1))?;
     Ok(HEAD.to_owned() + &lines(cores, unit.circuit())?)
 }
 
 const HEAD: &str = "cores,unit,luts,flip_flops,dsps,memory_kbit\n";
 
 fn lines(cores: u32, circuit: &Circuit) -> Result<String> {
-    let mut text = String::new();
-    for (unit, fabric) in by_unit(circuit)? {
-        let counts = fabric.resources().map(|(_, count)| count.to_string());
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "{cores},{unit},{}", counts.join(","));
-    }
-    Ok(text)
+    let units = by_unit(circuit)?.into_iter();
+    let line = |(unit, fabric)| format!("{cores},{unit},{}\n", columns(&fabric));
+    Ok(units.map(line).collect())
 }
 
 /// Units of the machine by name, and the whole of it: of the netlist that is placed.
 fn by_unit(circuit: &Circuit) -> Result<Vec<(&'static str, Fabric)>> {
     let folder = tempfile::tempdir()?;
     placement::netlist(circuit, folder.path())?;
-    let text = fs::read(folder.path().join(placement::NETLIST))?;
-    let netlist: Value = serde_json::from_slice(&text)?;
-    let cells = netlist["modules"][placement::WRAPPER]["cells"].as_object();
-    let units = counted(cells.context("a netlist without cells")?);
-    let whole = units
-        .iter()
-        .fold(Fabric::default(), |sum, unit| sum + unit.1);
+    let netlist = json(&folder.path().join(placement::NETLIST))?;
+    let mut units = counted(&netlist["modules"][placement::WRAPPER]["cells"]);
+    let areas = units.iter().map(|(_, area)| *area);
+    let whole = areas.fold(Fabric::default(), |sum, area| sum + area);
     eprintln!("{circuit}: {whole}");
-    Ok([units, vec![("whole", whole)]].concat())
+    units.push(("whole", whole));
+    Ok(units)
 }
 
 /// Cells of a flattened machine, unit by unit, without the wrapper's.
-fn counted(cells: &Map<String, Value>) -> Vec<(&'static str, Fabric)> {
-    let mut kinds: BTreeMap<&str, BTreeMap<String, u64>> = BTreeMap::new();
-    for (name, cell) in cells {
+fn counted(cells: &Value) -> Vec<(&'static str, Fabric)> {
+    let mut kinds: BTreeMap<&str, Vec<(&str, u64)>> = BTreeMap::new();
+    for (name, cell) in entries(cells) {
         if let (Some(unit), Some(kind)) = (unit_of(name), cell["type"].as_str()) {
-            let of_unit = kinds.entry(unit).or_default();
-            *of_unit.entry(kind.to_owned()).or_default() += 1;
+            kinds.entry(unit).or_default().push((kind, 1));
         }
     }
     let option = Some(OPTION.1).filter(|name| kinds.contains_key(name));
     let names = UNITS.iter().map(|(_, name)| *name);
     let names = names.chain([CONTROL]).chain(option);
-    let area = |name| kinds.get(name).map(fabric).unwrap_or_default();
+    let area = |name| fabric(kinds.get(name).cloned().unwrap_or_default());
     names.map(|name| (name, area(name))).collect()
 }
 
@@ -109,6 +101,7 @@ fn unit_of(cell: &str) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::tools::rtl;
+    use std::fs;
 
     #[test]
     fn cells_are_counted_for_the_unit_in_which_they_stand() {

@@ -1,8 +1,8 @@
 //! The memory of the machine before a frame, where it is told to put the rest, and the frame that it is to leave there.
 
 use super::loads::MachineLoad;
-use crate::package::TILE;
-use crate::random::split_mix;
+use crate::package::{TILE, run_time};
+use crate::random::noise;
 use crate::setup::record::record;
 use anyhow::{Context, Result, anyhow, ensure};
 use splatline::LentList;
@@ -10,9 +10,8 @@ use splatline::Renderer;
 use splatline::blend::Pixel;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
-use splatline::format::{RuntimeWidths, Traversal, Widths};
-use splatline::rules::Rules;
-use splatline_sim::fixed::{QuantisedScene, table_entries};
+use splatline::format::{Traversal, Widths};
+use splatline_sim::fixed::table_entries;
 
 /// Words of a record.
 const RECORD: usize = 5;
@@ -20,7 +19,6 @@ const RECORD: usize = 5;
 /// Records and harmonics at the beginning, bits of nothing in all places that the machine is to write, and a word
 /// between any two regions.
 pub struct MemoryImage {
-    /// The words.
     pub words: Vec<[u32; 4]>,
     /// The machine's inputs that say where all of it lies, and how much it is.
     pub places: Vec<(&'static str, u64)>,
@@ -30,13 +28,9 @@ pub struct MemoryImage {
 
 impl MemoryImage {
     /// With room for so many entries of the lists.
-    pub fn new(
-        widths: &Widths,
-        scene: &QuantisedScene,
-        load: &MachineLoad,
-        room: usize,
-    ) -> Result<MemoryImage> {
+    pub fn new(widths: &Widths, load: &MachineLoad, room: usize) -> Result<MemoryImage> {
         ensure!(room < 1 << 24, "more list entries than the machine counts");
+        let scene = &load.scene;
         let mut words: Vec<[u32; 4]> = Vec::new();
         for splat in &scene.splats {
             let record = record(splat).context("a splat without a place in a record")?;
@@ -73,7 +67,7 @@ impl MemoryImage {
             next += size + 1;
         }
         let mut state = 1;
-        words.resize_with(next, || [(); 4].map(|()| split_mix(&mut state) as u32));
+        words.resize_with(next, || noise(&mut state));
         let frame = next - pixels - 1;
         Ok(MemoryImage {
             words,
@@ -83,22 +77,25 @@ impl MemoryImage {
     }
 }
 
-/// The frame by the kernel's own renderer.
-pub fn kernel_frame(widths: &Widths, scene: &QuantisedScene, rules: &Rules) -> Result<Vec<Pixel>> {
-    let design = RuntimeWidths::new(*widths).ok();
-    let memory = table_entries(widths, rules);
-    let design = design.context("widths out of range")?;
-    let renderer =
-        Renderer::with_table(design, *rules, &memory).map_err(|error| anyhow!("{error:?}"))?;
-    let mut footprints = vec![Footprint::EMPTY; scene.splats.len()];
-    let mut order = vec![0; scene.splats.len()];
+/// The frame by the kernel's own renderer, in the order in which the machine writes it.
+pub fn kernel_frame(widths: &Widths, load: &MachineLoad) -> Result<Vec<[u32; 4]>> {
+    let (view, mut splats) = (&load.scene.view, load.scene.splats.clone());
+    if let Some(harmonics) = &load.harmonics {
+        harmonics.shine(widths, view, &mut splats);
+    }
+    let memory = table_entries(widths, &load.rules);
+    let renderer = Renderer::with_table(run_time(widths)?, load.rules, &memory);
+    let renderer = renderer.map_err(|error| anyhow!("{error:?}"))?;
+    let mut footprints = vec![Footprint::EMPTY; splats.len()];
+    let mut order = vec![0; splats.len()];
     let mut list = LentList::new(&mut footprints, &mut order);
-    let [columns, rows] = scene.view.viewport.map(usize::from);
-    let mut pixels = vec![Pixel::clear(widths); columns * rows];
-    renderer
-        .render(&scene.view, &scene.splats, &mut list, &mut pixels)
-        .map_err(|error| anyhow!("{error}"))?;
-    Ok(pixels)
+    let size = view.viewport.map(usize::from);
+    let mut pixels = vec![Pixel::clear(widths); size[0] * size[1]];
+    let drawn = renderer.render(view, &splats, &mut list, &mut pixels);
+    drawn.map_err(|error| anyhow!("{error}"))?;
+    Ok(places(size)
+        .map(|place| pixel_word(&pixels[place]))
+        .collect())
 }
 
 /// A pixel's word in the memory.

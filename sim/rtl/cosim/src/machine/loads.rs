@@ -1,22 +1,23 @@
 //! Frames that the machine draws: small ones that show what goes wrong between its units, and captured scenes.
 
-use super::harmonics::SceneHarmonics;
+use crate::harmonics::scene::SceneHarmonics;
 use crate::order::loads::{OrderLoad, ordered};
-use crate::package::TILE;
-use crate::scenes::{SCENES, Seen, scenes};
-use crate::unit::Extent;
-use anyhow::Result;
+use crate::scenes::Seen;
+use splatline::rules::Rules;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
+use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::hybrid::spacing;
 use splatline_sim::machine::workload::Workload;
-use splatline_sim::rules::{Antialias, Rules};
+use splatline_sim::rules::Antialias;
 use splatline_sim::scene::synthetic;
 
 /// A scene, its work for the model, and its lists.
 pub struct MachineLoad {
-    /// The scene.
     pub seen: Seen,
+    /// The scene and its rules in the kernel's formats.
+    pub scene: QuantisedScene,
+    pub rules: Rules,
     /// What the model clocks.
     pub workload: Workload,
     /// The lists of its tiles.
@@ -30,21 +31,26 @@ pub struct MachineLoad {
 impl MachineLoad {
     /// Of a scene. With distance scaling it has the spacing of its samples; a machine for harmonics is given them apart from the splats, which keep colours
     /// that it must not use.
-    fn new(
+    pub fn new(
         mut seen: Seen,
         design: &DesignChoice,
         option: MachineOption,
         apart: u64,
     ) -> MachineLoad {
         if option == MachineOption::DistanceScaling {
-            seen.scene.natural_rules = spaced(&seen);
+            let spacing = Antialias::Swan(spacing(&seen.scene));
+            seen.scene.natural_rules = seen.scene.natural_rules.with_antialias(spacing);
         }
         let harmonics = match option {
-            MachineOption::Harmonics => seen.scene.harmonics.take(),
+            MachineOption::Harmonics(_) => seen.scene.harmonics.take(),
             _ => None,
         };
-        let (workload, lists) = ordered(&seen, design);
+        let rules = seen.scene.natural_rules;
+        let (_, workload, lists) = ordered(&seen, design, &rules);
+        let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
         MachineLoad {
+            rules: scene.rules(&rules),
+            scene,
             seen,
             workload,
             lists,
@@ -55,8 +61,7 @@ impl MachineLoad {
 
     /// Columns and rows of its tiles.
     pub fn tiles(&self) -> [usize; 2] {
-        let size = [self.seen.camera.width, self.seen.camera.height];
-        [0, 1].map(|axis| size[axis].div_ceil(TILE[axis].into()))
+        self.lists.size.map(usize::from)
     }
 }
 
@@ -67,101 +72,46 @@ pub enum MachineOption {
     None,
     /// Distance scaling.
     DistanceScaling,
-    /// Colours of harmonics.
-    Harmonics,
-}
-
-/// The rules of the scene with the spacing of its samples.
-fn spaced(seen: &Seen) -> Rules {
-    let rules = seen.scene.natural_rules;
-    rules.with_antialias(Antialias::Swan(spacing(&seen.scene)))
-}
-
-/// The frames of an extent.
-pub fn loads(
-    extent: Extent,
-    design: &DesignChoice,
-    option: MachineOption,
-    missing: &mut Vec<&'static str>,
-) -> Result<Vec<MachineLoad>> {
-    let (mut seen, apart) = match extent {
-        Extent::Quick => (small(), 1_200),
-        Extent::Full => (scenes(&SCENES, 128, missing)?, u64::MAX),
-    };
-    if option == MachineOption::Harmonics {
-        seen.push(gaps());
-        (1..)
-            .zip(&mut seen)
-            .for_each(|(degree, seen)| add_harmonics(seen, degree));
-    }
-    let mut loads = Vec::new();
-    for seen in seen {
-        // Distance scaling replaces the low-pass filter, without which no splat of the row is high enough to meet it.
-        if !(option == MachineOption::DistanceScaling && seen.name == ROW) {
-            loads.push(MachineLoad::new(seen, design, option, apart));
-        }
-    }
-    Ok(loads)
+    /// Colours of harmonics, by a unit with so many multipliers.
+    Harmonics(u32),
 }
 
 /// Random harmonics for a scene that has none.
-fn add_harmonics(seen: &mut Seen, degree: u8) {
+pub fn add_harmonics(seen: &mut Seen, degree: u8) {
     let count = seen.scene.splats.len();
     let random = || synthetic::random_harmonics(count, 1, degree % 5).harmonics;
     seen.scene.harmonics = seen.scene.harmonics.take().or_else(random);
 }
 
-const ROW: &str = "row";
+pub const ROW: &str = "row";
 
 /// A crowd with lists that end within words, culled splats and tiles cut by the edge; a few splats among tiles without any, of which some are at the
 /// edges; a single row of pixels, whose many tiles are looked up while those without splats are written; and one tile alone with more splats than wait
 /// for it, behind which no word is on its way when its pixels begin to leave.
-fn small() -> Vec<Seen> {
-    let crowd = Seen {
-        name: "crowd",
-        scene: synthetic::random_gaussians(120, 9, 4.0),
-        camera: synthetic::camera(70, 45),
+pub fn small() -> Vec<Seen> {
+    let mut row = Seen::random(ROW, (40, 3, 0.5), [8_000, 8_000]);
+    // As wide as a scene: the vertical focal length alone is so small that every splat meets it.
+    row.camera = Camera {
+        fy: 1.0,
+        cy: 0.5,
+        height: 1,
+        ..row.camera
     };
-    let sparse = Seen {
-        name: "sparse",
-        scene: synthetic::random_gaussians(7, 5, 2.0),
-        camera: synthetic::camera(200, 100),
-    };
-    let row = Seen {
-        name: ROW,
-        scene: synthetic::random_gaussians(40, 3, 0.5),
-        camera: row_of(8_000),
-    };
-    let tile = Seen {
-        name: "tile",
-        scene: synthetic::random_gaussians(300, 4, 20.0),
-        camera: synthetic::camera(32, 32),
-    };
-    vec![crowd, sparse, row, tile]
+    vec![
+        Seen::random("crowd", (120, 9, 4.0), [70, 45]),
+        Seen::random("sparse", (7, 5, 2.0), [200, 100]),
+        row,
+        Seen::random("tile", (300, 4, 20.0), [32, 32]),
+    ]
 }
 
 /// Many splats that are seen, then twelve that are culled: these leave the queue behind packets that waited for their colours.
-fn gaps() -> Seen {
-    let mut scene = synthetic::random_gaussians(400, 7, 2.0);
-    for (number, splat) in scene.splats.iter_mut().enumerate() {
+pub fn gaps() -> Seen {
+    let mut gaps = Seen::random("gaps", (400, 7, 2.0), [64, 64]);
+    for (number, splat) in gaps.scene.splats.iter_mut().enumerate() {
         if number % 128 >= 116 {
             splat.centre[0] += 1e4;
         }
     }
-    Seen {
-        name: "gaps",
-        scene,
-        camera: synthetic::camera(64, 64),
-    }
-}
-
-/// A picture of one row that is as wide as a scene: the vertical focal length alone is so small that every splat meets it.
-fn row_of(columns: usize) -> Camera {
-    let camera = synthetic::camera(columns, columns);
-    Camera {
-        fy: 1.0,
-        cy: 0.5,
-        height: 1,
-        ..camera
-    }
+    gaps
 }

@@ -1,8 +1,9 @@
 //! The whole machine (`sim/rtl/splat_machine.sv`) from a memory image to a frame.
 
 pub mod area;
-pub mod harmonics;
-pub mod image;
-pub mod loads;
+mod image;
+mod loads;
 pub mod shell;
 pub mod unit;
+
+pub use loads::MachineOption;

@@ -1,7 +1,7 @@
 //! A frame for the bench of the machine behind buses (`sim/rtl/shell/machine_axi.sv`): what a driver writes into
 //! registers, the memory before, and the kernel's frame.
 
-use super::image::{MemoryImage, kernel_frame, pixel_word, places};
+use super::image::{MemoryImage, kernel_frame};
 use super::loads::{MachineLoad, MachineOption};
 use super::unit::MachineUnit;
 use crate::rules::rule_writes;
@@ -10,7 +10,6 @@ use crate::unit::{Extent, Unit};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use splatline_sim::atomic;
-use splatline_sim::fixed::QuantisedScene;
 use std::path::Path;
 
 /// What the file has.
@@ -38,33 +37,29 @@ pub fn write_frame(design: &str, file: &Path) -> Result<()> {
 }
 
 fn shell_frame(unit: &MachineUnit, load: &MachineLoad) -> Result<ShellFrame> {
-    let rules = load.seen.scene.natural_rules;
-    let scene = QuantisedScene::new(&load.seen.scene, &load.seen.camera, &rules);
-    let rules = scene.rules(&rules);
+    let MachineLoad { scene, rules, .. } = load;
     let (circuit, entries) = (unit.circuit(), load.lists.entries());
-    let image = MemoryImage::new(&circuit.widths, &scene, load, entries)?;
+    let image = MemoryImage::new(&circuit.widths, load, entries)?;
     let mut writes = Vec::new();
-    for (index, value, exponent) in constant_words(circuit, &scene.view, &rules)? {
-        writes.push(("constant_index", index.into()));
-        writes.push(("constant_low", value as u32));
-        writes.push(("constant_high", (value >> 32) as u32));
-        writes.push(("constant_exponent", exponent as u32));
+    for (index, value, exponent) in constant_words(circuit, &scene.view, rules)? {
+        writes.extend([
+            ("constant_index", index.into()),
+            ("constant_low", value as u32),
+            ("constant_high", (value >> 32) as u32),
+            ("constant_exponent", exponent as u32),
+        ]);
     }
-    writes.extend(rule_writes(&circuit.widths, &rules));
+    writes.extend(rule_writes(&circuit.widths, rules));
     let [columns, rows] = scene.view.viewport.map(u32::from);
     writes.push(("size", rows << 16 | columns));
     let places_in_memory = image.places.iter();
     let of_registers = places_in_memory.filter(|(name, _)| !["columns", "rows"].contains(name));
     writes.extend(of_registers.map(|(name, value)| (*name, *value as u32)));
-    let pixels = kernel_frame(&circuit.widths, &scene, &rules)?;
-    let size = scene.view.viewport.map(usize::from);
     Ok(ShellFrame {
         writes,
         memory: image.words,
         first: image.frame,
-        frame: places(size)
-            .map(|place| pixel_word(&pixels[place]))
-            .collect(),
+        frame: kernel_frame(&circuit.widths, load)?,
         entries,
     })
 }

@@ -1,25 +1,23 @@
 //! A scene's records in a memory image, through the machine, and the frame that it leaves there: every pixel against the kernel's, cycles against the model's.
 
 use super::image::{MemoryImage, kernel_frame, pixel_word, places};
-use super::loads::{MachineLoad, MachineOption, loads};
+use super::loads::{MachineLoad, MachineOption, ROW, add_harmonics, gaps, small};
 use crate::bench::Bench;
-use crate::circuit::{Circuit, MACHINE};
-use crate::findings::Findings;
-use crate::memory::{Memory, MemoryTiming};
+use crate::circuit::MACHINE;
+use crate::memory::{Memory, MemoryTiming, timing};
 use crate::rules::write_rules;
+use crate::scenes::{SCENES, scenes};
 use crate::setup::distant::enlarged;
 use crate::setup::program::{ProgramKind, SetupProgram};
-use crate::setup::unit::write_constants;
-use crate::simulation::Simulation;
-use crate::unit::{Extent, Unit};
-use anyhow::{Context, Result, ensure};
+use crate::setup::unit::{constant_words, write_constants};
+use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
+use anyhow::{Context, Result, bail, ensure};
 use splatline::blend::Pixel;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::machine::{Config, simulate_alone};
 
-/// Cycles in which a harmonics unit with one multiplier makes a colour, by the degree (`rtl -- compare harmonics`).
-const HARMONICS_CYCLES: [u32; 5] = [14, 22, 52, 95, 153];
+/// Cycles in which a harmonics unit with one and with two multipliers makes a colour, by the degree (`rtl -- compare harmonics`).
+const HARMONICS_CYCLES: [[u32; 5]; 2] = [[14, 22, 52, 95, 153], [14, 16, 34, 56, 93]];
 
 /// Places of setup's queue where packets wait for colours (`setup_unit.sv`).
 const WAITING_FOR_COLOURS: u32 = 32;
@@ -27,36 +25,15 @@ const WAITING_FOR_COLOURS: u32 = 32;
 /// Cycles without an access to the memory after which the machine hangs.
 const PATIENCE: u64 = 1 << 18;
 
-/// How frames are drawn.
-#[derive(Clone, Copy, Debug)]
-struct FrameTiming {
-    memory: MemoryTiming,
-    /// Frames in a row, of which the last counts: what one leaves behind must not reach the next. A single one shows whether it is said to be whole too early.
-    frames: u32,
-    /// Is there no room for the last entry of the lists?
-    full: bool,
-}
-
-/// A memory of usual latency at full speed; slow and narrow; with pauses, whose cycles no model counts, twice and once; and lists without room.
-const TIMINGS: [FrameTiming; 5] = [
-    timing([60, 0], 16, 2, false),
-    timing([300, 0], 4, 2, false),
-    timing([13, 3], 16, 2, false),
-    timing([13, 3], 16, 1, false),
-    timing([60, 0], 16, 1, true),
+/// A memory, and frames in a row, of which the last counts: what one leaves behind must not reach the next. A single one shows whether it is said to be whole
+/// too early. A memory of usual latency at full speed; slow and narrow; with pauses, whose cycles no model counts, twice and once; and lists without room.
+const TIMINGS: [(MemoryTiming, u32); 5] = [
+    (timing([60, 0], 16, false), 2),
+    (timing([300, 0], 4, false), 2),
+    (timing([13, 3], 16, false), 2),
+    (timing([13, 3], 16, false), 1),
+    (timing([60, 0], 16, true), 1),
 ];
-
-const fn timing([latency, pauses]: [u64; 2], bytes: u32, frames: u32, full: bool) -> FrameTiming {
-    FrameTiming {
-        memory: MemoryTiming {
-            latency,
-            pauses,
-            bytes,
-        },
-        frames,
-        full,
-    }
-}
 
 /// A machine.
 pub struct MachineUnit {
@@ -70,15 +47,14 @@ impl MachineUnit {
     /// A design's with so many cores of setup and lanes.
     pub fn new(design: &str, cores: u32, lanes: u32, option: MachineOption) -> Result<MachineUnit> {
         let circuit = Circuit::new(&MACHINE, design, lanes)?.with("CORES", cores);
-        let filter = SetupProgram::new(ProgramKind::Filter);
+        let scaling = SetupProgram::new(ProgramKind::DistanceScaling);
+        let directed = SetupProgram::new(ProgramKind::Filter).with_direction();
         let circuit = match option {
             MachineOption::None => circuit,
-            MachineOption::DistanceScaling => {
-                circuit.with_program(SetupProgram::new(ProgramKind::DistanceScaling))
-            }
-            MachineOption::Harmonics => circuit
-                .with("HARMONICS", 1)
-                .with_program(filter.with_direction()),
+            MachineOption::DistanceScaling => circuit.with_program(scaling),
+            MachineOption::Harmonics(multipliers) => circuit
+                .with("HARMONICS", multipliers)
+                .with_program(directed),
         };
         let program = circuit.program.assembled(&circuit.widths)?;
         // Every core of setup takes a splat in a round of the program, and each pair hands on a cycle later what it
@@ -105,9 +81,12 @@ impl MachineUnit {
             write_bandwidth: memory.bytes,
             ..self.config
         };
-        if let Some(harmonics) = &load.harmonics {
+        if let (Some(harmonics), MachineOption::Harmonics(multipliers)) =
+            (&load.harmonics, self.option)
+        {
+            let cycles = HARMONICS_CYCLES[multipliers as usize - 1];
             config.harmonics_bytes = harmonics.bytes();
-            config.harmonics_cycles = HARMONICS_CYCLES[usize::from(harmonics.degree)];
+            config.harmonics_cycles = cycles[usize::from(harmonics.degree)];
             config.bin_fifo = WAITING_FOR_COLOURS;
         }
         let timing = simulate_alone(&load.workload, &config);
@@ -117,177 +96,135 @@ impl MachineUnit {
 
 impl Unit for MachineUnit {
     type Load = MachineLoad;
-    const COUNTS: &'static [&'static str] = &[
-        "splats",
-        "seen",
-        "beyond k",
-        "painted",
-        "entries",
-        "geometry",
-        "geometry, model",
-        "sort",
-        "lists",
-        "raster",
-        "raster, model",
-        "all, model",
-    ];
     const PRESSURES: usize = TIMINGS.len();
 
     fn circuit(&self) -> &Circuit {
         &self.circuit
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<MachineLoad>> {
-        loads(extent, &self.design, self.option, missing)
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<MachineLoad>> {
+        let (mut seen, apart) = match extent {
+            Extent::Quick => (small(), 1_200),
+            Extent::Full => (scenes(&SCENES, 128, missing)?, u64::MAX),
+        };
+        if matches!(self.option, MachineOption::Harmonics(_)) {
+            seen.push(gaps());
+            for (degree, seen) in (1..).zip(&mut seen) {
+                add_harmonics(seen, degree);
+            }
+        }
+        // Distance scaling replaces the low-pass filter, without which no splat of the row is high enough to meet it.
+        if self.option == MachineOption::DistanceScaling {
+            seen.retain(|seen| seen.name != ROW);
+        }
+        let load = |seen| MachineLoad::new(seen, &self.design, self.option, apart);
+        Ok(seen.into_iter().map(load).collect())
     }
 
     fn name(&self, load: &MachineLoad) -> String {
         load.seen.name.to_owned()
     }
 
-    fn compare(
-        &self,
-        circuit: Simulation,
-        load: &MachineLoad,
-        pressure: usize,
-    ) -> Result<Findings> {
-        let timing = TIMINGS[pressure];
-        let rules = load.seen.scene.natural_rules;
-        let mut scene = QuantisedScene::new(&load.seen.scene, &load.seen.camera, &rules);
-        let rules = scene.rules(&rules);
+    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
+        let (timing, frames) = TIMINGS[pressure];
+        let MachineLoad { scene, rules, .. } = load;
         let widths = &self.circuit.widths;
         let mut bench = Bench::new(circuit, 1)?;
-        write_constants(&mut bench, &self.circuit, &scene.view, &rules)?;
-        write_rules(&mut bench, widths, &rules)?;
+        let constants = constant_words(&self.circuit, &scene.view, rules)?;
+        write_constants(&mut bench, &constants)?;
+        write_rules(&mut bench, widths, rules)?;
         // The tile buffers are cleared once.
         (0..1_100).for_each(|_| bench.cycle());
         let room = load.lists.entries() - usize::from(timing.full);
-        let MemoryImage {
-            words,
-            places,
-            frame,
-        } = MemoryImage::new(widths, &scene, load, room)?;
-        bench.set(&places)?;
-        if let Some(harmonics) = &load.harmonics {
-            harmonics.shine(widths, &scene.view, &mut scene.splats);
+        let image = MemoryImage::new(widths, load, room)?;
+        bench.set(&image.places)?;
+        let mut circuit = bench.circuit;
+        let mut memory = Memory::new(&circuit, image.words, timing, 1)?;
+        let mut phases = [0; 4];
+        for _ in 0..frames {
+            let drawn = draw(&mut circuit, &mut memory, load, &mut phases);
+            drawn.with_context(|| format!("after {phases:?} cycles"))?;
         }
-        let mut run = FrameRun {
-            memory: Memory::new(&bench.circuit, words, timing.memory, 1)?,
-            bench,
-            phases: [0; 4],
-        };
-        let mut findings = Findings::default();
-        let drawn = (0..timing.frames).try_for_each(|_| run.frame(load));
-        drawn.with_context(|| format!("after {:?} cycles", run.phases))?;
         // What was written last is on its way for a while.
-        (0..=timing.memory.latency).for_each(|_| run.memory.cycle(&mut run.bench.circuit));
-        let full = run.read("full")? == 1;
-        let [geometry, sort, fill, raster] = run.phases;
-        findings.cycles = run.phases.iter().sum();
-        let [all, geometry_model, raster_model] = self.modelled(load, &timing.memory);
-        let expected = kernel_frame(widths, &scene, &rules)?;
-        let clear = Pixel::clear(widths);
-        let painted = expected.iter().filter(|pixel| **pixel != clear).count();
-        // Of the memory at full speed alone: a sum over memories of several speeds tells nothing about any of them.
-        let counts = [
-            ("splats", scene.splats.len() as u64),
-            ("seen", run.read("visible")?),
-            (
-                "beyond k",
-                enlarged(widths, &scene.view, &rules, &scene.splats) as u64,
-            ),
-            ("painted", painted as u64),
-            ("entries", run.read("entries")?),
-            ("geometry", geometry),
-            ("geometry, model", geometry_model),
-            ("sort", sort),
-            ("lists", fill),
-            ("raster", raster),
-            ("raster, model", raster_model),
-            ("all, model", all),
-        ];
-        if pressure == 0 {
-            for (name, count) in counts {
-                findings.count(name, count);
-            }
-        }
-        // Without room for the lists there is no frame.
-        findings.compared = if full { 0 } else { expected.len() as u64 };
-        let apart = all.abs_diff(findings.cycles);
-        findings.first_difference = if run.memory.beyond > 0 || full != timing.full {
-            Some(format!(
-                "{} accesses astray, full: {full}",
-                run.memory.beyond
-            ))
-        } else if full {
-            None
-        } else if timing.memory.pauses == 0 && apart >= load.apart {
-            Some(format!("{} cycles, {all} by the model", findings.cycles))
-        } else {
-            let size = scene.view.viewport.map(usize::from);
-            difference(&expected, &run.memory.words[frame..], size)
+        (0..=timing.latency).for_each(|_| memory.cycle(&mut circuit));
+        let full = circuit.read("full")? == 1;
+        let expected = kernel_frame(widths, load)?;
+        let [all, geometry, raster] = self.modelled(load, &timing);
+        let mut findings = Findings {
+            // Without room for the lists there is no frame.
+            compared: if full { 0 } else { expected.len() as u64 },
+            cycles: phases.iter().sum(),
+            ..Findings::default()
         };
+        // Of the memory at full speed alone: a sum over memories of several speeds tells nothing about any of them.
+        if pressure == 0 {
+            let clear = pixel_word(&Pixel::clear(widths));
+            let painted = expected.iter().filter(|pixel| **pixel != clear).count();
+            let beyond = enlarged(widths, &scene.view, rules, &scene.splats);
+            findings.counts = vec![
+                ("splats", scene.splats.len() as u64),
+                ("seen", circuit.read("visible")?),
+                ("beyond k", beyond as u64),
+                ("painted", painted as u64),
+                ("entries", circuit.read("entries")?),
+                ("geometry", phases[0]),
+                ("geometry, model", geometry),
+                ("sort", phases[1]),
+                ("lists", phases[2]),
+                ("raster", phases[3]),
+                ("raster, model", raster),
+                ("all, model", all),
+            ];
+        }
+        let timed = timing.pauses == 0 && all.abs_diff(findings.cycles) >= load.apart;
+        let timed = timed.then(|| format!("{} cycles, {all} by the model", findings.cycles));
+        findings.first_difference = memory.astray(full);
+        if findings.first_difference.is_none() && !full {
+            let size = scene.view.viewport.map(usize::from);
+            let drawn = difference(&expected, &memory.words[image.frame..], size);
+            findings.first_difference = timed.or(drawn);
+        }
         Ok(findings)
     }
 }
 
-/// A machine that draws frames.
-struct FrameRun {
-    bench: Bench,
-    memory: Memory,
-    /// Cycles of geometry, sort, lists and raster.
-    phases: [u64; 4],
-}
-
-impl FrameRun {
-    fn frame(&mut self, load: &MachineLoad) -> Result<()> {
-        let circuit = &mut self.bench.circuit;
-        let [begins, phase, listing] =
-            ["begins", "phase", "listing"].map(|name| circuit.port(name));
-        let (begins, phase, listing) = (begins?, phase?, listing?);
-        self.phases = [0; 4];
-        circuit.set(begins, 1);
-        self.memory.cycle(circuit);
-        circuit.set(begins, 0);
-        // A circuit that goes on reading and writing hangs as well.
-        let work = 1_000 * load.seen.scene.splats.len() + 1_100 * load.lists.entries();
-        let pixels = load.seen.camera.width * load.seen.camera.height;
-        let limit = PATIENCE + (work + 16 * pixels) as u64;
-        let mut idle = 0;
-        for cycle in 0.. {
-            let moved = self.memory.read + self.memory.written;
-            self.memory.settle(circuit);
-            let now = circuit.get(phase);
-            let lists = now == 2 && circuit.is(listing);
-            self.memory.edge(circuit);
-            match now {
-                0 => return Ok(()),
-                1 => self.phases[0] += 1,
-                2 if lists => self.phases[2] += 1,
-                2 => self.phases[1] += 1,
-                _ => self.phases[3] += 1,
-            }
-            idle += 1;
-            if self.memory.read + self.memory.written != moved {
-                idle = 0;
-            }
-            ensure!(idle < PATIENCE && cycle < limit, "the machine hangs");
+/// Draws a frame; counts the cycles of geometry, sort, lists and raster.
+fn draw(
+    circuit: &mut Simulation,
+    memory: &mut Memory,
+    load: &MachineLoad,
+    phases: &mut [u64; 4],
+) -> Result<()> {
+    let [begins, phase, listing] = circuit.ports(["begins", "phase", "listing"])?;
+    *phases = [0; 4];
+    circuit.set(begins, 1);
+    memory.cycle(circuit);
+    circuit.set(begins, 0);
+    // A circuit that goes on reading and writing hangs as well.
+    let work = 1_000 * load.seen.scene.splats.len() + 1_100 * load.lists.entries();
+    let pixels = load.seen.camera.width * load.seen.camera.height;
+    for _ in 0..PATIENCE + (work + 16 * pixels) as u64 {
+        memory.settle(circuit);
+        let now = circuit.get(phase);
+        let lists = circuit.is(listing);
+        memory.edge(circuit);
+        match now {
+            0 => return Ok(()),
+            1 => phases[0] += 1,
+            2 if lists => phases[2] += 1,
+            2 => phases[1] += 1,
+            _ => phases[3] += 1,
         }
-        Ok(())
+        ensure!(memory.idle < PATIENCE, "the machine hangs");
     }
-
-    fn read(&self, name: &str) -> Result<u64> {
-        let circuit = &self.bench.circuit;
-        Ok(circuit.get(circuit.port(name)?))
-    }
+    bail!("the machine hangs")
 }
 
 /// The first pixel with another word than the kernel's.
-fn difference(expected: &[Pixel], got: &[[u32; 4]], size: [usize; 2]) -> Option<String> {
-    let mut places = places(size).zip(got);
-    let (place, got) = places.find(|(place, got)| pixel_word(&expected[*place]) != **got)?;
+fn difference(expected: &[[u32; 4]], got: &[[u32; 4]], size: [usize; 2]) -> Option<String> {
+    let mut pixels = places(size).zip(expected).zip(got);
+    let ((place, wanted), got) = pixels.find(|((_, wanted), got)| wanted != got)?;
     let at = [place % size[0], place / size[0]];
-    let wanted = pixel_word(&expected[place]);
     Some(format!("pixel {at:?}: {got:x?}, not {wanted:x?}"))
 }
 

@@ -6,10 +6,11 @@ use crate::scenes::Seen;
 use splatline::footprint::Footprint;
 use splatline::footprint::depth::KEY_BITS;
 use splatline::format::Traversal;
+use splatline::setup::Cull;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::{self, Options};
 use splatline_sim::machine::workload::{Workload, extract_from};
-use splatline_sim::rules::Compositing;
+use splatline_sim::rules::{Compositing, Rules};
 
 /// A visible splat as the sorter takes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,10 +41,8 @@ impl SortedSplat {
     pub fn word(&self) -> [u32; 4] {
         let [first, last] = self.tiles;
         let places = [first[0], first[1], last[0], last[1]];
-        let places = places
-            .iter()
-            .rev()
-            .fold(0u128, |word, place| word << 12 | u128::from(*place & 0xfff));
+        let places = places.iter().rev();
+        let places = places.fold(0u128, |word, place| word << 12 | u128::from(*place & 0xfff));
         let word = places << 80 | u128::from(self.number) << 48 | u128::from(self.key);
         [0, 32, 64, 96].map(|bit| (word >> bit) as u32)
     }
@@ -85,10 +84,14 @@ impl OrderLoad {
     }
 }
 
-/// The work of a scene's picture in tiles of the circuit's size, and its splats with the model's lists.
-pub fn ordered(seen: &Seen, design: &DesignChoice) -> (Workload, OrderLoad) {
+/// What becomes of each splat under these rules, the picture's work in tiles of the circuit's size, and its splats with the model's lists.
+pub fn ordered(
+    seen: &Seen,
+    design: &DesignChoice,
+    rules: &Rules,
+) -> (Vec<Result<Footprint, Cull>>, Workload, OrderLoad) {
     let options = Options {
-        rules: &seen.scene.natural_rules,
+        rules,
         compositing: Compositing::FrontToBack,
         design,
         traversal: Traversal::Spans,
@@ -97,27 +100,25 @@ pub fn ordered(seen: &Seen, design: &DesignChoice) -> (Workload, OrderLoad) {
     let workload = extract_from(&footprints, &seen.camera, &options, TILE);
     let size = [seen.camera.width, seen.camera.height];
     let size = [0, 1].map(|axis| (size[axis] as u16).div_ceil(TILE[axis]));
-    let numbered = (0..).zip(&footprints);
-    let splat = |(number, footprint): (u32, &Result<_, _>)| {
-        let footprint: &Footprint = footprint.as_ref().ok()?;
-        let tiles = [0, 1].map(|axis| footprint.first[axis] / TILE[axis]);
+    let splat = |(number, footprint): (u32, &Result<Footprint, Cull>)| {
+        let footprint = footprint.as_ref().ok()?;
+        let first = [0, 1].map(|axis| footprint.first[axis] / TILE[axis]);
         let last = [0, 1].map(|axis| (footprint.end[axis] - 1) / TILE[axis]);
         Some(SortedSplat {
             number,
             key: footprint.depth,
-            tiles: [tiles, last],
+            tiles: [first, last],
         })
     };
     let list = |tile| workload.pairs_of(tile).iter().map(|pair| pair.splat);
+    let lists = (0..workload.tiles.len()).map(|tile| list(tile).collect());
     let load = OrderLoad {
         name: seen.name.to_owned(),
         size,
-        splats: numbered.filter_map(splat).collect(),
-        lists: (0..workload.tiles.len())
-            .map(|tile| list(tile).collect())
-            .collect(),
+        splats: (0..).zip(&footprints).filter_map(splat).collect(),
+        lists: lists.collect(),
     };
-    (workload, load)
+    (footprints, workload, load)
 }
 
 /// No splat, one, all keys equal, all keys but one, upside down, in order already, single bits, and random ones with many equals.
@@ -149,10 +150,7 @@ pub fn hard() -> Vec<OrderLoad> {
         ),
     ];
     for (name, keys) in keys {
-        let size = [
-            1 + (split_mix(&mut state) % 9) as u16,
-            1 + (split_mix(&mut state) % 7) as u16,
-        ];
+        let size = [9, 7].map(|end| 1 + (split_mix(&mut state) % end) as u16);
         let splats = (0..).zip(keys).map(|(index, key)| SortedSplat {
             // Numbers have gaps where splats were culled.
             number: 3 * index,

@@ -1,4 +1,4 @@
 //! Sorter and binning (`sim/rtl/splat_order.sv`) against the kernel's order and the model's lists.
 
-pub mod loads;
+pub(crate) mod loads;
 pub mod unit;

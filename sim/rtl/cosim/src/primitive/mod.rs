@@ -1,7 +1,7 @@
 //! The splat primitive (`sim/rtl/splat_primitive.sv`): every word of its tile buffer against the kernel's, every handshake inside it against the machine's
 //! clock (`splatline_sim::machine::primitive`).
 
-pub mod stamps;
+mod stamps;
 pub mod unit;
-pub mod words;
+mod words;
 pub mod workload;

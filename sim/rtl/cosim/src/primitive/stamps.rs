@@ -1,6 +1,7 @@
 //! In which cycle every handshake inside the circuit took place, and whether the machine's clock says the same, splat by splat.
 
 use super::workload::{BenchTile, BenchWorkload};
+use crate::bench::Channel;
 use crate::simulation::{Port, Simulation};
 use anyhow::Result;
 use splatline::format::Design;
@@ -27,48 +28,47 @@ pub struct Stamps {
 }
 
 /// The ports that show the handshakes.
-pub struct StampPorts {
-    packet_valid: Port,
-    packet_ready: Port,
+pub struct HandshakePorts {
+    pub tile: Channel,
+    packet: Channel,
+    pub finish: Channel,
+    pub lanes_enable: Port,
     splat_begun: Port,
     run_left: Port,
-    lanes_popped: Port,
+    /// Lanes that pop a run, a bit for each.
+    pub lanes_popped: Port,
     raster_idle: Port,
 }
 
-impl StampPorts {
+impl HandshakePorts {
     /// Of a circuit.
-    pub fn new(circuit: &Simulation) -> Result<StampPorts> {
-        Ok(StampPorts {
-            packet_valid: circuit.port("packet_valid")?,
-            packet_ready: circuit.port("packet_ready")?,
+    pub fn new(circuit: &Simulation) -> Result<HandshakePorts> {
+        let [lanes_enable, lanes_popped] = circuit.ports(["lanes_enable", "lanes_popped"])?;
+        Ok(HandshakePorts {
+            tile: Channel::new(circuit, "tile", &[])?,
+            packet: Channel::new(circuit, "packet", &[])?,
+            finish: Channel::new(circuit, "finish", &[])?,
+            lanes_enable,
             splat_begun: circuit.port("splat_begun")?,
             run_left: circuit.port("run_left")?,
-            lanes_popped: circuit.port("lanes_popped")?,
+            lanes_popped,
             raster_idle: circuit.port("raster_idle")?,
         })
-    }
-
-    /// Lanes that pop a run in this cycle, a bit for each.
-    pub fn popped(&self, circuit: &Simulation) -> u64 {
-        circuit.get(self.lanes_popped)
     }
 }
 
 impl Stamps {
     /// Notes what the circuit's ports say in a cycle, for a tile of so many packets.
-    pub fn note(&mut self, ports: &StampPorts, circuit: &Simulation, now: u64, packets: usize) {
+    pub fn note(&mut self, ports: &HandshakePorts, circuit: &Simulation, now: u64, packets: usize) {
         let all_taken = self.taken.len() == packets;
         if all_taken && circuit.is(ports.raster_idle) && self.idle_at.is_none() {
             self.idle_at = Some(now);
         }
-        if circuit.is(ports.packet_valid) {
-            if self.offered.len() == self.taken.len() {
-                self.offered.push(now);
-            }
-            if circuit.is(ports.packet_ready) {
-                self.taken.push(now);
-            }
+        if circuit.is(ports.packet.valid) && self.offered.len() == self.taken.len() {
+            self.offered.push(now);
+        }
+        if ports.packet.moves(circuit) {
+            self.taken.push(now);
         }
         if circuit.is(ports.splat_begun) {
             self.begun.push(now);
@@ -76,7 +76,7 @@ impl Stamps {
         if circuit.is(ports.run_left) {
             self.left.push(now);
         }
-        let mut lanes = ports.popped(circuit);
+        let mut lanes = circuit.get(ports.lanes_popped);
         while lanes != 0 {
             self.popped[lanes.trailing_zeros() as usize].push(now);
             lanes &= lanes - 1;

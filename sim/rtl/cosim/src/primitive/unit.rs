@@ -1,15 +1,14 @@
 //! Tiles through the primitive: the next one is drawn while the last is read out, with back-pressure at every interface.
 
-use super::stamps::{StampPorts, Stamps};
+use super::stamps::{HandshakePorts, Stamps};
 use super::words::{self, Roots};
 use super::workload::{self, BenchTile, BenchWorkload};
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
-use crate::circuit::{Circuit, PRIMITIVE};
-use crate::findings::Findings;
+use crate::circuit::PRIMITIVE;
+use crate::package::run_time;
 use crate::rules::write_rules;
 use crate::scenes::scenes;
-use crate::simulation::{Port, Simulation};
-use crate::unit::{Extent, Unit};
+use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
 use anyhow::{Context, Result};
 use splatline::blend::{FINISHED, Pixel};
 use splatline::draw::{Coverage, Painter};
@@ -27,16 +26,13 @@ use splatline_sim::rules::Rules;
 pub const LANES: [u32; 2] = [1, 4];
 
 /// At full speed; with packets that come late and nothing else, so that cycles can still be compared; with back-pressure everywhere.
-pub const PRESSURES: [Pressure; 3] = [pressure(0, 0, 0), pressure(200, 0, 0), pressure(80, 60, 90)];
+const PRESSURES: [Pressure; 3] = [pressure(0, 0, 0), pressure(200, 0, 0), pressure(80, 60, 90)];
 
 const fn pressure(packets: u8, lanes: u8, pixels: u8) -> Pressure {
     Pressure {
-        offers: [packets; 2],
-        answers: pixels,
         inside: lanes,
-        stalls: 0,
-        resets: 0,
         retracts: false,
+        ..Pressure::at_ends([packets, packets, pixels])
     }
 }
 
@@ -44,7 +40,7 @@ const fn pressure(packets: u8, lanes: u8, pixels: u8) -> Pressure {
 pub struct PrimitiveLoad {
     /// The rules' name.
     pub rules_name: &'static str,
-    /// The kernel's rules.
+    /// The kernel's.
     pub rules: KernelRules,
     /// Footprints and tiles.
     pub workload: BenchWorkload,
@@ -77,48 +73,10 @@ impl PrimitiveUnit {
             interval,
         })
     }
-
-    /// The workloads of scenes under one of their rules.
-    fn of_rules(
-        &self,
-        rules: &Rules,
-        extent: Extent,
-        missing: &mut Vec<&'static str>,
-    ) -> Result<Vec<BenchWorkload>> {
-        let (design, widths) = (&self.design, &self.circuit.widths);
-        let (random, size, deep) = match extent {
-            Extent::Quick => (1_200, 256, 64),
-            Extent::Full => (40_000, 512, 128),
-        };
-        let mut workloads = vec![
-            workload::random(widths, random, 20, 7),
-            workload::random(widths, random / 4, 1, 8),
-            workload::vast(widths, random / 4, 10),
-            workload::crowd(design, rules),
-            workload::sparse(design, rules),
-            workload::hard(design, rules)?,
-        ];
-        let mut seen = scenes(&["deep stack"], deep, missing)?;
-        seen.extend(scenes(&["guitar", "lion"], size, missing)?);
-        workloads.extend(
-            seen.iter()
-                .map(|seen| workload::picture(seen, design, rules)),
-        );
-        Ok(workloads)
-    }
 }
 
 impl Unit for PrimitiveUnit {
     type Load = PrimitiveLoad;
-    const COUNTS: &'static [&'static str] = &[
-        "tiles",
-        "splats",
-        "visited",
-        "covered",
-        "roots",
-        "splats timed",
-        "raster cycles",
-    ];
     const PRESSURES: usize = PRESSURES.len();
 
     fn circuit(&self) -> &Circuit {
@@ -127,34 +85,40 @@ impl Unit for PrimitiveUnit {
 
     /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of scenes skip nothing there: `3dgs` ends a
     /// footprint where it becomes faint, and `ewa` draws what is there.
-    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<PrimitiveLoad>> {
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<PrimitiveLoad>> {
+        let (design, widths) = (&self.design, &self.circuit.widths);
+        let quick = extent == Extent::Quick;
+        let ([random, faint], [size, deep]) = match extent {
+            Extent::Quick => ([1_200, 600], [256, 64]),
+            Extent::Full => ([40_000, 20_000], [512, 128]),
+        };
+        let mut seen = vec![workload::crowd(), workload::sparse(), workload::hard()?];
+        seen.extend(scenes(&["deep stack"], deep, missing)?);
+        seen.extend(scenes(&["guitar", "lion"], size, missing)?);
         let mut loads = Vec::new();
-        for (rules_name, rules) in [("3dgs", Rules::GAUSSIAN_3D), ("ewa", Rules::EWA)] {
-            for workload in self.of_rules(&rules, extent, missing)? {
-                loads.push(PrimitiveLoad {
-                    rules_name,
-                    rules: kernel_rules(&rules),
-                    workload,
-                });
+        let mut load = |rules_name, rules: &Rules, workload| {
+            loads.push(PrimitiveLoad {
+                rules_name,
+                rules: kernel_rules(rules),
+                workload,
+            });
+        };
+        for (name, rules) in [("3dgs", &Rules::GAUSSIAN_3D), ("ewa", &Rules::EWA)] {
+            load(name, rules, workload::random(widths, random, 20, 7));
+            load(name, rules, workload::random(widths, random / 4, 1, 8));
+            load(name, rules, workload::vast(widths, random / 4, 10));
+            for seen in &seen {
+                load(name, rules, workload::picture(seen, design, rules));
             }
         }
-        let faint = Rules {
+        let skipping = Rules {
             alpha_min: Rules::GAUSSIAN_3D.alpha_min,
             ..Rules::EWA
         };
-        let count = match extent {
-            Extent::Quick => 600,
-            Extent::Full => 20_000,
-        };
-        loads.push(PrimitiveLoad {
-            rules_name: "ewa, faint skipped",
-            rules: kernel_rules(&faint),
-            workload: workload::random(&self.circuit.widths, count, 20, 9),
-        });
-        if extent == Extent::Quick {
-            loads
-                .iter_mut()
-                .for_each(|load| shorten(&mut load.workload));
+        let faint = workload::random(widths, faint, 20, 9);
+        load("ewa, faint skipped", &skipping, faint);
+        for load in loads.iter_mut().filter(|_| quick) {
+            shorten(&mut load.workload);
         }
         Ok(loads)
     }
@@ -163,12 +127,7 @@ impl Unit for PrimitiveUnit {
         format!("{}, {}", load.workload.name, load.rules_name)
     }
 
-    fn compare(
-        &self,
-        circuit: Simulation,
-        load: &PrimitiveLoad,
-        pressure: usize,
-    ) -> Result<Findings> {
+    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
         let widths = &self.circuit.widths;
         let pressure = &PRESSURES[pressure];
         let mut bench = Bench::new(circuit, 1)?;
@@ -180,25 +139,14 @@ impl Unit for PrimitiveUnit {
                 ..Findings::default()
             });
         }
-        let golden = Golden::new(widths, &load.rules)?;
         let layout = Layout::new(widths, Traversal::Spans);
-        let BenchWorkload {
-            tiles, footprints, ..
-        } = &load.workload;
-        let items: Vec<Item> = tiles
-            .iter()
-            .map(|tile| item(&layout, tile, footprints))
-            .collect();
-        let mut coverage = Coverage::default();
-        let mut pixels = Vec::new();
-        for tile in tiles {
-            let (drawn, covered) = golden.draw(tile, footprints);
-            pixels.extend(drawn);
-            coverage += covered;
-        }
+        let (tiles, footprints) = (&load.workload.tiles, &load.workload.footprints);
+        let items = tiles.iter().map(|tile| item(&layout, tile, footprints));
+        let items: Vec<Item> = items.collect();
+        let (pixels, coverage) = draw(widths, &load.rules, tiles, footprints)?;
         let channels = channels(&bench.circuit)?;
         let mut checker = PrimitiveChecker {
-            design: golden.design,
+            design: run_time(widths)?,
             shape: [self.lanes, self.interval],
             timed: (pressure.inside == 0).then_some(0),
             load,
@@ -207,12 +155,12 @@ impl Unit for PrimitiveUnit {
             stamps: Stamps::default(),
             raster_cycles: 0,
             roots: Roots::new(&bench.circuit)?,
-            ports: PrimitivePorts::new(&bench.circuit)?,
+            ports: HandshakePorts::new(&bench.circuit)?,
             enabled: true,
         };
         let mut findings = bench.run(&channels, &items, pressure, &mut checker)?;
         let splats = tiles.iter().map(|tile| tile.list.len() as u64).sum();
-        for (name, count) in [
+        findings.counts = vec![
             ("tiles", tiles.len() as u64),
             ("splats", splats),
             ("visited", coverage.visited),
@@ -220,9 +168,7 @@ impl Unit for PrimitiveUnit {
             ("roots", checker.roots.compared),
             ("splats timed", checker.timed.unwrap_or(0)),
             ("raster cycles", checker.raster_cycles),
-        ] {
-            findings.count(name, count);
-        }
+        ];
         Ok(findings)
     }
 }
@@ -246,7 +192,7 @@ fn shorten(workload: &mut BenchWorkload) {
 }
 
 /// Tiles, packets and ends of tiles in, pixels out.
-pub fn channels(circuit: &Simulation) -> Result<Channels> {
+fn channels(circuit: &Simulation) -> Result<Channels> {
     let window = ["first_column", "first_row", "end_column", "end_row"];
     let pixel = ["finished", "transmittance", "red", "green", "blue"];
     Ok(Channels {
@@ -261,7 +207,7 @@ pub fn channels(circuit: &Simulation) -> Result<Channels> {
 }
 
 /// A tile in one lane: its window, its packets, its end.
-pub fn item(layout: &Layout, tile: &BenchTile, footprints: &[Footprint]) -> Item {
+fn item(layout: &Layout, tile: &BenchTile, footprints: &[Footprint]) -> Item {
     let [first, end] = [tile.window.first, tile.window.end];
     let window = [first[0], first[1], end[0], end[1]].map(|place| vec![place.into()]);
     let offer = |source, data| Offer { source, data };
@@ -287,62 +233,30 @@ pub fn pixel(answer: &[Vec<u32>]) -> Pixel {
     }
 }
 
-/// The kernel with its footprint table filled, as the circuit has it before the first tile.
-pub struct Golden<'a> {
-    design: RuntimeWidths,
-    widths: &'a Widths,
-    rules: &'a KernelRules,
-    memory: Vec<u32>,
-}
-
-impl<'a> Golden<'a> {
-    /// Fills the table.
-    pub fn new(widths: &'a Widths, rules: &'a KernelRules) -> Result<Self> {
-        let design = RuntimeWidths::new(*widths).ok();
-        Ok(Golden {
-            design: design.context("widths out of range")?,
-            widths,
-            rules,
-            memory: table_entries(widths, rules),
-        })
-    }
-
-    /// The window's pixels, row by row, and what was visited.
-    ///
-    /// # Panics
-    /// If the tile were larger than its window.
-    pub fn draw(&self, tile: &BenchTile, footprints: &[Footprint]) -> (Vec<Pixel>, Coverage) {
-        let table = table(&self.memory, self.widths, self.rules);
-        let order = Compositing::FrontToBack;
-        let painter = Painter::new(self.design, self.rules, table, order, Traversal::Spans);
+/// The pixels of tiles by the kernel, tile by tile and row by row, and what was visited.
+pub fn draw(
+    widths: &Widths,
+    rules: &KernelRules,
+    tiles: &[BenchTile],
+    footprints: &[Footprint],
+) -> Result<(Vec<Pixel>, Coverage)> {
+    let (design, memory) = (run_time(widths)?, table_entries(widths, rules));
+    let order = Compositing::FrontToBack;
+    let mut drawn = Vec::new();
+    let mut coverage = Coverage::default();
+    for tile in tiles {
+        let table = table(&memory, widths, rules);
+        let painter = Painter::new(design, rules, table, order, Traversal::Spans);
         let [columns, rows] = tile.size();
-        let mut pixels = vec![Pixel::clear(self.widths); columns * rows];
-        let mut target = Target::new(&mut pixels, tile.window, columns)
-            .expect("the memory was made for this window");
-        let mut coverage = Coverage::default();
+        let mut pixels = vec![Pixel::clear(widths); columns * rows];
+        let target = Target::new(&mut pixels, tile.window, columns).ok();
+        let mut target = target.context("a tile that is larger than its window")?;
         for index in &tile.list {
             coverage += painter.draw(&footprints[*index as usize], &mut target);
         }
-        (pixels, coverage)
+        drawn.extend(pixels);
     }
-}
-
-struct PrimitivePorts {
-    tile: [Port; 2],
-    finish: [Port; 2],
-    lanes_enable: Port,
-    stamps: StampPorts,
-}
-
-impl PrimitivePorts {
-    fn new(circuit: &Simulation) -> Result<PrimitivePorts> {
-        Ok(PrimitivePorts {
-            tile: [circuit.port("tile_valid")?, circuit.port("tile_ready")?],
-            finish: [circuit.port("finish_valid")?, circuit.port("finish_ready")?],
-            lanes_enable: circuit.port("lanes_enable")?,
-            stamps: StampPorts::new(circuit)?,
-        })
-    }
+    Ok((drawn, coverage))
 }
 
 struct PrimitiveChecker<'a> {
@@ -359,7 +273,7 @@ struct PrimitiveChecker<'a> {
     stamps: Stamps,
     raster_cycles: u64,
     roots: Roots,
-    ports: PrimitivePorts,
+    ports: HandshakePorts,
     /// Were the lanes allowed to move in the cycle before?
     enabled: bool,
 }
@@ -374,16 +288,13 @@ impl Checker for PrimitiveChecker<'_> {
     }
 
     fn observe(&mut self, circuit: &Simulation, cycle: u64) -> Option<String> {
-        let both = |[valid, ready]: [Port; 2]| circuit.is(valid) && circuit.is(ready);
         let mut difference = self.roots.note(circuit);
-        let popped = self.ports.stamps.popped(circuit);
-        if !self.enabled && popped != 0 {
-            difference = Some(format!(
-                "a lane took a run in cycle {cycle}, while lanes were held"
-            ));
+        if !self.enabled && circuit.get(self.ports.lanes_popped) != 0 {
+            let held = format!("a lane took a run in cycle {cycle}, while lanes were held");
+            difference = Some(held);
         }
         self.enabled = circuit.is(self.ports.lanes_enable);
-        if both(self.ports.tile) {
+        if self.ports.tile.moves(circuit) {
             self.stamps = Stamps::default();
             return difference;
         }
@@ -392,9 +303,8 @@ impl Checker for PrimitiveChecker<'_> {
             return difference;
         };
         let packets = tile.list.len();
-        self.stamps
-            .note(&self.ports.stamps, circuit, cycle, packets);
-        if both(self.ports.finish) {
+        self.stamps.note(&self.ports, circuit, cycle, packets);
+        if self.ports.finish.moves(circuit) {
             self.raster_cycles += self.stamps.raster_cycles();
             if let Some(timed) = &mut self.timed {
                 *timed += packets as u64;
@@ -414,11 +324,8 @@ impl PrimitiveChecker<'_> {
         for (index, tile) in self.load.workload.tiles.iter().enumerate() {
             let [columns, rows] = tile.size();
             if number < columns * rows {
-                let [x, y] = tile.window.first;
-                let (x, y) = (
-                    usize::from(x) + number % columns,
-                    usize::from(y) + number / columns,
-                );
+                let [x, y] = tile.window.first.map(usize::from);
+                let (x, y) = (x + number % columns, y + number / columns);
                 return format!("tile {index}, pixel ({x}, {y})");
             }
             number -= columns * rows;

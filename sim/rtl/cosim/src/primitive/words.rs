@@ -44,9 +44,9 @@ impl UnitWord {
 
 /// The first word of which either unit makes something else than the kernel, in words.
 pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Result<Option<String>> {
-    let outputs = ["aligned", "normal", "normal_negative", "normal_exponent"];
-    let [aligned, normal, negative, exponent] = outputs.map(|name| bench.circuit.port(name));
-    let (aligned, normal) = (aligned?, [normal?, negative?, exponent?]);
+    let aligned = bench.circuit.port("aligned")?;
+    let normal = ["normal", "normal_negative", "normal_exponent"];
+    let normal = bench.circuit.ports(normal)?;
     let mut state = 5;
     let mut fed = VecDeque::new();
     for _ in 0..WORDS {
@@ -110,8 +110,8 @@ impl Roots {
         Ok(Roots {
             under_way: VecDeque::new(),
             compared: 0,
-            squared: [circuit.port("squared_valid")?, circuit.port("squared")?],
-            root: [circuit.port("root_valid")?, circuit.port("root")?],
+            squared: circuit.ports(["squared_valid", "squared"])?,
+            root: circuit.ports(["root_valid", "root"])?,
         })
     }
 

@@ -1,20 +1,19 @@
 //! What is drawn: tiles of footprints from scenes, and footprints made from random numbers.
 
+use crate::order::loads::{OrderLoad, ordered};
 use crate::package::TILE;
 use crate::random::split_mix;
 use crate::scenes::Seen;
 use anyhow::Result;
-use splatline::footprint::{Conic, Footprint};
+use splatline::float;
+use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::math::SoftFloat;
 use splatline::raster::Window;
 use splatline::setup::{Covariance2d, ldl};
-use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed;
 use splatline_sim::reference::golden;
-use splatline_sim::rules::{Compositing, Rules};
-use splatline_sim::scene::{Scene, synthetic};
+use splatline_sim::rules::Rules;
 
 /// A window within one block of the tile buffer, and the footprints to be drawn there, in order.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,111 +36,64 @@ impl BenchTile {
 pub struct BenchWorkload {
     /// What it is.
     pub name: &'static str,
-    /// Footprints, nearest first.
+    /// Footprints.
     pub footprints: Vec<Footprint>,
     /// Tiles.
     pub tiles: Vec<BenchTile>,
 }
 
 /// A few thousand Gaussians of all sizes over a small picture.
-pub fn crowd(design: &DesignChoice, rules: &Rules) -> BenchWorkload {
-    let scene = synthetic::random_gaussians(2_000, 9, 4.0);
-    let camera = synthetic::camera(150, 100);
-    from_scene("crowd", &scene, &camera, design, rules)
+pub fn crowd() -> Seen {
+    Seen::random("crowd", (2_000, 9, 4.0), [150, 100])
 }
 
 /// A few Gaussians in a picture most of whose tiles have none.
-pub fn sparse(design: &DesignChoice, rules: &Rules) -> BenchWorkload {
-    let scene = synthetic::random_gaussians(20, 9, 4.0);
-    let camera = synthetic::camera(480, 320);
-    from_scene("sparse", &scene, &camera, design, rules)
-}
-
-/// The whole picture of a scene.
-pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorkload {
-    from_scene(seen.name, &seen.scene, &seen.camera, design, rules)
+pub fn sparse() -> Seen {
+    Seen::random("sparse", (20, 9, 4.0), [480, 320])
 }
 
 /// The hard Gaussians of the golden set: needles, huge, near the plane, off the axis.
-pub fn hard(design: &DesignChoice, rules: &Rules) -> Result<BenchWorkload> {
+pub fn hard() -> Result<Seen> {
     let set = golden::GoldenA::load(&golden::archive())?;
-    Ok(from_scene(
-        "hard",
-        &set.scene(golden::ALL),
-        &set.camera,
-        design,
-        rules,
-    ))
+    Ok(Seen {
+        name: "hard",
+        scene: set.scene(golden::ALL),
+        camera: set.camera,
+    })
 }
 
-/// Tiles over a whole picture of a scene.
-fn from_scene(
-    name: &'static str,
-    scene: &Scene,
-    camera: &Camera,
-    design: &DesignChoice,
-    rules: &Rules,
-) -> BenchWorkload {
-    let options = fixed::Options {
-        rules,
-        compositing: Compositing::FrontToBack,
-        design,
-        traversal: splatline::format::Traversal::Spans,
-    };
-    let mut footprints: Vec<Footprint> = fixed::footprints(scene, camera, &options)
-        .into_iter()
-        .flatten()
-        .collect();
-    footprints.sort_by_key(|footprint| footprint.depth);
-    let viewport = [camera.width, camera.height].map(|size| size as u16);
-    let tiles = tiles(&footprints, viewport);
-    BenchWorkload {
-        name,
-        footprints,
-        tiles,
-    }
-}
-
-/// The tiles of a viewport with the footprints whose boxes touch them.
-fn tiles(footprints: &[Footprint], viewport: [u16; 2]) -> Vec<BenchTile> {
-    let [columns, rows] = [0, 1].map(|axis| viewport[axis].div_ceil(TILE[axis]));
-    let tile = |index: u16| {
-        let first = [index % columns * TILE[0], index / columns * TILE[1]];
+/// Tiles over the whole picture of a scene.
+pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorkload {
+    let (footprints, _, OrderLoad { size, lists, .. }) = ordered(seen, design, rules);
+    let viewport = [seen.camera.width, seen.camera.height].map(|size| size as u16);
+    let tile = |(index, list): (u16, Vec<u32>)| {
+        let first = [index % size[0] * TILE[0], index / size[0] * TILE[1]];
         let end = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(viewport[axis]));
-        BenchTile {
-            window: Window { first, end },
-            list: Vec::new(),
-        }
+        let window = Window { first, end };
+        BenchTile { window, list }
     };
-    let mut tiles: Vec<BenchTile> = (0..columns * rows).map(tile).collect();
-    for (index, footprint) in footprints.iter().enumerate() {
-        for y in footprint.first[1] / TILE[1]..=(footprint.end[1] - 1) / TILE[1] {
-            for x in footprint.first[0] / TILE[0]..=(footprint.end[0] - 1) / TILE[0] {
-                tiles[usize::from(y * columns + x)].list.push(index as u32);
-            }
-        }
+    let drawn = footprints
+        .into_iter()
+        .map(|found| found.unwrap_or(Footprint::EMPTY));
+    BenchWorkload {
+        name: seen.name,
+        footprints: drawn.collect(),
+        tiles: (0..).zip(lists).map(tile).collect(),
     }
-    tiles
 }
 
 /// Random footprints over random windows: from far below a pixel to far beyond the screen, axis ratios to 2^15, every colour,
 /// opacity and cut-off that a packet can hold (cut-offs up to setup's limit of 15).
 pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> BenchWorkload {
-    random_between(
-        "random packets",
-        &[Kind::Any([-4.0, 20.0])],
-        widths,
-        count,
-        per_tile,
-        seed,
-    )
+    let kinds = [Kind::Any([-4.0, 20.0])];
+    random_between("random packets", &kinds, widths, [count, per_tile], seed)
 }
 
 /// The same where xc has few fraction bits or leaves the fine word: half-widths of up to 2^28 pixels, the largest that setup gives, and
 /// needles.
 pub fn vast(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
     let kinds = [Kind::Any([12.0, 26.0]), Kind::Flat, Kind::WordAway];
-    random_between("vast packets", &kinds, widths, count, 10, seed)
+    random_between("vast packets", &kinds, widths, [count, 10], seed)
 }
 
 /// Columns that the fine word of xc holds: 28 bits before the point of a centre, 8 of which give way to a fraction.
@@ -188,13 +140,11 @@ fn random_between(
     name: &'static str,
     kinds: &[Kind],
     widths: &Widths,
-    count: usize,
-    per_tile: usize,
+    [count, per_tile]: [usize; 2],
     seed: u64,
 ) -> BenchWorkload {
     let mut random = WorkloadRandom(seed);
-    let mut footprints = Vec::with_capacity(count);
-    let mut tiles = Vec::new();
+    let (mut footprints, mut tiles) = (Vec::with_capacity(count), Vec::new());
     while footprints.len() < count {
         let block = TILE.map(|size| size * (random.below(2000 / u32::from(size)) as u16));
         let window = random.window(block);
@@ -202,10 +152,8 @@ fn random_between(
         while footprints.len() < list.end as usize {
             footprints.extend(random.footprint(widths, &window, kinds[tiles.len() % kinds.len()]));
         }
-        tiles.push(BenchTile {
-            window,
-            list: list.collect(),
-        });
+        let list = list.collect();
+        tiles.push(BenchTile { window, list });
     }
     BenchWorkload {
         name,
@@ -237,16 +185,17 @@ impl WorkloadRandom {
 
     /// A part of a block from its first column and row on; in half of the cases all of it.
     fn window(&mut self, block: [u16; 2]) -> Window {
-        let mut window = Window {
-            first: block,
-            end: [0, 1].map(|axis| block[axis] + TILE[axis]),
-        };
-        if self.below(2) == 0 {
-            for axis in 0..2 {
-                window.end[axis] = block[axis] + self.below(TILE[axis].into()) as u16 + 1;
-            }
-        }
-        window
+        let whole = self.below(2) != 0;
+        let end = [0, 1].map(|axis| {
+            let size = TILE[axis];
+            block[axis]
+                + if whole {
+                    size
+                } else {
+                    self.below(size.into()) as u16 + 1
+                }
+        });
+        Window { first: block, end }
     }
 
     /// A footprint that touches the window, or nothing if this one cannot be had.
@@ -254,14 +203,11 @@ impl WorkloadRandom {
         let [long, ratio, angle] = kind.ranges().map(|[low, high]| self.between(low, high));
         let (long, short) = ((2.0 * long).exp2(), (2.0 * (long - ratio)).exp2());
         let (sine, cosine) = angle.sin_cos();
+        let mantissa = widths.mantissa.into();
         // As setup has them, of the design's mantissa: longer ones have no place in the words of `ldl`.
         let rounded = |number: f64| {
-            let exact = fixed::scaled(number);
-            SoftFloat::from_wide(
-                exact.mantissa.into(),
-                exact.exponent,
-                widths.mantissa.into(),
-            )
+            let exact = float::scaled(number);
+            SoftFloat::from_wide(exact.mantissa.into(), exact.exponent, mantissa)
         };
         let variance = Covariance2d {
             xx: rounded(long * cosine * cosine + short * sine * sine),
@@ -272,30 +218,22 @@ impl WorkloadRandom {
         let peak = self.bits(4 + widths.peak) >> self.below(8);
         let cutoff = (self.bits(32) >> self.below(5)).min(15 << 28);
         let radius = f64::from(cutoff).sqrt() / f64::from(1 << 14);
-        let reach = [
-            cosine.hypot(sine * (short / long).sqrt()),
-            sine.hypot(cosine * (short / long).sqrt()),
-        ]
-        .map(|part| part * long.sqrt() * radius);
+        let slim = (short / long).sqrt();
+        let reach = [cosine.hypot(sine * slim), sine.hypot(cosine * slim)];
+        let reach = reach.map(|part| part * long.sqrt() * radius);
         let row_variance = long * sine * sine + short * cosine * cosine;
         let shear = (long - short) * sine * cosine / row_variance;
         if !kind.has(long * short / row_variance, shear, reach[0]) {
             return None;
         }
+        let colour_bits = widths.colour_range() + widths.colour;
         let mut footprint = Footprint {
             depth: u64::from(self.bits(32)) << 16,
-            centre: [0; 2],
-            first: [0; 2],
-            end: [0; 2],
             ldl: ldl(widths, &variance)?,
-            conic: Conic {
-                mantissa: [0; 3],
-                exponent: 0,
-            },
             cutoff,
             opacity: peak,
-            colour: [0; 3]
-                .map(|_: u32| self.bits(widths.colour_range() + widths.colour) >> self.below(8)),
+            colour: [(); 3].map(|()| self.bits(colour_bits) >> self.below(8)),
+            ..Footprint::EMPTY
         };
         // In half of the cases the window lies on the ellipse's rim, which for large ones it would hardly meet by chance.
         let rim = self.below(2) == 0;

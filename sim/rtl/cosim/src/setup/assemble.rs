@@ -9,11 +9,11 @@
 //!
 //! Results leave by the second factor's port in slots that have no use for it, so that they take no slots of their own.
 
-use super::schedule::{exits, registers, schedule, slots};
+use super::schedule::{Timed, schedule};
 use anyhow::{Context, Result, ensure};
 
 /// Constants of a picture.
-pub const CONSTANTS: usize = 64;
+const CONSTANTS: usize = 64;
 
 /// Cycles that a round may have.
 const CYCLES: usize = 256;
@@ -33,7 +33,6 @@ pub type Value = usize;
 /// Where a term takes a factor from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Operand {
-    /// Nowhere.
     #[default]
     None,
     /// A result.
@@ -44,21 +43,18 @@ pub enum Operand {
     Constant(usize),
 }
 
-/// The core's table that gives a term.
+/// The core's table that gives a term, by its number in `setup_types.svh`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Table {
-    /// None.
     #[default]
     None,
-    /// 1/x.
     Reciprocal,
-    /// sqrt(x).
     Root,
     /// 1/middle and ln(middle).
     Logarithm,
 }
 
-/// What a plain term's value is, if not its first factor.
+/// What a plain term's value is, by its number in `setup_types.svh`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pick {
     /// The first factor.
@@ -73,9 +69,7 @@ pub enum Pick {
 /// One slot: a product, or one number, added to a sum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Term {
-    /// First factor.
     pub a: Operand,
-    /// Second factor.
     pub b: Operand,
     /// The constant that is picked by the sign.
     pub picked: Option<usize>,
@@ -102,7 +96,6 @@ pub struct Term {
     pub entry: bool,
     /// The position of a's leading bit instead of a.
     pub power: bool,
-    /// Which value.
     pub pick: Pick,
 }
 
@@ -120,11 +113,9 @@ pub enum Unit {
 /// A sum of terms.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Operation {
-    /// What it is.
     pub name: String,
     /// One slot each, in a row.
     pub terms: Vec<Term>,
-    /// Unit.
     pub unit: Unit,
     /// A constant in that unit, added.
     pub addend: Option<usize>,
@@ -171,15 +162,12 @@ impl Exits {
 /// A program with places.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Program {
-    /// The operations.
     pub operations: Vec<Operation>,
-    /// Their places.
     pub places: Vec<Place>,
-    /// When the results leave.
     pub exits: Exits,
     /// Cycles of a round.
     pub round: usize,
-    /// Constants in the order of their addresses.
+    /// In the order of their addresses.
     pub constants: Vec<String>,
 }
 
@@ -193,27 +181,22 @@ impl Program {
         ensure!(constants.len() <= CONSTANTS, "there are too many constants");
         let fits = |(word, _): &(usize, Value)| *word < WORDS;
         ensure!(results.iter().all(fits), "there are too many results");
+        let placed = |round, seed| {
+            let timed = Timed {
+                times: schedule(&operations, round, seed)?,
+                operations: &operations,
+                round,
+            };
+            let exits = timed.exits(results)?;
+            Some((timed.places(&exits)?, exits, round))
+        };
         let slots: usize = operations.iter().map(|o| o.terms.len()).sum();
-        let found = (slots..=CYCLES).find_map(|round| {
-            let placed = (0..ATTEMPTS).find_map(|seed| {
-                let times = schedule(&operations, round, seed)?;
-                let exits = exits(&operations, results, &times, round)?;
-                let registers = registers(&operations, &times, &exits, round)?;
-                Some((times, registers, exits))
-            })?;
-            Some((round, placed))
-        });
-        let (round, (times, registers, exits)) = found.context("no round holds the operations")?;
-        let places = times.into_iter().zip(registers);
+        let found =
+            (slots..=CYCLES).find_map(|round| (0..ATTEMPTS).find_map(|seed| placed(round, seed)));
+        let (places, exits, round) = found.context("no round holds the operations")?;
         Ok(Program {
-            places: places
-                .map(|(time, (register, copies))| Place {
-                    time,
-                    register,
-                    copies,
-                })
-                .collect(),
             operations,
+            places,
             exits,
             round,
             constants,
@@ -232,31 +215,26 @@ impl Program {
 
     /// The slot of every cycle of a round: operation and term.
     pub fn slots(&self) -> Vec<Option<(usize, usize)>> {
-        let times: Vec<usize> = self.places.iter().map(|place| place.time).collect();
-        slots(&self.operations, &times, self.round)
+        let timed = Timed {
+            operations: &self.operations,
+            round: self.round,
+            times: self.places.iter().map(|place| place.time).collect(),
+        };
+        timed.slots()
     }
 }
 
 /// The constant that a slot's factors read; an error if it were two. What is added has a memory of its own.
 pub fn constant(operation: &Operation, term: usize) -> Result<Option<usize>> {
-    let Term {
-        a,
-        b,
-        picked,
-        other,
-        ..
-    } = operation.terms[term];
-    let address = |operand| match operand {
+    let (name, term) = (&operation.name, &operation.terms[term]);
+    let factors = [term.a, term.b, term.other].into_iter();
+    let mut all = factors.filter_map(|factor| match factor {
         Operand::Constant(address) => Some(address),
         _ => None,
-    };
-    let all = [address(a), address(b), address(other), picked];
-    let mut all = all.into_iter().flatten();
-    let first = all.next();
-    ensure!(
-        all.all(|other| Some(other) == first),
-        "{}: a slot has one constant",
-        operation.name
-    );
+    });
+    let first = all.next().or(term.picked);
+    let mut others = all.chain(term.picked);
+    let same = others.all(|other| Some(other) == first);
+    ensure!(same, "{name}: a slot has one constant");
     Ok(first)
 }

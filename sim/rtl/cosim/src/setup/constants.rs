@@ -8,7 +8,7 @@ use super::text::{FIRST_REGISTER, OF_EVERY_PROGRAM, REGISTERS};
 use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Widths;
 use splatline::kernel::Kernel;
-use splatline::math::{Extended, LN_2, SoftFloat, fraction, ln};
+use splatline::math::{Extended, LN_2, SoftFloat, fraction, ln, shift_round};
 use splatline::rules::{Cutoff, Rules, THRESHOLD};
 use splatline::setup::axis_bits;
 use splatline::view::{Projection, View, round_entry};
@@ -32,28 +32,26 @@ pub fn constants(
         fixed().to_vec(),
     ]
     .concat();
-    let find = |name: &str| {
-        let found = known.iter().find(|(known, ..)| known == name);
-        found.with_context(|| format!("there is no constant '{name}'"))
-    };
     let mut words = Vec::new();
-    for (address, name) in names.iter().enumerate() {
-        let (_, value, exponent) = find(name)?;
-        words.push((address as u8, *value, *exponent));
+    for (address, name) in (0..).zip(names) {
+        let found = known.iter().find(|(known, ..)| known == name);
+        let found = found.with_context(|| format!("there is no constant '{name}'"))?;
+        words.push((address, found.1, found.2));
     }
     let rotation = known.iter().filter(|(name, ..)| name.starts_with("axis_"));
     let rotation = rotation.map(|(name, value, exponent)| (name.as_str(), *value, *exponent));
-    for (name, value, exponent) in registers(view, rules)?.into_iter().chain(rotation) {
+    for (name, value, exponent) in registers(view, rules).into_iter().chain(rotation) {
         let place = REGISTERS.iter().position(|register| *register == name);
         let place = place.with_context(|| format!("there is no register '{name}'"))?;
         words.push((FIRST_REGISTER + place as u8, value, exponent));
     }
-    for (_, _, exponent) in &words {
-        ensure!(
-            exponent.abs() < 1 << 16,
-            "an exponent of camera or rules has no place in 18 bits"
-        );
-    }
+    let fit = words
+        .iter()
+        .all(|(_, _, exponent)| exponent.abs() < 1 << 16);
+    ensure!(
+        fit,
+        "an exponent of camera or rules has no place in 18 bits"
+    );
     Ok(words)
 }
 
@@ -82,17 +80,11 @@ const ZERO_EXPONENT: i32 = -3 << 14;
 fn turn(widths: &Widths, view: &View) -> Vec<Named> {
     let low = low_bits(widths);
     let mut all = Vec::new();
-    let letters = ['x', 'y', 'z'];
-    for (row, r) in letters.iter().enumerate() {
-        for (column, c) in letters.iter().enumerate() {
+    let drop = 30u32.saturating_sub(low);
+    for (row, r) in ['x', 'y', 'z'].iter().enumerate() {
+        for (column, c) in ['x', 'y', 'z'].iter().enumerate() {
             let entry = view.rotation[row][column];
-            let rest = i64::from(view.pose.rotation_rest[row][column]);
-            let drop = 30u32.saturating_sub(low);
-            let rest = if drop == 0 {
-                rest
-            } else {
-                (rest + (1 << (drop - 1))) >> drop
-            };
+            let rest = shift_round(view.pose.rotation_rest[row][column].into(), drop);
             let position = round_entry(entry, widths.position.into());
             all.push(named(&format!("turn_{r}{c}"), position, -30));
             all.push(named(&format!("rest_{r}{c}"), rest, -30 - low as i32));
@@ -106,10 +98,8 @@ fn turn(widths: &Widths, view: &View) -> Vec<Named> {
 /// The rotation's entries, for the registers by which a direction is turned back.
 pub fn turned_back(view: &View) -> impl Iterator<Item = Constant> {
     let entries = view.rotation.into_iter().flatten();
-    let places = FIRST_REGISTER + OF_EVERY_PROGRAM as u8..;
-    places
-        .zip(entries)
-        .map(|(place, entry)| (place, entry.to_bits().into(), 0))
+    let places = (FIRST_REGISTER + OF_EVERY_PROGRAM as u8..).zip(entries);
+    places.map(|(place, entry)| (place, entry.to_bits().into(), 0))
 }
 
 fn screen(widths: &Widths, view: &View, rules: &Rules) -> Result<Vec<Named>> {
@@ -117,20 +107,19 @@ fn screen(widths: &Widths, view: &View, rules: &Rules) -> Result<Vec<Named>> {
     let perspective = view.projection == Projection::Perspective;
     let mut all = Vec::new();
     for (axis, name) in ["u", "v"].into_iter().enumerate() {
-        let ends = [view.limits.low[axis], view.limits.high[axis]].map(|end| end.to_bits());
+        let [low, high] = [view.limits.low, view.limits.high].map(|end| end[axis].to_bits());
+        let principal = view.principal[axis].to_bits();
         let fits = |number: i64| number.unsigned_abs() < 1 << 59;
         ensure!(
-            fits(view.principal[axis].to_bits()),
+            fits(principal),
             "principal point: the setup unit takes it within 2^27 pixels"
         );
         ensure!(
-            !rules.clamp_jacobian || ends.into_iter().all(fits),
+            !rules.clamp_jacobian || fits(low) && fits(high),
             "limits: the setup unit takes them below 2^27"
         );
         all.push(number(&format!("focal_{name}"), view.focal[axis]));
-        let principal = view.principal[axis].to_bits();
         all.push(named(&format!("principal_{name}"), principal, -32));
-        let [low, high] = ends;
         let (below, above, least, most) = if !perspective {
             // Everything lies below the limit, which is 0.
             (-BEYOND, BEYOND, SoftFloat::ZERO, SoftFloat::ZERO)
@@ -167,16 +156,12 @@ fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
     } else {
         (-(1 << 30), -10)
     };
-    ensure!(
-        widths.mantissa > 16,
-        "mantissa = {}: the setup unit needs more than 16",
-        widths.mantissa
-    );
-    ensure!(
-        widths.view > 16,
-        "view = {}: the setup unit needs more than 16",
-        widths.view
-    );
+    for (name, width) in [("mantissa", widths.mantissa), ("view", widths.view)] {
+        ensure!(
+            width > 16,
+            "{name} = {width}: the setup unit needs more than 16"
+        );
+    }
     Ok(vec![
         number("low_pass", rules.low_pass),
         named(
@@ -229,11 +214,7 @@ fn distance_scaling(names: &[String], view: &View, rules: &Rules) -> Result<Vec<
         let normal = SoftFloat::from_wide(focal.mantissa.into(), focal.exponent, 31);
         (normal.exponent, normal.mantissa)
     };
-    let smaller = if order(across) < order(down) {
-        across
-    } else {
-        down
-    };
+    let smaller = [down, across][usize::from(order(across) < order(down))];
     let spacing = if scales { rules.spacing } else { FAR_APART };
     Ok(vec![
         number("smaller_focal", smaller),
@@ -266,7 +247,7 @@ fn fixed() -> [Named; 11] {
 const NO_EYE: i32 = -16_384;
 
 /// What stands in registers of its own, outside the cores.
-fn registers(view: &View, rules: &Rules) -> Result<Vec<(&'static str, i64, i32)>> {
+fn registers(view: &View, rules: &Rules) -> [(&'static str, i64, i32); 6] {
     let eye = &view.pose;
     let flags = i64::from(view.projection == Projection::Perspective)
         | i64::from(rules.normalised) << 1
@@ -281,14 +262,14 @@ fn registers(view: &View, rules: &Rules) -> Result<Vec<(&'static str, i64, i32)>
     };
     let (near, near_leading) = limit(view.near);
     let (far, far_leading) = limit(view.far);
-    Ok(vec![
+    [
         ("eye_x", x, eye.exponent),
         ("eye_y", y, top),
         ("eye_z", z, eye.exponent),
         ("flags", flags, 0),
         ("near", near, near_leading),
         ("far", far, far_leading),
-    ])
+    ]
 }
 
 /// A limit of depth as a sign and a magnitude, its leading bit as far up as it goes, and that bit's power. What lies beyond every depth stays there.

@@ -1,12 +1,11 @@
 //! Splats under rules with a spacing, on both sides of the distance k and exactly there, for the program with distance scaling.
 
 use super::exact::{FOCAL, few_bits, straight};
-use super::loads::{name_of, rules, soft_float, synthetic};
-use super::unit::SetupLoad;
+use super::loads::{KINDS, SetupLoad, soft_float, synthetic};
 use crate::random::split_mix;
 use splatline::format::Widths;
 use splatline::math::SoftFloat;
-use splatline::rules::Rules as KernelRules;
+use splatline::rules::Rules;
 use splatline::setup::distance::enlargement;
 use splatline::setup::project;
 use splatline::splat::VolumeSplat;
@@ -24,9 +23,17 @@ pub fn distant(count: usize, seed: u64) -> Vec<SetupLoad> {
         };
         loads.push(spaced(load, spacing, index));
     }
-    for (_, rules) in rules() {
-        for projection in [Projection::Perspective, Projection::Orthographic] {
-            loads.push(at_k(count, seed, projection, rules));
+    for (_, rules) in KINDS {
+        for (name, projection) in [
+            ("at k and at 2 k", Projection::Perspective),
+            ("at k, orthographic", Projection::Orthographic),
+        ] {
+            let rules = Rules {
+                spacing: soft_float(1, -FOCAL),
+                ..rules
+            };
+            let view = straight(projection, FOCAL);
+            loads.push(SetupLoad::new(name, view, rules, at_k(count, seed)));
         }
     }
     // The rules of the loads above, which have no spacing, by the same circuit.
@@ -35,12 +42,7 @@ pub fn distant(count: usize, seed: u64) -> Vec<SetupLoad> {
 }
 
 /// How many of the splats lie beyond k.
-pub fn enlarged(
-    widths: &Widths,
-    view: &View,
-    rules: &KernelRules,
-    splats: &[VolumeSplat],
-) -> usize {
+pub fn enlarged(widths: &Widths, view: &View, rules: &Rules, splats: &[VolumeSplat]) -> usize {
     let beyond = |splat: &&VolumeSplat| {
         let projected = project(widths, view, rules, &splat.centre);
         projected.is_ok_and(|projected| enlargement(widths, rules, &projected).is_some())
@@ -58,23 +60,11 @@ fn spaced(mut load: SetupLoad, spacing: SoftFloat, index: usize) -> SetupLoad {
 }
 
 /// Splats at the distance k itself, which keep all bits of their weights, and (with perspective) at twice that distance.
-fn at_k(count: usize, seed: u64, projection: Projection, rules: KernelRules) -> SetupLoad {
+fn at_k(count: usize, seed: u64) -> Vec<VolumeSplat> {
     let mut state = seed;
     let splat = |_| VolumeSplat {
         weight: soft_float((split_mix(&mut state) >> 34) as i32 | 1, -30),
         ..few_bits(&mut state)
     };
-    let word = match projection {
-        Projection::Perspective => "at k and at 2 k",
-        Projection::Orthographic => "at k, orthographic",
-    };
-    SetupLoad {
-        name: format!("{word}, {}", name_of(&rules)),
-        view: straight(projection, FOCAL),
-        rules: KernelRules {
-            spacing: soft_float(1, -FOCAL),
-            ..rules
-        },
-        splats: (0..count).map(splat).collect(),
-    }
+    (0..count).map(splat).collect()
 }

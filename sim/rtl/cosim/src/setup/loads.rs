@@ -1,8 +1,8 @@
 //! What is set up: captured scenes, hard cases, and bits of which nobody made a splat.
 
-use super::unit::SetupLoad;
 use crate::random::split_mix;
 use crate::scenes::scenes;
+use crate::unit::Missing;
 use anyhow::Result;
 use splatline::float;
 use splatline::math::SoftFloat;
@@ -13,13 +13,33 @@ use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::rules::Rules;
 use splatline_sim::vectors::hard_cases;
 
-/// Both kinds of rules by the simulator's names and the kernel's.
-pub fn rules() -> [(Rules, KernelRules); 2] {
-    [
-        (Rules::EWA, KernelRules::EWA),
-        (Rules::GAUSSIAN_3D, KernelRules::GAUSSIAN_3D),
-    ]
+/// What is set up: splats seen by a camera under rules.
+#[derive(Clone, Debug)]
+pub struct SetupLoad {
+    pub name: String,
+    pub view: View,
+    pub rules: KernelRules,
+    pub splats: Vec<VolumeSplat>,
 }
+
+impl SetupLoad {
+    /// The name is followed by that of the rules.
+    pub fn new(name: &str, view: View, rules: KernelRules, splats: Vec<VolumeSplat>) -> SetupLoad {
+        let of_rules = if rules.normalised { "ewa" } else { "3dgs" };
+        SetupLoad {
+            name: format!("{name}, {of_rules}"),
+            view,
+            rules,
+            splats,
+        }
+    }
+}
+
+/// Both kinds of rules by the simulator's names and the kernel's.
+pub const KINDS: [(Rules, KernelRules); 2] = [
+    (Rules::EWA, KernelRules::EWA),
+    (Rules::GAUSSIAN_3D, KernelRules::GAUSSIAN_3D),
+];
 
 /// Hard cases, arbitrary splats before a sane camera, and the same from an orthographic one.
 pub fn synthetic(count: usize, seed: u64) -> Vec<SetupLoad> {
@@ -32,7 +52,7 @@ pub fn synthetic(count: usize, seed: u64) -> Vec<SetupLoad> {
     let near: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut state, 24)).collect();
     let wild: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut state, 1024)).collect();
     let mut loads = Vec::new();
-    for (_, rules) in rules() {
+    for (_, rules) in KINDS {
         for (name, view, splats) in [
             ("hard cases", view, &splats),
             ("hard cases, orthographic", flat, &splats),
@@ -40,12 +60,7 @@ pub fn synthetic(count: usize, seed: u64) -> Vec<SetupLoad> {
             ("arbitrary splats, orthographic", flat, &near),
             ("arbitrary bits", view, &wild),
         ] {
-            loads.push(SetupLoad {
-                name: format!("{name}, {}", name_of(&rules)),
-                view,
-                rules,
-                splats: splats.clone(),
-            });
+            loads.push(SetupLoad::new(name, view, rules, splats.clone()));
         }
     }
     loads
@@ -56,29 +71,17 @@ pub(super) const fn soft_float(mantissa: i32, exponent: i32) -> SoftFloat {
     SoftFloat { mantissa, exponent }
 }
 
-pub(super) fn name_of(rules: &KernelRules) -> &'static str {
-    if rules.normalised { "ewa" } else { "3dgs" }
-}
-
 /// Every `step`-th splat of the scenes at hand under both kinds of rules.
-pub fn captured(step: usize, missing: &mut Vec<&'static str>) -> Result<Vec<SetupLoad>> {
+pub fn captured(step: usize, missing: &mut Missing) -> Result<Vec<SetupLoad>> {
     let mut loads = Vec::new();
     for mut seen in scenes(&["guitar", "playbot", "lion"], 512, missing)? {
-        let mut index = 0;
-        seen.scene.splats.retain(|_| {
-            index += 1;
-            (index - 1) % step == 0
-        });
+        let splats = std::mem::take(&mut seen.scene.splats);
+        seen.scene.splats = splats.into_iter().step_by(step).collect();
         seen.scene.harmonics = None;
-        for (rules, _) in rules() {
-            let quantised = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
-            let stated = quantised.rules(&rules);
-            loads.push(SetupLoad {
-                name: format!("{}, {}", seen.name, name_of(&stated)),
-                view: quantised.view,
-                rules: stated,
-                splats: quantised.splats,
-            });
+        for (rules, _) in KINDS {
+            let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
+            let rules = scene.rules(&rules);
+            loads.push(SetupLoad::new(seen.name, scene.view, rules, scene.splats));
         }
     }
     Ok(loads)
@@ -101,18 +104,15 @@ fn arbitrary(state: &mut u64, range: u64) -> VolumeSplat {
             _ => (bits >> 32) as i32 >> ((bits >> 8) % 8),
         }
     };
-    let mut number = |i: usize| SoftFloat {
-        mantissa: mantissa(),
-        exponent: exponents[i],
-    };
+    let mut number = |i: usize| soft_float(mantissa(), exponents[i]);
     let centre = [number(0), number(1), number(2)];
     let weight = number(6);
     let axes = [3, 4, 5].map(|i| Axis {
-        mantissa: [number(i).mantissa, number(i).mantissa, number(i).mantissa],
+        mantissa: [(); 3].map(|()| number(i).mantissa),
         exponent: exponents[i],
     });
-    let colour = [0; 3]
-        .map(|_: u32| float::colour(f64::from(number(0).mantissa as u32) / f64::from(1 << 28)));
+    let mut channel = || f64::from(number(0).mantissa as u32) / f64::from(1 << 28);
+    let colour = [(); 3].map(|()| float::colour(channel()));
     VolumeSplat {
         centre,
         axes,

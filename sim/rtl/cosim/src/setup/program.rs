@@ -48,12 +48,7 @@ pub enum ProgramKind {
 impl ProgramKind {
     /// Its name in the file's headings.
     fn word(self) -> &'static str {
-        match self {
-            ProgramKind::Filter => "filter",
-            ProgramKind::DistanceScaling => "distance",
-            ProgramKind::Compensation => "compensation",
-            ProgramKind::Units => "units",
-        }
+        ["filter", "distance", "compensation", "units"][self as usize]
     }
 }
 
@@ -70,20 +65,17 @@ pub struct SetupProgram {
 impl SetupProgram {
     /// The program of a kind.
     pub fn new(kind: ProgramKind) -> SetupProgram {
-        let text = include_str!("../../setup_program.txt").to_owned();
         SetupProgram {
             kind,
             directs: false,
-            text,
+            text: include_str!("../../setup_program.txt").to_owned(),
         }
     }
 
     /// The same with the direction of every splat.
-    pub fn with_direction(self) -> SetupProgram {
-        SetupProgram {
-            directs: true,
-            ..self
-        }
+    pub fn with_direction(mut self) -> SetupProgram {
+        self.directs = true;
+        self
     }
 
     /// The same with a mistake in the text.
@@ -100,25 +92,18 @@ impl SetupProgram {
             results: Vec::new(),
             constants: Vec::new(),
         };
-        let parts = if low_bits(widths) > 0 { "low" } else { "whole" };
-        let axes = if is_turned(widths.mantissa) {
-            "narrow"
-        } else {
-            "broad"
-        };
-        let centres = if faint_bits(widths) > 0 {
-            "long"
-        } else {
-            "short"
-        };
+        let of_design = [
+            ["whole", "low"][usize::from(low_bits(widths) > 0)],
+            ["broad", "narrow"][usize::from(is_turned(widths.mantissa))],
+            ["short", "long"][usize::from(faint_bits(widths) > 0)],
+        ];
+        let direction = if self.directs { "direction" } else { "" };
+        let of_program = |kind| kind == self.kind.word() || kind == direction;
         let mut stands = false;
         for line in self.text.lines() {
             if let Some(heading) = line.strip_prefix("== ") {
-                let (kinds, only) = heading.split_once(", ").unwrap_or((heading, parts));
-                stands = [parts, axes, centres].contains(&only)
-                    && kinds.split(' ').any(|kind| {
-                        kind == self.kind.word() || self.directs && kind == "direction"
-                    });
+                let (kinds, only) = heading.split_once(", ").unwrap_or((heading, of_design[0]));
+                stands = of_design.contains(&only) && kinds.split(' ').any(of_program);
             } else if stands && !line.is_empty() && !line.starts_with("//") {
                 let read = reader.line(line);
                 read.with_context(|| format!("{FILE}: '{line}'"))?;
@@ -154,9 +139,11 @@ impl Reader<'_> {
                     "{name} = first -30, rounded {bits}: [{name}, seed] + [{name}, seed] * [{name}, defect]"
                 ),
             ],
-            Some(("root", bits)) => vec![format!(
-                "{name} = rounded {bits}: root entry {terms} + root step {terms}"
-            )],
+            Some(("root", bits)) => {
+                vec![format!(
+                    "{name} = rounded {bits}: root entry {terms} + root step {terms}"
+                )]
+            }
             Some(("square root", bits)) => vec![
                 format!("{name}, seed = root 31: {terms}"),
                 format!("1/{name} = reciprocal 31: [{name}, seed]"),
@@ -169,7 +156,7 @@ impl Reader<'_> {
 
     fn out(&mut self, first: usize, values: &str) -> Result<()> {
         for (word, value) in (first..).zip(values.split(" + ")) {
-            match self.operand(value.trim_end_matches(']'))? {
+            match self.operand(value)? {
                 Operand::Value(value) => self.results.push((word, value)),
                 _ => bail!("{value} is no result"),
             }
@@ -194,7 +181,7 @@ impl Reader<'_> {
             let window =
                 |above: i32| Ok::<_, anyhow::Error>(above - self.number(value)? - GUARD as i32);
             match word {
-                "exact" | "pick" => {}
+                "exact" | "pick" | "rounded" => {}
                 "word" => {
                     let before = self.operations.last().context("no sum before")?;
                     (operation.unit, operation.follows) = (before.unit, true);
@@ -207,7 +194,6 @@ impl Reader<'_> {
                 "long" => (operation.long, operation.below) = (true, faint_bits(self.widths)),
                 "from" => operation.below = self.number(value)? as u32,
                 "plus" => operation.addend = Some(self.constant(value)),
-                "rounded" => {}
                 _ => bail!("no form '{word}'"),
             }
             let cut = ["sum", "turn", "heron"].contains(&word);
@@ -223,9 +209,8 @@ impl Reader<'_> {
             }
             None => self.terms(terms)?,
         };
-        for term in &mut operation.terms {
-            term.floor = floor;
-        }
+        let terms = operation.terms.iter_mut();
+        terms.for_each(|term| term.floor = floor);
         self.operations.push(operation);
         Ok(())
     }
@@ -234,9 +219,9 @@ impl Reader<'_> {
         match word {
             "view" => Ok(self.widths.view.into()),
             "mantissa" => Ok(self.widths.mantissa.into()),
-            _ => word
+            _ => Ok(word
                 .parse()
-                .with_context(|| format!("'{word}' is no number")),
+                .with_context(|| format!("'{word}' is no number"))?),
         }
     }
 
@@ -251,10 +236,10 @@ impl Reader<'_> {
 
     fn operand(&mut self, word: &str) -> Result<Operand> {
         if let Some(name) = word.strip_prefix('[') {
+            let name = name.trim_end_matches(']');
             let found = self.operations.iter().rposition(|known| known.name == name);
-            return Ok(Operand::Value(
-                found.with_context(|| format!("no result '{name}'"))?,
-            ));
+            let found = found.with_context(|| format!("no result '{name}'"))?;
+            return Ok(Operand::Value(found));
         }
         if let Some(name) = word.strip_prefix('$') {
             let place = ITEMS.iter().position(|item| *item == name);
@@ -269,10 +254,9 @@ impl Reader<'_> {
         let [a, b, picked @ ..] = parts.as_slice() else {
             bail!("a choice of one");
         };
-        let [a, b] = [a, b].map(|part| self.operand(part.trim_end_matches(']')));
-        let term = Term {
-            a: a?,
-            b: b?,
+        Ok(Term {
+            a: self.operand(a)?,
+            b: self.operand(b)?,
             picked: picked.first().map(|name| self.constant(name)),
             plain: true,
             pick: match condition {
@@ -281,18 +265,15 @@ impl Reader<'_> {
                 _ => bail!("no condition '{condition}'"),
             },
             ..Term::default()
-        };
-        Ok(term)
+        })
     }
 
     fn terms(&mut self, text: &str) -> Result<Vec<Term>> {
         let mut terms = Vec::new();
-        let mut term = Term {
-            plain: true,
-            ..Term::default()
-        };
-        let mut rest = text.trim_start();
-        let mut is_other = false;
+        let (mut term, mut is_other) = (Term::default(), false);
+        // The first term is added as well.
+        let text = format!("+ {text}");
+        let mut rest = text.as_str();
         while !rest.is_empty() {
             let end = if rest.starts_with('[') { ']' } else { ' ' };
             let (word, behind) = rest.split_once(end).unwrap_or((rest, ""));
@@ -327,10 +308,8 @@ impl Reader<'_> {
             }
         }
         terms.push(term);
-        ensure!(
-            terms.iter().all(|term| term.a != Operand::None),
-            "a term without a factor"
-        );
+        let whole = terms.iter().all(|term| term.a != Operand::None);
+        ensure!(whole, "a term without a factor");
         Ok(terms)
     }
 }

@@ -1,37 +1,22 @@
 //! When operations are issued, where their results stand, and when those of a splat leave; see [`assemble`](super::assemble).
 
-use super::assemble::{Exits, Operand, Operation, Pick, Term, Value};
+use super::assemble::{Exits, Operand, Operation, Pick, Place, Term, Value};
 use crate::random::split_mix;
 
 /// Cycles from the issue of a sum's last term until its result can be read.
 pub const LATENCY: usize = 24;
 
 /// Registers of a core.
-pub const REGISTERS: usize = 256;
+const REGISTERS: usize = 256;
 
 /// Rounds that a splat may take: as many splats of one core are in flight.
-pub const ROUNDS: usize = 16;
+const ROUNDS: usize = 16;
 
 /// So many cycles before a round ends the next splats' records may begin to come in.
 pub const LOAD_AHEAD: usize = 48;
 
 /// So many cycles after a splat's last result its round goes on at least.
 const OUT_AHEAD: usize = 4;
-
-/// The operation and the term of every cycle of a round.
-pub(super) fn slots(
-    operations: &[Operation],
-    times: &[usize],
-    round: usize,
-) -> Vec<Option<(usize, usize)>> {
-    let mut slots = vec![None; round];
-    for (index, time) in times.iter().enumerate() {
-        for term in 0..operations[index].terms.len() {
-            slots[time % round + term] = Some((index, term));
-        }
-    }
-    slots
-}
 
 /// The results that an operation reads.
 fn read(operation: &Operation) -> impl Iterator<Item = Value> + '_ {
@@ -44,10 +29,8 @@ fn read(operation: &Operation) -> impl Iterator<Item = Value> + '_ {
 }
 
 fn reads_input(operation: &Operation) -> bool {
-    operation
-        .terms
-        .iter()
-        .any(|term| matches!(term.a, Operand::Input(_)))
+    let mut terms = operation.terms.iter();
+    terms.any(|term| matches!(term.a, Operand::Input(_)))
 }
 
 /// Cycles of every operation's first slot; nothing if the round is too short.
@@ -55,16 +38,10 @@ fn reads_input(operation: &Operation) -> bool {
 /// What has the most behind it comes first; the seed stirs that order by a latency, since not every order fills a round without gaps.
 pub(super) fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usize>> {
     let mut state = seed;
-    let stir: Vec<usize> = operations
-        .iter()
-        .map(|_| {
-            if seed == 0 {
-                0
-            } else {
-                split_mix(&mut state) as usize % (LATENCY << (seed % 4))
-            }
-        })
-        .collect();
+    let mut stir = vec![0; operations.len()];
+    if seed > 0 {
+        stir.fill_with(|| split_mix(&mut state) as usize % (LATENCY << (seed % 4)));
+    }
     let mut taken = vec![false; round];
     let mut times = vec![0; operations.len()];
     // Cycles from an operation's issue to the end of everything that follows from it.
@@ -77,11 +54,12 @@ pub(super) fn schedule(operations: &[Operation], round: usize, seed: u64) -> Opt
         }
     }
     // Factors that an operation waits for, and the cycle from which those that are there can be read.
-    let mut waits: Vec<usize> = operations.iter().map(|o| read(o).count()).collect();
+    let mut waits = vec![0; operations.len()];
     let mut ready = vec![0; operations.len()];
     let mut readers = vec![Vec::new(); operations.len()];
     for (index, operation) in operations.iter().enumerate() {
         for value in read(operation) {
+            waits[index] += 1;
             readers[value].push(index);
         }
     }
@@ -127,69 +105,83 @@ fn spares_second(term: &Term) -> bool {
     used == [false; 2] && term.pick == Pick::None
 }
 
-/// Cycles in which the results leave, all of them in one round: the earliest for which they are ready, in slots that
-/// spare the second factor. They are counted before that round ends.
-pub(super) fn exits(
-    operations: &[Operation],
-    results: &[(usize, Value)],
-    times: &[usize],
-    round: usize,
-) -> Option<Exits> {
-    let mut ready: Vec<(usize, usize)> = results
-        .iter()
-        .map(|(_, value)| times[*value] + operations[*value].terms.len() - 1 + LATENCY)
-        .zip(0..)
-        .collect();
-    ready.sort_unstable();
-    let first = ready.last()?.0 / round;
-    let slots = slots(operations, times, round);
-    (first..ROUNDS).find_map(|of_round| {
-        let free = slots.iter().enumerate().take(round - OUT_AHEAD);
-        let mut free = free.filter(|(_, slot)| {
-            slot.is_none_or(|(operation, term)| spares_second(&operations[operation].terms[term]))
-        });
-        let mut exits = Exits {
-            round: of_round,
-            results: results.iter().map(|(_, value)| (0, *value)).collect(),
-            words: results.iter().map(|(word, _)| *word).collect(),
-        };
-        for (time, number) in &ready {
-            let (cycle, _) = free.find(|(cycle, _)| of_round * round + cycle >= *time)?;
-            exits.results[*number].0 = cycle;
-        }
-        Some(exits)
-    })
+/// Operations in a round of so many cycles, and the cycle of each one's first slot.
+pub(super) struct Timed<'a> {
+    pub operations: &'a [Operation],
+    pub round: usize,
+    pub times: Vec<usize>,
 }
 
-/// Registers for every result: the first, and how many. Nothing if there are too few.
-pub(super) fn registers(
-    operations: &[Operation],
-    times: &[usize],
-    exits: &Exits,
-    round: usize,
-) -> Option<Vec<(usize, usize)>> {
-    let last_slot = |index: usize| times[index] + operations[index].terms.len() - 1;
-    let mut copies = vec![1; operations.len()];
-    let mut lasts = |value: usize, until: usize| {
-        let rounds = (until - last_slot(value)).div_ceil(round);
-        copies[value] = copies[value].max(rounds.next_power_of_two());
-    };
-    for (index, operation) in operations.iter().enumerate() {
-        for value in read(operation) {
-            lasts(value, last_slot(index));
+impl Timed<'_> {
+    /// The operation and the term of every cycle of a round.
+    pub fn slots(&self) -> Vec<Option<(usize, usize)>> {
+        let mut slots = vec![None; self.round];
+        for (index, time) in self.times.iter().enumerate() {
+            for term in 0..self.operations[index].terms.len() {
+                slots[time % self.round + term] = Some((index, term));
+            }
         }
+        slots
     }
-    for (cycle, value) in &exits.results {
-        lasts(*value, exits.round * round + cycle);
+
+    fn last_slot(&self, index: usize) -> usize {
+        self.times[index] + self.operations[index].terms.len() - 1
     }
-    let mut order: Vec<usize> = (0..operations.len()).collect();
-    // The widest first, so that all stand at a multiple of their width.
-    order.sort_by_key(|index| REGISTERS - copies[*index]);
-    let mut free = 0;
-    let mut places = vec![(0, 1); operations.len()];
-    for index in order {
-        places[index] = (free, copies[index]);
-        free += copies[index];
+
+    /// Cycles in which the results leave, all of them in one round: the earliest for which they are ready, in slots that
+    /// spare the second factor. They are counted before that round ends.
+    pub fn exits(&self, results: &[(usize, Value)]) -> Option<Exits> {
+        let ready = results
+            .iter()
+            .map(|(_, value)| self.last_slot(*value) + LATENCY);
+        let mut ready: Vec<(usize, usize)> = ready.zip(0..).collect();
+        ready.sort_unstable();
+        let first = ready.last()?.0 / self.round;
+        let spares = |slot: Option<(usize, usize)>| {
+            slot.is_none_or(|(index, term)| spares_second(&self.operations[index].terms[term]))
+        };
+        let slots = self.slots();
+        (first..ROUNDS).find_map(|round| {
+            let mut free = (0..self.round - OUT_AHEAD).filter(|cycle| spares(slots[*cycle]));
+            let mut exits = Exits {
+                round,
+                results: results.iter().map(|(_, value)| (0, *value)).collect(),
+                words: results.iter().map(|(word, _)| *word).collect(),
+            };
+            for (time, number) in &ready {
+                let cycle = free.find(|cycle| round * self.round + cycle >= *time)?;
+                exits.results[*number].0 = cycle;
+            }
+            Some(exits)
+        })
     }
-    (free <= REGISTERS).then_some(places)
+
+    /// Places of all operations, with registers for every result; nothing if there are too few.
+    pub fn places(&self, exits: &Exits) -> Option<Vec<Place>> {
+        let place = |time: &usize| Place {
+            time: *time,
+            register: 0,
+            copies: 1,
+        };
+        let mut places: Vec<Place> = self.times.iter().map(place).collect();
+        let mut lasts = |value: usize, until: usize| {
+            let rounds = (until - self.last_slot(value)).div_ceil(self.round);
+            places[value].copies = places[value].copies.max(rounds.next_power_of_two());
+        };
+        for (index, operation) in self.operations.iter().enumerate() {
+            read(operation).for_each(|value| lasts(value, self.last_slot(index)));
+        }
+        for (cycle, value) in &exits.results {
+            lasts(*value, exits.round * self.round + cycle);
+        }
+        let mut order: Vec<&mut Place> = places.iter_mut().collect();
+        // The widest first, so that all stand at a multiple of their width.
+        order.sort_by_key(|place| REGISTERS - place.copies);
+        let mut free = 0;
+        for place in order {
+            place.register = free;
+            free += place.copies;
+        }
+        (free <= REGISTERS).then_some(places)
+    }
 }

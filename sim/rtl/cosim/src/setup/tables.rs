@@ -5,13 +5,11 @@
 
 use super::program::{ProgramKind, SetupProgram};
 use super::record::record;
-use super::unit::{channels, one_record, packet, write_constants};
+use super::unit::{channels, constant_words, one_record, packet, write_constants};
 use crate::bench::{Bench, Checker, Item, Pressure};
-use crate::circuit::{Circuit, SETUP};
-use crate::findings::Findings;
+use crate::circuit::SETUP;
 use crate::random::split_mix;
-use crate::simulation::Simulation;
-use crate::unit::{Extent, Unit};
+use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
 use anyhow::{Context, Result};
 use splatline::footprint::packet::Layout;
 use splatline::format::{Traversal, Widths};
@@ -22,31 +20,28 @@ use splatline::splat::{Axis, VolumeSplat};
 use splatline_sim::vectors::hard_cases;
 
 /// The setup unit with that program.
-pub struct TableUnits {
-    circuit: Circuit,
-}
+pub struct TableUnits(Circuit);
 
 impl TableUnits {
     /// Of a design.
     pub fn new(design: &str) -> Result<TableUnits> {
         let program = SetupProgram::new(ProgramKind::Units);
-        let circuit = Circuit::new(&SETUP, design, 2)?.with_program(program);
-        Ok(TableUnits { circuit })
+        let circuit = Circuit::new(&SETUP, design, 2)?;
+        Ok(TableUnits(circuit.with_program(program)))
     }
 }
 
 impl Unit for TableUnits {
     type Load = Vec<SoftFloat>;
-    const COUNTS: &'static [&'static str] = &[];
     const PRESSURES: usize = 1;
 
     fn circuit(&self) -> &Circuit {
-        &self.circuit
+        &self.0
     }
 
     /// For the full extent all mantissas of 18 bits, and as many of wider ones.
-    fn loads(&self, extent: Extent, _: &mut Vec<&'static str>) -> Result<Vec<Vec<SoftFloat>>> {
-        let mantissa = self.circuit.widths.mantissa;
+    fn loads(&self, extent: Extent, _: &mut Missing) -> Result<Vec<Vec<SoftFloat>>> {
+        let mantissa = self.0.widths.mantissa;
         Ok(vec![match extent {
             Extent::Quick => numbers(mantissa, 37 << (mantissa - 18)),
             Extent::Full => numbers(mantissa, 1 << (mantissa - 18)),
@@ -58,10 +53,11 @@ impl Unit for TableUnits {
     }
 
     fn compare(&self, circuit: Simulation, load: &Vec<SoftFloat>, _: usize) -> Result<Findings> {
-        let widths = self.circuit.widths;
+        let widths = self.0.widths;
         let (view, _) = hard_cases(1, [640, 480], 1);
         let mut bench = Bench::new(circuit, 1)?;
-        write_constants(&mut bench, &self.circuit, &view, &Rules::GAUSSIAN_3D)?;
+        let words = constant_words(&self.0, &view, &Rules::GAUSSIAN_3D)?;
+        write_constants(&mut bench, &words)?;
         let item = |number: &SoftFloat| Some(one_record(record(&bearing(*number))?.to_vec()));
         let items: Option<Vec<Item>> = load.iter().map(item).collect();
         let mut checker = TableChecker {
@@ -71,7 +67,7 @@ impl Unit for TableUnits {
         };
         let channels = channels(&bench.circuit)?;
         let items = items.context("a number without a place in a record")?;
-        bench.run(&channels, &items, &Pressure::default(), &mut checker)
+        bench.run(&channels, &items, &Pressure::at_ends([0; 3]), &mut checker)
     }
 }
 
@@ -83,9 +79,8 @@ fn numbers(bits: u8, step: usize) -> Vec<SoftFloat> {
     let long = (0..2_000).map(|_| (split_mix(&mut state) >> 34) as i32 | 1 << 30);
     let carrying = carrying.filter(|mantissa| *mantissa > 0);
     let mantissas = usual.chain(carrying).chain(long);
-    mantissas
-        .flat_map(|mantissa| [-27, -20].map(|exponent| SoftFloat { mantissa, exponent }))
-        .collect()
+    let both = |mantissa| [-27, -20].map(|exponent| SoftFloat { mantissa, exponent });
+    mantissas.flat_map(both).collect()
 }
 
 /// A splat with this weight, and in its first axis a 0 of a large power: a term that must not count.
@@ -126,12 +121,9 @@ impl Checker for TableChecker<'_> {
             ("root", got.ldl.horizontal, root),
             ("root of 16 bits", got.ldl.squared_width, short),
         ];
-        for (name, got, expected) in pairs {
-            if got != expected {
-                return Some(format!(
-                    "{name} of {number:?}: the kernel has {expected:?}, the circuit {got:?}"
-                ));
-            }
+        if let Some((name, got, expected)) = pairs.into_iter().find(|pair| pair.1 != pair.2) {
+            let words = format!("the kernel has {expected:?}, the circuit {got:?}");
+            return Some(format!("{name} of {number:?}: {words}"));
         }
         // The cut-off is a number only where the opacity is above the least.
         let end = cutoff(&Rules::GAUSSIAN_3D, number).unwrap_or(0);

@@ -2,14 +2,14 @@
 //!
 //! `sim/rtl/<design>/splatline_setup_pkg.sv` is this module's output; a test compares the committed files with it.
 
-use super::assemble::{Operand, Operation, Pick, Program, Table, Term, Unit, Value, constant};
+use super::assemble::{Operand, Pick, Program, Table, Term, Unit, Value, constant};
 use super::program::{SetupProgram, faint_bits, low_bits};
 use super::schedule::{LATENCY, LOAD_AHEAD};
+use crate::tables::function;
 use anyhow::{Result, ensure};
 use splatline::format::Widths;
 use splatline::setup::axis_bits;
 use splatline_sim::machine::area::setup::is_turned;
-use std::fmt::Write;
 
 /// The slot's type.
 const TYPES: &str = include_str!("../../../setup_types.svh");
@@ -26,58 +26,81 @@ pub const REGISTERS: [&str; 24] = [
 /// Registers that every program has; the rotation's begin behind them.
 pub const OF_EVERY_PROGRAM: usize = 15;
 
-/// Fields of a slot in the order of `setup_types.svh`, first the most significant: name and bits.
-const FIELDS: [(&str, u32); 36] = [
-    ("round", 4),
-    ("a_input", 1),
-    ("a_constant", 1),
-    ("a", 8),
-    ("a_turn", 4),
-    ("b_constant", 1),
-    ("b", 8),
-    ("b_turn", 4),
-    ("constant", 6),
-    ("lookup", 2),
-    ("entry", 1),
-    ("power", 1),
-    ("plain", 1),
-    ("offset", 8),
-    ("pick", 2),
-    ("by_flag", 1),
-    ("flag", 2),
-    ("negated", 1),
-    ("subtracted", 1),
-    ("down", 1),
-    ("first", 1),
-    ("again", 1),
-    ("last", 1),
-    ("base", 2),
-    ("step", 7),
-    ("addend", 1),
-    ("start", 6),
-    ("normal", 1),
-    ("drop", 5),
-    ("spare", 6),
-    ("extended", 1),
-    ("write", 1),
-    ("place", 8),
-    ("place_turn", 4),
-    ("out", 1),
-    ("word", 4),
-];
-
-/// The fields of a program's slots: with a direction there are more words than 16.
-fn fields(program: &Program) -> impl Iterator<Item = (&'static str, u32)> {
-    let more = u32::from(program.directs());
-    FIELDS
-        .into_iter()
-        .map(move |(name, bits)| (name, bits + if name == "word" { more } else { 0 }))
+/// The fields of a term's slot in the order of `setup_types.svh`, first the most significant: name, bits, value. With a direction there are more words
+/// than 16.
+fn fields(program: &Program, index: usize, term: usize) -> Result<Vec<(&'static str, u32, i64)>> {
+    let operation = &program.operations[index];
+    let slot = &operation.terms[term];
+    let factor = |factor| match factor {
+        Operand::Value(value) => Some(registers(program, value)),
+        Operand::Input(item) => Some([item.into(), 0]),
+        Operand::Constant(_) | Operand::None => None,
+    };
+    let [a, a_turn] = factor(slot.a).unwrap_or_default();
+    let [b, b_turn] = factor(slot.other).or(factor(slot.b)).unwrap_or_default();
+    let [place, place_turn] = registers(program, index);
+    let round = program.places[index].time / program.round;
+    let is_constant = |factor| matches!(factor, Operand::Constant(_)).into();
+    let (base, step) = match operation.unit {
+        Unit::Below(bits) => (0, 2 * PLAIN - bits),
+        Unit::First(step) if operation.terms[0].plain => (1, step + PLAIN),
+        Unit::First(step) => (1, step),
+        Unit::At(exponent) => (2, exponent),
+    };
+    let addend = operation.addend.filter(|_| term == 0);
+    let next = operation.terms.get(term + 1);
+    Ok(vec![
+        ("round", 4, round as i64),
+        ("a_input", 1, matches!(slot.a, Operand::Input(_)).into()),
+        ("a_constant", 1, is_constant(slot.a)),
+        ("a", 8, a),
+        ("a_turn", 4, a_turn),
+        ("b_constant", 1, is_constant(slot.b)),
+        ("b", 8, b),
+        ("b_turn", 4, b_turn),
+        (
+            "constant",
+            6,
+            constant(operation, term)?.unwrap_or(0) as i64,
+        ),
+        ("lookup", 2, slot.table as i64),
+        ("entry", 1, slot.entry.into()),
+        ("power", 1, slot.power.into()),
+        ("plain", 1, slot.plain.into()),
+        ("offset", 8, offset(slot)),
+        ("pick", 2, slot.pick as i64),
+        ("by_flag", 1, slot.flag.is_some().into()),
+        ("flag", 2, slot.flag.unwrap_or(0).into()),
+        ("negated", 1, slot.before.into()),
+        ("subtracted", 1, slot.after.into()),
+        ("down", 1, slot.floor.into()),
+        ("first", 1, (term == 0 && !operation.follows).into()),
+        ("again", 1, slot.again.into()),
+        ("last", 1, next.is_none_or(|next| next.again).into()),
+        ("base", 2, base),
+        ("step", 7, step.into()),
+        ("addend", 1, addend.is_some().into()),
+        ("start", 6, addend.unwrap_or(0) as i64),
+        ("normal", 1, operation.bits.is_some().into()),
+        ("drop", 5, i64::from(31 - operation.bits.unwrap_or(31))),
+        ("spare", 6, 32 - i64::from(operation.below)),
+        ("extended", 1, operation.long.into()),
+        ("write", 1, next.is_none().into()),
+        ("place", 8, place),
+        ("place_turn", 4, place_turn),
+        ("out", 1, 0),
+        ("word", 4 + u32::from(program.directs()), 0),
+    ])
 }
 
-/// Bits of a slot.
-fn slot_bits(program: &Program) -> u32 {
-    fields(program).map(|(_, bits)| bits).sum()
+/// A result's first register, and the highest number of those that splats take in turn.
+fn registers(program: &Program, value: Value) -> [i64; 2] {
+    let place = program.places[value];
+    [place.register as i64, place.copies as i64 - 1]
 }
+
+/// Bits by which a plain term stands higher in the core than its exponent says: those of a mantissa.
+const PLAIN: i32 = 31;
 
 /// The types of a program.
 fn types(program: &Program) -> Result<String> {
@@ -108,28 +131,35 @@ pub fn text(name: &str, widths: &Widths, program: &SetupProgram) -> Result<Strin
         );
     }
     let program = program.assembled(widths)?;
-    let mut text = format!(
+    let slot_bits = fields(&program, 0, 0)?.iter().map(|field| field.1).sum();
+    let head = format!(
         "// Design {name}: the setup unit's program. Generated by `cargo run -p splatline-rtl --example rtl -- package`; do not edit.\n\
          package splatline_setup_pkg;\n\n"
     );
-    parameters(&mut text, widths, &program);
-    text.push_str(&types(&program)?);
-    microcode(&mut text, &program)?;
-    text.push_str("endpackage\n");
-    Ok(text)
+    let parameters = parameters(widths, &program, slot_bits);
+    let parts = [
+        head,
+        parameters,
+        types(&program)?,
+        microcode(&program, slot_bits)?,
+    ];
+    Ok(parts.concat() + "endpackage\n")
 }
 
-fn parameters(text: &mut String, widths: &Widths, program: &Program) {
-    let Widths {
-        position, mantissa, ..
-    } = *widths;
+/// The parameters of a program whose slots have so many bits.
+fn parameters(widths: &Widths, program: &Program, slot_bits: u32) -> String {
+    let (position, mantissa) = (widths.position, widths.mantissa);
     let (low, faint, round) = (low_bits(widths), faint_bits(widths), program.round);
     let axis_drop = 31 - axis_bits(widths);
-    let turned = u32::from(is_turned(widths.mantissa));
+    let turned = u32::from(is_turned(mantissa));
     let (out_round, out_last) = (program.exits.round, program.exits.last());
-    // Writing to a String cannot fail.
-    let _ = writeln!(
-        text,
+    let count = [OF_EVERY_PROGRAM, REGISTERS.len()][usize::from(program.directs())];
+    let registers = (FIRST_REGISTER..).zip(&REGISTERS[..count]);
+    let registers = registers.map(|(address, name)| {
+        let name = name.to_uppercase();
+        format!("  localparam int {name} = {address};\n")
+    });
+    format!(
         "  localparam int POSITION = {position};  // magnitude bits of a difference to the eye
   localparam int LOW = {low};  // those of its low part
   localparam int FAINT = {faint};  // those of a position that are below its centre's rounding; 0: it comes in two words
@@ -141,162 +171,50 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
   localparam int LOAD_AHEAD = {LOAD_AHEAD};  // cycles before a round's end from which its records are full
   localparam int OUT_ROUND = {out_round};  // round in which a splat's results come
   localparam int OUT_LAST = {out_last};  // the last slot with one of them
-  localparam int FIRST_REGISTER = {FIRST_REGISTER};  // address of the first number outside the cores"
-    );
-    let registers = if program.directs() {
-        REGISTERS.len()
-    } else {
-        OF_EVERY_PROGRAM
-    };
-    for (place, name) in REGISTERS.iter().take(registers).enumerate() {
-        let _ = writeln!(
-            text,
-            "  localparam int {} = {};",
-            name.to_uppercase(),
-            usize::from(FIRST_REGISTER) + place
-        );
-    }
-    let _ = writeln!(
-        text,
-        "  localparam int SLOT_BITS = {};\n",
-        slot_bits(program)
-    );
+  localparam int FIRST_REGISTER = {FIRST_REGISTER};  // address of the first number outside the cores
+{}  localparam int SLOT_BITS = {slot_bits};\n\n",
+        registers.collect::<String>()
+    )
 }
 
-fn microcode(text: &mut String, program: &Program) -> Result<()> {
-    let bits = slot_bits(program);
-    let _ = writeln!(
-        text,
-        "  // The slot that is issued in each cycle of a round.\n  function automatic logic [{}:0] microcode(input logic [7:0] cycle);\n    case (cycle)",
-        bits - 1
-    );
-    for (cycle, slot) in program.slots().iter().enumerate() {
-        let mut values = Vec::new();
+/// The slot that is issued in each cycle of a round, as a function.
+fn microcode(program: &Program, slot_bits: u32) -> Result<String> {
+    let mut words = Vec::new();
+    for (cycle, slot) in program.slots().into_iter().enumerate() {
+        let (index, term) = slot.unwrap_or_default();
+        let mut fields = fields(program, index, term)?;
         let mut names = Vec::new();
-        if let Some((operation, term)) = *slot {
-            values = meaning(program, operation, term)?;
-            names.push(program.operations[operation].name.clone());
+        match slot {
+            Some(_) => names.push(program.operations[index].name.clone()),
+            None => fields.iter_mut().for_each(|field| field.2 = 0),
         }
-        if let Some(number) = leaving(program, cycle) {
-            let (_, value) = program.exits.results[number];
-            let word = program.exits.words[number];
-            values.extend(second(program, value));
-            values.extend([("out", 1), ("word", word as i64)]);
+        let results = &program.exits.results;
+        if let Some(number) = results.iter().position(|(at, _)| *at == cycle) {
+            let (_, value) = results[number];
+            let [register, turn] = registers(program, value);
+            for (name, _, field) in &mut fields {
+                match *name {
+                    "b" => *field = register,
+                    "b_turn" => *field = turn,
+                    "out" => *field = 1,
+                    "word" => *field = program.exits.words[number] as i64,
+                    _ => {}
+                }
+            }
             names.push(format!("out: {}", program.operations[value].name));
         }
-        if names.is_empty() {
-            continue;
+        if !names.is_empty() {
+            let word = fields.iter().fold(0u128, |word, (_, bits, field)| {
+                word << bits | (*field as u128 & ((1 << bits) - 1))
+            });
+            let names = names.join("; ");
+            words.push((cycle, format!("{slot_bits}'h{word:x};  // {names}")));
         }
-        let word = word(program, &values);
-        let _ = writeln!(
-            text,
-            "      8'd{cycle}: microcode = {bits}'h{word:x};  // {}",
-            names.join("; ")
-        );
     }
-    let _ = writeln!(
-        text,
-        "      default: microcode = {bits}'h0;\n    endcase\n  endfunction\n"
-    );
-    Ok(())
+    let head = "  // The slot that is issued in each cycle of a round.\n".to_owned();
+    let words = words.into_iter();
+    Ok(head + &function(["microcode", "cycle", "h0"], [slot_bits, 8], words))
 }
-
-/// The number of the result that leaves in a cycle of the round.
-fn leaving(program: &Program, cycle: usize) -> Option<usize> {
-    let results = &program.exits.results;
-    results.iter().position(|(at, _)| *at == cycle)
-}
-
-/// A slot's fields that are not 0.
-fn meaning(program: &Program, index: usize, term: usize) -> Result<Vec<(&'static str, i64)>> {
-    let operation = &program.operations[index];
-    let place = program.places[index];
-    let slot = operation.terms[term];
-    let mut values = vec![("round", (place.time / program.round) as i64)];
-    if let Some(address) = constant(operation, term)? {
-        values.push(("constant", address as i64));
-    }
-    factors(&mut values, program, &slot);
-    of_term(&mut values, &slot);
-    sum(&mut values, operation, term);
-    let last = term + 1 == operation.terms.len();
-    values.push(("place", place.register as i64));
-    values.push(("place_turn", place.copies as i64 - 1));
-    values.push(("write", last.into()));
-    Ok(values)
-}
-
-fn word(program: &Program, values: &[(&'static str, i64)]) -> u128 {
-    let mut word = 0u128;
-    for (name, bits) in fields(program) {
-        let value = values.iter().rfind(|(known, _)| *known == name);
-        let value = value.map_or(0, |(_, value)| *value);
-        word = word << bits | (value as u128 & ((1 << bits) - 1));
-    }
-    word
-}
-
-/// A value as second factor.
-fn second(program: &Program, value: Value) -> [(&'static str, i64); 2] {
-    let place = program.places[value];
-    [
-        ("b", place.register as i64),
-        ("b_turn", place.copies as i64 - 1),
-    ]
-}
-
-fn factors(values: &mut Vec<(&'static str, i64)>, program: &Program, slot: &Term) {
-    match slot.a {
-        Operand::Value(value) => {
-            let place = program.places[value];
-            values.extend([
-                ("a", place.register as i64),
-                ("a_turn", place.copies as i64 - 1),
-            ]);
-        }
-        Operand::Input(item) => values.extend([("a_input", 1), ("a", item.into())]),
-        Operand::Constant(_) => values.push(("a_constant", 1)),
-        Operand::None => {}
-    }
-    match slot.b {
-        Operand::Value(value) => values.extend(second(program, value)),
-        Operand::Constant(_) => values.push(("b_constant", 1)),
-        Operand::Input(_) | Operand::None => {}
-    }
-    if let Operand::Value(value) = slot.other {
-        values.extend(second(program, value));
-    }
-}
-
-fn of_term(values: &mut Vec<(&'static str, i64)>, slot: &Term) {
-    let table = match slot.table {
-        Table::None => 0,
-        Table::Reciprocal => 1,
-        Table::Root => 2,
-        Table::Logarithm => 3,
-    };
-    let pick = match slot.pick {
-        Pick::None => 0,
-        Pick::Negative => 1,
-        Pick::NotNegative => 2,
-    };
-    values.extend([
-        ("lookup", table),
-        ("entry", slot.entry.into()),
-        ("power", slot.power.into()),
-        ("plain", slot.plain.into()),
-        ("offset", offset(slot)),
-        ("pick", pick),
-        ("by_flag", slot.flag.is_some().into()),
-        ("flag", slot.flag.unwrap_or(0).into()),
-        ("negated", slot.before.into()),
-        ("subtracted", slot.after.into()),
-        ("down", slot.floor.into()),
-    ]);
-}
-
-/// Bits by which a plain term stands higher in the core than its exponent says: those of a mantissa.
-const PLAIN: i32 = 31;
 
 /// What the core adds to the factors' exponents: tables have those of their own. A root's rest stands 8 bits higher in the core, 7 where its exponent is even;
 /// a first factor whose exponent does not count gives `-PLAIN`.
@@ -313,29 +231,4 @@ fn offset(slot: &Term) -> i64 {
     let picks = slot.pick != Pick::None;
     let without = i32::from(slot.power || picks) - i32::from(slot.plain);
     (table + i32::from(slot.doubled) + without * PLAIN).into()
-}
-
-fn sum(values: &mut Vec<(&'static str, i64)>, operation: &Operation, term: usize) {
-    let (unit, step) = match operation.unit {
-        Unit::Below(bits) => (0, 2 * PLAIN - bits),
-        Unit::First(step) if operation.terms[0].plain => (1, step + PLAIN),
-        Unit::First(step) => (1, step),
-        Unit::At(exponent) => (2, exponent),
-    };
-    let coarser = |term: &Term| term.again;
-    let addend = operation.addend.filter(|_| term == 0);
-    let last = operation.terms.get(term + 1).is_none_or(coarser);
-    values.extend([
-        ("first", (term == 0 && !operation.follows).into()),
-        ("again", operation.terms[term].again.into()),
-        ("last", last.into()),
-        ("base", unit),
-        ("step", step.into()),
-        ("addend", addend.is_some().into()),
-        ("start", addend.unwrap_or(0) as i64),
-        ("normal", operation.bits.is_some().into()),
-        ("drop", i64::from(31 - operation.bits.unwrap_or(31))),
-        ("spare", 32 - i64::from(operation.below)),
-        ("extended", operation.long.into()),
-    ]);
 }

@@ -3,15 +3,15 @@
 use super::constants::{Constant, constants, turned_back};
 use super::distant::distant;
 use super::exact::exact;
-use super::loads::{captured, synthetic};
+use super::loads::{SetupLoad, captured, synthetic};
 use super::program::{ProgramKind, SetupProgram};
 use super::record::record;
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
-use crate::circuit::{Circuit, SETUP};
-use crate::findings::Findings;
-use crate::simulation::{Port, Simulation};
-use crate::unit::{Extent, Unit};
-use anyhow::{Context, Result};
+use crate::circuit::SETUP;
+use crate::package::run_time;
+use crate::simulation::Port;
+use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
+use anyhow::Result;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
 use splatline::format::{RuntimeWidths, Traversal, Widths};
@@ -22,44 +22,18 @@ use splatline::setup::{Cull, setup};
 use splatline::splat::VolumeSplat;
 use splatline::view::View;
 
-/// What is set up: splats seen by a camera under rules.
-#[derive(Clone, Debug)]
-pub struct SetupLoad {
-    /// What it is.
-    pub name: String,
-    /// The camera.
-    pub view: View,
-    /// The rules.
-    pub rules: Rules,
-    /// The splats.
-    pub splats: Vec<VolumeSplat>,
-}
-
 /// At full speed; with packets that are not taken for thousands of cycles, until every queue is full; with pauses at both ends.
 const PRESSURES: [Pressure; 3] = [
-    PAUSES[0],
+    Pressure::at_ends([0; 3]),
     Pressure {
         stalls: 2_048,
-        ..PAUSES[0]
+        ..Pressure::at_ends([0; 3])
     },
-    PAUSES[1],
+    Pressure::at_ends([96; 3]),
 ];
 
-const PAUSES: [Pressure; 2] = [at_both_ends(0), at_both_ends(96)];
-
-const fn at_both_ends(share: u8) -> Pressure {
-    Pressure {
-        offers: [share; 2],
-        answers: share,
-        inside: 0,
-        stalls: 0,
-        resets: 0,
-        retracts: true,
-    }
-}
-
 /// The names of culls as in [`Cull::ALL`].
-const CULLS: [&str; 6] = [
+const CULLS: [&str; Cull::ALL.len()] = [
     "near",
     "far",
     "range",
@@ -69,9 +43,7 @@ const CULLS: [&str; 6] = [
 ];
 
 /// The unit of a design with some cores.
-pub struct SetupUnit {
-    circuit: Circuit,
-}
+pub struct SetupUnit(Circuit);
 
 impl SetupUnit {
     /// With a program of a kind of setup.
@@ -81,8 +53,8 @@ impl SetupUnit {
 
     /// With this program.
     pub fn with_program(design: &str, cores: u32, program: SetupProgram) -> Result<SetupUnit> {
-        let circuit = Circuit::new(&SETUP, design, cores)?.with_program(program);
-        Ok(SetupUnit { circuit })
+        let circuit = Circuit::new(&SETUP, design, cores)?;
+        Ok(SetupUnit(circuit.with_program(program)))
     }
 }
 
@@ -91,26 +63,22 @@ const PART: usize = 10_000;
 
 impl Unit for SetupUnit {
     type Load = SetupLoad;
-    const COUNTS: &'static [&'static str] = &CULLS;
     const PRESSURES: usize = PRESSURES.len();
 
     fn circuit(&self) -> &Circuit {
-        &self.circuit
+        &self.0
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<SetupLoad>> {
-        let (quick, kind) = (extent == Extent::Quick, self.circuit.program.kind);
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<SetupLoad>> {
+        let (quick, kind) = (extent == Extent::Quick, self.0.program.kind);
         if kind == ProgramKind::DistanceScaling {
             let loads = distant(if quick { 300 } else { 4_000 }, 1);
             return Ok(loads.into_iter().flat_map(parts).collect());
         }
         // The quickest to show a mutation first.
-        let [few, many, step] = if quick {
-            [300, 400, 400]
-        } else {
-            [12_000, 12_000, 1]
-        };
-        let mut loads = [exact(few, 1), synthetic(many, 1), captured(step, missing)?].concat();
+        let [few, many] = if quick { [300, 400] } else { [12_000; 2] };
+        let captured = captured(if quick { 400 } else { 1 }, missing)?;
+        let mut loads = [exact(few, 1), synthetic(many, 1), captured].concat();
         for load in &mut loads {
             load.rules.compensated = kind == ProgramKind::Compensation;
         }
@@ -121,18 +89,25 @@ impl Unit for SetupUnit {
         load.name.clone()
     }
 
-    fn compare(&self, circuit: Simulation, load: &SetupLoad, pressure: usize) -> Result<Findings> {
+    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
         let mut bench = Bench::new(circuit, 7)?;
-        write_constants(&mut bench, &self.circuit, &load.view, &load.rules)?;
-        let design = RuntimeWidths::new(self.circuit.widths).ok();
+        let words = constant_words(&self.0, &load.view, &load.rules)?;
+        write_constants(&mut bench, &words)?;
+        let widths = self.0.widths;
         let mut checker = SetupChecker {
-            design: design.context("widths out of range")?,
-            layout: Layout::new(&self.circuit.widths, Traversal::Spans),
+            widths,
+            design: run_time(&widths)?,
+            layout: Layout::new(&widths, Traversal::Spans),
             load,
             offered: Vec::new(),
-            directions: DirectionPorts::new(&bench.circuit, &self.circuit)?,
+            direction_ports: None,
+            directions: 0,
             culled: [0; 6],
         };
+        if self.0.program.directs {
+            let ports = ["direction_valid", "direction_seen", "direction"];
+            checker.direction_ports = Some(bench.circuit.ports(ports)?);
+        }
         let mut items = Vec::new();
         for splat in &load.splats {
             // One whose exponents have no place in a record is not offered.
@@ -143,13 +118,12 @@ impl Unit for SetupUnit {
         }
         let channels = channels(&bench.circuit)?;
         let mut findings = bench.run(&channels, &items, &PRESSURES[pressure], &mut checker)?;
-        if let Some(ports) = &checker.directions {
-            let few = (ports.came != items.len()).then(|| format!("{} directions", ports.came));
-            findings.first_difference = findings.first_difference.or(few);
+        let directions = checker.directions;
+        if checker.direction_ports.is_some() && directions != items.len() {
+            let few = || format!("{directions} directions");
+            findings.first_difference.get_or_insert_with(few);
         }
-        for (name, count) in CULLS.into_iter().zip(checker.culled) {
-            findings.count(name, count);
-        }
+        findings.counts = CULLS.into_iter().zip(checker.culled).collect();
         Ok(findings)
     }
 }
@@ -174,11 +148,9 @@ pub(super) fn channels(circuit: &Simulation) -> Result<Channels> {
 
 /// A record and its answer.
 pub(super) fn one_record(record: Vec<u32>) -> Item {
+    let (source, data) = (0, vec![record]);
     Item {
-        lanes: vec![vec![Offer {
-            source: 0,
-            data: vec![record],
-        }]],
+        lanes: vec![vec![Offer { source, data }]],
         answers: 1,
     }
 }
@@ -201,19 +173,14 @@ pub fn constant_words(circuit: &Circuit, view: &View, rules: &Rules) -> Result<V
     Ok(words)
 }
 
-/// Writes the constants of the circuit's program.
-pub fn write_constants(
-    bench: &mut Bench,
-    circuit: &Circuit,
-    view: &View,
-    rules: &Rules,
-) -> Result<()> {
-    for (index, value, exponent) in constant_words(circuit, view, rules)? {
+/// Writes constants for the cores and the registers beside them.
+pub fn write_constants(bench: &mut Bench, words: &[Constant]) -> Result<()> {
+    for (index, value, exponent) in words {
         bench.set(&[
             ("constant_valid", 1),
-            ("constant_index", index.into()),
-            ("constant_value", value as u64),
-            ("constant_exponent", exponent as u64),
+            ("constant_index", (*index).into()),
+            ("constant_value", *value as u64),
+            ("constant_exponent", *exponent as u64),
         ])?;
         bench.cycle();
     }
@@ -221,65 +188,43 @@ pub fn write_constants(
 }
 
 struct SetupChecker<'a> {
+    widths: Widths,
     design: RuntimeWidths,
     layout: Layout,
     load: &'a SetupLoad,
     offered: Vec<&'a VolumeSplat>,
-    directions: Option<DirectionPorts>,
+    /// Valid, seen and the direction, if the program gives any: each comes once and at its own time.
+    direction_ports: Option<[Port; 3]>,
+    /// How many have come.
+    directions: usize,
     culled: [u64; 6],
-}
-
-/// Where directions come, each once and at its own time, and how many have come.
-struct DirectionPorts {
-    valid: Port,
-    seen: Port,
-    direction: Port,
-    widths: Widths,
-    came: usize,
-}
-
-impl DirectionPorts {
-    /// Nothing if the program gives none.
-    fn new(simulation: &Simulation, circuit: &Circuit) -> Result<Option<DirectionPorts>> {
-        if !circuit.program.directs {
-            return Ok(None);
-        }
-        Ok(Some(DirectionPorts {
-            valid: simulation.port("direction_valid")?,
-            seen: simulation.port("direction_seen")?,
-            direction: simulation.port("direction")?,
-            widths: circuit.widths,
-            came: 0,
-        }))
-    }
 }
 
 impl Checker for SetupChecker<'_> {
     fn observe(&mut self, circuit: &Simulation, _: u64) -> Option<String> {
-        let ports = self
-            .directions
-            .as_mut()
-            .filter(|ports| circuit.is(ports.valid))?;
-        let number = ports.came;
-        ports.came += 1;
+        let [valid, seen_port, port] = self.direction_ports?;
+        if !circuit.is(valid) {
+            return None;
+        }
+        let number = self.directions;
+        self.directions += 1;
         let Some(splat) = self.offered.get(number) else {
             return Some("a direction too many".to_owned());
         };
         let SetupLoad { view, rules, .. } = self.load;
-        let wanted = direction(&ports.widths, view, &splat.centre);
+        let wanted = direction(&self.widths, view, &splat.centre);
         let wanted = wanted.map(|axis| axis.to_bits() as u32);
         let seen = setup(self.design, view, rules, splat).is_ok();
-        let got = circuit.words(ports.direction);
-        (got != wanted || circuit.is(ports.seen) != seen)
+        let got = circuit.words(port);
+        (got != wanted || circuit.is(seen_port) != seen)
             .then(|| format!("splat {number}: direction {got:x?}, not {wanted:x?}; seen: {seen}"))
     }
 
     fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
         let SetupLoad { view, rules, .. } = self.load;
         let expected = setup(self.design, view, rules, self.offered[number]);
-        let place = |cull| Cull::ALL.iter().position(|known| *known == cull);
         if let Err(cull) = &expected {
-            self.culled[place(*cull)?] += 1;
+            self.culled[cull.place()] += 1;
         }
         let known = |reason: u32| Cull::ALL.get((reason as usize).wrapping_sub(1)).copied();
         let (reason, got) = (answer[0][0], packet(&answer[2]));

@@ -1,13 +1,14 @@
 //! The harmonics of a scene's splats in memory, and the kernel's colours of them.
 
 use crate::random::split_mix;
-use fixed::types::I4F28;
+use fixed::types::{I2F30, I4F28, U4F28};
 use splatline::float::coefficient;
 use splatline::format::Widths;
 use splatline::setup::harmonics::{Harmonics, direction};
 use splatline::splat::VolumeSplat;
 use splatline::view::View;
 use splatline_sim::scene;
+use std::slice::Chunks;
 
 /// Base and coefficients of every splat, Q3.28.
 pub struct SceneHarmonics {
@@ -48,15 +49,21 @@ impl SceneHarmonics {
 
     /// Gives splats the colours in which the kernel sees them.
     pub fn shine(&self, widths: &Widths, view: &View, splats: &mut [VolumeSplat]) {
-        let parts = self.colours.chunks(words(self.degree));
-        for (splat, part) in splats.iter_mut().zip(parts) {
-            let harmonics = Harmonics {
-                base: part[0],
-                coefficients: &part[1..],
-            };
-            splat.colour = harmonics.colour(direction(widths, view, &splat.centre));
+        for (splat, colours) in splats.iter_mut().zip(self.splats()) {
+            splat.colour = colour(colours, direction(widths, view, &splat.centre));
         }
     }
+
+    /// Base and coefficients of each splat.
+    pub fn splats(&self) -> Chunks<'_, [I4F28; 3]> {
+        self.colours.chunks(words(self.degree))
+    }
+}
+
+/// The kernel's colour by a base and coefficients.
+pub fn colour(colours: &[[I4F28; 3]], direction: [I2F30; 3]) -> [U4F28; 3] {
+    let (base, coefficients) = (colours[0], &colours[1..]);
+    Harmonics { base, coefficients }.colour(direction)
 }
 
 /// Words of a splat: its base and its coefficients.
