@@ -72,8 +72,6 @@ pub trait Singles: Copy {
     fn single_clear(self, a: Self::Single, choice: Self::Choice) -> Self::Single;
     /// The number, and its sign set where it is true.
     fn single_mark(self, a: Self::Single, choice: Self::Choice) -> Self::Single;
-    /// Has every number its sign set where it is true?
-    fn all_signed(self, a: Self::Single, choice: Self::Choice) -> bool;
     /// A bit for every set sign.
     fn signs(self, a: Self::Single) -> u32;
     /// The first `count` pixels, of which a vector has no less.
@@ -193,10 +191,6 @@ impl Singles for Portable {
     #[inline(always)]
     fn single_mark(self, a: Self::Single, choice: Self::Choice) -> Self::Single {
         std::array::from_fn(|k| if choice[k] { -a[k].abs() } else { a[k] })
-    }
-    #[inline(always)]
-    fn all_signed(self, a: Self::Single, choice: Self::Choice) -> bool {
-        self.chosen(choice) & !self.signs(a) == 0
     }
     #[inline(always)]
     fn signs(self, a: Self::Single) -> u32 {
@@ -353,10 +347,6 @@ mod x86 {
                 let sign = _mm256_slli_epi32::<31>(_mm256_castps_si256(choice));
                 _mm256_or_ps(a, _mm256_castsi256_ps(sign))
             })
-        }
-        #[inline(always)]
-        fn all_signed(self, a: __m256, choice: __m256) -> bool {
-            op!(_mm256_testc_ps(a, choice)) == 1
         }
         #[inline(always)]
         fn signs(self, a: __m256) -> u32 {

@@ -123,11 +123,8 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
     fn paint_part(&mut self, part: &[u32], next: &[u32]) {
         let (seen, count) = self.seen(part);
         let mut ahead = next.iter();
+        let each = next.len().div_ceil(count.max(1));
         for indices in seen[..count].chunks(L::WIDE) {
-            // Two for each of these, of which some were left out.
-            for index in ahead.by_ref().take(2 * L::WIDE) {
-                prefetch(&self.painting.footprints[*index as usize]);
-            }
             for (k, index) in indices.iter().enumerate() {
                 if let Ok(footprint) = &self.painting.footprints[*index as usize] {
                     self.group.read(k, footprint, &self.window);
@@ -135,6 +132,10 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
             }
             let together = self.group.compute(self.math, &self.painting.widths);
             for (k, index) in indices.iter().enumerate() {
+                // A few at a time: many at once wait for each other.
+                for index in ahead.by_ref().take(each) {
+                    prefetch(&self.painting.footprints[*index as usize]);
+                }
                 if !self.group.member(k).is_empty()
                     && let Some((splat, first, second)) = self.fill(&together, k, *index)
                 {
