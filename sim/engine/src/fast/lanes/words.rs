@@ -50,8 +50,6 @@ pub trait PixelWords: Wide {
     fn write(self, to: &mut [u64], at: usize, value: Self::Word);
     /// Words whose most significant bit is set.
     fn marked(self, a: Self::Word) -> Self::Truth;
-    /// Is the most significant bit set of every word for which it is true?
-    fn all_marked(self, a: Self::Word, truth: Self::Truth) -> bool;
     /// The first `count` words.
     fn first(self, count: usize) -> Self::Truth;
     /// Both.
@@ -90,10 +88,6 @@ impl PixelWords for Portable {
     #[inline(always)]
     fn marked(self, a: Words) -> [bool; 8] {
         a.map(|a| a < 0)
-    }
-    #[inline(always)]
-    fn all_marked(self, a: Words, truth: [bool; 8]) -> bool {
-        a.iter().zip(truth).all(|(a, truth)| !truth || *a < 0)
     }
     #[inline(always)]
     fn first(self, count: usize) -> [bool; 8] {
@@ -169,13 +163,6 @@ mod x86 {
         #[inline(always)]
         fn marked(self, a: __m256i) -> __m256i {
             op!(_mm256_cmpgt_epi64(_mm256_setzero_si256(), a))
-        }
-        #[inline(always)]
-        fn all_marked(self, a: __m256i, truth: __m256i) -> bool {
-            op!({
-                let (a, truth) = (_mm256_castsi256_pd(a), _mm256_castsi256_pd(truth));
-                _mm256_testc_pd(a, truth) == 1
-            })
         }
         #[inline(always)]
         fn first(self, count: usize) -> __m256i {

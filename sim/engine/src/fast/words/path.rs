@@ -355,9 +355,6 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
             counts.covered += u64::from(lanes.wide_flags(inside).count_ones());
             counts.finished += u64::from(lanes.wide_flags(finished).count_ones());
         }
-        if lanes.all_marked(light, inside) {
-            return;
-        }
         if OPERATOR & !EVEN == BACK_TO_FRONT || OPERATOR & !EVEN == X_RAY {
             let live = lanes.except(inside, lanes.marked(light));
             self.layer(splat, self.alpha(splat, radial, live), live, x, row);
