@@ -235,6 +235,15 @@ mod with_verilator {
         agrees(&MachineUnit::new("lean18", 6, 4, MachineOption::Harmonics(1)).unwrap());
     }
 
+    /// The same by a unit with two multipliers, and in either design.
+    #[test]
+    #[ignore = "verilates and compiles two machines; also `cargo run -p splatline-rtl --example rtl -- compare frames-harmonics`"]
+    fn the_machine_draws_harmonics_by_two_multipliers() {
+        for (design, _) in super::DESIGNS {
+            agrees(&MachineUnit::new(design, 6, 4, MachineOption::Harmonics(2)).unwrap());
+        }
+    }
+
     /// What Verilator says of a circuit, all warnings but those that lint.vlt gives a reason for.
     fn lint(circuit: &Circuit) -> (bool, String) {
         let folder = tempfile::tempdir().unwrap();
