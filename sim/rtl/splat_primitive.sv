@@ -6,8 +6,8 @@
 // Lane l owns the tile's rows y with y mod LANES = l and the bank that holds them. So a pixel only ever meets one lane, splats
 // keep their order at every pixel, and lanes work on different rows, where short runs leave none idle.
 //
-// A tile: `tile` (the window, within one aligned TILE_COLUMNS x TILE_ROWS block) begins it; packets follow, nearest first; `finish` waits for the
-// last pixel and for the read-out of the tile before. Then this tile is read out, row by row, and cleared behind, while the next one is drawn into
+// A tile: `tile` (the window, within one aligned block of a tile's size and from its first column and row on) begins it; packets follow, nearest first;
+// `finish` waits for the last pixel and for the read-out of the tile before. Then this tile is read out, row by row, and cleared behind, while the next one is drawn into
 // the other buffer. After a reset both are cleared once.
 module splat_primitive #(
     parameter LANES = 1,
@@ -63,6 +63,10 @@ module splat_primitive #(
     end
     if (COLUMN_BITS < 1 || COLUMN_BITS != splatline_pkg::BLOCK_BITS) begin : gen_illegal_columns
       $error("a tile must have as many columns as a seed's block, and 2 or more");
+    end
+    // A packet's exponent, those of two products with a distance of at most 64 bits and their roundings, a shift of at most 63, a unit.
+    if ((1 << (splatline_pkg::EXPONENT - 1)) < 512 + 4 * 64 + 63 + splatline_pkg::VERTICAL + splatline_pkg::GUARD) begin : gen_illegal_exponents
+      $error("EXPONENT is too short for the exponents of setup and rows");
     end
     if (ROW_BITS < 1 || ROW_BITS > 8 || ADDRESS < 1) begin : gen_illegal_rows
       $error("a tile must have from 2 to 256 rows");

@@ -17,7 +17,7 @@
 #define SPLAT_AXI_CONTROL_RASTER_IDLE 0x8u
 /* Version of packets that are taken. (read-only) */
 #define SPLAT_AXI_VERSION 0x04u
-/* Window of the next tile, within one aligned block of 32 x 32 pixels. (read-write) */
+/* Window of the next tile, within one aligned block of 32 x 32 pixels and from its first column and row on. (read-write) */
 #define SPLAT_AXI_FIRST 0x08u
 /* First column. */
 #define SPLAT_AXI_FIRST_COLUMN 0xffffu

@@ -50,7 +50,7 @@ package splatline_pkg;
   // What the units hand to each other; formats are those of the kernel's structs of the same names (src/raster/spans.rs,
   // src/raster/mod.rs). Kept in types.svh, which the generator copies in here: Yosys knows no types across packages.
 
-  // Bits of an exponent and of a shift: those of a packet have 10, and no sum of them needs more than these.
+  // Bits of an exponent and of a shift: those of a packet have 10. splat_primitive.sv checks that sums of them have room.
   localparam int EXPONENT = 12;
 
   // The part of the screen that the tile buffer holds: columns and rows first .. end.

@@ -13,15 +13,19 @@ use std::path::{Path, PathBuf};
 /// The name of stdout, and of stdin where a file is read.
 pub const STREAM: &str = "-";
 
-/// What says that a folder holds results, of which command, and a file of these that another command writes as well.
-const RECORDS: [(&str, &str, &str); 6] = [
-    ("report.json", "compare", ""),
-    ("frames.json", "compare --camera-path", ""),
-    ("photos.json", "compare --photos", ""),
-    ("timing.json", "simulate", "machine.toml"),
-    ("answer.json", "optimize", "machine.toml"),
-    ("sweep.json", "sweep", ""),
+/// The file that says that a folder holds results, and the command that wrote them.
+const RECORDS: [(&str, &str); 6] = [
+    ("report.json", "compare"),
+    ("frames.json", "compare --camera-path"),
+    ("photos.json", "compare --photos"),
+    ("timing.json", MACHINES[0]),
+    ("answer.json", MACHINES[1]),
+    ("sweep.json", "sweep"),
 ];
+
+/// A result of two commands, and these.
+const MACHINE: &str = "machine.toml";
+const MACHINES: [&str; 2] = ["simulate", "optimize"];
 
 /// Is this stdout (or stdin)?
 pub fn is_stream(path: &Path) -> bool {
@@ -93,26 +97,31 @@ impl Outputs {
                 Failure::Usage(format!("cannot write '{}': {refused}", output.display()))
             })?;
         }
-        let Some(folder) = &self.folder else {
-            return Ok(());
-        };
+        match &self.folder {
+            Some(folder) => self.spare_results(folder),
+            None => Ok(()),
+        }
+    }
+
+    /// Fails if another command's result in the folder would be replaced; tells of those that stay.
+    fn spare_results(&self, folder: &Path) -> Result<(), Failure> {
         let writes = |file: &str| self.files.contains(&folder.join(file));
         let there = |file: &str| folder.join(file).is_file();
+        let others = RECORDS
+            .iter()
+            .filter(|(record, _)| there(record) && !writes(record));
+        let commands: Vec<&str> = others.map(|(_, command)| *command).collect();
         let shown = folder.display();
-        for (record, command, shared) in RECORDS {
-            if writes(record) || !there(record) {
-                continue;
-            }
-            if writes(shared) && there(shared) {
-                let message = format!(
-                    "cannot write to '{shown}': '{shared}' there is a result of `{command}` and would be replaced; name another folder"
-                );
-                return Err(Failure::Usage(message));
-            }
-            let note = format!(
+        let replaced = commands.iter().find(|command| MACHINES.contains(command));
+        if let Some(command) = replaced.filter(|_| writes(MACHINE) && there(MACHINE)) {
+            return Err(Failure::Usage(format!(
+                "cannot write to '{shown}': '{MACHINE}' there is a result of `{command}` and would be replaced; name another folder"
+            )));
+        }
+        for command in commands {
+            print_error(&format!(
                 "note: '{shown}' also holds results of `{command}`, which stay as they are\n"
-            );
-            print_error(&note);
+            ));
         }
         Ok(())
     }
