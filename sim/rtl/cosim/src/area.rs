@@ -4,7 +4,8 @@
 //! (`sim/machine/src/area/synthesised.csv` and `setup.csv`); `rtl -- area UNIT` counts the cells of another unit.
 
 use crate::circuit::{Circuit, PRIMITIVE, RtlUnit, SETUP};
-use crate::tools::{entries, json, yosys};
+use crate::netlist::Statistics;
+use crate::tools::{json, yosys};
 use anyhow::{Result, ensure};
 use splatline_sim::machine::area::setup::{self, FITTED_CORES, SetupUnit};
 use splatline_sim::machine::area::synthesis::{self, Subject, Synthesised, SynthesisedPart};
@@ -17,9 +18,9 @@ pub fn cells(script: &str, folder: &Path) -> Result<Fabric> {
     let counts = folder.join("stat.json");
     let count = format!("tee -q -o {} stat -json", counts.display());
     yosys(&format!("{script}; {count}"))?;
-    let statistics = json(&counts)?;
-    let kinds = entries(&statistics["design"]["num_cells_by_type"]);
-    let fabric = fabric(kinds.filter_map(|(kind, number)| Some((kind.as_str(), number.as_u64()?))));
+    let statistics: Statistics = json(&counts)?;
+    let kinds = statistics.design.num_cells_by_type;
+    let fabric = fabric(kinds.iter().map(|(kind, number)| (kind.as_str(), *number)));
     ensure!(fabric.luts > 0, "yosys counts no look-up tables");
     Ok(fabric)
 }

@@ -6,10 +6,10 @@
 //! `asic.csv` beside this folder is what it printed for primitives of four lanes in SKY130's cells (sky130_fd_sc_hd, typical corner).
 
 use crate::circuit::{Circuit, MACHINE, PRIMITIVE};
-use crate::tools::{entries, json, yosys};
+use crate::netlist::Netlist;
+use crate::tools::{json, yosys};
 use anyhow::{Context, Result, ensure};
 use flate2::read::GzDecoder;
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Read;
@@ -25,7 +25,7 @@ const MAPPING: &str = "strash; &get -n; &fraig -x; &put; scorr; dc2; strash; &ge
 /// What is read of a Liberty file.
 struct Library {
     /// What each cell takes.
-    cells: BTreeMap<String, Taken>,
+    cells: BTreeMap<String, ModuleCost>,
     /// Area of the smallest NAND of two inputs.
     gate: f64,
 }
@@ -37,7 +37,7 @@ impl Library {
         let (mut depth, mut inside, mut cell) = (0, 0, String::new());
         for line in text.lines().map(str::trim) {
             if let Some(name) = group(line, "cell") {
-                cells.insert(name.clone(), Taken::default());
+                cells.insert(name.clone(), ModuleCost::default());
                 (cell, inside) = (name, depth + 1);
             }
             if depth == inside
@@ -87,34 +87,30 @@ fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
 struct Module {
     cells: BTreeMap<String, u64>,
     /// What it takes beside them.
-    own: Taken,
+    own: ModuleCost,
 }
 
 /// The modules of Yosys' netlist, with their longest paths. (Its statistics would do, but release 0.23 writes them as broken JSON for more than one module.)
-fn modules(netlist: &Value, paths: &BTreeMap<String, f64>) -> BTreeMap<String, Module> {
-    let module = |(name, netlist): (&String, &Value)| {
-        let (mut cells, mut own) = (BTreeMap::new(), Taken::default());
-        for (_, cell) in entries(&netlist["cells"]) {
-            own.memory_bits += memory_bits(cell).unwrap_or(0);
-            let kind = cell["type"].as_str().unwrap_or_default();
-            *cells.entry(kind.to_owned()).or_default() += 1;
+fn modules(netlist: Netlist, paths: &BTreeMap<String, f64>) -> BTreeMap<String, Module> {
+    let mut modules = BTreeMap::new();
+    for (name, netlist) in netlist.modules {
+        let mut own = ModuleCost {
+            path: paths.get(&name).copied().unwrap_or_default(),
+            ..ModuleCost::default()
+        };
+        let mut cells = BTreeMap::new();
+        for cell in netlist.cells.into_values() {
+            own.memory_bits += cell.memory_bits().unwrap_or(0);
+            *cells.entry(cell.kind).or_default() += 1;
         }
-        own.path = paths.get(name).copied().unwrap_or_default();
-        (name.clone(), Module { cells, own })
-    };
-    entries(&netlist["modules"]).map(module).collect()
-}
-
-/// Bits of a memory; nothing of anything else. Parameters are binary numerals.
-fn memory_bits(cell: &Value) -> Option<u64> {
-    let parameter = |name| u64::from_str_radix(cell["parameters"][name].as_str()?, 2).ok();
-    let is_memory = cell["type"].as_str()?.starts_with("$mem");
-    is_memory.then_some(parameter("SIZE")? * parameter("WIDTH")?)
+        modules.insert(name, Module { cells, own });
+    }
+    modules
 }
 
 /// What a module takes with all that it contains.
 #[derive(Clone, Copy, Default)]
-struct Taken {
+struct ModuleCost {
     area: f64,
     flip_flops: u64,
     memory_bits: u64,
@@ -122,8 +118,8 @@ struct Taken {
     path: f64,
 }
 
-impl Taken {
-    fn add(&mut self, part: Taken, times: u64) {
+impl ModuleCost {
+    fn add(&mut self, part: ModuleCost, times: u64) {
         self.area += part.area * times as f64;
         self.flip_flops += part.flip_flops * times;
         self.memory_bits += part.memory_bits * times;
@@ -138,25 +134,25 @@ struct Mapped<'a> {
 }
 
 impl Mapped<'_> {
-    fn taken(&self, name: &str) -> Taken {
+    fn cost(&self, name: &str) -> ModuleCost {
         let Some(module) = self.modules.get(name) else {
             return self.library.cells.get(name).copied().unwrap_or_default();
         };
         let mut sum = module.own;
         for (kind, number) in &module.cells {
-            sum.add(self.taken(kind), *number);
+            sum.add(self.cost(kind), *number);
         }
         sum
     }
 
     /// Adds up by unit what the module contains, `times` over.
-    fn units(&self, name: &str, times: u64, units: &mut BTreeMap<String, (u64, Taken)>) {
+    fn units(&self, name: &str, times: u64, units: &mut BTreeMap<String, (u64, ModuleCost)>) {
         let Some(module) = self.modules.get(name) else {
             return;
         };
         let unit = units.entry(readable(name).to_owned()).or_default();
         unit.0 += times;
-        unit.1.add(self.taken(name), times);
+        unit.1.add(self.cost(name), times);
         for (kind, number) in &module.cells {
             if self.modules.contains_key(kind) {
                 self.units(kind, times * number, units);
@@ -198,14 +194,14 @@ fn lines(circuit: &Circuit, mapped: &Mapped) -> String {
     mapped.units(circuit.unit.top, 1, &mut units);
     let mut units: Vec<_> = units.into_iter().collect();
     units.sort_by(|one, other| other.1.1.area.total_cmp(&one.1.1.area));
-    let line = |(unit, (instances, taken)): (String, (u64, Taken))| {
-        let gates = taken.area / mapped.library.gate;
+    let line = |(unit, (instances, cost)): (String, (u64, ModuleCost))| {
+        let gates = cost.area / mapped.library.gate;
         format!(
             "{circuit},{unit},{instances},{:.0},{gates:.0},{},{},{:.2},{:.3}\n",
-            taken.area,
-            taken.flip_flops,
-            taken.memory_bits,
-            taken.path / 1000.0,
+            cost.area,
+            cost.flip_flops,
+            cost.memory_bits,
+            cost.path / 1000.0,
             gates * GATE_28NM / 1e6,
         )
     };
@@ -239,7 +235,7 @@ fn mapped<'a>(circuit: &Circuit, library: &'a Library, liberty: &str) -> Result<
     let paths = paths(&fs::read_to_string(path("mapping.txt"))?)?;
     Ok(Mapped {
         library,
-        modules: modules(&json(&path("netlist.json"))?, &paths),
+        modules: modules(json(&path("netlist.json"))?, &paths),
     })
 }
 
@@ -309,9 +305,9 @@ library ("small") {
         let log = "1. Extracting gate netlist of module `$paramod$0123\\lane' to `x'..\nABC: Delay =   281.93 ps\n";
         let mapped = Mapped {
             library: &library,
-            modules: modules(&serde_json::from_str(text).unwrap(), &paths(log).unwrap()),
+            modules: modules(serde_json::from_str(text).unwrap(), &paths(log).unwrap()),
         };
-        let all = mapped.taken("top");
+        let all = mapped.cost("top");
         assert_eq!(all.area, 2.0 * (3.5 + 20.0) + 3.5);
         assert_eq!(
             (all.flip_flops, all.memory_bits, all.path),

@@ -36,31 +36,54 @@ pub struct RtlUnit {
     parameter: &'static str,
     /// How many packages it is read with: that of the widths, and that of setup's program.
     packages: usize,
-}
-
-const fn unit([top, list, parameter]: [&'static str; 3], packages: usize) -> RtlUnit {
-    RtlUnit {
-        top,
-        list,
-        parameter,
-        packages,
-    }
+    /// What is simulated instead: the unit with a C integer for each port.
+    flat: Option<&'static str>,
 }
 
 /// The splat primitive.
-pub const PRIMITIVE: RtlUnit = unit(["splat_primitive", "files.txt", "LANES"], 1);
+pub const PRIMITIVE: RtlUnit = RtlUnit {
+    top: "splat_primitive",
+    list: "files.txt",
+    parameter: "LANES",
+    packages: 1,
+    flat: Some("flat_primitive"),
+};
 
 /// The setup unit.
-pub const SETUP: RtlUnit = unit(["setup_unit", "setup_files.txt", "CORES"], 2);
+pub const SETUP: RtlUnit = RtlUnit {
+    top: "setup_unit",
+    list: "setup_files.txt",
+    parameter: "CORES",
+    packages: 2,
+    flat: None,
+};
 
 /// Sorter and binning.
-pub const ORDER: RtlUnit = unit(["splat_order", "order_files.txt", "DIGIT"], 0);
+pub const ORDER: RtlUnit = RtlUnit {
+    top: "splat_order",
+    list: "order_files.txt",
+    parameter: "DIGIT",
+    packages: 0,
+    flat: None,
+};
 
 /// The harmonics unit.
-pub const HARMONICS: RtlUnit = unit(["harmonics_unit", "harmonics_files.txt", "MULTIPLIERS"], 0);
+pub const HARMONICS: RtlUnit = RtlUnit {
+    top: "harmonics_unit",
+    list: "harmonics_files.txt",
+    parameter: "MULTIPLIERS",
+    packages: 0,
+    flat: None,
+};
 
 /// The whole machine.
-pub const MACHINE: RtlUnit = unit(["splat_machine", "machine_files.txt", "LANES"], 2);
+pub const MACHINE: RtlUnit = RtlUnit {
+    top: "splat_machine",
+    list: "machine_files.txt",
+    parameter: "LANES",
+    packages: 2,
+    flat: Some("flat_machine"),
+};
 
 /// A circuit.
 #[derive(Clone)]
@@ -154,11 +177,11 @@ impl Circuit {
 
     /// The library of these sources. Units with ports that are no integers of C have a module of their own around them.
     fn verilated(&self, mut sources: Vec<Source>, effort: Effort) -> Result<PathBuf> {
-        let mut top = self.unit.top.to_owned();
-        let flat = top.replace("splat_", "flat_");
-        if let Ok(text) = fs::read_to_string(rtl().join(format!("cosim/{flat}.sv"))) {
-            sources.push((format!("{flat}.sv"), text));
-            top = flat;
+        let top = self.unit.flat.unwrap_or(self.unit.top);
+        if self.unit.flat.is_some() {
+            let file = format!("{top}.sv");
+            let text = fs::read_to_string(rtl().join("cosim").join(&file))?;
+            sources.push((file, text));
         }
         let version = run(verilator().arg("--version"))?;
         let mut hash = DefaultHasher::new();
@@ -172,7 +195,7 @@ impl Circuit {
         lock.lock()?;
         if !library.exists() {
             let folder = tempfile::tempdir_in(&kept)?;
-            fs::rename(self.build(folder.path(), &top, &sources, effort)?, &library)?;
+            fs::rename(self.build(folder.path(), top, &sources, effort)?, &library)?;
         }
         Ok(library)
     }

@@ -20,6 +20,7 @@ pub mod judges;
 pub mod machine;
 mod memory;
 mod mutation;
+mod netlist;
 pub mod order;
 pub mod package;
 pub mod placement;

@@ -5,12 +5,14 @@
 
 use crate::area::{cells, columns};
 use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
+use crate::netlist::{Netlist, NetlistPort, PathReport, PlacerReport};
 use crate::registers;
-use crate::tools::{entries, first_that_runs, json, printed, run, yosys};
+use crate::tools::{first_that_runs, json, printed, run, yosys};
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
 use splatline_sim::atomic;
 use splatline_sim::machine::area::Fabric;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -149,16 +151,17 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
     yosys(&format!(
         "{read}; hierarchy -top {unit}; proc; {write_ports}"
     ))?;
-    let ports = &json(&ports)?["modules"][unit]["ports"];
+    let whole: Netlist = json(&ports)?;
+    let module = whole.modules.get(unit).context("no such module")?;
     let (wrapper_file, netlist) = (path("wrapper.sv"), path(NETLIST));
-    fs::write(&wrapper_file, wrapper(circuit, ports))?;
+    fs::write(&wrapper_file, wrapper(circuit, &module.ports))?;
     let (wrapped, synthesis) = (wrapper_file.display(), synthesis(circuit));
     let script = format!(
         "{read} {wrapped}; {synthesis}; write_json {}",
         netlist.display()
     );
     let mut fabric = cells(&script, folder)?;
-    let mut cells = json(&netlist)?;
+    let mut cells: Value = json(&netlist)?;
     fabric.flip_flops -= registers::move_in(&mut cells, WRAPPER)?.flip_flops;
     if *circuit.unit == MACHINE {
         cells["modules"][WRAPPER]["settings"] = json!({ CONGESTION.0: CONGESTION.1 });
@@ -174,12 +177,12 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
 }
 
 /// The unit between shift registers. The outputs are loaded while the last input bit is set, and shifted out otherwise.
-fn wrapper(circuit: &Circuit, ports: &Value) -> String {
+fn wrapper(circuit: &Circuit, ports: &BTreeMap<String, NetlistPort>) -> String {
     let (mut wires, mut widths) = (String::new(), [0, 0]);
-    for (name, port) in entries(ports).filter(|(name, _)| *name != "clk") {
-        let side = usize::from(port["direction"] == "output");
+    for (name, port) in ports.iter().filter(|(name, _)| *name != "clk") {
+        let side = usize::from(port.direction == "output");
         let first = widths[side];
-        widths[side] += port["bits"].as_array().map_or(0, Vec::len);
+        widths[side] += port.bits.len();
         let (vector, last) = (["inputs", "outputs"][side], widths[side] - 1);
         wires += &format!(",\n    .{name}({vector}[{last}:{first}])");
     }
@@ -206,32 +209,25 @@ endmodule
 }
 
 /// Fmax of the only clock in nextpnr's report, and its slowest path: from and to which cells it leads, and its nanoseconds.
-fn timing(report: &Value) -> Option<(f64, String)> {
-    let (_, clock) = entries(&report["fmax"]).next()?;
-    let starts =
-        |word: &Value, with: &str| word.as_str().is_some_and(|word| word.starts_with(with));
-    let inner = |path: &&Value| {
-        ["from", "to"]
-            .iter()
-            .all(|end| starts(&path[end], "posedge"))
+fn timing(report: &PlacerReport) -> Option<(f64, String)> {
+    let inner = |path: &&PathReport| {
+        let ends = [&path.from, &path.to];
+        ends.iter().all(|end| end.starts_with("posedge"))
     };
-    let paths = report["critical_paths"].as_array()?;
-    let steps = paths.iter().find(inner)?["path"].as_array()?;
+    let steps = &report.critical_paths.iter().find(inner)?.path;
+    let (from, to) = (&steps.first()?.from.cell, &steps.last()?.to.cell);
     let sum = |kind: &str| -> f64 {
-        let of_kind = steps.iter().filter(|step| starts(&step["type"], kind));
-        of_kind.filter_map(|step| step["delay"].as_f64()).sum()
+        let of_kind = steps.iter().filter(|step| step.kind.starts_with(kind));
+        of_kind.map(|step| step.delay).sum()
     };
-    let (from, to) = (
-        &steps.first()?["from"]["cell"],
-        &steps.last()?["to"]["cell"],
-    );
-    let (from, to) = (readable(from.as_str()?), readable(to.as_str()?));
     let path = format!(
-        "{from} to {to}: {:.1} ns (wires {:.1})",
+        "{} to {}: {:.1} ns (wires {:.1})",
+        readable(from),
+        readable(to),
         sum(""),
         sum("routing")
     );
-    Some((clock["achieved"].as_f64()?, path))
+    Some((report.fmax.values().next()?.achieved, path))
 }
 
 /// A cell's name without what tools appended: `placed.over.depth_word_TRELLIS_FF_DI_3` is `over.depth_word`.

@@ -9,7 +9,6 @@
 //! everywhere: the first is that of most products, and only products of this enable move in. Registers that are written alike are one enable, whatever they are
 //! called.
 
-use crate::tools::entries;
 use anyhow::{Context, Result};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -108,6 +107,11 @@ pub fn move_in(netlist: &mut Value, top: &str) -> Result<Moved> {
     }
     moved.flip_flops = u64::try_from(before - cells.len())?;
     Ok(moved)
+}
+
+/// A JSON object's names and values; none of anything else.
+fn entries(object: &Value) -> impl Iterator<Item = (&String, &Value)> {
+    object.as_object().into_iter().flatten()
 }
 
 /// The pin of an enable, as long as there is one left.

@@ -1,7 +1,7 @@
 //! Programs around the circuits: Yosys, Verilator, the placer, and the folder of the RTL in which they run.
 
 use anyhow::{Context, Result, ensure};
-use serde_json::Value;
+use serde::de::DeserializeOwned;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -48,13 +48,8 @@ pub fn yosys(script: &str) -> Result<()> {
 }
 
 /// A JSON file.
-pub fn json(path: &Path) -> Result<Value> {
+pub fn json<T: DeserializeOwned>(path: &Path) -> Result<T> {
     serde_json::from_slice(&fs::read(path)?).with_context(|| path.display().to_string())
-}
-
-/// A JSON object's names and values; none of anything else.
-pub fn entries(object: &Value) -> impl Iterator<Item = (&String, &Value)> {
-    object.as_object().into_iter().flatten()
 }
 
 /// The first of some programs of the same use that runs.

@@ -1,7 +1,7 @@
 //! The pixels of a footprint's runs that are in work: several rows in a vector, a bit for each pixel.
 //!
 //! A run ends at its last such pixel, and rows without one are never looked at: whether a row has a run, and whether that is in work, no
-//! branch foresees. Finished pixels before the first one are computed in vain: seeds that are moved on cost more.
+//! branch foresees. Finished pixels before the first one are computed, too: to move seeds past them costs more.
 
 use super::path::Pixels;
 use super::tile::{PixelWord, ROOM, WordTile};

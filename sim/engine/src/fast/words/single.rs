@@ -199,8 +199,8 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
         lanes.single_of(weight, self.whole)
     }
 
-    /// One vector of pixels. Whether all of them have finished is not asked: the question costs every vector more than
-    /// what is computed in vain of the one in twenty that has.
+    /// One vector of pixels. Whether all of them have finished is not asked: it costs every vector more than it saves
+    /// on the one in twenty that has.
     #[inline(always)]
     fn blend<const COUNTS: bool>(
         &self,

@@ -4,11 +4,11 @@ use super::loads::MachineOption;
 use super::unit::MachineUnit;
 use crate::area::{columns, fabric};
 use crate::circuit::Circuit;
+use crate::netlist::{Netlist, NetlistCell};
 use crate::placement::{self, machine};
-use crate::tools::{entries, json};
+use crate::tools::json;
 use crate::unit::Unit;
-use anyhow::Result;
-use serde_json::Value;
+use anyhow::{Context, Result};
 use splatline_sim::machine::area::Fabric;
 use std::collections::BTreeMap;
 
@@ -62,8 +62,9 @@ fn lines(cores: u32, circuit: &Circuit) -> Result<String> {
 fn by_unit(circuit: &Circuit) -> Result<Vec<(&'static str, Fabric)>> {
     let folder = tempfile::tempdir()?;
     placement::netlist(circuit, folder.path())?;
-    let netlist = json(&folder.path().join(placement::NETLIST))?;
-    let mut units = counted(&netlist["modules"][placement::WRAPPER]["cells"]);
+    let netlist: Netlist = json(&folder.path().join(placement::NETLIST))?;
+    let wrapper = netlist.modules.get(placement::WRAPPER);
+    let mut units = counted(&wrapper.context("a netlist without its wrapper")?.cells);
     let areas = units.iter().map(|(_, area)| *area);
     let whole = areas.fold(Fabric::default(), |sum, area| sum + area);
     eprintln!("{circuit}: {whole}");
@@ -72,11 +73,11 @@ fn by_unit(circuit: &Circuit) -> Result<Vec<(&'static str, Fabric)>> {
 }
 
 /// Cells of a flattened machine, unit by unit, without the wrapper's.
-fn counted(cells: &Value) -> Vec<(&'static str, Fabric)> {
+fn counted(cells: &BTreeMap<String, NetlistCell>) -> Vec<(&'static str, Fabric)> {
     let mut kinds: BTreeMap<&str, Vec<(&str, u64)>> = BTreeMap::new();
-    for (name, cell) in entries(cells) {
-        if let (Some(unit), Some(kind)) = (unit_of(name), cell["type"].as_str()) {
-            kinds.entry(unit).or_default().push((kind, 1));
+    for (name, cell) in cells {
+        if let Some(unit) = unit_of(name) {
+            kinds.entry(unit).or_default().push((&cell.kind, 1));
         }
     }
     let option = Some(OPTION.1).filter(|name| kinds.contains_key(name));

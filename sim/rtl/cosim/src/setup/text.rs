@@ -213,7 +213,7 @@ fn microcode(program: &Program, slot_bits: u32) -> Result<String> {
     }
     let head = "  // The slot that is issued in each cycle of a round.\n".to_owned();
     let words = words.into_iter();
-    Ok(head + &function(["microcode", "cycle", "h0"], [slot_bits, 8], words))
+    Ok(head + &function("microcode", slot_bits, "cycle", 8, "h0", words))
 }
 
 /// What the core adds to the factors' exponents: tables have those of their own. A root's rest stands 8 bits higher in the core, 7 where its exponent is even;
