@@ -8,7 +8,8 @@
 // which the lane sees to (lane.sv). The words that are written have their registers in the buffer's banks (tile_buffer.sv), of which there are two.
 //
 // Where a product is rounded and then added to something, its half rides on that addition: the bit below the result is a carry. With ties to even a
-// product in the middle carries only from an odd number on; of a colour, where the sum is what is rounded, an odd sum loses its last bit again.
+// product in the middle carries only from an odd number on; of a colour, where the sum is what is rounded, an odd sum loses its last bit again. Most of the
+// bits below a half are there a stage before the product, and are asked then.
 module blend #(
     parameter ADDRESS = 10,
     parameter SLOT_BITS = 4
@@ -58,14 +59,15 @@ module blend #(
   delay #(.BITS(SLOT_BITS), .STAGES(6)) hold_slot10 (.clk, .rst, .advance, .in(pixel_slot), .out(colour_slot));
 
   // Stages 4 to 8: opacity, clamped; what the rules skip by its product goes no further.
-  localparam logic [PEAK+WEIGHT:0] MIDDLE_OF_OPACITY = ((PEAK + WEIGHT + 1)'(1) << (OPACITY_SHIFT - 1)) - 1'b1;
+  localparam logic [PEAK+WEIGHT:0] BELOW_OPACITY = ((PEAK + WEIGHT + 1)'(1) << (OPACITY_SHIFT - 1)) - 1'b1;
   localparam OPACITY = PEAK + WEIGHT + 1 - OPACITY_SHIFT;
   logic [PEAK+WEIGHT:0] product6;
   logic [OPACITY-1:0] rounded7;
   logic skipped7;
   logic [ALPHA:0] alpha8;
-  logic half6;
-  assign half6 = product6[OPACITY_SHIFT-1] && (!EVEN || product6[OPACITY_SHIFT] || |(product6 & MIDDLE_OF_OPACITY));
+  logic [17:0] low5;
+  logic half6, below6;
+  assign half6 = product6[OPACITY_SHIFT-1] && (!EVEN || product6[OPACITY_SHIFT] || below6 || |((product6 & BELOW_OPACITY) >> 18));
   multiply #(
       .LEFT (PEAK),
       .RIGHT(WEIGHT + 1),
@@ -75,10 +77,12 @@ module blend #(
       .advance,
       .left(peak),
       .right(weight),
+      .low(low5),
       .product(product6)
   );
   always_ff @(posedge clk)
     if (advance) begin
+      below6 <= |(low5 & 18'(BELOW_OPACITY));
       rounded7 <= product6[PEAK+WEIGHT:OPACITY_SHIFT] + OPACITY'(half6);
       skipped7 <= product6 < (PEAK + WEIGHT + 1)'(rules.least);
       alpha8 <= rounded7 > OPACITY'(rules.alpha_max) ? rules.alpha_max : rounded7[ALPHA:0];
@@ -88,7 +92,9 @@ module blend #(
   logic [T+1:0] transmittance8, transmittance9, transmittance10;
   logic [T+ALPHA+1:0] product10;
   logic [T:0] share10, rest10;
-  logic half10;
+  localparam logic [T+ALPHA+1:0] BELOW_SHARE = ((T + ALPHA + 2)'(1) << (ALPHA - 1)) - 1'b1;
+  logic [17:0] low9;
+  logic half10, below10;
   assign transmittance_read_address = address5;
   multiply #(
       .LEFT (T + 1),
@@ -99,11 +105,12 @@ module blend #(
       .advance,
       .left(transmittance8[T:0]),
       .right(alpha8),
+      .low(low9),
       .product(product10)
   );
   // An opacity of at most 1 takes at most all.
   assign share10 = product10[T+ALPHA:ALPHA];
-  assign half10 = product10[ALPHA-1] && (!EVEN || product10[ALPHA] || |product10[ALPHA-2:0]);
+  assign half10 = product10[ALPHA-1] && (!EVEN || product10[ALPHA] || below10 || |((product10 & BELOW_SHARE) >> 18));
 
   // Stage 10: what is left, and beside it, not behind it, whether that is too little: rest <= minimum_transmittance, or rest - minimum_transmittance - 1 < 0.
   // a - b - c = a + ~b + !c.
@@ -115,6 +122,7 @@ module blend #(
   assign stop10 = under10[T+2];
   always_ff @(posedge clk)
     if (advance) begin
+      below10 <= |(low9 & 18'(BELOW_SHARE));
       transmittance8 <= transmittance_read;
       transmittance9 <= transmittance8;
       transmittance10 <= transmittance9;
@@ -141,7 +149,7 @@ module blend #(
 
   // Stages 11 to 14: the sums. Shares of 1 in all and colours below 2^n make at most 2^n, rounded or not (src/blend/mod.rs).
   logic coloured11;
-  localparam logic [T+C:0] MIDDLE_OF_COLOUR = ((T + C + 1)'(1) << (COLOUR_SHIFT - 1)) - 1'b1;
+  localparam logic [T+C:0] BELOW_COLOUR = ((T + C + 1)'(1) << (COLOUR_SHIFT - 1)) - 1'b1;
   logic [3*SUM-1:0] colour13;
   logic [2:0] carry_colour;
   logic unused;
@@ -153,6 +161,8 @@ module blend #(
   generate
     for (channel = 0; channel < 3; channel = channel + 1) begin : gen_channel
       logic [T+C:0] product13;
+      logic [17:0] low12;
+      logic below13;
       multiply #(
           .LEFT (T + 1),
           .RIGHT(C)
@@ -161,12 +171,14 @@ module blend #(
           .advance,
           .left(share11),
           .right(colour11[channel*C+:C]),
+          .low(low12),
           .product(product13)
       );
+      always_ff @(posedge clk) if (advance) below13 <= |(low12 & 18'(BELOW_COLOUR));
       logic [SUM-1:0] sum13;
       logic tie13;
       assign {sum13, carry_colour[channel]} = {colour13[channel*SUM+:SUM], 1'b1} + product13[COLOUR_SHIFT-1+:SUM+1];
-      assign tie13 = EVEN && product13[COLOUR_SHIFT-1] && ~|(product13 & MIDDLE_OF_COLOUR);
+      assign tie13 = EVEN && product13[COLOUR_SHIFT-1] && !below13 && ~|((product13 & BELOW_COLOUR) >> 18);
       assign colour_word[channel*SUM+:SUM] = {sum13[SUM-1:1], sum13[0] && !tie13};
     end
   endgenerate

@@ -9,6 +9,9 @@
 // entry is in when its last part is, the one of the highest bits. ENDS says where parts end in `in`, 16 bits for each,
 // the first part's lowest.
 //
+// Parts of SEEN lie in look-up tables, and `next` has what will be in `out` in the next cycle: whoever takes entries by what they say can decide
+// a cycle before, into a register. Block RAM would show it too late.
+//
 // With RESTS, entries leave in every other cycle at most. Then no memory has to know within a cycle whether its entry is taken, which for the queue of
 // splats reached the enables of some twenty block RAMs and was the circuit's longest path.
 module fifo #(
@@ -16,7 +19,8 @@ module fifo #(
     parameter PLACES = 32,
     parameter RESTS = 0,
     parameter PARTS = 1,
-    parameter [16*PARTS-1:0] ENDS = 16'(BITS)
+    parameter [16*PARTS-1:0] ENDS = 16'(BITS),
+    parameter [PARTS-1:0] SEEN = 0
 ) (
     input logic clk,
     input logic rst,
@@ -27,7 +31,8 @@ module fifo #(
     input logic [BITS-1:0] in,
     output logic out_valid,
     input logic out_ready,
-    output logic [BITS-1:0] out
+    output logic [BITS-1:0] out,
+    output logic [BITS-1:0] next
 );
   localparam INDEX = $clog2(PLACES);
 
@@ -47,15 +52,27 @@ module fifo #(
     for (p = 0; p < PARTS; p = p + 1) begin : gen_part
       localparam END = ENDS[16*p+:16];
       localparam FIRST = p == 0 ? 0 : ENDS[16*(p==0?0:p-1)+:16];
-      // A word is never read in the cycle in which it is written (its place would be empty), so that no circuit has to
-      // say what comes out then.
-      (* ram_style = "block", no_rw_check *) logic [END-FIRST-1:0] memory[0:PLACES-1];
       logic [END-FIRST-1:0] word;
       logic [INDEX:0] place;
       assign place = tails[p*(INDEX+1)+:INDEX+1];
+      // A word is never read in the cycle in which it is written (its place would be empty), so that no circuit has to
+      // say what comes out then.
+      if (SEEN[p]) begin : gen_tables
+        (* no_rw_check *) logic [END-FIRST-1:0] memory[0:PLACES-1];
+        always_ff @(posedge clk) begin
+          if (in_valid[p]) memory[place[INDEX-1:0]] <= in[END-1:FIRST];
+          if (word_moves) word <= memory[head[INDEX-1:0]];
+        end
+        assign next[END-1:FIRST] = out_moves ? word : out[END-1:FIRST];
+      end else begin : gen_block
+        (* ram_style = "block", no_rw_check *) logic [END-FIRST-1:0] memory[0:PLACES-1];
+        always_ff @(posedge clk) begin
+          if (in_valid[p]) memory[place[INDEX-1:0]] <= in[END-1:FIRST];
+          if (word_moves) word <= memory[head[INDEX-1:0]];
+        end
+        assign next[END-1:FIRST] = '0;
+      end
       always_ff @(posedge clk) begin
-        if (in_valid[p]) memory[place[INDEX-1:0]] <= in[END-1:FIRST];
-        if (word_moves) word <= memory[head[INDEX-1:0]];
         if (out_moves) out[END-1:FIRST] <= word;
         if (rst) tails[p*(INDEX+1)+:INDEX+1] <= 0;
         else if (in_valid[p]) tails[p*(INDEX+1)+:INDEX+1] <= place + 1'b1;

@@ -58,7 +58,8 @@ module harmonics_colours #(
       .in(next),
       .out_valid(address_valid),
       .out_ready(asked),
-      .out(address)
+      .out(address),
+      .next()
   );
 
   logic splat_valid, splat_ready, coefficient_valid, coefficient_ready;
@@ -76,7 +77,8 @@ module harmonics_colours #(
       .in(direction),
       .out_valid(splat_valid),
       .out_ready(splat_ready),
-      .out(splat)
+      .out(splat),
+      .next()
   );
   memory_stream #(
       .BITS(96),

@@ -36,7 +36,7 @@ module harmonics_term #(
     {negative7, negative8, negative9} <= {negative6, negative7, negative8};
     {wide6, wide7, wide8} <= {wide5, wide6, wide7};
   end
-  multiply #(.LEFT(LEFT - 1), .RIGHT(RIGHT - 1)) multiplier (.clk, .advance(1'b1), .left(left6), .right(right6), .product(product8));
+  multiply #(.LEFT(LEFT - 1), .RIGHT(RIGHT - 1)) multiplier (.clk, .advance(1'b1), .left(left6), .right(right6), .low(), .product(product8));
 
   assign half8 = wide8 ? product8[15] : product8[30];
   assign rest8 = |product8[14:0] || (!wide8 && |product8[29:15]);

@@ -50,6 +50,7 @@ module memory_stream #(
       .in(word),
       .out_valid,
       .out_ready,
-      .out
+      .out,
+      .next()
   );
 endmodule

@@ -4,6 +4,8 @@
 // needs no adder, and of the others never more than three are added, two where a factor fits one multiplier.
 // A part of four bits has a multiplier, too: with 18 bits it would be 132 look-up tables.
 //
+// The product's lowest 18 bits are there a cycle before it: a rounding that asks whether any of them is set need not stand before an addition.
+//
 // A fraction whose 1.0 is a value has a bit more than its multiplier. With UNIT, `right` is at most 1.0 = 2^(RIGHT-1): then its other bits are 0 where
 // the first is set, and that bit's product stands beside the others', not in their sum.
 module multiply #(
@@ -15,6 +17,7 @@ module multiply #(
     input logic advance,
     input logic [LEFT-1:0] left,
     input logic [RIGHT-1:0] right,
+    output logic [17:0] low,
     output logic [LEFT+RIGHT-1:0] product
 );
   localparam PART = 18;
@@ -58,6 +61,7 @@ module multiply #(
       assign whole = 0;
     end
 
+    assign low = whole[PART-1:0] | parts[PART-1:0];
     if (ROWS == 1 && COLUMNS == 1) begin : gen_alone
       always_ff @(posedge clk) if (advance) product <= parts | whole;
     end else begin : gen_sum
@@ -75,7 +79,7 @@ module multiply #(
       end else begin : gen_too_wide
         $error("multiply: factors of so many bits have too many parts");
       end
-      always_ff @(posedge clk) if (advance) product <= {high, whole[PART-1:0] | parts[PART-1:0]};
+      always_ff @(posedge clk) if (advance) product <= {high, low};
     end
   endgenerate
 endmodule

@@ -70,7 +70,8 @@ module packet_fetch #(
       .in(word),
       .out_valid(word_out_valid),
       .out_ready(word_out_ready),
-      .out(word_out)
+      .out(word_out),
+      .next()
   );
 
   logic [128*(WORDS-1)-1:0] held;

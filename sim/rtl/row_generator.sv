@@ -7,7 +7,9 @@
 //
 // Stages never stand still. A row is only issued if the queue behind the stages has a place for it (`slot_valid`: a row, with or without
 // a run), so that nothing is stopped half way. A name's number is the stage: 0 while the row is being issued.
-module row_generator (
+module row_generator #(
+    parameter LANE_BITS = 0  // of a row's number, which say the lane that it goes to
+) (
     input logic clk,
     input logic rst,
     input logic splat_valid,
@@ -17,6 +19,9 @@ module row_generator (
     output logic slot_valid,
     input logic slot_ready,
     output logic slot_has_run,
+    // What will be said of the slot in the next cycle: whether it has a run, and of its row the lane's bits (above them 0).
+    output logic next_has_run,
+    output logic [splatline_pkg::TILE_ROW_BITS-1:0] next_lane,
     output splatline_pkg::run_t run,
     output splatline_pkg::paint_t paint,
     output logic idle
@@ -120,7 +125,7 @@ module row_generator (
     doubled2 <= squared_width_odd1 ? {rest1[ROW-2-:29], 1'b0} : {1'b0, rest1[ROW-2-:29]};
     squared_width2 <= squared_width1;
   end
-  multiply #(.LEFT(30), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled2), .right(squared_width2), .product(product4));
+  multiply #(.LEFT(30), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled2), .right(squared_width2), .low(), .product(product4));
   assign squared4 = 64'(product4);
   // Pairs of leading zeros, 31 where there is nothing: eights of them in one stage, the others in the next.
   logic [7:1] some5;
@@ -212,8 +217,8 @@ module row_generator (
   logic [2*M:0] along24, along_rounded24;
   logic [M:0] slant25;
   logic [2*M+1:0] across27;
-  multiply #(.LEFT(M + 1), .RIGHT(M)) multiply_along (.clk, .advance(1'b1), .left(dx22), .right(horizontal22), .product(along24));
-  multiply #(.LEFT(M + 1), .RIGHT(M + 1)) multiply_across (.clk, .advance(1'b1), .left(slant25), .right(dx25), .product(across27));
+  multiply #(.LEFT(M + 1), .RIGHT(M)) multiply_along (.clk, .advance(1'b1), .left(dx22), .right(horizontal22), .low(), .product(along24));
+  multiply #(.LEFT(M + 1), .RIGHT(M + 1)) multiply_across (.clk, .advance(1'b1), .left(slant25), .right(dx25), .low(), .product(across27));
   // Halves up, whatever the sign.
   assign along_rounded24 = along24 + (negative24 ? (2 * M + 1)'((1 << (M - 1)) - 1) : (2 * M + 1)'(1 << (M - 1)));
   always_ff @(posedge clk) slant25 <= along_rounded24[2*M:M];
@@ -248,27 +253,34 @@ module row_generator (
   end
   delay #(.BITS(32), .STAGES(28)) hold_base (.clk, .rst, .advance(1'b1), .in(base3), .out(base31));
 
-  // The slot's run, in parts as they are ready: in stages 1, 20, 29 and 32.
+  // The slot's run, in parts as they are ready: in stages 1, 20, 29 and 32. Whoever takes it asks for lane and run a cycle before.
   localparam PART_1 = ROW_BITS + 32 + $bits(cutoff1) + $bits(paint1);
   localparam PART_20 = PART_1 + 2 * COLUMN_BITS + 1;
   localparam PART_29 = PART_20 + 32;
-  localparam PART_32 = PART_29 + 1 + 32;
+  localparam PART_32 = PART_29 + 32;
+  localparam SLOT = PART_32 + 1;
+  localparam PARTS = LANE_BITS == 0 ? 5 : 6;
+  logic [SLOT-1:0] next;
+  assign next_has_run = next[SLOT-1];
+  assign next_lane = next[ROW_BITS-1:0];
   fifo #(
-      .BITS(PART_32),
+      .BITS(SLOT),
       .PLACES(PLACES),
-      .PARTS(4),
-      .ENDS({16'(PART_32), 16'(PART_29), 16'(PART_20), 16'(PART_1)})
+      .PARTS(PARTS),
+      .ENDS((16 * PARTS)'({16'(SLOT), 16'(PART_32), 16'(PART_29), 16'(PART_20), 16'(PART_1), 16'(LANE_BITS)} >> 16 * (6 - PARTS))),
+      .SEEN(PARTS'(6'b100001 >> (6 - PARTS)))
   ) slots (
       .clk,
       .rst,
       .claim(issue),
       .free(place),
       .none,
-      .in_valid({slot[STAGES], slot[29], slot[20], slot[1]}),
-      .in({open[STAGES], radial32, first29, column20, count20, row1, second1, cutoff1, paint1}),
+      .in_valid(PARTS'({slot[STAGES], slot[STAGES], slot[29], slot[20], slot[1], slot[1]} >> (6 - PARTS))),
+      .in({open[STAGES], radial32, first29, column20, count20, second1, cutoff1, paint1, row1}),
       .out_valid(slot_valid),
       .out_ready(slot_ready),
-      .out({slot_has_run, run.radial, run.first, run.column, run.count, run.row, run.second, run.cutoff, paint})
+      .out({slot_has_run, run.radial, run.first, run.column, run.count, run.second, run.cutoff, paint, run.row}),
+      .next
   );
   assign idle = !busy && none;
 endmodule

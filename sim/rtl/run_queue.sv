@@ -11,6 +11,7 @@ module run_queue #(
     input logic rst,
     input logic in_valid,
     output logic in_ready,
+    output logic ready_next,  // `in_ready` of the next cycle
     input splatline_pkg::run_t in_run,
     output logic [$clog2(SLOTS)-1:0] in_slot,
     output logic out_valid,
@@ -28,6 +29,7 @@ module run_queue #(
   logic some, full, put, moves;
 
   assign in_ready = !full;
+  assign ready_next = rst || moves || !(full || (put && count == (BITS + 1)'(DEPTH - 1)));
   assign in_slot = tail;
   assign put = in_valid && !full;
   assign moves = some && (!out_valid || out_ready);
@@ -52,7 +54,7 @@ module run_queue #(
       out_valid <= moves || (out_valid && !out_ready);
       count <= count + {{BITS{1'b0}}, put} - {{BITS{1'b0}}, moves};
       some <= put || (some && !(moves && count == (BITS + 1)'(1)));
-      full <= !moves && (full || (put && count == (BITS + 1)'(DEPTH - 1)));
+      full <= !ready_next;
     end
   end
 

@@ -360,6 +360,7 @@ module setup_unit #(
       .in({packed_cull, packed_depth, packed_packet}),
       .out_valid(packet_valid),
       .out_ready(packet_ready),
-      .out({cull, depth, packet})
+      .out({cull, depth, packet}),
+      .next()
   );
 endmodule

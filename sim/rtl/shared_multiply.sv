@@ -21,12 +21,12 @@ module shared_multiply #(
   generate
     if (INTERVAL == 4) begin : gen_one
       logic [BITS-1:0] only;
-      multiply #(.LEFT(LEFT), .RIGHT(RIGHT)) unit (.clk, .advance(1'b1), .left(lefts), .right(rights), .product(only));
+      multiply #(.LEFT(LEFT), .RIGHT(RIGHT)) unit (.clk, .advance(1'b1), .left(lefts), .right(rights), .low(), .product(only));
       assign product = {4{only}};
     end else begin : gen_all
       for (i = 0; i < 4; i = i + 1) begin : gen_stage
         if (USED[i]) begin : gen_used
-          multiply #(.LEFT(LEFT), .RIGHT(RIGHT)) unit (.clk, .advance(1'b1), .left(lefts[i*LEFT+:LEFT]), .right(rights[i*RIGHT+:RIGHT]), .product(product[i*BITS+:BITS]));
+          multiply #(.LEFT(LEFT), .RIGHT(RIGHT)) unit (.clk, .advance(1'b1), .left(lefts[i*LEFT+:LEFT]), .right(rights[i*RIGHT+:RIGHT]), .low(), .product(product[i*BITS+:BITS]));
         end else begin : gen_unused
           assign product[i*BITS+:BITS] = 0;
         end

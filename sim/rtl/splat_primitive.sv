@@ -101,7 +101,8 @@ module splat_primitive #(
   assign finish_ready = state == DRAW && idle && !packet_valid && !reading;
 
   // Packets to runs.
-  logic footprint_valid, footprint_ready, splat_valid, splat_ready, slot_valid, slot_ready, slot_has_run, run_ready, setup_idle, rows_idle;
+  logic footprint_valid, footprint_ready, splat_valid, splat_ready, slot_valid, slot_ready, slot_has_run, next_has_run, setup_idle, rows_idle;
+  logic [ROW_BITS-1:0] next_lane;
   splatline_pkg::footprint_t footprint;
   splatline_pkg::start_t start;
   splatline_pkg::shape_t shape;
@@ -136,7 +137,9 @@ module splat_primitive #(
       .shape,
       .idle(setup_idle)
   );
-  row_generator rows (
+  row_generator #(
+      .LANE_BITS(LANE_BITS)
+  ) rows (
       .clk,
       .rst,
       .splat_valid,
@@ -146,6 +149,8 @@ module splat_primitive #(
       .slot_valid,
       .slot_ready,
       .slot_has_run,
+      .next_has_run,
+      .next_lane,
       .run,
       .paint,
       .idle(rows_idle)
@@ -217,8 +222,9 @@ module splat_primitive #(
   end
 
   // The lanes.
-  logic [LANES-1:0] queue_ready, lane_idle, pixels_idle;
-  assign slot_ready = !slot_has_run || run_ready;
+  logic [LANES-1:0] queue_ready, queue_ready_next, lane_idle, pixels_idle;
+  // Whether the slot leaves is decided in the cycle before: it reaches the enables of all the queue's memories.
+  always_ff @(posedge clk) slot_ready <= !next_has_run || 1'(queue_ready_next >> next_lane);
   // What the lane that owns the row being read out gives: transmittance and colour. The others give 0, so that joining
   // them costs less than choosing.
   localparam WORD_BITS = TRANSMITTANCE_BITS + COLOUR_BITS;
@@ -232,15 +238,8 @@ module splat_primitive #(
   always_ff @(posedge clk) if (scan_moves) word_row <= scan_row;
 
   genvar l;
+  assign {pixel_transmittance, pixel_colour} = read_word;
   generate
-    if (LANES == 1) begin : gen_single
-      assign run_ready = queue_ready[0];
-      assign {pixel_transmittance, pixel_colour} = read_word;
-    end else begin : gen_banked
-      assign run_ready = queue_ready[run.row[LANE_BITS-1:0]];
-      assign {pixel_transmittance, pixel_colour} = read_word;
-    end
-
     for (l = 0; l < LANES; l = l + 1) begin : gen_lane
       logic mine, queued, taken, empty, inside0, inside1, inside2, inside3, inside4, inside5, lane_quiet, blend_quiet;
       // A register for each part of each lane, kept although all say the same: one alone would have to reach thousands of others.
@@ -290,6 +289,7 @@ module splat_primitive #(
           .rst,
           .in_valid(queue_takes),
           .in_ready(queue_ready[l]),
+          .ready_next(queue_ready_next[l]),
           .in_run(run),
           .in_slot,
           .out_valid(queued),

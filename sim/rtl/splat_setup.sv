@@ -189,7 +189,7 @@ module splat_setup #(
     shear8 <= shear7;
     dy8 <= dy7;
   end
-  multiply #(.LEFT(M), .RIGHT(M)) multiply_moved (.clk, .advance(1'b1), .left(shear8), .right(dy8), .product(moved10));
+  multiply #(.LEFT(M), .RIGHT(M)) multiply_moved (.clk, .advance(1'b1), .left(shear8), .right(dy8), .low(), .product(moved10));
   logic signed [E-1:0] along_exponent8, along_exponent9, moved_shift8, moved_shift9, square_shift15, square_shift16;
   logic dy_negative8, dy_negative9, moved_negative8, moved_negative9;
   always_ff @(posedge clk) begin
@@ -335,6 +335,7 @@ module splat_setup #(
         {start.shear, shape.coarse, shape.drop_dx, shape.drop_first, shape.second, shape.unit, shape.balance, shape.horizontal, shape.squared_width_odd},
         {start.row, start.rows, shape.start_column, shape.end_column, shape.reach},
         {shape.squared_width, shape.squared_width_power, shape.cutoff, shape.paint}
-      })
+      }),
+      .next()
   );
 endmodule

@@ -95,7 +95,7 @@ module flat_primitive #(
   );
 
   assign splat_begun = splats.splat_valid && splats.splat_ready;
-  assign run_left = splats.slot_valid && splats.slot_has_run && splats.run_ready;
+  assign run_left = splats.slot_valid && splats.slot_has_run && splats.slot_ready;
   assign squared = splats.rows.squared5;
   assign squared_valid = splats.rows.open[5];
   assign root = 32'(splats.rows.root10);

@@ -1,5 +1,5 @@
 // What fifo.sv promises, for every sequence of claims, arrivals and takers: nothing is lost, doubled, overwritten or changed, entries keep
-// their order, an entry that waits stays, and a place is claimed if and only if there is one.
+// their order, an entry that waits stays, a place is claimed if and only if there is one, and `next` is what comes.
 //
 // Its user's side of the bargain is assumed: a claim only where `free` is set, each part of an entry only for a place
 // claimed before, and the last part not before the others. One entry, chosen freely, is followed on its way from its
@@ -37,10 +37,24 @@
       logic [INDEX:0] place, early, unclaimed;
       logic [END-FIRST-1:0] written;
       logic seen;
+      // What lies in the part's memory at three places.
+      logic [END-FIRST-1:0] at_tail, at_spot, at_watched;
+      if (SEEN[q]) begin : gen_seen
+        logic [END-FIRST-1:0] foretold;
+        assign at_tail = gen_part[q].gen_tables.memory[tail[INDEX-1:0]];
+        assign at_spot = gen_part[q].gen_tables.memory[spot];
+        assign at_watched = gen_part[q].gen_tables.memory[watched];
+        always_ff @(posedge clk) foretold <= next[END-1:FIRST];
+        always_comb if (started) assert (out[END-1:FIRST] == foretold);
+      end else begin : gen_unseen
+        assign at_tail = gen_part[q].gen_block.memory[tail[INDEX-1:0]];
+        assign at_spot = gen_part[q].gen_block.memory[spot];
+        assign at_watched = gen_part[q].gen_block.memory[watched];
+      end
       assign place = gen_part[q].place;
       assign early = place - tail;
-      assign arriving[END-1:FIRST] = early == 0 ? in[END-1:FIRST] : gen_part[q].memory[tail[INDEX-1:0]];
-      assign stored_entry[END-1:FIRST] = gen_part[q].memory[spot];
+      assign arriving[END-1:FIRST] = early == 0 ? in[END-1:FIRST] : at_tail;
+      assign stored_entry[END-1:FIRST] = at_spot;
       assign stored_word[END-1:FIRST] = gen_part[q].word;
       always_ff @(posedge clk) begin
         if (rst) begin
@@ -62,7 +76,7 @@
       always_comb
         if (started) begin
           assert (early <= coming && unclaimed == coming - early);
-          if (seen) assert (gen_part[q].memory[watched] == written);
+          if (seen) assert (at_watched == written);
         end
     end
   endgenerate

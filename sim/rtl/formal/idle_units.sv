@@ -27,7 +27,9 @@ module splat_setup #(
 endmodule
 
 // A splat leaves with one of its rows, or with none.
-module row_generator (
+module row_generator #(
+    parameter LANE_BITS = 0
+) (
     input logic clk,
     input logic rst,
     input logic splat_valid,
@@ -37,18 +39,21 @@ module row_generator (
     output logic slot_valid,
     input logic slot_ready,
     output logic slot_has_run,
+    output logic next_has_run,
+    output logic [splatline_pkg::TILE_ROW_BITS-1:0] next_lane,
     output splatline_pkg::run_t run,
     output splatline_pkg::paint_t paint,
     output logic idle
 );
   (* anyseq *) logic takes, gives, has_run, leaves;
   (* anyseq *) logic [splatline_pkg::TILE_ROW_BITS-1:0] row;
+  assign next_has_run = has_run;
+  assign next_lane = row & splatline_pkg::TILE_ROW_BITS'((1 << LANE_BITS) - 1);
   logic [2:0] inside;
   assign idle = inside == 0;
   assign splat_ready = takes && inside != 7;
   assign slot_valid = gives && inside != 0;
-  assign slot_has_run = has_run;
-  assign run.row = row;
+  always_ff @(posedge clk) {slot_has_run, run.row} <= {has_run, row};
   always_ff @(posedge clk)
     if (rst) inside <= 0;
     else inside <= inside + {2'd0, splat_valid && splat_ready} - {2'd0, slot_valid && slot_ready && leaves};
@@ -62,6 +67,7 @@ module run_queue #(
     input logic rst,
     input logic in_valid,
     output logic in_ready,
+    output logic ready_next,
     input splatline_pkg::run_t in_run,
     output logic [$clog2(SLOTS)-1:0] in_slot,
     output logic out_valid,
@@ -73,7 +79,9 @@ module run_queue #(
   (* anyseq *) logic takes, gives;
   logic [2:0] inside;
   assign empty = inside == 0;
-  assign in_ready = takes && inside != 7;
+  // No more than one comes before the next cycle.
+  assign ready_next = takes && inside < 6;
+  always_ff @(posedge clk) in_ready <= ready_next;
   assign out_valid = gives && inside != 0;
   always_ff @(posedge clk)
     if (rst) inside <= 0;

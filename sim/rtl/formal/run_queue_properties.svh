@@ -4,7 +4,7 @@
 
   (* anyseq *) logic follow;
 
-  logic followed, gone, started, waited;
+  logic followed, gone, started, waited, foretold;
   logic [BITS:0] before, front;
   logic [$bits(in_run)-1:0] entry, waiting;
   logic [BITS-1:0] spot;
@@ -16,6 +16,7 @@
 
   always_ff @(posedge clk) begin
     started <= 1;
+    foretold <= ready_next;
     if (rst) begin
       followed <= 0;
       gone <= 0;
@@ -42,7 +43,7 @@
       assert (count <= DEPTH);
       assert (some == (count != 0) && full == (count == DEPTH));
       assert ({{BITS{1'b0}}, length} == {{$clog2(SLOTS) - 1{1'b0}}, count});
-      assert (in_ready == (count != DEPTH));
+      assert (in_ready == (count != DEPTH) && in_ready == foretold);
       assert (empty == (count == 0 && !out_valid));
       if (waited) assert (out_valid && out_run == waiting);
       if (followed && !gone) begin

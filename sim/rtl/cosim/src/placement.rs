@@ -36,7 +36,7 @@ fn placer_options(circuit: &Circuit) -> &'static str {
     if *circuit.unit == MACHINE {
         return "--freq 60 --placer static --lpf pins.lpf --router router2";
     }
-    "--freq 110"
+    "--freq 130"
 }
 
 /// Programs that place on it and that pack a bitstream.
