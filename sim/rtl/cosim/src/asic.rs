@@ -294,11 +294,11 @@ library ("small") {
     fn units_are_added_up_with_what_they_contain() {
         let library = Library::parse(LIBERTY).unwrap();
         let text = r#"{"modules": {
-            "top": {"cells": {
+            "top": {"ports": {}, "cells": {
                 "a": {"type": "$paramod$0123\\lane", "parameters": {}},
                 "b": {"type": "$paramod$0123\\lane", "parameters": {}},
                 "c": {"type": "lib_nand2_1", "parameters": {}}}},
-            "$paramod$0123\\lane": {"cells": {
+            "$paramod$0123\\lane": {"ports": {}, "cells": {
                 "a": {"type": "lib_nand2_1", "parameters": {}},
                 "b": {"type": "DFF", "parameters": {}},
                 "c": {"type": "$mem_v2", "parameters": {"SIZE": "00100000", "WIDTH": "0101"}}}}}}"#;

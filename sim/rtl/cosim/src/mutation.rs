@@ -258,7 +258,7 @@ endmodule
     #[test]
     fn every_mutation_has_its_place() {
         for (judge, unit, choices) in [
-            ("primitive", &PRIMITIVE, 52),
+            ("primitive", &PRIMITIVE, 53),
             ("setup", &SETUP, 60),
             ("machine", &MACHINE, 24),
             ("order", &ORDER, 26),
