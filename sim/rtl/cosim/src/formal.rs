@@ -36,7 +36,11 @@ const PROOFS: [Proof; 10] = [
     },
     Proof {
         judge: "fifo of parts",
-        ..inductive("fifo", "BITS 4 PLACES 4 PARTS 2 ENDS 262146 SEEN 2", ["7", "2"])
+        ..inductive(
+            "fifo",
+            "BITS 4 PLACES 4 PARTS 2 ENDS 262146 SEEN 2",
+            ["7", "2"],
+        )
     },
     inductive("run_queue", "DEPTH 2", ["6", "2"]),
     inductive("visible_box", "", ["3", "4"]),
