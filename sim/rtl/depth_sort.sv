@@ -67,12 +67,13 @@ module depth_sort #(
   // Counters of all digits' values, which become places. What is read goes into a register before anything is made of it: block RAM is slow.
   (* ram_style = "block", no_rw_check *) logic [COUNT_BITS-1:0] counters[0:(1<<PLACE)-1];
   logic [PLACE-1:0] read_place, changed_place;
-  logic [COUNT_BITS-1:0] counter_read, counter, changed;
+  logic [COUNT_BITS-1:0] counter_read, counter, changed, after, moved_after;
+  logic follows, follows_last;
   logic reads, changes;
   always_ff @(posedge clk) begin
     if (reads) begin
       counter_read <= counters[read_place];
-      counter <= counter_read;
+      counter <= follows ? after : follows_last ? moved_after : counter_read;
     end
     if (changes) counters[changed_place] <= changed;
   end
@@ -92,19 +93,20 @@ module depth_sort #(
   logic same_for_all;
 
   // Splats on their way to their places: one waits for its counter, the next one moves, the last one has moved. A counter that either of the latter
-  // two changes is read too early by the first, which takes the place after theirs.
-  logic waiting, moving, moved, moves, follows;
+  // two changes is read too early by the first, which takes the place after theirs. Counting and summing, none moves.
+  logic waiting, moving, moved, moves;
   logic [127:0] waiting_splat, moving_splat;
-  logic [COUNT_BITS-1:0] place, after, moved_after, next_place, left;
+  logic [COUNT_BITS-1:0] left;
   logic [DIGIT-1:0] coming_digit, waiting_digit, moving_digit, moved_digit;
   assign moves = !moving || write_ready;
   assign splat_ready = state == MOVE && moves;
   assign coming_digit = digit(splat[KEY_BITS-1:0], pass);
   assign waiting_digit = digit(waiting_splat[KEY_BITS-1:0], pass);
   assign moving_digit = digit(moving_splat[KEY_BITS-1:0], pass);
-  assign place = follows ? next_place : counter;
-  // One addition for both counts; while splats are taken none follows.
-  assign after = place + 1'b1;
+  assign follows = moving && waiting_digit == moving_digit;
+  assign follows_last = moved && waiting_digit == moved_digit;
+  // One addition for both counts.
+  assign after = counter + 1'b1;
 
   always_comb begin
     reads = 1;
@@ -139,7 +141,7 @@ module depth_sort #(
   end
 
   assign write_valid = (state == TAKE && step == 0 && in_valid) || (state == MOVE && moving);
-  assign write_address = state == TAKE ? base_a + 32'(count) : (side ? base_a : base_b) + 32'(place);
+  assign write_address = (state == TAKE || side ? base_a : base_b) + (state == TAKE ? 32'(count) : 32'(counter));
   assign write_word = state == TAKE ? in : moving_splat;
   assign stream_begins = state == BEGIN;
   assign stream_first = side ? base_b : base_a;
@@ -152,7 +154,7 @@ module depth_sort #(
       CLEAR: begin
         value <= value + 1'b1;
         if (value[PLACE-1:0] == {PLACE{1'b1}}) state <= TAKE;
-        {side, pass, step, counting, counted, follows} <= 0;
+        {side, pass, step, counting, counted, moving, moved} <= 0;
       end
       TAKE: begin
         counting <= step != 0 && step <= (PASS_BITS + 1)'(PASSES);
@@ -182,7 +184,6 @@ module depth_sort #(
         if (value[DIGIT] && !summing && !summed && settled) begin
           state <= same_for_all ? SETTLE : BEGIN;
           left <= count;
-          {waiting, moving, moved} <= 0;
         end
       end
       BEGIN: state <= MOVE;
@@ -193,8 +194,6 @@ module depth_sort #(
           moving_splat <= waiting_splat;
           moved_digit <= moving_digit;
           moved_after <= after;
-          follows <= (moving && waiting_digit == moving_digit) || (moved && waiting_digit == moved_digit);
-          next_place <= moving && waiting_digit == moving_digit ? after : moved_after;
         end
         if (moving && write_ready) begin
           left <= left - 1'b1;
@@ -204,12 +203,14 @@ module depth_sort #(
           end
         end
       end
-      SETTLE:
-      if (settled) begin
-        value <= 0;
-        {sum, summing, summed, same_for_all} <= 0;
-        pass <= pass + 1'b1;
-        state <= pass == PASS_BITS'(PASSES - 1) ? DONE : SUM;
+      SETTLE: begin
+        {waiting, moving, moved} <= 0;
+        if (settled) begin
+          value <= 0;
+          {sum, summing, summed, same_for_all} <= 0;
+          pass <= pass + 1'b1;
+          state <= pass == PASS_BITS'(PASSES - 1) ? DONE : SUM;
+        end
       end
       default: ;
     endcase

@@ -158,12 +158,11 @@ module setup_core (
 
   // 7 to 13: the term, and the sum's unit: the largest that its terms ask for, or the first one's.
   logic signed [63:0] term7, term8, term9, term10, term11, term12, term13;
-  logic signed [17:0] exponent_asked8, asked8, unit9, unit10, unit11, unit12, unit13;
-  assign asked8 = 18'(slot8.step) + exponent_asked8;
+  logic signed [17:0] asked8, unit9, unit10, unit11, unit12, unit13;
   always_ff @(posedge clk) begin
     term7 <= {high6 + 47'(cross6), low6};
     {exponent6, exponent7, exponent8} <= {exponent5, exponent6, exponent7};
-    exponent_asked8 <= slot7.base == 2'd2 ? 18'sd0 : exponent7;
+    asked8 <= 18'(slot7.step) + (slot7.base == 2'd2 ? 18'sd0 : exponent7);
     {term8, exponent9} <= {term7, exponent8};
     {term9, term10, term11, term12, term13} <= {term8, term9, term10, term11, term12};
     {exponent10, exponent11, exponent12, exponent13} <= {exponent9, exponent10, exponent11, exponent12};

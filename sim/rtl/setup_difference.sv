@@ -1,7 +1,7 @@
 // The first step of setup: a splat's centre relative to the eye (`Eye::difference` of src/view.rs), and the record in the beats in which the cores
 // read it. A record comes in every eighth cycle at best.
 //
-//   record | lengths | unit | choice | alignment of centre and eye (4) | difference (3) | their length | choice | alignment (4) | parts | beats (8)
+//   record | magnitude | length | unit (3) | choice | alignment of centre and eye (4) | difference (3) | their length | choice | alignment (4) | parts | beats (8)
 //
 // Where a core's words have room for them (TURNED), the axes are turned on the way (setup_turn.sv), and their sums are the cores' items.
 //
@@ -71,28 +71,24 @@ module setup_difference (
     if (rst) valids <= 0;
   end
 
-  // Phases 1 to 3: the unit, 60 bits below the largest leading bit.
-  logic signed [15:0] top_x, top_y, top_z, top_xy, top_ze, top;
-  logic signed [15:0] unit, unit_held;
-  assign top_xy = top_x > top_y ? top_x : top_y;
-  assign top_ze = top_z > eye_top ? top_z : eye_top;
+  // Phases 1 to 5: the coordinates' leading bits, one after the other, and the largest of them and the eye's. The unit is 60 bits below.
+  logic signed [31:0] coordinate;
+  logic [31:0] coordinate_magnitude;
+  logic signed [9:0] coordinate_exponent;
+  logic [6:0] coordinate_length;
+  logic signed [15:0] leading, top, unit, unit_held;
+  assign coordinate = phase == 1 ? centre1[31:0] : phase == 2 ? centre1[63:32] : centre1[95:64];
+  assign coordinate_length = splatline_math::length({32'd0, coordinate_magnitude});
   assign unit = top - 16'sd60;
-
-  function automatic logic signed [15:0] place_of(input logic signed [31:0] value, input logic [9:0] exponent);
-    logic [6:0] length;
-    length = splatline_math::length({32'd0, value[31] ? -value : value});
-    place_of = length == 0 ? NOTHING : $signed({{6{exponent[9]}}, exponent}) + $signed({9'd0, length});
-  endfunction
-
   always_ff @(posedge clk) begin
-    top_x <= place_of(centre1[31:0], exponents1[9:0]);
-    top_y <= place_of(centre1[63:32], exponents1[19:10]);
-    top_z <= place_of(centre1[95:64], exponents1[29:20]);
-    if (phase == 2) top <= top_xy > top_ze ? top_xy : top_ze;
-    if (phase == 7) unit_held <= unit;
+    coordinate_magnitude <= coordinate[31] ? -coordinate : coordinate;
+    coordinate_exponent <= phase == 1 ? exponents1[9:0] : phase == 2 ? exponents1[19:10] : exponents1[29:20];
+    leading <= coordinate_length == 0 ? NOTHING : 16'(coordinate_exponent) + $signed({9'd0, coordinate_length});
+    if (phase == 2) {unit_held, top} <= {unit, eye_top};
+    else if ((phase == 3 || phase == 4 || phase == 5) && leading > top) top <= leading;
   end
 
-  // Phases 3 to 5: centre and eye are chosen; phases 6, 7 and 0: the difference, from eleven cycles before. What turn it is has a register for each
+  // Phases 6, 7 and 0: centre and eye are chosen; phases 1 to 3: the difference, from eleven cycles before. What turn it is has a register for each
   // choice, and what is chosen has one before the aligners, which count its leading bits.
   logic turn_x, turn_y, turn_eye, turn_eye_x, turn_eye_y;
   logic signed [31:0] centre_in;
@@ -101,11 +97,11 @@ module setup_difference (
   logic [319:0] earlier;
   logic signed [15:0] centre_shift, wide_shift, drop;
   always_ff @(posedge clk) begin
-    turn_x <= phase == 2;
-    turn_y <= phase == 3;
-    turn_eye <= phase == 2 || phase == 3 || phase == 4;
-    turn_eye_x <= phase == 2;
-    turn_eye_y <= phase == 3;
+    turn_x <= phase == 5;
+    turn_y <= phase == 6;
+    turn_eye <= phase == 5 || phase == 6 || phase == 7;
+    turn_eye_x <= phase == 5;
+    turn_eye_y <= phase == 6;
     centre_in <= turn_x ? centre1[31:0] : turn_y ? centre1[63:32] : centre1[95:64];
     centre_shift <= unit - $signed({{6{exponent_in[9]}}, exponent_in});
     wide_in <= !turn_eye ? earlier[319:256] : turn_eye_x ? eye_x : turn_eye_y ? eye_y : eye_z;
@@ -117,32 +113,32 @@ module setup_difference (
   align #(.BITS(64), .SIGNED(1), .SATURATES(0)) align_wide (.clk, .negative(wide_in[63]), .magnitude(wide_in), .shift(wide_shift), .result(wide_out));
   assign difference = centre_out - wide_out;
 
-  // Phases 0 to 2: differences, which come to the aligner six cycles later; 1 to 3: their magnitudes together; 4 and 5: how far they are to be moved.
+  // Phases 3 to 5: differences, which come to the aligner six cycles later; 4 to 6: their magnitudes together; 7 and 0: how far they are to be moved.
   logic [63:0] together;
   logic [6:0] together_length;
   logic signed [15:0] exponent;
   always_ff @(posedge clk) begin
     latest <= difference;
     earlier <= {earlier[255:0], latest};
-    together <= phase == 1 ? magnitude(latest) : phase == 2 || phase == 3 ? together | magnitude(latest) : together;
+    together <= phase == 4 ? magnitude(latest) : phase == 5 || phase == 6 ? together | magnitude(latest) : together;
     together_length <= splatline_math::length(together);
-    if (phase == 5) begin
+    if (phase == 0) begin
       drop <= $signed({9'd0, together_length}) - 16'(splatline_setup_pkg::POSITION);
       exponent <= unit_held + $signed({9'd0, together_length}) - 16'(splatline_setup_pkg::POSITION);
     end
   end
 
-  // Phases 3 to 5: the parts.
+  // Phases 6, 7 and 0: the parts.
   logic signed [63:0] high, low;
   logic [31:0] high_x, high_y, high_z, low_x, low_y, low_z;
   logic [11:0] power;
   assign high = splatline_math::shift_round(wide_out, 7'(splatline_setup_pkg::LOW));
   assign low = wide_out - (high <<< splatline_setup_pkg::LOW);
   always_ff @(posedge clk) begin
-    if (phase == 3) {high_x, low_x} <= {high[31:0], low[31:0]};
-    if (phase == 4) {high_y, low_y} <= {high[31:0], low[31:0]};
-    if (phase == 5) {high_z, low_z} <= {high[31:0], low[31:0]};
-    if (phase == 3) power <= exponent[11:0];
+    if (phase == 6) {high_x, low_x} <= {high[31:0], low[31:0]};
+    if (phase == 7) {high_y, low_y} <= {high[31:0], low[31:0]};
+    if (phase == 0) {high_z, low_z} <= {high[31:0], low[31:0]};
+    if (phase == 6) power <= exponent[11:0];
   end
 
   // High parts stand above their exponent by as many bits as the low ones have.

@@ -103,7 +103,7 @@ module setup_unit #(
   );
 
   // Rounds: which slot is issued, how many splats of each round there are.
-  logic [7:0] cycle;
+  logic [7:0] cycle, next_cycle;
   logic [3:0] round;
   logic issues, waits;
   logic [5:0] batch;
@@ -114,11 +114,15 @@ module setup_unit #(
   assign switches = cycle == 8'(ROUND - splatline_setup_pkg::LOAD_AHEAD) && issues;
   // The next round's results go where those of the round before this one may still be.
   assign waits = cycle == 8'(ROUND - 1) && pending[!round[0]];
+  always_comb begin
+    next_cycle = waits ? cycle : cycle == 8'(ROUND - 1) ? 8'd0 : cycle + 1'b1;
+    if (rst) next_cycle = 0;
+  end
   always_ff @(posedge clk) begin
     phase <= phase + 1'b1;
     issues <= !waits;
     if (taken) loaded <= loaded + 1'b1;
-    if (!waits) cycle <= cycle == 8'(ROUND - 1) ? 8'd0 : cycle + 1'b1;
+    cycle <= next_cycle;
     if (switches) begin
       {batch, loaded} <= {loaded, 6'd0};
       load_side <= !load_side;
@@ -134,7 +138,7 @@ module setup_unit #(
       else pending_count[5:0] <= counts[6*OUT_ROUND+:6];
     end
     if (rst) begin
-      {phase, loaded, cycle, round, batch, counts} <= 0;
+      {phase, loaded, round, batch, counts} <= 0;
       pending <= 0;
       load_side <= 1;
       issues <= 1;
@@ -142,7 +146,7 @@ module setup_unit #(
   end
 
   // The slots' pipeline, once for all cores.
-  logic [BITS-1:0] stored;
+  logic [BITS-1:0] read, stored;
   logic issued;
   splatline_setup_pkg::slot_t fetched, issue;
   logic [24*BITS-1:0] slots;
@@ -166,7 +170,7 @@ module setup_unit #(
   // Results are those of an older splat than the slot's, in whose shadow they leave.
   assign leaving = place_round - 4'(OUT_ROUND);
   assign second_splat = fetched.out ? leaving : splat;
-  // The program's memory has its register to itself; a pause is a slot without effect.
+  // The program's memory is read a cycle ahead, since block RAM is slow, and has its register to itself; a pause is a slot without effect.
   assign fetched = issued ? stored : {BITS{1'b0}};
   // Flags are the same for all splats.
   assign rule_flags = flags[3:0];
@@ -187,7 +191,8 @@ module setup_unit #(
   assign unread_a0 = slot0.a_constant || slot0.a_input;
   assign unread_b0 = !slot0.out && (slot0.b_constant || slot0.lookup != 0 || (slot0.plain && slot0.pick == 0));
   always_ff @(posedge clk) begin
-    stored <= splatline_setup_pkg::microcode(cycle);
+    read <= splatline_setup_pkg::microcode(next_cycle);
+    stored <= read;
     issued <= issues;
     place_round <= round;
     fetched_side <= round[0];
@@ -316,10 +321,11 @@ module setup_unit #(
 
   // Colours pass by the cores.
   (* ram_style = "block", no_rw_check *) logic [95:0] colours[0:511];
+  logic [95:0] colour_read;
   logic [8:0] colour_in, colour_out;
   always_ff @(posedge clk) begin
     if (taken) colours[colour_in] <= {record.blue, record.green, record.red};
-    colour <= colours[colour_out];
+    {colour_read, colour} <= {colours[colour_out], colour_read};
     if (taken) colour_in <= colour_in + 1'b1;
     if (packed_taken) colour_out <= colour_out + 1'b1;
     if (rst) {colour_in, colour_out} <= 0;

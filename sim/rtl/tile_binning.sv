@@ -50,29 +50,44 @@ module tile_binning #(
   } state_t;
   state_t state;
 
-  // Entries of each tile; then where its next one goes.
+  // Entries of each tile; then where its next one goes. What is read goes into a register before anything is made of it: block RAM is slow.
   (* ram_style = "block", no_rw_check *) logic [COUNT_BITS-1:0] counters[0:(1<<TILE_BITS)-1];
   logic [TILE_BITS-1:0] read_tile, changed_tile;
-  logic [COUNT_BITS-1:0] counter, changed;
-  logic reads, changes;
+  logic [COUNT_BITS-1:0] counter_read, counter, after, after_last, changed;
+  logic changes, moves, follows;
   always_ff @(posedge clk) begin
-    if (reads) counter <= counters[read_tile];
+    if (moves) begin
+      counter_read <= counters[read_tile];
+      counter <= follows ? after_last : counter_read;
+      after_last <= after;
+    end
     if (changes) counters[changed_tile] <= changed;
   end
-  assign end_place = counter;
+  assign after = counter + 1'b1;
+  assign end_place = counter_read;
 
-  // The walk over a splat's tiles. Nothing moves while an entry waits to be written, so that a tile is never read while it is changed: between two
-  // splats there is a cycle.
-  logic walking, moves, counts, coming, last_column, last_row;
+  // Tiles on their way: one is asked for its counter, the next one enters, the last one has. Between two splats there is a cycle, so that only the last
+  // one's counter may be read while it changes. Nothing moves while an entry waits to be written.
+  logic asked, enters, entered;
+  logic [TILE_BITS-1:0] asked_tile, entering_tile, entered_tile;
+  assign follows = entered && asked_tile == entered_tile;
+  always_ff @(posedge clk)
+    if (moves) begin
+      {enters, entered} <= {asked, enters};
+      asked_tile <= read_tile;
+      {entering_tile, entered_tile} <= {asked_tile, entering_tile};
+      if (state == CLEAR) {enters, entered} <= 0;
+    end
+
+  // The walk over a splat's tiles.
+  logic walking, counts, coming, last_column, last_row;
   logic [11:0] column, row, first, last, last_of_rows;
   // A row's first tile stands in a register, and the column is added behind it: behind the product it would be the longest way of the sorter.
   logic [TILE_BITS-1:0] tile, tile_of_row;
   logic [47:0] coming_box;
   logic [31:0] number, entry;
-  logic entered;
-  logic [TILE_BITS-1:0] entered_tile;
   assign counts = state == COUNT;
-  assign moves = counts || !entered || write_ready;
+  assign moves = !write_valid || write_ready;
   assign box_ready = counts && !walking;
   assign splat_ready = state == FILL && !walking && moves;
   assign coming = counts ? box_valid && box_ready : splat_valid && splat_ready;
@@ -83,37 +98,29 @@ module tile_binning #(
 
   // Tiles one after the other, for clearing and for the sums.
   logic [TILE_BITS:0] index;
-  logic summed;
-  logic [TILE_BITS-1:0] summed_tile;
   logic [COUNT_BITS-1:0] sum, left;
 
   always_comb begin
-    reads = 1;
     read_tile = tile;
-    changes = 0;
-    changed_tile = entered_tile;
-    changed = 0;
+    changes = enters && moves;
+    changed_tile = entering_tile;
+    changed = after;
     case (state)
       CLEAR: begin
         changes = 1;
         changed_tile = index[TILE_BITS-1:0];
-      end
-      COUNT, FILL: begin
-        reads = moves;
-        changes = entered && moves;
-        changed = counter + 1'b1;
+        changed = 0;
       end
       SUM: begin
         read_tile = index[TILE_BITS-1:0];
-        changes = summed;
-        changed_tile = summed_tile;
         changed = sum;
       end
-      default: read_tile = end_tile;
+      DONE: read_tile = end_tile;
+      default: ;
     endcase
   end
 
-  assign write_valid = state == FILL && entered;
+  assign write_valid = state == FILL && enters;
   assign write_address = base + 32'(counter[COUNT_BITS-1:2]);
   assign write_strobe = 4'd1 << counter[1:0];
   assign write_number = entry;
@@ -122,8 +129,7 @@ module tile_binning #(
 
   always_ff @(posedge clk) begin
     if (moves) begin
-      entered <= walking;
-      entered_tile <= tile;
+      asked <= walking;
       entry <= number;
       if (coming) begin
         {last_of_rows, last, row, column} <= coming_box;
@@ -144,18 +150,17 @@ module tile_binning #(
       CLEAR: begin
         index <= index + 1'b1;
         if (index + 1'b1 == tiles) state <= COUNT;
-        {walking, entered} <= 0;
+        {walking, asked} <= 0;
       end
       COUNT: begin
-        if (ends && !box_valid && !walking && !entered) state <= SUM;
-        {index, sum, summed} <= 0;
+        if (ends && !box_valid && !walking && !asked && !enters) state <= SUM;
+        {index, sum} <= 0;
       end
       SUM: begin
         index <= index + 1'b1;
-        summed <= index < tiles;
-        summed_tile <= read_tile;
-        if (summed) sum <= sum + counter;
-        if (index >= tiles && !summed) begin
+        asked <= index < tiles;
+        if (enters) sum <= sum + counter;
+        if (index >= tiles && !asked && !enters) begin
           entries <= sum;
           full <= sum > most;
           left <= splats;
@@ -164,7 +169,7 @@ module tile_binning #(
       end
       FILL: begin
         if (coming) left <= left - 1'b1;
-        if (left == 0 && !walking && !entered) state <= DONE;
+        if (left == 0 && !walking && !asked && !enters) state <= DONE;
       end
       default: ;
     endcase
