@@ -154,7 +154,7 @@ module depth_sort #(
       CLEAR: begin
         value <= value + 1'b1;
         if (value[PLACE-1:0] == {PLACE{1'b1}}) state <= TAKE;
-        {side, pass, step, counting, counted, moving, moved} <= 0;
+        {side, pass, step, counting, counted, waiting, moving, moved} <= 0;
       end
       TAKE: begin
         counting <= step != 0 && step <= (PASS_BITS + 1)'(PASSES);

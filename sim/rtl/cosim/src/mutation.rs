@@ -261,7 +261,7 @@ endmodule
             ("primitive", &PRIMITIVE, 53),
             ("setup", &SETUP, 60),
             ("machine", &MACHINE, 24),
-            ("order", &ORDER, 28),
+            ("order", &ORDER, 29),
             ("harmonics", &MACHINE, 65),
         ] {
             let sources = Circuit::new(unit, "lean18", 1).unwrap().sources().unwrap();

@@ -92,7 +92,7 @@ pub trait Unit: Sync {
         };
         let compared = |job| {
             let part = job % parts.len();
-            let circuit = Simulation::new(library, part as u32 + 1, 0)?;
+            let circuit = Simulation::new(library, job as u32 + 1, 0)?;
             self.compare(circuit, &parts[part], job % Self::PRESSURES)
         };
         (0..jobs).into_par_iter().map(compared).collect()
@@ -108,7 +108,7 @@ pub trait Unit: Sync {
         let pressures = |load| (0..Self::PRESSURES).map(move |pressure| (load, pressure));
         let jobs: Vec<(&Self::Load, usize)> = loads.iter().flat_map(pressures).collect();
         let difference = |(load, pressure): (&Self::Load, usize)| {
-            let circuit = Simulation::new(library, 1, mutation);
+            let circuit = Simulation::new(library, pressure as u32 + 1, mutation);
             let found = circuit.and_then(|circuit| self.compare(circuit, load, pressure));
             let found = found.map(|findings| findings.first_difference);
             let difference = found.unwrap_or_else(|error| Some(format!("{error:#}")))?;
