@@ -71,13 +71,6 @@ module tile_binning #(
   logic asked, enters, entered;
   logic [TILE_BITS-1:0] asked_tile, entering_tile, entered_tile;
   assign follows = entered && asked_tile == entered_tile;
-  always_ff @(posedge clk)
-    if (moves) begin
-      {enters, entered} <= {asked, enters};
-      asked_tile <= read_tile;
-      {entering_tile, entered_tile} <= {asked_tile, entering_tile};
-      if (state == CLEAR) {enters, entered} <= 0;
-    end
 
   // The walk over a splat's tiles.
   logic walking, counts, coming, last_column, last_row;
@@ -129,7 +122,8 @@ module tile_binning #(
 
   always_ff @(posedge clk) begin
     if (moves) begin
-      asked <= walking;
+      {asked, enters, entered} <= {walking, asked, enters};
+      {asked_tile, entering_tile, entered_tile} <= {read_tile, asked_tile, entering_tile};
       entry <= number;
       if (coming) begin
         {last_of_rows, last, row, column} <= coming_box;
@@ -150,7 +144,7 @@ module tile_binning #(
       CLEAR: begin
         index <= index + 1'b1;
         if (index + 1'b1 == tiles) state <= COUNT;
-        {walking, asked} <= 0;
+        {walking, asked, enters, entered} <= 0;
       end
       COUNT: begin
         if (ends && !box_valid && !walking && !asked && !enters) state <= SUM;
