@@ -20,7 +20,7 @@ module depth_sort #(
     output logic in_ready,
     input logic [127:0] in,  // the key is its lowest 48 bits
     input logic ends,  // no more will come
-    // What reads a region: it is told to begin, and gives its words.
+    // What reads a region: it begins on request and gives its words.
     output logic stream_begins,
     output logic [31:0] stream_first,
     output logic [31:0] stream_count,

@@ -30,7 +30,7 @@ module harmonics_colours #(
   // Of splats that are seen, what is read and in which direction.
   logic [4:0] count;
   logic [31:0] next, address;
-  logic seen, address_valid, asked;
+  logic seen, address_valid, requested;
   always_comb begin
     case (degree)
       3'd0: count = 5'd1;
@@ -57,7 +57,7 @@ module harmonics_colours #(
       .in_valid(seen),
       .in(next),
       .out_valid(address_valid),
-      .out_ready(asked),
+      .out_ready(requested),
       .out(address),
       .next()
   );
@@ -86,13 +86,13 @@ module harmonics_colours #(
   ) words (
       .clk,
       .rst,
-      .begins(address_valid && asked),
+      .begins(address_valid && requested),
       .first(address),
       .count(32'(count)),
       .read_valid,
       .read_ready,
       .read_address,
-      .asked,
+      .requested,
       .word_valid,
       .word,
       .out_valid(coefficient_valid),

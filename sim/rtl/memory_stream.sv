@@ -14,7 +14,7 @@ module memory_stream #(
     output logic read_valid,
     input logic read_ready,
     output logic [31:0] read_address,
-    output logic asked,  // for all words of the run
+    output logic requested,  // are all words of the run?
     input logic word_valid,
     input logic [BITS-1:0] word,
     output logic out_valid,
@@ -24,8 +24,8 @@ module memory_stream #(
   logic [31:0] left;
   logic free;
 
-  assign asked = left == 0;
-  assign read_valid = !asked && free;
+  assign requested = left == 0;
+  assign read_valid = !requested && free;
   always_ff @(posedge clk) begin
     if (begins) begin
       left <= count;

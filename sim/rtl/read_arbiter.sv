@@ -16,8 +16,8 @@ module read_arbiter #(
     output logic [31:0] read_address,
     input logic word_valid
 );
-  (* ram_style = "distributed" *) logic [UNITS-1:0] askers[0:(1<<DEPTH)-1];
-  logic [DEPTH-1:0] asked, answered;
+  (* ram_style = "distributed" *) logic [UNITS-1:0] requesters[0:(1<<DEPTH)-1];
+  logic [DEPTH-1:0] issued, returned;
   logic [UNITS-1:0] chosen;
 
   always_comb begin
@@ -32,14 +32,14 @@ module read_arbiter #(
   end
   assign read_valid = chosen != 0;
   assign ready = read_ready ? chosen : '0;
-  assign comes = word_valid ? askers[answered] : '0;
+  assign comes = word_valid ? requesters[returned] : '0;
 
   always_ff @(posedge clk) begin
     if (read_valid && read_ready) begin
-      askers[asked] <= chosen;
-      asked <= asked + 1'b1;
+      requesters[issued] <= chosen;
+      issued <= issued + 1'b1;
     end
-    if (word_valid) answered <= answered + 1'b1;
-    if (rst) {asked, answered} <= 0;
+    if (word_valid) returned <= returned + 1'b1;
+    if (rst) {issued, returned} <= 0;
   end
 endmodule

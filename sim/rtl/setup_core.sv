@@ -33,7 +33,7 @@ module setup_core (
     input logic [63:0] start17,
     // Half of the last bit that the slot's result keeps, and the bits that it keeps.
     input logic [15:0] half21,
-    input logic [16:0] kept21,
+    input logic [16:0] mask21,
     // Records: written in beats, read in the round after.
     input logic load,
     input logic [3:0] load_place,
@@ -108,21 +108,21 @@ module setup_core (
   // 2: the left factor: the first one, or of a table's argument the rest, whose place the slot's own exponent knows; beside an entry 2^31. What the first factor
   // gives the exponent: a reciprocal's is its negative but for the one that the slot's own part adds; where it counts for nothing, -31.
   logic signed [32:0] left2, left3, picked3_or_left, left4, right4;
-  logic [32:0] kept2;
+  logic [32:0] mask2;
   logic [17:0] power2;
   logic signed [17:0] first2, first3, second3, sum4;
   logic signed [17:0] exponent5, exponent6, exponent7, exponent8, exponent9, exponent10, exponent11, exponent12, exponent13;
   always_comb begin
-    kept2 = 33'h1ffffffff;
+    mask2 = 33'h1ffffffff;
     first2 = a_exponent2;
     case (slot2.lookup)
-      2'd1: {kept2, first2} = {33'h3fffff, ~a_exponent2};
-      2'd2: {kept2, first2} = {even2 ? 33'h7fff80 : 33'hffff00, a_exponent2 >>> 1};
+      2'd1: {mask2, first2} = {33'h3fffff, ~a_exponent2};
+      2'd2: {mask2, first2} = {even2 ? 33'h7fff80 : 33'hffff00, a_exponent2 >>> 1};
       default: ;
     endcase
-    if (slot2.power || slot2.pick != 0 || slot2.entry) kept2 = 0;
+    if (slot2.power || slot2.pick != 0 || slot2.entry) mask2 = 0;
     power2 = slot2.power ? a_exponent2 : 18'd0;
-    left2 = (a2 & kept2) | {{6{power2[17]}}, power2, 9'd0};
+    left2 = (a2 & mask2) | {{6{power2[17]}}, power2, 9'd0};
     left2[31] = left2[31] | slot2.entry;
   end
 
@@ -158,15 +158,15 @@ module setup_core (
 
   // 7 to 13: the term, and the sum's unit: the largest that its terms ask for, or the first one's.
   logic signed [63:0] term7, term8, term9, term10, term11, term12, term13;
-  logic signed [17:0] asked8, unit9, unit10, unit11, unit12, unit13;
+  logic signed [17:0] candidate8, unit9, unit10, unit11, unit12, unit13;
   always_ff @(posedge clk) begin
     term7 <= {high6 + 47'(cross6), low6};
     {exponent6, exponent7, exponent8} <= {exponent5, exponent6, exponent7};
-    asked8 <= 18'(slot7.step) + (slot7.base == 2'd2 ? 18'sd0 : exponent7);
+    candidate8 <= 18'(slot7.step) + (slot7.base == 2'd2 ? 18'sd0 : exponent7);
     {term8, exponent9} <= {term7, exponent8};
     {term9, term10, term11, term12, term13} <= {term8, term9, term10, term11, term12};
     {exponent10, exponent11, exponent12, exponent13} <= {exponent9, exponent10, exponent11, exponent12};
-    if (slot8.first || slot8.again || slot8.base == 0 && asked8 > unit9) unit9 <= asked8;
+    if (slot8.first || slot8.again || slot8.base == 0 && candidate8 > unit9) unit9 <= candidate8;
     {unit10, unit11, unit12} <= {unit9, unit10, unit11};
     // What the last of the sum's terms, right behind, made of the unit.
     unit13 <= slot12.last ? unit12 : slot11.last ? unit11 : slot10.last ? unit10 : unit9;
@@ -255,7 +255,7 @@ module setup_core (
     {far20, middle20, near20} <= {far19, middle19, near19};
     moved21 <= 34'((moved20 << rest20) >> 7);
     spare21 <= {far20, middle20, near20, rest20};
-    rounded22 <= (moved21 + {18'd0, half21}) & {17'h1ffff, kept21};
+    rounded22 <= (moved21 + {18'd0, half21}) & {17'h1ffff, mask21};
     // 32 bits to the left change nothing.
     exponent22 <= unit21 - 18'($signed({!spare21[5], spare21[4:0]}));
     nothing22 <= slot21.normal && moved21[31] == moved21[32];

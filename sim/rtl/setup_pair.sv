@@ -1,15 +1,15 @@
 // Two cores of the setup unit, or one, with their registers and their results.
 //
 // All cores obey the same slot. Were it sent to all of them at once, thousands of wires would lead from one place all
-// over the device and back. So each pair holds what it is told for a cycle and hands it to the next one, which does the
-// same a cycle later; results go the same way, and leave the last pair as many cycles after they were asked for,
+// over the device and back. So each pair registers its step and hands it to the next pair, which does the
+// same a cycle later; results go the same way, and leave the last pair as many cycles after their request,
 // whichever core they are from.
 module setup_pair #(
     parameter CORES = 2
 ) (
     input logic clk,
-    input splatline_setup_pkg::step_t told,
-    output splatline_setup_pkg::step_t tells,
+    input splatline_setup_pkg::step_t step_in,
+    output splatline_setup_pkg::step_t step_out,
     // A core's result on its way: the others' are 0.
     input logic [splatline_setup_pkg::WORD_BITS-1:0] word_in,
     output logic [splatline_setup_pkg::WORD_BITS-1:0] word_out
@@ -18,11 +18,11 @@ module setup_pair #(
   localparam WORD = splatline_setup_pkg::WORD_BITS;
 
   splatline_setup_pkg::step_t step;
-  always_ff @(posedge clk) step <= told;
+  always_ff @(posedge clk) step <= step_in;
   always_comb begin
-    tells = step;
-    tells.load_core = step.load_core - 6'd2;
-    tells.drain_core = step.drain_core - 6'd2;
+    step_out = step;
+    step_out.load_core = step.load_core - 6'd2;
+    step_out.drain_core = step.drain_core - 6'd2;
   end
 
   splatline_setup_pkg::slot_t slot2;
@@ -55,8 +55,8 @@ module setup_pair #(
       logic [50:0] leaves2;
       logic loads, drains;  // is it this core's turn?
       always_ff @(posedge clk) begin
-        loads <= told.load && told.load_core == 6'(i);
-        drains <= told.drain_core == 6'(i);
+        loads <= step_in.load && step_in.load_core == 6'(i);
+        drains <= step_in.drain_core == 6'(i);
       end
       // The direction's words leave beside the others, without their exponents.
       logic beside;
@@ -75,7 +75,7 @@ module setup_pair #(
           .right3(step.right3),
           .start17(step.start17),
           .half21(step.half21),
-          .kept21(step.kept21),
+          .mask21(step.mask21),
           .load(loads),
           .load_place(step.load_place),
           .load_beat(step.load_beat),

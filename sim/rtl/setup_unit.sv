@@ -159,7 +159,7 @@ module setup_unit #(
   splatline_setup_pkg::slot_t slot0, slot1, slot2, slot15, slot16, slot20, slot22;
   logic unread_a0, unread_b0, writes;
   logic [15:0] half21;
-  logic [16:0] kept21;
+  logic [16:0] mask21;
   logic [3:0] rule_flags;
   logic other;
   logic [5:0] constant_place;
@@ -213,10 +213,10 @@ module setup_unit #(
     start17 <= slot16.addend ? start16 : 64'd0;
     // A mantissa's rounding.
     half21 <= slot20.normal ? 16'd1 << slot20.drop : 16'd0;
-    kept21 <= slot20.normal ? ~17'd1 << slot20.drop : ~17'd0;
+    mask21 <= slot20.normal ? ~17'd1 << slot20.drop : ~17'd0;
   end
 
-  // The cores, pair after pair: what they are told, and the words that leave them.
+  // The cores, pair after pair: their steps, and the words that leave them.
   logic side1, side2;
   logic [5:0] drain_core;
   splatline_setup_pkg::step_t step;
@@ -234,7 +234,7 @@ module setup_unit #(
     right3,
     start17,
     half21,
-    kept21,
+    mask21,
     side,
     side2,
     beat_valid,
@@ -259,8 +259,8 @@ module setup_unit #(
           .CORES(2 * i + 1 < CORES ? 2 : 1)
       ) pair (
           .clk,
-          .told(steps[i*STEP+:STEP]),
-          .tells(steps[(i+1)*STEP+:STEP]),
+          .step_in(steps[i*STEP+:STEP]),
+          .step_out(steps[(i+1)*STEP+:STEP]),
           .word_in(words[i*WORD+:WORD]),
           .word_out(words[(i+1)*WORD+:WORD])
       );

@@ -115,7 +115,7 @@ module splat_machine #(
       .read_valid(stream_read),
       .read_ready(read_ready_stream),
       .read_address(stream_address),
-      .asked(),
+      .requested(),
       .word_valid(stream_comes),
       .word,
       .out_valid(stream_valid),
@@ -310,14 +310,14 @@ module splat_machine #(
   );
 
   // Tile after tile of those that have splats. The next one is looked for while one is drawn, the others' background is written meanwhile.
-  logic found, finder_asks, background_valid, background_ready;
+  logic found, finder_request, background_valid, background_ready;
   logic [TILE_BITS:0] found_tile, turn, drawn_tile;
   logic [TILE_BITS-1:0] background_tile;
   logic [31:0] found_first, drawn_first, background_place;
   logic [23:0] found_entries;
   logic tile_ready, primitive_ready, finish_ready, pixel_valid, pixel_ready;
   splatline_pkg::window_t window;
-  assign end_tile = finder_asks ? found_tile[TILE_BITS-1:0] : background_tile;
+  assign end_tile = finder_request ? found_tile[TILE_BITS-1:0] : background_tile;
   assign turn = state == DRAW || state == FINISH ? drawn_tile : found_tile;
   tile_finder #(
       .TILE_BITS(TILE_BITS)
@@ -328,8 +328,8 @@ module splat_machine #(
       .columns,
       .rows,
       .tiles,
-      .asks(finder_asks),
-      .answered(1'b1),
+      .request(finder_request),
+      .granted(1'b1),
       .end_place,
       .tile(found_tile),
       .valid(found),
@@ -348,7 +348,7 @@ module splat_machine #(
       .rows,
       .tiles,
       .turn,
-      .answered(!finder_asks),
+      .granted(!finder_request),
       .end_tile(background_tile),
       .end_place,
       .pixel_valid(background_valid),
@@ -430,8 +430,8 @@ module splat_machine #(
   // memory's way.
   logic [READERS-1:0] comes, readers, readers_ready;
   logic [32*READERS-1:0] reader_addresses;
-  logic asks, asks_ready;
-  logic [31:0] asked_address;
+  logic next_read_valid, next_read_ready;
+  logic [31:0] next_read_address;
   // Harmonics, the last one here, come first: records are read far ahead, and would keep them waiting.
   assign readers = READERS'({order_read, stream_read, fetch_read, harmonics_read} >> (4 - READERS));
   assign reader_addresses = (32 * READERS)'({order_address, stream_address, fetch_address, harmonics_address} >> (32 * (4 - READERS)));
@@ -447,14 +447,14 @@ module splat_machine #(
       .ready(readers_ready),
       .address(reader_addresses),
       .comes,
-      .read_valid(asks),
-      .read_ready(asks_ready),
-      .read_address(asked_address),
+      .read_valid(next_read_valid),
+      .read_ready(next_read_ready),
+      .read_address(next_read_address),
       .word_valid
   );
-  assign asks_ready = !read_valid || read_ready;
+  assign next_read_ready = !read_valid || read_ready;
   always_ff @(posedge clk) begin
-    if (asks_ready) {read_valid, read_address} <= {asks, asked_address};
+    if (next_read_ready) {read_valid, read_address} <= {next_read_valid, next_read_address};
     if (rst) read_valid <= 0;
   end
 

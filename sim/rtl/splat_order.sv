@@ -137,7 +137,7 @@ module splat_order #(
       .read_valid,
       .read_ready,
       .read_address,
-      .asked(),
+      .requested(),
       .word_valid,
       .word,
       .out_valid(splat_valid),

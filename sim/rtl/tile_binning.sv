@@ -68,9 +68,9 @@ module tile_binning #(
 
   // Tiles on their way: one is asked for its counter, the next one enters, the last one has. Between two splats there is a cycle, so that only the last
   // one's counter may be read while it changes. Nothing moves while an entry waits to be written.
-  logic asked, enters, entered;
-  logic [TILE_BITS-1:0] asked_tile, entering_tile, entered_tile;
-  assign follows = entered && asked_tile == entered_tile;
+  logic requested, enters, entered;
+  logic [TILE_BITS-1:0] requested_tile, entering_tile, entered_tile;
+  assign follows = entered && requested_tile == entered_tile;
 
   // The walk over a splat's tiles.
   logic walking, counts, coming, last_column, last_row;
@@ -122,8 +122,8 @@ module tile_binning #(
 
   always_ff @(posedge clk) begin
     if (moves) begin
-      {asked, enters, entered} <= {walking, asked, enters};
-      {asked_tile, entering_tile, entered_tile} <= {read_tile, asked_tile, entering_tile};
+      {requested, enters, entered} <= {walking, requested, enters};
+      {requested_tile, entering_tile, entered_tile} <= {read_tile, requested_tile, entering_tile};
       entry <= number;
       if (coming) begin
         {last_of_rows, last, row, column} <= coming_box;
@@ -144,17 +144,17 @@ module tile_binning #(
       CLEAR: begin
         index <= index + 1'b1;
         if (index + 1'b1 == tiles) state <= COUNT;
-        {walking, asked, enters, entered} <= 0;
+        {walking, requested, enters, entered} <= 0;
       end
       COUNT: begin
-        if (ends && !box_valid && !walking && !asked && !enters) state <= SUM;
+        if (ends && !box_valid && !walking && !requested && !enters) state <= SUM;
         {index, sum} <= 0;
       end
       SUM: begin
         index <= index + 1'b1;
-        asked <= index < tiles;
+        requested <= index < tiles;
         if (enters) sum <= sum + counter;
-        if (index >= tiles && !asked && !enters) begin
+        if (index >= tiles && !requested && !enters) begin
           entries <= sum;
           full <= sum > most;
           left <= splats;
@@ -163,7 +163,7 @@ module tile_binning #(
       end
       FILL: begin
         if (coming) left <= left - 1'b1;
-        if (left == 0 && !walking && !asked && !enters) state <= DONE;
+        if (left == 0 && !walking && !requested && !enters) state <= DONE;
       end
       default: ;
     endcase

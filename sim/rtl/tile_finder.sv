@@ -1,7 +1,7 @@
 // The next tile that has splats, or with EMPTY the next that has none: what hands tiles to the primitive, and what writes the background of the others.
 //
 // Lists follow each other without a gap, tile by tile, so that a tile whose list ends where that of the tile before does is empty. Ends are looked
-// up one by one, in three cycles a tile: `asks` holds `tile` out, the end is there in the cycle after `answered`, and is judged in the next,
+// up one by one, in three cycles a tile: `request` holds `tile` out, the end is there in the cycle after `granted`, and is judged in the next,
 // since it comes out of block RAM late.
 //
 // Pixels of a tile begin behind those of all tiles before it. All but the last row of tiles have the same height, and all but the last column the same
@@ -17,8 +17,8 @@ module tile_finder #(
     input logic [15:0] columns,
     input logic [15:0] rows,
     input logic [TILE_BITS:0] tiles,
-    output logic asks,
-    input logic answered,
+    output logic request,
+    input logic granted,
     input logic [COUNT_BITS-1:0] end_place,
     output logic [TILE_BITS:0] tile,  // all before it have been passed; `tiles` when there are no more
     output logic valid,
@@ -31,8 +31,8 @@ module tile_finder #(
   localparam ROW_BITS = splatline_pkg::TILE_ROW_BITS;
 
   typedef enum logic [2:0] {
-    ASK,
-    HEAR,
+    REQUEST,
+    RESPONSE,
     JUDGE,
     FOUND,
     DONE
@@ -56,22 +56,22 @@ module tile_finder #(
     window.end_row <= edge_of(row, ROW_BITS, rows);
   end
   assign last_in_row = window.end_column == columns;
-  assign asks = state == ASK;
+  assign request = state == REQUEST;
   assign valid = state == FOUND;
   assign list = end_place - begun;
   assign entries = found;
   assign passes = (state == JUDGE && (found == 0) != (EMPTY != 0)) || (valid && ready);
 
   always_ff @(posedge clk) begin
-    if (asks && answered) state <= HEAR;
-    if (state == HEAR) begin
+    if (request && granted) state <= RESPONSE;
+    if (state == RESPONSE) begin
       state <= JUDGE;
       found <= list;
       begun <= end_place;
     end
     if (state == JUDGE) state <= FOUND;
     if (passes) begin
-      state <= tile + 1'b1 == tiles ? DONE : ASK;
+      state <= tile + 1'b1 == tiles ? DONE : REQUEST;
       tile <= tile + 1'b1;
       column <= column + 1'b1;
       first <= first + ({16'd0, window.end_row - window.first_row} << COLUMN_BITS);
@@ -83,7 +83,7 @@ module tile_finder #(
       end
     end
     if (begins) begin
-      state <= tiles == 0 ? DONE : ASK;
+      state <= tiles == 0 ? DONE : REQUEST;
       {tile, column, row, first, row_first, begun} <= 0;
     end
     if (rst) state <= DONE;

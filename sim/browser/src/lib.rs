@@ -177,8 +177,9 @@ impl Browser {
 
     /// The value of an expression, or of the promise that it gives.
     pub fn evaluate(&mut self, expression: &str) -> Result<Value> {
-        let asked = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
-        let answer = self.call("Runtime.evaluate", asked)?;
+        let parameters =
+            json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
+        let answer = self.call("Runtime.evaluate", parameters)?;
         match answer.get("exceptionDetails") {
             Some(details) => bail!("{expression}: {details}"),
             None => Ok(answer["result"]["value"].clone()),
@@ -268,9 +269,9 @@ impl Browser {
 
     /// The whole page as PNG.
     pub fn screenshot(&mut self, file: &Path) -> Result<()> {
-        let asked = json!({"format": "png", "captureBeyondViewport": true});
-        let taken = self.call("Page.captureScreenshot", asked)?;
-        let data = taken["data"].as_str().context("no screenshot")?;
+        let parameters = json!({"format": "png", "captureBeyondViewport": true});
+        let answer = self.call("Page.captureScreenshot", parameters)?;
+        let data = answer["data"].as_str().context("no screenshot")?;
         std::fs::write(file, STANDARD.decode(data)?)?;
         Ok(())
     }

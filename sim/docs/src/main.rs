@@ -92,7 +92,7 @@ fn results(options: &ResultsOptions) -> Result<(), Failure> {
         return check(options);
     }
     create_folder(&options.output)?;
-    for name in asked(options) {
+    for name in requested(options) {
         let page = print(name, options)?;
         page.write(&options.output)?;
         print_result(&page.files[0].1)?;
@@ -113,7 +113,7 @@ fn pictures(data: &Path, output: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-fn asked(options: &ResultsOptions) -> impl Iterator<Item = PageName> {
+fn requested(options: &ResultsOptions) -> impl Iterator<Item = PageName> {
     let pages = PageName::value_variants().iter().copied();
     pages.filter(|page| {
         let by_itself = options.only.is_empty() && *page != PageName::Speed;
@@ -150,7 +150,7 @@ fn levels(options: &ResultsOptions) -> Vec<VectorLevel> {
 /// Prints the pages again and compares them with the committed ones.
 fn check(options: &ResultsOptions) -> Result<(), Failure> {
     let mut found = Vec::new();
-    for name in asked(options).filter(|name| *name != PageName::Speed) {
+    for name in requested(options).filter(|name| *name != PageName::Speed) {
         found.extend(differences(&print(name, options)?, &options.output));
     }
     print_result(&format!("{} differences\n", found.len()))?;

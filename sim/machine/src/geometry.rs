@@ -62,7 +62,7 @@ impl Geometry {
             setup.wait(Cause::Memory, read.arrives);
             setup.wait(Cause::Upstream, last_start);
             last_start = setup.at();
-            geometry.splats.pass(read.asked, last_start);
+            geometry.splats.pass(read.requested, last_start);
             setup.work(config.setup_interval.into());
             let ready = (last_start + u64::from(config.setup_latency)).max(setup.at());
             geometry.left = geometry.left.max(ready);

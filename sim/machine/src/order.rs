@@ -28,7 +28,7 @@ impl SortStep {
     /// The steps for a picture with so many visible splats and list entries.
     pub fn all(config: &Config, workload: &Workload, visible: u64, entries: u64) -> Vec<SortStep> {
         match config.sorter {
-            Sorter::Passes => over_entries(config, entries, workload.kept),
+            Sorter::Passes => over_entries(config, entries, workload.order_changes),
             Sorter::Radix => by_digits(config, workload.key_bits, visible),
             Sorter::Merge => vec![SortStep {
                 entries: visible,
@@ -62,7 +62,7 @@ pub(super) fn waits(config: &Config) -> u64 {
 }
 
 /// All entries anew; or what came by itself, and a pass over what stayed, came and left, which drops and merges.
-fn over_entries(config: &Config, entries: u64, kept: Option<OrderChanges>) -> Vec<SortStep> {
+fn over_entries(config: &Config, entries: u64, changes: Option<OrderChanges>) -> Vec<SortStep> {
     let anew = |entries| SortStep {
         entries,
         passes: config.sort_passes.into(),
@@ -70,17 +70,17 @@ fn over_entries(config: &Config, entries: u64, kept: Option<OrderChanges>) -> Ve
         begins: 0,
         waits: 0,
     };
-    let Some(kept) = kept else {
+    let Some(changes) = changes else {
         return vec![anew(entries)];
     };
     let merge = SortStep {
-        entries: entries + kept.left,
+        entries: entries + changes.left,
         passes: 1,
         places: 1,
         begins: 0,
         waits: 0,
     };
-    vec![anew(kept.came), merge]
+    vec![anew(changes.came), merge]
 }
 
 /// A pass for every digit of `bits` bits. Its counts are summed first; where that shows that all keys share the digit, nothing is moved.

@@ -115,9 +115,9 @@ impl Turns {
     #[inline(always)]
     fn take(&mut self, earliest: u64) -> u64 {
         let waited = earliest.max(self.next) - self.phase;
-        let taken = self.phase + waited.next_multiple_of(self.interval);
-        self.next = taken + 1;
-        taken
+        let accepted = self.phase + waited.next_multiple_of(self.interval);
+        self.next = accepted + 1;
+        accepted
     }
 }
 
@@ -138,7 +138,7 @@ pub struct LaneRun {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PacketStamp {
     /// Its handshake.
-    pub taken: u64,
+    pub accepted: u64,
     /// The row generator takes the splat over from setup.
     pub begun: u64,
 }
@@ -262,12 +262,12 @@ impl PrimitiveClock {
 
     /// A packet that is offered from this cycle on. Its slots, at least one, must follow by [`PrimitiveClock::slot`].
     pub fn packet(&mut self, offered: u64) -> PacketStamp {
-        let taken = self.turns.take(offered.max(self.splats.free()));
-        let begun = self.begun.max(taken + SETUP);
+        let accepted = self.turns.take(offered.max(self.splats.free()));
+        let begun = self.begun.max(accepted + SETUP);
         self.splats.leave(begun);
         self.begun = begun + BEGINS;
         self.issued = self.issued.max(begun + 1);
-        PacketStamp { taken, begun }
+        PacketStamp { accepted, begun }
     }
 
     /// The next row of the packet's box in the tile, with the run that it has.

@@ -278,8 +278,8 @@ impl RasterUnit {
             splat: (!self.cache.look_up(at.splat)).then_some(at.splat),
         };
         let read = at.memory.packet(&mut self.fetch, wanted);
-        at.event(Stage::Fetch, 0, 0, read.asked, read.arrives);
-        [read.asked, read.arrives]
+        at.event(Stage::Fetch, 0, 0, read.requested, read.arrives);
+        [read.requested, read.arrives]
     }
 
     #[inline(always)]
@@ -389,12 +389,12 @@ impl RasterUnit {
         let [requested, arrival] = self.fetch(at);
         let stamp = self.primitive.packet(arrival.max(buffer));
         // The place of a packet that has been taken is free in the next cycle.
-        self.packets.pass(requested, stamp.taken + 1);
+        self.packets.pass(requested, stamp.accepted + 1);
         self.splat.wait(Cause::Memory, arrival);
         self.splat.wait(Cause::TileBuffer, buffer);
-        self.splat.wait(Cause::FifoFull, stamp.taken);
+        self.splat.wait(Cause::FifoFull, stamp.accepted);
         self.splat.work(1);
-        at.event(Stage::Setup, 0, 0, stamp.taken, stamp.begun);
+        at.event(Stage::Setup, 0, 0, stamp.accepted, stamp.begun);
         for band in bands {
             for row in 1..=band.rows {
                 let last = row == band.rows && band.groups > 0;

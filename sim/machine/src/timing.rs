@@ -202,7 +202,7 @@ fn shared(
 ) -> Shared {
     let splats = workload.splats.len() as u64;
     let entries = workload.splats.iter().map(|splat| u64::from(splat.tiles));
-    let left = workload.kept.map_or(0, |kept| kept.left);
+    let left = workload.order_changes.map_or(0, |changes| changes.left);
     let entries = entries.sum::<u64>() + left;
     Shared::new(part, config, packet_bytes, splats, entries, traced)
 }
@@ -348,15 +348,15 @@ impl Raster {
                 break;
             };
             let Some((job, drawing)) = &mut drawn[unit] else {
-                let taken = tiles.job(next[unit % step]);
+                let job = tiles.job(next[unit % step]);
                 next[unit % step] += step;
-                self.count(&taken);
-                if self.units[unit].is_background(&taken) {
-                    self.units[unit].write_background(&taken, memory);
+                self.count(&job);
+                if self.units[unit].is_background(&job) {
+                    self.units[unit].write_background(&job, memory);
                     continue;
                 }
-                let begun = self.units[unit].begin(&taken, memory);
-                drawn[unit] = Some((taken, begun));
+                let begun = self.units[unit].begin(&job, memory);
+                drawn[unit] = Some((job, begun));
                 continue;
             };
             self.units[unit].draw_pair(job, drawing, observer, memory);

@@ -105,7 +105,7 @@ package splatline_setup_pkg;
     logic [50:0] right3;
     logic [63:0] start17;
     logic [15:0] half21;
-    logic [16:0] kept21;
+    logic [16:0] mask21;
     logic side;  // of the records that are read,
     logic out_side;  // of the results that `out` slots write
     logic load;  // a beat of a record comes

@@ -62,8 +62,8 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(GAUSSIANS_ALONE.to_owned()));
     }
     let design = DesignName("standard24".to_owned());
-    let asked = PlanRequest::by_design(&options.view, &design);
-    let frames = asked.frames(&options.path, &MoreScenes::default())?;
+    let request = PlanRequest::by_design(&options.view, &design);
+    let frames = request.frames(&options.path, &MoreScenes::default())?;
     outputs.spare_inputs()?;
     let first = frames.first().map(|frame| &frame.prepared);
     let Some(first) = first else {

@@ -22,8 +22,8 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let outputs = Outputs::default()
         .folder(&options.output, &FILES)?
         .json(json)?;
-    let asked = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
-    let mut prepared = asked.prepare()?;
+    let request = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
+    let mut prepared = request.prepare()?;
     outputs.spare_inputs()?;
     prepared.plan = against_reference(prepared.plan)?;
     room_for_picture(&prepared.plan.camera, COMPARED)?;
@@ -54,8 +54,8 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
 
 /// The fixed picture is always drawn; the engine asked for can only say what it is compared with.
 pub fn against_reference(plan: Plan) -> Result<Plan, Failure> {
-    let asked = plan.reference.unwrap_or(plan.engine);
-    let reference = match asked {
+    let engine = plan.reference.unwrap_or(plan.engine);
+    let reference = match engine {
         Engine::Exact => Engine::Exact,
         Engine::Float | Engine::Fixed => Engine::Float,
         format => {

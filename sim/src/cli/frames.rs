@@ -87,8 +87,8 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
 /// Every frame's pictures and report in a folder of its own.
 pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    let asked = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
-    let frames = asked.planned_frames(&options.path, &MoreScenes::default())?;
+    let request = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
+    let frames = request.planned_frames(&options.path, &MoreScenes::default())?;
     outputs
         .folder(&options.output, &["frames.json", "frames.html"])?
         .spare_inputs()?;

@@ -123,7 +123,7 @@ pub fn check(prepared: &Prepared) -> Result<(), Failure> {
 }
 
 /// Writes maps of what is drawn beside the picture.
-pub fn write_maps(prepared: &Prepared, asked: &[Map], picture: &Path) -> Result<(), Failure> {
+pub fn write_maps(prepared: &Prepared, requested: &[Map], picture: &Path) -> Result<(), Failure> {
     let splats = prepared.splats()?;
     let (scene, camera) = (splats.scene, splats.camera);
     let pixels = match prepared.plan.engine {
@@ -132,7 +132,7 @@ pub fn write_maps(prepared: &Prepared, asked: &[Map], picture: &Path) -> Result<
     };
     let size = [splats.camera.width, splats.camera.height];
     let format = PictureFormat::of(picture).unwrap_or(PictureFormat::Png);
-    for map in asked {
+    for map in requested {
         let file = map.file(picture);
         let (bytes, scale) = match format {
             PictureFormat::Png => {

@@ -13,7 +13,7 @@ mod fit;
 mod footprints;
 mod frames;
 mod info;
-mod kept;
+mod order_reuse;
 mod machine_args;
 mod maps;
 mod model;
@@ -135,8 +135,8 @@ pub fn prepared(words: Vec<String>) -> anyhow::Result<Prepared> {
     let Some(Command::Compare(options)) = command else {
         anyhow::bail!("name a scene");
     };
-    let asked = PlanRequest::drawing(&options.view, &options.drawing).on(&options.machine);
-    asked.prepare().map_err(|failure| match failure {
+    let request = PlanRequest::drawing(&options.view, &options.drawing).on(&options.machine);
+    request.prepare().map_err(|failure| match failure {
         Failure::Usage(message) => anyhow::Error::msg(message),
         Failure::Input(error) => error,
     })

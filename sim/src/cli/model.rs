@@ -4,8 +4,8 @@
 //! options -> plan -> work of a picture -> simulation -> record -> page and files
 //! ```
 
-use super::kept::{self, OrderReuse, ReusedOrderFrame};
 use super::machine_args::ModelOptions;
+use super::order_reuse::{self, OrderReuse, ReusedOrderFrame};
 use super::output::{self, Outputs, write};
 use super::resolve::{
     NamedFrame, PlanRequest, PlannedFrame, calibration, energy_table, machine, part,
@@ -68,7 +68,8 @@ struct FrameRecord {
     visible: usize,
     cycles: Timing,
     pace: Throughput,
-    kept: Option<ReusedOrderFrame>,
+    #[serde(rename = "kept")]
+    order_reuse: Option<ReusedOrderFrame>,
 }
 
 /// Several pictures.
@@ -115,11 +116,11 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         let message = "name a scene, a report with --from, or a table with --footprints";
         return Err(Failure::Usage(message.to_owned()));
     }
-    let asked = PlanRequest::work(&options.view, &options.work)
+    let request = PlanRequest::work(&options.view, &options.work)
         .on(&options.machine)
         .by_units()
         .keeping_order();
-    let mut frames = asked.planned_frames(&options.path, &options.more)?;
+    let mut frames = request.planned_frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
     if !options.path.is_path() {
         refuse_kept_order(&frames[0].plan().machine)?;
@@ -231,13 +232,16 @@ fn several(
             print_result(&format!("{name}: {ms:.3} ms, {fps:.2} frames a second\n"))?;
         }
     }
-    let kept: Vec<&ReusedOrderFrame> = records.iter().flat_map(|record| &record.kept).collect();
+    let reused: Vec<&ReusedOrderFrame> = records
+        .iter()
+        .flat_map(|record| &record.order_reuse)
+        .collect();
     let (pace, area) = (&records[0].pace, costed.area());
     let all_s = started.elapsed().as_secs_f64();
     print_result(&format!(
         "{}{}clock: {} MHz ({})\n{}host: {count} frames in {all_s:.1} s\n",
         over_frames.text(),
-        kept::text(&kept, count),
+        order_reuse::text(&reused, count),
         pace.clock.mhz,
         pace.clock.of,
         costed.area_text(&area, pace.channel_bytes_per_s),
@@ -266,7 +270,7 @@ fn simulated(frames: Vec<PlannedFrame>, prices: &Prices) -> Result<Vec<FrameReco
         announce(&frame)?;
         let plan = &frame.prepared.plan;
         let keeps_order = plan.machine.sort_every > 1;
-        let (workload, kept) = if keeps_order {
+        let (workload, order_reuse) = if keeps_order {
             order.next(&frame)?
         } else {
             (frame.prepared.workload()?, None)
@@ -277,7 +281,7 @@ fn simulated(frames: Vec<PlannedFrame>, prices: &Prices) -> Result<Vec<FrameReco
             visible: workload.visible(),
             pace: costed(&plan.entry, &plan.machine, prices).throughput(&cycles),
             cycles,
-            kept,
+            order_reuse,
         });
         if keeps_order {
             order.keep(workload);

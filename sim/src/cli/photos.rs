@@ -163,8 +163,8 @@ fn chosen_views(
     let lenses = poses
         .into_iter()
         .filter_map(|pose| Some((pose.name, pose.lens?)));
-    let asked = PlanRequest::drawing(&options.view, &options.drawing).on(&options.machine);
-    let mut frames = asked.frames(&path, &MoreScenes::default())?;
+    let request = PlanRequest::drawing(&options.view, &options.drawing).on(&options.machine);
+    let mut frames = request.frames(&path, &MoreScenes::default())?;
     frames.sort_by(|a, b| a.name.cmp(&b.name));
     let views: Vec<NamedFrame> = (0..)
         .zip(frames)

@@ -22,8 +22,8 @@ pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
     if let Some(path) = &options.html {
         outputs = outputs.file(path, &["html"])?;
     }
-    let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
-    let frames = asked.planned_frames(&options.path, &options.more)?;
+    let request = PlanRequest::work(&options.view, &options.work).on(&options.machine);
+    let frames = request.planned_frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
     let mut answers = Vec::with_capacity(frames.len());
     let mut drawn = Drawn::default();

@@ -160,7 +160,7 @@ impl<'a> PlanRequest<'a> {
         let is_method = self.traversal == Some(TraversalChoice::Stamp)
             || self
                 .technique
-                .is_some_and(|asked| asked.points.is_some() || asked.is_another_method());
+                .is_some_and(|options| options.points.is_some() || options.is_another_method());
         match self.by_units {
             true if is_method => Err(Failure::Usage(COMPOSITED_ALONE.to_owned())),
             _ => Ok(()),

@@ -176,7 +176,7 @@ mod tests {
         report
     }
 
-    fn told(pixel: [f64; 4], culled: u64, steps: Option<f64>, backdrop: Backdrop) -> String {
+    fn note(pixel: [f64; 4], culled: u64, steps: Option<f64>, backdrop: Backdrop) -> String {
         let picture = Picture {
             width: 2,
             height: 1,
@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     fn an_empty_picture_says_why_and_no_more() {
-        let empty = |culled| told([0.0; 4], culled, Some(255.0), Backdrop::default());
+        let empty = |culled| note([0.0; 4], culled, Some(255.0), Backdrop::default());
         assert!(
             empty(3).ends_with(": all 3 splats are culled (near 3)\n"),
             "{}",
@@ -201,14 +201,14 @@ mod tests {
     fn a_picture_that_rounds_to_black_is_told() {
         let faint = [0.0019, 0.0, 0.0, 0.4];
         let black = Backdrop::default();
-        assert!(told(faint, 0, Some(255.0), black).contains("rounds to 0 of 255 steps"));
-        assert_eq!(told(faint, 0, Some(65535.0), black), "");
-        assert_eq!(told(faint, 0, None, black), "");
-        assert_eq!(told([0.002, 0.0, 0.0, 0.4], 0, Some(255.0), black), "");
+        assert!(note(faint, 0, Some(255.0), black).contains("rounds to 0 of 255 steps"));
+        assert_eq!(note(faint, 0, Some(65535.0), black), "");
+        assert_eq!(note(faint, 0, None, black), "");
+        assert_eq!(note([0.002, 0.0, 0.0, 0.4], 0, Some(255.0), black), "");
         // On white it darkens what is behind it.
-        assert_eq!(told(faint, 0, Some(255.0), Backdrop::Colour([1.0; 3])), "");
+        assert_eq!(note(faint, 0, Some(255.0), Backdrop::Colour([1.0; 3])), "");
         let fainter = [0.0, 0.0, 0.0, 0.0019];
-        assert!(told(fainter, 0, Some(255.0), Backdrop::Transparent).contains("shows nothing"));
+        assert!(note(fainter, 0, Some(255.0), Backdrop::Transparent).contains("shows nothing"));
     }
 
     #[test]

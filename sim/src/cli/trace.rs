@@ -35,10 +35,10 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
             options.first
         )));
     }
-    let asked = PlanRequest::work(&options.view, &options.work)
+    let request = PlanRequest::work(&options.view, &options.work)
         .on(&options.machine)
         .by_units();
-    let prepared = asked.prepare()?;
+    let prepared = request.prepare()?;
     outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);
     let (workload, config) = (prepared.workload()?, &prepared.plan.machine);

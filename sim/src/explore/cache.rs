@@ -9,11 +9,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 pub struct Cache<K, V> {
     most: usize,
     bytes: fn(&V) -> usize,
-    kept: Mutex<Kept<K, V>>,
+    store: Mutex<Store<K, V>>,
 }
 
 /// What is kept, its keys as they came, and its bytes.
-struct Kept<K, V> {
+struct Store<K, V> {
     known: HashMap<K, V>,
     order: VecDeque<K>,
     bytes: usize,
@@ -22,7 +22,7 @@ struct Kept<K, V> {
 impl<K: Hash + Eq + Clone, V: Clone> Cache<K, V> {
     /// Nothing known yet; `bytes` tells how many a result takes.
     pub fn new(most: usize, bytes: fn(&V) -> usize) -> Cache<K, V> {
-        let kept = Kept {
+        let store = Store {
             known: HashMap::new(),
             order: VecDeque::new(),
             bytes: 0,
@@ -30,7 +30,7 @@ impl<K: Hash + Eq + Clone, V: Clone> Cache<K, V> {
         Cache {
             most,
             bytes,
-            kept: Mutex::new(kept),
+            store: Mutex::new(store),
         }
     }
 
@@ -41,11 +41,11 @@ impl<K: Hash + Eq + Clone, V: Clone> Cache<K, V> {
 
     /// What is known already.
     pub fn known(&self, key: &K) -> Option<V> {
-        self.kept().known.get(key).cloned()
+        self.store().known.get(key).cloned()
     }
 
-    fn kept(&self) -> MutexGuard<'_, Kept<K, V>> {
-        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    fn store(&self) -> MutexGuard<'_, Store<K, V>> {
+        self.store.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What is known, or else made and kept.
@@ -56,17 +56,17 @@ impl<K: Hash + Eq + Clone, V: Clone> Cache<K, V> {
         // Not under the lock: others may look meanwhile.
         let made = make()?;
         let bytes = (self.bytes)(&made);
-        let mut kept = self.kept();
-        while kept.bytes.saturating_add(bytes) > self.most
-            && let Some(oldest) = kept.order.pop_front()
+        let mut store = self.store();
+        while store.bytes.saturating_add(bytes) > self.most
+            && let Some(oldest) = store.order.pop_front()
         {
-            let left = kept.known.remove(&oldest);
-            kept.bytes -= left.as_ref().map_or(0, self.bytes);
+            let left = store.known.remove(&oldest);
+            store.bytes -= left.as_ref().map_or(0, self.bytes);
         }
         // Another one may have made it meanwhile.
-        if kept.known.insert(key.clone(), made.clone()).is_none() {
-            kept.bytes += bytes;
-            kept.order.push_back(key);
+        if store.known.insert(key.clone(), made.clone()).is_none() {
+            store.bytes += bytes;
+            store.order.push_back(key);
         }
         Ok(made)
     }

@@ -82,8 +82,8 @@ fn row(
 
 /// The formats asked for, the fixed design first.
 fn formats(evaluator: &Evaluator) -> Vec<Option<Engine>> {
-    let asked = evaluator.subject.formats.iter().copied().map(Some);
-    std::iter::once(None).chain(asked).collect()
+    let formats = evaluator.subject.formats.iter().copied().map(Some);
+    std::iter::once(None).chain(formats).collect()
 }
 
 /// Beside a design that was fitted.

@@ -55,18 +55,18 @@ pub fn front(candidates: &[Candidate]) -> Vec<&Candidate> {
             .then(a.point.cmp(&b.point))
     });
     // Sorted by cycles, so only points before can beat one; and if any does, one of the front does.
-    let mut kept: Vec<&Candidate> = Vec::new();
+    let mut front: Vec<&Candidate> = Vec::new();
     for candidate in sorted {
         let beats = |other: &&Candidate| {
             other.rms <= candidate.rms
                 && other.area <= candidate.area
                 && other.energy <= candidate.energy
         };
-        if !kept.iter().any(beats) {
-            kept.push(candidate);
+        if !front.iter().any(beats) {
+            front.push(candidate);
         }
     }
-    kept
+    front
 }
 
 /// The table's lines of the front.
@@ -99,10 +99,10 @@ mod tests {
             let all: Vec<Candidate> = (0..).zip(values).map(|(point, (rms, cycles, area, energy))| Candidate {
                 point, rms: rms.into(), cycles: cycles.into(), area: area.into(), energy: energy.into(), label: String::new(),
             }).collect();
-            let kept = front(&all);
+            let front = front(&all);
             for candidate in &all {
                 let beaten = all.iter().any(|other| beats(other, candidate));
-                let equal = kept.iter().any(|k| (k.rms, k.cycles, k.area, k.energy) == (candidate.rms, candidate.cycles, candidate.area, candidate.energy));
+                let equal = front.iter().any(|k| (k.rms, k.cycles, k.area, k.energy) == (candidate.rms, candidate.cycles, candidate.area, candidate.energy));
                 prop_assert_eq!(equal, !beaten, "{:?}", candidate);
             }
         }

@@ -33,11 +33,11 @@ pub fn page(sweep: &Sweep) -> String {
         candidates,
         ..
     } = *sweep;
-    let kept = front(candidates);
+    let front = front(candidates);
     let count = format!(
         "{} points, {} on the front of error, cycles, area and energy (filled).",
         candidates.len(),
-        kept.len()
+        front.len()
     );
     let mut charts = String::new();
     match candidates {
@@ -52,19 +52,19 @@ pub fn page(sweep: &Sweep) -> String {
         }
         _ => charts.push_str(&chart(
             candidates,
-            &kept,
+            &front,
             "error (rms, units of 1.0), less is up",
             |c| c.rms,
         )),
     }
     charts.push_str(&chart(
         candidates,
-        &kept,
+        &front,
         "area (all resources, in LUTs), less is up",
         |c| c.area,
     ));
     let mut plain = String::new();
-    for candidate in &kept {
+    for candidate in &front {
         // Writing to a String cannot fail.
         let _ = writeln!(plain, "<li>{}</li>", escape(&candidate.label));
     }
@@ -80,7 +80,7 @@ pub fn page(sweep: &Sweep) -> String {
     );
     let scripts = format!(
         "<script type=\"application/json\" id=\"points\">{}</script>\n<script>\n{}</script>\n",
-        points(sweep, &kept),
+        points(sweep, &front),
         include_str!("front.js")
     );
     Shell {
@@ -105,7 +105,7 @@ struct PointsData<'a> {
 }
 
 /// The table as the page's script reads it, without the rows' digests.
-fn points(sweep: &Sweep, kept: &[&Candidate]) -> String {
+fn points(sweep: &Sweep, front: &[&Candidate]) -> String {
     let shown = sweep.table.heading.len().saturating_sub(1);
     let columns = &sweep.table.heading[..shown];
     let axes: Vec<&str> = columns
@@ -119,7 +119,7 @@ fn points(sweep: &Sweep, kept: &[&Candidate]) -> String {
         .filter_map(|candidate| sweep.table.rows.get(&candidate.point))
         .filter_map(|row| row.get(..shown))
         .collect();
-    let front: Vec<usize> = kept.iter().map(|candidate| candidate.point).collect();
+    let front: Vec<usize> = front.iter().map(|candidate| candidate.point).collect();
     let data = PointsData {
         columns,
         axes,
@@ -133,7 +133,7 @@ fn points(sweep: &Sweep, kept: &[&Candidate]) -> String {
 
 fn chart(
     candidates: &[Candidate],
-    kept: &[&Candidate],
+    front: &[&Candidate],
     name: &str,
     of: fn(&Candidate) -> f64,
 ) -> String {
@@ -152,7 +152,7 @@ fn chart(
     chart.columns(&frame, &x, &x.ticks(12));
     chart.rows(&frame, &y, &y.ticks(12));
     chart.names(&frame, "simulated cycles", name);
-    let on_front = |candidate: &Candidate| kept.iter().any(|other| other.point == candidate.point);
+    let on_front = |candidate: &Candidate| front.iter().any(|other| other.point == candidate.point);
     let (front, others): (Vec<_>, Vec<_>) = candidates.iter().partition(|one| on_front(one));
     // The front lies above the others.
     let classed = others.into_iter().map(|one| (one, 3.5, ""));

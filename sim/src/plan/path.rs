@@ -215,10 +215,10 @@ mod tests {
         assert!(printed("frames = 2\nkey = []\n").contains("needs one or more"));
         let path =
             CameraPath::Keys(keys("p.toml", &TEXT.replace("fov = 40.0", "fov = 400.0")).unwrap());
-        let told = format!("{:#}", path.cameras([0.0, 1.0, 0.0], [8, 8]).unwrap_err());
+        let message = format!("{:#}", path.cameras([0.0, 1.0, 0.0], [8, 8]).unwrap_err());
         assert!(
-            told.contains("'p.toml', frame 1") && told.contains("fov"),
-            "{told}"
+            message.contains("'p.toml', frame 1") && message.contains("fov"),
+            "{message}"
         );
     }
 }

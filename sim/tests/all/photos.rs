@@ -74,9 +74,12 @@ fn what_a_design_costs_against_photographs() {
     let shell = Shell::new();
     write_model(&shell);
     photograph(&shell, "");
-    let told =
+    let printed =
         shell.succeed("compare random:400:3 --camera sparse/0 --photos images --formats -o out");
-    assert!(told.starts_with("2 views against photographs"), "{told}");
+    assert!(
+        printed.starts_with("2 views against photographs"),
+        "{printed}"
+    );
     let found = shell.json("out/photos.json");
     assert_eq!(found["views"][0]["name"], "view_0.png");
     assert_eq!(found["views"][1]["name"], "view_8.png");
@@ -138,14 +141,14 @@ fn photographs_of_half_the_size_decide_and_missing_ones_are_named() {
 fn maps_lie_beside_the_picture() {
     let shell = Shell::new();
     let all = "depth,alpha,normal,count,first,id";
-    let told = shell.succeed(&format!(
+    let printed = shell.succeed(&format!(
         "render random:50:2 --size 40x30 --maps {all} -o x.png"
     ));
     for name in all.split(',') {
         let map = image::open(shell.path(&format!("x.{name}.png"))).unwrap();
         assert_eq!((map.width(), map.height()), (40, 30), "{name}");
         assert!(map.to_rgb8().pixels().any(|p| p.0 != [0; 3]), "{name}");
-        assert!(told.contains(&format!("x.{name}.png: ")), "{told}");
+        assert!(printed.contains(&format!("x.{name}.png: ")), "{printed}");
     }
     shell.succeed("render random:50:2 --size 40x30 --maps id -o x.npy");
     let numbers = pixels(&shell, "x.id.npy", 40 * 30);
@@ -174,8 +177,11 @@ fn a_trainers_folder_is_a_scene_with_its_camera() {
     let said = shell.run("render model -o x.png");
     assert_eq!(said.code, Some(0), "{}", said.stderr);
     holds(&said.stderr, &["iteration 30000"]);
-    let told = String::from_utf8(said.stdout).unwrap();
-    assert!(told.contains("camera: first, the first of 1"), "{told}");
+    let printed = String::from_utf8(said.stdout).unwrap();
+    assert!(
+        printed.contains("camera: first, the first of 1"),
+        "{printed}"
+    );
     let picture = image::open(shell.path("x.png")).unwrap().to_rgb8();
     assert_eq!(picture.dimensions(), (40, 30));
     let [red, green, _] = picture.get_pixel(20, 15).0;
@@ -223,8 +229,11 @@ fn a_lens_bends_the_picture_as_colmap_does() {
 fn frames_are_called_after_their_pictures() {
     let shell = Shell::new();
     write_model(&shell);
-    let told = shell.succeed("render random:40:3 --camera-path sparse/0 -o x.png");
-    assert!(told.contains("x-view_0.png to x-view_8.png"), "{told}");
+    let printed = shell.succeed("render random:40:3 --camera-path sparse/0 -o x.png");
+    assert!(
+        printed.contains("x-view_0.png to x-view_8.png"),
+        "{printed}"
+    );
     assert!(shell.has("x-view_4.png"));
     let turned = "render random:40:3 --turntable 4 --size 32x24 --animation turning.png -o y.png";
     shell.succeed(turned);

@@ -38,8 +38,8 @@ fn unit(name: &str, format: &str, family: Family) -> Option<LaneUnits> {
     let line = |columns: &[&str], fabric| {
         let [unit, of, transistors, cells]: [&str; 4] = columns.try_into().ok()?;
         let transistors = transistors.parse().ok()?;
-        let is_asked = unit == name && of == format && Family::by_key(cells)? == family;
-        Some(is_asked.then_some(LaneUnits {
+        let matches = unit == name && of == format && Family::by_key(cells)? == family;
+        Some(matches.then_some(LaneUnits {
             transistors,
             fabric,
         }))

@@ -128,7 +128,7 @@ fn one_splat() -> Workload {
     };
     Workload {
         columns: 0,
-        kept: None,
+        order_changes: None,
         surface: None,
         key_bits: 0,
         tile: [16, 8],

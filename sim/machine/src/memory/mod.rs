@@ -27,7 +27,7 @@ use serde::Serialize;
 /// A read: when it was asked for, and when its data have arrived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Read {
-    pub asked: u64,
+    pub requested: u64,
     pub arrives: u64,
 }
 
@@ -205,11 +205,11 @@ impl Channels {
 impl Memory for Channels {
     #[inline(always)]
     fn splat(&mut self, fetch: &mut Account, free: u64, _: u64, seen: bool) -> Read {
-        let asked = free.max(fetch.at());
-        fetch.wait(Cause::FifoFull, asked);
+        let requested = free.max(fetch.at());
+        fetch.wait(Cause::FifoFull, requested);
         fetch.work(self.splat + if seen { self.harmonics } else { 0 });
         Read {
-            asked,
+            requested,
             arrives: fetch.at() + self.latency,
         }
     }
@@ -252,8 +252,8 @@ impl Memory for Channels {
 
     #[inline(always)]
     fn packet(&mut self, fetch: &mut Account, wanted: Wanted) -> Read {
-        let asked = wanted.free.max(fetch.at());
-        fetch.wait(Cause::FifoFull, asked);
+        let requested = wanted.free.max(fetch.at());
+        fetch.wait(Cause::FifoFull, requested);
         let cycles = match (&mut self.lists, wanted.splat) {
             (Some(lists), splat) => lists.read() + splat.map_or(0, |_| self.packet_alone),
             (None, Some(_)) => self.packet,
@@ -261,7 +261,7 @@ impl Memory for Channels {
         };
         fetch.work(cycles);
         Read {
-            asked,
+            requested,
             arrives: fetch.at() + self.latency,
         }
     }

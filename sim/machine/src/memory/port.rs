@@ -48,7 +48,7 @@ struct Write {
     address: u64,
     bytes: u64,
     /// Will somebody ask when it was served?
-    kept: bool,
+    awaited: bool,
 }
 
 /// The port.
@@ -120,12 +120,12 @@ impl Port {
         self.queue_up(at, address, bytes, true).0
     }
 
-    fn queue_up(&mut self, at: u64, address: u64, bytes: u64, kept: bool) -> (WriteId, u64) {
-        let mut taken = at;
+    fn queue_up(&mut self, at: u64, address: u64, bytes: u64, awaited: bool) -> (WriteId, u64) {
+        let mut accepted = at;
         if self.waiting.len() >= self.queue {
             for _ in 0..self.queue.div_ceil(2) {
                 // Each place is free when its write is over.
-                taken = taken.max(self.write_one().map_or(0, |served| served.start));
+                accepted = accepted.max(self.write_one().map_or(0, |served| served.start));
             }
         }
         let id = self.next;
@@ -135,9 +135,9 @@ impl Port {
             id,
             address,
             bytes,
-            kept,
+            awaited,
         }));
-        (id, taken)
+        (id, accepted)
     }
 
     /// Writes on in a stream, which holds a burst back until it is whole.
@@ -199,7 +199,7 @@ impl Port {
     fn write_one(&mut self) -> Option<Served> {
         let Reverse(write) = self.waiting.pop()?;
         let served = self.serve(write.at, write.address, write.bytes, true);
-        if write.kept {
+        if write.awaited {
             self.over.insert(write.id, served);
         }
         Some(served)

@@ -139,24 +139,28 @@ impl Shared {
 
 impl Memory for Shared {
     fn splat(&mut self, fetch: &mut Account, free: u64, number: u64, seen: bool) -> Read {
-        let asked = free.max(self.geometry);
-        self.geometry = asked + 1;
-        fetch.wait(Cause::FifoFull, asked);
+        let requested = free.max(self.geometry);
+        self.geometry = requested + 1;
+        fetch.wait(Cause::FifoFull, requested);
         let [start, bytes] = [Map::of(self.map.splat, number), self.map.splat[1]];
-        let mut end = asked;
+        let mut end = requested;
         let mut note = |served: Option<super::port::Served>| {
             let Some(served) = served else { return };
             fetch.wait(Cause::Port, served.start);
             fetch.work(served.end.saturating_sub(fetch.at()));
             end = served.end;
         };
-        note(self.port.read_on(&mut self.splats, asked, start, bytes));
+        note(self.port.read_on(&mut self.splats, requested, start, bytes));
         if seen && self.config.harmonics_bytes > 0 {
             let address = Map::of(self.map.harmonics, number);
-            note(Some(self.port.read(asked, address, self.map.harmonics[1])));
+            note(Some(self.port.read(
+                requested,
+                address,
+                self.map.harmonics[1],
+            )));
         }
         let arrives = self.arrival(end.max(fetch.at()));
-        Read { asked, arrives }
+        Read { requested, arrives }
     }
 
     /// Packets and entries come in the order of the splats; the queue of writes holds them until the port has time.
@@ -199,19 +203,19 @@ impl Memory for Shared {
             pair,
             splat,
         } = wanted;
-        let asked = self.next_request(unit, fetch, free);
-        fetch.wait(Cause::FifoFull, asked);
+        let requested = self.next_request(unit, fetch, free);
+        fetch.wait(Cause::FifoFull, requested);
         let reader = &mut self.readers[unit as usize];
-        reader.next = asked + 1;
+        reader.next = requested + 1;
         let [entry, each] = [Map::of(self.map.sorted, pair), self.map.sorted[1]];
-        self.port.read_on(&mut reader.list, asked, entry, each);
+        self.port.read_on(&mut reader.list, requested, entry, each);
         // Machines with a part have no packet cache, so that a splat is always named.
         let packet = Map::of(self.map.packet, splat.unwrap_or_default().into());
-        let served = self.port.read(asked, packet, self.packet_bytes);
+        let served = self.port.read(requested, packet, self.packet_bytes);
         fetch.wait(Cause::Port, served.start);
         fetch.work(served.end.saturating_sub(fetch.at()));
         let arrives = self.arrival(served.end.max(fetch.at()));
-        Read { asked, arrives }
+        Read { requested, arrives }
     }
 
     fn next_request(&self, unit: u32, _: &Account, free: u64) -> u64 {

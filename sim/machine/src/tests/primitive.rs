@@ -58,7 +58,7 @@ type NaivePacket = (u64, Vec<Option<LaneRun>>);
 /// Cycles of all handshakes: packets, splats, and runs into queues and out of them (lane by lane).
 #[derive(Debug, Default, PartialEq)]
 struct Handshakes {
-    taken: Vec<u64>,
+    accepted: Vec<u64>,
     begun: Vec<u64>,
     left: Vec<u64>,
     popped: Vec<Vec<u64>>,
@@ -71,7 +71,7 @@ struct NaiveBuffer<T> {
     memory: VecDeque<T>,
     word: Option<T>,
     out: Option<T>,
-    taken: usize,
+    occupied: usize,
 }
 
 impl<T> NaiveBuffer<T> {
@@ -81,13 +81,13 @@ impl<T> NaiveBuffer<T> {
             memory: VecDeque::new(),
             word: None,
             out: None,
-            taken: 0,
+            occupied: 0,
         }
     }
 
     /// The clock's edge: a place is claimed, an entry comes in, the one at the end leaves.
     fn edge(&mut self, claim: bool, entry: Option<T>, leaves: bool) {
-        self.taken = self.taken + usize::from(claim) - usize::from(leaves);
+        self.occupied = self.occupied + usize::from(claim) - usize::from(leaves);
         let rests_now = leaves && self.rests;
         if leaves {
             self.out = None;
@@ -173,7 +173,7 @@ fn clocked(packets: &[NaivePacket], lanes: usize, queue: usize, interval: u64) -
     };
     let mut says_idle = false;
     for now in 0.. {
-        if seen.taken.len() == packets.len() && says_idle {
+        if seen.accepted.len() == packets.len() && says_idle {
             seen.idle_at = now;
             return seen;
         }
@@ -181,18 +181,18 @@ fn clocked(packets: &[NaivePacket], lanes: usize, queue: usize, interval: u64) -
         let leaving: Option<Option<LaneRun>> = slots.out;
         let leaves =
             leaving.is_some_and(|run| run.is_none_or(|run| units[run.lane].queue.len() < queue));
-        let issues = issued.filter(|_| slots.taken < 64);
+        let issues = issued.filter(|_| slots.occupied < 64);
         let last = issues.is_some_and(|(splat, row)| row + 1 == packets[splat].1.len());
         let takes_splat = issued.is_none() || last;
         let begins: Option<usize> = splats.out.filter(|_| takes_splat);
-        let packet = Some(seen.taken.len()).filter(|next| {
+        let packet = Some(seen.accepted.len()).filter(|next| {
             now % interval == 0
-                && splats.taken < 32
+                && splats.occupied < 32
                 && packets.get(*next).is_some_and(|(from, _)| *from <= now)
         });
-        says_idle = splats.taken == 0
+        says_idle = splats.occupied == 0
             && issued.is_none()
-            && slots.taken == 0
+            && slots.occupied == 0
             && units.iter().all(NaiveLane::idle)
             && packet.is_none();
         // The clock's edge.
@@ -214,7 +214,7 @@ fn clocked(packets: &[NaivePacket], lanes: usize, queue: usize, interval: u64) -
             issues.map(|(splat, row)| (splat, row + 1)).or(issued)
         };
         seen.begun.extend(begins.map(|_| now));
-        seen.taken.extend(packet.map(|_| now));
+        seen.accepted.extend(packet.map(|_| now));
     }
     seen
 }
@@ -227,7 +227,7 @@ fn recurrence(packets: &[NaivePacket], lanes: usize, queue: usize, interval: u64
     };
     for (offered, rows) in packets {
         let stamp = clock.packet(*offered);
-        seen.taken.push(stamp.taken);
+        seen.accepted.push(stamp.accepted);
         seen.begun.push(stamp.begun);
         for run in rows {
             let slot = clock.slot(*run);

@@ -3,7 +3,7 @@
 //! Every tile is drawn by the kernel's painter. Before a footprint is drawn, its rows are walked once more to note which of the
 //! visited pixels are covered and which have not finished; a test holds the sums against the painter's own counts.
 
-use super::kept::Before;
+use super::order_changes::Before;
 use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, each_tile, room_for};
 use crate::camera::Camera;
 use crate::design::DesignJob;
@@ -175,7 +175,7 @@ impl ExtractJob<'_> {
         let mut workload = assemble(parts, &bins, self.footprints.len(), packet_bytes);
         workload.key_bits = key_bits(self.footprints);
         let changes = self.before.zip(rank);
-        workload.kept = changes.map(|(before, rank)| before.changes(&workload, &rank));
+        workload.order_changes = changes.map(|(before, rank)| before.changes(&workload, &rank));
         (workload, screen)
     }
 
@@ -407,8 +407,8 @@ mod tests {
         );
         assert_eq!(first.workload, extract(&scene, &camera, &options, [16, 16]));
         let still = draw(&camera, Some(&first.workload));
-        let kept = still.workload.kept.unwrap();
-        assert_eq!((kept.came, kept.left, kept.inversions), (0, 0, 0));
+        let changes = still.workload.order_changes.unwrap();
+        assert_eq!((changes.came, changes.left, changes.inversions), (0, 0, 0));
         assert_eq!(still.picture, first.picture);
 
         let [x, y, z] = camera.eye();
@@ -416,15 +416,15 @@ mod tests {
         let moved = Camera::look_at(eye, [0.0; 3], up, 40.0, 70, 52).unwrap();
         let anew = draw(&moved, None);
         let old = draw(&moved, Some(&first.workload));
-        let kept = old.workload.kept.unwrap();
+        let changes = old.workload.order_changes.unwrap();
         let entries = old.workload.pairs.iter().filter(|pair| pair.visits).count() as u64;
         assert!(
-            kept.came > 0 && kept.came < entries && kept.left > 0,
-            "{kept:?}"
+            changes.came > 0 && changes.came < entries && changes.left > 0,
+            "{changes:?}"
         );
         assert!(
-            kept.inversions > 0 && kept.inversions < kept.pairs / 2,
-            "{kept:?}"
+            changes.inversions > 0 && changes.inversions < changes.pairs / 2,
+            "{changes:?}"
         );
         assert_ne!(old.picture, anew.picture);
         let sorted = |workload: &Workload, tile: usize| {

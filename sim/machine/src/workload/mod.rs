@@ -5,13 +5,13 @@
 //! 64-bit word.
 
 mod extract;
-mod kept;
+mod order_changes;
 mod room;
 mod surface;
 mod table;
 
 pub use extract::{InOrder, extract, extract_from, extract_if_room, extract_in_order};
-pub use kept::OrderChanges;
+pub use order_changes::OrderChanges;
 pub use room::room_for;
 pub use surface::{SurfaceCounts, SurfaceWork, extract_surface, layers_of};
 pub use table::{TableOptions, read_table};
@@ -108,7 +108,7 @@ pub struct Workload {
     /// Bits in which the sort keys of visible splats differ; all where the keys are not known.
     pub key_bits: u64,
     /// What changed in the lists where they keep the order of the picture before; nothing where all is sorted anew.
-    pub kept: Option<OrderChanges>,
+    pub order_changes: Option<OrderChanges>,
     /// What a surface unit does, if surfaces are drawn: their tiles' lists are in the scene's order, which nobody sorts.
     pub surface: Option<SurfaceWork>,
 }

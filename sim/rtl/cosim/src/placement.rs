@@ -176,7 +176,8 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
     Ok(fabric)
 }
 
-/// The unit between shift registers. The outputs are loaded while the last input bit is set, and shifted out otherwise.
+/// The unit between shift registers. The outputs are loaded while the last input bit is set, and shifted out otherwise: every 64 of them by a register
+/// of their own, each a cycle after the one before, so that no wire leads to all of them.
 fn wrapper(circuit: &Circuit, ports: &BTreeMap<String, NetlistPort>) -> String {
     let (mut wires, mut widths) = (String::new(), [0, 0]);
     for (name, port) in ports.iter().filter(|(name, _)| *name != "clk") {
@@ -187,7 +188,7 @@ fn wrapper(circuit: &Circuit, ports: &BTreeMap<String, NetlistPort>) -> String {
         wires += &format!(",\n    .{name}({vector}[{last}:{first}])");
     }
     let [inputs, outputs] = widths;
-    let (last_input, last, before) = (inputs - 1, outputs - 1, outputs - 2);
+    let (last_input, last, loads) = (inputs - 1, outputs - 1, outputs / 64);
     let parameters = circuit.parameters.iter();
     let parameters = parameters.map(|(name, value)| format!(".{name}({value})"));
     let (unit, parameters) = (circuit.unit.top, parameters.collect::<Vec<_>>().join(", "));
@@ -195,12 +196,14 @@ fn wrapper(circuit: &Circuit, ports: &BTreeMap<String, NetlistPort>) -> String {
         "module wrapper (input logic clk, input logic serial_in, output logic serial_out);
   logic [{inputs}:0] inputs;
   logic [{last}:0] outputs, sampled;
+  logic [{loads}:0] loads;
   {unit} #({parameters}) placed (
     .clk{wires}
   );
   always_ff @(posedge clk) begin
     inputs <= {{inputs[{last_input}:0], serial_in}};
-    sampled <= inputs[{inputs}] ? outputs : {{sampled[{before}:0], 1'b0}};
+    loads <= {{loads, inputs[{inputs}]}};
+    for (int n = 0; n <= {last}; n++) sampled[n] <= loads[n/64] ? outputs[n] : n != 0 && sampled[n-1];
     serial_out <= sampled[{last}];
   end
 endmodule

@@ -171,18 +171,18 @@ impl PlanRequest<'_> {
         are_samples: bool,
     ) -> Result<Option<Hybrid>, Failure> {
         let stamped = self.traversal == Some(TraversalChoice::Stamp);
-        let asked = options.points.is_some() || stamped;
+        let requested = options.points.is_some() || stamped;
         let scaled = rules.spacing > 0.0 && rules.cutoff.is_finite();
         if stamped && options.is_another_method() {
             let message =
                 "--traversal stamp draws points: leave out --sheets, --deep-alpha and --spheres";
             return Err(Failure::Usage(message.to_owned()));
         }
-        if asked && !scaled {
+        if requested && !scaled {
             let message = "--points and --traversal stamp need --rules ewa and --antialias swan";
             return Err(Failure::Usage(message.to_owned()));
         }
-        let chosen = asked || are_samples && scaled;
+        let chosen = requested || are_samples && scaled;
         if !chosen {
             return Ok(None);
         }

@@ -289,17 +289,17 @@ fn failure(folder: &Path, (name, bytes, options): &Bomb) -> Option<String> {
         .output()
         .unwrap();
     std::fs::remove_file(folder.join(name)).unwrap();
-    let told = String::from_utf8_lossy(&output.stderr);
-    let shown: String = told.chars().take(300).collect();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    let shown: String = stderr.chars().take(300).collect();
     if let Some(signal) = output.status.signal() {
         return Some(format!("{name} ended by signal {signal}: {shown}"));
     }
     let code = output.status.code();
-    if !matches!(code, Some(1 | 2)) || !told.contains(|c: char| c.is_ascii_digit()) {
+    if !matches!(code, Some(1 | 2)) || !stderr.contains(|c: char| c.is_ascii_digit()) {
         return Some(format!("{name} ended with {code:?}: {shown}"));
     }
-    if told.contains("out of memory") || told.len() > 10_000 {
-        return Some(format!("{name} is told in {} bytes: {shown}", told.len()));
+    if stderr.contains("out of memory") || stderr.len() > 10_000 {
+        return Some(format!("{name} is told in {} bytes: {shown}", stderr.len()));
     }
     None
 }
@@ -334,7 +334,7 @@ fn the_users_limit_is_kept() {
     let bytes = [header.as_bytes(), &rubbish(90 * 90 * 90)].concat();
     shell.write("scene.nrrd", bytes);
     let render = "render scene.nrrd --size 16x16 -o x.png --memory";
-    let told = shell.refused(1, &format!("{render} 40"), "MB are available");
-    holds(&told, &["--memory"]);
+    let refusal = shell.refused(1, &format!("{render} 40"), "MB are available");
+    holds(&refusal, &["--memory"]);
     shell.succeed(&format!("{render} 2000"));
 }

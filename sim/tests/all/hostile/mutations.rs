@@ -85,8 +85,8 @@ fn report() -> Vec<u8> {
 
 /// As `--from` reads it. Pictures of any size are asked for; small ones are drawn.
 fn report_file(path: &Path) -> Result<(), String> {
-    let told = |error| format!("{error:#}");
-    let prepared = Prepared::from_file(path, &|_| ()).map_err(told)?;
+    let message = |error| format!("{error:#}");
+    let prepared = Prepared::from_file(path, &|_| ()).map_err(message)?;
     let camera = &prepared.plan.camera;
     if camera.width.max(camera.height) > 64 {
         return Err("a picture that takes long".to_owned());
@@ -94,7 +94,7 @@ fn report_file(path: &Path) -> Result<(), String> {
     prepared
         .draw_fixed(&prepared.plan.entry)
         .map(|_| ())
-        .map_err(told)
+        .map_err(message)
 }
 
 /// What numbers in texts are replaced by.

@@ -69,11 +69,11 @@ fn a_memory_part_is_a_setting_and_its_requests_are_a_trace() {
     let printed = shell.results(&format!("model SCENE {part}"));
     holds(&printed, &["memory ddr3-1600-x16: ", "row"]);
     for (format, first) in [("ramulator2", "LD 0x0\n"), ("dramsim3", "0x0 READ 0\n")] {
-        let told = shell.results(&format!("trace SCENE {part} --format {format} -o r.txt"));
+        let printed = shell.results(&format!("trace SCENE {part} --format {format} -o r.txt"));
         let lines = shell.read("r.txt");
         assert!(lines.starts_with(first), "{}", &lines[..80]);
         let count = lines.lines().count();
-        holds(&told, &[&format!("{count} requests to ddr3-1600-x16")]);
+        holds(&printed, &[&format!("{count} requests to ddr3-1600-x16")]);
     }
     let channels = "trace SCENE --format dramsim3 -o r.txt";
     shell.refused(2, channels, "--set memory_part=ddr3-1600-x16");

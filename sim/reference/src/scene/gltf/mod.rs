@@ -250,13 +250,13 @@ fn check(stated: &serde_json::Value) -> Result<SortOrder, Problem> {
             "export the scene without compression",
         ));
     }
-    let asked = [
+    let fields = [
         ("kernel", &stated.kernel, "ellipse"),
         ("projection", &stated.projection, "perspective"),
         // Pictures hold the stored numbers: linear ones would have to be encoded for a display, which no engine here does.
         ("colorSpace", &stated.color_space, "srgb_rec709_display"),
     ];
-    for (field, found, read) in asked {
+    for (field, found, read) in fields {
         if let Some(other) = found.as_deref().filter(|found| *found != read) {
             return Err(refused(
                 field,

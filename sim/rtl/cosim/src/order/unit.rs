@@ -127,17 +127,17 @@ fn order(
     let splats = &load.splats;
     // A circuit that goes on reading and writing hangs as well.
     let limit = PATIENCE + 200 * splats.len() as u64 + 16 * load.entries() as u64;
-    let (mut taken, mut next) = (0, 0);
+    let (mut sent, mut next) = (0, 0);
     for cycle in 0..limit {
-        let offered = splats.get(taken).filter(|_| cycle >= next);
+        let offered = splats.get(sent).filter(|_| cycle >= next);
         circuit.set(valid, offered.is_some().into());
-        circuit.set(ends, (taken == splats.len()).into());
+        circuit.set(ends, (sent == splats.len()).into());
         if let Some(splat) = offered {
             circuit.set_words(word, &splat.word());
         }
         memory.settle(circuit);
         if offered.is_some() && circuit.is(ready) {
-            (taken, next) = (taken + 1, cycle + interval);
+            (sent, next) = (sent + 1, cycle + interval);
         }
         let ended = circuit.is(done);
         memory.edge(circuit);

@@ -16,7 +16,7 @@ pub struct Stamps {
     /// From which cycle on each packet was offered.
     pub offered: Vec<u64>,
     /// Each packet's handshake.
-    pub taken: Vec<u64>,
+    pub accepted: Vec<u64>,
     /// The row generator takes each splat over from setup.
     pub begun: Vec<u64>,
     /// Each run leaves the row generator.
@@ -60,15 +60,15 @@ impl HandshakePorts {
 impl Stamps {
     /// Notes what the circuit's ports say in a cycle, for a tile of so many packets.
     pub fn note(&mut self, ports: &HandshakePorts, circuit: &Simulation, now: u64, packets: usize) {
-        let all_taken = self.taken.len() == packets;
-        if all_taken && circuit.is(ports.raster_idle) && self.idle_at.is_none() {
+        let all_accepted = self.accepted.len() == packets;
+        if all_accepted && circuit.is(ports.raster_idle) && self.idle_at.is_none() {
             self.idle_at = Some(now);
         }
-        if circuit.is(ports.packet.valid) && self.offered.len() == self.taken.len() {
+        if circuit.is(ports.packet.valid) && self.offered.len() == self.accepted.len() {
             self.offered.push(now);
         }
         if ports.packet.moves(circuit) {
-            self.taken.push(now);
+            self.accepted.push(now);
         }
         if circuit.is(ports.splat_begun) {
             self.begun.push(now);
@@ -85,7 +85,7 @@ impl Stamps {
 
     /// Cycles from the first packet's handshake to the last packet's last pixel; 0 without packets.
     pub fn raster_cycles(&self) -> u64 {
-        let ends = self.taken.first().zip(self.idle_at);
+        let ends = self.accepted.first().zip(self.idle_at);
         ends.map_or(0, |(first, last)| last - first)
     }
 
@@ -99,7 +99,7 @@ impl Stamps {
     ) -> Option<String> {
         let mut same = Same::default();
         // The first packet is offered before its tile has begun; time is counted from its handshake, and with it the turns of setup.
-        let first = self.taken.first().copied().unwrap_or(0);
+        let first = self.accepted.first().copied().unwrap_or(0);
         let lanes = lanes as usize;
         let mut clock = PrimitiveClock::with_interval(lanes, QUEUE, interval, first);
         let mut left = self.left.iter();
@@ -109,7 +109,7 @@ impl Stamps {
             let footprint = &workload.footprints[*index as usize];
             let offered = self.offered.get(place).copied().unwrap_or(0);
             let stamp = clock.packet(offered.max(first));
-            same.check("packet taken", stamp.taken, self.taken.get(place));
+            same.check("packet taken", stamp.accepted, self.accepted.get(place));
             same.check("rows begun", stamp.begun, self.begun.get(place));
             for_each_slot(design, footprint, &tile.window, lanes, |run| {
                 let slot = clock.slot(run);

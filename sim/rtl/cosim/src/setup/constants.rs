@@ -297,14 +297,14 @@ mod tests {
             compensated: true,
             ..Rules::GAUSSIAN_3D
         };
-        let told = |name: &str, rules: &Rules| {
+        let check = |name: &str, rules: &Rules| {
             let named = compensation(&[name.to_owned()], rules).map_err(|error| error.to_string());
             named.map(|named| named.is_some())
         };
-        let refused = |told: Result<bool, String>| told.is_err_and(|e| e.contains("--antialias"));
-        assert!(refused(told("one", &compensated)));
-        assert!(refused(told("one_half", &Rules::GAUSSIAN_3D)));
-        assert_eq!(told("one_half", &compensated), Ok(true));
-        assert_eq!(told("one", &Rules::GAUSSIAN_3D), Ok(false));
+        let refused = |check: Result<bool, String>| check.is_err_and(|e| e.contains("--antialias"));
+        assert!(refused(check("one", &compensated)));
+        assert!(refused(check("one_half", &Rules::GAUSSIAN_3D)));
+        assert_eq!(check("one_half", &compensated), Ok(true));
+        assert_eq!(check("one", &Rules::GAUSSIAN_3D), Ok(false));
     }
 }

@@ -140,9 +140,9 @@ fn sizes_of_items_beyond_sixteen_bits_are_an_error() {
     for item in whole[227 + 54 + 34..].chunks_exact_mut(6).take(2) {
         item[2..4].fill(255);
     }
-    let told = cloud(&whole).unwrap_err().to_string();
+    let message = cloud(&whole).unwrap_err().to_string();
     assert_told(
-        &told,
+        &message,
         "packed record length: 131070 bytes beside records of 26",
     );
 }

@@ -67,9 +67,9 @@ impl OrderReuse {
         let old = prepared.in_order(Some(&before))?;
         let timings = [&old, &anew].map(|one| simulate_alone(&one.workload, &plan.machine));
         let error = DesignError::of(&old.picture, &anew.picture)?;
-        let kept = ReusedOrderFrame {
+        let reused = ReusedOrderFrame {
             name: frame.name.clone(),
-            lists: old.workload.kept.unwrap_or_default(),
+            lists: old.workload.order_changes.unwrap_or_default(),
             entries: timings[0].splats.entries,
             sort_cycles: [timings[0].sort, timings[1].sort],
             cycles: [timings[0].total, timings[1].total],
@@ -77,7 +77,7 @@ impl OrderReuse {
             error,
             psnr_db: Some(error.psnr_db()).filter(|psnr| psnr.is_finite()),
         };
-        Ok((old.workload, Some(kept)))
+        Ok((old.workload, Some(reused)))
     }
 
     /// What the next picture may keep the order of.
@@ -87,15 +87,15 @@ impl OrderReuse {
 }
 
 /// Gain and errors over all pictures whose order was kept; nothing of none.
-pub fn text(kept: &[&ReusedOrderFrame], frames: usize) -> String {
-    let Some(worst) = kept
+pub fn text(reused: &[&ReusedOrderFrame], frames: usize) -> String {
+    let Some(worst) = reused
         .iter()
         .max_by(|a, b| a.error.max_abs.total_cmp(&b.error.max_abs))
     else {
         return String::new();
     };
     let mean = |of: &dyn Fn(&ReusedOrderFrame) -> u64| {
-        kept.iter().map(|frame| of(frame) as f64).sum::<f64>() / kept.len() as f64
+        reused.iter().map(|frame| of(frame) as f64).sum::<f64>() / reused.len() as f64
     };
     let pair = |name: &str, of: fn(&ReusedOrderFrame) -> [u64; 2], unit: f64| {
         let [old, anew] = [0, 1].map(|which| mean(&|frame: &ReusedOrderFrame| of(frame)[which]));
@@ -105,8 +105,8 @@ pub fn text(kept: &[&ReusedOrderFrame], frames: usize) -> String {
     let part = |of: fn(&OrderChanges) -> u64, whole: &dyn Fn(&ReusedOrderFrame) -> u64| {
         100.0 * mean(&|frame: &ReusedOrderFrame| of(&frame.lists)) / mean(whole).max(1.0)
     };
-    let rms = Spread::of(kept.iter().map(|frame| frame.error.rms));
-    let bias = kept
+    let rms = Spread::of(reused.iter().map(|frame| frame.error.rms));
+    let bias = reused
         .iter()
         .fold(0.0, |most: f64, frame| most.max(frame.error.bias.abs()));
     let psnr = |rms: f64| {
@@ -120,7 +120,7 @@ pub fn text(kept: &[&ReusedOrderFrame], frames: usize) -> String {
         "order kept in {} of {frames} frames, a frame of them on the mean:\n{}{}{}  \
            entries                {:.2} % came, {:.2} % left; inversions {:.0}, {:.4} % of a tile's pairs of entries\n  \
            against exact order    PSNR worst {}, 95 % {}, mean {}; largest error {:.2e} ({}), bias up to {:.2e}\n",
-        kept.len(),
+        reused.len(),
         pair("sort, Mcycles", |frame| frame.sort_cycles, 1e6),
         pair("all phases, Mcycles", |frame| frame.cycles, 1e6),
         pair("bytes of the sort, MB", |frame| frame.sort_bytes, 1e6),
