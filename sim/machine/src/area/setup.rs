@@ -25,6 +25,10 @@ pub const MOST_CORES: u32 = 32;
 /// Numbers of cores that the lines go through.
 pub const FITTED_CORES: [u32; 2] = [1, 4];
 
+/// A design with standard24's positions and a shorter mantissa, and that; standard24's mantissa.
+const SHORTER: (&str, u8) = ("24-bit mantissa", 24);
+const LONGER: u8 = 28;
+
 /// One circuit and its counts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SetupUnit {
@@ -49,6 +53,7 @@ impl SetupUnit {
     pub fn fitted(&self) -> bool {
         FITTED_CORES.contains(&self.cores)
             && ["lean18", "standard24"].contains(&self.design.as_str())
+            || (self.design.as_str(), self.cores) == (SHORTER.0, FITTED_CORES[0])
     }
 }
 
@@ -135,8 +140,8 @@ pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
 }
 
 /// A unit with so many cores for a family: on lean18's line where axes are turned in front of the cores, on standard24's
-/// elsewhere; nothing where none was synthesised. Two cores share their memories, so that an odd one needs more than
-/// half of a pair.
+/// elsewhere, moved by what a bit of mantissa takes there; nothing where none was synthesised. Two cores share their
+/// memories, so that an odd one needs more than half of a pair.
 pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -> Option<Fabric> {
     let design = if is_turned(mantissa) {
         "lean18"
@@ -149,10 +154,18 @@ pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -
         find(units, family, design, many)?,
     );
     let odd = odd_kbit(units, family)?;
+    // Mantissas of turned axes differ by three bits at most.
+    let (shorter, bits) = if is_turned(mantissa) {
+        (one, 0.0)
+    } else {
+        let shorter = find(units, family, SHORTER.0, few)?;
+        (shorter, f64::from(LONGER) - f64::from(mantissa))
+    };
     let of = |resource: fn(&Fabric) -> u64| {
         let (a, b) = (resource(&one) as f64, resource(&more) as f64);
         let core = (b - a) / f64::from(many - few);
-        (a + core * (f64::from(cores) - f64::from(few))).round() as u64
+        let bit = (a - resource(&shorter) as f64) / f64::from(LONGER - SHORTER.1);
+        (a + core * (f64::from(cores) - f64::from(few)) - bit * bits).round() as u64
     };
     Some(Fabric {
         luts: of(|fabric| fabric.luts),
@@ -204,6 +217,7 @@ mod tests {
                 );
             }
         }
+        assert_eq!(Standard24::WIDTHS.mantissa, LONGER);
         assert_eq!(parse("design,widths\n"), None);
     }
 

@@ -33,7 +33,7 @@ const USAGE: &str = "usage: rtl COMMAND
                 frames-harmonics (machine with harmonics, by one and by two multipliers)
   mutations [UNIT [PART]]   is every mutation noticed, or those of a unit, or those whose name contains PART?
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mutation
-  area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/machine/src/area/synthesised.csv (18 minutes) and setup.csv (an hour)
+  area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/machine/src/area/synthesised.csv (18 minutes) and setup.csv (half an hour)
   area order|harmonics            the same of these units for the ECP5
   area machine                    the same of the whole machine with four lanes, by unit: sim/machine/src/area/machine.csv;
                                   of one with harmonics: frames-harmonics
