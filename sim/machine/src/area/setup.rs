@@ -25,9 +25,8 @@ pub const MOST_CORES: u32 = 32;
 /// Numbers of cores that the lines go through.
 pub const FITTED_CORES: [u32; 2] = [1, 4];
 
-/// A design with standard24's positions and a shorter mantissa, and that; standard24's mantissa.
-const SHORTER: (&str, u8) = ("24-bit mantissa", 24);
-const LONGER: u8 = 28;
+/// A design with standard24's positions and a shorter mantissa: what a bit of mantissa takes follows from both.
+const SHORTER: &str = "24-bit mantissa";
 
 /// One circuit and its counts.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,7 +52,7 @@ impl SetupUnit {
     pub fn fitted(&self) -> bool {
         FITTED_CORES.contains(&self.cores)
             && ["lean18", "standard24"].contains(&self.design.as_str())
-            || (self.design.as_str(), self.cores) == (SHORTER.0, FITTED_CORES[0])
+            || (self.design.as_str(), self.cores) == (SHORTER, FITTED_CORES[0])
     }
 }
 
@@ -153,19 +152,20 @@ pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -
         find(units, family, design, few)?,
         find(units, family, design, many)?,
     );
+    let shorter = find(units, family, SHORTER, few).filter(|_| !is_turned(mantissa));
     let odd = odd_kbit(units, family)?;
-    // Mantissas of turned axes differ by three bits at most.
-    let (shorter, bits) = if is_turned(mantissa) {
-        (one, 0.0)
-    } else {
-        let shorter = find(units, family, SHORTER.0, few)?;
-        (shorter, f64::from(LONGER) - f64::from(mantissa))
-    };
     let of = |resource: fn(&Fabric) -> u64| {
-        let (a, b) = (resource(&one) as f64, resource(&more) as f64);
-        let core = (b - a) / f64::from(many - few);
-        let bit = (a - resource(&shorter) as f64) / f64::from(LONGER - SHORTER.1);
-        (a + core * (f64::from(cores) - f64::from(few)) - bit * bits).round() as u64
+        let slope = |a: &SetupUnit, b: &SetupUnit, distance: u32| {
+            (resource(&b.fabric) as f64 - resource(&a.fabric) as f64) / f64::from(distance)
+        };
+        let core = slope(one, more, many - few);
+        let base = resource(&one.fabric) as f64 + core * (f64::from(cores) - f64::from(few));
+        // Mantissas of turned axes differ by three bits at most.
+        let bits = shorter.map_or(0.0, |shorter| {
+            let bit = slope(shorter, one, (one.mantissa - shorter.mantissa).into());
+            bit * (f64::from(mantissa) - f64::from(one.mantissa))
+        });
+        (base + bits).round() as u64
     };
     Some(Fabric {
         luts: of(|fabric| fabric.luts),
@@ -173,7 +173,8 @@ pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -
         dsps: of(|fabric| fabric.dsps),
         memory_kbit: {
             // The line of pairs, which starts at half of one.
-            let (half, pairs) = (one.memory_kbit as f64 - odd, more.memory_kbit as f64);
+            let half = one.fabric.memory_kbit as f64 - odd;
+            let pairs = more.fabric.memory_kbit as f64;
             let core = (pairs - half) / f64::from(many - few);
             let even = half + core * (f64::from(cores) - f64::from(few));
             (even + odd * f64::from(cores % 2)).round() as u64
@@ -181,15 +182,21 @@ pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -
     })
 }
 
-fn find(units: &[SetupUnit], family: Family, design: &str, cores: u32) -> Option<Fabric> {
+fn find<'a>(
+    units: &'a [SetupUnit],
+    family: Family,
+    design: &str,
+    cores: u32,
+) -> Option<&'a SetupUnit> {
     let same =
         |unit: &&SetupUnit| unit.family == family && unit.design == design && unit.cores == cores;
-    units.iter().find(same).map(|unit| unit.fabric)
+    units.iter().find(same)
 }
 
 /// What an odd core's memories have more than half of a pair's: lean18's with one core, two, and four.
 fn odd_kbit(units: &[SetupUnit], family: Family) -> Option<f64> {
-    let of = |cores| find(units, family, "lean18", cores).map(|unit| unit.memory_kbit as f64);
+    let of =
+        |cores| find(units, family, "lean18", cores).map(|unit| unit.fabric.memory_kbit as f64);
     let (one, two, four) = (of(1)?, of(2)?, of(4)?);
     Some(one - (two - (four - two) / 2.0))
 }
@@ -217,7 +224,6 @@ mod tests {
                 );
             }
         }
-        assert_eq!(Standard24::WIDTHS.mantissa, LONGER);
         assert_eq!(parse("design,widths\n"), None);
     }
 

@@ -195,15 +195,16 @@ fn wrapper(circuit: &Circuit, ports: &BTreeMap<String, NetlistPort>) -> String {
     format!(
         "module wrapper (input logic clk, input logic serial_in, output logic serial_out);
   logic [{inputs}:0] inputs;
-  logic [{last}:0] outputs, sampled;
+  logic [{last}:0] outputs, sampled, shifted;
   logic [{loads}:0] loads;
   {unit} #({parameters}) placed (
     .clk{wires}
   );
+  assign shifted = sampled << 1;
   always_ff @(posedge clk) begin
     inputs <= {{inputs[{last_input}:0], serial_in}};
     loads <= {{loads, inputs[{inputs}]}};
-    for (int n = 0; n <= {last}; n++) sampled[n] <= loads[n/64] ? outputs[n] : n != 0 && sampled[n-1];
+    for (int n = 0; n <= {last}; n++) sampled[n] <= loads[n/64] ? outputs[n] : shifted[n];
     serial_out <= sampled[{last}];
   end
 endmodule

@@ -299,7 +299,10 @@ fn failure(folder: &Path, (name, bytes, options): &Bomb) -> Option<String> {
         return Some(format!("{name} ended with {code:?}: {shown}"));
     }
     if stderr.contains("out of memory") || stderr.len() > 10_000 {
-        return Some(format!("{name} is told in {} bytes: {shown}", stderr.len()));
+        return Some(format!(
+            "{name} is refused in {} bytes: {shown}",
+            stderr.len()
+        ));
     }
     None
 }

@@ -301,7 +301,7 @@ mod tests {
             let named = compensation(&[name.to_owned()], rules).map_err(|error| error.to_string());
             named.map(|named| named.is_some())
         };
-        let refused = |check: Result<bool, String>| check.is_err_and(|e| e.contains("--antialias"));
+        let refused = |found: Result<bool, String>| found.is_err_and(|e| e.contains("--antialias"));
         assert!(refused(check("one", &compensated)));
         assert!(refused(check("one_half", &Rules::GAUSSIAN_3D)));
         assert_eq!(check("one_half", &compensated), Ok(true));
