@@ -84,26 +84,51 @@ fn gaussian() -> Factors {
     Factors::gaussian(&entries, &Deep32::WIDTHS, 4).expect("its products are exact")
 }
 
-/// Products of 64-bit words, whole and of their lower halves.
-struct Products {
+/// Operations on 64-bit words that AVX2 is missing in part.
+struct WideOperations {
     a: [i64; 8],
     b: [i64; 8],
+    by: u32,
+    rows: [[i32; 4]; 8],
+    table: Vec<u32>,
 }
 
-impl VectorTask for &Products {
-    type Output = [[i64; 4]; 3];
+impl VectorTask for &WideOperations {
+    type Output = [[i64; 4]; 18];
 
     #[inline(always)]
-    fn run<L: Doubles>(self, lanes: L) -> [[i64; 4]; 3] {
+    fn run<L: Doubles>(self, lanes: L) -> [[i64; 4]; 18] {
         let (a, b) = (lanes.wide_load(&self.a), lanes.wide_load(&self.b));
-        let products = [
+        let [x, y, z, w] = lanes.wide_columns(|k| self.rows[k]);
+        let [low, high] = lanes.wide_gather(&self.table, a);
+        let [inside, next] =
+            lanes.wide_gather(&self.table, lanes.wide_and(b, lanes.wide_splat(63)));
+        let mut rows = [[0; 4]; 8];
+        lanes.wide_rows(&mut rows, [a, b, low, x]);
+        let turned = lanes.wide_columns(|k| rows[k]);
+        let words = [
+            turned[0],
+            turned[1],
+            turned[2],
+            turned[3],
             lanes.wide_mul_whole(a, b),
             lanes.wide_mul(a, b),
             lanes.wide_mul_unsigned(a, b),
+            lanes.wide_sar_by(a, self.by),
+            lanes.wide_select(a, b, lanes.wide_greater(a, b)),
+            lanes.wide_select(a, b, lanes.double_greater(a, b)),
+            x,
+            y,
+            z,
+            w,
+            low,
+            high,
+            inside,
+            next,
         ];
-        products.map(|product| {
+        words.map(|word| {
             let mut stored = [0; 8];
-            lanes.wide_store(&mut stored, product);
+            lanes.wide_store(&mut stored, word);
             std::array::from_fn(|k| stored[k])
         })
     }
@@ -111,11 +136,13 @@ impl VectorTask for &Products {
 
 proptest! {
     #[test]
-    fn products_are_the_portable_ones(a: [i64; 8], b: [i64; 8]) {
-        let products = Products { a, b };
-        let expected = products.run(Portable);
+    fn wide_operations_are_the_portable_ones(
+        a: [i64; 8], b: [i64; 8], by in 0u32..64, rows: [[i32; 4]; 8], table in prop::collection::vec(any::<u32>(), 0..60),
+    ) {
+        let operations = WideOperations { a, b, by, rows, table };
+        let expected = operations.run(Portable);
         for choice in [VectorLevel::Avx2, VectorLevel::Best] {
-            let found = dispatch_vectors(choice, &products).unwrap_or(expected);
+            let found = dispatch_vectors(choice, &operations).unwrap_or(expected);
             prop_assert_eq!(found, expected);
         }
     }

@@ -22,6 +22,10 @@ pub trait Wide: Copy + Send + Sync {
     fn wide_splat(self, value: i64) -> Self::Word;
     /// The first words of `from`.
     fn wide_load(self, from: &[i64; 8]) -> Self::Word;
+    /// Four words: word `c` holds integer `c` of the four that `row` has for each of the vector's places.
+    fn wide_columns(self, row: impl Fn(usize) -> [i32; 4]) -> [Self::Word; 4];
+    /// The other way round: stores the lower halves of four words into as many rows as the vector has places.
+    fn wide_rows(self, to: &mut [[i32; 4]; 8], columns: [Self::Word; 4]);
     /// Stores into the first words of `to`.
     fn wide_store(self, to: &mut [i64; 8], value: Self::Word);
     /// a + b.
@@ -44,7 +48,12 @@ pub trait Wide: Copy + Send + Sync {
     fn wide_sar(self, a: Self::Word, by: Self::Word) -> Self::Word;
     /// Zeros before the first one, of words that are not negative; 64 for 0.
     fn wide_leading_zeros(self, a: Self::Word) -> Self::Word;
-    /// `table[index]` and `table[index + 1]`; the table's last two entries beyond it, zeros if it has fewer.
+    /// a >> by of a constant from 0 to 63, filled with the sign.
+    #[inline(always)]
+    fn wide_sar_by(self, a: Self::Word, by: u32) -> Self::Word {
+        self.wide_sar(a, self.wide_splat(by.into()))
+    }
+    /// `table[index]` and `table[index + 1]` of the index's lower 32 bits; the last two entries beyond the table, zeros if it has fewer.
     fn wide_gather(self, table: &[u32], index: Self::Word) -> [Self::Word; 2];
     /// a > b.
     fn wide_greater(self, a: Self::Word, b: Self::Word) -> Self::Truth;
@@ -84,6 +93,15 @@ impl Wide for Portable {
     #[inline(always)]
     fn wide_load(self, from: &[i64; 8]) -> Words {
         *from
+    }
+    #[inline(always)]
+    fn wide_columns(self, row: impl Fn(usize) -> [i32; 4]) -> [Words; 4] {
+        let rows: [[i32; 4]; 8] = std::array::from_fn(row);
+        std::array::from_fn(|column| rows.map(|row| row[column].into()))
+    }
+    #[inline(always)]
+    fn wide_rows(self, to: &mut [[i32; 4]; 8], columns: [Words; 4]) {
+        *to = std::array::from_fn(|k| columns.map(|word| word[k] as i32));
     }
     #[inline(always)]
     fn wide_store(self, to: &mut [i64; 8], value: Words) {
@@ -135,8 +153,8 @@ impl Wide for Portable {
     }
     #[inline(always)]
     fn wide_gather(self, table: &[u32], index: Words) -> [Words; 2] {
-        let last = table.len().saturating_sub(2) as u64;
-        let first = index.map(|index| (index as u64).min(last) as usize);
+        let last = table.len().saturating_sub(2) as u32;
+        let first = index.map(|index| (index as u32).min(last) as usize);
         let entry = |index: usize| table.get(index..).and_then(|pair| pair.first_chunk::<2>());
         let pairs = first.map(|first| entry(first).copied().unwrap_or_default());
         [0, 1].map(|which| pairs.map(|pair| i64::from(pair[which])))
@@ -172,6 +190,56 @@ pub(super) mod x86 {
     use std::arch::asm;
     use std::arch::x86_64::*;
 
+    /// The columns of four rows.
+    #[inline(always)]
+    fn transposed(_: Avx2, rows: [[i32; 4]; 4]) -> [__m128i; 4] {
+        // SAFETY: a vector of the array's integers is read; the rest works on registers.
+        unsafe {
+            let row = |k: usize| _mm_loadu_si128(rows[k].as_ptr().cast());
+            let (a, b, c, d) = (row(0), row(1), row(2), row(3));
+            let (low, low_below) = (_mm_unpacklo_epi32(a, b), _mm_unpacklo_epi32(c, d));
+            let (high, high_below) = (_mm_unpackhi_epi32(a, b), _mm_unpackhi_epi32(c, d));
+            [
+                _mm_unpacklo_epi64(low, low_below),
+                _mm_unpackhi_epi64(low, low_below),
+                _mm_unpacklo_epi64(high, high_below),
+                _mm_unpackhi_epi64(high, high_below),
+            ]
+        }
+    }
+
+    /// Four words' lower halves as rows: the first two places' in lower halves of 128 bits, the last two's in upper ones.
+    #[inline(always)]
+    fn rows(_: Avx2, [a, b, c, d]: [__m256i; 4]) -> [__m256i; 2] {
+        op!({
+            let first = _mm256_blend_epi32::<0xaa>(a, _mm256_slli_epi64::<32>(b));
+            let second = _mm256_blend_epi32::<0xaa>(c, _mm256_slli_epi64::<32>(d));
+            [
+                _mm256_unpacklo_epi64(first, second),
+                _mm256_unpackhi_epi64(first, second),
+            ]
+        })
+    }
+
+    /// Stores four rows that [`rows`] made.
+    #[inline(always)]
+    fn store_rows(
+        _: Avx2,
+        [to_0, to_1, to_2, to_3]: [&mut [i32; 4]; 4],
+        [even, odd]: [__m256i; 2],
+    ) {
+        // SAFETY: vectors of the arrays' integers are written.
+        unsafe {
+            _mm_storeu_si128(to_0.as_mut_ptr().cast(), _mm256_castsi256_si128(even));
+            _mm_storeu_si128(to_1.as_mut_ptr().cast(), _mm256_castsi256_si128(odd));
+            _mm_storeu_si128(
+                to_2.as_mut_ptr().cast(),
+                _mm256_extracti128_si256::<1>(even),
+            );
+            _mm_storeu_si128(to_3.as_mut_ptr().cast(), _mm256_extracti128_si256::<1>(odd));
+        }
+    }
+
     impl Wide for Avx512 {
         const WIDE: usize = 8;
         type Word = __m512i;
@@ -185,6 +253,39 @@ pub(super) mod x86 {
         fn wide_load(self, from: &[i64; 8]) -> __m512i {
             // SAFETY: a vector of the array's words is read.
             unsafe { _mm512_loadu_epi64(from.as_ptr()) }
+        }
+        #[inline(always)]
+        fn wide_columns(self, row: impl Fn(usize) -> [i32; 4]) -> [__m512i; 4] {
+            let [a, b, c, d] = transposed(self.avx2(), [row(0), row(1), row(2), row(3)]);
+            let [e, f, g, h] = transposed(self.avx2(), [row(4), row(5), row(6), row(7)]);
+            op!([
+                _mm512_cvtepi32_epi64(_mm256_set_m128i(e, a)),
+                _mm512_cvtepi32_epi64(_mm256_set_m128i(f, b)),
+                _mm512_cvtepi32_epi64(_mm256_set_m128i(g, c)),
+                _mm512_cvtepi32_epi64(_mm256_set_m128i(h, d)),
+            ])
+        }
+        #[inline(always)]
+        fn wide_rows(self, to: &mut [[i32; 4]; 8], [a, b, c, d]: [__m512i; 4]) {
+            // Not by closures, which are not compiled for the vectors' instructions.
+            let (lower, upper) = op!((
+                [
+                    _mm512_castsi512_si256(a),
+                    _mm512_castsi512_si256(b),
+                    _mm512_castsi512_si256(c),
+                    _mm512_castsi512_si256(d),
+                ],
+                [
+                    _mm512_extracti64x4_epi64::<1>(a),
+                    _mm512_extracti64x4_epi64::<1>(b),
+                    _mm512_extracti64x4_epi64::<1>(c),
+                    _mm512_extracti64x4_epi64::<1>(d),
+                ],
+            ));
+            let [to_0, to_1, to_2, to_3, to_4, to_5, to_6, to_7] = to;
+            let (below, above) = (rows(self.avx2(), lower), rows(self.avx2(), upper));
+            store_rows(self.avx2(), [to_0, to_1, to_2, to_3], below);
+            store_rows(self.avx2(), [to_4, to_5, to_6, to_7], above);
         }
         #[inline(always)]
         fn wide_store(self, to: &mut [i64; 8], value: __m512i) {
@@ -238,7 +339,7 @@ pub(super) mod x86 {
             };
             // SAFETY: every index and the next one lie in the table. An entry and the next one are a word of 64 bits.
             unsafe {
-                let index = _mm512_min_epu64(index, _mm512_set1_epi64(last as i64));
+                let index = _mm512_min_epu32(index, _mm512_set1_epi64(i64::from(last as u32)));
                 let pairs = _mm512_i64gather_epi64::<4>(index, table.as_ptr().cast());
                 let low = _mm512_and_si512(pairs, _mm512_set1_epi64(u32::MAX.into()));
                 [low, _mm512_srli_epi64::<32>(pairs)]
@@ -327,6 +428,21 @@ pub(super) mod x86 {
             unsafe { _mm256_loadu_si256(from.as_ptr().cast()) }
         }
         #[inline(always)]
+        fn wide_columns(self, row: impl Fn(usize) -> [i32; 4]) -> [__m256i; 4] {
+            let [a, b, c, d] = transposed(self, [row(0), row(1), row(2), row(3)]);
+            op!([
+                _mm256_cvtepi32_epi64(a),
+                _mm256_cvtepi32_epi64(b),
+                _mm256_cvtepi32_epi64(c),
+                _mm256_cvtepi32_epi64(d),
+            ])
+        }
+        #[inline(always)]
+        fn wide_rows(self, to: &mut [[i32; 4]; 8], columns: [__m256i; 4]) {
+            let [to_0, to_1, to_2, to_3, ..] = to;
+            store_rows(self, [to_0, to_1, to_2, to_3], rows(self, columns));
+        }
+        #[inline(always)]
         fn wide_store(self, to: &mut [i64; 8], value: __m256i) {
             // SAFETY: a vector of the array's words is written.
             unsafe { _mm256_storeu_si256(to.as_mut_ptr().cast(), value) }
@@ -378,6 +494,14 @@ pub(super) mod x86 {
             ))
         }
         #[inline(always)]
+        fn wide_sar_by(self, a: __m256i, by: u32) -> __m256i {
+            // 2^63 more makes signed words unsigned ones in their order.
+            let turned = self.wide_add(a, self.wide_splat(i64::MIN));
+            let turn = 1i64 << (63 - by);
+            let shifted = self.wide_shr(turned, self.wide_splat(by.into()));
+            self.wide_sub(shifted, self.wide_splat(turn))
+        }
+        #[inline(always)]
         fn wide_leading_zeros(self, a: __m256i) -> __m256i {
             // The upper half if it is not 0, else the lower one, as a double: its exponent counts.
             const UNIT: i64 = 0x4330_0000_0000_0000; // 2^52
@@ -406,11 +530,8 @@ pub(super) mod x86 {
             let Some(last) = table.len().checked_sub(2) else {
                 return [self.wide_splat(0); 2];
             };
-            let last = self.wide_splat(last as i64);
-            // Negative indices are the largest as unsigned numbers.
-            let inside = self.wide_select(index, last, self.wide_greater(index, last));
-            let negative = self.wide_greater(self.wide_splat(0), inside);
-            let index = self.wide_select(inside, last, negative);
+            let last = self.wide_splat(i64::from(last as u32));
+            let index = op!(_mm256_min_epu32(index, last));
             // SAFETY: every index and the next one lie in the table. An entry and the next one are a word of 64 bits.
             unsafe {
                 let words = table.as_ptr();
@@ -431,7 +552,12 @@ pub(super) mod x86 {
         }
         #[inline(always)]
         fn wide_select(self, a: __m256i, b: __m256i, truth: __m256i) -> __m256i {
-            op!(_mm256_blendv_epi8(a, b, truth))
+            // By words: of those by bytes the compiler compares every byte with 0 first.
+            op!(_mm256_castpd_si256(_mm256_blendv_pd(
+                _mm256_castsi256_pd(a),
+                _mm256_castsi256_pd(b),
+                _mm256_castsi256_pd(truth)
+            )))
         }
         #[inline(always)]
         fn wide_flags(self, truth: __m256i) -> u32 {

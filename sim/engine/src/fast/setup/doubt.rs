@@ -26,6 +26,9 @@ const LEAST_DISTANCE: f64 = 1.0 / (1u64 << 20) as f64;
 const AXES: [i64; 2] = [-45, 40];
 const COORDINATES: [i64; 2] = [-200, 200];
 
+/// Exponents of weights.
+const WEIGHTS: [i64; 2] = [-100, 100];
+
 impl<W: Doubles> Stages<'_, W> {
     /// Notes the reason where it holds and no other was noted before.
     #[inline(always)]
@@ -52,24 +55,27 @@ impl<W: Doubles> Stages<'_, W> {
         self.cull(culled, reason, math.greater(math.splat(1), kept));
     }
 
-    /// Culls where an exponent has no place in the packet.
+    /// Culls where one of some exponents has no place in the packet: where it is not from -512 to 511.
     #[inline(always)]
-    pub fn unpackable(&self, exponent: Word<W>, culled: &mut Word<W>) {
+    pub fn unpackable<const N: usize>(&self, exponents: [Word<W>; N], culled: &mut Word<W>) {
         let math = self.math;
-        let above = math.greater(exponent, math.splat(511));
-        let below = math.greater(math.splat(-512), exponent);
-        self.cull(culled, Cull::Degenerate, above);
-        self.cull(culled, Cull::Degenerate, below);
+        let mut outside = math.splat(0);
+        for exponent in exponents {
+            let beyond = math.shr(math.plus(exponent, 512), 10);
+            outside = math.lanes.wide_or(outside, beyond);
+        }
+        let outside = math.greater(outside, math.splat(0));
+        self.cull(culled, Cull::Degenerate, outside);
     }
 
     /// 1 where an integer lies outside a range.
     #[inline(always)]
     fn outside(&self, word: Word<W>, [least, most]: [i64; 2]) -> Word<W> {
         let math = self.math;
-        let below = math.greater(math.splat(least), word);
-        let above = math.greater(word, math.splat(most));
-        let below = math.select(math.splat(0), math.splat(1), below);
-        math.select(below, math.splat(1), above)
+        // From the least word on in a circle, so that one comparison sees both ends.
+        let from_least = math.plus(word, i64::MIN.wrapping_sub(least));
+        let outside = math.greater(from_least, math.splat(i64::MIN + (most - least)));
+        math.select(math.splat(0), math.splat(1), outside)
     }
 
     /// 1 where a number is greater than another.
@@ -105,10 +111,9 @@ impl<W: Doubles> Stages<'_, W> {
                 reals.doubt_where(math.select(zero, math.splat(1), least));
             }
         }
-        let weight = math
-            .lanes
-            .double_greater(reals.magnitude(splats.weight).0, reals.constant(-1.0));
-        reals.doubt_where(math.select(math.splat(1), zero, weight));
+        let doubt = self.outside(splats.weight.exponent, WEIGHTS);
+        let nothing = math.lanes.wide_equal(splats.weight.mantissa, zero);
+        reals.doubt_where(math.select(doubt, zero, nothing));
     }
 
     /// Puts splats in doubt that lie so far out that products of what follows might leave the range of doubles.

@@ -19,7 +19,7 @@ pub use surface::SurfaceOutcome;
 
 use super::lanes::{Doubles, VectorLevel, VectorTask, dispatch_vectors};
 use number::{Arithmetic, Number};
-use real::{Real, Reals};
+use real::Reals;
 use splatline::footprint::{Conic, Footprint, Ldl};
 use splatline::format::{Design, RuntimeWidths, Widths};
 use splatline::math::SoftFloat;
@@ -52,8 +52,8 @@ pub trait Batched: Sized {
     /// Is the `k`th of its vector in doubt, so that the kernel sets it up?
     fn is_in_doubt(lists: &Self::Lists, k: usize) -> bool;
 
-    /// The outcome of this splat, the `k`th of its vector.
-    fn outcome(&self, lists: &Self::Lists, k: usize, widths: &Widths) -> Self::Outcome;
+    /// Writes the outcome of this splat, the `k`th of its vector, in place: what is returned is made elsewhere and copied.
+    fn write(&self, lists: &Self::Lists, k: usize, widths: &Widths, to: &mut Self::Outcome);
 }
 
 /// Setup of `splats` into as many places of `outcomes`.
@@ -156,13 +156,13 @@ impl<S: Batched> VectorTask for SetupBatch<'_, S> {
                 continue;
             }
             doubt.set(math.splat(0));
-            let lists = S::set_up_together(&stages, &read(lanes, splats.iter().map(S::parts)));
+            let lists = S::set_up_together(&stages, &read(lanes, splats));
             for ((splat, outcome), k) in splats.iter().zip(outcomes).zip(0..8) {
-                *outcome = if S::is_in_doubt(&lists, k) {
-                    splat.set_up_alone(self.design, self.view, self.rules)
+                if S::is_in_doubt(&lists, k) {
+                    *outcome = splat.set_up_alone(self.design, self.view, self.rules);
                 } else {
-                    splat.outcome(&lists, k, &widths)
-                };
+                    splat.write(&lists, k, &widths, outcome);
+                }
             }
         }
     }
@@ -192,76 +192,52 @@ impl Batched for VolumeSplat {
 
     #[inline(always)]
     fn is_in_doubt(lists: &Lists, k: usize) -> bool {
-        lists.doubt[k] != 0
+        lists.is_in_doubt(k)
     }
 
     #[inline(always)]
-    fn outcome(&self, lists: &Lists, k: usize, widths: &Widths) -> Outcome {
-        lists.reason(k)?;
-        Ok(lists.footprint(k, colour(widths, self.colour)))
-    }
-}
-
-/// A weight as a double; no number if it is not 0 and outside the range of doubles that setup takes.
-#[inline(always)]
-fn weight(number: SoftFloat) -> f64 {
-    let power = (1023 + i64::from(number.exponent)) << 52;
-    match (number.mantissa, number.exponent) {
-        (0, _) => 0.0,
-        (mantissa, -100..=100) => f64::from(mantissa) * f64::from_bits(power as u64),
-        _ => f64::NAN,
-    }
-}
-
-/// Splats to words.
-#[inline(always)]
-fn read<L: Doubles>(lanes: L, splats: impl Iterator<Item = SplatFields>) -> SplatLanes<L> {
-    let mut lists = [[0; 8]; 19];
-    for (k, splat) in splats.take(L::WIDE).enumerate() {
-        let [a, b, c] = splat.axes;
-        let parts = [a.mantissa, b.mantissa, c.mantissa];
-        for i in 0..3 {
-            lists[i][k] = splat.centre[i].mantissa.into();
-            lists[16 + i][k] = splat.centre[i].exponent.into();
-            for axis in 0..3 {
-                lists[3 + 3 * axis + i][k] = parts[axis][i].into();
-            }
-            lists[12 + i][k] = splat.axes[i].exponent.into();
+    fn write(&self, lists: &Lists, k: usize, widths: &Widths, to: &mut Outcome) {
+        match lists.reason(k) {
+            Ok(()) => *to = Ok(lists.footprint(k, colour(widths, self.colour))),
+            Err(reason) => *to = Err(reason),
         }
-        lists[15][k] = weight(splat.weight).to_bits() as i64;
     }
-    let mut words = [lanes.wide_splat(0); 19];
-    for (word, list) in words.iter_mut().zip(&lists) {
-        *word = lanes.wide_load(list);
-    }
-    let [
-        x,
-        y,
-        z,
-        ax,
-        ay,
-        az,
-        bx,
-        by,
-        bz,
-        cx,
-        cy,
-        cz,
-        a,
-        b,
-        c,
-        weight,
-        x_power,
-        y_power,
-        z_power,
-    ] = words;
+}
+
+/// Splats, as many as a vector has words, to words.
+#[inline(always)]
+fn read<L: Doubles, S: Batched>(lanes: L, splats: &[S]) -> SplatLanes<L> {
+    let [a, b, c] = [
+        read_axis(lanes, splats, 0),
+        read_axis(lanes, splats, 1),
+        read_axis(lanes, splats, 2),
+    ];
+    let [x, x_power, y, y_power] = lanes.wide_columns(|k| {
+        let [x, y, _] = splats[k].parts().centre;
+        [x.mantissa, x.exponent, y.mantissa, y.exponent]
+    });
+    let [z, z_power, weight, weight_power] = lanes.wide_columns(|k| {
+        let SplatFields { centre, weight, .. } = splats[k].parts();
+        let z = centre[2];
+        [z.mantissa, z.exponent, weight.mantissa, weight.exponent]
+    });
     let number = |mantissa, exponent| Number { mantissa, exponent };
     SplatLanes {
         centre: [number(x, x_power), number(y, y_power), number(z, z_power)],
-        axes: [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
-        exponents: [a, b, c],
-        weight: Real(weight),
+        axes: [a, b, c].map(|[x, y, z, _]| [x, y, z]),
+        exponents: [a, b, c].map(|[.., exponent]| exponent),
+        weight: number(weight, weight_power),
     }
+}
+
+/// Mantissas and exponents of one of the axes.
+#[inline(always)]
+fn read_axis<L: Doubles, S: Batched>(lanes: L, splats: &[S], which: usize) -> [L::Word; 4] {
+    lanes.wide_columns(|k| {
+        let Axis { mantissa, exponent } = splats[k].parts().axes[which];
+        let [x, y, z] = mantissa;
+        [x, y, z, exponent]
+    })
 }
 
 /// A word's splats.
@@ -272,26 +248,26 @@ fn list<L: Doubles>(lanes: L, word: L::Word) -> [i64; 8] {
     list
 }
 
-/// Mantissas and exponents of a number's splats.
+/// The splats' rows of four words' lower halves.
 #[inline(always)]
-fn lists<L: Doubles>(lanes: L, number: Number<L>) -> [[i64; 8]; 2] {
-    [list(lanes, number.mantissa), list(lanes, number.exponent)]
+fn rows<L: Doubles>(lanes: L, words: [L::Word; 4]) -> [[i32; 4]; 8] {
+    let mut rows = [[0; 4]; 8];
+    lanes.wide_rows(&mut rows, words);
+    rows
 }
 
 /// Words to footprints.
 pub struct Lists {
-    culled: [i64; 8],
-    doubt: [i64; 8],
     depth: [i64; 8],
     centre: [[i64; 8]; 2],
-    first: [[i64; 8]; 2],
-    last: [[i64; 8]; 2],
-    /// Mantissas and exponents of the LDL form's factors, in the order of [`Ldl`].
-    ldl: [[[i64; 8]; 2]; 4],
-    conic: [[i64; 8]; 3],
-    conic_exponent: [i64; 8],
-    cutoff: [i64; 8],
-    peak: [i64; 8],
+    /// First column and row, and one past the last ones.
+    box_of_pixels: [[i32; 4]; 8],
+    /// Mantissas and exponents of the LDL form's factors, two and two, in the order of [`Ldl`].
+    ldl: [[[i32; 4]; 8]; 2],
+    /// Mantissas and exponent.
+    conic: [[i32; 4]; 8],
+    /// Cut-off, opacity, reason of a cull, and 1 for doubt.
+    rest: [[i32; 4]; 8],
 }
 
 impl Lists {
@@ -305,30 +281,38 @@ impl Lists {
             conic: [a, b, c],
             ..
         } = *footprints;
+        let certain = lanes.wide_equal(footprints.doubt, lanes.wide_splat(0));
+        let doubt = lanes.wide_select(lanes.wide_splat(1), lanes.wide_splat(0), certain);
+        let pair = |a: Number<L>, b: Number<L>| [a.mantissa, a.exponent, b.mantissa, b.exponent];
+        let Footprints {
+            cutoff,
+            peak,
+            culled,
+            ..
+        } = *footprints;
         Lists {
-            culled: list(lanes, footprints.culled),
-            doubt: list(lanes, footprints.doubt),
             depth: list(lanes, footprints.depth),
             centre: [list(lanes, u), list(lanes, v)],
-            first: [list(lanes, left), list(lanes, top)],
-            last: [list(lanes, right), list(lanes, bottom)],
+            box_of_pixels: rows(lanes, [left, top, right, bottom]),
             ldl: [
-                lists(lanes, horizontal),
-                lists(lanes, squared_width),
-                lists(lanes, shear),
-                lists(lanes, vertical),
+                rows(lanes, pair(horizontal, squared_width)),
+                rows(lanes, pair(shear, vertical)),
             ],
-            conic: [list(lanes, a), list(lanes, b), list(lanes, c)],
-            conic_exponent: list(lanes, footprints.conic_exponent),
-            cutoff: list(lanes, footprints.cutoff),
-            peak: list(lanes, footprints.peak),
+            conic: rows(lanes, [a, b, c, footprints.conic_exponent]),
+            rest: rows(lanes, [cutoff, peak, culled, doubt]),
         }
+    }
+
+    /// Is splat `k` in doubt?
+    #[inline(always)]
+    fn is_in_doubt(&self, k: usize) -> bool {
+        self.rest[k][3] != 0
     }
 
     /// Why splat `k` is culled, if it is.
     #[inline(always)]
     fn reason(&self, k: usize) -> Result<(), Cull> {
-        match (self.culled[k] as usize).checked_sub(1) {
+        match (self.rest[k][2] as usize).checked_sub(1) {
             Some(reason) => Err(Cull::ALL.get(reason).copied().unwrap_or(Cull::Degenerate)),
             None => Ok(()),
         }
@@ -337,28 +321,29 @@ impl Lists {
     /// The footprint of splat `k`.
     #[inline(always)]
     fn footprint(&self, k: usize, colour: [u32; 3]) -> Footprint {
-        let scaled = |[mantissa, exponent]: &[[i64; 8]; 2]| SoftFloat {
-            mantissa: mantissa[k] as i32,
-            exponent: exponent[k] as i32,
-        };
-        let [horizontal, squared_width, shear, vertical] = &self.ldl;
+        let number = |mantissa, exponent| SoftFloat { mantissa, exponent };
+        let [left, top, right, bottom] = self.box_of_pixels[k];
+        let [horizontal, below_horizontal, width, below_width] = self.ldl[0][k];
+        let [shear, below_shear, vertical, below_vertical] = self.ldl[1][k];
+        let [a, b, c, exponent] = self.conic[k];
+        let [cutoff, opacity, ..] = self.rest[k];
         Footprint {
             depth: self.depth[k] as u64,
             centre: [self.centre[0][k], self.centre[1][k]],
-            first: [self.first[0][k] as u16, self.first[1][k] as u16],
-            end: [self.last[0][k] as u16, self.last[1][k] as u16],
+            first: [left as u16, top as u16],
+            end: [right as u16, bottom as u16],
             ldl: Ldl {
-                horizontal: scaled(horizontal),
-                squared_width: scaled(squared_width),
-                shear: scaled(shear),
-                vertical: scaled(vertical),
+                horizontal: number(horizontal, below_horizontal),
+                squared_width: number(width, below_width),
+                shear: number(shear, below_shear),
+                vertical: number(vertical, below_vertical),
             },
             conic: Conic {
-                mantissa: [0, 1, 2].map(|i| self.conic[i][k] as i32),
-                exponent: self.conic_exponent[k] as i32,
+                mantissa: [a, b, c],
+                exponent,
             },
-            cutoff: self.cutoff[k] as u32,
-            opacity: self.peak[k] as u32,
+            cutoff: cutoff as u32,
+            opacity: opacity as u32,
             colour,
         }
     }

@@ -103,8 +103,8 @@ impl<W: Wide> Arithmetic<W> {
 
     /// a >> by with the sign.
     #[inline(always)]
-    pub fn sar(self, a: Word<W>, by: i64) -> Word<W> {
-        self.lanes.wide_sar(a, self.splat(by))
+    pub fn sar(self, a: Word<W>, by: u32) -> Word<W> {
+        self.lanes.wide_sar_by(a, by)
     }
 
     /// a << by.
@@ -137,7 +137,7 @@ impl<W: Wide> Arithmetic<W> {
         if shift == 0 {
             return value;
         }
-        self.sar(self.plus(value, 1 << (shift - 1)), shift.into())
+        self.sar(self.plus(value, 1 << (shift - 1)), shift)
     }
 
     /// A shift to the right by so much.
@@ -169,14 +169,13 @@ impl<W: Wide> Arithmetic<W> {
         self.plus(self.shr(raised, by.into()), TURN >> by)
     }
 
-    /// `shift_signed` where no left shift leaves the word: `value 2^-shift`, rounded.
+    /// `shift_signed` where no left shift leaves the word: `value 2^-shift`, rounded. The shift of the other direction gives 0.
     #[inline(always)]
     pub fn align(self, value: Word<W>, shift: Word<W>) -> Word<W> {
-        let zero = self.splat(0);
         let above = self.lanes.wide_sar(value, self.plus(shift, -1));
         let right = self.sar(self.plus(above, 1), 1);
-        let left = self.lanes.wide_shl(value, self.sub(zero, shift));
-        self.select(left, right, self.greater(shift, zero))
+        let left = self.lanes.wide_shl(value, self.negate(shift));
+        self.add(left, right)
     }
 
     /// `to_fixed`: fixed point with `fraction` bits, saturated.

@@ -31,8 +31,8 @@ const MAGIC: f64 = 1.5 * (1u64 << 52) as f64;
 /// Bits of a double's fraction and the one before it.
 const DOUBLE: u32 = 53;
 
-/// A number far below all others that still has an inverse: the window of a sum of zeros.
-const NOTHING: f64 = f64::from_bits((1023 - 960) << 52);
+/// A number far below all others: a quarter of the window of a sum of zeros, whose unit still has an inverse.
+const NOTHING: f64 = f64::from_bits((1023 - 962) << 52);
 
 /// The bits of a double above those of its fraction.
 const EXPONENT: i64 = 52;
@@ -188,18 +188,15 @@ impl<W: Doubles> Reals<'_, W> {
         self.words.and(a, EXPONENT_FIELD)
     }
 
-    /// The end of a term's format.
+    /// A quarter of the end of a term's format.
     #[inline(always)]
-    fn end(self, term: Term<W>) -> Word<W> {
-        let lanes = self.words.lanes;
+    fn quarter(self, term: Term<W>) -> Word<W> {
         let leading = self.leading(term.a);
-        match term.b {
-            Some(b) => {
-                let both = lanes.double_mul(leading, self.leading(b));
-                lanes.double_mul(both, self.constant(4.0))
-            }
-            None => lanes.double_add(leading, leading),
-        }
+        let other = match term.b {
+            Some(b) => self.leading(b),
+            None => self.constant(0.5),
+        };
+        self.words.lanes.double_mul(leading, other)
     }
 
     /// A term in units of 1/inverse, a power of two, rounded down.
@@ -228,21 +225,21 @@ impl<W: Doubles> Reals<'_, W> {
         let lanes = self.words.lanes;
         let mut top = self.constant(NOTHING);
         for term in terms {
-            top = lanes.double_max(top, self.end(term));
+            top = lanes.double_max(top, self.quarter(term));
         }
-        let unit = lanes.double_mul(top, self.constant(1.0 / stages::power(bits + GUARD)));
+        let unit = lanes.double_mul(top, self.constant(4.0 / stages::power(bits + GUARD)));
         (self.cuts(terms, unit), unit)
     }
 
-    /// The sum of terms cut to a unit.
+    /// The sum of terms cut to a unit, a power of two.
     #[inline(always)]
-    fn cuts<const N: usize>(self, terms: [Term<W>; N], unit: Word<W>) -> Word<W> {
+    pub fn cuts<const N: usize>(self, terms: [Term<W>; N], unit: Word<W>) -> Word<W> {
         let (math, lanes) = (self.words, self.words.lanes);
         // A power of two has an empty fraction, so that this is its inverse.
         let inverse = math.sub(math.splat((2 * BIAS) << EXPONENT), unit);
-        let mut sum = math.splat(0);
-        for term in terms {
-            sum = lanes.double_add(sum, self.cut(term, inverse));
+        let mut sum = self.cut(terms[0], inverse);
+        for term in &terms[1..] {
+            sum = lanes.double_add(sum, self.cut(*term, inverse));
         }
         sum
     }
@@ -261,27 +258,16 @@ impl<W: Doubles> Reals<'_, W> {
         self.words.lanes.double_greater(sum, self.words.splat(0))
     }
 
-    /// Products of whole numbers, each rounded down after multiplication with a power of two, and summed: a whole number.
-    #[inline(always)]
-    pub fn whole_products<const N: usize>(
-        self,
-        factors: [[Word<W>; 2]; N],
-        scale: f64,
-        length: u32,
-    ) -> Word<W> {
-        let scale = self.constant(scale);
-        let mut sum = self.words.splat(0);
-        for [a, b] in factors {
-            let term = self.product(Real(a), Real(b), length);
-            sum = self.words.lanes.double_add(sum, self.cut(term, scale));
-        }
-        sum
-    }
-
     /// 2^exponent.
     #[inline(always)]
     pub fn power(self, exponent: Word<W>) -> Real<W> {
         Real(self.words.shl(self.words.plus(exponent, BIAS), EXPONENT))
+    }
+
+    /// Exponent field of a number that is not negative.
+    #[inline(always)]
+    fn field_of_positive(self, a: Real<W>) -> Word<W> {
+        self.words.shr(a.0, EXPONENT)
     }
 
     /// Exponent field of a number.
@@ -375,6 +361,15 @@ impl<W: Doubles> Reals<'_, W> {
         }
     }
 
+    /// The other way round, of mantissas of at most 51 bits; 0 with any exponent.
+    #[inline(always)]
+    pub fn of_parts(self, number: Number<W>) -> Real<W> {
+        let math = self.words;
+        let scaled = self.times(self.short(number.mantissa), self.power(number.exponent));
+        let nothing = math.lanes.wide_equal(number.mantissa, math.splat(0));
+        Real(math.select(scaled.0, math.splat(0), nothing))
+    }
+
     /// Exponent of a mantissa of so many bits.
     #[inline(always)]
     pub fn exponent(self, a: Real<W>, bits: u32) -> Word<W> {
@@ -419,7 +414,8 @@ impl<W: Doubles> Reals<'_, W> {
         // 1/x lies in (1/2, 1], so that its leading bit is known.
         let drop = 60 - i64::from(bits);
         let mantissa = math.shr(math.plus(result, 1 << (drop - 1)), drop);
-        let power = math.sub(math.splat(2 * BIAS - i64::from(bits)), self.field(value));
+        let field = self.field_of_positive(value);
+        let power = math.sub(math.splat(2 * BIAS - i64::from(bits)), field);
         let power = Real(math.shl(power, EXPONENT));
         self.times(self.short(mantissa), power)
     }
@@ -462,7 +458,7 @@ impl<W: Doubles> Reals<'_, W> {
     /// `ln` of positive numbers.
     #[inline(always)]
     pub fn ln(self, value: Real<W>) -> Word<W> {
-        let leading = self.words.plus(self.field(value), -BIAS);
+        let leading = self.words.plus(self.field_of_positive(value), -BIAS);
         self.words.ln(self.words.shr(self.top(value), 1), leading)
     }
 }

@@ -21,7 +21,7 @@ pub struct SplatLanes<W: Wide> {
     pub axes: [[Word<W>; 3]; 3],
     /// Exponents of the axes.
     pub exponents: [Word<W>; 3],
-    pub weight: Real<W>,
+    pub weight: Number<W>,
 }
 
 /// Footprints, one per word, without their colours.
@@ -92,7 +92,7 @@ impl<W: Doubles> Stages<'_, W> {
             self.column(splats, 1, &projected),
             self.column(splats, 2, &projected),
         ];
-        let mut weight = splats.weight;
+        let mut weight = self.reals.of_parts(splats.weight);
         if self.rules.spacing.mantissa > 0 {
             weight = self.enlarge(&mut columns, weight, &projected);
         }
@@ -251,8 +251,8 @@ impl<W: Doubles> Stages<'_, W> {
         let kept = axis_bits(&self.widths);
         let [wx, wy, wz] = self.rotation[row];
         let factors = [[*x, wx], [*y, wy], [*z, wz]];
-        let scale = 1.0 / power(61 - bits - GUARD);
-        let sum = reals.whole_products(factors, scale, kept + kept.min(30));
+        let terms = factors.map(|[a, b]| reals.product(Real(a), Real(b), kept + kept.min(30)));
+        let sum = reals.cuts(terms, reals.constant(power(61 - bits - GUARD)));
         reals.times(reals.narrow(Real(sum), bits), unit)
     }
 
@@ -376,9 +376,12 @@ impl<W: Doubles> Stages<'_, W> {
         let horizontal = reals.multiply(variance.yy, inverse, bits);
         let squared_width = reals.multiply(variance.determinant, vertical, bits);
         let shear = reals.multiply(variance.xy, vertical, bits);
-        for number in [horizontal, squared_width, vertical] {
-            self.unpackable(reals.exponent(number, bits), culled);
-        }
+        let exponents = [
+            reals.exponent(horizontal, bits),
+            reals.exponent(squared_width, bits),
+            reals.exponent(vertical, bits),
+        ];
+        self.unpackable(exponents, culled);
         [horizontal, squared_width, shear, vertical]
     }
 
@@ -430,7 +433,7 @@ impl<W: Doubles> Stages<'_, W> {
             let aligned = reals.times(coefficient, unit);
             *mantissa = reals.to_short_word(reals.to_fixed(aligned, 1.0));
         }
-        self.unpackable(exponent, culled);
+        self.unpackable([exponent], culled);
         (mantissa, exponent)
     }
 

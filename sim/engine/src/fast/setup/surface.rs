@@ -47,12 +47,12 @@ impl Batched for SurfaceSplat {
 
     #[inline(always)]
     fn is_in_doubt(lists: &SurfaceLists, k: usize) -> bool {
-        lists.footprints.doubt[k] != 0
+        lists.footprints.is_in_doubt(k)
     }
 
     #[inline(always)]
-    fn outcome(&self, lists: &SurfaceLists, k: usize, widths: &Widths) -> SurfaceOutcome {
-        lists.outcome(k, self, widths)
+    fn write(&self, lists: &SurfaceLists, k: usize, widths: &Widths, to: &mut SurfaceOutcome) {
+        *to = lists.outcome(k, self, widths);
     }
 }
 
@@ -82,7 +82,7 @@ impl<W: Doubles> Stages<'_, W> {
         let inverse = reals.reciprocal(variance.determinant, self.bits());
         let ldl = self.ldl(&variance, inverse, &mut culled);
         let (conic, conic_exponent) = self.conic(&variance, ldl[0], inverse, &mut culled);
-        let peak = self.surface_peak(splats.weight, area, &variance);
+        let peak = self.surface_peak(reals.of_parts(splats.weight), area, &variance);
         let cutoff = self.cutoff(peak, &mut culled);
         let peak = self.peak_fixed(peak, &mut culled);
         let [u, v] = projected.centre;

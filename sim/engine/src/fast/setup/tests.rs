@@ -1,5 +1,6 @@
 //! Setup on vectors against the kernel's, whole footprints and reasons, on ordinary splats and on arbitrary bits.
 
+use super::real::Real;
 use super::*;
 use crate::fast::lanes::Portable;
 use crate::fixed::{QuantisedScene, kernel_rules};
