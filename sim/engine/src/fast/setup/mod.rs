@@ -207,11 +207,9 @@ impl Batched for VolumeSplat {
 /// Splats, as many as a vector has words, to words.
 #[inline(always)]
 fn read<L: Doubles, S: Batched>(lanes: L, splats: &[S]) -> SplatLanes<L> {
-    let [a, b, c] = [
-        read_axis(lanes, splats, 0),
-        read_axis(lanes, splats, 1),
-        read_axis(lanes, splats, 2),
-    ];
+    let [ax, ay, az, a] = read_axis(lanes, splats, 0);
+    let [bx, by, bz, b] = read_axis(lanes, splats, 1);
+    let [cx, cy, cz, c] = read_axis(lanes, splats, 2);
     let [x, x_power, y, y_power] = lanes.wide_columns(|k| {
         let [x, y, _] = splats[k].parts().centre;
         [x.mantissa, x.exponent, y.mantissa, y.exponent]
@@ -224,8 +222,8 @@ fn read<L: Doubles, S: Batched>(lanes: L, splats: &[S]) -> SplatLanes<L> {
     let number = |mantissa, exponent| Number { mantissa, exponent };
     SplatLanes {
         centre: [number(x, x_power), number(y, y_power), number(z, z_power)],
-        axes: [a, b, c].map(|[x, y, z, _]| [x, y, z]),
-        exponents: [a, b, c].map(|[.., exponent]| exponent),
+        axes: [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
+        exponents: [a, b, c],
         weight: number(weight, weight_power),
     }
 }

@@ -250,8 +250,12 @@ impl<W: Doubles> Stages<'_, W> {
         let (reals, bits) = (self.reals, self.bits());
         let kept = axis_bits(&self.widths);
         let [wx, wy, wz] = self.rotation[row];
-        let factors = [[*x, wx], [*y, wy], [*z, wz]];
-        let terms = factors.map(|[a, b]| reals.product(Real(a), Real(b), kept + kept.min(30)));
+        let length = kept + kept.min(30);
+        let terms = [
+            reals.product(Real(*x), Real(wx), length),
+            reals.product(Real(*y), Real(wy), length),
+            reals.product(Real(*z), Real(wz), length),
+        ];
         let sum = reals.cuts(terms, reals.constant(power(61 - bits - GUARD)));
         reals.times(reals.narrow(Real(sum), bits), unit)
     }
