@@ -13,8 +13,8 @@
 use crate::input::{self, Refused, line_of};
 use serde::{Deserialize, Serialize};
 use splatline::format::{
-    Classic8, Deep32, Design, Lean18, Micro16, Rounding, RuntimeWidths, Standard24, Traversal,
-    WIDTH_RANGES, WidthError, Widths,
+    Classic8, Deep32, Design, Lane, Lean18, Micro16, Rounding, RuntimeWidths, Standard24,
+    Traversal, WIDTH_RANGES, WidthError, Widths,
 };
 use std::borrow::Cow;
 use std::path::Path;
@@ -32,24 +32,8 @@ pub struct DesignChoice {
     pub widths: Widths,
     /// Its own traversal, used unless the command line asks for another.
     pub traversal: Traversal,
-    constants: Constants,
-}
-
-/// Designs whose widths are constants of a type: those that people draw by. Each type compiles all drawings once more,
-/// and the other designs are as fast by spans with their widths in fields (by box a tenth slower).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Constants {
-    Lean18,
-    Standard24,
-    None,
-}
-
-/// Work that is done for a design, whichever type it has.
-pub trait DesignJob {
-    /// The result.
-    type Output;
-    /// The work itself.
-    fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output;
+    /// Bits of its lanes, in which the radial indices of setup's footprints are the same: vectors draw 32 sooner than 64.
+    lane_bits: u32,
 }
 
 impl DesignChoice {
@@ -67,19 +51,21 @@ impl DesignChoice {
 
     /// A design of [`NAMES`].
     pub fn named(name: &str) -> Option<Self> {
-        let (constants, widths, traversal) = match name {
-            "classic8" => (Constants::None, Classic8::WIDTHS, Traversal::Box),
-            "micro16" => (Constants::None, Micro16::WIDTHS, Traversal::Spans),
-            "lean18" => (Constants::Lean18, Lean18::WIDTHS, Traversal::Spans),
-            "standard24" => (Constants::Standard24, Standard24::WIDTHS, Traversal::Spans),
-            "deep32" => (Constants::None, Deep32::WIDTHS, Traversal::Spans),
+        fn of<D: Design>(name: &str, design: D, traversal: Traversal) -> DesignChoice {
+            DesignChoice {
+                name: name.to_owned(),
+                widths: design.widths(),
+                traversal,
+                lane_bits: D::Lane::BITS,
+            }
+        }
+        Some(match name {
+            "classic8" => of(name, Classic8, Traversal::Box),
+            "micro16" => of(name, Micro16, Traversal::Spans),
+            "lean18" => of(name, Lean18, Traversal::Spans),
+            "standard24" => of(name, Standard24, Traversal::Spans),
+            "deep32" => of(name, Deep32, Traversal::Spans),
             _ => return None,
-        };
-        Some(DesignChoice {
-            name: name.to_owned(),
-            widths,
-            traversal,
-            constants,
         })
     }
 
@@ -88,26 +74,31 @@ impl DesignChoice {
         NAMES.iter().filter_map(|name| Self::named(name)).collect()
     }
 
-    /// The same widths held in fields: what a sweep runs. Bit-identical to the named type.
+    /// Bits of its lanes.
+    pub fn lane_bits(&self) -> u32 {
+        self.lane_bits
+    }
+
+    /// The same in lanes of 64 bits: what widths chosen at run time have.
     pub fn at_run_time(&self) -> Self {
         DesignChoice {
-            constants: Constants::None,
+            lane_bits: i64::BITS,
             ..self.clone()
         }
     }
 
-    /// Does the job with the design's own type where it has one, else with its widths in fields: the same bits.
-    pub fn dispatch<J: DesignJob>(&self, job: J) -> J::Output {
-        match self.constants {
-            Constants::Lean18 => job.run(Lean18),
-            Constants::Standard24 => job.run(Standard24),
-            Constants::None => job.run(self.in_fields()),
-        }
-    }
-
-    /// The design's widths in fields, for work that is not worth a compiled copy for each named design: the bits are the same.
+    /// What the host draws by: widths in fields. The bits are those of a type with constant widths, one compiled copy serves all designs, and
+    /// beside vectors constants gain nothing that can be measured.
     pub fn in_fields(&self) -> RuntimeWidths {
         RuntimeWidths::new(self.widths).expect("widths are checked when a choice is made")
+    }
+
+    /// The same in the design's own lanes, if they have 32 bits.
+    pub fn in_short_lanes(&self) -> Option<RuntimeWidths<i32>> {
+        let short = self.lane_bits == i32::BITS;
+        short.then(|| {
+            RuntimeWidths::for_lanes(self.widths).expect("only a named design's are short")
+        })
     }
 
     /// The resolved design for reports.
@@ -155,7 +146,7 @@ impl DesignChoice {
                 "{file}: base = \"{base}\": expected one of {names}"
             )));
         };
-        choice.constants = Constants::None;
+        choice.lane_bits = i64::BITS;
         choice.name = Path::new(file)
             .file_stem()
             .unwrap_or_default()
@@ -220,7 +211,7 @@ impl TryFrom<ResolvedDesign> for DesignChoice {
         choice.name.clone_from(&resolved.name);
         let named = DesignChoice::named(&resolved.name);
         if let Some(named) = named.filter(|named| named.widths == choice.widths) {
-            choice.constants = named.constants;
+            choice.lane_bits = named.lane_bits;
         }
         Ok(choice)
     }

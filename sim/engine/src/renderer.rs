@@ -22,7 +22,7 @@
 //! nothing once the first one has been drawn. Frames are the kernel's, bit for bit, whatever the vectors and threads.
 
 use crate::camera::Camera;
-use crate::design::{DesignChoice, DesignJob};
+use crate::design::DesignChoice;
 use crate::fast::TilePainter;
 use crate::fast::depth_first::{BoundingSpheres, DepthFirst, SphereProjection};
 use crate::fast::frame::{Cancelled, FrameFacts, FrameMemory, FramePlan, Progress};
@@ -37,7 +37,7 @@ use crate::scene::{self, LoadError, LoadOptions, Scene, SortOrder};
 use crate::threads;
 use rayon::{ThreadPool, ThreadPoolBuildError};
 use splatline::blend::Pixel;
-use splatline::format::{Design, Traversal};
+use splatline::format::Traversal;
 use splatline::rules as kernel;
 use splatline::splat::VolumeSplat;
 use std::borrow::Borrow;
@@ -163,7 +163,12 @@ impl<S: Borrow<Scene>> Renderer<S> {
             && settings.compositing == Compositing::FrontToBack
             && quantised.order == SortOrder::Depth;
         Renderer {
-            painter: painter_of(&rules, &settings),
+            painter: painter(
+                &rules,
+                &settings.options(),
+                settings.engine,
+                settings.counts,
+            ),
             spheres: (hides.then(|| BoundingSpheres::new(&quantised.splats, &rules))).flatten(),
             scene,
             quantised,
@@ -279,23 +284,7 @@ impl<S: Borrow<Scene>> Renderer<S> {
     }
 }
 
-/// What paints a tile. It does not know how the scene is held, and is therefore compiled here, for every design, and not again by whoever draws.
-fn painter_of(rules: &kernel::Rules, settings: &Settings) -> Box<dyn TilePainter> {
-    settings.design.dispatch(PainterJob(rules, settings))
-}
-
-struct PainterJob<'a>(&'a kernel::Rules, &'a Settings);
-
-impl DesignJob for PainterJob<'_> {
-    type Output = Box<dyn TilePainter>;
-
-    fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Box<dyn TilePainter> {
-        let Settings { engine, counts, .. } = *self.1;
-        painter(design, self.0, &self.1.options(), engine, counts)
-    }
-}
-
-/// A frame in the renderer's memory; compiled here for every design, as [`painter_of`].
+/// A frame in the renderer's memory. It does not know how the scene is held, and is therefore compiled here and not again by whoever draws.
 fn draw_frame(
     settings: &Settings,
     quantised: &QuantisedScene,
@@ -315,46 +304,16 @@ fn draw_frame(
             },
         })
     });
-    settings.design.dispatch(FrameJob {
-        quantised,
-        memory,
-        plan: FramePlan {
-            viewport: quantised.view.viewport,
-            back_to_front: settings.compositing == Compositing::BackToFront,
-            depth_first,
-            set_up: &|_, _, _| {},
-            painter,
-            progress,
-        },
-        rules,
-        engine: settings.engine,
-    })
-}
-
-/// A frame whose setup depends on the design's type.
-struct FrameJob<'a> {
-    quantised: &'a QuantisedScene,
-    memory: &'a mut FrameMemory,
-    plan: FramePlan<'a>,
-    rules: &'a kernel::Rules,
-    engine: PaintEngine,
-}
-
-impl DesignJob for FrameJob<'_> {
-    type Output = Result<FrameFacts, Cancelled>;
-
-    fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-        let FrameJob {
-            quantised,
-            memory,
-            plan,
-            rules,
-            engine,
-        } = self;
-        let set_up = |_: usize, splats: &[VolumeSplat], outcomes: &mut [Outcome]| {
+    let (design, engine) = (settings.design.in_fields(), settings.engine);
+    let plan = FramePlan {
+        viewport: quantised.view.viewport,
+        back_to_front: settings.compositing == Compositing::BackToFront,
+        depth_first,
+        set_up: &|_, splats, outcomes| {
             set_up_part(design, quantised, rules, engine, (splats, outcomes));
-        };
-        let set_up = &set_up;
-        memory.draw(&quantised.splats, &FramePlan { set_up, ..plan })
-    }
+        },
+        painter,
+        progress,
+    };
+    memory.draw(&quantised.splats, &plan)
 }

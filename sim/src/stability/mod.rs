@@ -22,7 +22,7 @@ pub mod scenes;
 pub mod steps;
 pub mod table;
 
-use crate::design::{DesignChoice, DesignJob};
+use crate::design::DesignChoice;
 use crate::fixed;
 pub use crate::reference::{rational as exact, single};
 use bounds::ErrorBounds;
@@ -35,7 +35,7 @@ use exact::RationalFootprint;
 use pictures::TruePictures;
 use rayon::prelude::*;
 use splatline::footprint::{Footprint, depth};
-use splatline::format::{Design, Traversal};
+use splatline::format::Traversal;
 use splatline::math::Extended;
 use splatline::raster::{BoxSpans, EllipseSpans, Spans, Window};
 
@@ -258,11 +258,11 @@ fn worsen_radial(
         first: [0, 0],
         end: [case.camera.width as u16, case.camera.height as u16],
     };
-    let lanes = design.dispatch(LaneSum {
-        footprint,
-        window,
-        traversal: design.traversal,
-    });
+    let widths = design.in_fields();
+    let lanes = match design.traversal {
+        Traversal::Spans => collect_lanes(EllipseSpans::new(widths, footprint, &window), &window),
+        Traversal::Box => collect_lanes(BoxSpans::new(widths, footprint, &window), &window),
+    };
     for ((x, y), lane) in pixels(case).zip(lanes) {
         let r = truth.radial(x, y);
         if r >= truth.cutoff {
@@ -278,39 +278,18 @@ fn worsen_radial(
 }
 
 /// The radial index in the lanes, for every pixel of the window; none where the traversal does not go.
-struct LaneSum<'a> {
-    footprint: &'a Footprint,
-    window: Window,
-    traversal: Traversal,
-}
-
-impl DesignJob for LaneSum<'_> {
-    type Output = Vec<Option<f64>>;
-
-    fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-        match self.traversal {
-            Traversal::Spans => {
-                self.collect(EllipseSpans::new(design, self.footprint, &self.window))
-            }
-            Traversal::Box => self.collect(BoxSpans::new(design, self.footprint, &self.window)),
+fn collect_lanes(mut rows: impl Spans, window: &Window) -> Vec<Option<f64>> {
+    use splatline::format::Lane;
+    let [columns, lines] = window.end.map(usize::from);
+    let mut lanes = vec![None; columns * lines];
+    let unit = f64::from(rows.fraction()).exp2();
+    while let Some(run) = rows.next_span() {
+        let start = usize::from(run.y) * columns + usize::from(run.x);
+        for (lane, radial) in lanes[start..].iter_mut().zip(run.radials()) {
+            *lane = Some(radial.to_wide() as f64 / unit);
         }
     }
-}
-
-impl LaneSum<'_> {
-    fn collect(&self, mut rows: impl Spans) -> Vec<Option<f64>> {
-        use splatline::format::Lane;
-        let [columns, lines] = self.window.end.map(usize::from);
-        let mut lanes = vec![None; columns * lines];
-        let unit = f64::from(rows.fraction()).exp2();
-        while let Some(run) = rows.next_span() {
-            let start = usize::from(run.y) * columns + usize::from(run.x);
-            for (lane, radial) in lanes[start..].iter_mut().zip(run.radials()) {
-                *lane = Some(radial.to_wide() as f64 / unit);
-            }
-        }
-        lanes
-    }
+    lanes
 }
 
 fn pixels(case: &Case) -> impl Iterator<Item = (f64, f64)> {

@@ -2,7 +2,6 @@
 
 use super::record::{Words, reason, record, stage};
 use super::{VectorStage, VectorSubject, functions, systems};
-use crate::design::DesignJob;
 use crate::fixed::{kernel_compositing, kernel_rules};
 use crate::rules::Compositing as Order;
 use splatline::blend::{Blend, Pixel};
@@ -21,14 +20,10 @@ use splatline::view::Pose;
 
 /// All stages in the order of the data flow. The records of one stage refer to those of another by number.
 pub fn compute(subject: &VectorSubject) -> Vec<VectorStage> {
-    struct StagesJob<'a>(&'a VectorSubject);
-    impl DesignJob for StagesJob<'_> {
-        type Output = Vec<VectorStage>;
-        fn run<D: Design + Send + Sync>(self, design: D) -> Vec<VectorStage> {
-            compute_with(design, self.0)
-        }
+    match subject.design.in_short_lanes() {
+        Some(design) => compute_with(design, subject),
+        None => compute_with(subject.design.in_fields(), subject),
     }
-    subject.design.dispatch(StagesJob(subject))
 }
 
 fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStage> {

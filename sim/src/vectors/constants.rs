@@ -113,17 +113,8 @@ pub fn of(subject: &VectorSubject) -> Vec<ConstantRecord> {
 
 /// Bits of a lane's word under the subject's traversal.
 pub fn lane_bits(subject: &VectorSubject) -> i64 {
-    use crate::design::DesignJob;
-    use splatline::format::{Design, Lane};
-    struct LaneJob;
-    impl DesignJob for LaneJob {
-        type Output = u32;
-        fn run<D: Design + Send + Sync>(self, _: D) -> u32 {
-            D::Lane::BITS
-        }
-    }
     match subject.design.traversal {
-        Traversal::Spans => subject.design.dispatch(LaneJob).into(),
+        Traversal::Spans => subject.design.lane_bits().into(),
         Traversal::Box => 64,
     }
 }

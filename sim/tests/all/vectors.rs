@@ -2,11 +2,11 @@
 
 use splatline::blend::Pixel;
 use splatline::draw::Painter;
-use splatline::format::{Design, Traversal};
+use splatline::format::{Classic8, Deep32, Design, Lean18, Micro16, Standard24, Traversal};
 use splatline::raster::Window;
 use splatline::setup::setup;
 use splatline::target::Target;
-use splatline_sim::design::{DesignChoice, DesignJob};
+use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::{kernel_compositing, kernel_rules, table, table_entries};
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::vectors::{VectorSubject, compute, export, hard_cases, verify};
@@ -41,42 +41,37 @@ fn small() -> VectorSubject {
     )
 }
 
-/// The picture by the painter, whole footprints at a time.
-struct Painted<'a>(&'a VectorSubject);
-
-impl DesignJob for Painted<'_> {
-    type Output = Vec<[i64; 5]>;
-    fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-        let (subject, widths, rules) = (self.0, design.widths(), kernel_rules(&self.0.rules));
-        let memory = table_entries(&widths, &rules);
-        let table = table(&memory, &widths, &rules);
-        let compositing = kernel_compositing(subject.compositing);
-        let painter = Painter::new(design, &rules, table, compositing, subject.design.traversal);
-        let view = &subject.view;
-        let mut footprints: Vec<_> = subject
-            .splats
-            .iter()
-            .flat_map(|s| setup(design, view, &rules, s))
-            .collect();
-        footprints.sort_by_key(|footprint| footprint.depth);
-        if subject.compositing == Compositing::BackToFront {
-            footprints.reverse();
-        }
-        let window = Window {
-            first: [0; 2],
-            end: view.viewport,
-        };
-        let mut pixels = vec![Pixel::clear(&widths); 80 * 40];
-        let mut target = Target::new(&mut pixels, window, 80).unwrap();
-        for footprint in &footprints {
-            painter.draw(footprint, &mut target);
-        }
-        let words = |p: &Pixel| {
-            let [r, g, b] = p.colour.map(i64::from);
-            [r, g, b, p.transmittance().into(), p.is_finished().into()]
-        };
-        pixels.iter().map(words).collect()
+/// The picture by the painter, whole footprints at a time, by a type of constant widths.
+fn painted<D: Design>(design: D, subject: &VectorSubject) -> Vec<[i64; 5]> {
+    let (widths, rules) = (design.widths(), kernel_rules(&subject.rules));
+    let memory = table_entries(&widths, &rules);
+    let table = table(&memory, &widths, &rules);
+    let compositing = kernel_compositing(subject.compositing);
+    let painter = Painter::new(design, &rules, table, compositing, subject.design.traversal);
+    let view = &subject.view;
+    let mut footprints: Vec<_> = subject
+        .splats
+        .iter()
+        .flat_map(|s| setup(design, view, &rules, s))
+        .collect();
+    footprints.sort_by_key(|footprint| footprint.depth);
+    if subject.compositing == Compositing::BackToFront {
+        footprints.reverse();
     }
+    let window = Window {
+        first: [0; 2],
+        end: view.viewport,
+    };
+    let mut pixels = vec![Pixel::clear(&widths); 80 * 40];
+    let mut target = Target::new(&mut pixels, window, 80).unwrap();
+    for footprint in &footprints {
+        painter.draw(footprint, &mut target);
+    }
+    let words = |p: &Pixel| {
+        let [r, g, b] = p.colour.map(i64::from);
+        [r, g, b, p.transmittance().into(), p.is_finished().into()]
+    };
+    pixels.iter().map(words).collect()
 }
 
 #[test]
@@ -92,7 +87,13 @@ fn the_stepped_picture_is_the_painted_one() {
                     let subject = subject(design, traversal, rules, compositing);
                     let stages = compute(&subject);
                     let tile = stages.iter().find(|stage| stage.name == "tile").unwrap();
-                    let painted = subject.design.dispatch(Painted(&subject));
+                    let painted = match design {
+                        "classic8" => painted(Classic8, &subject),
+                        "micro16" => painted(Micro16, &subject),
+                        "lean18" => painted(Lean18, &subject),
+                        "standard24" => painted(Standard24, &subject),
+                        _ => painted(Deep32, &subject),
+                    };
                     assert!(
                         tile.records.iter().eq(painted.iter()),
                         "{design} {traversal:?} {} {compositing:?}",

@@ -1,7 +1,7 @@
 //! What paints a tile: cells of fused products, words of 64 bits, or the kernel's own painter, by what processor and design allow.
 
 use super::cells::FusedPainter;
-use super::lanes::VectorLevel;
+use super::lanes::{VectorLevel, draws_pixels};
 use super::painter::{CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter};
 use super::words::WordPainter;
 use splatline::blend::Pixel;
@@ -22,7 +22,7 @@ pub fn tile_painter<D: Design + Send + Sync + 'static>(
     choice: Option<VectorLevel>,
     counts: bool,
 ) -> Box<dyn TilePainter> {
-    let vectors = choice.filter(|_| traversal == Traversal::Spans);
+    let vectors = choice.filter(|level| traversal == Traversal::Spans && draws_pixels(*level));
     let of_level = |choice| on_vectors(design, rules, order, choice, counts);
     if let Some(painter) = vectors.and_then(of_level) {
         return painter;

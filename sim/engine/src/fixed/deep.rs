@@ -7,7 +7,6 @@ use super::frame::{TileLists, paint_apart, table, table_entries};
 use super::quantise::{QuantisedScene, kernel_rules};
 use super::render::{Options, PaintEngine, seen};
 use crate::camera::Camera;
-use crate::design::DesignJob;
 use crate::fast::{OpacityVisitor, TakeOpacities};
 use crate::picture::Picture;
 use crate::rules::Compositing;
@@ -16,7 +15,7 @@ use rayon::prelude::*;
 use splatline::blend::deep::{Channel, DeepPixel};
 use splatline::draw::Painter;
 use splatline::footprint::Footprint;
-use splatline::format::{Design, Lane, Traversal, Widths};
+use splatline::format::{Traversal, Widths};
 use splatline::raster::Window;
 use splatline::rules::Compositing as KernelCompositing;
 
@@ -28,34 +27,24 @@ pub fn draw(
     engine: PaintEngine,
     channel: Channel,
 ) -> Picture {
-    struct DeepJob<'a>(&'a QuantisedScene, &'a Options<'a>, PaintEngine, Channel);
-    impl DesignJob for DeepJob<'_> {
-        type Output = Vec<DeepPixel>;
-        fn run<D: Design + Send + Sync>(self, design: D) -> Vec<DeepPixel> {
-            draw_with(design, self.0, self.1, self.2, self.3)
-        }
-    }
     let quantised = QuantisedScene::new(scene, camera, options.rules);
-    let pixels = options
-        .design
-        .dispatch(DeepJob(&quantised, options, engine, channel));
+    let pixels = draw_pixels(&quantised, options, engine, channel);
     to_picture(&pixels, camera, &channel, quantised.colour_log2)
 }
 
-/// The nearest splat first, ties as they come. Compiled once, not for every design.
+/// The nearest splat first, ties as they come.
 pub(super) fn sort_by_depth(seen: &mut [(usize, Footprint)]) {
     seen.par_sort_by_key(|(_, footprint)| footprint.depth);
 }
 
-fn draw_with<D: Design + Send + Sync>(
-    design: D,
+fn draw_pixels(
     quantised: &QuantisedScene,
     options: &Options,
     engine: PaintEngine,
     channel: Channel,
 ) -> Vec<DeepPixel> {
     let rules = kernel_rules(options.rules);
-    let widths = design.widths();
+    let (design, widths) = (options.design.in_fields(), options.design.widths);
     let back_to_front = options.compositing == Compositing::BackToFront;
     let mut seen = seen(design, quantised, &rules, engine);
     sort_by_depth(&mut seen);
@@ -67,7 +56,8 @@ fn draw_with<D: Design + Send + Sync>(
     let table = table(&memory, &widths, &rules);
     let visitor = match (engine, options.traversal) {
         (PaintEngine::Vectors(choice), Traversal::Spans) => {
-            OpacityVisitor::new(&widths, &rules, &table, D::Lane::BITS, choice)
+            let lane_bits = options.design.lane_bits();
+            OpacityVisitor::new(&widths, &rules, &table, lane_bits, choice)
         }
         _ => None,
     };
@@ -92,7 +82,7 @@ fn draw_with<D: Design + Send + Sync>(
 /// Visits a footprint's pixels in a window by the kernel.
 type Alone<'a> = dyn Fn(u32, Window, &mut TakeOpacities) + Sync + 'a;
 
-/// Layers of a picture, in drawing order. They do not know the design's type, so that one compiled copy serves all.
+/// Layers of a picture, in drawing order.
 struct DeepLayers<'a> {
     channel: Channel,
     back_to_front: bool,

@@ -5,7 +5,6 @@ use super::render::{
     CHECK_INTERVAL, FixedDrawing, Options, PaintEngine, best_engine, painter, set_up_splats,
 };
 use crate::camera::Camera;
-use crate::design::DesignJob;
 use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan};
 use crate::fast::setup::Outcome;
 use crate::fast::{PaintScratch, Results, Start, TableMemory, TilePainter};
@@ -18,7 +17,7 @@ use splatline::blend::Pixel;
 use splatline::blend::points::{Slab, Slabs};
 use splatline::draw::{Coverage, Painter, PointSettings};
 use splatline::footprint::Footprint;
-use splatline::format::{Design, Traversal};
+use splatline::format::{Design, RuntimeWidths, Traversal};
 use splatline::kernel::FootprintTable;
 use splatline::raster::{Stamp, StampShape, Window, fill_stamps};
 use splatline::rules as kernel;
@@ -131,9 +130,7 @@ impl<'a> HybridRenderer<'a> {
             engine,
             filter,
             table: TableMemory::new(widths, &rules),
-            painter: options
-                .design
-                .dispatch(HybridPainterJob(&rules, &options, engine, counts)),
+            painter: painter(&rules, &options, engine, counts),
             memory: FrameMemory::default(),
             is_point: quantised.splats.iter().map(|_| false.into()).collect(),
             options,
@@ -151,7 +148,7 @@ impl<'a> HybridRenderer<'a> {
     /// footprints are too large for a stamp.
     pub fn draw_picture(&mut self, picture: &mut Picture) -> Result<HybridFacts, String> {
         let design = self.options.design;
-        let facts = design.dispatch(HybridFrameJob(self))?;
+        let facts = self.draw()?;
         let Camera { width, height, .. } = *self.camera;
         if [picture.width, picture.height] != [width, height] {
             *picture = Picture::new(width, height);
@@ -161,38 +158,8 @@ impl<'a> HybridRenderer<'a> {
         Ok(facts)
     }
 
-    /// Footprints drawn as points, and footprints in all.
-    fn counts(&self) -> [usize; 2] {
-        let outcomes = self.memory.outcomes().par_iter().zip(&self.is_point);
-        let count = |(outcome, is_point): (&Outcome, &AtomicBool)| match outcome {
-            Ok(footprint) if !Window::of(footprint).is_empty() => {
-                [is_point.load(Ordering::Relaxed).into(), 1]
-            }
-            _ => [0, 0],
-        };
-        outcomes
-            .map(count)
-            .reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
-    }
-}
-
-struct HybridPainterJob<'a>(&'a kernel::Rules, &'a Options<'a>, PaintEngine, bool);
-
-impl DesignJob for HybridPainterJob<'_> {
-    type Output = Box<dyn TilePainter>;
-
-    fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Box<dyn TilePainter> {
-        painter(design, self.0, self.1, self.2, self.3)
-    }
-}
-
-/// A frame by a design's own type.
-struct HybridFrameJob<'r, 'a>(&'r mut HybridRenderer<'a>);
-
-impl DesignJob for HybridFrameJob<'_, '_> {
-    type Output = Result<HybridFacts, String>;
-
-    fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Result<HybridFacts, String> {
+    /// Draws a frame into the renderer's memory.
+    fn draw(&mut self) -> Result<HybridFacts, String> {
         let HybridRenderer {
             options,
             hybrid,
@@ -205,7 +172,8 @@ impl DesignJob for HybridFrameJob<'_, '_> {
             memory,
             is_point,
             ..
-        } = &mut *self.0;
+        } = self;
+        let (design, widths) = (options.design.in_fields(), &options.design.widths);
         let started = Instant::now();
         let table = table.table();
         let setup = HybridSetup {
@@ -231,7 +199,7 @@ impl DesignJob for HybridFrameJob<'_, '_> {
                 stamp: (stamps.as_ref()).and_then(|(words, shape)| Stamp::new(words, *shape)),
             },
             gathers: hybrid.depth_range.is_some(),
-            clear: Pixel::clear(&design.widths()),
+            clear: Pixel::clear(widths),
             is_point,
         };
         // Without stamps and slabs points are splats like others, which the fast engine draws.
@@ -249,13 +217,27 @@ impl DesignJob for HybridFrameJob<'_, '_> {
         };
         frame.times.setup += stamped_at;
         let stamp_words = stamps.map_or(0, |(words, _)| words.len());
-        let [points, drawn] = self.0.counts();
+        let [points, drawn] = self.counts();
         Ok(HybridFacts {
             frame,
             points,
             drawn,
             stamp_words,
         })
+    }
+
+    /// Footprints drawn as points, and footprints in all.
+    fn counts(&self) -> [usize; 2] {
+        let outcomes = self.memory.outcomes().par_iter().zip(&self.is_point);
+        let count = |(outcome, is_point): (&Outcome, &AtomicBool)| match outcome {
+            Ok(footprint) if !Window::of(footprint).is_empty() => {
+                [is_point.load(Ordering::Relaxed).into(), 1]
+            }
+            _ => [0, 0],
+        };
+        outcomes
+            .map(count)
+            .reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
     }
 }
 
@@ -267,8 +249,8 @@ fn depth_range(hybrid: &Hybrid, quantised: &QuantisedScene) -> u32 {
 }
 
 /// Setup of points and splats.
-struct HybridSetup<'a, D> {
-    design: D,
+struct HybridSetup<'a> {
+    design: RuntimeWidths,
     quantised: &'a QuantisedScene,
     rules: &'a kernel::Rules,
     filter: &'a PointFilter,
@@ -277,7 +259,7 @@ struct HybridSetup<'a, D> {
     is_point: &'a [AtomicBool],
 }
 
-impl<D: Design + Send + Sync + 'static> HybridSetup<'_, D> {
+impl HybridSetup<'_> {
     /// Sets up splats numbered from `first`. With stamps, boxes of points become those of their stamps: empty ones are not drawn.
     fn set_up(
         &self,
@@ -357,7 +339,7 @@ impl<D: Design + Send + Sync + 'static> HybridSetup<'_, D> {
                 None
             }
         };
-        let Some(point) = first_point(&self.quantised.splats, &point) else {
+        let Some(point) = self.quantised.splats.par_iter().find_map_first(point) else {
             return Ok(None);
         };
         let shape = StampShape::new(&point, bits).map_err(|error| {
@@ -370,17 +352,9 @@ impl<D: Design + Send + Sync + 'static> HybridSetup<'_, D> {
     }
 }
 
-/// Compiled once, not for every design.
-fn first_point(
-    splats: &[VolumeSplat],
-    point: &(dyn Fn(&VolumeSplat) -> Option<Footprint> + Sync),
-) -> Option<Footprint> {
-    splats.par_iter().find_map_first(point)
-}
-
 /// Paints tiles in which points are gathered or stamped.
-struct PointTiles<'a, D> {
-    painter: Painter<'a, D>,
+struct PointTiles<'a> {
+    painter: Painter<'a, RuntimeWidths>,
     gathering: PointSettings<'a>,
     /// Are points gathered within a depth range?
     gathers: bool,
@@ -388,7 +362,7 @@ struct PointTiles<'a, D> {
     is_point: &'a [AtomicBool],
 }
 
-impl<D: Design + Send + Sync> TilePainter for PointTiles<'_, D> {
+impl TilePainter for PointTiles<'_> {
     fn paint(
         &self,
         _: &mut PaintScratch,

@@ -9,14 +9,12 @@ use super::frame::{TileLists, paint_apart, table, table_entries};
 use super::quantise::QuantisedScene;
 use super::render::{Options, best_engine, set_up};
 use crate::camera::Camera;
-use crate::design::DesignJob;
 use crate::scene::Scene;
 use crate::vector::Vector;
 use rayon::prelude::*;
 use splatline::blend::{Blend, Pixel};
 use splatline::draw::Painter;
 use splatline::footprint::Footprint;
-use splatline::format::Design;
 use splatline::raster::{EllipseSpans, Spans, Window};
 use splatline::rules::Compositing;
 use splatline_reference::engines::maps::{MapPixel, depth_and_normal};
@@ -24,77 +22,59 @@ use splatline_reference::engines::maps::{MapPixel, depth_and_normal};
 /// All pixels, row by row, front to back.
 pub fn draw_maps(scene: &Scene, camera: &Camera, options: &Options) -> Vec<MapPixel> {
     let quantised = QuantisedScene::new(scene, camera, options.rules);
+    let (design, widths) = (options.design.in_fields(), options.design.widths);
+    let rules = quantised.rules(options.rules);
     let places = scene.splats.par_iter();
-    options.design.dispatch(MapJob {
-        quantised: &quantised,
-        options,
-        places: places
-            .map(|splat| depth_and_normal(splat, camera))
-            .collect(),
-    })
-}
-
-struct MapJob<'a> {
-    quantised: &'a QuantisedScene,
-    options: &'a Options<'a>,
-    /// A splat's depth and normal.
-    places: Vec<(f64, Vector)>,
-}
-
-impl DesignJob for MapJob<'_> {
-    type Output = Vec<MapPixel>;
-
-    fn run<D: Design + Send + Sync>(self, design: D) -> Vec<MapPixel> {
-        let (quantised, widths) = (self.quantised, design.widths());
-        let rules = quantised.rules(self.options.rules);
-        let outcomes = set_up(design, quantised, &rules, best_engine()).into_iter();
-        let numbered = outcomes.enumerate();
-        let seen = numbered.filter_map(|(index, outcome)| Some((index, outcome.ok()?)));
-        let mut seen: Vec<(usize, Footprint)> = seen.collect();
-        sort_by_depth(&mut seen);
-        let (indices, footprints): (Vec<usize>, Vec<Footprint>) = seen.into_iter().unzip();
-        let memory = table_entries(&widths, &rules);
-        let table = table(&memory, &widths, &rules);
-        let order = Compositing::FrontToBack;
-        let painter = Painter::new(design, &rules, table, order, self.options.traversal);
-        let blend = Blend::new(&widths, &rules);
-        let unit = (-f64::from(widths.transmittance)).exp2();
-        let paint = |window: Window, list: &[u32], pixels: &mut [(Pixel, MapPixel)]| {
-            let [left, top] = window.first;
-            let place = |x: u16, y: u16| {
-                usize::from(y - top) * usize::from(window.columns()) + usize::from(x - left)
-            };
-            for layer in list {
-                let footprint = &footprints[*layer as usize];
-                let index = indices[*layer as usize];
-                let mut rows = EllipseSpans::new(design, footprint, &window);
-                while let Some(run) = rows.next_span() {
-                    let first = place(run.x, run.y);
-                    for (word, map) in &mut pixels[first..first + usize::from(run.length)] {
-                        map.visited += u32::from(!word.is_finished());
-                    }
-                }
-                painter.visit(footprint, &window, |x, y, opacity| {
-                    let (word, map) = &mut pixels[place(x, y)];
-                    let before = word.transmittance();
-                    if !word.is_finished() {
-                        blend.front_to_back_of_opacity(word, opacity, &footprint.colour);
-                    }
-                    let after = word.transmittance();
-                    if after < before {
-                        let [weight, left] = [before - after, after].map(|t| f64::from(t) * unit);
-                        map.blend(weight, left, self.places[index], index);
-                    }
-                });
-            }
+    let places: Vec<(f64, Vector)> = places
+        .map(|splat| depth_and_normal(splat, camera))
+        .collect();
+    let outcomes = set_up(design, &quantised, &rules, best_engine()).into_iter();
+    let numbered = outcomes.enumerate();
+    let seen = numbered.filter_map(|(index, outcome)| Some((index, outcome.ok()?)));
+    let mut seen: Vec<(usize, Footprint)> = seen.collect();
+    sort_by_depth(&mut seen);
+    let (indices, footprints): (Vec<usize>, Vec<Footprint>) = seen.into_iter().unzip();
+    let memory = table_entries(&widths, &rules);
+    let table = table(&memory, &widths, &rules);
+    let order = Compositing::FrontToBack;
+    let painter = Painter::new(design, &rules, table, order, options.traversal);
+    let blend = Blend::new(&widths, &rules);
+    let unit = (-f64::from(widths.transmittance)).exp2();
+    let paint = |window: Window, list: &[u32], pixels: &mut [(Pixel, MapPixel)]| {
+        let [left, top] = window.first;
+        let place = |x: u16, y: u16| {
+            usize::from(y - top) * usize::from(window.columns()) + usize::from(x - left)
         };
-        let tiles = TileLists::by_key(&footprints, quantised.view.viewport, &|layer, _| {
-            layer.into()
-        });
-        let clear = (Pixel::clear(&widths), MapPixel::EMPTY);
-        let (pixels, _) = paint_apart(clear, &tiles, paint);
-        pixels.into_iter().map(|(_, map)| map).collect()
-    }
+        for layer in list {
+            let footprint = &footprints[*layer as usize];
+            let index = indices[*layer as usize];
+            let mut rows = EllipseSpans::new(design, footprint, &window);
+            while let Some(run) = rows.next_span() {
+                let first = place(run.x, run.y);
+                for (word, map) in &mut pixels[first..first + usize::from(run.length)] {
+                    map.visited += u32::from(!word.is_finished());
+                }
+            }
+            painter.visit(footprint, &window, |x, y, opacity| {
+                let (word, map) = &mut pixels[place(x, y)];
+                let before = word.transmittance();
+                if !word.is_finished() {
+                    blend.front_to_back_of_opacity(word, opacity, &footprint.colour);
+                }
+                let after = word.transmittance();
+                if after < before {
+                    let [weight, left] = [before - after, after].map(|t| f64::from(t) * unit);
+                    map.blend(weight, left, places[index], index);
+                }
+            });
+        }
+    };
+    let tiles = TileLists::by_key(&footprints, quantised.view.viewport, &|layer, _| {
+        layer.into()
+    });
+    let clear = (Pixel::clear(&widths), MapPixel::EMPTY);
+    let (pixels, _) = paint_apart(clear, &tiles, paint);
+    pixels.into_iter().map(|(_, map)| map).collect()
 }
 
 #[cfg(test)]

@@ -3,10 +3,10 @@
 use super::frame::{converter, to_picture};
 use super::quantise::{QuantisedScene, kernel_compositing};
 use crate::camera::Camera;
-use crate::design::{DesignChoice, DesignJob};
+use crate::design::DesignChoice;
 pub(super) use crate::fast::CHECK_INTERVAL;
 pub use crate::fast::frame::Times;
-use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan, SetUpPart};
+use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan};
 use crate::fast::lanes::{VectorLevel, has_vectors};
 use crate::fast::setup::{self as fast, Outcome};
 use crate::fast::{PaintScratch, Results, Start, TilePainter, tile_painter};
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
-use splatline::format::{Design, Traversal, Widths};
+use splatline::format::{Design, RuntimeWidths, Traversal, Widths};
 use splatline::raster::Window;
 use splatline::rules as kernel;
 use splatline::setup::{
@@ -98,12 +98,8 @@ pub fn footprints(
 ) -> Vec<Result<Footprint, Cull>> {
     let quantised = QuantisedScene::new(scene, camera, options.rules);
     let rules = quantised.rules(options.rules);
-    set_up(
-        options.design.in_fields(),
-        &quantised,
-        &rules,
-        best_engine(),
-    )
+    let design = options.design.in_fields();
+    set_up(design, &quantised, &rules, best_engine())
 }
 
 /// Conics (a, b, c) of all splats in double precision, whether or not they reach the viewport; `None` where the depth, the range or the shape
@@ -168,8 +164,8 @@ fn kernel_variances(
 }
 
 /// Setup of some of the scene's splats into as many places, with the keys that the scene is sorted by.
-pub fn set_up_part<D: Design>(
-    design: D,
+pub fn set_up_part(
+    design: RuntimeWidths,
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
     engine: PaintEngine,
@@ -180,8 +176,8 @@ pub fn set_up_part<D: Design>(
 }
 
 /// The same with the keys that setup gives them.
-pub(super) fn set_up_splats<D: Design>(
-    design: D,
+pub(super) fn set_up_splats(
+    design: RuntimeWidths,
     view: &View,
     rules: &kernel::Rules,
     engine: PaintEngine,
@@ -198,24 +194,17 @@ pub(super) fn set_up_splats<D: Design>(
 }
 
 /// Footprints of all splats that have one, in the scene's order, with the sort keys that setup gives them.
-pub(super) fn seen<D: Design + Send + Sync>(
-    design: D,
+pub(super) fn seen(
+    design: RuntimeWidths,
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
     engine: PaintEngine,
 ) -> Vec<(usize, Footprint)> {
-    let view = &quantised.view;
-    seen_by(&quantised.splats, &|_, splats, outcomes| {
-        set_up_splats(design, view, rules, engine, (splats, outcomes));
-    })
-}
-
-/// Takes setup behind a reference, so that what spreads the work is compiled once and not for every design.
-fn seen_by(splats: &[VolumeSplat], set_up: &SetUpPart) -> Vec<(usize, Footprint)> {
+    let QuantisedScene { view, splats, .. } = quantised;
     let batch = |(number, splats): (usize, &[VolumeSplat])| {
         let first = number * BATCH;
         let mut outcomes = vec![Err(Cull::Near); splats.len()];
-        set_up(first, splats, &mut outcomes);
+        set_up_splats(design, view, rules, engine, (splats, &mut outcomes));
         let numbered = outcomes.into_iter().enumerate();
         numbered.filter_map(move |(index, outcome)| Some((first + index, outcome.ok()?)))
     };
@@ -227,24 +216,20 @@ fn seen_by(splats: &[VolumeSplat], set_up: &SetUpPart) -> Vec<(usize, Footprint)
 const BATCH: usize = 1024;
 
 /// Setup of the scene, a splat a place.
-pub fn set_up<D: Design + Send + Sync>(
-    design: D,
+pub fn set_up(
+    design: RuntimeWidths,
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
     engine: PaintEngine,
 ) -> Vec<Outcome> {
-    set_up_by(&quantised.splats, &|_, splats, outcomes| {
-        set_up_part(design, quantised, rules, engine, (splats, outcomes));
-    })
-}
-
-fn set_up_by(splats: &[VolumeSplat], set_up: &SetUpPart) -> Vec<Outcome> {
+    let splats = &quantised.splats;
     let mut outcomes: Vec<_> = splats.par_iter().map(|_| Err(Cull::Near)).collect();
-    outcomes
-        .par_chunks_mut(BATCH)
+    let places = outcomes.par_chunks_mut(BATCH);
+    places
         .zip(splats.par_chunks(BATCH))
-        .enumerate()
-        .for_each(|(number, (outcomes, splats))| set_up(number * BATCH, splats, outcomes));
+        .for_each(|(outcomes, splats)| {
+            set_up_part(design, quantised, rules, engine, (splats, outcomes));
+        });
     outcomes
 }
 
@@ -270,32 +255,14 @@ pub fn draw_quantised(
     options: &Options,
     engine: PaintEngine,
 ) -> (FixedDrawing, Vec<Result<Footprint, Cull>>) {
-    struct DrawJob<'a>(&'a QuantisedScene, &'a Camera, &'a Options<'a>, PaintEngine);
-    impl DesignJob for DrawJob<'_> {
-        type Output = (FixedDrawing, Vec<Result<Footprint, Cull>>);
-        fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output {
-            draw_with(design, self.0, self.1, self.2, self.3)
-        }
-    }
-    options
-        .design
-        .dispatch(DrawJob(quantised, camera, options, engine))
-}
-
-fn draw_with<D: Design + Send + Sync + 'static>(
-    design: D,
-    quantised: &QuantisedScene,
-    camera: &Camera,
-    options: &Options,
-    engine: PaintEngine,
-) -> (FixedDrawing, Vec<Outcome>) {
     let mut memory = FrameMemory::default();
     let rules = quantised.rules(options.rules);
-    let painter = painter(design, &rules, options, engine, true);
-    let facts = paint_with(design, quantised, options, engine, &*painter, &mut memory);
+    let painter = painter(&rules, options, engine, true);
+    let facts = paint_with(quantised, options, engine, &*painter, &mut memory);
     let pixels = copied(&memory, camera);
+    let widths = &options.design.widths;
     let drawing = FixedDrawing {
-        picture: to_picture(&pixels, camera, &design.widths(), quantised.colour_log2),
+        picture: to_picture(&pixels, camera, widths, quantised.colour_log2),
         pixels,
         splats: quantised.splats.len(),
         culled: facts.culled,
@@ -307,15 +274,14 @@ fn draw_with<D: Design + Send + Sync + 'static>(
     (drawing, memory.into_outcomes())
 }
 
-fn paint_with<D: Design + Send + Sync + 'static>(
-    design: D,
+fn paint_with(
     quantised: &QuantisedScene,
     options: &Options,
     engine: PaintEngine,
     painter: &dyn TilePainter,
     memory: &mut FrameMemory,
 ) -> FrameFacts {
-    let rules = quantised.rules(options.rules);
+    let (design, rules) = (options.design.in_fields(), quantised.rules(options.rules));
     let plan = FramePlan {
         viewport: quantised.view.viewport,
         back_to_front: options.compositing == Compositing::BackToFront,
@@ -351,27 +317,12 @@ impl Canvas {
 
     /// The picture that [`draw_quantised`] draws; `only` names windows without whose tiles the rest of it means nothing.
     pub fn draw(&mut self, quantised: &QuantisedScene, options: &Options, only: Option<&[Window]>) {
-        struct CanvasJob<'a>(
-            &'a mut Canvas,
-            &'a QuantisedScene,
-            &'a Options<'a>,
-            Option<&'a [Window]>,
-        );
-        impl DesignJob for CanvasJob<'_> {
-            type Output = ();
-            fn run<D: Design + Send + Sync + 'static>(self, design: D) {
-                let CanvasJob(canvas, quantised, options, only) = self;
-                let (engine, rules) = (best_engine(), quantised.rules(options.rules));
-                let inner = painter(design, &rules, options, engine, false);
-                let chosen = ChosenTiles { inner, only };
-                let memory = &mut canvas.memory;
-                paint_with(design, quantised, options, engine, &chosen, memory);
-                let convert = converter(&design.widths(), quantised.colour_log2);
-                memory.copy(&mut canvas.picture.pixels, convert);
-            }
-        }
-        let design = options.design;
-        design.dispatch(CanvasJob(self, quantised, options, only));
+        let (engine, rules) = (best_engine(), quantised.rules(options.rules));
+        let inner = painter(&rules, options, engine, false);
+        let chosen = ChosenTiles { inner, only };
+        paint_with(quantised, options, engine, &chosen, &mut self.memory);
+        let convert = converter(&options.design.widths, quantised.colour_log2);
+        self.memory.copy(&mut self.picture.pixels, convert);
     }
 }
 
@@ -407,8 +358,7 @@ fn copied(memory: &FrameMemory, camera: &Camera) -> Vec<Pixel> {
 }
 
 /// What paints tiles under these options.
-pub fn painter<D: Design + Send + Sync + 'static>(
-    design: D,
+pub fn painter(
     rules: &kernel::Rules,
     options: &Options,
     engine: PaintEngine,
@@ -419,7 +369,14 @@ pub fn painter<D: Design + Send + Sync + 'static>(
         PaintEngine::Scalar => None,
         PaintEngine::Vectors(choice) => Some(choice),
     };
-    tile_painter(design, rules, order, options.traversal, choice, counts)
+    let traversal = options.traversal;
+    match options.design.in_short_lanes() {
+        Some(design) => tile_painter(design, rules, order, traversal, choice, counts),
+        None => {
+            let design = options.design.in_fields();
+            tile_painter(design, rules, order, traversal, choice, counts)
+        }
+    }
 }
 
 /// How many results were culled, by reason, in the order of [`Cull::ALL`].

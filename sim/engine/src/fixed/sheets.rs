@@ -4,7 +4,6 @@ use super::frame::{TileLists, paint_apart, to_picture};
 use super::quantise::{QuantisedScene, kernel_rules};
 use super::render::{Options, PaintEngine, painter, seen};
 use crate::camera::Camera;
-use crate::design::DesignJob;
 use crate::fast::setup::Outcome;
 use crate::fast::{PaintScratch, Start, TilePainter};
 use crate::picture::Picture;
@@ -16,7 +15,7 @@ use rayon::prelude::*;
 use splatline::blend::sheets::{AxisSlabs, DepthSlabs, Facing, SheetBuffer, depth_spread};
 use splatline::blend::{Blend, Pixel};
 use splatline::footprint::{Footprint, depth};
-use splatline::format::{Design, Widths};
+use splatline::format::Widths;
 use splatline::raster::{BLOCK, Window};
 use splatline::splat::VolumeSplat;
 use splatline::target::Target;
@@ -29,47 +28,17 @@ pub fn draw(
     engine: PaintEngine,
     plan: &SheetPlan,
 ) -> Picture {
-    struct SheetsJob<'a>(
-        &'a QuantisedScene,
-        &'a Options<'a>,
-        PaintEngine,
-        &'a SheetPlan,
-    );
-    impl DesignJob for SheetsJob<'_> {
-        type Output = Vec<Pixel>;
-        fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Vec<Pixel> {
-            draw_with(design, self.0, self.1, self.2, self.3)
-        }
-    }
     let quantised = QuantisedScene::with_depths(scene, camera, options.rules);
-    let pixels = options
-        .design
-        .dispatch(SheetsJob(&quantised, options, engine, plan));
-    to_picture(
-        &pixels,
-        camera,
-        &options.design.widths,
-        quantised.colour_log2,
-    )
-}
-
-fn draw_with<D: Design + Send + Sync + 'static>(
-    design: D,
-    quantised: &QuantisedScene,
-    options: &Options,
-    engine: PaintEngine,
-    plan: &SheetPlan,
-) -> Vec<Pixel> {
     let rules = kernel_rules(options.rules);
-    let widths = design.widths();
+    let widths = options.design.widths;
     let slabs = SlabRule::new(plan, quantised.scale_log2);
-    let seen = seen(design, quantised, &rules, engine);
-    let (slabs, footprints) = slabs.all_parts(quantised, seen);
+    let seen = seen(options.design.in_fields(), &quantised, &rules, engine);
+    let (slabs, footprints) = slabs.all_parts(&quantised, seen);
     let sums = Options {
         compositing: Compositing::XRay,
         ..*options
     };
-    let painter = painter(design, &rules, &sums, engine, false);
+    let painter = painter(&rules, &sums, engine, false);
     let sheets = Sheets {
         painter: &*painter,
         slabs: &slabs,
@@ -77,10 +46,11 @@ fn draw_with<D: Design + Send + Sync + 'static>(
         blend: Blend::new(&widths, &rules),
         widths,
     };
-    sheets.paint(quantised.view.viewport)
+    let pixels = sheets.paint(quantised.view.viewport);
+    to_picture(&pixels, camera, &widths, quantised.colour_log2)
 }
 
-/// All footprints in their sheets. It does not know the design's type, so that one compiled copy serves all.
+/// All footprints in their sheets.
 struct Sheets<'a> {
     painter: &'a dyn TilePainter,
     slabs: &'a [i64],
@@ -180,7 +150,7 @@ impl SlabRule {
         }
     }
 
-    /// All splats in their sheets: the sheets, and the footprints. Compiled once, not for every design.
+    /// All splats in their sheets: the sheets, and the footprints.
     fn all_parts(
         &self,
         quantised: &QuantisedScene,

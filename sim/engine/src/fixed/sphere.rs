@@ -4,14 +4,13 @@ use super::frame::{TileLists, paint_tiles, table, table_entries, to_picture};
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
 use super::render::{FixedDrawing, Options, Times, culls};
 use crate::camera::Camera;
-use crate::design::DesignJob;
 use crate::scene::{Scene, Splat};
 use crate::vector;
 use rayon::prelude::*;
 use splatline::draw::{Coverage, Painter, Perspective};
-use splatline::format::{Design, Traversal};
+use splatline::format::Traversal;
 use splatline::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, Rays, fill_perspective};
-use splatline::setup::{Cull, Ellipse, Index, SphereFootprint, setup_sphere};
+use splatline::setup::{Ellipse, Index, SphereFootprint, setup_sphere};
 use splatline::splat::{SphereSplat, VolumeSplat};
 
 /// Draws a scene whose splats are taken as spheres of their first axis' length.
@@ -21,26 +20,7 @@ pub fn draw_spheres(
     options: &Options,
     shape: (Ellipse, Index),
 ) -> FixedDrawing {
-    struct SphereJob<'a>(&'a Scene, &'a Camera, &'a Options<'a>, (Ellipse, Index));
-    impl DesignJob for SphereJob<'_> {
-        type Output = FixedDrawing;
-        fn run<D: Design + Send + Sync>(self, design: D) -> FixedDrawing {
-            draw_with(design, self.0, self.1, self.2, self.3)
-        }
-    }
-    options
-        .design
-        .dispatch(SphereJob(scene, camera, options, shape))
-}
-
-fn draw_with<D: Design + Send + Sync>(
-    design: D,
-    scene: &Scene,
-    camera: &Camera,
-    options: &Options,
-    shape: (Ellipse, Index),
-) -> FixedDrawing {
-    let widths = design.widths();
+    let (design, widths) = (options.design.in_fields(), options.design.widths);
     let quantised = QuantisedScene::new(scene, camera, options.rules);
     let rules = quantised.rules(options.rules);
     let set_up = |(splat, sphere): (&Splat, &VolumeSplat)| {
@@ -52,7 +32,8 @@ fn draw_with<D: Design + Send + Sync>(
         };
         setup_sphere(design, &quantised.view, &rules, &sphere, shape)
     };
-    let results = set_up_each(&scene.splats, &quantised.splats, &set_up);
+    let splats = scene.splats.par_iter().zip(&quantised.splats);
+    let results: Vec<_> = splats.map(set_up).collect();
     let culled = culls(&results);
     let spheres: Vec<SphereFootprint> = results.into_iter().flatten().collect();
     let footprints: Vec<_> = spheres.iter().map(|sphere| sphere.footprint).collect();
@@ -88,15 +69,4 @@ fn draw_with<D: Design + Send + Sync>(
         coverage,
         times: Times::default(),
     }
-}
-
-type SphereOutcome = Result<SphereFootprint, Cull>;
-
-/// Compiled once, not for every design.
-fn set_up_each(
-    scene: &[Splat],
-    quantised: &[VolumeSplat],
-    set_up: &(dyn Fn((&Splat, &VolumeSplat)) -> SphereOutcome + Sync),
-) -> Vec<SphereOutcome> {
-    scene.par_iter().zip(quantised).map(set_up).collect()
 }

@@ -6,7 +6,6 @@
 use super::order_changes::Before;
 use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, each_tile, room_for};
 use crate::camera::Camera;
-use crate::design::DesignJob;
 use crate::fixed::{
     self, Options, QuantisedScene, kernel_compositing, kernel_rules, table, table_entries,
 };
@@ -19,7 +18,7 @@ use splatline::blend::Pixel;
 use splatline::draw::Painter;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
-use splatline::format::{Design, Lane, Rounding, Traversal, Widths};
+use splatline::format::{Design, Lane, Rounding, RuntimeWidths, Traversal, Widths};
 use splatline::math::{shift_signed, shift_unsigned};
 use splatline::raster::{BoxSpans, EllipseSpans, Span, Spans, Window};
 use splatline::setup::Cull;
@@ -60,7 +59,7 @@ pub fn extract_from(
         before: None,
         wants_pixels: false,
     };
-    options.design.dispatch(job).0
+    job.extract().0
 }
 
 /// A picture in the order of its tiles' lists.
@@ -91,7 +90,7 @@ pub fn extract_in_order(
         before: before.map(|workload| Before { workload, exact }),
         wants_pixels: true,
     };
-    let (workload, pixels) = options.design.dispatch(job);
+    let (workload, pixels) = job.extract();
     let colour_log2 = QuantisedScene::new(scene, camera, options.rules).colour_log2;
     let convert = fixed::converter(&options.design.widths, colour_log2);
     let mut picture = Picture::new(camera.width, camera.height);
@@ -108,23 +107,6 @@ struct ExtractJob<'a> {
     tile: [u16; 2],
     before: Option<Before<'a>>,
     wants_pixels: bool,
-}
-
-impl DesignJob for ExtractJob<'_> {
-    /// The work, and the screen's pixels if they are wanted.
-    type Output = (Workload, Vec<Pixel>);
-
-    fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-        let widths = design.widths();
-        let rules = kernel_rules(self.options.rules);
-        let memory = table_entries(&widths, &rules);
-        let table = table(&memory, &widths, &rules);
-        let compositing = kernel_compositing(self.options.compositing);
-        let painter = Painter::new(design, &rules, table, compositing, self.options.traversal);
-        self.all_tiles(&widths, &|list, window| {
-            self.tile(design, &painter, list, window)
-        })
-    }
 }
 
 /// Bits in which the keys of visible splats differ.
@@ -144,12 +126,14 @@ fn ranks(order: &[u32], splats: usize) -> Vec<u32> {
 }
 
 impl ExtractJob<'_> {
-    /// The work of all tiles, of which one is what `tile` makes of a list and a window. Compiled once, not by design.
-    fn all_tiles(
-        &self,
-        widths: &Widths,
-        tile: &(dyn Fn(&[u32], Window) -> TilePart + Sync),
-    ) -> (Workload, Vec<Pixel>) {
+    /// The work, and the screen's pixels if they are wanted.
+    fn extract(&self) -> (Workload, Vec<Pixel>) {
+        let (design, widths) = (self.options.design.in_fields(), &self.options.design.widths);
+        let rules = kernel_rules(self.options.rules);
+        let memory = table_entries(widths, &rules);
+        let table = table(&memory, widths, &rules);
+        let compositing = kernel_compositing(self.options.compositing);
+        let painter = Painter::new(design, &rules, table, compositing, self.options.traversal);
         let order = self.order();
         let boxes = order.iter().filter_map(|index| {
             self.footprints[*index as usize]
@@ -164,7 +148,7 @@ impl ExtractJob<'_> {
             rank
         });
         let parts = each_tile(bins.lists.len(), &|at| {
-            tile(&bins.lists[at], bins.grid.window(at))
+            self.tile(design, &painter, &bins.lists[at], bins.grid.window(at))
         });
         let screen = if self.wants_pixels {
             self.screen(&parts, widths, &bins.grid)
@@ -210,10 +194,10 @@ impl ExtractJob<'_> {
         screen
     }
 
-    fn tile<D: Design>(
+    fn tile(
         &self,
-        design: D,
-        painter: &Painter<D>,
+        design: RuntimeWidths,
+        painter: &Painter<RuntimeWidths>,
         list: &[u32],
         window: Window,
     ) -> TilePart {
@@ -253,9 +237,9 @@ impl ExtractJob<'_> {
 
 impl TilePart {
     /// Notes a footprint's rows in a tile whose pixels are `target`'s, before it is drawn there.
-    pub(super) fn note<D: Design>(
+    pub(super) fn note(
         &mut self,
-        design: D,
+        design: RuntimeWidths,
         splat: u32,
         footprint: &Footprint,
         traversal: Traversal,

@@ -5,7 +5,7 @@
 
 use super::{Bins, TilePart, Workload, assemble, each_tile, room_for};
 use crate::area::surface::SurfaceBits;
-use crate::design::{DesignChoice, DesignJob};
+use crate::design::DesignChoice;
 use crate::fixed::surface::{HostCell, QuantisedPoints, footprints, kernel_rules, threshold};
 use crate::fixed::{table, table_entries};
 use crate::host_memory::TooLarge;
@@ -18,7 +18,7 @@ use splatline::draw::surface::SurfacePainter;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::footprint::surface::SurfaceFootprint;
-use splatline::format::{Design, Traversal, Widths};
+use splatline::format::{Design, RuntimeWidths, Traversal};
 use splatline::raster::Window;
 use splatline::setup::Cull;
 use splatline::target::Target;
@@ -102,8 +102,16 @@ pub fn extract_surface(
         style,
         threshold: threshold(style, points),
         traversal,
+        design: design.in_fields(),
     };
-    Ok(design.dispatch(job))
+    Ok(match style.buffer {
+        Buffer::Accumulation => job.gather::<Accumulation>(),
+        Buffer::Layers(0 | 1) => job.gather::<Layers<1>>(),
+        Buffer::Layers(2) => job.gather::<Layers<2>>(),
+        Buffer::Layers(3) => job.gather::<Layers<3>>(),
+        Buffer::Layers(4) => job.gather::<Layers<4>>(),
+        Buffer::Layers(_) => job.gather::<Layers<8>>(),
+    })
 }
 
 struct SurfaceJob<'a> {
@@ -112,6 +120,7 @@ struct SurfaceJob<'a> {
     style: &'a Style,
     threshold: u32,
     traversal: Traversal,
+    design: RuntimeWidths,
 }
 
 /// A cell of the kernel's with what it did.
@@ -159,39 +168,18 @@ impl<C: Cell> Cell for CountedCell<C> {
     }
 }
 
-impl DesignJob for SurfaceJob<'_> {
-    type Output = Workload;
-
-    fn run<D: Design + Send + Sync>(self, design: D) -> Workload {
-        match self.style.buffer {
-            Buffer::Accumulation => self.gather::<D, Accumulation>(design),
-            Buffer::Layers(0 | 1) => self.gather::<D, Layers<1>>(design),
-            Buffer::Layers(2) => self.gather::<D, Layers<2>>(design),
-            Buffer::Layers(3) => self.gather::<D, Layers<3>>(design),
-            Buffer::Layers(4) => self.gather::<D, Layers<4>>(design),
-            Buffer::Layers(_) => self.gather::<D, Layers<8>>(design),
-        }
-    }
-}
-
 impl SurfaceJob<'_> {
-    fn gather<D: Design + Send + Sync, C: HostCell>(&self, design: D) -> Workload {
-        let widths = design.widths();
+    /// The work of all tiles, in cells of this kind.
+    fn gather<C: HostCell>(&self) -> Workload {
+        let (design, widths) = (self.design, self.design.widths());
         let rules = kernel_rules(self.style);
         let memory = table_entries(&widths, &rules);
         let table = table(&memory, &widths, &rules);
         let gather = WeightedSum::new(&widths, self.threshold);
         let painter = SurfacePainter::new(design, &rules, table, gather, self.traversal);
-        self.all_tiles(&widths, &|tile| self.tile::<D, C>(design, &painter, tile))
-    }
-
-    /// The work of all tiles, of which one is what `tile` makes of its number. Compiled once, not by design and cell.
-    fn all_tiles(
-        &self,
-        widths: &Widths,
-        tile: &(dyn Fn(usize) -> (TilePart, SurfaceCounts) + Sync),
-    ) -> Workload {
-        let painted = each_tile(self.bins.lists.len(), tile);
+        let painted = each_tile(self.bins.lists.len(), &|tile| {
+            self.tile::<C>(&painter, tile)
+        });
         let (parts, counts): (Vec<TilePart>, Vec<SurfaceCounts>) = painted.into_iter().unzip();
         let mut work = SurfaceWork::default();
         for counts in counts {
@@ -199,8 +187,8 @@ impl SurfaceJob<'_> {
             work.resolved.push(resolved.min(u32::MAX.into()) as u32);
             work.counts += counts;
         }
-        let bits = Layout::new(widths, self.traversal).bits() as u64;
-        let attributes = SurfaceBits::new(widths, layers_of(self.style), false).packet;
+        let bits = Layout::new(&widths, self.traversal).bits() as u64;
+        let attributes = SurfaceBits::new(&widths, layers_of(self.style), false).packet;
         let packet_bytes = 4 * (bits + attributes).div_ceil(32) as u32;
         Workload {
             surface: Some(work),
@@ -209,13 +197,12 @@ impl SurfaceJob<'_> {
     }
 
     /// Rows and samples of one tile.
-    fn tile<D: Design, C: HostCell>(
+    fn tile<C: HostCell>(
         &self,
-        design: D,
-        painter: &SurfacePainter<D>,
+        painter: &SurfacePainter<RuntimeWidths>,
         tile: usize,
     ) -> (TilePart, SurfaceCounts) {
-        let (widths, window) = (design.widths(), self.bins.grid.window(tile));
+        let (widths, window) = (self.design.widths(), self.bins.grid.window(tile));
         let mut part = TilePart::default();
         let mut cells = vec![CountedCell::<C>::EMPTY; window.pixels()];
         // None of these ever finishes.
@@ -233,7 +220,7 @@ impl SurfaceJob<'_> {
                 continue;
             };
             let footprint = &found.footprint;
-            part.note(design, *index, footprint, self.traversal, &mut open);
+            part.note(self.design, *index, footprint, self.traversal, &mut open);
             painter.draw(found, &mut target);
         }
         let mut counts = SurfaceCounts::default();

@@ -39,7 +39,7 @@ pub use doubles::Doubles;
 pub use portable::Portable;
 pub use run::{
     FusedLanes, FusedTask, PixelTask, VectorLevel, VectorTask, dispatch_pixels, dispatch_vectors,
-    has_vectors, name, prefetch,
+    draws_pixels, has_vectors, name, prefetch,
 };
 pub use wide::Wide;
 

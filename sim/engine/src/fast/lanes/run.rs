@@ -2,9 +2,9 @@
 
 #![allow(unsafe_code)]
 
+use super::Doubles;
 use super::fused::Fused;
 use super::sums::PixelSums;
-use super::{Doubles, Portable};
 use std::str::FromStr;
 
 /// Work that is generic over the vectors. Implement `run` and all that it calls with `#[inline(always)]`, or it is not compiled for
@@ -85,7 +85,7 @@ pub fn dispatch_vectors<T: VectorTask>(choice: VectorLevel, task: T) -> Result<T
     #[cfg(not(target_arch = "x86_64"))]
     match choice {
         VectorLevel::Portable => Err(task),
-        _ => Ok(task.run(Portable)),
+        _ => Ok(task.run(super::Portable)),
     }
 }
 
@@ -121,17 +121,27 @@ pub trait PixelTask {
     fn run<L: PixelSums>(self, lanes: L) -> Self::Output;
 }
 
-/// Runs the task on AVX2 if the processor has it and arrays are not asked for.
+/// Runs the task on AVX2 if the processor has it and less is not asked for. Without AVX2 the kernel's painter is faster than arrays, so that
+/// x86-64 gets the task back; other processors draw by arrays, and so do tests.
 #[inline]
-pub fn dispatch_pixels<T: PixelTask>(choice: VectorLevel, task: T) -> T::Output {
+pub fn dispatch_pixels<T: PixelTask>(choice: VectorLevel, task: T) -> Result<T::Output, T> {
     #[cfg(target_arch = "x86_64")]
     if choice != VectorLevel::Portable
         && let Some(lanes) = super::avx2::Avx2::detect()
     {
-        return lanes.run_pixels(task);
+        return Ok(lanes.run_pixels(task));
     }
     let _ = choice;
-    task.run(Portable)
+    #[cfg(any(test, not(target_arch = "x86_64")))]
+    return Ok(task.run(super::Portable));
+    #[cfg(not(any(test, not(target_arch = "x86_64"))))]
+    Err(task)
+}
+
+/// Does [`dispatch_pixels`] run tasks on this level?
+pub fn draws_pixels(choice: VectorLevel) -> bool {
+    cfg!(test)
+        || has_vectors() && (cfg!(not(target_arch = "x86_64")) || choice != VectorLevel::Portable)
 }
 
 /// Work on fused products. Implement `run` and all that it calls with `#[inline(always)]`.
@@ -181,7 +191,7 @@ impl FusedLanes {
             #[cfg(target_arch = "x86_64")]
             FusedLanes::Avx512(lanes) => lanes.run_fused(task),
             #[cfg(test)]
-            FusedLanes::Portable => task.run(Portable),
+            FusedLanes::Portable => task.run(super::Portable),
         }
     }
 }

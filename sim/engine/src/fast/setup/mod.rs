@@ -41,7 +41,7 @@ pub trait Batched: Sized {
     type Lists;
 
     /// By the kernel.
-    fn set_up_alone<D: Design>(&self, design: D, view: &View, rules: &Rules) -> Self::Outcome;
+    fn set_up_alone(&self, design: RuntimeWidths, view: &View, rules: &Rules) -> Self::Outcome;
 
     /// What vectors read.
     fn parts(&self) -> SplatFields;
@@ -57,28 +57,26 @@ pub trait Batched: Sized {
 }
 
 /// Setup of `splats` into as many places of `outcomes`.
-pub fn set_up<D: Design, S: Batched>(
-    design: D,
+pub fn set_up<S: Batched>(
+    design: RuntimeWidths,
     view: &View,
     rules: &Rules,
     splats: &[S],
     outcomes: &mut [S::Outcome],
     choice: VectorLevel,
 ) {
-    // Widths as values: constants would gain little here, and one compiled copy serves all designs.
-    let left = match RuntimeWidths::new(design.widths()) {
-        Ok(widths) if covers(view, rules) => {
-            let batch = SetupBatch {
-                design: widths,
-                view,
-                rules,
-                splats,
-                outcomes,
-            };
-            let done = dispatch_vectors(choice, batch);
-            done.err().map(|batch| batch.outcomes)
-        }
-        _ => Some(outcomes),
+    let left = if covers(view, rules) {
+        let batch = SetupBatch {
+            design,
+            view,
+            rules,
+            splats,
+            outcomes,
+        };
+        let done = dispatch_vectors(choice, batch);
+        done.err().map(|batch| batch.outcomes)
+    } else {
+        Some(outcomes)
     };
     for (splat, outcome) in splats.iter().zip(left.into_iter().flatten()) {
         *outcome = splat.set_up_alone(design, view, rules);
@@ -172,7 +170,7 @@ impl Batched for VolumeSplat {
     type Outcome = Outcome;
     type Lists = Lists;
 
-    fn set_up_alone<D: Design>(&self, design: D, view: &View, rules: &Rules) -> Outcome {
+    fn set_up_alone(&self, design: RuntimeWidths, view: &View, rules: &Rules) -> Outcome {
         setup(design, view, rules, self)
     }
 

@@ -10,7 +10,7 @@ use crate::fast::lanes::{Doubles, Wide};
 use splatline::footprint::surface::{
     Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint, attribute_fraction,
 };
-use splatline::format::{Design, Rounding, Widths};
+use splatline::format::{Rounding, RuntimeWidths, Widths};
 use splatline::rules::Rules;
 use splatline::setup::{Cull, setup_surface};
 use splatline::splat::surface::SurfaceSplat;
@@ -26,7 +26,7 @@ impl Batched for SurfaceSplat {
     type Outcome = SurfaceOutcome;
     type Lists = SurfaceLists;
 
-    fn set_up_alone<D: Design>(&self, design: D, view: &View, rules: &Rules) -> SurfaceOutcome {
+    fn set_up_alone(&self, design: RuntimeWidths, view: &View, rules: &Rules) -> SurfaceOutcome {
         setup_surface(design, view, rules, self)
     }
 

@@ -58,9 +58,10 @@ fn check<D: Design>(design: D, splats: &[VolumeSplat], rules: &Rules) {
     let scene = synthetic::random_gaussians(10, 1, 1.0);
     let camera = synthetic::camera(320, 200);
     let view = QuantisedScene::new(&scene, &camera, &rules::Rules::GAUSSIAN_3D).view;
+    let fields = RuntimeWidths::new(design.widths()).unwrap();
     for choice in [VectorLevel::Best, VectorLevel::Avx2] {
         let mut outcomes = vec![Err(Cull::Near); splats.len()];
-        set_up(design, &view, rules, splats, &mut outcomes, choice);
+        set_up(fields, &view, rules, splats, &mut outcomes, choice);
         for (splat, outcome) in splats.iter().zip(outcomes) {
             let expected = setup(design, &view, rules, splat);
             assert_eq!(outcome, expected, "{choice:?} {splat:?}");
@@ -183,9 +184,10 @@ fn surface_splat(splat: &VolumeSplat) -> SurfaceSplat {
 
 fn check_surface<D: Design>(design: D, splats: &[SurfaceSplat], view: &View) {
     let rules = Rules::SURFACE;
+    let fields = RuntimeWidths::new(design.widths()).unwrap();
     for choice in [VectorLevel::Best, VectorLevel::Avx2] {
         let mut outcomes = vec![Err(Cull::Near); splats.len()];
-        set_up(design, view, &rules, splats, &mut outcomes, choice);
+        set_up(fields, view, &rules, splats, &mut outcomes, choice);
         for (splat, outcome) in splats.iter().zip(outcomes) {
             let expected = setup_surface(design, view, &rules, splat);
             assert_eq!(outcome, expected, "{choice:?} {splat:?}");

@@ -143,9 +143,9 @@ pub struct GatherTask<'a, 'g> {
 }
 
 impl GatherTask<'_, '_> {
-    /// Paints on such vectors; `None`, and anything in the tile, where an attribute exceeds its format.
+    /// Paints on such vectors; `None`, and anything in the tile, where there are none or an attribute exceeds its format.
     pub fn paint(self, choice: VectorLevel) -> Option<Coverage> {
-        dispatch_pixels(choice, self)
+        dispatch_pixels(choice, self).ok().flatten()
     }
 
     /// One footprint by the kernel, its samples one by one.

@@ -18,7 +18,7 @@ use super::lanes::{dispatch_pixels, dispatch_vectors};
 use super::painter::{PaintScratch, Results, Start, TableMemory, TilePainter};
 use super::rows::RunWords;
 use painting::{PaintAlone, Painting, PreparedFootprint};
-use path::{BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers};
+use path::{ANY, BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers};
 use path::{Pixels, SplatNumbers, WordPixels, X_RAY};
 use single::{SingleNumbers, SinglePixels};
 use splatline::blend::Pixel;
@@ -174,6 +174,7 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
                 tile,
             };
             let coverage = dispatch_pixels(self.choice, task);
+            let coverage = coverage.unwrap_or_else(WordPainting::paint_scalar);
             tile.copy(pixels);
             coverage
         });
@@ -211,23 +212,27 @@ impl PixelTask for WordPainting<'_> {
 
     #[inline(always)]
     fn run<L: PixelSums>(self, lanes: L) -> Coverage {
-        const EVEN_OMIT_FINISHING: u8 = EVEN | OMIT_FINISHING;
-        const EVEN_BACK_TO_FRONT: u8 = EVEN | BACK_TO_FRONT;
-        const EVEN_X_RAY: u8 = EVEN | X_RAY;
         match self.painting.numbers.operator {
             OMIT_FINISHING => self.paint::<L, OMIT_FINISHING>(lanes),
+            DRAW_FINISHING => self.paint::<L, DRAW_FINISHING>(lanes),
             BACK_TO_FRONT => self.paint::<L, BACK_TO_FRONT>(lanes),
             X_RAY => self.paint::<L, X_RAY>(lanes),
-            EVEN_OMIT_FINISHING => self.paint::<L, EVEN_OMIT_FINISHING>(lanes),
-            EVEN_BACK_TO_FRONT => self.paint::<L, EVEN_BACK_TO_FRONT>(lanes),
-            EVEN_X_RAY => self.paint::<L, EVEN_X_RAY>(lanes),
-            EVEN => self.paint::<L, EVEN>(lanes),
-            _ => self.paint::<L, DRAW_FINISHING>(lanes),
+            _ => self.paint::<L, ANY>(lanes),
         }
     }
 }
 
 impl WordPainting<'_> {
+    /// By the kernel, where there are no vectors after all.
+    #[cold]
+    fn paint_scalar(self) -> Coverage {
+        let mut coverage = Coverage::default();
+        for index in self.painting.list {
+            coverage += (self.scalar)(*index, self.tile);
+        }
+        coverage
+    }
+
     #[inline(always)]
     fn paint<L: PixelSums, const OPERATOR: u8>(self, lanes: L) -> Coverage {
         let path = WordPixels::<L, OPERATOR>::new(lanes, self.numbers);

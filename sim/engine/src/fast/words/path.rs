@@ -43,7 +43,7 @@ pub trait PixelPath {
     fn finished(&self, row: &Row<Self::Word>) -> u64;
 }
 
-/// How a layer and a pixel become a pixel, a constant of each compiled copy. Front to back; the layer that finishes a pixel is drawn.
+/// How a layer and a pixel become a pixel. Front to back; the layer that finishes a pixel is drawn.
 pub const DRAW_FINISHING: u8 = 0;
 /// Front to back; the layer that would finish a pixel is left out.
 pub const OMIT_FINISHING: u8 = 1;
@@ -53,6 +53,8 @@ pub const BACK_TO_FRONT: u8 = 2;
 pub const X_RAY: u8 = 3;
 /// Added to one of them: results may be rounded with ties to even.
 pub const EVEN: u8 = 4;
+/// Any of them, looked up: those that usual designs need have compiled copies of their own, which take an eighth fewer instructions.
+pub const ANY: u8 = 8;
 
 /// A product's right shift, and what rounds it: what is added to every product, and the bits of the result that are.
 #[derive(Clone, Copy, Debug)]
@@ -195,6 +197,8 @@ impl PathNumbers {
 #[derive(Clone, Copy)]
 pub struct WordPixels<'a, L: PixelWords, const OPERATOR: u8> {
     lanes: L,
+    /// The operator, for the copy that looks it up.
+    operator: u8,
     falls: &'a Falls,
     /// Left shifts of lanes that have 32 bits, and to a vector's width.
     raise: u32,
@@ -265,6 +269,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let (rest, kept) = (numbers.reach.rest_bits, numbers.kept);
         WordPixels {
             lanes,
+            operator: numbers.operator,
             falls: &numbers.falls,
             raise: numbers.raise,
             width: word(L::WIDE.ilog2().into()),
@@ -286,6 +291,16 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
             raised: word(transmittance.saturating_sub(alpha).into()),
             light: shift(numbers.light),
             last: word(u32::MAX.into()),
+        }
+    }
+
+    /// The operator, a constant in copies for one.
+    #[inline(always)]
+    fn operator(&self) -> u8 {
+        if OPERATOR == ANY {
+            self.operator
+        } else {
+            OPERATOR
         }
     }
 
@@ -355,7 +370,8 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
             counts.covered += u64::from(lanes.wide_flags(inside).count_ones());
             counts.finished += u64::from(lanes.wide_flags(finished).count_ones());
         }
-        if OPERATOR & !EVEN == BACK_TO_FRONT || OPERATOR & !EVEN == X_RAY {
+        let operator = self.operator();
+        if operator & !EVEN == BACK_TO_FRONT || operator & !EVEN == X_RAY {
             let live = lanes.except(inside, lanes.marked(light));
             self.layer(splat, self.alpha(splat, radial, live), live, x, row);
             return;
@@ -367,7 +383,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let rest = lanes.wide_sub(light, share);
         let stop = lanes.wide_greater(self.stop, rest);
         let marks = lanes.keep(self.mark, stop);
-        let (share, after) = if OPERATOR & !EVEN == OMIT_FINISHING {
+        let (share, after) = if operator & !EVEN == OMIT_FINISHING {
             let share = lanes.clear(share, stop);
             (share, lanes.wide_sub(light, share))
         } else {
@@ -377,7 +393,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         for (plane, colour) in colours.iter_mut().zip(splat.colour) {
             let product = lanes.wide_mul_unsigned(share, colour);
             let sum = lanes.read(plane, x);
-            let sum = if OPERATOR & EVEN == 0 {
+            let sum = if self.operator() & EVEN == 0 {
                 lanes.wide_add(sum, self.rounded(product, self.colour))
             } else {
                 // The sum is what is rounded.
@@ -398,11 +414,11 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         x: usize,
         row: &mut Row<u64>,
     ) {
-        let lanes = self.lanes;
+        let (lanes, operator) = (self.lanes, self.operator());
         let hidden = |word: L::Word| self.rounded(lanes.wide_mul_unsigned(word, alpha), self.share);
         let [plane_of_light, colours @ ..] = row;
         let light = lanes.read(plane_of_light, x);
-        let rest = if OPERATOR & !EVEN == X_RAY {
+        let rest = if operator & !EVEN == X_RAY {
             let taken = self.rounded(lanes.wide_shl(alpha, self.raised), self.light);
             let rest = lanes.wide_sub(light, taken);
             lanes.clear(rest, lanes.marked(rest))
@@ -414,7 +430,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         for (plane, colour) in colours.iter_mut().zip(splat.colour) {
             let layer = self.rounded(lanes.wide_mul_unsigned(alpha, colour), self.layer);
             let sum = lanes.read(plane, x);
-            let sum = if OPERATOR & !EVEN == X_RAY {
+            let sum = if operator & !EVEN == X_RAY {
                 sum
             } else {
                 lanes.wide_sub(sum, hidden(sum))
@@ -429,7 +445,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     #[inline(always)]
     fn rounded(&self, product: L::Word, shift: ShiftWords<L>) -> L::Word {
         let lanes = self.lanes;
-        let half = if OPERATOR & EVEN == 0 {
+        let half = if self.operator() & EVEN == 0 {
             shift.half
         } else {
             let odd = lanes.wide_and(lanes.wide_shr(product, shift.by), shift.odd);

@@ -66,7 +66,9 @@ impl OpacityVisitor {
             alone,
             take,
         };
-        dispatch_pixels(self.choice, task);
+        if let Err(task) = dispatch_pixels(self.choice, task) {
+            list.iter().for_each(|index| alone(*index, task.take));
+        }
     }
 }
 

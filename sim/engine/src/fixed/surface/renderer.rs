@@ -7,7 +7,6 @@
 use super::tiles::{GatherTiles, HostCell, Resolved, SurfaceScratch, SurfaceTiles, TileConstants};
 use super::{QuantisedPoints, SurfaceOptions, direction, kernel_rules, material, threshold};
 use crate::camera::Camera;
-use crate::design::DesignJob;
 use crate::fast::frame::{AREA, copy_tiles};
 use crate::fast::order::{Grid, Key, TileOrder};
 use crate::fast::setup::{self, SurfaceOutcome};
@@ -28,7 +27,7 @@ use splatline::blend::shading::{self, Shading};
 use splatline::blend::surface::{Accumulation, WeightedSum, sum_fraction};
 use splatline::draw::Coverage;
 use splatline::draw::surface::SurfacePainter;
-use splatline::format::{Design, Lane, Traversal};
+use splatline::format::{RuntimeWidths, Traversal};
 use splatline::raster::Window;
 use splatline::rules as kernel;
 use splatline::setup::{Cull, setup_surface};
@@ -76,7 +75,7 @@ pub struct SurfaceRenderer<'a, P = QuantisedPoints> {
     frames: SurfaceFrames<'a>,
 }
 
-/// What does not know how the points are held, and is therefore compiled here, for every design, and not again by whoever draws.
+/// What does not know how the points are held, and is therefore compiled here and not again by whoever draws.
 struct SurfaceFrames<'a> {
     options: SurfaceOptions<'a>,
     rules: kernel::Rules,
@@ -169,7 +168,7 @@ impl<'a> SurfaceFrames<'a> {
                 &rules,
                 &table.table(),
                 threshold,
-                design.dispatch(LaneBits),
+                design.lane_bits(),
             ),
             _ => None,
         };
@@ -207,7 +206,7 @@ impl<'a> SurfaceFrames<'a> {
             PaintEngine::Vectors(choice) => Some(choice),
             PaintEngine::Scalar => None,
         };
-        design.dispatch(SurfaceFrameJob {
+        let job = SurfaceFrameJob {
             points,
             options,
             rules,
@@ -219,22 +218,19 @@ impl<'a> SurfaceFrames<'a> {
                 counts: options.counts,
             },
             memory,
-        })
+        };
+        match style.buffer {
+            Buffer::Accumulation => job.draw::<Accumulation>(),
+            Buffer::Layers(0 | 1) => job.draw::<Layers<1>>(),
+            Buffer::Layers(2) => job.draw::<Layers<2>>(),
+            Buffer::Layers(3) => job.draw::<Layers<3>>(),
+            Buffer::Layers(4) => job.draw::<Layers<4>>(),
+            Buffer::Layers(_) => job.draw::<Layers<8>>(),
+        }
     }
 }
 
-/// Bits of a design's lanes.
-struct LaneBits;
-
-impl DesignJob for LaneBits {
-    type Output = u32;
-
-    fn run<D: Design>(self, _: D) -> u32 {
-        D::Lane::BITS
-    }
-}
-
-/// A frame by a design's own type.
+/// A frame, whatever its cells.
 struct SurfaceFrameJob<'a> {
     points: &'a QuantisedPoints,
     options: &'a SurfaceOptions<'a>,
@@ -244,23 +240,8 @@ struct SurfaceFrameJob<'a> {
     memory: &'a mut SurfaceFrameMemory,
 }
 
-impl DesignJob for SurfaceFrameJob<'_> {
-    type Output = SurfaceFacts;
-
-    fn run<D: Design + Send + Sync>(self, design: D) -> SurfaceFacts {
-        match self.options.style.buffer {
-            Buffer::Accumulation => self.draw::<D, Accumulation>(design),
-            Buffer::Layers(0 | 1) => self.draw::<D, Layers<1>>(design),
-            Buffer::Layers(2) => self.draw::<D, Layers<2>>(design),
-            Buffer::Layers(3) => self.draw::<D, Layers<3>>(design),
-            Buffer::Layers(4) => self.draw::<D, Layers<4>>(design),
-            Buffer::Layers(_) => self.draw::<D, Layers<8>>(design),
-        }
-    }
-}
-
 impl SurfaceFrameJob<'_> {
-    fn draw<D: Design + Send + Sync, C: HostCell>(self, design: D) -> SurfaceFacts {
+    fn draw<C: HostCell>(self) -> SurfaceFacts {
         let SurfaceFrameJob {
             points: QuantisedPoints { view, splats, .. },
             options,
@@ -269,6 +250,7 @@ impl SurfaceFrameJob<'_> {
             constants,
             memory,
         } = self;
+        let design = options.design.in_fields();
         let set_up = |splats: &[SurfaceSplat], outcomes: &mut [SurfaceOutcome]| {
             set_up_part(design, view, rules, options.engine, (splats, outcomes));
         };
@@ -278,15 +260,15 @@ impl SurfaceFrameJob<'_> {
             viewport: view.viewport,
             cull_backfaces: options.style.cull_backfaces,
             set_up: &set_up,
-            tiles: &GatherTiles::<D, C>::new(painter, &constants),
+            tiles: &GatherTiles::<C>::new(painter, &constants),
         };
         memory.draw(splats, &plan)
     }
 }
 
 /// Setup of some points into as many places.
-fn set_up_part<D: Design>(
-    design: D,
+fn set_up_part(
+    design: RuntimeWidths,
     view: &View,
     rules: &kernel::Rules,
     engine: PaintEngine,

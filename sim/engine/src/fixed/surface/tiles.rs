@@ -10,7 +10,7 @@ use splatline::blend::surface::{Accumulation, Cell, Sample, WeightedSum};
 use splatline::draw::Coverage;
 use splatline::draw::surface::SurfacePainter;
 use splatline::footprint::surface::{Attributes, SurfaceFootprint};
-use splatline::format::Design;
+use splatline::format::RuntimeWidths;
 use splatline::raster::Window;
 use splatline::target::cells::CellTarget;
 use std::any::Any;
@@ -47,7 +47,7 @@ impl SurfaceScratch {
     }
 }
 
-/// Paints tiles of a surface, whatever design and cells.
+/// Paints tiles of a surface, whatever cells.
 pub trait SurfaceTiles: Sync {
     /// Gathers the footprints of `list`, in this order, in the pixels of `window`, and resolves them row by row. Pixels that were touched, and
     /// the number of those at which fragments had to be merged.
@@ -82,7 +82,7 @@ impl<const L: usize> HostCell for Layers<L> {
     }
 }
 
-/// What tiles of any design share.
+/// What tiles of any cells share.
 pub struct TileConstants<'a> {
     pub gather: WeightedSum,
     pub resolve: Resolve<'a>,
@@ -112,16 +112,19 @@ impl TileConstants<'_> {
     }
 }
 
-/// Tiles of one design and cell.
-pub struct GatherTiles<'a, D, C> {
-    painter: SurfacePainter<'a, D>,
+/// Tiles of one kind of cell.
+pub struct GatherTiles<'a, C> {
+    painter: SurfacePainter<'a, RuntimeWidths>,
     constants: &'a TileConstants<'a>,
     cell: PhantomData<fn() -> C>,
 }
 
-impl<'a, D: Design, C: HostCell> GatherTiles<'a, D, C> {
+impl<'a, C: HostCell> GatherTiles<'a, C> {
     /// With the kernel's painter for what vectors cannot do.
-    pub fn new(painter: SurfacePainter<'a, D>, constants: &'a TileConstants<'a>) -> Self {
+    pub fn new(
+        painter: SurfacePainter<'a, RuntimeWidths>,
+        constants: &'a TileConstants<'a>,
+    ) -> Self {
         GatherTiles {
             painter,
             constants,
@@ -210,7 +213,7 @@ impl<'a, D: Design, C: HostCell> GatherTiles<'a, D, C> {
     }
 }
 
-impl<D: Design + Sync, C: HostCell> SurfaceTiles for GatherTiles<'_, D, C> {
+impl<C: HostCell> SurfaceTiles for GatherTiles<'_, C> {
     fn paint(
         &self,
         scratch: &mut SurfaceScratch,
