@@ -10,6 +10,7 @@ use super::{Harmonics, Scene, Skipped, SortOrder, Splat, Weight};
 use crate::memory;
 use crate::rules::Rules;
 use crate::vector;
+use anyhow::bail;
 
 /// The constant harmonic, 1 / (2 sqrt(pi)).
 pub const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
@@ -142,13 +143,10 @@ impl GaussianScene {
                 non_finite,
                 zero_rotation,
             } = self.skipped;
-            return Err(Problem::malformed(
-                "splats",
-                format!(
-                    "none is left ({non_finite} with non-finite fields, {zero_rotation} with a zero rotation)"
-                ),
-                "export the scene again",
-            ));
+            bail!(
+                "splats: none is left ({non_finite} with non-finite fields, {zero_rotation} with \
+                 a zero rotation); export the scene again"
+            );
         }
         let (degree, coefficients, base) = (self.degree, self.coefficients, self.bases);
         Ok(Scene {

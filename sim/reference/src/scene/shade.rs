@@ -12,6 +12,7 @@ use super::volume::Volume;
 use super::{Scene, Skipped, SortOrder, Splat, Weight};
 use crate::memory;
 use crate::rules::Rules;
+use anyhow::{Context, ensure};
 
 /// Standard deviation of a voxel's kernel, in voxels.
 ///
@@ -63,16 +64,12 @@ pub(super) fn shade(
             memory::push(&mut splats, splat, "the splats of visible voxels")?;
         }
     }
-    if splats.is_empty() {
-        return Err(Problem::malformed(
-            "transfer function",
-            format!(
-                "it leaves no voxel visible ({} were not finite)",
-                skipped.non_finite
-            ),
-            "give a transfer function with extinction within the data's range",
-        ));
-    }
+    ensure!(
+        !splats.is_empty(),
+        "transfer function: it leaves no voxel visible ({} were not finite); \
+         give a transfer function with extinction within the data's range",
+        skipped.non_finite
+    );
     Ok(Scene {
         name: name.to_string(),
         natural_rules: Rules::EWA,
@@ -152,12 +149,8 @@ struct Lamp {
 
 impl Lamp {
     fn new(light: [f64; 3]) -> Result<Lamp, Problem> {
-        let towards = unit(light).ok_or_else(|| {
-            Problem::malformed(
-                "light",
-                format!("{light:?} is no direction"),
-                "give three finite numbers, not all zero",
-            )
+        let towards = unit(light).with_context(|| {
+            format!("light: {light:?} is no direction; give three finite numbers, not all zero")
         })?;
         let sum = [0, 1, 2].map(|axis| towards[axis] + TOWARDS_VIEWER[axis]);
         // A light straight behind the volume has no half-way direction and gives no highlight.

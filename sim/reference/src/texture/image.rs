@@ -8,6 +8,7 @@ use crate::cameras::lens::{Distortion, Lens};
 use crate::memory;
 use crate::picture::{Picture, png};
 use crate::scene::{LoadError, Problem};
+use anyhow::anyhow;
 use std::path::Path;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -58,7 +59,7 @@ impl Texture {
                 if field.is_multiple_of(2) { light } else { dark }
             }));
         }
-        decode(path).map_err(|problem| problem.of(path.display().to_string()))
+        decode(path).map_err(LoadError::about(path.display()))
     }
 
     /// Bilinear interpolation at texture coordinates; beyond the border the border's colour.
@@ -95,11 +96,11 @@ pub fn load_photograph(path: &Path) -> Result<Picture, LoadError> {
         }
         Picture::from_png(&bytes).map_err(|error| damaged(error.to_string()))
     };
-    load().map_err(|problem: Problem| problem.of(path.display().to_string()))
+    load().map_err(LoadError::about(path.display()))
 }
 
 fn damaged(reason: String) -> Problem {
-    Problem::malformed("picture", reason, "give a sound .png or .jpg file")
+    anyhow!("picture: {reason}; give a sound .png or .jpg file")
 }
 
 /// The photograph as a pinhole of the lens' focal lengths and principal point would have taken it; transparent where it has nothing to show.

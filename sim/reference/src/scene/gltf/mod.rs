@@ -16,6 +16,7 @@ use super::error::{Problem, shorten};
 use super::gaussian::{Gaussian, GaussianScene, HARMONIC_0, MAX_DEGREE, coefficient_count};
 use super::{Scene, SortOrder};
 use crate::memory;
+use anyhow::{Context, anyhow, bail, ensure};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -104,19 +105,15 @@ pub(super) fn load(
     let (json, binary) = buffers::split(bytes)?;
     memory::room_for_json(json)?;
     let document: Document = serde_json::from_slice(json).map_err(|error| {
-        Problem::malformed(
-            "glTF JSON",
-            format!("it is not understood: {error}"),
-            "export the scene again",
-        )
+        anyhow!("glTF JSON: it is not understood: {error}; export the scene again")
     })?;
     let unknown = |name: &&String| *name != EXTENSION;
     if let Some(required) = document.extensions_required.iter().find(unknown) {
-        return Err(Problem::malformed(
-            "extensionsRequired",
-            format!("'{}' is not read", shorten(required)),
-            format!("export the scene with {EXTENSION} alone, without compression"),
-        ));
+        bail!(
+            "extensionsRequired: '{}' is not read; \
+             export the scene with {EXTENSION} alone, without compression",
+            shorten(required)
+        );
     }
     let placed = placed_meshes(&document)?;
     let buffers = Buffers::load(&document, binary, folder)?;
@@ -134,13 +131,11 @@ fn placed_meshes(document: &Document) -> Result<Vec<(usize, Transform)>, Problem
     while let Some((index, above, depth)) = waiting.pop() {
         let node = at(&document.nodes, "node", index)?;
         visits += 1;
-        if depth > MAX_DEPTH || visits > MAX_VISITS {
-            return Err(Problem::malformed(
-                format!("node {index}"),
-                "nodes are nested too deeply or in a circle",
-                "export the scene again with a tree of nodes",
-            ));
-        }
+        ensure!(
+            depth <= MAX_DEPTH && visits <= MAX_VISITS,
+            "node {index}: nodes are nested too deeply or in a circle; \
+             export the scene again with a tree of nodes"
+        );
         let transform = above.then(&node.transform.matrix());
         placed.extend(node.mesh.map(|mesh| (mesh, transform)));
         waiting.extend(
@@ -155,9 +150,8 @@ fn placed_meshes(document: &Document) -> Result<Vec<(usize, Transform)>, Problem
 
 /// What another part of the document names by its number.
 fn at<'a, T>(list: &'a [T], kind: &str, index: usize) -> Result<&'a T, Problem> {
-    list.get(index).ok_or_else(|| {
-        let found = "it is used but not there";
-        Problem::malformed(format!("{kind} {index}"), found, "export the scene again")
+    list.get(index).with_context(|| {
+        format!("{kind} {index}: it is used but not there; export the scene again")
     })
 }
 
@@ -192,13 +186,11 @@ fn gather(
             }
         }
     }
-    if parts.is_empty() {
-        return Err(Problem::malformed(
-            "meshes",
-            format!("no primitive of the scene has the extension {EXTENSION}"),
-            "export Gaussians with it, or give another scene",
-        ));
-    }
+    ensure!(
+        !parts.is_empty(),
+        "meshes: no primitive of the scene has the extension {EXTENSION}; \
+         export Gaussians with it, or give another scene"
+    );
     // Parts may differ in degree; coefficients that one lacks are 0.
     let degree_of =
         |part: &GltfAttributes| super::gaussian::degree_of(part.rest.len()).unwrap_or(0);
@@ -230,17 +222,12 @@ fn gather(
 /// Refuses what would be drawn otherwise than stated, and gives the order of drawing.
 fn check(stated: &serde_json::Value) -> Result<SortOrder, Problem> {
     let stated: Splatting = Deserialize::deserialize(stated).map_err(|error| {
-        Problem::malformed(
-            EXTENSION,
-            format!("it is not understood: {error}"),
-            "export the scene again",
-        )
+        anyhow!("{EXTENSION}: it is not understood: {error}; export the scene again")
     })?;
     let refused = |field: &str, found: &str, fix: &str| {
-        Problem::malformed(
-            format!("{EXTENSION}.{field}"),
-            format!("'{}' is not read", shorten(found)),
-            fix,
+        anyhow!(
+            "{EXTENSION}.{field}: '{}' is not read; {fix}",
+            shorten(found)
         )
     };
     if let Some(compression) = stated.extensions.keys().next() {
@@ -293,11 +280,10 @@ fn attributes<'a>(
         None => Ok(None),
     };
     let required = |name: &str, width: usize| {
-        find(name, width)?.ok_or_else(|| {
-            Problem::malformed(
-                format!("attribute {name}"),
-                "the primitive lacks it",
-                format!("export the scene with all attributes of {EXTENSION}"),
+        find(name, width)?.with_context(|| {
+            format!(
+                "attribute {name}: the primitive lacks it; \
+                 export the scene with all attributes of {EXTENSION}"
             )
         })
     };
@@ -315,11 +301,10 @@ fn attributes<'a>(
     let count = part.centres.count();
     let different = part.others().find(|other| *other != count);
     match different {
-        Some(other) => Err(Problem::malformed(
-            "accessor count",
-            format!("{other} beside {count} positions"),
-            "export the scene again: every attribute needs as many",
-        )),
+        Some(other) => bail!(
+            "accessor count: {other} beside {count} positions; \
+             export the scene again: every attribute needs as many"
+        ),
         None => Ok(part),
     }
 }
@@ -335,13 +320,10 @@ fn harmonics<'a>(
             match find(&name, 3)? {
                 Some(numbers) => rest.push(numbers),
                 None if order == 0 => return Ok(rest),
-                None => {
-                    return Err(Problem::malformed(
-                        format!("attribute {name}"),
-                        "the primitive lacks it",
-                        "a degree must have all of its coefficients; export the scene again",
-                    ));
-                }
+                None => bail!(
+                    "attribute {name}: the primitive lacks it; \
+                     a degree must have all of its coefficients; export the scene again"
+                ),
             }
         }
     }

@@ -6,6 +6,7 @@
 use super::super::error::Problem;
 use super::super::gaussian::{HARMONICS, harmonic_basis, rotation_matrix};
 use crate::vector;
+use anyhow::bail;
 use serde::Deserialize;
 
 /// Deviation from a rotation and one scale up to which harmonics have a meaning.
@@ -80,11 +81,11 @@ impl Transform {
         if orthonormal {
             Ok(Some(Turn::new(&rotation, count)))
         } else {
-            Err(Problem::malformed(
-                "node transform",
-                "it scales axes differently or shears, which view-dependent colours cannot follow",
-                "apply the transform to the Gaussians before exporting, or leave the harmonics out",
-            ))
+            bail!(
+                "node transform: it scales axes differently or shears, which view-dependent \
+                 colours cannot follow; apply the transform to the Gaussians before exporting, or \
+                 leave the harmonics out"
+            )
         }
     }
 }

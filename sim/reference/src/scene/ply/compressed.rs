@@ -16,6 +16,7 @@ use super::super::quaternion::smallest_three;
 use super::body;
 use super::header::{Element, PlyHeader, PropertyKind};
 use super::{bad_harmonics, number};
+use anyhow::{Context, bail, ensure};
 
 /// Gaussians per chunk.
 const CHUNK: u64 = 256;
@@ -89,20 +90,19 @@ impl ChunkLayout {
     fn find(header: &PlyHeader) -> Result<ChunkLayout, Problem> {
         let element = |name: &str| header.elements.iter().find(|element| element.name == name);
         let (Some(chunk), Some(vertex)) = (element("chunk"), element("vertex")) else {
-            return Err(Problem::malformed(
-                "PLY header",
-                "there is packed_position but no element 'chunk'",
-                "export the scene again: the ranges of the packed values are missing",
-            ));
+            bail!(
+                "PLY header: there is packed_position but no element 'chunk'; \
+                 export the scene again: the ranges of the packed values are missing"
+            );
         };
         let wanted = vertex.count.div_ceil(CHUNK);
-        if chunk.count != wanted {
-            return Err(Problem::malformed(
-                "element chunk",
-                format!("there are {} for {} vertices", chunk.count, vertex.count),
-                format!("{wanted} of {CHUNK} vertices each are needed; export the scene again"),
-            ));
-        }
+        ensure!(
+            chunk.count == wanted,
+            "element chunk: there are {} for {} vertices; \
+             {wanted} of {CHUNK} vertices each are needed; export the scene again",
+            chunk.count,
+            vertex.count
+        );
         let coloured = chunk.column("min_r").is_some();
         let needed = if coloured { 6 } else { 4 };
         let mut ranges = [[None; 3]; 6];
@@ -134,13 +134,13 @@ impl ChunkLayout {
 }
 
 fn harmonics_of(sh: &Element, vertex: &Element) -> Result<Vec<usize>, Problem> {
-    if sh.count != vertex.count {
-        return Err(Problem::malformed(
-            "element sh",
-            format!("there are {} for {} vertices", sh.count, vertex.count),
-            "one per vertex is needed; export the scene again",
-        ));
-    }
+    ensure!(
+        sh.count == vertex.count,
+        "element sh: there are {} for {} vertices; one per vertex is needed; \
+         export the scene again",
+        sh.count,
+        vertex.count
+    );
     (0..sh.properties.len())
         .map(|k| typed(sh, &format!("f_rest_{k}"), Scalar::U8))
         .collect()
@@ -150,11 +150,11 @@ fn harmonics_of(sh: &Element, vertex: &Element) -> Result<Vec<usize>, Problem> {
 fn typed(element: &Element, name: &str, scalar: Scalar) -> Result<usize, Problem> {
     let column = element.column(name);
     let right = |column: &usize| element.properties[*column].kind == PropertyKind::Number(scalar);
-    column.filter(right).ok_or_else(|| {
-        Problem::malformed(
-            format!("element {}, property {name}", element.name),
-            format!("a compressed PLY needs it as {scalar:?}"),
-            "export the scene again, or as an uncompressed PLY",
+    column.filter(right).with_context(|| {
+        format!(
+            "element {}, property {name}: a compressed PLY needs it as {scalar:?}; \
+             export the scene again, or as an uncompressed PLY",
+            element.name
         )
     })
 }

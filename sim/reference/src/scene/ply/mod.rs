@@ -23,6 +23,7 @@ use super::gaussian::{
     degree_of, opacity_from_logit, scale_from_log,
 };
 use crate::rules::Rules;
+use anyhow::{Context, anyhow, bail, ensure};
 use header::Element;
 use std::collections::HashSet;
 
@@ -63,35 +64,24 @@ fn rules(header: &header::PlyHeader, columns: &GaussianColumns) -> Rules {
 
 fn vertex_element(elements: &[Element]) -> Result<&Element, Problem> {
     let mut vertices = elements.iter().filter(|element| element.name == "vertex");
-    let vertex = vertices.next().ok_or_else(|| {
-        Problem::malformed(
-            "PLY header",
-            "there is no element 'vertex'",
-            "export the scene as a 3D Gaussian PLY",
-        )
-    })?;
-    if vertices.next().is_some() {
-        return Err(Problem::malformed(
-            "PLY header",
-            "element 'vertex' is declared twice",
-            "declare it once",
-        ));
-    }
+    let vertex = vertices.next().context(
+        "PLY header: there is no element 'vertex'; export the scene as a 3D Gaussian PLY",
+    )?;
+    ensure!(
+        vertices.next().is_none(),
+        "PLY header: element 'vertex' is declared twice; declare it once"
+    );
     let mut seen = HashSet::new();
     if let Some(twice) = vertex.properties.iter().find(|p| !seen.insert(&p.name)) {
-        return Err(Problem::malformed(
-            "element vertex",
-            format!("property '{}' is declared twice", shorten(&twice.name)),
-            "declare it once",
-        ));
+        bail!(
+            "element vertex: property '{}' is declared twice; declare it once",
+            shorten(&twice.name)
+        );
     }
-    if vertex.count == 0 {
-        return Err(Problem::malformed(
-            "element vertex",
-            "its count is 0",
-            "export a scene with splats in it",
-        ));
-    }
+    ensure!(
+        vertex.count != 0,
+        "element vertex: its count is 0; export a scene with splats in it"
+    );
     Ok(vertex)
 }
 
@@ -191,21 +181,19 @@ fn refuse_other_kinds(vertex: &Element) -> Result<(), Problem> {
         .iter()
         .all(|name| vertex.column(name).is_none())
     {
-        return Err(Problem::malformed(
-            "element vertex",
-            "it has none of scale_0, rot_0, opacity and f_dc_0, so this is a point cloud",
-            "give --as surface to draw its points, or a 3D Gaussian PLY",
-        ));
+        bail!(
+            "element vertex: it has none of scale_0, rot_0, opacity and f_dc_0, so this is a \
+             point cloud; give --as surface to draw its points, or a 3D Gaussian PLY"
+        );
     }
     Ok(())
 }
 
 fn required(vertex: &Element, name: &str) -> Result<usize, Problem> {
-    vertex.column(name).ok_or_else(|| {
-        Problem::malformed(
-            format!("property {name}"),
-            "the Gaussians' element vertex lacks it",
-            "export the scene with x y z, scale_0..2 (2D Gaussians: scale_0..1), rot_0..3, opacity and f_dc_0..2",
+    vertex.column(name).with_context(|| {
+        format!(
+            "property {name}: the Gaussians' element vertex lacks it; export the scene with x y \
+             z, scale_0..2 (2D Gaussians: scale_0..1), rot_0..3, opacity and f_dc_0..2"
         )
     })
 }
@@ -225,9 +213,8 @@ fn find_rest(vertex: &Element) -> Result<Vec<usize>, Problem> {
 }
 
 fn bad_harmonics(count: usize) -> Problem {
-    Problem::malformed(
-        "properties f_rest_*",
-        format!("there are {count}"),
-        "degrees 0 to 4 have 0, 9, 24, 45 or 72; export the scene with one of these",
+    anyhow!(
+        "properties f_rest_*: there are {count}; degrees 0 to 4 have 0, 9, 24, 45 or 72; \
+         export the scene with one of these"
     )
 }

@@ -28,6 +28,7 @@ use super::{Bounds, ply};
 use crate::camera::Camera;
 use crate::memory;
 use crate::vector::{self, Vector};
+use anyhow::{bail, ensure};
 use std::path::Path;
 
 /// Share of a hexagonal grid's cell in the square of its spacing: sqrt(3) / 2.
@@ -145,7 +146,7 @@ pub fn load(path: &Path) -> Result<SurfaceScene, LoadError> {
     read_file(path)
         .and_then(|bytes| parse(&bytes, path))
         .and_then(|cloud| surface(&name, cloud))
-        .map_err(|problem| problem.of(path.display().to_string()))
+        .map_err(LoadError::about(path.display()))
 }
 
 fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, Problem> {
@@ -162,11 +163,10 @@ fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, Problem> {
         _ if bytes.starts_with(b"LASF") => las::cloud(bytes),
         // Of stdin the first bytes alone say what it is.
         "" if xyz::begins(bytes) => xyz::records(bytes).map(plain),
-        other => Err(Problem::malformed(
-            "point cloud",
-            format!("'.{other}' is no format of points"),
-            "give a .ply, .xyz, .obj, .las or .laz file, or leave out --as surface",
-        )),
+        other => bail!(
+            "point cloud: '.{other}' is no format of points; \
+             give a .ply, .xyz, .obj, .las or .laz file, or leave out --as surface"
+        ),
     }
 }
 
@@ -203,13 +203,13 @@ fn surface(name: &str, cloud: Cloud) -> Result<SurfaceScene, Problem> {
     let each = size_of::<Record>() + 3 * size_of::<Vector>() + size_of::<SurfacePoint>();
     memory::room_for_records(records.len() as u64, each, "the surface's points")?;
     let sound: Vec<Record> = records.iter().copied().filter(is_sound).collect();
-    if sound.len() < 3 {
-        return Err(Problem::malformed(
-            "points",
-            format!("only {} of {} are usable", sound.len(), records.len()),
-            "give a cloud of at least 3 points with finite coordinates",
-        ));
-    }
+    ensure!(
+        sound.len() >= 3,
+        "points: only {} of {} are usable; \
+         give a cloud of at least 3 points with finite coordinates",
+        sound.len(),
+        records.len()
+    );
     let any = |field: fn(&Record) -> bool| sound.iter().any(field);
     let (no_radius, no_normal) = (any(|r| r.radius.is_none()), any(|r| r.normal.is_none()));
     let places: Vec<Vector> = sound.iter().map(|record| record.centre).collect();
@@ -239,11 +239,10 @@ fn surface(name: &str, cloud: Cloud) -> Result<SurfaceScene, Problem> {
     let mut sizes: Vec<f64> = points.iter().map(|p| vector::length(p.frame[0])).collect();
     sizes.sort_by(f64::total_cmp);
     let Some(radius) = sizes.get(sizes.len() / 2).copied() else {
-        return Err(Problem::malformed(
-            "points",
-            "none has a radius and a normal",
-            "give normals of non-zero length, and no radii of 0",
-        ));
+        bail!(
+            "points: none has a radius and a normal; \
+             give normals of non-zero length, and no radii of 0"
+        );
     };
     let up = orientation::up(&points);
     Ok(SurfaceScene {

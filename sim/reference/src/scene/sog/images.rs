@@ -6,6 +6,7 @@ use super::super::quaternion::smallest_three;
 use super::meta::{Coded, HarmonicsPalette, MAX_ENTRIES, Meta};
 use super::{SogSource, damaged};
 use crate::memory;
+use anyhow::{Context, ensure};
 use image_webp::WebPDecoder;
 use std::io::Cursor;
 use std::ops::RangeInclusive;
@@ -31,13 +32,11 @@ impl SogImage {
             .map_err(|error| damaged(file, &error.to_string()))?;
         let (width, height) = decoder.dimensions();
         let count = u64::from(width) * u64::from(height);
-        if !(*pixels.start() as u64..=*pixels.end() as u64).contains(&count) {
-            return Err(Problem::malformed(
-                file,
-                format!("it has {width} x {height} pixels"),
-                format!("{} are needed; export the scene again", pixels.start()),
-            ));
-        }
+        ensure!(
+            (*pixels.start() as u64..=*pixels.end() as u64).contains(&count),
+            "{file}: it has {width} x {height} pixels; {} are needed; export the scene again",
+            pixels.start()
+        );
         let channels = if decoder.has_alpha() { 4 } else { 3 };
         // The decoder keeps a picture of its own, of four bytes a pixel.
         let what = format!("{width} x {height} pixels of {file}");
@@ -93,11 +92,11 @@ impl Rest {
             let largest = MAX_ENTRIES / ENTRIES_PER_ROW * palette_width(3);
             let centroids = read(file, palette_width(1)..=largest)?;
             let bands = (1..=3).find(|bands| palette_width(*bands) == centroids.width);
-            let bands = bands.ok_or_else(|| {
-                Problem::malformed(
-                    file,
-                    format!("it is {} pixels wide", centroids.width),
-                    "192, 512 and 960 are those of 1 to 3 bands; export the scene again",
+            let bands = bands.with_context(|| {
+                format!(
+                    "{file}: it is {} pixels wide; 192, 512 and 960 are those of 1 to 3 bands; \
+                     export the scene again",
+                    centroids.width
                 )
             })?;
             let rows = centroids.rgba.len() / centroids.width;
@@ -110,13 +109,12 @@ impl Rest {
         };
         let width = palette_width(bands);
         let centroids = read(file, padded(entries.div_ceil(ENTRIES_PER_ROW) * width))?;
-        if centroids.width != width {
-            return Err(Problem::malformed(
-                file,
-                format!("it is {} pixels wide", centroids.width),
-                format!("{width} are needed for {bands} bands; export the scene again"),
-            ));
-        }
+        ensure!(
+            centroids.width == width,
+            "{file}: it is {} pixels wide; {width} are needed for {bands} bands; \
+             export the scene again",
+            centroids.width
+        );
         Ok(Rest {
             centroids,
             labels: read(labels, padded(count))?,
@@ -185,16 +183,13 @@ impl Pictures {
         };
         let [low, high, ..] = rest.labels.rgba[index];
         let label = usize::from(u16::from_le_bytes([low, high]));
-        if label >= rest.entries {
-            return Err(Problem::malformed(
-                &palette.files[1],
-                format!("Gaussian {index} has the label {label}"),
-                format!(
-                    "the palette has {} entries; export the scene again",
-                    rest.entries
-                ),
-            ));
-        }
+        ensure!(
+            label < rest.entries,
+            "{}: Gaussian {index} has the label {label}; the palette has {} entries; \
+             export the scene again",
+            &palette.files[1],
+            rest.entries
+        );
         let (row, column) = (label / ENTRIES_PER_ROW, label % ENTRIES_PER_ROW);
         let first = row * rest.centroids.width + column * harmonics.len();
         let entry = &rest.centroids.rgba[first..first + harmonics.len()];

@@ -6,6 +6,7 @@ use toml::Spanned;
 use super::super::error::Problem;
 use super::{GradientPoint, Shading, Transfer, ValuePoint};
 use crate::input::line_at;
+use anyhow::{anyhow, ensure};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -49,13 +50,10 @@ impl Transfer {
         let file: TransferFile =
             toml::from_str(text).map_err(|error| syntax_error(text, &error))?;
         let check = TransferCheck { text };
-        if file.value.is_empty() {
-            return Err(Problem::malformed(
-                "transfer, key 'value'",
-                "it is missing",
-                "add [[value]] control points",
-            ));
-        }
+        ensure!(
+            !file.value.is_empty(),
+            "transfer, key 'value': it is missing; add [[value]] control points"
+        );
         check.increasing("value.at", file.value.iter().map(|point| &point.at))?;
         check.increasing("gradient.at", file.gradient.iter().map(|point| &point.at))?;
         Ok(Transfer {
@@ -159,10 +157,9 @@ impl TransferCheck<'_> {
     }
 
     fn refuse(&self, key: &str, byte: usize, found: String, fix: &str) -> Problem {
-        Problem::malformed(
-            format!("transfer line {}, key '{key}'", line_at(self.text, byte)),
-            found,
-            fix,
+        anyhow!(
+            "transfer line {}, key '{key}': {found}; {fix}",
+            line_at(self.text, byte)
         )
     }
 }
@@ -170,9 +167,8 @@ impl TransferCheck<'_> {
 fn syntax_error(text: &str, error: &toml::de::Error) -> Problem {
     let line = line_at(text, error.span().map_or(0, |span| span.start));
     let shown = text.lines().nth(line - 1).unwrap_or_default().trim();
-    Problem::malformed(
-        format!("transfer line {line}, '{shown}'"),
-        error.message().replace('\n', " "),
-        "correct the line; docs/files.md lists the keys",
+    anyhow!(
+        "transfer line {line}, '{shown}': {}; correct the line; docs/files.md lists the keys",
+        error.message().replace('\n', " ")
     )
 }
