@@ -20,6 +20,7 @@ pub mod hybrid;
 pub mod jacobian;
 pub mod kernels;
 pub mod maps;
+pub mod plain;
 pub mod rational;
 pub mod sheets;
 pub mod single;
@@ -28,6 +29,7 @@ pub mod surface;
 pub mod texture;
 pub mod warp;
 
+use crate::camera::Camera;
 use crate::picture::Picture;
 
 /// Why a splat does not reach the picture.
@@ -121,6 +123,27 @@ pub struct PixelBox {
 }
 
 impl PixelBox {
+    /// All pixels of a camera's picture.
+    pub fn whole(camera: &Camera) -> PixelBox {
+        PixelBox {
+            x0: 0,
+            y0: 0,
+            x1: camera.width,
+            y1: camera.height,
+        }
+    }
+
+    /// The pixels whose centres lie within `half` of a place in the picture, on either side along both axes.
+    pub fn around(centre: [f64; 2], half: [f64; 2], camera: &Camera) -> PixelBox {
+        let range = |axis: usize, size: usize| {
+            let (middle, half) = (centre[axis], half[axis]);
+            pixel_range(middle - half, middle + half, middle.abs() + half, size)
+        };
+        let (x0, x1) = range(0, camera.width);
+        let (y0, y1) = range(1, camera.height);
+        PixelBox { x0, y0, x1, y1 }
+    }
+
     /// Whether there is no pixel inside.
     pub fn is_empty(&self) -> bool {
         self.x0 >= self.x1 || self.y0 >= self.y1

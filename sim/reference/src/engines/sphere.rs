@@ -7,7 +7,7 @@
 use super::compositor::{self, ScreenSplat};
 use super::float::{effective_cutoff, screen_position, visible_position};
 use super::jacobian::ScreenVariance;
-use super::{Culled, FloatDrawing, PixelBox, pixel_range};
+use super::{Culled, FloatDrawing, PixelBox};
 use crate::camera::Camera;
 use crate::rules::{Compositing, Rules};
 use crate::scene::{Scene, Splat};
@@ -166,12 +166,7 @@ fn project(
             principal: [camera.cx, camera.cy],
         },
     };
-    let range = |centre: f64, half: f64, size| {
-        pixel_range(centre - half, centre + half, centre.abs() + half, size)
-    };
-    let (x0, x1) = range(centre[0], outline.a.sqrt(), camera.width);
-    let (y0, y1) = range(centre[1], outline.c.sqrt(), camera.height);
-    let bounds = PixelBox { x0, y0, x1, y1 };
+    let bounds = PixelBox::around(centre, [outline.a.sqrt(), outline.c.sqrt()], camera);
     if bounds.is_empty() {
         return Err(Culled::OutsideViewport);
     }

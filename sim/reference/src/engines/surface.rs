@@ -5,7 +5,7 @@
 //! coverage from the weight sum (section 7). [`inverse_jacobian`] is the other way to the same ellipse, by intersecting
 //! pixel rays with the tangent plane (section 4); the tests hold both against each other.
 
-use super::{Counts, Culled, PixelBox, pixel_range};
+use super::{Counts, Culled, PixelBox};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::scene::points::{Material, SurfacePoint, SurfaceScene};
@@ -99,17 +99,8 @@ pub fn project(
     if peak <= 0.0 {
         return Err(Culled::Transparent);
     }
-    let range = |axis: usize, spread: f64, size: usize| {
-        let half = (style.cutoff * spread).sqrt();
-        pixel_range(
-            centre[axis] - half,
-            centre[axis] + half,
-            centre[axis].abs() + half,
-            size,
-        )
-    };
-    let ((x0, x1), (y0, y1)) = (range(0, xx, camera.width), range(1, yy, camera.height));
-    let bounds = PixelBox { x0, y0, x1, y1 };
+    let half = [xx, yy].map(|spread| (style.cutoff * spread).sqrt());
+    let bounds = PixelBox::around(centre, half, camera);
     if bounds.is_empty() {
         return Err(Culled::OutsideViewport);
     }
