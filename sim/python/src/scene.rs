@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use splatline_sim::plan::load::recognise;
 use splatline_sim::plan::{AnyScene, Contents, Source};
 use splatline_sim::rules::Rules;
-use splatline_sim::scene::{self, Harmonics, Skipped, SortOrder, Splat, Weight};
+use splatline_sim::scene::{self, Harmonics, Splat, Weight};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -240,9 +240,9 @@ impl Scene {
         up: [f64; 3],
         name: &str,
     ) -> PyResult<Scene> {
-        let (weight, natural_rules) = match weight {
-            "opacity" => (Weight::Opacity, Rules::GAUSSIAN_3D),
-            "mass" => (Weight::Mass, Rules::EWA),
+        let natural_rules = match weight {
+            "opacity" => Rules::GAUSSIAN_3D,
+            "mass" => Rules::EWA,
             other => {
                 return raise(Err(anyhow::anyhow!(
                     "weight = '{other}': allowed are opacity and mass"
@@ -257,14 +257,9 @@ impl Scene {
         };
         let splats = raise(arrays.splats())?;
         let scene = scene::Scene {
-            name: name.to_owned(),
-            natural_rules,
-            weight,
-            splats,
             harmonics: raise(self::harmonics(&arrays.colours, harmonics))?,
-            skipped: Skipped::default(),
             up,
-            order: SortOrder::Depth,
+            ..scene::Scene::of_splats(name, natural_rules, splats)
         };
         let source = Source::splats(PathBuf::from(name));
         Ok(Scene::of(

@@ -10,7 +10,7 @@ use splatline_engine::hybrid::{Hybrid, Points, rules_for_points, spacing};
 use splatline_engine::metrics::compare;
 use splatline_engine::picture::Picture;
 use splatline_engine::rules::{Antialias, Compositing, Kernel, Rules};
-use splatline_engine::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use splatline_engine::scene::{Scene, Splat, Weight};
 use splatline_reference::engines::sphere::{Index, Shape};
 use splatline_reference::engines::{self as reference, exact, float};
 
@@ -35,16 +35,7 @@ fn volume() -> Scene {
             colour: [hash, 1.0 - hash, 0.5],
         });
     }
-    Scene {
-        name: "cube".to_owned(),
-        natural_rules: Rules::EWA,
-        weight: Weight::Mass,
-        splats,
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
-        up: [0.0, -1.0, 0.0],
-    }
+    Scene::of_splats("cube", Rules::EWA, splats)
 }
 
 /// Seen from `distance` on a slant; k is 60.

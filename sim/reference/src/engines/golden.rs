@@ -15,7 +15,7 @@ use super::float;
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
-use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use crate::scene::{Scene, Splat};
 
 /// The category whose picture holds all splats.
 pub const ALL: &str = "all";
@@ -115,16 +115,8 @@ impl GoldenA {
 
     /// The splats of a category as a scene.
     pub fn scene(&self, category: &str) -> Scene {
-        Scene {
-            name: format!("golden_a {category}"),
-            natural_rules: self.rules,
-            weight: Weight::Opacity,
-            splats: self.members(category).map(|golden| golden.splat).collect(),
-            harmonics: None,
-            skipped: Skipped::default(),
-            order: SortOrder::Depth,
-            up: [0.0, -1.0, 0.0],
-        }
+        let splats = self.members(category).map(|golden| golden.splat).collect();
+        Scene::of_splats(format!("golden_a {category}"), self.rules, splats)
     }
 
     /// Measures engine `float` against the data set, category by category.

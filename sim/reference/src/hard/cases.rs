@@ -5,7 +5,7 @@
 use crate::camera::Camera;
 use crate::engines::golden::rotated_axes;
 use crate::rules::Rules;
-use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use crate::scene::{Scene, Splat};
 
 /// Columns and rows of the pictures.
 const SIZE: usize = 64;
@@ -326,11 +326,6 @@ fn apart(sample: u64) -> f64 {
 }
 
 fn case(name: &str, rules: Rules, splats: Vec<Splat>) -> Case {
-    let weight = if rules.normalised {
-        Weight::Mass
-    } else {
-        Weight::Opacity
-    };
     let camera = Camera {
         width: SIZE,
         height: SIZE,
@@ -344,20 +339,10 @@ fn case(name: &str, rules: Rules, splats: Vec<Splat>) -> Case {
         far: 1e10,
         orthographic: false,
     };
-    let scene = Scene {
-        name: name.to_owned(),
-        natural_rules: rules,
-        weight,
-        splats,
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
-        up: [0.0, -1.0, 0.0],
-    };
     Case {
         name: name.to_owned(),
         needle: false,
-        scene,
+        scene: Scene::of_splats(name, rules, splats),
         camera,
         rules,
     }

@@ -6,7 +6,7 @@
 //! engine can draw is counted by its reason and left out.
 
 use super::error::Problem;
-use super::{Harmonics, Scene, Skipped, SortOrder, Splat, Weight};
+use super::{Harmonics, Scene, Skipped, Splat};
 use crate::memory;
 use crate::rules::Rules;
 use crate::vector;
@@ -15,7 +15,7 @@ use anyhow::bail;
 /// The constant harmonic, 1 / (2 sqrt(pi)).
 pub const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
 
-/// Trained captures follow the photographs' cameras: y points down.
+/// Up where y points down, as in the photographs' cameras that captures follow.
 pub(super) const CAPTURE_UP: [f64; 3] = [0.0, -1.0, 0.0];
 
 /// What a file says that was trained antialiased without saying how: gsplat's low-pass filter, and opacities compensated for it.
@@ -148,20 +148,15 @@ impl GaussianScene {
                  a zero rotation); export the scene again"
             );
         }
-        let (degree, coefficients, base) = (self.degree, self.coefficients, self.bases);
+        let harmonics = Harmonics {
+            degree: self.degree,
+            coefficients: self.coefficients,
+            base: self.bases,
+        };
         Ok(Scene {
-            name: name.to_string(),
-            natural_rules: self.rules,
-            weight: Weight::Opacity,
-            splats: self.splats,
-            harmonics: (degree > 0).then_some(Harmonics {
-                degree,
-                coefficients,
-                base,
-            }),
+            harmonics: (self.degree > 0).then_some(harmonics),
             skipped: self.skipped,
-            up: CAPTURE_UP,
-            order: SortOrder::Depth,
+            ..Scene::of_splats(name, self.rules, self.splats)
         })
     }
 }

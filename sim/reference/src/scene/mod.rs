@@ -46,6 +46,7 @@ pub use view::Bounds;
 use crate::camera::Camera;
 use crate::rules::Rules;
 pub(crate) use file::read_file;
+use gaussian::CAPTURE_UP;
 pub use gaussian::{Gaussian, HARMONIC_0, rotation_matrix};
 
 /// What a splat's weight means.
@@ -112,6 +113,23 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Splats whose colours do not depend on the view, of the weight that the rules work with; y points down.
+    pub fn of_splats(name: impl Into<String>, natural_rules: Rules, splats: Vec<Splat>) -> Scene {
+        Scene {
+            name: name.into(),
+            natural_rules,
+            weight: match natural_rules.normalised {
+                true => Weight::Mass,
+                false => Weight::Opacity,
+            },
+            splats,
+            harmonics: None,
+            skipped: Skipped::default(),
+            up: CAPTURE_UP,
+            order: SortOrder::Depth,
+        }
+    }
+
     /// Colours as seen by `camera`, clamped at 0 from below.
     ///
     /// Harmonics are evaluated once per splat, for the direction from the eye to its centre, or for the direction of

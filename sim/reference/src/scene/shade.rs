@@ -9,7 +9,7 @@
 use super::error::Problem;
 use super::transfer::{Shading, Transfer};
 use super::volume::Volume;
-use super::{Scene, Skipped, SortOrder, Splat, Weight};
+use super::{Scene, Skipped, Splat};
 use crate::memory;
 use crate::rules::Rules;
 use anyhow::{Context, ensure};
@@ -28,9 +28,6 @@ pub const DEFAULT_LIGHT: [f64; 3] = [-0.45, -0.65, -0.8];
 
 /// Direction towards the viewer for whom the highlights are placed.
 const TOWARDS_VIEWER: [f64; 3] = [0.0, 0.0, -1.0];
-
-/// A volume's up direction on screen.
-const VOLUME_UP: [f64; 3] = [0.0, -1.0, 0.0];
 
 /// Mean of the clamped cosine over all directions of a hemisphere: diffuse light without a normal.
 const MEAN_COSINE: f64 = 0.5;
@@ -71,14 +68,8 @@ pub(super) fn shade(
         skipped.non_finite
     );
     Ok(Scene {
-        name: name.to_string(),
-        natural_rules: Rules::EWA,
-        weight: Weight::Mass,
-        splats,
-        harmonics: None,
         skipped,
-        up: VOLUME_UP,
-        order: SortOrder::Depth,
+        ..Scene::of_splats(name, Rules::EWA, splats)
     })
 }
 

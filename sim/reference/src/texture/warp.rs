@@ -12,7 +12,7 @@ use crate::camera::Camera;
 use crate::engines::surface::{FloatFragment, FloatSurfaceDrawing};
 use crate::hybrid::{DEVIATION_PER_SPACING, Hybrid, Points, spacing};
 use crate::rules::{Antialias, Rules};
-use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use crate::scene::{Scene, Splat};
 use crate::vector::{self, Vector};
 
 /// Peak opacity of a sample: its surface is opaque. Lower values leave the surface transparent (docs/systems.md).
@@ -132,13 +132,7 @@ fn sample(centre: Vector, spacing: f64, colour: [f64; 3]) -> Splat {
 
 fn scene(name: &str, splats: Vec<Splat>) -> Scene {
     Scene {
-        name: name.to_owned(),
-        natural_rules: OPAQUE,
-        weight: Weight::Opacity,
-        splats,
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
         up: [0.0, 0.0, 1.0],
+        ..Scene::of_splats(name, OPAQUE, splats)
     }
 }

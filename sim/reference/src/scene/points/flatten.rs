@@ -6,7 +6,7 @@
 use super::{SurfacePoint, SurfaceScene};
 use crate::camera::Camera;
 use crate::rules::Rules;
-use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use crate::scene::{Scene, Splat};
 use crate::vector;
 
 /// Where surface kernels end: SURF's 1 on r/2.
@@ -33,15 +33,10 @@ pub fn flattened(points: &SurfaceScene, camera: &Camera, factor: f64) -> Scene {
             colour: point.colour,
         }
     };
+    let splats = points.points.iter().map(splat).collect();
     Scene {
-        name: points.name.clone(),
-        natural_rules: rules(),
-        weight: Weight::Mass,
-        splats: points.points.iter().map(splat).collect(),
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
         up: points.up,
+        ..Scene::of_splats(&points.name, rules(), splats)
     }
 }
 
