@@ -9,7 +9,6 @@
 //! independent data that the reference itself is measured against.
 
 pub mod compositor;
-pub mod deep;
 pub mod exact;
 pub mod float;
 pub mod formats;
@@ -26,8 +25,6 @@ pub mod sheets;
 pub mod single;
 pub mod sphere;
 pub mod surface;
-pub mod texture;
-pub mod warp;
 
 use crate::camera::Camera;
 use crate::picture::Picture;

@@ -2,6 +2,7 @@
 
 mod camera;
 mod compositing;
+mod deep;
 mod golden;
 mod oracle;
 mod reference;
