@@ -78,6 +78,13 @@ struct Palette2 {
     files: [String; 2],
 }
 
+impl Coded {
+    fn of_ranges(mins: &[f64], maxs: &[f64], files: [String; 1]) -> Coded {
+        let books = [0, 1, 2].map(|k| steps(mins[k], maxs[k]));
+        Coded { books, files }
+    }
+}
+
 impl From<Coded2> for Coded {
     /// One codebook for all channels.
     fn from(coded: Coded2) -> Coded {
@@ -128,9 +135,8 @@ struct Meta1 {
 #[derive(Deserialize)]
 struct Means1 {
     shape: Vec<u64>,
-    mins: [f64; 3],
-    maxs: [f64; 3],
-    files: [String; 2],
+    #[serde(flatten)]
+    means: Means,
 }
 
 #[derive(Deserialize)]
@@ -156,35 +162,17 @@ fn steps(least: f64, greatest: f64) -> Vec<f64> {
 
 impl From<Meta1> for Meta {
     fn from(meta: Meta1) -> Meta {
-        let Meta1 {
-            means,
-            scales,
-            quats,
-            sh0,
-            rest,
-        } = meta;
-        let opacity = steps(sh0.mins[3], sh0.maxs[3])
-            .into_iter()
-            .map(opacity_from_logit);
+        let (scales, sh0) = (meta.scales, meta.sh0);
+        let logits = steps(sh0.mins[3], sh0.maxs[3]).into_iter();
         Meta {
-            count: means.shape.first().copied().unwrap_or(0),
+            count: meta.means.shape.first().copied().unwrap_or(0),
             antialiased: false,
-            means: Means {
-                mins: means.mins,
-                maxs: means.maxs,
-                files: means.files,
-            },
-            scales: Coded {
-                books: [0, 1, 2].map(|k| steps(scales.mins[k], scales.maxs[k])),
-                files: scales.files,
-            },
-            quats,
-            opacity: opacity.collect(),
-            sh0: Coded {
-                books: [0, 1, 2].map(|k| steps(sh0.mins[k], sh0.maxs[k])),
-                files: sh0.files,
-            },
-            rest: rest.map(|rest| HarmonicsPalette {
+            means: meta.means.means,
+            scales: Coded::of_ranges(&scales.mins, &scales.maxs, scales.files),
+            quats: meta.quats,
+            opacity: logits.map(opacity_from_logit).collect(),
+            sh0: Coded::of_ranges(&sh0.mins, &sh0.maxs, sh0.files),
+            rest: meta.rest.map(|rest| HarmonicsPalette {
                 size: None,
                 codebook: steps(rest.mins, rest.maxs),
                 files: rest.files,
