@@ -49,11 +49,7 @@ const LISTED: usize = 5;
 
 /// All cameras of a file or folder. `size` is used where a file has none.
 pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<CameraPose>, CameraError> {
-    let wrong = |problem: String| CameraError {
-        file: Some(path.display().to_string()),
-        field: None,
-        problem,
-    };
+    let wrong = |problem: String| CameraError::whole(problem).in_file(path);
     if let Some(folder) = colmap::folder(path) {
         return colmap::load(&folder).map_err(wrong);
     }

@@ -42,9 +42,11 @@ pub use load::{LoadOptions, Loaded, demo, load, load_with_notes};
 pub use order::SortOrder;
 pub use transfer::Transfer;
 pub use view::Bounds;
+pub(crate) use view::across;
 
 use crate::camera::Camera;
 use crate::rules::Rules;
+use crate::vector;
 pub(crate) use file::read_file;
 use gaussian::CAPTURE_UP;
 pub use gaussian::{Gaussian, HARMONIC_0, rotation_matrix};
@@ -187,10 +189,5 @@ fn direction_of_view(camera: &Camera, place: [f64; 3]) -> [f64; 3] {
                 .map(|row| rotation[row][axis] * translation[row])
                 .sum::<f64>()
     });
-    let length = from_eye.iter().map(|part| part * part).sum::<f64>().sqrt();
-    if length > 0.0 {
-        from_eye.map(|part| part / length)
-    } else {
-        [0.0; 3]
-    }
+    vector::unit(from_eye).unwrap_or([0.0; 3])
 }

@@ -12,6 +12,7 @@ use super::volume::Volume;
 use super::{Scene, Skipped, Splat};
 use crate::memory;
 use crate::rules::Rules;
+use crate::vector::{dot, length, unit};
 use anyhow::{Context, ensure};
 
 /// Standard deviation of a voxel's kernel, in voxels.
@@ -172,19 +173,6 @@ impl Lamp {
             (channel * (shading.ambient + shading.diffuse * cosine) + highlight).min(1.0)
         })
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn length(vector: [f64; 3]) -> f64 {
-    dot(vector, vector).sqrt()
-}
-
-fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
-    let length = length(vector);
-    (length.is_finite() && length > 0.0).then(|| vector.map(|part| part / length))
 }
 
 #[cfg(test)]

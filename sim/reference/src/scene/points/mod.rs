@@ -24,6 +24,7 @@ mod xyz;
 
 use super::error::{LoadError, Problem};
 use super::file::read_file;
+use super::view::across;
 use super::{Bounds, ply};
 use crate::camera::Camera;
 use crate::memory;
@@ -322,31 +323,20 @@ pub fn tangents(normal: Vector) -> [Vector; 2] {
 impl SurfaceScene {
     /// The box of all places.
     pub fn bounds(&self) -> Bounds {
-        let mut bounds = Bounds {
-            least: [f64::INFINITY; 3],
-            greatest: [f64::NEG_INFINITY; 3],
-        };
-        for point in &self.points {
-            for axis in 0..3 {
-                bounds.least[axis] = bounds.least[axis].min(point.centre[axis]);
-                bounds.greatest[axis] = bounds.greatest[axis].max(point.centre[axis]);
-            }
+        let along = |axis: usize| self.points.iter().map(move |point| point.centre[axis]);
+        Bounds {
+            least: [0, 1, 2].map(|axis| along(axis).fold(f64::INFINITY, f64::min)),
+            greatest: [0, 1, 2].map(|axis| along(axis).fold(f64::NEG_INFINITY, f64::max)),
         }
-        bounds
     }
 
     /// A camera that shows the whole cloud across its thinner horizontal side.
     pub fn default_camera(&self, width: usize, height: usize) -> Camera {
         let bounds = self.bounds();
         let (centre, extents) = (bounds.centre(), bounds.extents());
-        let up = (0..3).max_by(|&a, &b| self.up[a].abs().total_cmp(&self.up[b].abs()));
-        let across = (0..3)
-            .filter(|&axis| Some(axis) != up)
-            .min_by(|&a, &b| extents[a].total_cmp(&extents[b]))
-            .unwrap_or(0);
         let largest = extents.into_iter().fold(1e-9, f64::max);
         let mut eye = centre;
-        eye[across] += 1.5 * largest;
+        eye[across(self.up, |axis| extents[axis])] += 1.5 * largest;
         super::look::look_at(eye, centre, self.up, 45.0, width, height)
     }
 
