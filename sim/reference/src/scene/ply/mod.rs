@@ -104,26 +104,13 @@ impl GaussianColumns {
     fn find(vertex: &Element) -> Result<GaussianColumns, Problem> {
         refuse_other_kinds(vertex)?;
         Ok(GaussianColumns {
-            centre: [
-                required(vertex, "x")?,
-                required(vertex, "y")?,
-                required(vertex, "z")?,
-            ],
-            scales: [required(vertex, "scale_0")?, required(vertex, "scale_1")?],
+            centre: all(vertex, ["x", "y", "z"])?,
+            scales: all(vertex, ["scale_0", "scale_1"])?,
             third_scale: vertex.column("scale_2"),
             filter: vertex.column("filter_3D"),
-            rotation: [
-                required(vertex, "rot_0")?,
-                required(vertex, "rot_1")?,
-                required(vertex, "rot_2")?,
-                required(vertex, "rot_3")?,
-            ],
+            rotation: all(vertex, ["rot_0", "rot_1", "rot_2", "rot_3"])?,
             opacity: required(vertex, "opacity")?,
-            constant: [
-                required(vertex, "f_dc_0")?,
-                required(vertex, "f_dc_1")?,
-                required(vertex, "f_dc_2")?,
-            ],
+            constant: all(vertex, ["f_dc_0", "f_dc_1", "f_dc_2"])?,
             rest: find_rest(vertex)?,
         })
     }
@@ -177,16 +164,22 @@ fn number(record: &[f64], column: usize) -> f64 {
 /// Files that are sound but hold something other than trained Gaussians.
 fn refuse_other_kinds(vertex: &Element) -> Result<(), Problem> {
     let gaussian_fields = ["scale_0", "rot_0", "opacity", "f_dc_0"];
-    if gaussian_fields
-        .iter()
-        .all(|name| vertex.column(name).is_none())
-    {
-        bail!(
-            "element vertex: it has none of scale_0, rot_0, opacity and f_dc_0, so this is a \
-             point cloud; give --as surface to draw its points, or a 3D Gaussian PLY"
-        );
-    }
+    ensure!(
+        gaussian_fields
+            .iter()
+            .any(|name| vertex.column(name).is_some()),
+        "element vertex: it has none of scale_0, rot_0, opacity and f_dc_0, so this is a point cloud; \
+         give --as surface to draw its points, or a 3D Gaussian PLY"
+    );
     Ok(())
+}
+
+fn all<const N: usize>(vertex: &Element, names: [&str; N]) -> Result<[usize; N], Problem> {
+    let mut columns = [0; N];
+    for (column, name) in columns.iter_mut().zip(names) {
+        *column = required(vertex, name)?;
+    }
+    Ok(columns)
 }
 
 fn required(vertex: &Element, name: &str) -> Result<usize, Problem> {
