@@ -21,6 +21,7 @@ mod tests;
 use crate::camera::{Camera, CameraError, DEFAULT_FAR, DEFAULT_NEAR};
 use crate::input;
 use crate::vector::{self, Vector};
+use anyhow::anyhow;
 use lens::Lens;
 use std::path::Path;
 
@@ -42,14 +43,14 @@ pub struct CameraPose {
 }
 
 /// What a reader gives: problems are plain sentences, [`load`] puts the file before them.
-type Read = Result<Vec<CameraPose>, String>;
+type Read = anyhow::Result<Vec<CameraPose>>;
 
 /// Names listed where one has to be chosen.
 const LISTED: usize = 5;
 
 /// All cameras of a file or folder. `size` is used where a file has none.
 pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<CameraPose>, CameraError> {
-    let wrong = |problem: String| CameraError::whole(problem).in_file(path);
+    let wrong = |problem: anyhow::Error| CameraError::whole(problem.to_string()).in_file(path);
     if let Some(folder) = colmap::folder(path) {
         return colmap::load(&folder).map_err(wrong);
     }
@@ -59,7 +60,7 @@ pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<CameraPose>, Ca
     }
     if path.is_dir() {
         let problem = "is a folder and not a regular file, and holds no cameras and images (.txt or .bin) of COLMAP, also in sparse/0: name a file";
-        return Err(wrong(problem.to_string()));
+        return Err(CameraError::whole(problem.to_owned()).in_file(path));
     }
     match kind(path) {
         CameraFormat::Frames(text) => transforms::parse(&text, size).map_err(wrong),
@@ -165,7 +166,7 @@ fn photograph(
     lens: Lens,
     (rotation_field, rotation): (&'static str, [Vector; 3]),
     translation: Vector,
-) -> Result<CameraPose, String> {
+) -> anyhow::Result<CameraPose> {
     let [width, height] = lens
         .size
         .map(|side| usize::try_from(side).unwrap_or(usize::MAX));
@@ -183,8 +184,8 @@ fn photograph(
         orthographic: false,
     };
     let sound = camera.sound().map_err(|error| match error.field {
-        Some(field) => format!("{field} {}", error.problem),
-        None => error.problem,
+        Some(field) => anyhow!("{field} {}", error.problem),
+        None => anyhow!(error.problem),
     });
     let (camera, correction) = sound?;
     Ok(CameraPose {

@@ -19,22 +19,22 @@ use anyhow::{Context, anyhow, bail, ensure};
 const MAX_DEFLATE_RATIO: u64 = 1040;
 
 /// A cursor over a file's bytes.
-pub(super) struct Reader<'a> {
+pub(crate) struct Reader<'a> {
     rest: &'a [u8],
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
         Reader { rest: bytes }
     }
 
     /// Bytes not yet taken.
-    pub(super) fn remaining(&self) -> usize {
+    pub(crate) fn remaining(&self) -> usize {
         self.rest.len()
     }
 
     /// The next `count` bytes; `field` names them in the error.
-    pub(super) fn take(&mut self, count: usize, field: &str) -> Result<&'a [u8], Problem> {
+    pub(crate) fn take(&mut self, count: usize, field: &str) -> Result<&'a [u8], Problem> {
         let (taken, rest) = self
             .rest
             .split_at_checked(count)
@@ -44,7 +44,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The next `N` bytes as an array.
-    pub(super) fn array<const N: usize>(&mut self, field: &str) -> Result<[u8; N], Problem> {
+    pub(crate) fn array<const N: usize>(&mut self, field: &str) -> Result<[u8; N], Problem> {
         let (taken, rest) = self
             .rest
             .split_first_chunk::<N>()
@@ -53,8 +53,16 @@ impl<'a> Reader<'a> {
         Ok(*taken)
     }
 
+    /// The bytes before the next zero byte, which is taken as well.
+    pub(crate) fn up_to_zero(&mut self, field: &str) -> Result<&'a [u8], Problem> {
+        let mut parts = self.rest.splitn(2, |byte| *byte == 0);
+        let (text, rest) = (parts.next().unwrap_or_default(), parts.next());
+        self.rest = rest.ok_or_else(|| truncated(field, text.len() as u64 + 1, text.len()))?;
+        Ok(text)
+    }
+
     /// `count` records of `record_bytes` each, refused at once if they are not all there.
-    pub(super) fn records(
+    pub(crate) fn records(
         &mut self,
         count: u64,
         record_bytes: usize,
@@ -205,7 +213,7 @@ pub(super) fn number(word: &str, place: impl FnOnce() -> String) -> Result<f64, 
 }
 
 /// Bytes behind what a header counts mean that it counts wrongly.
-pub(super) fn nothing_left(left: usize, field: &str, last: &str, fix: &str) -> Result<(), Problem> {
+pub(crate) fn nothing_left(left: usize, field: &str, last: &str, fix: &str) -> Result<(), Problem> {
     ensure!(
         left == 0,
         "{field}: {left} bytes are left over after the last {last}; {fix}"

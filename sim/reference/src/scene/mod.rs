@@ -7,7 +7,7 @@
 //! | `demo`, `random:COUNT[:SEED]`, `deep-stack` | no file: the embedded volume and [`synthetic`] scenes |
 
 mod archive;
-mod bytes;
+pub(crate) mod bytes;
 mod error;
 mod file;
 mod gaussian;
