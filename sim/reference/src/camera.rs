@@ -350,6 +350,14 @@ impl Camera {
         vector::transform(&self.rotation, vector::subtract(point, self.eye()))
     }
 
+    /// The direction, of any length, in which a place in camera space is seen.
+    pub fn ray(&self, position: Vector) -> Vector {
+        match self.orthographic {
+            true => [0.0, 0.0, 1.0],
+            false => position,
+        }
+    }
+
     /// The same view with another number of pixels: the intrinsics are scaled with the picture.
     pub fn resized(&self, width: usize, height: usize) -> Result<Camera, CameraError> {
         check_size("width", self.width)?;

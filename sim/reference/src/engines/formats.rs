@@ -15,16 +15,15 @@
 //! in the format of setup, ties by index.
 
 use super::plain::{self, Number, PlainFootprint};
-use super::{Counts, FloatDrawing, PixelBox, compositor};
+use super::{BAND, Counts, FloatDrawing, PixelBox, compositor, in_bands};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::Rules;
 use crate::scene::{Scene, SortOrder};
-use rayon::prelude::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Columns and rows of a tile.
-const TILE: usize = 16;
+/// Columns of a tile, which has as many rows as a band.
+const TILE: usize = BAND;
 
 /// A binary floating-point format with gradual underflow, infinities, and rounding to nearest, ties to even.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -263,16 +262,14 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStage
         .filter(|(_, bounds)| !bounds.is_empty())
         .collect();
     let mut picture = Picture::new(camera.width, camera.height);
-    let bands = picture.pixels.par_chunks_mut((camera.width * TILE).max(1));
-    let covered = bands.enumerate().map(|(band, pixels)| {
-        let mut tiles = RowBand::new(band * TILE, camera.width, pixels.len(), rules, stages);
+    counts.covered_pixels = in_bands(&mut picture.pixels, camera.width, |rows, pixels| {
+        let mut tiles = RowBand::new(rows, pixels.len(), rules, stages);
         boxed
             .iter()
             .for_each(|(footprint, bounds)| tiles.splat(footprint, bounds));
         tiles.store(pixels);
         tiles.covered
     });
-    counts.covered_pixels = covered.sum();
     FloatDrawing { picture, counts }
 }
 
@@ -288,21 +285,10 @@ struct RowBand<'a> {
 }
 
 impl<'a> RowBand<'a> {
-    fn new(
-        first: usize,
-        width: usize,
-        pixels: usize,
-        rules: &'a Rules,
-        stages: &'a RoundedStages,
-    ) -> Self {
+    fn new(rows: PixelBox, pixels: usize, rules: &'a Rules, stages: &'a RoundedStages) -> Self {
         let [nothing, all] = [0.0, 1.0].map(|value| stages.blend.number(value));
         RowBand {
-            rows: PixelBox {
-                x0: 0,
-                y0: first,
-                x1: width,
-                y1: first + pixels / width.max(1),
-            },
+            rows,
             rules,
             stages,
             gathered: vec![[nothing, nothing, nothing, all]; pixels],

@@ -28,6 +28,7 @@ pub mod surface;
 
 use crate::camera::Camera;
 use crate::picture::Picture;
+use rayon::prelude::*;
 
 /// Why a splat does not reach the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -155,6 +156,29 @@ impl PixelBox {
             y1: self.y1.min(other.y1),
         }
     }
+}
+
+/// Rows that one task draws.
+const BAND: usize = 16;
+
+/// Draws a picture's pixels in bands of rows, which are shared among threads, and sums up what `draw` counts of each.
+fn in_bands<Pixel: Send>(
+    pixels: &mut [Pixel],
+    width: usize,
+    draw: impl Fn(PixelBox, &mut [Pixel]) -> u64 + Sync,
+) -> u64 {
+    let bands = pixels.par_chunks_mut((width * BAND).max(1)).enumerate();
+    let drawn = bands.map(|(band, pixels)| {
+        let y0 = band * BAND;
+        let rows = PixelBox {
+            x0: 0,
+            y0,
+            x1: width,
+            y1: y0 + pixels.len() / width,
+        };
+        draw(rows, pixels)
+    });
+    drawn.sum()
 }
 
 /// The pixels `0..size` whose centres (i + 0.5) lie between `low` and `high`, as a half-open range.

@@ -3,15 +3,11 @@
 //! [`plain`] with r from the conic per pixel and exp of the mathematical library: the yardstick of the stability tables.
 
 use super::plain::{self, PlainFootprint};
+use super::{PixelBox, in_bands};
 use crate::camera::Camera;
-use crate::engines::PixelBox;
 use crate::picture::Picture;
 use crate::rules::Rules;
 use crate::scene::Splat;
-use rayon::prelude::*;
-
-/// Rows that one task draws.
-const BAND: usize = 16;
 
 /// A footprint in single precision.
 pub type SingleFootprint = PlainFootprint<f32>;
@@ -65,14 +61,7 @@ pub fn picture(
         })
         .collect();
     let mut picture = Picture::new(camera.width, camera.height);
-    let bands = picture.pixels.par_chunks_mut(camera.width * BAND);
-    bands.enumerate().for_each(|(band, pixels)| {
-        let rows = PixelBox {
-            x0: 0,
-            y0: band * BAND,
-            x1: camera.width,
-            y1: band * BAND + pixels.len() / camera.width,
-        };
+    in_bands(&mut picture.pixels, camera.width, |rows, pixels| {
         // Premultiplied colour and the light that is left; negative once the pixel is finished.
         let mut gathered = vec![[0.0f32, 0.0, 0.0, 1.0]; pixels.len()];
         for (footprint, bounds, colour) in &splats {
@@ -89,6 +78,7 @@ pub fn picture(
         for (pixel, [r, g, b, clear]) in pixels.iter_mut().zip(gathered) {
             *pixel = [r, g, b, 1.0 - clear.abs()].map(f64::from);
         }
+        0
     });
     picture
 }

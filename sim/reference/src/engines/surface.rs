@@ -5,16 +5,13 @@
 //! coverage from the weight sum (section 7). The other way to the same ellipse, by intersecting pixel rays with the tangent
 //! plane (section 4), is in the engine's tests, which hold both against each other.
 
-use super::{Counts, Culled, PixelBox};
+use super::{Counts, Culled, PixelBox, in_bands};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::scene::points::{Material, SurfacePoint, SurfaceScene};
 use crate::surface::{Buffer, Style};
 use crate::vector::{self, Vector};
 use rayon::prelude::*;
-
-/// Rows of a band that one thread draws.
-const BAND: usize = 16;
 
 /// A surface splat on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,12 +123,7 @@ pub fn project(
 /// The normal in camera space, turned towards the eye, and whether it had pointed away.
 fn facing_normal(point: &SurfacePoint, position: Vector, camera: &Camera) -> (Vector, bool) {
     let normal = vector::transform(&camera.rotation, point.normal);
-    let ray = if camera.orthographic {
-        [0.0, 0.0, 1.0]
-    } else {
-        position
-    };
-    let away = vector::dot(normal, ray) > 0.0;
+    let away = vector::dot(normal, camera.ray(position)) > 0.0;
     (vector::scale(if away { -1.0 } else { 1.0 }, normal), away)
 }
 
@@ -269,19 +261,11 @@ pub fn draw(scene: &SurfaceScene, camera: &Camera, style: &Style) -> FloatSurfac
     let mut counts = Counts::of_projected(&projected);
     let footprints: Vec<&SurfaceFootprint> = projected.iter().flatten().collect();
     let mut fragments = vec![FragmentList::new(); camera.width * camera.height];
-    let bands = fragments
-        .par_chunks_mut((camera.width * BAND).max(1))
-        .enumerate();
-    let covered = bands.map(|(band, pixels)| {
-        let y0 = band * BAND;
-        let rows = y0..y0 + pixels.len() / camera.width;
-        let touches = |f: &&&SurfaceFootprint| f.bounds.y0 < rows.end && f.bounds.y1 > rows.start;
+    counts.covered_pixels = in_bands(&mut fragments, camera.width, |rows, pixels| {
+        let touches = |f: &&&SurfaceFootprint| !f.bounds.intersection(&rows).is_empty();
         let visible = footprints.iter().filter(touches);
-        visible
-            .map(|footprint| gather(footprint, pixels, camera.width, rows.clone(), style))
-            .sum::<u64>()
+        visible.map(|f| gather(f, pixels, rows, style)).sum()
     });
-    counts.covered_pixels = covered.sum();
     let mut picture = Picture::new(camera.width, camera.height);
     let outputs = picture.pixels.par_iter_mut().zip(&fragments).enumerate();
     outputs.for_each(|(index, (out, pixel))| {
@@ -302,15 +286,14 @@ pub fn draw(scene: &SurfaceScene, camera: &Camera, style: &Style) -> FloatSurfac
 fn gather(
     splat: &SurfaceFootprint,
     pixels: &mut [FragmentList],
-    width: usize,
-    rows: std::ops::Range<usize>,
+    rows: PixelBox,
     style: &Style,
 ) -> u64 {
     let mut covered = 0;
     let [a, b, c] = splat.conic;
-    let first = rows.start;
-    for y in first.max(splat.bounds.y0)..rows.end.min(splat.bounds.y1) {
-        for x in splat.bounds.x0..splat.bounds.x1 {
+    let inside = splat.bounds.intersection(&rows);
+    for y in inside.y0..inside.y1 {
+        for x in inside.x0..inside.x1 {
             let dx = x as f64 + 0.5 - splat.centre[0];
             let dy = y as f64 + 0.5 - splat.centre[1];
             let r = a * dx * dx + 2.0 * b * dx * dy + c * dy * dy;
@@ -320,7 +303,7 @@ fn gather(
             covered += 1;
             let depth = splat.depth + splat.gradient[0] * dx + splat.gradient[1] * dy;
             let sample = FloatFragment::of(splat.peak * (-0.5 * r).exp(), depth, splat);
-            let pixel = &mut pixels[(y - first) * width + x];
+            let pixel = &mut pixels[(y - rows.y0) * rows.x1 + x];
             match style.buffer {
                 Buffer::Accumulation => accumulate(pixel, sample, style.threshold),
                 Buffer::Layers(count) => layer(pixel, sample, style.threshold, count),

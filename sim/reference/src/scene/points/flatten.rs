@@ -16,12 +16,9 @@ const CUTOFF: f64 = 2.0;
 pub fn flattened(points: &SurfaceScene, camera: &Camera, factor: f64) -> Scene {
     let splat = |point: &SurfacePoint| {
         let radius = vector::length(point.frame[0]);
-        let position = camera.to_camera(point.centre);
+        let ray = camera.ray(camera.to_camera(point.centre));
         let normal = vector::transform(&camera.rotation, point.normal);
-        let cosine = match camera.orthographic {
-            true => normal[2].abs(),
-            false => vector::dot(normal, position).abs() / vector::length(position),
-        };
+        let cosine = vector::dot(normal, ray).abs() / vector::length(ray);
         Splat {
             centre: point.centre,
             axes: [
