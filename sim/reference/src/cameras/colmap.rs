@@ -92,7 +92,7 @@ fn text_cameras(text: &str) -> Result<Lenses> {
     said.map(named).collect()
 }
 
-fn text_camera(line: &str) -> Result<(i64, Lens)> {
+pub(super) fn text_camera(line: &str) -> Result<(i64, Lens)> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [id, model, width, height, parameters @ ..] = &words[..] else {
         bail!("expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS");
@@ -258,13 +258,6 @@ fn lens(
         principal: [p[*focals], p[focals + 1]],
         distortion,
     })
-}
-
-/// The lens of a model's name.
-#[cfg(test)]
-pub(super) fn lens_of(model: &str, size: [u64; 2], parameters: &[f64]) -> Result<Lens> {
-    let known = MODELS.iter().find(|(name, ..)| *name == model);
-    lens(known.context("unknown")?, size, parameters)
 }
 
 fn posed(

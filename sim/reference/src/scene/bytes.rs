@@ -282,7 +282,7 @@ impl Scalar {
 
 #[cfg(test)]
 mod tests {
-    use super::super::damage::gzip;
+    use super::super::damage_tests::gzip;
     use super::*;
 
     #[test]

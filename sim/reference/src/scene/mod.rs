@@ -31,7 +31,7 @@ mod volume;
 mod weights;
 
 #[cfg(test)]
-mod damage;
+mod damage_tests;
 #[cfg(test)]
 mod format_tests;
 #[cfg(test)]

@@ -32,23 +32,16 @@ const MAX_VISITS: usize = 1 << 16;
 /// What a file says that is drawn otherwise here.
 pub(super) type Notes = Vec<String>;
 
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
 struct Document {
     scene: Option<usize>,
-    #[serde(default)]
     scenes: Vec<Root>,
-    #[serde(default)]
     nodes: Vec<Node>,
-    #[serde(default)]
     meshes: Vec<Mesh>,
-    #[serde(default)]
     accessors: Vec<buffers::Accessor>,
-    #[serde(default)]
     buffer_views: Vec<buffers::GltfView>,
-    #[serde(default)]
     buffers: Vec<buffers::GltfBuffer>,
-    #[serde(default)]
     extensions_required: Vec<String>,
 }
 
@@ -72,11 +65,10 @@ struct Mesh {
     primitives: Vec<GltfPrimitive>,
 }
 
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
+#[serde(default)]
 struct GltfPrimitive {
-    #[serde(default)]
     attributes: BTreeMap<String, usize>,
-    #[serde(default)]
     extensions: BTreeMap<String, serde_json::Value>,
 }
 
@@ -84,13 +76,9 @@ struct GltfPrimitive {
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Splatting {
-    #[serde(default)]
     kernel: Option<String>,
-    #[serde(default)]
     color_space: Option<String>,
-    #[serde(default)]
     sorting_method: Option<String>,
-    #[serde(default)]
     projection: Option<String>,
     #[serde(default)]
     extensions: BTreeMap<String, serde_json::Value>,
