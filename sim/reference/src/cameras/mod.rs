@@ -128,22 +128,13 @@ pub fn choose(poses: Vec<CameraPose>, name: Option<&str>) -> Result<CameraPose, 
             )),
         };
     };
-    let tail = |pose: &CameraPose| -> [String; 3] {
-        let path = Path::new(&pose.name);
-        let part = |part: Option<&std::ffi::OsStr>| {
-            part.unwrap_or_default().to_string_lossy().into_owned()
-        };
-        [
-            pose.name.clone(),
-            part(path.file_name()),
-            part(path.file_stem()),
-        ]
-    };
     for level in 0..3 {
-        let matching: Vec<&CameraPose> = poses
-            .iter()
-            .filter(|pose| tail(pose)[level] == wanted)
-            .collect();
+        let is_wanted = |pose: &&CameraPose| {
+            let path = Path::new(&pose.name);
+            let tails = [Some(path.as_os_str()), path.file_name(), path.file_stem()];
+            tails[level].is_some_and(|tail| tail == wanted)
+        };
+        let matching: Vec<&CameraPose> = poses.iter().filter(is_wanted).collect();
         match matching[..] {
             [one] => return Ok(one.clone()),
             [] => {}

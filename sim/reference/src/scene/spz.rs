@@ -160,7 +160,24 @@ impl SpzHeader {
         }
         let count = u32::from_le_bytes(reader.array("spz count")?);
         let [degree, fraction_bits, flags, reserved] = reader.array("spz header")?;
-        check_header(count, degree, fraction_bits, flags)?;
+        ensure!(
+            count != 0,
+            "spz count: it is 0; export a scene with splats in it"
+        );
+        ensure!(
+            degree <= MAX_DEGREE,
+            "spz harmonics degree: it is {degree}; degrees 0 to 4 are read; export with one of these"
+        );
+        ensure!(
+            fraction_bits <= 23,
+            "spz fractional bits: there are {fraction_bits} in a 24-bit position; \
+         at most 23 make sense; export again"
+        );
+        ensure!(
+            flags & FLAG_EXTENSIONS == 0,
+            "spz flags: the file carries extensions, which may change the meaning of its harmonics; \
+         export it without extensions"
+        );
         Ok(SpzHeader {
             version,
             count,
@@ -184,28 +201,6 @@ impl SpzHeader {
         let record: usize = self.record_bytes().iter().sum();
         HEADER_BYTES as u64 + u64::from(self.count) * record as u64
     }
-}
-
-fn check_header(count: u32, degree: u8, fraction_bits: u8, flags: u8) -> Result<(), Problem> {
-    ensure!(
-        count != 0,
-        "spz count: it is 0; export a scene with splats in it"
-    );
-    ensure!(
-        degree <= MAX_DEGREE,
-        "spz harmonics degree: it is {degree}; degrees 0 to 4 are read; export with one of these"
-    );
-    ensure!(
-        fraction_bits <= 23,
-        "spz fractional bits: there are {fraction_bits} in a 24-bit position; \
-         at most 23 make sense; export again"
-    );
-    ensure!(
-        flags & FLAG_EXTENSIONS == 0,
-        "spz flags: the file carries extensions, which may change the meaning of its harmonics; \
-         export it without extensions"
-    );
-    Ok(())
 }
 
 fn unsupported_version(version: &str) -> Problem {

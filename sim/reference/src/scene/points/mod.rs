@@ -28,6 +28,7 @@ use super::view::across;
 use super::{Bounds, ply};
 use crate::camera::Camera;
 use crate::memory;
+use crate::metrics::median;
 use crate::vector::{self, Vector};
 use anyhow::{bail, ensure};
 use std::path::Path;
@@ -238,8 +239,7 @@ fn surface(name: &str, cloud: Cloud) -> Result<SurfaceScene, Problem> {
     let points: Vec<SurfacePoint> = sound.iter().enumerate().filter_map(complete).collect();
     let skipped = records.len() - points.len();
     let mut sizes: Vec<f64> = points.iter().map(|p| vector::length(p.frame[0])).collect();
-    sizes.sort_by(f64::total_cmp);
-    let Some(radius) = sizes.get(sizes.len() / 2).copied() else {
+    let Some(radius) = median(&mut sizes) else {
         bail!(
             "points: none has a radius and a normal; \
              give normals of non-zero length, and no radii of 0"
@@ -260,9 +260,7 @@ fn surface(name: &str, cloud: Cloud) -> Result<SurfaceScene, Problem> {
 
 /// Radii cut to [`LARGEST_RADIUS`] medians: a stray point far from all others would become a disc as large as its distance.
 fn limited(radii: Vec<f64>, notes: &mut Vec<String>) -> Vec<f64> {
-    let mut sorted = radii.clone();
-    sorted.sort_by(f64::total_cmp);
-    let largest = LARGEST_RADIUS * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let largest = LARGEST_RADIUS * median(&mut radii.clone()).unwrap_or(0.0);
     let stray = radii.iter().filter(|radius| **radius > largest).count();
     if stray > 0 && largest > 0.0 {
         notes.push(format!(

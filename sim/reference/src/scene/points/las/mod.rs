@@ -53,7 +53,11 @@ struct LasHeader {
 /// Every point that is not withheld as a record.
 pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
     let header = LasHeader::read(bytes)?;
-    let mut points = LasPoints::new(&header);
+    let mut points = LasPoints {
+        header: &header,
+        records: Vec::new(),
+        withheld: 0,
+    };
     match header.packed {
         false => {
             let mut reader = Reader::new(bytes);
@@ -145,15 +149,7 @@ struct LasPoints<'a> {
     withheld: usize,
 }
 
-impl<'a> LasPoints<'a> {
-    fn new(header: &'a LasHeader) -> LasPoints<'a> {
-        LasPoints {
-            header,
-            records: Vec::new(),
-            withheld: 0,
-        }
-    }
-
+impl LasPoints<'_> {
     fn push(&mut self, record: &[u8]) {
         let flags = match self.header.format {
             ..FIRST_LONG => record.get(15).copied().unwrap_or_default() >> 7,
