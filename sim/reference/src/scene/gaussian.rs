@@ -26,7 +26,7 @@ pub(super) const TRAINED_ANTIALIASED: Rules = Rules {
 
 /// One Gaussian in a trainer's terms, its fields decoded but not yet checked.
 #[derive(Clone, Copy, Debug)]
-pub struct Gaussian<'a> {
+pub struct Gaussian {
     /// Centre, scene units.
     pub centre: [f64; 3],
     /// Standard deviations, scene units.
@@ -37,8 +37,6 @@ pub struct Gaussian<'a> {
     pub opacity: f64,
     /// Colour of degree 0 before clamping.
     pub base: [f64; 3],
-    /// Coefficients of degree 1 and up.
-    pub harmonics: &'a [[f32; 3]],
 }
 
 /// Peak opacity from a trained logit; +inf is 1 and -inf is 0 exactly.
@@ -74,6 +72,8 @@ pub(super) fn room_for(degree: u8, count: u64, unpacked: u64) -> Result<(), Prob
 pub(super) struct GaussianScene {
     /// The rules that they were trained with; `3dgs` unless the file says otherwise.
     pub(super) rules: Rules,
+    /// Coefficients of degree 1 and up of the next Gaussian.
+    pub(super) harmonics: Vec<[f32; 3]>,
     degree: u8,
     splats: Vec<Splat>,
     coefficients: Vec<[f32; 3]>,
@@ -87,9 +87,11 @@ impl GaussianScene {
         room_for(degree, count, 0)?;
         let what = "the splats";
         let coloured = if degree > 0 { count } else { 0 };
-        let coefficients = count.saturating_mul(coefficient_count(degree) as u64);
+        let each = coefficient_count(degree);
+        let coefficients = count.saturating_mul(each as u64);
         Ok(GaussianScene {
             rules: Rules::GAUSSIAN_3D,
+            harmonics: vec![[0.0; 3]; each],
             degree,
             splats: memory::list(count, what)?,
             coefficients: memory::list(coefficients, what)?,
@@ -115,7 +117,8 @@ impl GaussianScene {
 
     /// Adds one Gaussian, or counts why not.
     pub(super) fn push(&mut self, gaussian: &Gaussian) {
-        if !is_finite(gaussian) {
+        let harmonics = self.harmonics.as_flattened();
+        if !(is_finite(gaussian) && harmonics.iter().all(|value| value.is_finite())) {
             self.skipped.non_finite += 1;
             return;
         }
@@ -131,7 +134,7 @@ impl GaussianScene {
             colour: gaussian.base.map(|channel| channel.max(0.0)),
         });
         if self.degree > 0 {
-            self.coefficients.extend_from_slice(gaussian.harmonics);
+            self.coefficients.extend_from_slice(&self.harmonics);
             self.bases.push(gaussian.base.map(|channel| channel as f32));
         }
     }
@@ -169,11 +172,6 @@ fn is_finite(gaussian: &Gaussian) -> bool {
         && gaussian.rotation.iter().all(small)
         && gaussian.opacity.is_finite()
         && gaussian.base.iter().all(small)
-        && gaussian
-            .harmonics
-            .iter()
-            .flatten()
-            .all(|value| value.is_finite())
 }
 
 /// Rotation matrix of a quaternion of any length, none if the length is zero.

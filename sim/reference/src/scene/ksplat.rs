@@ -41,16 +41,8 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     let used = sections.iter().filter(|section| section.count > 0);
     let degree = used.map(|section| section.degree).max().unwrap_or(0);
     let mut scene = GaussianScene::new(degree, total)?;
-    let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
     for section in &sections {
-        section.read(&mut reader, &header, &mut |gaussian: &Gaussian, rest| {
-            harmonics.fill([0.0; 3]);
-            harmonics[..rest.len()].copy_from_slice(rest);
-            scene.push(&Gaussian {
-                harmonics: &harmonics,
-                ..*gaussian
-            });
-        })?;
+        section.read(&mut reader, &header, &mut scene)?;
     }
     let fix = "correct the counts in the headers or export the scene again";
     nothing_left(reader.remaining(), "ksplat data", "section", fix)?;
@@ -156,12 +148,12 @@ impl Section {
         Ok(section)
     }
 
-    /// Hands every Gaussian of the section and its coefficients to `visit`.
+    /// Adds every Gaussian of the section to the scene.
     fn read(
         &self,
         reader: &mut Reader,
         header: &KsplatHeader,
-        visit: &mut dyn FnMut(&Gaussian, &[[f32; 3]]),
+        scene: &mut GaussianScene,
     ) -> Result<(), Problem> {
         let field = |what: &str| format!("ksplat section {}, {what}", self.number);
         let sizes = reader.records(u64::from(self.partial), 4, &field("bucket sizes"))?;
@@ -173,7 +165,7 @@ impl Section {
         let coefficients = coefficient_count(self.degree);
         let layout = KsplatLayout::new(header.level, coefficients);
         let splats = reader.records(u64::from(self.capacity), layout.bytes, &field("splats"))?;
-        let mut harmonics = vec![[0.0f32; 3]; coefficients];
+        scene.harmonics.fill([0.0; 3]);
         let mut bucket = Buckets::new(self, sizes);
         for index in 0..self.count {
             let at = index as usize * layout.bytes;
@@ -192,8 +184,8 @@ impl Section {
                     f32_at(centre, 4 * axis) + steps * self.step
                 })
             };
-            layout.read_harmonics(record, header, &mut harmonics);
-            visit(&layout.gaussian(record, centre), &harmonics);
+            layout.read_harmonics(record, header, &mut scene.harmonics[..coefficients]);
+            scene.push(&layout.gaussian(record, centre));
         }
         Ok(())
     }
@@ -270,7 +262,7 @@ impl KsplatLayout {
         }
     }
 
-    fn gaussian(&self, record: &[u8], centre: [f64; 3]) -> Gaussian<'static> {
+    fn gaussian(&self, record: &[u8], centre: [f64; 3]) -> Gaussian {
         let byte = |index: usize| f64::from(record[self.colour + index]) / 255.0;
         Gaussian {
             centre,
@@ -278,7 +270,6 @@ impl KsplatLayout {
             rotation: [0, 1, 2, 3].map(|k| self.part(record, self.rotation, k)),
             base: [byte(0), byte(1), byte(2)],
             opacity: byte(3),
-            harmonics: &[],
         }
     }
 

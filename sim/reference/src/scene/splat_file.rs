@@ -33,7 +33,7 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     scene.finish(name)
 }
 
-fn decode(record: &[u8; RECORD_BYTES]) -> Gaussian<'static> {
+fn decode(record: &[u8; RECORD_BYTES]) -> Gaussian {
     let float = |place: usize| f64::from(f32::from_le_bytes(array_at(record, place)));
     let unit = |place: usize| f64::from(record[place]) / 255.0;
     let signed = |place: usize| (f64::from(record[place]) - 128.0) / 128.0;
@@ -43,7 +43,6 @@ fn decode(record: &[u8; RECORD_BYTES]) -> Gaussian<'static> {
         base: [unit(24), unit(25), unit(26)],
         opacity: unit(27),
         rotation: [signed(28), signed(29), signed(30), signed(31)],
-        harmonics: &[],
     }
 }
 

@@ -127,10 +127,9 @@ fn decode(header: &SpzHeader, arrays: [&[u8]; 6], name: &str) -> Result<Scene, P
         scene.rules = TRAINED_ANTIALIASED;
     }
     let parities = harmonic_parities();
-    let mut harmonics = vec![[0.0f32; 3]; coefficient_count(header.degree)];
     for index in 0..header.count as usize {
-        arrays.read_harmonics(index, &parities, &mut harmonics);
-        scene.push(&arrays.gaussian(index, header, &harmonics));
+        arrays.read_harmonics(index, &parities, &mut scene.harmonics);
+        scene.push(&arrays.gaussian(index, header));
     }
     scene.finish(name)
 }
@@ -229,12 +228,7 @@ impl<'a> Arrays<'a> {
         }
     }
 
-    fn gaussian<'h>(
-        &self,
-        index: usize,
-        header: &SpzHeader,
-        harmonics: &'h [[f32; 3]],
-    ) -> Gaussian<'h> {
+    fn gaussian(&self, index: usize, header: &SpzHeader) -> Gaussian {
         let [position_bytes, .., size, _] = header.record_bytes();
         let rotation = match self.rotations[index * size..(index + 1) * size] {
             [x, y, z] => rotation_first_three([x, y, z]),
@@ -253,7 +247,6 @@ impl<'a> Arrays<'a> {
             rotation: [w, x * FLIP[0], y * FLIP[1], z * FLIP[2]],
             opacity: f64::from(self.opacities[index]) / 255.0,
             base: constant.map(base_from_coefficient),
-            harmonics,
         }
     }
 

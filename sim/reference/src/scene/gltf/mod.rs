@@ -13,7 +13,7 @@ mod transform;
 use self::buffers::{Buffers, Numbers};
 use self::transform::Transform;
 use super::error::{Problem, shorten};
-use super::gaussian::{Gaussian, GaussianScene, HARMONIC_0, MAX_DEGREE, coefficient_count};
+use super::gaussian::{Gaussian, GaussianScene, MAX_DEGREE, base_from_coefficient};
 use super::{Scene, SortOrder};
 use crate::memory;
 use anyhow::{Context, anyhow, bail, ensure};
@@ -186,7 +186,7 @@ fn gather(
     let count = parts.iter().map(|part| part.centres.count() as u64).sum();
     let mut scene = GaussianScene::new(degree, count)?;
     for part in &parts {
-        part.push_all(degree, &mut scene)?;
+        part.push_all(&mut scene)?;
     }
     let order = orders.first().copied().unwrap_or_default();
     if orders.iter().any(|other| *other != order) {
@@ -330,15 +330,15 @@ impl GltfAttributes<'_> {
         own.into_iter().chain(&self.rest).map(Numbers::count)
     }
 
-    fn push_all(&self, degree: u8, scene: &mut GaussianScene) -> Result<(), Problem> {
+    fn push_all(&self, scene: &mut GaussianScene) -> Result<(), Problem> {
         let turn = self.transform.harmonics(self.rest.len())?;
-        let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
+        scene.harmonics.fill([0.0; 3]);
         for index in 0..self.centres.count() {
-            for (coefficient, numbers) in harmonics.iter_mut().zip(&self.rest) {
+            for (coefficient, numbers) in scene.harmonics.iter_mut().zip(&self.rest) {
                 *coefficient = numbers.three(index).map(|value| value as f32);
             }
             if let Some(turn) = &turn {
-                turn.apply(&mut harmonics[..self.rest.len()]);
+                turn.apply(&mut scene.harmonics[..self.rest.len()]);
             }
             let [x, y, z, w] = [0, 1, 2, 3].map(|k| self.rotations.at(index, k));
             let gaussian = Gaussian {
@@ -346,11 +346,7 @@ impl GltfAttributes<'_> {
                 scales: self.scales.three(index),
                 rotation: [w, x, y, z],
                 opacity: self.opacities.at(index, 0),
-                base: self
-                    .constant
-                    .three(index)
-                    .map(|value| 0.5 + HARMONIC_0 * value),
-                harmonics: &harmonics,
+                base: self.constant.three(index).map(base_from_coefficient),
             };
             scene.push_transformed(&gaussian, &self.transform.linear, self.transform.offset);
         }

@@ -1,5 +1,6 @@
 //! Tests of the glTF reader, on files written here.
 
+use super::super::HARMONIC_0;
 use super::super::damage_tests::{assert_told, survives};
 use super::*;
 use base64::Engine;

@@ -58,16 +58,15 @@ pub(super) fn load(header: &PlyHeader, body: &[u8], name: &str) -> Result<Scene,
         scene.rules = TRAINED_ANTIALIASED;
     }
     let count = coefficient_count(degree);
-    let mut coefficients = vec![[0.0f32; 3]; count];
     for (index, packed) in packed.iter().enumerate() {
         let stored = harmonics.get(index * 3 * count..).unwrap_or_default();
-        for (k, coefficient) in coefficients.iter_mut().enumerate() {
+        for (k, coefficient) in scene.harmonics.iter_mut().enumerate() {
             let byte = |channel: usize| stored.get(channel * count + k).copied().unwrap_or(128);
             *coefficient = [0, 1, 2].map(|channel| harmonic(byte(channel)));
         }
         // The counts were compared, so every Gaussian has its chunk.
         if let Some(ranges) = chunks.get(index / CHUNK as usize) {
-            scene.push(&decode(packed, ranges, layout.coloured, &coefficients));
+            scene.push(&decode(packed, ranges, layout.coloured));
         }
     }
     scene.finish(name)
@@ -159,12 +158,11 @@ fn typed(element: &Element, name: &str, scalar: Scalar) -> Result<usize, Problem
     })
 }
 
-fn decode<'a>(
+fn decode(
     [position, rotation, scale, colour]: &[u32; 4],
     ranges: &[[f64; 3]; 6],
     coloured: bool,
-    harmonics: &'a [[f32; 3]],
-) -> Gaussian<'a> {
+) -> Gaussian {
     let between = |least: usize, parts: [f64; 3]| -> [f64; 3] {
         [0, 1, 2].map(|i| {
             let (low, high) = (ranges[least][i], ranges[least + 1][i]);
@@ -182,7 +180,6 @@ fn decode<'a>(
         rotation: smallest_three(largest, parts),
         opacity: bytes[3],
         base: if coloured { between(4, rgb) } else { rgb },
-        harmonics,
     }
 }
 

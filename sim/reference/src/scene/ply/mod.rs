@@ -19,8 +19,8 @@ mod tests;
 use super::Scene;
 use super::error::{Problem, shorten};
 use super::gaussian::{
-    Gaussian, GaussianScene, TRAINED_ANTIALIASED, base_from_coefficient, coefficient_count,
-    degree_of, opacity_from_logit, scale_from_log,
+    Gaussian, GaussianScene, TRAINED_ANTIALIASED, base_from_coefficient, degree_of,
+    opacity_from_logit, scale_from_log,
 };
 use crate::rules::Rules;
 use anyhow::{Context, anyhow, bail, ensure};
@@ -39,10 +39,9 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     body::refuse_absurd_count(&header, body, vertex)?;
     let mut scene = GaussianScene::new(degree, vertex.count)?;
     scene.rules = rules(&header, &columns);
-    let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
     body::for_each_record(&header, body, "vertex", &mut |record| {
-        columns.read_harmonics(record, &mut harmonics);
-        scene.push(&columns.gaussian(record, &harmonics));
+        columns.read_harmonics(record, &mut scene.harmonics);
+        scene.push(&columns.gaussian(record));
     })?;
     scene.finish(name)
 }
@@ -127,7 +126,7 @@ impl GaussianColumns {
         }
     }
 
-    fn gaussian<'a>(&self, record: &[f64], harmonics: &'a [[f32; 3]]) -> Gaussian<'a> {
+    fn gaussian(&self, record: &[f64]) -> Gaussian {
         let scale = |column: usize| scale_from_log(number(record, column));
         let [first, second] = self.scales.map(scale);
         let scales = [first, second, self.third_scale.map_or(0.0, scale)];
@@ -141,7 +140,6 @@ impl GaussianColumns {
             base: self
                 .constant
                 .map(|column| base_from_coefficient(number(record, column))),
-            harmonics,
         }
     }
 }

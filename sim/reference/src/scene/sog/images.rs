@@ -146,12 +146,7 @@ impl Pictures {
         self.rest.as_ref().map_or(0, |rest| rest.bands)
     }
 
-    pub(super) fn gaussian<'a>(
-        &self,
-        meta: &Meta,
-        index: usize,
-        harmonics: &'a [[f32; 3]],
-    ) -> Gaussian<'a> {
+    pub(super) fn gaussian(&self, meta: &Meta, index: usize) -> Gaussian {
         let [low, high] = [0, 1].map(|picture| self.means[picture].rgba[index]);
         let place = |axis: usize| {
             let word = u16::from_le_bytes([low[axis], high[axis]]);
@@ -168,7 +163,6 @@ impl Pictures {
             rotation: rotation(self.quats.rgba[index]),
             opacity: meta.opacity[usize::from(colour[3])],
             base: [0, 1, 2].map(|k| base_from_coefficient(code(&meta.sh0, k, colour[k]))),
-            harmonics,
         }
     }
 

@@ -23,7 +23,7 @@ use super::Scene;
 use super::archive::Archive;
 use super::error::{Problem, shorten};
 use super::file::read_file;
-use super::gaussian::{GaussianScene, TRAINED_ANTIALIASED, coefficient_count, room_for};
+use super::gaussian::{GaussianScene, TRAINED_ANTIALIASED, room_for};
 use anyhow::{anyhow, ensure};
 use std::path::Path;
 
@@ -113,10 +113,9 @@ fn load(source: &SogSource, name: &str) -> Result<Scene, Problem> {
     if meta.antialiased {
         scene.rules = TRAINED_ANTIALIASED;
     }
-    let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
     for index in 0..count {
-        pictures.read_harmonics(&meta, index, &mut harmonics)?;
-        scene.push(&pictures.gaussian(&meta, index, &harmonics));
+        pictures.read_harmonics(&meta, index, &mut scene.harmonics)?;
+        scene.push(&pictures.gaussian(&meta, index));
     }
     scene.finish(name)
 }
