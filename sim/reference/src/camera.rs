@@ -350,6 +350,11 @@ impl Camera {
         vector::transform(&self.rotation, vector::subtract(point, self.eye()))
     }
 
+    /// x / z and y / z of what is seen at a place of the picture, in pixels; in parallel projection x and y themselves.
+    pub fn slopes(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        [(u - self.cx) / self.fx, (v - self.cy) / self.fy]
+    }
+
     /// The direction, of any length, in which a place in camera space is seen.
     pub fn ray(&self, position: Vector) -> Vector {
         match self.orthographic {

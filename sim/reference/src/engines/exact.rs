@@ -132,12 +132,7 @@ pub fn draw(
 impl ExactFootprint<'_> {
     /// The marginal variance and the peak on the ray through a point of the picture.
     fn variance_and_peak(&self, point: [f64; 2]) -> (ScreenVariance, f64) {
-        let camera = self.camera;
-        let slope = [
-            (point[0] - camera.cx) / camera.fx,
-            (point[1] - camera.cy) / camera.fy,
-        ];
-        let jacobian = Jacobian::at(camera, slope, self.depth);
+        let jacobian = Jacobian::at(self.camera, self.camera.slopes(point), self.depth);
         let variance = ScreenVariance::new(&self.axes, &jacobian, self.low_pass);
         let peak = if self.normalised {
             let peak = variance.normalised_peak() * self.relative_peak;

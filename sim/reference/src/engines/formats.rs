@@ -37,41 +37,30 @@ pub struct FloatFormat {
 }
 
 /// IEEE 754 binary32.
-pub const FP32: FloatFormat = FloatFormat {
-    fraction_bits: 23,
-    min_exponent: -126,
-    max_exponent: 127,
-};
+pub const FP32: FloatFormat = FloatFormat::new(23, -126, 127);
 
 /// IEEE 754 binary16.
-pub const FP16: FloatFormat = FloatFormat {
-    fraction_bits: 10,
-    min_exponent: -14,
-    max_exponent: 15,
-};
+pub const FP16: FloatFormat = FloatFormat::new(10, -14, 15);
 
 /// The upper half of a binary32.
-pub const BFLOAT16: FloatFormat = FloatFormat {
-    fraction_bits: 7,
-    min_exponent: -126,
-    max_exponent: 127,
-};
+pub const BFLOAT16: FloatFormat = FloatFormat::new(7, -126, 127);
 
 /// 8 bits, of which 4 are the exponent's (E4M3); the two largest numbers, which some machines use for NaN, are numbers here.
-pub const FP8: FloatFormat = FloatFormat {
-    fraction_bits: 3,
-    min_exponent: -6,
-    max_exponent: 8,
-};
+pub const FP8: FloatFormat = FloatFormat::new(3, -6, 8);
 
 /// 8 bits, of which 5 are the exponent's (E5M2).
-pub const FP8_WIDE: FloatFormat = FloatFormat {
-    fraction_bits: 2,
-    min_exponent: -14,
-    max_exponent: 15,
-};
+pub const FP8_WIDE: FloatFormat = FloatFormat::new(2, -14, 15);
 
 impl FloatFormat {
+    /// So many bits behind the leading one, and normal numbers from 2^min to those of the exponent max.
+    const fn new(fraction_bits: i32, min_exponent: i32, max_exponent: i32) -> FloatFormat {
+        FloatFormat {
+            fraction_bits,
+            min_exponent,
+            max_exponent,
+        }
+    }
+
     /// The nearest value of the format.
     pub fn round(self, value: f64) -> f64 {
         if value == 0.0 || !value.is_finite() {

@@ -167,12 +167,14 @@ impl FloatFragment {
             colour: vector::add(self.colour, other.colour),
             opacity: self.opacity + other.opacity,
             normal: vector::add(self.normal, other.normal),
-            range: [
-                self.range[0].min(other.range[0]),
-                self.range[1].max(other.range[1]),
-            ],
+            range: self.both_ranges(other),
             material: nearer.material,
         }
+    }
+
+    fn both_ranges(&self, other: &FloatFragment) -> [f64; 2] {
+        let ([near, far], [first, last]) = (self.range, other.range);
+        [near.min(first), far.max(last)]
     }
 
     /// SURF eq. 12 in premultiplied form, `self` in front.
@@ -192,10 +194,7 @@ impl FloatFragment {
             colour: [0, 1, 2].map(|c: usize| blend(self.colour[c], back.colour[c])),
             opacity: blend(self.opacity, back.opacity),
             normal: [0, 1, 2].map(|c: usize| turn(self.normal[c], back.normal[c])),
-            range: [
-                self.range[0].min(back.range[0]),
-                self.range[1].max(back.range[1]),
-            ],
+            range: self.both_ranges(back),
             material: self.material,
         }
     }
@@ -353,15 +352,12 @@ fn resolve(
     [r, g, b, 1.0 - transmittance]
 }
 
-fn towards_eye([u, v]: [f64; 2], camera: &Camera) -> Vector {
+fn towards_eye(place: [f64; 2], camera: &Camera) -> Vector {
     if camera.orthographic {
         [0.0, 0.0, -1.0]
     } else {
-        unit([
-            -(u - camera.cx) / camera.fx,
-            -(v - camera.cy) / camera.fy,
-            -1.0,
-        ])
+        let [x, y] = camera.slopes(place);
+        unit([-x, -y, -1.0])
     }
 }
 

@@ -106,8 +106,8 @@ pub fn hybrid(scene: &Scene, points: Points) -> Hybrid {
 }
 
 /// Where a place of the picture lies in space at a depth: W^-1 (t - d).
-fn in_space(camera: &Camera, [u, v]: [f64; 2], depth: f64) -> Vector {
-    let (x, y) = ((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
+fn in_space(camera: &Camera, place: [f64; 2], depth: f64) -> Vector {
+    let [x, y] = camera.slopes(place);
     let seen = if camera.orthographic {
         [x, y, depth]
     } else {
