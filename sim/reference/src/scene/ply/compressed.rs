@@ -15,7 +15,7 @@ use super::super::gaussian::{
 use super::super::quaternion::smallest_three;
 use super::body;
 use super::header::{Element, PlyHeader, PropertyKind};
-use super::{bad_harmonics, number};
+use super::{all, bad_harmonics, number};
 use anyhow::{Context, bail, ensure};
 
 /// Gaussians per chunk.
@@ -46,7 +46,11 @@ pub(super) fn load(header: &PlyHeader, body: &[u8], name: &str) -> Result<Scene,
         header,
         body,
         &mut |element, record| match element.name.as_str() {
-            "chunk" => chunks.push(layout.ranges.map(|three| three.map(|at| read(record, at)))),
+            "chunk" => chunks.push(
+                layout
+                    .ranges
+                    .map(|three| three.map(|at| number(record, at))),
+            ),
             "vertex" => packed.push(layout.packed.map(|column| number(record, column) as u32)),
             "sh" => harmonics.extend(layout.rest.iter().map(|at| number(record, *at) as u8)),
             _ => {}
@@ -72,13 +76,9 @@ pub(super) fn load(header: &PlyHeader, body: &[u8], name: &str) -> Result<Scene,
     scene.finish(name)
 }
 
-/// A range that the file leaves out is never used.
-fn read(record: &[f64], column: Option<usize>) -> f64 {
-    column.map_or(0.0, |column| number(record, column))
-}
-
 struct ChunkLayout {
-    ranges: [[Option<usize>; 3]; 6],
+    /// Those that the file leaves out are never used.
+    ranges: [[usize; 3]; 6],
     packed: [usize; 4],
     rest: Vec<usize>,
     degree: u8,
@@ -104,15 +104,9 @@ impl ChunkLayout {
         );
         let coloured = chunk.column("min_r").is_some();
         let needed = if coloured { 6 } else { 4 };
-        let mut ranges = [[None; 3]; 6];
+        let mut ranges = [[0; 3]; 6];
         for (three, names) in ranges.iter_mut().zip(RANGES).take(needed) {
-            for (column, name) in three.iter_mut().zip(names) {
-                *column = Some(typed(chunk, name, Scalar::F32)?);
-            }
-        }
-        let mut packed = [0; 4];
-        for (column, name) in packed.iter_mut().zip(PACKED) {
-            *column = typed(vertex, name, Scalar::U32)?;
+            *three = all(names, |name| typed(chunk, name, Scalar::F32))?;
         }
         let rest = match element("sh") {
             Some(sh) => harmonics_of(sh, vertex)?,
@@ -124,7 +118,7 @@ impl ChunkLayout {
         };
         Ok(ChunkLayout {
             ranges,
-            packed,
+            packed: all(PACKED, |name| typed(vertex, name, Scalar::U32))?,
             degree: degree.ok_or_else(|| bad_harmonics(rest.len()))?,
             rest,
             coloured,

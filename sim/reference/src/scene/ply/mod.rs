@@ -102,14 +102,15 @@ struct GaussianColumns {
 impl GaussianColumns {
     fn find(vertex: &Element) -> Result<GaussianColumns, Problem> {
         refuse_other_kinds(vertex)?;
+        let required = |name: &str| required(vertex, name);
         Ok(GaussianColumns {
-            centre: all(vertex, ["x", "y", "z"])?,
-            scales: all(vertex, ["scale_0", "scale_1"])?,
+            centre: all(["x", "y", "z"], required)?,
+            scales: all(["scale_0", "scale_1"], required)?,
             third_scale: vertex.column("scale_2"),
             filter: vertex.column("filter_3D"),
-            rotation: all(vertex, ["rot_0", "rot_1", "rot_2", "rot_3"])?,
-            opacity: required(vertex, "opacity")?,
-            constant: all(vertex, ["f_dc_0", "f_dc_1", "f_dc_2"])?,
+            rotation: all(["rot_0", "rot_1", "rot_2", "rot_3"], required)?,
+            opacity: required("opacity")?,
+            constant: all(["f_dc_0", "f_dc_1", "f_dc_2"], required)?,
             rest: find_rest(vertex)?,
         })
     }
@@ -172,10 +173,14 @@ fn refuse_other_kinds(vertex: &Element) -> Result<(), Problem> {
     Ok(())
 }
 
-fn all<const N: usize>(vertex: &Element, names: [&str; N]) -> Result<[usize; N], Problem> {
+/// The columns of several properties that must all be there.
+fn all<const N: usize>(
+    names: [&str; N],
+    column: impl Fn(&str) -> Result<usize, Problem>,
+) -> Result<[usize; N], Problem> {
     let mut columns = [0; N];
-    for (column, name) in columns.iter_mut().zip(names) {
-        *column = required(vertex, name)?;
+    for (found, name) in columns.iter_mut().zip(names) {
+        *found = column(name)?;
     }
     Ok(columns)
 }

@@ -6,7 +6,7 @@ use super::super::quaternion::smallest_three;
 use super::meta::{Coded, HarmonicsPalette, MAX_ENTRIES, Meta};
 use super::{SogSource, damaged};
 use crate::memory;
-use anyhow::{Context, ensure};
+use anyhow::{bail, ensure};
 use image_webp::WebPDecoder;
 use std::io::Cursor;
 use std::ops::RangeInclusive;
@@ -87,33 +87,29 @@ impl Rest {
         read: &impl Fn(&String, RangeInclusive<usize>) -> Result<SogImage, Problem>,
     ) -> Result<Rest, Problem> {
         let [file, labels] = &palette.files;
-        let Some((entries, bands)) = palette.size else {
-            // As many as the picture has: at most those of the largest palette.
-            let largest = MAX_ENTRIES / ENTRIES_PER_ROW * palette_width(3);
-            let centroids = read(file, palette_width(1)..=largest)?;
-            let bands = (1..=3).find(|bands| palette_width(*bands) == centroids.width);
-            let bands = bands.with_context(|| {
-                format!(
-                    "{file}: it is {} pixels wide; 192, 512 and 960 are those of 1 to 3 bands; \
-                     export the scene again",
-                    centroids.width
-                )
-            })?;
-            let rows = centroids.rgba.len() / centroids.width;
-            return Ok(Rest {
-                centroids,
-                labels: read(labels, padded(count))?,
-                entries: (rows * ENTRIES_PER_ROW).min(MAX_ENTRIES),
-                bands,
+        // As many as the picture has, where nothing says how many: at most those of the largest palette.
+        let largest = MAX_ENTRIES / ENTRIES_PER_ROW * palette_width(3);
+        let pixels = palette
+            .size
+            .map_or(palette_width(1)..=largest, |(entries, bands)| {
+                padded(entries.div_ceil(ENTRIES_PER_ROW) * palette_width(bands))
             });
+        let centroids = read(file, pixels)?;
+        let width = centroids.width;
+        let Some(bands) = (1..=3).find(|bands| palette_width(*bands) == width) else {
+            bail!(
+                "{file}: it is {width} pixels wide; 192, 512 and 960 are those of 1 to 3 bands; \
+                 export the scene again"
+            );
         };
-        let width = palette_width(bands);
-        let centroids = read(file, padded(entries.div_ceil(ENTRIES_PER_ROW) * width))?;
+        let rows = centroids.rgba.len() / width;
+        let usual = ((rows * ENTRIES_PER_ROW).min(MAX_ENTRIES), bands);
+        let (entries, stated) = palette.size.unwrap_or(usual);
         ensure!(
-            centroids.width == width,
-            "{file}: it is {} pixels wide; {width} are needed for {bands} bands; \
+            stated == bands,
+            "{file}: it is {width} pixels wide; {} are needed for {stated} bands; \
              export the scene again",
-            centroids.width
+            palette_width(stated)
         );
         Ok(Rest {
             centroids,
