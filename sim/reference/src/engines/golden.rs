@@ -370,10 +370,5 @@ pub fn rotated_axes(quaternion: [f64; 4], scales: [f64; 3]) -> [[f64; 3]; 3] {
             1.0 - twice * (x * x + y * y),
         ],
     ];
-    let [s1, s2, s3] = scales;
-    [
-        columns[0].map(|c| s1 * c),
-        columns[1].map(|c| s2 * c),
-        columns[2].map(|c| s3 * c),
-    ]
+    [0, 1, 2].map(|k| columns[k].map(|c| scales[k] * c))
 }

@@ -153,12 +153,8 @@ fn eliminate(rows: &mut [Vec<f64>]) {
         let scale = 1.0 / rows[column][column];
         rows[column].iter_mut().for_each(|value| *value *= scale);
         let row = rows[column].clone();
-        for (index, other) in rows
-            .iter_mut()
-            .enumerate()
-            .filter(|(index, _)| *index != column)
-        {
-            let _ = index;
+        let others = rows.iter_mut().enumerate();
+        for (_, other) in others.filter(|(index, _)| *index != column) {
             let factor = other[column];
             for (value, part) in other.iter_mut().zip(&row) {
                 *value -= factor * part;
