@@ -62,11 +62,15 @@ pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<CameraPose>, Ca
         let problem = "is a folder and not a regular file, and holds no cameras and images (.txt or .bin) of COLMAP, also in sparse/0: name a file";
         return Err(CameraError::whole(problem.to_owned()).in_file(path));
     }
-    match kind(path) {
-        CameraFormat::Frames(text) => transforms::parse(&text, size).map_err(wrong),
-        CameraFormat::List(text) => trainer::parse(&text).map_err(wrong),
-        CameraFormat::Own => Ok(vec![own(path)?]),
+    // What cannot be read is left to our own reader, whose messages name the fields.
+    let text = input::text(path, input::TABLE).unwrap_or_default();
+    if text.trim_start().starts_with('[') {
+        return trainer::parse(&text).map_err(wrong);
     }
+    if serde_json::from_str::<HasFrames>(&text).is_ok() {
+        return transforms::parse(&text, size).map_err(wrong);
+    }
+    Ok(vec![own(path)?])
 }
 
 fn own(path: &Path) -> Result<CameraPose, CameraError> {
@@ -82,31 +86,11 @@ fn own(path: &Path) -> Result<CameraPose, CameraError> {
     })
 }
 
-enum CameraFormat {
-    Frames(String),
-    List(String),
-    Own,
-}
-
 /// What tells nerfstudio's files.
 #[derive(serde::Deserialize)]
 struct HasFrames {
     #[serde(rename = "frames")]
     _frames: serde::de::IgnoredAny,
-}
-
-/// What cannot be read is left to our own reader, whose messages name the fields.
-fn kind(path: &Path) -> CameraFormat {
-    let Ok(text) = input::text(path, input::TABLE) else {
-        return CameraFormat::Own;
-    };
-    if text.trim_start().starts_with('[') {
-        return CameraFormat::List(text);
-    }
-    match serde_json::from_str::<HasFrames>(&text) {
-        Ok(_) => CameraFormat::Frames(text),
-        Err(_) => CameraFormat::Own,
-    }
 }
 
 /// The one pose there is, or the one of that name: the whole name, the file's name without folders, or without its extension.
