@@ -75,7 +75,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(PlyHeader, &[u8]), Problem> {
         let text = String::from_utf8_lossy(line);
         let words: Vec<&str> = text.split_whitespace().collect();
         match words.as_slice() {
-            _ if number == 1 => check_magic(&words)?,
+            ["ply"] if number == 1 => {}
+            _ if number == 1 => {
+                bail!("PLY header line 1: it is not 'ply'; check that this is a PLY file")
+            }
             ["end_header"] => {
                 let format = format.with_context(|| {
                     format!(
@@ -130,13 +133,6 @@ pub(super) fn split_line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
         line.strip_suffix(b"\r").unwrap_or(line),
         bytes.get(end + 1..)?,
     ))
-}
-
-fn check_magic(words: &[&str]) -> Result<(), Problem> {
-    match words {
-        ["ply"] => Ok(()),
-        _ => bail!("PLY header line 1: it is not 'ply'; check that this is a PLY file"),
-    }
 }
 
 fn no_end(line: usize) -> Problem {
