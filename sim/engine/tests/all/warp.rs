@@ -11,8 +11,7 @@ use splatline_engine::scene::points::synthetic::{Paint, scene, sphere};
 use splatline_engine::surface::Style;
 use splatline_engine::texture::Texture;
 use splatline_engine::texture::warp::{DepthImage, hybrid, rules, textured_plane};
-use splatline_engine::vector::{Vector, dot};
-use splatline_reference::engines as reference;
+use splatline_reference::engines::{self as reference, warp::reproject};
 
 fn camera(eye: [f64; 3], size: usize) -> Camera {
     Camera::look_at(eye, [0.0; 3], [0.0, 0.0, 1.0], 40.0, size, size).unwrap()
@@ -33,31 +32,6 @@ fn draw(samples: &Scene, camera: &Camera, points: Points) -> (HybridDrawing, Pic
     let drawn = draw_hybrid(samples, camera, &options, &hybrid).unwrap();
     let float = reference::hybrid::draw(samples, camera, &rules, &hybrid).picture;
     (drawn, float)
-}
-
-/// The warping equation between two cameras, written out (McMillan 1997; \[HYBRID\] 3): screen position and depth in `to` of the place that `from` sees at `place` and `depth`.
-///
-/// With R = W' W^T the relative rotation and c = d' - R d the relative translation: t' = R t + c.
-fn reproject(from: &Camera, place: [f64; 2], depth: f64, to: &Camera) -> ([f64; 2], f64) {
-    let relative: [Vector; 3] = to
-        .rotation
-        .map(|row| from.rotation.map(|other| dot(row, other)));
-    let [x, y] = [
-        (place[0] - from.cx) / from.fx,
-        (place[1] - from.cy) / from.fy,
-    ];
-    let seen = if from.orthographic {
-        [x, y, depth]
-    } else {
-        [x * depth, y * depth, depth]
-    };
-    let turned = |axis: usize| {
-        let offset = to.translation[axis] - dot(relative[axis], from.translation);
-        dot(relative[axis], seen) + offset
-    };
-    let [x, y, z] = [0, 1, 2].map(turned);
-    let scale = if to.orthographic { 1.0 } else { z };
-    ([to.fx * x / scale + to.cx, to.fy * y / scale + to.cy], z)
 }
 
 #[test]

@@ -9,6 +9,7 @@
 //! independent data that the reference itself is measured against.
 
 pub mod compositor;
+pub mod deep;
 pub mod exact;
 pub mod float;
 pub mod formats;
@@ -25,6 +26,8 @@ pub mod sheets;
 pub mod single;
 pub mod sphere;
 pub mod surface;
+pub mod texture;
+pub mod warp;
 
 use crate::camera::Camera;
 use crate::picture::Picture;

@@ -2,7 +2,6 @@
 
 mod camera;
 mod compositing;
-mod deep;
 mod golden;
 mod oracle;
 mod reference;
