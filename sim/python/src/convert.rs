@@ -1,6 +1,8 @@
 //! Between Rust's values and Python's: errors, records, pictures.
 
-use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
+use numpy::{
+    Element, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods,
+};
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -56,6 +58,15 @@ fn beyond_json(value: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
         }
     }
     Ok(None)
+}
+
+/// Rows of as many numbers as an array of two dimensions.
+pub fn rows<T: Element, const N: usize>(
+    py: Python<'_>,
+    rows: Vec<[T; N]>,
+) -> PyResult<Bound<'_, PyArray2<T>>> {
+    let shape = [rows.len(), N];
+    PyArray1::from_vec(py, rows.into_flattened()).reshape(shape)
 }
 
 /// A picture as an array of height x width x 4, whose memory it becomes.

@@ -1,6 +1,6 @@
 //! The kernel stage by stage, in its own integers: what a bench holds a circuit against.
 
-use crate::convert::{raise, record};
+use crate::convert::{raise, record, rows};
 use crate::plan::Plan;
 use anyhow::{Context, Result, ensure};
 use numpy::{
@@ -36,6 +36,12 @@ pub struct Kernel {
 
 /// A span's fields: row, first column, pixels, radial index at the first, its difference, the difference's difference.
 type SpanRow = [i64; 6];
+
+/// A pixel as Python has it: red, green, blue, transmittance.
+fn words_of(pixel: &Pixel) -> [u32; 4] {
+    let [red, green, blue] = pixel.colour;
+    [red, green, blue, pixel.transmittance]
+}
 
 impl Kernel {
     fn widths(&self) -> Widths {
@@ -236,12 +242,7 @@ impl Kernel {
                 s.second,
             ]
         };
-        let rows: Vec<SpanRow> = spans.iter().map(row).collect();
-        let count = rows.len();
-        Ok((
-            PyArray1::from_vec(py, rows.into_flattened()).reshape([count, 6])?,
-            fraction,
-        ))
+        Ok((rows(py, spans.iter().map(row).collect())?, fraction))
     }
 
     /// Pixels of a packet in a window that lie inside its footprint, int64 of shape (n, 3): row, column, radial index UQ4.radial.
@@ -268,8 +269,7 @@ impl Kernel {
                 }
             }
         }
-        let count = found.len();
-        PyArray1::from_vec(py, found.into_flattened()).reshape([count, 3])
+        rows(py, found)
     }
 
     /// Entries of the footprint table, UQ1.weight, uint32.
@@ -334,23 +334,15 @@ impl Kernel {
                     Compositing::XRay => blend.x_ray(&mut word, *alpha, &colour),
                 }
             }
-            let Pixel {
-                colour: [red, green, blue],
-                transmittance,
-            } = word;
-            *pixel = [red, green, blue, transmittance];
+            *pixel = words_of(&word);
         }
-        PyArray1::from_vec(py, mixed.into_flattened()).reshape([count, 4])
+        rows(py, mixed)
     }
 
     /// A transparent pixel: red, green, blue, transmittance.
     #[getter]
     fn clear(&self) -> [u32; 4] {
-        let Pixel {
-            colour: [red, green, blue],
-            transmittance,
-        } = Pixel::clear(&self.widths());
-        [red, green, blue, transmittance]
+        words_of(&Pixel::clear(&self.widths()))
     }
 
     /// Packets, uint32 of shape (n, words), drawn in their order into a window; uint32 of shape (rows, columns, 4).
@@ -385,15 +377,7 @@ impl Kernel {
             Ok(())
         });
         raise(drawn)?;
-        let words = |pixel: &Pixel| {
-            [
-                pixel.colour[0],
-                pixel.colour[1],
-                pixel.colour[2],
-                pixel.transmittance,
-            ]
-        };
-        let words: Vec<[u32; 4]> = pixels.iter().map(words).collect();
+        let words: Vec<[u32; 4]> = pixels.iter().map(words_of).collect();
         PyArray1::from_vec(py, words.into_flattened()).reshape([
             window.rows().into(),
             window.columns().into(),

@@ -1,6 +1,6 @@
 //! Scenes: a file's, or arrays.
 
-use crate::convert::raise;
+use crate::convert::{raise, rows};
 use anyhow::{Context, Result, bail, ensure};
 use numpy::{
     Element, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use splatline_sim::plan::load::recognise;
 use splatline_sim::plan::{AnyScene, Contents, Source};
 use splatline_sim::rules::Rules;
-use splatline_sim::scene::{self, Harmonics, Skipped, SortOrder, Splat, Weight};
+use splatline_sim::scene::{self, Harmonics, Splat, Weight};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -115,23 +115,6 @@ fn harmonics(
 }
 
 impl Scene {
-    fn of(
-        source: Source,
-        scene: AnyScene,
-        seconds: f64,
-        notes: Vec<String>,
-        is_file: bool,
-    ) -> Scene {
-        let scene = Arc::new(scene);
-        Scene {
-            scene,
-            source,
-            seconds,
-            is_file,
-            notes,
-        }
-    }
-
     /// The scene of a plan that was read from a file or from options.
     pub fn of_plan(prepared: &splatline_sim::plan::Prepared) -> Scene {
         Scene {
@@ -166,8 +149,7 @@ impl Scene {
             AnyScene::Splats(scene) => scene.splats.iter().map(of_splat).collect(),
             AnyScene::Surface { scene, .. } => scene.points.iter().map(of_point).collect(),
         };
-        let count = values.len();
-        PyArray1::from_vec(py, values.into_flattened()).reshape([count, 3])
+        rows(py, values)
     }
 }
 
@@ -185,7 +167,7 @@ impl Scene {
         contents: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Scene> {
         let contents: Option<Contents> = contents.map(crate::convert::read).transpose()?;
-        let load = || -> Result<Scene> {
+        let load = || -> Result<_> {
             let Some(contents) = contents else {
                 let loaded = recognise(&path, transfer.clone())?;
                 let contents = match &loaded.scene {
@@ -201,26 +183,20 @@ impl Scene {
                         depth_image: None,
                     },
                 };
-                let source = Source { path, contents };
-                return Ok(Scene::of(
-                    source,
-                    loaded.scene,
-                    loaded.seconds,
-                    loaded.notes,
-                    true,
-                ));
+                return Ok((Source { path, contents }, loaded));
             };
             let source = Source { path, contents };
             let loaded = source.load(&|_| ())?;
-            Ok(Scene::of(
-                source,
-                loaded.scene,
-                loaded.seconds,
-                loaded.notes,
-                true,
-            ))
+            Ok((source, loaded))
         };
-        raise(py.detach(load))
+        let (source, loaded) = raise(py.detach(load))?;
+        Ok(Scene {
+            scene: Arc::new(loaded.scene),
+            source,
+            seconds: loaded.seconds,
+            is_file: true,
+            notes: loaded.notes,
+        })
     }
 
     /// Splats from arrays: see `splatline.Scene.from_arrays`, which takes scales and rotations as well.
@@ -240,9 +216,9 @@ impl Scene {
         up: [f64; 3],
         name: &str,
     ) -> PyResult<Scene> {
-        let (weight, natural_rules) = match weight {
-            "opacity" => (Weight::Opacity, Rules::GAUSSIAN_3D),
-            "mass" => (Weight::Mass, Rules::EWA),
+        let natural_rules = match weight {
+            "opacity" => Rules::GAUSSIAN_3D,
+            "mass" => Rules::EWA,
             other => {
                 return raise(Err(anyhow::anyhow!(
                     "weight = '{other}': allowed are opacity and mass"
@@ -257,23 +233,17 @@ impl Scene {
         };
         let splats = raise(arrays.splats())?;
         let scene = scene::Scene {
-            name: name.to_owned(),
-            natural_rules,
-            weight,
-            splats,
             harmonics: raise(self::harmonics(&arrays.colours, harmonics))?,
-            skipped: Skipped::default(),
             up,
-            order: SortOrder::Depth,
+            ..scene::Scene::of_splats(name, natural_rules, splats)
         };
-        let source = Source::splats(PathBuf::from(name));
-        Ok(Scene::of(
-            source,
-            AnyScene::Splats(scene),
-            0.0,
-            Vec::new(),
-            false,
-        ))
+        Ok(Scene {
+            scene: Arc::new(AnyScene::Splats(scene)),
+            source: Source::splats(PathBuf::from(name)),
+            seconds: 0.0,
+            is_file: false,
+            notes: Vec::new(),
+        })
     }
 
     fn __len__(&self) -> usize {

@@ -75,7 +75,8 @@ impl CameraError {
         }
     }
 
-    fn whole(problem: String) -> Self {
+    /// Of the camera and not of a field.
+    pub(crate) fn whole(problem: String) -> Self {
         CameraError {
             file: None,
             field: None,
@@ -83,7 +84,8 @@ impl CameraError {
         }
     }
 
-    fn in_file(self, path: &Path) -> Self {
+    /// The same problem of a camera from a file.
+    pub(crate) fn in_file(self, path: &Path) -> Self {
         CameraError {
             file: Some(path.display().to_string()),
             ..self
@@ -200,28 +202,24 @@ impl Camera {
         check_finite("up", &up)?;
         check_size("width", width)?;
         check_size("height", height)?;
-        if !(vertical_fov_degrees > 0.0 && vertical_fov_degrees < 180.0) {
-            let problem = format!(
-                "is {vertical_fov_degrees} degrees, but must lie between 0 and 180, both excluded"
-            );
-            return Err(CameraError::new("fov", problem));
-        }
+        let degrees = vertical_fov_degrees;
+        check(degrees > 0.0 && degrees < 180.0, "fov", || {
+            format!("is {degrees} degrees, but must lie between 0 and 180, both excluded")
+        })?;
         let forward = unit(vector::subtract(target, eye)).ok_or_else(|| {
             let problem =
                 format!("{target:?} must lie away from the eye {eye:?}, at a finite distance");
             CameraError::new("target", problem)
         })?;
-        let up = unit(up)
-            .ok_or_else(|| CameraError::new("up", format!("is {up:?}, which has no direction")))?;
+        let no_direction = || CameraError::new("up", format!("is {up:?}, which has no direction"));
+        let up = unit(up).ok_or_else(no_direction)?;
         let sideways = vector::cross(forward, up);
-        let right = unit(sideways)
-            .filter(|_| vector::length(sideways) > MIN_SINE_TO_UP)
-            .ok_or_else(|| {
-                let problem = format!(
-                    "{up:?} is parallel to the direction of view {forward:?}: choose another"
-                );
-                CameraError::new("up", problem)
-            })?;
+        let is_apart = |_: &Vector| vector::length(sideways) > MIN_SINE_TO_UP;
+        let right = unit(sideways).filter(is_apart).ok_or_else(|| {
+            let problem =
+                format!("{up:?} is parallel to the direction of view {forward:?}: choose another");
+            CameraError::new("up", problem)
+        })?;
         let rotation = [right, vector::cross(forward, right), forward];
         let focal_length = 0.5 * height as f64 / (0.5 * vertical_fov_degrees.to_radians()).tan();
         Camera {
@@ -253,31 +251,25 @@ impl Camera {
         let wrong =
             |error: serde_json::Error| CameraError::whole(format!("not a camera in JSON: {error}"));
         let is_report = serde_json::from_str::<HasCamera>(text).is_ok();
-        let file: CameraFile = if is_report {
-            serde_json::from_str::<ReportFile>(text)
-                .map_err(wrong)?
-                .camera
-        } else {
-            serde_json::from_str(text).map_err(wrong)?
+        let file = match is_report {
+            true => serde_json::from_str(text).map(|ReportFile { camera }| camera),
+            false => serde_json::from_str(text),
         };
+        let file: CameraFile = file.map_err(wrong)?;
+        let field = "world_to_camera";
         let matrix: [f64; 16] = file
             .world_to_camera
             .try_into()
             .map_err(|numbers: Vec<f64>| {
-                let problem = format!(
-                    "has {} numbers, but must have 16, row by row",
-                    numbers.len()
-                );
-                CameraError::new("world_to_camera", problem)
+                let count = numbers.len();
+                let problem = format!("has {count} numbers, but must have 16, row by row");
+                CameraError::new(field, problem)
             })?;
         let row = |i: usize| [matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]];
-        if matrix[12..] != [0.0, 0.0, 0.0, 1.0] {
-            let problem = format!(
-                "ends in the row {:?}, but must end in 0 0 0 1 (row-major)",
-                &matrix[12..]
-            );
-            return Err(CameraError::new("world_to_camera", problem));
-        }
+        let last = &matrix[12..];
+        check(last == [0.0, 0.0, 0.0, 1.0], field, || {
+            format!("ends in the row {last:?}, but must end in 0 0 0 1 (row-major)")
+        })?;
         Camera {
             width: usize::try_from(file.width).unwrap_or(usize::MAX),
             height: usize::try_from(file.height).unwrap_or(usize::MAX),
@@ -358,6 +350,19 @@ impl Camera {
         vector::transform(&self.rotation, vector::subtract(point, self.eye()))
     }
 
+    /// x / z and y / z of what is seen at a place of the picture, in pixels; in parallel projection x and y themselves.
+    pub fn slopes(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        [(u - self.cx) / self.fx, (v - self.cy) / self.fy]
+    }
+
+    /// The direction, of any length, in which a place in camera space is seen.
+    pub fn ray(&self, position: Vector) -> Vector {
+        match self.orthographic {
+            true => [0.0, 0.0, 1.0],
+            false => position,
+        }
+    }
+
     /// The same view with another number of pixels: the intrinsics are scaled with the picture.
     pub fn resized(&self, width: usize, height: usize) -> Result<Camera, CameraError> {
         check_size("width", self.width)?;
@@ -408,40 +413,37 @@ impl Camera {
         check_rotation(&self.rotation)?;
         check_finite("world_to_camera", &self.translation)?;
         check_finite("near", &[self.near])?;
-        if self.far.is_nan() {
-            return Err(CameraError::new(
-                "far",
-                "is no number, but must be one, or null for no limit".to_string(),
-            ));
-        }
-        if !self.orthographic && self.near <= 0.0 {
-            let problem = format!(
-                "is {}, but must be positive for a perspective camera",
-                self.near
-            );
-            return Err(CameraError::new("near", problem));
-        }
-        if self.far <= self.near {
-            let problem = format!(
-                "is {}, but must be larger than near = {}",
-                self.far, self.near
-            );
-            return Err(CameraError::new("far", problem));
-        }
+        let Camera { near, far, .. } = self;
+        check(!far.is_nan(), "far", || {
+            "is no number, but must be one, or null for no limit".to_owned()
+        })?;
+        check(self.orthographic || near > 0.0, "near", || {
+            format!("is {near}, but must be positive for a perspective camera")
+        })?;
+        check(far > near, "far", || {
+            format!("is {far}, but must be larger than near = {near}")
+        })?;
         Ok(self)
     }
 }
 
+/// Every two rows by number, their product, and that of a rotation's rows.
+fn products(rows: &[Vector; 3]) -> impl Iterator<Item = (usize, usize, f64, f64)> {
+    let pairs = (0..3).flat_map(|i| (i..3).map(move |j| (i, j)));
+    pairs.map(|(i, j)| {
+        (
+            i,
+            j,
+            vector::dot(rows[i], rows[j]),
+            f64::from(u8::from(i == j)),
+        )
+    })
+}
+
 /// Largest deviation of a product of rows from that of a rotation.
 fn orthonormal_deviation(rows: &[Vector; 3]) -> f64 {
-    let mut most = 0.0_f64;
-    for (i, row) in rows.iter().enumerate() {
-        for (j, other) in rows.iter().enumerate().skip(i) {
-            let expected = if i == j { 1.0 } else { 0.0 };
-            most = most.max((vector::dot(*row, *other) - expected).abs());
-        }
-    }
-    most
+    let deviations = products(rows).map(|(_, _, product, expected)| (product - expected).abs());
+    deviations.fold(0.0, f64::max)
 }
 
 /// The rotation nearest to one that is nearly a rotation, in the sum of squares: the orthogonal factor of the polar decomposition.
@@ -479,58 +481,49 @@ fn unit(a: Vector) -> Option<Vector> {
     Some(scaled.map(|coordinate| coordinate / length))
 }
 
-fn check_size(field: &'static str, size: usize) -> Result<(), CameraError> {
-    if (1..=MAX_SIZE).contains(&size) {
-        return Ok(());
+fn check(
+    holds: bool,
+    field: &'static str,
+    problem: impl FnOnce() -> String,
+) -> Result<(), CameraError> {
+    match holds {
+        true => Ok(()),
+        false => Err(CameraError::new(field, problem())),
     }
-    Err(CameraError::new(
-        field,
-        format!("is {size}, but must be 1 to {MAX_SIZE} pixels"),
-    ))
+}
+
+fn check_size(field: &'static str, size: usize) -> Result<(), CameraError> {
+    check((1..=MAX_SIZE).contains(&size), field, || {
+        format!("is {size}, but must be 1 to {MAX_SIZE} pixels")
+    })
 }
 
 fn check_finite(field: &'static str, numbers: &[f64]) -> Result<(), CameraError> {
-    if numbers.iter().all(|number| number.is_finite()) {
-        return Ok(());
-    }
-    Err(CameraError::new(
-        field,
-        format!("holds {numbers:?}, but must be finite"),
-    ))
+    check(numbers.iter().all(|n| n.is_finite()), field, || {
+        format!("holds {numbers:?}, but must be finite")
+    })
 }
 
-fn check_focal_length(field: &'static str, focal_length: f64) -> Result<(), CameraError> {
-    if focal_length.is_finite() && focal_length > 0.0 {
-        return Ok(());
-    }
-    Err(CameraError::new(
-        field,
-        format!("is {focal_length}, but must be positive and finite (in pixels)"),
-    ))
+fn check_focal_length(field: &'static str, length: f64) -> Result<(), CameraError> {
+    check(length.is_finite() && length > 0.0, field, || {
+        format!("is {length}, but must be positive and finite (in pixels)")
+    })
 }
 
 fn check_rotation(rows: &[Vector; 3]) -> Result<(), CameraError> {
     let field = "world_to_camera";
-    for (i, row) in rows.iter().enumerate() {
-        for (j, other) in rows.iter().enumerate().skip(i) {
-            let expected = if i == j { 1.0 } else { 0.0 };
-            let product = vector::dot(*row, *other);
-            // Written so that NaN is refused.
-            let orthonormal = (product - expected).abs() <= ORTHONORMAL_TOLERANCE;
-            if !orthonormal {
-                let problem = format!(
-                    "is not a rotation: the product of rows {i} and {j} is {product}, but must be {expected}; \
-                     remove scale and shear, and check that the matrix is row-major"
-                );
-                return Err(CameraError::new(field, problem));
-            }
-        }
+    for (i, j, product, expected) in products(rows) {
+        // Written so that NaN is refused.
+        let orthonormal = (product - expected).abs() <= ORTHONORMAL_TOLERANCE;
+        check(orthonormal, field, || {
+            format!(
+                "is not a rotation: the product of rows {i} and {j} is {product}, but must be {expected}; \
+                 remove scale and shear, and check that the matrix is row-major"
+            )
+        })?;
     }
-    if vector::dot(vector::cross(rows[0], rows[1]), rows[2]) < 0.0 {
-        let problem =
-            "is a mirror image, not a rotation: its rows must point right, down and forward"
-                .to_string();
-        return Err(CameraError::new(field, problem));
-    }
-    Ok(())
+    let handed = vector::dot(vector::cross(rows[0], rows[1]), rows[2]) >= 0.0;
+    check(handed, field, || {
+        "is a mirror image, not a rotation: its rows must point right, down and forward".to_owned()
+    })
 }

@@ -9,7 +9,7 @@ mod fill;
 
 use crate::camera::{Camera, CameraError};
 use crate::scene::points::SurfaceScene;
-use crate::scene::{Scene, Weight};
+use crate::scene::{Scene, Weight, across};
 use crate::vector::{self, Vector};
 
 /// Share of the centres that may lie outside the box whose middle is the ball's first guess, per side and axis.
@@ -195,11 +195,8 @@ impl FramingInput {
             vector::dot(self.ball.centre, self.ball.centre),
         ];
         if !squares.iter().all(|square| square.is_finite()) {
-            return Err(CameraError {
-                file: None,
-                field: None,
-                problem: "the scene's coordinates overflow when they are squared".to_owned(),
-            });
+            let problem = "the scene's coordinates overflow when they are squared";
+            return Err(CameraError::whole(problem.to_owned()));
         }
         let camera = Camera::look_at(eye, self.ball.centre, self.up, fov, width, height)?;
         // The usual near plane would swallow a tiny scene.
@@ -298,7 +295,6 @@ fn cloud_reason(up: Vector) -> &'static str {
 
 /// The horizontal axis along which the framed places extend least, towards its positive end.
 fn thinner_side(places: impl Iterator<Item = Vector> + Clone, ball: &Ball, up: Vector) -> Vector {
-    let vertical = (0..3).max_by(|&a, &b| up[a].abs().total_cmp(&up[b].abs()));
     let extent = |axis: usize| {
         let is_framed =
             |place: &Vector| vector::length(vector::subtract(*place, ball.centre)) <= ball.radius;
@@ -306,12 +302,8 @@ fn thinner_side(places: impl Iterator<Item = Vector> + Clone, ball: &Ball, up: V
         let offsets = framed.map(|place| (place[axis] - ball.centre[axis]).abs());
         offsets.fold(0.0, f64::max)
     };
-    let thinner = (0..3)
-        .filter(|axis| Some(*axis) != vertical)
-        .min_by(|&a, &b| extent(a).total_cmp(&extent(b)))
-        .unwrap_or(0);
     let mut front = [0.0; 3];
-    front[thinner] = 1.0;
+    front[across(up, extent)] = 1.0;
     front
 }
 

@@ -1,7 +1,6 @@
 //! How samples become points or splats (\[HYBRID\] 2 and 4), said once for both engines.
 
 use crate::metrics::median;
-use crate::rules::Rules;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -51,12 +50,4 @@ pub fn deviation(scene: &Scene) -> f64 {
 /// The distance between samples that belongs to the kernels' deviation: a volume's voxel spacing.
 pub fn spacing(scene: &Scene) -> f64 {
     deviation(scene) / DEVIATION_PER_SPACING
-}
-
-/// The rules with distance scaling, which points need, at the scene's own spacing unless they have one.
-pub fn rules_for_points(scene: &Scene, rules: &Rules) -> Rules {
-    if rules.spacing > 0.0 {
-        return *rules;
-    }
-    rules.with_antialias(crate::rules::Antialias::Swan(spacing(scene)))
 }

@@ -53,22 +53,29 @@ pub fn line_at(text: &str, byte: usize) -> usize {
     1 + before.filter(|byte| *byte == b'\n').count()
 }
 
-/// Line, counted from 1, on which a text of TOML sets a key, which is named by its tables and itself; 1 if none does.
+/// Line, counted from 1, on which a text of TOML sets a key, which is named by its tables, its place in lists, and itself; 1 if none does.
 pub fn line_of(text: &str, keys: &[&str]) -> usize {
-    let document = DeTable::parse(text);
-    let mut table = document.as_ref().ok().map(Spanned::get_ref);
-    let mut line = 1;
-    for name in keys {
-        let Some((key, value)) = table.and_then(|table| table.get_key_value(*name)) else {
-            return 1;
-        };
-        line = line_at(text, key.span().start);
-        table = match value.get_ref() {
-            DeValue::Table(inner) => Some(inner),
-            _ => None,
-        };
-    }
-    line
+    let document = DeTable::parse(text).map(Spanned::into_inner);
+    document.map_or(1, |table| line_in(&DeValue::Table(table), keys, text, 1))
+}
+
+fn line_in(value: &DeValue, keys: &[&str], text: &str, line: usize) -> usize {
+    let [name, keys @ ..] = keys else {
+        return line;
+    };
+    let found = match value {
+        DeValue::Table(table) => table
+            .get_key_value(*name)
+            .map(|(key, value)| (line_at(text, key.span().start), value)),
+        DeValue::Array(list) => {
+            let place = name.parse().ok();
+            place.and_then(|place: usize| Some((line, list.get(place)?)))
+        }
+        _ => None,
+    };
+    found.map_or(1, |(line, value)| {
+        line_in(value.get_ref(), keys, text, line)
+    })
 }
 
 /// The text of a regular file of at most `most` bytes.

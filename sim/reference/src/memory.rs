@@ -64,15 +64,10 @@ pub fn list<T>(count: u64, what: &str) -> Result<Vec<T>, TooLarge> {
     let mut list = Vec::new();
     match usize::try_from(count).map(|count| list.try_reserve_exact(count)) {
         Ok(Ok(())) => Ok(list),
-        _ => Err(TooLarge {
-            what: what.to_owned(),
-            needed: count
-                .saturating_mul(size_of::<T>() as u64)
-                .div_ceil(MEGABYTE),
-            limit: available().unwrap_or(0) / MEGABYTE,
-            of: of_the_granted(),
-            fix: FIX,
-        }),
+        _ => {
+            let bytes = count.saturating_mul(size_of::<T>() as u64);
+            Err(too_large(bytes, available().unwrap_or(0), what, FIX))
+        }
     }
 }
 
@@ -87,14 +82,18 @@ pub fn push<T>(list: &mut Vec<T>, item: T, what: &str) -> Result<(), TooLarge> {
 
 fn within(bytes: u64, limit: Option<u64>, what: &str, fix: &'static str) -> Result<(), TooLarge> {
     match limit {
-        Some(limit) if bytes > limit => Err(TooLarge {
-            what: what.to_owned(),
-            needed: bytes.div_ceil(MEGABYTE),
-            limit: limit / MEGABYTE,
-            of: of_the_granted(),
-            fix,
-        }),
+        Some(limit) if bytes > limit => Err(too_large(bytes, limit, what, fix)),
         _ => Ok(()),
+    }
+}
+
+fn too_large(bytes: u64, limit: u64, what: &str, fix: &'static str) -> TooLarge {
+    TooLarge {
+        what: what.to_owned(),
+        needed: bytes.div_ceil(MEGABYTE),
+        limit: limit / MEGABYTE,
+        of: of_the_granted(),
+        fix,
     }
 }
 
@@ -122,14 +121,11 @@ pub fn available() -> Option<u64> {
     let group = |name: &str| number(&text(&format!("/sys/fs/cgroup/memory.{name}")));
     let [limits, status] = ["limits", "status"].map(|name| text(&format!("/proc/self/{name}")));
     let system = kilobytes(&text("/proc/meminfo"), "MemAvailable:");
-    let address_space = difference(
-        limit(&limits, "Max address space"),
-        kilobytes(&status, "VmSize:"),
-    );
-    let data = difference(
-        limit(&limits, "Max data size"),
-        kilobytes(&status, "VmData:"),
-    );
+    // The soft limits; none where they are `unlimited`.
+    let soft =
+        |limit: &str, used: &str| difference(after(&limits, limit), kilobytes(&status, used));
+    let address_space = soft("Max address space", "VmSize:");
+    let data = soft("Max data size", "VmData:");
     // What is cached for files counts as used in a group, and would be given up.
     let cached = after(&text("/sys/fs/cgroup/memory.stat"), "inactive_file ").unwrap_or(0);
     let used = group("current").map(|bytes| bytes.saturating_sub(cached));
@@ -148,11 +144,6 @@ fn difference(limit: Option<u64>, used: Option<u64>) -> Option<u64> {
 /// `Name:   1234 kB`.
 fn kilobytes(text: &str, name: &str) -> Option<u64> {
     Some(after(text, name)?.saturating_mul(1024))
-}
-
-/// The soft limit of a line of `/proc/self/limits`; none if it is `unlimited`.
-fn limit(text: &str, name: &str) -> Option<u64> {
-    after(text, name)
 }
 
 fn after(text: &str, name: &str) -> Option<u64> {
@@ -174,8 +165,8 @@ mod tests {
         let limits = "Limit                     Soft Limit           Hard Limit           Units\n\
                       Max data size             unlimited            unlimited            bytes\n\
                       Max address space         4000000000           unlimited            bytes\n";
-        assert_eq!(limit(limits, "Max address space"), Some(4_000_000_000));
-        assert_eq!(limit(limits, "Max data size"), None);
+        assert_eq!(after(limits, "Max address space"), Some(4_000_000_000));
+        assert_eq!(after(limits, "Max data size"), None);
         assert_eq!(
             kilobytes("VmPeak:\t 9 kB\nVmSize:\t  12 kB\n", "VmSize:"),
             Some(12_288)

@@ -124,36 +124,24 @@ impl Picture {
     }
 
     fn encode_png(&self, depth: Depth, backdrop: Backdrop) -> Result<Vec<u8>, Refused> {
-        let steps = match depth {
-            Depth::Eight => 255.0,
-            Depth::Sixteen => 65535.0,
-        };
-        let step = |value: f64| quantise(value, steps);
-        let values: Vec<u16> = match backdrop {
-            Backdrop::Colour(colour) => {
-                let opaque = |pixel: &[f64; 4]| over(pixel, colour).map(step);
-                self.pixels.iter().flat_map(opaque).collect()
+        let step = |value: f64| quantise(value, depth.steps());
+        let pixels = self.pixels.iter();
+        let (colour, values): (_, Vec<u16>) = match backdrop {
+            Backdrop::Colour(behind) => {
+                let opaque = pixels.flat_map(|pixel| over(pixel, behind).map(step));
+                (ColorType::Rgb, opaque.collect())
             }
             Backdrop::Transparent => {
-                let straight = |pixel: &[f64; 4]| straight(pixel).map(step);
-                self.pixels.iter().flat_map(straight).collect()
+                let straight = pixels.flat_map(|pixel| straight(pixel).map(step));
+                (ColorType::Rgba, straight.collect())
             }
         };
-        let colour = match backdrop {
-            Backdrop::Colour(_) => ColorType::Rgb,
-            Backdrop::Transparent => ColorType::Rgba,
-        };
+        let values = values.into_iter();
         let (depth, bytes): (_, Vec<u8>) = match depth {
-            Depth::Eight => (
-                BitDepth::Eight,
-                values.iter().map(|value| *value as u8).collect(),
-            ),
+            Depth::Eight => (BitDepth::Eight, values.map(|value| value as u8).collect()),
             Depth::Sixteen => (
                 BitDepth::Sixteen,
-                values
-                    .iter()
-                    .flat_map(|value| value.to_be_bytes())
-                    .collect(),
+                values.flat_map(u16::to_be_bytes).collect(),
             ),
         };
         let samples = PngSamples {

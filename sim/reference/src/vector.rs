@@ -37,6 +37,12 @@ pub fn length(a: Vector) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// `a` at length 1; nothing where it has no direction.
+pub fn unit(a: Vector) -> Option<Vector> {
+    let length = length(a);
+    (length.is_finite() && length > 0.0).then(|| a.map(|coordinate| coordinate / length))
+}
+
 /// The product of a row-major matrix and a column vector.
 pub fn transform(rows: &[Vector; 3], a: Vector) -> Vector {
     [dot(rows[0], a), dot(rows[1], a), dot(rows[2], a)]

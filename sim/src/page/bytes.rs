@@ -5,7 +5,7 @@
 //! columns of like bytes compress to a part of what interleaved splats do.
 
 use crate::rules::{Kernel, Rules};
-use crate::scene::{Harmonics, Scene, Skipped, SortOrder, Splat, Weight};
+use crate::scene::{Harmonics, Scene, SortOrder, Splat};
 
 /// What the bytes begin with; the digit is the version.
 const MAGIC: &[u8; 8] = b"SPLPAGE3";
@@ -74,18 +74,10 @@ pub fn decode(bytes: &[u8]) -> Option<(Scene, Rules)> {
         _ => return None,
     };
     let scene = Scene {
-        name: String::new(),
-        natural_rules: rules,
-        weight: if rules.normalised {
-            Weight::Mass
-        } else {
-            Weight::Opacity
-        },
-        splats,
         harmonics,
-        skipped: Skipped::default(),
         order,
         up: [0.0, 1.0, 0.0],
+        ..Scene::of_splats("", rules, splats)
     };
     rest.is_empty().then_some((scene, rules))
 }

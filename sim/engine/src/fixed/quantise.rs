@@ -377,7 +377,7 @@ mod tests {
     /// A Gaussian of the kernel's front door and the same one of a file become the same splat.
     #[test]
     fn both_front_doors_make_the_same_splats() {
-        use crate::scene::{Skipped, SortOrder, Splat, Weight, rotation_matrix};
+        use crate::scene::{Splat, rotation_matrix};
         let mut state = 7u32;
         let mut next = |from: f32, to: f32| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -402,16 +402,8 @@ mod tests {
                 colour: g.colour.map(f64::from),
             }
         };
-        let scene = Scene {
-            name: "front".to_string(),
-            natural_rules: Rules::GAUSSIAN_3D,
-            weight: Weight::Opacity,
-            splats: gaussians.iter().map(splat).collect(),
-            harmonics: None,
-            skipped: Skipped::default(),
-            order: SortOrder::Depth,
-            up: [0.0, -1.0, 0.0],
-        };
+        let splats = gaussians.iter().map(splat).collect();
+        let scene = Scene::of_splats("front", Rules::GAUSSIAN_3D, splats);
         let camera = Camera::look_at([0.0, 0.0, -9.0], [0.0; 3], scene.up, 50.0, 64, 64).unwrap();
         let quantised = QuantisedScene::new(&scene, &camera, &Rules::GAUSSIAN_3D);
         let expected: Vec<_> = gaussians.iter().map(|g| g.splat().unwrap()).collect();

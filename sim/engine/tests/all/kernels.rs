@@ -6,11 +6,11 @@ use splatline_engine::camera::Camera;
 use splatline_engine::design::DesignChoice;
 use splatline_engine::fast::lanes::VectorLevel;
 use splatline_engine::fixed::{self, HybridRenderer, PaintEngine};
-use splatline_engine::hybrid::{Hybrid, Points, rules_for_points, spacing};
+use splatline_engine::hybrid::{Hybrid, Points, spacing};
 use splatline_engine::metrics::compare;
 use splatline_engine::picture::Picture;
 use splatline_engine::rules::{Antialias, Compositing, Kernel, Rules};
-use splatline_engine::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use splatline_engine::scene::{Scene, Splat, Weight};
 use splatline_reference::engines::sphere::{Index, Shape};
 use splatline_reference::engines::{self as reference, exact, float};
 
@@ -35,16 +35,7 @@ fn volume() -> Scene {
             colour: [hash, 1.0 - hash, 0.5],
         });
     }
-    Scene {
-        name: "cube".to_owned(),
-        natural_rules: Rules::EWA,
-        weight: Weight::Mass,
-        splats,
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
-        up: [0.0, -1.0, 0.0],
-    }
+    Scene::of_splats("cube", Rules::EWA, splats)
 }
 
 /// Seen from `distance` on a slant; k is 60.
@@ -119,7 +110,7 @@ fn peak_opacities_are_dimmed_by_distance_scaling() {
 #[test]
 fn points_and_stamps_meet_the_bars() {
     let (scene, design) = (volume(), standard24());
-    let rules = rules_for_points(&scene, &Rules::EWA);
+    let rules = Rules::EWA.with_antialias(Antialias::Swan(spacing(&scene)));
     let ranges = [None, Some(0.5 * spacing(&scene)), Some(2.3)];
     for points in [Points::Auto, Points::All, Points::None] {
         for depth_range in ranges {
@@ -149,7 +140,7 @@ fn frames_of_points_and_splats_are_the_kernels() {
     // More than one part of a scene, so that splats are numbered across parts.
     scene.splats.extend_from_within(..);
     scene.splats.extend_from_within(..);
-    let rules = rules_for_points(&scene, &Rules::EWA);
+    let rules = Rules::EWA.with_antialias(Antialias::Swan(spacing(&scene)));
     let ways = [
         (Points::None, None, None),
         (Points::Auto, None, None),
@@ -197,7 +188,7 @@ fn frames_of_points_and_splats_are_the_kernels() {
 #[test]
 fn points_are_chosen_by_projected_size() {
     let (scene, design) = (volume(), standard24());
-    let rules = rules_for_points(&scene, &Rules::EWA);
+    let rules = Rules::EWA.with_antialias(Antialias::Swan(spacing(&scene)));
     let share = |distance: f64| {
         let camera = camera(distance, false);
         let hybrid = Hybrid::default();
@@ -213,7 +204,7 @@ fn points_are_chosen_by_projected_size() {
 #[test]
 fn points_without_a_range_are_splats_seen_head_on() {
     let scene = volume();
-    let rules = rules_for_points(&scene, &Rules::EWA);
+    let rules = Rules::EWA.with_antialias(Antialias::Swan(spacing(&scene)));
     let camera = camera(120.0, true);
     let picture = |points| {
         let hybrid = Hybrid {

@@ -4,9 +4,12 @@
 use super::lens::{Distortion, Lens};
 use super::{CameraPose, Read, photograph};
 use crate::input;
+use crate::scene::bytes::{Reader, nothing_left};
 use crate::scene::rotation_matrix;
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// Lens models in the order of their numbers: name, number of parameters, how many of them are focal lengths, and what follows the principal point.
 const MODELS: [(&str, usize, usize, ColmapModel); 11] = [
@@ -64,188 +67,143 @@ pub(super) fn load(folder: &Path) -> Read {
     let read = |name: &str| {
         let file = format!("{name}.{}", if binary { "bin" } else { "txt" });
         let bytes = input::bytes(&folder.join(&file), input::TABLE);
-        bytes.map_err(|error| format!("{file} cannot be read: {error}"))
+        bytes.map_err(|error| anyhow!("{file} cannot be read: {error}"))
     };
     let (cameras, images) = (read("cameras")?, read("images")?);
     if binary {
-        binary_images(&images, &binary_cameras(&cameras)?)
-    } else {
-        text_images(
-            &text(&images, "images.txt")?,
-            &text_cameras(&text(&cameras, "cameras.txt")?)?,
-        )
+        return binary_images(&images, &binary_cameras(&cameras)?);
     }
+    let cameras = text_cameras(&text(cameras, "cameras.txt")?)?;
+    text_images(&text(images, "images.txt")?, &cameras)
 }
 
-fn text(bytes: &[u8], file: &str) -> Result<String, String> {
-    String::from_utf8(bytes.to_vec()).map_err(|_| format!("{file} is no text: fetch it again"))
+fn text(bytes: Vec<u8>, file: &str) -> Result<String> {
+    String::from_utf8(bytes).map_err(|_| anyhow!("{file} is no text: fetch it again"))
 }
 
 type Lenses = BTreeMap<i64, Lens>;
 
-fn text_cameras(text: &str) -> Result<Lenses, String> {
-    let mut lenses = Lenses::new();
-    for (number, line) in lines(text) {
-        let wrong = |what: &str| format!("cameras.txt line {number}: {what}");
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let [id, model, width, height, parameters @ ..] = &words[..] else {
-            return Err(wrong("expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS"));
-        };
-        let known = MODELS.iter().find(|(name, ..)| name == model);
-        let known = known.ok_or_else(|| {
-            wrong(&format!(
-                "the model '{model}' is unknown; undistort to PINHOLE"
-            ))
-        })?;
-        let whole = |word: &str| {
-            word.parse()
-                .map_err(|_| wrong(&format!("'{word}' is no whole number")))
-        };
-        let parameters: Result<Vec<f64>, String> = parameters
-            .iter()
-            .map(|word| {
-                word.parse()
-                    .map_err(|_| wrong(&format!("'{word}' is no number")))
-            })
-            .collect();
-        let id: u64 = whole(id)?;
-        let lens = lens(known, [whole(width)?, whole(height)?], &parameters?)
-            .map_err(|what| wrong(&what))?;
-        lenses.insert(id as i64, lens);
-    }
-    Ok(lenses)
+fn text_cameras(text: &str) -> Result<Lenses> {
+    let named = |(number, line): (usize, &str)| {
+        text_camera(line).map_err(|what| anyhow!("cameras.txt line {number}: {what}"))
+    };
+    let lines = (1..).zip(text.lines());
+    let said = lines.filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
+    said.map(named).collect()
+}
+
+pub(super) fn text_camera(line: &str) -> Result<(i64, Lens)> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let [id, model, width, height, parameters @ ..] = &words[..] else {
+        bail!("expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS");
+    };
+    let known = MODELS.iter().find(|(name, ..)| name == model);
+    let known =
+        known.with_context(|| format!("the model '{model}' is unknown; undistort to PINHOLE"))?;
+    let size = [
+        parsed(width, "whole number")?,
+        parsed(height, "whole number")?,
+    ];
+    let parameters = parameters.iter().map(|word| parsed(word, "number"));
+    let parameters: Vec<f64> = parameters.collect::<Result<_>>()?;
+    let id: u64 = parsed(id, "whole number")?;
+    Ok((id as i64, lens(known, size, &parameters)?))
+}
+
+fn parsed<T: FromStr>(word: &str, kind: &str) -> Result<T> {
+    word.parse().map_err(|_| anyhow!("'{word}' is no {kind}"))
 }
 
 fn text_images(text: &str, lenses: &Lenses) -> Read {
     let mut poses = Vec::new();
-    // Every image has a line of points after it, which may be empty.
-    let mut lines = text
-        .lines()
-        .enumerate()
+    let mut lines = (1..)
+        .zip(text.lines())
         .filter(|(_, line)| !line.starts_with('#'));
-    while let Some((index, line)) = lines.next() {
-        if line.trim().is_empty() && poses.is_empty() {
+    while let Some((number, line)) = lines.next() {
+        if line.trim().is_empty() {
             continue;
         }
-        let wrong = |what: String| format!("images.txt line {}: {what}", index + 1);
-        let words: Vec<&str> = line.split_whitespace().collect();
-        if words.is_empty() {
-            continue;
-        }
-        let [_, numbers @ ..] = &words[..] else {
-            continue;
-        };
-        if numbers.len() < 9 {
-            let expected = "expected IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, and a line of points after each";
-            return Err(wrong(expected.to_owned()));
-        }
-        let mut pose = [0.0; 7];
-        for (value, word) in pose.iter_mut().zip(numbers) {
-            *value = word
-                .parse()
-                .map_err(|_| wrong(format!("'{word}' is no number")))?;
-        }
-        let camera = numbers[7]
-            .parse()
-            .map_err(|_| wrong(format!("'{}' is no camera", numbers[7])))?;
-        let name = numbers[8..].join(" ");
-        poses.push(posed(name, pose, camera, lenses).map_err(wrong)?);
+        let pose = text_image(line, lenses);
+        poses.push(pose.map_err(|what| anyhow!("images.txt line {number}: {what}"))?);
+        // Every image has a line of points after it, which may be empty.
         lines.next();
     }
     Ok(poses)
 }
 
-/// Lines that are neither empty nor comments, with their numbers.
-fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let numbered = (1..).zip(text.lines());
-    numbered.filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
+fn text_image(line: &str, lenses: &Lenses) -> Result<CameraPose> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    ensure!(
+        words.len() >= 10,
+        "expected IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, and a line of points after each"
+    );
+    let mut pose = [0.0; 7];
+    for (value, word) in pose.iter_mut().zip(&words[1..]) {
+        *value = parsed(word, "number")?;
+    }
+    posed(
+        words[9..].join(" "),
+        pose,
+        parsed(words[8], "camera")?,
+        lenses,
+    )
 }
 
 /// A cursor over a binary file.
 struct ColmapBytes<'a> {
-    rest: &'a [u8],
+    reader: Reader<'a>,
     file: &'static str,
 }
 
-impl ColmapBytes<'_> {
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {
-        let cut = || format!("{} ends too early: fetch it again", self.file);
-        let (taken, rest) = self.rest.split_first_chunk::<N>().ok_or_else(cut)?;
-        self.rest = rest;
-        Ok(*taken)
+impl<'a> ColmapBytes<'a> {
+    fn new(bytes: &'a [u8], file: &'static str) -> ColmapBytes<'a> {
+        let reader = Reader::new(bytes);
+        ColmapBytes { reader, file }
     }
 
-    fn double(&mut self) -> Result<f64, String> {
-        Ok(f64::from_le_bytes(self.array()?))
+    fn double(&mut self) -> Result<f64> {
+        Ok(f64::from_le_bytes(self.reader.array(self.file)?))
     }
 
-    fn int(&mut self) -> Result<i64, String> {
-        Ok(i32::from_le_bytes(self.array()?).into())
+    fn int(&mut self) -> Result<i64> {
+        Ok(i32::from_le_bytes(self.reader.array(self.file)?).into())
     }
 
-    fn long(&mut self) -> Result<u64, String> {
-        Ok(u64::from_le_bytes(self.array()?))
+    fn long(&mut self) -> Result<u64> {
+        Ok(u64::from_le_bytes(self.reader.array(self.file)?))
     }
 
-    /// A name up to its zero byte.
-    fn name(&mut self) -> Result<String, String> {
-        let end = self.rest.iter().position(|byte| *byte == 0);
-        let end = end.ok_or_else(|| format!("{} ends within a name: fetch it again", self.file))?;
-        let name = String::from_utf8_lossy(&self.rest[..end]).into_owned();
-        self.rest = &self.rest[end + 1..];
-        Ok(name)
-    }
-
-    fn skip(&mut self, bytes: u64) -> Result<(), String> {
-        let cut = || format!("{} ends too early: fetch it again", self.file);
-        let bytes = usize::try_from(bytes).map_err(|_| cut())?;
-        self.rest = self.rest.get(bytes..).ok_or_else(cut)?;
-        Ok(())
-    }
-
-    fn finish(&self) -> Result<(), String> {
-        match self.rest.len() {
-            0 => Ok(()),
-            left => Err(format!(
-                "{}: {left} bytes are left over after the last record",
-                self.file
-            )),
-        }
+    fn finish(&self) -> Result<()> {
+        let fix = "fetch it again";
+        nothing_left(self.reader.remaining(), self.file, "record", fix)
     }
 }
 
-fn binary_cameras(bytes: &[u8]) -> Result<Lenses, String> {
-    let mut bytes = ColmapBytes {
-        rest: bytes,
-        file: "cameras.bin",
-    };
+fn binary_cameras(bytes: &[u8]) -> Result<Lenses> {
+    let mut bytes = ColmapBytes::new(bytes, "cameras.bin");
     let mut lenses = Lenses::new();
     for _ in 0..bytes.long()? {
-        let id = bytes.int()?;
-        let number = bytes.int()?;
-        let known = usize::try_from(number)
-            .ok()
-            .and_then(|number| MODELS.get(number));
-        let known = known.ok_or_else(|| {
+        let (id, number) = (bytes.int()?, bytes.int()?);
+        let known = usize::try_from(number).ok();
+        let known = known.and_then(|number| MODELS.get(number)).with_context(|| {
             format!(
                 "cameras.bin, camera {id}: the lens model {number} is unknown; undistort to PINHOLE"
             )
         })?;
         let size = [bytes.long()?, bytes.long()?];
-        let parameters: Result<Vec<f64>, String> = (0..known.1).map(|_| bytes.double()).collect();
-        let lens = lens(known, size, &parameters?)
-            .map_err(|what| format!("cameras.bin, camera {id}: {what}"))?;
-        lenses.insert(id, lens);
+        let parameters: Result<Vec<f64>> = (0..known.1).map(|_| bytes.double()).collect();
+        let lens = lens(known, size, &parameters?);
+        lenses.insert(
+            id,
+            lens.map_err(|what| anyhow!("cameras.bin, camera {id}: {what}"))?,
+        );
     }
     bytes.finish()?;
     Ok(lenses)
 }
 
 fn binary_images(bytes: &[u8], lenses: &Lenses) -> Read {
-    let mut bytes = ColmapBytes {
-        rest: bytes,
-        file: "images.bin",
-    };
+    let mut bytes = ColmapBytes::new(bytes, "images.bin");
     let mut poses = Vec::new();
     for _ in 0..bytes.long()? {
         let id = bytes.int()?;
@@ -254,12 +212,12 @@ fn binary_images(bytes: &[u8], lenses: &Lenses) -> Read {
             *value = bytes.double()?;
         }
         let camera = bytes.int()?;
-        let name = bytes.name()?;
+        let name = String::from_utf8_lossy(bytes.reader.up_to_zero(bytes.file)?);
+        let posed = posed(name.into_owned(), pose, camera, lenses);
+        poses.push(posed.map_err(|what| anyhow!("images.bin, image {id}: {what}"))?);
         // Points of the picture: two doubles and a number each.
         let points = bytes.long()?;
-        bytes.skip(points.saturating_mul(24))?;
-        let wrong = |what: String| format!("images.bin, image {id}: {what}");
-        poses.push(posed(name, pose, camera, lenses).map_err(wrong)?);
+        bytes.reader.records(points, 24, bytes.file)?;
     }
     bytes.finish()?;
     Ok(poses)
@@ -269,13 +227,12 @@ fn lens(
     (name, count, focals, model): &(&str, usize, usize, ColmapModel),
     size: [u64; 2],
     p: &[f64],
-) -> Result<Lens, String> {
-    if p.len() != *count {
-        return Err(format!(
-            "{name} has {count} parameters, but there are {}",
-            p.len()
-        ));
-    }
+) -> Result<Lens> {
+    ensure!(
+        p.len() == *count,
+        "{name} has {count} parameters, but there are {}",
+        p.len()
+    );
     let rest = &p[focals + 2..];
     let at = |k: usize| rest.get(k).copied().unwrap_or(0.0);
     let distortion = match model {
@@ -303,24 +260,17 @@ fn lens(
     })
 }
 
-/// The lens of a model's name.
-#[cfg(test)]
-pub(super) fn lens_of(model: &str, size: [u64; 2], parameters: &[f64]) -> Result<Lens, String> {
-    let known = MODELS.iter().find(|(name, ..)| *name == model);
-    lens(known.ok_or("unknown")?, size, parameters)
-}
-
 fn posed(
     name: String,
     [w, x, y, z, tx, ty, tz]: [f64; 7],
     camera: i64,
     lenses: &Lenses,
-) -> Result<CameraPose, String> {
+) -> Result<CameraPose> {
     let lens = lenses
         .get(&camera)
-        .ok_or_else(|| format!("there is no camera {camera} in the file of cameras"))?;
+        .with_context(|| format!("there is no camera {camera} in the file of cameras"))?;
     let finite = [w, x, y, z].iter().all(|part| part.is_finite());
     let rotation = rotation_matrix([w, x, y, z]).filter(|_| finite);
-    let rotation = rotation.ok_or("its quaternion is zero or not finite")?;
+    let rotation = rotation.context("its quaternion is zero or not finite")?;
     photograph(name, *lens, ("QW QX QY QZ", rotation), [tx, ty, tz])
 }

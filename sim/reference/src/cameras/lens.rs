@@ -252,10 +252,9 @@ mod tests {
             let [model, parameters, ref numbers @ ..] = fields[..] else {
                 panic!("{line}")
             };
-            let parameters = parameters.split(' ').map(|p| p.parse().unwrap());
-            let lens = colmap::lens_of(model, [1280, 720], &parameters.collect::<Vec<_>>());
+            let camera = format!("1 {model} 1280 720 {parameters}");
             let numbers: Vec<f64> = numbers.iter().map(|n| n.parse().unwrap()).collect();
-            let lens = lens.unwrap();
+            let (_, lens) = colmap::text_camera(&camera).unwrap();
             let [u, v] = lens.pixel([numbers[0], numbers[1]]);
             let apart = (u - numbers[2]).hypot(v - numbers[3]);
             assert!(apart < 0.01, "{line}: {u} {v}");

@@ -21,6 +21,7 @@ mod tests;
 use crate::camera::{Camera, CameraError, DEFAULT_FAR, DEFAULT_NEAR};
 use crate::input;
 use crate::vector::{self, Vector};
+use anyhow::anyhow;
 use lens::Lens;
 use std::path::Path;
 
@@ -42,18 +43,14 @@ pub struct CameraPose {
 }
 
 /// What a reader gives: problems are plain sentences, [`load`] puts the file before them.
-type Read = Result<Vec<CameraPose>, String>;
+type Read = anyhow::Result<Vec<CameraPose>>;
 
 /// Names listed where one has to be chosen.
 const LISTED: usize = 5;
 
 /// All cameras of a file or folder. `size` is used where a file has none.
 pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<CameraPose>, CameraError> {
-    let wrong = |problem: String| CameraError {
-        file: Some(path.display().to_string()),
-        field: None,
-        problem,
-    };
+    let wrong = |problem: anyhow::Error| CameraError::whole(problem.to_string()).in_file(path);
     if let Some(folder) = colmap::folder(path) {
         return colmap::load(&folder).map_err(wrong);
     }
@@ -63,13 +60,17 @@ pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<CameraPose>, Ca
     }
     if path.is_dir() {
         let problem = "is a folder and not a regular file, and holds no cameras and images (.txt or .bin) of COLMAP, also in sparse/0: name a file";
-        return Err(wrong(problem.to_string()));
+        return Err(CameraError::whole(problem.to_owned()).in_file(path));
     }
-    match kind(path) {
-        CameraFormat::Frames(text) => transforms::parse(&text, size).map_err(wrong),
-        CameraFormat::List(text) => trainer::parse(&text).map_err(wrong),
-        CameraFormat::Own => Ok(vec![own(path)?]),
+    // What cannot be read is left to our own reader, whose messages name the fields.
+    let text = input::text(path, input::TABLE).unwrap_or_default();
+    if text.trim_start().starts_with('[') {
+        return trainer::parse(&text).map_err(wrong);
     }
+    if serde_json::from_str::<HasFrames>(&text).is_ok() {
+        return transforms::parse(&text, size).map_err(wrong);
+    }
+    Ok(vec![own(path)?])
 }
 
 fn own(path: &Path) -> Result<CameraPose, CameraError> {
@@ -85,31 +86,11 @@ fn own(path: &Path) -> Result<CameraPose, CameraError> {
     })
 }
 
-enum CameraFormat {
-    Frames(String),
-    List(String),
-    Own,
-}
-
 /// What tells nerfstudio's files.
 #[derive(serde::Deserialize)]
 struct HasFrames {
     #[serde(rename = "frames")]
     _frames: serde::de::IgnoredAny,
-}
-
-/// What cannot be read is left to our own reader, whose messages name the fields.
-fn kind(path: &Path) -> CameraFormat {
-    let Ok(text) = input::text(path, input::TABLE) else {
-        return CameraFormat::Own;
-    };
-    if text.trim_start().starts_with('[') {
-        return CameraFormat::List(text);
-    }
-    match serde_json::from_str::<HasFrames>(&text) {
-        Ok(_) => CameraFormat::Frames(text),
-        Err(_) => CameraFormat::Own,
-    }
 }
 
 /// The one pose there is, or the one of that name: the whole name, the file's name without folders, or without its extension.
@@ -131,22 +112,13 @@ pub fn choose(poses: Vec<CameraPose>, name: Option<&str>) -> Result<CameraPose, 
             )),
         };
     };
-    let tail = |pose: &CameraPose| -> [String; 3] {
-        let path = Path::new(&pose.name);
-        let part = |part: Option<&std::ffi::OsStr>| {
-            part.unwrap_or_default().to_string_lossy().into_owned()
-        };
-        [
-            pose.name.clone(),
-            part(path.file_name()),
-            part(path.file_stem()),
-        ]
-    };
     for level in 0..3 {
-        let matching: Vec<&CameraPose> = poses
-            .iter()
-            .filter(|pose| tail(pose)[level] == wanted)
-            .collect();
+        let is_wanted = |pose: &&CameraPose| {
+            let path = Path::new(&pose.name);
+            let tails = [Some(path.as_os_str()), path.file_name(), path.file_stem()];
+            tails[level].is_some_and(|tail| tail == wanted)
+        };
+        let matching: Vec<&CameraPose> = poses.iter().filter(is_wanted).collect();
         match matching[..] {
             [one] => return Ok(one.clone()),
             [] => {}
@@ -169,7 +141,7 @@ fn photograph(
     lens: Lens,
     (rotation_field, rotation): (&'static str, [Vector; 3]),
     translation: Vector,
-) -> Result<CameraPose, String> {
+) -> anyhow::Result<CameraPose> {
     let [width, height] = lens
         .size
         .map(|side| usize::try_from(side).unwrap_or(usize::MAX));
@@ -187,8 +159,8 @@ fn photograph(
         orthographic: false,
     };
     let sound = camera.sound().map_err(|error| match error.field {
-        Some(field) => format!("{field} {}", error.problem),
-        None => error.problem,
+        Some(field) => anyhow!("{field} {}", error.problem),
+        None => anyhow!(error.problem),
     });
     let (camera, correction) = sound?;
     Ok(CameraPose {

@@ -3,6 +3,7 @@
 
 use super::lens::{Distortion, Lens};
 use super::{CameraPose, Read, inverted, photograph, unit_rows};
+use anyhow::{Result, anyhow};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -21,14 +22,14 @@ struct TrainerCamera {
 /// All cameras of a file.
 pub(super) fn parse(text: &str) -> Read {
     let entries: Vec<TrainerCamera> =
-        serde_json::from_str(text).map_err(|error| format!("is no cameras.json: {error}"))?;
+        serde_json::from_str(text).map_err(|error| anyhow!("is no cameras.json: {error}"))?;
     let posed = |(index, entry): (usize, &TrainerCamera)| {
-        pose(entry).map_err(|what| format!("camera {index}: {what}"))
+        pose(entry).map_err(|what| anyhow!("camera {index}: {what}"))
     };
     entries.iter().enumerate().map(posed).collect()
 }
 
-fn pose(entry: &TrainerCamera) -> Result<CameraPose, String> {
+fn pose(entry: &TrainerCamera) -> Result<CameraPose> {
     let column = |k: usize| entry.rotation.map(|row| row[k]);
     let (rotation, translation) =
         inverted(unit_rows([column(0), column(1), column(2)]), entry.position);

@@ -6,6 +6,7 @@
 
 use super::lens::{Distortion, Lens};
 use super::{CameraPose, Read, inverted, photograph, unit_rows};
+use anyhow::{Result, anyhow, bail, ensure};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -46,34 +47,29 @@ struct TransformsLens {
 /// The one model that is no polynomial.
 const FISHEYE: &str = "OPENCV_FISHEYE";
 
+const MODELS: [&str; 7] = [
+    "OPENCV",
+    FISHEYE,
+    "PINHOLE",
+    "SIMPLE_PINHOLE",
+    "PERSPECTIVE",
+    "SIMPLE_RADIAL",
+    "RADIAL",
+];
+
 /// All frames of a file; `size` is the picture's where the file has none.
 pub(super) fn parse(text: &str, size: Option<[usize; 2]>) -> Read {
     let file: TransformsFile =
-        serde_json::from_str(text).map_err(|error| format!("is no transforms.json: {error}"))?;
-    let fisheye = file
-        .camera_model
-        .as_ref()
-        .is_some_and(|model| model.eq_ignore_ascii_case(FISHEYE));
-    if let Some(model) = &file.camera_model {
-        let known = [
-            "OPENCV",
-            FISHEYE,
-            "PINHOLE",
-            "SIMPLE_PINHOLE",
-            "PERSPECTIVE",
-            "SIMPLE_RADIAL",
-            "RADIAL",
-        ];
-        if !known.contains(&model.to_ascii_uppercase().as_str()) {
-            let shown: String = model.chars().filter(|c| !c.is_control()).take(40).collect();
-            return Err(format!(
-                "camera_model '{shown}' is unknown: undistort the pictures and export again"
-            ));
-        }
+        serde_json::from_str(text).map_err(|error| anyhow!("is no transforms.json: {error}"))?;
+    let model = file.camera_model.as_deref().unwrap_or("OPENCV");
+    if !MODELS.contains(&model.to_ascii_uppercase().as_str()) {
+        let shown: String = model.chars().filter(|c| !c.is_control()).take(40).collect();
+        bail!("camera_model '{shown}' is unknown: undistort the pictures and export again");
     }
+    let fisheye = model.eq_ignore_ascii_case(FISHEYE);
     let posed = |(index, frame): (usize, &TransformsFrame)| {
         pose(frame, &frame.lens.or(&file.lens), size, fisheye)
-            .map_err(|what| format!("frame {index}: {what}"))
+            .map_err(|what| anyhow!("frame {index}: {what}"))
     };
     file.frames.iter().enumerate().map(posed).collect()
 }
@@ -105,11 +101,11 @@ fn pose(
     lens: &TransformsLens,
     size: Option<[usize; 2]>,
     fisheye: bool,
-) -> Result<CameraPose, String> {
+) -> Result<CameraPose> {
     let [width, height] = match (lens.w, lens.h, size) {
         (Some(w), Some(h), _) if w >= 1.0 && h >= 1.0 => [w as u64, h as u64],
         (None, None, Some(size)) => size.map(|side| side as u64),
-        _ => return Err("w and h are not there: give --size WxH".to_owned()),
+        _ => bail!("w and h are not there: give --size WxH"),
     };
     let of_angle =
         |angle: Option<f64>, side: u64| angle.map(|angle| 0.5 * side as f64 / (0.5 * angle).tan());
@@ -118,17 +114,15 @@ fn pose(
     // Pixels are square unless the file says otherwise.
     let focal = match (across.or(down), down.or(across)) {
         (Some(across), Some(down)) => [across, down],
-        _ => return Err("there is neither fl_x nor camera_angle_x".to_owned()),
+        _ => bail!("there is neither fl_x nor camera_angle_x"),
     };
     let principal = [
         lens.cx.unwrap_or(width as f64 / 2.0),
         lens.cy.unwrap_or(height as f64 / 2.0),
     ];
     let [first, second, third, ..] = frame.transform_matrix[..] else {
-        return Err(format!(
-            "transform_matrix has {} rows, but must have 4",
-            frame.transform_matrix.len()
-        ));
+        let rows = frame.transform_matrix.len();
+        bail!("transform_matrix has {rows} rows, but must have 4");
     };
     let column = |k: usize| [first[k], second[k], third[k]];
     // Right, up, back in the file; right, down, forward here.
@@ -144,12 +138,13 @@ fn pose(
             tangential: [0.0; 2],
             prism: [0.0; 2],
         }
-    } else if radial[3] != 0.0 {
-        return Err(format!(
-            "k4 belongs to a fisheye, but camera_model is not {FISHEYE}: undistort the pictures and export again"
-        ));
     } else {
-        let [k1, k2, k3, _] = radial;
+        let [k1, k2, k3, k4] = radial;
+        ensure!(
+            k4 == 0.0,
+            "k4 belongs to a fisheye, but camera_model is not {FISHEYE}: \
+             undistort the pictures and export again"
+        );
         Distortion::Polynomial {
             radial: [k1, k2, k3, 0.0, 0.0, 0.0],
             tangential,

@@ -9,14 +9,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::{Counts, Culled, FloatDrawing, PixelBox};
+use super::{BAND, Counts, Culled, FloatDrawing, PixelBox, in_bands};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::{Scene, Splat};
 
-/// Columns and rows of a tile.
-const TILE: usize = 16;
+/// Columns of a tile, which has as many rows as a band.
+const TILE: usize = BAND;
 
 /// Told the rows done and the rows in all, from any thread.
 pub type RowProgress<'a> = &'a (dyn Fn(usize, usize) + Sync);
@@ -86,9 +86,6 @@ pub fn draw<S: ScreenSplat>(
 ) -> FloatDrawing {
     let mut counts = Counts::of_projected(projected);
     let mut picture = Picture::new(camera.width, camera.height);
-    if picture.pixels.is_empty() {
-        return FloatDrawing { picture, counts };
-    }
     let mut ordered: Vec<&S> = order(projected)
         .iter()
         .filter_map(|&i| projected[i].as_ref().ok())
@@ -97,35 +94,20 @@ pub fn draw<S: ScreenSplat>(
         ordered.reverse();
     }
     let rows_done = AtomicUsize::new(0);
-    let bands = picture
-        .pixels
-        .par_chunks_mut(camera.width * TILE)
-        .enumerate();
-    let covered = bands.map(|(band, pixels)| {
-        let covered = draw_band(
-            &ordered,
-            band * TILE,
-            camera.width,
-            pixels,
-            rules,
-            compositing,
-        );
-        let rows = pixels.len() / camera.width;
-        progress(
-            rows_done.fetch_add(rows, Ordering::Relaxed) + rows,
-            camera.height,
-        );
+    counts.covered_pixels = in_bands(&mut picture.pixels, camera.width, |band, pixels| {
+        let covered = draw_band(&ordered, band, pixels, rules, compositing);
+        let rows = band.y1 - band.y0;
+        let before = rows_done.fetch_add(rows, Ordering::Relaxed);
+        progress(before + rows, camera.height);
         covered
     });
-    counts.covered_pixels = covered.sum();
     FloatDrawing { picture, counts }
 }
 
-/// Draws a band of rows from `y0` into its part of the picture; returns the pairs of splat and pixel blended.
+/// Draws a band of rows into its part of the picture; returns the pairs of splat and pixel blended.
 fn draw_band<S: ScreenSplat>(
     ordered: &[&S],
-    y0: usize,
-    width: usize,
+    band: PixelBox,
     pixels: &mut [[f64; 4]],
     rules: &Rules,
     compositing: Compositing,
@@ -134,24 +116,15 @@ fn draw_band<S: ScreenSplat>(
         let touches = |&i: &usize| !splats[i].bounds().intersection(&area).is_empty();
         (0..splats.len()).filter(touches).collect()
     };
-    let y1 = y0 + pixels.len() / width;
-    let of_band = touching(
-        ordered,
-        PixelBox {
-            x0: 0,
-            y0,
-            x1: width,
-            y1,
-        },
-    );
+    let of_band = touching(ordered, band);
     let of_band: Vec<&S> = of_band.into_iter().map(|i| ordered[i]).collect();
+    let width = band.x1;
     let mut covered = 0;
     for x0 in (0..width).step_by(TILE) {
         let mut tile = FloatTile::new(PixelBox {
             x0,
-            y0,
             x1: (x0 + TILE).min(width),
-            y1,
+            ..band
         });
         for i in touching(&of_band, tile.area) {
             if tile.unfinished == 0 {

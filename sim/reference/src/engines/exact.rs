@@ -70,12 +70,6 @@ pub fn project<'a>(
     let (axes, weight) = scaled_by_distance(splat, weight, &jacobian, rules);
     let axes = CameraAxes::new(&axes, camera);
     let centre = screen_position(position, camera);
-    let whole = PixelBox {
-        x0: 0,
-        y0: 0,
-        x1: camera.width,
-        y1: camera.height,
-    };
     let mut footprint = ExactFootprint {
         camera,
         axes,
@@ -86,7 +80,7 @@ pub fn project<'a>(
         normalised: rules.normalised,
         relative_peak: rules.kernel.relative_peak(),
         low_pass: rules.low_pass,
-        bounds: whole,
+        bounds: PixelBox::whole(camera),
         colour,
     };
     let (variance, mut peak) = footprint.variance_and_peak(centre);
@@ -99,18 +93,11 @@ pub fn project<'a>(
         footprint.weight = peak;
     }
     // The peak of a normalised kernel differs from ray to ray, so its smallest opacity bounds nothing here.
-    let alpha_min = if rules.normalised {
-        0.0
-    } else {
-        rules.alpha_min
-    };
-    let cutoff = effective_cutoff(
-        peak,
-        &Rules {
-            alpha_min,
-            ..*rules
-        },
-    )?;
+    let mut bounding = *rules;
+    if rules.normalised {
+        bounding.alpha_min = 0.0;
+    }
+    let cutoff = effective_cutoff(peak, &bounding)?;
     footprint.bounds = footprint.bounds_within(cutoff);
     if footprint.bounds.is_empty() {
         return Err(Culled::OutsideViewport);
@@ -145,12 +132,7 @@ pub fn draw(
 impl ExactFootprint<'_> {
     /// The marginal variance and the peak on the ray through a point of the picture.
     fn variance_and_peak(&self, point: [f64; 2]) -> (ScreenVariance, f64) {
-        let camera = self.camera;
-        let slope = [
-            (point[0] - camera.cx) / camera.fx,
-            (point[1] - camera.cy) / camera.fy,
-        ];
-        let jacobian = Jacobian::at(camera, slope, self.depth);
+        let jacobian = Jacobian::at(self.camera, self.camera.slopes(point), self.depth);
         let variance = ScreenVariance::new(&self.axes, &jacobian, self.low_pass);
         let peak = if self.normalised {
             let peak = variance.normalised_peak() * self.relative_peak;
@@ -164,13 +146,12 @@ impl ExactFootprint<'_> {
     /// The pixels whose rays may meet the widened ellipsoid of radial index `cutoff`.
     fn bounds_within(&self, cutoff: f64) -> PixelBox {
         let camera = self.camera;
-        let horizontal = self.extent(0, camera.fx, camera.cx, cutoff);
-        let vertical = self.extent(1, camera.fy, camera.cy, cutoff);
-        let range = |[low, high]: [f64; 2], centre: f64, size| {
-            pixel_range(low, high, centre.abs() + (high - low), size)
+        let range = |axis: usize, focal_length: f64, principal: f64, size: usize| {
+            let [low, high] = self.extent(axis, focal_length, principal, cutoff);
+            pixel_range(low, high, self.centre[axis].abs() + (high - low), size)
         };
-        let (x0, x1) = range(horizontal, self.centre[0], camera.width);
-        let (y0, y1) = range(vertical, self.centre[1], camera.height);
+        let (x0, x1) = range(0, camera.fx, camera.cx, camera.width);
+        let (y0, y1) = range(1, camera.fy, camera.cy, camera.height);
         PixelBox { x0, y0, x1, y1 }
     }
 

@@ -86,7 +86,9 @@ pub fn project_beyond_viewport(
         weight
     };
     let cutoff = effective_cutoff(peak, rules)?;
-    let bounds = ellipse_bounds(centre, &variance, cutoff, camera);
+    // The ellipse's half extents.
+    let half = [variance.a, variance.c].map(|along| (cutoff * along).sqrt());
+    let bounds = PixelBox::around(centre, half, camera);
     Ok(Footprint {
         centre,
         depth,
@@ -244,21 +246,4 @@ fn jacobian_slope(position: [f64; 3], camera: &Camera, rules: &Rules) -> [f64; 2
         clamped(x / z, camera.width, camera.cx, camera.fx),
         clamped(y / z, camera.height, camera.cy, camera.fy),
     ]
-}
-
-/// The pixels of the ellipse r < cutoff: its half extents are sqrt(cutoff a) and sqrt(cutoff c).
-fn ellipse_bounds(
-    centre: [f64; 2],
-    variance: &ScreenVariance,
-    cutoff: f64,
-    camera: &Camera,
-) -> PixelBox {
-    let half_width = (cutoff * variance.a).sqrt();
-    let half_height = (cutoff * variance.c).sqrt();
-    let range = |centre: f64, half: f64, size| {
-        pixel_range(centre - half, centre + half, centre.abs() + half, size)
-    };
-    let (x0, x1) = range(centre[0], half_width, camera.width);
-    let (y0, y1) = range(centre[1], half_height, camera.height);
-    PixelBox { x0, y0, x1, y1 }
 }

@@ -10,21 +10,20 @@
 //! setup (centre, conic, opacity) -> raster (offset from the centre, radial index) -> kernel (exp, opacity at the pixel) -> blend
 //! ```
 //!
-//! The formulas are those of [`single`](super::single): determinant as a c - b^2, conic by division. Machines with a narrow pixel path keep
+//! The formulas are those of [`plain`]. Machines with a narrow pixel path keep
 //! pixel coordinates small; so here a splat's centre is handed to the raster stage relative to its tile of 16 x 16 pixels. Depths are compared
 //! in the format of setup, ties by index.
 
-use super::single::SingleFootprint;
-use super::{Counts, Culled, FloatDrawing, PixelBox};
+use super::plain::{self, Number, PlainFootprint};
+use super::{BAND, Counts, FloatDrawing, PixelBox, compositor, in_bands};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::Rules;
-use crate::scene::{Scene, SortOrder, Splat};
-use rayon::prelude::*;
+use crate::scene::{Scene, SortOrder};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Columns and rows of a tile.
-const TILE: usize = 16;
+/// Columns of a tile, which has as many rows as a band.
+const TILE: usize = BAND;
 
 /// A binary floating-point format with gradual underflow, infinities, and rounding to nearest, ties to even.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,41 +37,30 @@ pub struct FloatFormat {
 }
 
 /// IEEE 754 binary32.
-pub const FP32: FloatFormat = FloatFormat {
-    fraction_bits: 23,
-    min_exponent: -126,
-    max_exponent: 127,
-};
+pub const FP32: FloatFormat = FloatFormat::new(23, -126, 127);
 
 /// IEEE 754 binary16.
-pub const FP16: FloatFormat = FloatFormat {
-    fraction_bits: 10,
-    min_exponent: -14,
-    max_exponent: 15,
-};
+pub const FP16: FloatFormat = FloatFormat::new(10, -14, 15);
 
 /// The upper half of a binary32.
-pub const BFLOAT16: FloatFormat = FloatFormat {
-    fraction_bits: 7,
-    min_exponent: -126,
-    max_exponent: 127,
-};
+pub const BFLOAT16: FloatFormat = FloatFormat::new(7, -126, 127);
 
 /// 8 bits, of which 4 are the exponent's (E4M3); the two largest numbers, which some machines use for NaN, are numbers here.
-pub const FP8: FloatFormat = FloatFormat {
-    fraction_bits: 3,
-    min_exponent: -6,
-    max_exponent: 8,
-};
+pub const FP8: FloatFormat = FloatFormat::new(3, -6, 8);
 
 /// 8 bits, of which 5 are the exponent's (E5M2).
-pub const FP8_WIDE: FloatFormat = FloatFormat {
-    fraction_bits: 2,
-    min_exponent: -14,
-    max_exponent: 15,
-};
+pub const FP8_WIDE: FloatFormat = FloatFormat::new(2, -14, 15);
 
 impl FloatFormat {
+    /// So many bits behind the leading one, and normal numbers from 2^min to those of the exponent max.
+    const fn new(fraction_bits: i32, min_exponent: i32, max_exponent: i32) -> FloatFormat {
+        FloatFormat {
+            fraction_bits,
+            min_exponent,
+            max_exponent,
+        }
+    }
+
     /// The nearest value of the format.
     pub fn round(self, value: f64) -> f64 {
         if value == 0.0 || !value.is_finite() {
@@ -141,29 +129,19 @@ impl Rounded {
         self.format.number(value)
     }
 
-    fn sqrt(self) -> Rounded {
-        self.of(self.value.sqrt())
-    }
-
     /// Of the exponential only the double's value is rounded: it is within a billionth of the true one's neighbourhood.
     fn exp(self) -> Rounded {
         self.of(libm::exp(self.value))
     }
+}
 
-    fn min(self, other: Rounded) -> Rounded {
-        if other.value < self.value {
-            other
-        } else {
-            self
-        }
+impl Number for Rounded {
+    fn value(self) -> f64 {
+        self.value
     }
 
-    fn max(self, other: Rounded) -> Rounded {
-        if other.value > self.value {
-            other
-        } else {
-            self
-        }
+    fn sqrt(self) -> Rounded {
+        self.of(self.value.sqrt())
     }
 }
 
@@ -241,64 +219,46 @@ impl RoundedStages {
 /// A footprint in the format of setup.
 #[derive(Clone, Copy, Debug)]
 struct RoundedFootprint {
-    centre: [Rounded; 2],
-    depth: Rounded,
+    plain: PlainFootprint<Rounded>,
     /// What it is sorted by: the depth, or the distance from the eye.
     place: Rounded,
-    /// Vxx and Vyy.
-    variance: [Rounded; 2],
-    conic: [Rounded; 3],
-    peak: Rounded,
     colour: [f64; 3],
-}
-
-impl RoundedFootprint {
-    fn bounds(&self, camera: &Camera, rules: &Rules) -> PixelBox {
-        let [a, c] = self.variance.map(|v| v.value as f32);
-        let widest = SingleFootprint {
-            centre: self.centre.map(|x| x.value as f32),
-            depth: self.depth.value as f32,
-            variance: [a, 0.0, c, 0.0],
-            conic: [0.0; 3],
-            peak: self.peak.value as f32,
-        };
-        widest.bounds(camera, rules)
-    }
 }
 
 /// Draws front to back. Kernels other than the Gaussian are drawn as one: callers ask for `3dgs` or `ewa`.
 pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStages) -> FloatDrawing {
-    let (weights, colours) = (scene.weights_for(rules), scene.colours(camera));
-    let splats = scene.splats.par_iter().zip(weights).zip(colours);
-    let setup = Setup {
-        camera,
-        rules,
-        order: scene.order,
-        format: stages.setup,
-    };
-    let projected: Vec<Result<RoundedFootprint, Culled>> = splats
-        .map(|((splat, weight), colour)| setup.project(splat, weight, colour))
-        .collect();
+    let by_distance = scene.order == SortOrder::Distance && !camera.orthographic;
+    let projected = compositor::project_all(scene, camera, rules, |splat, weight, colour| {
+        let n = |value| stages.setup.number(value);
+        let plain = plain::project(splat, weight, camera, rules, n)?;
+        let place = match by_distance {
+            true => plain::dot(plain.position, plain.position).sqrt(),
+            false => plain.depth,
+        };
+        Ok(RoundedFootprint {
+            plain,
+            place,
+            colour,
+        })
+    });
     let mut counts = Counts::of_projected(&projected);
     let mut drawn: Vec<RoundedFootprint> = projected.into_iter().flatten().collect();
     // Stable: equal places stay in the order of their numbers.
     drawn.sort_by(|a, b| a.place.value.total_cmp(&b.place.value));
     let boxed: Vec<(RoundedFootprint, PixelBox)> = drawn
         .into_iter()
-        .map(|footprint| (footprint, footprint.bounds(camera, rules)))
+        .map(|footprint| (footprint, footprint.plain.bounds(camera, rules)))
         .filter(|(_, bounds)| !bounds.is_empty())
         .collect();
     let mut picture = Picture::new(camera.width, camera.height);
-    let bands = picture.pixels.par_chunks_mut((camera.width * TILE).max(1));
-    let covered = bands.enumerate().map(|(band, pixels)| {
-        let mut tiles = RowBand::new(band * TILE, camera.width, pixels.len(), rules, stages);
+    counts.covered_pixels = in_bands(&mut picture.pixels, camera.width, |rows, pixels| {
+        let mut tiles = RowBand::new(rows, pixels.len(), rules, stages);
         boxed
             .iter()
             .for_each(|(footprint, bounds)| tiles.splat(footprint, bounds));
         tiles.store(pixels);
         tiles.covered
     });
-    counts.covered_pixels = covered.sum();
     FloatDrawing { picture, counts }
 }
 
@@ -314,21 +274,10 @@ struct RowBand<'a> {
 }
 
 impl<'a> RowBand<'a> {
-    fn new(
-        first: usize,
-        width: usize,
-        pixels: usize,
-        rules: &'a Rules,
-        stages: &'a RoundedStages,
-    ) -> Self {
+    fn new(rows: PixelBox, pixels: usize, rules: &'a Rules, stages: &'a RoundedStages) -> Self {
         let [nothing, all] = [0.0, 1.0].map(|value| stages.blend.number(value));
         RowBand {
-            rows: PixelBox {
-                x0: 0,
-                y0: first,
-                x1: width,
-                y1: first + pixels / width.max(1),
-            },
+            rows,
             rules,
             stages,
             gathered: vec![[nothing, nothing, nothing, all]; pixels],
@@ -357,11 +306,11 @@ impl<'a> RowBand<'a> {
         let raster = self.stages.raster;
         // Relative to the tile while still in the format of setup, then handed over.
         let centre: [Rounded; 2] = [0, 1].map(|axis| {
-            let at = footprint.centre[axis];
+            let at = footprint.plain.centre[axis];
             (at - at.of(corner[axis] as f64)).to(raster)
         });
-        let conic = footprint.conic.map(|q| q.to(raster));
-        let peak = footprint.peak.to(self.stages.kernel);
+        let conic = footprint.plain.conic.map(|q| q.to(raster));
+        let peak = footprint.plain.peak.to(self.stages.kernel);
         let colour = footprint
             .colour
             .map(|channel| self.stages.blend.number(channel));
@@ -373,7 +322,7 @@ impl<'a> RowBand<'a> {
                     continue;
                 }
                 let dx = raster.number((x - corner[0]) as f64 + 0.5) - centre[0];
-                let r = radial(conic, dx, dy);
+                let r = plain::radial(conic, dx, dy);
                 if let Some(alpha) = opacity(r, peak, self.rules) {
                     self.covered += 1;
                     self.blend(index, alpha.to(self.stages.blend), colour);
@@ -405,11 +354,6 @@ impl<'a> RowBand<'a> {
     }
 }
 
-/// r = a dx^2 + 2 b dx dy + c dy^2 in the order of [`SingleFootprint::radial`].
-fn radial([a, b, c]: [Rounded; 3], dx: Rounded, dy: Rounded) -> Rounded {
-    a * dx * dx + a.of(2.0) * b * dx * dy + c * dy * dy
-}
-
 /// Opacity at a radial index, clamped and cut off by the rules.
 fn opacity(r: Rounded, peak: Rounded, rules: &Rules) -> Option<Rounded> {
     if !(0.0..rules.cutoff).contains(&r.value) {
@@ -418,119 +362,6 @@ fn opacity(r: Rounded, peak: Rounded, rules: &Rules) -> Option<Rounded> {
     let weight = (peak.of(-0.5) * r.to(peak.format)).exp();
     let alpha = (peak * weight).min(peak.of(rules.alpha_max));
     (alpha.value > 0.0 && alpha.value >= rules.alpha_min).then_some(alpha)
-}
-
-/// What is the same for all splats.
-struct Setup<'a> {
-    camera: &'a Camera,
-    rules: &'a Rules,
-    order: SortOrder,
-    format: FloatFormat,
-}
-
-impl Setup<'_> {
-    /// Projects one splat, step by step as [`single::project`](super::single::project) does.
-    fn project(
-        &self,
-        splat: &Splat,
-        weight: f64,
-        colour: [f64; 3],
-    ) -> Result<RoundedFootprint, Culled> {
-        let Setup {
-            camera,
-            rules,
-            order,
-            format,
-        } = *self;
-        let n = |value: f64| format.number(value);
-        let rotation = camera.rotation.map(|row| row.map(n));
-        let centre = splat.centre.map(n);
-        let t: [Rounded; 3] =
-            std::array::from_fn(|row| dot(rotation[row], centre) + n(camera.translation[row]));
-        let z = t[2];
-        if !z.value.is_finite() || z.value <= n(camera.near).value {
-            return Err(Culled::Near);
-        }
-        if z.value >= camera.far {
-            return Err(Culled::Far);
-        }
-        let focal = [n(camera.fx), n(camera.fy)];
-        let distance = if camera.orthographic { n(1.0) } else { z };
-        let slope = slopes(t, camera, rules);
-        let gain = focal.map(|f| f / distance);
-        let rows: [[Rounded; 3]; 2] = [0, 1].map(|i| {
-            std::array::from_fn(|k| gain[i] * rotation[i][k] - gain[i] * slope[i] * rotation[2][k])
-        });
-        let variance = covariance(splat, format);
-        let spread = |i: usize, j: usize| dot(rows[i], variance.map(|line| dot(line, rows[j])));
-        let low_pass = n(rules.low_pass);
-        let (sharp_a, b, sharp_c) = (spread(0, 0), spread(0, 1), spread(1, 1));
-        let (a, c) = (sharp_a + low_pass, sharp_c + low_pass);
-        let determinant = a * c - b * b;
-        if !(determinant.value.is_finite() && determinant.value > 0.0) {
-            return Err(Culled::Degenerate);
-        }
-        let peak = if rules.normalised {
-            let slant = (slope[0] * slope[0] + slope[1] * slope[1] + n(1.0)).sqrt();
-            n(weight) * gain[0] * gain[1] * slant / (n(std::f64::consts::TAU) * determinant.sqrt())
-        } else if rules.compensated {
-            let kept = (sharp_a * sharp_c - b * b) / determinant;
-            n(weight) * kept.max(n(0.0)).sqrt()
-        } else {
-            n(weight)
-        };
-        if !(peak.value > 0.0 && peak.value >= rules.alpha_min) {
-            return Err(Culled::Transparent);
-        }
-        Ok(RoundedFootprint {
-            centre: [
-                focal[0] * t[0] / distance + n(camera.cx),
-                focal[1] * t[1] / distance + n(camera.cy),
-            ],
-            depth: z,
-            place: match order {
-                SortOrder::Distance if !camera.orthographic => dot(t, t).sqrt(),
-                _ => z,
-            },
-            variance: [a, c],
-            conic: [c / determinant, -b / determinant, a / determinant],
-            peak,
-            colour,
-        })
-    }
-}
-
-fn slopes(t: [Rounded; 3], camera: &Camera, rules: &Rules) -> [Rounded; 2] {
-    let frustum = [
-        (camera.width, camera.cx, camera.fx),
-        (camera.height, camera.cy, camera.fy),
-    ];
-    [0, 1].map(|i| {
-        let (size, centre, focal) = frustum[i];
-        let n = |value: f64| t[i].of(value);
-        let (size, centre, focal) = (n(size as f64), n(centre), n(focal));
-        let slope = t[i] / t[2];
-        match (camera.orthographic, rules.clamp_jacobian) {
-            (true, _) => n(0.0),
-            (false, false) => slope,
-            (false, true) => {
-                let margin = n(0.15) * size / focal;
-                slope
-                    .min((size - centre) / focal + margin)
-                    .max(-(centre / focal + margin))
-            }
-        }
-    })
-}
-
-fn covariance(splat: &Splat, format: FloatFormat) -> [[Rounded; 3]; 3] {
-    let axes = splat.axes.map(|axis| axis.map(|x| format.number(x)));
-    let [p, q, s] = axes;
-    std::array::from_fn(|i| std::array::from_fn(|j| p[i] * p[j] + q[i] * q[j] + s[i] * s[j]))
-}
-
-fn dot(a: [Rounded; 3], b: [Rounded; 3]) -> Rounded {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]

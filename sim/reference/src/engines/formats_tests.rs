@@ -152,15 +152,9 @@ fn in_single_precision_it_is_the_engine_written_in_it() {
     let camera = synthetic::camera(96, 64);
     let rules = scene.natural_rules;
     let weights = scene.weights_for(&rules);
-    let setup = Setup {
-        camera: &camera,
-        rules: &rules,
-        order: scene.order,
-        format: FP32,
-    };
     let mut drawn = 0;
     for (splat, weight) in scene.splats.iter().zip(weights) {
-        let ours = setup.project(splat, weight, [0.5; 3]).ok();
+        let ours = plain::project(splat, weight, &camera, &rules, |x| FP32.number(x)).ok();
         let theirs = super::super::single::project(splat, weight, &camera, &rules);
         assert_eq!(ours.is_some(), theirs.is_some());
         let (Some(ours), Some(theirs)) = (ours, theirs) else {

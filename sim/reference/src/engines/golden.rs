@@ -15,7 +15,7 @@ use super::float;
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
-use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use crate::scene::{Scene, Splat};
 
 /// The category whose picture holds all splats.
 pub const ALL: &str = "all";
@@ -115,16 +115,8 @@ impl GoldenA {
 
     /// The splats of a category as a scene.
     pub fn scene(&self, category: &str) -> Scene {
-        Scene {
-            name: format!("golden_a {category}"),
-            natural_rules: self.rules,
-            weight: Weight::Opacity,
-            splats: self.members(category).map(|golden| golden.splat).collect(),
-            harmonics: None,
-            skipped: Skipped::default(),
-            order: SortOrder::Depth,
-            up: [0.0, -1.0, 0.0],
-        }
+        let splats = self.members(category).map(|golden| golden.splat).collect();
+        Scene::of_splats(format!("golden_a {category}"), self.rules, splats)
     }
 
     /// Measures engine `float` against the data set, category by category.
@@ -151,18 +143,16 @@ impl GoldenA {
                 float::project_beyond_viewport(&golden.splat, 1.0, [0.0; 3], camera, rules);
             let Ok(footprint) = projected else { continue };
             deviation.splats += 1;
-            deviation.conic = largest(
-                deviation.conic,
+            raise(
+                &mut deviation.conic,
                 conic_difference(footprint.conic, golden.exact_conic),
             );
-            deviation.centre = largest(
-                deviation.centre,
-                centre_difference(footprint.centre, golden.centre),
+            raise(
+                &mut deviation.centre,
+                difference(footprint.centre, golden.centre, 1.0),
             );
-            deviation.depth = largest(
-                deviation.depth,
-                (footprint.depth / golden.depth - 1.0).abs(),
-            );
+            let depth = (footprint.depth / golden.depth - 1.0).abs();
+            raise(&mut deviation.depth, depth);
         }
         let drawing = float::draw(
             &self.scene(category),
@@ -178,7 +168,7 @@ impl GoldenA {
             .flatten()
             .zip(expected.pixels.iter().flatten());
         for (computed, expected) in channels {
-            deviation.picture = largest(deviation.picture, (computed - expected).abs());
+            raise(&mut deviation.picture, (computed - expected).abs());
         }
         Ok(deviation)
     }
@@ -214,32 +204,25 @@ fn parse_picture(text: &str, camera: &Camera) -> Result<Picture> {
 
 /// Largest difference of an entry over the largest entry.
 pub fn conic_difference(computed: [f64; 3], exact: [f64; 3]) -> f64 {
-    let scale = exact
-        .iter()
-        .fold(0.0_f64, |scale, entry| scale.max(entry.abs()));
-    computed
-        .iter()
-        .zip(exact)
-        .fold(0.0, |sofar, (c, e)| largest(sofar, (c - e).abs() / scale))
+    difference(computed, exact, 0.0)
 }
 
-fn centre_difference(computed: [f64; 2], expected: [f64; 2]) -> f64 {
-    let scale = expected
-        .iter()
-        .fold(1.0_f64, |scale, entry| scale.max(entry.abs()));
-    computed
-        .iter()
-        .zip(expected)
-        .fold(0.0, |sofar, (c, e)| largest(sofar, (c - e).abs() / scale))
+/// Largest difference of an entry over the largest entry, or over `floor` where all are smaller.
+fn difference<const N: usize>(computed: [f64; N], exact: [f64; N], floor: f64) -> f64 {
+    let scale = exact.iter().fold(floor, |scale, e| scale.max(e.abs()));
+    let mut most = 0.0;
+    for (computed, exact) in computed.iter().zip(exact) {
+        raise(&mut most, (computed - exact).abs() / scale);
+    }
+    most
 }
 
 /// Like `f64::max`, but a NaN is as bad as can be instead of ignored.
-fn largest(sofar: f64, difference: f64) -> f64 {
-    if difference.is_nan() {
-        f64::INFINITY
-    } else {
-        sofar.max(difference)
-    }
+fn raise(most: &mut f64, difference: f64) {
+    *most = match difference.is_nan() {
+        true => f64::INFINITY,
+        false => most.max(difference),
+    };
 }
 
 fn data_lines(text: &str) -> impl Iterator<Item = &str> {
@@ -387,10 +370,5 @@ pub fn rotated_axes(quaternion: [f64; 4], scales: [f64; 3]) -> [[f64; 3]; 3] {
             1.0 - twice * (x * x + y * y),
         ],
     ];
-    let [s1, s2, s3] = scales;
-    [
-        columns[0].map(|c| s1 * c),
-        columns[1].map(|c| s2 * c),
-        columns[2].map(|c| s3 * c),
-    ]
+    [0, 1, 2].map(|k| columns[k].map(|c| scales[k] * c))
 }

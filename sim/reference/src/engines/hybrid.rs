@@ -3,11 +3,11 @@
 //! Points have one circular footprint, the one that a spherical splat has at the distance k. With a depth range, the points
 //! that a pixel meets within it are summed; the sum is composited when the next fragment lies beyond, or belongs to a splat.
 
-use super::compositor::{self, ScreenSplat, opacity};
+use super::compositor::{self, opacity};
 use super::float::{self, Footprint, screen_position, visible_position};
 use super::jacobian::{Jacobian, ScreenVariance};
 use super::kernels::enlargement;
-use super::{Counts, Culled, FloatDrawing, PixelBox, pixel_range};
+use super::{Counts, Culled, FloatDrawing, PixelBox};
 use crate::camera::Camera;
 use crate::hybrid::{Hybrid, Points, deviation};
 use crate::picture::Picture;
@@ -19,26 +19,24 @@ use crate::scene::{Scene, Splat};
 /// With phase bits, the centres of points are rounded as a stamp rounds them.
 pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, hybrid: &Hybrid) -> FloatDrawing {
     let deviation = deviation(scene);
+    let is_point = |splat: &Splat| is_point(splat, camera, rules, hybrid.points);
     let projected = compositor::project_all(scene, camera, rules, |splat, weight, colour| {
-        if is_point(splat, camera, rules, hybrid.points) {
+        if is_point(splat) {
             let point = point(splat, weight, colour, camera, rules, deviation)?;
-            Ok(FloatPrimitive {
-                footprint: stamped(point, hybrid.phase_bits, rules, camera),
-                is_point: true,
-            })
+            Ok(stamped(point, hybrid.phase_bits, rules, camera))
         } else {
-            let footprint = float::project(splat, weight, colour, camera, rules)?;
-            Ok(FloatPrimitive {
-                footprint,
-                is_point: false,
-            })
+            float::project(splat, weight, colour, camera, rules)
         }
     });
     let mut counts = Counts::of_projected(&projected);
     let mut cells = vec![FloatCell::EMPTY; camera.width * camera.height];
+    // By the depth, whatever the scene says: points are gathered by differences of depths.
     for index in compositor::order(&projected) {
-        if let Ok(primitive) = &projected[index] {
-            counts.covered_pixels += splat_into(&mut cells, camera, primitive, rules, hybrid);
+        if let Ok(footprint) = &projected[index] {
+            let range = hybrid
+                .depth_range
+                .filter(|_| is_point(&scene.splats[index]));
+            counts.covered_pixels += splat_into(&mut cells, camera, footprint, rules, range);
         }
     }
     let mut picture = Picture::new(camera.width, camera.height);
@@ -87,23 +85,18 @@ fn point(
         determinant: area * area,
         sharp_determinant: area * area,
     };
+    let (centre, half) = (screen_position(position, camera), half(rules, area));
     let footprint = Footprint {
-        centre: screen_position(position, camera),
+        centre,
         depth: position[2],
         place: position[2],
         variance,
         conic: variance.conic(),
         peak: weight * across * down * share,
         cutoff: rules.cutoff,
-        bounds: PixelBox {
-            x0: 0,
-            y0: 0,
-            x1: 0,
-            y1: 0,
-        },
+        bounds: PixelBox::around(centre, half, camera),
         colour,
     };
-    let footprint = bounded(footprint, camera);
     if footprint.bounds.is_empty() {
         Err(Culled::OutsideViewport)
     } else {
@@ -111,58 +104,30 @@ fn point(
     }
 }
 
-fn bounded(mut footprint: Footprint, camera: &Camera) -> Footprint {
-    let half = (footprint.cutoff * footprint.variance.a).sqrt();
-    let range = |centre: f64, size| pixel_range(centre - half, centre + half, centre.abs(), size);
-    let (x0, x1) = range(footprint.centre[0], camera.width);
-    let (y0, y1) = range(footprint.centre[1], camera.height);
-    footprint.bounds = PixelBox { x0, y0, x1, y1 };
-    footprint
+/// Half of a point's extent along both axes.
+fn half(rules: &Rules, variance: f64) -> [f64; 2] {
+    [(rules.cutoff * variance).sqrt(); 2]
 }
 
 /// The point with its centre at the nearest of the stamp's phases.
-fn stamped(mut point: Footprint, bits: Option<u8>, _rules: &Rules, camera: &Camera) -> Footprint {
+fn stamped(mut point: Footprint, bits: Option<u8>, rules: &Rules, camera: &Camera) -> Footprint {
     let Some(bits) = bits else { return point };
     let phases = f64::from(bits).exp2();
-    point.centre = point
-        .centre
-        .map(|coordinate| (coordinate * phases + 0.5).floor() / phases);
-    bounded(point, camera)
+    let nearest = |coordinate: f64| (coordinate * phases + 0.5).floor() / phases;
+    point.centre = point.centre.map(nearest);
+    point.bounds = PixelBox::around(point.centre, half(rules, point.variance.a), camera);
+    point
 }
 
-struct FloatPrimitive {
-    footprint: Footprint,
-    is_point: bool,
-}
-
-impl ScreenSplat for FloatPrimitive {
-    fn bounds(&self) -> PixelBox {
-        self.footprint.bounds
-    }
-
-    /// The depth, whatever the scene says: points are gathered by differences of depths.
-    fn sort_place(&self) -> f64 {
-        self.footprint.depth
-    }
-
-    fn colour(&self) -> [f64; 3] {
-        self.footprint.colour
-    }
-
-    fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64) {
-        self.footprint.radial_index_and_peak(point)
-    }
-}
-
-/// Blends one primitive into its pixels; returns how many it covered.
+/// Blends one footprint into its pixels, or gathers it over a range of depths; returns how many it covered.
 fn splat_into(
     cells: &mut [FloatCell],
     camera: &Camera,
-    primitive: &FloatPrimitive,
+    footprint: &Footprint,
     rules: &Rules,
-    hybrid: &Hybrid,
+    gathered_over: Option<f64>,
 ) -> u64 {
-    let bounds = primitive.bounds();
+    let bounds = footprint.bounds;
     let mut covered = 0;
     for y in bounds.y0..bounds.y1 {
         for x in bounds.x0..bounds.x1 {
@@ -171,18 +136,15 @@ fn splat_into(
             if cell.finished {
                 continue;
             }
-            let Some(alpha) = opacity(primitive, point, rules) else {
+            let Some(alpha) = opacity(footprint, point, rules) else {
                 continue;
             };
             covered += 1;
-            match hybrid.depth_range {
-                Some(range) if primitive.is_point => {
-                    cell.gather(alpha, primitive, range, rules);
-                }
-                _ => {
-                    cell.close(rules);
-                    cell.over(alpha, primitive.colour().map(|c| c * alpha), rules);
-                }
+            if let Some(range) = gathered_over {
+                cell.gather(alpha, footprint, range, rules);
+            } else {
+                cell.close(rules);
+                cell.over(alpha, footprint.colour.map(|c| c * alpha), rules);
             }
         }
     }
@@ -207,19 +169,17 @@ impl FloatCell {
         slab: None,
     };
 
-    fn gather(&mut self, alpha: f64, point: &FloatPrimitive, range: f64, rules: &Rules) {
-        if self
-            .slab
-            .is_some_and(|(_, _, first)| point.sort_place() - first > range)
-        {
+    fn gather(&mut self, alpha: f64, point: &Footprint, range: f64, rules: &Rules) {
+        let is_beyond = |(_, _, first)| point.depth - first > range;
+        if self.slab.is_some_and(is_beyond) {
             self.close(rules);
             if self.finished {
                 return;
             }
         }
-        let (opacity, colour, _) = self.slab.get_or_insert((0.0, [0.0; 3], point.sort_place()));
+        let (opacity, colour, _) = self.slab.get_or_insert((0.0, [0.0; 3], point.depth));
         *opacity += alpha;
-        for (sum, channel) in colour.iter_mut().zip(point.colour()) {
+        for (sum, channel) in colour.iter_mut().zip(point.colour) {
             *sum += alpha * channel;
         }
     }

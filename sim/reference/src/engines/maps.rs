@@ -8,15 +8,11 @@
 //! - first: the first splat that was blended; id: the one of the largest w. Both are numbers in the scene's order, -1 without any.
 
 use super::compositor::{ScreenSplat, opacity, order};
-use super::float;
+use super::{float, in_bands};
 use crate::camera::Camera;
 use crate::rules::Rules;
 use crate::scene::{Scene, Splat};
 use crate::vector::{self, Vector};
-use rayon::prelude::*;
-
-/// Rows that one task goes through.
-const BAND: usize = 16;
 
 /// One pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,16 +101,14 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<MapPixel> {
         .collect();
     let width = camera.width;
     let mut pixels = vec![MapPixel::EMPTY; width * camera.height];
-    let bands = pixels.par_chunks_mut((width * BAND).max(1)).enumerate();
-    bands.for_each(|(band, pixels)| {
-        let rows = band * BAND..band * BAND + pixels.len() / width;
+    in_bands(&mut pixels, width, |rows, pixels| {
         for (index, footprint, normal) in &ordered {
-            let bounds = footprint.bounds;
-            for y in bounds.y0.max(rows.start)..bounds.y1.min(rows.end) {
+            let bounds = footprint.bounds.intersection(&rows);
+            for y in bounds.y0..bounds.y1 {
                 let height = y as f64 + 0.5;
                 let (x0, x1) = footprint.row_span(height);
                 for x in bounds.x0.max(x0)..bounds.x1.min(x1) {
-                    let pixel = &mut pixels[(y - rows.start) * width + x];
+                    let pixel = &mut pixels[(y - rows.y0) * width + x];
                     if pixel.finished {
                         continue;
                     }
@@ -125,6 +119,7 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<MapPixel> {
                 }
             }
         }
+        0
     });
     pixels
 }
@@ -149,12 +144,7 @@ fn normal(splat: &Splat, camera: &Camera) -> Vector {
         return [0.0; 3];
     }
     let unit = vector::scale(1.0 / length, turned);
-    let centre = camera.to_camera(splat.centre);
-    let towards = if camera.orthographic {
-        unit[2]
-    } else {
-        vector::dot(unit, centre)
-    };
+    let towards = vector::dot(unit, camera.ray(camera.to_camera(splat.centre)));
     vector::scale(if towards > 0.0 { -1.0 } else { 1.0 }, unit)
 }
 

@@ -20,6 +20,7 @@ pub mod hybrid;
 pub mod jacobian;
 pub mod kernels;
 pub mod maps;
+pub mod plain;
 pub mod rational;
 pub mod sheets;
 pub mod single;
@@ -28,7 +29,9 @@ pub mod surface;
 pub mod texture;
 pub mod warp;
 
+use crate::camera::Camera;
 use crate::picture::Picture;
+use rayon::prelude::*;
 
 /// Why a splat does not reach the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,6 +124,27 @@ pub struct PixelBox {
 }
 
 impl PixelBox {
+    /// All pixels of a camera's picture.
+    pub fn whole(camera: &Camera) -> PixelBox {
+        PixelBox {
+            x0: 0,
+            y0: 0,
+            x1: camera.width,
+            y1: camera.height,
+        }
+    }
+
+    /// The pixels whose centres lie within `half` of a place in the picture, on either side along both axes.
+    pub fn around(centre: [f64; 2], half: [f64; 2], camera: &Camera) -> PixelBox {
+        let range = |axis: usize, size: usize| {
+            let (middle, half) = (centre[axis], half[axis]);
+            pixel_range(middle - half, middle + half, middle.abs() + half, size)
+        };
+        let (x0, x1) = range(0, camera.width);
+        let (y0, y1) = range(1, camera.height);
+        PixelBox { x0, y0, x1, y1 }
+    }
+
     /// Whether there is no pixel inside.
     pub fn is_empty(&self) -> bool {
         self.x0 >= self.x1 || self.y0 >= self.y1
@@ -135,6 +159,29 @@ impl PixelBox {
             y1: self.y1.min(other.y1),
         }
     }
+}
+
+/// Rows that one task draws.
+const BAND: usize = 16;
+
+/// Draws a picture's pixels in bands of rows, which are shared among threads, and sums up what `draw` counts of each.
+fn in_bands<Pixel: Send>(
+    pixels: &mut [Pixel],
+    width: usize,
+    draw: impl Fn(PixelBox, &mut [Pixel]) -> u64 + Sync,
+) -> u64 {
+    let bands = pixels.par_chunks_mut((width * BAND).max(1)).enumerate();
+    let drawn = bands.map(|(band, pixels)| {
+        let y0 = band * BAND;
+        let rows = PixelBox {
+            x0: 0,
+            y0,
+            x1: width,
+            y1: y0 + pixels.len() / width,
+        };
+        draw(rows, pixels)
+    });
+    drawn.sum()
 }
 
 /// The pixels `0..size` whose centres (i + 0.5) lie between `low` and `high`, as a half-open range.

@@ -4,17 +4,13 @@
 
 use super::compositor::{self, ScreenSplat};
 use super::float::{self, Footprint};
-use super::{Counts, FloatDrawing};
+use super::{Counts, FloatDrawing, PixelBox, in_bands};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::Rules;
 use crate::scene::{Scene, Splat};
 use crate::sheets::{SheetKind, SheetPlan};
 use crate::vector;
-use rayon::prelude::*;
-
-/// Rows that one thread draws together.
-const BAND: usize = 16;
 
 /// Standard deviations of depth beyond which a kernel is not cut any more.
 const REACH: f64 = 3.0;
@@ -41,11 +37,10 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, plan: &SheetPlan) -> 
         })
         .collect();
     let mut picture = Picture::new(camera.width, camera.height);
-    picture
-        .pixels
-        .par_chunks_mut(camera.width.max(1) * BAND)
-        .enumerate()
-        .for_each(|(band, pixels)| draw_band(&drawn, band * BAND, camera.width, pixels, rules));
+    in_bands(&mut picture.pixels, camera.width, |band, pixels| {
+        draw_band(&drawn, band, pixels, rules);
+        0
+    });
     let counts = Counts::of_projected(&footprints);
     FloatDrawing { picture, counts }
 }
@@ -97,25 +92,19 @@ fn normal_integral(t: f64) -> f64 {
     0.5 * (1.0 + libm::erf(t / std::f64::consts::SQRT_2))
 }
 
-/// Sums and composites one band of rows that begins at `y0`.
-fn draw_band(
-    parts: &[(i64, Footprint)],
-    y0: usize,
-    width: usize,
-    pixels: &mut [[f64; 4]],
-    rules: &Rules,
-) {
-    let rows = pixels.len() / width;
+/// Sums and composites one band of rows.
+fn draw_band(parts: &[(i64, Footprint)], band: PixelBox, pixels: &mut [[f64; 4]], rules: &Rules) {
     // [r, g, b, transmittance] until the last sheet.
     pixels.fill([0.0, 0.0, 0.0, 1.0]);
     let mut sheet = vec![[0.0; 4]; pixels.len()];
     for of_slab in parts.chunk_by(|a, b| a.0 == b.0) {
         let mut touched = false;
         for (_, splat) in of_slab {
-            let bounds = splat.bounds();
-            for y in bounds.y0.max(y0)..bounds.y1.min(y0 + rows) {
+            let bounds = splat.bounds.intersection(&band);
+            for y in bounds.y0..bounds.y1 {
                 touched = true;
-                add_row(&mut sheet[(y - y0) * width..][..width], splat, y, rules);
+                let row = &mut sheet[(y - band.y0) * band.x1..][..band.x1];
+                add_row(row, splat, y, rules);
             }
         }
         if touched {

@@ -7,11 +7,11 @@
 use super::compositor::{self, ScreenSplat};
 use super::float::{effective_cutoff, screen_position, visible_position};
 use super::jacobian::ScreenVariance;
-use super::{Culled, FloatDrawing, PixelBox, pixel_range};
+use super::{Culled, FloatDrawing, PixelBox};
 use crate::camera::Camera;
 use crate::rules::{Compositing, Rules};
 use crate::scene::{Scene, Splat};
-use crate::vector;
+use crate::vector::{self, Vector};
 use serde::{Deserialize, Serialize};
 
 /// Which ellipse and index a sphere is drawn with.
@@ -37,41 +37,26 @@ pub enum Index {
 }
 
 /// A sphere on the screen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SphereFootprint {
+#[derive(Clone, Debug, PartialEq)]
+pub struct SphereFootprint<'a> {
+    /// The rays.
+    camera: &'a Camera,
+    /// Centre in camera space.
+    position: Vector,
+    deviation: f64,
+    /// Where the ellipse's middle is seen, pixels.
     centre: [f64; 2],
-    depth: f64,
     /// Quadratic form with value 1 on the outline.
     outline: ScreenVariance,
     /// Radial index on the outline.
     cutoff: f64,
-    index: PixelIndex,
+    index: Index,
+    /// Of the half-angle that the outline is seen under.
+    sine: f64,
+    tangent: f64,
     peak: f64,
     bounds: PixelBox,
     colour: [f64; 3],
-}
-
-/// What a pixel's index is computed from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum PixelIndex {
-    Affine,
-    Perspective(Angle),
-    /// Centre in camera space, deviation, and focal lengths and principal point.
-    Ray {
-        position: [f64; 3],
-        deviation: f64,
-        focal: [f64; 2],
-        principal: [f64; 2],
-    },
-}
-
-/// The half-angle of the cone, in the two measures that the index needs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Angle {
-    /// Tangent of the half-angle that i = 1 is seen under.
-    tangent: f64,
-    /// What d must be multiplied by to be the ray's distance in radii R.
-    scale: f64,
 }
 
 /// Draws a scene whose splats are taken as spheres of their first axis' length.
@@ -88,14 +73,14 @@ pub fn draw(
     compositor::draw(&spheres, camera, rules, compositing, &|_, _| ())
 }
 
-fn project(
+fn project<'a>(
     splat: &Splat,
     weight: f64,
     colour: [f64; 3],
-    camera: &Camera,
+    camera: &'a Camera,
     rules: &Rules,
     shape: Shape,
-) -> Result<SphereFootprint, Culled> {
+) -> Result<SphereFootprint<'a>, Culled> {
     let position = visible_position(splat, weight, colour, camera)?;
     let deviation = vector::length(splat.axes[0]);
     let peak = if rules.normalised {
@@ -153,47 +138,33 @@ fn project(
     if !outline.is_regular() {
         return Err(Culled::Degenerate);
     }
-    let index = match shape.index {
-        Index::Affine => PixelIndex::Affine,
-        Index::Perspective => PixelIndex::Perspective(Angle {
-            tangent,
-            scale: tangent / sine,
-        }),
-        Index::Ray => PixelIndex::Ray {
-            position,
-            deviation,
-            focal: [camera.fx, camera.fy],
-            principal: [camera.cx, camera.cy],
-        },
-    };
-    let range = |centre: f64, half: f64, size| {
-        pixel_range(centre - half, centre + half, centre.abs() + half, size)
-    };
-    let (x0, x1) = range(centre[0], outline.a.sqrt(), camera.width);
-    let (y0, y1) = range(centre[1], outline.c.sqrt(), camera.height);
-    let bounds = PixelBox { x0, y0, x1, y1 };
+    let bounds = PixelBox::around(centre, [outline.a.sqrt(), outline.c.sqrt()], camera);
     if bounds.is_empty() {
         return Err(Culled::OutsideViewport);
     }
     Ok(SphereFootprint {
+        camera,
+        position,
+        deviation,
         centre,
-        depth: z,
         outline,
         cutoff,
-        index,
+        index: shape.index,
+        sine,
+        tangent,
         peak,
         bounds,
         colour,
     })
 }
 
-impl ScreenSplat for SphereFootprint {
+impl ScreenSplat for SphereFootprint<'_> {
     fn bounds(&self) -> PixelBox {
         self.bounds
     }
 
     fn sort_place(&self) -> f64 {
-        self.depth
+        self.position[2]
     }
 
     fn colour(&self) -> [f64; 3] {
@@ -204,20 +175,16 @@ impl ScreenSplat for SphereFootprint {
         let offset = [point[0] - self.centre[0], point[1] - self.centre[1]];
         let index = self.outline.radial_index(offset).sqrt();
         let distance = match self.index {
-            PixelIndex::Affine => index,
-            PixelIndex::Perspective(Angle { tangent, scale }) => {
-                (index * tangent).atan().sin() / tangent * scale
+            Index::Affine => index,
+            // The second factor makes it the ray's distance in radii.
+            Index::Perspective => {
+                (index * self.tangent).atan().sin() / self.tangent * (self.tangent / self.sine)
             }
-            PixelIndex::Ray {
-                position,
-                deviation,
-                focal,
-                principal,
-            } => {
-                let slope = |axis: usize| (point[axis] - principal[axis]) / focal[axis];
-                let ray = [slope(0), slope(1), 1.0];
-                let apart = vector::length(vector::cross(position, ray)) / vector::length(ray);
-                return ((apart / deviation).powi(2), self.peak);
+            Index::Ray => {
+                let [x, y] = self.camera.slopes(point);
+                let ray = [x, y, 1.0];
+                let apart = vector::length(vector::cross(self.position, ray)) / vector::length(ray);
+                return ((apart / self.deviation).powi(2), self.peak);
             }
         };
         (distance * distance * self.cutoff, self.peak)

@@ -2,19 +2,16 @@
 //!
 //! Screen-space basis function (SURF eq. 8), attributes filtered and divided by the weight sum (eq. 9), depth of the tangent
 //! plane, accumulation by a depth threshold (section 4) or in layers (section 6, eq. 12), Phong shading per pixel and
-//! coverage from the weight sum (section 7). [`inverse_jacobian`] is the other way to the same ellipse, by intersecting
-//! pixel rays with the tangent plane (section 4); the tests hold both against each other.
+//! coverage from the weight sum (section 7). The other way to the same ellipse, by intersecting pixel rays with the tangent
+//! plane (section 4), is in the engine's tests, which hold both against each other.
 
-use super::{Counts, Culled, PixelBox, pixel_range};
+use super::{Counts, Culled, PixelBox, in_bands};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::scene::points::{Material, SurfacePoint, SurfaceScene};
 use crate::surface::{Buffer, Style};
 use crate::vector::{self, Vector};
 use rayon::prelude::*;
-
-/// Rows of a band that one thread draws.
-const BAND: usize = 16;
 
 /// A surface splat on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,17 +96,8 @@ pub fn project(
     if peak <= 0.0 {
         return Err(Culled::Transparent);
     }
-    let range = |axis: usize, spread: f64, size: usize| {
-        let half = (style.cutoff * spread).sqrt();
-        pixel_range(
-            centre[axis] - half,
-            centre[axis] + half,
-            centre[axis].abs() + half,
-            size,
-        )
-    };
-    let ((x0, x1), (y0, y1)) = (range(0, xx, camera.width), range(1, yy, camera.height));
-    let bounds = PixelBox { x0, y0, x1, y1 };
+    let half = [xx, yy].map(|spread| (style.cutoff * spread).sqrt());
+    let bounds = PixelBox::around(centre, half, camera);
     if bounds.is_empty() {
         return Err(Culled::OutsideViewport);
     }
@@ -135,62 +123,8 @@ pub fn project(
 /// The normal in camera space, turned towards the eye, and whether it had pointed away.
 fn facing_normal(point: &SurfacePoint, position: Vector, camera: &Camera) -> (Vector, bool) {
     let normal = vector::transform(&camera.rotation, point.normal);
-    let ray = if camera.orthographic {
-        [0.0, 0.0, 1.0]
-    } else {
-        position
-    };
-    let away = vector::dot(normal, ray) > 0.0;
+    let away = vector::dot(normal, camera.ray(position)) > 0.0;
     (vector::scale(if away { -1.0 } else { 1.0 }, normal), away)
-}
-
-/// d(tangent coordinates)/d(pixel) at the splat's centre: rays through the pixel and its neighbours, cut with the tangent
-/// plane (SURF 4). Columns are the change per column and per row, in standard deviations; none for a plane seen edge-on.
-pub fn inverse_jacobian(point: &SurfacePoint, camera: &Camera) -> Option<[[f64; 2]; 2]> {
-    let centre = camera.to_camera(point.centre);
-    let [s1, s2] = point
-        .frame
-        .map(|axis| vector::transform(&camera.rotation, axis));
-    let normal = vector::cross(s1, s2);
-    let foot = super::float::screen_position(centre, camera);
-    let towards = |u: f64, v: f64| -> (Vector, Vector) {
-        let (x, y) = ((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
-        if camera.orthographic {
-            ([x, y, 0.0], [0.0, 0.0, 1.0])
-        } else {
-            ([0.0; 3], [x, y, 1.0])
-        }
-    };
-    let cut = |du: f64, dv: f64| -> Option<[f64; 2]> {
-        let (start, direction) = towards(foot[0] + du, foot[1] + dv);
-        let along = vector::dot(normal, direction);
-        let distance = vector::dot(normal, vector::subtract(centre, start)) / along;
-        let hit = vector::add(start, vector::scale(distance, direction));
-        let offset = vector::subtract(hit, centre);
-        let coordinate = |s: Vector| vector::dot(offset, s) / vector::dot(s, s);
-        let found = [coordinate(s1), coordinate(s2)];
-        found.iter().all(|c| c.is_finite()).then_some(found)
-    };
-    // Central differences of a smooth map: the error falls with the square of the step.
-    let step = 1e-4;
-    let difference = |du: f64, dv: f64| -> Option<[f64; 2]> {
-        let (ahead, behind) = (cut(du, dv)?, cut(-du, -dv)?);
-        Some([0, 1].map(|k: usize| (ahead[k] - behind[k]) / (2.0 * step)))
-    };
-    Some([difference(step, 0.0)?, difference(0.0, step)?])
-}
-
-/// Depth of the true tangent plane at a place of the screen, by the ray: what the affine depth approximates.
-pub fn exact_depth(point: &SurfacePoint, camera: &Camera, place: [f64; 2]) -> f64 {
-    let centre = camera.to_camera(point.centre);
-    let normal = vector::transform(&camera.rotation, point.normal);
-    let x = (place[0] - camera.cx) / camera.fx;
-    let y = (place[1] - camera.cy) / camera.fy;
-    if camera.orthographic {
-        centre[2] - (normal[0] * (x - centre[0]) + normal[1] * (y - centre[1])) / normal[2]
-    } else {
-        vector::dot(normal, centre) / vector::dot(normal, [x, y, 1.0])
-    }
 }
 
 /// Weighted sums of one surface at one pixel.
@@ -233,12 +167,14 @@ impl FloatFragment {
             colour: vector::add(self.colour, other.colour),
             opacity: self.opacity + other.opacity,
             normal: vector::add(self.normal, other.normal),
-            range: [
-                self.range[0].min(other.range[0]),
-                self.range[1].max(other.range[1]),
-            ],
+            range: self.both_ranges(other),
             material: nearer.material,
         }
+    }
+
+    fn both_ranges(&self, other: &FloatFragment) -> [f64; 2] {
+        let ([near, far], [first, last]) = (self.range, other.range);
+        [near.min(first), far.max(last)]
     }
 
     /// SURF eq. 12 in premultiplied form, `self` in front.
@@ -258,10 +194,7 @@ impl FloatFragment {
             colour: [0, 1, 2].map(|c: usize| blend(self.colour[c], back.colour[c])),
             opacity: blend(self.opacity, back.opacity),
             normal: [0, 1, 2].map(|c: usize| turn(self.normal[c], back.normal[c])),
-            range: [
-                self.range[0].min(back.range[0]),
-                self.range[1].max(back.range[1]),
-            ],
+            range: self.both_ranges(back),
             material: self.material,
         }
     }
@@ -327,19 +260,11 @@ pub fn draw(scene: &SurfaceScene, camera: &Camera, style: &Style) -> FloatSurfac
     let mut counts = Counts::of_projected(&projected);
     let footprints: Vec<&SurfaceFootprint> = projected.iter().flatten().collect();
     let mut fragments = vec![FragmentList::new(); camera.width * camera.height];
-    let bands = fragments
-        .par_chunks_mut((camera.width * BAND).max(1))
-        .enumerate();
-    let covered = bands.map(|(band, pixels)| {
-        let y0 = band * BAND;
-        let rows = y0..y0 + pixels.len() / camera.width;
-        let touches = |f: &&&SurfaceFootprint| f.bounds.y0 < rows.end && f.bounds.y1 > rows.start;
+    counts.covered_pixels = in_bands(&mut fragments, camera.width, |rows, pixels| {
+        let touches = |f: &&&SurfaceFootprint| !f.bounds.intersection(&rows).is_empty();
         let visible = footprints.iter().filter(touches);
-        visible
-            .map(|footprint| gather(footprint, pixels, camera.width, rows.clone(), style))
-            .sum::<u64>()
+        visible.map(|f| gather(f, pixels, rows, style)).sum()
     });
-    counts.covered_pixels = covered.sum();
     let mut picture = Picture::new(camera.width, camera.height);
     let outputs = picture.pixels.par_iter_mut().zip(&fragments).enumerate();
     outputs.for_each(|(index, (out, pixel))| {
@@ -360,70 +285,31 @@ pub fn draw(scene: &SurfaceScene, camera: &Camera, style: &Style) -> FloatSurfac
 fn gather(
     splat: &SurfaceFootprint,
     pixels: &mut [FragmentList],
-    width: usize,
-    rows: std::ops::Range<usize>,
+    rows: PixelBox,
     style: &Style,
 ) -> u64 {
     let mut covered = 0;
-    let first = rows.start;
-    visit(splat, rows, style.cutoff, |x, y, weight, depth| {
-        covered += 1;
-        let sample = FloatFragment::of(weight, depth, splat);
-        let pixel = &mut pixels[(y - first) * width + x];
-        match style.buffer {
-            Buffer::Accumulation => accumulate(pixel, sample, style.threshold),
-            Buffer::Layers(count) => layer(pixel, sample, style.threshold, count),
-        }
-    });
-    covered
-}
-
-/// Calls `see` with column, row, weight and depth of every pixel of the rows that lies inside the splat's cut-off.
-fn visit(
-    splat: &SurfaceFootprint,
-    rows: std::ops::Range<usize>,
-    cutoff: f64,
-    mut see: impl FnMut(usize, usize, f64, f64),
-) {
     let [a, b, c] = splat.conic;
-    for y in rows.start.max(splat.bounds.y0)..rows.end.min(splat.bounds.y1) {
-        for x in splat.bounds.x0..splat.bounds.x1 {
+    let inside = splat.bounds.intersection(&rows);
+    for y in inside.y0..inside.y1 {
+        for x in inside.x0..inside.x1 {
             let dx = x as f64 + 0.5 - splat.centre[0];
             let dy = y as f64 + 0.5 - splat.centre[1];
             let r = a * dx * dx + 2.0 * b * dx * dy + c * dy * dy;
-            if r < cutoff {
-                let depth = splat.depth + splat.gradient[0] * dx + splat.gradient[1] * dy;
-                see(x, y, splat.peak * (-0.5 * r).exp(), depth);
+            if r >= style.cutoff || r.is_nan() {
+                continue;
+            }
+            covered += 1;
+            let depth = splat.depth + splat.gradient[0] * dx + splat.gradient[1] * dy;
+            let sample = FloatFragment::of(splat.peak * (-0.5 * r).exp(), depth, splat);
+            let pixel = &mut pixels[(y - rows.y0) * rows.x1 + x];
+            match style.buffer {
+                Buffer::Accumulation => accumulate(pixel, sample, style.threshold),
+                Buffer::Layers(count) => layer(pixel, sample, style.threshold, count),
             }
         }
     }
-}
-
-/// Per pixel how many layers overlap: the largest number of its samples that are pairwise farther apart than the threshold.
-///
-/// No order of drawing can have more fragments open than that, because open fragments are that far apart.
-pub fn overlapping_layers(scene: &SurfaceScene, camera: &Camera, style: &Style) -> Vec<usize> {
-    let mut depths = vec![Vec::new(); camera.width * camera.height];
-    for splat in scene
-        .points
-        .iter()
-        .flat_map(|point| project(point, camera, style))
-    {
-        visit(&splat, 0..camera.height, style.cutoff, |x, y, _, depth| {
-            depths[y * camera.width + x].push(depth);
-        });
-    }
-    let count = |mut depths: Vec<f64>| {
-        depths.sort_by(f64::total_cmp);
-        let mut last = f64::NEG_INFINITY;
-        let apart = |depth: &f64| {
-            let apart = *depth - last > style.threshold;
-            last = if apart { *depth } else { last };
-            apart
-        };
-        depths.iter().copied().filter(apart).count()
-    };
-    depths.into_iter().map(count).collect()
+    covered
 }
 
 /// Divides, shades, covers and composites a pixel's fragments.
@@ -466,15 +352,12 @@ fn resolve(
     [r, g, b, 1.0 - transmittance]
 }
 
-fn towards_eye([u, v]: [f64; 2], camera: &Camera) -> Vector {
+fn towards_eye(place: [f64; 2], camera: &Camera) -> Vector {
     if camera.orthographic {
         [0.0, 0.0, -1.0]
     } else {
-        unit([
-            -(u - camera.cx) / camera.fx,
-            -(v - camera.cy) / camera.fy,
-            -1.0,
-        ])
+        let [x, y] = camera.slopes(place);
+        unit([-x, -y, -1.0])
     }
 }
 

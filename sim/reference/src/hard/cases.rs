@@ -5,7 +5,8 @@
 use crate::camera::Camera;
 use crate::engines::golden::rotated_axes;
 use crate::rules::Rules;
-use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use crate::scene::{Scene, Splat};
+use crate::vector;
 
 /// Columns and rows of the pictures.
 const SIZE: usize = 64;
@@ -43,35 +44,19 @@ pub struct Case {
 /// Every case with other random splats for every `sample`; `quick` shortens the deep stack for the test suite.
 pub fn all(quick: bool, sample: u64) -> Vec<Case> {
     let mut cases = Vec::new();
-    for (ratio, shown) in [
-        (1e1, "10"),
-        (1e2, "10^2"),
-        (1e3, "10^3"),
-        (1e4, "10^4"),
-        (1e5, "10^5"),
+    for (rules, suffix, powers) in [
+        (Rules::GAUSSIAN_3D, "", &[1, 2, 3, 4, 5][..]),
+        (SHARP, ", low-pass 0", &[2, 3, 5]),
+        (Rules::EWA, ", ewa", &[2, 3, 5]),
     ] {
-        cases.push(needle(
-            sample,
-            &format!("needle {shown}:1"),
-            ratio,
-            Rules::GAUSSIAN_3D,
-        ));
-    }
-    for (ratio, shown) in [(1e2, "10^2"), (1e3, "10^3"), (1e5, "10^5")] {
-        cases.push(needle(
-            sample,
-            &format!("needle {shown}:1, low-pass 0"),
-            ratio,
-            SHARP,
-        ));
-    }
-    for (ratio, shown) in [(1e2, "10^2"), (1e3, "10^3"), (1e5, "10^5")] {
-        cases.push(needle(
-            sample,
-            &format!("needle {shown}:1, ewa"),
-            ratio,
-            Rules::EWA,
-        ));
+        for power in powers {
+            let shown = match power {
+                1 => "10".to_owned(),
+                _ => format!("10^{power}"),
+            };
+            let name = format!("needle {shown}:1{suffix}");
+            cases.push(needle(sample, &name, 10f64.powi(*power), rules));
+        }
     }
     cases.extend(shapes(sample));
     cases.extend(places(sample));
@@ -98,9 +83,12 @@ fn needle(sample: u64, name: &str, ratio: f64, rules: Rules) -> Case {
     case
 }
 
+fn ball(radius: f64) -> [[f64; 3]; 3] {
+    [[radius, 0.0, 0.0], [0.0, radius, 0.0], [0.0, 0.0, radius]]
+}
+
 fn shapes(sample: u64) -> Vec<Case> {
     let gaussian = Rules::GAUSSIAN_3D;
-    let ball = |radius: f64| [[radius, 0.0, 0.0], [0.0, radius, 0.0], [0.0, 0.0, radius]];
     vec![
         many(sample, "round, ordinary", gaussian, |turn| {
             splat([turn[1], turn[2], 6.0], ball(0.5), 0.8)
@@ -158,14 +146,10 @@ fn shapes(sample: u64) -> Vec<Case> {
 /// A disc of radius 1 that the ray to its centre lies in, level on the screen, its axes turned by `angle` against the ray, and `thin` across:
 /// each axis' vertical component on the screen is a difference of equal numbers.
 fn disc_through_the_eye(centre: [f64; 3], angle: f64, thin: f64) -> [[f64; 3]; 3] {
-    let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let unit = |v: [f64; 3]| v.map(|x| x / length(v));
+    let unit = |v| vector::unit(v).unwrap_or_default();
     let ray = unit(centre);
     let normal = unit([0.0, -ray[2], ray[1]]);
-    let across = [0, 1, 2].map(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        ray[j] * normal[k] - ray[k] * normal[j]
-    });
+    let across = vector::cross(ray, normal);
     let (sin, cos) = (0.3 + angle).sin_cos();
     [
         [0, 1, 2].map(|i| cos * ray[i] + sin * across[i]),
@@ -176,8 +160,7 @@ fn disc_through_the_eye(centre: [f64; 3], angle: f64, thin: f64) -> [[f64; 3]; 3
 
 fn places(sample: u64) -> Vec<Case> {
     let gaussian = Rules::GAUSSIAN_3D;
-    let ball = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]];
-    let small = |radius: f64| ball.map(|axis| axis.map(|x| x * radius));
+    let small = |radius: f64| ball(0.1 * radius);
     vec![
         many(sample, "just beyond the near plane", gaussian, |turn| {
             splat(
@@ -187,14 +170,14 @@ fn places(sample: u64) -> Vec<Case> {
             )
         }),
         many(sample, "on and behind the near plane", gaussian, |turn| {
-            splat([0.0, 0.0, 0.01 - turn[0].abs().floor() * 3.0], ball, 0.8)
-        }),
-        many(sample, "far off axis", gaussian, |turn| {
             splat(
-                [turn[1] * 50.0, turn[2] * 50.0, 1.0],
-                ball.map(|axis| axis.map(|x| x * 200.0)),
+                [0.0, 0.0, 0.01 - turn[0].abs().floor() * 3.0],
+                ball(0.1),
                 0.8,
             )
+        }),
+        many(sample, "far off axis", gaussian, |turn| {
+            splat([turn[1] * 50.0, turn[2] * 50.0, 1.0], small(200.0), 0.8)
         }),
         many(
             sample,
@@ -229,12 +212,11 @@ fn places(sample: u64) -> Vec<Case> {
 
 /// A camera that is turned about a slant axis and moved, so that every entry of W takes part.
 fn turned(sample: u64) -> Vec<Case> {
-    let ball = [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];
     let ordinary = many(
         sample,
         "turned camera, ordinary",
         Rules::GAUSSIAN_3D,
-        |turn| splat([turn[1], turn[2], 6.0], ball, 0.8),
+        |turn| splat([turn[1], turn[2], 6.0], ball(0.5), 0.8),
     );
     let thin = needle(
         sample,
@@ -265,18 +247,21 @@ fn seen_askew(mut case: Case) -> Case {
 
 fn orders(sample: u64) -> Vec<Case> {
     let gaussian = Rules::GAUSSIAN_3D;
-    let ball = [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];
     let opacity = |name: &str, value: f64| {
         many(sample, name, gaussian, |turn| {
-            splat([turn[1], turn[2], 6.0], ball, value)
+            splat([turn[1], turn[2], 6.0], ball(0.5), value)
         })
     };
     vec![
         many(sample, "equal depths", gaussian, |turn| {
-            splat([turn[1] * 0.2, turn[2] * 0.2, 6.0], ball, 0.5)
+            splat([turn[1] * 0.2, turn[2] * 0.2, 6.0], ball(0.5), 0.5)
         }),
         many(sample, "identical splats", gaussian, |_| {
-            splat([0.1 + apart(sample), 0.2, 6.0 - apart(sample)], ball, 0.3)
+            splat(
+                [0.1 + apart(sample), 0.2, 6.0 - apart(sample)],
+                ball(0.5),
+                0.3,
+            )
         }),
         opacity("opacity 0", 0.0),
         opacity("opacity 1/255", f64::from(1.0f32 / 255.0 + 1e-9)),
@@ -288,7 +273,7 @@ fn orders(sample: u64) -> Vec<Case> {
 fn deep_stack(sample: u64, count: usize) -> Case {
     let one = splat(
         [0.01 + apart(sample), 0.02, 6.0 + apart(sample)],
-        [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]],
+        ball(2.0),
         2f64.powi(-16),
     );
     let mut case = case(
@@ -326,11 +311,6 @@ fn apart(sample: u64) -> f64 {
 }
 
 fn case(name: &str, rules: Rules, splats: Vec<Splat>) -> Case {
-    let weight = if rules.normalised {
-        Weight::Mass
-    } else {
-        Weight::Opacity
-    };
     let camera = Camera {
         width: SIZE,
         height: SIZE,
@@ -344,20 +324,10 @@ fn case(name: &str, rules: Rules, splats: Vec<Splat>) -> Case {
         far: 1e10,
         orthographic: false,
     };
-    let scene = Scene {
-        name: name.to_owned(),
-        natural_rules: rules,
-        weight,
-        splats,
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
-        up: [0.0, -1.0, 0.0],
-    };
     Case {
         name: name.to_owned(),
         needle: false,
-        scene,
+        scene: Scene::of_splats(name, rules, splats),
         camera,
         rules,
     }

@@ -7,7 +7,7 @@ use super::cases::rounded;
 use crate::camera::Camera;
 use crate::rules::Rules;
 use crate::scene::synthetic::{self, Random};
-use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use crate::scene::{Scene, Splat};
 use crate::vector;
 
 /// How large a class is made.
@@ -263,19 +263,10 @@ pub(super) fn looking(size: Size, eye: [f64; 3], target: [f64; 3], degrees: f64)
 }
 
 pub(super) fn class(name: &str, splats: Vec<Splat>, camera: Camera) -> Class {
-    let scene = Scene {
-        name: name.to_owned(),
-        natural_rules: Rules::GAUSSIAN_3D,
-        weight: Weight::Opacity,
-        splats: splats.into_iter().map(rounded).collect(),
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
-        up: [0.0, -1.0, 0.0],
-    };
+    let splats = splats.into_iter().map(rounded).collect();
     Class {
         name: name.to_owned(),
-        scene,
+        scene: Scene::of_splats(name, Rules::GAUSSIAN_3D, splats),
         camera,
         offset: None,
     }

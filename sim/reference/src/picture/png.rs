@@ -63,16 +63,26 @@ impl PngSamples<'_> {
             .size
             .map(|side| u32::try_from(side).unwrap_or(u32::MAX));
         let mut file = Vec::new();
-        let mut encoder = Encoder::new(&mut file, width, height);
-        encoder.set_color(self.colour);
-        encoder.set_depth(self.depth);
-        encoder.set_compression(Compression::Fast);
-        encoder.set_filter(png::Filter::Adaptive);
+        let encoder = encoder(&mut file, [width, height], self.colour, self.depth);
         let mut writer = encoder.write_header()?;
         writer.write_image_data(self.bytes)?;
         writer.finish()?;
         Ok(file)
     }
+}
+
+fn encoder(
+    file: &mut Vec<u8>,
+    [width, height]: [u32; 2],
+    colour: ColorType,
+    depth: BitDepth,
+) -> Encoder<'_, &mut Vec<u8>> {
+    let mut encoder = Encoder::new(file, width, height);
+    encoder.set_color(colour);
+    encoder.set_depth(depth);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    encoder
 }
 
 /// The bytes of one file that shows these files one after the other, for ever; their samples stay as they are.
@@ -82,18 +92,15 @@ pub fn animated(frames: &[PathBuf], per_second: u16) -> Result<Vec<u8>, PngError
         return Ok(file);
     };
     let (info, samples) = samples_of(first)?;
-    let mut encoder = Encoder::new(&mut file, info.width, info.height);
-    encoder.set_color(info.color_type);
-    encoder.set_depth(info.bit_depth);
-    encoder.set_compression(Compression::Fast);
-    encoder.set_filter(png::Filter::Adaptive);
+    let size = [info.width, info.height];
+    let mut encoder = encoder(&mut file, size, info.color_type, info.bit_depth);
     encoder.set_animated(u32::try_from(frames.len()).unwrap_or(u32::MAX), 0)?;
     encoder.set_frame_delay(1, per_second)?;
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&samples)?;
     for frame in others {
         let (other, samples) = samples_of(frame)?;
-        if [other.width, other.height] != [info.width, info.height] {
+        if [other.width, other.height] != size {
             return Err(PngError::Sizes(frame.display().to_string()));
         }
         writer.write_image_data(&samples)?;
@@ -142,14 +149,11 @@ pub fn decode(file: &[u8]) -> Result<PngPixels, PngError> {
     let frame = reader.next_frame(&mut samples)?;
     let channels = frame.color_type.samples();
     let pixels = match frame.bit_depth {
-        BitDepth::Sixteen => samples
-            .chunks_exact(2 * channels)
-            .map(|pixel| {
-                rgba(channels, |c| {
-                    u16::from_be_bytes([pixel[2 * c], pixel[2 * c + 1]])
-                })
-            })
-            .collect(),
+        BitDepth::Sixteen => {
+            let words = samples.as_chunks().0.chunks_exact(channels);
+            let pixel = |pixel: &[[u8; 2]]| rgba(channels, |c| u16::from_be_bytes(pixel[c]));
+            words.map(pixel).collect()
+        }
         _ => samples
             .chunks_exact(channels)
             .map(|pixel| rgba(channels, |c| 257 * u16::from(pixel[c])))

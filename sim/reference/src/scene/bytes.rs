@@ -11,29 +11,30 @@ use std::io::Read;
 use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use ruzstd::decoding::StreamingDecoder;
 
-use super::error::Problem;
+use super::error::{Problem, shorten};
 use crate::memory;
+use anyhow::{Context, anyhow, bail, ensure};
 
 /// Deflate cannot expand further than this (258 bytes out of 2 bits, rounded up).
 const MAX_DEFLATE_RATIO: u64 = 1040;
 
 /// A cursor over a file's bytes.
-pub(super) struct Reader<'a> {
+pub(crate) struct Reader<'a> {
     rest: &'a [u8],
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
         Reader { rest: bytes }
     }
 
     /// Bytes not yet taken.
-    pub(super) fn remaining(&self) -> usize {
+    pub(crate) fn remaining(&self) -> usize {
         self.rest.len()
     }
 
     /// The next `count` bytes; `field` names them in the error.
-    pub(super) fn take(&mut self, count: usize, field: &str) -> Result<&'a [u8], Problem> {
+    pub(crate) fn take(&mut self, count: usize, field: &str) -> Result<&'a [u8], Problem> {
         let (taken, rest) = self
             .rest
             .split_at_checked(count)
@@ -43,7 +44,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The next `N` bytes as an array.
-    pub(super) fn array<const N: usize>(&mut self, field: &str) -> Result<[u8; N], Problem> {
+    pub(crate) fn array<const N: usize>(&mut self, field: &str) -> Result<[u8; N], Problem> {
         let (taken, rest) = self
             .rest
             .split_first_chunk::<N>()
@@ -52,8 +53,16 @@ impl<'a> Reader<'a> {
         Ok(*taken)
     }
 
+    /// The bytes before the next zero byte, which is taken as well.
+    pub(crate) fn up_to_zero(&mut self, field: &str) -> Result<&'a [u8], Problem> {
+        let mut parts = self.rest.splitn(2, |byte| *byte == 0);
+        let (text, rest) = (parts.next().unwrap_or_default(), parts.next());
+        self.rest = rest.ok_or_else(|| truncated(field, text.len() as u64 + 1, text.len()))?;
+        Ok(text)
+    }
+
     /// `count` records of `record_bytes` each, refused at once if they are not all there.
-    pub(super) fn records(
+    pub(crate) fn records(
         &mut self,
         count: u64,
         record_bytes: usize,
@@ -67,24 +76,24 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// The bytes at a place of a record; what lies beyond its end reads as zero.
+pub(super) fn array_at<const N: usize>(record: &[u8], at: usize) -> [u8; N] {
+    let found = record.get(at..).and_then(|rest| rest.first_chunk());
+    found.copied().unwrap_or([0; N])
+}
+
 /// The error of a field that needs more bytes than are left.
 pub(super) fn truncated(field: &str, needed: u64, found: usize) -> Problem {
-    let found = format!("{needed} bytes are needed but {found} are left");
-    Problem::malformed(
-        field,
-        found,
-        "the file is truncated or its counts are wrong",
+    anyhow!(
+        "{field}: {needed} bytes are needed but {found} are left; \
+         the file is truncated or its counts are wrong"
     )
 }
 
 /// `count * each`, or an error naming the field if no machine could hold that.
 pub(super) fn checked_bytes(count: u64, each: u64, field: &str) -> Result<u64, Problem> {
-    count.checked_mul(each).ok_or_else(|| {
-        Problem::malformed(
-            field,
-            format!("{count} elements of {each} bytes"),
-            "correct the absurd count in the header",
-        )
+    count.checked_mul(each).with_context(|| {
+        format!("{field}: {count} elements of {each} bytes; correct the absurd count in the header")
     })
 }
 
@@ -95,12 +104,8 @@ pub(super) fn gunzip_exact(
     more: u64,
     field: &str,
 ) -> Result<Vec<u8>, Problem> {
-    possible(packed, expected, field)?;
-    memory::room_for(expected.saturating_add(more), field, memory::FIX)?;
-    let mut unpacked = memory::list(expected + 1, field)?;
-    // One byte more than expected tells "too long" apart from "exact", and makes the decoder check its trailer.
-    gunzip(packed, expected + 1, field, &mut unpacked)?;
-    exactly(unpacked, expected, field)
+    possible(packed, expected, more, field)?;
+    unpacked(MultiGzDecoder::new(packed), expected, "gzip", field)
 }
 
 /// The same for a zlib stream; nothing may follow its end.
@@ -110,113 +115,110 @@ pub(super) fn unzlib_exact(
     more: u64,
     field: &str,
 ) -> Result<Vec<u8>, Problem> {
-    possible(packed, expected, field)?;
-    memory::room_for(expected.saturating_add(more), field, memory::FIX)?;
-    let mut unpacked = memory::list(expected + 1, field)?;
+    possible(packed, expected, more, field)?;
     let mut decoder = ZlibDecoder::new(packed);
-    (&mut decoder)
-        .take(expected + 1)
-        .read_to_end(&mut unpacked)
-        .map_err(|error| damaged("zlib", field, error))?;
-    let unpacked = exactly(unpacked, expected, field)?;
-    match packed.len() as u64 - decoder.total_in() {
-        0 => Ok(unpacked),
-        more => {
-            let rest = format!("{more} bytes follow its end");
-            Err(damaged("zlib", field, rest))
-        }
-    }
+    let bytes = unpacked(&mut decoder, expected, "zlib", field)?;
+    nothing_behind(packed.len() as u64 - decoder.total_in(), "zlib", field)?;
+    Ok(bytes)
 }
 
-/// Refuses a claim that deflate cannot keep, before anything is unpacked.
-fn possible(packed: &[u8], expected: u64, field: &str) -> Result<(), Problem> {
-    let possible = (packed.len() as u64).saturating_mul(MAX_DEFLATE_RATIO);
-    if expected <= possible {
-        return Ok(());
-    }
-    Err(Problem::malformed(
+/// Refuses a claim that deflate cannot keep, or for which there is no room, before anything is unpacked.
+fn possible(packed: &[u8], expected: u64, more: u64, field: &str) -> Result<(), Problem> {
+    let length = packed.len();
+    let possible = (length as u64).saturating_mul(MAX_DEFLATE_RATIO);
+    ensure!(
+        expected <= possible,
+        "{field}: the header claims {expected} bytes, but {length} packed bytes hold at most \
+         {possible}; correct the count in the header or fetch the file again"
+    );
+    Ok(memory::room_for(
+        expected.saturating_add(more),
         field,
-        format!(
-            "the header claims {expected} bytes, but {} packed bytes hold at most {possible}",
-            packed.len()
-        ),
-        "correct the count in the header or fetch the file again",
-    ))
+        memory::FIX,
+    )?)
 }
 
-fn exactly(unpacked: Vec<u8>, expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
-    match (unpacked.len() as u64).cmp(&expected) {
-        Ordering::Less => Err(truncated(field, expected, unpacked.len())),
-        Ordering::Equal => Ok(unpacked),
-        Ordering::Greater => Err(Problem::malformed(
-            field,
-            format!("more than the {expected} bytes that the header justifies"),
-            "correct the header",
-        )),
+/// All that a decoder gives, which must be exactly so many bytes.
+fn unpacked(
+    decoder: impl Read,
+    expected: u64,
+    packing: &str,
+    field: &str,
+) -> Result<Vec<u8>, Problem> {
+    let mut bytes = memory::list(expected + 1, field)?;
+    // One byte more than expected tells "too long" apart from "exact", and makes the decoder read to the end and check its trailer.
+    let read = decoder.take(expected + 1).read_to_end(&mut bytes);
+    read.map_err(|error| damaged(packing, field, error))?;
+    match (bytes.len() as u64).cmp(&expected) {
+        Ordering::Less => Err(truncated(field, expected, bytes.len())),
+        Ordering::Equal => Ok(bytes),
+        Ordering::Greater => bail!(
+            "{field}: more than the {expected} bytes that the header justifies; correct the header"
+        ),
     }
 }
 
 /// The first `limit` bytes of a gzip stream, fewer if it ends before.
 pub(super) fn gunzip_at_most(packed: &[u8], limit: u64, field: &str) -> Result<Vec<u8>, Problem> {
     let mut unpacked = Vec::new();
-    gunzip(packed, limit, field, &mut unpacked)?;
-    Ok(unpacked)
-}
-
-fn gunzip(packed: &[u8], limit: u64, field: &str, unpacked: &mut Vec<u8>) -> Result<(), Problem> {
     let read = MultiGzDecoder::new(packed)
         .take(limit)
-        .read_to_end(unpacked);
-    read.map(|_| ())
-        .map_err(|error| damaged("gzip", field, error))
+        .read_to_end(&mut unpacked);
+    read.map_err(|error| damaged("gzip", field, error))?;
+    Ok(unpacked)
 }
 
 /// The error of a packed part that does not unpack.
 fn damaged(packing: &str, field: &str, error: impl Display) -> Problem {
-    let found = format!("the {packing} stream is damaged or truncated ({error})");
-    Problem::malformed(field, found, "fetch the file again")
+    anyhow!("{field}: the {packing} stream is damaged or truncated ({error}); fetch the file again")
+}
+
+fn nothing_behind(left: u64, packing: &str, field: &str) -> Result<(), Problem> {
+    match left {
+        0 => Ok(()),
+        left => Err(damaged(
+            packing,
+            field,
+            format!("{left} bytes follow its end"),
+        )),
+    }
 }
 
 /// Largest window of a zstd stream: what the decoder sets aside before a byte has been unpacked.
 const MAX_ZSTD_WINDOW: u64 = 1 << 26;
 
 /// Unpacks a zstd stream that must hold exactly `expected` bytes; the caller has bounded that by the file's size.
-pub(super) fn unzstd_exact(packed: &[u8], expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
-    let mut packed = packed;
-    let mut unpacked = memory::list(expected + 1, field)?;
+pub(super) fn unzstd_exact(
+    mut packed: &[u8],
+    expected: u64,
+    field: &str,
+) -> Result<Vec<u8>, Problem> {
     if expected == 0 && packed.is_empty() {
-        return Ok(unpacked);
+        return Ok(Vec::new());
     }
-    let mut decoder = StreamingDecoder::new_with_max_window_size(
-        &mut packed,
-        MAX_ZSTD_WINDOW.min(expected.max(1 << 20)),
-    )
-    .map_err(|error| damaged("zstd", field, error))?;
-    // One byte more than expected makes the decoder read to the end of its frame.
-    (&mut decoder)
-        .take(expected + 1)
-        .read_to_end(&mut unpacked)
+    let window = MAX_ZSTD_WINDOW.min(expected.max(1 << 20));
+    let decoder = StreamingDecoder::new_with_max_window_size(&mut packed, window)
         .map_err(|error| damaged("zstd", field, error))?;
-    drop(decoder);
-    let unpacked = exactly(unpacked, expected, field)?;
-    match packed.len() {
-        0 => Ok(unpacked),
-        more => {
-            let rest = format!("{more} bytes follow its end");
-            Err(damaged("zstd", field, rest))
-        }
-    }
+    let bytes = unpacked(decoder, expected, "zstd", field)?;
+    nothing_behind(packed.len() as u64, "zstd", field)?;
+    Ok(bytes)
+}
+
+/// A word of a text as a number; `place` says where it stands.
+pub(super) fn number(word: &str, place: impl FnOnce() -> String) -> Result<f64, Problem> {
+    word.parse().map_err(|_| {
+        let (place, shown) = (place(), shorten(word));
+        anyhow!("{place}: '{shown}' is no number; write a number such as 0.5")
+    })
 }
 
 /// Bytes behind what a header counts mean that it counts wrongly.
-pub(super) fn nothing_left(left: usize, field: &str, last: &str, fix: &str) -> Result<(), Problem> {
-    match left {
-        0 => Ok(()),
-        left => {
-            let found = format!("{left} bytes are left over after the last {last}");
-            Err(Problem::malformed(field, found, fix))
-        }
-    }
+pub(crate) fn nothing_left(left: usize, field: &str, last: &str, fix: &str) -> Result<(), Problem> {
+    ensure!(
+        left == 0,
+        "{field}: {left} bytes are left over after the last {last}; {fix}"
+    );
+    Ok(())
 }
 
 /// Byte order of multi-byte numbers.
@@ -226,7 +228,7 @@ pub(super) enum Endian {
     Big,
 }
 
-/// Number types that PLY and NRRD store.
+/// Number types that formats store.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scalar {
     I8,
@@ -235,6 +237,8 @@ pub(super) enum Scalar {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
@@ -246,23 +250,21 @@ impl Scalar {
             Scalar::I8 | Scalar::U8 => 1,
             Scalar::I16 | Scalar::U16 => 2,
             Scalar::I32 | Scalar::U32 | Scalar::F32 => 4,
-            Scalar::F64 => 8,
+            Scalar::I64 | Scalar::U64 | Scalar::F64 => 8,
         }
     }
 
     /// The number stored in the first [`Self::size`] bytes of `stored`; missing bytes read as zero.
     pub(super) fn decode(self, stored: &[u8], endian: Endian) -> f64 {
-        let size = self.size();
-        let mut little = [0u8; 8];
-        for (place, byte) in stored.iter().take(size).enumerate() {
-            let target = if endian == Endian::Little {
-                place
-            } else {
-                size - 1 - place
-            };
-            little[target] = *byte;
+        let mut bytes = [0u8; 8];
+        let little = &mut bytes[..self.size()];
+        for (target, byte) in little.iter_mut().zip(stored) {
+            *target = *byte;
         }
-        let [b0, b1, b2, b3, ..] = little;
+        if endian == Endian::Big {
+            little.reverse();
+        }
+        let [b0, b1, b2, b3, ..] = bytes;
         match self {
             Scalar::I8 => i8::from_le_bytes([b0]).into(),
             Scalar::U8 => b0.into(),
@@ -271,14 +273,16 @@ impl Scalar {
             Scalar::I32 => i32::from_le_bytes([b0, b1, b2, b3]).into(),
             Scalar::U32 => u32::from_le_bytes([b0, b1, b2, b3]).into(),
             Scalar::F32 => f32::from_le_bytes([b0, b1, b2, b3]).into(),
-            Scalar::F64 => f64::from_le_bytes(little),
+            Scalar::I64 => i64::from_le_bytes(bytes) as f64,
+            Scalar::U64 => u64::from_le_bytes(bytes) as f64,
+            Scalar::F64 => f64::from_le_bytes(bytes),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::damage::gzip;
+    use super::super::damage_tests::gzip;
     use super::*;
 
     #[test]

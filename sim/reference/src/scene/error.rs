@@ -1,8 +1,6 @@
 //! What can be wrong with a scene: every message names the file, the field and the fix.
 
-use crate::memory::TooLarge;
 use std::fmt::Display;
-use std::io;
 
 /// A scene that could not be loaded.
 #[derive(Debug, thiserror::Error)]
@@ -15,44 +13,29 @@ pub struct LoadError {
     pub problem: Problem,
 }
 
+impl LoadError {
+    /// What turns a problem into an error about `file`.
+    pub(crate) fn about(file: impl Display) -> impl FnOnce(Problem) -> LoadError {
+        let file = file.to_string();
+        |problem| LoadError { file, problem }
+    }
+}
+
 /// Why a file is refused: the field, what was found there, and what to do, in a sentence.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct Problem(pub(crate) String);
+pub type Problem = anyhow::Error;
 
-impl From<TooLarge> for Problem {
-    fn from(error: TooLarge) -> Problem {
-        Problem(error.to_string())
-    }
+/// What the system says of a file.
+pub(crate) fn unreadable(error: std::io::Error) -> Problem {
+    anyhow::anyhow!("cannot be read: {error}")
 }
 
-impl From<io::Error> for Problem {
-    fn from(error: io::Error) -> Problem {
-        Problem(format!("cannot be read: {error}"))
-    }
-}
-
-impl Problem {
-    /// A malformed field, what was found there and what to do about it.
-    pub(crate) fn malformed(field: impl Display, found: impl Display, fix: impl Display) -> Self {
-        Problem(format!("{field}: {found}; {fix}"))
-    }
-
-    /// A format whose feature was not built.
-    #[allow(dead_code)] // With all features there is none.
-    pub(crate) fn without(feature: &'static str) -> Self {
-        Problem(format!(
-            ".{feature}: this program was built without its reader; build it with `cargo build --features {feature}` or convert the file"
-        ))
-    }
-
-    /// The same problem as an error about `file`.
-    pub(crate) fn of(self, file: impl Into<String>) -> LoadError {
-        LoadError {
-            file: file.into(),
-            problem: self,
-        }
-    }
+/// The problem of a format whose feature was not built.
+#[allow(dead_code)] // With all features there is none.
+pub(crate) fn without(feature: &str) -> Problem {
+    anyhow::anyhow!(
+        ".{feature}: this program was built without its reader; \
+         build it with `cargo build --features {feature}` or convert the file"
+    )
 }
 
 /// What a message may show of a file: no control characters, and not much.

@@ -1,7 +1,8 @@
 //! The bytes of a scene's files: regular files, or stdin, if they fit into memory.
 
-use super::error::Problem;
+use super::error::{Problem, unreadable};
 use crate::{input, memory};
+use anyhow::ensure;
 use std::fs;
 use std::io::Read;
 use std::path::Path;
@@ -14,17 +15,17 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
     if path == Path::new("-") {
         return read_stream(std::io::stdin().lock());
     }
-    let metadata = fs::metadata(path)?;
-    if !metadata.is_file() {
-        let message = "is not a regular file; name a scene file";
-        return Err(Problem(message.to_owned()));
-    }
+    let metadata = fs::metadata(path).map_err(unreadable)?;
+    ensure!(
+        metadata.is_file(),
+        "is not a regular file; name a scene file"
+    );
     input::note(path);
     let mut bytes = memory::list(metadata.len(), "the file's bytes")?;
     // It may have grown since.
-    fs::File::open(path)?
-        .take(metadata.len())
-        .read_to_end(&mut bytes)?;
+    let file = fs::File::open(path).map_err(unreadable)?;
+    let read = file.take(metadata.len()).read_to_end(&mut bytes);
+    read.map_err(unreadable)?;
     Ok(bytes)
 }
 
@@ -34,7 +35,8 @@ fn read_stream(mut stream: impl Read) -> Result<Vec<u8>, Problem> {
     loop {
         let length = bytes.len() as u64;
         memory::room_for(length + PART, "what stdin brings", memory::FIX)?;
-        if stream.by_ref().take(PART).read_to_end(&mut bytes)? == 0 {
+        let part = stream.by_ref().take(PART).read_to_end(&mut bytes);
+        if part.map_err(unreadable)? == 0 {
             return Ok(bytes);
         }
     }

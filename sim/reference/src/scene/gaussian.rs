@@ -6,15 +6,16 @@
 //! engine can draw is counted by its reason and left out.
 
 use super::error::Problem;
-use super::{Harmonics, Scene, Skipped, SortOrder, Splat, Weight};
+use super::{Harmonics, Scene, Skipped, Splat};
 use crate::memory;
 use crate::rules::Rules;
 use crate::vector;
+use anyhow::bail;
 
 /// The constant harmonic, 1 / (2 sqrt(pi)).
 pub const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
 
-/// Trained captures follow the photographs' cameras: y points down.
+/// Up where y points down, as in the photographs' cameras that captures follow.
 pub(super) const CAPTURE_UP: [f64; 3] = [0.0, -1.0, 0.0];
 
 /// What a file says that was trained antialiased without saying how: gsplat's low-pass filter, and opacities compensated for it.
@@ -25,7 +26,7 @@ pub(super) const TRAINED_ANTIALIASED: Rules = Rules {
 
 /// One Gaussian in a trainer's terms, its fields decoded but not yet checked.
 #[derive(Clone, Copy, Debug)]
-pub struct Gaussian<'a> {
+pub struct Gaussian {
     /// Centre, scene units.
     pub centre: [f64; 3],
     /// Standard deviations, scene units.
@@ -36,8 +37,6 @@ pub struct Gaussian<'a> {
     pub opacity: f64,
     /// Colour of degree 0 before clamping.
     pub base: [f64; 3],
-    /// Coefficients of degree 1 and up.
-    pub harmonics: &'a [[f32; 3]],
 }
 
 /// Peak opacity from a trained logit; +inf is 1 and -inf is 0 exactly.
@@ -73,6 +72,8 @@ pub(super) fn room_for(degree: u8, count: u64, unpacked: u64) -> Result<(), Prob
 pub(super) struct GaussianScene {
     /// The rules that they were trained with; `3dgs` unless the file says otherwise.
     pub(super) rules: Rules,
+    /// Coefficients of degree 1 and up of the next Gaussian.
+    pub(super) harmonics: Vec<[f32; 3]>,
     degree: u8,
     splats: Vec<Splat>,
     coefficients: Vec<[f32; 3]>,
@@ -86,9 +87,11 @@ impl GaussianScene {
         room_for(degree, count, 0)?;
         let what = "the splats";
         let coloured = if degree > 0 { count } else { 0 };
-        let coefficients = count.saturating_mul(coefficient_count(degree) as u64);
+        let each = coefficient_count(degree);
+        let coefficients = count.saturating_mul(each as u64);
         Ok(GaussianScene {
             rules: Rules::GAUSSIAN_3D,
+            harmonics: vec![[0.0; 3]; each],
             degree,
             splats: memory::list(count, what)?,
             coefficients: memory::list(coefficients, what)?,
@@ -114,7 +117,8 @@ impl GaussianScene {
 
     /// Adds one Gaussian, or counts why not.
     pub(super) fn push(&mut self, gaussian: &Gaussian) {
-        if !is_finite(gaussian) {
+        let harmonics = self.harmonics.as_flattened();
+        if !(is_finite(gaussian) && harmonics.iter().all(|value| value.is_finite())) {
             self.skipped.non_finite += 1;
             return;
         }
@@ -130,7 +134,7 @@ impl GaussianScene {
             colour: gaussian.base.map(|channel| channel.max(0.0)),
         });
         if self.degree > 0 {
-            self.coefficients.extend_from_slice(gaussian.harmonics);
+            self.coefficients.extend_from_slice(&self.harmonics);
             self.bases.push(gaussian.base.map(|channel| channel as f32));
         }
     }
@@ -142,28 +146,20 @@ impl GaussianScene {
                 non_finite,
                 zero_rotation,
             } = self.skipped;
-            return Err(Problem::malformed(
-                "splats",
-                format!(
-                    "none is left ({non_finite} with non-finite fields, {zero_rotation} with a zero rotation)"
-                ),
-                "export the scene again",
-            ));
+            bail!(
+                "splats: none is left ({non_finite} with non-finite fields, {zero_rotation} with \
+                 a zero rotation); export the scene again"
+            );
         }
-        let (degree, coefficients, base) = (self.degree, self.coefficients, self.bases);
+        let harmonics = Harmonics {
+            degree: self.degree,
+            coefficients: self.coefficients,
+            base: self.bases,
+        };
         Ok(Scene {
-            name: name.to_string(),
-            natural_rules: self.rules,
-            weight: Weight::Opacity,
-            splats: self.splats,
-            harmonics: (degree > 0).then_some(Harmonics {
-                degree,
-                coefficients,
-                base,
-            }),
+            harmonics: (self.degree > 0).then_some(harmonics),
             skipped: self.skipped,
-            up: CAPTURE_UP,
-            order: SortOrder::Depth,
+            ..Scene::of_splats(name, self.rules, self.splats)
         })
     }
 }
@@ -176,11 +172,6 @@ fn is_finite(gaussian: &Gaussian) -> bool {
         && gaussian.rotation.iter().all(small)
         && gaussian.opacity.is_finite()
         && gaussian.base.iter().all(small)
-        && gaussian
-            .harmonics
-            .iter()
-            .flatten()
-            .all(|value| value.is_finite())
 }
 
 /// Rotation matrix of a quaternion of any length, none if the length is zero.

@@ -5,14 +5,13 @@ use super::*;
 use crate::camera::Camera;
 
 /// A well-formed Gaussian to be spoilt in one field at a time.
-fn sound() -> Gaussian<'static> {
+fn sound() -> Gaussian {
     Gaussian {
         centre: [1.0, 2.0, 3.0],
         scales: [0.1, 0.2, 0.3],
         rotation: [2.0, 0.0, 0.0, 0.0],
         opacity: 0.5,
         base: [0.1, -0.2, 0.3],
-        harmonics: &[],
     }
 }
 
@@ -136,11 +135,10 @@ fn harmonics_are_orthonormal() {
 /// One splat with one degree-1 coefficient per axis, looked at along each axis.
 #[test]
 fn colour_follows_the_direction_from_the_eye_to_the_splat() {
-    let harmonics = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mut scene = GaussianScene::new(1, 2).unwrap();
+    scene.harmonics = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     scene.push(&Gaussian {
         base: [0.5; 3],
-        harmonics: &harmonics,
         ..sound()
     });
     let scene = scene.finish("x").unwrap();

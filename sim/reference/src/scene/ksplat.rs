@@ -5,9 +5,10 @@
 //! the sizes of its partly filled buckets, then come the buckets' centres, then the Gaussians, full buckets first.
 
 use super::Scene;
-use super::bytes::{Reader, nothing_left};
+use super::bytes::{Reader, array_at, nothing_left};
 use super::error::Problem;
 use super::gaussian::{Gaussian, GaussianScene, coefficient_count};
+use anyhow::{Context, ensure};
 use half::f16;
 
 const HEADER_BYTES: usize = 4096;
@@ -22,38 +23,26 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     let mut reader = Reader::new(bytes);
     let header = KsplatHeader::parse(reader.take(HEADER_BYTES, "ksplat header")?)?;
     let headers = reader.records(
-        u64::from(header.sections),
+        header.sections.into(),
         SECTION_BYTES,
         "ksplat section headers",
     )?;
-    let mut sections = Vec::new();
-    for (number, bytes) in headers.as_chunks::<SECTION_BYTES>().0.iter().enumerate() {
-        sections.push(Section::parse(bytes, number, &header)?);
-    }
-    let total = sections
-        .iter()
-        .fold(0u64, |sum, section| sum + u64::from(section.count));
-    if total != u64::from(header.count) || total == 0 {
-        return Err(Problem::malformed(
-            "ksplat splat count",
-            format!("the header says {}, the sections {total}", header.count),
-            "export the scene again",
-        ));
-    }
+    let headers = headers.chunks_exact(SECTION_BYTES).enumerate();
+    let sections: Vec<Section> = headers
+        .map(|(number, bytes)| Section::parse(bytes, number, &header))
+        .collect::<Result<_, _>>()?;
+    let total: u64 = sections.iter().map(|s| u64::from(s.count)).sum();
+    ensure!(
+        total == u64::from(header.count) && total != 0,
+        "ksplat splat count: the header says {}, the sections {total}; export the scene again",
+        header.count
+    );
     // Sections may differ in degree; coefficients that one lacks are 0.
     let used = sections.iter().filter(|section| section.count > 0);
     let degree = used.map(|section| section.degree).max().unwrap_or(0);
     let mut scene = GaussianScene::new(degree, total)?;
-    let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
     for section in &sections {
-        section.read(&mut reader, &header, &mut |gaussian: &Gaussian, rest| {
-            harmonics.fill([0.0; 3]);
-            harmonics[..rest.len()].copy_from_slice(rest);
-            scene.push(&Gaussian {
-                harmonics: &harmonics,
-                ..*gaussian
-            });
-        })?;
+        section.read(&mut reader, &header, &mut scene)?;
     }
     let fix = "correct the counts in the headers or export the scene again";
     nothing_left(reader.remaining(), "ksplat data", "section", fix)?;
@@ -71,21 +60,17 @@ struct KsplatHeader {
 impl KsplatHeader {
     fn parse(bytes: &[u8]) -> Result<KsplatHeader, Problem> {
         let [major, minor] = [bytes[0], bytes[1]];
-        if major != 0 || minor < 1 {
-            return Err(Problem::malformed(
-                "ksplat version",
-                format!("it is {major}.{minor}"),
-                "version 0.1 is read; check that this is a .ksplat file",
-            ));
-        }
+        ensure!(
+            major == 0 && minor >= 1,
+            "ksplat version: it is {major}.{minor}; version 0.1 is read; \
+             check that this is a .ksplat file"
+        );
         let level = u16_at(bytes, 20);
-        if level > 2 {
-            return Err(Problem::malformed(
-                "ksplat compression level",
-                format!("it is {level}"),
-                "0 to 2 are read; export the scene with one of these",
-            ));
-        }
+        ensure!(
+            level <= 2,
+            "ksplat compression level: it is {level}; 0 to 2 are read; \
+             export the scene with one of these"
+        );
         let bound = |at: usize, usual: f64| match f64::from(f32::from_bits(u32_at(bytes, at))) {
             0.0 => usual,
             stored => stored,
@@ -125,16 +110,11 @@ impl Section {
             stored => stored,
         };
         let degree = u16_at(bytes, 40);
-        let wrong = |what: &str, found: String, fix: &str| {
-            Problem::malformed(format!("ksplat section {number}, {what}"), found, fix)
-        };
-        if degree > 3 {
-            return Err(wrong(
-                "harmonics degree",
-                format!("it is {degree}"),
-                "degrees 0 to 3 are read; export the scene with one of these",
-            ));
-        }
+        ensure!(
+            degree <= 3,
+            "ksplat section {number}, harmonics degree: it is {degree}; degrees 0 to 3 are read; \
+             export the scene with one of these"
+        );
         let section = Section {
             number,
             count: u32_at(bytes, 0),
@@ -148,34 +128,32 @@ impl Section {
             steps: f64::from(steps),
             degree: degree as u8,
         };
-        if section.count > section.capacity {
-            return Err(wrong(
-                "splat count",
-                format!("{} where {} have room", section.count, section.capacity),
-                "export the scene again",
-            ));
-        }
+        ensure!(
+            section.count <= section.capacity,
+            "ksplat section {number}, splat count: {} where {} have room; export the scene again",
+            section.count,
+            section.capacity
+        );
         let centres = section.buckets == 0 || section.bucket_bytes >= 12;
         let listed = u64::from(section.full) + u64::from(section.partial);
-        if header.level > 0 && (!centres || listed > u64::from(section.buckets)) {
-            return Err(wrong(
-                "buckets",
-                format!(
-                    "{} of {} bytes for {} full and {} partial ones",
-                    section.buckets, section.bucket_bytes, section.full, section.partial
-                ),
-                "export the scene again",
-            ));
-        }
+        ensure!(
+            header.level == 0 || centres && listed <= u64::from(section.buckets),
+            "ksplat section {number}, buckets: {} of {} bytes for {} full and {} partial ones; \
+             export the scene again",
+            section.buckets,
+            section.bucket_bytes,
+            section.full,
+            section.partial
+        );
         Ok(section)
     }
 
-    /// Hands every Gaussian of the section and its coefficients to `visit`.
+    /// Adds every Gaussian of the section to the scene.
     fn read(
         &self,
         reader: &mut Reader,
         header: &KsplatHeader,
-        visit: &mut dyn FnMut(&Gaussian, &[[f32; 3]]),
+        scene: &mut GaussianScene,
     ) -> Result<(), Problem> {
         let field = |what: &str| format!("ksplat section {}, {what}", self.number);
         let sizes = reader.records(u64::from(self.partial), 4, &field("bucket sizes"))?;
@@ -187,33 +165,27 @@ impl Section {
         let coefficients = coefficient_count(self.degree);
         let layout = KsplatLayout::new(header.level, coefficients);
         let splats = reader.records(u64::from(self.capacity), layout.bytes, &field("splats"))?;
-        let mut harmonics = vec![[0.0f32; 3]; coefficients];
+        scene.harmonics.fill([0.0; 3]);
         let mut bucket = Buckets::new(self, sizes);
         for index in 0..self.count {
             let at = index as usize * layout.bytes;
             let record = &splats[at..at + layout.bytes];
-            let centre = match header.level {
-                0 => [0, 4, 8].map(|at| f32_at(record, at)),
-                _ => {
-                    let first = bucket
-                        .of(index)
-                        .map(|b| b as usize * usize::from(self.bucket_bytes));
-                    let centre = first.and_then(|first| centres.get(first..first + 12));
-                    let centre = centre.ok_or_else(|| {
-                        Problem::malformed(
-                            field("buckets"),
-                            format!("splat {index} lies in none"),
-                            "export the scene again",
-                        )
-                    })?;
-                    [0, 1, 2].map(|axis| {
-                        let steps = f64::from(u16_at(record, 2 * axis)) - self.steps;
-                        f32_at(centre, 4 * axis) + steps * self.step
-                    })
-                }
+            let centre = if header.level == 0 {
+                [0, 4, 8].map(|at| f32_at(record, at))
+            } else {
+                let number = bucket.of(index).map(|number| number as usize);
+                let first = number.map(|number| number * usize::from(self.bucket_bytes));
+                let centre = first.and_then(|first| centres.get(first..first + 12));
+                let field = || field(&format!("buckets: splat {index} lies in none"));
+                let centre =
+                    centre.with_context(|| format!("{}; export the scene again", field()))?;
+                [0, 1, 2].map(|axis| {
+                    let steps = f64::from(u16_at(record, 2 * axis)) - self.steps;
+                    f32_at(centre, 4 * axis) + steps * self.step
+                })
             };
-            layout.read_harmonics(record, header, &mut harmonics);
-            visit(&layout.gaussian(record, centre), &harmonics);
+            layout.read_harmonics(record, header, &mut scene.harmonics[..coefficients]);
+            scene.push(&layout.gaussian(record, centre));
         }
         Ok(())
     }
@@ -290,7 +262,7 @@ impl KsplatLayout {
         }
     }
 
-    fn gaussian(&self, record: &[u8], centre: [f64; 3]) -> Gaussian<'static> {
+    fn gaussian(&self, record: &[u8], centre: [f64; 3]) -> Gaussian {
         let byte = |index: usize| f64::from(record[self.colour + index]) / 255.0;
         Gaussian {
             centre,
@@ -298,7 +270,6 @@ impl KsplatLayout {
             rotation: [0, 1, 2, 3].map(|k| self.part(record, self.rotation, k)),
             base: [byte(0), byte(1), byte(2)],
             opacity: byte(3),
-            harmonics: &[],
         }
     }
 
@@ -328,15 +299,11 @@ impl KsplatLayout {
 }
 
 fn u16_at(bytes: &[u8], at: usize) -> u16 {
-    bytes[at..]
-        .first_chunk()
-        .map_or(0, |two| u16::from_le_bytes(*two))
+    u16::from_le_bytes(array_at(bytes, at))
 }
 
 fn u32_at(bytes: &[u8], at: usize) -> u32 {
-    bytes[at..]
-        .first_chunk()
-        .map_or(0, |four| u32::from_le_bytes(*four))
+    u32::from_le_bytes(array_at(bytes, at))
 }
 
 fn f32_at(bytes: &[u8], at: usize) -> f64 {

@@ -1,7 +1,7 @@
 //! Tests of the ksplat reader, on files built here from the format's description.
 
 use super::*;
-use crate::scene::damage::assert_told;
+use crate::scene::damage_tests::assert_told;
 
 fn put(bytes: &mut [u8], at: usize, value: &[u8]) {
     bytes[at..at + value.len()].copy_from_slice(value);

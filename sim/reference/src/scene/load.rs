@@ -2,9 +2,10 @@
 //!
 //! Besides files, `demo`, `random:COUNT[:SEED]` and `deep-stack` are scenes; `./demo` is a file of that name.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use super::error::{LoadError, Problem};
+use super::error::{LoadError, Problem, unreadable};
 use super::file::read_file;
 use super::volume::{self, Noted, Volume};
 use super::{
@@ -13,6 +14,7 @@ use super::{
 };
 use crate::input;
 use crate::rules::Rules;
+use anyhow::{Context, anyhow, bail, ensure};
 
 /// The embedded volume, see `sim/reference/assets/README.md`.
 const DEMO: &[u8] = include_bytes!("../../assets/brainsmall.nrrd");
@@ -50,19 +52,19 @@ pub fn load_with_notes(path: &Path, options: &LoadOptions) -> Result<Loaded, Loa
     if shown == "demo" {
         return demo_with(options);
     }
+    let coloured = |scene: Result<Scene, Problem>| {
+        refuse_volume_options(options)?;
+        scene.map(noted)
+    };
     let scene = if synthetic::is_synthetic(&shown) {
-        refuse_volume_options(options)
-            .and_then(|()| load_synthetic(&shown))
-            .map(noted)
+        coloured(load_synthetic(&shown))
     } else if let Some(folder) = sog_folder(path) {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
-        refuse_volume_options(options)
-            .and_then(|()| sog::load_folder(folder, &name))
-            .map(noted)
+        coloured(sog::load_folder(folder, &name))
     } else {
         read_file(path).and_then(|bytes| dispatch(&bytes, path, options))
     };
-    scene.map_err(|problem| problem.of(shown))
+    scene.map_err(LoadError::about(shown))
 }
 
 /// The scene, and that it was trained antialiased if it says so.
@@ -105,62 +107,78 @@ pub fn demo() -> Result<Scene, LoadError> {
 }
 
 fn demo_with(options: &LoadOptions) -> Result<Loaded, LoadError> {
-    dispatch(DEMO, Path::new(DEMO_NAME), options).map_err(|problem| problem.of("demo"))
+    dispatch(DEMO, Path::new(DEMO_NAME), options).map_err(LoadError::about("demo"))
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum SceneFormat {
-    Ply,
-    Splat,
-    Spz,
-    Sog,
-    Ksplat,
+/// What reads a format.
+#[derive(Clone, Copy)]
+enum SceneReader {
+    /// Trained Gaussians, from the file's bytes and the scene's name.
+    Gaussians(fn(&[u8], &str) -> Result<Scene, Problem>),
     Gltf,
-    Volume(VolumeFormat),
+    /// From the file's bytes and the folder that it lies in.
+    Grid(fn(&[u8], Option<&Path>) -> Result<Noted, Problem>),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum VolumeFormat {
-    Nrrd,
-    Nifti,
-    MetaImage,
-    Vti,
-}
+use SceneReader::{Gaussians, Gltf, Grid};
 
-/// A packed NIfTI file has two extensions, of which the last alone says nothing.
-fn is_packed_nifti(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.to_ascii_lowercase().ends_with(".nii.gz")
+/// Extensions, first bytes where they tell, and the reader.
+type SceneFormat = (
+    &'static [&'static str],
+    &'static [&'static [u8]],
+    SceneReader,
+);
+
+const FORMATS: [SceneFormat; 10] = [
+    (&["ply"], &[b"ply"], Gaussians(ply::load)),
+    (&["splat"], &[], Gaussians(splat_file::load)),
+    (&["spz"], &[&[0x1f, 0x8b], b"NGSP"], Gaussians(spz::load)),
+    (&["sog"], &[b"PK\x03\x04"], Gaussians(sog::load_bundle)),
+    (&["ksplat"], &[], Gaussians(ksplat::load)),
+    (&["glb", "gltf"], &[b"glTF"], Gltf),
+    (
+        &["nrrd", "nhdr"],
+        &[b"NRRD"],
+        Grid(|bytes, folder| Ok((nrrd::load(bytes, folder)?, Vec::new()))),
+    ),
+    (&["nii"], &[], NIFTI),
+    (&["mhd", "mha"], &[], Grid(volume::meta_image::load)),
+    (&["vti"], &[], Grid(|bytes, _| vti(bytes))),
+];
+
+const NIFTI: SceneReader = Grid(|bytes, _| volume::nifti::load(bytes));
+
+#[cfg(feature = "vti")]
+use super::volume::vti::load as vti;
+
+#[cfg(not(feature = "vti"))]
+fn vti(_: &[u8]) -> Result<Noted, Problem> {
+    Err(super::error::without("vti"))
 }
 
 /// The extension decides; a file without a known one is recognised by its first bytes.
-fn recognise(bytes: &[u8], path: &Path) -> Result<SceneFormat, Problem> {
-    let extension = path
-        .extension()
-        .and_then(|extension| extension.to_str())
-        .map(str::to_ascii_lowercase);
-    match extension.as_deref() {
-        Some("ply") => Ok(SceneFormat::Ply),
-        Some("splat") => Ok(SceneFormat::Splat),
-        Some("spz") => Ok(SceneFormat::Spz),
-        Some("sog") => Ok(SceneFormat::Sog),
-        Some("ksplat") => Ok(SceneFormat::Ksplat),
-        Some("glb" | "gltf") => Ok(SceneFormat::Gltf),
-        Some("nrrd" | "nhdr") => Ok(SceneFormat::Volume(VolumeFormat::Nrrd)),
-        Some("nii") => Ok(SceneFormat::Volume(VolumeFormat::Nifti)),
-        Some("mhd" | "mha") => Ok(SceneFormat::Volume(VolumeFormat::MetaImage)),
-        Some("vti") => Ok(SceneFormat::Volume(VolumeFormat::Vti)),
-        _ if is_packed_nifti(path) => Ok(SceneFormat::Volume(VolumeFormat::Nifti)),
-        _ if bytes.starts_with(b"ply") => Ok(SceneFormat::Ply),
-        _ if bytes.starts_with(b"NRRD") => Ok(SceneFormat::Volume(VolumeFormat::Nrrd)),
-        _ if volume::nifti::is_nifti(bytes) => Ok(SceneFormat::Volume(VolumeFormat::Nifti)),
-        _ if bytes.starts_with(&[0x1f, 0x8b]) || bytes.starts_with(b"NGSP") => Ok(SceneFormat::Spz),
-        _ if bytes.starts_with(b"PK\x03\x04") => Ok(SceneFormat::Sog),
-        _ if bytes.starts_with(b"glTF") => Ok(SceneFormat::Gltf),
-        _ if points::is_cloud(path) => {
-            Err(Problem("is a file of points; add --as surface".to_owned()))
-        }
-        _ => Err(Problem(UNKNOWN_FORMAT.to_owned())),
+fn recognise(bytes: &[u8], path: &Path) -> Result<SceneReader, Problem> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.to_ascii_lowercase();
+    let extension = match Path::new(&name).extension() {
+        // A packed NIfTI file has two extensions, of which the last alone says nothing.
+        _ if name.ends_with(".nii.gz") => "nii",
+        extension => extension.and_then(OsStr::to_str).unwrap_or_default(),
+    };
+    let by_name = FORMATS
+        .iter()
+        .find(|(known, ..)| known.contains(&extension));
+    let begins = |magic: &&[u8]| bytes.starts_with(magic);
+    let by_bytes = || {
+        FORMATS
+            .iter()
+            .find(|(_, magics, _)| magics.iter().any(begins))
+    };
+    match by_name.or_else(by_bytes) {
+        Some((.., reader)) => Ok(*reader),
+        None if volume::nifti::is_nifti(bytes) => Ok(NIFTI),
+        None if points::is_cloud(path) => bail!("is a file of points; add --as surface"),
+        None => bail!(UNKNOWN_FORMAT),
     }
 }
 
@@ -170,35 +188,18 @@ const UNKNOWN_FORMAT: &str = "is of no known format; expected .ply, .splat, .spz
      (or one of 'demo', 'random:COUNT[:SEED]', 'deep-stack')";
 
 fn dispatch(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Loaded, Problem> {
-    let format = recognise(bytes, path)?;
-    if !matches!(format, SceneFormat::Volume(_)) {
+    let reader = recognise(bytes, path)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    if !matches!(reader, Grid(_)) {
         refuse_volume_options(options)?;
     }
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let scene = match format {
-        SceneFormat::Gltf => return gltf::load(bytes, path.parent(), &name),
-        SceneFormat::Ply => ply::load(bytes, &name),
-        SceneFormat::Splat => splat_file::load(bytes, &name),
-        SceneFormat::Spz => spz::load(bytes, &name),
-        SceneFormat::Sog => sog::load_bundle(bytes, &name),
-        SceneFormat::Ksplat => ksplat::load(bytes, &name),
-        SceneFormat::Volume(format) => {
-            let (volume, notes) = read_volume(format, bytes, path)?;
-            return Ok((load_volume(&volume, path, &name, options)?, notes));
+    match reader {
+        Gaussians(read) => read(bytes, &name).map(noted),
+        Gltf => gltf::load(bytes, path.parent(), &name),
+        Grid(read) => {
+            let (volume, notes) = read(bytes, path.parent())?;
+            Ok((load_volume(&volume, path, &name, options)?, notes))
         }
-    };
-    scene.map(noted)
-}
-
-fn read_volume(format: VolumeFormat, bytes: &[u8], path: &Path) -> Result<Noted, Problem> {
-    match format {
-        VolumeFormat::Nrrd => Ok((nrrd::load(bytes, path.parent())?, Vec::new())),
-        VolumeFormat::Nifti => volume::nifti::load(bytes),
-        VolumeFormat::MetaImage => volume::meta_image::load(bytes, path.parent()),
-        #[cfg(feature = "vti")]
-        VolumeFormat::Vti => volume::vti::load(bytes),
-        #[cfg(not(feature = "vti"))]
-        VolumeFormat::Vti => Err(Problem::without("vti")),
     }
 }
 
@@ -221,18 +222,12 @@ fn load_volume(
 }
 
 fn read_transfer(file: &Path) -> Result<Transfer, Problem> {
-    let named = |problem: Problem| {
-        let fix = "give a transfer function as TOML";
-        Problem::malformed(
-            format!("transfer function {}", file.display()),
-            problem.to_string(),
-            fix,
-        )
-    };
-    let text = input::text(file, input::SETTINGS)
-        .map_err(Problem::from)
-        .map_err(named)?;
-    Transfer::from_toml(&text).map_err(named)
+    let text = input::text(file, input::SETTINGS).map_err(unreadable);
+    let transfer = text.and_then(|text| Transfer::from_toml(&text));
+    transfer.map_err(|problem| {
+        let file = file.display();
+        anyhow!("transfer function {file}: {problem}; give a transfer function as TOML")
+    })
 }
 
 fn built_in_transfer(volume: &Volume, path: &Path) -> Result<Transfer, Problem> {
@@ -240,29 +235,20 @@ fn built_in_transfer(volume: &Volume, path: &Path) -> Result<Transfer, Problem> 
     if let Some(preset) = Transfer::preset(&stem) {
         return Ok(preset);
     }
-    let (least, greatest) = volume.range().ok_or_else(|| {
-        Problem::malformed(
-            "volume data",
-            "no value is finite",
-            "check the type and the byte order in the header",
-        )
-    })?;
+    let (least, greatest) = volume.range().context(
+        "volume data: no value is finite; check the type and the byte order in the header",
+    )?;
     let [x, y, z] = volume.spacings;
     Ok(Transfer::ramp(least, greatest, (x * y * z).cbrt()))
 }
 
 fn refuse_volume_options(options: &LoadOptions) -> Result<(), Problem> {
-    match options {
-        LoadOptions {
-            transfer: None,
-            light: None,
-        } => Ok(()),
-        _ => Err(Problem::malformed(
-            "transfer function or light",
-            "this scene is no volume",
-            "leave these options out: its colours are stored",
-        )),
-    }
+    ensure!(
+        options.transfer.is_none() && options.light.is_none(),
+        "transfer function or light: this scene is no volume; \
+         leave these options out: its colours are stored"
+    );
+    Ok(())
 }
 
 /// `random:COUNT[:SEED]` or `deep-stack`.
@@ -280,13 +266,10 @@ fn load_synthetic(name: &str) -> Result<Scene, Problem> {
             gaussian::room_for(0, count as u64, 0)?;
             Ok(synthetic::random_gaussians(count, seed, 1.0))
         }
-        _ => Err(Problem::malformed(
-            "random scene",
-            format!("'{arguments}' is not COUNT or COUNT:SEED"),
-            format!(
-                "write for instance random:10000:1, with at most {} splats",
-                synthetic::MAX_COUNT
-            ),
-        )),
+        _ => bail!(
+            "random scene: '{arguments}' is not COUNT or COUNT:SEED; \
+             write for instance random:10000:1, with at most {} splats",
+            synthetic::MAX_COUNT
+        ),
     }
 }

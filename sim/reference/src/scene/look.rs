@@ -14,7 +14,8 @@ pub(super) fn look_at(
     width: usize,
     height: usize,
 ) -> Camera {
-    let forward = unit([0, 1, 2].map(|axis| target[axis] - eye[axis]));
+    let unit = |v| vector::unit(v).unwrap_or([f64::NAN; 3]);
+    let forward = unit(vector::subtract(target, eye));
     let right = unit(vector::cross(forward, up));
     let down = vector::cross(forward, right);
     let rotation = [right, down, forward];
@@ -36,14 +37,6 @@ pub(super) fn look_at(
 
 /// The usual near plane, but always well before the target of a tiny scene, which would vanish behind it.
 fn near_plane(eye: [f64; 3], target: [f64; 3]) -> f64 {
-    let distance = (0..3)
-        .map(|axis| (target[axis] - eye[axis]).powi(2))
-        .sum::<f64>()
-        .sqrt();
+    let distance = vector::length(vector::subtract(target, eye));
     f64::min(0.01, distance / 100.0)
-}
-
-fn unit(vector: [f64; 3]) -> [f64; 3] {
-    let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
-    vector.map(|part| part / length)
 }

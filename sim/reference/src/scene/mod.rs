@@ -7,7 +7,7 @@
 //! | `demo`, `random:COUNT[:SEED]`, `deep-stack` | no file: the embedded volume and [`synthetic`] scenes |
 
 mod archive;
-mod bytes;
+pub(crate) mod bytes;
 mod error;
 mod file;
 mod gaussian;
@@ -31,7 +31,7 @@ mod volume;
 mod weights;
 
 #[cfg(test)]
-mod damage;
+mod damage_tests;
 #[cfg(test)]
 mod format_tests;
 #[cfg(test)]
@@ -42,10 +42,13 @@ pub use load::{LoadOptions, Loaded, demo, load, load_with_notes};
 pub use order::SortOrder;
 pub use transfer::Transfer;
 pub use view::Bounds;
+pub(crate) use view::across;
 
 use crate::camera::Camera;
 use crate::rules::Rules;
+use crate::vector;
 pub(crate) use file::read_file;
+use gaussian::CAPTURE_UP;
 pub use gaussian::{Gaussian, HARMONIC_0, rotation_matrix};
 
 /// What a splat's weight means.
@@ -112,6 +115,23 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Splats whose colours do not depend on the view, of the weight that the rules work with; y points down.
+    pub fn of_splats(name: impl Into<String>, natural_rules: Rules, splats: Vec<Splat>) -> Scene {
+        Scene {
+            name: name.into(),
+            natural_rules,
+            weight: match natural_rules.normalised {
+                true => Weight::Mass,
+                false => Weight::Opacity,
+            },
+            splats,
+            harmonics: None,
+            skipped: Skipped::default(),
+            up: CAPTURE_UP,
+            order: SortOrder::Depth,
+        }
+    }
+
     /// Colours as seen by `camera`, clamped at 0 from below.
     ///
     /// Harmonics are evaluated once per splat, for the direction from the eye to its centre, or for the direction of
@@ -169,10 +189,5 @@ fn direction_of_view(camera: &Camera, place: [f64; 3]) -> [f64; 3] {
                 .map(|row| rotation[row][axis] * translation[row])
                 .sum::<f64>()
     });
-    let length = from_eye.iter().map(|part| part * part).sum::<f64>().sqrt();
-    if length > 0.0 {
-        from_eye.map(|part| part / length)
-    } else {
-        [0.0; 3]
-    }
+    vector::unit(from_eye).unwrap_or([0.0; 3])
 }

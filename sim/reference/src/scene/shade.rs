@@ -9,9 +9,11 @@
 use super::error::Problem;
 use super::transfer::{Shading, Transfer};
 use super::volume::Volume;
-use super::{Scene, Skipped, SortOrder, Splat, Weight};
+use super::{Scene, Skipped, Splat};
 use crate::memory;
 use crate::rules::Rules;
+use crate::vector::{dot, length, unit};
+use anyhow::{Context, ensure};
 
 /// Standard deviation of a voxel's kernel, in voxels.
 ///
@@ -27,9 +29,6 @@ pub const DEFAULT_LIGHT: [f64; 3] = [-0.45, -0.65, -0.8];
 
 /// Direction towards the viewer for whom the highlights are placed.
 const TOWARDS_VIEWER: [f64; 3] = [0.0, 0.0, -1.0];
-
-/// A volume's up direction on screen.
-const VOLUME_UP: [f64; 3] = [0.0, -1.0, 0.0];
 
 /// Mean of the clamped cosine over all directions of a hemisphere: diffuse light without a normal.
 const MEAN_COSINE: f64 = 0.5;
@@ -63,25 +62,15 @@ pub(super) fn shade(
             memory::push(&mut splats, splat, "the splats of visible voxels")?;
         }
     }
-    if splats.is_empty() {
-        return Err(Problem::malformed(
-            "transfer function",
-            format!(
-                "it leaves no voxel visible ({} were not finite)",
-                skipped.non_finite
-            ),
-            "give a transfer function with extinction within the data's range",
-        ));
-    }
+    ensure!(
+        !splats.is_empty(),
+        "transfer function: it leaves no voxel visible ({} were not finite); \
+         give a transfer function with extinction within the data's range",
+        skipped.non_finite
+    );
     Ok(Scene {
-        name: name.to_string(),
-        natural_rules: Rules::EWA,
-        weight: Weight::Mass,
-        splats,
-        harmonics: None,
         skipped,
-        up: VOLUME_UP,
-        order: SortOrder::Depth,
+        ..Scene::of_splats(name, Rules::EWA, splats)
     })
 }
 
@@ -152,12 +141,8 @@ struct Lamp {
 
 impl Lamp {
     fn new(light: [f64; 3]) -> Result<Lamp, Problem> {
-        let towards = unit(light).ok_or_else(|| {
-            Problem::malformed(
-                "light",
-                format!("{light:?} is no direction"),
-                "give three finite numbers, not all zero",
-            )
+        let towards = unit(light).with_context(|| {
+            format!("light: {light:?} is no direction; give three finite numbers, not all zero")
         })?;
         let sum = [0, 1, 2].map(|axis| towards[axis] + TOWARDS_VIEWER[axis]);
         // A light straight behind the volume has no half-way direction and gives no highlight.
@@ -188,19 +173,6 @@ impl Lamp {
             (channel * (shading.ambient + shading.diffuse * cosine) + highlight).min(1.0)
         })
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn length(vector: [f64; 3]) -> f64 {
-    dot(vector, vector).sqrt()
-}
-
-fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
-    let length = length(vector);
-    (length.is_finite() && length > 0.0).then(|| vector.map(|part| part / length))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Tests of classification and shading, and the measurement behind the kernel's width.
 
 use super::*;
+use crate::scene::Weight;
 
 fn transfer(text: &str) -> Transfer {
     Transfer::from_toml(text).unwrap()

@@ -5,21 +5,19 @@
 //! Without a header a file cut between two records cannot be told from a shorter scene; any other cut is an error.
 
 use super::Scene;
-use super::bytes::truncated;
+use super::bytes::{array_at, truncated};
 use super::error::Problem;
 use super::gaussian::{Gaussian, GaussianScene};
+use anyhow::ensure;
 
 const RECORD_BYTES: usize = 32;
 
 /// Loads a `.splat` file.
 pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
-    if bytes.is_empty() {
-        return Err(Problem::malformed(
-            "records",
-            "the file is empty",
-            "give a file with at least one splat",
-        ));
-    }
+    ensure!(
+        !bytes.is_empty(),
+        "records: the file is empty; give a file with at least one splat"
+    );
     let (records, partial) = bytes.as_chunks::<RECORD_BYTES>();
     if !partial.is_empty() {
         return Err(truncated(
@@ -35,15 +33,8 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     scene.finish(name)
 }
 
-fn decode(record: &[u8; RECORD_BYTES]) -> Gaussian<'static> {
-    let float = |place: usize| {
-        f64::from(f32::from_le_bytes([
-            record[place],
-            record[place + 1],
-            record[place + 2],
-            record[place + 3],
-        ]))
-    };
+fn decode(record: &[u8; RECORD_BYTES]) -> Gaussian {
+    let float = |place: usize| f64::from(f32::from_le_bytes(array_at(record, place)));
     let unit = |place: usize| f64::from(record[place]) / 255.0;
     let signed = |place: usize| (f64::from(record[place]) - 128.0) / 128.0;
     Gaussian {
@@ -52,7 +43,6 @@ fn decode(record: &[u8; RECORD_BYTES]) -> Gaussian<'static> {
         base: [unit(24), unit(25), unit(26)],
         opacity: unit(27),
         rotation: [signed(28), signed(29), signed(30), signed(31)],
-        harmonics: &[],
     }
 }
 

@@ -16,12 +16,13 @@
 //! positions, in quaternions and in the harmonics that are odd in them.
 
 use super::Scene;
-use super::bytes::{Reader, gunzip_at_most, gunzip_exact, nothing_left, unzstd_exact};
+use super::bytes::{Reader, array_at, gunzip_at_most, gunzip_exact, nothing_left, unzstd_exact};
 use super::error::Problem;
 use super::gaussian::{
     Gaussian, GaussianScene, HARMONICS, MAX_DEGREE, TRAINED_ANTIALIASED, base_from_coefficient,
     coefficient_count, harmonic_basis, room_for, scale_from_log, scene_bytes,
 };
+use anyhow::{anyhow, ensure};
 use half::f16;
 
 const MAGIC: &[u8; 4] = b"NGSP";
@@ -85,55 +86,38 @@ fn load_streams(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     table.take(table_at.max(HEADER_BYTES_4), "spz table")?;
     let streams = usize::from(header.reserved);
     let needed = if header.degree == 0 { 5 } else { 6 };
-    if !(needed..=6).contains(&streams) {
-        return Err(Problem::malformed(
-            "spz streams",
-            format!("there are {streams}"),
-            format!(
-                "{needed} to 6 are read: positions, opacities, colours, scales, rotations, harmonics"
-            ),
-        ));
-    }
+    ensure!(
+        (needed..=6).contains(&streams),
+        "spz streams: there are {streams}; \
+         {needed} to 6 are read: positions, opacities, colours, scales, rotations, harmonics"
+    );
     let claimed = header.file_bytes();
-    if claimed > (bytes.len() as u64).saturating_mul(MAX_RATIO) {
-        return Err(Problem::malformed(
-            "spz count",
-            format!(
-                "{} Gaussians of {claimed} bytes cannot be in a file of {}",
-                header.count,
-                bytes.len()
-            ),
-            "correct the count in the header or fetch the file again",
-        ));
-    }
+    ensure!(
+        claimed <= (bytes.len() as u64).saturating_mul(MAX_RATIO),
+        "spz count: {} Gaussians of {claimed} bytes cannot be in a file of {}; \
+         correct the count in the header or fetch the file again",
+        header.count,
+        bytes.len()
+    );
     room_for(header.degree, header.count.into(), claimed)?;
     let sizes = table.records(streams as u64, 16, "spz table")?;
     let mut unpacked: [Vec<u8>; 6] = Default::default();
     for (index, entry) in sizes.as_chunks::<16>().0.iter().enumerate() {
         let expected = u64::from(header.count) * header.record_bytes()[index] as u64;
-        let [packed, plain] = [0, 8].map(|at| size_at(entry, at));
-        if plain != expected {
-            return Err(Problem::malformed(
-                ARRAYS[index],
-                format!("the table says {plain} bytes"),
-                format!(
-                    "{} Gaussians need {expected}; export the scene again",
-                    header.count
-                ),
-            ));
-        }
+        let [packed, plain] = [0, 8].map(|at| u64::from_le_bytes(array_at(entry, at)));
+        ensure!(
+            plain == expected,
+            "{}: the table says {plain} bytes; {} Gaussians need {expected}; \
+             export the scene again",
+            ARRAYS[index],
+            header.count
+        );
         let packed = table.records(packed, 1, ARRAYS[index])?;
         unpacked[index] = unzstd_exact(packed, expected, ARRAYS[index])?;
     }
     let fix = "correct the sizes in the table or export the scene again";
     nothing_left(table.remaining(), "spz streams", "one", fix)?;
     decode(&header, unpacked.each_ref().map(Vec::as_slice), name)
-}
-
-fn size_at(entry: &[u8; 16], at: usize) -> u64 {
-    entry[at..]
-        .first_chunk()
-        .map_or(0, |bytes| u64::from_le_bytes(*bytes))
 }
 
 fn decode(header: &SpzHeader, arrays: [&[u8]; 6], name: &str) -> Result<Scene, Problem> {
@@ -143,10 +127,9 @@ fn decode(header: &SpzHeader, arrays: [&[u8]; 6], name: &str) -> Result<Scene, P
         scene.rules = TRAINED_ANTIALIASED;
     }
     let parities = harmonic_parities();
-    let mut harmonics = vec![[0.0f32; 3]; coefficient_count(header.degree)];
     for index in 0..header.count as usize {
-        arrays.read_harmonics(index, &parities, &mut harmonics);
-        scene.push(&arrays.gaussian(index, header, &harmonics));
+        arrays.read_harmonics(index, &parities, &mut scene.harmonics);
+        scene.push(&arrays.gaussian(index, header));
     }
     scene.finish(name)
 }
@@ -166,20 +149,34 @@ impl SpzHeader {
     fn parse(bytes: &[u8]) -> Result<SpzHeader, Problem> {
         let mut reader = Reader::new(bytes);
         let magic: [u8; 4] = reader.array("spz magic")?;
-        if magic != *MAGIC {
-            return Err(Problem::malformed(
-                "spz magic",
-                "it is not 'NGSP'",
-                "check that this is a .spz file",
-            ));
-        }
+        ensure!(
+            magic == *MAGIC,
+            "spz magic: it is not 'NGSP'; check that this is a .spz file"
+        );
         let version = u32::from_le_bytes(reader.array("spz version")?);
         if !(1..=4).contains(&version) {
             return Err(unsupported_version(&version.to_string()));
         }
         let count = u32::from_le_bytes(reader.array("spz count")?);
         let [degree, fraction_bits, flags, reserved] = reader.array("spz header")?;
-        check_header(count, degree, fraction_bits, flags)?;
+        ensure!(
+            count != 0,
+            "spz count: it is 0; export a scene with splats in it"
+        );
+        ensure!(
+            degree <= MAX_DEGREE,
+            "spz harmonics degree: it is {degree}; degrees 0 to 4 are read; export with one of these"
+        );
+        ensure!(
+            fraction_bits <= 23,
+            "spz fractional bits: there are {fraction_bits} in a 24-bit position; \
+         at most 23 make sense; export again"
+        );
+        ensure!(
+            flags & FLAG_EXTENSIONS == 0,
+            "spz flags: the file carries extensions, which may change the meaning of its harmonics; \
+         export it without extensions"
+        );
         Ok(SpzHeader {
             version,
             count,
@@ -205,44 +202,8 @@ impl SpzHeader {
     }
 }
 
-fn check_header(count: u32, degree: u8, fraction_bits: u8, flags: u8) -> Result<(), Problem> {
-    if count == 0 {
-        return Err(Problem::malformed(
-            "spz count",
-            "it is 0",
-            "export a scene with splats in it",
-        ));
-    }
-    if degree > MAX_DEGREE {
-        return Err(Problem::malformed(
-            "spz harmonics degree",
-            format!("it is {degree}"),
-            "degrees 0 to 4 are read; export with one of these",
-        ));
-    }
-    if fraction_bits > 23 {
-        return Err(Problem::malformed(
-            "spz fractional bits",
-            format!("there are {fraction_bits} in a 24-bit position"),
-            "at most 23 make sense; export again",
-        ));
-    }
-    if flags & FLAG_EXTENSIONS != 0 {
-        return Err(Problem::malformed(
-            "spz flags",
-            "the file carries extensions, which may change the meaning of its harmonics",
-            "export it without extensions",
-        ));
-    }
-    Ok(())
-}
-
 fn unsupported_version(version: &str) -> Problem {
-    Problem::malformed(
-        "spz version",
-        format!("it is {version}"),
-        "versions 1 to 4 are read; convert to one of these",
-    )
+    anyhow!("spz version: it is {version}; versions 1 to 4 are read; convert to one of these")
 }
 
 /// The attribute arrays, each sliced per Gaussian.
@@ -267,12 +228,7 @@ impl<'a> Arrays<'a> {
         }
     }
 
-    fn gaussian<'h>(
-        &self,
-        index: usize,
-        header: &SpzHeader,
-        harmonics: &'h [[f32; 3]],
-    ) -> Gaussian<'h> {
+    fn gaussian(&self, index: usize, header: &SpzHeader) -> Gaussian {
         let [position_bytes, .., size, _] = header.record_bytes();
         let rotation = match self.rotations[index * size..(index + 1) * size] {
             [x, y, z] => rotation_first_three([x, y, z]),
@@ -291,7 +247,6 @@ impl<'a> Arrays<'a> {
             rotation: [w, x * FLIP[0], y * FLIP[1], z * FLIP[2]],
             opacity: f64::from(self.opacities[index]) / 255.0,
             base: constant.map(base_from_coefficient),
-            harmonics,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Tests of the spz reader, on files built here from the format's description.
 
-use crate::scene::damage::{assert_told, gzip as pack, survives};
+use crate::scene::damage_tests::{assert_told, gzip as pack, survives};
 
 use super::*;
 

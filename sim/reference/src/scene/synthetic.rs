@@ -4,7 +4,7 @@
 
 use super::gaussian::rotation_matrix;
 use super::look::look_at;
-use super::{Harmonics, Scene, Skipped, SortOrder, Splat, Weight};
+use super::{Harmonics, Scene, Splat};
 use crate::camera::Camera;
 use crate::rules::Rules;
 
@@ -42,7 +42,8 @@ pub fn random_gaussians(count: usize, seed: u64, scale_multiplier: f64) -> Scene
             random.splat(scales, opacity)
         })
         .collect();
-    scene(format!("random:{count}:{seed}"), splats)
+    let name = format!("random:{count}:{seed}");
+    Scene::of_splats(name, Rules::GAUSSIAN_3D, splats)
 }
 
 /// The same splats with view-dependent colours: coefficients of all degrees up to `degree`, normal with a deviation of 0.15, as trained
@@ -74,7 +75,7 @@ pub fn deep_stack(seed: u64) -> Scene {
             random.splat(scales, opacity)
         })
         .collect();
-    scene("deep-stack".to_string(), splats)
+    Scene::of_splats("deep-stack", Rules::GAUSSIAN_3D, splats)
 }
 
 /// The camera of the synthetic scenes: 5 before the origin on the z axis, 60 degrees.
@@ -92,19 +93,6 @@ pub fn camera(width: usize, height: usize) -> Camera {
 /// Whether a scene's name is one of this module's.
 pub(super) fn is_synthetic(name: &str) -> bool {
     name == "deep-stack" || name.starts_with("random:")
-}
-
-fn scene(name: String, splats: Vec<Splat>) -> Scene {
-    Scene {
-        name,
-        natural_rules: Rules::GAUSSIAN_3D,
-        weight: Weight::Opacity,
-        splats,
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
-        up: [0.0, -1.0, 0.0],
-    }
 }
 
 /// SplitMix64 (Steele, Lea, Flood 2014), from its state: the numbers are those of any host.

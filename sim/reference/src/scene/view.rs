@@ -89,18 +89,17 @@ impl Scene {
         let (centre, extents) = centre_and_extents(self.bounds_without(STRAY_PART));
         let distance = CAPTURE_DISTANCE * largest(extents);
         let mut eye = centre;
-        eye[across(self.up, extents)] += distance;
+        eye[across(self.up, |axis| extents[axis])] += distance;
         look_at(eye, centre, self.up, CAPTURE_DEGREES, width, height)
     }
 }
 
 /// The axis with the smallest extent among those that are not up.
-fn across(up: [f64; 3], extents: [f64; 3]) -> usize {
+pub(crate) fn across(up: [f64; 3], extent: impl Fn(usize) -> f64) -> usize {
     let vertical = (0..3).max_by(|&a, &b| up[a].abs().total_cmp(&up[b].abs()));
     let horizontal = (0..3).filter(|&axis| Some(axis) != vertical);
-    horizontal
-        .min_by(|&a, &b| extents[a].total_cmp(&extents[b]))
-        .unwrap_or(2)
+    let smallest = horizontal.min_by(|&a, &b| extent(a).total_cmp(&extent(b)));
+    smallest.unwrap_or(0)
 }
 
 /// A scene without splats is shown as a unit cube at the origin would be.

@@ -8,6 +8,7 @@ use crate::cameras::lens::{Distortion, Lens};
 use crate::memory;
 use crate::picture::{Picture, png};
 use crate::scene::{LoadError, Problem};
+use anyhow::anyhow;
 use std::path::Path;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -58,21 +59,12 @@ impl Texture {
                 if field.is_multiple_of(2) { light } else { dark }
             }));
         }
-        decode(path).map_err(|problem| problem.of(path.display().to_string()))
+        decode(path).map_err(LoadError::about(path.display()))
     }
 
     /// Bilinear interpolation at texture coordinates; beyond the border the border's colour.
-    pub fn sample(&self, [u, v]: [f64; 2]) -> [f64; 3] {
-        let (columns, across) = between(u, self.width);
-        let (rows, down) = between(v, self.height);
-        let blend = |a: [f64; 3], b: [f64; 3], part: f64| {
-            [0, 1, 2].map(|c: usize| a[c] + part * (b[c] - a[c]))
-        };
-        let row = |y: usize| {
-            let at = |x: usize| self.texels[y * self.width + x];
-            blend(at(columns[0]), at(columns[1]), across)
-        };
-        blend(row(rows[0]), row(rows[1]), down)
+    pub fn sample(&self, place: [f64; 2]) -> [f64; 3] {
+        bilinear(&self.texels, [self.width, self.height], place)
     }
 }
 
@@ -81,25 +73,21 @@ pub fn load_photograph(path: &Path) -> Result<Picture, LoadError> {
     let load = || {
         let bytes = crate::scene::read_file(path)?;
         if bytes.starts_with(JPEG) {
-            let Texture {
-                width,
-                height,
-                texels,
-            } = from_jpeg(&bytes).map_err(damaged)?;
-            let pixels = texels.iter().map(|[r, g, b]| [*r, *g, *b, 1.0]).collect();
+            let read = from_jpeg(&bytes).map_err(damaged)?;
+            let opaque = |[r, g, b]: &[f64; 3]| [*r, *g, *b, 1.0];
             return Ok(Picture {
-                width,
-                height,
-                pixels,
+                width: read.width,
+                height: read.height,
+                pixels: read.texels.iter().map(opaque).collect(),
             });
         }
         Picture::from_png(&bytes).map_err(|error| damaged(error.to_string()))
     };
-    load().map_err(|problem: Problem| problem.of(path.display().to_string()))
+    load().map_err(LoadError::about(path.display()))
 }
 
 fn damaged(reason: String) -> Problem {
-    Problem::malformed("picture", reason, "give a sound .png or .jpg file")
+    anyhow!("picture: {reason}; give a sound .png or .jpg file")
 }
 
 /// The photograph as a pinhole of the lens' focal lengths and principal point would have taken it; transparent where it has nothing to show.
@@ -117,7 +105,7 @@ pub fn undistorted(photograph: &Picture, lens: &Lens) -> Picture {
         let seen = lens.pixel(direction);
         let place = [seen[0] * scale[0], seen[1] * scale[1]];
         if (0..2).all(|axis| (0.0..size[axis] as f64).contains(&place[axis])) {
-            *pixel = bilinear(photograph, place);
+            *pixel = bilinear(&photograph.pixels, size, place);
         }
     }
     straight
@@ -131,16 +119,21 @@ pub fn distorted(drawn: &Picture, pinhole: &Camera, lens: &Lens) -> Picture {
         let centre = [at % size[0], at / size[0]].map(|place| place as f64 + 0.5);
         if let Some([x, y]) = lens.direction(centre) {
             let place = [pinhole.fx * x + pinhole.cx, pinhole.fy * y + pinhole.cy];
-            *pixel = bilinear(drawn, place);
+            *pixel = bilinear(&drawn.pixels, [drawn.width, drawn.height], place);
         }
     }
     bent
 }
 
-fn bilinear(picture: &Picture, [u, v]: [f64; 2]) -> [f64; 4] {
-    let (columns, across) = between(u, picture.width);
-    let (rows, down) = between(v, picture.height);
-    let pixel = |x: usize, y: usize| picture.pixels[rows[y] * picture.width + columns[x]];
+/// Bilinear interpolation between pixels; beyond the border the border's.
+fn bilinear<const N: usize>(
+    pixels: &[[f64; N]],
+    [width, height]: [usize; 2],
+    [u, v]: [f64; 2],
+) -> [f64; N] {
+    let (columns, across) = between(u, width);
+    let (rows, down) = between(v, height);
+    let pixel = |x: usize, y: usize| pixels[rows[y] * width + columns[x]];
     std::array::from_fn(|c| {
         let row = |y: usize| pixel(0, y)[c] + across * (pixel(1, y)[c] - pixel(0, y)[c]);
         row(0) + down * (row(1) - row(0))

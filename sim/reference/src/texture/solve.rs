@@ -74,22 +74,17 @@ impl NormalEquations {
 
     /// Solves the equations, damped towards `start`.
     pub fn solve(&self, start: &[[f64; 3]]) -> Result<Solution, NotConverged> {
-        let count = self.rows.len();
-        let diagonal = self.mean_diagonal();
-        if diagonal == 0.0 {
-            return Ok(Solution {
-                values: start.to_vec(),
-                iterations: 0,
-                residual: 0.0,
-            });
-        }
-        let damping = DAMPING * diagonal;
-        let matrix = self.matrix(damping);
         let mut solution = Solution {
             values: start.to_vec(),
             iterations: 0,
             residual: 0.0,
         };
+        let diagonal = self.mean_diagonal();
+        if diagonal == 0.0 {
+            return Ok(solution);
+        }
+        let damping = DAMPING * diagonal;
+        let matrix = self.matrix(damping);
         for channel in 0..3 {
             let first: Vec<f64> = start.iter().map(|colour| colour[channel]).collect();
             let right = self.right.iter().zip(&first);
@@ -101,7 +96,6 @@ impl NormalEquations {
             solution.iterations = solution.iterations.max(found.iterations);
             solution.residual = solution.residual.max(found.residual);
         }
-        debug_assert_eq!(solution.values.len(), count);
         Ok(solution)
     }
 

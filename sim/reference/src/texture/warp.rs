@@ -12,7 +12,7 @@ use crate::camera::Camera;
 use crate::engines::surface::{FloatFragment, FloatSurfaceDrawing};
 use crate::hybrid::{DEVIATION_PER_SPACING, Hybrid, Points, spacing};
 use crate::rules::{Antialias, Rules};
-use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use crate::scene::{Scene, Splat};
 use crate::vector::{self, Vector};
 
 /// Peak opacity of a sample: its surface is opaque. Lower values leave the surface transparent (docs/systems.md).
@@ -106,8 +106,8 @@ pub fn hybrid(scene: &Scene, points: Points) -> Hybrid {
 }
 
 /// Where a place of the picture lies in space at a depth: W^-1 (t - d).
-fn in_space(camera: &Camera, [u, v]: [f64; 2], depth: f64) -> Vector {
-    let (x, y) = ((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
+fn in_space(camera: &Camera, place: [f64; 2], depth: f64) -> Vector {
+    let [x, y] = camera.slopes(place);
     let seen = if camera.orthographic {
         [x, y, depth]
     } else {
@@ -132,13 +132,7 @@ fn sample(centre: Vector, spacing: f64, colour: [f64; 3]) -> Splat {
 
 fn scene(name: &str, splats: Vec<Splat>) -> Scene {
     Scene {
-        name: name.to_owned(),
-        natural_rules: OPAQUE,
-        weight: Weight::Opacity,
-        splats,
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
         up: [0.0, 0.0, 1.0],
+        ..Scene::of_splats(name, OPAQUE, splats)
     }
 }

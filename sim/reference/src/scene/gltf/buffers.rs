@@ -5,6 +5,7 @@ use super::super::bytes::{Endian, Reader, Scalar};
 use super::super::error::{Problem, shorten};
 use super::super::file::read_file;
 use super::{Document, at};
+use anyhow::{Context, anyhow, bail, ensure};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Deserialize;
@@ -58,23 +59,16 @@ pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Problem> {
         u32::from_le_bytes(reader.array("glb version")?),
         u32::from_le_bytes(reader.array("glb length")?),
     ];
-    if version != 2 {
-        return Err(Problem::malformed(
-            "glb version",
-            format!("it is {version}"),
-            "version 2 is read; export the scene again",
-        ));
-    }
-    if length as usize != bytes.len() {
-        return Err(Problem::malformed(
-            "glb length",
-            format!(
-                "the header says {length} bytes, the file has {}",
-                bytes.len()
-            ),
-            "fetch the file again: it is truncated",
-        ));
-    }
+    ensure!(
+        version == 2,
+        "glb version: it is {version}; version 2 is read; export the scene again"
+    );
+    ensure!(
+        length as usize == bytes.len(),
+        "glb length: the header says {length} bytes, the file has {}; \
+         fetch the file again: it is truncated",
+        bytes.len()
+    );
     let json = chunk(&mut reader, JSON_CHUNK, "glb JSON chunk")?;
     let binary = match reader.remaining() {
         0 => None,
@@ -86,13 +80,10 @@ pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Problem> {
 fn chunk<'a>(reader: &mut Reader<'a>, kind: &[u8; 4], field: &str) -> Result<&'a [u8], Problem> {
     let length = u32::from_le_bytes(reader.array(field)?);
     let found: [u8; 4] = reader.array(field)?;
-    if found != *kind {
-        return Err(Problem::malformed(
-            field,
-            "a chunk of another type is in its place",
-            "export the scene again",
-        ));
-    }
+    ensure!(
+        found == *kind,
+        "{field}: a chunk of another type is in its place; export the scene again"
+    );
     reader.take(length as usize, field)
 }
 
@@ -121,13 +112,10 @@ impl<'a> Buffers<'a> {
             let bytes = match (&buffer.uri, binary) {
                 (Some(uri), _) => Cow::Owned(fetch(uri, folder, &field)?),
                 (None, Some(binary)) if index == 0 => Cow::Borrowed(binary),
-                (None, _) => {
-                    return Err(Problem::malformed(
-                        field,
-                        "it has neither a uri nor a binary chunk",
-                        "export the scene again, or keep the .bin file beside it",
-                    ));
-                }
+                (None, _) => bail!(
+                    "{field}: it has neither a uri nor a binary chunk; \
+                     export the scene again, or keep the .bin file beside it"
+                ),
             };
             if bytes.len() < buffer.byte_length {
                 return Err(super::super::bytes::truncated(
@@ -151,38 +139,30 @@ impl<'a> Buffers<'a> {
     ) -> Result<Numbers<'_>, Problem> {
         let accessor = at(&document.accessors, "accessor", index)?;
         let field = format!("accessor {index} ({name})");
-        let wrong = |found: String, fix: &str| Problem::malformed(&field, found, fix);
         let kind = ["", "SCALAR", "VEC2", "VEC3", "VEC4"][width];
-        if accessor.kind != kind {
-            let found = format!("its type is '{}'", shorten(&accessor.kind));
-            return Err(wrong(
-                found,
-                &format!("{kind} is needed; export the scene again"),
-            ));
-        }
-        if accessor.sparse.is_some() {
-            return Err(wrong(
-                "it is sparse".to_owned(),
-                "export the scene without sparse accessors",
-            ));
-        }
+        ensure!(
+            accessor.kind == kind,
+            "{field}: its type is '{}'; {kind} is needed; export the scene again",
+            shorten(&accessor.kind)
+        );
+        ensure!(
+            accessor.sparse.is_none(),
+            "{field}: it is sparse; export the scene without sparse accessors"
+        );
         let (scalar, greatest) = match (accessor.component_type, accessor.normalized) {
             (5126, _) => (Scalar::F32, 1.0),
             (5120, true) => (Scalar::I8, 127.0),
             (5121, true) => (Scalar::U8, 255.0),
             (5122, true) => (Scalar::I16, 32_767.0),
             (5123, true) => (Scalar::U16, 65_535.0),
-            (other, _) => {
-                let found = format!("its component type is {other}");
-                return Err(wrong(
-                    found,
-                    "floats (5126) or normalised integers are read",
-                ));
-            }
+            (other, _) => bail!(
+                "{field}: its component type is {other}; \
+                 floats (5126) or normalised integers are read"
+            ),
         };
         let view_index = accessor
             .buffer_view
-            .ok_or_else(|| wrong("it has no buffer view".to_owned(), "export the scene again"))?;
+            .with_context(|| format!("{field}: it has no buffer view; export the scene again"))?;
         let view = at(&document.buffer_views, "buffer view", view_index)?;
         let buffer = at(&self.0, "buffer", view.buffer)?;
         let whole = view
@@ -193,12 +173,7 @@ impl<'a> Buffers<'a> {
         let element = width * scalar.size();
         let stride = view.byte_stride.unwrap_or(element);
         let needed = match accessor.count {
-            0 => {
-                return Err(wrong(
-                    "its count is 0".to_owned(),
-                    "export a scene with splats in it",
-                ));
-            }
+            0 => bail!("{field}: its count is 0; export a scene with splats in it"),
             count => (count - 1)
                 .checked_mul(stride)
                 .and_then(|bytes| bytes.checked_add(element)),
@@ -213,13 +188,11 @@ impl<'a> Buffers<'a> {
                     unit: greatest,
                 })
             }
-            _ => Err(wrong(
-                format!(
-                    "{} elements of {stride} bytes do not fit its buffer view",
-                    accessor.count
-                ),
-                "the file is truncated or its counts are wrong; export the scene again",
-            )),
+            _ => bail!(
+                "{field}: {} elements of {stride} bytes do not fit its buffer view; \
+                 the file is truncated or its counts are wrong; export the scene again",
+                accessor.count
+            ),
         }
     }
 }
@@ -229,24 +202,24 @@ fn fetch(uri: &str, folder: Option<&Path>, field: &str) -> Result<Vec<u8>, Probl
     if let Some(data) = uri.strip_prefix("data:") {
         let packed = data.split_once(";base64,").map(|(_, packed)| packed);
         let bytes = packed.and_then(|packed| STANDARD.decode(packed).ok());
-        return bytes.ok_or_else(|| {
-            Problem::malformed(field, "its data URI is no base64", "export the scene again")
+        return bytes.with_context(|| {
+            format!("{field}: its data URI is no base64; export the scene again")
         });
     }
     let plain = !uri.contains(['/', '\\', ':', '%']) && uri != "..";
     let path = folder.filter(|_| plain).map(|folder| folder.join(uri));
-    let path = path.ok_or_else(|| {
-        Problem::malformed(
-            field,
-            format!("its uri '{}' names no file beside the scene", shorten(uri)),
-            "put the .bin file beside the .gltf file, or export a .glb",
+    let path = path.with_context(|| {
+        format!(
+            "{field}: its uri '{}' names no file beside the scene; \
+             put the .bin file beside the .gltf file, or export a .glb",
+            shorten(uri)
         )
     })?;
     read_file(&path).map_err(|problem| {
-        Problem::malformed(
-            field,
-            format!("its file '{}' {problem}", shorten(uri)),
-            "put the .bin file beside the .gltf file, or export a .glb",
+        anyhow!(
+            "{field}: its file '{}' {problem}; \
+             put the .bin file beside the .gltf file, or export a .glb",
+            shorten(uri)
         )
     })
 }

@@ -13,9 +13,10 @@ mod transform;
 use self::buffers::{Buffers, Numbers};
 use self::transform::Transform;
 use super::error::{Problem, shorten};
-use super::gaussian::{Gaussian, GaussianScene, HARMONIC_0, MAX_DEGREE, coefficient_count};
+use super::gaussian::{Gaussian, GaussianScene, MAX_DEGREE, base_from_coefficient};
 use super::{Scene, SortOrder};
 use crate::memory;
+use anyhow::{Context, anyhow, bail, ensure};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -31,23 +32,16 @@ const MAX_VISITS: usize = 1 << 16;
 /// What a file says that is drawn otherwise here.
 pub(super) type Notes = Vec<String>;
 
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
 struct Document {
     scene: Option<usize>,
-    #[serde(default)]
     scenes: Vec<Root>,
-    #[serde(default)]
     nodes: Vec<Node>,
-    #[serde(default)]
     meshes: Vec<Mesh>,
-    #[serde(default)]
     accessors: Vec<buffers::Accessor>,
-    #[serde(default)]
     buffer_views: Vec<buffers::GltfView>,
-    #[serde(default)]
     buffers: Vec<buffers::GltfBuffer>,
-    #[serde(default)]
     extensions_required: Vec<String>,
 }
 
@@ -71,11 +65,10 @@ struct Mesh {
     primitives: Vec<GltfPrimitive>,
 }
 
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
+#[serde(default)]
 struct GltfPrimitive {
-    #[serde(default)]
     attributes: BTreeMap<String, usize>,
-    #[serde(default)]
     extensions: BTreeMap<String, serde_json::Value>,
 }
 
@@ -83,13 +76,9 @@ struct GltfPrimitive {
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Splatting {
-    #[serde(default)]
     kernel: Option<String>,
-    #[serde(default)]
     color_space: Option<String>,
-    #[serde(default)]
     sorting_method: Option<String>,
-    #[serde(default)]
     projection: Option<String>,
     #[serde(default)]
     extensions: BTreeMap<String, serde_json::Value>,
@@ -104,19 +93,15 @@ pub(super) fn load(
     let (json, binary) = buffers::split(bytes)?;
     memory::room_for_json(json)?;
     let document: Document = serde_json::from_slice(json).map_err(|error| {
-        Problem::malformed(
-            "glTF JSON",
-            format!("it is not understood: {error}"),
-            "export the scene again",
-        )
+        anyhow!("glTF JSON: it is not understood: {error}; export the scene again")
     })?;
     let unknown = |name: &&String| *name != EXTENSION;
     if let Some(required) = document.extensions_required.iter().find(unknown) {
-        return Err(Problem::malformed(
-            "extensionsRequired",
-            format!("'{}' is not read", shorten(required)),
-            format!("export the scene with {EXTENSION} alone, without compression"),
-        ));
+        bail!(
+            "extensionsRequired: '{}' is not read; \
+             export the scene with {EXTENSION} alone, without compression",
+            shorten(required)
+        );
     }
     let placed = placed_meshes(&document)?;
     let buffers = Buffers::load(&document, binary, folder)?;
@@ -134,13 +119,11 @@ fn placed_meshes(document: &Document) -> Result<Vec<(usize, Transform)>, Problem
     while let Some((index, above, depth)) = waiting.pop() {
         let node = at(&document.nodes, "node", index)?;
         visits += 1;
-        if depth > MAX_DEPTH || visits > MAX_VISITS {
-            return Err(Problem::malformed(
-                format!("node {index}"),
-                "nodes are nested too deeply or in a circle",
-                "export the scene again with a tree of nodes",
-            ));
-        }
+        ensure!(
+            depth <= MAX_DEPTH && visits <= MAX_VISITS,
+            "node {index}: nodes are nested too deeply or in a circle; \
+             export the scene again with a tree of nodes"
+        );
         let transform = above.then(&node.transform.matrix());
         placed.extend(node.mesh.map(|mesh| (mesh, transform)));
         waiting.extend(
@@ -155,9 +138,8 @@ fn placed_meshes(document: &Document) -> Result<Vec<(usize, Transform)>, Problem
 
 /// What another part of the document names by its number.
 fn at<'a, T>(list: &'a [T], kind: &str, index: usize) -> Result<&'a T, Problem> {
-    list.get(index).ok_or_else(|| {
-        let found = "it is used but not there";
-        Problem::malformed(format!("{kind} {index}"), found, "export the scene again")
+    list.get(index).with_context(|| {
+        format!("{kind} {index}: it is used but not there; export the scene again")
     })
 }
 
@@ -192,13 +174,11 @@ fn gather(
             }
         }
     }
-    if parts.is_empty() {
-        return Err(Problem::malformed(
-            "meshes",
-            format!("no primitive of the scene has the extension {EXTENSION}"),
-            "export Gaussians with it, or give another scene",
-        ));
-    }
+    ensure!(
+        !parts.is_empty(),
+        "meshes: no primitive of the scene has the extension {EXTENSION}; \
+         export Gaussians with it, or give another scene"
+    );
     // Parts may differ in degree; coefficients that one lacks are 0.
     let degree_of =
         |part: &GltfAttributes| super::gaussian::degree_of(part.rest.len()).unwrap_or(0);
@@ -206,7 +186,7 @@ fn gather(
     let count = parts.iter().map(|part| part.centres.count() as u64).sum();
     let mut scene = GaussianScene::new(degree, count)?;
     for part in &parts {
-        part.push_all(degree, &mut scene)?;
+        part.push_all(&mut scene)?;
     }
     let order = orders.first().copied().unwrap_or_default();
     if orders.iter().any(|other| *other != order) {
@@ -230,17 +210,12 @@ fn gather(
 /// Refuses what would be drawn otherwise than stated, and gives the order of drawing.
 fn check(stated: &serde_json::Value) -> Result<SortOrder, Problem> {
     let stated: Splatting = Deserialize::deserialize(stated).map_err(|error| {
-        Problem::malformed(
-            EXTENSION,
-            format!("it is not understood: {error}"),
-            "export the scene again",
-        )
+        anyhow!("{EXTENSION}: it is not understood: {error}; export the scene again")
     })?;
     let refused = |field: &str, found: &str, fix: &str| {
-        Problem::malformed(
-            format!("{EXTENSION}.{field}"),
-            format!("'{}' is not read", shorten(found)),
-            fix,
+        anyhow!(
+            "{EXTENSION}.{field}: '{}' is not read; {fix}",
+            shorten(found)
         )
     };
     if let Some(compression) = stated.extensions.keys().next() {
@@ -293,11 +268,10 @@ fn attributes<'a>(
         None => Ok(None),
     };
     let required = |name: &str, width: usize| {
-        find(name, width)?.ok_or_else(|| {
-            Problem::malformed(
-                format!("attribute {name}"),
-                "the primitive lacks it",
-                format!("export the scene with all attributes of {EXTENSION}"),
+        find(name, width)?.with_context(|| {
+            format!(
+                "attribute {name}: the primitive lacks it; \
+                 export the scene with all attributes of {EXTENSION}"
             )
         })
     };
@@ -315,11 +289,10 @@ fn attributes<'a>(
     let count = part.centres.count();
     let different = part.others().find(|other| *other != count);
     match different {
-        Some(other) => Err(Problem::malformed(
-            "accessor count",
-            format!("{other} beside {count} positions"),
-            "export the scene again: every attribute needs as many",
-        )),
+        Some(other) => bail!(
+            "accessor count: {other} beside {count} positions; \
+             export the scene again: every attribute needs as many"
+        ),
         None => Ok(part),
     }
 }
@@ -335,13 +308,10 @@ fn harmonics<'a>(
             match find(&name, 3)? {
                 Some(numbers) => rest.push(numbers),
                 None if order == 0 => return Ok(rest),
-                None => {
-                    return Err(Problem::malformed(
-                        format!("attribute {name}"),
-                        "the primitive lacks it",
-                        "a degree must have all of its coefficients; export the scene again",
-                    ));
-                }
+                None => bail!(
+                    "attribute {name}: the primitive lacks it; \
+                     a degree must have all of its coefficients; export the scene again"
+                ),
             }
         }
     }
@@ -360,15 +330,15 @@ impl GltfAttributes<'_> {
         own.into_iter().chain(&self.rest).map(Numbers::count)
     }
 
-    fn push_all(&self, degree: u8, scene: &mut GaussianScene) -> Result<(), Problem> {
+    fn push_all(&self, scene: &mut GaussianScene) -> Result<(), Problem> {
         let turn = self.transform.harmonics(self.rest.len())?;
-        let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
+        scene.harmonics.fill([0.0; 3]);
         for index in 0..self.centres.count() {
-            for (coefficient, numbers) in harmonics.iter_mut().zip(&self.rest) {
+            for (coefficient, numbers) in scene.harmonics.iter_mut().zip(&self.rest) {
                 *coefficient = numbers.three(index).map(|value| value as f32);
             }
             if let Some(turn) = &turn {
-                turn.apply(&mut harmonics[..self.rest.len()]);
+                turn.apply(&mut scene.harmonics[..self.rest.len()]);
             }
             let [x, y, z, w] = [0, 1, 2, 3].map(|k| self.rotations.at(index, k));
             let gaussian = Gaussian {
@@ -376,11 +346,7 @@ impl GltfAttributes<'_> {
                 scales: self.scales.three(index),
                 rotation: [w, x, y, z],
                 opacity: self.opacities.at(index, 0),
-                base: self
-                    .constant
-                    .three(index)
-                    .map(|value| 0.5 + HARMONIC_0 * value),
-                harmonics: &harmonics,
+                base: self.constant.three(index).map(base_from_coefficient),
             };
             scene.push_transformed(&gaussian, &self.transform.linear, self.transform.offset);
         }

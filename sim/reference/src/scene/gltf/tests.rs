@@ -1,6 +1,7 @@
 //! Tests of the glTF reader, on files written here.
 
-use super::super::damage::{assert_told, survives};
+use super::super::HARMONIC_0;
+use super::super::damage_tests::{assert_told, survives};
 use super::*;
 use base64::Engine;
 use serde_json::{Value, json};

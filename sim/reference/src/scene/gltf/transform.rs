@@ -6,6 +6,7 @@
 use super::super::error::Problem;
 use super::super::gaussian::{HARMONICS, harmonic_basis, rotation_matrix};
 use crate::vector;
+use anyhow::bail;
 use serde::Deserialize;
 
 /// Deviation from a rotation and one scale up to which harmonics have a meaning.
@@ -80,11 +81,11 @@ impl Transform {
         if orthonormal {
             Ok(Some(Turn::new(&rotation, count)))
         } else {
-            Err(Problem::malformed(
-                "node transform",
-                "it scales axes differently or shears, which view-dependent colours cannot follow",
-                "apply the transform to the Gaussians before exporting, or leave the harmonics out",
-            ))
+            bail!(
+                "node transform: it scales axes differently or shears, which view-dependent \
+                 colours cannot follow; apply the transform to the Gaussians before exporting, or \
+                 leave the harmonics out"
+            )
         }
     }
 }
@@ -152,12 +153,8 @@ fn eliminate(rows: &mut [Vec<f64>]) {
         let scale = 1.0 / rows[column][column];
         rows[column].iter_mut().for_each(|value| *value *= scale);
         let row = rows[column].clone();
-        for (index, other) in rows
-            .iter_mut()
-            .enumerate()
-            .filter(|(index, _)| *index != column)
-        {
-            let _ = index;
+        let others = rows.iter_mut().enumerate();
+        for (_, other) in others.filter(|(index, _)| *index != column) {
             let factor = other[column];
             for (value, part) in other.iter_mut().zip(&row) {
                 *value -= factor * part;

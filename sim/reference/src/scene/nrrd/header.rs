@@ -3,18 +3,12 @@
 use super::super::bytes::{Endian, Scalar};
 use super::super::error::Problem;
 use super::super::volume::header::{HeaderField, LineHeader};
-use super::super::volume::{Grid, is_spacing};
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
-    Raw,
-    Gzip,
-}
+use super::super::volume::{Grid, Packing, is_spacing};
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NrrdHeader {
     pub(super) grid: Grid,
-    pub(super) encoding: Encoding,
+    pub(super) packing: Packing,
     pub(super) data_file: Option<String>,
 }
 
@@ -118,7 +112,7 @@ fn interpret(header: &LineHeader) -> Result<NrrdHeader, Problem> {
             kind,
             endian,
         },
-        encoding: parse_encoding(header.required("encoding")?)?,
+        packing: parse_encoding(header.required("encoding")?)?,
         data_file: match header.get("data file") {
             Some(field) => Some(field.data_file()?.to_owned()),
             None => None,
@@ -149,10 +143,10 @@ fn parse_endian(field: &HeaderField) -> Result<Endian, Problem> {
     }
 }
 
-fn parse_encoding(field: &HeaderField) -> Result<Encoding, Problem> {
+fn parse_encoding(field: &HeaderField) -> Result<Packing, Problem> {
     match field.value.as_str() {
-        "raw" => Ok(Encoding::Raw),
-        "gzip" | "gz" => Ok(Encoding::Gzip),
+        "raw" => Ok(Packing::None),
+        "gzip" | "gz" => Ok(Packing::Gzip),
         _ => Err(field.is_not("supported", "convert to raw or gzip")),
     }
 }

@@ -1,6 +1,6 @@
 //! Tests of the NRRD reader: types, encodings, spacings, damage.
 
-use crate::scene::damage::{assert_told, gzip, survives};
+use crate::scene::damage_tests::{assert_told, gzip, survives};
 
 use super::*;
 

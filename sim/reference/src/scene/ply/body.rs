@@ -4,9 +4,10 @@
 //! takes its column, holding NaN. Bytes left over after the last record are an error: they mean that the header
 //! describes another file, and the picture would be silently wrong.
 
-use super::super::bytes::{Endian, Reader, Scalar, checked_bytes, nothing_left, truncated};
+use super::super::bytes::{self, Endian, Reader, Scalar, checked_bytes, nothing_left, truncated};
 use super::super::error::{Problem, shorten};
 use super::header::{Element, PlyEncoding, PlyHeader, Property, PropertyKind, split_line};
+use anyhow::{Context, anyhow, bail};
 
 /// Calls `visit` with each record of the element called `wanted`.
 pub(super) fn for_each_record(
@@ -172,7 +173,8 @@ fn read_ascii(
     let mut words = text.split_ascii_whitespace();
     for property in &element.properties {
         let field = || format!("line {}, property {}", *line, shorten(&property.name));
-        let mut number = || parse_number(words.next(), &field());
+        let cut = || format!("{}: the line ends before it; complete the line", field());
+        let mut number = || bytes::number(words.next().with_context(cut)?, field);
         let value = number()?;
         match property.kind {
             PropertyKind::Number(_) => values.push(value),
@@ -187,38 +189,20 @@ fn read_ascii(
     }
     match words.next() {
         None => Ok(()),
-        Some(extra) => Err(Problem::malformed(
-            format!("line {line}"),
-            format!("'{}' stands after the last property", shorten(extra)),
-            "write one record per line",
-        )),
+        Some(extra) => bail!(
+            "line {line}: '{}' stands after the last property; write one record per line",
+            shorten(extra)
+        ),
     }
-}
-
-fn parse_number(word: Option<&str>, field: &str) -> Result<f64, Problem> {
-    let word = word
-        .ok_or_else(|| Problem::malformed(field, "the line ends before it", "complete the line"))?;
-    word.parse().map_err(|_| {
-        Problem::malformed(
-            field,
-            format!("'{}' is no number", shorten(word)),
-            "write a number such as 0.5",
-        )
-    })
 }
 
 /// A line cut in the middle of a number still parses, so only the newline proves that a record is whole.
 fn unfinished_line(line: usize, left: usize) -> Problem {
     match left {
-        0 => Problem::malformed(
-            format!("line {line}"),
-            "the file ends before the last record",
-            "fetch it again",
-        ),
-        _ => Problem::malformed(
-            format!("line {line}"),
-            "the file ends without a newline, so the last number may be cut off",
-            "fetch the file again, or end it with a newline if it is complete",
+        0 => anyhow!("line {line}: the file ends before the last record; fetch it again"),
+        _ => anyhow!(
+            "line {line}: the file ends without a newline, so the last number may be cut off; \
+             fetch the file again, or end it with a newline if it is complete"
         ),
     }
 }
@@ -228,9 +212,5 @@ fn list_length(value: f64) -> Option<u64> {
 }
 
 fn bad_list(field: &str, value: f64) -> Problem {
-    Problem::malformed(
-        field,
-        format!("the list length {value} is no count"),
-        "correct the list",
-    )
+    anyhow!("{field}: the list length {value} is no count; correct the list")
 }

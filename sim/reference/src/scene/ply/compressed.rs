@@ -15,7 +15,8 @@ use super::super::gaussian::{
 use super::super::quaternion::smallest_three;
 use super::body;
 use super::header::{Element, PlyHeader, PropertyKind};
-use super::{bad_harmonics, number};
+use super::{all, bad_harmonics, number};
+use anyhow::{Context, bail, ensure};
 
 /// Gaussians per chunk.
 const CHUNK: u64 = 256;
@@ -45,7 +46,11 @@ pub(super) fn load(header: &PlyHeader, body: &[u8], name: &str) -> Result<Scene,
         header,
         body,
         &mut |element, record| match element.name.as_str() {
-            "chunk" => chunks.push(layout.ranges.map(|three| three.map(|at| read(record, at)))),
+            "chunk" => chunks.push(
+                layout
+                    .ranges
+                    .map(|three| three.map(|at| number(record, at))),
+            ),
             "vertex" => packed.push(layout.packed.map(|column| number(record, column) as u32)),
             "sh" => harmonics.extend(layout.rest.iter().map(|at| number(record, *at) as u8)),
             _ => {}
@@ -57,28 +62,23 @@ pub(super) fn load(header: &PlyHeader, body: &[u8], name: &str) -> Result<Scene,
         scene.rules = TRAINED_ANTIALIASED;
     }
     let count = coefficient_count(degree);
-    let mut coefficients = vec![[0.0f32; 3]; count];
     for (index, packed) in packed.iter().enumerate() {
         let stored = harmonics.get(index * 3 * count..).unwrap_or_default();
-        for (k, coefficient) in coefficients.iter_mut().enumerate() {
+        for (k, coefficient) in scene.harmonics.iter_mut().enumerate() {
             let byte = |channel: usize| stored.get(channel * count + k).copied().unwrap_or(128);
             *coefficient = [0, 1, 2].map(|channel| harmonic(byte(channel)));
         }
         // The counts were compared, so every Gaussian has its chunk.
         if let Some(ranges) = chunks.get(index / CHUNK as usize) {
-            scene.push(&decode(packed, ranges, layout.coloured, &coefficients));
+            scene.push(&decode(packed, ranges, layout.coloured));
         }
     }
     scene.finish(name)
 }
 
-/// A range that the file leaves out is never used.
-fn read(record: &[f64], column: Option<usize>) -> f64 {
-    column.map_or(0.0, |column| number(record, column))
-}
-
 struct ChunkLayout {
-    ranges: [[Option<usize>; 3]; 6],
+    /// Those that the file leaves out are never used.
+    ranges: [[usize; 3]; 6],
     packed: [usize; 4],
     rest: Vec<usize>,
     degree: u8,
@@ -89,31 +89,24 @@ impl ChunkLayout {
     fn find(header: &PlyHeader) -> Result<ChunkLayout, Problem> {
         let element = |name: &str| header.elements.iter().find(|element| element.name == name);
         let (Some(chunk), Some(vertex)) = (element("chunk"), element("vertex")) else {
-            return Err(Problem::malformed(
-                "PLY header",
-                "there is packed_position but no element 'chunk'",
-                "export the scene again: the ranges of the packed values are missing",
-            ));
+            bail!(
+                "PLY header: there is packed_position but no element 'chunk'; \
+                 export the scene again: the ranges of the packed values are missing"
+            );
         };
         let wanted = vertex.count.div_ceil(CHUNK);
-        if chunk.count != wanted {
-            return Err(Problem::malformed(
-                "element chunk",
-                format!("there are {} for {} vertices", chunk.count, vertex.count),
-                format!("{wanted} of {CHUNK} vertices each are needed; export the scene again"),
-            ));
-        }
+        ensure!(
+            chunk.count == wanted,
+            "element chunk: there are {} for {} vertices; \
+             {wanted} of {CHUNK} vertices each are needed; export the scene again",
+            chunk.count,
+            vertex.count
+        );
         let coloured = chunk.column("min_r").is_some();
         let needed = if coloured { 6 } else { 4 };
-        let mut ranges = [[None; 3]; 6];
+        let mut ranges = [[0; 3]; 6];
         for (three, names) in ranges.iter_mut().zip(RANGES).take(needed) {
-            for (column, name) in three.iter_mut().zip(names) {
-                *column = Some(typed(chunk, name, Scalar::F32)?);
-            }
-        }
-        let mut packed = [0; 4];
-        for (column, name) in packed.iter_mut().zip(PACKED) {
-            *column = typed(vertex, name, Scalar::U32)?;
+            *three = all(names, |name| typed(chunk, name, Scalar::F32))?;
         }
         let rest = match element("sh") {
             Some(sh) => harmonics_of(sh, vertex)?,
@@ -125,7 +118,7 @@ impl ChunkLayout {
         };
         Ok(ChunkLayout {
             ranges,
-            packed,
+            packed: all(PACKED, |name| typed(vertex, name, Scalar::U32))?,
             degree: degree.ok_or_else(|| bad_harmonics(rest.len()))?,
             rest,
             coloured,
@@ -134,13 +127,13 @@ impl ChunkLayout {
 }
 
 fn harmonics_of(sh: &Element, vertex: &Element) -> Result<Vec<usize>, Problem> {
-    if sh.count != vertex.count {
-        return Err(Problem::malformed(
-            "element sh",
-            format!("there are {} for {} vertices", sh.count, vertex.count),
-            "one per vertex is needed; export the scene again",
-        ));
-    }
+    ensure!(
+        sh.count == vertex.count,
+        "element sh: there are {} for {} vertices; one per vertex is needed; \
+         export the scene again",
+        sh.count,
+        vertex.count
+    );
     (0..sh.properties.len())
         .map(|k| typed(sh, &format!("f_rest_{k}"), Scalar::U8))
         .collect()
@@ -150,21 +143,20 @@ fn harmonics_of(sh: &Element, vertex: &Element) -> Result<Vec<usize>, Problem> {
 fn typed(element: &Element, name: &str, scalar: Scalar) -> Result<usize, Problem> {
     let column = element.column(name);
     let right = |column: &usize| element.properties[*column].kind == PropertyKind::Number(scalar);
-    column.filter(right).ok_or_else(|| {
-        Problem::malformed(
-            format!("element {}, property {name}", element.name),
-            format!("a compressed PLY needs it as {scalar:?}"),
-            "export the scene again, or as an uncompressed PLY",
+    column.filter(right).with_context(|| {
+        format!(
+            "element {}, property {name}: a compressed PLY needs it as {scalar:?}; \
+             export the scene again, or as an uncompressed PLY",
+            element.name
         )
     })
 }
 
-fn decode<'a>(
+fn decode(
     [position, rotation, scale, colour]: &[u32; 4],
     ranges: &[[f64; 3]; 6],
     coloured: bool,
-    harmonics: &'a [[f32; 3]],
-) -> Gaussian<'a> {
+) -> Gaussian {
     let between = |least: usize, parts: [f64; 3]| -> [f64; 3] {
         [0, 1, 2].map(|i| {
             let (low, high) = (ranges[least][i], ranges[least + 1][i]);
@@ -182,7 +174,6 @@ fn decode<'a>(
         rotation: smallest_three(largest, parts),
         opacity: bytes[3],
         base: if coloured { between(4, rgb) } else { rgb },
-        harmonics,
     }
 }
 

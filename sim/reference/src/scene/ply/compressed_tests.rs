@@ -1,6 +1,6 @@
 //! Tests of the compressed PLY reader, on files packed here from the layout's description.
 
-use super::super::super::damage::{assert_told, survives};
+use super::super::super::damage_tests::{assert_told, survives};
 use super::super::load;
 use super::*;
 

@@ -2,7 +2,7 @@
 
 use super::super::bytes::{Endian, Scalar};
 use super::super::error::{Problem, shorten};
-use std::fmt::Display;
+use anyhow::{Context, anyhow, bail};
 
 /// How the body is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,11 +75,16 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(PlyHeader, &[u8]), Problem> {
         let text = String::from_utf8_lossy(line);
         let words: Vec<&str> = text.split_whitespace().collect();
         match words.as_slice() {
-            _ if number == 1 => check_magic(&words)?,
+            ["ply"] if number == 1 => {}
+            _ if number == 1 => {
+                bail!("PLY header line 1: it is not 'ply'; check that this is a PLY file")
+            }
             ["end_header"] => {
-                let format = format.ok_or_else(|| {
-                    let fix = "add 'format binary_little_endian 1.0' or what the body is";
-                    malformed(number, "no format line came before end_header", fix)
+                let format = format.with_context(|| {
+                    format!(
+                        "PLY header line {number}: no format line came before end_header; \
+                         add 'format binary_little_endian 1.0' or what the body is"
+                    )
                 })?;
                 return Ok((
                     PlyHeader {
@@ -102,17 +107,19 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(PlyHeader, &[u8]), Problem> {
             ["element", name, count] => elements.push(parse_element(name, count, number)?),
             ["property", words @ ..] => {
                 let property = parse_property(words, number)?;
-                let element = elements.last_mut().ok_or_else(|| {
-                    let found = "a property comes before any element";
-                    malformed(number, found, "put an element line before it")
+                let element = elements.last_mut().with_context(|| {
+                    format!(
+                        "PLY header line {number}: a property comes before any element; \
+                         put an element line before it"
+                    )
                 })?;
                 element.properties.push(property);
             }
-            _ => {
-                let found = format!("'{}' is not understood", shorten(&text));
-                let fix = "expected format, element, property, comment or end_header";
-                return Err(malformed(number, found, fix));
-            }
+            _ => bail!(
+                "PLY header line {number}: '{}' is not understood; \
+                 expected format, element, property, comment or end_header",
+                shorten(&text)
+            ),
         }
     }
     Err(no_end(0))
@@ -128,24 +135,11 @@ pub(super) fn split_line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     ))
 }
 
-fn malformed(line: usize, found: impl Display, fix: &str) -> Problem {
-    Problem::malformed(format!("PLY header line {line}"), found, fix)
-}
-
-fn check_magic(words: &[&str]) -> Result<(), Problem> {
-    match words {
-        ["ply"] => Ok(()),
-        _ => Err(malformed(
-            1,
-            "it is not 'ply'",
-            "check that this is a PLY file",
-        )),
-    }
-}
-
 fn no_end(line: usize) -> Problem {
-    let fix = "fetch the file again: it is truncated";
-    malformed(line, "the file ends before end_header", fix)
+    anyhow!(
+        "PLY header line {line}: the file ends before end_header; \
+         fetch the file again: it is truncated"
+    )
 }
 
 fn parse_format(name: &str, line: usize) -> Result<PlyEncoding, Problem> {
@@ -153,20 +147,21 @@ fn parse_format(name: &str, line: usize) -> Result<PlyEncoding, Problem> {
         "ascii" => Ok(PlyEncoding::Ascii),
         "binary_little_endian" => Ok(PlyEncoding::Binary(Endian::Little)),
         "binary_big_endian" => Ok(PlyEncoding::Binary(Endian::Big)),
-        other => Err(Problem::malformed(
-            format!("PLY header line {line}, format"),
-            format!("'{}' is unknown", shorten(other)),
-            "use ascii, binary_little_endian or binary_big_endian",
-        )),
+        other => bail!(
+            "PLY header line {line}, format: '{}' is unknown; \
+             use ascii, binary_little_endian or binary_big_endian",
+            shorten(other)
+        ),
     }
 }
 
 fn parse_element(name: &str, count: &str, line: usize) -> Result<Element, Problem> {
     let count = count.parse().map_err(|_| {
-        Problem::malformed(
-            format!("PLY header line {line}, element {}", shorten(name)),
-            format!("the count '{}' is no whole number", shorten(count)),
-            "write the number of records",
+        anyhow!(
+            "PLY header line {line}, element {}: the count '{}' is no whole number; \
+             write the number of records",
+            shorten(name),
+            shorten(count)
         )
     })?;
     Ok(Element {
@@ -183,13 +178,10 @@ fn parse_property(words: &[&str], line: usize) -> Result<Property, Problem> {
             (PropertyKind::List { count, item }, name)
         }
         [scalar, name] => (PropertyKind::Number(parse_scalar(scalar, line)?), name),
-        _ => {
-            return Err(Problem::malformed(
-                format!("PLY header line {line}, property"),
-                "it is neither 'property TYPE NAME' nor 'property list TYPE TYPE NAME'",
-                "correct the line",
-            ));
-        }
+        _ => bail!(
+            "PLY header line {line}, property: it is neither 'property TYPE NAME' nor \
+             'property list TYPE TYPE NAME'; correct the line"
+        ),
     };
     Ok(Property {
         name: name.to_string(),
@@ -207,10 +199,10 @@ fn parse_scalar(name: &str, line: usize) -> Result<Scalar, Problem> {
         "uint" | "uint32" => Ok(Scalar::U32),
         "float" | "float32" => Ok(Scalar::F32),
         "double" | "float64" => Ok(Scalar::F64),
-        other => Err(Problem::malformed(
-            format!("PLY header line {line}, property"),
-            format!("the type '{}' is unknown", shorten(other)),
-            "use one of PLY's eight number types, for instance float or uchar",
-        )),
+        other => bail!(
+            "PLY header line {line}, property: the type '{}' is unknown; \
+             use one of PLY's eight number types, for instance float or uchar",
+            shorten(other)
+        ),
     }
 }

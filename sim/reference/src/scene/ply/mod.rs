@@ -19,10 +19,11 @@ mod tests;
 use super::Scene;
 use super::error::{Problem, shorten};
 use super::gaussian::{
-    Gaussian, GaussianScene, TRAINED_ANTIALIASED, base_from_coefficient, coefficient_count,
-    degree_of, opacity_from_logit, scale_from_log,
+    Gaussian, GaussianScene, TRAINED_ANTIALIASED, base_from_coefficient, degree_of,
+    opacity_from_logit, scale_from_log,
 };
 use crate::rules::Rules;
+use anyhow::{Context, anyhow, bail, ensure};
 use header::Element;
 use std::collections::HashSet;
 
@@ -38,10 +39,9 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     body::refuse_absurd_count(&header, body, vertex)?;
     let mut scene = GaussianScene::new(degree, vertex.count)?;
     scene.rules = rules(&header, &columns);
-    let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
     body::for_each_record(&header, body, "vertex", &mut |record| {
-        columns.read_harmonics(record, &mut harmonics);
-        scene.push(&columns.gaussian(record, &harmonics));
+        columns.read_harmonics(record, &mut scene.harmonics);
+        scene.push(&columns.gaussian(record));
     })?;
     scene.finish(name)
 }
@@ -63,35 +63,24 @@ fn rules(header: &header::PlyHeader, columns: &GaussianColumns) -> Rules {
 
 fn vertex_element(elements: &[Element]) -> Result<&Element, Problem> {
     let mut vertices = elements.iter().filter(|element| element.name == "vertex");
-    let vertex = vertices.next().ok_or_else(|| {
-        Problem::malformed(
-            "PLY header",
-            "there is no element 'vertex'",
-            "export the scene as a 3D Gaussian PLY",
-        )
-    })?;
-    if vertices.next().is_some() {
-        return Err(Problem::malformed(
-            "PLY header",
-            "element 'vertex' is declared twice",
-            "declare it once",
-        ));
-    }
+    let vertex = vertices.next().context(
+        "PLY header: there is no element 'vertex'; export the scene as a 3D Gaussian PLY",
+    )?;
+    ensure!(
+        vertices.next().is_none(),
+        "PLY header: element 'vertex' is declared twice; declare it once"
+    );
     let mut seen = HashSet::new();
     if let Some(twice) = vertex.properties.iter().find(|p| !seen.insert(&p.name)) {
-        return Err(Problem::malformed(
-            "element vertex",
-            format!("property '{}' is declared twice", shorten(&twice.name)),
-            "declare it once",
-        ));
+        bail!(
+            "element vertex: property '{}' is declared twice; declare it once",
+            shorten(&twice.name)
+        );
     }
-    if vertex.count == 0 {
-        return Err(Problem::malformed(
-            "element vertex",
-            "its count is 0",
-            "export a scene with splats in it",
-        ));
-    }
+    ensure!(
+        vertex.count != 0,
+        "element vertex: its count is 0; export a scene with splats in it"
+    );
     Ok(vertex)
 }
 
@@ -113,27 +102,15 @@ struct GaussianColumns {
 impl GaussianColumns {
     fn find(vertex: &Element) -> Result<GaussianColumns, Problem> {
         refuse_other_kinds(vertex)?;
+        let required = |name: &str| required(vertex, name);
         Ok(GaussianColumns {
-            centre: [
-                required(vertex, "x")?,
-                required(vertex, "y")?,
-                required(vertex, "z")?,
-            ],
-            scales: [required(vertex, "scale_0")?, required(vertex, "scale_1")?],
+            centre: all(["x", "y", "z"], required)?,
+            scales: all(["scale_0", "scale_1"], required)?,
             third_scale: vertex.column("scale_2"),
             filter: vertex.column("filter_3D"),
-            rotation: [
-                required(vertex, "rot_0")?,
-                required(vertex, "rot_1")?,
-                required(vertex, "rot_2")?,
-                required(vertex, "rot_3")?,
-            ],
-            opacity: required(vertex, "opacity")?,
-            constant: [
-                required(vertex, "f_dc_0")?,
-                required(vertex, "f_dc_1")?,
-                required(vertex, "f_dc_2")?,
-            ],
+            rotation: all(["rot_0", "rot_1", "rot_2", "rot_3"], required)?,
+            opacity: required("opacity")?,
+            constant: all(["f_dc_0", "f_dc_1", "f_dc_2"], required)?,
             rest: find_rest(vertex)?,
         })
     }
@@ -150,7 +127,7 @@ impl GaussianColumns {
         }
     }
 
-    fn gaussian<'a>(&self, record: &[f64], harmonics: &'a [[f32; 3]]) -> Gaussian<'a> {
+    fn gaussian(&self, record: &[f64]) -> Gaussian {
         let scale = |column: usize| scale_from_log(number(record, column));
         let [first, second] = self.scales.map(scale);
         let scales = [first, second, self.third_scale.map_or(0.0, scale)];
@@ -164,7 +141,6 @@ impl GaussianColumns {
             base: self
                 .constant
                 .map(|column| base_from_coefficient(number(record, column))),
-            harmonics,
         }
     }
 }
@@ -187,25 +163,33 @@ fn number(record: &[f64], column: usize) -> f64 {
 /// Files that are sound but hold something other than trained Gaussians.
 fn refuse_other_kinds(vertex: &Element) -> Result<(), Problem> {
     let gaussian_fields = ["scale_0", "rot_0", "opacity", "f_dc_0"];
-    if gaussian_fields
-        .iter()
-        .all(|name| vertex.column(name).is_none())
-    {
-        return Err(Problem::malformed(
-            "element vertex",
-            "it has none of scale_0, rot_0, opacity and f_dc_0, so this is a point cloud",
-            "give --as surface to draw its points, or a 3D Gaussian PLY",
-        ));
-    }
+    ensure!(
+        gaussian_fields
+            .iter()
+            .any(|name| vertex.column(name).is_some()),
+        "element vertex: it has none of scale_0, rot_0, opacity and f_dc_0, so this is a point cloud; \
+         give --as surface to draw its points, or a 3D Gaussian PLY"
+    );
     Ok(())
 }
 
+/// The columns of several properties that must all be there.
+fn all<const N: usize>(
+    names: [&str; N],
+    column: impl Fn(&str) -> Result<usize, Problem>,
+) -> Result<[usize; N], Problem> {
+    let mut columns = [0; N];
+    for (found, name) in columns.iter_mut().zip(names) {
+        *found = column(name)?;
+    }
+    Ok(columns)
+}
+
 fn required(vertex: &Element, name: &str) -> Result<usize, Problem> {
-    vertex.column(name).ok_or_else(|| {
-        Problem::malformed(
-            format!("property {name}"),
-            "the Gaussians' element vertex lacks it",
-            "export the scene with x y z, scale_0..2 (2D Gaussians: scale_0..1), rot_0..3, opacity and f_dc_0..2",
+    vertex.column(name).with_context(|| {
+        format!(
+            "property {name}: the Gaussians' element vertex lacks it; export the scene with x y \
+             z, scale_0..2 (2D Gaussians: scale_0..1), rot_0..3, opacity and f_dc_0..2"
         )
     })
 }
@@ -225,9 +209,8 @@ fn find_rest(vertex: &Element) -> Result<Vec<usize>, Problem> {
 }
 
 fn bad_harmonics(count: usize) -> Problem {
-    Problem::malformed(
-        "properties f_rest_*",
-        format!("there are {count}"),
-        "degrees 0 to 4 have 0, 9, 24, 45 or 72; export the scene with one of these",
+    anyhow!(
+        "properties f_rest_*: there are {count}; degrees 0 to 4 have 0, 9, 24, 45 or 72; \
+         export the scene with one of these"
     )
 }

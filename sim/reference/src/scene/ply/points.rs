@@ -8,6 +8,7 @@ use super::super::points::Record;
 use super::header::{self, Element, PropertyKind};
 use super::{body, number, vertex_element};
 use crate::memory;
+use anyhow::{Context, bail, ensure};
 
 /// Where a record holds each field.
 struct PointColumns {
@@ -34,20 +35,13 @@ pub(in super::super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
 
 impl PointColumns {
     fn find(vertex: &Element) -> Result<PointColumns, Problem> {
-        if vertex.column("scale_0").is_some() {
-            return Err(Problem::malformed(
-                "property scale_0",
-                "these are Gaussians with a volume, not points of a surface",
-                "leave out --as surface",
-            ));
-        }
-        let centre = all(vertex, ["x", "y", "z"])?.ok_or_else(|| {
-            Problem::malformed(
-                "element vertex",
-                "it has no x, y and z",
-                "export the points with their places",
-            )
-        })?;
+        ensure!(
+            vertex.column("scale_0").is_none(),
+            "property scale_0: these are Gaussians with a volume, not points of a surface; \
+             leave out --as surface"
+        );
+        let centre = all(vertex, ["x", "y", "z"])?
+            .context("element vertex: it has no x, y and z; export the points with their places")?;
         let colour = match all(vertex, ["red", "green", "blue"])? {
             Some(columns) => Some(columns),
             None => all(vertex, ["diffuse_red", "diffuse_green", "diffuse_blue"])?,
@@ -81,11 +75,10 @@ fn all(vertex: &Element, names: [&str; 3]) -> Result<Option<[usize; 3]>, Problem
     match columns {
         [Some(a), Some(b), Some(c)] => Ok(Some([a, b, c])),
         [None, None, None] => Ok(None),
-        _ => Err(Problem::malformed(
-            format!("properties {}", names.join(", ")),
-            "only some of them are there",
-            "export all three or none",
-        )),
+        _ => bail!(
+            "properties {}: only some of them are there; export all three or none",
+            names.join(", ")
+        ),
     }
 }
 

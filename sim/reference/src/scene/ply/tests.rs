@@ -2,7 +2,7 @@
 
 use super::super::Skipped;
 use super::*;
-use crate::scene::damage::{assert_told, survives};
+use crate::scene::damage_tests::{assert_told, survives};
 
 const FIELDS: [&str; 14] = [
     "x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",

@@ -6,7 +6,7 @@
 use super::{SurfacePoint, SurfaceScene};
 use crate::camera::Camera;
 use crate::rules::Rules;
-use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use crate::scene::{Scene, Splat};
 use crate::vector;
 
 /// Where surface kernels end: SURF's 1 on r/2.
@@ -16,12 +16,9 @@ const CUTOFF: f64 = 2.0;
 pub fn flattened(points: &SurfaceScene, camera: &Camera, factor: f64) -> Scene {
     let splat = |point: &SurfacePoint| {
         let radius = vector::length(point.frame[0]);
-        let position = camera.to_camera(point.centre);
+        let ray = camera.ray(camera.to_camera(point.centre));
         let normal = vector::transform(&camera.rotation, point.normal);
-        let cosine = match camera.orthographic {
-            true => normal[2].abs(),
-            false => vector::dot(normal, position).abs() / vector::length(position),
-        };
+        let cosine = vector::dot(normal, ray).abs() / vector::length(ray);
         Splat {
             centre: point.centre,
             axes: [
@@ -33,15 +30,10 @@ pub fn flattened(points: &SurfaceScene, camera: &Camera, factor: f64) -> Scene {
             colour: point.colour,
         }
     };
+    let splats = points.points.iter().map(splat).collect();
     Scene {
-        name: points.name.clone(),
-        natural_rules: rules(),
-        weight: Weight::Mass,
-        splats: points.points.iter().map(splat).collect(),
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
         up: points.up,
+        ..Scene::of_splats(&points.name, rules(), splats)
     }
 }
 

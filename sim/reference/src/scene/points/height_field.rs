@@ -14,6 +14,7 @@ use crate::scene::error::{LoadError, Problem, shorten};
 use crate::scene::file::read_file;
 use crate::scene::look::look_at;
 use crate::vector::{self, Vector};
+use anyhow::{bail, ensure};
 use std::path::Path;
 
 /// Standard deviation of a basis function in grid spacings. The truncated functions then overlap without gaps (they reach
@@ -61,7 +62,7 @@ impl HeightField {
         }
         read_file(path)
             .and_then(|bytes| HeightField::parse(&bytes, spacing))
-            .map_err(|problem| problem.of(path.display().to_string()))
+            .map_err(LoadError::about(path.display()))
     }
 
     /// Reads a file's bytes; a problem names the line.
@@ -70,13 +71,10 @@ impl HeightField {
         // Counted before a number is read: a row of millions takes long to be read and is refused at once.
         let separators = bytes.iter().filter(|byte| b",;".contains(byte)).count();
         let count = separators + text.lines().filter(|line| !line.trim().is_empty()).count();
-        if count > MOST_HEIGHTS {
-            return Err(Problem::malformed(
-                "heights",
-                format!("there are more than {MOST_HEIGHTS}"),
-                "give a smaller grid",
-            ));
-        }
+        ensure!(
+            count <= MOST_HEIGHTS,
+            "heights: there are more than {MOST_HEIGHTS}; give a smaller grid"
+        );
         let each = size_of::<f64>() + size_of::<SurfacePoint>();
         memory::room_for_records(count as u64, each, "the grid's points")?;
         let (mut columns, mut rows, mut heights) = (0, 0, Vec::new());
@@ -91,22 +89,19 @@ impl HeightField {
             if rows == 0 {
                 columns = count;
             }
-            if count != columns {
-                return Err(Problem::malformed(
-                    format!("line {}", index + 1),
-                    format!("it has {count} heights where the first row has {columns}"),
-                    "give every row of the grid the same number of heights",
-                ));
-            }
+            ensure!(
+                count == columns,
+                "line {}: it has {count} heights where the first row has {columns}; \
+                 give every row of the grid the same number of heights",
+                index + 1
+            );
             rows += 1;
         }
-        if columns < 2 || rows < 2 {
-            return Err(Problem::malformed(
-                "heights",
-                format!("the grid has {rows} rows of {columns}"),
-                "give at least 2 rows of 2 heights, one row per line, separated by commas",
-            ));
-        }
+        ensure!(
+            columns >= 2 && rows >= 2,
+            "heights: the grid has {rows} rows of {columns}; \
+             give at least 2 rows of 2 heights, one row per line, separated by commas"
+        );
         Ok(HeightField {
             columns,
             rows,
@@ -211,11 +206,12 @@ fn read_row(line: &str, number: usize, heights: &mut Vec<f64>) -> Result<(), Pro
             .filter(|height| f64::is_finite(*height));
         let Some(height) = height else {
             let shown = shorten(word);
-            return Err(Problem::malformed(
-                format!("line {number}, height {}", index + 1),
-                format!("'{}' is no finite number", shown.trim()),
-                "write heights such as 1.5, separated by commas",
-            ));
+            bail!(
+                "line {number}, height {}: '{}' is no finite number; \
+                 write heights such as 1.5, separated by commas",
+                index + 1,
+                shown.trim()
+            );
         };
         heights.push(height);
     }

@@ -24,10 +24,13 @@ mod xyz;
 
 use super::error::{LoadError, Problem};
 use super::file::read_file;
+use super::view::across;
 use super::{Bounds, ply};
 use crate::camera::Camera;
 use crate::memory;
+use crate::metrics::median;
 use crate::vector::{self, Vector};
+use anyhow::{bail, ensure};
 use std::path::Path;
 
 /// Share of a hexagonal grid's cell in the square of its spacing: sqrt(3) / 2.
@@ -145,7 +148,7 @@ pub fn load(path: &Path) -> Result<SurfaceScene, LoadError> {
     read_file(path)
         .and_then(|bytes| parse(&bytes, path))
         .and_then(|cloud| surface(&name, cloud))
-        .map_err(|problem| problem.of(path.display().to_string()))
+        .map_err(LoadError::about(path.display()))
 }
 
 fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, Problem> {
@@ -162,11 +165,10 @@ fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, Problem> {
         _ if bytes.starts_with(b"LASF") => las::cloud(bytes),
         // Of stdin the first bytes alone say what it is.
         "" if xyz::begins(bytes) => xyz::records(bytes).map(plain),
-        other => Err(Problem::malformed(
-            "point cloud",
-            format!("'.{other}' is no format of points"),
-            "give a .ply, .xyz, .obj, .las or .laz file, or leave out --as surface",
-        )),
+        other => bail!(
+            "point cloud: '.{other}' is no format of points; \
+             give a .ply, .xyz, .obj, .las or .laz file, or leave out --as surface"
+        ),
     }
 }
 
@@ -203,13 +205,13 @@ fn surface(name: &str, cloud: Cloud) -> Result<SurfaceScene, Problem> {
     let each = size_of::<Record>() + 3 * size_of::<Vector>() + size_of::<SurfacePoint>();
     memory::room_for_records(records.len() as u64, each, "the surface's points")?;
     let sound: Vec<Record> = records.iter().copied().filter(is_sound).collect();
-    if sound.len() < 3 {
-        return Err(Problem::malformed(
-            "points",
-            format!("only {} of {} are usable", sound.len(), records.len()),
-            "give a cloud of at least 3 points with finite coordinates",
-        ));
-    }
+    ensure!(
+        sound.len() >= 3,
+        "points: only {} of {} are usable; \
+         give a cloud of at least 3 points with finite coordinates",
+        sound.len(),
+        records.len()
+    );
     let any = |field: fn(&Record) -> bool| sound.iter().any(field);
     let (no_radius, no_normal) = (any(|r| r.radius.is_none()), any(|r| r.normal.is_none()));
     let places: Vec<Vector> = sound.iter().map(|record| record.centre).collect();
@@ -237,13 +239,11 @@ fn surface(name: &str, cloud: Cloud) -> Result<SurfaceScene, Problem> {
     let points: Vec<SurfacePoint> = sound.iter().enumerate().filter_map(complete).collect();
     let skipped = records.len() - points.len();
     let mut sizes: Vec<f64> = points.iter().map(|p| vector::length(p.frame[0])).collect();
-    sizes.sort_by(f64::total_cmp);
-    let Some(radius) = sizes.get(sizes.len() / 2).copied() else {
-        return Err(Problem::malformed(
-            "points",
-            "none has a radius and a normal",
-            "give normals of non-zero length, and no radii of 0",
-        ));
+    let Some(radius) = median(&mut sizes) else {
+        bail!(
+            "points: none has a radius and a normal; \
+             give normals of non-zero length, and no radii of 0"
+        );
     };
     let up = orientation::up(&points);
     Ok(SurfaceScene {
@@ -260,9 +260,7 @@ fn surface(name: &str, cloud: Cloud) -> Result<SurfaceScene, Problem> {
 
 /// Radii cut to [`LARGEST_RADIUS`] medians: a stray point far from all others would become a disc as large as its distance.
 fn limited(radii: Vec<f64>, notes: &mut Vec<String>) -> Vec<f64> {
-    let mut sorted = radii.clone();
-    sorted.sort_by(f64::total_cmp);
-    let largest = LARGEST_RADIUS * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let largest = LARGEST_RADIUS * median(&mut radii.clone()).unwrap_or(0.0);
     let stray = radii.iter().filter(|radius| **radius > largest).count();
     if stray > 0 && largest > 0.0 {
         notes.push(format!(
@@ -323,31 +321,20 @@ pub fn tangents(normal: Vector) -> [Vector; 2] {
 impl SurfaceScene {
     /// The box of all places.
     pub fn bounds(&self) -> Bounds {
-        let mut bounds = Bounds {
-            least: [f64::INFINITY; 3],
-            greatest: [f64::NEG_INFINITY; 3],
-        };
-        for point in &self.points {
-            for axis in 0..3 {
-                bounds.least[axis] = bounds.least[axis].min(point.centre[axis]);
-                bounds.greatest[axis] = bounds.greatest[axis].max(point.centre[axis]);
-            }
+        let along = |axis: usize| self.points.iter().map(move |point| point.centre[axis]);
+        Bounds {
+            least: [0, 1, 2].map(|axis| along(axis).fold(f64::INFINITY, f64::min)),
+            greatest: [0, 1, 2].map(|axis| along(axis).fold(f64::NEG_INFINITY, f64::max)),
         }
-        bounds
     }
 
     /// A camera that shows the whole cloud across its thinner horizontal side.
     pub fn default_camera(&self, width: usize, height: usize) -> Camera {
         let bounds = self.bounds();
         let (centre, extents) = (bounds.centre(), bounds.extents());
-        let up = (0..3).max_by(|&a, &b| self.up[a].abs().total_cmp(&self.up[b].abs()));
-        let across = (0..3)
-            .filter(|&axis| Some(axis) != up)
-            .min_by(|&a, &b| extents[a].total_cmp(&extents[b]))
-            .unwrap_or(0);
         let largest = extents.into_iter().fold(1e-9, f64::max);
         let mut eye = centre;
-        eye[across] += 1.5 * largest;
+        eye[across(self.up, |axis| extents[axis])] += 1.5 * largest;
         super::look::look_at(eye, centre, self.up, 45.0, width, height)
     }
 

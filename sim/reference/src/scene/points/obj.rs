@@ -9,8 +9,10 @@
 //! Faces, lines and curves are not drawn, and a note says so: the points are what is there of the surface.
 
 use super::{Cloud, Record, full_scale, room_for_lines};
+use crate::scene::bytes;
 use crate::scene::error::{Problem, shorten};
 use crate::vector::{self, Vector};
+use anyhow::{Context, bail, ensure};
 
 /// Words whose lines have nothing to do with points.
 const IGNORED: [&str; 19] = [
@@ -65,36 +67,28 @@ pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
     obj.finish()
 }
 
-fn malformed(line: usize, found: impl std::fmt::Display, fix: &str) -> Problem {
-    Problem::malformed(format!("line {line}"), found, fix)
-}
-
 fn numbers(words: &[&str], line: usize) -> Result<Vec<f64>, Problem> {
-    let number = |word: &&str| {
-        word.parse().map_err(|_| {
-            let found = format!("'{}' is no number", shorten(word));
-            malformed(line, found, "write a number such as 0.5")
-        })
-    };
-    words.iter().map(number).collect()
+    let place = || format!("line {line}");
+    let numbers = words.iter().map(|word| bytes::number(word, place));
+    numbers.collect()
 }
 
 impl Obj {
     fn line(&mut self, word: &str, words: Vec<&str>, line: usize) -> Result<(), Problem> {
         match word {
             "v" => {
-                let record = vertex(&numbers(&words, line)?);
-                self.records.push(record.ok_or_else(|| {
-                    let found = format!("a vertex of {} numbers", words.len());
-                    malformed(line, found, "write x y z, or x y z r g b")
-                })?);
+                let Some(record) = vertex(&numbers(&words, line)?) else {
+                    let count = words.len();
+                    bail!("line {line}: a vertex of {count} numbers; write x y z, or x y z r g b");
+                };
+                self.records.push(record);
             }
             "vn" => match numbers(&words, line)?[..] {
                 [x, y, z] => self.normals.push([x, y, z]),
-                _ => {
-                    let found = format!("a normal of {} numbers", words.len());
-                    return Err(malformed(line, found, "write three"));
-                }
+                _ => bail!(
+                    "line {line}: a normal of {} numbers; write three",
+                    words.len()
+                ),
             },
             "f" => {
                 self.shapes += 1;
@@ -104,14 +98,11 @@ impl Obj {
             }
             word if SHAPES.contains(&word) => self.shapes += 1,
             word if IGNORED.contains(&word) || word == "vp" => {}
-            other => {
-                let found = format!("'{}' is no word of .obj", shorten(other));
-                return Err(malformed(
-                    line,
-                    found,
-                    "remove the line, or export the file again",
-                ));
-            }
+            other => bail!(
+                "line {line}: '{}' is no word of .obj; \
+                 remove the line, or export the file again",
+                shorten(other)
+            ),
         }
         Ok(())
     }
@@ -125,9 +116,12 @@ impl Obj {
             None => vertex.map(|_| None),
             Some(_) => vertex.zip(place(normal, self.normals.len())).map(Some),
         };
-        let pair = pair.ok_or_else(|| {
-            let found = format!("the corner '{}' names nothing above it", shorten(corner));
-            malformed(line, found, "fetch the file again: lines are missing")
+        let pair = pair.with_context(|| {
+            format!(
+                "line {line}: the corner '{}' names nothing above it; \
+                 fetch the file again: lines are missing",
+                shorten(corner)
+            )
         })?;
         if let Some((vertex, normal)) = pair {
             self.sums.resize(self.records.len(), [0.0; 3]);
@@ -136,38 +130,31 @@ impl Obj {
         Ok(())
     }
 
-    fn finish(self) -> Result<Cloud, Problem> {
-        let Obj {
-            mut records,
-            normals,
-            mut sums,
-            shapes,
-        } = self;
-        let mut notes = Vec::new();
-        if shapes > 0 {
-            notes.push(format!(
-                "{shapes} faces and lines are not drawn: only vertices are"
-            ));
+    fn finish(mut self) -> Result<Cloud, Problem> {
+        let count = self.records.len();
+        if !self.sums.is_empty() {
+            self.sums.resize(count, [0.0; 3]);
+            self.normals = self.sums;
         }
-        sums.resize(if sums.is_empty() { 0 } else { records.len() }, [0.0; 3]);
-        let of_vertices = match (sums.is_empty(), normals.is_empty()) {
-            (false, _) => sums,
-            (true, true) => Vec::new(),
-            (true, false) if normals.len() == records.len() => normals,
-            (true, false) => {
-                return Err(Problem::malformed(
-                    "vn",
-                    format!("{} normals for {} vertices", normals.len(), records.len()),
-                    "write one normal per vertex, or faces that pair them (f 1//1)",
-                ));
-            }
-        };
-        for (record, normal) in records.iter_mut().zip(of_vertices) {
+        ensure!(
+            self.normals.is_empty() || self.normals.len() == count,
+            "vn: {} normals for {count} vertices; \
+             write one normal per vertex, or faces that pair them (f 1//1)",
+            self.normals.len()
+        );
+        for (record, normal) in self.records.iter_mut().zip(self.normals) {
             // A vertex that no face names, or whose faces look both ways, gets its neighbours' plane.
             record.normal = Some(normal).filter(|normal| *normal != [0.0; 3]);
         }
-        full_scale(&mut records, &[1.0, 255.0]);
-        Ok(Cloud { records, notes })
+        full_scale(&mut self.records, &[1.0, 255.0]);
+        let note = format!(
+            "{} faces and lines are not drawn: only vertices are",
+            self.shapes
+        );
+        Ok(Cloud {
+            records: self.records,
+            notes: (self.shapes > 0).then_some(note).into_iter().collect(),
+        })
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::SurfaceScene;
 use crate::rules::Rules;
-use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use crate::scene::{Scene, Splat};
 
 /// Half the spacing of the scanned lion, scene units: the spheres of neighbouring points meet.
 pub const LION_DEVIATION: f64 = 0.0035;
@@ -29,13 +29,7 @@ pub fn as_spheres(cloud: &SurfaceScene, deviation: f64) -> Scene {
         colour: point.colour,
     });
     Scene {
-        name: cloud.name.clone(),
-        natural_rules: RULES,
-        weight: Weight::Opacity,
-        splats: splats.collect(),
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
         up: cloud.up,
+        ..Scene::of_splats(&cloud.name, RULES, splats.collect())
     }
 }

@@ -1,7 +1,7 @@
 //! Point clouds: what is read, what is made up and what is refused.
 
 use super::*;
-use crate::scene::damage::assert_told;
+use crate::scene::damage_tests::assert_told;
 
 fn ply(properties: &str, rows: &str) -> Result<SurfaceScene, Problem> {
     let count = rows.lines().count();

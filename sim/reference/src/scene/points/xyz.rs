@@ -5,8 +5,10 @@
 //! Colours are 0 to 255, or 0 to 1 if none in the file exceeds 1.
 
 use super::{Record, full_scale, room_for_lines};
-use crate::scene::error::{Problem, shorten};
+use crate::scene::bytes;
+use crate::scene::error::Problem;
 use crate::vector;
+use anyhow::ensure;
 
 /// Squared lengths that are taken for a unit normal's.
 const UNIT_LENGTHS: std::ops::Range<f64> = 0.9..1.1;
@@ -40,13 +42,13 @@ pub(super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
             continue;
         }
         let expected = rows.first().map_or(row.len(), Vec::len);
-        if ![3, 6, 9].contains(&row.len()) || row.len() != expected {
-            return Err(Problem::malformed(
-                format!("line {}", index + 1),
-                format!("it has {} numbers", row.len()),
-                "write 3 (place), 6 (with a normal) or 9 (with a colour) numbers in every line",
-            ));
-        }
+        ensure!(
+            [3, 6, 9].contains(&row.len()) && row.len() == expected,
+            "line {}: it has {} numbers; \
+             write 3 (place), 6 (with a normal) or 9 (with a colour) numbers in every line",
+            index + 1,
+            row.len()
+        );
         rows.push(row);
     }
     let normals = rows
@@ -59,19 +61,9 @@ pub(super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
 
 fn numbers(line: &str, number: usize) -> Result<Vec<f64>, Problem> {
     let words = line.split(|c: char| c.is_whitespace() || c == ',' || c == ';');
-    let words = words.filter(|word| !word.is_empty());
+    let words = (1..).zip(words.filter(|word| !word.is_empty()));
     words
-        .enumerate()
-        .map(|(index, word)| {
-            word.parse().map_err(|_| {
-                let shown = shorten(word);
-                Problem::malformed(
-                    format!("line {number}, number {}", index + 1),
-                    format!("'{shown}' is no number"),
-                    "write a number such as 0.5",
-                )
-            })
-        })
+        .map(|(place, word)| bytes::number(word, || format!("line {number}, number {place}")))
         .collect()
 }
 

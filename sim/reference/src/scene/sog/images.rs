@@ -6,6 +6,7 @@ use super::super::quaternion::smallest_three;
 use super::meta::{Coded, HarmonicsPalette, MAX_ENTRIES, Meta};
 use super::{SogSource, damaged};
 use crate::memory;
+use anyhow::{bail, ensure};
 use image_webp::WebPDecoder;
 use std::io::Cursor;
 use std::ops::RangeInclusive;
@@ -31,13 +32,11 @@ impl SogImage {
             .map_err(|error| damaged(file, &error.to_string()))?;
         let (width, height) = decoder.dimensions();
         let count = u64::from(width) * u64::from(height);
-        if !(*pixels.start() as u64..=*pixels.end() as u64).contains(&count) {
-            return Err(Problem::malformed(
-                file,
-                format!("it has {width} x {height} pixels"),
-                format!("{} are needed; export the scene again", pixels.start()),
-            ));
-        }
+        ensure!(
+            (*pixels.start() as u64..=*pixels.end() as u64).contains(&count),
+            "{file}: it has {width} x {height} pixels; {} are needed; export the scene again",
+            pixels.start()
+        );
         let channels = if decoder.has_alpha() { 4 } else { 3 };
         // The decoder keeps a picture of its own, of four bytes a pixel.
         let what = format!("{width} x {height} pixels of {file}");
@@ -88,35 +87,30 @@ impl Rest {
         read: &impl Fn(&String, RangeInclusive<usize>) -> Result<SogImage, Problem>,
     ) -> Result<Rest, Problem> {
         let [file, labels] = &palette.files;
-        let Some((entries, bands)) = palette.size else {
-            // As many as the picture has: at most those of the largest palette.
-            let largest = MAX_ENTRIES / ENTRIES_PER_ROW * palette_width(3);
-            let centroids = read(file, palette_width(1)..=largest)?;
-            let bands = (1..=3).find(|bands| palette_width(*bands) == centroids.width);
-            let bands = bands.ok_or_else(|| {
-                Problem::malformed(
-                    file,
-                    format!("it is {} pixels wide", centroids.width),
-                    "192, 512 and 960 are those of 1 to 3 bands; export the scene again",
-                )
-            })?;
-            let rows = centroids.rgba.len() / centroids.width;
-            return Ok(Rest {
-                centroids,
-                labels: read(labels, padded(count))?,
-                entries: (rows * ENTRIES_PER_ROW).min(MAX_ENTRIES),
-                bands,
+        // As many as the picture has, where nothing says how many: at most those of the largest palette.
+        let largest = MAX_ENTRIES / ENTRIES_PER_ROW * palette_width(3);
+        let pixels = palette
+            .size
+            .map_or(palette_width(1)..=largest, |(entries, bands)| {
+                padded(entries.div_ceil(ENTRIES_PER_ROW) * palette_width(bands))
             });
+        let centroids = read(file, pixels)?;
+        let width = centroids.width;
+        let Some(bands) = (1..=3).find(|bands| palette_width(*bands) == width) else {
+            bail!(
+                "{file}: it is {width} pixels wide; 192, 512 and 960 are those of 1 to 3 bands; \
+                 export the scene again"
+            );
         };
-        let width = palette_width(bands);
-        let centroids = read(file, padded(entries.div_ceil(ENTRIES_PER_ROW) * width))?;
-        if centroids.width != width {
-            return Err(Problem::malformed(
-                file,
-                format!("it is {} pixels wide", centroids.width),
-                format!("{width} are needed for {bands} bands; export the scene again"),
-            ));
-        }
+        let rows = centroids.rgba.len() / width;
+        let usual = ((rows * ENTRIES_PER_ROW).min(MAX_ENTRIES), bands);
+        let (entries, stated) = palette.size.unwrap_or(usual);
+        ensure!(
+            stated == bands,
+            "{file}: it is {width} pixels wide; {} are needed for {stated} bands; \
+             export the scene again",
+            palette_width(stated)
+        );
         Ok(Rest {
             centroids,
             labels: read(labels, padded(count))?,
@@ -148,12 +142,7 @@ impl Pictures {
         self.rest.as_ref().map_or(0, |rest| rest.bands)
     }
 
-    pub(super) fn gaussian<'a>(
-        &self,
-        meta: &Meta,
-        index: usize,
-        harmonics: &'a [[f32; 3]],
-    ) -> Gaussian<'a> {
+    pub(super) fn gaussian(&self, meta: &Meta, index: usize) -> Gaussian {
         let [low, high] = [0, 1].map(|picture| self.means[picture].rgba[index]);
         let place = |axis: usize| {
             let word = u16::from_le_bytes([low[axis], high[axis]]);
@@ -170,7 +159,6 @@ impl Pictures {
             rotation: rotation(self.quats.rgba[index]),
             opacity: meta.opacity[usize::from(colour[3])],
             base: [0, 1, 2].map(|k| base_from_coefficient(code(&meta.sh0, k, colour[k]))),
-            harmonics,
         }
     }
 
@@ -185,16 +173,13 @@ impl Pictures {
         };
         let [low, high, ..] = rest.labels.rgba[index];
         let label = usize::from(u16::from_le_bytes([low, high]));
-        if label >= rest.entries {
-            return Err(Problem::malformed(
-                &palette.files[1],
-                format!("Gaussian {index} has the label {label}"),
-                format!(
-                    "the palette has {} entries; export the scene again",
-                    rest.entries
-                ),
-            ));
-        }
+        ensure!(
+            label < rest.entries,
+            "{}: Gaussian {index} has the label {label}; the palette has {} entries; \
+             export the scene again",
+            &palette.files[1],
+            rest.entries
+        );
         let (row, column) = (label / ENTRIES_PER_ROW, label % ENTRIES_PER_ROW);
         let first = row * rest.centroids.width + column * harmonics.len();
         let entry = &rest.centroids.rgba[first..first + harmonics.len()];

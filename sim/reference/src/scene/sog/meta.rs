@@ -3,6 +3,7 @@
 use super::super::error::Problem;
 use super::super::gaussian::opacity_from_logit;
 use super::META;
+use anyhow::{anyhow, bail, ensure};
 use serde::Deserialize;
 
 /// Entries of a palette: one per 16-bit label.
@@ -77,6 +78,13 @@ struct Palette2 {
     files: [String; 2],
 }
 
+impl Coded {
+    fn of_ranges(mins: &[f64], maxs: &[f64], files: [String; 1]) -> Coded {
+        let books = [0, 1, 2].map(|k| steps(mins[k], maxs[k]));
+        Coded { books, files }
+    }
+}
+
 impl From<Coded2> for Coded {
     /// One codebook for all channels.
     fn from(coded: Coded2) -> Coded {
@@ -127,9 +135,8 @@ struct Meta1 {
 #[derive(Deserialize)]
 struct Means1 {
     shape: Vec<u64>,
-    mins: [f64; 3],
-    maxs: [f64; 3],
-    files: [String; 2],
+    #[serde(flatten)]
+    means: Means,
 }
 
 #[derive(Deserialize)]
@@ -155,35 +162,17 @@ fn steps(least: f64, greatest: f64) -> Vec<f64> {
 
 impl From<Meta1> for Meta {
     fn from(meta: Meta1) -> Meta {
-        let Meta1 {
-            means,
-            scales,
-            quats,
-            sh0,
-            rest,
-        } = meta;
-        let opacity = steps(sh0.mins[3], sh0.maxs[3])
-            .into_iter()
-            .map(opacity_from_logit);
+        let (scales, sh0) = (meta.scales, meta.sh0);
+        let logits = steps(sh0.mins[3], sh0.maxs[3]).into_iter();
         Meta {
-            count: means.shape.first().copied().unwrap_or(0),
+            count: meta.means.shape.first().copied().unwrap_or(0),
             antialiased: false,
-            means: Means {
-                mins: means.mins,
-                maxs: means.maxs,
-                files: means.files,
-            },
-            scales: Coded {
-                books: [0, 1, 2].map(|k| steps(scales.mins[k], scales.maxs[k])),
-                files: scales.files,
-            },
-            quats,
-            opacity: opacity.collect(),
-            sh0: Coded {
-                books: [0, 1, 2].map(|k| steps(sh0.mins[k], sh0.maxs[k])),
-                files: sh0.files,
-            },
-            rest: rest.map(|rest| HarmonicsPalette {
+            means: meta.means.means,
+            scales: Coded::of_ranges(&scales.mins, &scales.maxs, scales.files),
+            quats: meta.quats,
+            opacity: logits.map(opacity_from_logit).collect(),
+            sh0: Coded::of_ranges(&sh0.mins, &sh0.maxs, sh0.files),
+            rest: meta.rest.map(|rest| HarmonicsPalette {
                 size: None,
                 codebook: steps(rest.mins, rest.maxs),
                 files: rest.files,
@@ -195,61 +184,49 @@ impl From<Meta1> for Meta {
 impl Meta {
     pub(super) fn parse(text: &[u8]) -> Result<Meta, Problem> {
         let wrong = |error: serde_json::Error| {
-            Problem::malformed(
-                META,
-                format!("it is not understood: {error}"),
-                "export the scene again as SOG version 2",
+            anyhow!(
+                "{META}: it is not understood: {error}; export the scene again as SOG version 2"
             )
         };
         let Version { version } = serde_json::from_slice(text).map_err(wrong)?;
         let meta: Meta = match version {
             None | Some(1) => serde_json::from_slice::<Meta1>(text).map_err(wrong)?.into(),
             Some(2) => serde_json::from_slice::<Meta2>(text).map_err(wrong)?.into(),
-            Some(other) => {
-                return Err(Problem::malformed(
-                    format!("{META}, version"),
-                    format!("it is {other}"),
-                    "versions 1 and 2 are read; convert the scene with a current tool",
-                ));
-            }
+            Some(other) => bail!(
+                "{META}, version: it is {other}; versions 1 and 2 are read; \
+                 convert the scene with a current tool"
+            ),
         };
         meta.check()?;
         Ok(meta)
     }
 
     fn check(&self) -> Result<(), Problem> {
-        if self.count == 0 {
-            return Err(Problem::malformed(
-                format!("{META}, count"),
-                "it is 0",
-                "export a scene with splats in it",
-            ));
-        }
+        ensure!(
+            self.count != 0,
+            "{META}, count: it is 0; export a scene with splats in it"
+        );
         let rest = self.rest.as_ref().map(|rest| ("shN", &rest.codebook));
         let books = [
             ("scales", &self.scales.books[0]),
             ("sh0", &self.sh0.books[0]),
         ];
         for (name, book) in books.into_iter().chain(rest) {
-            if book.len() != CODES {
-                return Err(Problem::malformed(
-                    format!("{META}, {name}.codebook"),
-                    format!("it has {} entries", book.len()),
-                    format!("{CODES} are needed, one per byte; export the scene again"),
-                ));
-            }
+            ensure!(
+                book.len() == CODES,
+                "{META}, {name}.codebook: it has {} entries; {CODES} are needed, one per byte; \
+                 export the scene again",
+                book.len()
+            );
         }
         match self.rest.as_ref().and_then(|rest| rest.size) {
-            Some((_, bands)) if !(1..=3).contains(&bands) => Err(Problem::malformed(
-                format!("{META}, shN.bands"),
-                format!("it is {bands}"),
-                "1 to 3 are read; export the scene again",
-            )),
-            Some((entries, _)) if entries == 0 || entries > MAX_ENTRIES => Err(Problem::malformed(
-                format!("{META}, shN.count"),
-                format!("the palette has {entries} entries"),
-                "1 to 65536 have a label; export the scene again",
-            )),
+            Some((_, bands)) if !(1..=3).contains(&bands) => {
+                bail!("{META}, shN.bands: it is {bands}; 1 to 3 are read; export the scene again")
+            }
+            Some((entries, _)) if entries == 0 || entries > MAX_ENTRIES => bail!(
+                "{META}, shN.count: the palette has {entries} entries; 1 to 65536 have a label; \
+                 export the scene again"
+            ),
             _ => Ok(()),
         }
     }

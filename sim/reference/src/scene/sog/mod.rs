@@ -23,7 +23,8 @@ use super::Scene;
 use super::archive::Archive;
 use super::error::{Problem, shorten};
 use super::file::read_file;
-use super::gaussian::{GaussianScene, TRAINED_ANTIALIASED, coefficient_count, room_for};
+use super::gaussian::{GaussianScene, TRAINED_ANTIALIASED, room_for};
+use anyhow::{anyhow, ensure};
 use std::path::Path;
 
 /// The file that names the others.
@@ -54,24 +55,18 @@ pub(super) fn load_folder(folder: &Path, name: &str) -> Result<Scene, Problem> {
 }
 
 fn damaged(field: &str, reason: &str) -> Problem {
-    Problem::malformed(
-        field,
-        format!("damaged or truncated ({reason})"),
-        "fetch it again",
-    )
+    anyhow!("{field}: damaged or truncated ({reason}); fetch it again")
 }
 
 impl SogSource<'_> {
     /// The bytes of one file, of `limit` bytes at most.
     fn read(&self, file: &str, limit: u64) -> Result<Vec<u8>, Problem> {
         let plain = !file.is_empty() && !file.contains(['/', '\\']) && file != "..";
-        if !plain {
-            return Err(Problem::malformed(
-                format!("{META}, files"),
-                format!("'{}' is no plain name", shorten(file)),
-                "the pictures must lie beside meta.json",
-            ));
-        }
+        ensure!(
+            plain,
+            "{META}, files: '{}' is no plain name; the pictures must lie beside meta.json",
+            shorten(file)
+        );
         let bytes = match self {
             SogSource::Folder(folder) => read_file(&folder.join(file))
                 .map_err(|problem| damaged(file, &problem.to_string()))?,
@@ -79,13 +74,11 @@ impl SogSource<'_> {
                 .read(file, limit)
                 .map_err(|error| damaged(file, &error))?,
         };
-        if bytes.len() as u64 > limit {
-            return Err(Problem::malformed(
-                file,
-                format!("it has more than {limit} bytes"),
-                "such a file cannot belong to this scene; export it again",
-            ));
-        }
+        ensure!(
+            bytes.len() as u64 <= limit,
+            "{file}: it has more than {limit} bytes; such a file cannot belong to this scene; \
+             export it again"
+        );
         Ok(bytes)
     }
 
@@ -106,13 +99,12 @@ fn load(source: &SogSource, name: &str) -> Result<Scene, Problem> {
     let meta = Meta::parse(&source.read(META, MAX_META_BYTES)?)?;
     let size = source.size(&meta);
     let possible = size.saturating_mul(MAX_RATIO) / RECORD_BYTES;
-    if meta.count > possible {
-        return Err(Problem::malformed(
-            format!("{META}, count"),
-            format!("{} Gaussians cannot be in {size} bytes", meta.count),
-            "correct the count or fetch the files again",
-        ));
-    }
+    ensure!(
+        meta.count <= possible,
+        "{META}, count: {} Gaussians cannot be in {size} bytes; \
+         correct the count or fetch the files again",
+        meta.count
+    );
     room_for(0, meta.count, meta.count.saturating_mul(RECORD_BYTES))?;
     let count = meta.count as usize;
     let pictures = Pictures::read(&meta, source, size)?;
@@ -121,10 +113,9 @@ fn load(source: &SogSource, name: &str) -> Result<Scene, Problem> {
     if meta.antialiased {
         scene.rules = TRAINED_ANTIALIASED;
     }
-    let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
     for index in 0..count {
-        pictures.read_harmonics(&meta, index, &mut harmonics)?;
-        scene.push(&pictures.gaussian(&meta, index, &harmonics));
+        pictures.read_harmonics(&meta, index, &mut scene.harmonics)?;
+        scene.push(&pictures.gaussian(&meta, index));
     }
     scene.finish(name)
 }

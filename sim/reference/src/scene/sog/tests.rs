@@ -1,6 +1,6 @@
 //! Tests of the SOG reader, on bundles and folders written here.
 
-use super::super::damage::{assert_told, survives};
+use super::super::damage_tests::{assert_told, survives};
 use super::*;
 use image_webp::{ColorType, WebPEncoder};
 use std::io::{Cursor, Write};

@@ -30,8 +30,11 @@ mod presets;
 #[cfg(test)]
 mod tests;
 
+use serde::Deserialize;
+
 /// Colour and extinction at one value.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ValuePoint {
     /// Data value.
     pub at: f64,
@@ -42,7 +45,8 @@ pub struct ValuePoint {
 }
 
 /// Multiplier of the extinction at one gradient magnitude.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GradientPoint {
     /// Gradient magnitude, data units per scene unit.
     pub at: f64,
@@ -51,7 +55,8 @@ pub struct GradientPoint {
 }
 
 /// The terms of Phong's model.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Shading {
     /// Part of the colour that no light direction changes.
     pub ambient: f64,

@@ -1,7 +1,7 @@
 //! Tests of transfer functions: interpolation, presets, the file format and its messages.
 
 use super::*;
-use crate::scene::damage::assert_told;
+use crate::scene::damage_tests::assert_told;
 
 const GOOD: &str = "
 [[value]]

@@ -2,6 +2,7 @@
 
 use super::super::error::{Problem, shorten};
 use super::numbers;
+use anyhow::anyhow;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -29,7 +30,7 @@ fn malformed(
     found: impl Display,
     fix: impl Display,
 ) -> Problem {
-    Problem::malformed(format!("{format} header line {line}, {field}"), found, fix)
+    anyhow!("{format} header line {line}, {field}: {found}; {fix}")
 }
 
 impl LineHeader {

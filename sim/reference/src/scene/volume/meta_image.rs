@@ -3,11 +3,10 @@
 //! `Key = value` lines up to `ElementDataFile`, which is the last and says `LOCAL` or a file's name. Three dimensions, one channel,
 //! integers of 8 to 32 bits and floats in both byte orders; raw or packed by zlib. A header of its own dozen keys needs no library.
 
-use super::super::bytes::{Endian, Scalar, unzlib_exact};
+use super::super::bytes::{Endian, Scalar};
 use super::super::error::{Problem, shorten};
-use super::super::file::read_file;
 use super::header::LineHeader;
-use super::{Grid, Noted, TURNED, UNTURNED, exact, numbers, three_spacings, unreadable};
+use super::{Grid, Noted, Packing, UNTURNED, data_file, numbers, three_spacings, turned};
 use std::path::Path;
 
 /// Keys that describe the data without changing how they are read.
@@ -62,32 +61,18 @@ const LAST: &str = "elementdatafile";
 pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Noted, Problem> {
     let (header, rest) = read(bytes)?;
     let grid = grid(&header)?;
-    let needed = grid.bytes("DimSize")?;
-    let packed = flag(&header, "compresseddata")?.unwrap_or(false);
-    let decode = |data: &[u8]| {
-        if packed {
-            let unpacked = unzlib_exact(data, needed, grid.value_bytes(), "volume data")?;
-            grid.decode(&unpacked)
-        } else {
-            grid.decode(exact(data, needed)?)
-        }
+    let packing = match flag(&header, "compresseddata")? {
+        Some(true) => Packing::Zlib,
+        _ => Packing::None,
     };
     let file = header.required(LAST)?;
     let values = match file.value.as_str() {
-        "LOCAL" | "Local" | "local" => decode(attached(&header, rest, packed)?)?,
-        _ => {
-            let name = file.data_file()?;
-            let path = folder.unwrap_or(Path::new("")).join(name);
-            let data = read_file(&path);
-            decode(&data.map_err(|problem| unreadable(&shorten(name), &path, &problem))?)?
+        "LOCAL" | "Local" | "local" => {
+            grid.unpack(attached(&header, rest, packing)?, packing, "DimSize")?
         }
+        _ => grid.unpack(&data_file(file.data_file()?, folder)?, packing, "DimSize")?,
     };
-    let notes = if is_turned(&header)? {
-        vec![TURNED.to_owned()]
-    } else {
-        Vec::new()
-    };
-    Ok((grid.volume(values), notes))
+    Ok((grid.volume(values), turned(is_turned(&header)?)))
 }
 
 /// The header's fields, and what follows it.
@@ -181,9 +166,13 @@ fn spacings(header: &LineHeader) -> Result<[f64; 3], Problem> {
 }
 
 /// The data behind the header, as many as are packed.
-fn attached<'a>(header: &LineHeader, rest: &'a [u8], packed: bool) -> Result<&'a [u8], Problem> {
+fn attached<'a>(
+    header: &LineHeader,
+    rest: &'a [u8],
+    packing: Packing,
+) -> Result<&'a [u8], Problem> {
     match header.get("compresseddatasize") {
-        Some(field) if packed && field.value.parse() != Ok(rest.len()) => {
+        Some(field) if packing != Packing::None && field.value.parse() != Ok(rest.len()) => {
             let found = format!("'{}' beside {} bytes", shorten(&field.value), rest.len());
             Err(field.malformed(found, "fetch the file again: it is truncated"))
         }

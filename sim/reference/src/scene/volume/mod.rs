@@ -11,9 +11,11 @@ mod tests;
 #[cfg(feature = "vti")]
 pub(super) mod vti;
 
-use super::bytes::{Endian, Scalar, checked_bytes, truncated};
-use super::error::Problem;
+use super::bytes::{Endian, Scalar, checked_bytes, gunzip_exact, truncated, unzlib_exact};
+use super::error::{Problem, shorten};
+use super::file::read_file;
 use crate::memory;
+use anyhow::{anyhow, ensure};
 use std::path::Path;
 use std::str::FromStr;
 
@@ -29,6 +31,14 @@ pub(super) struct Volume {
 
 /// A volume, and what its file says that is drawn otherwise here.
 pub(super) type Noted = (Volume, Vec<String>);
+
+/// How a volume's numbers are packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Packing {
+    None,
+    Gzip,
+    Zlib,
+}
 
 /// What a header says of its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +78,22 @@ impl Grid {
         Ok(values)
     }
 
+    /// The numbers in bytes that may be packed; `field` is what says how many there are.
+    pub(super) fn unpack(
+        &self,
+        data: &[u8],
+        packing: Packing,
+        field: &str,
+    ) -> Result<Vec<f32>, Problem> {
+        let needed = self.bytes(field)?;
+        let unpack = match packing {
+            Packing::None => return self.decode(exact(data, needed)?),
+            Packing::Gzip => gunzip_exact,
+            Packing::Zlib => unzlib_exact,
+        };
+        self.decode(&unpack(data, needed, self.value_bytes(), "volume data")?)
+    }
+
     pub(super) fn volume(&self, values: Vec<f32>) -> Volume {
         Volume {
             sizes: self.sizes,
@@ -83,13 +109,11 @@ pub(super) fn exact(data: &[u8], needed: u64) -> Result<&[u8], Problem> {
     if found < needed {
         return Err(truncated("volume data", needed, data.len()));
     }
-    if found > needed {
-        return Err(Problem::malformed(
-            "volume data",
-            format!("there are {found} bytes where sizes and type need {needed}"),
-            "correct sizes or type in the header",
-        ));
-    }
+    ensure!(
+        found <= needed,
+        "volume data: there are {found} bytes where sizes and type need {needed}; \
+         correct sizes or type in the header"
+    );
     Ok(data)
 }
 
@@ -112,22 +136,25 @@ pub(super) fn three_spacings(text: &str) -> Option<[f64; 3]> {
 /// The axes of a grid that is not turned.
 const UNTURNED: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
-/// The problem of a data file, at `path`, that is named in a header.
-pub(super) fn unreadable(data_file: &str, path: &Path, problem: &Problem) -> Problem {
-    let mut packed = path.as_os_str().to_owned();
-    packed.push(".gz");
-    let fix = if Path::new(&packed).is_file() {
-        format!("unpack '{data_file}.gz', which lies in its place (gunzip)")
-    } else {
-        "put the data beside the header or correct the name".to_owned()
-    };
-    Problem::malformed(
-        format!("data file '{data_file}'"),
-        format!("it {problem}"),
-        fix,
-    )
+/// The bytes of a data file that is named in a header, in the header's folder.
+pub(super) fn data_file(name: &str, folder: Option<&Path>) -> Result<Vec<u8>, Problem> {
+    let path = folder.unwrap_or(Path::new("")).join(name);
+    read_file(&path).map_err(|problem| {
+        let mut packed = path.into_os_string();
+        packed.push(".gz");
+        let name = shorten(name);
+        let fix = if Path::new(&packed).is_file() {
+            format!("unpack '{name}.gz', which lies in its place (gunzip)")
+        } else {
+            "put the data beside the header or correct the name".to_owned()
+        };
+        anyhow!("data file '{name}': it {problem}; {fix}")
+    })
 }
 
-/// Said of a header that turns or mirrors its grid.
-pub(super) const TURNED: &str =
-    "its orientation is not applied: the grid is drawn along its own axes";
+/// What is said of a header that turns or mirrors its grid.
+pub(super) fn turned(is_turned: bool) -> Vec<String> {
+    is_turned.then(|| TURNED.to_owned()).into_iter().collect()
+}
+
+const TURNED: &str = "its orientation is not applied: the grid is drawn along its own axes";

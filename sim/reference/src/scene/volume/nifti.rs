@@ -15,7 +15,8 @@
 
 use super::super::bytes::{Endian, Scalar, gunzip_at_most, gunzip_exact, truncated};
 use super::super::error::Problem;
-use super::{Grid, Noted, TURNED, exact, is_spacing};
+use super::{Grid, Noted, exact, is_spacing, turned};
+use anyhow::{bail, ensure};
 
 /// Bytes of the longer header.
 const LONGEST_HEADER: u64 = 540;
@@ -25,39 +26,32 @@ const MAX_OFFSET: f64 = 1e9;
 
 /// Where a version keeps its fields.
 struct NiftiLayout {
-    dim: (usize, usize, Stored),
+    dim: (usize, usize, Scalar),
     datatype: usize,
-    pixdim: (usize, usize, Stored),
-    offset: (usize, Stored),
-    slope: (usize, usize, Stored),
+    pixdim: (usize, usize, Scalar),
+    offset: (usize, Scalar),
+    slope: (usize, usize, Scalar),
     codes: ([usize; 2], Scalar),
     magic: usize,
     single: &'static [u8],
 }
 
-/// Kinds of a header's numbers; `I64` is none that voxels are read as.
-#[derive(Clone, Copy)]
-enum Stored {
-    Of(Scalar),
-    I64,
-}
-
 const FIRST: NiftiLayout = NiftiLayout {
-    dim: (40, 2, Stored::Of(Scalar::I16)),
+    dim: (40, 2, Scalar::I16),
     datatype: 70,
-    pixdim: (76, 4, Stored::Of(Scalar::F32)),
-    offset: (108, Stored::Of(Scalar::F32)),
-    slope: (112, 4, Stored::Of(Scalar::F32)),
+    pixdim: (76, 4, Scalar::F32),
+    offset: (108, Scalar::F32),
+    slope: (112, 4, Scalar::F32),
     codes: ([252, 254], Scalar::I16),
     magic: 344,
     single: b"n+1\0",
 };
 const SECOND: NiftiLayout = NiftiLayout {
-    dim: (16, 8, Stored::I64),
+    dim: (16, 8, Scalar::I64),
     datatype: 12,
-    pixdim: (104, 8, Stored::Of(Scalar::F64)),
-    offset: (168, Stored::I64),
-    slope: (176, 8, Stored::Of(Scalar::F64)),
+    pixdim: (104, 8, Scalar::F64),
+    offset: (168, Scalar::I64),
+    slope: (176, 8, Scalar::F64),
     codes: ([344, 348], Scalar::I32),
     magic: 4,
     single: b"n+2\0",
@@ -94,10 +88,6 @@ struct Header<'a> {
     offset: usize,
 }
 
-fn malformed(field: &str, found: impl std::fmt::Display, fix: &str) -> Problem {
-    Problem::malformed(format!("NIfTI header, {field}"), found, fix)
-}
-
 impl<'a> Header<'a> {
     fn read(bytes: &'a [u8]) -> Result<Self, Problem> {
         let size: [u8; 4] = bytes
@@ -109,21 +99,20 @@ impl<'a> Header<'a> {
             (_, 348) => (&FIRST, Endian::Big),
             (540, _) => (&SECOND, Endian::Little),
             (_, 540) => (&SECOND, Endian::Big),
-            (other, _) => {
-                let found = format!("it is {other}");
-                let fix = "348 and 540 are read; check that this is a NIfTI file";
-                return Err(malformed("sizeof_hdr", found, fix));
-            }
+            (other, _) => bail!(
+                "NIfTI header, sizeof_hdr: it is {other}; 348 and 540 are read; \
+                 check that this is a NIfTI file"
+            ),
         };
         let length = if layout.magic == 4 { 540 } else { 348 };
         if bytes.len() < length {
             return Err(truncated("NIfTI header", length as u64, bytes.len()));
         }
-        if &bytes[layout.magic..layout.magic + 4] != layout.single {
-            let found = "it is not that of a single file";
-            let fix = "join header (.hdr) and data (.img) in one .nii file";
-            return Err(malformed("magic", found, fix));
-        }
+        ensure!(
+            &bytes[layout.magic..layout.magic + 4] == layout.single,
+            "NIfTI header, magic: it is not that of a single file; \
+             join header (.hdr) and data (.img) in one .nii file"
+        );
         let mut header = Header {
             bytes,
             layout,
@@ -142,19 +131,13 @@ impl<'a> Header<'a> {
         Ok(header)
     }
 
-    fn number(&self, place: usize, kind: Stored) -> f64 {
+    fn number(&self, place: usize, kind: Scalar) -> f64 {
         let stored = self.bytes.get(place..).unwrap_or_default();
-        let endian = self.grid.endian;
-        match (kind, stored.first_chunk::<8>(), endian) {
-            (Stored::Of(kind), _, _) => kind.decode(stored, endian),
-            (Stored::I64, Some(word), Endian::Little) => i64::from_le_bytes(*word) as f64,
-            (Stored::I64, Some(word), Endian::Big) => i64::from_be_bytes(*word) as f64,
-            (Stored::I64, None, _) => 0.0,
-        }
+        kind.decode(stored, self.grid.endian)
     }
 
     fn kind(&self) -> Result<Scalar, Problem> {
-        let code = self.number(self.layout.datatype, Stored::Of(Scalar::I16));
+        let code = self.number(self.layout.datatype, Scalar::I16);
         Ok(match code as i16 {
             2 => Scalar::U8,
             4 => Scalar::I16,
@@ -164,11 +147,10 @@ impl<'a> Header<'a> {
             256 => Scalar::I8,
             512 => Scalar::U16,
             768 => Scalar::U32,
-            other => {
-                let found = format!("it is {other}");
-                let fix = "convert to integers of 8 to 32 bits or to floats, one per voxel";
-                return Err(malformed("datatype", found, fix));
-            }
+            other => bail!(
+                "NIfTI header, datatype: it is {other}; \
+                 convert to integers of 8 to 32 bits or to floats, one per voxel"
+            ),
         })
     }
 
@@ -184,9 +166,11 @@ impl<'a> Header<'a> {
         let positive = sizes.iter().all(|size| (1.0..=9e15).contains(size));
         if !(3.0..=7.0).contains(&axes) || !single || !positive {
             let list: Vec<String> = (0..8).map(|index| dim(index).to_string()).collect();
-            let found = format!("it is {}", list.join(" "));
-            let fix = "give one volume of three axes; take one out of a series";
-            return Err(malformed("dim", found, fix));
+            bail!(
+                "NIfTI header, dim: it is {}; give one volume of three axes; \
+                 take one out of a series",
+                list.join(" ")
+            );
         }
         Ok(sizes.map(|size| size as usize))
     }
@@ -197,9 +181,10 @@ impl<'a> Header<'a> {
         if spacings.into_iter().all(is_spacing) {
             Ok(spacings)
         } else {
-            let found = format!("{spacings:?} are no distances between voxels");
-            let fix = "write three positive lengths";
-            Err(malformed("pixdim", found, fix))
+            bail!(
+                "NIfTI header, pixdim: {spacings:?} are no distances between voxels; \
+                 write three positive lengths"
+            )
         }
     }
 
@@ -209,9 +194,10 @@ impl<'a> Header<'a> {
         if (least as f64..MAX_OFFSET).contains(&offset) && offset.fract() == 0.0 {
             return Ok(offset as usize);
         }
-        let found = format!("it is {offset}");
-        let fix = "the data of a single file begin behind its header; export the volume again";
-        Err(malformed("vox_offset", found, fix))
+        bail!(
+            "NIfTI header, vox_offset: it is {offset}; \
+             the data of a single file begin behind its header; export the volume again"
+        )
     }
 
     fn volume(&self, data: &[u8]) -> Result<Noted, Problem> {
@@ -224,12 +210,8 @@ impl<'a> Header<'a> {
             }
         }
         let (places, kind) = self.layout.codes;
-        let code = |place: usize| self.number(place, Stored::Of(kind));
-        let notes = if places.into_iter().any(|place| code(place) != 0.0) {
-            vec![TURNED.to_owned()]
-        } else {
-            Vec::new()
-        };
-        Ok((self.grid.volume(values), notes))
+        let code = |place: usize| self.number(place, kind);
+        let is_turned = places.into_iter().any(|place| code(place) != 0.0);
+        Ok((self.grid.volume(values), turned(is_turned)))
     }
 }

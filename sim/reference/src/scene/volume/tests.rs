@@ -1,6 +1,6 @@
 //! Volumes as other people's writers made them (`tests/files/make.py`), and what is refused.
 
-use super::super::damage::{assert_told, gzip, survives};
+use super::super::damage_tests::{assert_told, gzip, survives};
 use super::super::{LoadOptions, Scene, load};
 use super::*;
 use std::path::{Path, PathBuf};

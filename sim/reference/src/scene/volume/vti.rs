@@ -6,8 +6,9 @@
 
 use super::super::bytes::{Endian, Reader, Scalar, unzlib_exact};
 use super::super::error::{Problem, shorten};
-use super::{Grid, Noted, TURNED, UNTURNED, exact, three_spacings};
+use super::{Grid, Noted, UNTURNED, exact, three_spacings, turned};
 use crate::memory;
+use anyhow::{Context, anyhow, bail, ensure};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use roxmltree::{Document, Node, ParsingOptions};
@@ -19,10 +20,6 @@ const MOST_NODES: u32 = 1 << 16;
 /// Largest block of a compressed array.
 const MOST_BLOCK: u64 = 1 << 32;
 
-fn malformed(field: &str, found: impl std::fmt::Display, fix: &str) -> Problem {
-    Problem::malformed(format!("VTI, {field}"), found, fix)
-}
-
 /// Loads a volume.
 pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
     let (text, appended) = split(bytes)?;
@@ -30,13 +27,8 @@ pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
         nodes_limit: MOST_NODES,
         ..ParsingOptions::default()
     };
-    let document = Document::parse_with_options(&text, options).map_err(|error| {
-        malformed(
-            "XML",
-            format!("it is not understood: {error}"),
-            "fetch it again",
-        )
-    })?;
+    let document = Document::parse_with_options(&text, options)
+        .map_err(|error| anyhow!("VTI, XML: it is not understood: {error}; fetch it again"))?;
     let file = VtiFile::read(document.root_element(), appended)?;
     file.volume()
 }
@@ -45,12 +37,12 @@ pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
 fn split(bytes: &[u8]) -> Result<(String, Option<&[u8]>), Problem> {
     let in_utf8 = |bytes: &[u8]| {
         let text = std::str::from_utf8(bytes).map(str::to_owned);
-        text.map_err(|_| malformed("XML", "it is not in UTF-8", "write it again with VTK"))
+        text.map_err(|_| anyhow!("VTI, XML: it is not in UTF-8; write it again with VTK"))
     };
     let Some(start) = find(bytes, APPENDED) else {
         return Ok((in_utf8(bytes)?, None));
     };
-    let damaged = || malformed("AppendedData", "its end is missing", "fetch the file again");
+    let damaged = || anyhow!("VTI, AppendedData: its end is missing; fetch the file again");
     let open = find(&bytes[start..], b">").ok_or_else(damaged)? + start + 1;
     let end = rfind(bytes, APPENDED_END).filter(|end| *end >= open);
     let end = end.ok_or_else(damaged)?;
@@ -60,11 +52,7 @@ fn split(bytes: &[u8]) -> Result<(String, Option<&[u8]>), Problem> {
     let first = data.iter().position(|byte| !blank(byte));
     match first.map(|first| &data[first..]) {
         Some([b'_', data @ ..]) => Ok((text, Some(data))),
-        _ => Err(malformed(
-            "AppendedData",
-            "it does not begin with _",
-            "write it again with VTK",
-        )),
+        _ => bail!("VTI, AppendedData: it does not begin with _; write it again with VTK"),
     }
 }
 
@@ -81,7 +69,8 @@ struct VtiFile<'a> {
     grid: Grid,
     array: Node<'a, 'a>,
     appended: Option<(&'a [u8], bool)>,
-    wide: bool,
+    /// Of the counts before the data.
+    counts: Scalar,
     packed: bool,
     notes: Vec<String>,
 }
@@ -91,12 +80,8 @@ fn child<'a>(parent: Node<'a, 'a>, name: &str) -> Result<Node<'a, 'a>, Problem> 
     parent
         .children()
         .find(|node| node.has_tag_name(name))
-        .ok_or_else(|| {
-            malformed(
-                name,
-                "it is missing",
-                "write image data with VTK's XML writer",
-            )
+        .with_context(|| {
+            format!("VTI, {name}: it is missing; write image data with VTK's XML writer")
         })
 }
 
@@ -105,39 +90,41 @@ fn one_of<'a>(node: Node<'a, 'a>, name: &str, values: &[&'a str]) -> Result<&'a 
     match node.attribute(name) {
         None => Ok(values.first().copied().unwrap_or_default()),
         Some(value) if values.contains(&value) => Ok(value),
-        Some(other) => Err(malformed(
-            name,
-            format!("'{}' is not read", shorten(other)),
-            &format!("{} are read; write it again", values.join(" and ")),
-        )),
+        Some(other) => bail!(
+            "VTI, {name}: '{}' is not read; {} are read; write it again",
+            shorten(other),
+            values.join(" and ")
+        ),
     }
 }
 
 impl<'a> VtiFile<'a> {
     fn read(root: Node<'a, 'a>, appended: Option<&'a [u8]>) -> Result<VtiFile<'a>, Problem> {
-        if !root.has_tag_name("VTKFile") || root.attribute("type") != Some("ImageData") {
-            let found = "it is no VTKFile of type ImageData";
-            return Err(malformed("VTKFile", found, "write a regular grid as .vti"));
-        }
+        ensure!(
+            root.has_tag_name("VTKFile") && root.attribute("type") == Some("ImageData"),
+            "VTI, VTKFile: it is no VTKFile of type ImageData; write a regular grid as .vti"
+        );
         let endian = match one_of(root, "byte_order", &["LittleEndian", "BigEndian"])? {
             "BigEndian" => Endian::Big,
             _ => Endian::Little,
         };
-        let wide = one_of(root, "header_type", &["UInt32", "UInt64"])? == "UInt64";
+        let counts = match one_of(root, "header_type", &["UInt32", "UInt64"])? {
+            "UInt64" => Scalar::U64,
+            _ => Scalar::U32,
+        };
         let packed = !one_of(root, "compressor", &["", "vtkZLibDataCompressor"])?.is_empty();
         let image = child(root, "ImageData")?;
         let piece = child(image, "Piece")?;
         let whole = extent(image, "WholeExtent")?;
-        if extent(piece, "Extent")? != whole {
-            let found = "it is not the whole extent";
-            return Err(malformed("Piece", found, "write the volume in one piece"));
-        }
+        ensure!(
+            extent(piece, "Extent")? == whole,
+            "VTI, Piece: it is not the whole extent; write the volume in one piece"
+        );
         let mut notes = Vec::new();
         let (array, corners) = chosen(piece, &mut notes)?;
         let direction = image.attribute("Direction");
-        if direction.is_some_and(|axes| super::numbers(axes) != Some(UNTURNED)) {
-            notes.push(TURNED.to_owned());
-        }
+        let is_turned = direction.is_some_and(|axes| super::numbers(axes) != Some(UNTURNED));
+        notes.extend(turned(is_turned));
         let appended = match appended {
             None => None,
             Some(data) => {
@@ -156,7 +143,7 @@ impl<'a> VtiFile<'a> {
             grid,
             array,
             appended,
-            wide,
+            counts,
             packed,
             notes,
         })
@@ -167,25 +154,19 @@ impl<'a> VtiFile<'a> {
         let format = one_of(self.array, "format", &["ascii", "binary", "appended"])?;
         let text = || self.array.text().unwrap_or_default();
         let values = match (format, self.appended) {
-            ("binary", _) => self
-                .grid
-                .decode(&self.encoded(text().trim().as_bytes(), needed)?)?,
+            ("binary", _) => {
+                let stored = self.encoded(text().trim().as_bytes(), needed)?;
+                self.grid.decode(&stored)?
+            }
             ("appended", Some((data, raw))) => {
                 let data = self.appended_at(data)?;
-                let stored = if raw {
-                    self.unpacked(data, needed, "appended data")?
-                } else {
-                    self.encoded(data, needed)?
+                let stored = match raw {
+                    true => self.unpacked(data, needed, "appended data")?,
+                    false => self.encoded(data, needed)?,
                 };
                 self.grid.decode(&stored)?
             }
-            ("appended", None) => {
-                return Err(malformed(
-                    "AppendedData",
-                    "it is missing",
-                    "fetch the file again",
-                ));
-            }
+            ("appended", None) => bail!("VTI, AppendedData: it is missing; fetch the file again"),
             _ => numbers(text(), self.grid.count("WholeExtent")?)?,
         };
         Ok((self.grid.volume(values), self.notes))
@@ -194,32 +175,23 @@ impl<'a> VtiFile<'a> {
     fn appended_at(&self, data: &'a [u8]) -> Result<&'a [u8], Problem> {
         let offset = self.array.attribute("offset").unwrap_or_default();
         let place = offset.parse::<usize>().ok();
-        place.and_then(|place| data.get(place..)).ok_or_else(|| {
-            let found = format!("'{}' beside {} bytes", shorten(offset), data.len());
-            malformed("DataArray offset", found, "fetch the file again")
+        place.and_then(|place| data.get(place..)).with_context(|| {
+            format!(
+                "VTI, DataArray offset: '{}' beside {} bytes; fetch the file again",
+                shorten(offset),
+                data.len()
+            )
         })
     }
 
-    fn count_bytes(&self) -> usize {
-        if self.wide { 8 } else { 4 }
-    }
-
     fn count(&self, reader: &mut Reader, field: &str) -> Result<u64, Problem> {
-        let stored = reader.take(self.count_bytes(), field)?;
-        let mut word = [0u8; 8];
-        for (place, byte) in stored.iter().enumerate() {
-            word[place] = *byte;
-        }
-        match self.grid.endian {
-            Endian::Little => Ok(u64::from_le_bytes(word)),
-            // The four bytes of a short one stand at the word's begin.
-            Endian::Big => Ok(u64::from_be_bytes(word) >> (64 - 8 * stored.len() as u32)),
-        }
+        let stored = reader.take(self.counts.size(), field)?;
+        Ok(self.counts.decode(stored, self.grid.endian) as u64)
     }
 
     /// Bytes in base64: counts and data in one run, or with a compressor in two. What follows belongs to other arrays.
     fn encoded(&self, text: &[u8], needed: u64) -> Result<Vec<u8>, Problem> {
-        let width = self.count_bytes() as u64;
+        let width = self.counts.size() as u64;
         let field = "base64 data";
         if !self.packed {
             let whole = decoded(text, width.saturating_add(needed), field)?;
@@ -248,10 +220,11 @@ impl<'a> VtiFile<'a> {
         let mut reader = Reader::new(data);
         if !self.packed {
             let count = self.count(&mut reader, field)?;
-            if count != needed {
-                let found = format!("it has {count} bytes where extent and type need {needed}");
-                return Err(malformed(field, found, "correct extent or type"));
-            }
+            ensure!(
+                count == needed,
+                "VTI, {field}: it has {count} bytes where extent and type need {needed}; \
+                 correct extent or type"
+            );
             let data = reader.records(count, 1, field)?;
             return exact(data, needed).map(<[u8]>::to_vec);
         }
@@ -260,28 +233,16 @@ impl<'a> VtiFile<'a> {
             self.count(&mut reader, field)?,
             self.count(&mut reader, field)?,
         ];
-        let absurd = || {
-            let found = format!(
-                "{blocks} blocks of {size} bytes, the last of {last}, are not {needed} bytes"
-            );
-            malformed(
-                field,
-                found,
-                "correct extent or type, or fetch the file again",
-            )
-        };
-        let whole = if last > 0 {
-            blocks.saturating_sub(1)
-        } else {
-            blocks
-        };
+        let whole = blocks.saturating_sub(u64::from(last > 0));
         let total = whole
             .checked_mul(size)
             .and_then(|bytes| bytes.checked_add(last));
-        if total != Some(needed) || size > MOST_BLOCK || last > size || blocks == 0 {
-            return Err(absurd());
-        }
-        let sizes = reader.records(blocks, self.count_bytes(), field)?;
+        ensure!(
+            total == Some(needed) && size <= MOST_BLOCK && last <= size && blocks != 0,
+            "VTI, {field}: {blocks} blocks of {size} bytes, the last of {last}, are not {needed} bytes; \
+             correct extent or type, or fetch the file again"
+        );
+        let sizes = reader.records(blocks, self.counts.size(), field)?;
         let mut sizes = Reader::new(sizes);
         let mut unpacked = memory::list(needed, field)?;
         for block in 0..blocks {
@@ -306,11 +267,7 @@ fn decoded(text: &[u8], bytes: u64, field: &str) -> Result<Vec<u8>, Problem> {
         return Err(super::super::bytes::truncated(field, length, text.len()));
     }
     let mut found = STANDARD.decode(&text[..length as usize]).map_err(|error| {
-        malformed(
-            field,
-            format!("it is no base64 ({error})"),
-            "fetch the file again",
-        )
+        anyhow!("VTI, {field}: it is no base64 ({error}); fetch the file again")
     })?;
     found.truncate(bytes as usize);
     Ok(found)
@@ -322,15 +279,12 @@ fn numbers(text: &str, count: u64) -> Result<Vec<f32>, Problem> {
         .split_ascii_whitespace()
         .map(|word| word.parse::<f64>().ok().map(|value| value as f32))
         .collect();
-    let values = values
-        .ok_or_else(|| malformed("DataArray", "a word in it is no number", "write it again"))?;
-    if values.len() as u64 != count {
-        let found = format!(
-            "it has {} numbers where the extent needs {count}",
-            values.len()
-        );
-        return Err(malformed("DataArray", found, "correct the extent"));
-    }
+    let values = values.context("VTI, DataArray: a word in it is no number; write it again")?;
+    ensure!(
+        values.len() as u64 == count,
+        "VTI, DataArray: it has {} numbers where the extent needs {count}; correct the extent",
+        values.len()
+    );
     Ok(values)
 }
 
@@ -359,20 +313,20 @@ fn chosen<'a>(
         }
         return Ok((*array, corners));
     }
-    let found = "no array of one number per point or cell";
-    Err(malformed(
-        "PointData",
-        found,
-        "write the volume with a scalar array",
-    ))
+    bail!(
+        "VTI, PointData: no array of one number per point or cell; \
+         write the volume with a scalar array"
+    )
 }
 
 fn extent(node: Node, name: &str) -> Result<[i64; 6], Problem> {
     let text = node.attribute(name).unwrap_or_default();
-    super::numbers(text).ok_or_else(|| {
-        let found = format!("'{}' is not six whole numbers", shorten(text));
-        let fix = "write the first and last index along x, y and z";
-        malformed(name, found, fix)
+    super::numbers(text).with_context(|| {
+        format!(
+            "VTI, {name}: '{}' is not six whole numbers; \
+             write the first and last index along x, y and z",
+            shorten(text)
+        )
     })
 }
 
@@ -386,12 +340,7 @@ fn sizes(extent: [i64; 6], corners: bool) -> Result<[usize; 3], Problem> {
     match [0, 1, 2].map(size) {
         [Some(x), Some(y), Some(z)] => Ok([x, y, z]),
         _ => {
-            let found = format!("{extent:?} holds nothing");
-            Err(malformed(
-                "WholeExtent",
-                found,
-                "write a grid of three axes",
-            ))
+            bail!("VTI, WholeExtent: {extent:?} holds nothing; write a grid of three axes")
         }
     }
 }
@@ -400,12 +349,11 @@ fn spacings(image: Node) -> Result<[f64; 3], Problem> {
     let Some(text) = image.attribute("Spacing") else {
         return Ok([1.0; 3]);
     };
-    three_spacings(text).ok_or_else(|| {
-        let found = format!("'{}' is not three positive lengths", shorten(text));
-        malformed(
-            "Spacing",
-            found,
-            "write the distances between points along x, y and z",
+    three_spacings(text).with_context(|| {
+        format!(
+            "VTI, Spacing: '{}' is not three positive lengths; \
+             write the distances between points along x, y and z",
+            shorten(text)
         )
     })
 }
@@ -421,10 +369,9 @@ fn kind(array: Node) -> Result<Scalar, Problem> {
         "UInt32" => Scalar::U32,
         "Float32" => Scalar::F32,
         "Float64" => Scalar::F64,
-        other => {
-            let found = format!("'{}' is not read", shorten(other));
-            let fix = "write integers of 8 to 32 bits or floats";
-            return Err(malformed("DataArray type", found, fix));
-        }
+        other => bail!(
+            "VTI, DataArray type: '{}' is not read; write integers of 8 to 32 bits or floats",
+            shorten(other)
+        ),
     })
 }

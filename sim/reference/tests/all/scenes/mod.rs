@@ -2,7 +2,7 @@
 
 use splatline_reference::camera::Camera;
 use splatline_reference::rules::Rules;
-use splatline_reference::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use splatline_reference::scene::{Scene, Splat};
 
 /// A small camera in the origin that looks along z; its tiles are not all whole.
 pub fn straight_camera() -> Camera {
@@ -16,14 +16,5 @@ pub fn straight_camera() -> Camera {
 
 /// A scene without harmonics.
 pub fn scene_of(splats: Vec<Splat>) -> Scene {
-    Scene {
-        name: "test".to_string(),
-        natural_rules: Rules::GAUSSIAN_3D,
-        weight: Weight::Opacity,
-        splats,
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
-        up: [0.0, -1.0, 0.0],
-    }
+    Scene::of_splats("test", Rules::GAUSSIAN_3D, splats)
 }

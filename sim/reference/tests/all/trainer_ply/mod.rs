@@ -5,7 +5,7 @@ use std::path::Path;
 
 use splatline_reference::engines::golden::rotated_axes;
 use splatline_reference::rules::Rules;
-use splatline_reference::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use splatline_reference::scene::{Scene, Splat};
 
 /// The harmonic of degree 0: 1 / (2 sqrt(pi)).
 const HARMONIC_0: f64 = 0.28209479177387814;
@@ -28,16 +28,7 @@ pub fn load(path: &Path) -> Scene {
         .chunks_exact(4 * names.len())
         .map(|record| splat(&names, record))
         .collect();
-    Scene {
-        name: "tiny.ply".to_string(),
-        natural_rules: Rules::GAUSSIAN_3D,
-        weight: Weight::Opacity,
-        splats,
-        harmonics: None,
-        skipped: Skipped::default(),
-        order: SortOrder::Depth,
-        up: [0.0, -1.0, 0.0],
-    }
+    Scene::of_splats("tiny.ply", Rules::GAUSSIAN_3D, splats)
 }
 
 fn splat(names: &[&str], record: &[u8]) -> Splat {

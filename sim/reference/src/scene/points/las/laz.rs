@@ -5,9 +5,10 @@
 //! file's size. Damaged layers trip the crate's own assertions (debug builds) and checks of places (all builds); such a panic is caught
 //! here, at its border, and becomes the message that the file is damaged.
 
-use super::{LasHeader, malformed};
+use super::LasHeader;
 use crate::scene::bytes::{Reader, truncated};
 use crate::scene::error::Problem;
+use anyhow::{anyhow, bail, ensure};
 use laz::record::{
     LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor,
 };
@@ -27,14 +28,13 @@ type LazBytes<'a> = Cursor<&'a [u8]>;
 /// Refuses a count that the file cannot hold.
 pub(super) fn check_count(bytes: &[u8], header: &LasHeader) -> Result<(), Problem> {
     let possible = (bytes.len() as u64).saturating_mul(MOST_PER_BYTE);
-    if header.count > possible {
-        let found = format!("{} points cannot be in {} bytes", header.count, bytes.len());
-        return Err(malformed(
-            "point count",
-            found,
-            "correct it or fetch the file again",
-        ));
-    }
+    ensure!(
+        header.count <= possible,
+        "LAS header, point count: {} points cannot be in {} bytes; \
+         correct it or fetch the file again",
+        header.count,
+        bytes.len()
+    );
     Ok(())
 }
 
@@ -86,11 +86,7 @@ fn unpack_chunk<'a>(
 }
 
 fn damaged(reason: &str) -> Problem {
-    Problem::malformed(
-        "packed points",
-        format!("they are damaged or truncated ({reason})"),
-        "fetch the file again",
-    )
+    anyhow!("packed points: they are damaged or truncated ({reason}); fetch the file again")
 }
 
 /// The record that says how the points are packed, checked against the header.
@@ -108,44 +104,39 @@ fn description(bytes: &[u8], header: &LasHeader) -> Result<LazVlr, Problem> {
             return checked(data, header);
         }
     }
-    let fix = "fetch the file again, or unpack it to .las";
-    Err(malformed(
-        "variable length records",
-        "none says how the points are packed",
-        fix,
-    ))
+    bail!(
+        "LAS header, variable length records: none says how the points are packed; \
+         fetch the file again, or unpack it to .las"
+    )
 }
 
 fn checked(data: &[u8], header: &LasHeader) -> Result<LazVlr, Problem> {
     let vlr = LazVlr::from_buffer(data).map_err(|error| damaged(&error.to_string()))?;
     let fix = "unpack the file to .las";
     let size = record_size(&vlr);
-    if vlr.items().is_empty() || size != header.record_bytes {
-        let found = format!("{size} bytes beside records of {}", header.record_bytes);
-        return Err(malformed("packed record length", found, fix));
-    }
+    ensure!(
+        !vlr.items().is_empty() && size == header.record_bytes,
+        "LAS header, packed record length: {size} bytes beside records of {}; {fix}",
+        header.record_bytes
+    );
     let sizes = vlr
         .items()
         .iter()
         .all(|item| item_size(item.item_type()) == item.size());
     let versions = vlr.items().iter().map(|item| item.version());
     let layered = vlr.items()[0].version() >= 3;
-    if !sizes
-        || !versions
-            .into_iter()
-            .all(|version| (version >= 3) == layered)
-    {
-        return Err(malformed(
-            "packed items",
-            "their sizes or versions do not fit",
-            fix,
-        ));
-    }
-    let one = !layered && !is_chunked(data);
-    if one || vlr.chunk_size() == 0 || vlr.chunk_size() == VARIABLE && !layered {
-        let found = format!("chunks of {}", vlr.chunk_size());
-        return Err(malformed("packed chunks", found, fix));
-    }
+    ensure!(
+        sizes
+            && versions
+                .into_iter()
+                .all(|version| (version >= 3) == layered),
+        "LAS header, packed items: their sizes or versions do not fit; {fix}"
+    );
+    let size = vlr.chunk_size();
+    ensure!(
+        size != 0 && (layered || is_chunked(data) && size != VARIABLE),
+        "LAS header, packed chunks: chunks of {size}; {fix}"
+    );
     Ok(vlr)
 }
 

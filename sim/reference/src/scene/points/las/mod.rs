@@ -14,6 +14,7 @@ use super::{Cloud, Record, full_scale};
 use crate::memory;
 use crate::scene::bytes::{Endian, Reader, Scalar, truncated};
 use crate::scene::error::Problem;
+use anyhow::{bail, ensure};
 
 const MAGIC: &[u8; 4] = b"LASF";
 /// Bits of the format's number that say "packed".
@@ -49,14 +50,14 @@ struct LasHeader {
     offset: [f64; 3],
 }
 
-fn malformed(field: &str, found: impl std::fmt::Display, fix: &str) -> Problem {
-    Problem::malformed(format!("LAS header, {field}"), found, fix)
-}
-
 /// Every point that is not withheld as a record.
 pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
     let header = LasHeader::read(bytes)?;
-    let mut points = LasPoints::new(&header);
+    let mut points = LasPoints {
+        header: &header,
+        records: Vec::new(),
+        withheld: 0,
+    };
     match header.packed {
         false => {
             let mut reader = Reader::new(bytes);
@@ -74,17 +75,17 @@ pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
             laz::unpack(bytes, &header, &mut |record| points.push(record))?;
         }
         #[cfg(not(feature = "laz"))]
-        true => return Err(Problem::without("laz")),
+        true => return Err(crate::scene::error::without("laz")),
     }
     Ok(points.finish())
 }
 
 impl LasHeader {
     fn read(bytes: &[u8]) -> Result<LasHeader, Problem> {
-        if !bytes.starts_with(MAGIC) {
-            let fix = "check that this is a .las or .laz file";
-            return Err(malformed("magic", "it is not LASF", fix));
-        }
+        ensure!(
+            bytes.starts_with(MAGIC),
+            "LAS header, magic: it is not LASF; check that this is a .las or .laz file"
+        );
         let number = |place: usize, kind: Scalar| match bytes.get(place..place + kind.size()) {
             Some(stored) => Ok(kind.decode(stored, Endian::Little)),
             None => Err(truncated(
@@ -95,29 +96,21 @@ impl LasHeader {
         };
         let byte = |place: usize| number(place, Scalar::U8).map(|value| value as u8);
         let (major, minor) = (byte(24)?, byte(25)?);
-        if major != 1 || minor > 4 {
-            let found = format!("it is {major}.{minor}");
-            return Err(malformed(
-                "version",
-                found,
-                "1.0 to 1.4 are read; convert the file",
-            ));
-        }
+        ensure!(
+            major == 1 && minor <= 4,
+            "LAS header, version: it is {major}.{minor}; 1.0 to 1.4 are read; convert the file"
+        );
         let stated = byte(104)?;
         let format = stated & !PACKED;
         let record_bytes = number(105, Scalar::U16)? as usize;
         let Some((least, _)) = FORMATS.get(usize::from(format)) else {
-            let found = format!("it is {format}");
-            return Err(malformed(
-                "point format",
-                found,
-                "0 to 10 are read; convert the file",
-            ));
+            bail!("LAS header, point format: it is {format}; 0 to 10 are read; convert the file");
         };
-        if record_bytes < *least {
-            let found = format!("it is {record_bytes}, and format {format} has {least}");
-            return Err(malformed("record length", found, "write the file again"));
-        }
+        ensure!(
+            record_bytes >= *least,
+            "LAS header, record length: it is {record_bytes}, and format {format} has {least}; \
+             write the file again"
+        );
         let three = |place: usize| -> Result<[f64; 3], Problem> {
             let at = |axis: usize| number(place + 8 * axis, Scalar::F64);
             Ok([at(0)?, at(1)?, at(2)?])
@@ -129,34 +122,24 @@ impl LasHeader {
             format,
             packed: stated != format,
             record_bytes,
-            count: count(bytes, minor, number(107, Scalar::U32)? as u32)?,
+            // Since 1.4 a longer field counts where the older one says 0.
+            count: match number(107, Scalar::U32)? as u64 {
+                0 if minor == 4 => number(247, Scalar::U64)? as u64,
+                older => older,
+            },
             scale: three(131)?,
             offset: three(155)?,
         };
         let least = if minor == 4 { 375 } else { 227 };
-        if header.header_bytes < least || header.first_record < header.header_bytes {
-            let found = format!(
-                "header {}, points at {}",
-                header.header_bytes, header.first_record
-            );
-            return Err(malformed(
-                "sizes",
-                found,
-                "the header's own sizes overlap; write the file again",
-            ));
-        }
+        ensure!(
+            header.header_bytes >= least && header.first_record >= header.header_bytes,
+            "LAS header, sizes: header {}, points at {}; the header's own sizes overlap; \
+             write the file again",
+            header.header_bytes,
+            header.first_record
+        );
         Ok(header)
     }
-}
-
-/// Points; since 1.4 a longer field counts where the older one says 0.
-fn count(bytes: &[u8], minor: u8, older: u32) -> Result<u64, Problem> {
-    if older > 0 || minor < 4 {
-        return Ok(older.into());
-    }
-    let stored = bytes.get(247..).and_then(|rest| rest.first_chunk());
-    let stored = stored.ok_or_else(|| truncated("LAS header", 375, bytes.len()))?;
-    Ok(u64::from_le_bytes(*stored))
 }
 
 /// Records as they come.
@@ -166,15 +149,7 @@ struct LasPoints<'a> {
     withheld: usize,
 }
 
-impl<'a> LasPoints<'a> {
-    fn new(header: &'a LasHeader) -> LasPoints<'a> {
-        LasPoints {
-            header,
-            records: Vec::new(),
-            withheld: 0,
-        }
-    }
-
+impl LasPoints<'_> {
     fn push(&mut self, record: &[u8]) {
         let flags = match self.header.format {
             ..FIRST_LONG => record.get(15).copied().unwrap_or_default() >> 7,

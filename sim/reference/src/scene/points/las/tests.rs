@@ -1,7 +1,7 @@
 //! Clouds as laspy wrote them (`tests/files/make.py`), and what is refused.
 
 use super::*;
-use crate::scene::damage::assert_told;
+use crate::scene::damage_tests::assert_told;
 use crate::scene::points;
 use std::path::Path;
 
