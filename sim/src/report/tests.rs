@@ -1,5 +1,7 @@
 //! The report's forms: round trip, no infinity in JSON, nothing external in the page, the text table as a snapshot.
 
+mod sample;
+
 use super::error_map::ErrorMap;
 use super::scale::ErrorScale;
 use super::*;
