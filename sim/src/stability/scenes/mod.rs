@@ -28,7 +28,7 @@ use crate::vector;
 pub use splatline_reference::hard::classes;
 
 use classes::{Class, Size};
-use flips::{DecisionEngine, Double, FixedSide, Flips, Single};
+use flips::{DecisionEngine, FixedSide, Flips, FloatSide, double};
 
 /// The designs that the page shows.
 pub const DESIGNS: [&str; 3] = ["lean18", "standard24", "deep32"];
@@ -42,7 +42,7 @@ pub const FROM_ORIGIN: &str = "f64, W u + d";
 const RULES: Rules = Rules::GAUSSIAN_3D;
 
 /// One line of the table: an engine in a class.
-#[derive(Clone, Debug, serde::Serialize)]
+#[derive(Clone, Debug, Default, serde::Serialize)]
 pub struct SceneLine {
     /// The class.
     pub class: String,
@@ -125,18 +125,10 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
     }
 
     let rules = &RULES;
-    let double = |truth| Double {
-        projected: truth,
-        rules,
-    };
-    let other_form = double(&other.projected);
-    let single: Vec<Single> = singles
+    let other_form = double(&other.projected, rules);
+    let single: Vec<FloatSide> = singles
         .iter()
-        .map(|(_, drawing)| Single {
-            projected: &drawing.projected,
-            camera,
-            rules,
-        })
+        .map(|(_, drawing)| flips::single(&drawing.projected, camera, rules))
         .collect();
     let fixed: Vec<FixedSide> = designs
         .iter()
@@ -146,7 +138,12 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
     let mut engines: Vec<&dyn DecisionEngine> = vec![&other_form];
     engines.extend(single.iter().map(|engine| engine as &dyn DecisionEngine));
     engines.extend(fixed.iter().map(|engine| engine as &dyn DecisionEngine));
-    let decisions = flips::count(&double(&truth.projected), &engines, &truth.order, camera);
+    let decisions = flips::count(
+        &double(&truth.projected, rules),
+        &engines,
+        &truth.order,
+        camera,
+    );
     let pictures = std::iter::once(&other.drawing.picture)
         .chain(singles.iter().map(|(_, drawing)| &drawing.picture))
         .chain(drawings.iter().map(|(drawing, _)| &drawing.picture));
@@ -273,19 +270,12 @@ impl DecisionTruth {
         };
         SceneLine {
             class: class.name.clone(),
-            engine: String::new(),
             psnr_db: self.psnr_where(picture, |_| true),
-            settled_psnr_db: None,
-            settled: 0.0,
             max_abs: differences(0..4).fold(0.0, |most: f64, d| most.max(d.abs())),
             bias: differences(0..3).sum::<f64>() / (3.0 * expected.pixels.len() as f64),
-            conic: 0.0,
-            flips: Flips::default(),
             blended: self.drawing.counts.covered_pixels,
             splats: class.scene.splats.len(),
-            clamped: 0,
-            culled: 0,
-            lost: 0,
+            ..SceneLine::default()
         }
     }
 
