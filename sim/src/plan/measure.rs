@@ -155,7 +155,7 @@ fn measure_fixed(
     progress: &ProgressMeter,
 ) -> Result<Measured> {
     let started = Instant::now();
-    let prepare = || prepared.kernel_of(released, entry, effort.vectors, effort.counts);
+    let prepare = || prepared.kernel(released, entry, effort.vectors, effort.counts);
     let mut kernel = on_threads(effort.threads, prepare)??;
     let prepare_s = started.elapsed().as_secs_f64();
     let mut measured = measure(effort, progress, || {
