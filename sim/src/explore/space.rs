@@ -16,6 +16,7 @@
 
 use crate::input::{Refused, line_of};
 use crate::machine::config::{known, setting};
+use crate::scene::synthetic::Random;
 use splatline::format::WIDTH_RANGES;
 use std::fmt::Display;
 use toml::Value;
@@ -319,26 +320,18 @@ fn grid(axes: &[SpaceAxis], all: usize) -> Vec<Vec<usize>> {
 
 /// Every axis is cut into `count` strata, each of which one point falls into.
 fn latin(axes: &[SpaceAxis], count: usize, seed: u64) -> Vec<Vec<usize>> {
-    let mut state = seed;
+    let mut random = Random(seed);
     let mut points = vec![Vec::with_capacity(axes.len()); count];
     for axis in axes {
         let mut strata: Vec<usize> = (0..count).collect();
         for last in (1..count).rev() {
-            strata.swap(last, (next(&mut state) % (last as u64 + 1)) as usize);
+            strata.swap(last, (random.next() % (last as u64 + 1)) as usize);
         }
         for (point, stratum) in points.iter_mut().zip(strata) {
             point.push(stratum * axis.values.len() / count);
         }
     }
     points
-}
-
-/// SplitMix64 (Steele, Lea, Flood 2014).
-fn next(state: &mut u64) -> u64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mixed = (*state ^ (*state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    mixed ^ (mixed >> 31)
 }
 
 #[cfg(test)]
