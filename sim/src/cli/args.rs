@@ -9,7 +9,7 @@ use super::page;
 use super::photos::Split;
 use super::search_args;
 use super::shell;
-use super::values::{DesignName, ENGINES, one_of};
+use super::values::design_name;
 use super::verification_args;
 use super::view_args::{PathOptions, ViewOptions};
 use crate::plan::Engine;
@@ -158,7 +158,9 @@ pub struct RenderOptions {
         long,
         value_name = "LIST",
         help_heading = "Output",
+        value_enum,
         value_delimiter = ',',
+        hide_possible_values = true,
         conflicts_with_all = ["camera_path", "turntable"]
     )]
     pub maps: Vec<Map>,
@@ -221,16 +223,17 @@ pub struct FootprintsOptions {
     #[command(flatten)]
     pub view: ViewOptions,
     /// Who computes the footprints: fixed or float
-    #[arg(long, value_parser = one_of(ENGINES), default_value = "fixed", conflicts_with = "from")]
+    #[arg(long, value_enum, default_value = "fixed", conflicts_with = "from")]
     pub engine: Engine,
     /// Widths: classic8, micro16, lean18, standard24, deep32 or a TOML file
     #[arg(
         long,
         value_name = "NAME|file.toml",
         default_value = "standard24",
+        value_parser = design_name,
         conflicts_with = "from"
     )]
-    pub design: DesignName,
+    pub design: String,
     /// CSV file to write; - is stdout
     #[arg(short, long, value_name = "f.csv", help_heading = "Output")]
     pub output: PathBuf,

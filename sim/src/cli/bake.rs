@@ -3,7 +3,6 @@
 use super::output::{Outputs, write};
 use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
-use super::values::DesignName;
 use super::view_args::{MoreScenes, PathOptions, ViewOptions};
 use crate::bake::{BakedScene, contributions, error, most_visible};
 use crate::fixed::QuantisedScene;
@@ -61,8 +60,7 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
     if options.view.surface.kind.is_some() {
         return Err(Failure::Usage(GAUSSIANS_ALONE.to_owned()));
     }
-    let design = DesignName("standard24".to_owned());
-    let request = PlanRequest::by_design(&options.view, &design);
+    let request = PlanRequest::by_design(&options.view, "standard24");
     let frames = request.frames(&options.path, &MoreScenes::default())?;
     outputs.spare_inputs()?;
     let first = frames.first().map(|frame| &frame.prepared);

@@ -330,7 +330,7 @@ fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> 
     refuse_kept_order(&machine)?;
     let name = path.display().to_string();
     let text = output::read_text(path)?;
-    let design = DesignChoice::load(&options.work.design.0)?;
+    let design = DesignChoice::load(&options.work.design)?;
     let entry = DesignVariant::new(design, options.work.traversal.map(Traversal::from));
     if options.screen.is_none() {
         print_result(

@@ -3,7 +3,7 @@
 use super::output::{self, Outputs};
 use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
-use super::values::{DesignName, TraversalChoice, VectorValue};
+use super::values::{TraversalChoice, design_name};
 use super::view_args::{ViewOptions, of_volumes};
 use crate::camera::Camera;
 use crate::framing::FramingInput;
@@ -36,9 +36,10 @@ pub struct PageOptions {
         long,
         value_name = "NAME|file.toml",
         help_heading = "Drawing",
-        default_value = "standard24"
+        default_value = "standard24",
+        value_parser = design_name
     )]
-    pub design: DesignName,
+    pub design: String,
     /// First traversal: box or spans [default: the design's own]
     #[arg(long, value_enum, help_heading = "Drawing")]
     pub traversal: Option<TraversalChoice>,
@@ -62,7 +63,7 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(VOLUME_SPLATS_ALONE.to_owned()));
     }
     // Before anything is loaded or said; a camera's file has its own size, which is looked at when it is there.
-    if let Some(size) = options.view.size {
+    if let Some(size) = options.view.camera.size {
         check_size(size.width, size.height)?;
     }
     let mut prepared = PlanRequest::by_design(&options.view, &options.design).prepare()?;
@@ -73,8 +74,7 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
     let camera = &prepared.plan.camera;
     check_size(camera.width, camera.height)?;
     warn(&prepared.warnings);
-    let up = options.view.up.map(|VectorValue(up)| up);
-    let bytes = write_page(&prepared, up, &options.output)?;
+    let bytes = write_page(&prepared, options.view.camera.up, &options.output)?;
     let AnyScene::Splats(scene) = &*prepared.scene else {
         return Ok(());
     };

@@ -149,7 +149,7 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
 fn chosen_views(
     options: &CompareOptions,
 ) -> Result<(Vec<NamedFrame>, BTreeMap<String, Lens>), Failure> {
-    let cameras = options.view.camera.clone();
+    let cameras = options.view.camera.file.clone();
     let path = PathOptions {
         camera_path: cameras.or_else(|| options.path.camera_path.clone()),
         turntable: None,

@@ -94,11 +94,11 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
 
 /// The lens of the camera's file in the size of the picture, and the pinhole that sees as much.
 fn behind_lens(options: &RenderOptions, prepared: &Prepared) -> Result<(Lens, Camera), Failure> {
-    let poses = match &options.view.camera {
+    let poses = match &options.view.camera.file {
         Some(file) => cameras::load(file, None)?,
         None => Vec::new(),
     };
-    let pose = cameras::choose(poses, options.view.image.as_deref())
+    let pose = cameras::choose(poses, options.view.camera.image.as_deref())
         .map_err(|problem| anyhow!("the camera file {problem}"))?;
     let camera = &prepared.plan.camera;
     let lens = pose

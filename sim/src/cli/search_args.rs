@@ -7,7 +7,7 @@ use super::resolve::{
     room_for_picture,
 };
 use super::say::{Failure, warn};
-use super::values::{FORMATS, METRICS, one_of, positive};
+use super::values::{METRICS, format, one_of, positive};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions, of_units};
 use crate::explore::limits::Quantity;
 use crate::explore::subject::Subject;
@@ -156,7 +156,7 @@ pub struct OptimizeOptions {
 #[derive(Debug, Default, Args)]
 pub struct FormatOptions {
     /// Floating-point formats beside the fixed design, with error, area and energy: fp32, fp16, bfloat16, fp8-fp16, e5m2-fp16, fp8
-    #[arg(long, value_name = "A,B,...", value_delimiter = ',', value_parser = one_of(FORMATS))]
+    #[arg(long, value_name = "A,B,...", value_delimiter = ',', value_parser = format())]
     pub formats: Vec<Engine>,
 }
 

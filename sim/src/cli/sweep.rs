@@ -116,12 +116,12 @@ fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<
 
 /// The texts of all settings files that take part: whatever they say, another text is another sweep.
 fn settings(options: &SearchOptions, space: &Space) -> Result<Vec<SettingsText>, Failure> {
-    let design = Some(PathBuf::from(&options.work.design.0));
+    let design = Some(PathBuf::from(&options.work.design));
     let machine = options.machine.machine.clone();
     let files = [
         ("plan", options.view.from.clone()),
-        ("transfer", options.view.transfer.clone()),
-        ("camera", options.view.camera.clone()),
+        ("transfer", options.view.splats.transfer.clone()),
+        ("camera", options.view.camera.file.clone()),
         ("design", design.filter(|name| is_toml(name))),
         ("machine", machine.filter(|name| is_toml(name))),
         ("calibration", options.area.calibration.clone()),

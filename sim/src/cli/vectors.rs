@@ -22,7 +22,7 @@ pub fn run(action: &VectorsAction) -> Result<(), Failure> {
 
 fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
     create_folder(&options.folder)?;
-    let mut design = DesignChoice::load(&options.design.0)?;
+    let mut design = DesignChoice::load(&options.design)?;
     if let Some(traversal) = options.traversal {
         design.traversal = traversal.into();
     }

@@ -1,7 +1,7 @@
 //! The options of the commands that study the kernel: `stability`, `vectors`.
 
 use super::values::{
-    AntialiasChoice, COMPOSITINGS, DesignName, PictureSize, TraversalChoice, one_of,
+    AntialiasChoice, COMPOSITINGS, PictureSize, TraversalChoice, design_name, one_of,
 };
 use crate::rules::{Compositing, Rules};
 use clap::{Args, Subcommand, ValueEnum};
@@ -67,8 +67,8 @@ pub struct VectorsExportOptions {
     #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
     pub rules: Option<Rules>,
     /// Widths: classic8, micro16, lean18, standard24, deep32 or a TOML file
-    #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
-    pub design: DesignName,
+    #[arg(long, value_name = "NAME|file.toml", default_value = "standard24", value_parser = design_name)]
+    pub design: String,
     /// How a footprint's pixels are walked [default: the design's own]
     #[arg(long, value_enum)]
     pub traversal: Option<TraversalChoice>,
