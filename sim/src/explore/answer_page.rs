@@ -1,18 +1,19 @@
 //! answer.html: an answer as a page in the report's style. Limits and margins, what was looked at, the machine as a block diagram with the bytes that
 //! each unit moves, where cycles go, energy and traffic by unit, and what a change of each knob would do.
 
-use super::answer::{Answer, Found};
+use super::answer::{Answer, Found, Standing};
 use super::detail::{Detail, Knob};
 use super::formats::{self, FormatRow};
 use super::refusal;
 use crate::machine::config::Config;
 use crate::machine::timing::Timing;
 use crate::report::chart::{Anchor, Axis, Chart};
-use crate::report::html::{escape, html_table};
+use crate::report::html::{Column, escape, html_table, table_of};
 use crate::report::labels::Rectangle;
 use crate::report::machine::plots;
 use crate::report::shell::Shell;
 use crate::report::table::count;
+use serde_json::Value;
 use std::fmt::Write;
 
 /// Width of the diagram and of the scatter: what a telephone shows without scrolling.
@@ -92,40 +93,28 @@ fn headline(found: &Found) -> String {
     )
 }
 
+/// A narrow table.
+const SHORT: &str = " class=\"short\"";
+
 /// A table of text; the first column is words.
 fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
     let escaped = |row: &Vec<String>| row.iter().map(|cell| escape(cell)).collect();
-    html_table(" class=\"short\"", &[0], headings, rows.iter().map(escaped))
+    html_table(SHORT, &[0], headings, rows.iter().map(escaped))
 }
 
 fn limits(answer: &Answer) -> String {
-    let rows: Vec<Vec<String>> = answer
-        .standings
-        .iter()
-        .map(|standing| {
-            let quantity = standing.limit.quantity;
-            let without = standing
-                .cost_without
-                .map_or("-".to_owned(), |cost| format!("{cost:.0}"));
-            vec![
-                quantity.name().to_owned(),
-                quantity.show(standing.limit.bound),
-                quantity.show(standing.value),
-                format!("{:.1} %", 100.0 * standing.slack),
-                standing.limit.of.clone(),
-                without,
-            ]
-        })
-        .collect();
-    let headings = [
-        "limit",
-        "bound",
-        "reached",
-        "left",
-        "of",
-        "LUT in all without it",
+    let columns: [Column<&Standing>; 6] = [
+        ("limit", &|one| one.limit.quantity.name().to_owned()),
+        ("bound", &|one| one.limit.quantity.show(one.limit.bound)),
+        ("reached", &|one| one.limit.quantity.show(one.value)),
+        ("left", &|one| format!("{:.1} %", 100.0 * one.slack)),
+        ("of", &|one| escape(&one.limit.of)),
+        ("LUT in all without it", &|one| {
+            let without = one.cost_without.map(|cost| format!("{cost:.0}"));
+            without.unwrap_or("-".to_owned())
+        }),
     ];
-    table(&headings, &rows)
+    table_of(SHORT, &[0], &columns, &answer.standings)
 }
 
 /// Where a plot lies that has so much room for numbers on its left, and its lower edge.
@@ -446,15 +435,17 @@ fn traffic(timing: &Timing) -> String {
         ("packets and lists read", bytes.packets_read),
         ("pixels written", bytes.pixels_written),
     ];
-    let row = |(name, moved): &(&str, u64)| {
-        vec![
-            (*name).to_owned(),
-            format!("{:.3}", *moved as f64 / 1e6),
-            format!("{:.1} %", 100.0 * *moved as f64 / all),
-        ]
-    };
-    let rows: Vec<Vec<String>> = kinds.iter().filter(|kind| kind.1 > 0).map(row).collect();
-    let mut text = table(&["what", "MB a frame", "of all"], &rows);
+    let columns: [Column<(&str, u64)>; 3] = [
+        ("what", &|(name, _)| (*name).to_owned()),
+        ("MB a frame", &|(_, moved)| {
+            format!("{:.3}", *moved as f64 / 1e6)
+        }),
+        ("of all", &|(_, moved)| {
+            format!("{:.1} %", 100.0 * *moved as f64 / all)
+        }),
+    ];
+    let moving = kinds.into_iter().filter(|(_, moved)| *moved > 0);
+    let mut text = table_of(SHORT, &[0], &columns, moving);
     if let Some(memory) = &timing.memory {
         let counts = &memory.counts;
         // Writing to a String cannot fail.
@@ -476,34 +467,26 @@ fn traffic(timing: &Timing) -> String {
 }
 
 fn knobs(knobs: &[Knob]) -> String {
-    let row = |knob: &Knob| {
-        vec![
-            knob.setting.replace('_', " "),
-            format!("{} to {}", knob.from, knob.to),
-            format!("{:+.1} %", 100.0 * knob.cost),
-            format!("{:+.1} %", 100.0 * knob.frames_per_s),
-            format!("{:+.1} %", 100.0 * knob.energy),
-            if knob.holds { "yes" } else { "no" }.to_owned(),
-        ]
-    };
-    let rows: Vec<Vec<String>> = knobs.iter().map(row).collect();
-    let headings = [
-        "setting",
-        "change",
-        "LUT in all",
-        "frames a second",
-        "energy",
-        "holds all limits",
+    let part = |part: f64| format!("{:+.1} %", 100.0 * part);
+    let columns: [Column<&Knob>; 6] = [
+        ("setting", &|knob| escape(&knob.setting.replace('_', " "))),
+        ("change", &|knob| {
+            escape(&format!("{} to {}", knob.from, knob.to))
+        }),
+        ("LUT in all", &|knob| part(knob.cost)),
+        ("frames a second", &|knob| part(knob.frames_per_s)),
+        ("energy", &|knob| part(knob.energy)),
+        ("holds all limits", &|knob| {
+            if knob.holds { "yes" } else { "no" }.to_owned()
+        }),
     ];
-    table(&headings, &rows)
+    table_of(SHORT, &[0], &columns, knobs)
 }
 
 fn widths(found: &Found) -> String {
-    let rows: Vec<Vec<String>> = found
-        .design
-        .widths
-        .iter()
-        .map(|(name, bits)| vec![name.clone(), bits.to_string()])
-        .collect();
-    table(&["quantity", "bits"], &rows)
+    let columns: [Column<(&String, &Value)>; 2] = [
+        ("quantity", &|(name, _)| (*name).clone()),
+        ("bits", &|(_, bits)| bits.to_string()),
+    ];
+    table_of(SHORT, &[0], &columns, &found.design.widths)
 }

@@ -145,40 +145,44 @@ pub(super) fn beside_point(
 
 /// Headings and lines of a table for people.
 pub fn table(rows: &[FormatRow]) -> (Vec<&'static str>, Vec<Vec<String>>) {
-    let mut headings = vec![
-        "format",
-        "PSNR dB",
-        "largest",
-        "bias",
-        "transistors a lane",
-        "LUT a lane",
-        "pJ a pixel",
+    type FormatColumn = (&'static str, fn(&FormatRow) -> String);
+    fn error(row: &FormatRow, show: fn(DesignError) -> String) -> String {
+        row.error.map_or_else(|| "-".to_owned(), show)
+    }
+    fn machine(row: &FormatRow, show: fn(&MachineInFormat) -> String) -> String {
+        row.machine.as_ref().map_or_else(String::new, show)
+    }
+    let mut columns: Vec<FormatColumn> = vec![
+        ("format", |row| row.format.to_owned()),
+        ("PSNR dB", |row| error(row, |e| decibels(e.psnr_db()))),
+        ("largest", |row| {
+            error(row, |e| format!("{:.2e}", e.max_abs))
+        }),
+        ("bias", |row| error(row, |e| format!("{:+.2e}", e.bias))),
+        ("transistors a lane", |row| row.transistors.to_string()),
+        ("LUT a lane", |row| format!("{:.0}", row.lane_luts)),
+        ("pJ a pixel", |row| format!("{:.1}", row.pj_per_pixel)),
+    ];
+    let of_machines: [FormatColumn; 3] = [
+        ("LUT in all", |row| {
+            machine(row, |m| format!("{:.0}", m.luts_in_all))
+        }),
+        ("frames/s", |row| {
+            machine(row, |m| format!("{:.2}", m.frames_per_s))
+        }),
+        ("mJ a frame", |row| {
+            machine(row, |m| format!("{:.3}", m.mj_per_frame))
+        }),
     ];
     if rows.iter().any(|row| row.machine.is_some()) {
-        headings.extend(["LUT in all", "frames/s", "mJ a frame"]);
+        columns.extend(of_machines);
     }
-    headings.push("holds");
-    let line = |row: &FormatRow| {
-        let error = row.error;
-        let shown = |text: fn(DesignError) -> String| error.map_or_else(|| "-".to_owned(), text);
-        let mut cells = vec![
-            row.format.to_owned(),
-            shown(|error| decibels(error.psnr_db())),
-            shown(|error| format!("{:.2e}", error.max_abs)),
-            shown(|error| format!("{:+.2e}", error.bias)),
-            row.transistors.to_string(),
-            format!("{:.0}", row.lane_luts),
-            format!("{:.1}", row.pj_per_pixel),
-        ];
-        if let Some(machine) = &row.machine {
-            cells.push(format!("{:.0}", machine.luts_in_all));
-            cells.push(format!("{:.2}", machine.frames_per_s));
-            cells.push(format!("{:.3}", machine.mj_per_frame));
-        }
-        cells.push(if row.holds { "yes" } else { "no" }.to_owned());
-        cells
-    };
-    (headings, rows.iter().map(line).collect())
+    columns.push(("holds", |row| {
+        if row.holds { "yes" } else { "no" }.to_owned()
+    }));
+    let line = |row: &FormatRow| columns.iter().map(|(_, cell)| cell(row)).collect();
+    let headings = columns.iter().map(|(heading, _)| *heading);
+    (headings.collect(), rows.iter().map(line).collect())
 }
 
 /// Which is cheapest of those that hold all limits, and by how much.

@@ -2,7 +2,7 @@
 
 use super::chart::{Anchor, Axis, Chart};
 use super::error_map::ErrorMap;
-use super::html::{escape, html_table};
+use super::html::{Column, escape, table_of};
 use super::labels::Rectangle;
 use super::png::Rgb;
 use super::shell::Shell;
@@ -283,28 +283,25 @@ pub fn page(report: &PhotoReport, shown: &[Vec<(String, String)>]) -> String {
 /// A line for each engine, with what it costs beside the first.
 fn table<'a>(lines: impl Iterator<Item = (&'a str, PhotoError)> + Clone) -> String {
     let first = lines.clone().next().map(|(_, error)| error);
-    let line = |(engine, error): (&str, PhotoError)| {
-        let first = first.unwrap_or(error);
-        vec![
-            escape(engine),
-            format!("{:.3}", error.psnr_db),
-            format!("{:.5}", error.ssim),
-            format!("{:.5}", error.flip),
-            format!("{:+.4}", error.psnr_db - first.psnr_db),
-            format!("{:+.1e}", error.ssim - first.ssim),
-            format!("{:+.1e}", error.flip - first.flip),
-        ]
+    let change = |error: &PhotoError, of: fn(&PhotoError) -> f64| {
+        of(error) - of(first.as_ref().unwrap_or(error))
     };
-    let headings = [
-        "drawn by",
-        "PSNR, dB",
-        "SSIM",
-        "FLIP",
-        "PSNR change, dB",
-        "SSIM change",
-        "FLIP change",
+    let columns: [Column<(&str, PhotoError)>; 7] = [
+        ("drawn by", &|(engine, _)| escape(engine)),
+        ("PSNR, dB", &|(_, error)| format!("{:.3}", error.psnr_db)),
+        ("SSIM", &|(_, error)| format!("{:.5}", error.ssim)),
+        ("FLIP", &|(_, error)| format!("{:.5}", error.flip)),
+        ("PSNR change, dB", &|(_, error)| {
+            format!("{:+.4}", change(error, |e| e.psnr_db))
+        }),
+        ("SSIM change", &|(_, error)| {
+            format!("{:+.1e}", change(error, |e| e.ssim))
+        }),
+        ("FLIP change", &|(_, error)| {
+            format!("{:+.1e}", change(error, |e| e.flip))
+        }),
     ];
-    html_table("", &[0], &headings, lines.map(line))
+    table_of("", &[0], &columns, lines)
 }
 
 /// Decibels that each engine loses against the photographs, fixed widths and float formats in one figure.
