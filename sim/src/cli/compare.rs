@@ -2,7 +2,7 @@
 
 use super::args::CompareOptions;
 use super::frames;
-use super::output::{Outputs, write};
+use super::output::{Outputs, write_json_if};
 use super::photos;
 use super::resolve::{COMPARED, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
@@ -38,9 +38,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     }
     comparison.write(&options.output, drawing.depth, drawing.backdrop())?;
     let report = &comparison.report;
-    if let Some(path) = &drawing.json {
-        write(path, report.to_json()?.as_bytes())?;
-    }
+    write_json_if(json, report)?;
     warn(&report.warnings);
     print_error(&if_layers_were_merged(comparison.merged));
     print_error(&if_nothing_is_seen(

@@ -64,7 +64,7 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
     }
     // Before anything is loaded or said; a camera's file has its own size, which is looked at when it is there.
     if let Some(size) = options.view.camera.size {
-        check_size(size.width, size.height)?;
+        check_size(size)?;
     }
     let mut prepared = PlanRequest::by_design(&options.view, &options.design).prepare()?;
     outputs.spare_inputs()?;
@@ -72,7 +72,7 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
         prepared.plan.entry.traversal = Traversal::from(traversal);
     }
     let camera = &prepared.plan.camera;
-    check_size(camera.width, camera.height)?;
+    check_size([camera.width, camera.height])?;
     warn(&prepared.warnings);
     let bytes = write_page(&prepared, options.view.camera.up, &options.output)?;
     let AnyScene::Splats(scene) = &*prepared.scene else {
@@ -87,7 +87,7 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
     ))
 }
 
-fn check_size(width: usize, height: usize) -> Result<(), Failure> {
+fn check_size([width, height]: [usize; 2]) -> Result<(), Failure> {
     if width.max(height) > LARGEST_SIDE {
         Err(Failure::Usage(format!(
             "a live page draws at most {LARGEST_SIDE} pixels a side: give a smaller --size"

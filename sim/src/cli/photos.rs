@@ -5,7 +5,7 @@
 
 use super::args::CompareOptions;
 use super::compare::against_reference;
-use super::output::{Outputs, create_folder, write, write_json};
+use super::output::{Outputs, create_folder, write, write_json, write_json_if};
 use super::resolve::{COMPARED, NamedFrame, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::view_args::{MoreScenes, PathOptions};
@@ -137,9 +137,7 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
     let report = PhotoReport::new(options.split.words(), rows)?;
     let [json, html] = FILES.map(|file| options.output.join(file));
     write_json(&json, &report)?;
-    if let Some(path) = &drawing.json {
-        write_json(path, &report)?;
-    }
+    write_json_if(drawing.json.as_ref(), &report)?;
     write(&html, page(&report, &shown).as_bytes())?;
     print_result(&report.text())?;
     print_result(&format!("{}\n", html.display()))

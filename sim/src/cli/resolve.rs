@@ -13,7 +13,7 @@ pub use machine::{calibration, energy_table, machine, part, refuse_kept_order};
 use super::drawing_args::{DrawingOptions, TechniqueOptions, WorkOptions};
 use super::machine_args::MachineOptions;
 use super::say::{Failure, print_error};
-use super::values::{PictureSize, TraversalChoice};
+use super::values::TraversalChoice;
 use super::view_args::{MoreScenes, PathOptions, ViewOptions};
 use crate::camera::Camera;
 use crate::design::DesignChoice;
@@ -132,27 +132,21 @@ impl<'a> PlanRequest<'a> {
     }
 
     /// The same for a machine.
-    pub fn on(self, machine: &'a MachineOptions) -> PlanRequest<'a> {
-        PlanRequest {
-            machine: Some(machine),
-            ..self
-        }
+    pub fn on(mut self, machine: &'a MachineOptions) -> PlanRequest<'a> {
+        self.machine = Some(machine);
+        self
     }
 
     /// The same where lists may keep the order of the picture before.
-    pub fn keeping_order(self) -> PlanRequest<'a> {
-        PlanRequest {
-            keeps_order: true,
-            ..self
-        }
+    pub fn keeping_order(mut self) -> PlanRequest<'a> {
+        self.keeps_order = true;
+        self
     }
 
     /// The same for what draws affine footprints one by one, as the machine's units do.
-    pub fn by_units(self) -> PlanRequest<'a> {
-        PlanRequest {
-            by_units: true,
-            ..self
-        }
+    pub fn by_units(mut self) -> PlanRequest<'a> {
+        self.by_units = true;
+        self
     }
 
     /// Refuses, before anything is loaded, what the options say that no unit draws.
@@ -204,15 +198,14 @@ impl<'a> PlanRequest<'a> {
         more: &MoreScenes,
     ) -> Result<Vec<PlannedFrame>, Failure> {
         self.check_units()?;
-        let size = self.view.camera.size.map(|size| [size.width, size.height]);
         let turntable = path.turntable;
         let path = match &path.camera_path {
             Some(file) => {
-                let loaded = path::load(file, size)?;
-                for note in &loaded.notes {
+                let (path, notes) = path::load(file, self.view.camera.size)?;
+                for note in notes {
                     print_error(&format!("{}: {note}\n", file.display()));
                 }
-                Some(loaded.path)
+                Some(path)
             }
             None => None,
         };
@@ -258,8 +251,7 @@ impl<'a> PlanRequest<'a> {
 
     /// Of pictures whose cameras have no size of their own.
     fn path_size(&self) -> [usize; 2] {
-        let PictureSize { width, height } = self.view.camera.size.unwrap_or(USUAL_SIZE);
-        [width, height]
+        self.view.camera.size.unwrap_or(USUAL_SIZE)
     }
 
     /// A plan's or a report's; the machine's options may change its machine, which no picture depends on.

@@ -9,7 +9,7 @@ use super::resolve::{
 use super::say::{Failure, warn};
 use super::values::{METRICS, format, one_of, positive};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions, of_units};
-use crate::explore::limits::Quantity;
+use crate::explore::limits::{Limit, Quantity};
 use crate::explore::subject::Subject;
 use crate::plan::Engine;
 use clap::Args;
@@ -89,6 +89,24 @@ pub fn draw_references(
     }
     subject.draw_references()?;
     Ok(())
+}
+
+/// The limits that options give, of which there must be one: quantities, bounds and the options' names.
+pub fn limits_given(options: &[(Quantity, Option<f64>, &str)]) -> Result<Vec<Limit>, Failure> {
+    let given = options.iter();
+    let given =
+        given.filter_map(|(quantity, bound, of)| Some(Limit::new(*quantity, (*bound)?, of)));
+    let limits: Vec<Limit> = given.collect();
+    match options {
+        [others @ .., (.., last)] if limits.is_empty() => {
+            let others: Vec<&str> = others.iter().map(|(.., name)| *name).collect();
+            let others = others.join(", ");
+            Err(Failure::Usage(format!(
+                "there is no limit: give one or more of {others} and {last}"
+            )))
+        }
+        _ => Ok(limits),
+    }
 }
 
 pub const SWEEP_EXAMPLES: &str = "\

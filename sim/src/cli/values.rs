@@ -17,7 +17,6 @@ use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use splatline::blend::deep::{ChannelRounding, Representation};
 use splatline::format::Traversal;
-use std::str::FromStr;
 
 /// Largest width and height of a picture.
 pub const LARGEST_SIDE: usize = 16_384;
@@ -286,26 +285,11 @@ pub fn orbit(text: &str) -> Result<Orbit, String> {
 }
 
 /// Columns and rows, 1 to [`LARGEST_SIDE`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PictureSize {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-}
-
-impl FromStr for PictureSize {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let (width, height) = text
-            .split_once(['x', 'X'])
-            .ok_or("expected WxH, for example 640x480")?;
-        Ok(PictureSize {
-            width: side(width)?,
-            height: side(height)?,
-        })
-    }
+pub fn size(text: &str) -> Result<[usize; 2], String> {
+    let (width, height) = text
+        .split_once(['x', 'X'])
+        .ok_or("expected WxH, for example 640x480")?;
+    Ok([side(width)?, side(height)?])
 }
 
 fn side(text: &str) -> Result<usize, String> {

@@ -1,8 +1,8 @@
 //! What is looked at and from where: the options that every command about a scene has.
 
 use super::values::{
-    AntialiasChoice, Backfaces, KERNELS, PictureSize, SceneKind, field_of_view, layers, one_of,
-    orbit, positive, vector,
+    AntialiasChoice, Backfaces, KERNELS, SceneKind, field_of_view, layers, one_of, orbit, positive,
+    size, vector,
 };
 use crate::framing::Orbit;
 use crate::rules::{Kernel, Rules};
@@ -60,8 +60,8 @@ pub struct CameraArgs {
     #[arg(long, value_name = "Z", value_parser = positive)]
     pub zoom: Option<f64>,
     /// Size of the picture [default: the camera file's, or 512x512]
-    #[arg(long, value_name = "WxH")]
-    pub size: Option<PictureSize>,
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[usize; 2]>,
 }
 
 /// How splats are read and blended.

@@ -2,6 +2,7 @@
 //! each unit moves, where cycles go, energy and traffic by unit, and what a change of each knob would do.
 
 use super::answer::{Answer, Found, Standing};
+use super::answer_text::units_of;
 use super::detail::{Detail, Knob};
 use super::formats::{self, FormatRow};
 use super::refusal;
@@ -229,7 +230,7 @@ fn in_formats(answer: &Answer) -> String {
 fn of_machine(found: &Found, detail: &Detail) -> String {
     let machine = &found.machine;
     let mut text = section("The machine", &diagram(&detail.timing, machine));
-    for plot in plots(&detail.timing, &detail.watched, detail.columns, machine) {
+    for plot in plots(&detail.timing, &detail.watched, machine) {
         let svg = format!("<div class=\"scroll\">{}</div>", plot.svg);
         text += &section(plot.title, &svg);
     }
@@ -241,47 +242,34 @@ fn of_machine(found: &Found, detail: &Detail) -> String {
     )
 }
 
-/// Bytes that a unit reads and writes.
-struct Stage {
-    /// Its name in the accounts, and for people.
-    unit: &'static str,
-    name: &'static str,
-    read: u64,
-    written: u64,
-}
+/// A unit: its name in the accounts, and for people; bytes that it reads and writes.
+type Stage = (&'static str, &'static str, u64, u64);
 
 /// The units in the order of the data, with all bytes of the picture on their arrows.
-fn stages(timing: &Timing) -> Vec<Stage> {
+fn stages(timing: &Timing) -> [Stage; 9] {
     let bytes = &timing.bytes;
-    let stage = |unit, name, read, written| Stage {
-        unit,
-        name,
-        read,
-        written,
-    };
-    let sorted = bytes.sort_moved / 2;
-    vec![
-        stage(
-            "fetch",
-            "fetch of splats",
-            bytes.splats_read + bytes.harmonics_read,
-            0,
-        ),
-        stage("setup", "geometry setup", 0, 0),
-        stage("binning", "binning", 0, bytes.packets_written),
-        stage("sort", "sort", sorted + bytes.sorted_read, sorted),
-        stage("packet_fetch", "fetch of packets", bytes.packets_read, 0),
-        stage("splat_setup", "splat setup", 0, 0),
-        stage("row_generator", "row generator", 0, 0),
-        stage("lanes", "lanes and blend", 0, 0),
-        stage("write_back", "write-back", 0, bytes.pixels_written),
+    let (sorted, splats) = (
+        bytes.sort_moved / 2,
+        bytes.splats_read + bytes.harmonics_read,
+    );
+    let read_by_sort = sorted + bytes.sorted_read;
+    [
+        ("fetch", "fetch of splats", splats, 0),
+        ("setup", "geometry setup", 0, 0),
+        ("binning", "binning", 0, bytes.packets_written),
+        ("sort", "sort", read_by_sort, sorted),
+        ("packet_fetch", "fetch of packets", bytes.packets_read, 0),
+        ("splat_setup", "splat setup", 0, 0),
+        ("row_generator", "row generator", 0, 0),
+        ("lanes", "lanes and blend", 0, 0),
+        ("write_back", "write-back", 0, bytes.pixels_written),
     ]
 }
 
 /// All bytes on the diagram's arrows.
 pub(super) fn bytes_shown(timing: &Timing) -> u64 {
-    let stages = stages(timing);
-    stages.iter().map(|stage| stage.read + stage.written).sum()
+    let moved = stages(timing).map(|(.., read, written)| read + written);
+    moved.iter().sum()
 }
 
 /// Units from top to bottom, each with the part of the time in which it works, and the memory beside them.
@@ -302,9 +290,9 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
     };
     chart.bar(&memory, "class=\"frame\" fill=\"none\"", "memory");
     chart.text((346.0, height / 2.0), Anchor::Middle, "", "memory");
-    for (place, stage) in stages.iter().enumerate() {
+    for (place, (unit, name, read, written)) in stages.iter().copied().enumerate() {
         let top = 6.0 + step * place as f64;
-        let unit = timing.units.get(stage.unit);
+        let unit = timing.units.get(unit);
         let (busy, instances) = unit.map_or((0.0, 1), |unit| (unit.utilisation, unit.instances));
         let whole = Rectangle {
             left,
@@ -321,11 +309,7 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
         } else {
             String::new()
         };
-        let words = format!(
-            "{}{times}: {:.1} % of the time at work",
-            stage.name,
-            100.0 * busy
-        );
+        let words = format!("{name}{times}: {:.1} % of the time at work", 100.0 * busy);
         chart.bar(&worked, "fill=\"#2f6fde\" fill-opacity=\"0.3\"", &words);
         chart.bar(&whole, "class=\"frame\" fill=\"none\"", &words);
         let middle = top + box_height / 2.0;
@@ -333,7 +317,7 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
             (left + 8.0, middle),
             Anchor::Start,
             "",
-            &format!("{}{times}", stage.name),
+            &format!("{name}{times}"),
         );
         chart.text(
             (left + box_width - 6.0, middle),
@@ -346,39 +330,26 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
             arrow(&mut chart, [(x, top + box_height), (x, top + step)]);
         }
         let (from, to) = (left + box_width, memory.left);
-        let both = stage.read > 0 && stage.written > 0;
+        let both = read > 0 && written > 0;
         let shift = if both { 7.0 } else { 0.0 };
-        let megabytes = |bytes: u64| format!("{:.2} MB", bytes as f64 / 1e6);
-        if stage.read > 0 {
-            let y = middle - shift;
-            arrow(&mut chart, [(to, y), (from, y)]);
-            chart.text(
-                ((from + to) / 2.0, y - 8.0),
-                Anchor::Middle,
-                "",
-                &megabytes(stage.read),
-            );
-        }
-        if stage.written > 0 {
-            let y = middle + shift;
-            arrow(&mut chart, [(from, y), (to, y)]);
-            let words_at = if both { y + 9.0 } else { y - 8.0 };
-            chart.text(
-                ((from + to) / 2.0, words_at),
-                Anchor::Middle,
-                "",
-                &megabytes(stage.written),
-            );
+        let below = if both { 9.0 } else { -8.0 };
+        let transfers = [
+            (read, middle - shift, [to, from], -8.0),
+            (written, middle + shift, [from, to], below),
+        ];
+        for (bytes, y, ends, words) in transfers {
+            if bytes > 0 {
+                let place = ((from + to) / 2.0, y + words);
+                let megabytes = format!("{:.2} MB", bytes as f64 / 1e6);
+                arrow(&mut chart, ends.map(|x| (x, y)));
+                chart.text(place, Anchor::Middle, "", &megabytes);
+            }
         }
     }
     let words = format!(
-        "{} raster unit(s) of {} lane(s), tiles of {} x {}, a splat in {} cycles, {} bytes read and {} written a cycle at most. \
+        "{}, {} bytes read and {} written a cycle at most. \
          Blue is the part of the time in which a unit works; the arrows' bytes add up to {:.2} MB a frame.",
-        machine.raster_units,
-        machine.lanes,
-        machine.tile_width,
-        machine.tile_height,
-        machine.setup_interval,
+        units_of(machine),
         machine.read_bandwidth,
         machine.write_bandwidth,
         bytes_shown(timing) as f64 / 1e6

@@ -57,13 +57,16 @@ pub struct Watched {
     pub slots: [Vec<u64>; 3],
     /// Cycles of a slot.
     pub slot: u64,
+    /// Tiles in a row of the screen.
+    columns: u32,
     first: Vec<u64>,
 }
 
 impl Watched {
     /// Of a machine whose raster phase takes so many cycles.
-    fn new(tiles: usize, raster: u64) -> Watched {
+    fn new(tiles: usize, columns: u32, raster: u64) -> Watched {
         Watched {
+            columns,
             tiles: vec![0; tiles],
             slots: std::array::from_fn(|_| vec![0; SLOTS]),
             slot: raster.div_ceil(SLOTS as u64).max(1),
@@ -103,7 +106,7 @@ impl Observer for Watched {
 
 /// Simulates once more and watches.
 pub fn watch(workload: &Workload, work: &LaneWork, config: &Config, timing: &Timing) -> Watched {
-    let mut watched = Watched::new(work.tiles.len(), timing.raster);
+    let mut watched = Watched::new(work.tiles.len(), workload.columns, timing.raster);
     simulate_observed(workload, work, config, &mut watched);
     watched
 }
@@ -119,7 +122,7 @@ pub struct Plot {
 }
 
 /// All charts of a machine's cycles.
-pub fn plots(timing: &Timing, watched: &Watched, columns: u32, config: &Config) -> [Plot; 4] {
+pub fn plots(timing: &Timing, watched: &Watched, config: &Config) -> [Plot; 4] {
     let plot = |title, file, svg| Plot { title, file, svg };
     [
         plot("Where each unit's cycles go", "stalls", accounts(timing)),
@@ -131,24 +134,18 @@ pub fn plots(timing: &Timing, watched: &Watched, columns: u32, config: &Config) 
         plot(
             "Cycles of the lanes per tile",
             "tiles",
-            heat_map(watched, columns, [config.tile_width, config.tile_height]),
+            heat_map(watched, [config.tile_width, config.tile_height]),
         ),
         plot("Roofline", "roofline", roofline(timing, config)),
     ]
 }
 
 /// The page.
-pub fn page(
-    name: &str,
-    timing: &Timing,
-    watched: &Watched,
-    columns: u32,
-    config: &Config,
-) -> String {
+pub fn page(name: &str, timing: &Timing, watched: &Watched, config: &Config) -> String {
     let section = |Plot { title, svg, .. }: Plot| {
         format!("<section>\n<h2>{title}</h2>\n<div class=\"scroll\">{svg}</div>\n</section>\n")
     };
-    let plots = plots(timing, watched, columns, config);
+    let plots = plots(timing, watched, config);
     let sections: String = plots.into_iter().map(section).collect();
     let facts = format!(
         "<p class=\"facts\">{} cycles: geometry {}, sort {}, raster {}. Point at a mark for its number.</p>\n",
@@ -248,9 +245,9 @@ fn over_time(timing: &Timing, watched: &Watched) -> String {
 }
 
 /// The screen, a rectangle for each tile, of its proportions.
-fn heat_map(watched: &Watched, columns: u32, tile: [u16; 2]) -> String {
+fn heat_map(watched: &Watched, tile: [u16; 2]) -> String {
     let tiles = watched.tiles.len();
-    let columns = match columns {
+    let columns = match watched.columns {
         0 => tiles.max(1),
         columns => columns as usize,
     };
@@ -357,7 +354,7 @@ mod tests {
         assert_eq!((watched.tiles.len(), workload.columns), (9, 3));
         assert!(watched.tiles.iter().all(|cycles| *cycles <= timing.raster));
         assert!(watched.tiles.iter().any(|cycles| *cycles > 0));
-        let page = page("<random>", &timing, &watched, workload.columns, &config);
+        let page = page("<random>", &timing, &watched, &config);
         for part in [
             "&lt;random&gt;</h1>",
             "lanes: busy ",
@@ -371,15 +368,11 @@ mod tests {
         assert_eq!(page.matches("<svg").count(), 4);
         // Tiles of 16 x 16 are squares, those of twice the width have twice the width.
         let shape = |tile_width| {
-            let plots = plots(
-                &timing,
-                &watched,
-                3,
-                &Config {
-                    tile_width,
-                    ..config
-                },
-            );
+            let config = Config {
+                tile_width,
+                ..config
+            };
+            let plots = plots(&timing, &watched, &config);
             let attribute = |name: &str| {
                 let (_, rest) = plots[2].svg.split_once("<rect").unwrap();
                 let (_, rest) = rest.split_once(&format!(" {name}=\"")).unwrap();
@@ -389,7 +382,7 @@ mod tests {
         };
         assert!((shape(16) - 1.0).abs() < 1e-3 && (shape(32) - 2.0).abs() < 1e-3);
         // The bar of every unit ends where its cycles do, and the roofline's point is under its roof.
-        let roof = plots(&timing, &watched, workload.columns, &config);
+        let roof = plots(&timing, &watched, &config);
         let percent = roof[3].svg.split(" % of the roof").next().unwrap();
         let percent: f64 = percent.rsplit(' ').next().unwrap().parse().unwrap();
         assert!(percent > 0.0 && percent <= 100.0, "{percent}");

@@ -3,7 +3,6 @@
 use crate::camera::{Camera, CameraError, NOTABLE_CORRECTION};
 use crate::cameras::{self, CameraPose};
 use crate::cli::say::{Failure, print_error, print_result};
-use crate::cli::values::PictureSize;
 use crate::cli::view_args::CameraArgs;
 use crate::framing::{Ball, FramingInput, USUAL_FOV, orbited};
 use crate::scene::Scene;
@@ -11,10 +10,7 @@ use anyhow::anyhow;
 use std::path::Path;
 
 /// Where neither a camera file nor `--size` says otherwise.
-pub(super) const USUAL_SIZE: PictureSize = PictureSize {
-    width: 512,
-    height: 512,
-};
+pub(super) const USUAL_SIZE: [usize; 2] = [512, 512];
 
 /// The camera of the options, or one that shows the whole scene (a capture that is `filling` fills the picture), and what had to be corrected.
 /// `up` is used where the options do not say.
@@ -41,8 +37,7 @@ pub(super) fn camera(
 }
 
 fn camera_from_file(path: &Path, options: &CameraArgs) -> Result<(Camera, Vec<String>), Failure> {
-    let size = options.size.map(|size| [size.width, size.height]);
-    let pose = cameras::choose(cameras::load(path, size)?, options.image.as_deref())
+    let pose = cameras::choose(cameras::load(path, options.size)?, options.image.as_deref())
         .map_err(|problem| anyhow!("camera file '{}' {problem}", path.display()))?;
     for note in &pose.notes {
         print_error(&format!("{}: {note}\n", pose.name));
@@ -81,7 +76,7 @@ fn sized(
     options: &CameraArgs,
     mut warnings: Vec<String>,
 ) -> Result<(Camera, Vec<String>), Failure> {
-    let Some(PictureSize { width, height }) = options.size else {
+    let Some([width, height]) = options.size else {
         return Ok((camera, warnings));
     };
     let across = width as f64 / camera.width as f64;
@@ -115,7 +110,7 @@ fn camera_from_eye(
     up: [f64; 3],
     options: &CameraArgs,
 ) -> Result<Camera, Failure> {
-    let PictureSize { width, height } = options.size.unwrap_or(USUAL_SIZE);
+    let [width, height] = options.size.unwrap_or(USUAL_SIZE);
     let up = options.up.unwrap_or(up);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     let eye = match options.orbit {
@@ -149,7 +144,7 @@ fn framed(
     scene: &Path,
     options: &CameraArgs,
 ) -> Result<Camera, Failure> {
-    let PictureSize { width, height } = options.size.unwrap_or(USUAL_SIZE);
+    let [width, height] = options.size.unwrap_or(USUAL_SIZE);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     let scene = scene.display().to_string();
     let place = |frame: &FramingInput| frame.camera(options.orbit, fov, width, height);
