@@ -120,12 +120,7 @@ fn limits(answer: &Answer) -> String {
 
 /// Where a plot lies that has so much room for numbers on its left, and its lower edge.
 fn plot(left: f64) -> (Rectangle, f64) {
-    let frame = Rectangle {
-        left,
-        top: 34.0,
-        width: WIDTH - left - 14.0,
-        height: 220.0,
-    };
+    let frame = Rectangle::new([left, 34.0], [WIDTH - left - 14.0, 220.0]);
     let base = frame.top + frame.height;
     (frame, base)
 }
@@ -135,8 +130,8 @@ fn looked_at(answer: &Answer) -> String {
     let (frame, base) = plot(52.0);
     let rates = answer.looked_at.iter().map(|one| one.frames_per_s);
     let costs = answer.looked_at.iter().map(|one| one.cost);
-    let across = Axis::of_values(costs, 100.0, [frame.left, frame.left + frame.width]);
-    let up = Axis::of_values(rates, 0.01, [base, frame.top]);
+    let across = Axis::of_values(costs, 100.0, frame.across());
+    let up = Axis::of_values(rates, 0.01, frame.upwards());
     let mut chart = Chart::new(
         WIDTH,
         base + 46.0,
@@ -191,8 +186,8 @@ fn in_formats(answer: &Answer) -> String {
         finite().fold(0.0, f64::min),
         finite().fold(10.0, f64::max) + 5.0,
     ];
-    let across = Axis::linear(range, [frame.left, frame.left + frame.width]);
-    let up = Axis::of_values(all().map(|[_, y]| y), 10.0, [base, frame.top]);
+    let across = Axis::linear(range, frame.across());
+    let up = Axis::of_values(all().map(|[_, y]| y), 10.0, frame.upwards());
     let mut chart = Chart::new(
         WIDTH,
         base + 46.0,
@@ -282,24 +277,14 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
         height,
         "units of the machine and the bytes between them and the memory",
     );
-    let memory = Rectangle {
-        left: 318.0,
-        top: 6.0,
-        width: 56.0,
-        height: height - 22.0,
-    };
+    let memory = Rectangle::new([318.0, 6.0], [56.0, height - 22.0]);
     chart.bar(&memory, "class=\"frame\" fill=\"none\"", "memory");
     chart.text((346.0, height / 2.0), Anchor::Middle, "", "memory");
     for (place, (unit, name, read, written)) in stages.iter().copied().enumerate() {
         let top = 6.0 + step * place as f64;
         let unit = timing.units.get(unit);
         let (busy, instances) = unit.map_or((0.0, 1), |unit| (unit.utilisation, unit.instances));
-        let whole = Rectangle {
-            left,
-            top,
-            width: box_width,
-            height: box_height,
-        };
+        let whole = Rectangle::new([left, top], [box_width, box_height]);
         let worked = Rectangle {
             width: box_width * busy.clamp(0.0, 1.0),
             ..whole

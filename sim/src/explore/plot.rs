@@ -118,14 +118,9 @@ fn chart(
     name: &str,
     of: fn(&Candidate) -> f64,
 ) -> String {
-    let frame = Rectangle {
-        left: 66.0,
-        top: 34.0,
-        width: 676.0,
-        height: 336.0,
-    };
+    let frame = Rectangle::new([66.0, 34.0], [676.0, 336.0]);
     let cycles = candidates.iter().map(|c| c.cycles);
-    let x = Axis::of_values(cycles, 1.0, [frame.left, frame.left + frame.width]);
+    let x = Axis::of_values(cycles, 1.0, frame.across());
     // Less is better: up, as in the report.
     let ends = [frame.top, frame.top + frame.height];
     let y = Axis::of_values(candidates.iter().map(of), 1.0, ends);

@@ -263,17 +263,10 @@ fn bars_of(heading: &str, class: &str, bars: &[(String, u64)]) -> String {
     let every = (1..=bars.len()).find(apart).unwrap_or(1);
     for (place, (name, members)) in bars.iter().enumerate() {
         let tall = height * *members as f64 / most as f64;
-        let bar = Rectangle {
-            left: left + step * place as f64 + 1.0,
-            top: 10.0 + height - tall,
-            width: (step - 2.0).max(1.0),
-            height: tall,
-        };
-        chart.bar(
-            &bar,
-            "fill=\"#2f6fde\"",
-            &format!("{class} {name}: {}", count(*members)),
-        );
+        let corner = [left + step * place as f64 + 1.0, 10.0 + height - tall];
+        let bar = Rectangle::new(corner, [(step - 2.0).max(1.0), tall]);
+        let words = format!("{class} {name}: {}", count(*members));
+        chart.bar(&bar, "fill=\"#2f6fde\"", &words);
         if place % every == 0 {
             let middle = left + step * (place as f64 + 0.5);
             chart.text((middle, height + 26.0), Anchor::Middle, "", name);

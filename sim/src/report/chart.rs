@@ -320,12 +320,7 @@ impl Chart {
             if x > frame.left && x + width > frame.left + frame.width {
                 (x, y) = (frame.left, y + LEGEND_LINE);
             }
-            let square = Rectangle {
-                left: x,
-                top: y,
-                width: 10.0,
-                height: 10.0,
-            };
+            let square = Rectangle::new([x, y], [10.0, 10.0]);
             self.bar(&square, colour, word);
             self.text((x + 14.0, y + 5.0), Anchor::Start, "", word);
             x += width;
@@ -378,12 +373,7 @@ mod tests {
 
     #[test]
     fn a_legend_stays_within_the_picture() {
-        let frame = Rectangle {
-            left: 20.0,
-            top: 0.0,
-            width: 300.0,
-            height: 0.0,
-        };
+        let frame = Rectangle::new([20.0, 0.0], [300.0, 0.0]);
         let mut chart = Chart::new(340.0, 100.0, "legend");
         let words = [
             ("row generator", ""),

@@ -236,16 +236,11 @@ pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
 
 /// A value over the frames, from 0 to its largest.
 fn curve(name: &str, rows: &[FrameRow], of: &dyn Fn(&FrameRow) -> f64) -> String {
-    let frame = Rectangle {
-        left: 70.0,
-        top: 34.0,
-        width: 680.0,
-        height: 180.0,
-    };
+    let frame = Rectangle::new([70.0, 34.0], [680.0, 180.0]);
     let most = rows.iter().map(of).fold(0.0, f64::max);
     let last = rows.len().max(2) as f64;
-    let across = Axis::linear([1.0, last], [frame.left, frame.left + frame.width]);
-    let up = Axis::linear([0.0, most], [frame.top + frame.height, frame.top]);
+    let across = Axis::linear([1.0, last], frame.across());
+    let up = Axis::linear([0.0, most], frame.upwards());
     let mut chart = Chart::new(760.0, 264.0, &format!("{name} over the frames"));
     chart.rows(&frame, &up, &up.ticks(5));
     let numbers = across.ticks(12).into_iter();

@@ -22,12 +22,7 @@ const TOP: f64 = 34.0;
 
 /// The frame of a chart between the names of units and the right edge.
 fn frame(height: f64) -> Rectangle {
-    Rectangle {
-        left: LEFT,
-        top: TOP,
-        width: WIDTH - LEFT - 20.0,
-        height,
-    }
+    Rectangle::new([LEFT, TOP], [WIDTH - LEFT - 20.0, height])
 }
 
 /// Columns of the picture of time.
@@ -220,8 +215,8 @@ fn over_time(timing: &Timing, watched: &Watched) -> String {
     let base = TOP + area.height;
     let label = "part of each stage that works, over the raster phase";
     let mut chart = Chart::new(WIDTH, base + 56.0, label);
-    let across = Axis::linear([0.0, timing.raster as f64], [LEFT, LEFT + area.width]);
-    let up = Axis::linear([0.0, 100.0], [base, TOP]);
+    let across = Axis::linear([0.0, timing.raster as f64], area.across());
+    let up = Axis::linear([0.0, 100.0], area.upwards());
     chart.rows(&area, &up, &up.ticks(4));
     chart.columns(&area, &across, &across.ticks(8));
     chart.names(&area, "cycles", "busy, %");
@@ -262,12 +257,8 @@ fn heat_map(watched: &Watched, tile: [u16; 2]) -> String {
         let [x, y] = [tile % columns, tile / columns];
         // The root, so that tiles of a tenth of the most can still be seen.
         let shade = (*cycles as f64 / most as f64).sqrt();
-        let area = Rectangle {
-            left: 10.0 + width * x as f64,
-            top: 10.0 + side * y as f64,
-            width,
-            height: side,
-        };
+        let corner = [10.0 + width * x as f64, 10.0 + side * y as f64];
+        let area = Rectangle::new(corner, [width, side]);
         let colour = format!("fill=\"#c2410c\" fill-opacity=\"{shade:.3}\"");
         chart.bar(&area, &colour, &format!("tile {x}, {y}: {cycles} cycles"));
     }
@@ -288,8 +279,8 @@ fn roofline(timing: &Timing, config: &Config) -> String {
     let bytes = moved.unwrap_or(timing.bytes.all()).max(1) as f64 / pixels;
     let reached = pixels / timing.total.max(1) as f64;
     let range = [-3.0, 3.0];
-    let x = Axis::decades(range, [LEFT, LEFT + area.width]);
-    let y = Axis::decades(range, [base, TOP]);
+    let x = Axis::decades(range, area.across());
+    let y = Axis::decades(range, area.upwards());
     let point = |across: f64, up: f64| {
         let [across, up] = [across, up].map(|value| value.clamp(1e-3, 1e3));
         (x.at(across), y.at(up))

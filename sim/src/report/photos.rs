@@ -312,42 +312,22 @@ fn losses(means: &[PhotoMean]) -> String {
             .skip(1)
             .map(|mean| (mean.engine.as_str(), (-mean.psnr_change_db).max(0.0)))
     };
-    let frame = Rectangle {
-        left: 110.0,
-        top: 34.0,
-        width: 560.0,
-        height: 30.0 * losses().count() as f64,
-    };
+    let frame = Rectangle::new([110.0, 34.0], [560.0, 30.0 * losses().count() as f64]);
     let most = losses().map(|(_, loss)| loss).fold(1e-4, f64::max);
-    let across = Axis::linear([0.0, most], [frame.left, frame.left + frame.width]);
-    let mut chart = Chart::new(
-        760.0,
-        frame.height + 90.0,
-        "PSNR lost against the photographs",
-    );
+    let across = Axis::linear([0.0, most], frame.across());
+    let label = "PSNR lost against the photographs";
+    let mut chart = Chart::new(760.0, frame.height + 90.0, label);
     chart.columns(&frame, &across, &across.ticks(6));
     chart.names(&frame, "dB lost beside double precision", "drawn by");
     for (place, (engine, loss)) in losses().enumerate() {
         let top = frame.top + 30.0 * place as f64 + 6.0;
         let end = across.at(loss);
-        let bar = Rectangle {
-            left: frame.left,
-            top,
-            width: (end - frame.left).max(1.0),
-            height: 18.0,
-        };
-        chart.bar(
-            &bar,
-            "class=\"mark s3\"",
-            &format!("{engine}: {loss:.4} dB"),
-        );
+        let bar = Rectangle::new([frame.left, top], [(end - frame.left).max(1.0), 18.0]);
+        let words = format!("{engine}: {loss:.4} dB");
+        chart.bar(&bar, "class=\"mark s3\"", &words);
         chart.text((frame.left - 8.0, top + 9.0), Anchor::End, "", engine);
-        chart.text(
-            (end + 6.0, top + 9.0),
-            Anchor::Start,
-            "",
-            &format!("{loss:.4}"),
-        );
+        let words = format!("{loss:.4}");
+        chart.text((end + 6.0, top + 9.0), Anchor::Start, "", &words);
     }
     chart.finish()
 }

@@ -1,5 +1,6 @@
 //! A folder of vectors: written by [`export`], checked by [`verify`].
 
+use super::builtin::soft;
 use super::compute::splats_stage;
 use super::manifest::{Manifest, StageRecord, digest};
 use super::work::room_for;
@@ -8,7 +9,6 @@ use crate::atomic;
 use crate::difference::differences;
 use crate::input::{self, Refused};
 use fixed::types::U4F28;
-use splatline::math::SoftFloat;
 use splatline::splat::{Axis, VolumeSplat};
 use std::fmt::Display;
 use std::fs;
@@ -159,18 +159,12 @@ fn splat(record: &[i64]) -> VolumeSplat {
     let mut values = record.iter().copied();
     let mut next = || values.next().unwrap_or_default();
     VolumeSplat {
-        centre: [(); 3].map(|()| SoftFloat {
-            mantissa: next() as i32,
-            exponent: next() as i32,
-        }),
+        centre: [(); 3].map(|()| soft(next() as i32, next() as i32)),
         axes: [(); 3].map(|()| Axis {
             mantissa: [(); 3].map(|()| next() as i32),
             exponent: next() as i32,
         }),
-        weight: SoftFloat {
-            mantissa: next() as i32,
-            exponent: next() as i32,
-        },
+        weight: soft(next() as i32, next() as i32),
         colour: [(); 3].map(|()| U4F28::from_bits(next() as u32)),
     }
 }
