@@ -191,30 +191,27 @@ pub struct CompareOptions {
     /// Also draw in fp32, fp16, bfloat16, fp8 and mixes of fp8 and fp16, every operation rounded, and report how far each is from the reference
     #[arg(long)]
     pub formats: bool,
+    #[command(flatten)]
+    pub photographs: PhotoArgs,
+}
+
+/// What is drawn against photographs.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Photographs")]
+pub struct PhotoArgs {
     /// Photographs (.png, .jpg) of the views of --camera: PSNR, SSIM and FLIP of what is drawn against them
-    #[arg(
-        long,
-        value_name = "DIR",
-        help_heading = "Photographs",
-        conflicts_with_all = ["from", "turntable"]
-    )]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["from", "turntable"])]
     pub photos: Option<PathBuf>,
     /// Views that are compared: test (every eighth), train (the others), all, or N for every Nth
     #[arg(
         long,
         value_name = "WHICH",
-        help_heading = "Photographs",
         default_value = "test",
         requires = "photos"
     )]
     pub split: Split,
     /// Masks of the photographs: what is black in them counts in none of the pictures
-    #[arg(
-        long,
-        value_name = "DIR",
-        help_heading = "Photographs",
-        requires = "photos"
-    )]
+    #[arg(long, value_name = "DIR", requires = "photos")]
     pub masks: Option<PathBuf>,
 }
 

@@ -13,7 +13,7 @@ use crate::plan::{Engine, Plan, all_entries, compare_all};
 pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
     let json = drawing.json.as_ref();
-    if let Some(folder) = &options.photos {
+    if let Some(folder) = &options.photographs.photos {
         return photos::run(options, folder, Outputs::default().json(json)?);
     }
     if options.path.is_path() {

@@ -115,9 +115,7 @@ pub fn write_page(
     let page = html(&Shown {
         scene: splats.scene,
         camera: splats.camera,
-        rules: splats.rules,
-        design: &prepared.plan.entry.design,
-        traversal: prepared.plan.entry.traversal,
+        options: splats.options(&prepared.plan.entry),
         target: pivot(splats.camera, &frame, splats.scene),
         up: frame.up,
     })?;

@@ -134,7 +134,7 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
     for note in notes {
         print_error(&format!("{note}\n"));
     }
-    let report = PhotoReport::new(options.split.words(), rows)?;
+    let report = PhotoReport::new(options.photographs.split.words(), rows)?;
     let [json, html] = FILES.map(|file| options.output.join(file));
     write_json(&json, &report)?;
     write_json_if(drawing.json.as_ref(), &report)?;
@@ -166,7 +166,7 @@ fn chosen_views(
     frames.sort_by(|a, b| a.name.cmp(&b.name));
     let views: Vec<NamedFrame> = (0..)
         .zip(frames)
-        .filter(|(place, _)| options.split.holds(*place))
+        .filter(|(place, _)| options.photographs.split.holds(*place))
         .map(|(_, frame)| frame)
         .collect();
     if views.is_empty() {
@@ -214,7 +214,7 @@ fn with_photograph(
     prepared.plan = against_reference(prepared.plan)?;
     room_for_picture(&prepared.plan.camera, COMPARED)?;
     warn(&prepared.warnings);
-    let mask = match &options.masks {
+    let mask = match &options.photographs.masks {
         Some(folder) => Some(load_photograph(&photograph_of(folder, &name)?)?),
         None => None,
     };

@@ -142,15 +142,9 @@ fn looked_at(answer: &Answer) -> String {
     chart.names(&frame, "LUT in all", "frames a second");
     for one in &answer.looked_at {
         let place = (across.at(one.cost), up.at(one.frames_per_s));
-        let class = if one.holds {
-            "class=\"mark s2\""
-        } else {
-            "class=\"mark s5\" opacity=\"0.45\""
-        };
-        let holds = if one.holds {
-            "holds all limits"
-        } else {
-            "misses a limit"
+        let (class, holds) = match one.holds {
+            true => ("class=\"mark s2\"", "holds all limits"),
+            false => ("class=\"mark s5\" opacity=\"0.45\"", "misses a limit"),
         };
         let words = format!(
             "{:.0} LUT in all, {:.1} frames a second: {holds}",

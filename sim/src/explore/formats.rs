@@ -11,7 +11,7 @@ use super::space::{Space, SpacePart};
 use crate::machine::area::lane::fixed_lane;
 use crate::machine::config::Config;
 use crate::machine::energy::of_pixel;
-use crate::plan::{DesignVariant, Engine};
+use crate::plan::DesignVariant;
 use crate::report::table::decibels;
 use anyhow::Result;
 use serde::Serialize;
@@ -80,10 +80,20 @@ fn row(
     }
 }
 
-/// The formats asked for, the fixed design first.
-fn formats(evaluator: &Evaluator) -> Vec<Option<Engine>> {
+/// A row of each of the formats asked for, the fixed design first; `row` is given the evaluator that draws in it, and all frames.
+fn rows(
+    evaluator: &mut Evaluator,
+    row: impl Fn(&Evaluator, &[usize]) -> Result<FormatRow>,
+) -> Result<Vec<FormatRow>> {
+    let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
     let formats = evaluator.subject.formats.iter().copied().map(Some);
-    std::iter::once(None).chain(formats).collect()
+    let mut rows = Vec::new();
+    for format in std::iter::once(None).chain(formats) {
+        evaluator.draw_in(format);
+        rows.push(row(evaluator, &all)?);
+    }
+    evaluator.draw_in(None);
+    Ok(rows)
 }
 
 /// Beside a design that was fitted.
@@ -92,15 +102,10 @@ pub fn beside_design(
     variant: &DesignVariant,
     limits: &[Limit],
 ) -> Result<Vec<FormatRow>> {
-    let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
-    let mut rows = Vec::new();
-    for format in formats(evaluator) {
-        evaluator.draw_in(format);
-        let error = evaluator.error(variant, &all)?;
-        rows.push(row(evaluator, &variant.design.widths, error, limits));
-    }
-    evaluator.draw_in(None);
-    Ok(rows)
+    rows(evaluator, |evaluator, all| {
+        let error = evaluator.error(variant, all)?;
+        Ok(row(evaluator, &variant.design.widths, error, limits))
+    })
 }
 
 /// Beside a point that a search on `frames` ended at.
@@ -111,24 +116,20 @@ pub(super) fn beside_point(
     judge: Judge,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<FormatRow>> {
-    let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
     let axes = 0..space.axes.len();
     let machines: Vec<usize> = axes
         .filter(|axis| space.axes[*axis].part != SpacePart::Design)
         .collect();
-    let mut rows = Vec::new();
-    for format in formats(evaluator) {
-        evaluator.draw_in(format);
-        let evaluator = &*evaluator;
+    rows(evaluator, |evaluator, all| {
         let mut search = Search::new(evaluator, space, limits, frames.to_vec(), progress);
         let mut at = point.to_vec();
-        if format.is_some() && search.error_excess(&at)? <= 0.0 {
+        if evaluator.format.is_some() && search.error_excess(&at)? <= 0.0 {
             at = search.descend(at, &machines, judge)?;
         }
         let choice = search.choice(&at)?;
-        let error = evaluator.error(&choice.variant, &all)?;
+        let error = evaluator.error(&choice.variant, all)?;
         let reached = evaluator.reached(&choice, error, &evaluator.on_all_frames(&choice)?);
-        rows.push(FormatRow {
+        Ok(FormatRow {
             holds: missed(limits, None, &reached) <= 0.0,
             machine: Some(MachineInFormat {
                 luts_in_all: reached.cost(),
@@ -137,10 +138,8 @@ pub(super) fn beside_point(
                 settings: choice.machine,
             }),
             ..row(evaluator, &choice.variant.design.widths, error, limits)
-        });
-    }
-    evaluator.draw_in(None);
-    Ok(rows)
+        })
+    })
 }
 
 /// Headings and lines of a table for people.
