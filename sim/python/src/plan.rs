@@ -211,7 +211,7 @@ impl Plan {
         vectors: Option<&str>,
     ) -> PyResult<Drawn<'py>> {
         let effort = raise(Plan::effort(threads, repeat, vectors))?;
-        let drawn = py.detach(|| draw_alone(&self.prepared, &effort, &ProgressMeter::new(1)));
+        let drawn = py.detach(|| draw_alone(&self.prepared, None, &effort, &ProgressMeter::new(1)));
         let (measured, report) = raise(drawn)?;
         Ok((array(py, measured.drawing.picture)?, record(py, &report)?))
     }

@@ -99,12 +99,7 @@ pub fn sweep_pages(
     };
     let note = synthesis::statement(&raise(prices(part))?.calibration);
     let candidates = candidates(&table);
-    let page = plot::page(&plot::Sweep {
-        title,
-        note: &note,
-        table: &table,
-        candidates: &candidates,
-    });
+    let page = plot::page(title, &note, &table, &candidates);
     let front = front_table(&table, &front(&candidates));
     Ok((table.to_csv(), front.to_csv(), page))
 }

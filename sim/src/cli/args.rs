@@ -9,7 +9,7 @@ use super::page;
 use super::photos::Split;
 use super::search_args;
 use super::shell;
-use super::values::{DesignName, ENGINES, one_of};
+use super::values::design_name;
 use super::verification_args;
 use super::view_args::{PathOptions, ViewOptions};
 use crate::plan::Engine;
@@ -158,7 +158,9 @@ pub struct RenderOptions {
         long,
         value_name = "LIST",
         help_heading = "Output",
+        value_enum,
         value_delimiter = ',',
+        hide_possible_values = true,
         conflicts_with_all = ["camera_path", "turntable"]
     )]
     pub maps: Vec<Map>,
@@ -189,30 +191,27 @@ pub struct CompareOptions {
     /// Also draw in fp32, fp16, bfloat16, fp8 and mixes of fp8 and fp16, every operation rounded, and report how far each is from the reference
     #[arg(long)]
     pub formats: bool,
+    #[command(flatten)]
+    pub photographs: PhotoArgs,
+}
+
+/// What is drawn against photographs.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Photographs")]
+pub struct PhotoArgs {
     /// Photographs (.png, .jpg) of the views of --camera: PSNR, SSIM and FLIP of what is drawn against them
-    #[arg(
-        long,
-        value_name = "DIR",
-        help_heading = "Photographs",
-        conflicts_with_all = ["from", "turntable"]
-    )]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["from", "turntable"])]
     pub photos: Option<PathBuf>,
     /// Views that are compared: test (every eighth), train (the others), all, or N for every Nth
     #[arg(
         long,
         value_name = "WHICH",
-        help_heading = "Photographs",
         default_value = "test",
         requires = "photos"
     )]
     pub split: Split,
     /// Masks of the photographs: what is black in them counts in none of the pictures
-    #[arg(
-        long,
-        value_name = "DIR",
-        help_heading = "Photographs",
-        requires = "photos"
-    )]
+    #[arg(long, value_name = "DIR", requires = "photos")]
     pub masks: Option<PathBuf>,
 }
 
@@ -221,16 +220,17 @@ pub struct FootprintsOptions {
     #[command(flatten)]
     pub view: ViewOptions,
     /// Who computes the footprints: fixed or float
-    #[arg(long, value_parser = one_of(ENGINES), default_value = "fixed", conflicts_with = "from")]
+    #[arg(long, value_enum, default_value = "fixed", conflicts_with = "from")]
     pub engine: Engine,
     /// Widths: classic8, micro16, lean18, standard24, deep32 or a TOML file
     #[arg(
         long,
         value_name = "NAME|file.toml",
         default_value = "standard24",
+        value_parser = design_name,
         conflicts_with = "from"
     )]
-    pub design: DesignName,
+    pub design: String,
     /// CSV file to write; - is stdout
     #[arg(short, long, value_name = "f.csv", help_heading = "Output")]
     pub output: PathBuf,

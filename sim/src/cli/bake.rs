@@ -1,9 +1,8 @@
 //! `splatline bake`: a scene for a microcontroller's flash.
 
-use super::output::{Outputs, write};
+use super::output::{Outputs, write, write_json_if};
 use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
-use super::values::DesignName;
 use super::view_args::{MoreScenes, PathOptions, ViewOptions};
 use crate::bake::{BakedScene, contributions, error, most_visible};
 use crate::fixed::QuantisedScene;
@@ -61,8 +60,7 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
     if options.view.surface.kind.is_some() {
         return Err(Failure::Usage(GAUSSIANS_ALONE.to_owned()));
     }
-    let design = DesignName("standard24".to_owned());
-    let request = PlanRequest::by_design(&options.view, &design);
+    let request = PlanRequest::by_design(&options.view, "standard24");
     let frames = request.frames(&options.path, &MoreScenes::default())?;
     outputs.spare_inputs()?;
     let first = frames.first().map(|frame| &frame.prepared);
@@ -120,18 +118,16 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
             0.0,
             |most: f64, bias| if bias.abs() > most.abs() { bias } else { most },
         );
-    if let Some(path) = &options.json {
-        let of_view = |(name, colour): &(&str, ChannelError)| {
-            let (psnr, largest, bias) = (colour.psnr_db, colour.max_abs, colour.bias);
-            serde_json::json!({ "view": name, "psnr_db": psnr, "max_abs": largest, "bias": bias })
-        };
-        let report = serde_json::json!({
-            "format": "splatline-bake/1", "scene": scene.name, "splats": all, "kept": count, "bytes": 24 * count,
-            "share_of_light": share,
-            "views": views.iter().map(of_view).collect::<Vec<_>>(),
-        });
-        write(path, format!("{report:#}\n").as_bytes())?;
-    }
+    let of_view = |(name, colour): &(&str, ChannelError)| {
+        let (psnr, largest, bias) = (colour.psnr_db, colour.max_abs, colour.bias);
+        serde_json::json!({ "view": name, "psnr_db": psnr, "max_abs": largest, "bias": bias })
+    };
+    let report = serde_json::json!({
+        "format": "splatline-bake/1", "scene": scene.name, "splats": all, "kept": count, "bytes": 24 * count,
+        "share_of_light": share,
+        "views": views.iter().map(of_view).collect::<Vec<_>>(),
+    });
+    write_json_if(options.json.as_ref(), &report)?;
     print_result(&format!(
         "{}: {count} of {all} splats, {} bytes in flash, {:.1} % of the light of {} view(s)\n\
          against the whole scene, worst of the views: PSNR {}, largest error {:.1}/255, bias {:+.2}/255\n{}\n",

@@ -2,7 +2,7 @@
 
 use super::args::CompareOptions;
 use super::frames;
-use super::output::{Outputs, write};
+use super::output::{Outputs, write_json_if};
 use super::photos;
 use super::resolve::{COMPARED, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
@@ -13,7 +13,7 @@ use crate::plan::{Engine, Plan, all_entries, compare_all};
 pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
     let json = drawing.json.as_ref();
-    if let Some(folder) = &options.photos {
+    if let Some(folder) = &options.photographs.photos {
         return photos::run(options, folder, Outputs::default().json(json)?);
     }
     if options.path.is_path() {
@@ -38,9 +38,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     }
     comparison.write(&options.output, drawing.depth, drawing.backdrop())?;
     let report = &comparison.report;
-    if let Some(path) = &drawing.json {
-        write(path, report.to_json()?.as_bytes())?;
-    }
+    write_json_if(json, report)?;
     warn(&report.warnings);
     print_error(&if_layers_were_merged(comparison.merged));
     print_error(&if_nothing_is_seen(

@@ -2,7 +2,6 @@
 
 use super::output::create_folder;
 use super::say::{Failure, print_result, warn};
-use super::values::PictureSize;
 use crate::design::DesignChoice;
 use crate::picture::{Backdrop, Depth};
 use crate::plan::{Effort, Prepared, Source, all_entries, compare_all};
@@ -11,10 +10,7 @@ use crate::scene;
 use anyhow::Context;
 use std::path::Path;
 
-const SIZE: PictureSize = PictureSize {
-    width: 512,
-    height: 512,
-};
+const SIZE: [usize; 2] = [512, 512];
 const DESIGN: &str = "standard24";
 /// Times are medians over this many runs: the first one also pays for cold caches.
 const REPEAT: usize = 3;
@@ -24,10 +20,10 @@ pub fn run() -> Result<(), Failure> {
 }
 
 /// The demo with another folder, size and number of runs, for tests.
-pub fn run_into(folder: &Path, size: PictureSize, repeat: usize) -> Result<(), Failure> {
+pub fn run_into(folder: &Path, [width, height]: [usize; 2], repeat: usize) -> Result<(), Failure> {
     create_folder(folder)?;
     let scene = scene::demo()?;
-    let camera = scene.default_camera(size.width, size.height);
+    let camera = scene.default_camera(width, height);
     let rules = scene.natural_rules;
     let design = DesignChoice::named(DESIGN).context("the demo's design has no name")?;
     let others = all_entries(&design);
@@ -40,11 +36,9 @@ pub fn run_into(folder: &Path, size: PictureSize, repeat: usize) -> Result<(), F
     let report = &comparison.report;
     warn(&report.warnings);
     print_result(&format!(
-        "{}: {} splats at {}x{}, fixed point against float\n\n{}\nThe pictures and how to read them: {}\nThe same scene to turn, with the widths on sliders: {}\n",
+        "{}: {} splats at {width}x{height}, fixed point against float\n\n{}\nThe pictures and how to read them: {}\nThe same scene to turn, with the widths on sliders: {}\n",
         report.scene.name,
         report.scene.splats,
-        size.width,
-        size.height,
         table::plain(&report.table),
         folder.join("report.html").display(),
         live.display(),

@@ -1,8 +1,8 @@
 //! How a scene is drawn: the options that every command that draws has, and those of the commands that write pictures.
 
 use super::values::{
-    COMPOSITINGS, Colour, DesignName, ELLIPSES, ENGINES, INDICES, POINTS, REPRESENTATIONS,
-    ROUNDINGS, SHEETS, TraversalChoice, at_least_one, colour, depth, one_of, positive,
+    COMPOSITINGS, ELLIPSES, INDICES, POINTS, REPRESENTATIONS, ROUNDINGS, SHEETS, TraversalChoice,
+    at_least_one, colour, depth, design_name, one_of, positive,
 };
 use crate::fast::lanes::VectorLevel;
 use crate::hybrid::Points;
@@ -11,6 +11,7 @@ use crate::plan::{Effort, Engine};
 use crate::reference::sphere::Index;
 use crate::rules::Compositing;
 use crate::sheets::SheetKind;
+use crate::vector::Vector;
 use clap::Args;
 use splatline::blend::deep::{ChannelRounding, Representation};
 use std::path::PathBuf;
@@ -25,9 +26,10 @@ pub struct WorkOptions {
         long,
         value_name = "NAME|file.toml",
         default_value = "standard24",
+        value_parser = design_name,
         conflicts_with = "from"
     )]
-    pub design: DesignName,
+    pub design: String,
     /// How a footprint's pixels are walked [default: the design's own]
     #[arg(long, value_enum, conflicts_with = "from")]
     pub traversal: Option<TraversalChoice>,
@@ -88,7 +90,7 @@ impl TechniqueOptions {
 pub struct DrawingOptions {
     /// fixed: the kernel; float: EWA in double precision; exact: the ray integral. `compare` always draws fixed, and
     /// against float unless this says exact
-    #[arg(long, value_parser = one_of(ENGINES), default_value = "fixed", conflicts_with = "from")]
+    #[arg(long, value_enum, default_value = "fixed", conflicts_with = "from")]
     pub engine: Engine,
     #[command(flatten)]
     pub work: WorkOptions,
@@ -97,7 +99,7 @@ pub struct DrawingOptions {
     pub depth: Depth,
     /// Colour behind the picture in PNG files: black, white, #rrggbb or three numbers from 0 to 1 [default: black]
     #[arg(long, value_name = "COLOUR", help_heading = "Output", value_parser = colour)]
-    pub background: Option<Colour>,
+    pub background: Option<Vector>,
     /// PNG files with straight alpha instead of a background
     #[arg(long, help_heading = "Output", conflicts_with = "background")]
     pub alpha: bool,
@@ -120,7 +122,7 @@ impl DrawingOptions {
     pub fn backdrop(&self) -> Backdrop {
         match (self.alpha, self.background) {
             (true, _) => Backdrop::Transparent,
-            (false, Some(Colour(colour))) => Backdrop::Colour(colour),
+            (false, Some(colour)) => Backdrop::Colour(colour),
             (false, None) => Backdrop::default(),
         }
     }

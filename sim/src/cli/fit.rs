@@ -3,7 +3,7 @@
 use super::output::{Outputs, write};
 use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
-use super::search_args::{FitOptions, subject};
+use super::search_args::{FitOptions, limits_given, subject};
 use crate::design::DesignChoice;
 use crate::explore::evaluator::ErrorDetail;
 use crate::explore::fit::{Fit, design_toml, fit, refusal};
@@ -16,10 +16,7 @@ use splatline::format::WIDTH_RANGES;
 use std::fmt::Write;
 
 pub fn run(options: &FitOptions) -> Result<(), Failure> {
-    let mut outputs = Outputs::default();
-    if let Some(path) = &options.output {
-        outputs = outputs.file(path, &["toml"])?;
-    }
+    let outputs = Outputs::default().file_if(options.output.as_ref(), &["toml"])?;
     let request = PlanRequest::work(&options.view, &options.work);
     let frames = request.frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
@@ -43,22 +40,12 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
 
 /// What the options allow.
 fn limits(options: &FitOptions) -> Result<Vec<Limit>, Failure> {
-    let given = [
+    limits_given(&[
         (options.metric, options.max_error, "--max-error"),
         (Quantity::Percentile99, options.p99, "--p99"),
         (Quantity::Flip, options.flip, "--flip"),
         (Quantity::PsnrDb, options.psnr, "--psnr"),
-    ];
-    let limits: Vec<Limit> = given
-        .into_iter()
-        .filter_map(|(quantity, bound, of)| Some(Limit::new(quantity, bound?, of)))
-        .collect();
-    if limits.is_empty() {
-        let message =
-            "there is no limit: give one or more of --max-error, --p99, --flip and --psnr";
-        return Err(Failure::Usage(message.to_owned()));
-    }
-    Ok(limits)
+    ])
 }
 
 /// Fits what is planned for all frames, starting from their design.

@@ -2,7 +2,7 @@
 
 use super::args::{CompareOptions, RenderOptions};
 use super::compare::against_reference;
-use super::output::{self, Outputs, create_folder, write, write_json};
+use super::output::{self, Outputs, create_folder, write, write_json, write_json_if};
 use super::render::{check_room, write_picture};
 use super::resolve::{COMPARED, NamedFrame, PlanRequest, PlannedFrame, room_for_picture};
 use super::say::{Failure, print_result, warn};
@@ -29,10 +29,9 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
     let count = frames.len();
     let files = files(&options.output, &frames);
     let [first, last] = [files.first(), files.last()].map(|file| file.cloned().unwrap_or_default());
-    let mut outputs = Outputs::default().json(drawing.json.as_ref())?;
-    if let Some(animation) = &options.animation {
-        outputs = outputs.file(animation, &["png", "apng"])?;
-    }
+    let outputs = Outputs::default()
+        .json(drawing.json.as_ref())?
+        .file_if(options.animation.as_ref(), &["png", "apng"])?;
     let extensions = if options.animation.is_some() {
         &EXTENSIONS[..1]
     } else {
@@ -48,7 +47,7 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         check_room(&prepared)?;
         progress.doing(&name);
         let effort = drawing.effort_of_pictures();
-        let (measured, report) = draw_alone(&prepared, &effort, &progress)?;
+        let (measured, report) = draw_alone(&prepared, None, &effort, &progress)?;
         write_picture(options, &measured.drawing.picture, file)?;
         seconds.push(report.host.total_s);
         warnings.extend(report.warnings.iter().cloned());
@@ -65,14 +64,12 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
     }
     drop(progress);
     let spread = Spread::of(seconds);
-    if let Some(json) = &drawing.json {
-        let all = DrawnFrames {
-            format: FORMAT,
-            frames: rows,
-            total_s: spread,
-        };
-        write_json(json, &all)?;
-    }
+    let all = DrawnFrames {
+        format: FORMAT,
+        frames: rows,
+        total_s: spread,
+    };
+    write_json_if(drawing.json.as_ref(), &all)?;
     warn(&warnings.into_iter().collect::<Vec<_>>());
     print_result(&format!(
         "{count} frames, {} to {}: worst {:.1} ms, 95 % {:.1} ms, mean {:.1} ms\n",
@@ -115,9 +112,7 @@ pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<(), Failure
         over_frames: &over,
     };
     write_json(&options.output.join("frames.json"), &result)?;
-    if let Some(json) = &drawing.json {
-        write_json(json, &result)?;
-    }
+    write_json_if(drawing.json.as_ref(), &result)?;
     let title = format!(
         "Frames: {}",
         rows.first().map_or("", |row| row.name.as_str())

@@ -34,7 +34,7 @@ pub struct InfoOptions {
 }
 
 /// What is told.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct Info {
     format: &'static str,
     scene: String,
@@ -56,7 +56,7 @@ struct Info {
     notes: Vec<String>,
 }
 
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct BallInfo {
     centre: Vector,
     radius: f64,
@@ -174,9 +174,6 @@ impl Info {
         Info {
             format: "splatline-info/1",
             scene: name.to_owned(),
-            kind: "",
-            count: 0,
-            bounds: None,
             ball: BallInfo {
                 centre,
                 radius,
@@ -184,12 +181,8 @@ impl Info {
             },
             up: frame.up,
             front: frame.front,
-            ranges: Vec::new(),
-            harmonics_degree: 0,
-            rules: "",
             order: SortOrder::Depth.name(),
-            dropped: ReasonCounts::new(),
-            notes: Vec::new(),
+            ..Info::default()
         }
     }
 

@@ -1,7 +1,7 @@
 //! Options of the commands about one machine, simulate and trace, and what every command says of a machine.
 
 use super::drawing_args::WorkOptions;
-use super::values::{FAMILIES, PictureSize, one_of, positive};
+use super::values::{FAMILIES, one_of, positive, size};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions, of_units};
 use crate::machine::area::Family;
 use clap::Args;
@@ -76,8 +76,8 @@ pub struct ModelOptions {
     #[arg(long, value_name = "f.csv", conflicts_with_all = ["scene", "camera_path", "turntable"])]
     pub footprints: Option<PathBuf>,
     /// With --footprints: size of the screen [default: up to the largest x1 and y1]
-    #[arg(long, value_name = "WxH", requires = "footprints")]
-    pub screen: Option<PictureSize>,
+    #[arg(long, value_name = "WxH", value_parser = size, requires = "footprints")]
+    pub screen: Option<[usize; 2]>,
     /// With --footprints: radial index at which footprints end that have no cut-off in the table
     #[arg(long, value_name = "r", requires = "footprints", value_parser = positive)]
     pub cutoff: Option<f64>,

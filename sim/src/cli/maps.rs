@@ -11,11 +11,12 @@ use crate::report::png::Rgb;
 use crate::rules::Compositing;
 use crate::vector;
 use anyhow::anyhow;
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 /// A map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Map {
     /// Accumulated, normalised and median.
     Depth,
@@ -31,41 +32,13 @@ pub enum Map {
     Id,
 }
 
-const NAMES: [(&str, Map); 6] = [
-    ("depth", Map::Depth),
-    ("alpha", Map::Alpha),
-    ("normal", Map::Normal),
-    ("count", Map::Count),
-    ("first", Map::First),
-    ("id", Map::Id),
-];
-
-impl FromStr for Map {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Map, String> {
-        let found = NAMES.iter().find(|(name, _)| *name == text);
-        found.map(|(_, map)| *map).ok_or_else(|| {
-            format!(
-                "expected some of {}",
-                NAMES.map(|(name, _)| name).join(", ")
-            )
-        })
-    }
-}
-
 impl Map {
-    fn name(self) -> &'static str {
-        NAMES
-            .iter()
-            .find(|(_, map)| *map == self)
-            .map_or("", |(name, _)| name)
-    }
-
     /// `x.png` becomes `x.depth.png`.
     pub fn file(self, picture: &Path) -> PathBuf {
         let extension = picture.extension().unwrap_or_default().to_string_lossy();
-        picture.with_extension(format!("{}.{extension}", self.name()))
+        let name = self.to_possible_value();
+        let name = name.as_ref().map_or("", PossibleValue::get_name);
+        picture.with_extension(format!("{name}.{extension}"))
     }
 
     /// Four numbers: what float files hold.

@@ -114,15 +114,16 @@ fn take_earlier_name(words: &mut [OsString], command: &clap::Command) {
     words[place] = if asks { "optimize" } else { "sweep" }.into();
 }
 
-/// A negative number after an option is its value, of which the range can be said, and not an option of that name.
+/// A negative number after an option is its value, of which the range can be said, and not an option of that name; so are several.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let command = command.mut_args(|arg| {
         let is_option = !arg.is_positional() && arg.get_action().takes_values();
-        if is_option {
-            arg.allow_negative_numbers(true)
-        } else {
-            arg
-        }
+        let names = arg.get_value_names().unwrap_or_default();
+        let are_several = names
+            .iter()
+            .any(|name| ["x,y,z", "az,el"].contains(&name.as_str()));
+        arg.allow_negative_numbers(is_option && !are_several)
+            .allow_hyphen_values(are_several)
     });
     command.mut_subcommands(with_negative_numbers)
 }

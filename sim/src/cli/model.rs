@@ -6,7 +6,7 @@
 
 use super::machine_args::ModelOptions;
 use super::order_reuse::{self, OrderReuse, ReusedOrderFrame};
-use super::output::{self, Outputs, write};
+use super::output::{self, Outputs, write, write_json};
 use super::resolve::{
     NamedFrame, PlanRequest, PlannedFrame, calibration, energy_table, machine, part,
     refuse_kept_order,
@@ -94,10 +94,7 @@ struct MachinesRecord {
 }
 
 pub fn run(options: &ModelOptions) -> Result<(), Failure> {
-    let mut outputs = Outputs::default();
-    if let Some(folder) = &options.output {
-        outputs = outputs.folder(folder, &FILES)?;
-    }
+    let outputs = Outputs::default().folder_if(options.output.as_ref(), &FILES)?;
     if options.machines {
         return others_beside_ours(options, &outputs);
     }
@@ -131,17 +128,6 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     }
 }
 
-fn write_json(
-    folder: &Path,
-    file: &str,
-    format: &'static str,
-    result: impl Serialize,
-) -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(&Versioned { format, result });
-    let text = text.map_err(|error| anyhow!("{file}: {error}"))?;
-    write(&folder.join(file), format!("{text}\n").as_bytes())
-}
-
 /// All machines of the presets on the scene's splats.
 fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<(), Failure> {
     let prepared = PlanRequest::work(&options.view, &options.work)
@@ -160,8 +146,9 @@ fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<(), F
         return Ok(());
     };
     let scene = prepared.scene.name().to_owned();
-    let record = MachinesRecord { scene, machines };
-    write_json(folder, "machines.json", "splatline-machines/1", record)
+    let result = MachinesRecord { scene, machines };
+    let format = "splatline-machines/1";
+    write_json(&folder.join("machines.json"), &Versioned { format, result })
 }
 
 fn costed<'a>(
@@ -191,19 +178,18 @@ fn one(modelled: &Modelled, prices: &Prices, options: &ModelOptions) -> Result<(
     let actions = energy::action_counts(&record.energy);
     write(&folder.join("action_counts.yaml"), actions.as_bytes())?;
     write_machine(folder, config)?;
-    write_json(folder, "timing.json", TIMING, record)
+    write_timing(folder, record)
+}
+
+fn write_timing(folder: &Path, result: impl Serialize) -> Result<(), Failure> {
+    let format = TIMING;
+    write_json(&folder.join("timing.json"), &Versioned { format, result })
 }
 
 fn page_of(record: &PictureRecord, workload: &Workload, config: &Config) -> String {
     let work = LaneWork::new(workload, LaneShape::from(config));
     let watched = watch(workload, &work, config, &record.cycles);
-    page(
-        &record.scene,
-        &record.cycles,
-        &watched,
-        workload.columns,
-        config,
-    )
+    page(&record.scene, &record.cycles, &watched, config)
 }
 
 fn write_machine(folder: &Path, config: &Config) -> Result<(), Failure> {
@@ -256,7 +242,7 @@ fn several(
         area,
         host: AllSeconds { all_s },
     };
-    write_json(folder, "timing.json", TIMING, record)
+    write_timing(folder, record)
 }
 
 /// All pictures one after the other, since one may keep the order of the one before.
@@ -330,19 +316,17 @@ fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> 
     refuse_kept_order(&machine)?;
     let name = path.display().to_string();
     let text = output::read_text(path)?;
-    let design = DesignChoice::load(&options.work.design.0)?;
+    let design = DesignChoice::load(&options.work.design)?;
     let entry = DesignVariant::new(design, options.work.traversal.map(Traversal::from));
     if options.screen.is_none() {
         print_result(
             "screen: up to the largest x1 and y1 of the table; --screen WxH gives another\n",
         )?;
     }
-    let size = options
-        .screen
-        .map_or([0, 0], |size| [size.width as u16, size.height as u16]);
+    let size = options.screen.unwrap_or_default();
     let layout = splatline::footprint::packet::Layout::new(&entry.design.widths, entry.traversal);
     let table = TableOptions {
-        viewport: size,
+        viewport: size.map(|side| side as u16),
         tile: [machine.tile_width, machine.tile_height],
         traversal: entry.traversal,
         cutoff: options.cutoff,

@@ -1,9 +1,9 @@
 //! `splatline optimize`: the cheapest design and machine that hold them.
 
-use super::output::{Outputs, read_settings, write};
+use super::output::{Outputs, settings, write, write_json};
 use super::resolve::{NamedFrame, part};
 use super::say::{Failure, print_result};
-use super::search_args::{LimitOptions, OptimizeOptions, draw_references};
+use super::search_args::{LimitOptions, OptimizeOptions, draw_references, limits_given};
 use crate::explore::answer::{self, Answer, usual_space};
 use crate::explore::answer_page;
 use crate::explore::detail::detail;
@@ -21,8 +21,8 @@ use std::time::Instant;
 const FILES: [&str; 4] = ["answer.json", "design.toml", "machine.toml", "answer.html"];
 
 /// The limits of the options themselves.
-fn own_limits(options: &LimitOptions) -> Vec<Limit> {
-    let given = [
+fn own_limits(options: &LimitOptions) -> Result<Vec<Limit>, Failure> {
+    limits_given(&[
         (Quantity::FramesPerSecond, options.fps, "--fps"),
         (Quantity::LargestError, options.max_error, "--max-error"),
         (Quantity::Percentile99, options.p99, "--p99"),
@@ -41,25 +41,15 @@ fn own_limits(options: &LimitOptions) -> Vec<Limit> {
             options.max_energy,
             "--max-energy",
         ),
-    ];
-    let limit = |(quantity, bound, of): (Quantity, Option<f64>, &str)| {
-        Some(Limit::new(quantity, bound?, of))
-    };
-    given.into_iter().filter_map(limit).collect()
+    ])
 }
 
 pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
-    if own_limits(&options.limits).is_empty() {
-        let message = "there is no limit: give one or more of --fps, --max-error, --p99, --flip, --psnr, --lut, --dsp, --bram, --bandwidth and --max-energy";
-        return Err(Failure::Usage(message.to_owned()));
-    }
+    let own = own_limits(&options.limits)?;
     let search = &options.search;
-    let mut outputs = Outputs::default();
-    if let Some(folder) = &options.output {
-        outputs = outputs.folder(folder, &FILES)?;
-    }
+    let outputs = Outputs::default().folder_if(options.output.as_ref(), &FILES)?;
     let started = Instant::now();
-    let limits = limits(options)?;
+    let limits = limits(own, options)?;
     let frames = search.frames()?;
     let errors = limits.iter().any(|limit| limit.quantity.is_error());
     // Without a limit on errors the error of one picture is reported, those of many are not worth their memory.
@@ -68,10 +58,7 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     let mut subject = search.subject(&frames, false)?;
     subject.formats.clone_from(formats);
     let space = match &options.space {
-        Some(file) => {
-            let text = read_settings(file)?;
-            Space::without_points(&file.display().to_string(), &text)?
-        }
+        Some(file) => settings(file, Space::without_points)?,
         None => usual_space(&subject.design, &subject.machine, errors)?,
     };
     outputs.spare_inputs()?;
@@ -128,8 +115,7 @@ fn title(frames: &[NamedFrame]) -> String {
 }
 
 /// The options' limits and the part's.
-fn limits(options: &OptimizeOptions) -> Result<Vec<Limit>, Failure> {
-    let own = own_limits(&options.limits);
+fn limits(own: Vec<Limit>, options: &OptimizeOptions) -> Result<Vec<Limit>, Failure> {
     let named = options.search.area.part.clone().unwrap_or_default();
     let of_part = part(&options.search.area)?.map(|part| limits_of_part(&named, &part));
     let mut of_part = of_part.unwrap_or_default();
@@ -143,7 +129,7 @@ fn limits(options: &OptimizeOptions) -> Result<Vec<Limit>, Failure> {
 fn write_answer(answer: &Answer, note: &str, folder: &Path, page: &str) -> Result<(), Failure> {
     write(&folder.join(FILES[3]), page.as_bytes())?;
     let result = json!({ "format": "splatline-answer/1", "answer": answer, "area_of": note });
-    write(&folder.join(FILES[0]), format!("{result:#}\n").as_bytes())?;
+    write_json(&folder.join(FILES[0]), &result)?;
     let Some(first) = answer.found.first() else {
         return Ok(());
     };

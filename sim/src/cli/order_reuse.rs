@@ -9,6 +9,7 @@ use crate::machine::simulate_alone;
 use crate::machine::summary::Spread;
 use crate::machine::workload::{OrderChanges, Workload};
 use crate::plan::AnyScene;
+use crate::report::table::psnr_of_rms;
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -109,13 +110,6 @@ pub fn text(reused: &[&ReusedOrderFrame], frames: usize) -> String {
     let bias = reused
         .iter()
         .fold(0.0, |most: f64, frame| most.max(frame.error.bias.abs()));
-    let psnr = |rms: f64| {
-        if rms > 0.0 {
-            format!("{:.2} dB", -20.0 * rms.log10())
-        } else {
-            "equal".to_owned()
-        }
-    };
     format!(
         "order kept in {} of {frames} frames, a frame of them on the mean:\n{}{}{}  \
            entries                {:.2} % came, {:.2} % left; inversions {:.0}, {:.4} % of a tile's pairs of entries\n  \
@@ -128,9 +122,9 @@ pub fn text(reused: &[&ReusedOrderFrame], frames: usize) -> String {
         part(|lists| lists.left, &|frame| frame.entries),
         mean(&|frame: &ReusedOrderFrame| frame.lists.inversions),
         part(|lists| lists.inversions, &|frame| frame.lists.pairs),
-        psnr(rms.worst),
-        psnr(rms.percentile_95),
-        psnr(rms.mean),
+        psnr_of_rms(rms.worst),
+        psnr_of_rms(rms.percentile_95),
+        psnr_of_rms(rms.mean),
         worst.error.max_abs,
         worst.name,
         bias,

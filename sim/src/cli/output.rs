@@ -7,6 +7,7 @@ use super::say::{Failure, divert, print_error, printed};
 use crate::{atomic, input};
 use anyhow::{Context, anyhow};
 use serde::Serialize;
+use std::fmt::Display;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -71,10 +72,23 @@ impl Outputs {
         Ok(self)
     }
 
+    /// The same if one is asked for.
+    pub fn file_if(self, path: Option<&PathBuf>, extensions: &[&str]) -> Result<Outputs, Failure> {
+        match path {
+            Some(path) => self.file(path, extensions),
+            None => Ok(self),
+        }
+    }
+
     /// With a JSON file, if one is asked for.
     pub fn json(self, path: Option<&PathBuf>) -> Result<Outputs, Failure> {
-        match path {
-            Some(path) => self.file(path, &["json"]),
+        self.file_if(path, &["json"])
+    }
+
+    /// With these files of a folder, if one is asked for.
+    pub fn folder_if(self, folder: Option<&PathBuf>, files: &[&str]) -> Result<Outputs, Failure> {
+        match folder {
+            Some(folder) => self.folder(folder, files),
             None => Ok(self),
         }
     }
@@ -184,6 +198,11 @@ pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), Failure> {
     write(path, text.as_bytes())
 }
 
+/// The same if a file is asked for.
+pub fn write_json_if(path: Option<&PathBuf>, record: &impl Serialize) -> Result<(), Failure> {
+    path.map_or(Ok(()), |path| write_json(path, record))
+}
+
 /// A text file, or stdin.
 pub fn read_text(path: &Path) -> Result<String, Failure> {
     let text = if is_stream(path) {
@@ -198,6 +217,15 @@ pub fn read_text(path: &Path) -> Result<String, Failure> {
 pub fn read_settings(path: &Path) -> Result<String, Failure> {
     Ok(input::text(path, input::SETTINGS)
         .with_context(|| format!("cannot read '{}'", path.display()))?)
+}
+
+/// What a file of settings says, by a reader that is given its name and its text.
+pub fn settings<T, E: Display>(
+    path: &Path,
+    read: impl Fn(&str, &str) -> Result<T, E>,
+) -> Result<T, Failure> {
+    let found = read(&path.display().to_string(), &read_settings(path)?);
+    Ok(found.map_err(|problem| anyhow!("{problem}"))?)
 }
 
 /// The folder for results, made if need be.

@@ -3,7 +3,7 @@
 use super::output::{self, Outputs};
 use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
-use super::values::{DesignName, TraversalChoice, VectorValue};
+use super::values::{TraversalChoice, design_name};
 use super::view_args::{ViewOptions, of_volumes};
 use crate::camera::Camera;
 use crate::framing::FramingInput;
@@ -36,9 +36,10 @@ pub struct PageOptions {
         long,
         value_name = "NAME|file.toml",
         help_heading = "Drawing",
-        default_value = "standard24"
+        default_value = "standard24",
+        value_parser = design_name
     )]
-    pub design: DesignName,
+    pub design: String,
     /// First traversal: box or spans [default: the design's own]
     #[arg(long, value_enum, help_heading = "Drawing")]
     pub traversal: Option<TraversalChoice>,
@@ -62,8 +63,8 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(VOLUME_SPLATS_ALONE.to_owned()));
     }
     // Before anything is loaded or said; a camera's file has its own size, which is looked at when it is there.
-    if let Some(size) = options.view.size {
-        check_size(size.width, size.height)?;
+    if let Some(size) = options.view.camera.size {
+        check_size(size)?;
     }
     let mut prepared = PlanRequest::by_design(&options.view, &options.design).prepare()?;
     outputs.spare_inputs()?;
@@ -71,10 +72,9 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
         prepared.plan.entry.traversal = Traversal::from(traversal);
     }
     let camera = &prepared.plan.camera;
-    check_size(camera.width, camera.height)?;
+    check_size([camera.width, camera.height])?;
     warn(&prepared.warnings);
-    let up = options.view.up.map(|VectorValue(up)| up);
-    let bytes = write_page(&prepared, up, &options.output)?;
+    let bytes = write_page(&prepared, options.view.camera.up, &options.output)?;
     let AnyScene::Splats(scene) = &*prepared.scene else {
         return Ok(());
     };
@@ -87,7 +87,7 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
     ))
 }
 
-fn check_size(width: usize, height: usize) -> Result<(), Failure> {
+fn check_size([width, height]: [usize; 2]) -> Result<(), Failure> {
     if width.max(height) > LARGEST_SIDE {
         Err(Failure::Usage(format!(
             "a live page draws at most {LARGEST_SIDE} pixels a side: give a smaller --size"
@@ -115,9 +115,7 @@ pub fn write_page(
     let page = html(&Shown {
         scene: splats.scene,
         camera: splats.camera,
-        rules: splats.rules,
-        design: &prepared.plan.entry.design,
-        traversal: prepared.plan.entry.traversal,
+        options: splats.options(&prepared.plan.entry),
         target: pivot(splats.camera, &frame, splats.scene),
         up: frame.up,
     })?;

@@ -5,7 +5,7 @@
 
 use super::args::CompareOptions;
 use super::compare::against_reference;
-use super::output::{Outputs, create_folder, write, write_json};
+use super::output::{Outputs, create_folder, write, write_json, write_json_if};
 use super::resolve::{COMPARED, NamedFrame, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::view_args::{MoreScenes, PathOptions};
@@ -134,12 +134,10 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
     for note in notes {
         print_error(&format!("{note}\n"));
     }
-    let report = PhotoReport::new(options.split.words(), rows)?;
+    let report = PhotoReport::new(options.photographs.split.words(), rows)?;
     let [json, html] = FILES.map(|file| options.output.join(file));
     write_json(&json, &report)?;
-    if let Some(path) = &drawing.json {
-        write_json(path, &report)?;
-    }
+    write_json_if(drawing.json.as_ref(), &report)?;
     write(&html, page(&report, &shown).as_bytes())?;
     print_result(&report.text())?;
     print_result(&format!("{}\n", html.display()))
@@ -149,7 +147,7 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
 fn chosen_views(
     options: &CompareOptions,
 ) -> Result<(Vec<NamedFrame>, BTreeMap<String, Lens>), Failure> {
-    let cameras = options.view.camera.clone();
+    let cameras = options.view.camera.file.clone();
     let path = PathOptions {
         camera_path: cameras.or_else(|| options.path.camera_path.clone()),
         turntable: None,
@@ -168,7 +166,7 @@ fn chosen_views(
     frames.sort_by(|a, b| a.name.cmp(&b.name));
     let views: Vec<NamedFrame> = (0..)
         .zip(frames)
-        .filter(|(place, _)| options.split.holds(*place))
+        .filter(|(place, _)| options.photographs.split.holds(*place))
         .map(|(_, frame)| frame)
         .collect();
     if views.is_empty() {
@@ -216,7 +214,7 @@ fn with_photograph(
     prepared.plan = against_reference(prepared.plan)?;
     room_for_picture(&prepared.plan.camera, COMPARED)?;
     warn(&prepared.warnings);
-    let mask = match &options.masks {
+    let mask = match &options.photographs.masks {
         Some(folder) => Some(load_photograph(&photograph_of(folder, &name)?)?),
         None => None,
     };

@@ -1,7 +1,7 @@
 //! `splatline profile`: which units, layers, ranges, widths and FIFO depths a scene exercises.
 
 use super::fit;
-use super::output::{Outputs, write};
+use super::output::{Outputs, write, write_json_if};
 use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
 use super::search_args::ProfileOptions;
@@ -18,10 +18,9 @@ use serde_json::{Map, json};
 use std::fmt::Write;
 
 pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
-    let mut outputs = Outputs::default().json(options.json.as_ref())?;
-    if let Some(path) = &options.html {
-        outputs = outputs.file(path, &["html"])?;
-    }
+    let outputs = Outputs::default()
+        .json(options.json.as_ref())?
+        .file_if(options.html.as_ref(), &["html"])?;
     let request = PlanRequest::work(&options.view, &options.work).on(&options.machine);
     let frames = request.planned_frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
@@ -36,14 +35,11 @@ pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
         }
         write(path, statistics::page("workload", &drawn.frames).as_bytes())?;
     }
-    if let Some(path) = &options.json {
-        let answer = match &answers[..] {
-            [only] => only.clone(),
-            _ => json!({ "format": "splatline-needs/1", "frames": answers }),
-        };
-        write(path, format!("{answer:#}\n").as_bytes())?;
-    }
-    Ok(())
+    let answer = match &answers[..] {
+        [only] => only.clone(),
+        _ => json!({ "format": "splatline-needs/1", "frames": answers }),
+    };
+    write_json_if(options.json.as_ref(), &answer)
 }
 
 /// Statistics of the frames so far, and the work of the one before.

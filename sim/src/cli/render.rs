@@ -3,7 +3,7 @@
 use super::args::RenderOptions;
 use super::frames;
 use super::maps::{self, write_maps};
-use super::output::{Outputs, is_stream, write};
+use super::output::{Outputs, is_stream, write, write_json_if};
 use super::resolve::{COMPARED, DRAWN, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
@@ -63,16 +63,14 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let (measured, report) = if options.maps.is_empty() {
         draw_last(&mut prepared, &effort, &progress)?
     } else {
-        draw_alone(&prepared, &effort, &progress)?
+        draw_alone(&prepared, None, &effort, &progress)?
     };
     progress.advance();
     progress.doing(format!("writing {}", options.output.display()));
     let bent = lens.map(|lens| distorted(&measured.drawing.picture, &prepared.plan.camera, &lens));
     let picture = bent.as_ref().unwrap_or(&measured.drawing.picture);
     write_picture(options, picture, &options.output)?;
-    if let Some(path) = &drawing.json {
-        write(path, report.to_json()?.as_bytes())?;
-    }
+    write_json_if(drawing.json.as_ref(), &report)?;
     if !options.maps.is_empty() {
         progress.doing("maps");
         on_threads(drawing.effort().threads, || {
@@ -94,11 +92,11 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
 
 /// The lens of the camera's file in the size of the picture, and the pinhole that sees as much.
 fn behind_lens(options: &RenderOptions, prepared: &Prepared) -> Result<(Lens, Camera), Failure> {
-    let poses = match &options.view.camera {
+    let poses = match &options.view.camera.file {
         Some(file) => cameras::load(file, None)?,
         None => Vec::new(),
     };
-    let pose = cameras::choose(poses, options.view.image.as_deref())
+    let pose = cameras::choose(poses, options.view.camera.image.as_deref())
         .map_err(|problem| anyhow!("the camera file {problem}"))?;
     let camera = &prepared.plan.camera;
     let lens = pose

@@ -13,7 +13,7 @@ pub use machine::{calibration, energy_table, machine, part, refuse_kept_order};
 use super::drawing_args::{DrawingOptions, TechniqueOptions, WorkOptions};
 use super::machine_args::MachineOptions;
 use super::say::{Failure, print_error};
-use super::values::{DesignName, PictureSize, TraversalChoice, VectorValue};
+use super::values::TraversalChoice;
 use super::view_args::{MoreScenes, PathOptions, ViewOptions};
 use crate::camera::Camera;
 use crate::design::DesignChoice;
@@ -36,7 +36,7 @@ use std::sync::Arc;
 pub struct PlanRequest<'a> {
     view: &'a ViewOptions,
     engine: Engine,
-    design: &'a DesignName,
+    design: &'a str,
     traversal: Option<TraversalChoice>,
     compositing: Compositing,
     technique: Option<&'a TechniqueOptions>,
@@ -99,7 +99,7 @@ impl PlannedFrame {
 
 impl<'a> PlanRequest<'a> {
     /// By one design's own traversal, front to back.
-    pub fn by_design(view: &'a ViewOptions, design: &'a DesignName) -> PlanRequest<'a> {
+    pub fn by_design(view: &'a ViewOptions, design: &'a str) -> PlanRequest<'a> {
         PlanRequest {
             view,
             engine: Engine::Fixed,
@@ -132,27 +132,21 @@ impl<'a> PlanRequest<'a> {
     }
 
     /// The same for a machine.
-    pub fn on(self, machine: &'a MachineOptions) -> PlanRequest<'a> {
-        PlanRequest {
-            machine: Some(machine),
-            ..self
-        }
+    pub fn on(mut self, machine: &'a MachineOptions) -> PlanRequest<'a> {
+        self.machine = Some(machine);
+        self
     }
 
     /// The same where lists may keep the order of the picture before.
-    pub fn keeping_order(self) -> PlanRequest<'a> {
-        PlanRequest {
-            keeps_order: true,
-            ..self
-        }
+    pub fn keeping_order(mut self) -> PlanRequest<'a> {
+        self.keeps_order = true;
+        self
     }
 
     /// The same for what draws affine footprints one by one, as the machine's units do.
-    pub fn by_units(self) -> PlanRequest<'a> {
-        PlanRequest {
-            by_units: true,
-            ..self
-        }
+    pub fn by_units(mut self) -> PlanRequest<'a> {
+        self.by_units = true;
+        self
     }
 
     /// Refuses, before anything is loaded, what the options say that no unit draws.
@@ -204,15 +198,14 @@ impl<'a> PlanRequest<'a> {
         more: &MoreScenes,
     ) -> Result<Vec<PlannedFrame>, Failure> {
         self.check_units()?;
-        let size = self.view.size.map(|size| [size.width, size.height]);
         let turntable = path.turntable;
         let path = match &path.camera_path {
             Some(file) => {
-                let loaded = path::load(file, size)?;
-                for note in &loaded.notes {
+                let (path, notes) = path::load(file, self.view.camera.size)?;
+                for note in notes {
                     print_error(&format!("{}: {note}\n", file.display()));
                 }
-                Some(loaded.path)
+                Some(path)
             }
             None => None,
         };
@@ -246,9 +239,8 @@ impl<'a> PlanRequest<'a> {
 
     /// The plan's view, turned once around what it looks at.
     fn turned(&self, prepared: &Prepared, count: u32) -> Vec<(String, Camera)> {
-        let frame = prepared.scene.frame(self.view.up.map(|VectorValue(up)| up));
-        let target = self.view.target.map(|VectorValue(target)| target);
-        let centre = target.unwrap_or(frame.ball.centre);
+        let frame = prepared.scene.frame(self.view.camera.up);
+        let centre = self.view.camera.target.unwrap_or(frame.ball.centre);
         let turned = |step: u32| {
             let azimuth = 360.0 * f64::from(step) / f64::from(count);
             let camera = turned_camera(&prepared.plan.camera, centre, frame.up, azimuth);
@@ -259,8 +251,7 @@ impl<'a> PlanRequest<'a> {
 
     /// Of pictures whose cameras have no size of their own.
     fn path_size(&self) -> [usize; 2] {
-        let PictureSize { width, height } = self.view.size.unwrap_or(USUAL_SIZE);
-        [width, height]
+        self.view.camera.size.unwrap_or(USUAL_SIZE)
     }
 
     /// A plan's or a report's; the machine's options may change its machine, which no picture depends on.
@@ -287,11 +278,11 @@ impl<'a> PlanRequest<'a> {
             None => Config::default(),
         };
         self.check_order(&machine)?;
-        let design = DesignChoice::load(&self.design.0)?;
+        let design = DesignChoice::load(self.design)?;
         let entry = DesignVariant::new(design, self.traversal.map(Traversal::from));
         let progress = ProgressMeter::spinner(format!("loading {}", source.path.display()));
         let loaded = source.load(&|what| progress.doing(what))?;
-        let frame = || loaded.scene.frame(view.up.map(|VectorValue(up)| up));
+        let frame = || loaded.scene.frame(view.camera.up);
         let (camera, warnings) = match path {
             Some(path) => {
                 let cameras = path.cameras(loaded.scene.up(), self.path_size())?;
@@ -301,7 +292,7 @@ impl<'a> PlanRequest<'a> {
             }
             None => {
                 let filling = loaded.scene.splats().filter(|_| fills);
-                camera(view, loaded.scene.up(), scene, frame, filling)?
+                camera(&view.camera, loaded.scene.up(), scene, frame, filling)?
             }
         };
         drop(progress);

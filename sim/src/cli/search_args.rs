@@ -7,9 +7,9 @@ use super::resolve::{
     room_for_picture,
 };
 use super::say::{Failure, warn};
-use super::values::{FORMATS, METRICS, one_of, positive};
+use super::values::{METRICS, format, one_of, positive};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions, of_units};
-use crate::explore::limits::Quantity;
+use crate::explore::limits::{Limit, Quantity};
 use crate::explore::subject::Subject;
 use crate::plan::Engine;
 use clap::Args;
@@ -91,6 +91,24 @@ pub fn draw_references(
     Ok(())
 }
 
+/// The limits that options give, of which there must be one: quantities, bounds and the options' names.
+pub fn limits_given(options: &[(Quantity, Option<f64>, &str)]) -> Result<Vec<Limit>, Failure> {
+    let given = options.iter();
+    let given =
+        given.filter_map(|(quantity, bound, of)| Some(Limit::new(*quantity, (*bound)?, of)));
+    let limits: Vec<Limit> = given.collect();
+    match options {
+        [others @ .., (.., last)] if limits.is_empty() => {
+            let others: Vec<&str> = others.iter().map(|(.., name)| *name).collect();
+            let others = others.join(", ");
+            Err(Failure::Usage(format!(
+                "there is no limit: give one or more of {others} and {last}"
+            )))
+        }
+        _ => Ok(limits),
+    }
+}
+
 pub const SWEEP_EXAMPLES: &str = "\
 Examples:
   splatline sweep guitar.ply --space space.toml -o out
@@ -156,7 +174,7 @@ pub struct OptimizeOptions {
 #[derive(Debug, Default, Args)]
 pub struct FormatOptions {
     /// Floating-point formats beside the fixed design, with error, area and energy: fp32, fp16, bfloat16, fp8-fp16, e5m2-fp16, fp8
-    #[arg(long, value_name = "A,B,...", value_delimiter = ',', value_parser = one_of(FORMATS))]
+    #[arg(long, value_name = "A,B,...", value_delimiter = ',', value_parser = format())]
     pub formats: Vec<Engine>,
 }
 

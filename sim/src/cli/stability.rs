@@ -1,6 +1,6 @@
 //! `splatline stability`: the hard-case suite and the classes of scenes, with the verdict on each bar.
 
-use super::output::{Outputs, write, write_json};
+use super::output::{Outputs, write, write_json_if};
 use super::say::{Failure, print_result};
 use super::verification_args::{StabilityOptions, StabilitySection};
 use crate::design::DesignChoice;
@@ -45,11 +45,10 @@ struct MeasuredLine {
 }
 
 pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
-    let mut outputs = Outputs::default().json(options.json.as_ref())?;
-    if let Some(page) = &options.markdown {
-        outputs = outputs.file(page, &["md"])?;
-    }
-    outputs.spare_inputs()?;
+    Outputs::default()
+        .json(options.json.as_ref())?
+        .file_if(options.markdown.as_ref(), &["md"])?
+        .spare_inputs()?;
     let wants = |section| options.only.is_empty() || options.only.contains(&section);
     let mut measured = MeasuredLine {
         cases: Vec::new(),
@@ -84,24 +83,14 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
         summary += &format!("{bars}\n{studies}");
     }
     drop(progress);
-    if let Some(path) = &options.json {
-        write_json(path, &measured)?;
+    write_json_if(options.json.as_ref(), &measured)?;
+    if let Some(path) = &options.markdown {
+        write(path, (HEADING.to_owned() + &page).as_bytes())?;
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let beside = |name: &str| path.with_file_name(format!("{stem}-{name}.csv"));
+        let scenes = scenes::table::csv(&measured.scenes);
+        write(&beside("scenes"), scenes.as_bytes())?;
+        write(&beside("cases"), table::csv(&measured.cases).as_bytes())?;
     }
-    match &options.markdown {
-        Some(path) => {
-            write(path, (HEADING.to_owned() + &page).as_bytes())?;
-            let beside = |name: &str| {
-                let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-                path.with_file_name(format!("{stem}-{name}.csv"))
-            };
-            write(
-                &beside("scenes"),
-                scenes::table::csv(&measured.scenes).as_bytes(),
-            )?;
-            write(&beside("cases"), table::csv(&measured.cases).as_bytes())?;
-            print_result(&summary)?;
-        }
-        None => print_result(&summary)?,
-    }
-    Ok(())
+    print_result(&summary)
 }

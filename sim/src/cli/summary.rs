@@ -171,7 +171,7 @@ mod tests {
         let effort = crate::plan::Effort::new(Some(1), 1);
         let progress = crate::progress::ProgressMeter::new(1);
         let (_, mut report) =
-            crate::plan::measure::draw_alone(&prepared, &effort, &progress).unwrap();
+            crate::plan::measure::draw_alone(&prepared, None, &effort, &progress).unwrap();
         report.scene.culled = [("near".to_owned(), culled)].into_iter().collect();
         report
     }

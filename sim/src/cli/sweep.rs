@@ -6,7 +6,7 @@ use super::search_args::{SearchOptions, SweepOptions};
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
 use crate::explore::identity::{Identity, SettingsText};
-use crate::explore::plot::{self, Sweep};
+use crate::explore::plot;
 use crate::explore::space::Space;
 use crate::explore::sweep;
 use crate::explore::table::{ResultTable, heading};
@@ -75,20 +75,11 @@ fn clock_note(machine: &Config, space: &Space) -> &'static str {
 fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<(), Failure> {
     let all = candidates(table);
     let kept = front(&all);
-    write(
-        &folder.join("front.csv"),
-        front_table(table, &kept).to_csv().as_bytes(),
-    )?;
-    write(
-        &folder.join("front.html"),
-        plot::page(&Sweep {
-            title: &format!("Speed, error and area: {name}"),
-            note,
-            table,
-            candidates: &all,
-        })
-        .as_bytes(),
-    )?;
+    let csv = front_table(table, &kept).to_csv();
+    write(&folder.join("front.csv"), csv.as_bytes())?;
+    let title = format!("Speed, error and area: {name}");
+    let page = plot::page(&title, note, table, &all);
+    write(&folder.join("front.html"), page.as_bytes())?;
     let left_out: Vec<&str> = table.left_out().collect();
     if let Some(reason) = left_out.first() {
         let count = left_out.len();
@@ -116,12 +107,12 @@ fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<
 
 /// The texts of all settings files that take part: whatever they say, another text is another sweep.
 fn settings(options: &SearchOptions, space: &Space) -> Result<Vec<SettingsText>, Failure> {
-    let design = Some(PathBuf::from(&options.work.design.0));
+    let design = Some(PathBuf::from(&options.work.design));
     let machine = options.machine.machine.clone();
     let files = [
         ("plan", options.view.from.clone()),
-        ("transfer", options.view.transfer.clone()),
-        ("camera", options.view.camera.clone()),
+        ("transfer", options.view.splats.transfer.clone()),
+        ("camera", options.view.camera.file.clone()),
         ("design", design.filter(|name| is_toml(name))),
         ("machine", machine.filter(|name| is_toml(name))),
         ("calibration", options.area.calibration.clone()),
@@ -131,18 +122,14 @@ fn settings(options: &SearchOptions, space: &Space) -> Result<Vec<SettingsText>,
     let named = files
         .into_iter()
         .filter_map(|(role, path)| Some((role, path?)));
-    let read = |(role, path): (&'static str, PathBuf)| {
-        let text = read_settings(&path)?;
-        Ok(SettingsText { role, text })
-    };
+    let read = |(role, path): (&'static str, PathBuf)| Ok((role, read_settings(&path)?));
     let mut all: Vec<SettingsText> = named.map(read).collect::<Result<_, Failure>>()?;
     let mut bases = String::new();
     for file in base_files(space) {
         bases += &read_settings(&file)?;
     }
     if !bases.is_empty() {
-        let (role, text) = ("bases", bases);
-        all.push(SettingsText { role, text });
+        all.push(("bases", bases));
     }
     Ok(all)
 }

@@ -12,11 +12,11 @@ use crate::reference::sphere::Index;
 use crate::rules::{Compositing, Kernel};
 use crate::sheets::SheetKind;
 use crate::surface::LAYERS;
+use crate::vector::Vector;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use splatline::blend::deep::{ChannelRounding, Representation};
 use splatline::format::Traversal;
-use std::str::FromStr;
 
 /// Largest width and height of a picture.
 pub const LARGEST_SIDE: usize = 16_384;
@@ -40,49 +40,11 @@ where
     })
 }
 
-/// Who draws.
-pub const ENGINES: &Choices<Engine> = &[
-    ("fixed", "The fixed-point kernel", Engine::Fixed),
-    ("float", "EWA in double precision", Engine::Float),
-    (
-        "exact",
-        "The ray integral in double precision, without the affine approximation",
-        Engine::Exact,
-    ),
-    (
-        "fp32",
-        "Single precision, every operation rounded",
-        Engine::Fp32,
-    ),
-    (
-        "fp16",
-        "Setup in single precision, pixels in 16-bit floats, every operation rounded",
-        Engine::Fp16,
-    ),
-    (
-        "bfloat16",
-        "The same with pixels in bfloat16",
-        Engine::Bfloat16,
-    ),
-    (
-        "fp8-fp16",
-        "The same with offsets and sums in 16-bit floats, kernel and opacity in 8-bit floats (E4M3)",
-        Engine::Fp8Fp16,
-    ),
-    (
-        "e5m2-fp16",
-        "The same with kernel and opacity in the other 8-bit floats (E5M2)",
-        Engine::E5m2Fp16,
-    ),
-    (
-        "fp8",
-        "Setup in single precision, pixels in 8-bit floats (E4M3)",
-        Engine::Fp8,
-    ),
-];
-
-/// Those that compute in a floating-point format.
-pub const FORMATS: &Choices<Engine> = ENGINES.split_at(3).1;
+/// Who draws in a floating-point format.
+pub fn format() -> impl TypedValueParser<Value = Engine> {
+    let words = Engine::FORMATS.iter().filter_map(Engine::to_possible_value);
+    PossibleValuesParser::new(words).try_map(|found| Engine::from_str(&found, false))
+}
 
 /// Which samples become points.
 pub const POINTS: &Choices<Points> = &[
@@ -215,28 +177,18 @@ impl From<TraversalChoice> for Traversal {
 }
 
 /// The name of a design, or of a TOML file that holds one.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DesignName(pub String);
-
-impl FromStr for DesignName {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        if design::NAMES.contains(&text) || text.ends_with(".toml") {
-            return Ok(DesignName(text.to_owned()));
-        }
-        Err(format!(
-            "expected one of {} or a file that ends in .toml",
-            design::NAMES.join(", ")
-        ))
+pub fn design_name(text: &str) -> Result<String, String> {
+    if design::NAMES.contains(&text) || text.ends_with(".toml") {
+        return Ok(text.to_owned());
     }
+    Err(format!(
+        "expected one of {} or a file that ends in .toml",
+        design::NAMES.join(", ")
+    ))
 }
 
 /// Red, green and blue, 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Colour(pub [f64; 3]);
-
-pub fn colour(text: &str) -> Result<Colour, String> {
+pub fn colour(text: &str) -> Result<Vector, String> {
     let expected =
         "expected black, white, #rrggbb or three numbers from 0 to 1, for example 1,0.5,0";
     if let Some(digits) = text.strip_prefix('#') {
@@ -244,17 +196,13 @@ pub fn colour(text: &str) -> Result<Colour, String> {
             .ok()
             .filter(|_| digits.len() == 6);
         let value = value.ok_or(expected)?;
-        return Ok(Colour(
-            [16, 8, 0].map(|shift| f64::from((value >> shift) & 255) / 255.0),
-        ));
+        return Ok([16, 8, 0].map(|shift| f64::from((value >> shift) & 255) / 255.0));
     }
     match text {
-        "black" => Ok(Colour([0.0; 3])),
-        "white" => Ok(Colour([1.0; 3])),
-        _ => match text.parse() {
-            Ok(VectorValue(parts)) if parts.iter().all(|part| (0.0..=1.0).contains(part)) => {
-                Ok(Colour(parts))
-            }
+        "black" => Ok([0.0; 3]),
+        "white" => Ok([1.0; 3]),
+        _ => match vector(text) {
+            Ok(parts) if parts.iter().all(|part| (0.0..=1.0).contains(part)) => Ok(parts),
             _ => Err(expected.to_owned()),
         },
     }
@@ -312,67 +260,36 @@ pub enum AntialiasChoice {
 }
 
 /// Three finite numbers parted by commas.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VectorValue(pub [f64; 3]);
-
-impl FromStr for VectorValue {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parts: Vec<f64> = text
-            .split(',')
-            .map(|part| number(part.trim()))
-            .collect::<Result<_, _>>()?;
-        let count = parts.len();
-        let three = <[f64; 3]>::try_from(parts)
-            .map_err(|_| format!("expected x,y,z but found {count} numbers"))?;
-        Ok(VectorValue(three))
-    }
+pub fn vector(text: &str) -> Result<Vector, String> {
+    let parts: Vec<f64> = text
+        .split(',')
+        .map(|part| number(part.trim()))
+        .collect::<Result<_, _>>()?;
+    let count = parts.len();
+    Vector::try_from(parts).map_err(|_| format!("expected x,y,z but found {count} numbers"))
 }
 
 /// Azimuth and elevation in degrees, parted by a comma.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OrbitChoice(pub Orbit);
-
-impl FromStr for OrbitChoice {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let (azimuth, elevation) = text
-            .split_once(',')
-            .ok_or("expected az,el in degrees, for example 30,15")?;
-        let elevation = number(elevation.trim())?;
-        if elevation.abs() > 89.0 {
-            return Err("the elevation must lie between -89 and 89 degrees".to_owned());
-        }
-        Ok(OrbitChoice(Orbit {
-            azimuth: number(azimuth.trim())?,
-            elevation,
-        }))
+pub fn orbit(text: &str) -> Result<Orbit, String> {
+    let (azimuth, elevation) = text
+        .split_once(',')
+        .ok_or("expected az,el in degrees, for example 30,15")?;
+    let elevation = number(elevation.trim())?;
+    if elevation.abs() > 89.0 {
+        return Err("the elevation must lie between -89 and 89 degrees".to_owned());
     }
+    Ok(Orbit {
+        azimuth: number(azimuth.trim())?,
+        elevation,
+    })
 }
 
 /// Columns and rows, 1 to [`LARGEST_SIDE`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PictureSize {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-}
-
-impl FromStr for PictureSize {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let (width, height) = text
-            .split_once(['x', 'X'])
-            .ok_or("expected WxH, for example 640x480")?;
-        Ok(PictureSize {
-            width: side(width)?,
-            height: side(height)?,
-        })
-    }
+pub fn size(text: &str) -> Result<[usize; 2], String> {
+    let (width, height) = text
+        .split_once(['x', 'X'])
+        .ok_or("expected WxH, for example 640x480")?;
+    Ok([side(width)?, side(height)?])
 }
 
 fn side(text: &str) -> Result<usize, String> {

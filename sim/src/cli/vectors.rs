@@ -22,12 +22,12 @@ pub fn run(action: &VectorsAction) -> Result<(), Failure> {
 
 fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
     create_folder(&options.folder)?;
-    let mut design = DesignChoice::load(&options.design.0)?;
+    let mut design = DesignChoice::load(&options.design)?;
     if let Some(traversal) = options.traversal {
         design.traversal = traversal.into();
     }
-    let size = [options.size.width, options.size.height]
-        .map(|side| u16::try_from(side).unwrap_or(u16::MAX));
+    let [width, height] = options.size;
+    let size = [width, height].map(|side| side as u16);
     let (view, splats, rules) = match &options.scene {
         None => {
             vectors::room_for_splats(options.splats)?;
@@ -54,7 +54,7 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
                     "{name}: it is sorted by distance, and vectors hold the words of a setup unit whose key is the depth: give a scene that is sorted by depth (glTF: \"sortingMethod\": \"zDepth\")"
                 )));
             }
-            let camera = loaded.default_camera(options.size.width, options.size.height);
+            let camera = loaded.default_camera(width, height);
             let camera = sound_camera(camera, &loaded.name)?;
             let rules = options.rules.unwrap_or(loaded.natural_rules);
             let mut quantised = QuantisedScene::new(&loaded, &camera, &rules);

@@ -1,8 +1,6 @@
 //! The options of the commands that study the kernel: `stability`, `vectors`.
 
-use super::values::{
-    AntialiasChoice, COMPOSITINGS, DesignName, PictureSize, TraversalChoice, one_of,
-};
+use super::values::{AntialiasChoice, COMPOSITINGS, TraversalChoice, design_name, one_of, size};
 use crate::rules::{Compositing, Rules};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -52,8 +50,8 @@ pub struct VectorsExportOptions {
     #[arg(long, value_name = "N", default_value = "1", conflicts_with = "scene")]
     pub seed: u32,
     /// Size of the picture
-    #[arg(long, value_name = "WxH", default_value = "96x64")]
-    pub size: PictureSize,
+    #[arg(long, value_name = "WxH", default_value = "96x64", value_parser = size)]
+    pub size: [usize; 2],
     /// The built-in splats through an orthographic camera, at the ends of its depths
     #[arg(long, conflicts_with = "scene")]
     pub orthographic: bool,
@@ -67,8 +65,8 @@ pub struct VectorsExportOptions {
     #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
     pub rules: Option<Rules>,
     /// Widths: classic8, micro16, lean18, standard24, deep32 or a TOML file
-    #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
-    pub design: DesignName,
+    #[arg(long, value_name = "NAME|file.toml", default_value = "standard24", value_parser = design_name)]
+    pub design: String,
     /// How a footprint's pixels are walked [default: the design's own]
     #[arg(long, value_enum)]
     pub traversal: Option<TraversalChoice>,

@@ -1,11 +1,13 @@
 //! What is looked at and from where: the options that every command about a scene has.
 
 use super::values::{
-    AntialiasChoice, Backfaces, KERNELS, OrbitChoice, PictureSize, SceneKind, VectorValue,
-    field_of_view, layers, one_of, positive,
+    AntialiasChoice, Backfaces, KERNELS, SceneKind, field_of_view, layers, one_of, orbit, positive,
+    size, vector,
 };
+use crate::framing::Orbit;
 use crate::rules::{Kernel, Rules};
 use crate::texture::coefficients::Method;
+use crate::vector::Vector;
 use clap::{Arg, Args};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -21,88 +23,72 @@ pub struct ViewOptions {
     #[arg(long, visible_alias = "plan", value_name = "plan.toml|report.json", conflicts_with_all = ["scene", "camera", "eye", "target", "up", "fov", "orbit", "zoom", "size", "rules",
         "antialias", "low_pass", "sh_degree", "kernel", "transfer", "light", "kind"])]
     pub from: Option<PathBuf>,
-    /// Camera: our JSON file or a report.json, a COLMAP folder, transforms.json or cameras.json; without it and without --eye the whole scene is shown
-    #[arg(long, value_name = "FILE", help_heading = "Camera", conflicts_with_all = ["eye", "target", "up", "fov", "orbit"])]
-    pub camera: Option<PathBuf>,
-    /// Which camera of a file that holds several, by its picture's name
-    #[arg(
-        long,
-        value_name = "NAME",
-        help_heading = "Camera",
-        requires = "camera"
-    )]
-    pub image: Option<String>,
-    /// Position of the camera
-    #[arg(
-        long,
-        value_name = "x,y,z",
-        help_heading = "Camera",
-        allow_hyphen_values = true,
-        requires = "target"
-    )]
-    pub eye: Option<VectorValue>,
-    /// Point in the middle of the picture
-    #[arg(
-        long,
-        value_name = "x,y,z",
-        help_heading = "Camera",
-        allow_hyphen_values = true,
-        requires = "eye"
-    )]
-    pub target: Option<VectorValue>,
-    /// Direction that is up in the picture [default: the scene's]
-    #[arg(
-        long,
-        value_name = "x,y,z",
-        help_heading = "Camera",
-        allow_hyphen_values = true
-    )]
-    pub up: Option<VectorValue>,
-    /// Vertical field of view in degrees [default: 45]
-    #[arg(long, value_name = "deg", help_heading = "Camera", value_parser = field_of_view)]
-    pub fov: Option<f64>,
-    /// Turn around up (counter-clockwise seen from above) and rise over the horizon, degrees
-    #[arg(
-        long,
-        value_name = "az,el",
-        help_heading = "Camera",
-        allow_hyphen_values = true
-    )]
-    pub orbit: Option<OrbitChoice>,
-    /// Enlarge the picture about its middle
-    #[arg(long, value_name = "Z", help_heading = "Camera", value_parser = positive)]
-    pub zoom: Option<f64>,
-    /// Size of the picture [default: the camera file's, or 512x512]
-    #[arg(long, value_name = "WxH", help_heading = "Camera")]
-    pub size: Option<PictureSize>,
-    /// Rules of blending: ewa; 3dgs as gsplat draws; inria, whose opacities end at 0.99 [default: what the kind of scene is meant for]
-    #[arg(long, value_name = "ewa|3dgs|inria", help_heading = "Splats", value_parser = Rules::from_str)]
-    pub rules: Option<Rules>,
-    /// Protection against samples closer together than pixels [default: the rules' low-pass filter]
-    #[arg(long, help_heading = "Splats", value_enum)]
-    pub antialias: Option<AntialiasChoice>,
-    /// Variance of the low-pass filter, square pixels [default: the rules': 1 of ewa, 0.3 of the others]
-    #[arg(long, value_name = "V", help_heading = "Splats", value_parser = positive)]
-    pub low_pass: Option<f64>,
-    /// Spherical harmonics up to this degree only
-    #[arg(long, value_name = "0..4", help_heading = "Splats", value_parser = clap::value_parser!(u8).range(0..=4))]
-    pub sh_degree: Option<u8>,
-    /// Shape of footprints
-    #[arg(long, help_heading = "Splats", value_parser = one_of(KERNELS), default_value = "gaussian")]
-    pub kernel: Kernel,
-    /// Transfer function of a volume (TOML)
-    #[arg(long, value_name = "file.toml", help_heading = "Splats")]
-    pub transfer: Option<PathBuf>,
-    /// Direction towards the light that shades a volume
-    #[arg(
-        long,
-        value_name = "x,y,z",
-        help_heading = "Splats",
-        allow_hyphen_values = true
-    )]
-    pub light: Option<VectorValue>,
+    #[command(flatten)]
+    pub camera: CameraArgs,
+    #[command(flatten)]
+    pub splats: SplatArgs,
     #[command(flatten)]
     pub surface: SurfaceArgs,
+}
+
+/// From where it is looked at.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Camera")]
+pub struct CameraArgs {
+    /// Camera: our JSON file or a report.json, a COLMAP folder, transforms.json or cameras.json; without it and without --eye the whole scene is shown
+    #[arg(id = "camera", long = "camera", value_name = "FILE", conflicts_with_all = ["eye", "target", "up", "fov", "orbit"])]
+    pub file: Option<PathBuf>,
+    /// Which camera of a file that holds several, by its picture's name
+    #[arg(long, value_name = "NAME", requires = "camera")]
+    pub image: Option<String>,
+    /// Position of the camera
+    #[arg(long, value_name = "x,y,z", value_parser = vector, requires = "target")]
+    pub eye: Option<Vector>,
+    /// Point in the middle of the picture
+    #[arg(long, value_name = "x,y,z", value_parser = vector, requires = "eye")]
+    pub target: Option<Vector>,
+    /// Direction that is up in the picture [default: the scene's]
+    #[arg(long, value_name = "x,y,z", value_parser = vector)]
+    pub up: Option<Vector>,
+    /// Vertical field of view in degrees [default: 45]
+    #[arg(long, value_name = "deg", value_parser = field_of_view)]
+    pub fov: Option<f64>,
+    /// Turn around up (counter-clockwise seen from above) and rise over the horizon, degrees
+    #[arg(long, value_name = "az,el", value_parser = orbit)]
+    pub orbit: Option<Orbit>,
+    /// Enlarge the picture about its middle
+    #[arg(long, value_name = "Z", value_parser = positive)]
+    pub zoom: Option<f64>,
+    /// Size of the picture [default: the camera file's, or 512x512]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[usize; 2]>,
+}
+
+/// How splats are read and blended.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Splats")]
+pub struct SplatArgs {
+    /// Rules of blending: ewa; 3dgs as gsplat draws; inria, whose opacities end at 0.99 [default: what the kind of scene is meant for]
+    #[arg(long, value_name = "ewa|3dgs|inria", value_parser = Rules::from_str)]
+    pub rules: Option<Rules>,
+    /// Protection against samples closer together than pixels [default: the rules' low-pass filter]
+    #[arg(long, value_enum)]
+    pub antialias: Option<AntialiasChoice>,
+    /// Variance of the low-pass filter, square pixels [default: the rules': 1 of ewa, 0.3 of the others]
+    #[arg(long, value_name = "V", value_parser = positive)]
+    pub low_pass: Option<f64>,
+    /// Spherical harmonics up to this degree only
+    #[arg(long, value_name = "0..4", value_parser = clap::value_parser!(u8).range(0..=4))]
+    pub sh_degree: Option<u8>,
+    /// Shape of footprints
+    #[arg(long, value_parser = one_of(KERNELS), default_value = "gaussian")]
+    pub kernel: Kernel,
+    /// Transfer function of a volume (TOML)
+    #[arg(long, value_name = "file.toml")]
+    pub transfer: Option<PathBuf>,
+    /// Direction towards the light that shades a volume
+    #[arg(long, value_name = "x,y,z", value_parser = vector)]
+    pub light: Option<Vector>,
 }
 
 /// Many views in one command.

@@ -76,7 +76,7 @@ pub struct LookedAt {
 }
 
 /// The answer.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Answer {
     /// Does the first point hold all limits?
     pub holds: bool,
@@ -182,17 +182,11 @@ pub fn refusal(
 
 fn refused(search: &Search, ruled_out: Vec<RuledOut>, frames: usize) -> Answer {
     Answer {
-        holds: false,
-        found: Vec::new(),
-        standings: Vec::new(),
-        points: 0,
         designs: search.designs(),
         frames: [frames.min(FEW_FRAMES), frames],
         ruled_out,
-        looked_at: Vec::new(),
-        formats: Vec::new(),
-        fixed_lanes: Vec::new(),
         searched_designs: !search.split_axes().0.is_empty(),
+        ..Answer::default()
     }
 }
 
@@ -242,8 +236,8 @@ pub fn optimize(
         let found = best_point(&mut search, at)?;
         match answered(&search, &found, &searched)? {
             // The search believed that this frame was lighter.
-            Attempt::MissedBy(frame) => searched.push(frame),
-            Attempt::Met(mut answer) => {
+            Err(frame) => searched.push(frame),
+            Ok(mut answer) => {
                 answer.frames = [searched.len(), all.len()];
                 answer.fixed_lanes = search.drawn_lanes();
                 if !subject.formats.is_empty() {
@@ -256,7 +250,7 @@ pub fn optimize(
                         progress,
                     )?;
                 }
-                return Ok(*answer);
+                return Ok(answer);
             }
         }
     }
@@ -276,10 +270,7 @@ fn heaviest(evaluator: &Evaluator, space: &Space) -> Result<Vec<usize>> {
 }
 
 /// Where the search ends, and what each limit is missed by at least where they cannot be held together.
-struct BestPoint {
-    point: Vec<usize>,
-    missed_alone: Vec<Option<f64>>,
-}
+type BestPoint = (Vec<usize>, Vec<Option<f64>>);
 
 /// Where the search starts; with all widths at their widest if the design that is given misses a limit on errors.
 fn widest_if_needed(search: &mut Search) -> Result<Vec<usize>> {
@@ -303,10 +294,7 @@ fn best_point(search: &mut Search, at: Vec<usize>) -> Result<BestPoint> {
         .as_ref()
         .is_some_and(|first| missed(limits, None, first) <= 0.0)
     {
-        return Ok(BestPoint {
-            point,
-            missed_alone,
-        });
+        return Ok((point, missed_alone));
     }
     let (_, machines) = search.split_axes();
     for (place, limit) in limits.iter().enumerate() {
@@ -327,25 +315,18 @@ fn best_point(search: &mut Search, at: Vec<usize>) -> Result<BestPoint> {
             .min_by(f64::total_cmp);
         missed_alone[place] = least.filter(|least| least.is_finite());
     }
-    Ok(BestPoint {
-        point,
-        missed_alone,
-    })
+    Ok((point, missed_alone))
 }
 
-/// What evaluating on all frames says.
-enum Attempt {
-    /// The answer holds for them.
-    Met(Box<Answer>),
-    /// Of the frames that were not searched, one at which the first point misses a limit.
-    MissedBy(usize),
-}
-
-/// The answer over all frames.
-fn answered(search: &Search, best: &BestPoint, searched: &[usize]) -> Result<Attempt> {
+/// The answer over all frames; or of those that were not searched one at which the first point misses a limit.
+fn answered(
+    search: &Search,
+    (best, missed_alone): &BestPoint,
+    searched: &[usize],
+) -> Result<Result<Answer, usize>> {
     let (limits, evaluator) = (search.limits, search.evaluator);
     let known = |point: &[usize]| search.known.get(point).and_then(Option::as_ref);
-    let first = known(&best.point).context("the search ends at a point that makes no machine")?;
+    let first = known(best).context("the search ends at a point that makes no machine")?;
     let holds = missed(limits, None, first) <= 0.0;
     let mut points: Vec<(&Vec<usize>, &Reached)> = search
         .known
@@ -357,7 +338,7 @@ fn answered(search: &Search, best: &BestPoint, searched: &[usize]) -> Result<Att
     // Points of nearly the same cost differ in what hardly matters, a place of a queue: one of them says all.
     points.dedup_by(|later, kept| later.1.cost() < (1.0 + APART) * kept.1.cost());
     if !holds {
-        points = vec![(&best.point, first)];
+        points = vec![(best, first)];
     }
     let frames: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
     let mut found = Vec::new();
@@ -370,7 +351,7 @@ fn answered(search: &Search, best: &BestPoint, searched: &[usize]) -> Result<Att
                 let error = evaluator.error(&choice.variant, &[*frame])?;
                 let one = evaluator.reached(&choice, error, &costs[*frame..=*frame]);
                 if holds && found.is_empty() && missed(limits, None, &one) > 0.0 {
-                    return Ok(Attempt::MissedBy(*frame));
+                    return Ok(Err(*frame));
                 }
             }
             let error = evaluator.error(&choice.variant, &frames)?;
@@ -403,7 +384,7 @@ fn answered(search: &Search, best: &BestPoint, searched: &[usize]) -> Result<Att
             value,
             slack: limit.slack(value),
             cost_without: simulated.into_iter().chain(drawn).min_by(f64::total_cmp),
-            missed_alone: best.missed_alone[place],
+            missed_alone: missed_alone[place],
         }
     };
     let looked_at = |reached: &Reached| LookedAt {
@@ -416,15 +397,12 @@ fn answered(search: &Search, best: &BestPoint, searched: &[usize]) -> Result<Att
         standings: limits.iter().enumerate().map(standing).collect(),
         points: search.known.values().flatten().count(),
         designs: search.designs(),
-        frames: [0, 0],
-        ruled_out: Vec::new(),
         looked_at: search.known.values().flatten().map(looked_at).collect(),
         searched_designs: !search.split_axes().0.is_empty(),
-        formats: Vec::new(),
-        fixed_lanes: Vec::new(),
         found,
+        ..Answer::default()
     };
-    Ok(Attempt::Met(Box::new(answer)))
+    Ok(Ok(answer))
 }
 
 #[cfg(test)]

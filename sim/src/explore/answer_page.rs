@@ -1,18 +1,20 @@
 //! answer.html: an answer as a page in the report's style. Limits and margins, what was looked at, the machine as a block diagram with the bytes that
 //! each unit moves, where cycles go, energy and traffic by unit, and what a change of each knob would do.
 
-use super::answer::{Answer, Found};
+use super::answer::{Answer, Found, Standing};
+use super::answer_text::units_of;
 use super::detail::{Detail, Knob};
 use super::formats::{self, FormatRow};
 use super::refusal;
 use crate::machine::config::Config;
 use crate::machine::timing::Timing;
 use crate::report::chart::{Anchor, Axis, Chart};
-use crate::report::html::{escape, html_table};
+use crate::report::html::{Column, escape, html_table, table_of};
 use crate::report::labels::Rectangle;
 use crate::report::machine::plots;
 use crate::report::shell::Shell;
 use crate::report::table::count;
+use serde_json::Value;
 use std::fmt::Write;
 
 /// Width of the diagram and of the scatter: what a telephone shows without scrolling.
@@ -92,50 +94,33 @@ fn headline(found: &Found) -> String {
     )
 }
 
+/// A narrow table.
+const SHORT: &str = " class=\"short\"";
+
 /// A table of text; the first column is words.
 fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
     let escaped = |row: &Vec<String>| row.iter().map(|cell| escape(cell)).collect();
-    html_table(" class=\"short\"", &[0], headings, rows.iter().map(escaped))
+    html_table(SHORT, &[0], headings, rows.iter().map(escaped))
 }
 
 fn limits(answer: &Answer) -> String {
-    let rows: Vec<Vec<String>> = answer
-        .standings
-        .iter()
-        .map(|standing| {
-            let quantity = standing.limit.quantity;
-            let without = standing
-                .cost_without
-                .map_or("-".to_owned(), |cost| format!("{cost:.0}"));
-            vec![
-                quantity.name().to_owned(),
-                quantity.show(standing.limit.bound),
-                quantity.show(standing.value),
-                format!("{:.1} %", 100.0 * standing.slack),
-                standing.limit.of.clone(),
-                without,
-            ]
-        })
-        .collect();
-    let headings = [
-        "limit",
-        "bound",
-        "reached",
-        "left",
-        "of",
-        "LUT in all without it",
+    let columns: [Column<&Standing>; 6] = [
+        ("limit", &|one| one.limit.quantity.name().to_owned()),
+        ("bound", &|one| one.limit.quantity.show(one.limit.bound)),
+        ("reached", &|one| one.limit.quantity.show(one.value)),
+        ("left", &|one| format!("{:.1} %", 100.0 * one.slack)),
+        ("of", &|one| escape(&one.limit.of)),
+        ("LUT in all without it", &|one| {
+            let without = one.cost_without.map(|cost| format!("{cost:.0}"));
+            without.unwrap_or("-".to_owned())
+        }),
     ];
-    table(&headings, &rows)
+    table_of(SHORT, &[0], &columns, &answer.standings)
 }
 
 /// Where a plot lies that has so much room for numbers on its left, and its lower edge.
 fn plot(left: f64) -> (Rectangle, f64) {
-    let frame = Rectangle {
-        left,
-        top: 34.0,
-        width: WIDTH - left - 14.0,
-        height: 220.0,
-    };
+    let frame = Rectangle::new([left, 34.0], [WIDTH - left - 14.0, 220.0]);
     let base = frame.top + frame.height;
     (frame, base)
 }
@@ -145,8 +130,8 @@ fn looked_at(answer: &Answer) -> String {
     let (frame, base) = plot(52.0);
     let rates = answer.looked_at.iter().map(|one| one.frames_per_s);
     let costs = answer.looked_at.iter().map(|one| one.cost);
-    let across = Axis::of_values(costs, 100.0, [frame.left, frame.left + frame.width]);
-    let up = Axis::of_values(rates, 0.01, [base, frame.top]);
+    let across = Axis::of_values(costs, 100.0, frame.across());
+    let up = Axis::of_values(rates, 0.01, frame.upwards());
     let mut chart = Chart::new(
         WIDTH,
         base + 46.0,
@@ -157,15 +142,9 @@ fn looked_at(answer: &Answer) -> String {
     chart.names(&frame, "LUT in all", "frames a second");
     for one in &answer.looked_at {
         let place = (across.at(one.cost), up.at(one.frames_per_s));
-        let class = if one.holds {
-            "class=\"mark s2\""
-        } else {
-            "class=\"mark s5\" opacity=\"0.45\""
-        };
-        let holds = if one.holds {
-            "holds all limits"
-        } else {
-            "misses a limit"
+        let (class, holds) = match one.holds {
+            true => ("class=\"mark s2\"", "holds all limits"),
+            false => ("class=\"mark s5\" opacity=\"0.45\"", "misses a limit"),
         };
         let words = format!(
             "{:.0} LUT in all, {:.1} frames a second: {holds}",
@@ -201,8 +180,8 @@ fn in_formats(answer: &Answer) -> String {
         finite().fold(0.0, f64::min),
         finite().fold(10.0, f64::max) + 5.0,
     ];
-    let across = Axis::linear(range, [frame.left, frame.left + frame.width]);
-    let up = Axis::of_values(all().map(|[_, y]| y), 10.0, [base, frame.top]);
+    let across = Axis::linear(range, frame.across());
+    let up = Axis::of_values(all().map(|[_, y]| y), 10.0, frame.upwards());
     let mut chart = Chart::new(
         WIDTH,
         base + 46.0,
@@ -240,7 +219,7 @@ fn in_formats(answer: &Answer) -> String {
 fn of_machine(found: &Found, detail: &Detail) -> String {
     let machine = &found.machine;
     let mut text = section("The machine", &diagram(&detail.timing, machine));
-    for plot in plots(&detail.timing, &detail.watched, detail.columns, machine) {
+    for plot in plots(&detail.timing, &detail.watched, machine) {
         let svg = format!("<div class=\"scroll\">{}</div>", plot.svg);
         text += &section(plot.title, &svg);
     }
@@ -252,47 +231,34 @@ fn of_machine(found: &Found, detail: &Detail) -> String {
     )
 }
 
-/// Bytes that a unit reads and writes.
-struct Stage {
-    /// Its name in the accounts, and for people.
-    unit: &'static str,
-    name: &'static str,
-    read: u64,
-    written: u64,
-}
+/// A unit: its name in the accounts, and for people; bytes that it reads and writes.
+type Stage = (&'static str, &'static str, u64, u64);
 
 /// The units in the order of the data, with all bytes of the picture on their arrows.
-fn stages(timing: &Timing) -> Vec<Stage> {
+fn stages(timing: &Timing) -> [Stage; 9] {
     let bytes = &timing.bytes;
-    let stage = |unit, name, read, written| Stage {
-        unit,
-        name,
-        read,
-        written,
-    };
-    let sorted = bytes.sort_moved / 2;
-    vec![
-        stage(
-            "fetch",
-            "fetch of splats",
-            bytes.splats_read + bytes.harmonics_read,
-            0,
-        ),
-        stage("setup", "geometry setup", 0, 0),
-        stage("binning", "binning", 0, bytes.packets_written),
-        stage("sort", "sort", sorted + bytes.sorted_read, sorted),
-        stage("packet_fetch", "fetch of packets", bytes.packets_read, 0),
-        stage("splat_setup", "splat setup", 0, 0),
-        stage("row_generator", "row generator", 0, 0),
-        stage("lanes", "lanes and blend", 0, 0),
-        stage("write_back", "write-back", 0, bytes.pixels_written),
+    let (sorted, splats) = (
+        bytes.sort_moved / 2,
+        bytes.splats_read + bytes.harmonics_read,
+    );
+    let read_by_sort = sorted + bytes.sorted_read;
+    [
+        ("fetch", "fetch of splats", splats, 0),
+        ("setup", "geometry setup", 0, 0),
+        ("binning", "binning", 0, bytes.packets_written),
+        ("sort", "sort", read_by_sort, sorted),
+        ("packet_fetch", "fetch of packets", bytes.packets_read, 0),
+        ("splat_setup", "splat setup", 0, 0),
+        ("row_generator", "row generator", 0, 0),
+        ("lanes", "lanes and blend", 0, 0),
+        ("write_back", "write-back", 0, bytes.pixels_written),
     ]
 }
 
 /// All bytes on the diagram's arrows.
 pub(super) fn bytes_shown(timing: &Timing) -> u64 {
-    let stages = stages(timing);
-    stages.iter().map(|stage| stage.read + stage.written).sum()
+    let moved = stages(timing).map(|(.., read, written)| read + written);
+    moved.iter().sum()
 }
 
 /// Units from top to bottom, each with the part of the time in which it works, and the memory beside them.
@@ -305,24 +271,14 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
         height,
         "units of the machine and the bytes between them and the memory",
     );
-    let memory = Rectangle {
-        left: 318.0,
-        top: 6.0,
-        width: 56.0,
-        height: height - 22.0,
-    };
+    let memory = Rectangle::new([318.0, 6.0], [56.0, height - 22.0]);
     chart.bar(&memory, "class=\"frame\" fill=\"none\"", "memory");
     chart.text((346.0, height / 2.0), Anchor::Middle, "", "memory");
-    for (place, stage) in stages.iter().enumerate() {
+    for (place, (unit, name, read, written)) in stages.iter().copied().enumerate() {
         let top = 6.0 + step * place as f64;
-        let unit = timing.units.get(stage.unit);
+        let unit = timing.units.get(unit);
         let (busy, instances) = unit.map_or((0.0, 1), |unit| (unit.utilisation, unit.instances));
-        let whole = Rectangle {
-            left,
-            top,
-            width: box_width,
-            height: box_height,
-        };
+        let whole = Rectangle::new([left, top], [box_width, box_height]);
         let worked = Rectangle {
             width: box_width * busy.clamp(0.0, 1.0),
             ..whole
@@ -332,11 +288,7 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
         } else {
             String::new()
         };
-        let words = format!(
-            "{}{times}: {:.1} % of the time at work",
-            stage.name,
-            100.0 * busy
-        );
+        let words = format!("{name}{times}: {:.1} % of the time at work", 100.0 * busy);
         chart.bar(&worked, "fill=\"#2f6fde\" fill-opacity=\"0.3\"", &words);
         chart.bar(&whole, "class=\"frame\" fill=\"none\"", &words);
         let middle = top + box_height / 2.0;
@@ -344,7 +296,7 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
             (left + 8.0, middle),
             Anchor::Start,
             "",
-            &format!("{}{times}", stage.name),
+            &format!("{name}{times}"),
         );
         chart.text(
             (left + box_width - 6.0, middle),
@@ -357,39 +309,26 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
             arrow(&mut chart, [(x, top + box_height), (x, top + step)]);
         }
         let (from, to) = (left + box_width, memory.left);
-        let both = stage.read > 0 && stage.written > 0;
+        let both = read > 0 && written > 0;
         let shift = if both { 7.0 } else { 0.0 };
-        let megabytes = |bytes: u64| format!("{:.2} MB", bytes as f64 / 1e6);
-        if stage.read > 0 {
-            let y = middle - shift;
-            arrow(&mut chart, [(to, y), (from, y)]);
-            chart.text(
-                ((from + to) / 2.0, y - 8.0),
-                Anchor::Middle,
-                "",
-                &megabytes(stage.read),
-            );
-        }
-        if stage.written > 0 {
-            let y = middle + shift;
-            arrow(&mut chart, [(from, y), (to, y)]);
-            let words_at = if both { y + 9.0 } else { y - 8.0 };
-            chart.text(
-                ((from + to) / 2.0, words_at),
-                Anchor::Middle,
-                "",
-                &megabytes(stage.written),
-            );
+        let below = if both { 9.0 } else { -8.0 };
+        let transfers = [
+            (read, middle - shift, [to, from], -8.0),
+            (written, middle + shift, [from, to], below),
+        ];
+        for (bytes, y, ends, words) in transfers {
+            if bytes > 0 {
+                let place = ((from + to) / 2.0, y + words);
+                let megabytes = format!("{:.2} MB", bytes as f64 / 1e6);
+                arrow(&mut chart, ends.map(|x| (x, y)));
+                chart.text(place, Anchor::Middle, "", &megabytes);
+            }
         }
     }
     let words = format!(
-        "{} raster unit(s) of {} lane(s), tiles of {} x {}, a splat in {} cycles, {} bytes read and {} written a cycle at most. \
+        "{}, {} bytes read and {} written a cycle at most. \
          Blue is the part of the time in which a unit works; the arrows' bytes add up to {:.2} MB a frame.",
-        machine.raster_units,
-        machine.lanes,
-        machine.tile_width,
-        machine.tile_height,
-        machine.setup_interval,
+        units_of(machine),
         machine.read_bandwidth,
         machine.write_bandwidth,
         bytes_shown(timing) as f64 / 1e6
@@ -446,15 +385,17 @@ fn traffic(timing: &Timing) -> String {
         ("packets and lists read", bytes.packets_read),
         ("pixels written", bytes.pixels_written),
     ];
-    let row = |(name, moved): &(&str, u64)| {
-        vec![
-            (*name).to_owned(),
-            format!("{:.3}", *moved as f64 / 1e6),
-            format!("{:.1} %", 100.0 * *moved as f64 / all),
-        ]
-    };
-    let rows: Vec<Vec<String>> = kinds.iter().filter(|kind| kind.1 > 0).map(row).collect();
-    let mut text = table(&["what", "MB a frame", "of all"], &rows);
+    let columns: [Column<(&str, u64)>; 3] = [
+        ("what", &|(name, _)| (*name).to_owned()),
+        ("MB a frame", &|(_, moved)| {
+            format!("{:.3}", *moved as f64 / 1e6)
+        }),
+        ("of all", &|(_, moved)| {
+            format!("{:.1} %", 100.0 * *moved as f64 / all)
+        }),
+    ];
+    let moving = kinds.into_iter().filter(|(_, moved)| *moved > 0);
+    let mut text = table_of(SHORT, &[0], &columns, moving);
     if let Some(memory) = &timing.memory {
         let counts = &memory.counts;
         // Writing to a String cannot fail.
@@ -476,34 +417,26 @@ fn traffic(timing: &Timing) -> String {
 }
 
 fn knobs(knobs: &[Knob]) -> String {
-    let row = |knob: &Knob| {
-        vec![
-            knob.setting.replace('_', " "),
-            format!("{} to {}", knob.from, knob.to),
-            format!("{:+.1} %", 100.0 * knob.cost),
-            format!("{:+.1} %", 100.0 * knob.frames_per_s),
-            format!("{:+.1} %", 100.0 * knob.energy),
-            if knob.holds { "yes" } else { "no" }.to_owned(),
-        ]
-    };
-    let rows: Vec<Vec<String>> = knobs.iter().map(row).collect();
-    let headings = [
-        "setting",
-        "change",
-        "LUT in all",
-        "frames a second",
-        "energy",
-        "holds all limits",
+    let part = |part: f64| format!("{:+.1} %", 100.0 * part);
+    let columns: [Column<&Knob>; 6] = [
+        ("setting", &|knob| escape(&knob.setting.replace('_', " "))),
+        ("change", &|knob| {
+            escape(&format!("{} to {}", knob.from, knob.to))
+        }),
+        ("LUT in all", &|knob| part(knob.cost)),
+        ("frames a second", &|knob| part(knob.frames_per_s)),
+        ("energy", &|knob| part(knob.energy)),
+        ("holds all limits", &|knob| {
+            if knob.holds { "yes" } else { "no" }.to_owned()
+        }),
     ];
-    table(&headings, &rows)
+    table_of(SHORT, &[0], &columns, knobs)
 }
 
 fn widths(found: &Found) -> String {
-    let rows: Vec<Vec<String>> = found
-        .design
-        .widths
-        .iter()
-        .map(|(name, bits)| vec![name.clone(), bits.to_string()])
-        .collect();
-    table(&["quantity", "bits"], &rows)
+    let columns: [Column<(&String, &Value)>; 2] = [
+        ("quantity", &|(name, _)| (*name).clone()),
+        ("bits", &|(_, bits)| bits.to_string()),
+    ];
+    table_of(SHORT, &[0], &columns, &found.design.widths)
 }

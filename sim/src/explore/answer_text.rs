@@ -195,14 +195,22 @@ fn point(found: &Found) -> String {
 /// A machine by what decides its area and pace; the rest is in machine.toml.
 fn in_short(machine: &Config) -> String {
     format!(
-        "{} raster unit(s) of {} lane(s), tiles of {} x {}, a splat in {} cycles, {} + {} bytes a cycle; -o DIR for all of it",
+        "{}, {} + {} bytes a cycle; -o DIR for all of it",
+        units_of(machine),
+        machine.read_bandwidth,
+        machine.write_bandwidth
+    )
+}
+
+/// Its units, without its channels.
+pub(super) fn units_of(machine: &Config) -> String {
+    format!(
+        "{} raster unit(s) of {} lane(s), tiles of {} x {}, a splat in {} cycles",
         machine.raster_units,
         machine.lanes,
         machine.tile_width,
         machine.tile_height,
-        machine.setup_interval,
-        machine.read_bandwidth,
-        machine.write_bandwidth
+        machine.setup_interval
     )
 }
 

@@ -5,6 +5,11 @@ use std::collections::{HashMap, VecDeque};
 use std::hash::Hash;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+/// What a mutex guards: whoever panicked with it left it whole.
+pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Results by what they depend on, as long as all take no more than so many bytes: the oldest leave first.
 pub struct Cache<K, V> {
     most: usize,
@@ -41,11 +46,7 @@ impl<K: Hash + Eq + Clone, V: Clone> Cache<K, V> {
 
     /// What is known already.
     pub fn known(&self, key: &K) -> Option<V> {
-        self.store().known.get(key).cloned()
-    }
-
-    fn store(&self) -> MutexGuard<'_, Store<K, V>> {
-        self.store.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.store).known.get(key).cloned()
     }
 
     /// What is known, or else made and kept.
@@ -56,7 +57,7 @@ impl<K: Hash + Eq + Clone, V: Clone> Cache<K, V> {
         // Not under the lock: others may look meanwhile.
         let made = make()?;
         let bytes = (self.bytes)(&made);
-        let mut store = self.store();
+        let mut store = locked(&self.store);
         while store.bytes.saturating_add(bytes) > self.most
             && let Some(oldest) = store.order.pop_front()
         {

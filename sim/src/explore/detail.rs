@@ -7,7 +7,7 @@ use super::search::EXCHANGED;
 use super::space::Space;
 use super::subject::{Choice, Subject};
 use crate::design::DesignChoice;
-use crate::machine::energy::{self, Energy};
+use crate::machine::energy::Energy;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::simulate;
 use crate::machine::timing::Timing;
@@ -22,8 +22,6 @@ pub struct Detail {
     pub timing: Timing,
     /// What happened where and when.
     pub watched: Watched,
-    /// Tiles in a row of the screen.
-    pub columns: u32,
     /// Energy by unit.
     pub energy: Energy,
     /// Settings one step up and down.
@@ -72,21 +70,11 @@ pub fn detail(
     let work = LaneWork::new(&workload, LaneShape::from(machine));
     let timing = simulate(&workload, &work, machine);
     let watched = watch(&workload, &work, machine, &timing);
-    let widths = &variant.design.widths;
-    let energy = energy::estimate(
-        None,
-        widths,
-        variant.traversal,
-        machine,
-        &timing,
-        &subject.energy,
-    );
+    let energy = evaluator.energy(&choice, &timing);
     let knobs = knobs(&evaluator, limits, space, (&choice, found), slowest)?;
-    let columns = workload.columns;
     Ok(Some(Detail {
         timing,
         watched,
-        columns,
         energy,
         knobs,
     }))

@@ -5,7 +5,7 @@
 //! some; a sweep does not, so it keeps none and holds the rows of one frame alone in memory.
 
 use super::bounds::FrameCounts;
-use super::cache::Cache;
+use super::cache::{Cache, locked};
 pub use super::errors::{DesignError, ErrorDetail};
 use super::errors::{errors_inside, worst};
 use super::subject::{Choice, Subject};
@@ -14,7 +14,7 @@ use crate::fixed::{Canvas, QuantisedScene};
 use crate::machine::area::lane::{FloatLane, in_format};
 use crate::machine::area::{Area, estimate};
 use crate::machine::clock::{Clock, Throughput};
-use crate::machine::energy;
+use crate::machine::energy::{self, Energy};
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::summary::Spread;
 use crate::machine::workload::Workload;
@@ -199,7 +199,7 @@ impl<'a> Evaluator<'a> {
         let mut all = Vec::with_capacity(frames.len());
         for frame in frames {
             let known = self.errors.known(&(design_key(variant), *frame));
-            let windows = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
+            let windows = locked(&self.worst);
             let windows = windows.get(frame).cloned().unwrap_or_default();
             all.push(match (known, self.scenes.get(*frame)) {
                 (Some(known), _) => known,
@@ -224,15 +224,14 @@ impl<'a> Evaluator<'a> {
         look: impl FnOnce(&Picture) -> T,
     ) -> Result<T> {
         let splats = self.subject.frames[frame].splats()?;
-        let free = || self.canvases.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut canvases = free();
+        let mut canvases = locked(&self.canvases);
         let place = canvases.iter().position(|(of, _)| *of == frame);
         let canvas = place.map(|place| canvases.swap_remove(place).1);
         drop(canvases);
         let mut canvas = canvas.unwrap_or_else(|| Canvas::new(splats.camera));
         canvas.draw(scene, &splats.options(variant), only);
         let seen = look(&canvas.picture);
-        let mut canvases = free();
+        let mut canvases = locked(&self.canvases);
         canvases.truncate(MOST_CANVASES - 1);
         canvases.push((frame, canvas));
         Ok(seen)
@@ -240,7 +239,7 @@ impl<'a> Evaluator<'a> {
 
     /// Notes where a design erred most, unless that is known.
     fn remember(&self, frame: usize, at: Window) {
-        let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut worst = locked(&self.worst);
         let known = worst.entry(frame).or_default();
         if !known.contains(&at) {
             known.insert(0, at);
@@ -281,10 +280,10 @@ impl<'a> Evaluator<'a> {
                     group()?
                 };
                 places.par_iter().try_for_each(|place| {
-                    let cost = self.frame_cost(&choices[*place], &workload, &work);
-                    let mut costs = earlier[*place]
-                        .lock()
-                        .unwrap_or_else(PoisonError::into_inner);
+                    let choice = &choices[*place];
+                    let timing = simulate(&workload, &work, &choice.machine);
+                    let cost = self.cost(choice, &timing);
+                    let mut costs = locked(&earlier[*place]);
                     costs.push(cost);
                     if nth + 1 < frames.len() {
                         return Ok(());
@@ -311,7 +310,7 @@ impl<'a> Evaluator<'a> {
         groups.par_iter().try_for_each(|group| {
             let of_group: Vec<Choice> = group.iter().map(|place| choices[*place].clone()).collect();
             self.run(&of_group, frames, keep, &|place, costs| {
-                all.lock().unwrap_or_else(PoisonError::into_inner)[group[place]] = costs;
+                locked(&all)[group[place]] = costs;
                 Ok(())
             })
         })?;
@@ -336,22 +335,7 @@ impl<'a> Evaluator<'a> {
         Ok(Arc::new(frame.workload_of(variant, tile)?))
     }
 
-    fn frame_cost(&self, choice: &Choice, workload: &Workload, work: &LaneWork) -> FrameCost {
-        self.cost(choice, &simulate(workload, work, &choice.machine))
-    }
-
     fn cost(&self, choice: &Choice, timing: &Timing) -> FrameCost {
-        let Choice { variant, machine } = choice;
-        let (widths, table) = (&variant.design.widths, &self.subject.energy);
-        let lane = self.lane();
-        let energy = energy::estimate(
-            lane.as_ref(),
-            widths,
-            variant.traversal,
-            machine,
-            timing,
-            table,
-        );
         let lanes = timing.units.get("lanes");
         FrameCost {
             pace: self.throughput(choice, timing),
@@ -362,8 +346,16 @@ impl<'a> Evaluator<'a> {
                 timing.pixels.live_per_cycle_and_lane,
             ],
             packet_hit_rate: timing.pixels.packet_hit_rate(),
-            millijoules: energy.mj_per_frame,
+            millijoules: self.energy(choice, timing).mj_per_frame,
         }
+    }
+
+    /// The energy of a choice by unit.
+    pub fn energy(&self, choice: &Choice, timing: &Timing) -> Energy {
+        let Choice { variant, machine } = choice;
+        let (widths, table) = (&variant.design.widths, &self.subject.energy);
+        let (lane, traversal) = (self.lane(), variant.traversal);
+        energy::estimate(lane.as_ref(), widths, traversal, machine, timing, table)
     }
 
     fn throughput(&self, choice: &Choice, timing: &Timing) -> Throughput {
@@ -395,7 +387,9 @@ impl<'a> Evaluator<'a> {
         costs: &[FrameCost],
     ) -> Reached {
         let slowest = costs.iter().max_by_key(|cost| cost.pace.cycles_per_frame);
-        let slowest = slowest.cloned().unwrap_or_else(|| self.no_cost(choice));
+        let slowest = slowest
+            .cloned()
+            .unwrap_or_else(|| self.cost(choice, &Timing::default()));
         let [geometry, sort, raster, _] = slowest.cycles;
         Reached {
             error,
@@ -436,9 +430,5 @@ impl<'a> Evaluator<'a> {
         let extract = || self.workload(&variant, tile, frame);
         let workload = self.workloads.get(key, extract)?;
         Ok(FrameCounts::of(&workload))
-    }
-
-    fn no_cost(&self, choice: &Choice) -> FrameCost {
-        self.cost(choice, &Timing::default())
     }
 }

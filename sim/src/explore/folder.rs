@@ -1,6 +1,7 @@
 //! A sweep's folder on the disk: its identity and its table. One process at a time writes there; two would leave points that come twice, which reading
 //! refuses. Many machines share a study's file instead (`splatline.study`, in Python).
 
+use super::cache::locked;
 use super::identity::Identity;
 use super::table::{ResultTable, row_digest, to_line, whole_lines};
 use crate::input;
@@ -105,10 +106,7 @@ impl Appender {
     }
 
     fn append_line(&self, line: &str) -> io::Result<()> {
-        let mut file = self
-            .0
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut file = locked(&self.0);
         file.write_all(line.as_bytes())?;
         file.flush()
     }

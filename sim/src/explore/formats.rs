@@ -11,7 +11,7 @@ use super::space::{Space, SpacePart};
 use crate::machine::area::lane::fixed_lane;
 use crate::machine::config::Config;
 use crate::machine::energy::of_pixel;
-use crate::plan::{DesignVariant, Engine};
+use crate::plan::DesignVariant;
 use crate::report::table::decibels;
 use anyhow::Result;
 use serde::Serialize;
@@ -80,10 +80,20 @@ fn row(
     }
 }
 
-/// The formats asked for, the fixed design first.
-fn formats(evaluator: &Evaluator) -> Vec<Option<Engine>> {
+/// A row of each of the formats asked for, the fixed design first; `row` is given the evaluator that draws in it, and all frames.
+fn rows(
+    evaluator: &mut Evaluator,
+    row: impl Fn(&Evaluator, &[usize]) -> Result<FormatRow>,
+) -> Result<Vec<FormatRow>> {
+    let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
     let formats = evaluator.subject.formats.iter().copied().map(Some);
-    std::iter::once(None).chain(formats).collect()
+    let mut rows = Vec::new();
+    for format in std::iter::once(None).chain(formats) {
+        evaluator.draw_in(format);
+        rows.push(row(evaluator, &all)?);
+    }
+    evaluator.draw_in(None);
+    Ok(rows)
 }
 
 /// Beside a design that was fitted.
@@ -92,15 +102,10 @@ pub fn beside_design(
     variant: &DesignVariant,
     limits: &[Limit],
 ) -> Result<Vec<FormatRow>> {
-    let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
-    let mut rows = Vec::new();
-    for format in formats(evaluator) {
-        evaluator.draw_in(format);
-        let error = evaluator.error(variant, &all)?;
-        rows.push(row(evaluator, &variant.design.widths, error, limits));
-    }
-    evaluator.draw_in(None);
-    Ok(rows)
+    rows(evaluator, |evaluator, all| {
+        let error = evaluator.error(variant, all)?;
+        Ok(row(evaluator, &variant.design.widths, error, limits))
+    })
 }
 
 /// Beside a point that a search on `frames` ended at.
@@ -111,24 +116,20 @@ pub(super) fn beside_point(
     judge: Judge,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<FormatRow>> {
-    let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
     let axes = 0..space.axes.len();
     let machines: Vec<usize> = axes
         .filter(|axis| space.axes[*axis].part != SpacePart::Design)
         .collect();
-    let mut rows = Vec::new();
-    for format in formats(evaluator) {
-        evaluator.draw_in(format);
-        let evaluator = &*evaluator;
+    rows(evaluator, |evaluator, all| {
         let mut search = Search::new(evaluator, space, limits, frames.to_vec(), progress);
         let mut at = point.to_vec();
-        if format.is_some() && search.error_excess(&at)? <= 0.0 {
+        if evaluator.format.is_some() && search.error_excess(&at)? <= 0.0 {
             at = search.descend(at, &machines, judge)?;
         }
         let choice = search.choice(&at)?;
-        let error = evaluator.error(&choice.variant, &all)?;
+        let error = evaluator.error(&choice.variant, all)?;
         let reached = evaluator.reached(&choice, error, &evaluator.on_all_frames(&choice)?);
-        rows.push(FormatRow {
+        Ok(FormatRow {
             holds: missed(limits, None, &reached) <= 0.0,
             machine: Some(MachineInFormat {
                 luts_in_all: reached.cost(),
@@ -137,48 +138,50 @@ pub(super) fn beside_point(
                 settings: choice.machine,
             }),
             ..row(evaluator, &choice.variant.design.widths, error, limits)
-        });
-    }
-    evaluator.draw_in(None);
-    Ok(rows)
+        })
+    })
 }
 
 /// Headings and lines of a table for people.
 pub fn table(rows: &[FormatRow]) -> (Vec<&'static str>, Vec<Vec<String>>) {
-    let mut headings = vec![
-        "format",
-        "PSNR dB",
-        "largest",
-        "bias",
-        "transistors a lane",
-        "LUT a lane",
-        "pJ a pixel",
+    type FormatColumn = (&'static str, fn(&FormatRow) -> String);
+    fn error(row: &FormatRow, show: fn(DesignError) -> String) -> String {
+        row.error.map_or_else(|| "-".to_owned(), show)
+    }
+    fn machine(row: &FormatRow, show: fn(&MachineInFormat) -> String) -> String {
+        row.machine.as_ref().map_or_else(String::new, show)
+    }
+    let mut columns: Vec<FormatColumn> = vec![
+        ("format", |row| row.format.to_owned()),
+        ("PSNR dB", |row| error(row, |e| decibels(e.psnr_db()))),
+        ("largest", |row| {
+            error(row, |e| format!("{:.2e}", e.max_abs))
+        }),
+        ("bias", |row| error(row, |e| format!("{:+.2e}", e.bias))),
+        ("transistors a lane", |row| row.transistors.to_string()),
+        ("LUT a lane", |row| format!("{:.0}", row.lane_luts)),
+        ("pJ a pixel", |row| format!("{:.1}", row.pj_per_pixel)),
+    ];
+    let of_machines: [FormatColumn; 3] = [
+        ("LUT in all", |row| {
+            machine(row, |m| format!("{:.0}", m.luts_in_all))
+        }),
+        ("frames/s", |row| {
+            machine(row, |m| format!("{:.2}", m.frames_per_s))
+        }),
+        ("mJ a frame", |row| {
+            machine(row, |m| format!("{:.3}", m.mj_per_frame))
+        }),
     ];
     if rows.iter().any(|row| row.machine.is_some()) {
-        headings.extend(["LUT in all", "frames/s", "mJ a frame"]);
+        columns.extend(of_machines);
     }
-    headings.push("holds");
-    let line = |row: &FormatRow| {
-        let error = row.error;
-        let shown = |text: fn(DesignError) -> String| error.map_or_else(|| "-".to_owned(), text);
-        let mut cells = vec![
-            row.format.to_owned(),
-            shown(|error| decibels(error.psnr_db())),
-            shown(|error| format!("{:.2e}", error.max_abs)),
-            shown(|error| format!("{:+.2e}", error.bias)),
-            row.transistors.to_string(),
-            format!("{:.0}", row.lane_luts),
-            format!("{:.1}", row.pj_per_pixel),
-        ];
-        if let Some(machine) = &row.machine {
-            cells.push(format!("{:.0}", machine.luts_in_all));
-            cells.push(format!("{:.2}", machine.frames_per_s));
-            cells.push(format!("{:.3}", machine.mj_per_frame));
-        }
-        cells.push(if row.holds { "yes" } else { "no" }.to_owned());
-        cells
-    };
-    (headings, rows.iter().map(line).collect())
+    columns.push(("holds", |row| {
+        if row.holds { "yes" } else { "no" }.to_owned()
+    }));
+    let line = |row: &FormatRow| columns.iter().map(|(_, cell)| cell(row)).collect();
+    let headings = columns.iter().map(|(heading, _)| *heading);
+    (headings.collect(), rows.iter().map(line).collect())
 }
 
 /// Which is cheapest of those that hold all limits, and by how much.

@@ -28,20 +28,15 @@ const FEW: usize = 6;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identity(Value);
 
-/// A settings file that took part: what it was for, and its text.
-pub struct SettingsText {
-    /// `transfer`, `design`, `machine`, `calibration`, `camera`.
-    pub role: &'static str,
-    /// Its text.
-    pub text: String,
-}
+/// A settings file that took part: what it was for (`transfer`, `design`, `machine`, `calibration`, `camera`), and its text.
+pub type SettingsText = (&'static str, String);
 
 impl Identity {
     /// Of a sweep over the space of this text.
     pub fn new(subject: &Subject, space: &str, settings: &[SettingsText]) -> Result<Identity> {
         let files: serde_json::Map<String, Value> = settings
             .iter()
-            .map(|file| (file.role.to_owned(), of_bytes(file.text.as_bytes()).into()))
+            .map(|(role, text)| ((*role).to_owned(), of_bytes(text.as_bytes()).into()))
             .collect();
         let (first, more) = subject.frames.split_first().context("there is no frame")?;
         let mut scenes = SceneDigests::default();

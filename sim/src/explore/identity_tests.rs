@@ -80,10 +80,7 @@ impl Facts {
         let settings: Vec<SettingsText> = self
             .settings
             .iter()
-            .map(|(role, text)| SettingsText {
-                role,
-                text: text.clone(),
-            })
+            .map(|(role, text)| (*role, text.clone()))
             .collect();
         Identity::new(&subject, &self.space, &settings).unwrap()
     }

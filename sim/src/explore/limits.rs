@@ -108,11 +108,7 @@ impl Quantity {
             Quantity::MemoryKbit => all.memory_kbit as f64,
             Quantity::BytesPerSecond => reached.pace.channel_bytes_per_s,
             Quantity::MillijoulesPerFrame => reached.millijoules,
-            Quantity::PsnrDb
-            | Quantity::LargestError
-            | Quantity::RmsError
-            | Quantity::Percentile99
-            | Quantity::Flip => self.of_error(reached.error.as_ref()?)?,
+            _ => self.of_error(reached.error.as_ref()?)?,
         })
     }
 
@@ -122,15 +118,11 @@ impl Quantity {
         let value = if in_millions { value / 1e6 } else { value };
         match self {
             _ if value.abs() >= 1e15 => format!("{value:.3e}"),
-            Quantity::BytesPerSecond => format!("{value:.0}"),
-            Quantity::Luts | Quantity::FlipFlops | Quantity::Dsps | Quantity::MemoryKbit => {
-                format!("{value:.0}")
+            Quantity::FramesPerSecond | Quantity::PsnrDb | Quantity::MillijoulesPerFrame => {
+                format!("{value:.2}")
             }
-            Quantity::LargestError
-            | Quantity::RmsError
-            | Quantity::Percentile99
-            | Quantity::Flip => format!("{value:.3e}"),
-            _ => format!("{value:.2}"),
+            _ if self.is_error() => format!("{value:.3e}"),
+            _ => format!("{value:.0}"),
         }
     }
 }
@@ -147,18 +139,10 @@ impl Limit {
 
     /// By which part of the bound it is missed; 0 if it is held. What is no number misses it without measure.
     pub fn excess(&self, value: f64) -> f64 {
-        let over = if self.quantity.is_at_least() {
-            self.bound - value
-        } else {
-            value - self.bound
-        };
-        if over <= 0.0 {
-            0.0
-        } else if over.is_nan() {
-            f64::INFINITY
-        } else {
-            // A bound of 0 is missed by as much as there is.
-            over / if self.bound > 0.0 { self.bound } else { 1.0 }
+        match -self.slack(value) {
+            over if over.is_nan() => f64::INFINITY,
+            over if over > 0.0 => over,
+            _ => 0.0,
         }
     }
 
@@ -180,6 +164,7 @@ impl Limit {
         } else {
             self.bound - value
         };
+        // A bound of 0 is missed by as much as there is.
         left / if self.bound > 0.0 { self.bound } else { 1.0 }
     }
 }

@@ -13,26 +13,8 @@ use crate::report::shell::Shell;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// What the page shows.
-pub struct Sweep<'a> {
-    /// Heading of the page.
-    pub title: &'a str,
-    /// What the area is an estimate of.
-    pub note: &'a str,
-    /// All points.
-    pub table: &'a ResultTable,
-    /// Those with results.
-    pub candidates: &'a [Candidate],
-}
-
-/// The page.
-pub fn page(sweep: &Sweep) -> String {
-    let Sweep {
-        title,
-        note,
-        candidates,
-        ..
-    } = *sweep;
+/// The page of all points and of those with results; `note` is what the area is an estimate of.
+pub fn page(title: &str, note: &str, table: &ResultTable, candidates: &[Candidate]) -> String {
     let front = front(candidates);
     let count = format!(
         "{} points, {} on the front of error, cycles, area and energy (filled).",
@@ -80,7 +62,7 @@ pub fn page(sweep: &Sweep) -> String {
     );
     let scripts = format!(
         "<script type=\"application/json\" id=\"points\">{}</script>\n<script>\n{}</script>\n",
-        points(sweep, &front),
+        points(table, candidates, &front),
         include_str!("front.js")
     );
     Shell {
@@ -105,18 +87,17 @@ struct PointsData<'a> {
 }
 
 /// The table as the page's script reads it, without the rows' digests.
-fn points(sweep: &Sweep, front: &[&Candidate]) -> String {
-    let shown = sweep.table.heading.len().saturating_sub(1);
-    let columns = &sweep.table.heading[..shown];
+fn points(table: &ResultTable, candidates: &[Candidate], front: &[&Candidate]) -> String {
+    let shown = table.heading.len().saturating_sub(1);
+    let columns = &table.heading[..shown];
     let axes: Vec<&str> = columns
         .iter()
         .map(String::as_str)
         .filter(|name| *name != "point" && !RESULTS.iter().any(|(result, _)| result == name))
         .collect();
-    let rows: Vec<&[String]> = sweep
-        .candidates
+    let rows: Vec<&[String]> = candidates
         .iter()
-        .filter_map(|candidate| sweep.table.rows.get(&candidate.point))
+        .filter_map(|candidate| table.rows.get(&candidate.point))
         .filter_map(|row| row.get(..shown))
         .collect();
     let front: Vec<usize> = front.iter().map(|candidate| candidate.point).collect();
@@ -137,14 +118,9 @@ fn chart(
     name: &str,
     of: fn(&Candidate) -> f64,
 ) -> String {
-    let frame = Rectangle {
-        left: 66.0,
-        top: 34.0,
-        width: 676.0,
-        height: 336.0,
-    };
+    let frame = Rectangle::new([66.0, 34.0], [676.0, 336.0]);
     let cycles = candidates.iter().map(|c| c.cycles);
-    let x = Axis::of_values(cycles, 1.0, [frame.left, frame.left + frame.width]);
+    let x = Axis::of_values(cycles, 1.0, frame.across());
     // Less is better: up, as in the report.
     let ends = [frame.top, frame.top + frame.height];
     let y = Axis::of_values(candidates.iter().map(of), 1.0, ends);
@@ -172,13 +148,7 @@ mod tests {
     use super::*;
 
     fn shown(title: &str, note: &str, candidates: &[Candidate]) -> String {
-        let table = ResultTable::default();
-        page(&Sweep {
-            title,
-            note,
-            table: &table,
-            candidates,
-        })
+        page(title, note, &ResultTable::default(), candidates)
     }
 
     /// What the page shows without its script.

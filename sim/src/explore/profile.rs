@@ -125,55 +125,25 @@ impl Needs {
             .count();
         let per_cent = |part: f64| format!("{:.1} %", 100.0 * part);
         let mut judge = |unit, needed: bool, reason: String| {
-            self.units.insert(
-                unit,
-                format!("{}: {reason}", if needed { "used" } else { "not needed" }),
-            );
+            let verdict = if needed { "used" } else { "not needed" };
+            self.units.insert(unit, format!("{verdict}: {reason}"));
         };
-        judge(
-            "setup",
-            self.visible > 0,
-            format!(
-                "{} of {} splats are visible",
-                self.visible,
-                workload.splats.len()
-            ),
-        );
-        judge(
-            "pixel_termination",
-            self.finished_part > 0.0,
-            format!(
-                "{} of covered pixels had finished",
-                per_cent(self.finished_part)
-            ),
-        );
-        judge(
-            "tile_termination",
-            finished_tiles > 0,
-            format!("{finished_tiles} of {} tiles finish", workload.tiles.len()),
-        );
-        judge(
-            "exact_binning",
-            self.empty_pairs_part > 0.0,
-            format!(
-                "{} of pairs visit no pixel",
-                per_cent(self.empty_pairs_part)
-            ),
-        );
-        let opaque = self.peaks.is_some_and(|[high, _]| high > alpha_max);
-        judge(
-            "opacity_clamp",
-            opaque,
-            format!(
-                "largest peak {:.4}, opacities end at {alpha_max}",
-                self.peaks.map_or(0.0, |[high, _]| high)
-            ),
-        );
-        judge(
-            "over",
-            self.deepest_pixel > 1,
-            format!("at most {} layers in a pixel", self.deepest_pixel),
-        );
+        let (visible, layers) = (self.visible, self.deepest_pixel);
+        let (splats, tiles) = (workload.splats.len(), workload.tiles.len());
+        let reason = format!("{visible} of {splats} splats are visible");
+        judge("setup", visible > 0, reason);
+        let (finished, empty) = (self.finished_part, self.empty_pairs_part);
+        let reason = format!("{} of covered pixels had finished", per_cent(finished));
+        judge("pixel_termination", finished > 0.0, reason);
+        let reason = format!("{finished_tiles} of {tiles} tiles finish");
+        judge("tile_termination", finished_tiles > 0, reason);
+        let reason = format!("{} of pairs visit no pixel", per_cent(empty));
+        judge("exact_binning", empty > 0.0, reason);
+        let high = self.peaks.map_or(0.0, |[high, _]| high);
+        let reason = format!("largest peak {high:.4}, opacities end at {alpha_max}");
+        judge("opacity_clamp", high > alpha_max, reason);
+        let reason = format!("at most {layers} layers in a pixel");
+        judge("over", layers > 1, reason);
     }
 }
 

@@ -168,11 +168,8 @@ impl<'a> Search<'a> {
         if self.by_bounds {
             return Ok(Some(DesignError::none()));
         }
-        let known = self.drawn.iter().find(|(other, _)| {
-            other.variant.traversal == choice.variant.traversal
-                && other.variant.design.widths == choice.variant.design.widths
-        });
-        if let Some((_, error)) = known {
+        let mut drawn = self.drawn.iter();
+        if let Some((_, error)) = drawn.find(|(other, _)| other.draws_as(choice)) {
             return Ok(Some(*error));
         }
         let error = self.evaluator.error(&choice.variant, &self.frames)?;
@@ -194,19 +191,12 @@ impl<'a> Search<'a> {
         let Some(choice) = Choice::designed(self.choice(point))? else {
             return Ok(false);
         };
-        let same = |other: &Choice| {
-            other.variant.traversal == choice.variant.traversal
-                && other.variant.design.widths == choice.variant.design.widths
-        };
-        if self.refused.iter().any(same) {
+        if self.refused.iter().any(|other| other.draws_as(&choice)) {
             return Ok(false);
         }
-        if !self.drawn.iter().any(|(other, _)| same(other)) {
+        if !self.drawn.iter().any(|(other, _)| other.draws_as(&choice)) {
             let least = self.evaluator.least_error(&choice.variant, &self.frames)?;
-            let mut errors = self.limits.iter().filter(|limit| limit.quantity.is_error());
-            if least
-                .is_some_and(|least| errors.any(|limit| limit.excess_of_error(Some(least)) > 0.0))
-            {
+            if least.is_some() && self.excess_of(least) > 0.0 {
                 self.refused.push(choice);
                 self.tell("drawing", 0);
                 return Ok(false);
@@ -218,8 +208,12 @@ impl<'a> Search<'a> {
     /// By how much the limits on errors are missed, in sum.
     pub fn error_excess(&mut self, point: &[usize]) -> Result<f64> {
         let error = self.error(point)?;
+        Ok(self.excess_of(error))
+    }
+
+    fn excess_of(&self, error: Option<DesignError>) -> f64 {
         let errors = self.limits.iter().filter(|limit| limit.quantity.is_error());
-        Ok(errors.map(|limit| limit.excess_of_error(error)).sum())
+        errors.map(|limit| limit.excess_of_error(error)).sum()
     }
 
     /// The least cost of a design that was drawn, on this machine, if one of the limits on errors did not hold: such designs are drawn and not

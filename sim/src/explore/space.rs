@@ -16,6 +16,8 @@
 
 use crate::input::{Refused, line_of};
 use crate::machine::config::{known, setting};
+use crate::scene::synthetic::Random;
+use serde::Deserialize;
 use splatline::format::WIDTH_RANGES;
 use std::fmt::Display;
 use toml::Value;
@@ -24,7 +26,7 @@ use toml::Value;
 pub const MOST_POINTS: usize = 1_000_000;
 
 /// Most values of a range.
-const MOST_VALUES: i64 = 10_000;
+const MOST_VALUES: i128 = 10_000;
 
 /// What an axis changes. The order is that of cost: points are sorted so that dear work is shared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -235,32 +237,28 @@ fn check_design(key: &str, values: &[Value]) -> Result<(), String> {
 /// `{ from, to, step }`, both ends included.
 fn numbers(range: &toml::Table) -> Result<Vec<Value>, String> {
     const FORM: &str = "a range is { from = a, to = b, step = s } with whole numbers, a <= b and s > 0 (1 if left out)";
-    let number = |key: &str| range.get(key).and_then(Value::as_integer);
-    let known = range
-        .keys()
-        .all(|key| ["from", "to", "step"].contains(&key.as_str()));
-    let step = if range.contains_key("step") {
-        number("step")
-    } else {
-        Some(1)
-    };
-    match (number("from"), number("to"), step) {
-        (Some(from), Some(to), Some(step)) if known && step > 0 && from <= to => {
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Range {
+        from: i64,
+        to: i64,
+        step: Option<i64>,
+    }
+    let range = range.clone().try_into();
+    match range.map(|Range { from, to, step }| (from, to, step.unwrap_or(1))) {
+        Ok((from, to, step)) if step > 0 && from <= to => {
             // The distance of two of the largest numbers is no i64.
             let last = (i128::from(to) - i128::from(from)) / i128::from(step);
-            match i64::try_from(last) {
-                Ok(last) if last < MOST_VALUES => Ok((0..=last)
-                    .map(|index| {
-                        // The product may be no i64 where the sum is one.
-                        let value = i128::from(from) + i128::from(index) * i128::from(step);
-                        Value::Integer(i64::try_from(value).unwrap_or(to))
-                    })
-                    .collect()),
-                _ => Err(format!(
-                    "the range has {} values, allowed are {MOST_VALUES}",
-                    last + 1
-                )),
+            // The product may be no i64 where the sum is one.
+            let value = |index: i128| i128::from(from) + index * i128::from(step);
+            let value = |index| Value::Integer(i64::try_from(value(index)).unwrap_or(to));
+            if last < MOST_VALUES {
+                return Ok((0..=last).map(value).collect());
             }
+            Err(format!(
+                "the range has {} values, allowed are {MOST_VALUES}",
+                last + 1
+            ))
         }
         _ => Err(FORM.to_owned()),
     }
@@ -319,26 +317,18 @@ fn grid(axes: &[SpaceAxis], all: usize) -> Vec<Vec<usize>> {
 
 /// Every axis is cut into `count` strata, each of which one point falls into.
 fn latin(axes: &[SpaceAxis], count: usize, seed: u64) -> Vec<Vec<usize>> {
-    let mut state = seed;
+    let mut random = Random(seed);
     let mut points = vec![Vec::with_capacity(axes.len()); count];
     for axis in axes {
         let mut strata: Vec<usize> = (0..count).collect();
         for last in (1..count).rev() {
-            strata.swap(last, (next(&mut state) % (last as u64 + 1)) as usize);
+            strata.swap(last, (random.next() % (last as u64 + 1)) as usize);
         }
         for (point, stratum) in points.iter_mut().zip(strata) {
             point.push(stratum * axis.values.len() / count);
         }
     }
     points
-}
-
-/// SplitMix64 (Steele, Lea, Flood 2014).
-fn next(state: &mut u64) -> u64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mixed = (*state ^ (*state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    mixed ^ (mixed >> 31)
 }
 
 #[cfg(test)]

@@ -46,20 +46,13 @@ pub struct FrameReuse {
     pub pairs: [u64; 2],
 }
 
-/// Counted once per pair, tile by tile.
-struct Counted {
-    layers: Vec<u64>,
-    /// Open and all covered pixels of every splat.
-    splats: Vec<[u64; 2]>,
-}
-
 impl Statistics {
     /// Of a frame on a machine; `before` is the frame before it.
     pub fn new(workload: &Workload, machine: &Config, before: Option<&Workload>) -> Statistics {
         let work = LaneWork::new(workload, LaneShape::from(machine));
-        let counted = counted(workload);
+        let (layers, splats) = counted(workload);
         let mut open_part_per_splat = [0; TENTHS];
-        for [open, covered] in counted.splats.iter().filter(|splat| splat[1] > 0) {
+        for [open, covered] in splats.iter().filter(|splat| splat[1] > 0) {
             let class = match *open {
                 0 => 0,
                 open if open == *covered => TENTHS - 1,
@@ -73,7 +66,7 @@ impl Statistics {
             .filter(|tile| tile.finished_after != u32::MAX);
         Statistics {
             histograms: Histograms::new(&work, machine, workload.splats.len()),
-            layers_per_pixel: Histogram::of(counted.layers),
+            layers_per_pixel: Histogram::of(layers),
             finished_tiles: [finished.clone().count() as u64, workload.tiles.len() as u64],
             pairs_until_finished: Histogram::of(finished.map(|tile| tile.finished_after.into())),
             open_part_per_splat,
@@ -83,12 +76,11 @@ impl Statistics {
     }
 }
 
-fn counted(workload: &Workload) -> Counted {
+/// Layers of every pixel, and open and all covered pixels of every splat; counted once per pair, tile by tile.
+fn counted(workload: &Workload) -> (Vec<u64>, Vec<[u64; 2]>) {
     let [width, height] = workload.tile.map(usize::from);
-    let mut all = Counted {
-        layers: Vec::new(),
-        splats: vec![[0; 2]; workload.splats.len()],
-    };
+    let mut all = Vec::new();
+    let mut splats = vec![[0; 2]; workload.splats.len()];
     let mut row = 0;
     for (number, tile) in workload.tiles.iter().enumerate() {
         let mut layers = vec![0u64; width * height];
@@ -97,7 +89,7 @@ fn counted(workload: &Workload) -> Counted {
             row = pair.rows_end as usize;
             for (y, one) in (usize::from(pair.first_row)..).zip(rows) {
                 add_row(one, &mut layers[y * width..(y + 1) * width]);
-                if let Some([open, covered]) = all.splats.get_mut(pair.splat as usize) {
+                if let Some([open, covered]) = splats.get_mut(pair.splat as usize) {
                     *open += u64::from((one.covered & one.open).count_ones());
                     *covered += u64::from(one.covered.count_ones());
                 }
@@ -110,9 +102,9 @@ fn counted(workload: &Workload) -> Counted {
             empty += usize::from(*count == 0);
             *count > 0 || empty > beyond
         });
-        all.layers.extend(layers);
+        all.extend(layers);
     }
-    all
+    (all, splats)
 }
 
 /// Counts a row's open pixels.
@@ -271,17 +263,10 @@ fn bars_of(heading: &str, class: &str, bars: &[(String, u64)]) -> String {
     let every = (1..=bars.len()).find(apart).unwrap_or(1);
     for (place, (name, members)) in bars.iter().enumerate() {
         let tall = height * *members as f64 / most as f64;
-        let bar = Rectangle {
-            left: left + step * place as f64 + 1.0,
-            top: 10.0 + height - tall,
-            width: (step - 2.0).max(1.0),
-            height: tall,
-        };
-        chart.bar(
-            &bar,
-            "fill=\"#2f6fde\"",
-            &format!("{class} {name}: {}", count(*members)),
-        );
+        let corner = [left + step * place as f64 + 1.0, 10.0 + height - tall];
+        let bar = Rectangle::new(corner, [(step - 2.0).max(1.0), tall]);
+        let words = format!("{class} {name}: {}", count(*members));
+        chart.bar(&bar, "fill=\"#2f6fde\"", &words);
         if place % every == 0 {
             let middle = left + step * (place as f64 + 0.5);
             chart.text((middle, height + 26.0), Anchor::Middle, "", name);

@@ -114,6 +114,12 @@ impl Choice {
         let choice = Choice::designed(point)?;
         Ok(choice.filter(|choice| choice.machine.check_together().is_ok()))
     }
+
+    /// Are its pictures those of the other?
+    pub fn draws_as(&self, other: &Choice) -> bool {
+        let (own, other) = (&self.variant, &other.variant);
+        own.traversal == other.traversal && own.design.widths == other.design.widths
+    }
 }
 
 /// Widths of a point that exclude each other; the space has checked each by itself.

@@ -14,7 +14,6 @@ use crate::report::scale::PERCENTILE;
 use crate::report::shell::Shell;
 use crate::report::table::count;
 use crate::report::viewer::packed;
-use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
@@ -45,18 +44,13 @@ const ABOUT: [&str; WIDTH_RANGES.len()] = [
 ];
 
 /// What a page shows.
-#[derive(Clone, Copy)]
 pub struct Shown<'a> {
     /// The splats.
     pub scene: &'a Scene,
     /// The first view.
     pub camera: &'a Camera,
-    /// Rules of blending.
-    pub rules: &'a Rules,
-    /// The first widths.
-    pub design: &'a DesignChoice,
-    /// The first traversal.
-    pub traversal: Traversal,
+    /// Rules of blending, and the first widths and traversal.
+    pub options: Options<'a>,
     /// What the camera turns around.
     pub target: [f64; 3],
     /// The axis that it turns around.
@@ -71,7 +65,7 @@ pub fn html(shown: &Shown) -> Result<String> {
             "the scene has {splats} splats, and a live page takes at most {MOST_SPLATS}: thin the scene out, or use `splatline compare`"
         );
     }
-    let bytes = bytes::encode(shown.scene, shown.rules);
+    let bytes = bytes::encode(shown.scene, shown.options.rules);
     let checksum = host_checksum(shown, &bytes);
     let checksum = checksum.context("the scene cannot be brought into a page")?;
     let settings = serde_json::to_string(&settings(shown, checksum))?;
@@ -80,7 +74,7 @@ pub fn html(shown: &Shown) -> Result<String> {
         count(splats as u64),
         shown.camera.width,
         shown.camera.height,
-        escape(shown.rules.name)
+        escape(shown.options.rules.name)
     );
     let scripts = format!(
         "<script type=\"application/json\" id=\"settings\">{settings}</script>\n\
@@ -114,9 +108,7 @@ fn host_checksum(shown: &Shown, bytes: &[u8]) -> Option<u64> {
     let (scene, rules) = bytes::decode(bytes)?;
     let options = Options {
         rules: &rules,
-        compositing: Compositing::FrontToBack,
-        design: shown.design,
-        traversal: shown.traversal,
+        ..shown.options
     };
     let drawing = fixed::draw(&scene, shown.camera, &options);
     let words = drawing
@@ -188,11 +180,12 @@ fn settings<'a>(shown: &'a Shown, checksum: u64) -> LiveSettings<'a> {
             )
         })
         .collect();
-    let own = DesignSettings::new(shown.design, shown.traversal);
-    designs.insert(shown.design.name.clone(), own);
+    let design = shown.options.design;
+    let own = DesignSettings::new(design, shown.options.traversal);
+    designs.insert(design.name.clone(), own);
     let mut order = NAMES.to_vec();
-    if !order.contains(&shown.design.name.as_str()) {
-        order.push(&shown.design.name);
+    if !order.contains(&design.name.as_str()) {
+        order.push(&design.name);
     }
     LiveSettings {
         splats: shown.scene.splats.len(),
@@ -202,7 +195,7 @@ fn settings<'a>(shown: &'a Shown, checksum: u64) -> LiveSettings<'a> {
         widths: widths.map(slider).collect(),
         designs,
         order,
-        design: &shown.design.name,
+        design: &design.name,
         percentile: PERCENTILE,
         checksum: format!("{checksum:016x}"),
     }

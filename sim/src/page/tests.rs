@@ -1,4 +1,5 @@
 use super::*;
+use crate::rules::Rules;
 use crate::scene::{Harmonics, Splat};
 
 fn scene() -> Scene {
@@ -11,9 +12,7 @@ fn shown<'a>(scene: &'a Scene, camera: &'a Camera, design: &'a DesignChoice) -> 
     Shown {
         scene,
         camera,
-        rules: &scene.natural_rules,
-        design,
-        traversal: design.traversal,
+        options: Options::front_to_back(&scene.natural_rules, design),
         target: [0.0; 3],
         up: [0.0, -1.0, 0.0],
     }

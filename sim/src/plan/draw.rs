@@ -1,8 +1,7 @@
 //! From a prepared plan to a picture through the kernel: the systems' different results become one [`Drawing`].
 
 use super::{
-    AlphaChannel, AnyScene, DesignVariant, Prepared, SheetBuffers, SplatMethod, Splats, Subject,
-    Technique, surface_unit,
+    AnyScene, DesignVariant, Prepared, SplatMethod, Splats, Subject, Technique, surface_unit,
 };
 use crate::fast::frame::FrameFacts;
 use crate::fast::lanes::VectorLevel;
@@ -62,18 +61,19 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> R
 impl Prepared {
     /// Draws through the kernel.
     pub fn draw_fixed(&self, entry: &DesignVariant) -> Result<Drawing> {
-        let mut kernel = self.kernel(entry, None, true)?;
-        let mut drawing = kernel.draw(&|_, _| ())?;
-        kernel.finish(&mut drawing);
-        Ok(drawing)
+        self.drawn(entry, true)
     }
 
     /// The same picture alone, of which nothing is counted.
     pub fn picture_of(&self, entry: &DesignVariant) -> Result<Picture> {
-        let mut kernel = self.kernel(entry, None, false)?;
+        Ok(self.drawn(entry, false)?.picture)
+    }
+
+    fn drawn(&self, entry: &DesignVariant, counts: bool) -> Result<Drawing> {
+        let mut kernel = self.kernel(None, entry, None, counts)?;
         let mut drawing = kernel.draw(&|_, _| ())?;
         kernel.finish(&mut drawing);
-        Ok(drawing.picture)
+        Ok(drawing)
     }
 
     /// The splats in the kernel's formats, and no longer in double precision: for a plan that is drawn once. `None` where
@@ -95,18 +95,9 @@ impl Prepared {
         }
     }
 
-    /// What draws through the kernel again and again: the scene in its formats. Pixels are counted if `counts` asks for it.
+    /// What draws through the kernel again and again: the scene in its formats, of splats those that were [released](Prepared::release) if they
+    /// were. Pixels are counted if `counts` asks for it.
     pub fn kernel<'a>(
-        &'a self,
-        entry: &'a DesignVariant,
-        vectors: Option<VectorLevel>,
-        counts: bool,
-    ) -> Result<KernelDrawing<'a>> {
-        self.kernel_of(None, entry, vectors, counts)
-    }
-
-    /// The same of splats that may have been [released](Prepared::release).
-    pub fn kernel_of<'a>(
         &'a self,
         released: Option<QuantisedScene>,
         entry: &'a DesignVariant,
@@ -114,32 +105,10 @@ impl Prepared {
         counts: bool,
     ) -> Result<KernelDrawing<'a>> {
         let engine = vectors.map_or(fixed::best_engine(), fixed::PaintEngine::Vectors);
-        Ok(match self.subject()? {
-            Subject::Splats(splats) => match splats.method {
-                SplatMethod::Composited => {
-                    let Splats {
-                        scene,
-                        camera,
-                        rules,
-                        ..
-                    } = splats;
-                    let quantised =
-                        released.unwrap_or_else(|| QuantisedScene::new(scene, camera, rules));
-                    KernelDrawing::splats(splats, quantised, entry, (engine, counts))
-                }
-                SplatMethod::Points(hybrid) => {
-                    let (Splats { scene, camera, .. }, options) = (splats, splats.options(entry));
-                    let renderer =
-                        HybridRenderer::new(scene, camera, options, hybrid, (engine, counts));
-                    let renderer = renderer.map_err(Error::msg)?;
-                    KernelDrawing::Hybrid(Box::new(renderer), Picture::new(0, 0))
-                }
-                SplatMethod::Sheets(sheets) => KernelDrawing::sheets(splats, entry, engine, sheets),
-                SplatMethod::DeepAlpha(channel) => {
-                    KernelDrawing::deep_alpha(splats, entry, engine, channel)?
-                }
-                SplatMethod::Spheres(shape) => KernelDrawing::spheres(splats, entry, *shape),
-            },
+        let drawer = match self.subject()? {
+            Subject::Splats(splats) => {
+                Drawer::of_splats(splats, released, entry, (engine, counts))?
+            }
             Subject::Surface(scene, style) => {
                 let options = SurfaceOptions {
                     style,
@@ -150,10 +119,14 @@ impl Prepared {
                 };
                 let camera = &self.plan.camera;
                 let points = QuantisedPoints::new(scene, camera);
-                let renderer = SurfaceRenderer::new(points, scene, camera, &options);
-                KernelDrawing::Surface(Box::new(renderer), style, Picture::new(0, 0))
+                let mut renderer = SurfaceRenderer::new(points, scene, camera, &options);
+                Drawer::Others(Box::new(move |picture| {
+                    Ok(draw_surface(&mut renderer, style, picture))
+                }))
             }
-        })
+        };
+        let picture = Picture::new(0, 0);
+        Ok(KernelDrawing { drawer, picture })
     }
 
     /// What the kernel cannot take as it is given, for commands that make no report: the plan's own warnings and those of a setup.
@@ -162,14 +135,9 @@ impl Prepared {
             // A surface's setup clamps and culls nothing that drawing it does not tell.
             return Ok(self.warnings.clone());
         };
-        let facts = set_up(&splats, &self.plan.entry);
-        let Drawing {
-            culled,
-            clamped,
-            colour_log2,
-            ..
-        } = facts;
-        let facts = SceneFacts::new(splats.scene, culled, clamped, colour_log2);
+        let found = set_up(&splats, &self.plan.entry);
+        let (clamped, colour_log2) = (found.clamped, found.colour_log2);
+        let facts = SceneFacts::new(splats.scene, found.culled, clamped, colour_log2);
         let mut warnings = facts.warnings(&self.warnings);
         warnings.extend(facts.if_nothing_is_left());
         Ok(warnings)
@@ -279,122 +247,117 @@ fn set_up(splats: &Splats, entry: &DesignVariant) -> Drawing {
     }
 }
 
-/// A scene in the kernel's formats, to be drawn again and again.
-pub enum KernelDrawing<'a> {
-    /// Splats, into a picture that is used again.
-    Splats(Box<Renderer<&'a Scene>>, Picture),
-    /// Points and splats, into a picture that is used again.
-    Hybrid(Box<HybridRenderer<'a>>, Picture),
-    /// Points of a surface, into a picture that is used again.
-    Surface(Box<SurfaceRenderer<'a>>, &'a Style, Picture),
-    /// What is drawn anew each time, and the last picture.
-    Anew(Box<dyn Fn() -> Drawing + Send + Sync + 'a>, Picture),
+/// A scene in the kernel's formats, to be drawn again and again into a picture that is used again.
+pub struct KernelDrawing<'a> {
+    drawer: Drawer<'a>,
+    picture: Picture,
 }
 
-impl<'a> KernelDrawing<'a> {
-    /// Splats that are composited one by one.
-    fn splats(
+/// Who draws.
+enum Drawer<'a> {
+    /// Splats that are composited one by one; afterwards it knows their footprints.
+    Splats(Box<Renderer<&'a Scene>>),
+    /// All else.
+    Others(Box<Draw<'a>>),
+}
+
+/// Draws into a picture that is used again.
+type Draw<'a> = dyn FnMut(&mut Picture) -> Result<Drawing> + Send + 'a;
+
+impl<'a> Drawer<'a> {
+    fn of_splats(
         splats: Splats<'a>,
-        quantised: QuantisedScene,
-        entry: &DesignVariant,
+        released: Option<QuantisedScene>,
+        entry: &'a DesignVariant,
         (engine, counts): (fixed::PaintEngine, bool),
-    ) -> Self {
-        let settings = Settings {
-            rules: *splats.rules,
-            compositing: splats.compositing,
-            design: entry.design.clone(),
-            traversal: entry.traversal,
-            engine,
-            counts,
-        };
-        let renderer = Renderer::of_quantised(splats.scene, quantised, splats.camera, settings);
-        KernelDrawing::Splats(Box::new(renderer), Picture::new(0, 0))
-    }
-
-    fn sheets(
-        splats: Splats<'a>,
-        entry: &'a DesignVariant,
-        engine: fixed::PaintEngine,
-        sheets: &SheetBuffers,
-    ) -> Self {
+    ) -> Result<Drawer<'a>> {
         let Splats { scene, camera, .. } = splats;
-        let plan = sheets.plan(scene, camera);
-        KernelDrawing::set_up_once(splats, entry, move |options| {
-            fixed::sheets::draw(scene, camera, options, engine, &plan)
+        Ok(match splats.method {
+            SplatMethod::Composited => {
+                let rules = splats.rules;
+                let settings = Settings {
+                    rules: *rules,
+                    compositing: splats.compositing,
+                    design: entry.design.clone(),
+                    traversal: entry.traversal,
+                    engine,
+                    counts,
+                };
+                let scene_of = || QuantisedScene::new(scene, camera, rules);
+                let quantised = released.unwrap_or_else(scene_of);
+                let renderer = Renderer::of_quantised(scene, quantised, camera, settings);
+                Drawer::Splats(Box::new(renderer))
+            }
+            SplatMethod::Points(hybrid) => {
+                let options = splats.options(entry);
+                let renderer =
+                    HybridRenderer::new(scene, camera, options, hybrid, (engine, counts));
+                let mut renderer = renderer.map_err(Error::msg)?;
+                Drawer::Others(Box::new(move |picture| draw_hybrid(&mut renderer, picture)))
+            }
+            SplatMethod::Sheets(sheets) => {
+                let plan = sheets.plan(scene, camera);
+                Drawer::set_up_once(splats, entry, move |options| {
+                    fixed::sheets::draw(scene, camera, options, engine, &plan)
+                })
+            }
+            SplatMethod::DeepAlpha(channel) => {
+                let channel = channel.in_kernel()?;
+                Drawer::set_up_once(splats, entry, move |options| {
+                    fixed::deep::draw(scene, camera, options, engine, channel)
+                })
+            }
+            SplatMethod::Spheres(shape) => Drawer::anew(move || {
+                let options = splats.options(entry);
+                let drawn = fixed::draw_spheres(scene, camera, &options, in_kernel(*shape));
+                Drawing {
+                    culled: cull_counts(drawn.culled),
+                    clamped: drawn.clamped as u64,
+                    colour_log2: drawn.colour_log2,
+                    pixels: Some(pixels(drawn.coverage)),
+                    ..plain(drawn.picture)
+                }
+            }),
         })
-    }
-
-    fn deep_alpha(
-        splats: Splats<'a>,
-        entry: &'a DesignVariant,
-        engine: fixed::PaintEngine,
-        channel: &AlphaChannel,
-    ) -> Result<Self> {
-        let Splats { scene, camera, .. } = splats;
-        let channel = channel.in_kernel()?;
-        Ok(KernelDrawing::set_up_once(splats, entry, move |options| {
-            fixed::deep::draw(scene, camera, options, engine, channel)
-        }))
     }
 
     /// By a method which keeps no counts of its own: they are those of one setup.
     fn set_up_once(
         splats: Splats<'a>,
         entry: &'a DesignVariant,
-        draw: impl Fn(&fixed::Options) -> Picture + Send + Sync + 'a,
-    ) -> Self {
+        draw: impl Fn(&fixed::Options) -> Picture + Send + 'a,
+    ) -> Drawer<'a> {
         let facts = set_up(&splats, entry);
-        let draw = move || Drawing {
+        Drawer::anew(move || Drawing {
             picture: draw(&splats.options(entry)),
             ..facts.clone()
-        };
-        KernelDrawing::Anew(Box::new(draw), Picture::new(0, 0))
+        })
     }
 
-    fn spheres(splats: Splats<'a>, entry: &'a DesignVariant, shape: Shape) -> Self {
-        let Splats { scene, camera, .. } = splats;
-        let draw = move || {
-            let options = splats.options(entry);
-            let drawn = fixed::draw_spheres(scene, camera, &options, in_kernel(shape));
-            Drawing {
-                culled: cull_counts(drawn.culled),
-                clamped: drawn.clamped as u64,
-                colour_log2: drawn.colour_log2,
-                pixels: Some(pixels(drawn.coverage)),
-                ..plain(drawn.picture)
-            }
-        };
-        KernelDrawing::Anew(Box::new(draw), Picture::new(0, 0))
+    /// By a method which makes a picture of its own each time.
+    fn anew(draw: impl Fn() -> Drawing + Send + 'a) -> Drawer<'a> {
+        Drawer::Others(Box::new(move |picture| {
+            let mut drawing = draw();
+            std::mem::swap(&mut drawing.picture, picture);
+            Ok(drawing)
+        }))
     }
+}
 
+impl KernelDrawing<'_> {
     /// Draws once. The drawing lacks its picture and footprints until it is [finished](KernelDrawing::finish).
     pub fn draw(&mut self, progress: Rows) -> Result<Drawing> {
-        match self {
-            KernelDrawing::Splats(renderer, picture) => draw_splats(renderer, picture, progress),
-            KernelDrawing::Hybrid(renderer, picture) => draw_hybrid(renderer, picture),
-            KernelDrawing::Surface(renderer, style, picture) => {
-                Ok(draw_surface(renderer, style, picture))
-            }
-            KernelDrawing::Anew(draw, picture) => {
-                let mut drawing = draw();
-                std::mem::swap(&mut drawing.picture, picture);
-                Ok(drawing)
-            }
+        match &mut self.drawer {
+            Drawer::Splats(renderer) => draw_splats(renderer, &mut self.picture, progress),
+            Drawer::Others(draw) => draw(&mut self.picture),
         }
     }
 
     /// Gives the last drawing what was kept for the next one.
     pub fn finish(self, drawing: &mut Drawing) {
-        match self {
-            KernelDrawing::Splats(renderer, picture) => {
-                drawing.picture = picture;
-                drawing.footprints = renderer.into_outcomes();
-            }
-            KernelDrawing::Hybrid(_, picture)
-            | KernelDrawing::Surface(_, _, picture)
-            | KernelDrawing::Anew(_, picture) => {
-                drawing.picture = picture;
-            }
+        drawing.picture = self.picture;
+        if let Drawer::Splats(renderer) = self.drawer {
+            drawing.footprints = renderer.into_outcomes();
         }
     }
 }

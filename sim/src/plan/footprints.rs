@@ -65,32 +65,21 @@ impl Prepared {
         Ok(match self.subject()? {
             Subject::Splats(splats) => {
                 refuse_spheres(&splats)?;
-                float::footprints(splats.scene, splats.camera, splats.rules)
-                    .iter()
-                    .map(|f| f.as_ref().ok())
-                    .map(|f| {
-                        f.map(|f| {
-                            line(
-                                f.centre,
-                                f.place,
-                                f.conic,
-                                &f.bounds,
-                                (Some(f.peak), f.cutoff),
-                            )
-                        })
-                    })
-                    .collect()
+                let found = float::footprints(splats.scene, splats.camera, splats.rules);
+                let of_splat = |f: &Result<float::Footprint, Culled>| {
+                    let f = f.as_ref().ok()?;
+                    let ends = (Some(f.peak), f.cutoff);
+                    Some(line(f.centre, f.place, f.conic, &f.bounds, ends))
+                };
+                found.iter().map(of_splat).collect()
             }
             Subject::Surface(scene, style) => {
-                let project = |point| -> Result<_, Culled> {
-                    reference::surface::project(point, &self.plan.camera, style)
+                let of_point = |point| {
+                    let f = reference::surface::project(point, &self.plan.camera, style).ok()?;
+                    let ends = (None, style.cutoff);
+                    Some(line(f.centre, f.depth, f.conic, &f.bounds, ends))
                 };
-                let found = scene.points.par_iter().map(|point| project(point).ok());
-                found
-                    .map(|f| {
-                        f.map(|f| line(f.centre, f.depth, f.conic, &f.bounds, (None, style.cutoff)))
-                    })
-                    .collect()
+                scene.points.par_iter().map(of_point).collect()
             }
         })
     }

@@ -105,16 +105,7 @@ fn measure(
     })?
 }
 
-/// Draws the plan by its own engine, with a report that compares it with nothing.
-pub fn draw_alone(
-    prepared: &Prepared,
-    effort: &Effort,
-    progress: &ProgressMeter,
-) -> Result<(Measured, Report)> {
-    draw_from(prepared, None, effort, progress)
-}
-
-/// The same of a scene that is not needed afterwards, so that it need not be in memory twice.
+/// Draws the plan by its own engine, with a report that compares it with nothing; of a scene that is not needed afterwards, so that it need not be in memory twice.
 pub fn draw_last(
     prepared: &mut Prepared,
     effort: &Effort,
@@ -126,10 +117,11 @@ pub fn draw_last(
         _ => None,
     };
     prepared.prepare_s += started.elapsed().as_secs_f64();
-    draw_from(prepared, released, effort, progress)
+    draw_alone(prepared, released, effort, progress)
 }
 
-fn draw_from(
+/// The same of a scene that stays, or of splats that were [released](Prepared::release).
+pub fn draw_alone(
     prepared: &Prepared,
     released: Option<QuantisedScene>,
     effort: &Effort,
@@ -155,7 +147,7 @@ fn measure_fixed(
     progress: &ProgressMeter,
 ) -> Result<Measured> {
     let started = Instant::now();
-    let prepare = || prepared.kernel_of(released, entry, effort.vectors, effort.counts);
+    let prepare = || prepared.kernel(released, entry, effort.vectors, effort.counts);
     let mut kernel = on_threads(effort.threads, prepare)??;
     let prepare_s = started.elapsed().as_secs_f64();
     let mut measured = measure(effort, progress, || {

@@ -41,6 +41,7 @@ use crate::scene::{Scene, SortOrder};
 use crate::surface::Style;
 use crate::{fixed, input};
 use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use splatline::format::Traversal;
 use std::path::{Path, PathBuf};
@@ -58,29 +59,27 @@ pub const VOLUMES_ALONE: &str = "points of a surface are gathered by depth, in t
 const BYTES_OF_HARMONIC: u32 = 2;
 
 /// Who draws.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
 pub enum Engine {
-    /// The fixed-point kernel.
+    /// The fixed-point kernel
     #[default]
     Fixed,
-    /// EWA in double precision.
+    /// EWA in double precision
     Float,
-    /// The ray integral in double precision, without the affine approximation.
+    /// The ray integral in double precision, without the affine approximation
     Exact,
-    /// EWA in single precision, every operation rounded.
+    /// Single precision, every operation rounded
     Fp32,
-    /// Setup in single precision, pixels in IEEE halves, every operation rounded.
+    /// Setup in single precision, pixels in 16-bit floats, every operation rounded
     Fp16,
-    /// Setup in single precision, pixels in bfloat16, every operation rounded.
+    /// The same with pixels in bfloat16
     Bfloat16,
-    /// Setup in single precision, offsets and sums in IEEE halves, kernel and opacity in 8 bits (E4M3), every operation rounded.
-    #[serde(rename = "fp8-fp16")]
+    /// The same with offsets and sums in 16-bit floats, kernel and opacity in 8-bit floats (E4M3)
     Fp8Fp16,
-    /// The same with kernel and opacity in the other 8 bits (E5M2).
-    #[serde(rename = "e5m2-fp16")]
+    /// The same with kernel and opacity in the other 8-bit floats (E5M2)
     E5m2Fp16,
-    /// Setup in single precision, pixels in 8 bits (E4M3), every operation rounded.
+    /// Setup in single precision, pixels in 8-bit floats (E4M3)
     Fp8,
 }
 

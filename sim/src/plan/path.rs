@@ -53,13 +53,8 @@ struct CameraKey {
     fov: Option<f64>,
 }
 
-/// A path and what its file says that is not drawn.
-pub struct LoadedPath {
-    /// The path.
-    pub path: CameraPath,
-    /// Notes, each once.
-    pub notes: Vec<String>,
-}
+/// A path and what its file says that is not drawn, each once.
+pub type LoadedPath = (CameraPath, BTreeSet<String>);
 
 /// Reads a path. `size` is used where a file of cameras has none, and replaces the size that it has.
 pub fn load(file: &Path, size: Option<[usize; 2]>) -> Result<LoadedPath> {
@@ -70,10 +65,7 @@ pub fn load(file: &Path, size: Option<[usize; 2]>) -> Result<LoadedPath> {
     {
         let text =
             input::text(file, input::SETTINGS).with_context(|| format!("cannot read '{shown}'"))?;
-        return Ok(LoadedPath {
-            path: CameraPath::Keys(keys(&shown, &text)?),
-            notes: Vec::new(),
-        });
+        return Ok((CameraPath::Keys(keys(&shown, &text)?), BTreeSet::new()));
     }
     let mut notes = BTreeSet::new();
     let mut named = Vec::new();
@@ -91,10 +83,7 @@ pub fn load(file: &Path, size: Option<[usize; 2]>) -> Result<LoadedPath> {
     if named.is_empty() {
         bail!("camera path '{shown}' holds no cameras");
     }
-    Ok(LoadedPath {
-        path: CameraPath::Cameras(named),
-        notes: notes.into_iter().collect(),
-    })
+    Ok((CameraPath::Cameras(named), notes))
 }
 
 /// Key frames from the text of their file.

@@ -8,7 +8,6 @@ use crate::report::facts::SceneFacts;
 use crate::report::{FORMAT, HostTimes, Report};
 use crate::rules::Rules;
 use crate::scene::Weight;
-use crate::scene::points::SurfaceScene;
 use crate::surface::{Buffer, Style};
 use crate::systems::SystemVerdict;
 use anyhow::{Context, Result, bail};
@@ -141,20 +140,16 @@ fn scene_facts(prepared: &Prepared, measured: &Measured) -> SceneFacts {
             ..SceneFacts::new(scene, culled, clamped, drawing.colour_log2)
         },
         AnyScene::Surface { scene, .. } => SceneFacts {
+            name: scene.name.clone(),
+            splats: scene.points.len() as u64,
+            skipped: (scene.skipped > 0)
+                .then(|| ("unusable".to_owned(), scene.skipped as u64))
+                .into_iter()
+                .collect(),
             culled,
             clamped,
-            ..surface_facts(scene)
+            ..SceneFacts::default()
         },
-    }
-}
-
-fn surface_facts(scene: &SurfaceScene) -> SceneFacts {
-    let skipped = (scene.skipped > 0).then(|| ("unusable".to_owned(), scene.skipped as u64));
-    SceneFacts {
-        name: scene.name.clone(),
-        splats: scene.points.len() as u64,
-        skipped: skipped.into_iter().collect(),
-        ..SceneFacts::default()
     }
 }
 

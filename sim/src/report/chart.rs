@@ -8,31 +8,21 @@ use super::labels::Rectangle;
 use std::fmt::Write;
 
 /// A colour on a light and on a dark page, as `#RRGGBB`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Tone {
-    /// On light paper.
-    pub light: &'static str,
-    /// On dark.
-    pub dark: &'static str,
-}
-
-const fn tone(light: &'static str, dark: &'static str) -> Tone {
-    Tone { light, dark }
-}
+pub type Tone = [&'static str; 2];
 
 /// Text.
-pub const INK: Tone = tone("#3A4048", "#C4CAD2");
-const GRID: Tone = tone("#E3E6EA", "#2B3038");
-const LEADER: Tone = tone("#9AA2AC", "#6C747E");
+pub const INK: Tone = ["#3A4048", "#C4CAD2"];
+const GRID: Tone = ["#E3E6EA", "#2B3038"];
+const LEADER: Tone = ["#9AA2AC", "#6C747E"];
 
 /// Of the designs, in the order in which they first appear, and of all other series; further ones begin again.
 pub const DESIGNS: [Tone; 6] = [
-    tone("#B3261E", "#FF8A80"),
-    tone("#A85A00", "#FFB74D"),
-    tone("#0B7A5B", "#6FD3A8"),
-    tone("#1F55B5", "#8AB4F8"),
-    tone("#7A3FB0", "#CBA6F7"),
-    tone("#5B6470", "#B4BCC6"),
+    ["#B3261E", "#FF8A80"],
+    ["#A85A00", "#FFB74D"],
+    ["#0B7A5B", "#6FD3A8"],
+    ["#1F55B5", "#8AB4F8"],
+    ["#7A3FB0", "#CBA6F7"],
+    ["#5B6470", "#B4BCC6"],
 ];
 
 /// Text height.
@@ -42,15 +32,13 @@ const LETTER: f64 = 0.6;
 
 /// The classes of charts: `grid`, `leader`, `frame`, and `s0` to `s5` for the curves, marks and names of series.
 pub fn style() -> String {
-    let rules = |of: fn(&Tone) -> &'static str| {
+    let rules = |page: usize| {
         let mut rules = format!(
             ".chart text{{fill:{}}}.chart .grid{{stroke:{}}}.chart .leader,.chart .frame{{stroke:{}}}",
-            of(&INK),
-            of(&GRID),
-            of(&LEADER)
+            INK[page], GRID[page], LEADER[page]
         );
         for (index, series) in DESIGNS.iter().enumerate() {
-            let colour = of(series);
+            let colour = series[page];
             // Writing to a String cannot fail.
             let _ = write!(
                 rules,
@@ -62,8 +50,8 @@ pub fn style() -> String {
     format!(
         ".chart text{{font:{TEXT}px system-ui,sans-serif}}.chart path,.chart polyline{{fill:none}}.chart polyline{{stroke-width:1.5}}{}\n\
          @media(prefers-color-scheme:dark){{{}}}\n",
-        rules(|tone| tone.light),
-        rules(|tone| tone.dark)
+        rules(0),
+        rules(1)
     )
 }
 
@@ -332,12 +320,7 @@ impl Chart {
             if x > frame.left && x + width > frame.left + frame.width {
                 (x, y) = (frame.left, y + LEGEND_LINE);
             }
-            let square = Rectangle {
-                left: x,
-                top: y,
-                width: 10.0,
-                height: 10.0,
-            };
+            let square = Rectangle::new([x, y], [10.0, 10.0]);
             self.bar(&square, colour, word);
             self.text((x + 14.0, y + 5.0), Anchor::Start, "", word);
             x += width;
@@ -390,12 +373,7 @@ mod tests {
 
     #[test]
     fn a_legend_stays_within_the_picture() {
-        let frame = Rectangle {
-            left: 20.0,
-            top: 0.0,
-            width: 300.0,
-            height: 0.0,
-        };
+        let frame = Rectangle::new([20.0, 0.0], [300.0, 0.0]);
         let mut chart = Chart::new(340.0, 100.0, "legend");
         let words = [
             ("row generator", ""),

@@ -1,6 +1,6 @@
 //! What floating-point datapaths make of the report's picture, as a table of its page and as lines on a terminal.
 
-use super::html::html_table;
+use super::html::{Column, table_of};
 use super::table::{decibels, flip_text, psnr_text, scientific, signed};
 use super::{FormatRow, Report};
 
@@ -9,36 +9,22 @@ pub(super) fn formats_section(report: &Report) -> String {
     if report.formats.is_empty() {
         return String::new();
     }
-    let line = |row: &FormatRow| {
-        let error = &row.error.rgb;
-        vec![
-            row.engine.clone(),
-            decibels(error.psnr_db),
-            scientific(error.max_abs),
-            scientific(error.percentiles.p99),
-            signed(error.bias),
-            format!("{:.5}", error.ssim),
-            flip_text(row.error.flip),
-            row.transistors.to_string(),
-            format!("{:.1}", row.pj_per_pixel),
-        ]
-    };
-    let headings = [
-        "engine",
-        "PSNR dB",
-        "max error",
-        "p99",
-        "bias",
-        "SSIM",
-        "FLIP",
-        "transistors a lane",
-        "pJ a pixel",
+    let columns: [Column<&FormatRow>; 9] = [
+        ("engine", &|row| row.engine.clone()),
+        ("PSNR dB", &|row| decibels(row.error.rgb.psnr_db)),
+        ("max error", &|row| scientific(row.error.rgb.max_abs)),
+        ("p99", &|row| scientific(row.error.rgb.percentiles.p99)),
+        ("bias", &|row| signed(row.error.rgb.bias)),
+        ("SSIM", &|row| format!("{:.5}", row.error.rgb.ssim)),
+        ("FLIP", &|row| flip_text(row.error.flip)),
+        ("transistors a lane", &|row| row.transistors.to_string()),
+        ("pJ a pixel", &|row| format!("{:.1}", row.pj_per_pixel)),
     ];
     format!(
         "<section>\n<h2>Floating-point datapaths</h2>\n<p class=\"read\">The usual formulas, every operation rounded. fp16 and bfloat16 have setup \
          in single precision and a centre relative to its tile. Transistors \
          and energy are estimates of a lane's arithmetic.</p>\n{}\n</section>\n",
-        html_table("", &[], &headings, report.formats.iter().map(line))
+        table_of("", &[], &columns, &report.formats)
     )
 }
 

@@ -2,10 +2,10 @@
 
 use super::Report;
 use super::chart::{Axis, Chart};
-use super::html::{escape, html_table};
+use super::html::{Column, escape, table_of};
 use super::labels::Rectangle;
 use super::shell::Shell;
-use super::table::decibels;
+use super::table::{decibels, psnr_of_rms};
 use crate::machine::summary::Spread;
 use serde::Serialize;
 use std::fmt::Write;
@@ -153,46 +153,31 @@ impl FrameRow {
 impl OverRows {
     /// For people.
     pub fn text(&self) -> String {
-        let psnr = |rms: f64| {
-            if rms > 0.0 {
-                format!("{:.2} dB", -20.0 * rms.log10())
-            } else {
-                "equal".to_owned()
-            }
-        };
-        let three = |show: &dyn Fn(f64) -> String, spread: &Spread| {
-            [spread.worst, spread.percentile_95, spread.mean].map(show)
-        };
-        let lines = [
-            ("PSNR", three(&psnr, &self.rms)),
-            (
-                "largest error",
-                three(&|error| format!("{error:.3e}"), &self.max_abs),
-            ),
-            (
-                "99th percentile",
-                three(&|error| format!("{error:.3e}"), &self.p99),
-            ),
-            ("FLIP", three(&|flip| format!("{flip:.3e}"), &self.flip)),
-            ("|bias|", three(&|bias| format!("{bias:.2e}"), &self.bias)),
-            (
-                "Mcycles",
-                three(&|cycles| format!("{:.3}", cycles / 1e6), &self.cycles),
-            ),
-            (
-                "ms a frame",
-                three(&|ms| format!("{ms:.3}"), &self.ms_per_frame),
-            ),
-            (
-                "MB a second",
-                three(&|bytes| format!("{:.1}", bytes / 1e6), &self.bytes_per_s),
-            ),
+        type Line<'a> = (&'a str, &'a Spread, &'a dyn Fn(f64) -> String);
+        let lines: [Line; 8] = [
+            ("PSNR", &self.rms, &psnr_of_rms),
+            ("largest error", &self.max_abs, &|error| {
+                format!("{error:.3e}")
+            }),
+            ("99th percentile", &self.p99, &|error| {
+                format!("{error:.3e}")
+            }),
+            ("FLIP", &self.flip, &|flip| format!("{flip:.3e}")),
+            ("|bias|", &self.bias, &|bias| format!("{bias:.2e}")),
+            ("Mcycles", &self.cycles, &|cycles| {
+                format!("{:.3}", cycles / 1e6)
+            }),
+            ("ms a frame", &self.ms_per_frame, &|ms| format!("{ms:.3}")),
+            ("MB a second", &self.bytes_per_s, &|bytes| {
+                format!("{:.1}", bytes / 1e6)
+            }),
         ];
         let mut text = format!(
             "{} frames, the one with the lowest PSNR is {}\n{:<16} {:>12} {:>12} {:>12}\n",
             self.frames, self.worst_frame, "", "worst", "95 %", "mean"
         );
-        for (name, [worst, p95, mean]) in lines {
+        for (name, spread, show) in lines {
+            let [worst, p95, mean] = [spread.worst, spread.percentile_95, spread.mean].map(show);
             // Writing to a String cannot fail.
             let _ = writeln!(text, "{name:<16} {worst:>12} {p95:>12} {mean:>12}");
         }
@@ -208,38 +193,28 @@ impl OverRows {
 
 /// One page that stands alone.
 pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
-    let line = |row: &FrameRow| {
-        let name = format!(
-            "<a href=\"{}/report.html\">{}</a>",
-            escape(&row.folder),
-            escape(&row.name)
-        );
-        vec![
-            name,
-            decibels(row.psnr_db.unwrap_or(f64::INFINITY)),
-            format!("{:.3e}", row.max_abs),
-            format!("{:.3e}", row.p99),
-            format!("{:+.2e}", row.bias),
-            format!("{:.6}", row.ssim),
-            format!("{:.3e}", row.flip),
-            row.cycles
-                .map_or_else(String::new, |cycles| cycles.to_string()),
-            row.ms_per_frame
-                .map_or_else(String::new, |ms| format!("{ms:.3}")),
-        ]
+    let link = |row: &&FrameRow| {
+        let (folder, name) = (escape(&row.folder), escape(&row.name));
+        format!("<a href=\"{folder}/report.html\">{name}</a>")
     };
-    let headings = [
-        "frame",
-        "PSNR, dB",
-        "largest error",
-        "p99",
-        "bias",
-        "SSIM",
-        "FLIP",
-        "cycles",
-        "ms",
+    let cycles = |cycles: u64| cycles.to_string();
+    let columns: [Column<&FrameRow>; 9] = [
+        ("frame", &link),
+        ("PSNR, dB", &|row| {
+            decibels(row.psnr_db.unwrap_or(f64::INFINITY))
+        }),
+        ("largest error", &|row| format!("{:.3e}", row.max_abs)),
+        ("p99", &|row| format!("{:.3e}", row.p99)),
+        ("bias", &|row| format!("{:+.2e}", row.bias)),
+        ("SSIM", &|row| format!("{:.6}", row.ssim)),
+        ("FLIP", &|row| format!("{:.3e}", row.flip)),
+        ("cycles", &|row| row.cycles.map_or_else(String::new, cycles)),
+        ("ms", &|row| {
+            row.ms_per_frame
+                .map_or_else(String::new, |ms| format!("{ms:.3}"))
+        }),
     ];
-    let table = html_table("", &[0], &headings, rows.iter().map(line));
+    let table = table_of("", &[0], &columns, rows);
     let curves = [
         curve("Largest error", rows, &|row| row.max_abs),
         curve("Mcycles", rows, &|row| row.cycles.unwrap_or(0) as f64 / 1e6),
@@ -261,16 +236,11 @@ pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
 
 /// A value over the frames, from 0 to its largest.
 fn curve(name: &str, rows: &[FrameRow], of: &dyn Fn(&FrameRow) -> f64) -> String {
-    let frame = Rectangle {
-        left: 70.0,
-        top: 34.0,
-        width: 680.0,
-        height: 180.0,
-    };
+    let frame = Rectangle::new([70.0, 34.0], [680.0, 180.0]);
     let most = rows.iter().map(of).fold(0.0, f64::max);
     let last = rows.len().max(2) as f64;
-    let across = Axis::linear([1.0, last], [frame.left, frame.left + frame.width]);
-    let up = Axis::linear([0.0, most], [frame.top + frame.height, frame.top]);
+    let across = Axis::linear([1.0, last], frame.across());
+    let up = Axis::linear([0.0, most], frame.upwards());
     let mut chart = Chart::new(760.0, 264.0, &format!("{name} over the frames"));
     chart.rows(&frame, &up, &up.ticks(5));
     let numbers = across.ticks(12).into_iter();

@@ -11,7 +11,7 @@ use super::plot::{self, Across};
 use super::png::Rgb;
 use super::scale::PERCENTILE;
 use super::shell::Shell;
-use super::table::{self, HEADINGS, WORD_COLUMNS, count};
+use super::table::{self, COLUMNS, WORD_COLUMNS, count};
 use super::viewer;
 use super::{ErrorFacts, Report, ReportRow};
 use crate::machine::accounts::UnitTime;
@@ -340,23 +340,24 @@ fn machine_section(report: &Report) -> String {
     let Some(cycles) = &report.cycles else {
         return String::new();
     };
-    let line = |(name, unit): (&&str, &UnitTime)| {
-        let causes: Vec<String> = unit
-            .stalled
-            .iter()
-            .map(|(cause, cycles)| format!("{} {}", cause.replace('_', " "), count(*cycles)))
-            .collect();
-        vec![
-            escape(&name.replace('_', " ")),
-            count(unit.instances),
-            count(unit.busy),
-            format!("{:.1}", 100.0 * unit.utilisation),
-            count(unit.idle),
-            escape(&causes.join(", ")),
-        ]
+    type Unit<'a> = (&'a &'static str, &'a UnitTime);
+    let causes = |(_, unit): &Unit| {
+        let stalled = unit.stalled.iter();
+        let causes = stalled
+            .map(|(cause, cycles)| format!("{} {}", cause.replace('_', " "), count(*cycles)));
+        escape(&causes.collect::<Vec<_>>().join(", "))
     };
-    let headings = ["unit", "number", "busy", "busy %", "idle", "stalled by"];
-    let table = html_table("", &[0, 5], &headings, cycles.units.iter().map(line));
+    let columns: [Column<Unit>; 6] = [
+        ("unit", &|(name, _)| escape(&name.replace('_', " "))),
+        ("number", &|(_, unit)| count(unit.instances)),
+        ("busy", &|(_, unit)| count(unit.busy)),
+        ("busy %", &|(_, unit)| {
+            format!("{:.1}", 100.0 * unit.utilisation)
+        }),
+        ("idle", &|(_, unit)| count(unit.idle)),
+        ("stalled by", &causes),
+    ];
+    let table = table_of("", &[0, 5], &columns, &cycles.units);
     let pace = escape(table::throughput_text(report).trim_end());
     format!(
         "<section>\n<h2>Cycles of the machine</h2>\n<p class=\"read\">{pace}</p>\n<p class=\"read\">{} cycles: geometry {}, sort {}, raster {}. For every unit busy, \
@@ -382,82 +383,74 @@ fn systems(report: &Report) -> String {
     if report.systems.is_empty() {
         return String::new();
     }
-    let error = report.error.as_ref();
-    let line = |verdict: &SystemVerdict| {
-        let measured = error.filter(|_| verdict.used).map(|error| error.rgb);
-        let of = |show: &dyn Fn(&ChannelError) -> String| {
-            measured.as_ref().map_or_else(String::new, show)
-        };
+    let of = |verdict: &SystemVerdict, show: fn(&ChannelError) -> String| {
+        let error = report.error.filter(|_| verdict.used);
+        error.map_or_else(String::new, |error| show(&error.rgb))
+    };
+    let in_picture = |verdict: &&SystemVerdict| {
         let used = if verdict.used {
             "used"
         } else {
             "not exercised"
         };
-        vec![
-            verdict.number.to_string(),
-            escape(&verdict.name),
-            format!("{used}: {}", escape(&verdict.reason)),
-            of(&|error| table::decibels(error.psnr_db)),
-            of(&|error| table::scientific(error.max_abs)),
-            of(&|error| table::signed(error.bias)),
-        ]
+        format!("{used}: {}", escape(&verdict.reason))
     };
-    let headings = [
-        "#",
-        "system",
-        "in this picture",
-        "PSNR dB",
-        "max error",
-        "bias",
+    let columns: [Column<&SystemVerdict>; 6] = [
+        ("#", &|verdict| verdict.number.to_string()),
+        ("system", &|verdict| escape(&verdict.name)),
+        ("in this picture", &in_picture),
+        ("PSNR dB", &|verdict| {
+            of(verdict, |error| table::decibels(error.psnr_db))
+        }),
+        ("max error", &|verdict| {
+            of(verdict, |error| table::scientific(error.max_abs))
+        }),
+        ("bias", &|verdict| {
+            of(verdict, |error| table::signed(error.bias))
+        }),
     ];
     format!(
         "<section>\n<h2>Systems of the papers</h2>\n<p class=\"read\">Which systems this picture exercises. The error is that of the picture, \
          which those in use made together; each system by itself is measured in docs/results/systems.md.</p>\n{}\n</section>\n",
-        html_table("", &[1, 2], &headings, report.systems.iter().map(line))
+        table_of("", &[1, 2], &columns, &report.systems)
     )
 }
 
 /// Errors of the chosen design per channel group.
 fn error_table(error: &ErrorFacts) -> String {
-    let line = |name: &str, facts: &ChannelError| {
-        let channel = ["R", "G", "B", "A"].get(facts.max_at.channel);
-        let (x, y) = (facts.max_at.x, facts.max_at.y);
-        vec![
-            name.to_owned(),
-            table::decibels(facts.psnr_db),
-            table::scientific(facts.max_abs),
-            format!("({x}, {y}) {}", channel.unwrap_or(&"?")),
-            table::scientific(facts.percentiles.p95),
-            table::scientific(facts.percentiles.p99),
-            table::signed(facts.bias),
-            format!("{:.6}", facts.ssim),
-            table::count(facts.covered.pixels as u64),
-            table::decibels(facts.covered.psnr_db),
-            table::signed(facts.covered.bias),
-            format!("{:.6}", facts.covered.ssim),
-        ]
+    type Channels<'a> = (&'a str, &'a ChannelError);
+    let place = |(_, of): &Channels| {
+        let channel = ["R", "G", "B", "A"].get(of.max_at.channel);
+        format!(
+            "({}, {}) {}",
+            of.max_at.x,
+            of.max_at.y,
+            channel.unwrap_or(&"?")
+        )
     };
-    let headings = [
-        "channels",
-        "PSNR dB",
-        "max error",
-        "at pixel",
-        "p95",
-        "p99",
-        "bias",
-        "SSIM",
-        "covered pixels",
-        "PSNR cov",
-        "bias cov",
-        "SSIM cov",
+    let columns: [Column<Channels>; 12] = [
+        ("channels", &|(name, _)| (*name).to_owned()),
+        ("PSNR dB", &|(_, of)| table::decibels(of.psnr_db)),
+        ("max error", &|(_, of)| table::scientific(of.max_abs)),
+        ("at pixel", &place),
+        ("p95", &|(_, of)| table::scientific(of.percentiles.p95)),
+        ("p99", &|(_, of)| table::scientific(of.percentiles.p99)),
+        ("bias", &|(_, of)| table::signed(of.bias)),
+        ("SSIM", &|(_, of)| format!("{:.6}", of.ssim)),
+        ("covered pixels", &|(_, of)| {
+            table::count(of.covered.pixels as u64)
+        }),
+        ("PSNR cov", &|(_, of)| table::decibels(of.covered.psnr_db)),
+        ("bias cov", &|(_, of)| table::signed(of.covered.bias)),
+        ("SSIM cov", &|(_, of)| format!("{:.6}", of.covered.ssim)),
     ];
-    let lines = [line("RGB", &error.rgb), line("alpha", &error.alpha)];
+    let lines = [("RGB", &error.rgb), ("alpha", &error.alpha)];
     format!(
         "<section>\n<h2>Errors of the picture</h2>\n<p class=\"read\">p95 and p99: so many percent of the samples differ by no more. FLIP is the mean \
          difference that an eye sees of colours in sRGB (HPG 2020), at {:.1} pixels per degree: {}.</p>\n{}\n</section>\n",
         error.flip_pixels_per_degree,
         table::flip_text(error.flip),
-        html_table(" class=\"short\"", &[0], &headings, lines.into_iter())
+        table_of(" class=\"short\"", &[0], &columns, lines)
     )
 }
 
@@ -466,7 +459,7 @@ fn sweep_table(report: &Report) -> String {
     let line = |(index, row): (usize, &ReportRow)| {
         let chosen = is_chosen(report, row);
         let mark = if chosen { " class=\"chosen\"" } else { "" };
-        let cells = table::cells(row).map(|cell| escape(&cell));
+        let cells = COLUMNS.map(|(_, cell)| escape(&cell(row)));
         html_row(
             &format!("{mark} data-row=\"{index}\""),
             "td",
@@ -475,11 +468,26 @@ fn sweep_table(report: &Report) -> String {
         )
     };
     let lines: String = report.table.iter().enumerate().map(line).collect();
-    let headings = html_row("", "th", &words, &HEADINGS);
+    let headings = html_row("", "th", &words, &COLUMNS.map(|(heading, _)| heading));
     format!("<table id=\"designs\">\n{headings}{lines}</table>")
 }
 
-/// A table that scrolls where it is too wide; `words` are the columns of words. Headings and cells are HTML.
+/// A column of a table: its heading, and its cell of a row, both as HTML.
+pub type Column<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
+
+/// A table that scrolls where it is too wide; `words` are the columns of words.
+pub fn table_of<T>(
+    attributes: &str,
+    words: &[usize],
+    columns: &[Column<T>],
+    rows: impl IntoIterator<Item = T>,
+) -> String {
+    let headings: Vec<&str> = columns.iter().map(|(heading, _)| *heading).collect();
+    let cells = |row: T| columns.iter().map(|(_, cell)| cell(&row)).collect();
+    html_table(attributes, words, &headings, rows.into_iter().map(cells))
+}
+
+/// The same of rows that are there. Headings and cells are HTML.
 pub fn html_table(
     attributes: &str,
     words: &[usize],
@@ -515,22 +523,16 @@ fn details(report: &Report) -> Result<String> {
         #[serde(rename = "clamped to the kernel's formats, but drawn")]
         clamped: u64,
     }
-    let left_out = serde_json::to_string_pretty(&LeftOut {
+    let left_out = LeftOut {
         skipped: &report.scene.skipped,
         culled: &report.scene.culled,
         clamped: report.scene.clamped,
-    })?;
+    };
     let folds = [
-        fold("Splats left out or clamped", &left_out),
-        fold(
-            "The design, fully resolved",
-            &serde_json::to_string_pretty(&report.design)?,
-        ),
-        fold("Camera", &serde_json::to_string_pretty(&report.camera)?),
-        fold(
-            "Rules of blending",
-            &serde_json::to_string_pretty(&report.rules)?,
-        ),
+        fold("Splats left out or clamped", &left_out)?,
+        fold("The design, fully resolved", &report.design)?,
+        fold("Camera", &report.camera)?,
+        fold("Rules of blending", &report.rules)?,
     ];
     Ok(format!(
         "<section>\n<h2>Details</h2>\n{}</section>\n",
@@ -538,11 +540,11 @@ fn details(report: &Report) -> Result<String> {
     ))
 }
 
-fn fold(title: &str, text: &str) -> String {
-    format!(
+fn fold(title: &str, facts: &impl Serialize) -> Result<String> {
+    Ok(format!(
         "<details><summary>{title}</summary><pre>{}</pre></details>\n",
-        escape(text)
-    )
+        escape(&serde_json::to_string_pretty(facts)?)
+    ))
 }
 
 /// Text as HTML; names come from files of strangers.

@@ -26,14 +26,29 @@ pub struct LabelPlacement {
 }
 
 impl Rectangle {
+    /// From its upper left corner on, so wide and high.
+    pub const fn new([left, top]: [f64; 2], [width, height]: [f64; 2]) -> Rectangle {
+        Rectangle {
+            left,
+            top,
+            width,
+            height,
+        }
+    }
+
+    /// Both ends of an axis along it.
+    pub fn across(&self) -> [f64; 2] {
+        [self.left, self.left + self.width]
+    }
+
+    /// Of one upwards.
+    pub fn upwards(&self) -> [f64; 2] {
+        [self.top + self.height, self.top]
+    }
+
     /// A square around a point.
     pub fn around((x, y): (f64, f64), half: f64) -> Rectangle {
-        Rectangle {
-            left: x - half,
-            top: y - half,
-            width: 2.0 * half,
-            height: 2.0 * half,
-        }
+        Rectangle::new([x - half, y - half], [2.0 * half, 2.0 * half])
     }
 
     /// Area common to both.
@@ -119,14 +134,9 @@ const RING: f64 = 16.0;
 /// The label's box on one side of its anchor.
 fn beside(anchor: (f64, f64), size: (f64, f64), side: (f64, f64), ring: usize) -> LabelPlacement {
     let distance = GAP + RING * ring as f64;
-    let centre_x = anchor.0 + side.0 * (distance + size.0 / 2.0);
-    let centre_y = anchor.1 + side.1 * (distance + size.1 / 2.0);
-    let area = Rectangle {
-        left: centre_x - size.0 / 2.0,
-        top: centre_y - size.1 / 2.0,
-        width: size.0,
-        height: size.1,
-    };
+    let left = anchor.0 + side.0 * (distance + size.0 / 2.0) - size.0 / 2.0;
+    let top = anchor.1 + side.1 * (distance + size.1 / 2.0) - size.1 / 2.0;
+    let area = Rectangle::new([left, top], [size.0, size.1]);
     LabelPlacement {
         area,
         leader: ring > 0,
@@ -138,25 +148,12 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const FRAME: Rectangle = Rectangle {
-        left: 0.0,
-        top: 0.0,
-        width: 600.0,
-        height: 400.0,
-    };
+    const FRAME: Rectangle = Rectangle::new([0.0, 0.0], [600.0, 400.0]);
 
     #[test]
     fn a_lone_label_stands_to_the_right_without_a_leader() {
         let placed = place(&[(100.0, 100.0)], &[(60.0, 14.0)], &[], &FRAME);
-        assert_eq!(
-            placed[0].area,
-            Rectangle {
-                left: 110.0,
-                top: 93.0,
-                width: 60.0,
-                height: 14.0
-            }
-        );
+        assert_eq!(placed[0].area, Rectangle::new([110.0, 93.0], [60.0, 14.0]));
         assert!(!placed[0].leader);
     }
 

@@ -22,12 +22,7 @@ const TOP: f64 = 34.0;
 
 /// The frame of a chart between the names of units and the right edge.
 fn frame(height: f64) -> Rectangle {
-    Rectangle {
-        left: LEFT,
-        top: TOP,
-        width: WIDTH - LEFT - 20.0,
-        height,
-    }
+    Rectangle::new([LEFT, TOP], [WIDTH - LEFT - 20.0, height])
 }
 
 /// Columns of the picture of time.
@@ -57,13 +52,16 @@ pub struct Watched {
     pub slots: [Vec<u64>; 3],
     /// Cycles of a slot.
     pub slot: u64,
+    /// Tiles in a row of the screen.
+    columns: u32,
     first: Vec<u64>,
 }
 
 impl Watched {
     /// Of a machine whose raster phase takes so many cycles.
-    fn new(tiles: usize, raster: u64) -> Watched {
+    fn new(tiles: usize, columns: u32, raster: u64) -> Watched {
         Watched {
+            columns,
             tiles: vec![0; tiles],
             slots: std::array::from_fn(|_| vec![0; SLOTS]),
             slot: raster.div_ceil(SLOTS as u64).max(1),
@@ -103,7 +101,7 @@ impl Observer for Watched {
 
 /// Simulates once more and watches.
 pub fn watch(workload: &Workload, work: &LaneWork, config: &Config, timing: &Timing) -> Watched {
-    let mut watched = Watched::new(work.tiles.len(), timing.raster);
+    let mut watched = Watched::new(work.tiles.len(), workload.columns, timing.raster);
     simulate_observed(workload, work, config, &mut watched);
     watched
 }
@@ -119,7 +117,7 @@ pub struct Plot {
 }
 
 /// All charts of a machine's cycles.
-pub fn plots(timing: &Timing, watched: &Watched, columns: u32, config: &Config) -> [Plot; 4] {
+pub fn plots(timing: &Timing, watched: &Watched, config: &Config) -> [Plot; 4] {
     let plot = |title, file, svg| Plot { title, file, svg };
     [
         plot("Where each unit's cycles go", "stalls", accounts(timing)),
@@ -131,24 +129,18 @@ pub fn plots(timing: &Timing, watched: &Watched, columns: u32, config: &Config) 
         plot(
             "Cycles of the lanes per tile",
             "tiles",
-            heat_map(watched, columns, [config.tile_width, config.tile_height]),
+            heat_map(watched, [config.tile_width, config.tile_height]),
         ),
         plot("Roofline", "roofline", roofline(timing, config)),
     ]
 }
 
 /// The page.
-pub fn page(
-    name: &str,
-    timing: &Timing,
-    watched: &Watched,
-    columns: u32,
-    config: &Config,
-) -> String {
+pub fn page(name: &str, timing: &Timing, watched: &Watched, config: &Config) -> String {
     let section = |Plot { title, svg, .. }: Plot| {
         format!("<section>\n<h2>{title}</h2>\n<div class=\"scroll\">{svg}</div>\n</section>\n")
     };
-    let plots = plots(timing, watched, columns, config);
+    let plots = plots(timing, watched, config);
     let sections: String = plots.into_iter().map(section).collect();
     let facts = format!(
         "<p class=\"facts\">{} cycles: geometry {}, sort {}, raster {}. Point at a mark for its number.</p>\n",
@@ -223,8 +215,8 @@ fn over_time(timing: &Timing, watched: &Watched) -> String {
     let base = TOP + area.height;
     let label = "part of each stage that works, over the raster phase";
     let mut chart = Chart::new(WIDTH, base + 56.0, label);
-    let across = Axis::linear([0.0, timing.raster as f64], [LEFT, LEFT + area.width]);
-    let up = Axis::linear([0.0, 100.0], [base, TOP]);
+    let across = Axis::linear([0.0, timing.raster as f64], area.across());
+    let up = Axis::linear([0.0, 100.0], area.upwards());
     chart.rows(&area, &up, &up.ticks(4));
     chart.columns(&area, &across, &across.ticks(8));
     chart.names(&area, "cycles", "busy, %");
@@ -248,9 +240,9 @@ fn over_time(timing: &Timing, watched: &Watched) -> String {
 }
 
 /// The screen, a rectangle for each tile, of its proportions.
-fn heat_map(watched: &Watched, columns: u32, tile: [u16; 2]) -> String {
+fn heat_map(watched: &Watched, tile: [u16; 2]) -> String {
     let tiles = watched.tiles.len();
-    let columns = match columns {
+    let columns = match watched.columns {
         0 => tiles.max(1),
         columns => columns as usize,
     };
@@ -265,12 +257,8 @@ fn heat_map(watched: &Watched, columns: u32, tile: [u16; 2]) -> String {
         let [x, y] = [tile % columns, tile / columns];
         // The root, so that tiles of a tenth of the most can still be seen.
         let shade = (*cycles as f64 / most as f64).sqrt();
-        let area = Rectangle {
-            left: 10.0 + width * x as f64,
-            top: 10.0 + side * y as f64,
-            width,
-            height: side,
-        };
+        let corner = [10.0 + width * x as f64, 10.0 + side * y as f64];
+        let area = Rectangle::new(corner, [width, side]);
         let colour = format!("fill=\"#c2410c\" fill-opacity=\"{shade:.3}\"");
         chart.bar(&area, &colour, &format!("tile {x}, {y}: {cycles} cycles"));
     }
@@ -291,8 +279,8 @@ fn roofline(timing: &Timing, config: &Config) -> String {
     let bytes = moved.unwrap_or(timing.bytes.all()).max(1) as f64 / pixels;
     let reached = pixels / timing.total.max(1) as f64;
     let range = [-3.0, 3.0];
-    let x = Axis::decades(range, [LEFT, LEFT + area.width]);
-    let y = Axis::decades(range, [base, TOP]);
+    let x = Axis::decades(range, area.across());
+    let y = Axis::decades(range, area.upwards());
     let point = |across: f64, up: f64| {
         let [across, up] = [across, up].map(|value| value.clamp(1e-3, 1e3));
         (x.at(across), y.at(up))
@@ -357,7 +345,7 @@ mod tests {
         assert_eq!((watched.tiles.len(), workload.columns), (9, 3));
         assert!(watched.tiles.iter().all(|cycles| *cycles <= timing.raster));
         assert!(watched.tiles.iter().any(|cycles| *cycles > 0));
-        let page = page("<random>", &timing, &watched, workload.columns, &config);
+        let page = page("<random>", &timing, &watched, &config);
         for part in [
             "&lt;random&gt;</h1>",
             "lanes: busy ",
@@ -371,15 +359,11 @@ mod tests {
         assert_eq!(page.matches("<svg").count(), 4);
         // Tiles of 16 x 16 are squares, those of twice the width have twice the width.
         let shape = |tile_width| {
-            let plots = plots(
-                &timing,
-                &watched,
-                3,
-                &Config {
-                    tile_width,
-                    ..config
-                },
-            );
+            let config = Config {
+                tile_width,
+                ..config
+            };
+            let plots = plots(&timing, &watched, &config);
             let attribute = |name: &str| {
                 let (_, rest) = plots[2].svg.split_once("<rect").unwrap();
                 let (_, rest) = rest.split_once(&format!(" {name}=\"")).unwrap();
@@ -389,7 +373,7 @@ mod tests {
         };
         assert!((shape(16) - 1.0).abs() < 1e-3 && (shape(32) - 2.0).abs() < 1e-3);
         // The bar of every unit ends where its cycles do, and the roofline's point is under its roof.
-        let roof = plots(&timing, &watched, workload.columns, &config);
+        let roof = plots(&timing, &watched, &config);
         let percent = roof[3].svg.split(" % of the roof").next().unwrap();
         let percent: f64 = percent.rsplit(' ').next().unwrap().parse().unwrap();
         assert!(percent > 0.0 && percent <= 100.0, "{percent}");

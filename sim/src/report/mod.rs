@@ -22,7 +22,6 @@ pub mod shell;
 pub mod table;
 pub(crate) mod viewer;
 
-use crate::atomic;
 use crate::camera::CameraFile;
 use crate::design::ResolvedDesign;
 use crate::flip::PIXELS_PER_DEGREE;
@@ -34,8 +33,6 @@ use crate::systems::SystemVerdict;
 use error_map::ErrorMap;
 use facts::SceneFacts;
 use serde::{Deserialize, Serialize};
-use std::io;
-use std::path::Path;
 
 /// Written into every report.json; the number rises when a field changes its meaning or goes away.
 pub const FORMAT: &str = "splatline-report/1";
@@ -209,12 +206,6 @@ impl Report {
         Ok(text)
     }
 
-    /// Writes report.json; an interrupted write leaves the old file.
-    pub fn write_json(&self, path: &Path) -> io::Result<()> {
-        let text = self.to_json().map_err(io::Error::other)?;
-        atomic::write(path, text.as_bytes())
-    }
-
     /// Name of the design in words.
     pub fn design_name(&self) -> &str {
         let design = self.design.as_ref();
@@ -302,7 +293,5 @@ fn median(mut values: Vec<f64>) -> f64 {
     }
 }
 
-#[cfg(test)]
-pub(crate) mod sample;
 #[cfg(test)]
 mod tests;

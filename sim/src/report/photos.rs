@@ -2,7 +2,7 @@
 
 use super::chart::{Anchor, Axis, Chart};
 use super::error_map::ErrorMap;
-use super::html::{escape, html_table};
+use super::html::{Column, escape, table_of};
 use super::labels::Rectangle;
 use super::png::Rgb;
 use super::shell::Shell;
@@ -283,28 +283,25 @@ pub fn page(report: &PhotoReport, shown: &[Vec<(String, String)>]) -> String {
 /// A line for each engine, with what it costs beside the first.
 fn table<'a>(lines: impl Iterator<Item = (&'a str, PhotoError)> + Clone) -> String {
     let first = lines.clone().next().map(|(_, error)| error);
-    let line = |(engine, error): (&str, PhotoError)| {
-        let first = first.unwrap_or(error);
-        vec![
-            escape(engine),
-            format!("{:.3}", error.psnr_db),
-            format!("{:.5}", error.ssim),
-            format!("{:.5}", error.flip),
-            format!("{:+.4}", error.psnr_db - first.psnr_db),
-            format!("{:+.1e}", error.ssim - first.ssim),
-            format!("{:+.1e}", error.flip - first.flip),
-        ]
+    let change = |error: &PhotoError, of: fn(&PhotoError) -> f64| {
+        of(error) - of(first.as_ref().unwrap_or(error))
     };
-    let headings = [
-        "drawn by",
-        "PSNR, dB",
-        "SSIM",
-        "FLIP",
-        "PSNR change, dB",
-        "SSIM change",
-        "FLIP change",
+    let columns: [Column<(&str, PhotoError)>; 7] = [
+        ("drawn by", &|(engine, _)| escape(engine)),
+        ("PSNR, dB", &|(_, error)| format!("{:.3}", error.psnr_db)),
+        ("SSIM", &|(_, error)| format!("{:.5}", error.ssim)),
+        ("FLIP", &|(_, error)| format!("{:.5}", error.flip)),
+        ("PSNR change, dB", &|(_, error)| {
+            format!("{:+.4}", change(error, |e| e.psnr_db))
+        }),
+        ("SSIM change", &|(_, error)| {
+            format!("{:+.1e}", change(error, |e| e.ssim))
+        }),
+        ("FLIP change", &|(_, error)| {
+            format!("{:+.1e}", change(error, |e| e.flip))
+        }),
     ];
-    html_table("", &[0], &headings, lines.map(line))
+    table_of("", &[0], &columns, lines)
 }
 
 /// Decibels that each engine loses against the photographs, fixed widths and float formats in one figure.
@@ -315,42 +312,22 @@ fn losses(means: &[PhotoMean]) -> String {
             .skip(1)
             .map(|mean| (mean.engine.as_str(), (-mean.psnr_change_db).max(0.0)))
     };
-    let frame = Rectangle {
-        left: 110.0,
-        top: 34.0,
-        width: 560.0,
-        height: 30.0 * losses().count() as f64,
-    };
+    let frame = Rectangle::new([110.0, 34.0], [560.0, 30.0 * losses().count() as f64]);
     let most = losses().map(|(_, loss)| loss).fold(1e-4, f64::max);
-    let across = Axis::linear([0.0, most], [frame.left, frame.left + frame.width]);
-    let mut chart = Chart::new(
-        760.0,
-        frame.height + 90.0,
-        "PSNR lost against the photographs",
-    );
+    let across = Axis::linear([0.0, most], frame.across());
+    let label = "PSNR lost against the photographs";
+    let mut chart = Chart::new(760.0, frame.height + 90.0, label);
     chart.columns(&frame, &across, &across.ticks(6));
     chart.names(&frame, "dB lost beside double precision", "drawn by");
     for (place, (engine, loss)) in losses().enumerate() {
         let top = frame.top + 30.0 * place as f64 + 6.0;
         let end = across.at(loss);
-        let bar = Rectangle {
-            left: frame.left,
-            top,
-            width: (end - frame.left).max(1.0),
-            height: 18.0,
-        };
-        chart.bar(
-            &bar,
-            "class=\"mark s3\"",
-            &format!("{engine}: {loss:.4} dB"),
-        );
+        let bar = Rectangle::new([frame.left, top], [(end - frame.left).max(1.0), 18.0]);
+        let words = format!("{engine}: {loss:.4} dB");
+        chart.bar(&bar, "class=\"mark s3\"", &words);
         chart.text((frame.left - 8.0, top + 9.0), Anchor::End, "", engine);
-        chart.text(
-            (end + 6.0, top + 9.0),
-            Anchor::Start,
-            "",
-            &format!("{loss:.4}"),
-        );
+        let words = format!("{loss:.4}");
+        chart.text((end + 6.0, top + 9.0), Anchor::Start, "", &words);
     }
     chart.finish()
 }

@@ -89,16 +89,10 @@ struct PlotAxes {
 
 impl PlotAxes {
     fn new(rows: &[ReportRow], measure: Across, width: f64, height: f64) -> PlotAxes {
-        let frame = Rectangle {
-            left: 58.0,
-            top: 34.0,
-            width: width - 74.0,
-            height: height - 84.0,
-        };
-        let (left, bottom) = (frame.left, frame.top + frame.height);
+        let frame = Rectangle::new([58.0, 34.0], [width - 74.0, height - 84.0]);
         // At least a factor of two, so that equal times do not blow noise up to the width of the picture.
         let values = rows.iter().map(|row| measure.of(row));
-        let across = Axis::of_values(values, 2.0, [left, left + frame.width]);
+        let across = Axis::of_values(values, 2.0, frame.across());
         let known = || {
             rows.iter()
                 .map(|row| row.error.psnr_db)
@@ -117,7 +111,7 @@ impl PlotAxes {
             frame,
             measure,
             across,
-            up: Axis::linear([first * step, top], [bottom, frame.top]),
+            up: Axis::linear([first * step, top], frame.upwards()),
             decibels: (0..=lines)
                 .map(|line| (first + line as f64) * step)
                 .collect(),

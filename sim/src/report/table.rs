@@ -2,61 +2,39 @@
 
 use super::{Report, ReportRow};
 
-/// Number of columns.
-pub const COLUMNS: usize = 18;
+/// A heading, and its cell of a row as text.
+pub type TextColumn = (&'static str, fn(&ReportRow) -> String);
 
-/// Headings, in the order of [`cells`].
-pub const HEADINGS: [&str; COLUMNS] = [
-    "design",
-    "traversal",
-    "PSNR dB",
-    "max error",
-    "p99",
-    "bias",
-    "SSIM",
-    "FLIP",
-    "PSNR cov",
-    "bias cov",
-    "SSIM cov",
-    "visited",
-    "vis/cov",
-    "setup ms",
-    "sort ms",
-    "raster ms",
-    "total ms",
-    "Mcycles",
+/// All columns; `cov` is over covered pixels alone.
+pub const COLUMNS: [TextColumn; 18] = [
+    ("design", |row| row.design.clone()),
+    ("traversal", |row| row.traversal.clone()),
+    ("PSNR dB", |row| decibels(row.error.psnr_db)),
+    ("max error", |row| scientific(row.error.max_abs)),
+    ("p99", |row| scientific(row.error.percentiles.p99)),
+    ("bias", |row| signed(row.error.bias)),
+    ("SSIM", |row| format!("{:.5}", row.error.ssim)),
+    ("FLIP", |row| flip_text(row.flip)),
+    ("PSNR cov", |row| decibels(row.error.covered.psnr_db)),
+    ("bias cov", |row| signed(row.error.covered.bias)),
+    ("SSIM cov", |row| format!("{:.5}", row.error.covered.ssim)),
+    ("visited", |row| count(row.visited)),
+    ("vis/cov", |row| {
+        let ratio = row.visited_per_covered;
+        ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.2}"))
+    }),
+    ("setup ms", |row| milliseconds(row.host.setup_s)),
+    ("sort ms", |row| milliseconds(row.host.sort_s)),
+    ("raster ms", |row| milliseconds(row.host.raster_s)),
+    ("total ms", |row| milliseconds(row.host.total_s)),
+    ("Mcycles", |row| {
+        let millions = row.cycles.map(|cycles| cycles as f64 / 1e6);
+        millions.map_or("-".to_owned(), |millions| format!("{millions:.3}"))
+    }),
 ];
 
 /// How many columns at the left are words; the others are numbers and align to the right.
 pub const WORD_COLUMNS: usize = 2;
-
-/// One line as text; `cov` is over covered pixels alone.
-pub fn cells(row: &ReportRow) -> [String; COLUMNS] {
-    [
-        row.design.clone(),
-        row.traversal.clone(),
-        decibels(row.error.psnr_db),
-        scientific(row.error.max_abs),
-        scientific(row.error.percentiles.p99),
-        signed(row.error.bias),
-        format!("{:.5}", row.error.ssim),
-        flip_text(row.flip),
-        decibels(row.error.covered.psnr_db),
-        signed(row.error.covered.bias),
-        format!("{:.5}", row.error.covered.ssim),
-        count(row.visited),
-        row.visited_per_covered
-            .map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.2}")),
-        milliseconds(row.host.setup_s),
-        milliseconds(row.host.sort_s),
-        milliseconds(row.host.raster_s),
-        milliseconds(row.host.total_s),
-        row.cycles.map_or_else(
-            || "-".to_owned(),
-            |cycles| format!("{:.3}", cycles as f64 / 1e6),
-        ),
-    ]
-}
 
 /// What the machine's cycles are in time, in one line; nothing where it was not run.
 pub fn throughput_text(report: &Report) -> String {
@@ -75,38 +53,47 @@ pub fn throughput_text(report: &Report) -> String {
 
 /// Aligned plain text for a terminal.
 pub fn plain(rows: &[ReportRow]) -> String {
-    let lines: Vec<[String; COLUMNS]> = rows.iter().map(cells).collect();
-    let widths = widths(&lines);
-    let mut text = plain_line(&HEADINGS, &widths);
-    let rule: Vec<String> = widths.iter().map(|&width| "-".repeat(width)).collect();
-    text.push_str(&plain_line(&rule, &widths));
-    for line in &lines {
-        text.push_str(&plain_line(line, &widths));
-    }
-    text
+    let rule = |_, width| "-".repeat(width);
+    aligned(rows, rule, |cells| cells.join("  ").trim_end().to_owned())
 }
 
 /// A Markdown table, aligned in the source as well.
 pub fn markdown(rows: &[ReportRow]) -> String {
-    let lines: Vec<[String; COLUMNS]> = rows.iter().map(cells).collect();
-    let widths = widths(&lines);
-    let mut text = markdown_line(&HEADINGS, &widths);
-    let rule: Vec<String> = widths
-        .iter()
-        .enumerate()
-        .map(|(column, &width)| {
-            if column < WORD_COLUMNS {
-                "-".repeat(width)
-            } else {
-                "-".repeat(width - 1) + ":"
-            }
-        })
-        .collect();
-    text.push_str(&markdown_line(&rule, &widths));
-    for line in &lines {
-        text.push_str(&markdown_line(line, &widths));
-    }
-    text
+    let rule = |column, width| match column < WORD_COLUMNS {
+        true => "-".repeat(width),
+        false => "-".repeat(width - 1) + ":",
+    };
+    aligned(rows, rule, |cells| format!("| {} |", cells.join(" | ")))
+}
+
+/// Headings, a rule and the rows, cells padded to their column's width: words to the left, numbers to the right.
+fn aligned(
+    rows: &[ReportRow],
+    rule: impl Fn(usize, usize) -> String,
+    joined: impl Fn(Vec<String>) -> String,
+) -> String {
+    let headings = COLUMNS.map(|(heading, _)| heading.to_owned());
+    let cells = rows.iter().map(|row| COLUMNS.map(|(_, cell)| cell(row)));
+    let mut lines: Vec<_> = std::iter::once(headings).chain(cells).collect();
+    let lengths = |column: usize| lines.iter().map(move |line| line[column].chars().count());
+    let widths: [usize; COLUMNS.len()] =
+        std::array::from_fn(|column| lengths(column).max().unwrap_or(0));
+    lines.insert(
+        1,
+        std::array::from_fn(|column| rule(column, widths[column])),
+    );
+    let padded = |(column, cell): (usize, &String)| {
+        let width = widths[column];
+        match column < WORD_COLUMNS {
+            true => format!("{cell:<width$}"),
+            false => format!("{cell:>width$}"),
+        }
+    };
+    let line = |cells: &[String; COLUMNS.len()]| {
+        let cells = cells.iter().enumerate().map(padded);
+        joined(cells.collect()) + "\n"
+    };
+    lines.iter().map(line).collect()
 }
 
 /// `57.31`, or `identical` where the PSNR would be infinite.
@@ -122,6 +109,15 @@ pub fn decibels(psnr_db: f64) -> String {
 pub fn psnr_text(psnr_db: f64) -> String {
     let unit = if psnr_db.is_finite() { " dB" } else { "" };
     decibels(psnr_db) + unit
+}
+
+/// The PSNR of a root mean square error, or `equal`.
+pub fn psnr_of_rms(rms: f64) -> String {
+    if rms > 0.0 {
+        format!("{:.2} dB", -20.0 * rms.log10())
+    } else {
+        "equal".to_owned()
+    }
 }
 
 /// Mean FLIP; `-` where it was not measured.
@@ -162,47 +158,4 @@ pub fn count(number: u64) -> String {
 
 fn milliseconds(seconds: f64) -> String {
     format!("{:.1}", seconds * 1e3)
-}
-
-fn widths(lines: &[[String; COLUMNS]]) -> Vec<usize> {
-    let widest = |column: usize| {
-        lines
-            .iter()
-            .map(|line| line[column].chars().count())
-            .max()
-            .unwrap_or(0)
-    };
-    HEADINGS
-        .iter()
-        .enumerate()
-        .map(|(column, heading)| widest(column).max(heading.len()))
-        .collect()
-}
-
-/// Cells padded to their column's width: words to the left, numbers to the right.
-fn padded<'a>(
-    cells: &'a [impl AsRef<str>],
-    widths: &'a [usize],
-) -> impl Iterator<Item = String> + 'a {
-    cells
-        .iter()
-        .zip(widths)
-        .enumerate()
-        .map(|(column, (cell, &width))| {
-            if column < WORD_COLUMNS {
-                format!("{:<width$}", cell.as_ref())
-            } else {
-                format!("{:>width$}", cell.as_ref())
-            }
-        })
-}
-
-fn plain_line(cells: &[impl AsRef<str>], widths: &[usize]) -> String {
-    let line: Vec<String> = padded(cells, widths).collect();
-    line.join("  ").trim_end().to_owned() + "\n"
-}
-
-fn markdown_line(cells: &[impl AsRef<str>], widths: &[usize]) -> String {
-    let line: Vec<String> = padded(cells, widths).collect();
-    format!("| {} |\n", line.join(" | "))
 }

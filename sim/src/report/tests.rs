@@ -1,10 +1,13 @@
 //! The report's forms: round trip, no infinity in JSON, nothing external in the page, the text table as a snapshot.
 
+mod sample;
+
 use super::error_map::ErrorMap;
 use super::scale::ErrorScale;
 use super::*;
 use crate::picture::Picture;
 use proptest::prelude::*;
+use std::path::Path;
 
 fn page(report: &Report, fixed: &Picture, float: &Picture) -> String {
     html::page(report, fixed, float, &ErrorMap::new(fixed, float)).unwrap()
@@ -16,7 +19,7 @@ fn json_round_trips_and_is_written_whole() {
     let report = sample::report(&fixed, &float);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("report.json");
-    report.write_json(&path).unwrap();
+    crate::atomic::write(&path, report.to_json().unwrap().as_bytes()).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     assert_eq!(serde_json::from_str::<Report>(&text).unwrap(), report);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);

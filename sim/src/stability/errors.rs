@@ -2,6 +2,7 @@
 
 use super::bounds::ErrorBounds;
 use super::exact::RationalFootprint;
+use super::table::STAGES;
 use splatline::footprint::Footprint;
 use splatline::math::SoftFloat;
 
@@ -37,21 +38,9 @@ pub struct StageErrors {
     pub edges: usize,
     /// Pixels on an edge that this engine decides otherwise.
     pub decided_wrongly: usize,
-    /// The largest share of each step's derived bound that is used, in the order of [`BOUNDED`]; 0 for engines without bounds.
-    pub shares: [f64; BOUNDED.len()],
+    /// The largest share of each step's derived bound that is used, in the order of [`STAGES`]; 0 for engines without bounds.
+    pub shares: [f64; STAGES.len()],
 }
-
-/// The steps that have a derived bound.
-pub const BOUNDED: [&str; 8] = [
-    "centre",
-    "depth",
-    "peak",
-    "variance",
-    "determinant",
-    "form",
-    "r",
-    "picture",
-];
 
 pub(super) fn value(mantissa: i32, exponent: i32) -> f64 {
     f64::from(mantissa) * f64::from(exponent).exp2()

@@ -29,7 +29,7 @@ use bounds::ErrorBounds;
 pub use splatline_reference::hard::cases;
 
 use cases::Case;
-pub use errors::{BOUNDED, StageErrors};
+pub use errors::StageErrors;
 use errors::{form_error_of_conic, form_error_of_ldl, value, worse};
 use exact::RationalFootprint;
 use pictures::TruePictures;

@@ -11,33 +11,23 @@ use crate::machine::config::Config;
 use splatline::format::Widths;
 use std::fmt::Write;
 
-/// A change of one width.
-struct Step {
-    /// The width's name in a design file.
-    field: &'static str,
-    /// What the design began with.
-    began: u8,
-    of: fn(&mut Widths) -> &mut u8,
-}
+/// A change of one width: its name in a design file, and what the design began with.
+type Step = (&'static str, u8, fn(&mut Widths) -> &mut u8);
 
 /// Where designs are priced.
 const FAMILY: Family = Family::Xilinx7;
 
 /// In the order in which the data meets them.
 const STEPS: [Step; 8] = [
-    step("mantissa", 24, |w| &mut w.mantissa),
-    step("subpixel", 20, |w| &mut w.subpixel),
-    step("table", 10, |w| &mut w.table),
-    step("interpolation", 14, |w| &mut w.interpolation),
-    step("weight", 24, |w| &mut w.weight),
-    step("alpha", 24, |w| &mut w.alpha),
-    step("colour", 18, |w| &mut w.colour),
-    step("accumulator", 24, |w| &mut w.accumulator),
+    ("mantissa", 24, |w| &mut w.mantissa),
+    ("subpixel", 20, |w| &mut w.subpixel),
+    ("table", 10, |w| &mut w.table),
+    ("interpolation", 14, |w| &mut w.interpolation),
+    ("weight", 24, |w| &mut w.weight),
+    ("alpha", 24, |w| &mut w.alpha),
+    ("colour", 18, |w| &mut w.colour),
+    ("accumulator", 24, |w| &mut w.accumulator),
 ];
-
-const fn step(field: &'static str, began: u8, of: fn(&mut Widths) -> &mut u8) -> Step {
-    Step { field, began, of }
-}
 
 /// Both tables as Markdown.
 pub fn markdown(extent: StabilityExtent) -> String {
@@ -56,16 +46,16 @@ pub fn markdown(extent: StabilityExtent) -> String {
 /// From the first widths to today's.
 fn growing() -> Vec<DesignChoice> {
     let mut design = variant("began with", |widths| {
-        for step in &STEPS {
-            *(step.of)(widths) = step.began;
+        for (_, began, of) in STEPS {
+            *of(widths) = began;
         }
     });
     let mut today = design_of_today().widths;
     let mut designs = vec![design.clone()];
-    for step in &STEPS {
-        let bits = *(step.of)(&mut today);
-        *(step.of)(&mut design.widths) = bits;
-        design.name = format!("{} {} to {bits}", step.field, step.began);
+    for (field, began, of) in STEPS {
+        let bits = *of(&mut today);
+        *of(&mut design.widths) = bits;
+        design.name = format!("{field} {began} to {bits}");
         designs.push(design.clone());
     }
     // The next design's price, to compare with.
@@ -75,9 +65,9 @@ fn growing() -> Vec<DesignChoice> {
 
 /// Today's widths, each one bit smaller.
 fn shrinking() -> Vec<DesignChoice> {
-    let smaller = |step: &Step| {
-        let mut design = variant("", |widths| *(step.of)(widths) -= 1);
-        design.name = format!("{} {}", step.field, (step.of)(&mut design.widths));
+    let smaller = |(field, _, of): &Step| {
+        let mut design = variant("", |widths| *of(widths) -= 1);
+        design.name = format!("{field} {}", of(&mut design.widths));
         design
     };
     STEPS.iter().map(smaller).collect()

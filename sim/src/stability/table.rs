@@ -1,6 +1,6 @@
 //! The suite as text: one line per engine and case, a verdict per case, and the summary of the bars.
 
-use super::{BOUNDED, StabilityLine, StageErrors};
+use super::{StabilityLine, StageErrors};
 use std::fmt::Write;
 
 /// The named design that the bars are about.
@@ -11,7 +11,7 @@ const NEEDLE_BAR: f64 = 10.0;
 /// A stage's name and its error.
 pub type StageColumn = (&'static str, fn(&StageErrors) -> f64);
 
-/// Stages in the order of the columns.
+/// Stages in the order of the columns, each of which has a derived bound.
 pub const STAGES: [StageColumn; 8] = [
     ("centre", |e| e.centre),
     ("depth", |e| e.depth),
@@ -129,7 +129,7 @@ pub fn bounds(lines: &[StabilityLine]) -> String {
         designs.join(" | "),
         "---|".repeat(designs.len())
     );
-    for (step, name) in BOUNDED.iter().enumerate() {
+    for (step, (name, _)) in STAGES.iter().enumerate() {
         let cells = designs.map(|design| {
             let of_design = lines.iter().filter(|line| line.engine == design);
             let share = |line: &&StabilityLine| line.errors.shares[step];

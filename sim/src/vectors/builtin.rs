@@ -51,23 +51,17 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
     for mantissa in [i32::MIN, -i32::MAX, -1, 0, 1, i32::MAX] {
         add(&|splat| splat.centre[2].mantissa = mantissa);
         add(&|splat| splat.axes[0].mantissa = [mantissa; 3]);
-        add(&|splat| {
-            splat.axes = [Axis {
-                mantissa: [mantissa, 0, 0],
-                exponent: -31,
-            }; 3]
-        });
+        add(&|splat| splat.axes = [axis([mantissa, 0, 0], -31); 3]);
         add(&|splat| splat.weight.mantissa = mantissa);
     }
     // At the eye, and as deep as each other; then the eye of `stress_view` to the last bit, and small differences from it.
     add(&|splat| splat.centre = world([0.0; 3]));
-    let height = |mantissa, exponent| SoftFloat { mantissa, exponent };
     add(&|splat| {
         splat.centre = world([0.0; 3]);
-        splat.centre[1] = height(EYE_HEIGHT as i32, EYE_EXPONENT);
+        splat.centre[1] = soft(EYE_HEIGHT as i32, EYE_EXPONENT);
     });
     for low in 1..8 {
-        add(&|splat| splat.centre[1] = height((1 << 29) + low, EYE_EXPONENT - 3));
+        add(&|splat| splat.centre[1] = soft((1 << 29) + low, EYE_EXPONENT - 3));
     }
     // So bright that sums leave their word where they are not shares.
     for _ in 0..5 {
@@ -88,10 +82,7 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
         for last in [1, 2, 3, 5, 7] {
             let mantissa = (1 << (fraction - 1)) + last;
             add(&|splat| {
-                splat.weight = SoftFloat {
-                    mantissa,
-                    exponent: -1 - fraction,
-                };
+                splat.weight = soft(mantissa, -1 - fraction);
                 splat.colour = [0u32, 1, 2].map(|channel| {
                     let below = 28 - fraction as u32;
                     U4F28::from_bits(((mantissa as u32 + channel) << below) >> 1)
@@ -102,19 +93,11 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
     // Opacities around 1/255, where the cut-off begins, and around its end and the peak's.
     for step in -3..8 {
         add(&|splat| {
-            splat.weight = SoftFloat {
-                mantissa: 1_077_952_576 + step,
-                exponent: -38,
-            };
+            splat.weight = soft(1_077_952_576 + step, -38);
         });
     }
     for mantissa in [7, 8, 15, 16, 17, 1000] {
-        add(&|splat| {
-            splat.weight = SoftFloat {
-                mantissa,
-                exponent: 0,
-            }
-        });
+        add(&|splat| splat.weight = soft(mantissa, 0));
     }
     // Covariances around the ends of their exponents, in all directions and between the two of the picture.
     for mantissa in [1 << 30, 7 << 28] {
@@ -129,20 +112,14 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
         }
         for exponent in -292..-270 {
             add(&|splat| {
-                splat.axes[0] = Axis {
-                    mantissa: [1 << 30, mantissa, 0],
-                    exponent,
-                };
+                splat.axes[0] = axis([1 << 30, mantissa, 0], exponent);
             });
         }
     }
     // Long, flat and a little tilted: rows around the length and the shear where centres have fewer bits.
     for power in 10..17 {
         let along = |splat: &mut VolumeSplat, tilt: i32| {
-            splat.axes[0] = Axis {
-                mantissa: [858_993_459, tilt, -644_245_094],
-                exponent: power - 34,
-            };
+            splat.axes[0] = axis([858_993_459, tilt, -644_245_094], power - 34);
             splat.weight = number(0.03125);
         };
         add(&|splat| {
@@ -159,18 +136,12 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
     for mantissa in [1_431_683_088, 1_431_683_090, 1_431_683_096] {
         add(&|splat| {
             *splat = small(world([0.015_625, 0.0, 3.0]), 0.0);
-            splat.weight = SoftFloat {
-                mantissa,
-                exponent: -33,
-            };
+            splat.weight = soft(mantissa, -33);
         });
     }
     // A needle so thin that its box' words leave 64 bits where there is no low-pass filter.
     add(&|splat| {
-        let thin = |exponent| Axis {
-            mantissa: [1 << 30, 1 << 30, 0],
-            exponent,
-        };
+        let thin = |exponent| axis([1 << 30, 1 << 30, 0], exponent);
         splat.axes = [thin(-33), thin(-62), thin(-62)];
         splat.axes[1].mantissa[1] = -(1 << 30);
     });
@@ -208,7 +179,6 @@ fn flat_cases() -> impl Iterator<Item = VolumeSplat> {
     ];
     let flat = |(width, exponent, height, low)| {
         let mut splat = usual([0.0, 0.0, 0.5]);
-        let axis = |mantissa, exponent| Axis { mantissa, exponent };
         splat.axes = [
             axis(width, exponent),
             axis([0, height, 0], low),
@@ -219,10 +189,7 @@ fn flat_cases() -> impl Iterator<Item = VolumeSplat> {
     let tilted = |tilt| {
         let mut splat = small(world([0.1, 2.5 / 64.0, 5.0]), 0.5);
         splat.axes.iter_mut().for_each(|axis| axis.exponent = -40);
-        splat.axes[0] = Axis {
-            mantissa: [858_993_459, tilt, -644_245_094],
-            exponent: -21,
-        };
+        splat.axes[0] = axis([858_993_459, tilt, -644_245_094], -21);
         splat
     };
     ENDS.map(flat)
@@ -247,10 +214,7 @@ fn far_edges() -> impl Iterator<Item = VolumeSplat> {
             weight,
         );
         let width = (0.6 * reach * deviations / (1.0 + 1.0 / 1024.0) * 16_384.0) as i32;
-        splat.axes[0] = Axis {
-            mantissa: [4 * width, 0, -3 * width],
-            exponent: -14,
-        };
+        splat.axes[0] = axis([4 * width, 0, -3 * width], -14);
         splat
     })
 }
@@ -281,7 +245,7 @@ fn slants() -> impl Iterator<Item = VolumeSplat> {
     ];
     CENTRES.into_iter().map(|centre| {
         let mut splat = usual([0.0; 3]);
-        splat.centre = centre.map(|(mantissa, exponent)| SoftFloat { mantissa, exponent });
+        splat.centre = centre.map(|(mantissa, exponent)| soft(mantissa, exponent));
         splat
     })
 }
@@ -325,7 +289,7 @@ pub fn stress_orthographic(view: &mut View, splats: &mut Vec<VolumeSplat>, width
     const COSINE: i32 = 858_993_459;
     let at = |x: i32, z: i32, exponent: i32| {
         let mut splat = usual([0.0; 3]);
-        splat.centre = [x, 0, z].map(|mantissa| SoftFloat { mantissa, exponent });
+        splat.centre = [x, 0, z].map(|mantissa| soft(mantissa, exponent));
         splat
     };
     view.projection = Projection::Orthographic;
@@ -364,13 +328,10 @@ fn at_far() -> VolumeSplat {
 
 /// Round, half opaque, at a place in the scene.
 fn usual(place: [f64; 3]) -> VolumeSplat {
-    let axis = |k: usize| Axis {
-        mantissa: [0, 1, 2].map(|part| if part == k { 1 << 30 } else { 0 }),
-        exponent: -33,
-    };
+    let unit = |k: usize| axis([0, 1, 2].map(|part| i32::from(part == k) << 30), -33);
     VolumeSplat {
         centre: place.map(number),
-        axes: [0, 1, 2].map(axis),
+        axes: [0, 1, 2].map(unit),
         weight: number(0.5),
         colour: [0.25, 0.5, 0.75].map(U4F28::from_num),
     }
@@ -388,6 +349,15 @@ fn small(centre: [SoftFloat; 3], weight: f64) -> VolumeSplat {
 /// A place in the scene from one in the camera's space: [`view`]'s rotation and eye, undone.
 fn world([x, y, z]: [f64; 3]) -> [SoftFloat; 3] {
     [0.8 * x + 0.6 * z - 3.0, y, 0.8 * z - 0.6 * x - 4.0].map(number)
+}
+
+/// A number by its words.
+pub(super) fn soft(mantissa: i32, exponent: i32) -> SoftFloat {
+    SoftFloat { mantissa, exponent }
+}
+
+fn axis(mantissa: [i32; 3], exponent: i32) -> Axis {
+    Axis { mantissa, exponent }
 }
 
 /// With 31 bits, for magnitudes below `2^30`.
@@ -411,15 +381,10 @@ fn splat(random: &mut BuiltinRandom, index: usize) -> VolumeSplat {
             _ => opacity = -36,
         }
     }
-    let axes = thin.map(|power| Axis {
-        mantissa: [(); 3].map(|()| (random.bits() >> 1) as i32 - (1 << 30)),
-        exponent: -32 - power,
-    });
+    let mut entry = || (random.bits() >> 1) as i32 - (1 << 30);
+    let axes = thin.map(|power| axis([(); 3].map(|()| entry()), -32 - power));
     VolumeSplat {
-        centre: centre.map(|mantissa| SoftFloat {
-            mantissa,
-            exponent: -24,
-        }),
+        centre: centre.map(|mantissa| soft(mantissa, -24)),
         axes,
         weight: SoftFloat {
             mantissa: (random.bits() >> 2) as i32,

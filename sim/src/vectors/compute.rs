@@ -35,12 +35,16 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
         let systems = systems::stages(design, subject);
         return [splats].into_iter().chain(systems).collect();
     }
-    let mut setup = SetupStages::new(&widths);
+    let mut setup = setup_stages(&widths);
     let mut visible = Vec::new();
     for (index, splat) in subject.splats.iter().enumerate() {
-        if let Ok(footprint) = setup.record(design, subject, &rules, index, splat) {
-            visible.push((index, footprint));
+        let (records, footprint) = setup_records(design, subject, &rules, splat);
+        for (stage, mut record) in setup.iter_mut().zip(records) {
+            // What comes after a splat was culled is zeros.
+            record.resize(stage.fields.len(), 0);
+            stage.records.push(record);
         }
+        visible.extend(footprint.ok().map(|footprint| (index, footprint)));
     }
     visible.sort_by_key(|(_, footprint)| footprint.depth);
     if subject.compositing == Order::BackToFront {
@@ -60,14 +64,7 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
         }
     }
     let tile = raster.tile();
-    let SetupStages {
-        splats,
-        camera,
-        projected,
-        columns,
-        covariance,
-        opacity,
-    } = setup;
+    let [splats, camera, projected, columns, covariance, opacity] = setup;
     let [reciprocals, roots, logarithms] = functions::tables();
     vec![
         splats,
@@ -98,105 +95,72 @@ pub(super) fn splats_stage() -> VectorStage {
     )
 }
 
-/// One record per splat each.
-struct SetupStages {
-    splats: VectorStage,
-    camera: VectorStage,
-    projected: VectorStage,
-    columns: VectorStage,
-    covariance: VectorStage,
-    opacity: VectorStage,
+/// The stages of setup, with a record for each splat: the splat itself, camera, projection, columns, covariance, opacity.
+fn setup_stages(widths: &Widths) -> [VectorStage; 6] {
+    let subpixel = widths.subpixel;
+    let centre = 28 + subpixel;
+    [
+        splats_stage(),
+        stage(
+            "camera",
+            "t = W (u - e), one splat a record: three words with one exponent",
+            "x:-64 y:-64 z:-64 exponent:-32",
+        ),
+        stage(
+            "projected",
+            "one splat a record; culled: 0 drawn, 1 near, 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside; zeros from 1 to 3",
+            &format!(
+                "culled:4 depth:{KEY_BITS} centre_u:-{centre}.{subpixel} centre_v:-{centre}.{subpixel} ratio_x:n ratio_y:n gain_x:n gain_y:n"
+            ),
+        ),
+        stage(
+            "columns",
+            "M = J W A, one splat a record; zeros if it was culled before",
+            "a_x:n a_y:n b_x:n b_y:n c_x:n c_y:n",
+        ),
+        stage(
+            "covariance",
+            "V' + V^h and its determinant, one splat a record; zeros if it was culled before",
+            "xx:n xy:n yy:n determinant:n",
+        ),
+        stage(
+            "opacity",
+            "opacity at the centre before it is rounded to the packet's, one splat a record; zeros if it was culled before",
+            "peak:n",
+        ),
+    ]
 }
 
-impl SetupStages {
-    fn new(widths: &Widths) -> Self {
-        let subpixel = widths.subpixel;
-        let centre = 28 + subpixel;
-        SetupStages {
-            splats: splats_stage(),
-            camera: stage(
-                "camera",
-                "t = W (u - e), one splat a record: three words with one exponent",
-                "x:-64 y:-64 z:-64 exponent:-32",
-            ),
-            projected: stage(
-                "projected",
-                "one splat a record; culled: 0 drawn, 1 near, 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside; zeros from 1 to 3",
-                &format!(
-                    "culled:4 depth:{KEY_BITS} centre_u:-{centre}.{subpixel} centre_v:-{centre}.{subpixel} ratio_x:n ratio_y:n gain_x:n gain_y:n"
-                ),
-            ),
-            columns: stage(
-                "columns",
-                "M = J W A, one splat a record; zeros if it was culled before",
-                "a_x:n a_y:n b_x:n b_y:n c_x:n c_y:n",
-            ),
-            covariance: stage(
-                "covariance",
-                "V' + V^h and its determinant, one splat a record; zeros if it was culled before",
-                "xx:n xy:n yy:n determinant:n",
-            ),
-            opacity: stage(
-                "opacity",
-                "opacity at the centre before it is rounded to the packet's, one splat a record; zeros if it was culled before",
-                "peak:n",
-            ),
-        }
+/// A splat's records in the order of [`setup_stages`], and its footprint.
+fn setup_records<D: Design>(
+    design: D,
+    subject: &VectorSubject,
+    rules: &Rules,
+    splat: &VolumeSplat,
+) -> ([Vec<i64>; 6], Result<Footprint, Cull>) {
+    let (widths, view) = (design.widths(), &subject.view);
+    let camera = view.pose.to_camera(&view.rotation, &splat.centre, &widths);
+    let result = setup::setup(design, view, rules, splat);
+    let mut projected = record![reason(&result)];
+    let [mut columns, mut covariance, mut opacity] = [const { Vec::new() }; 3];
+    if let Ok(found) = setup::project(&widths, view, rules, &splat.centre) {
+        projected.extend(record![depth::key(found.depth); found.centre; found.ratio; found.gain]);
+        let axes = setup::project_axes(&widths, &view.rotation, &found, &splat.axes);
+        let of_axes = setup::covariance(&widths, rules.low_pass, &axes);
+        let weight = if rules.compensated {
+            setup::compensate(&widths, splat.weight, &axes, &of_axes)
+        } else {
+            splat.weight
+        };
+        opacity = record![setup::centre_opacity(
+            &widths, rules, weight, &found, &of_axes
+        )];
+        columns = record![axes.map(|column| [column.x, column.y]).as_flattened()];
+        covariance = record![of_axes.xx; of_axes.xy; of_axes.yy; of_axes.determinant];
     }
-
-    fn record<D: Design>(
-        &mut self,
-        design: D,
-        subject: &VectorSubject,
-        rules: &Rules,
-        index: usize,
-        splat: &VolumeSplat,
-    ) -> Result<Footprint, Cull> {
-        let (widths, view) = (design.widths(), &subject.view);
-        self.splats.records.push(record![splat]);
-        let camera = view.pose.to_camera(&view.rotation, &splat.centre, &widths);
-        let camera = record![camera.value; camera.exponent];
-        self.camera.records.push(camera);
-        let result = setup::setup(design, view, rules, splat);
-        let mut projected = record![reason(&result)];
-        if let Ok(found) = setup::project(&widths, view, rules, &splat.centre) {
-            projected
-                .extend(record![depth::key(found.depth); found.centre; found.ratio; found.gain]);
-            let columns = setup::project_axes(&widths, &view.rotation, &found, &splat.axes);
-            let covariance = setup::covariance(&widths, rules.low_pass, &columns);
-            let weight = if rules.compensated {
-                setup::compensate(&widths, splat.weight, &columns, &covariance)
-            } else {
-                splat.weight
-            };
-            let peak = setup::centre_opacity(&widths, rules, weight, &found, &covariance);
-            self.opacity.records.push(record![peak]);
-            let columns = columns.map(|column| [column.x, column.y]);
-            self.columns.records.push(record![columns.as_flattened()]);
-            let setup::Covariance2d {
-                xx,
-                xy,
-                yy,
-                determinant,
-            } = covariance;
-            self.covariance
-                .records
-                .push(record![xx; xy; yy; determinant]);
-        }
-        self.projected.records.push(projected);
-        for stage in [
-            &mut self.projected,
-            &mut self.columns,
-            &mut self.covariance,
-            &mut self.opacity,
-        ] {
-            stage.records.resize(index + 1, Vec::new());
-            if let Some(last) = stage.records.last_mut() {
-                last.resize(stage.fields.len(), 0);
-            }
-        }
-        result
-    }
+    let (splat, camera) = (record![splat], record![camera.value; camera.exponent]);
+    let records = [splat, camera, projected, columns, covariance, opacity];
+    (records, result)
 }
 
 fn packet_stage(

@@ -1,5 +1,6 @@
 //! A folder of vectors: written by [`export`], checked by [`verify`].
 
+use super::builtin::soft;
 use super::compute::splats_stage;
 use super::manifest::{Manifest, StageRecord, digest};
 use super::work::room_for;
@@ -8,7 +9,6 @@ use crate::atomic;
 use crate::difference::differences;
 use crate::input::{self, Refused};
 use fixed::types::U4F28;
-use splatline::math::SoftFloat;
 use splatline::splat::{Axis, VolumeSplat};
 use std::fmt::Display;
 use std::fs;
@@ -75,7 +75,6 @@ pub fn verify(folder: &Path) -> Result<Verified, Refused> {
     subject.splats = read_splats(folder, &manifest, &splats_stage())?;
     room_for(&subject).map_err(|error| refused(folder, error))?;
     let expected = compute(&subject);
-    let owners = Owners::new(&expected);
     let mut verified = Verified::default();
     for stage in &expected {
         let file = folder.join(format!("{}.hex", stage.name));
@@ -86,7 +85,7 @@ pub fn verify(folder: &Path) -> Result<Verified, Refused> {
         let got = stage
             .parse(&read(&file)?)
             .map_err(|problem| refused(&file, problem))?;
-        compare(stage, &got, &owners).map_err(|difference| refused(&file, difference))?;
+        compare(&expected, stage, &got).map_err(|difference| refused(&file, difference))?;
         verified.stages.push((stage.name.to_owned(), got.len()));
     }
     let file = folder.join("manifest.json");
@@ -160,59 +159,41 @@ fn splat(record: &[i64]) -> VolumeSplat {
     let mut values = record.iter().copied();
     let mut next = || values.next().unwrap_or_default();
     VolumeSplat {
-        centre: [(); 3].map(|()| SoftFloat {
-            mantissa: next() as i32,
-            exponent: next() as i32,
-        }),
+        centre: [(); 3].map(|()| soft(next() as i32, next() as i32)),
         axes: [(); 3].map(|()| Axis {
             mantissa: [(); 3].map(|()| next() as i32),
             exponent: next() as i32,
         }),
-        weight: SoftFloat {
-            mantissa: next() as i32,
-            exponent: next() as i32,
-        },
+        weight: soft(next() as i32, next() as i32),
         colour: [(); 3].map(|()| U4F28::from_bits(next() as u32)),
     }
 }
 
-/// Which splat a record of a stage belongs to.
-struct Owners {
-    of_packet: Vec<i64>,
-}
-
-impl Owners {
-    fn new(stages: &[VectorStage]) -> Self {
-        let packets = stages.iter().find(|stage| stage.name == "packets");
-        let splat = |record: &Vec<i64>| record.last().copied().unwrap_or(-1);
-        Owners {
-            of_packet: packets.map_or(Vec::new(), |stage| {
-                stage.records.iter().map(splat).collect()
-            }),
+/// Which splat a record of a stage belongs to, in words; runs and pixels name their packet, whose last field is its splat.
+fn owner(stages: &[VectorStage], stage: &VectorStage, index: usize) -> String {
+    let record = |index: usize| stage.records.get(index);
+    let splat = match stage.name {
+        "table" | "tile" | "samples" | "deep" | "gathers" | "sheets" | "perspective"
+        | "indices" => None,
+        "packets" => record(index).and_then(|packet| packet.last().copied()),
+        "runs" | "pixels" => {
+            let mut packets = stages.iter().filter(|stage| stage.name == "packets");
+            let packet = record(index).and_then(|record| record.first());
+            let packet = packet.zip(packets.next());
+            packet.and_then(|(number, all)| all.records.get(*number as usize)?.last().copied())
         }
-    }
-
-    fn describe(&self, stage: &VectorStage, index: usize) -> String {
-        let splat = match stage.name {
-            "table" | "tile" | "samples" | "deep" | "gathers" | "sheets" | "perspective"
-            | "indices" => return String::new(),
-            "packets" => self.of_packet.get(index).copied(),
-            "runs" | "pixels" => {
-                let packet = stage.records.get(index).and_then(|record| record.first());
-                packet.and_then(|packet| self.of_packet.get(*packet as usize).copied())
-            }
-            _ => Some(index as i64),
-        };
-        splat.map_or(String::new(), |splat| format!(" (splat {splat})"))
-    }
+        _ => Some(index as i64),
+    };
+    splat.map_or(String::new(), |splat| format!(" (splat {splat})"))
 }
 
-fn compare(stage: &VectorStage, got: &[Vec<i64>], owners: &Owners) -> Result<(), String> {
+/// Both are equal, or where they first differ; `stages` are all that were computed.
+fn compare(stages: &[VectorStage], stage: &VectorStage, got: &[Vec<i64>]) -> Result<(), String> {
     for (index, (expected, got)) in stage.records.iter().zip(got).enumerate() {
         let mut values = stage.fields.iter().zip(expected.iter().zip(got));
         if let Some((field, (expected, got))) = values.find(|(_, (expected, got))| expected != got)
         {
-            let whose = owners.describe(stage, index);
+            let whose = owner(stages, stage, index);
             let (stage, name) = (stage.name, &field.name);
             let mask = u64::MAX >> (64 - field.bits);
             let hex = |value: i64| format!("{value} (0x{:x})", value as u64 & mask);
@@ -224,7 +205,8 @@ fn compare(stage: &VectorStage, got: &[Vec<i64>], owners: &Owners) -> Result<(),
         }
     }
     if stage.records.len() != got.len() {
-        let whose = owners.describe(stage, got.len().min(stage.records.len().saturating_sub(1)));
+        let last = stage.records.len().saturating_sub(1);
+        let whose = owner(stages, stage, got.len().min(last));
         return Err(format!(
             "stage {}: expected {} records, got {}; the first that is missing or too many is {}{whose}",
             stage.name,

@@ -1,7 +1,7 @@
 //! Stages of the functions that have a table, which do not depend on the subject: the tables, and what the functions give.
 
 use super::VectorStage;
-use super::builtin::BuiltinRandom;
+use super::builtin::{BuiltinRandom, soft};
 use super::record::{Words, record, stage};
 use splatline::math::{LOGARITHMS, RECIPROCALS, ROOTS, SoftFloat, ln, reciprocal, square_root};
 
@@ -38,14 +38,8 @@ pub fn cases() -> VectorStage {
         "x:n reciprocal_16:n reciprocal_17:n reciprocal_31:n root_16:n root_17:n root_31:n logarithm:-64.32",
     );
     let mut random = BuiltinRandom(1);
-    let none = SoftFloat {
-        mantissa: 0,
-        exponent: 0,
-    };
-    let edges = EDGES.map(|mantissa| SoftFloat {
-        mantissa,
-        exponent: -31,
-    });
+    let none = soft(0, 0);
+    let edges = EDGES.map(|mantissa| soft(mantissa, -31));
     let random = (0..CASES).map(|case| argument(&mut random, case));
     for x in edges.into_iter().chain(random) {
         let inverses = BITS.map(|bits| reciprocal(x, bits).unwrap_or(none));
@@ -66,14 +60,11 @@ fn argument(random: &mut BuiltinRandom, case: usize) -> SoftFloat {
         _ => magnitude,
     };
     let exponent = random.bits() as i32;
-    SoftFloat {
-        mantissa: if case % 4 == 3 { -magnitude } else { magnitude },
-        exponent: if case % 8 == 1 {
-            exponent
-        } else {
-            exponent >> 26
-        },
-    }
+    let exponent = match case % 8 {
+        1 => exponent,
+        _ => exponent >> 26,
+    };
+    soft(if case % 4 == 3 { -magnitude } else { magnitude }, exponent)
 }
 
 /// The read-only memories of setup and rows, which do not depend on the design.

@@ -32,7 +32,7 @@ pub struct Manifest {
     /// Variance of the low-pass filter, whether opacities are compensated for it, and the samples' spacing: the rules' own, or others.
     pub filter: (f64, bool, f64),
     /// `front-to-back`, `back-to-front` or `x-ray`.
-    pub compositing: String,
+    pub compositing: Compositing,
     /// The camera.
     pub view: ViewRecord,
     /// Of design, rules, compositing and view: no result tells whether `far` has moved by a bit, but this does.
@@ -101,7 +101,7 @@ impl Manifest {
             let rules = &subject.rules;
             (rules.low_pass, rules.compensated, rules.spacing)
         };
-        let compositing = subject.compositing.name().to_owned();
+        let compositing = subject.compositing;
         let view = ViewRecord::from(&subject.view);
         let inputs = serde_json::json!([design, rules, filter, compositing, view]).to_string();
         Manifest {
@@ -137,20 +137,12 @@ impl Manifest {
                 spacing,
                 ..rules
             },
-            compositing: compositing_of(&self.compositing)?,
+            compositing: self.compositing,
             view: self.view.view(),
             splats: Vec::new(),
             systems: self.stages.iter().any(|stage| stage.name == "colours"),
         })
     }
-}
-
-fn compositing_of(name: &str) -> Result<Compositing, String> {
-    let mut all = Compositing::ALL.into_iter();
-    all.find(|compositing| compositing.name() == name)
-        .ok_or_else(|| {
-            format!("compositing is '{name}', expected front-to-back, back-to-front or x-ray")
-        })
 }
 
 impl From<&View> for ViewRecord {

@@ -1,7 +1,7 @@
 //! What stages are made of: fields by a line of text, records of anything, operands of all lengths.
 
 use super::VectorStage;
-use super::builtin::BuiltinRandom;
+use super::builtin::{BuiltinRandom, soft};
 use fixed::types::{I2F30, I4F28, U4F28};
 use splatline::blend::Pixel;
 use splatline::blend::deep::DeepPixel;
@@ -138,7 +138,7 @@ impl BuiltinRandom {
     pub(super) fn number(&mut self, power: i32) -> SoftFloat {
         let (mantissa, lower) = (self.up_to(i32::MAX as u32) as i32, self.up_to(2) as i32);
         let exponent = power - 31 - lower;
-        SoftFloat { mantissa, exponent }
+        soft(mantissa, exponent)
     }
 
     /// Every eighth is -1, 0 or 1.
@@ -147,10 +147,7 @@ impl BuiltinRandom {
         if self.up_to(7) > 0 {
             return usual;
         }
-        SoftFloat {
-            mantissa,
-            exponent: 0,
-        }
+        soft(mantissa, 0)
     }
 
     /// Three words.

@@ -3,7 +3,7 @@
 //! Each takes the subject's splats through a system's own setup, or pixels through its own blending, with operands of all lengths up to
 //! the ends of their formats. A record has the operands, then the results.
 
-use super::builtin::BuiltinRandom;
+use super::builtin::{BuiltinRandom, soft};
 use super::record::{Words, push, record, stage};
 use super::{VectorStage, VectorSubject};
 use crate::fixed::kernel_rules;
@@ -365,9 +365,9 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
         let indices = [Index::Affine, Index::Perspective, Index::Ray];
         let choice = (ellipses[ellipse], indices[index]);
         // Every tenth is hardly above 1/255, so that it ends near its middle.
-        let (mantissa, exponent) = (1_077_952_576 + random.up_to(1 << 28) as i32, -38);
+        let hardly = soft(1_077_952_576 + random.up_to(1 << 28) as i32, -38);
         let weight = match number % 10 {
-            9 => SoftFloat { mantissa, exponent },
+            9 => hardly,
             _ => random.weight(splat.weight),
         };
         let centre = splat.centre;
@@ -383,23 +383,15 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
         };
         if number % 5 == 4 {
             // The largest sphere that does not reach the eye, more or less exactly, or the smallest that does.
-            deviation = SoftFloat {
-                mantissa: 0,
-                exponent: -27,
-            };
+            deviation = soft(0, -27);
             for bit in (random.up_to(12)..31).rev() {
                 let mantissa = deviation.mantissa | 1 << bit;
-                if found(SoftFloat {
-                    mantissa,
-                    ..deviation
-                }) != Err(Cull::Near)
-                {
+                if found(soft(mantissa, -27)) != Err(Cull::Near) {
                     deviation.mantissa = mantissa;
                 }
             }
-            deviation.mantissa = deviation
-                .mantissa
-                .saturating_add((number / 5 % 4 / 3) as i32);
+            let more = (number / 5 % 4 / 3) as i32;
+            deviation.mantissa = deviation.mantissa.saturating_add(more);
         }
         let words = found(deviation).map(|found| {
             let slant = found

@@ -3,33 +3,27 @@
 use crate::camera::{Camera, CameraError, NOTABLE_CORRECTION};
 use crate::cameras::{self, CameraPose};
 use crate::cli::say::{Failure, print_error, print_result};
-use crate::cli::values::{OrbitChoice, PictureSize, VectorValue};
-use crate::cli::view_args::ViewOptions;
+use crate::cli::view_args::CameraArgs;
 use crate::framing::{Ball, FramingInput, USUAL_FOV, orbited};
 use crate::scene::Scene;
 use anyhow::anyhow;
 use std::path::Path;
 
 /// Where neither a camera file nor `--size` says otherwise.
-pub(super) const USUAL_SIZE: PictureSize = PictureSize {
-    width: 512,
-    height: 512,
-};
+pub(super) const USUAL_SIZE: [usize; 2] = [512, 512];
 
 /// The camera of the options, or one that shows the whole scene (a capture that is `filling` fills the picture), and what had to be corrected.
 /// `up` is used where the options do not say.
 pub(super) fn camera(
-    options: &ViewOptions,
+    options: &CameraArgs,
     up: [f64; 3],
     scene: &Path,
     frame: impl FnOnce() -> FramingInput,
     filling: Option<&Scene>,
 ) -> Result<(Camera, Vec<String>), Failure> {
-    let (camera, warnings) = match (&options.camera, options.eye, options.target) {
+    let (camera, warnings) = match (&options.file, options.eye, options.target) {
         (Some(path), ..) => camera_from_file(path, options)?,
-        (None, Some(VectorValue(eye)), Some(VectorValue(target))) => {
-            (camera_from_eye(eye, target, up, options)?, Vec::new())
-        }
+        (None, Some(eye), Some(target)) => (camera_from_eye(eye, target, up, options)?, Vec::new()),
         _ => match trained_camera(scene, options)? {
             Some(found) => found,
             None => (framed(&frame(), filling, scene, options)?, Vec::new()),
@@ -42,9 +36,8 @@ pub(super) fn camera(
     Ok((camera, warnings))
 }
 
-fn camera_from_file(path: &Path, options: &ViewOptions) -> Result<(Camera, Vec<String>), Failure> {
-    let size = options.size.map(|size| [size.width, size.height]);
-    let pose = cameras::choose(cameras::load(path, size)?, options.image.as_deref())
+fn camera_from_file(path: &Path, options: &CameraArgs) -> Result<(Camera, Vec<String>), Failure> {
+    let pose = cameras::choose(cameras::load(path, options.size)?, options.image.as_deref())
         .map_err(|problem| anyhow!("camera file '{}' {problem}", path.display()))?;
     for note in &pose.notes {
         print_error(&format!("{}: {note}\n", pose.name));
@@ -56,7 +49,7 @@ fn camera_from_file(path: &Path, options: &ViewOptions) -> Result<(Camera, Vec<S
 /// The first camera that a trainer's folder was trained with, where nothing is said about the view.
 fn trained_camera(
     scene: &Path,
-    options: &ViewOptions,
+    options: &CameraArgs,
 ) -> Result<Option<(Camera, Vec<String>)>, Failure> {
     let file = scene.join("cameras.json");
     let is_said = options.orbit.is_some() || options.fov.is_some() || options.up.is_some();
@@ -80,10 +73,10 @@ fn trained_camera(
 /// The camera with the picture's size that is asked for; what that stretches is told.
 fn sized(
     camera: Camera,
-    options: &ViewOptions,
+    options: &CameraArgs,
     mut warnings: Vec<String>,
 ) -> Result<(Camera, Vec<String>), Failure> {
-    let Some(PictureSize { width, height }) = options.size else {
+    let Some([width, height]) = options.size else {
         return Ok((camera, warnings));
     };
     let across = width as f64 / camera.width as f64;
@@ -115,13 +108,13 @@ fn camera_from_eye(
     eye: [f64; 3],
     target: [f64; 3],
     up: [f64; 3],
-    options: &ViewOptions,
+    options: &CameraArgs,
 ) -> Result<Camera, Failure> {
-    let PictureSize { width, height } = options.size.unwrap_or(USUAL_SIZE);
-    let up = options.up.map_or(up, |VectorValue(up)| up);
+    let [width, height] = options.size.unwrap_or(USUAL_SIZE);
+    let up = options.up.unwrap_or(up);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     let eye = match options.orbit {
-        Some(OrbitChoice(orbit)) => orbited(eye, target, up, orbit),
+        Some(orbit) => orbited(eye, target, up, orbit),
         None => eye,
     };
     Camera::look_at(eye, target, up, fov, width, height).map_err(|error| {
@@ -149,13 +142,12 @@ fn framed(
     frame: &FramingInput,
     filling: Option<&Scene>,
     scene: &Path,
-    options: &ViewOptions,
+    options: &CameraArgs,
 ) -> Result<Camera, Failure> {
-    let PictureSize { width, height } = options.size.unwrap_or(USUAL_SIZE);
+    let [width, height] = options.size.unwrap_or(USUAL_SIZE);
     let fov = options.fov.unwrap_or(USUAL_FOV);
-    let orbit = options.orbit.map(|OrbitChoice(orbit)| orbit);
     let scene = scene.display().to_string();
-    let place = |frame: &FramingInput| frame.camera(orbit, fov, width, height);
+    let place = |frame: &FramingInput| frame.camera(options.orbit, fov, width, height);
     let camera = match place(frame) {
         Ok(camera) => sound_camera(camera, &scene)?,
         Err(error) => return Err(why_not_framed(error, frame, &scene, place)),

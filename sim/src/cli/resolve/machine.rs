@@ -1,13 +1,12 @@
 //! From options to a machine, the part that it is built on, and the prices of both.
 
 use crate::cli::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
-use crate::cli::output::read_settings;
+use crate::cli::output::settings;
 use crate::cli::say::Failure;
 use crate::machine::area::Calibration;
 use crate::machine::config::{self, Config};
 use crate::machine::energy::EnergyTable;
 use crate::machine::parts::{Part, Parts};
-use anyhow::anyhow;
 
 /// Refuses lists that keep the order of the picture before.
 pub fn refuse_kept_order(machine: &Config) -> Result<(), Failure> {
@@ -46,11 +45,7 @@ pub fn part(options: &AreaOptions) -> Result<Option<Part>, Failure> {
     };
     let mut parts = Parts::default();
     if let Some(path) = &options.parts {
-        let text = read_settings(path)?;
-        let file = path.display().to_string();
-        parts = parts
-            .and(&file, &text)
-            .map_err(|problem| anyhow!(problem))?;
+        parts = settings(path, |file, text| parts.clone().and(file, text))?;
     }
     let found = parts.find(name).map_err(Failure::Usage)?;
     Ok(Some(found.clone()))
@@ -63,11 +58,7 @@ pub fn calibration(options: &AreaOptions) -> Result<Calibration, Failure> {
             Some(part) => part.family.calibration(),
             None => options.family.calibration(),
         }),
-        Some(path) => {
-            let text = read_settings(path)?;
-            Ok(Calibration::from_toml(&path.display().to_string(), &text)
-                .map_err(|problem| anyhow!(problem))?)
-        }
+        Some(path) => settings(path, Calibration::from_toml),
     }
 }
 
@@ -75,10 +66,6 @@ pub fn calibration(options: &AreaOptions) -> Result<Calibration, Failure> {
 pub fn energy_table(options: &EnergyOptions) -> Result<EnergyTable, Failure> {
     match &options.energy {
         None => Ok(EnergyTable::default()),
-        Some(path) => {
-            let text = read_settings(path)?;
-            Ok(EnergyTable::from_toml(&path.display().to_string(), &text)
-                .map_err(|problem| anyhow!(problem))?)
-        }
+        Some(path) => settings(path, EnergyTable::from_toml),
     }
 }

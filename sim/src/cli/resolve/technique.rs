@@ -7,8 +7,8 @@ use crate::camera::Camera;
 use crate::cameras;
 use crate::cli::drawing_args::TechniqueOptions;
 use crate::cli::say::Failure;
-use crate::cli::values::{AntialiasChoice, Backfaces, SceneKind, TraversalChoice, VectorValue};
-use crate::cli::view_args::{SurfaceArgs, ViewOptions};
+use crate::cli::values::{AntialiasChoice, Backfaces, SceneKind, TraversalChoice};
+use crate::cli::view_args::{SplatArgs, SurfaceArgs, ViewOptions};
 use crate::hybrid::{Hybrid, Points, spacing};
 use crate::plan::load::SourceCamera;
 use crate::plan::{
@@ -37,9 +37,9 @@ impl PlanRequest<'_> {
     pub(super) fn source(&self, path: &Path) -> Result<Source, Failure> {
         let contents = match self.view.surface.kind {
             None => Contents::Splats {
-                transfer: self.view.transfer.clone(),
-                light: self.view.light.map(|VectorValue(direction)| direction),
-                sh_degree: self.view.sh_degree,
+                transfer: self.view.splats.transfer.clone(),
+                light: self.view.splats.light,
+                sh_degree: self.view.splats.sh_degree,
             },
             Some(SceneKind::Surface) => self.surface(path)?,
             Some(SceneKind::Texture) => {
@@ -105,7 +105,11 @@ impl PlanRequest<'_> {
         } else {
             are_samples.then_some(AntialiasChoice::Swan)
         };
-        let rules = rules(self.view, scene, self.view.antialias.or(usual))?;
+        let rules = rules(
+            &self.view.splats,
+            scene,
+            self.view.splats.antialias.or(usual),
+        )?;
         let method = self.method(scene, &rules, are_samples)?;
         let compositing = self.compositing;
         let name = match method {
@@ -200,7 +204,7 @@ impl PlanRequest<'_> {
 
     /// Options about volumes alone.
     fn for_volumes(&self) -> Vec<Given> {
-        vec![(self.view.transfer.is_some(), "--transfer")]
+        vec![(self.view.splats.transfer.is_some(), "--transfer")]
     }
 
     /// Options about splats, which points of a surface are not.
@@ -211,11 +215,11 @@ impl PlanRequest<'_> {
             .technique
             .is_some_and(|options| options.points.is_some() || options.is_another_method());
         vec![
-            (view.rules.is_some(), "--rules"),
-            (view.antialias.is_some(), "--antialias"),
-            (view.low_pass.is_some(), "--low-pass"),
-            (view.sh_degree.is_some(), "--sh-degree"),
-            (view.kernel != Kernel::Gaussian, "--kernel"),
+            (view.splats.rules.is_some(), "--rules"),
+            (view.splats.antialias.is_some(), "--antialias"),
+            (view.splats.low_pass.is_some(), "--low-pass"),
+            (view.splats.sh_degree.is_some(), "--sh-degree"),
+            (view.splats.kernel != Kernel::Gaussian, "--kernel"),
             (stamped, "--traversal stamp"),
             (method, "--points, --sheets, --deep-alpha or --spheres"),
         ]
@@ -233,7 +237,7 @@ fn for_styles(view: &ViewOptions) -> Vec<Given> {
         (surface.edges, "--edges"),
         (surface.z_threshold.is_some(), "--z-threshold"),
         (surface.backfaces() != Backfaces::Auto, "--cull-backfaces"),
-        (view.light.is_some(), "--light"),
+        (view.splats.light.is_some(), "--light"),
     ]
 }
 
@@ -282,7 +286,7 @@ fn source_camera(path: &Path) -> Result<SourceCamera, Failure> {
 
 /// The rules asked for, with the kernel and the protection against aliasing asked for, or else with that which the scene was trained with.
 fn rules(
-    options: &ViewOptions,
+    options: &SplatArgs,
     scene: &Scene,
     antialias: Option<AntialiasChoice>,
 ) -> Result<Rules, Failure> {
@@ -318,8 +322,8 @@ fn style(view: &ViewOptions, scene: &SurfaceScene) -> Style {
         buffer: options.layers.map_or(Buffer::Accumulation, Buffer::Layers),
         edge: options.edges.then_some(USUAL_EDGE),
         light: view
+            .splats
             .light
-            .map(|VectorValue(light)| light)
             .or((!scene.coloured).then_some(USUAL_LIGHT)),
         cull_backfaces: culls_backfaces(options, scene),
         ..Style::opaque(threshold)

@@ -391,11 +391,7 @@ fn footprints_are_csv_with_empty_fields_for_culled_splats() {
 #[test]
 fn the_demo_writes_its_report() {
     let folder = Folder::new();
-    let size = PictureSize {
-        width: 32,
-        height: 32,
-    };
-    demo::run_into(&folder.path(""), size, 1).unwrap();
+    demo::run_into(&folder.path(""), [32, 32], 1).unwrap();
     assert_eq!(folder.report("report.json").table.len(), 10);
     let page = folder.read("page.html");
     assert!(page.contains("brainsmall") && page.contains("id=\"scene\""));

@@ -79,7 +79,7 @@ fn a_single_picture_moves_the_bar() {
     let steps = Mutex::new(Vec::new());
     let record = |done, of| steps.lock().unwrap().push((done, of));
     let kernel = || {
-        let mut kernel = prepared.kernel(&prepared.plan.entry, None, true)?;
+        let mut kernel = prepared.kernel(None, &prepared.plan.entry, None, true)?;
         kernel.draw(&record)
     };
     on_threads(2, kernel).unwrap().unwrap();

@@ -6,7 +6,6 @@ mod messages;
 
 use super::args::*;
 use super::say::explain;
-use super::values::*;
 use super::*;
 use crate::picture::{Depth, Picture};
 use crate::plan::{Engine, VOLUMES_ALONE};

@@ -95,10 +95,10 @@ fn negative_coordinates_parse() {
     let Some(Command::Render(options)) = cli.command else {
         panic!("not render")
     };
-    assert_eq!(options.view.eye, Some(VectorValue([-1.0, 2.0, -3.5])));
-    assert_eq!(options.view.target, Some(VectorValue([0.0, -0.5, 10.0])));
-    assert_eq!(options.view.up, Some(VectorValue([0.0, -1.0, 0.0])));
-    assert_eq!(options.view.light, Some(VectorValue([-1.0, -1.0, 0.0])));
+    assert_eq!(options.view.camera.eye, Some([-1.0, 2.0, -3.5]));
+    assert_eq!(options.view.camera.target, Some([0.0, -0.5, 10.0]));
+    assert_eq!(options.view.camera.up, Some([0.0, -1.0, 0.0]));
+    assert_eq!(options.view.splats.light, Some([-1.0, -1.0, 0.0]));
 }
 
 #[test]
@@ -108,7 +108,7 @@ fn defaults_are_those_of_the_help() {
     };
     assert_eq!(options.drawing.engine, Engine::Fixed);
     let work = &options.drawing.work;
-    assert_eq!(work.design, DesignName("standard24".to_owned()));
+    assert_eq!(work.design, "standard24");
     assert_eq!(
         (options.drawing.depth, options.drawing.repeat),
         (Depth::Eight, 1)
@@ -117,7 +117,7 @@ fn defaults_are_those_of_the_help() {
         (work.traversal, work.compositing),
         (None, Compositing::FrontToBack)
     );
-    assert!(options.view.rules.is_none() && options.view.size.is_none());
+    assert!(options.view.splats.rules.is_none() && options.view.camera.size.is_none());
 }
 
 #[test]

@@ -52,11 +52,7 @@ pub const EXCHANGED: [&str; 12] = [
 impl Search<'_> {
     /// The least index of a width up to the point's that holds the limits on errors.
     fn lowest_width(&mut self, point: &[usize], axis: usize) -> Result<Vec<usize>> {
-        let at = |index: usize| {
-            let mut moved = point.to_vec();
-            moved[axis] = index;
-            moved
-        };
+        let at = |index: usize| moved(point, axis, index);
         let (mut bad, mut good) = (0, point[axis]);
         while bad < good {
             let middle = bad + (good - bad) / 2;
@@ -269,20 +265,19 @@ fn is_width(axis: &SpaceAxis) -> bool {
 fn others_of(search: &Search, point: &[usize], axis: usize) -> Vec<Vec<usize>> {
     let all = 0..search.space.axes[axis].values.len();
     all.filter(|index| *index != point[axis])
-        .map(|index| {
-            let mut moved = point.to_vec();
-            moved[axis] = index;
-            moved
-        })
+        .map(|index| moved(point, axis, index))
         .collect()
 }
 
 /// A field one step up or down its axis.
 fn step(search: &Search, point: &[usize], axis: usize, by: isize) -> Option<Vec<usize>> {
     let index = point[axis].checked_add_signed(by)?;
-    (index < search.space.axes[axis].values.len()).then(|| {
-        let mut moved = point.to_vec();
-        moved[axis] = index;
-        moved
-    })
+    (index < search.space.axes[axis].values.len()).then(|| moved(point, axis, index))
+}
+
+/// The point with another value of a field.
+fn moved(point: &[usize], axis: usize, index: usize) -> Vec<usize> {
+    let mut moved = point.to_vec();
+    moved[axis] = index;
+    moved
 }

@@ -71,78 +71,71 @@ const NOWHERE: PixelBox = PixelBox {
     y1: 0,
 };
 
-/// Double precision.
-pub(super) struct Double<'a> {
-    pub projected: &'a [Result<Exact, Culled>],
-    pub rules: &'a Rules,
+/// An engine in floating point, which computes what a layer leaves of the light in its own precision.
+pub(super) struct FloatSide<'a> {
+    bounds: Box<dyn Fn(usize) -> PixelBox + Sync + 'a>,
+    /// Of a splat at a pixel; none where it is not drawn.
+    opacity: Box<dyn Fn(usize, [usize; 2]) -> Option<f64> + Sync + 'a>,
+    behind: fn(f64, f64) -> f64,
+    stop: f64,
 }
 
-impl DecisionEngine for Double<'_> {
-    fn bounds(&self, index: usize) -> PixelBox {
-        self.projected[index]
-            .as_ref()
-            .map_or(NOWHERE, ScreenSplat::bounds)
-    }
-
-    fn start(&self, area: PixelBox) -> Box<dyn DecisionTile + '_> {
-        let opacity = |index: usize, [x, y]: [usize; 2]| {
-            let splat = self.projected[index].as_ref().ok()?;
-            compositor::opacity(splat, [x as f64 + 0.5, y as f64 + 0.5], self.rules)
-        };
-        Box::new(Floating::<f64, _> {
-            area,
-            clear: vec![1.0; pixels_of(area)],
-            rules: self.rules,
-            opacity,
-            behind: |clear, alpha| clear * (1.0 - alpha),
-        })
+/// Double precision.
+pub(super) fn double<'a>(
+    projected: &'a [Result<Exact, Culled>],
+    rules: &'a Rules,
+) -> FloatSide<'a> {
+    let splat = |index: usize| projected[index].as_ref();
+    FloatSide {
+        bounds: Box::new(move |index| splat(index).map_or(NOWHERE, ScreenSplat::bounds)),
+        opacity: Box::new(move |index, [x, y]| {
+            compositor::opacity(splat(index).ok()?, [x as f64 + 0.5, y as f64 + 0.5], rules)
+        }),
+        behind: |clear, alpha| clear * (1.0 - alpha),
+        stop: rules.minimum_transmittance,
     }
 }
 
 /// Single precision.
-pub(super) struct Single<'a> {
-    pub projected: &'a [Option<SingleFootprint>],
-    pub camera: &'a Camera,
-    pub rules: &'a Rules,
+pub(super) fn single<'a>(
+    projected: &'a [Option<SingleFootprint>],
+    camera: &'a Camera,
+    rules: &'a Rules,
+) -> FloatSide<'a> {
+    let splat = |index: usize| projected[index].as_ref();
+    FloatSide {
+        bounds: Box::new(move |index| splat(index).map_or(NOWHERE, |f| f.bounds(camera, rules))),
+        opacity: Box::new(move |index, [x, y]| {
+            let opacity = splat(index)?.opacity(x as f32 + 0.5, y as f32 + 0.5, rules);
+            (opacity > 0.0).then_some(opacity.into())
+        }),
+        behind: |clear, alpha| (clear as f32 * (1.0 - alpha as f32)).into(),
+        stop: (rules.minimum_transmittance as f32).into(),
+    }
 }
 
-impl DecisionEngine for Single<'_> {
+impl DecisionEngine for FloatSide<'_> {
     fn bounds(&self, index: usize) -> PixelBox {
-        self.projected[index]
-            .as_ref()
-            .map_or(NOWHERE, |f| f.bounds(self.camera, self.rules))
+        (self.bounds)(index)
     }
 
     fn start(&self, area: PixelBox) -> Box<dyn DecisionTile + '_> {
-        let opacity = |index: usize, [x, y]: [usize; 2]| {
-            let splat = self.projected[index].as_ref()?;
-            let opacity = splat.opacity(x as f32 + 0.5, y as f32 + 0.5, self.rules);
-            (opacity > 0.0).then_some(opacity)
-        };
-        Box::new(Floating::<f32, _> {
+        Box::new(FloatTile {
+            engine: self,
             area,
             clear: vec![1.0; pixels_of(area)],
-            rules: self.rules,
-            opacity,
-            behind: |clear, alpha| clear * (1.0 - alpha),
         })
     }
 }
 
-/// Pixels of either float engine: the light that is left, 0 once finished.
-struct Floating<'a, F, O> {
+/// Pixels of a float engine: the light that is left, 0 once finished.
+struct FloatTile<'a> {
+    engine: &'a FloatSide<'a>,
     area: PixelBox,
-    clear: Vec<F>,
-    rules: &'a Rules,
-    opacity: O,
-    behind: fn(F, F) -> F,
+    clear: Vec<f64>,
 }
 
-impl<F, O> DecisionTile for Floating<'_, F, O>
-where
-    F: Copy + Default + Into<f64>,
-    O: Fn(usize, [usize; 2]) -> Option<F>,
-{
+impl DecisionTile for FloatTile<'_> {
     fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>) {
         drawn.clear();
         let columns = self.area.x1 - self.area.x0;
@@ -151,28 +144,18 @@ where
                 place % columns + self.area.x0,
                 place / columns + self.area.y0,
             ];
-            let opacity = (self.opacity)(index, at);
+            let opacity = (self.engine.opacity)(index, at);
             drawn.push(opacity.is_some());
             if let Some(opacity) = opacity {
-                let rest = (self.behind)(self.clear[place], opacity);
-                let finished = rest.into() <= self.stop();
-                self.clear[place] = if finished { F::default() } else { rest };
+                let rest = (self.engine.behind)(self.clear[place], opacity);
+                let finished = rest <= self.engine.stop;
+                self.clear[place] = if finished { 0.0 } else { rest };
             }
         }
     }
 
     fn is_finished(&self, place: usize) -> bool {
-        self.clear[place].into() == 0.0
-    }
-}
-
-impl<F, O> Floating<'_, F, O> {
-    /// Each engine compares with the threshold in its own precision.
-    fn stop(&self) -> f64 {
-        match size_of::<F>() {
-            4 => f64::from(self.rules.minimum_transmittance as f32),
-            _ => self.rules.minimum_transmittance,
-        }
+        self.clear[place] == 0.0
     }
 }
 
@@ -416,7 +399,6 @@ mod tests {
         let project = |rules| float::footprints(&class.scene, &class.camera, rules);
         let (truth, other) = (project(&RULES), project(&rules));
         let order: Vec<usize> = compositor::order(&truth);
-        let double = |projected, rules| Double { projected, rules };
         let engine = double(&other, &rules);
         let decisions = count(&double(&truth, &RULES), &[&engine], &order, &class.camera);
         let flipped = decisions[0]

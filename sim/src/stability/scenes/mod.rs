@@ -28,7 +28,7 @@ use crate::vector;
 pub use splatline_reference::hard::classes;
 
 use classes::{Class, Size};
-use flips::{DecisionEngine, Double, FixedSide, Flips, Single};
+use flips::{DecisionEngine, Decisions, FixedSide, Flips, double};
 
 /// The designs that the page shows.
 pub const DESIGNS: [&str; 3] = ["lean18", "standard24", "deep32"];
@@ -106,57 +106,50 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
         ));
     }
 
-    let mut lines = vec![other.line(class, &truth)];
-    lines.extend(
-        singles
-            .iter()
-            .map(|(name, drawing)| drawing.line(name, class, &truth)),
-    );
-    for (design, (drawing, footprints)) in designs.iter().zip(&drawings) {
-        let conics = fixed::conics(scene, camera, &RULES, design);
-        lines.push(SceneLine {
-            engine: design.name.clone(),
-            conic: truth.worst_conic(conics.into_iter()),
-            clamped: drawing.clamped,
-            culled: drawing.culled.iter().sum(),
-            lost: truth.lost(footprints.iter().map(Result::is_ok)),
-            ..truth.compare(class, &drawing.picture)
-        });
-    }
-
     let rules = &RULES;
-    let double = |truth| Double {
-        projected: truth,
-        rules,
-    };
-    let other_form = double(&other.projected);
-    let single: Vec<Single> = singles
-        .iter()
-        .map(|(_, drawing)| Single {
-            projected: &drawing.projected,
-            camera,
-            rules,
-        })
-        .collect();
-    let fixed: Vec<FixedSide> = designs
-        .iter()
-        .zip(&drawings)
-        .map(|(design, (_, footprints))| FixedSide::new(footprints, design, rules))
-        .collect();
-    let mut engines: Vec<&dyn DecisionEngine> = vec![&other_form];
-    engines.extend(single.iter().map(|engine| engine as &dyn DecisionEngine));
-    engines.extend(fixed.iter().map(|engine| engine as &dyn DecisionEngine));
-    let decisions = flips::count(&double(&truth.projected), &engines, &truth.order, camera);
-    let pictures = std::iter::once(&other.drawing.picture)
-        .chain(singles.iter().map(|(_, drawing)| &drawing.picture))
-        .chain(drawings.iter().map(|(drawing, _)| &drawing.picture));
-    for ((line, picture), decisions) in lines.iter_mut().zip(pictures).zip(decisions) {
-        line.flips = decisions.flips;
-        line.settled_psnr_db = truth.psnr_where(picture, |pixel| !decisions.pixels[pixel]);
-        let flipped = decisions.pixels.iter().filter(|flipped| **flipped).count();
-        line.settled = 1.0 - flipped as f64 / decisions.pixels.len() as f64;
-    }
+    let mut engines = vec![DrawnClass {
+        name: FROM_ORIGIN,
+        picture: &other.drawing.picture,
+        conics: other.conics().collect(),
+        drawn: other.projected.iter().map(Result::is_ok).collect(),
+        clamped: 0,
+        decisions: Box::new(double(&other.projected, rules)),
+    }];
+    engines.extend(singles.iter().map(|(name, single)| DrawnClass {
+        name,
+        picture: &single.picture,
+        conics: single.conics().collect(),
+        drawn: single.projected.iter().map(Option::is_some).collect(),
+        clamped: 0,
+        decisions: Box::new(flips::single(&single.projected, camera, rules)),
+    }));
+    let fixed = designs.iter().zip(&drawings);
+    engines.extend(fixed.map(|(design, (drawing, footprints))| DrawnClass {
+        name: &design.name,
+        picture: &drawing.picture,
+        conics: fixed::conics(scene, camera, rules, design),
+        drawn: footprints.iter().map(Result::is_ok).collect(),
+        clamped: drawing.clamped,
+        decisions: Box::new(FixedSide::new(footprints, design, rules)),
+    }));
+    let deciding: Vec<_> = engines.iter().map(|engine| &*engine.decisions).collect();
+    let reference = double(&truth.projected, rules);
+    let decisions = flips::count(&reference, &deciding, &truth.order, camera);
+    let lines = engines.iter().zip(decisions);
     lines
+        .map(|(engine, decisions)| truth.line(class, engine, &decisions))
+        .collect()
+}
+
+/// What an engine makes of a class.
+struct DrawnClass<'a> {
+    name: &'a str,
+    picture: &'a Picture,
+    /// Splat by splat, none where it is not drawn.
+    conics: Vec<Option<[f64; 3]>>,
+    drawn: Vec<bool>,
+    clamped: usize,
+    decisions: Box<dyn DecisionEngine + 'a>,
 }
 
 /// The scene in camera space by W u + d, and a camera at its origin.
@@ -237,55 +230,40 @@ impl DecisionTruth {
         }
     }
 
-    /// The line of this form of the reference against the reference.
-    fn line(&self, class: &Class, truth: &DecisionTruth) -> SceneLine {
-        let counts = &self.drawing.counts;
-        SceneLine {
-            engine: FROM_ORIGIN.to_owned(),
-            conic: truth.worst_conic(self.projected.iter().map(|f| Some(f.as_ref().ok()?.conic))),
-            culled: counts.splats - counts.drawn,
-            lost: truth.lost(self.projected.iter().map(Result::is_ok)),
-            ..truth.compare(class, &self.drawing.picture)
-        }
+    fn conics(&self) -> impl Iterator<Item = Option<[f64; 3]>> {
+        self.projected.iter().map(|f| Some(f.as_ref().ok()?.conic))
     }
 
-    fn worst_conic(&self, conics: impl Iterator<Item = Option<[f64; 3]>>) -> f64 {
-        let pairs = self.projected.iter().zip(conics);
-        pairs
-            .filter_map(|(truth, conic)| Some(conic_difference(conic?, truth.as_ref().ok()?.conic)))
-            .fold(0.0, f64::max)
-    }
-
-    fn lost(&self, drawn: impl Iterator<Item = bool>) -> usize {
-        let pairs = self.projected.iter().zip(drawn);
-        pairs
-            .filter(|(truth, drawn)| truth.is_ok() && !drawn)
-            .count()
-    }
-
-    /// The picture's figures; the rest is for the caller.
-    fn compare(&self, class: &Class, picture: &Picture) -> SceneLine {
-        let expected = &self.drawing.picture;
+    /// An engine's line.
+    fn line(&self, class: &Class, engine: &DrawnClass, decisions: &Decisions) -> SceneLine {
+        let (picture, expected) = (engine.picture, &self.drawing.picture);
         let unit = self.unit();
         let pairs = || picture.pixels.iter().zip(&expected.pixels);
         let differences = |channels: std::ops::Range<usize>| {
             pairs().flat_map(move |(a, b)| channels.clone().map(move |c| (a[c] - b[c]) * unit))
         };
+        let conics = self.conics().zip(&engine.conics);
+        let lost = self.projected.iter().zip(&engine.drawn);
+        let flipped = decisions.pixels.iter().filter(|flipped| **flipped).count();
         SceneLine {
             class: class.name.clone(),
-            engine: String::new(),
+            engine: engine.name.to_owned(),
             psnr_db: self.psnr_where(picture, |_| true),
-            settled_psnr_db: None,
-            settled: 0.0,
+            settled_psnr_db: self.psnr_where(picture, |pixel| !decisions.pixels[pixel]),
+            settled: 1.0 - flipped as f64 / decisions.pixels.len() as f64,
             max_abs: differences(0..4).fold(0.0, |most: f64, d| most.max(d.abs())),
             bias: differences(0..3).sum::<f64>() / (3.0 * expected.pixels.len() as f64),
-            conic: 0.0,
-            flips: Flips::default(),
+            conic: conics
+                .filter_map(|(truth, conic)| Some(conic_difference((*conic)?, truth?)))
+                .fold(0.0, f64::max),
+            flips: decisions.flips,
             blended: self.drawing.counts.covered_pixels,
             splats: class.scene.splats.len(),
-            clamped: 0,
-            culled: 0,
-            lost: 0,
+            clamped: engine.clamped,
+            culled: engine.drawn.iter().filter(|drawn| !**drawn).count(),
+            lost: lost
+                .filter(|(truth, drawn)| truth.is_ok() && !**drawn)
+                .count(),
         }
     }
 
@@ -327,17 +305,8 @@ impl SingleDrawing {
         SingleDrawing { projected, picture }
     }
 
-    fn line(&self, name: &str, class: &Class, truth: &DecisionTruth) -> SceneLine {
-        let conics = self
-            .projected
-            .iter()
-            .map(|f| Some(f.as_ref()?.conic.map(f64::from)));
-        SceneLine {
-            engine: name.to_owned(),
-            conic: truth.worst_conic(conics),
-            culled: self.projected.iter().filter(|f| f.is_none()).count(),
-            lost: truth.lost(self.projected.iter().map(Option::is_some)),
-            ..truth.compare(class, &self.picture)
-        }
+    fn conics(&self) -> impl Iterator<Item = Option<[f64; 3]>> {
+        let projected = self.projected.iter();
+        projected.map(|f| Some(f.as_ref()?.conic.map(f64::from)))
     }
 }

@@ -185,8 +185,8 @@ fn cameras_file(path: &Path) -> Result<(), String> {
 }
 
 fn path_file(path: &Path) -> Result<(), String> {
-    let loaded = plan::path::load(path, Some([SIDE, SIDE])).map_err(printed)?;
-    let frames = loaded.path.cameras([0.0, -1.0, 0.0], [SIDE, SIDE]);
+    let (path, _) = plan::path::load(path, Some([SIDE, SIDE])).map_err(printed)?;
+    let frames = path.cameras([0.0, -1.0, 0.0], [SIDE, SIDE]);
     let frames = frames.map_err(printed)?;
     draw_frames(frames.into_iter().map(|(_, camera)| camera))
 }

@@ -1,6 +1,5 @@
 //! Synthetic pictures and a synthetic report with plausible figures, for tests and for looking at the page.
 
-use super::facts::SceneFacts;
 use super::*;
 use crate::camera::Camera;
 use crate::design::DesignChoice;
