@@ -1,9 +1,9 @@
 //! The circuits against the kernel. Without Verilator these tests are ignored; the packages are compared all the same.
 
-use splatline_rtl::circuit::DESIGNS;
+use splatline_rtl::circuit::{DESIGNS, packages};
 use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
 use splatline_rtl::tools::rtl;
-use splatline_rtl::{harmonics, package, setup, tables};
+use splatline_rtl::{harmonics, tables};
 use std::path::Path;
 
 fn assert_committed(path: &Path, text: &str) {
@@ -20,10 +20,9 @@ fn committed_packages_are_the_generators() {
     let program = SetupProgram::new(ProgramKind::Filter);
     for (design, widths) in DESIGNS {
         let folder = rtl().join(design);
-        let text = package::text(design, &widths).unwrap();
-        assert_committed(&folder.join("splatline_pkg.sv"), &text);
-        let text = setup::text::text(design, &widths, &program).unwrap();
-        assert_committed(&folder.join("splatline_setup_pkg.sv"), &text);
+        for (file, text) in packages(design, &widths, &program, 2).unwrap() {
+            assert_committed(&folder.join(file), &text);
+        }
     }
 }
 
@@ -41,16 +40,16 @@ fn the_committed_program_of_the_harmonics_unit_is_the_generators() {
 mod with_verilator {
     use splatline::format::Lean18;
     use splatline::setup::Cull;
-    use splatline_rtl::circuit::{Circuit, Effort, HARMONICS, MACHINE, PRIMITIVE};
+    use splatline_rtl::circuit::{Circuit, HARMONICS, MACHINE, PRIMITIVE};
     use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
     use splatline_rtl::judges;
     use splatline_rtl::machine::MachineOption;
     use splatline_rtl::machine::unit::MachineUnit;
+    use splatline_rtl::mutation::{Mutation, mutations};
     use splatline_rtl::order::unit::OrderUnit;
     use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
     use splatline_rtl::setup::distant::enlarged;
     use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
-    use splatline_rtl::setup::tables::TableUnits;
     use splatline_rtl::setup::unit::SetupUnit;
     use splatline_rtl::simulation::Simulation;
     use splatline_rtl::tools::rtl;
@@ -59,26 +58,21 @@ mod with_verilator {
 
     /// Compares a unit's quick loads under every pressure; gives what was found of each load.
     fn agrees<U: Unit>(unit: &U) -> Vec<(U::Load, Findings)> {
-        let library = unit.circuit().library(Effort::Little).unwrap();
+        let library = unit.circuit().library(Extent::Quick).unwrap();
         let mut missing = Vec::new();
         let loads = unit.loads(Extent::Quick, &mut missing).unwrap();
         println!("not at hand: {missing:?}");
         let mut all = Vec::new();
-        for (seed, load) in (1..).zip(loads) {
+        for (seed, (name, load)) in (1..).zip(loads) {
             let mut sum = Findings::default();
-            for pressure in 0..U::PRESSURES {
+            for pressure in 0..unit.pressures() {
                 let circuit = Simulation::new(&library, seed, 0).unwrap();
                 let found = unit.compare(circuit, &load, pressure);
-                let found = found.unwrap_or_else(|error| panic!("{}: {error:#}", unit.name(&load)));
-                assert_eq!(
-                    found.first_difference,
-                    None,
-                    "{}, {pressure}",
-                    unit.name(&load)
-                );
+                let found = found.unwrap_or_else(|error| panic!("{name}: {error:#}"));
+                assert_eq!(found.first_difference, None, "{name}, {pressure}");
                 sum += found;
             }
-            println!("{}: {sum:?}", unit.name(&load));
+            println!("{name}: {sum:?}");
             all.push((load, sum));
         }
         all
@@ -93,15 +87,14 @@ mod with_verilator {
     /// Every word, and the cycle of every handshake where the lanes do not pause, for all rules.
     fn primitive_agrees(design: &str) {
         for lanes in LANES {
-            for (load, found) in agrees(&PrimitiveUnit::new(design, lanes).unwrap()) {
+            for (_, found) in agrees(&PrimitiveUnit::new(design, lanes).unwrap()) {
                 let counted = |name| found.counted(name);
-                let name = load.workload.name;
                 assert!(
                     counted("visited") > 30_000,
-                    "{name}: {found:?}: too little was drawn"
+                    "{found:?}: too little was drawn"
                 );
                 // In two of three passes.
-                assert_eq!(3 * counted("splats timed"), 2 * counted("splats"), "{name}");
+                assert_eq!(3 * counted("splats timed"), 2 * counted("splats"));
             }
         }
     }
@@ -119,7 +112,7 @@ mod with_verilator {
     /// Rounding, reciprocal, root and logarithm of the setup unit's cores, by a program that has nothing else.
     #[test]
     fn setup_units_equal_the_kernels() {
-        agrees(&TableUnits::new("lean18").unwrap());
+        agrees(&SetupUnit::new("lean18", 2, ProgramKind::Units).unwrap());
     }
 
     /// Scenes, hard cases and arbitrary bits, among them culls of every kind.
@@ -225,7 +218,7 @@ mod with_verilator {
             beyond > splats / 10 && beyond < splats,
             "{beyond} of {splats} splats"
         );
-        assert_ne!(crowd.lists.entries(), plain[0].lists.entries());
+        assert_ne!(crowd.lists.entries(), plain[0].1.lists.entries());
     }
 
     /// Frames whose splats have colours of harmonics, of degree 0 to 4, by a machine that evaluates them. It has cores enough
@@ -315,7 +308,7 @@ mod with_verilator {
     }
 
     /// SPLATLINE_MUTANTS=N takes about N mutations, spread over the list from a place that SPLATLINE_SEED chooses; otherwise all.
-    fn some(all: Vec<String>) -> Vec<String> {
+    fn some(all: Vec<Mutation>) -> Vec<Mutation> {
         let count = number("SPLATLINE_MUTANTS").unwrap_or(all.len()).max(1);
         let step = all.len().div_ceil(count);
         let first = number("SPLATLINE_SEED").unwrap_or(0) % step;
@@ -324,15 +317,15 @@ mod with_verilator {
 
     /// Every mutation is noticed.
     fn every(judge: &str) {
-        let names = some(judges::names(judge).unwrap());
+        let mutations = some(mutations(judge).unwrap());
         let mut judged = 0;
-        let verdict = judges::judge(judge, &names, |verdict| {
-            println!("{verdict:?}");
-            assert!(verdict.noticed.is_some(), "{verdict:?} survives");
+        let verdict = judges::judge(judge, &mutations, |mutation, noticed| {
+            println!("{}: {noticed:?}", mutation.name);
+            assert!(noticed.is_some(), "{mutation:?} survives");
             judged += 1;
         });
         verdict.unwrap();
-        assert_eq!(judged, names.len());
+        assert_eq!(judged, mutations.len());
     }
 
     #[test]

@@ -10,13 +10,12 @@ use splatline::format::{Lean18, Traversal};
 use splatline::raster::Window;
 use splatline::rules::Rules;
 use splatline_rtl::bench::Bench;
-use splatline_rtl::circuit::Effort;
 use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit, draw, pixel};
 use splatline_rtl::primitive::workload::{self, BenchWorkload};
 use splatline_rtl::random::split_mix;
 use splatline_rtl::rules::write_rules;
 use splatline_rtl::simulation::Simulation;
-use splatline_rtl::unit::Unit;
+use splatline_rtl::unit::{Extent, Unit};
 
 /// Cycles within which anything must happen.
 const PATIENCE: usize = 20_000;
@@ -67,7 +66,7 @@ impl HandshakeScene {
         let clear = Pixel::clear(&widths);
         assert!(expected.iter().any(|pixel| *pixel != clear));
         let unit = PrimitiveUnit::new("lean18", lanes).unwrap();
-        let library = unit.circuit().library(Effort::Little).unwrap();
+        let library = unit.circuit().library(Extent::Quick).unwrap();
         let circuit = Simulation::new(&library, 3, 0).unwrap();
         let mut bench = Bench::new(circuit, 3).unwrap();
         write_rules(&mut bench, &widths, &Rules::EWA).unwrap();

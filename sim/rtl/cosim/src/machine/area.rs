@@ -34,28 +34,23 @@ const OPTION: (&str, &str) = ("harmonics", "harmonics");
 /// What stands in the machine itself: its states, its port, the words of records and packets.
 const CONTROL: &str = "control";
 
-/// The table, in lines of `sim/machine/src/area/machine.csv`; each machine is shown on stderr as it comes.
-pub fn report() -> Result<String> {
-    let mut text = HEAD.to_owned();
-    for cores in CORES {
-        text += &lines(cores, &machine(cores)?)?;
+/// The table, in lines of `sim/machine/src/area/machine.csv`, or that of a machine for harmonics: a splat in 16 cycles, and a multiplier for them. Each machine
+/// is shown on stderr as it comes.
+pub fn report(with_harmonics: bool) -> Result<String> {
+    let mut text = "cores,unit,luts,flip_flops,dsps,memory_kbit\n".to_owned();
+    let cores: &[u32] = if with_harmonics { &[10] } else { &CORES };
+    for cores in cores {
+        let circuit = if with_harmonics {
+            let unit = MachineUnit::new("lean18", *cores, 4, MachineOption::Harmonics(1))?;
+            unit.circuit().clone()
+        } else {
+            machine(*cores)?
+        };
+        for (unit, fabric) in by_unit(&circuit)? {
+            text += &format!("{cores},{unit},{}\n", columns(&fabric));
+        }
     }
     Ok(text)
-}
-
-/// The same of a machine for harmonics: a splat in 16 cycles, and a multiplier for them.
-pub fn report_with_harmonics() -> Result<String> {
-    let cores = 10;
-    let unit = MachineUnit::new("lean18", cores, 4, MachineOption::Harmonics(1))?;
-    Ok(HEAD.to_owned() + &lines(cores, unit.circuit())?)
-}
-
-const HEAD: &str = "cores,unit,luts,flip_flops,dsps,memory_kbit\n";
-
-fn lines(cores: u32, circuit: &Circuit) -> Result<String> {
-    let units = by_unit(circuit)?.into_iter();
-    let line = |(unit, fabric)| format!("{cores},{unit},{}\n", columns(&fabric));
-    Ok(units.map(line).collect())
 }
 
 /// Units of the machine by name, and the whole of it: of the netlist that is placed.

@@ -31,7 +31,7 @@ struct ShellFrame {
 pub fn write_frame(design: &str, file: &Path) -> Result<()> {
     let unit = MachineUnit::new(design, 2, 1, MachineOption::None)?;
     let loads = unit.loads(Extent::Quick, &mut Vec::new())?;
-    let load = loads.first().context("no frames")?;
+    let (_, load) = loads.first().context("no frames")?;
     let frame = serde_json::to_string(&shell_frame(&unit, load)?)?;
     Ok(atomic::write(file, frame.as_bytes())?)
 }

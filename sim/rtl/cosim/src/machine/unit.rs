@@ -6,11 +6,11 @@ use crate::bench::Bench;
 use crate::circuit::MACHINE;
 use crate::memory::{Memory, MemoryTiming, timing};
 use crate::rules::write_rules;
-use crate::scenes::{SCENES, scenes};
+use crate::scenes::{SCENES, Seen, scenes};
 use crate::setup::distant::enlarged;
 use crate::setup::program::{ProgramKind, SetupProgram};
 use crate::setup::unit::{constant_words, write_constants};
-use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::{Context, Result, bail, ensure};
 use splatline::blend::Pixel;
 use splatline_sim::design::DesignChoice;
@@ -96,13 +96,16 @@ impl MachineUnit {
 
 impl Unit for MachineUnit {
     type Load = MachineLoad;
-    const PRESSURES: usize = TIMINGS.len();
 
     fn circuit(&self) -> &Circuit {
         &self.circuit
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<MachineLoad>> {
+    fn pressures(&self) -> usize {
+        TIMINGS.len()
+    }
+
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<MachineLoad>> {
         let (mut seen, apart) = match extent {
             Extent::Quick => (small(), 1_200),
             Extent::Full => (scenes(&SCENES, 128, missing)?, u64::MAX),
@@ -117,12 +120,14 @@ impl Unit for MachineUnit {
         if self.option == MachineOption::DistanceScaling {
             seen.retain(|seen| seen.name != ROW);
         }
-        let load = |seen| MachineLoad::new(seen, &self.design, self.option, apart);
+        let load = |seen: Seen| {
+            let name = seen.name.to_owned();
+            (
+                name,
+                MachineLoad::new(seen, &self.design, self.option, apart),
+            )
+        };
         Ok(seen.into_iter().map(load).collect())
-    }
-
-    fn name(&self, load: &MachineLoad) -> String {
-        load.seen.name.to_owned()
     }
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {

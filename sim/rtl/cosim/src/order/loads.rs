@@ -3,6 +3,7 @@
 use crate::package::TILE;
 use crate::random::split_mix;
 use crate::scenes::Seen;
+use crate::unit::Loads;
 use splatline::footprint::Footprint;
 use splatline::footprint::depth::KEY_BITS;
 use splatline::format::Traversal;
@@ -26,8 +27,6 @@ pub struct SortedSplat {
 /// A picture's splats in the order of the scene, and what is to come of them.
 #[derive(Clone, Debug)]
 pub struct OrderLoad {
-    /// What it is.
-    pub name: String,
     /// Columns and rows of tiles.
     pub size: [u16; 2],
     /// The splats.
@@ -50,9 +49,8 @@ impl SortedSplat {
 
 impl OrderLoad {
     /// A load whose lists follow from boxes and keys, tile by tile: slow and plain.
-    fn plain(name: &str, size: [u16; 2], splats: Vec<SortedSplat>) -> OrderLoad {
+    fn plain(size: [u16; 2], splats: Vec<SortedSplat>) -> OrderLoad {
         let mut load = OrderLoad {
-            name: name.to_owned(),
             size,
             splats,
             lists: Vec::new(),
@@ -113,7 +111,6 @@ pub fn ordered(
     let list = |tile| workload.pairs_of(tile).iter().map(|pair| pair.splat);
     let lists = (0..workload.tiles.len()).map(|tile| list(tile).collect());
     let load = OrderLoad {
-        name: seen.name.to_owned(),
         size,
         splats: (0..).zip(&footprints).filter_map(splat).collect(),
         lists: lists.collect(),
@@ -122,7 +119,7 @@ pub fn ordered(
 }
 
 /// No splat, one, all keys equal, all keys but one, upside down, in order already, single bits, and random ones with many equals.
-pub fn hard() -> Vec<OrderLoad> {
+pub fn hard() -> Loads<OrderLoad> {
     let last = (1u64 << KEY_BITS) - 1;
     let mut state = 3;
     let mut loads = Vec::new();
@@ -157,7 +154,7 @@ pub fn hard() -> Vec<OrderLoad> {
             key,
             tiles: tiles(&mut state, size),
         });
-        loads.push(OrderLoad::plain(name, size, splats.collect()));
+        loads.push((name.to_owned(), OrderLoad::plain(size, splats.collect())));
     }
     loads
 }

@@ -6,7 +6,7 @@ use crate::circuit::ORDER;
 use crate::memory::{Memory, MemoryTiming, timing};
 use crate::random::noise;
 use crate::scenes::{SCENES, scenes};
-use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::{Result, bail, ensure};
 use splatline_sim::design::DesignChoice;
 
@@ -34,13 +34,16 @@ impl OrderUnit {
 
 impl Unit for OrderUnit {
     type Load = OrderLoad;
-    const PRESSURES: usize = TIMINGS.len();
 
     fn circuit(&self) -> &Circuit {
         &self.0
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<OrderLoad>> {
+    fn pressures(&self) -> usize {
+        TIMINGS.len()
+    }
+
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<OrderLoad>> {
         let (names, size): (&[_], _) = match extent {
             Extent::Quick => (&["playbot"], 128),
             Extent::Full => (&SCENES, 512),
@@ -48,13 +51,10 @@ impl Unit for OrderUnit {
         let design = DesignChoice::load("lean18")?;
         let mut loads = hard();
         for seen in scenes(names, size, missing)? {
-            loads.push(ordered(&seen, &design, &seen.scene.natural_rules).2);
+            let (.., load) = ordered(&seen, &design, &seen.scene.natural_rules);
+            loads.push((seen.name.to_owned(), load));
         }
         Ok(loads)
-    }
-
-    fn name(&self, load: &OrderLoad) -> String {
-        load.name.clone()
     }
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {

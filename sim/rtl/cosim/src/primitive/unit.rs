@@ -3,12 +3,12 @@
 use super::stamps::{HandshakePorts, Stamps};
 use super::words::{self, Roots};
 use super::workload::{self, BenchTile, BenchWorkload};
-use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
+use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
 use crate::circuit::PRIMITIVE;
 use crate::package::run_time;
 use crate::rules::write_rules;
 use crate::scenes::scenes;
-use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::{Context, Result};
 use splatline::blend::{FINISHED, Pixel};
 use splatline::draw::{Coverage, Painter};
@@ -38,8 +38,6 @@ const fn pressure(packets: u8, lanes: u8, pixels: u8) -> Pressure {
 
 /// Footprints and tiles under rules.
 pub struct PrimitiveLoad {
-    /// The rules' name.
-    pub rules_name: &'static str,
     /// The kernel's.
     pub rules: KernelRules,
     /// Footprints and tiles.
@@ -77,15 +75,18 @@ impl PrimitiveUnit {
 
 impl Unit for PrimitiveUnit {
     type Load = PrimitiveLoad;
-    const PRESSURES: usize = PRESSURES.len();
 
     fn circuit(&self) -> &Circuit {
         &self.circuit
     }
 
+    fn pressures(&self) -> usize {
+        PRESSURES.len()
+    }
+
     /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of scenes skip nothing there: `3dgs` ends a
     /// footprint where it becomes faint, and `ewa` draws what is there.
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<PrimitiveLoad>> {
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<PrimitiveLoad>> {
         let (design, widths) = (&self.design, &self.circuit.widths);
         let quick = extent == Extent::Quick;
         let ([random, faint], [size, deep]) = match extent {
@@ -96,19 +97,24 @@ impl Unit for PrimitiveUnit {
         seen.extend(scenes(&["deep stack"], deep, missing)?);
         seen.extend(scenes(&["guitar", "lion"], size, missing)?);
         let mut loads = Vec::new();
-        let mut load = |rules_name, rules: &Rules, workload| {
-            loads.push(PrimitiveLoad {
-                rules_name,
-                rules: kernel_rules(rules),
-                workload,
-            });
+        let mut load = |name: &str, rules_name: &str, rules: &Rules, mut workload| {
+            if quick {
+                shorten(&mut workload);
+            }
+            let rules = kernel_rules(rules);
+            let load = PrimitiveLoad { rules, workload };
+            loads.push((format!("{name}, {rules_name}"), load));
         };
-        for (name, rules) in [("3dgs", &Rules::GAUSSIAN_3D), ("ewa", &Rules::EWA)] {
-            load(name, rules, workload::random(widths, random, 20, 7));
-            load(name, rules, workload::random(widths, random / 4, 1, 8));
-            load(name, rules, workload::vast(widths, random / 4, 10));
+        for (of, rules) in [("3dgs", &Rules::GAUSSIAN_3D), ("ewa", &Rules::EWA)] {
+            let many = workload::random(widths, random, 20, 7);
+            load("random packets", of, rules, many);
+            let lone = workload::random(widths, random / 4, 1, 8);
+            load("random packets", of, rules, lone);
+            let vast = workload::vast(widths, random / 4, 10);
+            load("vast packets", of, rules, vast);
             for seen in &seen {
-                load(name, rules, workload::picture(seen, design, rules));
+                let picture = workload::picture(seen, design, rules);
+                load(seen.name, of, rules, picture);
             }
         }
         let skipping = Rules {
@@ -116,15 +122,8 @@ impl Unit for PrimitiveUnit {
             ..Rules::EWA
         };
         let faint = workload::random(widths, faint, 20, 9);
-        load("ewa, faint skipped", &skipping, faint);
-        for load in loads.iter_mut().filter(|_| quick) {
-            shorten(&mut load.workload);
-        }
+        load("random packets", "ewa, faint skipped", &skipping, faint);
         Ok(loads)
-    }
-
-    fn name(&self, load: &PrimitiveLoad) -> String {
-        format!("{}, {}", load.workload.name, load.rules_name)
     }
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
@@ -210,13 +209,12 @@ fn channels(circuit: &Simulation) -> Result<Channels> {
 fn item(layout: &Layout, tile: &BenchTile, footprints: &[Footprint]) -> Item {
     let [first, end] = [tile.window.first, tile.window.end];
     let window = [first[0], first[1], end[0], end[1]].map(|place| vec![place.into()]);
-    let offer = |source, data| Offer { source, data };
-    let mut offers = vec![offer(0, window.to_vec())];
+    let mut offers = vec![(0, window.to_vec())];
     for index in &tile.list {
         let packet = layout.encode(&footprints[*index as usize]);
-        offers.push(offer(1, vec![packet.to_vec()]));
+        offers.push((1, vec![packet.to_vec()]));
     }
-    offers.push(offer(2, Vec::new()));
+    offers.push((2, Vec::new()));
     Item {
         lanes: vec![offers],
         answers: tile.size().iter().product(),

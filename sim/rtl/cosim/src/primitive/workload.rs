@@ -34,8 +34,6 @@ impl BenchTile {
 /// Footprints and the tiles that draw them.
 #[derive(Clone, Debug)]
 pub struct BenchWorkload {
-    /// What it is.
-    pub name: &'static str,
     /// Footprints.
     pub footprints: Vec<Footprint>,
     /// Tiles.
@@ -76,7 +74,6 @@ pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorklo
         .into_iter()
         .map(|found| found.unwrap_or(Footprint::EMPTY));
     BenchWorkload {
-        name: seen.name,
         footprints: drawn.collect(),
         tiles: (0..).zip(lists).map(tile).collect(),
     }
@@ -86,14 +83,14 @@ pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorklo
 /// opacity and cut-off that a packet can hold (cut-offs up to setup's limit of 15).
 pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> BenchWorkload {
     let kinds = [Kind::Any([-4.0, 20.0])];
-    random_between("random packets", &kinds, widths, [count, per_tile], seed)
+    random_between(&kinds, widths, [count, per_tile], seed)
 }
 
 /// The same where xc has few fraction bits or leaves the fine word: half-widths of up to 2^28 pixels, the largest that setup gives, and
 /// needles.
 pub fn vast(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
     let kinds = [Kind::Any([12.0, 26.0]), Kind::Flat, Kind::WordAway];
-    random_between("vast packets", &kinds, widths, [count, 10], seed)
+    random_between(&kinds, widths, [count, 10], seed)
 }
 
 /// Columns that the fine word of xc holds: 28 bits before the point of a centre, 8 of which give way to a fraction.
@@ -137,7 +134,6 @@ impl Kind {
 
 /// Random footprints over random windows, each of one of the kinds in turn.
 fn random_between(
-    name: &'static str,
     kinds: &[Kind],
     widths: &Widths,
     [count, per_tile]: [usize; 2],
@@ -155,11 +151,7 @@ fn random_between(
         let list = list.collect();
         tiles.push(BenchTile { window, list });
     }
-    BenchWorkload {
-        name,
-        footprints,
-        tiles,
-    }
+    BenchWorkload { footprints, tiles }
 }
 
 /// The farthest centre that is tried, in pixels.

@@ -140,23 +140,14 @@ pub struct Place {
     pub copies: usize,
 }
 
-/// When a splat's results leave.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Exits {
-    /// Rounds after the splat's first one.
-    pub round: usize,
-    /// Cycle in that round and value of every result.
-    pub results: Vec<(usize, Value)>,
-    /// The word as which each leaves.
-    pub words: Vec<usize>,
-}
-
-impl Exits {
-    /// The cycle after which all are out.
-    pub fn last(&self) -> usize {
-        let cycles = self.results.iter().map(|(cycle, _)| *cycle);
-        cycles.max().unwrap_or(0)
-    }
+/// A result that leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Exit {
+    /// After the beginning of the round in which all leave.
+    pub cycle: usize,
+    pub value: Value,
+    /// As this word.
+    pub word: usize,
 }
 
 /// A program with places.
@@ -164,7 +155,10 @@ impl Exits {
 pub struct Program {
     pub operations: Vec<Operation>,
     pub places: Vec<Place>,
-    pub exits: Exits,
+    /// By their cycles.
+    pub exits: Vec<Exit>,
+    /// The round in which results leave, after the splat's first one.
+    pub exit_round: usize,
     /// Cycles of a round.
     pub round: usize,
     /// In the order of their addresses.
@@ -187,17 +181,19 @@ impl Program {
                 operations: &operations,
                 round,
             };
-            let exits = timed.exits(results)?;
-            Some((timed.places(&exits)?, exits, round))
+            let (exit_round, exits) = timed.exits(results)?;
+            let places = timed.places(exit_round, &exits)?;
+            Some((places, exits, exit_round, round))
         };
         let slots: usize = operations.iter().map(|o| o.terms.len()).sum();
         let found =
             (slots..=CYCLES).find_map(|round| (0..ATTEMPTS).find_map(|seed| placed(round, seed)));
-        let (places, exits, round) = found.context("no round holds the operations")?;
+        let (places, exits, exit_round, round) = found.context("no round holds the operations")?;
         Ok(Program {
             operations,
             places,
             exits,
+            exit_round,
             round,
             constants,
         })
@@ -205,12 +201,17 @@ impl Program {
 
     /// Cycles from a splat's first slot to that of its last result.
     pub fn latency(&self) -> usize {
-        self.exits.round * self.round + self.exits.last()
+        self.exit_round * self.round + self.last_exit()
+    }
+
+    /// The cycle after which all results are out.
+    pub fn last_exit(&self) -> usize {
+        self.exits.last().map_or(0, |exit| exit.cycle)
     }
 
     /// Does a direction leave beside the words of the packet?
     pub fn directs(&self) -> bool {
-        self.exits.words.iter().any(|word| *word >= DIRECTION)
+        self.exits.iter().any(|exit| exit.word >= DIRECTION)
     }
 
     /// The slot of every cycle of a round: operation and term.

@@ -3,6 +3,7 @@
 use super::exact::{FOCAL, few_bits, straight};
 use super::loads::{KINDS, SetupLoad, soft_float, synthetic};
 use crate::random::split_mix;
+use crate::unit::Loads;
 use splatline::format::Widths;
 use splatline::math::SoftFloat;
 use splatline::rules::Rules;
@@ -12,16 +13,17 @@ use splatline::splat::VolumeSplat;
 use splatline::view::{Projection, View};
 
 /// About `count` splats of each kind.
-pub fn distant(count: usize, seed: u64) -> Vec<SetupLoad> {
+pub fn distant(count: usize, seed: u64) -> Loads<SetupLoad> {
     let mut loads = Vec::new();
-    for (index, load) in synthetic(count, seed).into_iter().enumerate() {
+    for (index, (name, load)) in synthetic(count, seed).into_iter().enumerate() {
         let spacing = match load.view.projection {
             // k lies where the camera of the hard cases looks at, 4 units away.
             Projection::Perspective => soft_float(13, -11),
             // All splats beyond k, or none.
             Projection::Orthographic => soft_float([11, 13][index % 2], -13),
         };
-        loads.push(spaced(load, spacing, index));
+        let name = name + ", with a spacing";
+        loads.push((name, spaced(load, spacing, index)));
     }
     for (_, rules) in KINDS {
         for (name, projection) in [
@@ -33,7 +35,7 @@ pub fn distant(count: usize, seed: u64) -> Vec<SetupLoad> {
                 ..rules
             };
             let view = straight(projection, FOCAL);
-            loads.push(SetupLoad::new(name, view, rules, at_k(count, seed)));
+            loads.push(SetupLoad::named(name, view, rules, at_k(count, seed)));
         }
     }
     // The rules of the loads above, which have no spacing, by the same circuit.
@@ -55,7 +57,6 @@ fn spaced(mut load: SetupLoad, spacing: SoftFloat, index: usize) -> SetupLoad {
     let longer = &mut load.view.focal[index / 2 % 2];
     *longer = longer.multiply(SoftFloat::from_wide(5, -2, 31), 31);
     load.rules.spacing = spacing;
-    load.name += ", with a spacing";
     load
 }
 

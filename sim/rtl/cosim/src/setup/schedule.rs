@@ -1,6 +1,6 @@
 //! When operations are issued, where their results stand, and when those of a splat leave; see [`assemble`](super::assemble).
 
-use super::assemble::{Exits, Operand, Operation, Pick, Place, Term, Value};
+use super::assemble::{Exit, Operand, Operation, Pick, Place, Term, Value};
 use crate::random::split_mix;
 
 /// Cycles from the issue of a sum's last term until its result can be read.
@@ -128,36 +128,33 @@ impl Timed<'_> {
         self.times[index] + self.operations[index].terms.len() - 1
     }
 
-    /// Cycles in which the results leave, all of them in one round: the earliest for which they are ready, in slots that
-    /// spare the second factor. They are counted before that round ends.
-    pub fn exits(&self, results: &[(usize, Value)]) -> Option<Exits> {
-        let ready = results
-            .iter()
-            .map(|(_, value)| self.last_slot(*value) + LATENCY);
-        let mut ready: Vec<(usize, usize)> = ready.zip(0..).collect();
-        ready.sort_unstable();
-        let first = ready.last()?.0 / self.round;
+    /// The round in which the results leave, all in one, and their cycles in it: the earliest for which they are ready, in slots that spare the second factor.
+    /// They are counted before that round ends.
+    pub fn exits(&self, results: &[(usize, Value)]) -> Option<(usize, Vec<Exit>)> {
+        let ready = |(word, value): &(usize, Value)| Exit {
+            cycle: self.last_slot(*value) + LATENCY,
+            value: *value,
+            word: *word,
+        };
+        let mut ready: Vec<Exit> = results.iter().map(ready).collect();
+        ready.sort_by_key(|exit| exit.cycle);
+        let first = ready.last()?.cycle / self.round;
         let spares = |slot: Option<(usize, usize)>| {
             slot.is_none_or(|(index, term)| spares_second(&self.operations[index].terms[term]))
         };
         let slots = self.slots();
         (first..ROUNDS).find_map(|round| {
             let mut free = (0..self.round - OUT_AHEAD).filter(|cycle| spares(slots[*cycle]));
-            let mut exits = Exits {
-                round,
-                results: results.iter().map(|(_, value)| (0, *value)).collect(),
-                words: results.iter().map(|(word, _)| *word).collect(),
-            };
-            for (time, number) in &ready {
-                let cycle = free.find(|cycle| round * self.round + cycle >= *time)?;
-                exits.results[*number].0 = cycle;
+            let mut exits = ready.clone();
+            for exit in &mut exits {
+                exit.cycle = free.find(|cycle| round * self.round + cycle >= exit.cycle)?;
             }
-            Some(exits)
+            Some((round, exits))
         })
     }
 
     /// Places of all operations, with registers for every result; nothing if there are too few.
-    pub fn places(&self, exits: &Exits) -> Option<Vec<Place>> {
+    pub fn places(&self, exit_round: usize, exits: &[Exit]) -> Option<Vec<Place>> {
         let place = |time: &usize| Place {
             time: *time,
             register: 0,
@@ -171,8 +168,8 @@ impl Timed<'_> {
         for (index, operation) in self.operations.iter().enumerate() {
             read(operation).for_each(|value| lasts(value, self.last_slot(index)));
         }
-        for (cycle, value) in &exits.results {
-            lasts(*value, exits.round * self.round + cycle);
+        for exit in exits {
+            lasts(exit.value, exit_round * self.round + exit.cycle);
         }
         let mut order: Vec<&mut Place> = places.iter_mut().collect();
         // The widest first, so that all stand at a multiple of their width.

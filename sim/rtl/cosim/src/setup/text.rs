@@ -15,16 +15,22 @@ use splatline_sim::machine::area::setup::is_turned;
 const TYPES: &str = include_str!("../../../setup_types.svh");
 
 /// Numbers that stand in registers, from this address on.
-pub const FIRST_REGISTER: u8 = 64;
+const FIRST_REGISTER: u8 = 64;
 /// Their names; behind those of every program the rotation's entries as they are, by which a direction is turned back.
-pub const REGISTERS: [&str; 24] = [
+const REGISTERS: [&str; 24] = [
     "eye_x", "eye_y", "eye_z", "flags", "near", "far", "axis_xx", "axis_xy", "axis_xz", "axis_yx",
     "axis_yy", "axis_yz", "axis_zx", "axis_zy", "axis_zz", "back_xx", "back_xy", "back_xz",
     "back_yx", "back_yy", "back_yz", "back_zx", "back_zy", "back_zz",
 ];
 
 /// Registers that every program has; the rotation's begin behind them.
-pub const OF_EVERY_PROGRAM: usize = 15;
+const OF_EVERY_PROGRAM: usize = 15;
+
+/// Addresses and names of a program's registers.
+pub fn registers_of(program: &Program) -> impl Iterator<Item = (u8, &str)> {
+    let count = [OF_EVERY_PROGRAM, REGISTERS.len()][usize::from(program.directs())];
+    (FIRST_REGISTER..).zip(REGISTERS).take(count)
+}
 
 /// The fields of a term's slot in the order of `setup_types.svh`, first the most significant: name, bits, value. With a direction there are more words
 /// than 16.
@@ -152,10 +158,8 @@ fn parameters(widths: &Widths, program: &Program, slot_bits: u32) -> String {
     let (low, faint, round) = (low_bits(widths), faint_bits(widths), program.round);
     let axis_drop = 31 - axis_bits(widths);
     let turned = u32::from(is_turned(mantissa));
-    let (out_round, out_last) = (program.exits.round, program.exits.last());
-    let count = [OF_EVERY_PROGRAM, REGISTERS.len()][usize::from(program.directs())];
-    let registers = (FIRST_REGISTER..).zip(&REGISTERS[..count]);
-    let registers = registers.map(|(address, name)| {
+    let (out_round, out_last) = (program.exit_round, program.last_exit());
+    let registers = registers_of(program).map(|(address, name)| {
         let name = name.to_uppercase();
         format!("  localparam int {name} = {address};\n")
     });
@@ -188,20 +192,18 @@ fn microcode(program: &Program, slot_bits: u32) -> Result<String> {
             Some(_) => names.push(program.operations[index].name.clone()),
             None => fields.iter_mut().for_each(|field| field.2 = 0),
         }
-        let results = &program.exits.results;
-        if let Some(number) = results.iter().position(|(at, _)| *at == cycle) {
-            let (_, value) = results[number];
-            let [register, turn] = registers(program, value);
+        if let Some(exit) = program.exits.iter().find(|exit| exit.cycle == cycle) {
+            let [register, turn] = registers(program, exit.value);
             for (name, _, field) in &mut fields {
                 match *name {
                     "b" => *field = register,
                     "b_turn" => *field = turn,
                     "out" => *field = 1,
-                    "word" => *field = program.exits.words[number] as i64,
+                    "word" => *field = exit.word as i64,
                     _ => {}
                 }
             }
-            names.push(format!("out: {}", program.operations[value].name));
+            names.push(format!("out: {}", program.operations[exit.value].name));
         }
         if !names.is_empty() {
             let word = fields.iter().fold(0u128, |word, (_, bits, field)| {
