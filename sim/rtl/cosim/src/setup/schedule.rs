@@ -1,6 +1,6 @@
 //! When operations are issued, where their results stand, and when those of a splat leave; see [`assemble`](super::assemble).
 
-use super::assemble::{Exit, Operand, Operation, Pick, Place, Term, Value};
+use super::assemble::{Exit, Operand, Operation, Place, Term, Value};
 use crate::random::split_mix;
 
 /// Cycles from the issue of a sum's last term until its result can be read.
@@ -102,7 +102,7 @@ pub(super) fn schedule(operations: &[Operation], round: usize, seed: u64) -> Opt
 /// Has a slot no use for a register as second factor?
 fn spares_second(term: &Term) -> bool {
     let used = [term.b, term.other].map(|factor| matches!(factor, Operand::Value(_)));
-    used == [false; 2] && term.pick == Pick::None
+    used == [false; 2] && !term.fields.contains_key("pick")
 }
 
 /// Operations in a round of so many cycles, and the cycle of each one's first slot.
