@@ -9,8 +9,7 @@
 //!
 //! Results leave by the second factor's port in slots that have no use for it, so that they take no slots of their own.
 
-use super::schedule::{Timed, schedule};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use std::collections::BTreeMap;
 
 /// Constants of a picture.
@@ -85,8 +84,8 @@ pub struct Place {
 /// A result that leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Exit {
-    /// After the beginning of the round in which all leave.
-    pub cycle: usize,
+    /// Cycle after the round in which its splat began.
+    pub time: usize,
     pub value: Value,
     /// As this word.
     pub word: usize,
@@ -97,10 +96,8 @@ pub struct Exit {
 pub struct Program {
     pub operations: Vec<Operation>,
     pub places: Vec<Place>,
-    /// By their cycles.
+    /// All in one round, in their order.
     pub exits: Vec<Exit>,
-    /// The round in which results leave, after the splat's first one.
-    pub exit_round: usize,
     /// Cycles of a round.
     pub round: usize,
     /// In the order of their addresses.
@@ -117,53 +114,29 @@ impl Program {
         ensure!(constants.len() <= CONSTANTS, "there are too many constants");
         let fits = |(word, _): &(usize, Value)| *word < WORDS;
         ensure!(results.iter().all(fits), "there are too many results");
-        let placed = |round, seed| {
-            let timed = Timed {
-                times: schedule(&operations, round, seed)?,
-                operations: &operations,
-                round,
-            };
-            let (exit_round, exits) = timed.exits(results)?;
-            let places = timed.places(exit_round, &exits)?;
-            Some((places, exits, exit_round, round))
-        };
         let slots: usize = operations.iter().map(|o| o.terms.len()).sum();
-        let found =
-            (slots..=CYCLES).find_map(|round| (0..ATTEMPTS).find_map(|seed| placed(round, seed)));
-        let (places, exits, exit_round, round) = found.context("no round holds the operations")?;
-        Ok(Program {
+        let mut program = Program {
             operations,
-            places,
-            exits,
-            exit_round,
-            round,
+            places: Vec::new(),
+            exits: Vec::new(),
+            round: 0,
             constants,
-        })
+        };
+        let mut rounds = slots..=CYCLES;
+        let mut fits =
+            |round| (0..ATTEMPTS).any(|seed| program.place(round, seed, results).is_some());
+        ensure!(rounds.any(&mut fits), "no round holds the operations");
+        Ok(program)
     }
 
     /// Cycles from a splat's first slot to that of its last result.
     pub fn latency(&self) -> usize {
-        self.exit_round * self.round + self.last_exit()
-    }
-
-    /// The cycle after which all results are out.
-    pub fn last_exit(&self) -> usize {
-        self.exits.last().map_or(0, |exit| exit.cycle)
+        self.exits.last().map_or(0, |exit| exit.time)
     }
 
     /// Does a direction leave beside the words of the packet?
     pub fn directs(&self) -> bool {
         self.exits.iter().any(|exit| exit.word >= DIRECTION)
-    }
-
-    /// The slot of every cycle of a round: operation and term.
-    pub fn slots(&self) -> Vec<Option<(usize, usize)>> {
-        let timed = Timed {
-            operations: &self.operations,
-            round: self.round,
-            times: self.places.iter().map(|place| place.time).collect(),
-        };
-        timed.slots()
     }
 }
 

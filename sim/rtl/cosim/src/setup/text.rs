@@ -128,7 +128,7 @@ fn parameters(widths: &Widths, program: &Program, slot_bits: u32) -> String {
     let (low, faint, round) = (low_bits(widths), faint_bits(widths), program.round);
     let axis_drop = 31 - axis_bits(widths);
     let turned = u32::from(is_turned(mantissa));
-    let (out_round, out_last) = (program.exit_round, program.last_exit());
+    let (out_round, out_last) = (program.latency() / round, program.latency() % round);
     let registers = registers_of(program).map(|(address, name)| {
         let name = name.to_uppercase();
         format!("  localparam int {name} = {address};\n")
@@ -160,7 +160,11 @@ fn microcode(program: &Program, layout: &[(&str, u32)], slot_bits: u32) -> Resul
             slot_fields = fields(program, index, term)?;
             names.push(program.operations[index].name.clone());
         }
-        if let Some(exit) = program.exits.iter().find(|exit| exit.cycle == cycle) {
+        if let Some(exit) = program
+            .exits
+            .iter()
+            .find(|exit| exit.time % program.round == cycle)
+        {
             let [b, b_turn] = registers(program, exit.value);
             let word = exit.word as i64;
             slot_fields.extend([("b", b), ("b_turn", b_turn), ("out", 1), ("word", word)]);
