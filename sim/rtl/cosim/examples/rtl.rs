@@ -112,12 +112,12 @@ fn print(text: Result<String>) -> Result<()> {
 }
 
 fn write_packages() -> Result<()> {
-    for (design, _) in DESIGNS {
+    for design in DESIGNS {
         write_package(design, &rtl().join(design), &program(&[])?)?;
     }
-    atomic::write(&tables::path(), tables::text().as_bytes())?;
-    let program = harmonics::text::text()?;
-    Ok(atomic::write(&harmonics::text::path(), program.as_bytes())?)
+    atomic::write(&rtl().join(tables::FILE), tables::text().as_bytes())?;
+    let (file, program) = (harmonics::text::FILE, harmonics::text::text()?);
+    Ok(atomic::write(&rtl().join(file), program.as_bytes())?)
 }
 
 /// Setup's program with these options.
@@ -137,7 +137,7 @@ fn program(options: &[&str]) -> Result<SetupProgram> {
 fn write_package(design: &str, folder: &Path, program: &SetupProgram) -> Result<()> {
     let choice = DesignChoice::load(design)?;
     std::fs::create_dir_all(folder)?;
-    for (file, text) in packages(&choice.name, &choice.widths, program, 2)? {
+    for (file, text) in packages(&choice, program, 2)? {
         atomic::write(&folder.join(file), text.as_bytes())?;
     }
     Ok(())
@@ -173,7 +173,7 @@ fn compare(unit: &str) -> Result<()> {
             }
         }
         _ => {
-            for (design, _) in DESIGNS {
+            for design in DESIGNS {
                 compare_design(unit, design)?;
             }
         }

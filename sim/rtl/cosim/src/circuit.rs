@@ -10,7 +10,7 @@ use crate::setup::text;
 use crate::tools::{rtl, run, tool};
 use crate::unit::Extent;
 use anyhow::{Context, Result};
-use splatline::format::{Lean18, Standard24, Widths};
+use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::area::synthesis::subjects;
 use std::collections::hash_map::DefaultHasher;
 use std::ffi::OsStr;
@@ -21,10 +21,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The designs that packages are committed of.
-pub const DESIGNS: [(&str, Widths); 2] = [
-    ("lean18", Lean18::WIDTHS),
-    ("standard24", Standard24::WIDTHS),
-];
+pub const DESIGNS: [&str; 2] = ["lean18", "standard24"];
 
 /// A unit of `sim/rtl`.
 #[derive(Debug, PartialEq, Eq)]
@@ -91,9 +88,8 @@ pub const MACHINE: RtlUnit = RtlUnit {
 pub struct Circuit {
     /// Of this unit.
     pub unit: &'static RtlUnit,
-    /// Name of its design, for its packages.
-    design: String,
-    pub(crate) widths: Widths,
+    /// Its design.
+    pub design: DesignChoice,
     /// What its cores of setup compute, if it has any.
     pub(crate) program: SetupProgram,
     /// Parameters of the module at the top.
@@ -112,10 +108,12 @@ impl Circuit {
         let subjects = subjects();
         let subject = subjects.iter().find(|subject| subject.name == design);
         let subject = subject.with_context(|| format!("no such design: {design}"))?;
+        let mut choice = DesignChoice::load("standard24")?.at_run_time();
+        choice.name = design.to_owned();
+        choice.widths = subject.widths;
         Ok(Circuit {
             unit,
-            design: design.to_owned(),
-            widths: subject.widths,
+            design: choice,
             program: SetupProgram::new(ProgramKind::Filter),
             parameters: vec![(unit.parameter, value)],
         })
@@ -135,13 +133,7 @@ impl Circuit {
 
     /// Its packages and files, in the order in which they are read.
     pub fn sources(&self) -> Result<Vec<Source>> {
-        let Circuit {
-            design,
-            widths,
-            program,
-            ..
-        } = self;
-        let mut sources = packages(design, widths, program, self.unit.packages)?;
+        let mut sources = packages(&self.design, &self.program, self.unit.packages)?;
         for file in fs::read_to_string(rtl().join(self.unit.list))?.lines() {
             sources.push((file.to_owned(), fs::read_to_string(rtl().join(file))?));
         }
@@ -247,7 +239,7 @@ impl Circuit {
 impl fmt::Display for Circuit {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         if self.unit.packages > 0 {
-            write!(formatter, "{} ", self.design)?;
+            write!(formatter, "{} ", self.design.name)?;
         }
         write!(formatter, "{}", self.unit.top)?;
         let mut parameters = self.parameters.iter();
@@ -267,18 +259,18 @@ const SHIM: &str = include_str!("../shim.cpp");
 
 /// So many packages of a design: that of its widths, and that of setup's program.
 pub fn packages(
-    design: &str,
-    widths: &Widths,
+    design: &DesignChoice,
     program: &SetupProgram,
     count: usize,
 ) -> Result<Vec<Source>> {
+    let DesignChoice { name, widths, .. } = design;
     let mut packages = Vec::new();
     if count > 0 {
-        let text = package::text(design, widths)?;
+        let text = package::text(name, widths)?;
         packages.push(("splatline_pkg.sv".to_owned(), text));
     }
     if count > 1 {
-        let text = text::text(design, widths, program)?;
+        let text = text::text(name, widths, program)?;
         packages.push(("splatline_setup_pkg.sv".to_owned(), text));
     }
     Ok(packages)

@@ -3,9 +3,9 @@
 //! `sim/rtl/<design>/splatline_pkg.sv` is this module's output; a test compares the committed files with it, so that
 //! the parameters of the model and of the circuit cannot drift apart.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use splatline::footprint::packet::{Layout, VERSION};
-use splatline::format::{Rounding, RuntimeWidths, Traversal, Widths};
+use splatline::format::{Rounding, Traversal, Widths};
 use splatline::raster::{BLOCK, GUARD, vertical_fraction};
 use splatline::rules::Rules;
 use splatline_sim::fixed::table_entries;
@@ -25,12 +25,6 @@ pub fn table(widths: &Widths, rules: &Rules) -> Vec<[u32; 2]> {
     let next = memory.iter().skip(1).copied().chain([0]);
     let entries = memory.iter().zip(next);
     entries.map(|(low, next)| [*low, low - next]).collect()
-}
-
-/// Widths as a design that is chosen at run time.
-pub fn run_time(widths: &Widths) -> Result<RuntimeWidths> {
-    let design = RuntimeWidths::new(*widths).ok();
-    design.context("widths out of range")
 }
 
 /// Why the circuit cannot be built for a design: the width, and what it must be.

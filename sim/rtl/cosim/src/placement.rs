@@ -49,13 +49,13 @@ const SEEDS: [u32; 5] = [1, 2, 3, 4, 5];
 /// All circuits that are placed and whose name, as in `lean18 splat_primitive LANES=4`, contains these words.
 pub fn circuits(words: &str) -> Result<Vec<Circuit>> {
     let mut all = Vec::new();
-    for (design, _) in DESIGNS {
+    for design in DESIGNS {
         for (unit, value) in [(&PRIMITIVE, 1), (&PRIMITIVE, 4), (&SETUP, 1)] {
             all.push(Circuit::new(unit, design, value)?);
         }
     }
     for (unit, value) in [(&ORDER, 8), (&HARMONICS, 1), (&HARMONICS, 2)] {
-        all.push(Circuit::new(unit, DESIGNS[0].0, value)?);
+        all.push(Circuit::new(unit, DESIGNS[0], value)?);
     }
     all.push(machine(PLACED_CORES)?);
     all.retain(|circuit| circuit.to_string().contains(words));
@@ -67,7 +67,7 @@ const PLACED_CORES: u32 = 9;
 
 /// The machine with four lanes and so many cores of setup.
 pub fn machine(cores: u32) -> Result<Circuit> {
-    Ok(Circuit::new(&MACHINE, DESIGNS[0].0, 4)?.with("CORES", cores))
+    Ok(Circuit::new(&MACHINE, DESIGNS[0], 4)?.with("CORES", cores))
 }
 
 /// Places circuits with five seeds or with one, and prints lines of `placed.csv`.

@@ -4,6 +4,7 @@ use splatline_rtl::circuit::{DESIGNS, packages};
 use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
 use splatline_rtl::tools::rtl;
 use splatline_rtl::{harmonics, tables};
+use splatline_sim::design::DesignChoice;
 use std::path::Path;
 
 fn assert_committed(path: &Path, text: &str) {
@@ -18,9 +19,10 @@ fn assert_committed(path: &Path, text: &str) {
 #[test]
 fn committed_packages_are_the_generators() {
     let program = SetupProgram::new(ProgramKind::Filter);
-    for (design, widths) in DESIGNS {
+    for design in DESIGNS {
         let folder = rtl().join(design);
-        for (file, text) in packages(design, &widths, &program, 2).unwrap() {
+        let choice = DesignChoice::load(design).unwrap();
+        for (file, text) in packages(&choice, &program, 2).unwrap() {
             assert_committed(&folder.join(file), &text);
         }
     }
@@ -28,12 +30,13 @@ fn committed_packages_are_the_generators() {
 
 #[test]
 fn committed_tables_are_the_generators() {
-    assert_committed(&tables::path(), &tables::text());
+    assert_committed(&rtl().join(tables::FILE), &tables::text());
 }
 
 #[test]
 fn the_committed_program_of_the_harmonics_unit_is_the_generators() {
-    assert_committed(&harmonics::text::path(), &harmonics::text::text().unwrap());
+    let text = harmonics::text::text().unwrap();
+    assert_committed(&rtl().join(harmonics::text::FILE), &text);
 }
 
 #[cfg(has_rtl)]
@@ -232,7 +235,7 @@ mod with_verilator {
     #[test]
     #[ignore = "verilates and compiles two machines; also `cargo run -p splatline-rtl --example rtl -- compare frames-harmonics`"]
     fn the_machine_draws_harmonics_by_two_multipliers() {
-        for (design, _) in super::DESIGNS {
+        for design in super::DESIGNS {
             agrees(&MachineUnit::new(design, 6, 4, MachineOption::Harmonics(2)).unwrap());
         }
     }

@@ -16,6 +16,7 @@ use splatline_rtl::random::split_mix;
 use splatline_rtl::rules::write_rules;
 use splatline_rtl::simulation::Simulation;
 use splatline_rtl::unit::{Extent, Unit};
+use splatline_sim::design::DesignChoice;
 
 /// Cycles within which anything must happen.
 const PATIENCE: usize = 20_000;
@@ -61,7 +62,8 @@ impl HandshakeScene {
         let widths = Lean18::WIDTHS;
         let load = workload::random(&widths, 40, 20, 5);
         let tile = load.tiles[0].clone();
-        let drawn = draw(&widths, &Rules::EWA, &load.tiles[..1], &load.footprints);
+        let design = DesignChoice::load("lean18").unwrap();
+        let drawn = draw(&design, &Rules::EWA, &load.tiles[..1], &load.footprints);
         let expected = drawn.unwrap().0;
         let clear = Pixel::clear(&widths);
         assert!(expected.iter().any(|pixel| *pixel != clear));

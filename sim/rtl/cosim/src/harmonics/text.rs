@@ -2,9 +2,7 @@
 
 use super::program::{RightFactor, Target, Term};
 use super::schedule::{Schedule, schedule};
-use crate::tools::rtl;
 use anyhow::Result;
-use std::path::PathBuf;
 
 /// Bits of a slot.
 const SLOT: usize = 56;
@@ -24,10 +22,8 @@ module harmonics_program (
 );
 ";
 
-/// Where it is committed.
-pub fn path() -> PathBuf {
-    rtl().join("harmonics_program.sv")
-}
+/// The file in the folder of the RTL.
+pub const FILE: &str = "harmonics_program.sv";
 
 /// The file's text.
 pub fn text() -> Result<String> {

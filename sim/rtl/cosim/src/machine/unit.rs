@@ -13,7 +13,6 @@ use crate::setup::unit::{constant_words, write_constants};
 use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::{Context, Result, bail, ensure};
 use splatline::blend::Pixel;
-use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::{Config, simulate_alone};
 
 /// Cycles in which a harmonics unit with one and with two multipliers makes a colour, by the degree (`rtl -- compare harmonics`).
@@ -38,7 +37,6 @@ const TIMINGS: [(MemoryTiming, u32); 5] = [
 /// A machine.
 pub struct MachineUnit {
     circuit: Circuit,
-    design: DesignChoice,
     option: MachineOption,
     config: Config,
 }
@@ -56,7 +54,7 @@ impl MachineUnit {
                 .with("HARMONICS", multipliers)
                 .with_program(directed),
         };
-        let program = circuit.program.assembled(&circuit.widths)?;
+        let program = circuit.program.assembled(&circuit.design.widths)?;
         // Every core of setup takes a splat in a round of the program, and each pair hands on a cycle later what it
         // was told.
         let config = Config {
@@ -67,7 +65,6 @@ impl MachineUnit {
         };
         Ok(MachineUnit {
             circuit,
-            design: DesignChoice::load(design)?,
             option,
             config,
         })
@@ -124,7 +121,7 @@ impl Unit for MachineUnit {
             let name = seen.name.to_owned();
             (
                 name,
-                MachineLoad::new(seen, &self.design, self.option, apart),
+                MachineLoad::new(seen, &self.circuit.design, self.option, apart),
             )
         };
         Ok(seen.into_iter().map(load).collect())
@@ -133,7 +130,8 @@ impl Unit for MachineUnit {
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
         let (timing, frames) = TIMINGS[pressure];
         let MachineLoad { scene, rules, .. } = load;
-        let widths = &self.circuit.widths;
+        let design = &self.circuit.design;
+        let widths = &design.widths;
         let mut bench = Bench::new(circuit, 1)?;
         let constants = constant_words(&self.circuit, &scene.view, rules)?;
         write_constants(&mut bench, &constants)?;
@@ -153,7 +151,7 @@ impl Unit for MachineUnit {
         // What was written last is on its way for a while.
         (0..=timing.latency).for_each(|_| memory.cycle(&mut circuit));
         let full = circuit.read("full")? == 1;
-        let expected = kernel_frame(widths, load)?;
+        let expected = kernel_frame(design, load)?;
         let [all, geometry, raster] = self.modelled(load, &timing);
         let mut findings = Findings {
             // Without room for the lists there is no frame.

@@ -8,7 +8,6 @@ use crate::random::noise;
 use crate::scenes::{SCENES, scenes};
 use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::{Result, bail, ensure};
-use splatline_sim::design::DesignChoice;
 
 /// A memory, and cycles from a splat to the next one at least: at full speed; with pauses; with words that arrive after all that a digit's sums take; and
 /// lists without room.
@@ -48,10 +47,9 @@ impl Unit for OrderUnit {
             Extent::Quick => (&["playbot"], 128),
             Extent::Full => (&SCENES, 512),
         };
-        let design = DesignChoice::load("lean18")?;
         let mut loads = hard();
         for seen in scenes(names, size, missing)? {
-            let (.., load) = ordered(&seen, &design, &seen.scene.natural_rules);
+            let (.., load) = ordered(&seen, &self.0.design, &seen.scene.natural_rules);
             loads.push((seen.name.to_owned(), load));
         }
         Ok(loads)

@@ -5,7 +5,6 @@ use super::words::{self, Roots};
 use super::workload::{self, BenchTile, BenchWorkload};
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
 use crate::circuit::PRIMITIVE;
-use crate::package::run_time;
 use crate::rules::write_rules;
 use crate::scenes::scenes;
 use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
@@ -14,7 +13,7 @@ use splatline::blend::{FINISHED, Pixel};
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
-use splatline::format::{RuntimeWidths, Traversal, Widths};
+use splatline::format::{RuntimeWidths, Traversal};
 use splatline::rules::{Compositing, Rules as KernelRules};
 use splatline::target::Target;
 use splatline_sim::design::DesignChoice;
@@ -47,7 +46,6 @@ pub struct PrimitiveLoad {
 /// The primitive of a design with some lanes.
 pub struct PrimitiveUnit {
     circuit: Circuit,
-    design: DesignChoice,
     lanes: u32,
     interval: u32,
 }
@@ -61,12 +59,8 @@ impl PrimitiveUnit {
     /// With other cycles between two packets.
     pub fn with_interval(design: &str, lanes: u32, interval: u32) -> Result<PrimitiveUnit> {
         let circuit = Circuit::new(&PRIMITIVE, design, lanes)?.with("SETUP_INTERVAL", interval);
-        let mut choice = DesignChoice::load("standard24")?.at_run_time();
-        choice.name = design.to_owned();
-        choice.widths = circuit.widths;
         Ok(PrimitiveUnit {
             circuit,
-            design: choice,
             lanes,
             interval,
         })
@@ -87,7 +81,8 @@ impl Unit for PrimitiveUnit {
     /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of scenes skip nothing there: `3dgs` ends a
     /// footprint where it becomes faint, and `ewa` draws what is there.
     fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<PrimitiveLoad>> {
-        let (design, widths) = (&self.design, &self.circuit.widths);
+        let design = &self.circuit.design;
+        let widths = &design.widths;
         let quick = extent == Extent::Quick;
         let ([random, faint], [size, deep]) = match extent {
             Extent::Quick => ([1_200, 600], [256, 64]),
@@ -127,7 +122,8 @@ impl Unit for PrimitiveUnit {
     }
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
-        let widths = &self.circuit.widths;
+        let design = &self.circuit.design;
+        let widths = &design.widths;
         let pressure = &PRESSURES[pressure];
         let mut bench = Bench::new(circuit, 1)?;
         write_rules(&mut bench, widths, &load.rules)?;
@@ -142,10 +138,10 @@ impl Unit for PrimitiveUnit {
         let (tiles, footprints) = (&load.workload.tiles, &load.workload.footprints);
         let items = tiles.iter().map(|tile| item(&layout, tile, footprints));
         let items: Vec<Item> = items.collect();
-        let (pixels, coverage) = draw(widths, &load.rules, tiles, footprints)?;
+        let (pixels, coverage) = draw(design, &load.rules, tiles, footprints)?;
         let channels = channels(&bench.circuit)?;
         let mut checker = PrimitiveChecker {
-            design: run_time(widths)?,
+            design: design.in_fields(),
             shape: [self.lanes, self.interval],
             timed: (pressure.inside == 0).then_some(0),
             load,
@@ -233,18 +229,19 @@ pub fn pixel(answer: &[Vec<u32>]) -> Pixel {
 
 /// The pixels of tiles by the kernel, tile by tile and row by row, and what was visited.
 pub fn draw(
-    widths: &Widths,
+    design: &DesignChoice,
     rules: &KernelRules,
     tiles: &[BenchTile],
     footprints: &[Footprint],
 ) -> Result<(Vec<Pixel>, Coverage)> {
-    let (design, memory) = (run_time(widths)?, table_entries(widths, rules));
+    let widths = &design.widths;
+    let memory = table_entries(widths, rules);
     let order = Compositing::FrontToBack;
     let mut drawn = Vec::new();
     let mut coverage = Coverage::default();
     for tile in tiles {
         let table = table(&memory, widths, rules);
-        let painter = Painter::new(design, rules, table, order, Traversal::Spans);
+        let painter = Painter::new(design.in_fields(), rules, table, order, Traversal::Spans);
         let [columns, rows] = tile.size();
         let mut pixels = vec![Pixel::clear(widths); columns * rows];
         let target = Target::new(&mut pixels, tile.window, columns).ok();

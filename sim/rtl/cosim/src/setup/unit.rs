@@ -9,7 +9,6 @@ use super::record::record;
 use super::tables;
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
 use crate::circuit::SETUP;
-use crate::package::run_time;
 use crate::simulation::Port;
 use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::Result;
@@ -80,7 +79,9 @@ impl Unit for SetupUnit {
     fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<SetupLoad>> {
         let (quick, kind) = (extent == Extent::Quick, self.0.program.kind);
         match kind {
-            ProgramKind::Units => return Ok(tables::arguments(self.0.widths.mantissa, extent)),
+            ProgramKind::Units => {
+                return Ok(tables::arguments(self.0.design.widths.mantissa, extent));
+            }
             ProgramKind::DistanceScaling => {
                 let loads = distant(if quick { 300 } else { 4_000 }, 1);
                 return Ok(loads.into_iter().flat_map(parts).collect());
@@ -90,7 +91,12 @@ impl Unit for SetupUnit {
         // The quickest to show a mutation first.
         let [few, many] = if quick { [300, 400] } else { [12_000; 2] };
         let captured = captured(if quick { 400 } else { 1 }, missing)?;
-        let mut loads = [exact(&self.0.widths, few, 1), synthetic(many, 1), captured].concat();
+        let mut loads = [
+            exact(&self.0.design.widths, few, 1),
+            synthetic(many, 1),
+            captured,
+        ]
+        .concat();
         for (_, load) in &mut loads {
             load.rules.compensated = kind == ProgramKind::Compensation;
         }
@@ -101,10 +107,10 @@ impl Unit for SetupUnit {
         let mut bench = Bench::new(circuit, 7)?;
         let words = constant_words(&self.0, &load.view, &load.rules)?;
         write_constants(&mut bench, &words)?;
-        let widths = &self.0.widths;
+        let widths = &self.0.design.widths;
         let mut checker = SetupChecker {
             circuit: &self.0,
-            design: run_time(widths)?,
+            design: self.0.design.in_fields(),
             layout: Layout::new(widths, Traversal::Spans),
             load,
             offered: Vec::new(),
@@ -172,7 +178,7 @@ fn packet(words: &[u32]) -> Packet {
 
 /// The constants that the circuit's program asks for, by their names.
 pub fn constant_words(circuit: &Circuit, view: &View, rules: &Rules) -> Result<Vec<Constant>> {
-    let widths = &circuit.widths;
+    let widths = &circuit.design.widths;
     constants(&circuit.program.assembled(widths)?, widths, view, rules)
 }
 
@@ -215,7 +221,7 @@ impl Checker for SetupChecker<'_> {
             return Some("a direction too many".to_owned());
         };
         let SetupLoad { view, rules, .. } = self.load;
-        let wanted = direction(&self.circuit.widths, view, &splat.centre);
+        let wanted = direction(&self.circuit.design.widths, view, &splat.centre);
         let wanted = wanted.map(|axis| axis.to_bits() as u32);
         let seen = setup(self.design, view, rules, splat).is_ok();
         let got = circuit.words(port);
@@ -230,7 +236,7 @@ impl Checker for SetupChecker<'_> {
             let Ok(got) = self.layout.decode(&got) else {
                 return Some("a packet of another version".to_owned());
             };
-            return tables::difference(&self.circuit.widths, splat.weight, &got);
+            return tables::difference(&self.circuit.design.widths, splat.weight, &got);
         }
         let expected = setup(self.design, view, rules, splat);
         if let Err(cull) = &expected {
