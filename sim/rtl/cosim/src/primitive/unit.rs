@@ -315,16 +315,16 @@ impl Checker for PrimitiveChecker<'_> {
 
 impl PrimitiveChecker<'_> {
     /// Tile and pixel of an answer.
-    fn place(&self, mut number: usize) -> String {
-        for (index, tile) in self.load.workload.tiles.iter().enumerate() {
-            let [columns, rows] = tile.size();
-            if number < columns * rows {
-                let [x, y] = tile.window.first.map(usize::from);
-                let (x, y) = (x + number % columns, y + number / columns);
-                return format!("tile {index}, pixel ({x}, {y})");
-            }
-            number -= columns * rows;
-        }
-        "a pixel too many".to_owned()
+    fn place(&self, number: usize) -> String {
+        let tiles = self.load.workload.tiles.iter().enumerate();
+        let mut places = tiles.flat_map(|(index, tile)| {
+            let [first, end] = [tile.window.first, tile.window.end];
+            let row = move |y| (first[0]..end[0]).map(move |x| (index, x, y));
+            (first[1]..end[1]).flat_map(row)
+        });
+        places.nth(number).map_or_else(
+            || "a pixel too many".to_owned(),
+            |(index, x, y)| format!("tile {index}, pixel ({x}, {y})"),
+        )
     }
 }
