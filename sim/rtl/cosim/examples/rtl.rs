@@ -60,7 +60,7 @@ fn main() -> ExitCode {
         ["formal"] => formal::report(),
         ["area", "primitive", design @ ..] => print(area::of_primitives(design.first().copied())),
         ["area", "setup", design @ ..] => print(area::of_setup_units(design.first().copied())),
-        ["area", "order"] => print_area(&ORDER, [8, 12]),
+        ["area", "order"] => print_area(&ORDER, DIGITS),
         ["area", "harmonics"] => print_area(&HARMONICS, MULTIPLIERS),
         ["area", "machine"] => print(machine::area::report(false)),
         ["area", "frames-harmonics"] => print(machine::area::report(true)),
@@ -143,6 +143,9 @@ fn write_package(design: &str, folder: &Path, program: &SetupProgram) -> Result<
     Ok(())
 }
 
+/// Bits of a digit for which there are tables of the sorter.
+const DIGITS: [u32; 2] = [8, 12];
+
 /// Shapes of the primitive that no test draws with: design, lanes, cycles between two packets.
 const SHAPES: [(&str, &[u32], u32); 5] = [
     ("lean18", &[2, 8, 16], 4),
@@ -162,8 +165,9 @@ fn compare(unit: &str) -> Result<()> {
             }
         }
         "order" => {
-            report(&OrderUnit::new(8)?)?;
-            report(&OrderUnit::new(12)?)?;
+            for digit in DIGITS {
+                report(&OrderUnit::new(digit)?)?;
+            }
         }
         "harmonics" => {
             for multipliers in MULTIPLIERS {
@@ -183,7 +187,7 @@ fn compare(unit: &str) -> Result<()> {
 
 fn compare_design(unit: &str, design: &str) -> Result<()> {
     // Of several cores a number that divides no round.
-    let setup = |options| report(&SetupUnit::with_program(design, 7, program(options)?)?);
+    let setup = |options| report(&SetupUnit::new(design, 7, program(options)?)?);
     let machine = |option| report(&MachineUnit::new(design, 8, 4, option)?);
     match unit {
         "primitive" => {
@@ -192,7 +196,11 @@ fn compare_design(unit: &str, design: &str) -> Result<()> {
         }
         "setup" => setup(&[]),
         "compensation" | "distance" | "direction" => setup(&[unit]),
-        "tables" => report(&SetupUnit::new(design, 2, ProgramKind::Units)?),
+        "tables" => report(&SetupUnit::new(
+            design,
+            2,
+            SetupProgram::new(ProgramKind::Units),
+        )?),
         "machine" => machine(MachineOption::None),
         "frames-distance" => machine(MachineOption::DistanceScaling),
         "frames-harmonics" => MULTIPLIERS

@@ -89,7 +89,7 @@ fn judges(name: &str) -> Result<Vec<Judge>> {
 }
 
 fn setup(cores: u32, program: SetupProgram) -> Result<SetupUnit> {
-    SetupUnit::with_program("lean18", cores, program)
+    SetupUnit::new("lean18", cores, program)
 }
 
 /// A setup unit of one core for each of a program's mistakes: a program is data of the circuit, in a package, and no choice can be made there. Without a

@@ -11,7 +11,7 @@
 
 use anyhow::{Context, Result};
 use serde_json::{Map, Value};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 
 /// What a multiplier and a memory are called on the ECP5.
 const MULTIPLIER: &str = "MULT18X18D";
@@ -186,15 +186,14 @@ fn together(pins: Pins) -> Option<Pins> {
 
 /// The enable of most products that have registers.
 fn most_frequent_enable(cells: &Map<String, Value>, wiring: &Wiring) -> Option<Value> {
-    let mut counts: BTreeMap<String, (u32, Value)> = BTreeMap::new();
     let multipliers = cells.values().filter(|cell| cell["type"] == MULTIPLIER);
-    for pins in multipliers.filter_map(|cell| wiring.product(cell)) {
-        let enable = &pins[0].1.enable;
-        let entry = counts.entry(enable.to_string());
-        entry.or_insert((0, enable.clone())).0 += 1;
-    }
-    let most = counts.into_values().max_by_key(|(count, _)| *count);
-    most.map(|(_, enable)| enable)
+    let products = multipliers.filter_map(|cell| wiring.product(cell));
+    let enables: Vec<&Value> = products.map(|pins| &pins[0].1.enable).collect();
+    let most = enables.iter().max_by_key(|enable| {
+        let alike = enables.iter().filter(|other| other == enable).count();
+        (alike, enable.to_string())
+    });
+    most.map(|enable| (*enable).clone())
 }
 
 /// Lets a cell drive what the registers behind it drove.

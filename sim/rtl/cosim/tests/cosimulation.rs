@@ -115,12 +115,12 @@ mod with_verilator {
     /// Rounding, reciprocal, root and logarithm of the setup unit's cores, by a program that has nothing else.
     #[test]
     fn setup_units_equal_the_kernels() {
-        agrees(&SetupUnit::new("lean18", 2, ProgramKind::Units).unwrap());
+        agrees(&SetupUnit::new("lean18", 2, SetupProgram::new(ProgramKind::Units)).unwrap());
     }
 
     /// Scenes, hard cases and arbitrary bits, among them culls of every kind.
     fn packets_are_the_kernels(design: &str, cores: u32, kind: ProgramKind) {
-        let unit = SetupUnit::new(design, cores, kind).unwrap();
+        let unit = SetupUnit::new(design, cores, SetupProgram::new(kind)).unwrap();
         let found = total(&agrees(&unit));
         assert!(found.compared >= 4_000, "{found:?}");
         assert_eq!(found.counts.len(), Cull::ALL.len());
@@ -151,14 +151,15 @@ mod with_verilator {
     fn setup_unit_gives_the_kernels_directions() {
         for design in ["lean18", "standard24"] {
             let program = SetupProgram::new(ProgramKind::Filter).with_direction();
-            agrees(&SetupUnit::with_program(design, 2, program).unwrap());
+            agrees(&SetupUnit::new(design, 2, program).unwrap());
         }
     }
 
     /// The same with distance scaling, nearer than the distance k, there and beyond.
     #[test]
     fn setup_unit_enlarges_what_is_far() {
-        let unit = SetupUnit::new("lean18", 3, ProgramKind::DistanceScaling).unwrap();
+        let unit =
+            SetupUnit::new("lean18", 3, SetupProgram::new(ProgramKind::DistanceScaling)).unwrap();
         let (mut beyond, mut splats) = (0, 0);
         for (load, _) in agrees(&unit) {
             beyond += enlarged(&Lean18::WIDTHS, &load.view, &load.rules, &load.splats);

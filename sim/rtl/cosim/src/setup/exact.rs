@@ -29,23 +29,13 @@ pub fn exact(widths: &Widths, count: usize, seed: u64) -> Loads<SetupLoad> {
         };
         let few_bits = few(count, seed, |_, _| ());
         let slanted = (0..count as i32 / 3).map(flat_and_slanted).collect();
-        for (name, view, rules, splats) in [
-            ("few bits", near, rules, few_bits.clone()),
-            ("few bits, orthographic", flat, rules, few_bits),
-            ("ends of formats", ends.0, rules, ends.1.clone()),
-            (
-                "ends of formats, unfiltered",
-                ends.0,
-                unfiltered,
-                ends.1.clone(),
-            ),
-            (
-                "ends of formats, orthographic",
-                flat_ends.0,
-                rules,
-                flat_ends.1.clone(),
-            ),
-            ("flat and slanted", flat, unfiltered, slanted),
+        for (name, rules, (view, splats)) in [
+            ("few bits", rules, (near, few_bits.clone())),
+            ("few bits, orthographic", rules, (flat, few_bits)),
+            ("ends of formats", rules, ends.clone()),
+            ("ends of formats, unfiltered", unfiltered, ends.clone()),
+            ("ends of formats, orthographic", rules, flat_ends.clone()),
+            ("flat and slanted", unfiltered, (flat, slanted)),
         ] {
             loads.push(SetupLoad::named(name, view, rules, splats));
         }

@@ -46,13 +46,8 @@ const CULLS: [&str; Cull::ALL.len()] = [
 pub struct SetupUnit(Circuit);
 
 impl SetupUnit {
-    /// With a program of a kind of setup.
-    pub fn new(design: &str, cores: u32, kind: ProgramKind) -> Result<SetupUnit> {
-        Self::with_program(design, cores, SetupProgram::new(kind))
-    }
-
     /// With this program.
-    pub fn with_program(design: &str, cores: u32, program: SetupProgram) -> Result<SetupUnit> {
+    pub fn new(design: &str, cores: u32, program: SetupProgram) -> Result<SetupUnit> {
         let circuit = Circuit::new(&SETUP, design, cores)?;
         Ok(SetupUnit(circuit.with_program(program)))
     }
