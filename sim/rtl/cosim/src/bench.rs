@@ -3,7 +3,7 @@
 //! What a unit is given are items (a splat, a tile). An item has offers in several lanes, each taken in order and at its own pace, and a number of answers that
 //! must come before the next item's. After a reset the bench begins anew with the first item whose answers have not all come.
 
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::simulation::Port;
 use crate::unit::{Findings, Simulation};
 use anyhow::{Result, ensure};
@@ -112,7 +112,7 @@ pub struct Bench {
     reset: Port,
     /// Cycles since reset.
     pub cycles: u64,
-    random: u64,
+    random: Random,
 }
 
 impl Bench {
@@ -122,7 +122,7 @@ impl Bench {
             reset: circuit.port("rst")?,
             circuit,
             cycles: 0,
-            random: seed,
+            random: Random(seed),
         };
         bench.circuit.set(bench.reset, 1);
         for _ in 0..RESET_CYCLES {
@@ -150,7 +150,7 @@ impl Bench {
 
     /// True in `share` of 256 cases.
     fn chance(&mut self, share: u8) -> bool {
-        share > 0 && split_mix(&mut self.random) >> 56 < u64::from(share)
+        share > 0 && self.random.next() >> 56 < u64::from(share)
     }
 
     /// Gives the items to the circuit and compares what comes until the first difference.
@@ -165,8 +165,7 @@ impl Bench {
         let mut feeder = Feeder::new(items);
         let (start, mut idle) = (self.cycles, 0);
         while findings.compared < feeder.total() {
-            let resets =
-                pressure.resets > 0 && split_mix(&mut self.random).is_multiple_of(pressure.resets);
+            let resets = pressure.resets > 0 && self.random.next().is_multiple_of(pressure.resets);
             self.circuit.set(self.reset, resets.into());
             self.drive(channels, &mut feeder, pressure);
             let mut difference = checker.observe(&self.circuit, self.cycles);
@@ -227,15 +226,15 @@ impl Bench {
                 if lane.valid {
                     self.circuit.set_words(*port, words);
                 } else {
-                    let noise = words.iter().map(|_| split_mix(&mut self.random) as u32);
+                    let noise = words.iter().map(|_| self.random.next() as u32);
                     let noise: Vec<u32> = noise.collect();
                     self.circuit.set_words(*port, &noise);
                 }
             }
             self.circuit.set(source.valid, lane.valid.into());
         }
-        let mut block = self.cycles.checked_div(pressure.stalls).unwrap_or(0);
-        let stalls = pressure.stalls > 0 && split_mix(&mut block) & 1 == 1;
+        let block = self.cycles.checked_div(pressure.stalls);
+        let stalls = block.is_some_and(|block| Random(block).next() & 1 == 1);
         let ready = !self.chance(pressure.answers) && !stalls;
         self.circuit.set(channels.sink.ready, ready.into());
         if let Some(enable) = channels.enable {

@@ -12,7 +12,7 @@ use splatline::rules::Rules;
 use splatline_rtl::bench::Bench;
 use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit, draw, pixel};
 use splatline_rtl::primitive::workload::{self, BenchWorkload};
-use splatline_rtl::random::split_mix;
+use splatline_rtl::random::Random;
 use splatline_rtl::rules::write_rules;
 use splatline_rtl::simulation::Simulation;
 use splatline_rtl::unit::{Extent, Unit};
@@ -424,10 +424,10 @@ fn hostile_packets_neither_hang_nor_linger() {
     let layout = Layout::new(&Lean18::WIDTHS, Traversal::Spans);
     for lanes in LANES {
         let mut scene = HandshakeScene::new(lanes);
-        let mut state = 17;
+        let mut random = Random(17);
         let mut hostile = Vec::new();
         for footprint in &mut scene.load.footprints[..20] {
-            let mut bits = || split_mix(&mut state) as i64;
+            let mut bits = || random.next() as i64;
             footprint.centre = [bits(), bits()];
             footprint.ldl.shear.mantissa = bits() as i32;
             footprint.ldl.shear.exponent = bits() as i32 % 512;

@@ -1,7 +1,7 @@
 //! What the harmonics unit is given: a scene's splats, random ones, and bits that round, clamp and wrap where others do not.
 
 use crate::harmonics::scene::SceneHarmonics;
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::scenes::scene;
 use crate::unit::Loads;
 use anyhow::Result;
@@ -31,20 +31,20 @@ fn colours(degree: u8) -> usize {
 const ONE: i64 = 1 << 30;
 
 /// Random numbers of a load.
-struct LoadRandom(u64);
+struct LoadRandom(Random);
 
 impl LoadRandom {
     fn below(&mut self, end: u64) -> u64 {
-        (split_mix(&mut self.0) >> 11) % end
+        (self.0.next() >> 11) % end
     }
 
     /// Within -1 and 1.
     fn number(&mut self) -> f64 {
-        split_mix(&mut self.0) as i64 as f64 / 2f64.powi(63)
+        self.0.next() as i64 as f64 / 2f64.powi(63)
     }
 
     fn bits(&mut self) -> i32 {
-        (split_mix(&mut self.0) >> 32) as i32
+        (self.0.next() >> 32) as i32
     }
 
     /// A unit vector.
@@ -97,7 +97,7 @@ fn unit(vector: [f64; 3]) -> [i32; 3] {
 
 /// Unit directions and usual coefficients of one degree, for the cycles of each.
 pub fn of_degree(count: usize, degree: u8, seed: u64) -> Vec<HarmonicsSplat> {
-    let mut random = LoadRandom(seed);
+    let mut random = LoadRandom(Random(seed));
     let splats = (0..count).map(|_| {
         let direction = random.direction();
         random.splat(direction, degree, LoadRandom::usual)
@@ -142,7 +142,7 @@ pub fn synthetic(count: usize, seed: u64) -> Loads<Vec<HarmonicsSplat>> {
             one_harmonic(WRAPPING[index % WRAPPING.len()], 19)
         }),
     ];
-    let mut random = LoadRandom(seed);
+    let mut random = LoadRandom(Random(seed));
     let load = |(name, make): (&str, Make)| {
         let splats = (0..count).map(|index| make(&mut random, index));
         (name.to_owned(), splats.collect())

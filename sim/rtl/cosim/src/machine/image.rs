@@ -2,7 +2,7 @@
 
 use super::loads::MachineLoad;
 use crate::package::TILE;
-use crate::random::noise;
+use crate::random::{Random, noise};
 use crate::setup::record::record;
 use anyhow::{Context, Result, anyhow, ensure};
 use splatline::LentList;
@@ -67,8 +67,8 @@ impl MemoryImage {
             places.push((base, next as u64));
             next += size + 1;
         }
-        let mut state = 1;
-        words.resize_with(next, || noise(&mut state));
+        let mut random = Random(1);
+        words.resize_with(next, || noise(&mut random));
         let frame = next - pixels - 1;
         Ok(MemoryImage {
             words,

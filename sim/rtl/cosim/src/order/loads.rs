@@ -1,7 +1,7 @@
 //! What is ordered: captured scenes with the model's lists, and keys that a sorter finds hard.
 
 use crate::package::TILE;
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::scenes::Seen;
 use crate::unit::Loads;
 use splatline::footprint::Footprint;
@@ -121,7 +121,7 @@ pub fn ordered(
 /// No splat, one, all keys equal, all keys but one, upside down, in order already, single bits, and random ones with many equals.
 pub fn hard() -> Loads<OrderLoad> {
     let last = (1u64 << KEY_BITS) - 1;
-    let mut state = 3;
+    let mut random = Random(3);
     let mut loads = Vec::new();
     let keys: [(&str, Vec<u64>); 10] = [
         ("none", vec![]),
@@ -137,22 +137,20 @@ pub fn hard() -> Loads<OrderLoad> {
         ("first digit alone", (0..99u64).map(|i| i % 3).collect()),
         (
             "few keys",
-            (0..900)
-                .map(|_| (split_mix(&mut state) % 5) << 37)
-                .collect(),
+            (0..900).map(|_| (random.next() % 5) << 37).collect(),
         ),
         (
             "random keys",
-            (0..900).map(|_| split_mix(&mut state) & last).collect(),
+            (0..900).map(|_| random.next() & last).collect(),
         ),
     ];
     for (name, keys) in keys {
-        let size = [9, 7].map(|end| 1 + (split_mix(&mut state) % end) as u16);
+        let size = [9, 7].map(|end| 1 + (random.next() % end) as u16);
         let splats = (0..).zip(keys).map(|(index, key)| SortedSplat {
             // Numbers have gaps where splats were culled.
             number: 3 * index,
             key,
-            tiles: tiles(&mut state, size),
+            tiles: tiles(&mut random, size),
         });
         loads.push((name.to_owned(), OrderLoad::plain(size, splats.collect())));
     }
@@ -160,8 +158,8 @@ pub fn hard() -> Loads<OrderLoad> {
 }
 
 /// A box of tiles, in some cases all.
-fn tiles(state: &mut u64, size: [u16; 2]) -> [[u16; 2]; 2] {
-    let mut below = |end: u16| (split_mix(state) % u64::from(end)) as u16;
+fn tiles(random: &mut Random, size: [u16; 2]) -> [[u16; 2]; 2] {
+    let mut below = |end: u16| (random.next() % u64::from(end)) as u16;
     if below(16) == 0 {
         return [[0, 0], [size[0] - 1, size[1] - 1]];
     }

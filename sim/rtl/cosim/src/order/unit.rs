@@ -4,7 +4,7 @@ use super::loads::{OrderLoad, hard, ordered};
 use crate::bench::Bench;
 use crate::circuit::ORDER;
 use crate::memory::{Memory, MemoryTiming, timing};
-use crate::random::noise;
+use crate::random::{Random, noise};
 use crate::scenes::{SCENES, scenes};
 use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::{Result, bail, ensure};
@@ -73,8 +73,8 @@ impl Unit for OrderUnit {
             ("most", room as u64),
         ])?;
         // Bits of nothing in all places of the memory, a word or more between any two regions.
-        let (mut words, mut state) = (Vec::new(), 1);
-        words.resize_with(lists + room.div_ceil(4), || noise(&mut state));
+        let (mut words, mut random) = (Vec::new(), Random(1));
+        words.resize_with(lists + room.div_ceil(4), || noise(&mut random));
         let mut memory = Memory::new(&bench.circuit, words, timing, 1)?;
         let mut findings = Findings::default();
         // Twice or once: neither what a picture leaves behind nor what registers hold before the first must reach the one that is judged.

@@ -2,7 +2,7 @@
 //! shifts of 64 and more, saturation and roundings that carry; and the row unit's roots, whose last bits the spans' slack hides.
 
 use crate::bench::Bench;
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::simulation::{Port, Simulation};
 use anyhow::Result;
 use splatline::math::{SoftFloat, root_seed, shift_signed};
@@ -19,8 +19,8 @@ const ALIGN: usize = 4;
 const NORMALISE: usize = 3;
 
 /// A value and the shift that it is aligned by.
-fn word(state: &mut u64) -> (i64, i16) {
-    let [bits, kind, far] = [0; 3].map(|_: u32| split_mix(state));
+fn word(random: &mut Random) -> (i64, i16) {
+    let [bits, kind, far] = [0; 3].map(|_: u32| random.next());
     let magnitude = match kind % 4 {
         // Ones that a rounding carries through, powers of two, and anything.
         0 => (1 << ((kind >> 8) % u64::from(BITS))) - 1,
@@ -38,10 +38,10 @@ pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Result<Option<String
     let aligned = bench.circuit.port("aligned")?;
     let normal = ["normal", "normal_negative", "normal_exponent"];
     let normal = bench.circuit.ports(normal)?;
-    let mut state = 5;
+    let mut random = Random(5);
     let mut fed = VecDeque::new();
     for _ in 0..WORDS {
-        let (value, shift) = word(&mut state);
+        let (value, shift) = word(&mut random);
         bench.set(&[
             ("unit_negative", (value < 0).into()),
             ("unit_magnitude", value.unsigned_abs()),

@@ -2,7 +2,7 @@
 
 use crate::order::loads::{OrderLoad, ordered};
 use crate::package::TILE;
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::scenes::Seen;
 use anyhow::Result;
 use splatline::float;
@@ -139,7 +139,7 @@ fn random_between(
     [count, per_tile]: [usize; 2],
     seed: u64,
 ) -> BenchWorkload {
-    let mut random = WorkloadRandom(seed);
+    let mut random = WorkloadRandom(Random(seed));
     let (mut footprints, mut tiles) = (Vec::with_capacity(count), Vec::new());
     while footprints.len() < count {
         let block = TILE.map(|size| size * (random.below(2000 / u32::from(size)) as u16));
@@ -160,11 +160,11 @@ const FARTHEST: f64 = 1e8;
 /// Setup keeps the middle of a row nearer than 2^30 pixels. Beyond 2^31 it leaves its word, and circuit and kernel differ.
 const FARTHEST_MIDDLE: f64 = 1e9;
 
-struct WorkloadRandom(u64);
+struct WorkloadRandom(Random);
 
 impl WorkloadRandom {
     fn bits(&mut self, count: u8) -> u32 {
-        (split_mix(&mut self.0) >> (64 - u32::from(count))) as u32
+        (self.0.next() >> (64 - u32::from(count))) as u32
     }
 
     fn below(&mut self, end: u32) -> u32 {

@@ -2,7 +2,7 @@
 
 use super::exact::{FOCAL, few_bits, straight};
 use super::loads::{KINDS, SetupLoad, soft_float, synthetic};
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::unit::Loads;
 use splatline::format::Widths;
 use splatline::math::SoftFloat;
@@ -62,10 +62,10 @@ fn spaced(mut load: SetupLoad, spacing: SoftFloat, index: usize) -> SetupLoad {
 
 /// Splats at the distance k itself, which keep all bits of their weights, and (with perspective) at twice that distance.
 fn at_k(count: usize, seed: u64) -> Vec<VolumeSplat> {
-    let mut state = seed;
+    let mut random = Random(seed);
     let splat = |_| VolumeSplat {
-        weight: soft_float((split_mix(&mut state) >> 34) as i32 | 1, -30),
-        ..few_bits(&mut state)
+        weight: soft_float((random.next() >> 34) as i32 | 1, -30),
+        ..few_bits(&mut random)
     };
     (0..count).map(splat).collect()
 }

@@ -5,7 +5,7 @@
 //! `mutations.tsv` that captured scenes, random bits and test vectors let pass.
 
 use super::loads::{KINDS, SetupLoad, soft_float};
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::unit::Loads;
 use fixed::types::I32F32;
 use splatline::float;
@@ -138,9 +138,9 @@ pub(super) fn straight(projection: Projection, focal: i32) -> View {
 
 /// Splats of few bits, each of them changed.
 fn few(count: usize, seed: u64, change: impl Fn(usize, &mut VolumeSplat)) -> Vec<VolumeSplat> {
-    let mut state = seed;
+    let mut random = Random(seed);
     let splat = |index| {
-        let mut splat = few_bits(&mut state);
+        let mut splat = few_bits(&mut random);
         change(index, &mut splat);
         splat
     };
@@ -148,10 +148,10 @@ fn few(count: usize, seed: u64, change: impl Fn(usize, &mut VolumeSplat)) -> Vec
 }
 
 /// A splat whose numbers have two bits and a sign, some tens of pixels around the middle, of some pixels' size.
-pub(super) fn few_bits(state: &mut u64) -> VolumeSplat {
+pub(super) fn few_bits(random: &mut Random) -> VolumeSplat {
     let mut number = |exponent: i32| {
         let values = [0, 0, 0, 1, 1, -1, -1, 2, 3, -3];
-        let value: i32 = values[(split_mix(state) % 10) as usize];
+        let value: i32 = values[(random.next() % 10) as usize];
         soft_float(value << 24, exponent - 24)
     };
     let axes = [(); 3].map(|()| {
@@ -159,7 +159,7 @@ pub(super) fn few_bits(state: &mut u64) -> VolumeSplat {
         axis(mantissa, -24 - FOCAL)
     });
     let aside = [number(-4), number(-3)];
-    let powers = split_mix(state) >> 32;
+    let powers = random.next() >> 32;
     VolumeSplat {
         centre: [aside[0], aside[1], soft_float(1, (powers % 2) as i32)],
         axes,

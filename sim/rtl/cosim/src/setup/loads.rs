@@ -1,6 +1,6 @@
 //! What is set up: captured scenes, hard cases, and bits of which nobody made a splat.
 
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::scenes::scenes;
 use crate::unit::{Loads, Missing};
 use anyhow::Result;
@@ -52,9 +52,9 @@ pub fn synthetic(count: usize, seed: u64) -> Loads<SetupLoad> {
         projection: Projection::Orthographic,
         ..view
     };
-    let mut state = seed;
-    let near: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut state, 24)).collect();
-    let wild: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut state, 1024)).collect();
+    let mut random = Random(seed);
+    let near: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut random, 24)).collect();
+    let wild: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut random, 1024)).collect();
     let mut loads = Vec::new();
     for (_, rules) in KINDS {
         for (name, view, splats) in [
@@ -92,14 +92,14 @@ pub fn captured(step: usize, missing: &mut Missing) -> Result<Loads<SetupLoad>> 
 }
 
 /// A splat of random bits: mantissas from 0 to the ends of the format, exponents over `range` powers around those of a usual scene.
-fn arbitrary(state: &mut u64, range: u64) -> VolumeSplat {
+fn arbitrary(random: &mut Random, range: u64) -> VolumeSplat {
     let mut exponent = |usual: i64| {
-        let moved = (split_mix(state) % range) as i64 - range as i64 / 2;
+        let moved = (random.next() % range) as i64 - range as i64 / 2;
         (usual + moved).clamp(-512, 511) as i32
     };
     let exponents = [-28, -28, -28, -33, -33, -33, -30].map(&mut exponent);
     let mut mantissa = || {
-        let bits = split_mix(state);
+        let bits = random.next();
         match bits % 16 {
             0 => 0,
             1 => i32::MIN,

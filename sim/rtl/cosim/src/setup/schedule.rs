@@ -1,7 +1,7 @@
 //! When operations are issued, where their results stand, and when those of a splat leave; see [`assemble`](super::assemble).
 
 use super::assemble::{Exit, Operand, Operation, Place, Program, Term, Value};
-use crate::random::split_mix;
+use crate::random::Random;
 
 /// Cycles from the issue of a sum's last term until its result can be read.
 pub const LATENCY: usize = 24;
@@ -37,10 +37,10 @@ fn reads_input(operation: &Operation) -> bool {
 ///
 /// What has the most behind it comes first; the seed stirs that order by a latency, since not every order fills a round without gaps.
 fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usize>> {
-    let mut state = seed;
+    let mut random = Random(seed);
     let mut stir = vec![0; operations.len()];
     if seed > 0 {
-        stir.fill_with(|| split_mix(&mut state) as usize % (LATENCY << (seed % 4)));
+        stir.fill_with(|| random.next() as usize % (LATENCY << (seed % 4)));
     }
     let mut taken = vec![false; round];
     let mut times = vec![0; operations.len()];

@@ -5,7 +5,7 @@
 //! as they are.
 
 use super::loads::SetupLoad;
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::unit::{Extent, Loads};
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
@@ -33,8 +33,8 @@ pub fn arguments(mantissa: u8, extent: Extent) -> Loads<SetupLoad> {
 fn numbers(bits: u8, step: usize) -> Vec<SoftFloat> {
     let usual = (1i32 << (bits - 1)..(1i64 << bits) as i32).step_by(step);
     let carrying = (0..31).flat_map(|shift| [i32::MAX >> shift, (1 << 30) >> shift]);
-    let mut state = 1;
-    let long = (0..2_000).map(|_| (split_mix(&mut state) >> 34) as i32 | 1 << 30);
+    let mut random = Random(1);
+    let long = (0..2_000).map(|_| (random.next() >> 34) as i32 | 1 << 30);
     let carrying = carrying.filter(|mantissa| *mantissa > 0);
     let mantissas = usual.chain(carrying).chain(long);
     let both = |mantissa| [-27, -20].map(|exponent| SoftFloat { mantissa, exponent });
