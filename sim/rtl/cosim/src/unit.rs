@@ -53,12 +53,6 @@ impl Findings {
             None => self.counts.push((name, more)),
         }
     }
-
-    /// How many of this name.
-    pub fn counted(&self, name: &str) -> u64 {
-        let known = self.counts.iter().find(|known| known.0 == name);
-        known.map_or(0, |(_, count)| *count)
-    }
 }
 
 impl AddAssign for Findings {

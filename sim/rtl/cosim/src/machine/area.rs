@@ -68,13 +68,14 @@ fn by_unit(circuit: &Circuit) -> Result<Vec<(&'static str, Fabric)>> {
 
 /// Cells of a flattened machine, unit by unit, without the wrapper's.
 fn counted(cells: &BTreeMap<String, NetlistCell>) -> Vec<(&'static str, Fabric)> {
-    let mut kinds: BTreeMap<&str, Vec<(&str, u64)>> = BTreeMap::new();
+    let mut areas: BTreeMap<&str, Fabric> = BTreeMap::new();
     for (name, cell) in cells {
         if let Some(unit) = unit_of(name) {
-            kinds.entry(unit).or_default().push((&cell.kind, 1));
+            let area = areas.entry(unit).or_default();
+            *area = *area + fabric([(cell.kind.as_str(), 1)]);
         }
     }
-    let area = |(_, name)| Some((name, fabric(kinds.remove(name)?)));
+    let area = |(_, name)| Some((name, areas.remove(name)?));
     UNITS.into_iter().filter_map(area).collect()
 }
 
