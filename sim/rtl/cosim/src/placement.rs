@@ -162,7 +162,7 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
     );
     let mut fabric = cells(&script, folder)?;
     let mut cells: Value = json(&netlist)?;
-    fabric.flip_flops -= registers::move_in(&mut cells, WRAPPER)?.flip_flops;
+    fabric.flip_flops -= registers::move_in(&mut cells, WRAPPER)?;
     if *circuit.unit == MACHINE {
         cells["modules"][WRAPPER]["settings"] = json!({ CONGESTION.0: CONGESTION.1 });
     }
