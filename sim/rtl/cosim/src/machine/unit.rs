@@ -8,7 +8,7 @@ use crate::memory::{Memory, MemoryTiming, timing};
 use crate::rules::write_rules;
 use crate::scenes::{SCENES, Seen, scenes};
 use crate::setup::distant::enlarged;
-use crate::setup::program::{ProgramKind, SetupProgram};
+use crate::setup::program::ProgramKind;
 use crate::setup::unit::{constant_words, write_constants};
 use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::{Context, Result, bail, ensure};
@@ -44,16 +44,15 @@ pub struct MachineUnit {
 impl MachineUnit {
     /// A design's with so many cores of setup and lanes.
     pub fn new(design: &str, cores: u32, lanes: u32, option: MachineOption) -> Result<MachineUnit> {
-        let circuit = Circuit::new(&MACHINE, design, lanes)?.with("CORES", cores);
-        let scaling = SetupProgram::new(ProgramKind::DistanceScaling);
-        let directed = SetupProgram::new(ProgramKind::Filter).with_direction();
-        let circuit = match option {
-            MachineOption::None => circuit,
-            MachineOption::DistanceScaling => circuit.with_program(scaling),
-            MachineOption::Harmonics(multipliers) => circuit
-                .with("HARMONICS", multipliers)
-                .with_program(directed),
-        };
+        let mut circuit = Circuit::new(&MACHINE, design, lanes)?.with("CORES", cores);
+        match option {
+            MachineOption::None => {}
+            MachineOption::DistanceScaling => circuit.program.kind = ProgramKind::DistanceScaling,
+            MachineOption::Harmonics(multipliers) => {
+                circuit = circuit.with("HARMONICS", multipliers);
+                circuit.program.directs = true;
+            }
+        }
         let program = circuit.program.assembled(&circuit.design.widths)?;
         // Every core of setup takes a splat in a round of the program, and each pair hands on a cycle later what it
         // was told.

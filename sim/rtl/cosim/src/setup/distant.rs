@@ -15,15 +15,17 @@ use splatline::view::{Projection, View};
 /// About `count` splats of each kind.
 pub fn distant(count: usize, seed: u64) -> Loads<SetupLoad> {
     let mut loads = Vec::new();
-    for (index, (name, load)) in synthetic(count, seed).into_iter().enumerate() {
-        let spacing = match load.view.projection {
+    for (index, (name, mut load)) in synthetic(count, seed).into_iter().enumerate() {
+        load.rules.spacing = match load.view.projection {
             // k lies where the camera of the hard cases looks at, 4 units away.
             Projection::Perspective => soft_float(13, -11),
             // All splats beyond k, or none.
             Projection::Orthographic => soft_float([11, 13][index % 2], -13),
         };
-        let name = name + ", with a spacing";
-        loads.push((name, spaced(load, spacing, index)));
+        // Pixels that are not square: higher than wide, or wider than high.
+        let longer = &mut load.view.focal[index / 2 % 2];
+        *longer = longer.multiply(SoftFloat::from_wide(5, -2, 31), 31);
+        loads.push((name + ", with a spacing", load));
     }
     for (_, rules) in KINDS {
         for (name, projection) in [
@@ -50,14 +52,6 @@ pub fn enlarged(widths: &Widths, view: &View, rules: &Rules, splats: &[VolumeSpl
         projected.is_ok_and(|projected| enlargement(widths, rules, &projected).is_some())
     };
     splats.iter().filter(beyond).count()
-}
-
-/// The load with a spacing and pixels that are not square: higher than wide, or wider than high.
-fn spaced(mut load: SetupLoad, spacing: SoftFloat, index: usize) -> SetupLoad {
-    let longer = &mut load.view.focal[index / 2 % 2];
-    *longer = longer.multiply(SoftFloat::from_wide(5, -2, 31), 31);
-    load.rules.spacing = spacing;
-    load
 }
 
 /// Splats at the distance k itself, which keep all bits of their weights, and (with perspective) at twice that distance.
