@@ -157,50 +157,38 @@ const SHAPES: [(&str, &[u32], u32); 5] = [
 
 fn compare(unit: &str) -> Result<()> {
     match unit {
-        "shapes" => {
-            for (design, lanes, interval) in SHAPES {
-                for lanes in lanes {
-                    report(&PrimitiveUnit::with_interval(design, *lanes, interval)?)?;
-                }
-            }
-        }
-        "order" => {
-            for digit in DIGITS {
-                report(&OrderUnit::new(digit)?)?;
-            }
-        }
-        "harmonics" => {
-            for multipliers in MULTIPLIERS {
-                let unit = HarmonicsUnit::new(multipliers)?;
-                report(&unit)?;
-                unit.print_cycles()?;
-            }
-        }
-        _ => {
-            for design in DESIGNS {
-                compare_design(unit, design)?;
-            }
-        }
+        "shapes" => SHAPES
+            .into_iter()
+            .try_for_each(|(design, lanes, interval)| {
+                let unit = |lanes: &u32| PrimitiveUnit::with_interval(design, *lanes, interval);
+                lanes.iter().try_for_each(|lanes| report(&unit(lanes)?))
+            }),
+        "order" => DIGITS
+            .into_iter()
+            .try_for_each(|digit| report(&OrderUnit::new(digit)?)),
+        "harmonics" => MULTIPLIERS.into_iter().try_for_each(|multipliers| {
+            let unit = HarmonicsUnit::new(multipliers)?;
+            report(&unit)?;
+            unit.print_cycles()
+        }),
+        _ => DESIGNS
+            .into_iter()
+            .try_for_each(|design| compare_design(unit, design)),
     }
-    Ok(())
 }
 
 fn compare_design(unit: &str, design: &str) -> Result<()> {
-    // Of several cores a number that divides no round.
-    let setup = |options| report(&SetupUnit::new(design, 7, program(options)?)?);
+    let setup = |cores, program| report(&SetupUnit::new(design, cores, program)?);
     let machine = |option| report(&MachineUnit::new(design, 8, 4, option)?);
     match unit {
         "primitive" => {
             let mut lanes = LANES.into_iter();
             lanes.try_for_each(|lanes| report(&PrimitiveUnit::new(design, lanes)?))
         }
-        "setup" => setup(&[]),
-        "compensation" | "distance" | "direction" => setup(&[unit]),
-        "tables" => report(&SetupUnit::new(
-            design,
-            2,
-            SetupProgram::new(ProgramKind::Units),
-        )?),
+        // Of several cores a number that divides no round.
+        "setup" => setup(7, program(&[])?),
+        "compensation" | "distance" | "direction" => setup(7, program(&[unit])?),
+        "tables" => setup(2, SetupProgram::new(ProgramKind::Units)),
         "machine" => machine(MachineOption::None),
         "frames-distance" => machine(MachineOption::DistanceScaling),
         "frames-harmonics" => MULTIPLIERS
