@@ -2,20 +2,18 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Traversal;
-use splatline_rtl::circuit::{Circuit, DESIGNS, HARMONICS, ORDER, PRIMITIVE, RtlUnit};
+use splatline_rtl::circuit::{Circuit, DESIGNS, HARMONICS, ORDER, PRIMITIVE, RtlUnit, packages};
 use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
 use splatline_rtl::machine::MachineOption;
 use splatline_rtl::machine::unit::MachineUnit;
+use splatline_rtl::mutation::{Mutation, mutations};
 use splatline_rtl::order::unit::OrderUnit;
 use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
 use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
-use splatline_rtl::setup::tables::TableUnits;
 use splatline_rtl::setup::unit::SetupUnit;
 use splatline_rtl::tools::rtl;
 use splatline_rtl::unit::report;
-use splatline_rtl::{
-    area, asic, formal, harmonics, judges, machine, package, placement, rules, setup, tables,
-};
+use splatline_rtl::{area, asic, formal, harmonics, judges, machine, placement, rules, tables};
 use splatline_sim::atomic;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
@@ -32,7 +30,7 @@ const USAGE: &str = "usage: rtl COMMAND
                 scaling), compensation (setup with compensated opacities), direction (setup with directions), tables (reciprocal, root and logarithm of setup), order, harmonics, machine, frames-distance (machine with distance scaling),
                 frames-harmonics (machine with harmonics, by one and by two multipliers)
   mutations [UNIT [PART]]   is every mutation noticed, or those of a unit, or those whose name contains PART?
-  formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mutation
+  formal        what the units promise, by Yosys' solver, each seen to fail on a mutation
   area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/machine/src/area/synthesised.csv (18 minutes) and setup.csv (half an hour)
   area order|harmonics            the same of these units for the ECP5
   area machine                    the same of the whole machine with four lanes, by unit: sim/machine/src/area/machine.csv;
@@ -62,10 +60,10 @@ fn main() -> ExitCode {
         ["formal"] => formal::report(),
         ["area", "primitive", design @ ..] => print(area::of_primitives(design.first().copied())),
         ["area", "setup", design @ ..] => print(area::of_setup_units(design.first().copied())),
-        ["area", "order"] => print_area(&ORDER, [8, 12]),
+        ["area", "order"] => print_area(&ORDER, DIGITS),
         ["area", "harmonics"] => print_area(&HARMONICS, MULTIPLIERS),
-        ["area", "machine"] => print(machine::area::report()),
-        ["area", "frames-harmonics"] => print(machine::area::report_with_harmonics()),
+        ["area", "machine"] => print(machine::area::report(false)),
+        ["area", "frames-harmonics"] => print(machine::area::report(true)),
         ["area", "asic", liberty, words @ ..] => {
             placement::circuits(words.first().copied().unwrap_or_default())
                 .and_then(|circuits| asic::report(Path::new(liberty), &circuits))
@@ -114,12 +112,12 @@ fn print(text: Result<String>) -> Result<()> {
 }
 
 fn write_packages() -> Result<()> {
-    for (design, _) in DESIGNS {
+    for design in DESIGNS {
         write_package(design, &rtl().join(design), &program(&[])?)?;
     }
-    atomic::write(&tables::path(), tables::text().as_bytes())?;
-    let program = harmonics::text::text()?;
-    Ok(atomic::write(&harmonics::text::path(), program.as_bytes())?)
+    atomic::write(&rtl().join(tables::FILE), tables::text().as_bytes())?;
+    let (file, program) = (harmonics::text::FILE, harmonics::text::text()?);
+    Ok(atomic::write(&rtl().join(file), program.as_bytes())?)
 }
 
 /// Setup's program with these options.
@@ -138,14 +136,15 @@ fn program(options: &[&str]) -> Result<SetupProgram> {
 
 fn write_package(design: &str, folder: &Path, program: &SetupProgram) -> Result<()> {
     let choice = DesignChoice::load(design)?;
-    let (name, widths) = (choice.name.as_str(), &choice.widths);
     std::fs::create_dir_all(folder)?;
-    let text = package::text(name, widths)?;
-    atomic::write(&folder.join("splatline_pkg.sv"), text.as_bytes())?;
-    let text = setup::text::text(name, widths, program)?;
-    let path = folder.join("splatline_setup_pkg.sv");
-    Ok(atomic::write(&path, text.as_bytes())?)
+    for (file, text) in packages(&choice, program, 2)? {
+        atomic::write(&folder.join(file), text.as_bytes())?;
+    }
+    Ok(())
 }
+
+/// Bits of a digit for which there are tables of the sorter.
+const DIGITS: [u32; 2] = [8, 12];
 
 /// Shapes of the primitive that no test draws with: design, lanes, cycles between two packets.
 const SHAPES: [(&str, &[u32], u32); 5] = [
@@ -158,45 +157,38 @@ const SHAPES: [(&str, &[u32], u32); 5] = [
 
 fn compare(unit: &str) -> Result<()> {
     match unit {
-        "shapes" => {
-            for (design, lanes, interval) in SHAPES {
-                for lanes in lanes {
-                    report(&PrimitiveUnit::with_interval(design, *lanes, interval)?)?;
-                }
-            }
-        }
-        "order" => {
-            report(&OrderUnit::new(8)?)?;
-            report(&OrderUnit::new(12)?)?;
-        }
-        "harmonics" => {
-            for multipliers in MULTIPLIERS {
-                let unit = HarmonicsUnit::new(multipliers)?;
-                report(&unit)?;
-                unit.print_cycles()?;
-            }
-        }
-        _ => {
-            for (design, _) in DESIGNS {
-                compare_design(unit, design)?;
-            }
-        }
+        "shapes" => SHAPES
+            .into_iter()
+            .try_for_each(|(design, lanes, interval)| {
+                let unit = |lanes: &u32| PrimitiveUnit::with_interval(design, *lanes, interval);
+                lanes.iter().try_for_each(|lanes| report(&unit(lanes)?))
+            }),
+        "order" => DIGITS
+            .into_iter()
+            .try_for_each(|digit| report(&OrderUnit::new(digit)?)),
+        "harmonics" => MULTIPLIERS.into_iter().try_for_each(|multipliers| {
+            let unit = HarmonicsUnit::new(multipliers)?;
+            report(&unit)?;
+            unit.print_cycles()
+        }),
+        _ => DESIGNS
+            .into_iter()
+            .try_for_each(|design| compare_design(unit, design)),
     }
-    Ok(())
 }
 
 fn compare_design(unit: &str, design: &str) -> Result<()> {
-    // Of several cores a number that divides no round.
-    let setup = |options| report(&SetupUnit::with_program(design, 7, program(options)?)?);
+    let setup = |cores, program| report(&SetupUnit::new(design, cores, program)?);
     let machine = |option| report(&MachineUnit::new(design, 8, 4, option)?);
     match unit {
         "primitive" => {
             let mut lanes = LANES.into_iter();
             lanes.try_for_each(|lanes| report(&PrimitiveUnit::new(design, lanes)?))
         }
-        "setup" => setup(&[]),
-        "compensation" | "distance" | "direction" => setup(&[unit]),
-        "tables" => report(&TableUnits::new(design)?),
+        // Of several cores a number that divides no round.
+        "setup" => setup(7, program(&[])?),
+        "compensation" | "distance" | "direction" => setup(7, program(&[unit])?),
+        "tables" => setup(2, SetupProgram::new(ProgramKind::Units)),
         "machine" => machine(MachineOption::None),
         "frames-distance" => machine(MachineOption::DistanceScaling),
         "frames-harmonics" => MULTIPLIERS
@@ -214,15 +206,12 @@ fn judge(unit: Option<&str>, part: &str) -> Result<()> {
         if unit.is_some_and(|unit| unit != judge) {
             continue;
         }
-        let mut names = judges::names(judge)?;
-        names.retain(|name| name.contains(part));
-        judges::judge(judge, &names, |verdict| {
-            survivors += usize::from(verdict.noticed.is_none());
-            let noticed = verdict.noticed.as_deref().unwrap_or("**not noticed**");
-            println!(
-                "| {judge} | {} | {} | {noticed} |",
-                verdict.name, verdict.file
-            );
+        let mut mutations = mutations(judge)?;
+        mutations.retain(|mutation| mutation.name.contains(part));
+        judges::judge(judge, &mutations, |Mutation { name, file, .. }, noticed| {
+            survivors += usize::from(noticed.is_none());
+            let noticed = noticed.unwrap_or("**not noticed**");
+            println!("| {judge} | {name} | {file} | {noticed} |");
         })?;
     }
     ensure!(survivors == 0, "{survivors} mutations survive");

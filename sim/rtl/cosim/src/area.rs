@@ -3,10 +3,10 @@
 //! `rtl -- area primitive` and `rtl -- area setup` print the tables that the model's estimate is calibrated on and held against
 //! (`sim/machine/src/area/synthesised.csv` and `setup.csv`); `rtl -- area UNIT` counts the cells of another unit.
 
-use crate::circuit::{Circuit, PRIMITIVE, RtlUnit, SETUP};
-use crate::netlist::Statistics;
+use crate::circuit::{Circuit, PRIMITIVE, Parameter, RtlUnit, SETUP, set};
 use crate::tools::{json, yosys};
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
 use splatline_sim::machine::area::setup::{self, FITTED_CORES, SetupUnit};
 use splatline_sim::machine::area::synthesis::{self, Subject, Synthesised, SynthesisedPart};
 use splatline_sim::machine::area::{Fabric, Family};
@@ -18,9 +18,10 @@ pub fn cells(script: &str, folder: &Path) -> Result<Fabric> {
     let counts = folder.join("stat.json");
     let count = format!("tee -q -o {} stat -json", counts.display());
     yosys(&format!("{script}; {count}"))?;
-    let statistics: Statistics = json(&counts)?;
-    let kinds = statistics.design.num_cells_by_type;
-    let fabric = fabric(kinds.iter().map(|(kind, number)| (kind.as_str(), *number)));
+    let statistics: Value = json(&counts)?;
+    let kinds = statistics["design"]["num_cells_by_type"].as_object();
+    let kinds = kinds.context("yosys counts no cells")?.iter();
+    let fabric = fabric(kinds.map(|(kind, number)| (kind.as_str(), number.as_u64().unwrap_or(0))));
     ensure!(fabric.luts > 0, "yosys counts no look-up tables");
     Ok(fabric)
 }
@@ -69,7 +70,7 @@ fn synthesised(
     circuit: &Circuit,
     family: Family,
     module: &str,
-    parameters: &[(&str, u32)],
+    parameters: &[Parameter],
     boxes: &[&str],
 ) -> Result<Fabric> {
     let folder = tempfile::tempdir()?;
@@ -77,11 +78,8 @@ fn synthesised(
     for name in boxes {
         script += &format!("; blackbox {name}");
     }
-    for (name, value) in parameters {
-        script += &format!("; chparam -set {name} {value} {module}");
-    }
-    let command = synthesis(family, circuit.unit);
-    script += &format!("; {command} -top {module}; flatten; opt_clean");
+    let (set, command) = (set(module, parameters), synthesis(family, circuit.unit));
+    script += &format!("; {set}{command} -top {module}; flatten; opt_clean");
     let found = cells(&script, folder.path())?;
     eprintln!("{circuit}, {module} for {}: {found}", family.name());
     Ok(found)

@@ -5,7 +5,7 @@
 //! path of a module is abc's, between its ports and registers, with the loads of the cells and without wires: a circuit that is laid out is slower.
 //! `asic.csv` beside this folder is what it printed for primitives of four lanes in SKY130's cells (sky130_fd_sc_hd, typical corner).
 
-use crate::circuit::{Circuit, MACHINE, PRIMITIVE};
+use crate::circuit::{Circuit, MACHINE, PRIMITIVE, set};
 use crate::netlist::Netlist;
 use crate::tools::{json, yosys};
 use anyhow::{Context, Result, ensure};
@@ -13,6 +13,7 @@ use flate2::read::GzDecoder;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Read;
+use std::ops::AddAssign;
 use std::path::Path;
 
 /// Square micrometres that a gate of 28 nm takes, all included: 0.66 mm2 for 1.14 million gates and 120 KB of memory, as arXiv 2604.10223 prints for its
@@ -83,31 +84,6 @@ fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
     Some(value.trim_matches(|c: char| c == ';' || c == '"' || c.is_whitespace()))
 }
 
-/// What a module is made of.
-struct Module {
-    cells: BTreeMap<String, u64>,
-    /// What it takes beside them.
-    own: ModuleCost,
-}
-
-/// The modules of Yosys' netlist, with their longest paths. (Its statistics would do, but release 0.23 writes them as broken JSON for more than one module.)
-fn modules(netlist: Netlist, paths: &BTreeMap<String, f64>) -> BTreeMap<String, Module> {
-    let mut modules = BTreeMap::new();
-    for (name, netlist) in netlist.modules {
-        let mut own = ModuleCost {
-            path: paths.get(&name).copied().unwrap_or_default(),
-            ..ModuleCost::default()
-        };
-        let mut cells = BTreeMap::new();
-        for cell in netlist.cells.into_values() {
-            own.memory_bits += cell.memory_bits().unwrap_or(0);
-            *cells.entry(cell.kind).or_default() += 1;
-        }
-        modules.insert(name, Module { cells, own });
-    }
-    modules
-}
-
 /// What a module takes with all that it contains.
 #[derive(Clone, Copy, Default)]
 struct ModuleCost {
@@ -118,46 +94,44 @@ struct ModuleCost {
     path: f64,
 }
 
-impl ModuleCost {
-    fn add(&mut self, part: ModuleCost, times: u64) {
-        self.area += part.area * times as f64;
-        self.flip_flops += part.flip_flops * times;
-        self.memory_bits += part.memory_bits * times;
+impl AddAssign for ModuleCost {
+    fn add_assign(&mut self, part: ModuleCost) {
+        self.area += part.area;
+        self.flip_flops += part.flip_flops;
+        self.memory_bits += part.memory_bits;
         self.path = self.path.max(part.path);
     }
 }
 
-/// A circuit in a library's cells, by the modules that it is made of.
+/// A circuit in a library's cells, and the longest paths of its modules. (Yosys' statistics would do, but release 0.23 writes them as broken JSON for more than
+/// one module.)
 struct Mapped<'a> {
     library: &'a Library,
-    modules: BTreeMap<String, Module>,
+    netlist: Netlist,
+    paths: BTreeMap<String, f64>,
 }
 
-impl Mapped<'_> {
-    fn cost(&self, name: &str) -> ModuleCost {
-        let Some(module) = self.modules.get(name) else {
-            return self.library.cells.get(name).copied().unwrap_or_default();
-        };
-        let mut sum = module.own;
-        for (kind, number) in &module.cells {
-            sum.add(self.cost(kind), *number);
-        }
-        sum
-    }
+/// Instances of a unit, and what they take.
+type Units<'a> = BTreeMap<&'a str, (u64, ModuleCost)>;
 
-    /// Adds up by unit what the module contains, `times` over.
-    fn units(&self, name: &str, times: u64, units: &mut BTreeMap<String, (u64, ModuleCost)>) {
-        let Some(module) = self.modules.get(name) else {
-            return;
+impl Mapped<'_> {
+    /// Adds up by unit what a cell contains, and what it takes; a library's cell is no unit.
+    fn cost<'a>(&'a self, kind: &'a str, units: &mut Units<'a>) -> ModuleCost {
+        let Some(module) = self.netlist.modules.get(kind) else {
+            return self.library.cells.get(kind).copied().unwrap_or_default();
         };
-        let unit = units.entry(readable(name).to_owned()).or_default();
-        unit.0 += times;
-        unit.1.add(self.cost(name), times);
-        for (kind, number) in &module.cells {
-            if self.modules.contains_key(kind) {
-                self.units(kind, times * number, units);
-            }
+        let mut sum = ModuleCost {
+            path: self.paths.get(kind).copied().unwrap_or_default(),
+            ..ModuleCost::default()
+        };
+        for cell in module.cells.values() {
+            sum += self.cost(&cell.kind, units);
+            sum.memory_bits += cell.memory_bits().unwrap_or(0);
         }
+        let unit = units.entry(readable(kind)).or_default();
+        unit.0 += 1;
+        unit.1 += sum;
+        sum
     }
 }
 
@@ -190,11 +164,11 @@ pub fn report(liberty: &Path, circuits: &[Circuit]) -> Result<()> {
 
 /// One line a unit, with what it contains; units within units are lines of their own too.
 fn lines(circuit: &Circuit, mapped: &Mapped) -> String {
-    let mut units = BTreeMap::new();
-    mapped.units(circuit.unit.top, 1, &mut units);
+    let mut units = Units::new();
+    mapped.cost(circuit.unit.top, &mut units);
     let mut units: Vec<_> = units.into_iter().collect();
     units.sort_by(|one, other| other.1.1.area.total_cmp(&one.1.1.area));
-    let line = |(unit, (instances, cost)): (String, (u64, ModuleCost))| {
+    let line = |(unit, (instances, cost)): (&str, (u64, ModuleCost))| {
         let gates = cost.area / mapped.library.gate;
         format!(
             "{circuit},{unit},{instances},{:.0},{gates:.0},{},{},{:.2},{:.3}\n",
@@ -222,20 +196,18 @@ fn mapped<'a>(circuit: &Circuit, library: &'a Library, liberty: &str) -> Result<
         // A memory has as many words as it needs.
         parameters.push(("BLOCK_WORDS", 0));
     }
-    let parameters = parameters.iter();
-    let parameters = parameters.map(|(name, value)| format!("chparam -set {name} {value} {top}; "));
     let (cells, mapping) = (words("cells.lib"), words("mapping.txt"));
     let (netlist, script) = (words("netlist.json"), words("mapping.abc"));
     yosys(&format!(
         "{read}; {}synth -top {top} -run begin:fine; opt -fast -full; opt -undriven -fine; techmap; opt -fast; abc -fast; opt -fast; \
          dfflibmap -liberty {cells}; tee -q -o {mapping} abc -liberty {cells} -script {script}; \
          opt_clean; write_json {netlist}",
-        parameters.collect::<String>()
+        set(top, &parameters)
     ))?;
-    let paths = paths(&fs::read_to_string(path("mapping.txt"))?)?;
     Ok(Mapped {
         library,
-        modules: modules(json(&path("netlist.json"))?, &paths),
+        netlist: json(&path("netlist.json"))?,
+        paths: paths(&fs::read_to_string(path("mapping.txt"))?)?,
     })
 }
 
@@ -305,16 +277,16 @@ library ("small") {
         let log = "1. Extracting gate netlist of module `$paramod$0123\\lane' to `x'..\nABC: Delay =   281.93 ps\n";
         let mapped = Mapped {
             library: &library,
-            modules: modules(serde_json::from_str(text).unwrap(), &paths(log).unwrap()),
+            netlist: serde_json::from_str(text).unwrap(),
+            paths: paths(log).unwrap(),
         };
-        let all = mapped.cost("top");
+        let mut units = Units::new();
+        let all = mapped.cost("top", &mut units);
         assert_eq!(all.area, 2.0 * (3.5 + 20.0) + 3.5);
         assert_eq!(
             (all.flip_flops, all.memory_bits, all.path),
             (2, 320, 281.93)
         );
-        let mut units = BTreeMap::new();
-        mapped.units("top", 1, &mut units);
         assert_eq!(units["lane"].0, 2);
         assert_eq!(units["lane"].1.area, 47.0);
     }

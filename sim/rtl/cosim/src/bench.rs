@@ -3,7 +3,7 @@
 //! What a unit is given are items (a splat, a tile). An item has offers in several lanes, each taken in order and at its own pace, and a number of answers that
 //! must come before the next item's. After a reset the bench begins anew with the first item whose answers have not all come.
 
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::simulation::Port;
 use crate::unit::{Findings, Simulation};
 use anyhow::{Result, ensure};
@@ -53,12 +53,8 @@ pub(crate) struct Channels {
     pub enable: Option<Port>,
 }
 
-/// Words offered at one of the sources, for each of its ports.
-#[derive(Clone, Debug)]
-pub(crate) struct Offer {
-    pub source: usize,
-    pub data: Vec<Vec<u32>>,
-}
+/// One of the sources, and the words that are offered there, for each of its ports.
+pub(crate) type Offer = (usize, Vec<Vec<u32>>);
 
 /// Offers that belong together, in lanes, and how many answers they have.
 #[derive(Clone, Debug)]
@@ -116,7 +112,7 @@ pub struct Bench {
     reset: Port,
     /// Cycles since reset.
     pub cycles: u64,
-    random: u64,
+    random: Random,
 }
 
 impl Bench {
@@ -126,7 +122,7 @@ impl Bench {
             reset: circuit.port("rst")?,
             circuit,
             cycles: 0,
-            random: seed,
+            random: Random(seed),
         };
         bench.circuit.set(bench.reset, 1);
         for _ in 0..RESET_CYCLES {
@@ -154,7 +150,7 @@ impl Bench {
 
     /// True in `share` of 256 cases.
     fn chance(&mut self, share: u8) -> bool {
-        share > 0 && split_mix(&mut self.random) >> 56 < u64::from(share)
+        share > 0 && self.random.next() >> 56 < u64::from(share)
     }
 
     /// Gives the items to the circuit and compares what comes until the first difference.
@@ -168,21 +164,21 @@ impl Bench {
         let mut findings = Findings::default();
         let mut feeder = Feeder::new(items);
         let (start, mut idle) = (self.cycles, 0);
-        while feeder.done < items.len() {
-            let resets =
-                pressure.resets > 0 && split_mix(&mut self.random).is_multiple_of(pressure.resets);
+        while findings.compared < feeder.total() {
+            let resets = pressure.resets > 0 && self.random.next().is_multiple_of(pressure.resets);
             self.circuit.set(self.reset, resets.into());
             self.drive(channels, &mut feeder, pressure);
             let mut difference = checker.observe(&self.circuit, self.cycles);
             idle += u64::from(self.circuit.is(channels.sink.ready));
             if resets {
                 findings.count("resets", 1);
-                findings.compared -= feeder.restart();
+                findings.compared = feeder.restart(findings.compared);
             } else {
                 for lane in &mut feeder.lanes {
-                    let offered = lane.offered.filter(|_| lane.valid);
-                    if offered.is_some_and(|source| channels.sources[source].moves(&self.circuit)) {
-                        (lane.offer, lane.valid) = (lane.offer + 1, false);
+                    let offer = lane.offers.get(lane.next).filter(|_| lane.valid);
+                    let source = offer.map(|(_, (source, _))| &channels.sources[*source]);
+                    if source.is_some_and(|source| source.moves(&self.circuit)) {
+                        (lane.next, lane.valid) = (lane.next + 1, false);
                         idle = 0;
                     }
                 }
@@ -192,8 +188,6 @@ impl Bench {
                     let other = checker.check(findings.compared as usize, &answer);
                     difference = difference.or(other);
                     findings.compared += 1;
-                    feeder.answers += 1;
-                    feeder.skip_silent();
                     idle = 0;
                 }
             }
@@ -222,23 +216,25 @@ impl Bench {
         for (number, lane) in feeder.lanes.iter_mut().enumerate() {
             let share = pressure.offers[number.min(1)];
             let stays = lane.valid && !pressure.retracts;
-            let next = lane.next(feeder.items);
+            let next = lane.offers.get(lane.next);
             lane.valid = next.is_some() && (stays || !self.chance(share));
-            let Some(offer) = next else { continue };
-            let source = &channels.sources[offer.source];
-            for (port, words) in source.data.iter().zip(&offer.data) {
+            let Some((_, (source, data))) = next else {
+                continue;
+            };
+            let source = &channels.sources[*source];
+            for (port, words) in source.data.iter().zip(data) {
                 if lane.valid {
                     self.circuit.set_words(*port, words);
                 } else {
-                    let noise = words.iter().map(|_| split_mix(&mut self.random) as u32);
+                    let noise = words.iter().map(|_| self.random.next() as u32);
                     let noise: Vec<u32> = noise.collect();
                     self.circuit.set_words(*port, &noise);
                 }
             }
             self.circuit.set(source.valid, lane.valid.into());
         }
-        let mut block = self.cycles.checked_div(pressure.stalls).unwrap_or(0);
-        let stalls = pressure.stalls > 0 && split_mix(&mut block) & 1 == 1;
+        let block = self.cycles.checked_div(pressure.stalls);
+        let stalls = block.is_some_and(|block| Random(block).next() & 1 == 1);
         let ready = !self.chance(pressure.answers) && !stalls;
         self.circuit.set(channels.sink.ready, ready.into());
         if let Some(enable) = channels.enable {
@@ -262,71 +258,57 @@ impl Bench {
     }
 }
 
-/// Where the bench is in its items.
+/// What is left of the items.
 struct Feeder<'a> {
-    items: &'a [Item],
-    lanes: Vec<Lane>,
-    /// The item whose answers come, and how many of them have.
-    done: usize,
-    answers: usize,
+    lanes: Vec<Lane<'a>>,
+    /// Answers of each item and all before it.
+    answers: Vec<u64>,
 }
 
-struct Lane {
-    number: usize,
-    /// The next offer: of which item, and which of its.
-    item: usize,
-    offer: usize,
-    /// Where it is offered, and whether it is in this cycle.
-    offered: Option<usize>,
+struct Lane<'a> {
+    /// All offers, each with its item's number.
+    offers: Vec<(usize, &'a Offer)>,
+    /// The next one, and whether it is offered in this cycle.
+    next: usize,
     valid: bool,
-}
-
-impl Lane {
-    fn next<'a>(&mut self, items: &'a [Item]) -> Option<&'a Offer> {
-        let offers = |item: &'a Item| &item.lanes[self.number];
-        while offers(items.get(self.item)?).len() <= self.offer {
-            (self.item, self.offer) = (self.item + 1, 0);
-        }
-        let offer = &offers(&items[self.item])[self.offer];
-        self.offered = Some(offer.source);
-        Some(offer)
-    }
 }
 
 impl<'a> Feeder<'a> {
     fn new(items: &'a [Item]) -> Feeder<'a> {
         let count = items.first().map_or(0, |item| item.lanes.len());
-        let lane = |number| Lane {
-            number,
-            item: 0,
-            offer: 0,
-            offered: None,
-            valid: false,
+        let lane = |number: usize| {
+            let of_item = |(index, item): (usize, &'a Item)| {
+                let offers = item.lanes[number].iter();
+                offers.map(move |offer| (index, offer))
+            };
+            Lane {
+                offers: items.iter().enumerate().flat_map(of_item).collect(),
+                next: 0,
+                valid: false,
+            }
         };
-        let mut feeder = Feeder {
-            items,
+        let answers = items.iter().scan(0, |sum, item| {
+            *sum += item.answers as u64;
+            Some(*sum)
+        });
+        Feeder {
             lanes: (0..count).map(lane).collect(),
-            done: 0,
-            answers: 0,
-        };
-        feeder.skip_silent();
-        feeder
-    }
-
-    /// Goes on behind items all of whose answers have come.
-    fn skip_silent(&mut self) {
-        while let Some(item) = self.items.get(self.done)
-            && item.answers <= self.answers
-        {
-            (self.done, self.answers) = (self.done + 1, 0);
+            answers: answers.collect(),
         }
     }
 
-    /// Begins anew with the item whose answers were coming; gives how many of them had come.
-    fn restart(&mut self) -> u64 {
+    /// How many answers there are.
+    fn total(&self) -> u64 {
+        self.answers.last().copied().unwrap_or(0)
+    }
+
+    /// Begins anew with the item whose answers were coming, so many in all; gives the number of those before it.
+    fn restart(&mut self, compared: u64) -> u64 {
+        let item = self.answers.partition_point(|last| *last <= compared);
         for lane in &mut self.lanes {
-            (lane.item, lane.offer, lane.valid) = (self.done, 0, false);
+            lane.next = lane.offers.partition_point(|(other, _)| *other < item);
+            lane.valid = false;
         }
-        std::mem::take(&mut self.answers) as u64
+        item.checked_sub(1).map_or(0, |before| self.answers[before])
     }
 }

@@ -8,8 +8,9 @@ use crate::package;
 use crate::setup::program::{ProgramKind, SetupProgram};
 use crate::setup::text;
 use crate::tools::{rtl, run, tool};
+use crate::unit::Extent;
 use anyhow::{Context, Result};
-use splatline::format::{Lean18, Standard24, Widths};
+use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::area::synthesis::subjects;
 use std::collections::hash_map::DefaultHasher;
 use std::ffi::OsStr;
@@ -20,10 +21,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The designs that packages are committed of.
-pub const DESIGNS: [(&str, Widths); 2] = [
-    ("lean18", Lean18::WIDTHS),
-    ("standard24", Standard24::WIDTHS),
-];
+pub const DESIGNS: [&str; 2] = ["lean18", "standard24"];
 
 /// A unit of `sim/rtl`.
 #[derive(Debug, PartialEq, Eq)]
@@ -90,17 +88,19 @@ pub const MACHINE: RtlUnit = RtlUnit {
 pub struct Circuit {
     /// Of this unit.
     pub unit: &'static RtlUnit,
-    /// Name of its design, for its packages.
-    design: String,
-    pub(crate) widths: Widths,
+    /// Its design.
+    pub design: DesignChoice,
     /// What its cores of setup compute, if it has any.
     pub(crate) program: SetupProgram,
     /// Parameters of the module at the top.
-    pub parameters: Vec<(&'static str, u32)>,
+    pub parameters: Vec<Parameter>,
 }
 
 /// A file's name and text.
 pub type Source = (String, String);
+
+/// A parameter's name and value.
+pub type Parameter = (&'static str, u32);
 
 impl Circuit {
     /// The unit of a design of `rtl -- area`, with its parameter.
@@ -108,10 +108,12 @@ impl Circuit {
         let subjects = subjects();
         let subject = subjects.iter().find(|subject| subject.name == design);
         let subject = subject.with_context(|| format!("no such design: {design}"))?;
+        let mut choice = DesignChoice::load("standard24")?.at_run_time();
+        choice.name = design.to_owned();
+        choice.widths = subject.widths;
         Ok(Circuit {
             unit,
-            design: design.to_owned(),
-            widths: subject.widths,
+            design: choice,
             program: SetupProgram::new(ProgramKind::Filter),
             parameters: vec![(unit.parameter, value)],
         })
@@ -131,15 +133,7 @@ impl Circuit {
 
     /// Its packages and files, in the order in which they are read.
     pub fn sources(&self) -> Result<Vec<Source>> {
-        let mut sources = Vec::new();
-        if self.unit.packages > 0 {
-            let text = package::text(&self.design, &self.widths)?;
-            sources.push(("splatline_pkg.sv".to_owned(), text));
-        }
-        if self.unit.packages > 1 {
-            let text = text::text(&self.design, &self.widths, &self.program)?;
-            sources.push(("splatline_setup_pkg.sv".to_owned(), text));
-        }
+        let mut sources = packages(&self.design, &self.program, self.unit.packages)?;
         for file in fs::read_to_string(rtl().join(self.unit.list))?.lines() {
             sources.push((file.to_owned(), fs::read_to_string(rtl().join(file))?));
         }
@@ -153,9 +147,9 @@ impl Circuit {
         Ok("read_verilog -sv".to_owned() + &paths.collect::<String>())
     }
 
-    /// The circuit without a mutation as a library for [`Simulation`](crate::simulation::Simulation).
-    pub fn library(&self, effort: Effort) -> Result<PathBuf> {
-        self.verilated(self.sources()?, effort)
+    /// The circuit without a mutation, compiled for so much, as a library for [`Simulation`](crate::simulation::Simulation).
+    pub fn library(&self, extent: Extent) -> Result<PathBuf> {
+        self.verilated(self.sources()?, extent)
     }
 
     /// The circuit with this mutation.
@@ -166,17 +160,17 @@ impl Circuit {
                 *text = mutation.applied(text)?;
             }
         }
-        self.verilated(sources, Effort::Little)
+        self.verilated(sources, Extent::Quick)
     }
 
     /// The circuit with all of these mutations that one circuit can hold, and their numbers.
     pub fn with_choices(&self, mutations: &[Mutation]) -> Result<(PathBuf, Vec<MutationNumber>)> {
         let (sources, chosen) = with_choices(self.sources()?, mutations)?;
-        Ok((self.verilated(sources, Effort::Little)?, chosen))
+        Ok((self.verilated(sources, Extent::Quick)?, chosen))
     }
 
     /// The library of these sources. Units with ports that are no integers of C have a module of their own around them.
-    fn verilated(&self, mut sources: Vec<Source>, effort: Effort) -> Result<PathBuf> {
+    fn verilated(&self, mut sources: Vec<Source>, extent: Extent) -> Result<PathBuf> {
         let top = self.unit.flat.unwrap_or(self.unit.top);
         if self.unit.flat.is_some() {
             let file = format!("{top}.sv");
@@ -185,7 +179,14 @@ impl Circuit {
         }
         let version = run(verilator().arg("--version"))?;
         let mut hash = DefaultHasher::new();
-        (&version, &sources, &self.parameters, OPTIONS, effort.flag()).hash(&mut hash);
+        (
+            &version,
+            &sources,
+            &self.parameters,
+            OPTIONS,
+            extent.compiled(),
+        )
+            .hash(&mut hash);
         SHIM.hash(&mut hash);
         let kept = Path::new(env!("OUT_DIR")).join("circuits");
         fs::create_dir_all(&kept)?;
@@ -195,7 +196,7 @@ impl Circuit {
         lock.lock()?;
         if !library.exists() {
             let folder = tempfile::tempdir_in(&kept)?;
-            fs::rename(self.build(folder.path(), top, &sources, effort)?, &library)?;
+            fs::rename(self.build(folder.path(), top, &sources, extent)?, &library)?;
         }
         Ok(library)
     }
@@ -205,7 +206,7 @@ impl Circuit {
         folder: &Path,
         top: &str,
         sources: &[Source],
-        effort: Effort,
+        extent: Extent,
     ) -> Result<PathBuf> {
         let root = run(verilator().args(["--getenv", "VERILATOR_ROOT"]))?;
         let include = Path::new(root.trim()).join("include");
@@ -226,7 +227,7 @@ impl Circuit {
         fs::write(folder.join("circuit.cpp"), unity + SHIM)?;
         let headers = [&model, &include, &include.join("vltstd")];
         run(tool("CXX", "c++")
-            .args(["-std=c++17", effort.flag(), "-w", "-shared", "-fPIC"])
+            .args(["-std=c++17", extent.compiled(), "-w", "-shared", "-fPIC"])
             .args(headers.map(|folder| format!("-I{}", folder.display())))
             .arg(folder.join("circuit.cpp"))
             .args(["verilated.cpp", "verilated_threads.cpp"].map(|file| include.join(file)))
@@ -238,7 +239,7 @@ impl Circuit {
 impl fmt::Display for Circuit {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         if self.unit.packages > 0 {
-            write!(formatter, "{} ", self.design)?;
+            write!(formatter, "{} ", self.design.name)?;
         }
         write!(formatter, "{}", self.unit.top)?;
         let mut parameters = self.parameters.iter();
@@ -250,29 +251,40 @@ fn verilator() -> Command {
     tool("VERILATOR", "verilator")
 }
 
-/// The C++ compiler's effort.
-#[derive(Clone, Copy, Debug)]
-pub enum Effort {
-    /// Where building takes longer than running.
-    Little,
-    /// For millions of splats.
-    Much,
-}
-
-impl Effort {
-    fn flag(self) -> &'static str {
-        ["-O1", "-O2"][self as usize]
-    }
-}
-
 /// Verilator's options for every circuit: what a register holds before reset is drawn by lot.
 const OPTIONS: &str = "--cc -O3 --x-assign unique --x-initial unique";
 
 /// The functions between circuit and program.
 const SHIM: &str = include_str!("../shim.cpp");
 
+/// So many packages of a design: that of its widths, and that of setup's program.
+pub fn packages(
+    design: &DesignChoice,
+    program: &SetupProgram,
+    count: usize,
+) -> Result<Vec<Source>> {
+    let DesignChoice { name, widths, .. } = design;
+    let mut packages = Vec::new();
+    if count > 0 {
+        let text = package::text(name, widths)?;
+        packages.push(("splatline_pkg.sv".to_owned(), text));
+    }
+    if count > 1 {
+        let text = text::text(name, widths, program)?;
+        packages.push(("splatline_setup_pkg.sv".to_owned(), text));
+    }
+    Ok(packages)
+}
+
+/// Yosys' words that give a module parameters.
+pub fn set(module: &str, parameters: &[Parameter]) -> String {
+    let parameters = parameters.iter();
+    let words = parameters.map(|(name, value)| format!("chparam -set {name} {value} {module}; "));
+    words.collect()
+}
+
 /// Writes files into a folder.
-fn write(folder: &Path, sources: &[Source]) -> Result<Vec<PathBuf>> {
+pub fn write(folder: &Path, sources: &[Source]) -> Result<Vec<PathBuf>> {
     let written = |(name, text): &Source| {
         let path = folder.join(name);
         fs::write(&path, text)?;

@@ -1,11 +1,12 @@
-//! The units that keep the primitive's promises, proven: `sim/rtl/formal` says what they promise, and a solver that it holds in every cycle of every run.
+//! The units that keep the primitive's promises, proven: `sim/rtl/formal` says what they promise, and Yosys' solver that it holds in every cycle of every run.
 //!
 //! Safety is proven by induction: it holds for some cycles from reset on, and if it holds for a few cycles, then for the next. Liveness of several units
 //! together is not inductive without a full account of their states; it is shown for every run of so many cycles from reset on. Each property is also seen
 //! to fail where a unit has a mistake (`mutations.tsv`), since a property that cannot fail says nothing.
 
+use crate::circuit::{Parameter, Source, set, write};
 use crate::mutation::{Mutation, mutations};
-use crate::tools::{printed, rtl, yosys};
+use crate::tools::{printed, rtl};
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::process::Command;
@@ -17,36 +18,41 @@ struct Proof {
     judge: &'static str,
     /// The module.
     unit: &'static str,
-    /// The units that it is made of, if not one alone; those whose properties lie beside them stand alone.
+    /// The units that it is made of, and last the one whose properties are shown, if it is not the unit alone.
     files: &'static [&'static str],
-    /// Names and values.
-    parameters: &'static str,
+    parameters: &'static [Parameter],
     /// Cycles from reset on in which it is shown, and in which a mistake must show.
-    cycles: &'static str,
-    /// Cycles that induction goes by, if it does.
-    induction: Option<&'static str>,
+    cycles: u32,
+    /// Cycles that induction goes by at most, if it does.
+    induction: Option<u32>,
 }
 
 /// What is proven.
 const PROOFS: [Proof; 10] = [
-    inductive("fifo", "BITS 4 PLACES 4", ["7", "2"]),
+    inductive("fifo", &[("BITS", 4), ("PLACES", 4)], [7, 2]),
     Proof {
         judge: "fifo at rest",
-        ..inductive("fifo", "BITS 4 PLACES 4 RESTS 1", ["7", "2"])
+        ..inductive("fifo", &[("BITS", 4), ("PLACES", 4), ("RESTS", 1)], [7, 2])
     },
     Proof {
         judge: "fifo of parts",
         ..inductive(
             "fifo",
-            "BITS 4 PLACES 4 PARTS 2 ENDS 262146 SEEN 2",
-            ["7", "2"],
+            &[
+                ("BITS", 4),
+                ("PLACES", 4),
+                ("PARTS", 2),
+                ("ENDS", 262_146),
+                ("SEEN", 2),
+            ],
+            [7, 2],
         )
     },
-    inductive("run_queue", "DEPTH 2", ["6", "2"]),
-    inductive("visible_box", "", ["3", "4"]),
-    inductive("row_counter", "", ["6", "2"]),
-    inductive("row_window", "", ["6", "6"]),
-    inductive("lane", "", ["10", "7"]),
+    inductive("run_queue", &[("DEPTH", 2)], [6, 2]),
+    inductive("visible_box", &[], [3, 4]),
+    inductive("row_counter", &[], [6, 2]),
+    inductive("row_window", &[], [6, 6]),
+    inductive("lane", &[], [10, 7]),
     Proof {
         files: &[
             "delay.sv",
@@ -55,20 +61,20 @@ const PROOFS: [Proof; 10] = [
             "formal/idle_units.sv",
             "splat_primitive.sv",
         ],
-        ..inductive("splat_primitive", "LANES 2", ["22", "2"])
+        ..inductive("splat_primitive", &[("LANES", 2)], [22, 2])
     },
     Proof {
         files: &["fifo.sv", "run_queue.sv", "lane.sv", "formal/chain.sv"],
         induction: None,
-        ..inductive("chain", "", ["40", ""])
+        ..inductive("chain", &[], [40, 0])
     },
 ];
 
 /// A unit with its parameters, shown for some cycles from reset on and by an induction of some.
 const fn inductive(
     unit: &'static str,
-    parameters: &'static str,
-    [cycles, induction]: [&'static str; 2],
+    parameters: &'static [Parameter],
+    [cycles, induction]: [u32; 2],
 ) -> Proof {
     Proof {
         judge: unit,
@@ -87,6 +93,11 @@ impl Proof {
             files => files.iter().map(|file| (*file).to_owned()).collect(),
         }
     }
+
+    /// What a mistake must show in.
+    fn after_reset(&self) -> String {
+        format!("-tempinduct-baseonly -maxsteps {}", self.cycles)
+    }
 }
 
 /// Proves everything and every mutation's counterexample; prints a table.
@@ -96,9 +107,12 @@ pub fn report() -> Result<()> {
     );
     for proof in &PROOFS {
         let Proof { cycles, .. } = proof;
-        let unit = format!("{} {}", proof.unit, proof.parameters);
-        let unit = unit.trim_end();
-        let (base, step) = verdict(proof, None)?;
+        let parameters = proof.parameters.iter();
+        let parameters = parameters.map(|(name, value)| format!(" {name} {value}"));
+        let unit = proof.unit.to_owned() + &parameters.collect::<String>();
+        let base = holds(proof, None, &proof.after_reset())?;
+        let step = |most| holds(proof, None, &format!("-tempinduct -maxsteps {most}"));
+        let step = proof.induction.map(step).transpose()?;
         let by_induction = step.map_or("not tried".to_owned(), |step| step.to_string());
         println!("| {unit} | no mistake | {cycles} | {base} | {by_induction} |");
         ensure!(
@@ -106,7 +120,7 @@ pub fn report() -> Result<()> {
             "{unit} does not keep its promises"
         );
         for mutation in mutations(&format!("proof of {}", proof.judge))? {
-            let (base, _) = verdict(proof, Some(&mutation))?;
+            let base = holds(proof, Some(&mutation), &proof.after_reset())?;
             let name = &mutation.name;
             println!("| {unit} | {name} | {cycles} | {base} | |");
             ensure!(!base, "{unit}: '{name}' is not noticed");
@@ -133,79 +147,45 @@ fn package_text(unit: &str) -> Result<String> {
     Ok(small)
 }
 
-/// A unit's text, with the mutation if it is in this one.
-fn source(file: &str, mutation: Option<&Mutation>) -> Result<String> {
+/// A unit's file without its folder, and its text, with the mutation if it is in this one.
+fn source(file: &str, mutation: Option<&Mutation>) -> Result<Source> {
     let text = fs::read_to_string(rtl().join(file))?;
+    let name = file.trim_start_matches("formal/").to_owned();
     match mutation.filter(|mutation| mutation.file == file) {
-        Some(mutation) => mutation.applied(&text),
-        None => Ok(text),
+        Some(mutation) => Ok((name, mutation.applied(&text)?)),
+        None => Ok((name, text)),
     }
 }
 
-/// Do the properties hold for some cycles from reset on, and does induction close?
-fn verdict(proof: &Proof, mutation: Option<&Mutation>) -> Result<(bool, Option<bool>)> {
+/// Do the properties hold, shown by the solver in this way?
+fn holds(proof: &Proof, mutation: Option<&Mutation>, way: &str) -> Result<bool> {
     let folder = tempfile::tempdir()?;
-    let mut paths = Vec::new();
-    for (number, file) in proof.files().iter().enumerate() {
-        let path = folder.path().join(format!("{number}.sv"));
-        fs::write(&path, source(file, mutation)?)?;
-        paths.push(path.display().to_string());
+    let mut sources = vec![("splatline_pkg.sv".to_owned(), package_text(proof.unit)?)];
+    let packages = ["splatline_tables.sv", "splatline_math.sv"].map(str::to_owned);
+    for file in packages.into_iter().chain(proof.files()) {
+        sources.push(source(&file, mutation)?);
     }
-    let Some(induction) = proof.induction else {
-        return Ok((within(proof, &paths)?, None));
-    };
-    let problem = folder.path().join("problem.smt2");
-    let unit = proof.unit;
-    let words: Vec<&str> = proof.parameters.split_whitespace().collect();
-    let sets = words
-        .chunks(2)
-        .map(|set| format!(" -set {}", set.join(" ")));
-    let parameters = match sets.collect::<String>() {
-        sets if sets.is_empty() => sets,
-        sets => format!("chparam{sets} {unit}; "),
-    };
-    let package = folder.path().join("splatline_pkg.sv");
-    fs::write(&package, package_text(unit)?)?;
-    let script = format!(
-        "read_verilog -sv -formal {} splatline_math.sv {}; {parameters}hierarchy -top {unit}; proc; opt_clean; \
-         memory -nomap -nordff; dffunmap; write_smt2 -wires {}",
-        package.display(),
-        paths.join(" "),
-        problem.display()
-    );
-    yosys(&script)?;
-    let holds = |options: &[&str]| -> Result<bool> {
-        let mut solver = Command::new("yosys-smtbmc");
-        solver.args(["-s", "z3"]).args(options).arg(&problem);
-        let words = printed(&mut solver)?;
-        ensure!(
-            words.contains("Status: "),
-            "yosys-smtbmc came to no verdict:\n{words}"
-        );
-        Ok(words.contains("Status: PASSED"))
-    };
-    let base = holds(&["-t", proof.cycles])?;
-    // A mistake has shown: induction would say nothing more.
-    let step = base.then(|| holds(&["-i", "-t", induction])).transpose()?;
-    Ok((base, step))
-}
-
-/// The same for several units together and from reset on only: Yosys' own solver on their gates, which is far quicker here.
-fn within(proof: &Proof, paths: &[String]) -> Result<bool> {
-    let Proof { unit, cycles, .. } = proof;
+    let paths = write(folder.path(), &sources)?;
+    let paths: Vec<String> = paths
+        .iter()
+        .map(|path| path.display().to_string())
+        .collect();
     // The units' own properties lie beside them; only the last file's are asked for here.
-    let (last, units) = paths.split_last().context("a proof of no file")?;
+    let (last, others) = paths.split_last().context("a proof of no file")?;
+    let Proof { unit, .. } = proof;
     let script = format!(
-        "read_verilog -sv splatline_tables.sv lean18/splatline_pkg.sv splatline_math.sv {}; read_verilog -sv -formal {last}; hierarchy -top {unit}; \
+        "read_verilog -sv {}; read_verilog -sv -formal {last}; {}hierarchy -top {unit}; \
          proc; flatten; opt_clean; memory; opt -full; techmap; opt -full; dffunmap; opt_clean; \
-         sat -tempinduct-baseonly -maxsteps {cycles} -prove-asserts -set-assumes {unit}",
-        units.join(" ")
+         sat {way} -prove-asserts -set-assumes {unit}",
+        others.join(" "),
+        set(unit, proof.parameters)
     );
     let mut command = Command::new("yosys");
     let words = printed(command.args(["-p", &script]).current_dir(rtl()))?;
-    let fails = words.contains("model found for base case");
+    let says = |verdict: &str| words.contains(verdict);
+    let fails = says("model found for base case") || says("-> proof failed");
     ensure!(
-        fails || words.contains(&format!("proved base case for {cycles} steps")),
+        fails || says("proved base case for") || says("Induction step proven"),
         "Yosys came to no verdict:\n{words}"
     );
     Ok(!fails)
@@ -225,7 +205,7 @@ mod tests {
                     "{}",
                     mutation.name
                 );
-                let text = source(file, Some(&mutation)).unwrap();
+                let (_, text) = source(file, Some(&mutation)).unwrap();
                 assert!(text.contains(&mutation.to), "{}", mutation.name);
             }
         }

@@ -1,14 +1,12 @@
 //! Which comparison judges which mutations of `mutations.tsv`.
 
-use crate::circuit::Effort;
 use crate::harmonics::unit::HarmonicsUnit;
 use crate::machine::MachineOption;
 use crate::machine::unit::MachineUnit;
-use crate::mutation::mutations;
+use crate::mutation::Mutation;
 use crate::order::unit::OrderUnit;
 use crate::primitive::unit::PrimitiveUnit;
 use crate::setup::program::{ProgramKind, SetupProgram};
-use crate::setup::tables::TableUnits;
 use crate::setup::unit::SetupUnit;
 use crate::unit::{Extent, Judge, Unit, judge_of};
 use anyhow::{Result, bail, ensure};
@@ -31,48 +29,28 @@ pub const JUDGES: [&str; 7] = [
     "machine",
 ];
 
-/// What came of a mutation.
-#[derive(Clone, Debug)]
-pub struct Verdict {
-    /// Its name.
-    pub name: String,
-    /// Where it is made.
-    pub file: String,
-    /// How it is noticed; nothing if it survives.
-    pub noticed: Option<String>,
-}
-
-/// The names of a judge's mutations.
-pub fn names(judge: &str) -> Result<Vec<String>> {
-    let names = mutations(judge)?.into_iter().map(|mutation| mutation.name);
-    Ok(names.collect())
-}
-
-/// Judges the mutations of these names; verdicts come one by one, since each takes a while.
-pub fn judge(judge: &str, names: &[String], mut each: impl FnMut(Verdict)) -> Result<()> {
-    if names.is_empty() {
+/// Judges some of a judge's mutations. How each is noticed, or nothing if it survives, comes one by one, since each takes a while.
+pub fn judge(
+    judge: &str,
+    mutations: &[Mutation],
+    mut each: impl FnMut(&Mutation, Option<&str>),
+) -> Result<()> {
+    if mutations.is_empty() {
         return Ok(());
     }
     let judges = judges(judge)?;
-    for mutation in mutations(judge)? {
-        if !names.contains(&mutation.name) {
-            continue;
-        }
+    for mutation in mutations {
         let mut noticed = None;
         for judge in &judges {
             if noticed.is_none() {
-                noticed = judge(&mutation)?;
+                noticed = judge(mutation)?;
             }
         }
         if judge == WITHOUT_EFFECT {
             ensure!(noticed.is_none(), "{}: {noticed:?}", mutation.name);
             noticed = Some("changes nothing: every argument gives the kernel's".to_owned());
         }
-        each(Verdict {
-            name: mutation.name,
-            file: mutation.file,
-            noticed,
-        });
+        each(mutation, noticed.as_deref());
     }
     Ok(())
 }
@@ -80,9 +58,9 @@ pub fn judge(judge: &str, names: &[String], mut each: impl FnMut(Verdict)) -> Re
 /// One judge or more, of which any may notice a mutation.
 fn judges(name: &str) -> Result<Vec<Judge>> {
     let quick = Extent::Quick;
-    let tables = TableUnits::new("lean18");
     let machine = |cores, option| MachineUnit::new("lean18", cores, 4, option);
     let program = SetupProgram::new;
+    let tables = setup(2, program(ProgramKind::Units));
     // A program with directions.
     let directed = || program(ProgramKind::Filter).with_direction();
     Ok(match name {
@@ -111,7 +89,7 @@ fn judges(name: &str) -> Result<Vec<Judge>> {
 }
 
 fn setup(cores: u32, program: SetupProgram) -> Result<SetupUnit> {
-    SetupUnit::with_program("lean18", cores, program)
+    SetupUnit::new("lean18", cores, program)
 }
 
 /// A setup unit of one core for each of a program's mistakes: a program is data of the circuit, in a package, and no choice can be made there. Without a
@@ -120,7 +98,7 @@ fn program_judge(right: SetupProgram) -> Result<Judge> {
     let unit = setup(1, right.clone())?;
     let loads = unit.loads(Extent::Quick, &mut Vec::new())?;
     let first_difference = move |unit: &SetupUnit| -> Result<Option<String>> {
-        let library = unit.circuit().library(Effort::Little)?;
+        let library = unit.circuit().library(Extent::Quick)?;
         Ok(unit.first_difference(&library, 0, &loads))
     };
     let difference = first_difference(&unit)?;

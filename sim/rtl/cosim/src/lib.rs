@@ -19,7 +19,7 @@ pub mod harmonics;
 pub mod judges;
 pub mod machine;
 mod memory;
-mod mutation;
+pub mod mutation;
 mod netlist;
 pub mod order;
 pub mod package;

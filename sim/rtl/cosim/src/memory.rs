@@ -5,7 +5,7 @@
 //! word that is written only those are moved in which anything changes.
 
 use crate::bench::Channel;
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::simulation::{Port, Simulation};
 use anyhow::Result;
 use std::collections::VecDeque;
@@ -45,7 +45,7 @@ pub struct Memory {
     /// Cycles since the last access.
     pub idle: u64,
     timing: MemoryTiming,
-    random: u64,
+    random: Random,
     now: u64,
     /// When all beats before have been moved: of words read, and of those written.
     free: [u64; 2],
@@ -77,7 +77,7 @@ impl Memory {
             beyond: 0,
             idle: 0,
             timing,
-            random: seed,
+            random: Random(seed),
             now: 0,
             free: [0; 2],
             reads: VecDeque::new(),
@@ -100,7 +100,7 @@ impl Memory {
                 *kept = value.unwrap_or(*kept);
             }
         }
-        let paused = [(); 2].map(|()| split_mix(&mut self.random) % 8 < self.timing.pauses);
+        let paused = [(); 2].map(|()| self.random.next() % 8 < self.timing.pauses);
         let sides = self.requests.iter().zip(self.free).zip(paused);
         for ((request, free), paused) in sides {
             circuit.set(request.ready, (!paused && self.now >= free).into());

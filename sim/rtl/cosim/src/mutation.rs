@@ -11,6 +11,7 @@ use std::ops::Range;
 /// One mutation: in `file`, the text `from` (which occurs once) becomes `to`.
 #[derive(Clone, Debug)]
 pub struct Mutation {
+    /// Its number.
     pub number: MutationNumber,
     /// What must notice it: a unit's comparison, or a proof.
     pub judge: String,

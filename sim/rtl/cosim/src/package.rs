@@ -3,9 +3,9 @@
 //! `sim/rtl/<design>/splatline_pkg.sv` is this module's output; a test compares the committed files with it, so that
 //! the parameters of the model and of the circuit cannot drift apart.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail, ensure};
 use splatline::footprint::packet::{Layout, VERSION};
-use splatline::format::{Rounding, RuntimeWidths, Traversal, Widths};
+use splatline::format::{Rounding, Traversal, Widths};
 use splatline::raster::{BLOCK, GUARD, vertical_fraction};
 use splatline::rules::Rules;
 use splatline_sim::fixed::table_entries;
@@ -27,59 +27,45 @@ pub fn table(widths: &Widths, rules: &Rules) -> Vec<[u32; 2]> {
     entries.map(|(low, next)| [*low, low - next]).collect()
 }
 
-/// Widths as a design that is chosen at run time.
-pub fn run_time(widths: &Widths) -> Result<RuntimeWidths> {
-    let design = RuntimeWidths::new(*widths).ok();
-    design.context("widths out of range")
-}
-
-/// Why the circuit cannot be built for a design: the width, and what it must be.
-fn refusal(widths: &Widths) -> Option<String> {
+/// Can the circuit be built for these widths? An error names the one that is refused, and what it must be.
+fn check(widths: &Widths) -> Result<()> {
     if let Err(error) = widths.check() {
         let (field, value, (low, high)) = (error.field, error.value, error.range);
-        return Some(format!(
-            "{field} = {value}: it must be from {low} to {high}"
-        ));
-    }
-    if widths.rounding == Rounding::Truncate {
-        return Some("rounding = truncate: the circuit rounds to nearest".to_owned());
+        bail!("{field} = {value}: it must be from {low} to {high}");
     }
     let (radial, interpolation) = (widths.radial, widths.interpolation);
     let (alpha, accumulator) = (widths.alpha, widths.accumulator);
     let finest = (radial + 4).saturating_sub(widths.table);
-    let [opacity, share] = [
+    let (opacity, share) = (
         widths.peak + widths.weight,
         widths.transmittance + widths.colour,
-    ];
-    let refusals = [
-        (
-            radial > 27,
-            format!("radial = {radial}: the circuit's lanes have 32 bits, which hold at most 27"),
-        ),
-        (
-            interpolation == 0 || interpolation > finest,
-            format!(
-                "interpolation = {interpolation}: the circuit needs from 1 to radial + 4 - table = {finest}"
-            ),
-        ),
-        (
-            alpha >= opacity,
-            format!("alpha = {alpha}: the circuit needs less than peak + weight = {opacity}"),
-        ),
-        (
-            accumulator >= share,
-            format!(
-                "accumulator = {accumulator}: the circuit needs less than transmittance + colour = {share}"
-            ),
-        ),
-    ];
-    let mut refusals = refusals.into_iter();
-    refusals.find_map(|(refused, why)| refused.then_some(why))
+    );
+    ensure!(
+        widths.rounding != Rounding::Truncate,
+        "rounding = truncate: the circuit rounds to nearest"
+    );
+    ensure!(
+        radial <= 27,
+        "radial = {radial}: the circuit's lanes have 32 bits, which hold at most 27"
+    );
+    ensure!(
+        (1..=finest).contains(&interpolation),
+        "interpolation = {interpolation}: the circuit needs from 1 to radial + 4 - table = {finest}"
+    );
+    ensure!(
+        alpha < opacity,
+        "alpha = {alpha}: the circuit needs less than peak + weight = {opacity}"
+    );
+    ensure!(
+        accumulator < share,
+        "accumulator = {accumulator}: the circuit needs less than transmittance + colour = {share}"
+    );
+    Ok(())
 }
 
 /// The text of a design's package; an error that names the width for which there is no circuit.
 pub fn text(name: &str, widths: &Widths) -> Result<String> {
-    if let Some(refusal) = refusal(widths) {
+    if let Err(refusal) = check(widths) {
         bail!("there is no circuit for design '{name}': {refusal}");
     }
     let head = format!(
@@ -87,14 +73,8 @@ pub fn text(name: &str, widths: &Widths) -> Result<String> {
          package splatline_pkg;\n\n"
     );
     let layout = Layout::new(widths, Traversal::Spans);
-    let parts = [
-        &head,
-        &parameters(widths, &layout),
-        &footprint(&layout),
-        TYPES,
-        "endpackage\n",
-    ];
-    Ok(parts.concat())
+    let (parameters, footprint) = (parameters(widths, &layout), footprint(&layout));
+    Ok([&head, &parameters, &footprint, TYPES, "endpackage\n"].concat())
 }
 
 fn parameters(widths: &Widths, layout: &Layout) -> String {
@@ -177,8 +157,8 @@ mod tests {
 
     #[test]
     fn every_design_has_a_package_or_a_refusal_that_names_a_width() {
-        assert_eq!(refusal(&Lean18::WIDTHS), None);
-        assert_eq!(refusal(&Standard24::WIDTHS), None);
+        assert!(check(&Lean18::WIDTHS).is_ok());
+        assert!(check(&Standard24::WIDTHS).is_ok());
         let error = |name, widths| text(name, widths).unwrap_err().to_string();
         assert_eq!(
             error("deep32", &Deep32::WIDTHS),
@@ -196,7 +176,8 @@ mod tests {
         for (field, low, high) in WIDTH_RANGES {
             for value in [low, high] {
                 let widths = with(field, value);
-                if let Some(refusal) = refusal(&widths) {
+                if let Err(refusal) = check(&widths) {
+                    let refusal = refusal.to_string();
                     let named = WIDTH_RANGES
                         .iter()
                         .any(|(name, ..)| refusal.starts_with(&format!("{name} = ")));

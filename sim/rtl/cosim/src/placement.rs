@@ -5,7 +5,7 @@
 
 use crate::area::{cells, columns};
 use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
-use crate::netlist::{Netlist, NetlistPort, PathReport, PlacerReport};
+use crate::netlist::{Netlist, NetlistPort};
 use crate::registers;
 use crate::tools::{first_that_runs, json, printed, run, yosys};
 use anyhow::{Context, Result};
@@ -49,13 +49,13 @@ const SEEDS: [u32; 5] = [1, 2, 3, 4, 5];
 /// All circuits that are placed and whose name, as in `lean18 splat_primitive LANES=4`, contains these words.
 pub fn circuits(words: &str) -> Result<Vec<Circuit>> {
     let mut all = Vec::new();
-    for (design, _) in DESIGNS {
+    for design in DESIGNS {
         for (unit, value) in [(&PRIMITIVE, 1), (&PRIMITIVE, 4), (&SETUP, 1)] {
             all.push(Circuit::new(unit, design, value)?);
         }
     }
     for (unit, value) in [(&ORDER, 8), (&HARMONICS, 1), (&HARMONICS, 2)] {
-        all.push(Circuit::new(unit, DESIGNS[0].0, value)?);
+        all.push(Circuit::new(unit, DESIGNS[0], value)?);
     }
     all.push(machine(PLACED_CORES)?);
     all.retain(|circuit| circuit.to_string().contains(words));
@@ -67,7 +67,7 @@ const PLACED_CORES: u32 = 9;
 
 /// The machine with four lanes and so many cores of setup.
 pub fn machine(cores: u32) -> Result<Circuit> {
-    Ok(Circuit::new(&MACHINE, DESIGNS[0].0, 4)?.with("CORES", cores))
+    Ok(Circuit::new(&MACHINE, DESIGNS[0], 4)?.with("CORES", cores))
 }
 
 /// Places circuits with five seeds or with one, and prints lines of `placed.csv`.
@@ -162,7 +162,7 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
     );
     let mut fabric = cells(&script, folder)?;
     let mut cells: Value = json(&netlist)?;
-    fabric.flip_flops -= registers::move_in(&mut cells, WRAPPER)?.flip_flops;
+    fabric.flip_flops -= registers::move_in(&mut cells, WRAPPER)?;
     if *circuit.unit == MACHINE {
         cells["modules"][WRAPPER]["settings"] = json!({ CONGESTION.0: CONGESTION.1 });
     }
@@ -213,25 +213,30 @@ endmodule
 }
 
 /// Fmax of the only clock in nextpnr's report, and its slowest path: from and to which cells it leads, and its nanoseconds.
-fn timing(report: &PlacerReport) -> Option<(f64, String)> {
-    let inner = |path: &&PathReport| {
-        let ends = [&path.from, &path.to];
-        ends.iter().all(|end| end.starts_with("posedge"))
+fn timing(report: &Value) -> Option<(f64, String)> {
+    let begins =
+        |text: &Value, with: &str| text.as_str().is_some_and(|text| text.starts_with(with));
+    let inner = |path: &&Value| {
+        ["from", "to"]
+            .iter()
+            .all(|end| begins(&path[*end], "posedge"))
     };
-    let steps = &report.critical_paths.iter().find(inner)?.path;
-    let (from, to) = (&steps.first()?.from.cell, &steps.last()?.to.cell);
+    let steps = report["critical_paths"].as_array()?.iter().find(inner)?;
+    let steps = steps["path"].as_array()?;
+    let (from, to) = (&steps.first()?["from"], &steps.last()?["to"]);
     let sum = |kind: &str| -> f64 {
-        let of_kind = steps.iter().filter(|step| step.kind.starts_with(kind));
-        of_kind.map(|step| step.delay).sum()
+        let of_kind = steps.iter().filter(|step| begins(&step["type"], kind));
+        of_kind.filter_map(|step| step["delay"].as_f64()).sum()
     };
     let path = format!(
         "{} to {}: {:.1} ns (wires {:.1})",
-        readable(from),
-        readable(to),
+        readable(from["cell"].as_str()?),
+        readable(to["cell"].as_str()?),
         sum(""),
         sum("routing")
     );
-    Some((report.fmax.values().next()?.achieved, path))
+    let (_, clock) = report["fmax"].as_object()?.iter().next()?;
+    Some((clock["achieved"].as_f64()?, path))
 }
 
 /// A cell's name without what tools appended: `placed.over.depth_word_TRELLIS_FF_DI_3` is `over.depth_word`.

@@ -11,7 +11,7 @@
 
 use anyhow::{Context, Result};
 use serde_json::{Map, Value};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 
 /// What a multiplier and a memory are called on the ECP5.
 const MULTIPLIER: &str = "MULT18X18D";
@@ -27,19 +27,6 @@ const ENABLES: [&str; 4] = ["CE0", "CE1", "CE2", "CE3"];
 
 /// Data width from which both of a memory's ports are one.
 const PAIRED: i64 = 36;
-
-/// What moved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Moved {
-    /// Multipliers whose product has its register inside.
-    pub products: u32,
-    /// Multipliers whose factors have.
-    pub factors: u32,
-    /// Memories' ports whose word has.
-    pub words: u32,
-    /// Flip-flops that there are no more.
-    pub flip_flops: u64,
-}
 
 /// A flip-flop without a reset.
 struct Register {
@@ -64,8 +51,8 @@ struct Wiring {
 /// Registers that move in with a cell, each with its pin: one or more, all of one clock and enable.
 type Pins<'a> = Vec<(String, &'a Register)>;
 
-/// Moves registers of `top` into multipliers and memories.
-pub fn move_in(netlist: &mut Value, top: &str) -> Result<Moved> {
+/// Moves registers of `top` into multipliers and memories; gives how many flip-flops there are no more.
+pub fn move_in(netlist: &mut Value, top: &str) -> Result<u64> {
     let module = &mut netlist["modules"][top];
     let ports = entries(&module["ports"]).flat_map(|(_, port)| nets(&port["bits"]));
     let ports: Vec<u64> = ports.collect();
@@ -74,7 +61,6 @@ pub fn move_in(netlist: &mut Value, top: &str) -> Result<Moved> {
         .with_context(|| format!("a netlist without {top}"))?;
     let before = cells.len();
     let wiring = Wiring::of(cells, &ports);
-    let mut moved = Moved::default();
     let mut gone = HashSet::new();
     let first = most_frequent_enable(cells, &wiring);
     let mut enables: Vec<Value> = first.into_iter().collect();
@@ -87,11 +73,10 @@ pub fn move_in(netlist: &mut Value, top: &str) -> Result<Moved> {
                 cell["parameters"]["REG_OUTPUT_CLK"] = "CLK0".into();
                 connect(cell, "CLK0", &pins[0].1.clock);
                 connect(cell, ENABLES[0], &pins[0].1.enable);
-                moved.products += 1;
             }
-            moved.factors += u32::from(take_factors(cell, &wiring, &mut enables).is_some());
+            take_factors(cell, &wiring, &mut enables);
         } else if cell["type"] == MEMORY {
-            moved.words += take_memory_words(cell, &wiring, &mut gone);
+            take_memory_words(cell, &wiring, &mut gone);
         }
     }
     cells.retain(|name, _| !gone.contains(name));
@@ -105,8 +90,7 @@ pub fn move_in(netlist: &mut Value, top: &str) -> Result<Moved> {
             break;
         }
     }
-    moved.flip_flops = u64::try_from(before - cells.len())?;
-    Ok(moved)
+    Ok(u64::try_from(before - cells.len())?)
 }
 
 /// A JSON object's names and values; none of anything else.
@@ -186,15 +170,14 @@ fn together(pins: Pins) -> Option<Pins> {
 
 /// The enable of most products that have registers.
 fn most_frequent_enable(cells: &Map<String, Value>, wiring: &Wiring) -> Option<Value> {
-    let mut counts: BTreeMap<String, (u32, Value)> = BTreeMap::new();
     let multipliers = cells.values().filter(|cell| cell["type"] == MULTIPLIER);
-    for pins in multipliers.filter_map(|cell| wiring.product(cell)) {
-        let enable = &pins[0].1.enable;
-        let entry = counts.entry(enable.to_string());
-        entry.or_insert((0, enable.clone())).0 += 1;
-    }
-    let most = counts.into_values().max_by_key(|(count, _)| *count);
-    most.map(|(_, enable)| enable)
+    let products = multipliers.filter_map(|cell| wiring.product(cell));
+    let enables: Vec<&Value> = products.map(|pins| &pins[0].1.enable).collect();
+    let most = enables.iter().max_by_key(|enable| {
+        let alike = enables.iter().filter(|other| other == enable).count();
+        (alike, enable.to_string())
+    });
+    most.map(|enable| (*enable).clone())
 }
 
 /// Lets a cell drive what the registers behind it drove.
@@ -225,11 +208,10 @@ fn take_factors(cell: &mut Value, wiring: &Wiring, enables: &mut Vec<Value>) -> 
 }
 
 /// The registers behind a memory's ports; a wide memory has one port for reading, with the pins of both.
-fn take_memory_words(cell: &mut Value, wiring: &Wiring, gone: &mut HashSet<String>) -> u32 {
+fn take_memory_words(cell: &mut Value, wiring: &Wiring, gone: &mut HashSet<String>) {
     let width = |name| i64::from_str_radix(cell["parameters"][name].as_str()?, 2).ok();
     let widths = [width("DATA_WIDTH_A"), width("DATA_WIDTH_B")];
     let together = if widths.contains(&Some(PAIRED)) { 2 } else { 1 };
-    let mut moved = 0;
     for sides in ["A", "B"].chunks(together) {
         let of_side = |side| (0..FACTOR).map(move |bit| format!("DO{side}{bit}"));
         let Some(pins) = wiring.behind(cell, sides.iter().flat_map(of_side)) else {
@@ -240,9 +222,7 @@ fn take_memory_words(cell: &mut Value, wiring: &Wiring, gone: &mut HashSet<Strin
             cell["parameters"][format!("REGMODE_{side}")] = "OUTREG".into();
             connect(cell, &format!("OCE{side}"), &pins[0].1.enable);
         }
-        moved += 1;
     }
-    moved
 }
 
 /// For each net that a flip-flop drives, the first of those that are written alike.
@@ -353,20 +333,27 @@ mod tests {
         }}})
     }
 
-    fn moved(netlist: &mut Value) -> [u64; 4] {
-        let moved = move_in(netlist, "top").unwrap();
-        [
-            moved.products.into(),
-            moved.factors.into(),
-            moved.words.into(),
-            moved.flip_flops,
+    /// Multipliers with a register behind their product, those with registers before their factors, memories with one behind their words, and the flip-flops that
+    /// there are no more.
+    fn moved(netlist: &mut Value, top: &str) -> [u64; 4] {
+        let flip_flops = move_in(netlist, top).unwrap();
+        let [products, factors, words] = [
+            ("REG_OUTPUT_CLK", "CLK0"),
+            ("REG_INPUTA_CLK", "CLK0"),
+            ("REGMODE_A", "OUTREG"),
         ]
+        .map(|(parameter, value)| {
+            let cells = entries(&netlist["modules"][top]["cells"]);
+            let set = cells.filter(|(_, cell)| cell["parameters"][parameter] == value);
+            set.count() as u64
+        });
+        [products, factors, words, flip_flops]
     }
 
     #[test]
     fn registers_around_a_multiplier_move_in() {
         let mut netlist = circuit([Some(40), Some(41), None]);
-        assert_eq!(moved(&mut netlist), [1, 1, 0, 3]);
+        assert_eq!(moved(&mut netlist, "top"), [1, 1, 0, 3]);
         let cell = &netlist["modules"]["top"]["cells"]["multiplier"];
         let connected = ["A0", "B0", "P0", "CE0", "CE1", "CE2"].map(|name| pin(cell, name).clone());
         assert_eq!(json!(connected), json!([10, 20, 31, "1", 40, 41]));
@@ -381,7 +368,7 @@ mod tests {
         let mut netlist = circuit([None; 3]);
         netlist["modules"]["top"]["ports"]["out"]["bits"] = json!([31, 30, 21]);
         // The product has another reader; factor b has one, too, and is in both places.
-        assert_eq!(moved(&mut netlist), [0, 1, 0, 1]);
+        assert_eq!(moved(&mut netlist, "top"), [0, 1, 0, 1]);
         let cells = &netlist["modules"]["top"]["cells"];
         assert!(cells.get("b").is_some() && cells.get("a").is_none());
     }
@@ -392,7 +379,7 @@ mod tests {
         for name in ["a", "product"] {
             netlist["modules"]["top"]["cells"][name]["connections"]["LSR"] = json!([40]);
         }
-        assert_eq!(moved(&mut netlist), [0, 0, 0, 0]);
+        assert_eq!(moved(&mut netlist, "top"), [0, 0, 0, 0]);
     }
 
     #[test]
@@ -403,7 +390,7 @@ mod tests {
             cells[name] = flip_flop(40, output, None);
         }
         // Two of the enables are nobody's after that.
-        assert_eq!(moved(&mut netlist), [1, 1, 0, 5]);
+        assert_eq!(moved(&mut netlist, "top"), [1, 1, 0, 5]);
         let cell = &netlist["modules"]["top"]["cells"]["multiplier"];
         assert_eq!(cell["connections"].get("CE1"), None);
         assert_eq!(cell["parameters"]["REG_INPUTB_CE"], "CE0");
@@ -430,8 +417,7 @@ mod tests {
         .unwrap();
         let text = fs::read_to_string(path("before.json")).unwrap();
         let mut netlist: Value = serde_json::from_str(&text).unwrap();
-        let moved = move_in(&mut netlist, top).unwrap();
-        assert_eq!((moved.products, moved.factors, moved.words), (2, 2, 1));
+        assert_eq!(moved(&mut netlist, top)[..3], [2, 2, 1]);
         fs::write(path("after.json"), netlist.to_string()).unwrap();
         tools::yosys(&format!(
             "read_json {}; {}",

@@ -3,14 +3,10 @@
 //! `sim/rtl/splatline_tables.sv` is this module's output; a test compares the committed file with it. Each function is one memory: the row unit
 //! reads roots alone, a setup core one entry of any table per cycle. So the roots stand in both, in the widths that each unit's memory has.
 
-use crate::tools::rtl;
 use splatline::math::{LOGARITHMS, RECIPROCALS, ROOTS};
-use std::path::PathBuf;
 
-/// Where the package is kept.
-pub fn path() -> PathBuf {
-    rtl().join("splatline_tables.sv")
-}
+/// The package's file in the folder of the RTL.
+pub const FILE: &str = "splatline_tables.sv";
 
 /// Index of the first root: an argument is normalised to 64/256 or more.
 const FIRST_ROOT: usize = 64;

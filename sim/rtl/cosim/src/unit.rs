@@ -1,7 +1,6 @@
 //! What the units of `sim/rtl` have in common: loads, back-pressure, and a comparison with what defines the unit. From it follow the report of a full
 //! comparison and the judgement of mutations.
 
-use crate::circuit::Effort;
 use crate::mutation::{Mutation, MutationNumber, mutations};
 use anyhow::{Result, bail, ensure};
 use rayon::prelude::*;
@@ -20,8 +19,18 @@ pub enum Extent {
     Full,
 }
 
+impl Extent {
+    /// The C++ compiler's option: a quick comparison takes less time than building its circuit.
+    pub(crate) fn compiled(self) -> &'static str {
+        ["-O1", "-O2"][self as usize]
+    }
+}
+
 /// Names of scenes whose data is not at hand.
 pub type Missing = Vec<&'static str>;
+
+/// Loads with their names. Those of one name in a row are parts of one.
+pub type Loads<L> = Vec<(String, L)>;
 
 /// What a comparison found.
 #[derive(Clone, Debug, Default)]
@@ -44,12 +53,6 @@ impl Findings {
             None => self.counts.push((name, more)),
         }
     }
-
-    /// How many of this name.
-    pub fn counted(&self, name: &str) -> u64 {
-        let known = self.counts.iter().find(|known| known.0 == name);
-        known.map_or(0, |(_, count)| *count)
-    }
 }
 
 impl AddAssign for Findings {
@@ -69,31 +72,33 @@ impl AddAssign for Findings {
 pub trait Unit: Sync {
     /// What one comparison is made of.
     type Load: Sync;
-    /// Ways of feeding and emptying the unit; the first is that at full speed.
-    const PRESSURES: usize;
 
     /// The circuit.
     fn circuit(&self) -> &Circuit;
 
-    /// What it is given. The names of scenes whose data is not at hand go to `missing`. Loads of one name in a row are parts of one.
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<Self::Load>>;
+    /// How many ways there are of feeding and emptying the unit; the first is that at full speed.
+    fn pressures(&self) -> usize;
 
-    /// A load's name.
-    fn name(&self, load: &Self::Load) -> String;
+    /// What it is given. The names of scenes whose data is not at hand go to `missing`.
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<Self::Load>>;
 
     /// Gives a load to the circuit under one of the pressures. An error is a circuit that hangs.
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings>;
 
     /// The comparison of all pressures, or of one for each part of a divided load.
-    fn compare_parts(&self, library: &Path, parts: &[Self::Load]) -> Result<Vec<Findings>> {
+    fn compare_parts(
+        &self,
+        library: &Path,
+        parts: &[(String, Self::Load)],
+    ) -> Result<Vec<Findings>> {
         let jobs = match parts.len() {
-            1 => Self::PRESSURES,
+            1 => self.pressures(),
             count => count,
         };
         let compared = |job| {
-            let part = job % parts.len();
+            let (_, part) = &parts[job % parts.len()];
             let circuit = Simulation::new(library, job as u32 + 1, 0)?;
-            self.compare(circuit, &parts[part], job % Self::PRESSURES)
+            self.compare(circuit, part, job % self.pressures())
         };
         (0..jobs).into_par_iter().map(compared).collect()
     }
@@ -103,16 +108,17 @@ pub trait Unit: Sync {
         &self,
         library: &Path,
         mutation: MutationNumber,
-        loads: &[Self::Load],
+        loads: &[(String, Self::Load)],
     ) -> Option<String> {
-        let pressures = |load| (0..Self::PRESSURES).map(move |pressure| (load, pressure));
-        let jobs: Vec<(&Self::Load, usize)> = loads.iter().flat_map(pressures).collect();
-        let difference = |(load, pressure): (&Self::Load, usize)| {
+        let count = self.pressures();
+        let jobs = 0..loads.len() * count;
+        let difference = |job| {
+            let ((name, load), pressure) = (&loads[job / count], job % count);
             let circuit = Simulation::new(library, pressure as u32 + 1, mutation);
             let found = circuit.and_then(|circuit| self.compare(circuit, load, pressure));
             let found = found.map(|findings| findings.first_difference);
             let difference = found.unwrap_or_else(|error| Some(format!("{error:#}")))?;
-            Some(format!("{}: {difference}", self.name(load)))
+            Some(format!("{name}: {difference}"))
         };
         jobs.into_par_iter().find_map_first(difference)
     }
@@ -121,12 +127,12 @@ pub trait Unit: Sync {
 /// Compares everything and prints a line for each load.
 pub fn report<U: Unit>(unit: &U) -> Result<()> {
     let circuit = unit.circuit();
-    let library = circuit.library(Effort::Much)?;
+    let library = circuit.library(Extent::Full)?;
     let mut missing = Vec::new();
     let loads = unit.loads(Extent::Full, &mut missing)?;
     println!("{circuit}; not at hand: {missing:?}\n");
     let mut total = Findings::default();
-    for parts in loads.chunk_by(|a, b| unit.name(a) == unit.name(b)) {
+    for parts in loads.chunk_by(|one, next| one.0 == next.0) {
         let found = unit.compare_parts(&library, parts)?;
         let unhindered = found.first().map_or(0, |first| first.cycles);
         let mut sum = Findings::default();
@@ -139,7 +145,7 @@ pub fn report<U: Unit>(unit: &U) -> Result<()> {
             println!("|---|{}", "---:|".repeat(2 + sum.counts.len()));
         }
         let counts: String = counts.map(|(_, count)| format!(" {count} |")).collect();
-        let (name, compared) = (unit.name(&parts[0]), sum.compared);
+        let (name, compared) = (&parts[0].0, sum.compared);
         println!("| {name} | {compared} | {unhindered} |{counts}");
         total += sum;
     }

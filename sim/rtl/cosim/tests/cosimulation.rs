@@ -1,9 +1,10 @@
 //! The circuits against the kernel. Without Verilator these tests are ignored; the packages are compared all the same.
 
-use splatline_rtl::circuit::DESIGNS;
+use splatline_rtl::circuit::{DESIGNS, packages};
 use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
 use splatline_rtl::tools::rtl;
-use splatline_rtl::{harmonics, package, setup, tables};
+use splatline_rtl::{harmonics, tables};
+use splatline_sim::design::DesignChoice;
 use std::path::Path;
 
 fn assert_committed(path: &Path, text: &str) {
@@ -18,39 +19,40 @@ fn assert_committed(path: &Path, text: &str) {
 #[test]
 fn committed_packages_are_the_generators() {
     let program = SetupProgram::new(ProgramKind::Filter);
-    for (design, widths) in DESIGNS {
+    for design in DESIGNS {
         let folder = rtl().join(design);
-        let text = package::text(design, &widths).unwrap();
-        assert_committed(&folder.join("splatline_pkg.sv"), &text);
-        let text = setup::text::text(design, &widths, &program).unwrap();
-        assert_committed(&folder.join("splatline_setup_pkg.sv"), &text);
+        let choice = DesignChoice::load(design).unwrap();
+        for (file, text) in packages(&choice, &program, 2).unwrap() {
+            assert_committed(&folder.join(file), &text);
+        }
     }
 }
 
 #[test]
 fn committed_tables_are_the_generators() {
-    assert_committed(&tables::path(), &tables::text());
+    assert_committed(&rtl().join(tables::FILE), &tables::text());
 }
 
 #[test]
 fn the_committed_program_of_the_harmonics_unit_is_the_generators() {
-    assert_committed(&harmonics::text::path(), &harmonics::text::text().unwrap());
+    let text = harmonics::text::text().unwrap();
+    assert_committed(&rtl().join(harmonics::text::FILE), &text);
 }
 
 #[cfg(has_rtl)]
 mod with_verilator {
     use splatline::format::Lean18;
     use splatline::setup::Cull;
-    use splatline_rtl::circuit::{Circuit, Effort, HARMONICS, MACHINE, PRIMITIVE};
+    use splatline_rtl::circuit::{Circuit, HARMONICS, MACHINE, PRIMITIVE};
     use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
     use splatline_rtl::judges;
     use splatline_rtl::machine::MachineOption;
     use splatline_rtl::machine::unit::MachineUnit;
+    use splatline_rtl::mutation::{Mutation, mutations};
     use splatline_rtl::order::unit::OrderUnit;
     use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
     use splatline_rtl::setup::distant::enlarged;
     use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
-    use splatline_rtl::setup::tables::TableUnits;
     use splatline_rtl::setup::unit::SetupUnit;
     use splatline_rtl::simulation::Simulation;
     use splatline_rtl::tools::rtl;
@@ -59,26 +61,21 @@ mod with_verilator {
 
     /// Compares a unit's quick loads under every pressure; gives what was found of each load.
     fn agrees<U: Unit>(unit: &U) -> Vec<(U::Load, Findings)> {
-        let library = unit.circuit().library(Effort::Little).unwrap();
+        let library = unit.circuit().library(Extent::Quick).unwrap();
         let mut missing = Vec::new();
         let loads = unit.loads(Extent::Quick, &mut missing).unwrap();
         println!("not at hand: {missing:?}");
         let mut all = Vec::new();
-        for (seed, load) in (1..).zip(loads) {
+        for (seed, (name, load)) in (1..).zip(loads) {
             let mut sum = Findings::default();
-            for pressure in 0..U::PRESSURES {
+            for pressure in 0..unit.pressures() {
                 let circuit = Simulation::new(&library, seed, 0).unwrap();
                 let found = unit.compare(circuit, &load, pressure);
-                let found = found.unwrap_or_else(|error| panic!("{}: {error:#}", unit.name(&load)));
-                assert_eq!(
-                    found.first_difference,
-                    None,
-                    "{}, {pressure}",
-                    unit.name(&load)
-                );
+                let found = found.unwrap_or_else(|error| panic!("{name}: {error:#}"));
+                assert_eq!(found.first_difference, None, "{name}, {pressure}");
                 sum += found;
             }
-            println!("{}: {sum:?}", unit.name(&load));
+            println!("{name}: {sum:?}");
             all.push((load, sum));
         }
         all
@@ -90,18 +87,23 @@ mod with_verilator {
         sum
     }
 
+    /// How many of this name were found.
+    fn counted(findings: &Findings, name: &str) -> u64 {
+        let known = findings.counts.iter().find(|known| known.0 == name);
+        known.map_or(0, |(_, count)| *count)
+    }
+
     /// Every word, and the cycle of every handshake where the lanes do not pause, for all rules.
     fn primitive_agrees(design: &str) {
         for lanes in LANES {
-            for (load, found) in agrees(&PrimitiveUnit::new(design, lanes).unwrap()) {
-                let counted = |name| found.counted(name);
-                let name = load.workload.name;
+            for (_, found) in agrees(&PrimitiveUnit::new(design, lanes).unwrap()) {
+                let counted = |name| counted(&found, name);
                 assert!(
                     counted("visited") > 30_000,
-                    "{name}: {found:?}: too little was drawn"
+                    "{found:?}: too little was drawn"
                 );
                 // In two of three passes.
-                assert_eq!(3 * counted("splats timed"), 2 * counted("splats"), "{name}");
+                assert_eq!(3 * counted("splats timed"), 2 * counted("splats"));
             }
         }
     }
@@ -119,12 +121,12 @@ mod with_verilator {
     /// Rounding, reciprocal, root and logarithm of the setup unit's cores, by a program that has nothing else.
     #[test]
     fn setup_units_equal_the_kernels() {
-        agrees(&TableUnits::new("lean18").unwrap());
+        agrees(&SetupUnit::new("lean18", 2, SetupProgram::new(ProgramKind::Units)).unwrap());
     }
 
     /// Scenes, hard cases and arbitrary bits, among them culls of every kind.
     fn packets_are_the_kernels(design: &str, cores: u32, kind: ProgramKind) {
-        let unit = SetupUnit::new(design, cores, kind).unwrap();
+        let unit = SetupUnit::new(design, cores, SetupProgram::new(kind)).unwrap();
         let found = total(&agrees(&unit));
         assert!(found.compared >= 4_000, "{found:?}");
         assert_eq!(found.counts.len(), Cull::ALL.len());
@@ -155,14 +157,15 @@ mod with_verilator {
     fn setup_unit_gives_the_kernels_directions() {
         for design in ["lean18", "standard24"] {
             let program = SetupProgram::new(ProgramKind::Filter).with_direction();
-            agrees(&SetupUnit::with_program(design, 2, program).unwrap());
+            agrees(&SetupUnit::new(design, 2, program).unwrap());
         }
     }
 
     /// The same with distance scaling, nearer than the distance k, there and beyond.
     #[test]
     fn setup_unit_enlarges_what_is_far() {
-        let unit = SetupUnit::new("lean18", 3, ProgramKind::DistanceScaling).unwrap();
+        let unit =
+            SetupUnit::new("lean18", 3, SetupProgram::new(ProgramKind::DistanceScaling)).unwrap();
         let (mut beyond, mut splats) = (0, 0);
         for (load, _) in agrees(&unit) {
             beyond += enlarged(&Lean18::WIDTHS, &load.view, &load.rules, &load.splats);
@@ -180,7 +183,7 @@ mod with_verilator {
     fn harmonics_unit_gives_the_kernels_colours() {
         for multipliers in MULTIPLIERS {
             let found = total(&agrees(&HarmonicsUnit::new(multipliers).unwrap()));
-            assert!(found.counted("resets") > 100, "{found:?}");
+            assert!(counted(&found, "resets") > 100, "{found:?}");
         }
     }
 
@@ -197,12 +200,12 @@ mod with_verilator {
         let found = agrees(&MachineUnit::new("lean18", 2, 4, MachineOption::None).unwrap());
         for (load, found) in &found {
             // Of one frame; five are drawn.
-            assert!(found.counted("painted") > 200, "{found:?}");
+            assert!(counted(found, "painted") > 200, "{found:?}");
             if load.seen.name == "sparse" {
                 let empty: Vec<bool> = load.lists.lists.iter().map(Vec::is_empty).collect();
                 let first = empty.iter().position(|empty| !empty).unwrap();
                 let last = empty.iter().rposition(|empty| !empty).unwrap();
-                let [columns, rows] = load.tiles();
+                let [columns, rows] = load.lists.size.map(usize::from);
                 assert!(first > 0 && last + 1 < columns * rows);
                 assert!(empty[first..last].contains(&true));
                 assert!(empty[(rows - 1) * columns..].contains(&true));
@@ -220,12 +223,12 @@ mod with_verilator {
         let found =
             agrees(&MachineUnit::new("lean18", 2, 4, MachineOption::DistanceScaling).unwrap());
         let (crowd, counts) = &found[0];
-        let (beyond, splats) = (counts.counted("beyond k"), counts.counted("splats"));
+        let (beyond, splats) = (counted(counts, "beyond k"), counted(counts, "splats"));
         assert!(
             beyond > splats / 10 && beyond < splats,
             "{beyond} of {splats} splats"
         );
-        assert_ne!(crowd.lists.entries(), plain[0].lists.entries());
+        assert_ne!(crowd.lists.entries(), plain[0].1.lists.entries());
     }
 
     /// Frames whose splats have colours of harmonics, of degree 0 to 4, by a machine that evaluates them. It has cores enough
@@ -239,7 +242,7 @@ mod with_verilator {
     #[test]
     #[ignore = "verilates and compiles two machines; also `cargo run -p splatline-rtl --example rtl -- compare frames-harmonics`"]
     fn the_machine_draws_harmonics_by_two_multipliers() {
-        for (design, _) in super::DESIGNS {
+        for design in super::DESIGNS {
             agrees(&MachineUnit::new(design, 6, 4, MachineOption::Harmonics(2)).unwrap());
         }
     }
@@ -315,7 +318,7 @@ mod with_verilator {
     }
 
     /// SPLATLINE_MUTANTS=N takes about N mutations, spread over the list from a place that SPLATLINE_SEED chooses; otherwise all.
-    fn some(all: Vec<String>) -> Vec<String> {
+    fn some(all: Vec<Mutation>) -> Vec<Mutation> {
         let count = number("SPLATLINE_MUTANTS").unwrap_or(all.len()).max(1);
         let step = all.len().div_ceil(count);
         let first = number("SPLATLINE_SEED").unwrap_or(0) % step;
@@ -324,15 +327,15 @@ mod with_verilator {
 
     /// Every mutation is noticed.
     fn every(judge: &str) {
-        let names = some(judges::names(judge).unwrap());
+        let mutations = some(mutations(judge).unwrap());
         let mut judged = 0;
-        let verdict = judges::judge(judge, &names, |verdict| {
-            println!("{verdict:?}");
-            assert!(verdict.noticed.is_some(), "{verdict:?} survives");
+        let verdict = judges::judge(judge, &mutations, |mutation, noticed| {
+            println!("{}: {noticed:?}", mutation.name);
+            assert!(noticed.is_some(), "{mutation:?} survives");
             judged += 1;
         });
         verdict.unwrap();
-        assert_eq!(judged, names.len());
+        assert_eq!(judged, mutations.len());
     }
 
     #[test]

@@ -10,13 +10,13 @@ use splatline::format::{Lean18, Traversal};
 use splatline::raster::Window;
 use splatline::rules::Rules;
 use splatline_rtl::bench::Bench;
-use splatline_rtl::circuit::Effort;
 use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit, draw, pixel};
 use splatline_rtl::primitive::workload::{self, BenchWorkload};
-use splatline_rtl::random::split_mix;
+use splatline_rtl::random::Random;
 use splatline_rtl::rules::write_rules;
 use splatline_rtl::simulation::Simulation;
-use splatline_rtl::unit::Unit;
+use splatline_rtl::unit::{Extent, Unit};
+use splatline_sim::design::DesignChoice;
 
 /// Cycles within which anything must happen.
 const PATIENCE: usize = 20_000;
@@ -62,12 +62,13 @@ impl HandshakeScene {
         let widths = Lean18::WIDTHS;
         let load = workload::random(&widths, 40, 20, 5);
         let tile = load.tiles[0].clone();
-        let drawn = draw(&widths, &Rules::EWA, &load.tiles[..1], &load.footprints);
+        let design = DesignChoice::load("lean18").unwrap();
+        let drawn = draw(&design, &Rules::EWA, &load.tiles[..1], &load.footprints);
         let expected = drawn.unwrap().0;
         let clear = Pixel::clear(&widths);
         assert!(expected.iter().any(|pixel| *pixel != clear));
         let unit = PrimitiveUnit::new("lean18", lanes).unwrap();
-        let library = unit.circuit().library(Effort::Little).unwrap();
+        let library = unit.circuit().library(Extent::Quick).unwrap();
         let circuit = Simulation::new(&library, 3, 0).unwrap();
         let mut bench = Bench::new(circuit, 3).unwrap();
         write_rules(&mut bench, &widths, &Rules::EWA).unwrap();
@@ -423,10 +424,10 @@ fn hostile_packets_neither_hang_nor_linger() {
     let layout = Layout::new(&Lean18::WIDTHS, Traversal::Spans);
     for lanes in LANES {
         let mut scene = HandshakeScene::new(lanes);
-        let mut state = 17;
+        let mut random = Random(17);
         let mut hostile = Vec::new();
         for footprint in &mut scene.load.footprints[..20] {
-            let mut bits = || split_mix(&mut state) as i64;
+            let mut bits = || random.next() as i64;
             footprint.centre = [bits(), bits()];
             footprint.ldl.shear.mantissa = bits() as i32;
             footprint.ldl.shear.exponent = bits() as i32 % 512;

@@ -1,8 +1,9 @@
 //! What the harmonics unit is given: a scene's splats, random ones, and bits that round, clamp and wrap where others do not.
 
 use crate::harmonics::scene::SceneHarmonics;
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::scenes::scene;
+use crate::unit::Loads;
 use anyhow::Result;
 use fixed::types::{I2F30, I4F28};
 use splatline::format::Lean18;
@@ -21,13 +22,6 @@ pub struct HarmonicsSplat {
     pub colours: Vec<[i32; 3]>,
 }
 
-/// Splats of one kind.
-#[derive(Clone, Debug)]
-pub struct HarmonicsLoad {
-    pub name: String,
-    pub splats: Vec<HarmonicsSplat>,
-}
-
 /// A splat's base and coefficients of a degree as the port takes it.
 fn colours(degree: u8) -> usize {
     (usize::from(degree.min(4)) + 1).pow(2)
@@ -37,20 +31,20 @@ fn colours(degree: u8) -> usize {
 const ONE: i64 = 1 << 30;
 
 /// Random numbers of a load.
-struct LoadRandom(u64);
+struct LoadRandom(Random);
 
 impl LoadRandom {
     fn below(&mut self, end: u64) -> u64 {
-        (split_mix(&mut self.0) >> 11) % end
+        (self.0.next() >> 11) % end
     }
 
     /// Within -1 and 1.
     fn number(&mut self) -> f64 {
-        split_mix(&mut self.0) as i64 as f64 / 2f64.powi(63)
+        self.0.next() as i64 as f64 / 2f64.powi(63)
     }
 
     fn bits(&mut self) -> i32 {
-        (split_mix(&mut self.0) >> 32) as i32
+        (self.0.next() >> 32) as i32
     }
 
     /// A unit vector.
@@ -102,20 +96,17 @@ fn unit(vector: [f64; 3]) -> [i32; 3] {
 }
 
 /// Unit directions and usual coefficients of one degree, for the cycles of each.
-pub fn of_degree(count: usize, degree: u8, seed: u64) -> HarmonicsLoad {
-    let mut random = LoadRandom(seed);
+pub fn of_degree(count: usize, degree: u8, seed: u64) -> Vec<HarmonicsSplat> {
+    let mut random = LoadRandom(Random(seed));
     let splats = (0..count).map(|_| {
         let direction = random.direction();
         random.splat(direction, degree, LoadRandom::usual)
     });
-    HarmonicsLoad {
-        name: format!("unit directions, degree {degree}"),
-        splats: splats.collect(),
-    }
+    splats.collect()
 }
 
 /// All that is made of random numbers, `count` splats of each kind.
-pub fn synthetic(count: usize, seed: u64) -> Vec<HarmonicsLoad> {
+pub fn synthetic(count: usize, seed: u64) -> Loads<Vec<HarmonicsSplat>> {
     let hard: Draw = |random| [(); 3].map(|()| random.hard());
     let bits: Draw = |random| [(); 3].map(|()| random.bits());
     let cube: Draw = |random| [(); 3].map(|()| near_one(random));
@@ -147,14 +138,14 @@ pub fn synthetic(count: usize, seed: u64) -> Vec<HarmonicsLoad> {
             let (direction, degree) = (random.direction(), random.below(5) as u8);
             near_the_ends(random, direction, degree)
         }),
-        ("products at the ends of 64 bits", &|random, _| {
-            one_harmonic(wrapping(random), 19)
+        ("products at the ends of 64 bits", &|_, index| {
+            one_harmonic(WRAPPING[index % WRAPPING.len()], 19)
         }),
     ];
-    let mut random = LoadRandom(seed);
-    let load = |(name, make): (&str, Make)| HarmonicsLoad {
-        name: name.to_owned(),
-        splats: (0..count).map(|index| make(&mut random, index)).collect(),
+    let mut random = LoadRandom(Random(seed));
+    let load = |(name, make): (&str, Make)| {
+        let splats = (0..count).map(|index| make(&mut random, index));
+        (name.to_owned(), splats.collect())
     };
     kinds.map(load).into()
 }
@@ -211,38 +202,19 @@ fn near_the_ends(random: &mut LoadRandom, direction: [i32; 3], degree: u8) -> Ha
     }
 }
 
-/// A direction for which a product of the kernel's polynomial of degree 4 and order 0 is so near below an odd multiple of 2^63 that its rounding leaves 64 bits.
-fn wrapping(random: &mut LoadRandom) -> [i32; 3] {
-    let rounded = |x: i64, y: i64| (x * y + (1 << 29)) >> 30;
-    let found = (0..20_000).find_map(|_| {
-        let z = ONE - random.below(ONE as u64 / 4) as i64;
-        let zz = rounded(z, z);
-        // (5 zz - 30 s) zz = -2^63 - a little, for the s = xx + yy that is nearest.
-        let s = ((1i128 << 63) / i128::from(zz) + 5 * i128::from(zz)) / 30 + 1;
-        let s = s as i64;
-        let product = i128::from(5 * zz - 30 * s) * i128::from(zz);
-        let beyond = -(1i128 << 63) - product;
-        let fits = (1..=1 << 29).contains(&beyond);
-        let [x, y] = fits.then(|| with_squares(random, s))??;
-        Some([x, y, z].map(|axis| axis as i32))
-    });
-    found.unwrap_or([ONE as i32; 3])
-}
-
-/// x and y whose squares, each rounded, have this sum.
-fn with_squares(random: &mut LoadRandom, sum: i64) -> Option<[i64; 2]> {
-    let rounded = |x: i64| (x * x + (1 << 29)) >> 30;
-    (0..64).find_map(|_| {
-        let x = random.below(ONE as u64) as i64;
-        let left = sum - rounded(x);
-        let y = (left as f64 * ONE as f64).sqrt() as i64;
-        let near = (y - 2..=y + 2).find(|y| (0..=ONE).contains(y) && rounded(*y) == left);
-        near.map(|y| [x, y])
-    })
-}
+/// Directions for which a product of the kernel's polynomial of degree 4 and order 0 is so near below an odd multiple of 2^63 that its rounding leaves 64 bits:
+/// (5 zz - 30 s) zz = -2^63 - a little, for the rounded s = xx + yy that is nearest.
+const WRAPPING: [[i32; 3]; 6] = [
+    [4_522_707, 773_855_139, 864_464_815],
+    [495_782_127, 545_971_964, 948_605_561],
+    [521_280_113, 573_312_162, 862_561_705],
+    [93_388_246, 792_913_185, 821_777_491],
+    [233_563_961, 704_703_798, 935_003_196],
+    [446_326_359, 576_139_655, 975_374_862],
+];
 
 /// Every `step`-th splat of the scene with harmonics in the kernel's directions from its camera; nothing where its data is missing.
-pub fn captured(step: usize) -> Result<Option<HarmonicsLoad>> {
+pub fn captured(step: usize) -> Result<Option<(String, Vec<HarmonicsSplat>)>> {
     let Some((mut scene, camera)) = scene("playbot", 480)? else {
         return Ok(None);
     };
@@ -260,8 +232,6 @@ pub fn captured(step: usize) -> Result<Option<HarmonicsLoad>> {
             .map(|colour| colour.map(I4F28::to_bits))
             .collect(),
     });
-    Ok(Some(HarmonicsLoad {
-        name: format!("playbot, degree {}", harmonics.degree),
-        splats: splats.collect(),
-    }))
+    let name = format!("playbot, degree {}", harmonics.degree);
+    Ok(Some((name, splats.collect())))
 }

@@ -1,6 +1,6 @@
 //! The program of the harmonics unit's basis: `harmonics_program.txt`, read.
 
-use RightFactor::{Halves, Register, Root};
+use RightFactor::{Axis, Halves, Register, Root};
 use anyhow::{Context, Result};
 use std::f64::consts::PI;
 
@@ -15,6 +15,8 @@ pub enum RightFactor {
     Halves(u32),
     /// The root of numerator / (denominator pi) in Q2.29, for a polynomial clamped to 4.
     Root(u32, u32),
+    /// None: the direction's axis is added to nothing.
+    Axis,
 }
 
 /// Where a sum goes after a term.
@@ -35,6 +37,8 @@ pub struct Term {
     pub right: RightFactor,
     /// Is it subtracted?
     pub negated: bool,
+    /// Does its sum begin with it?
+    pub first: bool,
     /// Where the sum goes.
     pub target: Target,
 }
@@ -57,11 +61,10 @@ pub fn sums() -> Result<Vec<Sum>> {
 
 fn sum(line: &'static str) -> Option<Sum> {
     let (degree, terms) = line.split_once(": ")?;
-    let terms = terms.split("; ").map(term);
-    Some(Sum {
-        degree: degree.parse().ok()?,
-        terms: terms.collect::<Option<_>>()?,
-    })
+    let mut terms: Vec<Term> = terms.split("; ").map(term).collect::<Option<_>>()?;
+    terms.first_mut()?.first = true;
+    let degree = degree.parse().ok()?;
+    Some(Sum { degree, terms })
 }
 
 fn term(text: &'static str) -> Option<Term> {
@@ -86,16 +89,28 @@ fn term(text: &'static str) -> Option<Term> {
         left,
         right,
         negated: positive.is_some(),
+        first: false,
         target,
     })
 }
 
 impl Term {
+    /// What loads an axis of the direction: a sum of nothing, which begins with it.
+    pub fn load(axis: &'static str) -> Term {
+        Term {
+            left: "x",
+            right: Axis,
+            negated: false,
+            first: true,
+            target: Target::Register(axis),
+        }
+    }
+
     /// The registers that it reads.
     pub fn reads(&self) -> Vec<&'static str> {
         match self.right {
             Register(right) => vec![self.left, right],
-            Halves(_) | Root(..) => vec![self.left],
+            Halves(_) | Root(..) | Axis => vec![self.left],
         }
     }
 }
@@ -104,7 +119,7 @@ impl RightFactor {
     /// The slot's constant: roots with 29 fraction bits for a quotient by 2^31, halves with 15 for one by 2^16.
     pub fn constant(self) -> u32 {
         match self {
-            Register(_) => 0,
+            Register(_) | Axis => 0,
             Halves(number) => number << 15,
             Root(numerator, denominator) => {
                 let square = f64::from(numerator) / (f64::from(denominator) * PI);

@@ -1,6 +1,6 @@
 //! The harmonics of a scene's splats in memory, and the kernel's colours of them.
 
-use crate::random::split_mix;
+use crate::random::Random;
 use fixed::types::{I2F30, I4F28, U4F28};
 use splatline::float::coefficient;
 use splatline::format::Widths;
@@ -40,10 +40,10 @@ impl SceneHarmonics {
 
     /// The words that the machine reads; the last quarter of each is anything.
     pub fn words(&self) -> impl Iterator<Item = [u32; 4]> {
-        let mut state = 7;
+        let mut random = Random(7);
         self.colours.iter().map(move |colour| {
             let [red, green, blue] = colour.map(|channel| channel.to_bits() as u32);
-            [red, green, blue, split_mix(&mut state) as u32]
+            [red, green, blue, random.next() as u32]
         })
     }
 

@@ -7,8 +7,8 @@ use anyhow::{Context, Result, ensure};
 /// sum, write.
 pub const LATENCY: usize = 9;
 
-/// Places that load the direction.
-pub const LOADS: usize = 3;
+/// What the first places load: the direction.
+const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Channels of a word: cycles that the sum takes at least for a word.
 const CHANNELS: usize = 3;
@@ -16,18 +16,10 @@ const CHANNELS: usize = 3;
 /// The unit's registers.
 const REGISTERS: usize = 64;
 
-/// A term at its place; the first of a sum begins it anew.
-#[derive(Clone, Copy, Debug)]
-pub struct PlacedTerm {
-    pub term: Term,
-    /// Does its sum begin with it?
-    pub first: bool,
-}
-
 /// The whole program.
 pub struct Schedule {
-    /// By place; nothing where a place waits. The first [`LOADS`] load x, y and z.
-    pub places: Vec<Option<PlacedTerm>>,
+    /// By place; nothing where a place waits.
+    pub places: Vec<Option<Term>>,
     /// The last place of each degree.
     pub ends: [usize; 5],
     /// Registers by their numbers.
@@ -38,13 +30,12 @@ pub struct Schedule {
 pub fn schedule() -> Result<Schedule> {
     let sums = sums()?;
     let ways = ways(&sums);
-    let mut places: Vec<Option<PlacedTerm>> = vec![None; LOADS];
+    let mut places = AXES.map(|axis| Some(Term::load(axis))).to_vec();
     // Registers in the order of their first writing, and the places from which on they can be read.
-    let axes = ["x", "y", "z"].into_iter().zip(LATENCY..);
-    let mut written: Vec<(&str, usize)> = axes.collect();
+    let mut written: Vec<(&str, usize)> = AXES.into_iter().zip(LATENCY..).collect();
     let mut left: Vec<usize> = (0..sums.len()).collect();
     // The last place of each degree's terms, and the place of each harmonic.
-    let mut ends = [LOADS - 1; 5];
+    let mut ends = [AXES.len() - 1; 5];
     let mut harmonics = [0; HARMONICS + 1];
     while !left.is_empty() {
         let now = places.len();
@@ -58,14 +49,13 @@ pub fn schedule() -> Result<Schedule> {
         };
         left.retain(|index| *index != next);
         let sum = &sums[next];
-        for (offset, term) in sum.terms.iter().enumerate() {
+        for term in &sum.terms {
             match term.target {
                 Target::Register(name) => written.push((name, places.len() + LATENCY)),
                 Target::Harmonic(index) => harmonics[index] = places.len(),
                 Target::Nothing => {}
             }
-            let (term, first) = (*term, offset == 0);
-            places.push(Some(PlacedTerm { term, first }));
+            places.push(Some(*term));
         }
         for end in &mut ends[sum.degree..] {
             *end = (*end).max(places.len() - 1);
@@ -141,25 +131,18 @@ mod tests {
     fn nothing_is_read_too_early() {
         let schedule = schedule().unwrap();
         let place_of = |wanted: Target| {
-            let of =
-                |slot: &Option<PlacedTerm>| slot.is_some_and(|placed| placed.term.target == wanted);
-            schedule.places.iter().position(of)
+            let of = |slot: &Option<Term>| slot.is_some_and(|term| term.target == wanted);
+            schedule.places.iter().position(of).unwrap()
         };
-        let written = |name: &'static str| {
-            let load = ["x", "y", "z"].iter().position(|axis| *axis == name);
-            load.or_else(|| place_of(Target::Register(name))).unwrap()
-        };
-        for (place, placed) in schedule.places.iter().enumerate() {
-            let Some(PlacedTerm { term, .. }) = placed else {
-                continue;
-            };
-            for name in term.reads() {
-                assert!(place >= written(name) + LATENCY, "{term:?}");
+        for (place, term) in schedule.places.iter().enumerate().skip(AXES.len()) {
+            for name in term.iter().flat_map(Term::reads) {
+                let written = place_of(Target::Register(name));
+                assert!(place >= written + LATENCY, "{term:?}");
             }
         }
         for (degree, end) in schedule.ends.iter().enumerate() {
             for index in 1..(degree + 1).pow(2) {
-                let place = place_of(Target::Harmonic(index)).unwrap();
+                let place = place_of(Target::Harmonic(index));
                 assert!(
                     place <= *end && place + LATENCY <= end + 1 + 3 * index,
                     "{index}"

@@ -1,10 +1,8 @@
 //! `sim/rtl/harmonics_program.sv`: the program as a circuit reads it.
 
 use super::program::{RightFactor, Target, Term};
-use super::schedule::{LOADS, PlacedTerm, Schedule, schedule};
-use crate::tools::rtl;
+use super::schedule::{Schedule, schedule};
 use anyhow::Result;
-use std::path::PathBuf;
 
 /// Bits of a slot.
 const SLOT: usize = 56;
@@ -24,10 +22,8 @@ module harmonics_program (
 );
 ";
 
-/// Where it is committed.
-pub fn path() -> PathBuf {
-    rtl().join("harmonics_program.sv")
-}
+/// The file in the folder of the RTL.
+pub const FILE: &str = "harmonics_program.sv";
 
 /// The file's text.
 pub fn text() -> Result<String> {
@@ -36,22 +32,14 @@ pub fn text() -> Result<String> {
     let ends = lower.iter().enumerate();
     let ends = ends.map(|(degree, end)| format!("      3'd{degree}: end_place = 7'd{end};\n"));
     let (mut gaps, mut slots) = (Vec::new(), String::new());
-    for (place, slot) in schedule.places.iter().enumerate() {
-        let (word, words) = match slot {
-            Some(placed) => (encoded(&schedule, placed)?, words(placed)),
-            None if place < LOADS => {
-                let name = schedule.registers[place];
-                (
-                    encoded(&schedule, &load(name))?,
-                    format!("{name} = direction"),
-                )
+    for (place, term) in schedule.places.iter().enumerate() {
+        match term {
+            Some(term) => {
+                let (word, words) = (encoded(&schedule, term)?, words(term));
+                slots += &format!("      7'd{place}: slot <= {SLOT}'h{word:014x};  // {words}\n");
             }
-            None => {
-                gaps.push(format!("7'd{place}"));
-                continue;
-            }
-        };
-        slots += &format!("      7'd{place}: slot <= {SLOT}'h{word:014x};  // {words}\n");
+            None => gaps.push(format!("7'd{place}")),
+        }
     }
     Ok(format!(
         "{HEAD}  always_comb begin
@@ -77,21 +65,7 @@ endmodule
     ))
 }
 
-/// What loads an axis of the direction: a sum of nothing, which begins with it.
-fn load(axis: &'static str) -> PlacedTerm {
-    PlacedTerm {
-        term: Term {
-            left: "x",
-            right: RightFactor::Halves(0),
-            negated: false,
-            target: Target::Register(axis),
-        },
-        first: true,
-    }
-}
-
-fn encoded(schedule: &Schedule, placed: &PlacedTerm) -> Result<u64> {
-    let term = placed.term;
+fn encoded(schedule: &Schedule, term: &Term) -> Result<u64> {
     let right = match term.right {
         RightFactor::Register(name) => schedule.number(name)?,
         _ => 0,
@@ -108,9 +82,12 @@ fn encoded(schedule: &Schedule, placed: &PlacedTerm) -> Result<u64> {
         (term.right.constant() as usize, 31),
         (matches!(term.right, RightFactor::Register(_)).into(), 1),
         (matches!(term.right, RightFactor::Root(..)).into(), 1),
-        (matches!(term.right, RightFactor::Halves(_)).into(), 1),
+        (
+            matches!(term.right, RightFactor::Halves(_) | RightFactor::Axis).into(),
+            1,
+        ),
         (term.negated.into(), 1),
-        (placed.first.into(), 1),
+        (term.first.into(), 1),
         (matches!(term.target, Target::Register(_)).into(), 1),
         (matches!(term.target, Target::Harmonic(_)).into(), 1),
     ];
@@ -119,24 +96,24 @@ fn encoded(schedule: &Schedule, placed: &PlacedTerm) -> Result<u64> {
 }
 
 /// The term in words, as a comment.
-fn words(placed: &PlacedTerm) -> String {
-    let term = placed.term;
+fn words(term: &Term) -> String {
     let right = match term.right {
         RightFactor::Register(name) => format!("({name})"),
         RightFactor::Halves(number) if number % 2 == 0 => format!("{}", number / 2),
         RightFactor::Halves(number) => format!("{number} / 2"),
         RightFactor::Root(above, below) => format!("root({above} / {below} pi)"),
+        RightFactor::Axis => "direction".to_owned(),
     };
-    let sign = match (placed.first, term.negated) {
+    let sign = match (term.first, term.negated) {
         (true, false) => "",
         (true, true) => "-",
         (false, false) => "+ ",
         (false, true) => "- ",
     };
-    let target = match term.target {
-        Target::Register(name) => format!(" = {name}"),
-        Target::Harmonic(index) => format!(" = Y_{index}"),
-        Target::Nothing => String::new(),
-    };
-    format!("{sign}({}) {right}{target}", term.left)
+    match term.target {
+        Target::Register(name) if term.right == RightFactor::Axis => format!("{name} = {right}"),
+        Target::Register(name) => format!("{sign}({}) {right} = {name}", term.left),
+        Target::Harmonic(index) => format!("{sign}({}) {right} = Y_{index}", term.left),
+        Target::Nothing => format!("{sign}({}) {right}", term.left),
+    }
 }

@@ -1,10 +1,10 @@
 //! The harmonics unit against the kernel: every colour, with random pauses at all three ends and resets in between.
 
-use super::loads::{HarmonicsLoad, HarmonicsSplat, captured, of_degree, synthetic};
-use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
-use crate::circuit::{Effort, HARMONICS};
+use super::loads::{HarmonicsSplat, captured, of_degree, synthetic};
+use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
+use crate::circuit::HARMONICS;
 use crate::harmonics::scene::colour;
-use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::Result;
 use fixed::types::{I2F30, I4F28};
 
@@ -42,7 +42,7 @@ impl HarmonicsUnit {
     /// Prints the cycles that a splat of each degree takes at full speed.
     pub fn print_cycles(&self) -> Result<()> {
         const TIMED: usize = 2_000;
-        let library = self.0.library(Effort::Much)?;
+        let library = self.0.library(Extent::Full)?;
         println!("| cycles a splat | degree 0 | 1 | 2 | 3 | 4 |\n|---|---:|---:|---:|---:|---:|");
         print!("| {} |", self.0);
         for degree in 0..=4 {
@@ -59,14 +59,17 @@ impl HarmonicsUnit {
 const PART: usize = 1_000;
 
 impl Unit for HarmonicsUnit {
-    type Load = HarmonicsLoad;
-    const PRESSURES: usize = PRESSURES.len();
+    type Load = Vec<HarmonicsSplat>;
 
     fn circuit(&self) -> &Circuit {
         &self.0
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<HarmonicsLoad>> {
+    fn pressures(&self) -> usize {
+        PRESSURES.len()
+    }
+
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<Self::Load>> {
         let (count, step) = match extent {
             Extent::Quick => (240, 100),
             Extent::Full => (12_000, 1),
@@ -76,18 +79,11 @@ impl Unit for HarmonicsUnit {
             Some(load) => loads.push(load),
             None => missing.push("playbot"),
         }
-        let mut parts = Vec::new();
-        for HarmonicsLoad { name, splats } in &loads {
-            for splats in splats.chunks(PART) {
-                let (name, splats) = (name.clone(), splats.to_vec());
-                parts.push(HarmonicsLoad { name, splats });
-            }
-        }
-        Ok(parts)
-    }
-
-    fn name(&self, load: &HarmonicsLoad) -> String {
-        load.name.clone()
+        let parts = |(name, splats): (String, Vec<HarmonicsSplat>)| {
+            let parts = splats.chunks(PART).map(<[_]>::to_vec);
+            parts.map(|part| (name.clone(), part)).collect::<Vec<_>>()
+        };
+        Ok(loads.into_iter().flat_map(parts).collect())
     }
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
@@ -100,8 +96,8 @@ impl Unit for HarmonicsUnit {
             sink: Channel::new(&bench.circuit, "colour", &["colour"])?,
             enable: None,
         };
-        let items: Vec<Item> = load.splats.iter().map(item).collect();
-        let mut checker = HarmonicsChecker(&load.splats);
+        let items: Vec<Item> = load.iter().map(item).collect();
+        let mut checker = HarmonicsChecker(load);
         let mut findings = bench.run(&channels, &items, &PRESSURES[pressure], &mut checker)?;
         // A column of the report, also where there are none.
         findings.count("resets", 0);
@@ -112,11 +108,10 @@ impl Unit for HarmonicsUnit {
 /// The splat in one lane, its words in the other.
 fn item(splat: &HarmonicsSplat) -> Item {
     let bits = |vector: &[i32; 3]| vector.map(|axis| axis as u32).to_vec();
-    let offer = |source, data| Offer { source, data };
     let first = vec![bits(&splat.direction), vec![splat.degree.into()]];
-    let words = splat.colours.iter().map(|word| offer(1, vec![bits(word)]));
+    let words = splat.colours.iter().map(|word| (1, vec![bits(word)]));
     Item {
-        lanes: vec![vec![offer(0, first)], words.collect()],
+        lanes: vec![vec![(0, first)], words.collect()],
         answers: 1,
     }
 }

@@ -15,8 +15,9 @@ use std::collections::BTreeMap;
 /// Cores of setup: a splat in 8 and in 16 cycles.
 const CORES: [u32; 2] = [17, 9];
 
-/// Instances in `splat_machine.sv`, and what they are called in the table.
-const UNITS: [(&str, &str); 9] = [
+/// Instances in `splat_machine.sv`, and what they are called in the table; the last is an option. Without an instance what stands in the machine itself: its
+/// states, its port, the words of records and packets.
+const UNITS: [(&str, &str); 11] = [
     ("setup", "setup"),
     ("order", "order"),
     ("raster", "primitive"),
@@ -26,36 +27,29 @@ const UNITS: [(&str, &str); 9] = [
     ("writing", "port"),
     ("drawn", "finder"),
     ("background", "background"),
+    ("", CONTROL),
+    ("harmonics", "harmonics"),
 ];
 
-/// The one that is an option; its generate block's name stands before it.
-const OPTION: (&str, &str) = ("harmonics", "harmonics");
-
-/// What stands in the machine itself: its states, its port, the words of records and packets.
 const CONTROL: &str = "control";
 
-/// The table, in lines of `sim/machine/src/area/machine.csv`; each machine is shown on stderr as it comes.
-pub fn report() -> Result<String> {
-    let mut text = HEAD.to_owned();
-    for cores in CORES {
-        text += &lines(cores, &machine(cores)?)?;
+/// The table, in lines of `sim/machine/src/area/machine.csv`, or that of a machine for harmonics: a splat in 16 cycles, and a multiplier for them. Each machine
+/// is shown on stderr as it comes.
+pub fn report(with_harmonics: bool) -> Result<String> {
+    let mut text = "cores,unit,luts,flip_flops,dsps,memory_kbit\n".to_owned();
+    let cores: &[u32] = if with_harmonics { &[10] } else { &CORES };
+    for cores in cores {
+        let circuit = if with_harmonics {
+            let unit = MachineUnit::new("lean18", *cores, 4, MachineOption::Harmonics(1))?;
+            unit.circuit().clone()
+        } else {
+            machine(*cores)?
+        };
+        for (unit, fabric) in by_unit(&circuit)? {
+            text += &format!("{cores},{unit},{}\n", columns(&fabric));
+        }
     }
     Ok(text)
-}
-
-/// The same of a machine for harmonics: a splat in 16 cycles, and a multiplier for them.
-pub fn report_with_harmonics() -> Result<String> {
-    let cores = 10;
-    let unit = MachineUnit::new("lean18", cores, 4, MachineOption::Harmonics(1))?;
-    Ok(HEAD.to_owned() + &lines(cores, unit.circuit())?)
-}
-
-const HEAD: &str = "cores,unit,luts,flip_flops,dsps,memory_kbit\n";
-
-fn lines(cores: u32, circuit: &Circuit) -> Result<String> {
-    let units = by_unit(circuit)?.into_iter();
-    let line = |(unit, fabric)| format!("{cores},{unit},{}\n", columns(&fabric));
-    Ok(units.map(line).collect())
 }
 
 /// Units of the machine by name, and the whole of it: of the netlist that is placed.
@@ -74,17 +68,15 @@ fn by_unit(circuit: &Circuit) -> Result<Vec<(&'static str, Fabric)>> {
 
 /// Cells of a flattened machine, unit by unit, without the wrapper's.
 fn counted(cells: &BTreeMap<String, NetlistCell>) -> Vec<(&'static str, Fabric)> {
-    let mut kinds: BTreeMap<&str, Vec<(&str, u64)>> = BTreeMap::new();
+    let mut areas: BTreeMap<&str, Fabric> = BTreeMap::new();
     for (name, cell) in cells {
         if let Some(unit) = unit_of(name) {
-            kinds.entry(unit).or_default().push((&cell.kind, 1));
+            let area = areas.entry(unit).or_default();
+            *area = *area + fabric([(cell.kind.as_str(), 1)]);
         }
     }
-    let option = Some(OPTION.1).filter(|name| kinds.contains_key(name));
-    let names = UNITS.iter().map(|(_, name)| *name);
-    let names = names.chain([CONTROL]).chain(option);
-    let area = |name| fabric(kinds.get(name).cloned().unwrap_or_default());
-    names.map(|name| (name, area(name))).collect()
+    let area = |(_, name)| Some((name, areas.remove(name)?));
+    UNITS.into_iter().filter_map(area).collect()
 }
 
 /// The unit in which a cell of the machine stands. Its name begins with the unit's, behind `$flatten` if Yosys named it.
@@ -93,8 +85,7 @@ fn unit_of(cell: &str) -> Option<&'static str> {
     let name = name.strip_prefix("placed.")?.trim_start_matches('\\');
     let name = name.strip_prefix("gen_harmonics.").unwrap_or(name);
     let instance = name.split_once('.').map(|(instance, _)| instance);
-    let mut units = UNITS.iter().chain([&OPTION]);
-    let unit = units.find(|(unit, _)| Some(*unit) == instance);
+    let unit = UNITS.iter().find(|(unit, _)| Some(*unit) == instance);
     Some(unit.map_or(CONTROL, |(_, name)| name))
 }
 
@@ -136,15 +127,15 @@ mod tests {
             .filter(|instance| text.contains(&format!(" {instance} (\n      .clk,")))
             .collect();
         instances.sort_unstable();
-        let mut units = UNITS.map(|(instance, _)| instance);
+        let mut units: Vec<&str> = UNITS[..9].iter().map(|(instance, _)| *instance).collect();
         units.sort_unstable();
         assert_eq!(instances, units);
     }
     #[test]
     fn the_committed_table_is_of_all_units() {
         let table = include_str!("../../../../machine/src/area/machine.csv");
-        let names = UNITS.iter().map(|(_, name)| *name);
-        let names: Vec<&str> = names.chain([CONTROL, "whole"]).collect();
+        let names = UNITS[..10].iter().map(|(_, name)| *name);
+        let names: Vec<&str> = names.chain(["whole"]).collect();
         let lines: Vec<&str> = table.lines().skip(1).collect();
         assert_eq!(lines.len(), CORES.len() * names.len());
         for machine in lines.chunks(names.len()) {

@@ -1,8 +1,8 @@
 //! The memory of the machine before a frame, where it is told to put the rest, and the frame that it is to leave there.
 
 use super::loads::MachineLoad;
-use crate::package::{TILE, run_time};
-use crate::random::noise;
+use crate::package::TILE;
+use crate::random::{Random, noise};
 use crate::setup::record::record;
 use anyhow::{Context, Result, anyhow, ensure};
 use splatline::LentList;
@@ -11,6 +11,7 @@ use splatline::blend::Pixel;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::format::{Traversal, Widths};
+use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::table_entries;
 
 /// Words of a record.
@@ -66,8 +67,8 @@ impl MemoryImage {
             places.push((base, next as u64));
             next += size + 1;
         }
-        let mut state = 1;
-        words.resize_with(next, || noise(&mut state));
+        let mut random = Random(1);
+        words.resize_with(next, || noise(&mut random));
         let frame = next - pixels - 1;
         Ok(MemoryImage {
             words,
@@ -78,13 +79,14 @@ impl MemoryImage {
 }
 
 /// The frame by the kernel's own renderer, in the order in which the machine writes it.
-pub fn kernel_frame(widths: &Widths, load: &MachineLoad) -> Result<Vec<[u32; 4]>> {
+pub fn kernel_frame(design: &DesignChoice, load: &MachineLoad) -> Result<Vec<[u32; 4]>> {
+    let widths = &design.widths;
     let (view, mut splats) = (&load.scene.view, load.scene.splats.clone());
     if let Some(harmonics) = &load.harmonics {
         harmonics.shine(widths, view, &mut splats);
     }
     let memory = table_entries(widths, &load.rules);
-    let renderer = Renderer::with_table(run_time(widths)?, load.rules, &memory);
+    let renderer = Renderer::with_table(design.in_fields(), load.rules, &memory);
     let renderer = renderer.map_err(|error| anyhow!("{error:?}"))?;
     let mut footprints = vec![Footprint::EMPTY; splats.len()];
     let mut order = vec![0; splats.len()];

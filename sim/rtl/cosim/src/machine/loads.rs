@@ -58,11 +58,6 @@ impl MachineLoad {
             apart,
         }
     }
-
-    /// Columns and rows of its tiles.
-    pub fn tiles(&self) -> [usize; 2] {
-        self.lists.size.map(usize::from)
-    }
 }
 
 /// What a machine does beside what all do.

@@ -31,7 +31,7 @@ struct ShellFrame {
 pub fn write_frame(design: &str, file: &Path) -> Result<()> {
     let unit = MachineUnit::new(design, 2, 1, MachineOption::None)?;
     let loads = unit.loads(Extent::Quick, &mut Vec::new())?;
-    let load = loads.first().context("no frames")?;
+    let (_, load) = loads.first().context("no frames")?;
     let frame = serde_json::to_string(&shell_frame(&unit, load)?)?;
     Ok(atomic::write(file, frame.as_bytes())?)
 }
@@ -39,7 +39,7 @@ pub fn write_frame(design: &str, file: &Path) -> Result<()> {
 fn shell_frame(unit: &MachineUnit, load: &MachineLoad) -> Result<ShellFrame> {
     let MachineLoad { scene, rules, .. } = load;
     let (circuit, entries) = (unit.circuit(), load.lists.entries());
-    let image = MemoryImage::new(&circuit.widths, load, entries)?;
+    let image = MemoryImage::new(&circuit.design.widths, load, entries)?;
     let mut writes = Vec::new();
     for (index, value, exponent) in constant_words(circuit, &scene.view, rules)? {
         writes.extend([
@@ -49,7 +49,7 @@ fn shell_frame(unit: &MachineUnit, load: &MachineLoad) -> Result<ShellFrame> {
             ("constant_exponent", exponent as u32),
         ]);
     }
-    writes.extend(rule_writes(&circuit.widths, rules));
+    writes.extend(rule_writes(&circuit.design.widths, rules));
     let [columns, rows] = scene.view.viewport.map(u32::from);
     writes.push(("size", rows << 16 | columns));
     let places_in_memory = image.places.iter();
@@ -59,7 +59,7 @@ fn shell_frame(unit: &MachineUnit, load: &MachineLoad) -> Result<ShellFrame> {
         writes,
         memory: image.words,
         first: image.frame,
-        frame: kernel_frame(&circuit.widths, load)?,
+        frame: kernel_frame(&circuit.design, load)?,
         entries,
     })
 }

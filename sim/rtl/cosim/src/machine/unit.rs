@@ -6,14 +6,13 @@ use crate::bench::Bench;
 use crate::circuit::MACHINE;
 use crate::memory::{Memory, MemoryTiming, timing};
 use crate::rules::write_rules;
-use crate::scenes::{SCENES, scenes};
+use crate::scenes::{SCENES, Seen, scenes};
 use crate::setup::distant::enlarged;
-use crate::setup::program::{ProgramKind, SetupProgram};
+use crate::setup::program::ProgramKind;
 use crate::setup::unit::{constant_words, write_constants};
-use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::{Context, Result, bail, ensure};
 use splatline::blend::Pixel;
-use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::{Config, simulate_alone};
 
 /// Cycles in which a harmonics unit with one and with two multipliers makes a colour, by the degree (`rtl -- compare harmonics`).
@@ -38,7 +37,6 @@ const TIMINGS: [(MemoryTiming, u32); 5] = [
 /// A machine.
 pub struct MachineUnit {
     circuit: Circuit,
-    design: DesignChoice,
     option: MachineOption,
     config: Config,
 }
@@ -46,17 +44,16 @@ pub struct MachineUnit {
 impl MachineUnit {
     /// A design's with so many cores of setup and lanes.
     pub fn new(design: &str, cores: u32, lanes: u32, option: MachineOption) -> Result<MachineUnit> {
-        let circuit = Circuit::new(&MACHINE, design, lanes)?.with("CORES", cores);
-        let scaling = SetupProgram::new(ProgramKind::DistanceScaling);
-        let directed = SetupProgram::new(ProgramKind::Filter).with_direction();
-        let circuit = match option {
-            MachineOption::None => circuit,
-            MachineOption::DistanceScaling => circuit.with_program(scaling),
-            MachineOption::Harmonics(multipliers) => circuit
-                .with("HARMONICS", multipliers)
-                .with_program(directed),
-        };
-        let program = circuit.program.assembled(&circuit.widths)?;
+        let mut circuit = Circuit::new(&MACHINE, design, lanes)?.with("CORES", cores);
+        match option {
+            MachineOption::None => {}
+            MachineOption::DistanceScaling => circuit.program.kind = ProgramKind::DistanceScaling,
+            MachineOption::Harmonics(multipliers) => {
+                circuit = circuit.with("HARMONICS", multipliers);
+                circuit.program.directs = true;
+            }
+        }
+        let program = circuit.program.assembled(&circuit.design.widths)?;
         // Every core of setup takes a splat in a round of the program, and each pair hands on a cycle later what it
         // was told.
         let config = Config {
@@ -67,7 +64,6 @@ impl MachineUnit {
         };
         Ok(MachineUnit {
             circuit,
-            design: DesignChoice::load(design)?,
             option,
             config,
         })
@@ -96,13 +92,16 @@ impl MachineUnit {
 
 impl Unit for MachineUnit {
     type Load = MachineLoad;
-    const PRESSURES: usize = TIMINGS.len();
 
     fn circuit(&self) -> &Circuit {
         &self.circuit
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<MachineLoad>> {
+    fn pressures(&self) -> usize {
+        TIMINGS.len()
+    }
+
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<MachineLoad>> {
         let (mut seen, apart) = match extent {
             Extent::Quick => (small(), 1_200),
             Extent::Full => (scenes(&SCENES, 128, missing)?, u64::MAX),
@@ -117,18 +116,21 @@ impl Unit for MachineUnit {
         if self.option == MachineOption::DistanceScaling {
             seen.retain(|seen| seen.name != ROW);
         }
-        let load = |seen| MachineLoad::new(seen, &self.design, self.option, apart);
+        let load = |seen: Seen| {
+            let name = seen.name.to_owned();
+            (
+                name,
+                MachineLoad::new(seen, &self.circuit.design, self.option, apart),
+            )
+        };
         Ok(seen.into_iter().map(load).collect())
-    }
-
-    fn name(&self, load: &MachineLoad) -> String {
-        load.seen.name.to_owned()
     }
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
         let (timing, frames) = TIMINGS[pressure];
         let MachineLoad { scene, rules, .. } = load;
-        let widths = &self.circuit.widths;
+        let design = &self.circuit.design;
+        let widths = &design.widths;
         let mut bench = Bench::new(circuit, 1)?;
         let constants = constant_words(&self.circuit, &scene.view, rules)?;
         write_constants(&mut bench, &constants)?;
@@ -148,7 +150,7 @@ impl Unit for MachineUnit {
         // What was written last is on its way for a while.
         (0..=timing.latency).for_each(|_| memory.cycle(&mut circuit));
         let full = circuit.read("full")? == 1;
-        let expected = kernel_frame(widths, load)?;
+        let expected = kernel_frame(design, load)?;
         let [all, geometry, raster] = self.modelled(load, &timing);
         let mut findings = Findings {
             // Without room for the lists there is no frame.

@@ -1,8 +1,9 @@
 //! What is ordered: captured scenes with the model's lists, and keys that a sorter finds hard.
 
 use crate::package::TILE;
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::scenes::Seen;
+use crate::unit::Loads;
 use splatline::footprint::Footprint;
 use splatline::footprint::depth::KEY_BITS;
 use splatline::format::Traversal;
@@ -26,8 +27,6 @@ pub struct SortedSplat {
 /// A picture's splats in the order of the scene, and what is to come of them.
 #[derive(Clone, Debug)]
 pub struct OrderLoad {
-    /// What it is.
-    pub name: String,
     /// Columns and rows of tiles.
     pub size: [u16; 2],
     /// The splats.
@@ -50,9 +49,8 @@ impl SortedSplat {
 
 impl OrderLoad {
     /// A load whose lists follow from boxes and keys, tile by tile: slow and plain.
-    fn plain(name: &str, size: [u16; 2], splats: Vec<SortedSplat>) -> OrderLoad {
+    fn plain(size: [u16; 2], splats: Vec<SortedSplat>) -> OrderLoad {
         let mut load = OrderLoad {
-            name: name.to_owned(),
             size,
             splats,
             lists: Vec::new(),
@@ -113,7 +111,6 @@ pub fn ordered(
     let list = |tile| workload.pairs_of(tile).iter().map(|pair| pair.splat);
     let lists = (0..workload.tiles.len()).map(|tile| list(tile).collect());
     let load = OrderLoad {
-        name: seen.name.to_owned(),
         size,
         splats: (0..).zip(&footprints).filter_map(splat).collect(),
         lists: lists.collect(),
@@ -122,9 +119,9 @@ pub fn ordered(
 }
 
 /// No splat, one, all keys equal, all keys but one, upside down, in order already, single bits, and random ones with many equals.
-pub fn hard() -> Vec<OrderLoad> {
+pub fn hard() -> Loads<OrderLoad> {
     let last = (1u64 << KEY_BITS) - 1;
-    let mut state = 3;
+    let mut random = Random(3);
     let mut loads = Vec::new();
     let keys: [(&str, Vec<u64>); 10] = [
         ("none", vec![]),
@@ -140,31 +137,29 @@ pub fn hard() -> Vec<OrderLoad> {
         ("first digit alone", (0..99u64).map(|i| i % 3).collect()),
         (
             "few keys",
-            (0..900)
-                .map(|_| (split_mix(&mut state) % 5) << 37)
-                .collect(),
+            (0..900).map(|_| (random.next() % 5) << 37).collect(),
         ),
         (
             "random keys",
-            (0..900).map(|_| split_mix(&mut state) & last).collect(),
+            (0..900).map(|_| random.next() & last).collect(),
         ),
     ];
     for (name, keys) in keys {
-        let size = [9, 7].map(|end| 1 + (split_mix(&mut state) % end) as u16);
+        let size = [9, 7].map(|end| 1 + (random.next() % end) as u16);
         let splats = (0..).zip(keys).map(|(index, key)| SortedSplat {
             // Numbers have gaps where splats were culled.
             number: 3 * index,
             key,
-            tiles: tiles(&mut state, size),
+            tiles: tiles(&mut random, size),
         });
-        loads.push(OrderLoad::plain(name, size, splats.collect()));
+        loads.push((name.to_owned(), OrderLoad::plain(size, splats.collect())));
     }
     loads
 }
 
 /// A box of tiles, in some cases all.
-fn tiles(state: &mut u64, size: [u16; 2]) -> [[u16; 2]; 2] {
-    let mut below = |end: u16| (split_mix(state) % u64::from(end)) as u16;
+fn tiles(random: &mut Random, size: [u16; 2]) -> [[u16; 2]; 2] {
+    let mut below = |end: u16| (random.next() % u64::from(end)) as u16;
     if below(16) == 0 {
         return [[0, 0], [size[0] - 1, size[1] - 1]];
     }

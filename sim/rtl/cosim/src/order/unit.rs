@@ -4,11 +4,10 @@ use super::loads::{OrderLoad, hard, ordered};
 use crate::bench::Bench;
 use crate::circuit::ORDER;
 use crate::memory::{Memory, MemoryTiming, timing};
-use crate::random::noise;
+use crate::random::{Random, noise};
 use crate::scenes::{SCENES, scenes};
-use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::{Result, bail, ensure};
-use splatline_sim::design::DesignChoice;
 
 /// A memory, and cycles from a splat to the next one at least: at full speed; with pauses; with words that arrive after all that a digit's sums take; and
 /// lists without room.
@@ -34,27 +33,26 @@ impl OrderUnit {
 
 impl Unit for OrderUnit {
     type Load = OrderLoad;
-    const PRESSURES: usize = TIMINGS.len();
 
     fn circuit(&self) -> &Circuit {
         &self.0
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<OrderLoad>> {
+    fn pressures(&self) -> usize {
+        TIMINGS.len()
+    }
+
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<OrderLoad>> {
         let (names, size): (&[_], _) = match extent {
             Extent::Quick => (&["playbot"], 128),
             Extent::Full => (&SCENES, 512),
         };
-        let design = DesignChoice::load("lean18")?;
         let mut loads = hard();
         for seen in scenes(names, size, missing)? {
-            loads.push(ordered(&seen, &design, &seen.scene.natural_rules).2);
+            let (.., load) = ordered(&seen, &self.0.design, &seen.scene.natural_rules);
+            loads.push((seen.name.to_owned(), load));
         }
         Ok(loads)
-    }
-
-    fn name(&self, load: &OrderLoad) -> String {
-        load.name.clone()
     }
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
@@ -75,8 +73,8 @@ impl Unit for OrderUnit {
             ("most", room as u64),
         ])?;
         // Bits of nothing in all places of the memory, a word or more between any two regions.
-        let (mut words, mut state) = (Vec::new(), 1);
-        words.resize_with(lists + room.div_ceil(4), || noise(&mut state));
+        let (mut words, mut random) = (Vec::new(), Random(1));
+        words.resize_with(lists + room.div_ceil(4), || noise(&mut random));
         let mut memory = Memory::new(&bench.circuit, words, timing, 1)?;
         let mut findings = Findings::default();
         // Twice or once: neither what a picture leaves behind nor what registers hold before the first must reach the one that is judged.

@@ -33,26 +33,22 @@ pub struct HandshakePorts {
     packet: Channel,
     pub finish: Channel,
     pub lanes_enable: Port,
-    splat_begun: Port,
-    run_left: Port,
     /// Lanes that pop a run, a bit for each.
     pub lanes_popped: Port,
-    raster_idle: Port,
+    /// A splat begun, a run left, and an idle raster.
+    others: [Port; 3],
 }
 
 impl HandshakePorts {
     /// Of a circuit.
     pub fn new(circuit: &Simulation) -> Result<HandshakePorts> {
-        let [lanes_enable, lanes_popped] = circuit.ports(["lanes_enable", "lanes_popped"])?;
         Ok(HandshakePorts {
             tile: Channel::new(circuit, "tile", &[])?,
             packet: Channel::new(circuit, "packet", &[])?,
             finish: Channel::new(circuit, "finish", &[])?,
-            lanes_enable,
-            splat_begun: circuit.port("splat_begun")?,
-            run_left: circuit.port("run_left")?,
-            lanes_popped,
-            raster_idle: circuit.port("raster_idle")?,
+            lanes_enable: circuit.port("lanes_enable")?,
+            lanes_popped: circuit.port("lanes_popped")?,
+            others: circuit.ports(["splat_begun", "run_left", "raster_idle"])?,
         })
     }
 }
@@ -60,8 +56,9 @@ impl HandshakePorts {
 impl Stamps {
     /// Notes what the circuit's ports say in a cycle, for a tile of so many packets.
     pub fn note(&mut self, ports: &HandshakePorts, circuit: &Simulation, now: u64, packets: usize) {
+        let [begun, left, idle] = ports.others.map(|port| circuit.is(port));
         let all_accepted = self.accepted.len() == packets;
-        if all_accepted && circuit.is(ports.raster_idle) && self.idle_at.is_none() {
+        if all_accepted && idle && self.idle_at.is_none() {
             self.idle_at = Some(now);
         }
         if circuit.is(ports.packet.valid) && self.offered.len() == self.accepted.len() {
@@ -70,10 +67,10 @@ impl Stamps {
         if ports.packet.moves(circuit) {
             self.accepted.push(now);
         }
-        if circuit.is(ports.splat_begun) {
+        if begun {
             self.begun.push(now);
         }
-        if circuit.is(ports.run_left) {
+        if left {
             self.left.push(now);
         }
         let mut lanes = circuit.get(ports.lanes_popped);

@@ -3,18 +3,17 @@
 use super::stamps::{HandshakePorts, Stamps};
 use super::words::{self, Roots};
 use super::workload::{self, BenchTile, BenchWorkload};
-use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
+use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
 use crate::circuit::PRIMITIVE;
-use crate::package::run_time;
 use crate::rules::write_rules;
 use crate::scenes::scenes;
-use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::{Context, Result};
 use splatline::blend::{FINISHED, Pixel};
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
-use splatline::format::{RuntimeWidths, Traversal, Widths};
+use splatline::format::{RuntimeWidths, Traversal};
 use splatline::rules::{Compositing, Rules as KernelRules};
 use splatline::target::Target;
 use splatline_sim::design::DesignChoice;
@@ -38,8 +37,6 @@ const fn pressure(packets: u8, lanes: u8, pixels: u8) -> Pressure {
 
 /// Footprints and tiles under rules.
 pub struct PrimitiveLoad {
-    /// The rules' name.
-    pub rules_name: &'static str,
     /// The kernel's.
     pub rules: KernelRules,
     /// Footprints and tiles.
@@ -49,7 +46,6 @@ pub struct PrimitiveLoad {
 /// The primitive of a design with some lanes.
 pub struct PrimitiveUnit {
     circuit: Circuit,
-    design: DesignChoice,
     lanes: u32,
     interval: u32,
 }
@@ -63,12 +59,8 @@ impl PrimitiveUnit {
     /// With other cycles between two packets.
     pub fn with_interval(design: &str, lanes: u32, interval: u32) -> Result<PrimitiveUnit> {
         let circuit = Circuit::new(&PRIMITIVE, design, lanes)?.with("SETUP_INTERVAL", interval);
-        let mut choice = DesignChoice::load("standard24")?.at_run_time();
-        choice.name = design.to_owned();
-        choice.widths = circuit.widths;
         Ok(PrimitiveUnit {
             circuit,
-            design: choice,
             lanes,
             interval,
         })
@@ -77,16 +69,20 @@ impl PrimitiveUnit {
 
 impl Unit for PrimitiveUnit {
     type Load = PrimitiveLoad;
-    const PRESSURES: usize = PRESSURES.len();
 
     fn circuit(&self) -> &Circuit {
         &self.circuit
     }
 
+    fn pressures(&self) -> usize {
+        PRESSURES.len()
+    }
+
     /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of scenes skip nothing there: `3dgs` ends a
     /// footprint where it becomes faint, and `ewa` draws what is there.
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<PrimitiveLoad>> {
-        let (design, widths) = (&self.design, &self.circuit.widths);
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<PrimitiveLoad>> {
+        let design = &self.circuit.design;
+        let widths = &design.widths;
         let quick = extent == Extent::Quick;
         let ([random, faint], [size, deep]) = match extent {
             Extent::Quick => ([1_200, 600], [256, 64]),
@@ -96,19 +92,24 @@ impl Unit for PrimitiveUnit {
         seen.extend(scenes(&["deep stack"], deep, missing)?);
         seen.extend(scenes(&["guitar", "lion"], size, missing)?);
         let mut loads = Vec::new();
-        let mut load = |rules_name, rules: &Rules, workload| {
-            loads.push(PrimitiveLoad {
-                rules_name,
-                rules: kernel_rules(rules),
-                workload,
-            });
+        let mut load = |name: &str, rules_name: &str, rules: &Rules, mut workload| {
+            if quick {
+                shorten(&mut workload);
+            }
+            let rules = kernel_rules(rules);
+            let load = PrimitiveLoad { rules, workload };
+            loads.push((format!("{name}, {rules_name}"), load));
         };
-        for (name, rules) in [("3dgs", &Rules::GAUSSIAN_3D), ("ewa", &Rules::EWA)] {
-            load(name, rules, workload::random(widths, random, 20, 7));
-            load(name, rules, workload::random(widths, random / 4, 1, 8));
-            load(name, rules, workload::vast(widths, random / 4, 10));
+        for (of, rules) in [("3dgs", &Rules::GAUSSIAN_3D), ("ewa", &Rules::EWA)] {
+            let many = workload::random(widths, random, 20, 7);
+            load("random packets", of, rules, many);
+            let lone = workload::random(widths, random / 4, 1, 8);
+            load("random packets", of, rules, lone);
+            let vast = workload::vast(widths, random / 4, 10);
+            load("vast packets", of, rules, vast);
             for seen in &seen {
-                load(name, rules, workload::picture(seen, design, rules));
+                let picture = workload::picture(seen, design, rules);
+                load(seen.name, of, rules, picture);
             }
         }
         let skipping = Rules {
@@ -116,19 +117,13 @@ impl Unit for PrimitiveUnit {
             ..Rules::EWA
         };
         let faint = workload::random(widths, faint, 20, 9);
-        load("ewa, faint skipped", &skipping, faint);
-        for load in loads.iter_mut().filter(|_| quick) {
-            shorten(&mut load.workload);
-        }
+        load("random packets", "ewa, faint skipped", &skipping, faint);
         Ok(loads)
     }
 
-    fn name(&self, load: &PrimitiveLoad) -> String {
-        format!("{}, {}", load.workload.name, load.rules_name)
-    }
-
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
-        let widths = &self.circuit.widths;
+        let design = &self.circuit.design;
+        let widths = &design.widths;
         let pressure = &PRESSURES[pressure];
         let mut bench = Bench::new(circuit, 1)?;
         write_rules(&mut bench, widths, &load.rules)?;
@@ -143,10 +138,10 @@ impl Unit for PrimitiveUnit {
         let (tiles, footprints) = (&load.workload.tiles, &load.workload.footprints);
         let items = tiles.iter().map(|tile| item(&layout, tile, footprints));
         let items: Vec<Item> = items.collect();
-        let (pixels, coverage) = draw(widths, &load.rules, tiles, footprints)?;
+        let (pixels, coverage) = draw(design, &load.rules, tiles, footprints)?;
         let channels = channels(&bench.circuit)?;
         let mut checker = PrimitiveChecker {
-            design: run_time(widths)?,
+            design: design.in_fields(),
             shape: [self.lanes, self.interval],
             timed: (pressure.inside == 0).then_some(0),
             load,
@@ -210,13 +205,12 @@ fn channels(circuit: &Simulation) -> Result<Channels> {
 fn item(layout: &Layout, tile: &BenchTile, footprints: &[Footprint]) -> Item {
     let [first, end] = [tile.window.first, tile.window.end];
     let window = [first[0], first[1], end[0], end[1]].map(|place| vec![place.into()]);
-    let offer = |source, data| Offer { source, data };
-    let mut offers = vec![offer(0, window.to_vec())];
+    let mut offers = vec![(0, window.to_vec())];
     for index in &tile.list {
         let packet = layout.encode(&footprints[*index as usize]);
-        offers.push(offer(1, vec![packet.to_vec()]));
+        offers.push((1, vec![packet.to_vec()]));
     }
-    offers.push(offer(2, Vec::new()));
+    offers.push((2, Vec::new()));
     Item {
         lanes: vec![offers],
         answers: tile.size().iter().product(),
@@ -235,18 +229,19 @@ pub fn pixel(answer: &[Vec<u32>]) -> Pixel {
 
 /// The pixels of tiles by the kernel, tile by tile and row by row, and what was visited.
 pub fn draw(
-    widths: &Widths,
+    design: &DesignChoice,
     rules: &KernelRules,
     tiles: &[BenchTile],
     footprints: &[Footprint],
 ) -> Result<(Vec<Pixel>, Coverage)> {
-    let (design, memory) = (run_time(widths)?, table_entries(widths, rules));
+    let widths = &design.widths;
+    let memory = table_entries(widths, rules);
     let order = Compositing::FrontToBack;
     let mut drawn = Vec::new();
     let mut coverage = Coverage::default();
     for tile in tiles {
         let table = table(&memory, widths, rules);
-        let painter = Painter::new(design, rules, table, order, Traversal::Spans);
+        let painter = Painter::new(design.in_fields(), rules, table, order, Traversal::Spans);
         let [columns, rows] = tile.size();
         let mut pixels = vec![Pixel::clear(widths); columns * rows];
         let target = Target::new(&mut pixels, tile.window, columns).ok();
@@ -320,16 +315,16 @@ impl Checker for PrimitiveChecker<'_> {
 
 impl PrimitiveChecker<'_> {
     /// Tile and pixel of an answer.
-    fn place(&self, mut number: usize) -> String {
-        for (index, tile) in self.load.workload.tiles.iter().enumerate() {
-            let [columns, rows] = tile.size();
-            if number < columns * rows {
-                let [x, y] = tile.window.first.map(usize::from);
-                let (x, y) = (x + number % columns, y + number / columns);
-                return format!("tile {index}, pixel ({x}, {y})");
-            }
-            number -= columns * rows;
-        }
-        "a pixel too many".to_owned()
+    fn place(&self, number: usize) -> String {
+        let tiles = self.load.workload.tiles.iter().enumerate();
+        let mut places = tiles.flat_map(|(index, tile)| {
+            let [first, end] = [tile.window.first, tile.window.end];
+            let row = move |y| (first[0]..end[0]).map(move |x| (index, x, y));
+            (first[1]..end[1]).flat_map(row)
+        });
+        places.nth(number).map_or_else(
+            || "a pixel too many".to_owned(),
+            |(index, x, y)| format!("tile {index}, pixel ({x}, {y})"),
+        )
     }
 }

@@ -2,7 +2,7 @@
 //! shifts of 64 and more, saturation and roundings that carry; and the row unit's roots, whose last bits the spans' slack hides.
 
 use crate::bench::Bench;
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::simulation::{Port, Simulation};
 use anyhow::Result;
 use splatline::math::{SoftFloat, root_seed, shift_signed};
@@ -19,27 +19,18 @@ const ALIGN: usize = 4;
 const NORMALISE: usize = 3;
 
 /// A value and the shift that it is aligned by.
-#[derive(Clone, Copy)]
-struct UnitWord {
-    value: i64,
-    shift: i16,
-}
-
-impl UnitWord {
-    fn random(state: &mut u64) -> UnitWord {
-        let [bits, kind, far] = [0; 3].map(|_: u32| split_mix(state));
-        let magnitude = match kind % 4 {
-            // Ones that a rounding carries through, powers of two, and anything.
-            0 => (1 << ((kind >> 8) % u64::from(BITS))) - 1,
-            1 => 1 << ((kind >> 8) % u64::from(BITS)),
-            _ => bits >> (64 - BITS) >> ((kind >> 8) % u64::from(BITS)),
-        };
-        let reach = if kind & 64 == 0 { 90 } else { 1_000 };
-        UnitWord {
-            value: if kind & 128 == 0 { 1 } else { -1 } * magnitude as i64,
-            shift: (far % (2 * reach + 1)) as i16 - reach as i16,
-        }
-    }
+fn word(random: &mut Random) -> (i64, i16) {
+    let [bits, kind, far] = [0; 3].map(|_: u32| random.next());
+    let magnitude = match kind % 4 {
+        // Ones that a rounding carries through, powers of two, and anything.
+        0 => (1 << ((kind >> 8) % u64::from(BITS))) - 1,
+        1 => 1 << ((kind >> 8) % u64::from(BITS)),
+        _ => bits >> (64 - BITS) >> ((kind >> 8) % u64::from(BITS)),
+    };
+    let reach = if kind & 64 == 0 { 90 } else { 1_000 };
+    let sign = if kind & 128 == 0 { 1 } else { -1 };
+    let shift = (far % (2 * reach + 1)) as i16 - reach as i16;
+    (sign * magnitude as i64, shift)
 }
 
 /// The first word of which either unit makes something else than the kernel, in words.
@@ -47,45 +38,42 @@ pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Result<Option<String
     let aligned = bench.circuit.port("aligned")?;
     let normal = ["normal", "normal_negative", "normal_exponent"];
     let normal = bench.circuit.ports(normal)?;
-    let mut state = 5;
+    let mut random = Random(5);
     let mut fed = VecDeque::new();
     for _ in 0..WORDS {
-        let word = UnitWord::random(&mut state);
+        let (value, shift) = word(&mut random);
         bench.set(&[
-            ("unit_negative", (word.value < 0).into()),
-            ("unit_magnitude", word.value.unsigned_abs()),
-            ("unit_shift", u64::from(word.shift as u16)),
+            ("unit_negative", (value < 0).into()),
+            ("unit_magnitude", value.unsigned_abs()),
+            ("unit_shift", u64::from(shift as u16)),
         ])?;
         bench.circuit.settle();
-        if let (Some(then), Some(later)) = (fed.get(ALIGN - 1), fed.get(NORMALISE - 1)) {
+        if let (Some((then, by)), Some((later, _))) = (fed.get(ALIGN - 1), fed.get(NORMALISE - 1)) {
             let got = bench.circuit.get(aligned) as i64;
-            let got_normal = normal.map(|port| bench.circuit.get(port));
-            let difference = of_alignment(then, got);
-            let difference = difference.or_else(|| of_normalisation(later, mantissa, got_normal));
+            let expected = shift_signed(*then, i32::from(*by));
+            let differs = (got != expected).then(|| {
+                format!("{then} aligned by {by}: the kernel has {expected}, align.sv {got}")
+            });
+            let got = normal.map(|port| bench.circuit.get(port));
+            let difference = differs.or_else(|| of_normalisation(*later, mantissa, got));
             if difference.is_some() {
                 return Ok(difference);
             }
         }
         bench.circuit.edge();
         bench.cycles += 1;
-        fed.push_front(word);
+        fed.push_front((value, shift));
         fed.truncate(ALIGN);
     }
     Ok(None)
 }
 
-fn of_alignment(UnitWord { value, shift }: &UnitWord, got: i64) -> Option<String> {
-    let expected = shift_signed(*value, (*shift).into());
-    (got != expected)
-        .then(|| format!("{value} aligned by {shift}: the kernel has {expected}, align.sv {got}"))
-}
-
 fn of_normalisation(
-    UnitWord { value, .. }: &UnitWord,
+    value: i64,
     mantissa: u8,
     [magnitude, negative, exponent]: [u64; 3],
 ) -> Option<String> {
-    let expected = SoftFloat::from_wide(*value, 0, mantissa.into());
+    let expected = SoftFloat::from_wide(value, 0, mantissa.into());
     let sign = if negative == 1 { -1 } else { 1 };
     let got = (sign * magnitude as i32, i32::from(exponent as i16));
     // The exponent of 0 says nothing.

@@ -2,7 +2,7 @@
 
 use crate::order::loads::{OrderLoad, ordered};
 use crate::package::TILE;
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::scenes::Seen;
 use anyhow::Result;
 use splatline::float;
@@ -34,8 +34,6 @@ impl BenchTile {
 /// Footprints and the tiles that draw them.
 #[derive(Clone, Debug)]
 pub struct BenchWorkload {
-    /// What it is.
-    pub name: &'static str,
     /// Footprints.
     pub footprints: Vec<Footprint>,
     /// Tiles.
@@ -76,7 +74,6 @@ pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorklo
         .into_iter()
         .map(|found| found.unwrap_or(Footprint::EMPTY));
     BenchWorkload {
-        name: seen.name,
         footprints: drawn.collect(),
         tiles: (0..).zip(lists).map(tile).collect(),
     }
@@ -86,14 +83,14 @@ pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorklo
 /// opacity and cut-off that a packet can hold (cut-offs up to setup's limit of 15).
 pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> BenchWorkload {
     let kinds = [Kind::Any([-4.0, 20.0])];
-    random_between("random packets", &kinds, widths, [count, per_tile], seed)
+    random_between(&kinds, widths, [count, per_tile], seed)
 }
 
 /// The same where xc has few fraction bits or leaves the fine word: half-widths of up to 2^28 pixels, the largest that setup gives, and
 /// needles.
 pub fn vast(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
     let kinds = [Kind::Any([12.0, 26.0]), Kind::Flat, Kind::WordAway];
-    random_between("vast packets", &kinds, widths, [count, 10], seed)
+    random_between(&kinds, widths, [count, 10], seed)
 }
 
 /// Columns that the fine word of xc holds: 28 bits before the point of a centre, 8 of which give way to a fraction.
@@ -137,13 +134,12 @@ impl Kind {
 
 /// Random footprints over random windows, each of one of the kinds in turn.
 fn random_between(
-    name: &'static str,
     kinds: &[Kind],
     widths: &Widths,
     [count, per_tile]: [usize; 2],
     seed: u64,
 ) -> BenchWorkload {
-    let mut random = WorkloadRandom(seed);
+    let mut random = WorkloadRandom(Random(seed));
     let (mut footprints, mut tiles) = (Vec::with_capacity(count), Vec::new());
     while footprints.len() < count {
         let block = TILE.map(|size| size * (random.below(2000 / u32::from(size)) as u16));
@@ -155,11 +151,7 @@ fn random_between(
         let list = list.collect();
         tiles.push(BenchTile { window, list });
     }
-    BenchWorkload {
-        name,
-        footprints,
-        tiles,
-    }
+    BenchWorkload { footprints, tiles }
 }
 
 /// The farthest centre that is tried, in pixels.
@@ -168,11 +160,11 @@ const FARTHEST: f64 = 1e8;
 /// Setup keeps the middle of a row nearer than 2^30 pixels. Beyond 2^31 it leaves its word, and circuit and kernel differ.
 const FARTHEST_MIDDLE: f64 = 1e9;
 
-struct WorkloadRandom(u64);
+struct WorkloadRandom(Random);
 
 impl WorkloadRandom {
     fn bits(&mut self, count: u8) -> u32 {
-        (split_mix(&mut self.0) >> (64 - u32::from(count))) as u32
+        (self.0.next() >> (64 - u32::from(count))) as u32
     }
 
     fn below(&mut self, end: u32) -> u32 {

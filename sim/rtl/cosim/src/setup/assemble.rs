@@ -9,8 +9,8 @@
 //!
 //! Results leave by the second factor's port in slots that have no use for it, so that they take no slots of their own.
 
-use super::schedule::{Timed, schedule};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
+use std::collections::BTreeMap;
 
 /// Constants of a picture.
 const CONSTANTS: usize = 64;
@@ -43,71 +43,21 @@ pub enum Operand {
     Constant(usize),
 }
 
-/// The core's table that gives a term, by its number in `setup_types.svh`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Table {
-    #[default]
-    None,
-    Reciprocal,
-    Root,
-    /// 1/middle and ln(middle).
-    Logarithm,
-}
-
-/// What a plain term's value is, by its number in `setup_types.svh`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Pick {
-    /// The first factor.
-    #[default]
-    None,
-    /// The slot's constant where the first factor is negative, otherwise the second.
-    Negative,
-    /// The constant where it is not negative, otherwise the second.
-    NotNegative,
-}
+/// Fields of a slot that are not 0, by their names in `setup_types.svh`.
+pub type Fields = BTreeMap<&'static str, i64>;
 
 /// One slot: a product, or one number, added to a sum.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Term {
     pub a: Operand,
     pub b: Operand,
     /// The constant that is picked by the sign.
     pub picked: Option<usize>,
-    /// The rules' or the view's flag without which `other` is taken.
-    pub flag: Option<u8>,
-    /// A constant as first factor, or a result instead of a product with a constant, which is then not rounded to
-    /// less than 31 bits.
+    /// What is taken without the flag of rules or view: a constant as first factor, or a result instead of a product with a constant, which is then not
+    /// rounded to less than 31 bits.
     pub other: Operand,
-    /// The term is `a`, not the product.
-    pub plain: bool,
-    /// Twice as much.
-    pub doubled: bool,
-    /// Negated before it is aligned.
-    pub before: bool,
-    /// Negated after it is aligned.
-    pub after: bool,
-    /// Rounded down, not to nearest.
-    pub floor: bool,
-    /// The sum so far goes on in a unit coarser by the difference's low part, which this term gives.
-    pub again: bool,
-    /// Table of which `a` is the argument.
-    pub table: Table,
-    /// The table's entry itself; otherwise its step times the argument's rest.
-    pub entry: bool,
-    /// The position of a's leading bit instead of a.
-    pub power: bool,
-    pub pick: Pick,
-}
-
-/// Where a sum's last bit lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
-    /// So many bits below the end of the largest term's format; at most four terms, of normalised factors.
-    Below(i32),
-    /// So many powers above the first term's exponent.
-    First(i32),
-    /// There.
-    At(i32),
+    /// What does not depend on where operations stand.
+    pub fields: Fields,
 }
 
 /// A sum of terms.
@@ -116,15 +66,6 @@ pub struct Operation {
     pub name: String,
     /// One slot each, in a row.
     pub terms: Vec<Term>,
-    pub unit: Unit,
-    /// A constant in that unit, added.
-    pub addend: Option<usize>,
-    /// Rounded to a mantissa of so many bits, otherwise a word of the sum.
-    pub bits: Option<u32>,
-    /// Bits of the sum below the word.
-    pub below: u32,
-    /// The word has all bits above these, where others have their exponent.
-    pub long: bool,
     /// Goes on with the sum of the operation before, right behind it.
     pub follows: bool,
 }
@@ -140,23 +81,14 @@ pub struct Place {
     pub copies: usize,
 }
 
-/// When a splat's results leave.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Exits {
-    /// Rounds after the splat's first one.
-    pub round: usize,
-    /// Cycle in that round and value of every result.
-    pub results: Vec<(usize, Value)>,
-    /// The word as which each leaves.
-    pub words: Vec<usize>,
-}
-
-impl Exits {
-    /// The cycle after which all are out.
-    pub fn last(&self) -> usize {
-        let cycles = self.results.iter().map(|(cycle, _)| *cycle);
-        cycles.max().unwrap_or(0)
-    }
+/// A result that leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Exit {
+    /// Cycle after the round in which its splat began.
+    pub time: usize,
+    pub value: Value,
+    /// As this word.
+    pub word: usize,
 }
 
 /// A program with places.
@@ -164,7 +96,8 @@ impl Exits {
 pub struct Program {
     pub operations: Vec<Operation>,
     pub places: Vec<Place>,
-    pub exits: Exits,
+    /// All in one round, in their order.
+    pub exits: Vec<Exit>,
     /// Cycles of a round.
     pub round: usize,
     /// In the order of their addresses.
@@ -181,46 +114,29 @@ impl Program {
         ensure!(constants.len() <= CONSTANTS, "there are too many constants");
         let fits = |(word, _): &(usize, Value)| *word < WORDS;
         ensure!(results.iter().all(fits), "there are too many results");
-        let placed = |round, seed| {
-            let timed = Timed {
-                times: schedule(&operations, round, seed)?,
-                operations: &operations,
-                round,
-            };
-            let exits = timed.exits(results)?;
-            Some((timed.places(&exits)?, exits, round))
-        };
         let slots: usize = operations.iter().map(|o| o.terms.len()).sum();
-        let found =
-            (slots..=CYCLES).find_map(|round| (0..ATTEMPTS).find_map(|seed| placed(round, seed)));
-        let (places, exits, round) = found.context("no round holds the operations")?;
-        Ok(Program {
+        let mut program = Program {
             operations,
-            places,
-            exits,
-            round,
+            places: Vec::new(),
+            exits: Vec::new(),
+            round: 0,
             constants,
-        })
+        };
+        let mut rounds = slots..=CYCLES;
+        let mut fits =
+            |round| (0..ATTEMPTS).any(|seed| program.place(round, seed, results).is_some());
+        ensure!(rounds.any(&mut fits), "no round holds the operations");
+        Ok(program)
     }
 
     /// Cycles from a splat's first slot to that of its last result.
     pub fn latency(&self) -> usize {
-        self.exits.round * self.round + self.exits.last()
+        self.exits.last().map_or(0, |exit| exit.time)
     }
 
     /// Does a direction leave beside the words of the packet?
     pub fn directs(&self) -> bool {
-        self.exits.words.iter().any(|word| *word >= DIRECTION)
-    }
-
-    /// The slot of every cycle of a round: operation and term.
-    pub fn slots(&self) -> Vec<Option<(usize, usize)>> {
-        let timed = Timed {
-            operations: &self.operations,
-            round: self.round,
-            times: self.places.iter().map(|place| place.time).collect(),
-        };
-        timed.slots()
+        self.exits.iter().any(|exit| exit.word >= DIRECTION)
     }
 }
 

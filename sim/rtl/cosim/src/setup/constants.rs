@@ -3,8 +3,9 @@
 //! Nothing here is computed for a splat. As `Blend::new` does for the pixels, thresholds and limits are brought into the form in which the circuit
 //! compares them; every one is exact, or the kernel's own value.
 
+use super::assemble::Program;
 use super::program::low_bits;
-use super::text::{FIRST_REGISTER, OF_EVERY_PROGRAM, REGISTERS};
+use super::text;
 use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Widths;
 use splatline::kernel::Kernel;
@@ -16,15 +17,17 @@ use splatline::view::{Projection, View, round_entry};
 /// An address, a value, an exponent.
 pub type Constant = (u8, i64, i32);
 
-/// The picture's constants for the addresses of `names`.
+/// The picture's constants for a program, at the addresses at which it reads them.
 pub fn constants(
-    names: &[String],
+    program: &Program,
     widths: &Widths,
     view: &View,
     rules: &Rules,
 ) -> Result<Vec<Constant>> {
+    let names = &program.constants;
     let known = [
         turn(widths, view),
+        registers(view, rules),
         screen(widths, view, rules)?,
         of_rules(widths, rules)?,
         compensation(names, rules)?.into_iter().collect(),
@@ -33,17 +36,11 @@ pub fn constants(
     ]
     .concat();
     let mut words = Vec::new();
-    for (address, name) in (0..).zip(names) {
+    let names = (0..).zip(names.iter().map(String::as_str));
+    for (address, name) in names.chain(text::registers_of(program)) {
         let found = known.iter().find(|(known, ..)| known == name);
         let found = found.with_context(|| format!("there is no constant '{name}'"))?;
         words.push((address, found.1, found.2));
-    }
-    let rotation = known.iter().filter(|(name, ..)| name.starts_with("axis_"));
-    let rotation = rotation.map(|(name, value, exponent)| (name.as_str(), *value, *exponent));
-    for (name, value, exponent) in registers(view, rules).into_iter().chain(rotation) {
-        let place = REGISTERS.iter().position(|register| *register == name);
-        let place = place.with_context(|| format!("there is no register '{name}'"))?;
-        words.push((FIRST_REGISTER + place as u8, value, exponent));
     }
     let fit = words
         .iter()
@@ -76,7 +73,7 @@ fn number(name: &str, value: SoftFloat) -> Named {
 /// The exponent of 0 in `setup_core.sv`.
 const ZERO_EXPONENT: i32 = -3 << 14;
 
-/// W for positions, in two parts where they have two, and for axes.
+/// W for positions, in two parts where they have two, for axes, and as it is, by which a direction is turned back.
 fn turn(widths: &Widths, view: &View) -> Vec<Named> {
     let low = low_bits(widths);
     let mut all = Vec::new();
@@ -90,16 +87,10 @@ fn turn(widths: &Widths, view: &View) -> Vec<Named> {
             all.push(named(&format!("rest_{r}{c}"), rest, -30 - low as i32));
             let axis = round_entry(entry, axis_bits(widths));
             all.push(named(&format!("axis_{r}{c}"), axis, -30));
+            all.push(named(&format!("back_{r}{c}"), entry.to_bits().into(), 0));
         }
     }
     all
-}
-
-/// The rotation's entries, for the registers by which a direction is turned back.
-pub fn turned_back(view: &View) -> impl Iterator<Item = Constant> {
-    let entries = view.rotation.into_iter().flatten();
-    let places = (FIRST_REGISTER + OF_EVERY_PROGRAM as u8..).zip(entries);
-    places.map(|(place, entry)| (place, entry.to_bits().into(), 0))
 }
 
 fn screen(widths: &Widths, view: &View, rules: &Rules) -> Result<Vec<Named>> {
@@ -247,7 +238,7 @@ fn fixed() -> [Named; 11] {
 const NO_EYE: i32 = -16_384;
 
 /// What stands in registers of its own, outside the cores.
-fn registers(view: &View, rules: &Rules) -> [(&'static str, i64, i32); 6] {
+fn registers(view: &View, rules: &Rules) -> Vec<Named> {
     let eye = &view.pose;
     let flags = i64::from(view.projection == Projection::Perspective)
         | i64::from(rules.normalised) << 1
@@ -262,13 +253,13 @@ fn registers(view: &View, rules: &Rules) -> [(&'static str, i64, i32); 6] {
     };
     let (near, near_leading) = limit(view.near);
     let (far, far_leading) = limit(view.far);
-    [
-        ("eye_x", x, eye.exponent),
-        ("eye_y", y, top),
-        ("eye_z", z, eye.exponent),
-        ("flags", flags, 0),
-        ("near", near, near_leading),
-        ("far", far, far_leading),
+    vec![
+        named("eye_x", x, eye.exponent),
+        named("eye_y", y, top),
+        named("eye_z", z, eye.exponent),
+        named("flags", flags, 0),
+        named("near", near, near_leading),
+        named("far", far, far_leading),
     ]
 }
 

@@ -2,7 +2,8 @@
 
 use super::exact::{FOCAL, few_bits, straight};
 use super::loads::{KINDS, SetupLoad, soft_float, synthetic};
-use crate::random::split_mix;
+use crate::random::Random;
+use crate::unit::Loads;
 use splatline::format::Widths;
 use splatline::math::SoftFloat;
 use splatline::rules::Rules;
@@ -12,16 +13,19 @@ use splatline::splat::VolumeSplat;
 use splatline::view::{Projection, View};
 
 /// About `count` splats of each kind.
-pub fn distant(count: usize, seed: u64) -> Vec<SetupLoad> {
+pub fn distant(count: usize, seed: u64) -> Loads<SetupLoad> {
     let mut loads = Vec::new();
-    for (index, load) in synthetic(count, seed).into_iter().enumerate() {
-        let spacing = match load.view.projection {
+    for (index, (name, mut load)) in synthetic(count, seed).into_iter().enumerate() {
+        load.rules.spacing = match load.view.projection {
             // k lies where the camera of the hard cases looks at, 4 units away.
             Projection::Perspective => soft_float(13, -11),
             // All splats beyond k, or none.
             Projection::Orthographic => soft_float([11, 13][index % 2], -13),
         };
-        loads.push(spaced(load, spacing, index));
+        // Pixels that are not square: higher than wide, or wider than high.
+        let longer = &mut load.view.focal[index / 2 % 2];
+        *longer = longer.multiply(SoftFloat::from_wide(5, -2, 31), 31);
+        loads.push((name + ", with a spacing", load));
     }
     for (_, rules) in KINDS {
         for (name, projection) in [
@@ -33,7 +37,7 @@ pub fn distant(count: usize, seed: u64) -> Vec<SetupLoad> {
                 ..rules
             };
             let view = straight(projection, FOCAL);
-            loads.push(SetupLoad::new(name, view, rules, at_k(count, seed)));
+            loads.push(SetupLoad::named(name, view, rules, at_k(count, seed)));
         }
     }
     // The rules of the loads above, which have no spacing, by the same circuit.
@@ -50,21 +54,12 @@ pub fn enlarged(widths: &Widths, view: &View, rules: &Rules, splats: &[VolumeSpl
     splats.iter().filter(beyond).count()
 }
 
-/// The load with a spacing and pixels that are not square: higher than wide, or wider than high.
-fn spaced(mut load: SetupLoad, spacing: SoftFloat, index: usize) -> SetupLoad {
-    let longer = &mut load.view.focal[index / 2 % 2];
-    *longer = longer.multiply(SoftFloat::from_wide(5, -2, 31), 31);
-    load.rules.spacing = spacing;
-    load.name += ", with a spacing";
-    load
-}
-
 /// Splats at the distance k itself, which keep all bits of their weights, and (with perspective) at twice that distance.
 fn at_k(count: usize, seed: u64) -> Vec<VolumeSplat> {
-    let mut state = seed;
+    let mut random = Random(seed);
     let splat = |_| VolumeSplat {
-        weight: soft_float((split_mix(&mut state) >> 34) as i32 | 1, -30),
-        ..few_bits(&mut state)
+        weight: soft_float((random.next() >> 34) as i32 | 1, -30),
+        ..few_bits(&mut random)
     };
     (0..count).map(splat).collect()
 }

@@ -1,8 +1,8 @@
 //! What is set up: captured scenes, hard cases, and bits of which nobody made a splat.
 
-use crate::random::split_mix;
+use crate::random::Random;
 use crate::scenes::scenes;
-use crate::unit::Missing;
+use crate::unit::{Loads, Missing};
 use anyhow::Result;
 use splatline::float;
 use splatline::math::SoftFloat;
@@ -16,22 +16,26 @@ use splatline_sim::vectors::hard_cases;
 /// What is set up: splats seen by a camera under rules.
 #[derive(Clone, Debug)]
 pub struct SetupLoad {
-    pub name: String,
     pub view: View,
     pub rules: KernelRules,
     pub splats: Vec<VolumeSplat>,
 }
 
 impl SetupLoad {
-    /// The name is followed by that of the rules.
-    pub fn new(name: &str, view: View, rules: KernelRules, splats: Vec<VolumeSplat>) -> SetupLoad {
+    /// With its name, followed by that of the rules.
+    pub fn named(
+        name: &str,
+        view: View,
+        rules: KernelRules,
+        splats: Vec<VolumeSplat>,
+    ) -> (String, SetupLoad) {
         let of_rules = if rules.normalised { "ewa" } else { "3dgs" };
-        SetupLoad {
-            name: format!("{name}, {of_rules}"),
+        let load = SetupLoad {
             view,
             rules,
             splats,
-        }
+        };
+        (format!("{name}, {of_rules}"), load)
     }
 }
 
@@ -42,15 +46,15 @@ pub const KINDS: [(Rules, KernelRules); 2] = [
 ];
 
 /// Hard cases, arbitrary splats before a sane camera, and the same from an orthographic one.
-pub fn synthetic(count: usize, seed: u64) -> Vec<SetupLoad> {
+pub fn synthetic(count: usize, seed: u64) -> Loads<SetupLoad> {
     let (view, splats) = hard_cases(count, [640, 480], 5);
     let flat = View {
         projection: Projection::Orthographic,
         ..view
     };
-    let mut state = seed;
-    let near: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut state, 24)).collect();
-    let wild: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut state, 1024)).collect();
+    let mut random = Random(seed);
+    let near: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut random, 24)).collect();
+    let wild: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut random, 1024)).collect();
     let mut loads = Vec::new();
     for (_, rules) in KINDS {
         for (name, view, splats) in [
@@ -60,7 +64,7 @@ pub fn synthetic(count: usize, seed: u64) -> Vec<SetupLoad> {
             ("arbitrary splats, orthographic", flat, &near),
             ("arbitrary bits", view, &wild),
         ] {
-            loads.push(SetupLoad::new(name, view, rules, splats.clone()));
+            loads.push(SetupLoad::named(name, view, rules, splats.clone()));
         }
     }
     loads
@@ -72,7 +76,7 @@ pub(super) const fn soft_float(mantissa: i32, exponent: i32) -> SoftFloat {
 }
 
 /// Every `step`-th splat of the scenes at hand under both kinds of rules.
-pub fn captured(step: usize, missing: &mut Missing) -> Result<Vec<SetupLoad>> {
+pub fn captured(step: usize, missing: &mut Missing) -> Result<Loads<SetupLoad>> {
     let mut loads = Vec::new();
     for mut seen in scenes(&["guitar", "playbot", "lion"], 512, missing)? {
         let splats = std::mem::take(&mut seen.scene.splats);
@@ -81,21 +85,21 @@ pub fn captured(step: usize, missing: &mut Missing) -> Result<Vec<SetupLoad>> {
         for (rules, _) in KINDS {
             let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
             let rules = scene.rules(&rules);
-            loads.push(SetupLoad::new(seen.name, scene.view, rules, scene.splats));
+            loads.push(SetupLoad::named(seen.name, scene.view, rules, scene.splats));
         }
     }
     Ok(loads)
 }
 
 /// A splat of random bits: mantissas from 0 to the ends of the format, exponents over `range` powers around those of a usual scene.
-fn arbitrary(state: &mut u64, range: u64) -> VolumeSplat {
+fn arbitrary(random: &mut Random, range: u64) -> VolumeSplat {
     let mut exponent = |usual: i64| {
-        let moved = (split_mix(state) % range) as i64 - range as i64 / 2;
+        let moved = (random.next() % range) as i64 - range as i64 / 2;
         (usual + moved).clamp(-512, 511) as i32
     };
     let exponents = [-28, -28, -28, -33, -33, -33, -30].map(&mut exponent);
     let mut mantissa = || {
-        let bits = split_mix(state);
+        let bits = random.next();
         match bits % 16 {
             0 => 0,
             1 => i32::MIN,

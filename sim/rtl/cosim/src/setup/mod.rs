@@ -8,6 +8,6 @@ mod loads;
 pub mod program;
 pub(crate) mod record;
 mod schedule;
-pub mod tables;
+mod tables;
 pub mod text;
 pub mod unit;

@@ -2,7 +2,7 @@
 //!
 //! The list says nothing of the arithmetic: what a sum, a rounding or a table is stands in `setup_core.sv`.
 
-use super::assemble::{Operand, Operation, Pick, Program, Table, Term, Unit, Value};
+use super::assemble::{Fields, Operand, Operation, Program, Term, Value};
 use crate::mutation::Mutation;
 use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Widths;
@@ -91,6 +91,7 @@ impl SetupProgram {
             operations: Vec::new(),
             results: Vec::new(),
             constants: Vec::new(),
+            unit: None,
         };
         let of_design = [
             ["whole", "low"][usize::from(low_bits(widths) > 0)],
@@ -121,7 +122,15 @@ struct Reader<'a> {
     results: Vec<(usize, Value)>,
     /// In the order of their addresses.
     constants: Vec<String>,
+    /// The last sum's base and step.
+    unit: Option<(i64, i64)>,
 }
+
+/// Where a sum's last bit lies, by the slot's `base`: so many bits below the end of the largest term's format (of at most four, of normalised factors), so many
+/// powers above the first term's exponent, or there.
+const BY_LARGEST: i64 = 0;
+const BY_FIRST: i64 = 1;
+const THERE: i64 = 2;
 
 impl Reader<'_> {
     fn line(&mut self, line: &str) -> Result<()> {
@@ -165,57 +174,70 @@ impl Reader<'_> {
     }
 
     fn operation(&mut self, name: &str, form: &str, terms: &str) -> Result<()> {
-        let mut operation = Operation {
-            name: name.to_owned(),
-            terms: Vec::new(),
-            unit: Unit::First(0),
-            addend: None,
-            bits: None,
-            below: 0,
-            long: false,
-            follows: false,
-        };
-        let mut floor = false;
+        let (mut fields, mut addend, mut below) = (Fields::new(), None, 0);
+        let (mut unit, mut follows) = ((BY_FIRST, 0), false);
         for part in form.split(", ") {
             let (word, value) = part.split_once(' ').unwrap_or((part, "0"));
             let window =
-                |above: i32| Ok::<_, anyhow::Error>(above - self.number(value)? - GUARD as i32);
+                |above: i64| Ok::<_, anyhow::Error>(above - self.number(value)? - GUARD as i64);
             match word {
                 "exact" | "pick" | "rounded" => {}
-                "word" => {
-                    let before = self.operations.last().context("no sum before")?;
-                    (operation.unit, operation.follows) = (before.unit, true);
+                "word" => (unit, follows) = (self.unit.context("no sum before")?, true),
+                "sum" => unit = (BY_LARGEST, window(2 * PLAIN)?),
+                "turn" => unit = (BY_FIRST, window(61)?),
+                "heron" => unit = (BY_FIRST, window(32)?),
+                "first" => unit = (BY_FIRST, self.number(value)?),
+                "at" => unit = (THERE, self.number(value)?),
+                "long" => {
+                    below = faint_bits(self.widths).into();
+                    fields.insert("extended", 1);
                 }
-                "sum" => operation.unit = Unit::Below(-window(0)?),
-                "turn" => operation.unit = Unit::First(window(61)?),
-                "heron" => operation.unit = Unit::First(window(32)?),
-                "first" => operation.unit = Unit::First(self.number(value)?),
-                "at" => operation.unit = Unit::At(self.number(value)?),
-                "long" => (operation.long, operation.below) = (true, faint_bits(self.widths)),
-                "from" => operation.below = self.number(value)? as u32,
-                "plus" => operation.addend = Some(self.constant(value)),
+                "from" => below = self.number(value)?,
+                "plus" => addend = Some(self.constant(value)),
                 _ => bail!("no form '{word}'"),
             }
             let cut = ["sum", "turn", "heron"].contains(&word);
             if cut || word == "rounded" {
-                operation.bits = Some(self.number(value)? as u32);
+                fields.extend([("normal", 1), ("drop", 31 - self.number(value)?)]);
             }
-            floor |= cut;
+            if cut {
+                fields.insert("down", 1);
+            }
         }
-        operation.terms = match form.strip_prefix("pick ") {
+        let mut terms = match form.strip_prefix("pick ") {
             Some(condition) => {
                 let condition = condition.split(", ").next().unwrap_or(condition);
                 vec![self.pick(condition, terms)?]
             }
             None => self.terms(terms)?,
         };
-        let terms = operation.terms.iter_mut();
-        terms.for_each(|term| term.floor = floor);
-        self.operations.push(operation);
+        let (base, step) = unit;
+        let plain = base == BY_FIRST && terms[0].fields["plain"] == 1;
+        let step = if plain { step + PLAIN } else { step };
+        fields.extend([("base", base), ("step", step), ("spare", 32 - below)]);
+        let (last, mut ends) = (terms.len() - 1, true);
+        for term in terms.iter_mut().rev() {
+            term.fields.extend(&fields);
+            term.fields.insert("last", ends.into());
+            ends = term.fields["again"] == 1;
+        }
+        terms[last].fields.insert("write", 1);
+        terms[0].fields.insert("first", (!follows).into());
+        if let Some(addend) = addend {
+            terms[0]
+                .fields
+                .extend([("addend", 1), ("start", addend as i64)]);
+        }
+        self.unit = Some(unit);
+        self.operations.push(Operation {
+            name: name.to_owned(),
+            terms,
+            follows,
+        });
         Ok(())
     }
 
-    fn number(&self, word: &str) -> Result<i32> {
+    fn number(&self, word: &str) -> Result<i64> {
         match word {
             "view" => Ok(self.widths.view.into()),
             "mantissa" => Ok(self.widths.mantissa.into()),
@@ -254,16 +276,16 @@ impl Reader<'_> {
         let [a, b, picked @ ..] = parts.as_slice() else {
             bail!("a choice of one");
         };
+        let pick = match condition {
+            "negative" => 1,
+            "not negative" => 2,
+            _ => bail!("no condition '{condition}'"),
+        };
         Ok(Term {
             a: self.operand(a)?,
             b: self.operand(b)?,
             picked: picked.first().map(|name| self.constant(name)),
-            plain: true,
-            pick: match condition {
-                "negative" => Pick::Negative,
-                "not negative" => Pick::NotNegative,
-                _ => bail!("no condition '{condition}'"),
-            },
+            fields: Fields::from([("plain", 1), ("again", 0), ("pick", pick)]),
             ..Term::default()
         })
     }
@@ -283,24 +305,26 @@ impl Reader<'_> {
                     if term.a != Operand::None {
                         terms.push(term);
                     }
+                    let fields = [
+                        ("plain", 1),
+                        ("negated", (word == "-").into()),
+                        ("subtracted", (word == "--").into()),
+                        ("again", (word == "|").into()),
+                    ];
                     term = Term {
-                        plain: true,
-                        before: word == "-",
-                        after: word == "--",
-                        again: word == "|",
+                        fields: Fields::from(fields),
                         ..Term::default()
                     };
                 }
-                "*" => term.plain = false,
-                "reciprocal" => term.table = Table::Reciprocal,
-                "root" => term.table = Table::Root,
-                "logarithm" => term.table = Table::Logarithm,
-                "entry" => term.entry = true,
-                "step" => term.plain = false,
-                "power" => term.power = true,
-                "double" => term.doubled = true,
-                "perspective" => term.flag = Some(0),
-                "normalised" => term.flag = Some(1),
+                "*" | "step" => _ = term.fields.insert("plain", 0),
+                "reciprocal" => _ = term.fields.insert("lookup", 1),
+                "root" => _ = term.fields.insert("lookup", 2),
+                "logarithm" => _ = term.fields.insert("lookup", 3),
+                "entry" => _ = term.fields.insert("entry", 1),
+                "power" => _ = term.fields.insert("power", 1),
+                "double" => _ = term.fields.insert("offset", 1),
+                "perspective" => term.fields.extend([("by_flag", 1), ("flag", 0)]),
+                "normalised" => term.fields.extend([("by_flag", 1), ("flag", 1)]),
                 "else" => is_other = true,
                 _ if is_other => (term.other, is_other) = (self.operand(word)?, false),
                 _ if term.a == Operand::None => term.a = self.operand(word)?,
@@ -308,8 +332,24 @@ impl Reader<'_> {
             }
         }
         terms.push(term);
-        let whole = terms.iter().all(|term| term.a != Operand::None);
-        ensure!(whole, "a term without a factor");
+        for Term { a, fields, .. } in &mut terms {
+            ensure!(*a != Operand::None, "a term without a factor");
+            let offset = offset(fields);
+            *fields.entry("offset").or_default() += offset;
+        }
         Ok(terms)
     }
+}
+
+/// Bits by which a plain term stands higher in the core than its exponent says: those of a mantissa.
+const PLAIN: i64 = 31;
+
+/// What the core adds to the exponents of each table's steps and entries. A root's rest stands 8 bits higher in the core, 7 where its exponent is even.
+const OFFSETS: [[i64; 2]; 4] = [[0, 0], [-81, -59], [-32, -8], [PLAIN - 46, PLAIN - 32]];
+
+/// What the core adds to the factors' exponents. A first factor whose exponent does not count gives `-PLAIN`.
+fn offset(fields: &Fields) -> i64 {
+    let [table, entry, power, plain] =
+        ["lookup", "entry", "power", "plain"].map(|name| fields.get(name).copied().unwrap_or(0));
+    OFFSETS[table as usize][entry as usize] + (power - plain) * PLAIN
 }

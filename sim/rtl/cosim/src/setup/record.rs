@@ -22,14 +22,10 @@ pub fn record(splat: &VolumeSplat) -> Option<[u32; RECORD]> {
     fields.push((weight.mantissa as u32, 32));
     fields.push((exponent(weight.exponent, weight.mantissa == 0)?, 10));
     fields.extend(splat.colour.map(|channel| (channel.to_bits(), 32)));
-    let (mut words, mut filled) = ([0; RECORD], 0);
-    for (value, bits) in fields {
-        let placed = u64::from(value) << (filled % 32);
-        words[filled / 32] |= placed as u32;
-        if let Some(next) = words.get_mut(filled / 32 + 1) {
-            *next |= (placed >> 32) as u32;
-        }
-        filled += bits;
+    let bits = |(value, bits)| (0..bits).map(move |bit| value >> bit & 1);
+    let mut words = [0; RECORD];
+    for (place, bit) in fields.into_iter().flat_map(bits).enumerate() {
+        words[place / 32] |= bit << (place % 32);
     }
     Some(words)
 }

@@ -1,7 +1,7 @@
 //! When operations are issued, where their results stand, and when those of a splat leave; see [`assemble`](super::assemble).
 
-use super::assemble::{Exits, Operand, Operation, Pick, Place, Term, Value};
-use crate::random::split_mix;
+use super::assemble::{Exit, Operand, Operation, Place, Program, Term, Value};
+use crate::random::Random;
 
 /// Cycles from the issue of a sum's last term until its result can be read.
 pub const LATENCY: usize = 24;
@@ -36,11 +36,11 @@ fn reads_input(operation: &Operation) -> bool {
 /// Cycles of every operation's first slot; nothing if the round is too short.
 ///
 /// What has the most behind it comes first; the seed stirs that order by a latency, since not every order fills a round without gaps.
-pub(super) fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usize>> {
-    let mut state = seed;
+fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usize>> {
+    let mut random = Random(seed);
     let mut stir = vec![0; operations.len()];
     if seed > 0 {
-        stir.fill_with(|| split_mix(&mut state) as usize % (LATENCY << (seed % 4)));
+        stir.fill_with(|| random.next() as usize % (LATENCY << (seed % 4)));
     }
     let mut taken = vec![false; round];
     let mut times = vec![0; operations.len()];
@@ -102,79 +102,84 @@ pub(super) fn schedule(operations: &[Operation], round: usize, seed: u64) -> Opt
 /// Has a slot no use for a register as second factor?
 fn spares_second(term: &Term) -> bool {
     let used = [term.b, term.other].map(|factor| matches!(factor, Operand::Value(_)));
-    used == [false; 2] && term.pick == Pick::None
+    used == [false; 2] && !term.fields.contains_key("pick")
 }
 
-/// Operations in a round of so many cycles, and the cycle of each one's first slot.
-pub(super) struct Timed<'a> {
-    pub operations: &'a [Operation],
-    pub round: usize,
-    pub times: Vec<usize>,
-}
+impl Program {
+    /// Places the operations in a round of so many cycles, of which these are the results; nothing if it is too short.
+    pub(super) fn place(
+        &mut self,
+        round: usize,
+        seed: u64,
+        results: &[(usize, Value)],
+    ) -> Option<()> {
+        self.round = round;
+        let times = schedule(&self.operations, round, seed)?.into_iter();
+        let place = |time| Place {
+            time,
+            register: 0,
+            copies: 1,
+        };
+        self.places = times.map(place).collect();
+        self.exits = self.leaving(results)?;
+        self.take_registers()
+    }
 
-impl Timed<'_> {
     /// The operation and the term of every cycle of a round.
     pub fn slots(&self) -> Vec<Option<(usize, usize)>> {
         let mut slots = vec![None; self.round];
-        for (index, time) in self.times.iter().enumerate() {
-            for term in 0..self.operations[index].terms.len() {
-                slots[time % self.round + term] = Some((index, term));
+        for (index, operation) in self.operations.iter().enumerate() {
+            for term in 0..operation.terms.len() {
+                slots[self.places[index].time % self.round + term] = Some((index, term));
             }
         }
         slots
     }
 
     fn last_slot(&self, index: usize) -> usize {
-        self.times[index] + self.operations[index].terms.len() - 1
+        self.places[index].time + self.operations[index].terms.len() - 1
     }
 
-    /// Cycles in which the results leave, all of them in one round: the earliest for which they are ready, in slots that
-    /// spare the second factor. They are counted before that round ends.
-    pub fn exits(&self, results: &[(usize, Value)]) -> Option<Exits> {
-        let ready = results
-            .iter()
-            .map(|(_, value)| self.last_slot(*value) + LATENCY);
-        let mut ready: Vec<(usize, usize)> = ready.zip(0..).collect();
-        ready.sort_unstable();
-        let first = ready.last()?.0 / self.round;
+    /// When the results leave, all of them in one round: as soon as they are ready, in slots that spare the second factor, before that round ends.
+    fn leaving(&self, results: &[(usize, Value)]) -> Option<Vec<Exit>> {
+        let ready = |(word, value): &(usize, Value)| Exit {
+            time: self.last_slot(*value) + LATENCY,
+            value: *value,
+            word: *word,
+        };
+        let mut ready: Vec<Exit> = results.iter().map(ready).collect();
+        ready.sort_by_key(|exit| exit.time);
+        let first = ready.last()?.time / self.round;
         let spares = |slot: Option<(usize, usize)>| {
             slot.is_none_or(|(index, term)| spares_second(&self.operations[index].terms[term]))
         };
         let slots = self.slots();
         (first..ROUNDS).find_map(|round| {
-            let mut free = (0..self.round - OUT_AHEAD).filter(|cycle| spares(slots[*cycle]));
-            let mut exits = Exits {
-                round,
-                results: results.iter().map(|(_, value)| (0, *value)).collect(),
-                words: results.iter().map(|(word, _)| *word).collect(),
-            };
-            for (time, number) in &ready {
-                let cycle = free.find(|cycle| round * self.round + cycle >= *time)?;
-                exits.results[*number].0 = cycle;
+            let free = (0..self.round - OUT_AHEAD).filter(|cycle| spares(slots[*cycle]));
+            let mut free = free.map(|cycle| round * self.round + cycle);
+            let mut exits = ready.clone();
+            for exit in &mut exits {
+                exit.time = free.find(|time| *time >= exit.time)?;
             }
             Some(exits)
         })
     }
 
-    /// Places of all operations, with registers for every result; nothing if there are too few.
-    pub fn places(&self, exits: &Exits) -> Option<Vec<Place>> {
-        let place = |time: &usize| Place {
-            time: *time,
-            register: 0,
-            copies: 1,
-        };
-        let mut places: Vec<Place> = self.times.iter().map(place).collect();
-        let mut lasts = |value: usize, until: usize| {
+    /// Registers for every result; nothing if there are too few.
+    fn take_registers(&mut self) -> Option<()> {
+        let operations = self.operations.iter().enumerate();
+        let reads = operations.flat_map(|(index, operation)| {
+            let last = self.last_slot(index);
+            read(operation).map(move |value| (value, last))
+        });
+        let exits = self.exits.iter().map(|exit| (exit.value, exit.time));
+        let reads: Vec<(Value, usize)> = reads.chain(exits).collect();
+        for (value, until) in reads {
             let rounds = (until - self.last_slot(value)).div_ceil(self.round);
-            places[value].copies = places[value].copies.max(rounds.next_power_of_two());
-        };
-        for (index, operation) in self.operations.iter().enumerate() {
-            read(operation).for_each(|value| lasts(value, self.last_slot(index)));
+            let copies = &mut self.places[value].copies;
+            *copies = rounds.next_power_of_two().max(*copies);
         }
-        for (cycle, value) in &exits.results {
-            lasts(*value, exits.round * self.round + cycle);
-        }
-        let mut order: Vec<&mut Place> = places.iter_mut().collect();
+        let mut order: Vec<&mut Place> = self.places.iter_mut().collect();
         // The widest first, so that all stand at a multiple of their width.
         order.sort_by_key(|place| REGISTERS - place.copies);
         let mut free = 0;
@@ -182,6 +187,6 @@ impl Timed<'_> {
             place.register = free;
             free += place.copies;
         }
-        (free <= REGISTERS).then_some(places)
+        (free <= REGISTERS).then_some(())
     }
 }

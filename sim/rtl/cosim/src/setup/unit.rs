@@ -1,20 +1,20 @@
 //! The setup unit against the kernel's `setup`: every packet and every reason of a cull, with back-pressure at both ends.
 
-use super::constants::{Constant, constants, turned_back};
+use super::constants::{Constant, constants};
 use super::distant::distant;
 use super::exact::exact;
 use super::loads::{SetupLoad, captured, synthetic};
 use super::program::{ProgramKind, SetupProgram};
 use super::record::record;
-use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
+use super::tables;
+use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
 use crate::circuit::SETUP;
-use crate::package::run_time;
 use crate::simulation::Port;
-use crate::unit::{Circuit, Extent, Findings, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::Result;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
-use splatline::format::{RuntimeWidths, Traversal, Widths};
+use splatline::format::{RuntimeWidths, Traversal};
 use splatline::math::SoftFloat;
 use splatline::rules::Rules;
 use splatline::setup::harmonics::direction;
@@ -46,13 +46,8 @@ const CULLS: [&str; Cull::ALL.len()] = [
 pub struct SetupUnit(Circuit);
 
 impl SetupUnit {
-    /// With a program of a kind of setup.
-    pub fn new(design: &str, cores: u32, kind: ProgramKind) -> Result<SetupUnit> {
-        Self::with_program(design, cores, SetupProgram::new(kind))
-    }
-
     /// With this program.
-    pub fn with_program(design: &str, cores: u32, program: SetupProgram) -> Result<SetupUnit> {
+    pub fn new(design: &str, cores: u32, program: SetupProgram) -> Result<SetupUnit> {
         let circuit = Circuit::new(&SETUP, design, cores)?;
         Ok(SetupUnit(circuit.with_program(program)))
     }
@@ -63,41 +58,55 @@ const PART: usize = 10_000;
 
 impl Unit for SetupUnit {
     type Load = SetupLoad;
-    const PRESSURES: usize = PRESSURES.len();
 
     fn circuit(&self) -> &Circuit {
         &self.0
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Vec<SetupLoad>> {
+    /// What the units of the tables are given does not depend on when it comes.
+    fn pressures(&self) -> usize {
+        match self.0.program.kind {
+            ProgramKind::Units => 1,
+            _ => PRESSURES.len(),
+        }
+    }
+
+    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<SetupLoad>> {
         let (quick, kind) = (extent == Extent::Quick, self.0.program.kind);
-        if kind == ProgramKind::DistanceScaling {
-            let loads = distant(if quick { 300 } else { 4_000 }, 1);
-            return Ok(loads.into_iter().flat_map(parts).collect());
+        match kind {
+            ProgramKind::Units => {
+                return Ok(tables::arguments(self.0.design.widths.mantissa, extent));
+            }
+            ProgramKind::DistanceScaling => {
+                let loads = distant(if quick { 300 } else { 4_000 }, 1);
+                return Ok(loads.into_iter().flat_map(parts).collect());
+            }
+            ProgramKind::Filter | ProgramKind::Compensation => {}
         }
         // The quickest to show a mutation first.
         let [few, many] = if quick { [300, 400] } else { [12_000; 2] };
         let captured = captured(if quick { 400 } else { 1 }, missing)?;
-        let mut loads = [exact(few, 1), synthetic(many, 1), captured].concat();
-        for load in &mut loads {
+        let mut loads = [
+            exact(&self.0.design.widths, few, 1),
+            synthetic(many, 1),
+            captured,
+        ]
+        .concat();
+        for (_, load) in &mut loads {
             load.rules.compensated = kind == ProgramKind::Compensation;
         }
         Ok(loads.into_iter().flat_map(parts).collect())
-    }
-
-    fn name(&self, load: &SetupLoad) -> String {
-        load.name.clone()
     }
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
         let mut bench = Bench::new(circuit, 7)?;
         let words = constant_words(&self.0, &load.view, &load.rules)?;
         write_constants(&mut bench, &words)?;
-        let widths = self.0.widths;
+        let widths = &self.0.design.widths;
         let mut checker = SetupChecker {
-            widths,
-            design: run_time(&widths)?,
-            layout: Layout::new(&widths, Traversal::Spans),
+            circuit: &self.0,
+            design: self.0.design.in_fields(),
+            layout: Layout::new(widths, Traversal::Spans),
             load,
             offered: Vec::new(),
             direction_ports: None,
@@ -112,7 +121,7 @@ impl Unit for SetupUnit {
         for splat in &load.splats {
             // One whose exponents have no place in a record is not offered.
             if let Some(record) = record(splat) {
-                items.push(one_record(record.to_vec()));
+                items.push(one_record(&record));
                 checker.offered.push(splat);
             }
         }
@@ -123,22 +132,23 @@ impl Unit for SetupUnit {
             let few = || format!("{directions} directions");
             findings.first_difference.get_or_insert_with(few);
         }
-        findings.counts = CULLS.into_iter().zip(checker.culled).collect();
+        if self.0.program.kind != ProgramKind::Units {
+            findings.counts = CULLS.into_iter().zip(checker.culled).collect();
+        }
         Ok(findings)
     }
 }
 
-fn parts(load: SetupLoad) -> Vec<SetupLoad> {
-    let part = |splats: &[VolumeSplat]| SetupLoad {
-        name: load.name.clone(),
-        splats: splats.to_vec(),
-        ..load
+fn parts((name, load): (String, SetupLoad)) -> Loads<SetupLoad> {
+    let part = |splats: &[VolumeSplat]| {
+        let splats = splats.to_vec();
+        (name.clone(), SetupLoad { splats, ..load })
     };
     load.splats.chunks(PART).map(part).collect()
 }
 
 /// Records in, packets or reasons out.
-pub(super) fn channels(circuit: &Simulation) -> Result<Channels> {
+fn channels(circuit: &Simulation) -> Result<Channels> {
     Ok(Channels {
         sources: vec![Channel::new(circuit, "record", &["record"])?],
         sink: Channel::new(circuit, "packet", &["cull", "depth", "packet"])?,
@@ -147,16 +157,15 @@ pub(super) fn channels(circuit: &Simulation) -> Result<Channels> {
 }
 
 /// A record and its answer.
-pub(super) fn one_record(record: Vec<u32>) -> Item {
-    let (source, data) = (0, vec![record]);
+fn one_record(record: &[u32]) -> Item {
     Item {
-        lanes: vec![vec![Offer { source, data }]],
+        lanes: vec![vec![(0, vec![record.to_vec()])]],
         answers: 1,
     }
 }
 
 /// The words of a packet at the port.
-pub(super) fn packet(words: &[u32]) -> Packet {
+fn packet(words: &[u32]) -> Packet {
     let mut packet = Packet::default();
     packet[..words.len()].copy_from_slice(words);
     packet
@@ -164,13 +173,8 @@ pub(super) fn packet(words: &[u32]) -> Packet {
 
 /// The constants that the circuit's program asks for, by their names.
 pub fn constant_words(circuit: &Circuit, view: &View, rules: &Rules) -> Result<Vec<Constant>> {
-    let widths = &circuit.widths;
-    let names = circuit.program.assembled(widths)?.constants;
-    let mut words = constants(&names, widths, view, rules)?;
-    if circuit.program.directs {
-        words.extend(turned_back(view));
-    }
-    Ok(words)
+    let widths = &circuit.design.widths;
+    constants(&circuit.program.assembled(widths)?, widths, view, rules)
 }
 
 /// Writes constants for the cores and the registers beside them.
@@ -188,7 +192,7 @@ pub fn write_constants(bench: &mut Bench, words: &[Constant]) -> Result<()> {
 }
 
 struct SetupChecker<'a> {
-    widths: Widths,
+    circuit: &'a Circuit,
     design: RuntimeWidths,
     layout: Layout,
     load: &'a SetupLoad,
@@ -212,7 +216,7 @@ impl Checker for SetupChecker<'_> {
             return Some("a direction too many".to_owned());
         };
         let SetupLoad { view, rules, .. } = self.load;
-        let wanted = direction(&self.widths, view, &splat.centre);
+        let wanted = direction(&self.circuit.design.widths, view, &splat.centre);
         let wanted = wanted.map(|axis| axis.to_bits() as u32);
         let seen = setup(self.design, view, rules, splat).is_ok();
         let got = circuit.words(port);
@@ -222,12 +226,19 @@ impl Checker for SetupChecker<'_> {
 
     fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
         let SetupLoad { view, rules, .. } = self.load;
-        let expected = setup(self.design, view, rules, self.offered[number]);
+        let (splat, got) = (self.offered[number], packet(&answer[2]));
+        if self.circuit.program.kind == ProgramKind::Units {
+            let Ok(got) = self.layout.decode(&got) else {
+                return Some("a packet of another version".to_owned());
+            };
+            return tables::difference(&self.circuit.design.widths, splat.weight, &got);
+        }
+        let expected = setup(self.design, view, rules, splat);
         if let Err(cull) = &expected {
             self.culled[cull.place()] += 1;
         }
         let known = |reason: u32| Cull::ALL.get((reason as usize).wrapping_sub(1)).copied();
-        let (reason, got) = (answer[0][0], packet(&answer[2]));
+        let reason = answer[0][0];
         let depth = u64::from(answer[1][0]) | u64::from(answer[1][1]) << 32;
         let words = match (expected, reason) {
             (Ok(wanted), 0) => {
