@@ -3,9 +3,8 @@
 use super::output::{self, Outputs};
 use super::say::{Failure, print_result};
 use crate::framing::{Ball, FramingInput, direction};
-use crate::metrics::median;
 use crate::plan::load::{AnyScene, recognise};
-use crate::report::facts::ReasonCounts;
+use crate::report::facts::{ReasonCounts, counted};
 use crate::scene::points::SurfaceScene;
 use crate::scene::{Bounds, Scene, SortOrder, Weight};
 use crate::vector::{self, Vector};
@@ -132,7 +131,7 @@ impl Info {
                 .map_or(0, |harmonics| harmonics.degree),
             rules: scene.natural_rules.name,
             order: scene.order.name(),
-            dropped: counts(&dropped),
+            dropped: counted(dropped),
             notes,
             ..Info::framed(&scene.name, &frame)
         }
@@ -159,7 +158,7 @@ impl Info {
             bounds: (!cloud.points.is_empty()).then(|| corners(cloud.bounds())),
             ranges: ranges.into_iter().flatten().collect(),
             rules: "surf",
-            dropped: counts(&[("unusable", cloud.skipped)]),
+            dropped: counted([("unusable", cloud.skipped)]),
             notes: cloud.notes.clone(),
             ..Info::framed(&cloud.name, &frame)
         }
@@ -260,9 +259,9 @@ fn number(value: f64) -> String {
 impl ShownRange {
     fn new(of: &'static str, values: impl Iterator<Item = f64>) -> Option<ShownRange> {
         let mut values: Vec<f64> = values.collect();
-        let median = median(&mut values)?;
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        values.sort_by(f64::total_cmp);
+        let median = *values.get(values.len() / 2)?;
+        let (least, greatest) = (*values.first()?, *values.last()?);
         Some(ShownRange {
             of,
             least,
@@ -274,11 +273,4 @@ impl ShownRange {
 
 fn corners(bounds: Bounds) -> [Vector; 2] {
     [bounds.least, bounds.greatest]
-}
-
-fn counts(reasons: &[(&str, usize)]) -> ReasonCounts {
-    reasons
-        .iter()
-        .map(|(reason, count)| ((*reason).to_owned(), *count as u64))
-        .collect()
 }

@@ -74,24 +74,21 @@ fn section(title: &str, body: &str) -> String {
 
 fn headline(found: &Found) -> String {
     let reached = &found.reached;
-    let entry = |name: &str, value: String| format!("<div><dt>{name}</dt><dd>{value}</dd></div>");
-    let error = reached
-        .error
-        .map_or("-".to_owned(), |error| format!("{:.2e}", error.max_abs));
-    format!(
-        "<dl class=\"headline\">{}{}{}{}{}</dl>\n",
-        entry(
+    let error = reached.error.map(|error| format!("{:.2e}", error.max_abs));
+    let megabytes = reached.pace.bytes_per_frame as f64 / 1e6;
+    let figures = [
+        (
             "frames a second",
-            format!("{:.1}", reached.pace.frames_per_s)
+            format!("{:.1}", reached.pace.frames_per_s),
         ),
-        entry("LUT in all", count(reached.cost().round() as u64)),
-        entry("mJ a frame", format!("{:.3}", reached.millijoules)),
-        entry(
-            "MB a frame",
-            format!("{:.2}", reached.pace.bytes_per_frame as f64 / 1e6)
-        ),
-        entry("largest error", error),
-    )
+        ("LUT in all", count(reached.cost().round() as u64)),
+        ("mJ a frame", format!("{:.3}", reached.millijoules)),
+        ("MB a frame", format!("{megabytes:.2}")),
+        ("largest error", error.unwrap_or("-".to_owned())),
+    ];
+    let entry = |(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>");
+    let entries = figures.map(entry).concat();
+    format!("<dl class=\"headline\">{entries}</dl>\n")
 }
 
 /// A narrow table.
@@ -132,11 +129,8 @@ fn looked_at(answer: &Answer) -> String {
     let costs = answer.looked_at.iter().map(|one| one.cost);
     let across = Axis::of_values(costs, 100.0, frame.across());
     let up = Axis::of_values(rates, 0.01, frame.upwards());
-    let mut chart = Chart::new(
-        WIDTH,
-        base + 46.0,
-        "area and frames a second of all machines",
-    );
+    let label = "area and frames a second of all machines";
+    let mut chart = Chart::new(WIDTH, base + 46.0, label);
     chart.rows(&frame, &up, &up.ticks(5));
     chart.columns(&frame, &across, &across.ticks(4));
     chart.names(&frame, "LUT in all", "frames a second");
@@ -182,11 +176,8 @@ fn in_formats(answer: &Answer) -> String {
     ];
     let across = Axis::linear(range, frame.across());
     let up = Axis::of_values(all().map(|[_, y]| y), 10.0, frame.upwards());
-    let mut chart = Chart::new(
-        WIDTH,
-        base + 46.0,
-        "error and transistors of a lane by format",
-    );
+    let label = "error and transistors of a lane by format";
+    let mut chart = Chart::new(WIDTH, base + 46.0, label);
     chart.rows(&frame, &up, &up.ticks(5));
     chart.columns(&frame, &across, &across.ticks(5));
     chart.names(&frame, "PSNR, dB", "transistors a lane");
@@ -266,11 +257,8 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
     let stages = stages(timing);
     let (step, box_height, left, box_width) = (44.0, 30.0, 6.0, 190.0);
     let height = step * stages.len() as f64 + 8.0;
-    let mut chart = Chart::new(
-        WIDTH,
-        height,
-        "units of the machine and the bytes between them and the memory",
-    );
+    let label = "units of the machine and the bytes between them and the memory";
+    let mut chart = Chart::new(WIDTH, height, label);
     let memory = Rectangle::new([318.0, 6.0], [56.0, height - 22.0]);
     chart.bar(&memory, "class=\"frame\" fill=\"none\"", "memory");
     chart.text((346.0, height / 2.0), Anchor::Middle, "", "memory");

@@ -1,7 +1,7 @@
 //! From a prepared plan to a picture through the kernel: the systems' different results become one [`Drawing`].
 
 use super::{
-    AnyScene, DesignVariant, Prepared, SplatMethod, Splats, Subject, Technique, surface_unit,
+    AnyScene, DesignVariant, Prepared, SplatMethod, Splats, Subject, Technique, with_surface_unit,
 };
 use crate::fast::frame::FrameFacts;
 use crate::fast::lanes::VectorLevel;
@@ -16,7 +16,7 @@ use crate::picture::Picture;
 use crate::reference::compositor::RowProgress as Rows;
 use crate::reference::sphere::{self, Shape};
 use crate::renderer::{Drawn, Renderer, Settings};
-use crate::report::facts::{ReasonCounts, SceneFacts};
+use crate::report::facts::{ReasonCounts, SceneFacts, counted};
 use crate::report::{HostTimes, PixelCounts};
 use crate::scene::Scene;
 use crate::surface::Style;
@@ -158,27 +158,22 @@ impl Prepared {
             return Ok(extract_surface(&points, style, design, *traversal, tile)?);
         }
         let splats = self.splats()?;
-        let (scene, camera) = (splats.scene, splats.camera);
+        let options = splats.options(entry);
         Ok(extract_if_room(
-            scene,
-            camera,
-            &splats.options(entry),
+            splats.scene,
+            splats.camera,
+            &options,
             tile,
         )?)
     }
 
     /// Refuses a machine that has no units for what is drawn.
     pub fn check_machine(&self, machine: &Config) -> Result<()> {
-        let needed = match self.subject()? {
-            Subject::Surface(_, style) => surface_unit(style),
-            Subject::Splats(_) => self.splats().map(|_| [0; 2])?,
+        let style = match self.subject()? {
+            Subject::Surface(_, style) => Some(style),
+            Subject::Splats(_) => self.splats().map(|_| None)?,
         };
-        let [surface_layers, surface_light] = needed;
-        let wanted = Config {
-            surface_layers,
-            surface_light,
-            ..*machine
-        };
+        let wanted = with_surface_unit(machine, style);
         if wanted == *machine {
             return Ok(());
         }
@@ -187,7 +182,9 @@ impl Prepared {
             bail!("{name}: {key} = {value}: {allowed}");
         }
         bail!(
-            "{name}: it needs a machine with surface_layers = {surface_layers} and surface_light = {surface_light}"
+            "{name}: it needs a machine with surface_layers = {} and surface_light = {}",
+            wanted.surface_layers,
+            wanted.surface_light
         )
     }
 
@@ -464,10 +461,7 @@ fn cull_counts(culled: [usize; Cull::ALL.len()]) -> ReasonCounts {
         Cull::Transparent => "transparent",
         Cull::Outside => "outside",
     };
-    let counts = Cull::ALL.iter().zip(culled);
-    counts
-        .map(|(reason, count)| (name(reason).to_owned(), count as u64))
-        .collect()
+    counted(Cull::ALL.iter().map(name).zip(culled))
 }
 
 /// Backs among the reasons for culling, where they are left out.

@@ -77,9 +77,7 @@ fn colours(widths: &Widths, subject: &VectorSubject) -> VectorStage {
         let count = [0, 3, 8, 15, 24][number % 5];
         let coefficients = &all[..count];
         let colour = Harmonics { base, coefficients }.colour(direction);
-        stage
-            .records
-            .push(record![view; direction; base; count as i64; all.as_flattened(); colour]);
+        stage.add(record![view; direction; base; count as i64; all.as_flattened(); colour]);
     }
     stage
 }
@@ -189,7 +187,7 @@ fn samples(widths: &Widths) -> VectorStage {
         let sum = of(one.fragments(), 0);
         let divided = gather.normalise(&sum);
         let resolve = Resolve::new(widths, gather, None, edges);
-        stage.records.push(record![
+        stage.add(record![
             record![lane; depth_in_pixel(lane)];
             record![pixel; threshold; tau; alpha; rounded; weight; depth; attributes; material; sum];
             record![of(two.fragments(), 0); of(two.fragments(), 1); two.merges()];
@@ -217,9 +215,7 @@ fn octaves() -> VectorStage {
             random.up_to(u32::MAX >> (4 * (step % 8).min(1))),
         );
         let through = dark.map_or(0, |dark| dark.transmittance(depth));
-        stage
-            .records
-            .push(record![alpha; octaves::of_opacity(alpha); depth; through]);
+        stage.add(record![alpha; octaves::of_opacity(alpha); depth; through]);
     }
     stage
 }
@@ -255,9 +251,7 @@ fn deep() -> VectorStage {
         back.back_to_front(&channel, opacity, &light, place, layer);
         let operands =
             record![what as i64; rounding as i64; bits; place; layer; opacity; light; before];
-        stage
-            .records
-            .push(record![operands; channel.transmittance(before.alpha); front; back]);
+        stage.add(record![operands; channel.transmittance(before.alpha); front; back]);
     }
     stage
 }
@@ -322,9 +316,7 @@ fn gathers(widths: &Widths, rules: &Rules) -> VectorStage {
         blend.gather(&mut pixel, &mut slab, opacity, &light, depth, range);
         let mut closed = pixel;
         blend.close(&mut closed, &mut slab.clone());
-        stage
-            .records
-            .push(record![number; range; opacity; light; depth; pixel; slab; closed]);
+        stage.add(record![number; range; opacity; light; depth; pixel; slab; closed]);
     }
     stage
 }
@@ -344,7 +336,7 @@ fn sheets(widths: &Widths, rules: &Rules) -> VectorStage {
         let (mut behind, mut over) = (pixel, pixel);
         blend.sheet_behind(&mut behind, &sheet);
         blend.sheet_over(&mut over, &sheet);
-        stage.records.push(record![pixel; sheet; behind; over]);
+        stage.add(record![pixel; sheet; behind; over]);
     }
     stage
 }
@@ -454,7 +446,7 @@ fn indices(widths: &Widths, subject: &VectorSubject) -> VectorStage {
         let slant = SoftFloat::from_wide(slant, random.up_to(16) as i32 - 30, 31);
         let by_spread = table.index(spread, bits.into()).correct(radial);
         let by_ray = rays.correct(pixel, radial, slant);
-        stage.records.push(
+        stage.add(
             record![radial; spread; by_spread; pixel; focal; principal; slant; rays.squared(pixel); by_ray],
         );
     }
