@@ -36,14 +36,11 @@ pub fn page(title: &str, answer: &Answer, detail: Option<&Detail>, note: &str) -
     }
     if let Some(first) = answer.found.first() {
         body += &headline(first);
-        body += &section(
-            if answer.holds {
-                "Limits and what is left of them"
-            } else {
-                "Limits: no machine was found that holds all of them"
-            },
-            &limits(answer),
-        );
+        let title = match answer.holds {
+            true => "Limits and what is left of them",
+            false => "Limits: no machine was found that holds all of them",
+        };
+        body += &section(title, &limits(answer));
         body += &section("What was looked at", &looked_at(answer));
         if !answer.formats.is_empty() {
             body += &section("In floating-point formats", &in_formats(answer));
@@ -280,18 +277,10 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
         chart.bar(&worked, "fill=\"#2f6fde\" fill-opacity=\"0.3\"", &words);
         chart.bar(&whole, "class=\"frame\" fill=\"none\"", &words);
         let middle = top + box_height / 2.0;
-        chart.text(
-            (left + 8.0, middle),
-            Anchor::Start,
-            "",
-            &format!("{name}{times}"),
-        );
-        chart.text(
-            (left + box_width - 6.0, middle),
-            Anchor::End,
-            "",
-            &format!("{:.0} %", 100.0 * busy),
-        );
+        let [start, end] = [left + 8.0, left + box_width - 6.0].map(|x| (x, middle));
+        let (whose, share) = (format!("{name}{times}"), format!("{:.0} %", 100.0 * busy));
+        chart.text(start, Anchor::Start, "", &whose);
+        chart.text(end, Anchor::End, "", &share);
         if place + 1 < stages.len() {
             let x = left + box_width / 2.0;
             arrow(&mut chart, [(x, top + box_height), (x, top + step)]);

@@ -266,13 +266,8 @@ pub fn page(report: &PhotoReport, shown: &[Vec<(String, String)>]) -> String {
         report.views.len(),
         escape(&report.split)
     );
-    Shell::still(
-        "splatline: drawn against photographs",
-        "Photographs",
-        &facts,
-        &body,
-    )
-    .html()
+    let product = "splatline: drawn against photographs";
+    Shell::still(product, "Photographs", &facts, &body).html()
 }
 
 /// A line for each engine, with what it costs beside the first.
