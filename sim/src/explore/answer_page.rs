@@ -329,25 +329,23 @@ fn arrow(chart: &mut Chart, [from, to]: [(f64, f64); 2]) {
 }
 
 fn energy(detail: &Detail) -> String {
-    let all = detail.energy.attojoules.max(1) as f64;
-    let mut rows: Vec<Vec<String>> = Vec::new();
-    for unit in &detail.energy.units {
-        rows.push(vec![
-            unit.unit.replace('_', " "),
-            format!("{:.4}", unit.attojoules as f64 / MILLI),
-            format!("{:.1} %", 100.0 * unit.attojoules as f64 / all),
-            format!("{:.4}", unit.dram_attojoules as f64 / MILLI),
-        ]);
-    }
-    rows.push(vec![
-        "all".to_owned(),
-        format!("{:.4}", all / MILLI),
-        "100.0 %".to_owned(),
-        String::new(),
-    ]);
+    let all = detail.energy.attojoules.max(1);
+    let millijoules = |attojoules: u64| format!("{:.4}", attojoules as f64 / MILLI);
+    let columns: [Column<(&str, u64, Option<u64>)>; 4] = [
+        ("unit", &|(unit, ..)| escape(&unit.replace('_', " "))),
+        ("mJ a frame", &|(_, own, _)| millijoules(*own)),
+        ("of all", &|(_, own, _)| {
+            format!("{:.1} %", 100.0 * *own as f64 / all as f64)
+        }),
+        ("in the memory", &|(.., dram)| {
+            dram.map_or_else(String::new, millijoules)
+        }),
+    ];
+    let units = detail.energy.units.iter();
+    let units = units.map(|unit| (unit.unit, unit.attojoules, Some(unit.dram_attojoules)));
+    let rows = units.chain([("all", all, None)]);
     let note = escape(&detail.energy.of);
-    table(&["unit", "mJ a frame", "of all", "in the memory"], &rows)
-        + &format!("\n<p class=\"read\">{note}</p>")
+    table_of(SHORT, &[0], &columns, rows) + &format!("\n<p class=\"read\">{note}</p>")
 }
 
 fn traffic(timing: &Timing) -> String {

@@ -95,10 +95,9 @@ fn surfaces<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vec
     for splat in &subject.splats {
         let [first, second, normal] = splat.axes;
         let (centre, weight) = (splat.centre, random.weight(splat.weight));
-        let normal = if random.up_to(7) == 0 {
-            Axis::default()
-        } else {
-            normal
+        let normal = match random.up_to(7) {
+            0 => Axis::default(),
+            _ => normal,
         };
         let colour = [(); 3].map(|()| U4F28::from_bits(random.shorter(1 << 29)));
         let opacity = U4F28::from_bits(random.shorter(1 << 29));
@@ -117,11 +116,8 @@ fn surfaces<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vec
             let plane = record![found.plane.origin; found.plane.step];
             record![found.footprint; plane; found.attributes; found.back; lane; depth_in_pixel(lane)]
         });
-        push(
-            &mut stage,
-            record![colour; opacity; weight; normal.mantissa; normal.exponent],
-            words,
-        );
+        let operands = record![colour; opacity; weight; normal.mantissa; normal.exponent];
+        push(&mut stage, operands, words);
     }
     stage
 }
@@ -205,15 +201,11 @@ fn octaves() -> VectorStage {
         "an opacity and its optical depth, an optical depth and what shines through it",
         "alpha:32.31 octaves:64.44 depth:32.28 through:32.31",
     );
-    let (mut random, dark) = (
-        BuiltinRandom(10),
-        Channel::new(Representation::OpticalDepth, ChannelRounding::Nearest, 32),
-    );
+    let mut random = BuiltinRandom(10);
+    let dark = Channel::new(Representation::OpticalDepth, ChannelRounding::Nearest, 32);
     for step in 0..3 * STEPS {
-        let (alpha, depth) = (
-            random.up_to(1 << 31),
-            random.up_to(u32::MAX >> (4 * (step % 8).min(1))),
-        );
+        let alpha = random.up_to(1 << 31);
+        let depth = random.up_to(u32::MAX >> (4 * (step % 8).min(1)));
         let through = dark.map_or(0, |dark| dark.transmittance(depth));
         stage.add(record![alpha; octaves::of_opacity(alpha); depth; through]);
     }
@@ -230,10 +222,8 @@ fn deep() -> VectorStage {
     let mut random = BuiltinRandom(4);
     use ChannelRounding::{Dither, Nearest, Truncate};
     use Representation::{Opacity, OpticalDepth, Transmittance};
-    let (kinds, roundings) = (
-        [Opacity, Transmittance, OpticalDepth],
-        [Nearest, Truncate, Dither],
-    );
+    let kinds = [Opacity, Transmittance, OpticalDepth];
+    let roundings = [Nearest, Truncate, Dither];
     for step in 0..2 * STEPS as usize {
         let (what, rounding, bits) = (step % 3, step / 3 % 3, 8 + random.up_to(24) as u8);
         let Ok(channel) = Channel::new(kinds[what], roundings[rounding], bits) else {
@@ -266,8 +256,8 @@ fn points<D: Design>(design: D, subject: &VectorSubject) -> VectorStage {
     );
     let (mut random, widths) = (BuiltinRandom(5), design.widths());
     for (number, splat) in subject.splats.iter().enumerate() {
-        let (spacing, deviation, normalised) =
-            (random.number(-4), random.number(-4), number % 2 == 0);
+        let (spacing, deviation) = (random.number(-4), random.number(-4));
+        let normalised = number % 2 == 0;
         let rules = Rules {
             spacing,
             normalised,
@@ -364,12 +354,11 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
         };
         let centre = splat.centre;
         let found = |deviation| {
-            let colour = splat.colour;
             let splat = SphereSplat {
                 centre,
                 deviation,
                 weight,
-                colour,
+                colour: splat.colour,
             };
             setup::setup_sphere(design, &subject.view, rules, &splat, choice)
         };
@@ -391,11 +380,8 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
                 .map_or([0; 2], |slant| [slant.mantissa, slant.exponent]);
             record![found.footprint; found.spread; slant; found.end]
         });
-        push(
-            &mut stage,
-            record![deviation; weight; ellipse as i64; index as i64],
-            words,
-        );
+        let operands = record![deviation; weight; ellipse as i64; index as i64];
+        push(&mut stage, operands, words);
     }
     stage
 }
@@ -412,10 +398,8 @@ fn perspective() -> VectorStage {
         "entries of the two-index table, row by row of the spread",
         "entry:32.28",
     );
-    stage.records = perspective_entries()
-        .iter()
-        .map(|entry| record![entry])
-        .collect();
+    let entries = perspective_entries();
+    stage.records = entries.iter().map(|entry| record![entry]).collect();
     stage
 }
 
