@@ -44,8 +44,8 @@ pub struct Drawing {
     /// Pixels at which more layers met than the style keeps.
     pub merged: usize,
     /// Seconds of this run, as the engine divides them; an engine that does not tell stages apart leaves them 0. The
-    /// total is measured around the engine by [`super::measure`].
-    pub stages: HostTimes,
+    /// total is measured around the engine by [`super::measure`], which puts the medians of all runs here.
+    pub host: HostTimes,
     /// Setup's results in the scene's order, for a machine to be timed on; empty for engines that no machine is modelled for, and partial where
     /// nobody counts.
     pub footprints: Vec<Result<Footprint, Cull>>,
@@ -227,7 +227,7 @@ pub(super) fn plain(picture: Picture) -> Drawing {
         colour_log2: 0,
         pixels: None,
         merged: 0,
-        stages: HostTimes::default(),
+        host: HostTimes::default(),
         footprints: Vec::new(),
     }
 }
@@ -398,7 +398,7 @@ fn of_frame(facts: FrameFacts, quantised: &QuantisedScene, convert_s: f64) -> Dr
         clamped: quantised.clamped as u64,
         colour_log2: quantised.colour_log2,
         pixels: Some(pixels(facts.coverage)),
-        stages: HostTimes {
+        host: HostTimes {
             convert_s,
             ..stages(facts.times)
         },
@@ -424,7 +424,7 @@ fn draw_surface(renderer: &mut SurfaceRenderer, style: &Style, picture: &mut Pic
         clamped: renderer.clamped() as u64,
         pixels: Some(pixels(facts.coverage)),
         merged: facts.merged,
-        stages: HostTimes {
+        host: HostTimes {
             setup_s,
             sort_s,
             raster_s,

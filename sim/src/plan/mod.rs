@@ -25,7 +25,7 @@ mod text;
 pub use draw::Drawing;
 pub use footprints::FootprintLine;
 pub use load::{AnyScene, Contents, LoadedScene, Source};
-pub use measure::{Comparison, Effort, Measured, all_entries, compare_all};
+pub use measure::{Comparison, Effort, all_entries, compare_all};
 pub use technique::{AlphaChannel, SheetBuffers, SplatMethod, Technique};
 
 use crate::camera::Camera;

@@ -1,7 +1,7 @@
 //! A plan's results as a report, and a plan out of a report.
 
 use super::exercised::exercised;
-use super::{AnyScene, DesignVariant, Engine, Measured, Plan, Prepared, SplatMethod, Technique};
+use super::{AnyScene, DesignVariant, Drawing, Engine, Plan, Prepared, SplatMethod, Technique};
 use crate::design::traversal_name;
 use crate::hybrid::Hybrid;
 use crate::report::facts::SceneFacts;
@@ -74,7 +74,7 @@ impl Plan {
 pub fn report_of_entry(
     prepared: &Prepared,
     entry: &DesignVariant,
-    measured: &Measured,
+    measured: &Drawing,
 ) -> Result<Report> {
     Ok(Report {
         design: Some(entry.design.resolved()),
@@ -87,7 +87,7 @@ pub fn report_of_entry(
 pub fn report_of_drawing(
     prepared: &Prepared,
     engine: Engine,
-    measured: &Measured,
+    measured: &Drawing,
 ) -> Result<Report> {
     let plan = &prepared.plan;
     let scene = scene_facts(prepared, measured);
@@ -110,7 +110,7 @@ pub fn report_of_drawing(
         error_map: None,
         cycles: None,
         pace: None,
-        pixels: measured.drawing.pixels,
+        pixels: measured.pixels,
         host: HostTimes {
             prepare_s: prepared.prepare_s + measured.host.prepare_s,
             ..measured.host
@@ -131,8 +131,7 @@ fn stated(plan: &Plan) -> Result<serde_json::Value> {
     })
 }
 
-fn scene_facts(prepared: &Prepared, measured: &Measured) -> SceneFacts {
-    let drawing = &measured.drawing;
+fn scene_facts(prepared: &Prepared, drawing: &Drawing) -> SceneFacts {
     let (culled, clamped) = (drawing.culled.clone(), drawing.clamped);
     match &*prepared.scene {
         AnyScene::Splats(scene) => SceneFacts {
