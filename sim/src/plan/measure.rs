@@ -1,7 +1,7 @@
 //! Drawings repeated, timed and compared: a plan by several designs and traversals, each against the reference.
 
 use super::draw::on_threads;
-use super::record::{report_of_drawing, report_of_entry};
+use super::record::report_of;
 use super::{DesignVariant, Drawing, Engine, Prepared};
 use crate::atomic;
 use crate::design::DesignChoice;
@@ -120,14 +120,13 @@ pub fn draw_alone(
     progress: &ProgressMeter,
 ) -> Result<(Drawing, Report)> {
     let plan = &prepared.plan;
-    if plan.engine == Engine::Fixed {
-        let measured = measure_fixed(prepared, released, effort, &plan.entry, progress)?;
-        let report = report_of_entry(prepared, &plan.entry, &measured)?;
-        return Ok((measured, report));
-    }
-    let measured = measure_reference(prepared, effort, plan.engine, progress)?;
-    let report = report_of_drawing(prepared, plan.engine, &measured)?;
-    Ok((measured, report))
+    let entry = (plan.engine == Engine::Fixed).then_some(&plan.entry);
+    let drawing = match entry {
+        Some(entry) => measure_fixed(prepared, released, effort, entry, progress)?,
+        None => measure_reference(prepared, effort, plan.engine, progress)?,
+    };
+    let report = report_of(prepared, plan.engine, entry, &drawing)?;
+    Ok((drawing, report))
 }
 
 /// The scene is brought into the kernel's formats once, before the first picture.
@@ -252,7 +251,7 @@ pub fn compare_all(
         pace,
         cycles,
         table,
-        ..report_of_entry(prepared, chosen, &measured)?
+        ..report_of(prepared, Engine::Fixed, Some(chosen), &measured)?
     };
     Ok(Comparison {
         merged: measured.merged,
