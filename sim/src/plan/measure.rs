@@ -226,11 +226,16 @@ pub fn compare_all(
         let measured = measure_fixed(prepared, None, effort, entry, &progress)?;
         let (error, cycles) = judge(prepared, effort.threads, entry, &measured, &float)?;
         let pixels = measured.pixels.unwrap_or_default();
-        let traversal = prepared.traversal_name(entry);
-        let row = ReportRow::new(&entry.design.name, traversal, &error, pixels, measured.host);
         table.push(ReportRow {
+            design: entry.design.name.clone(),
+            traversal: prepared.traversal_name(entry).to_owned(),
+            error: error.rgb,
+            flip: error.flip,
+            visited: pixels.visited,
+            covered: pixels.covered,
+            visited_per_covered: pixels.ratio(),
             cycles: cycles.as_ref().map(|cycles| cycles.total),
-            ..row
+            host: measured.host,
         });
         if entry == chosen {
             kept = Some((measured, error, cycles));

@@ -116,8 +116,7 @@ fn headline(report: &Report) -> String {
         figures.push(("PSNR, covered pixels", psnr(covered.psnr_db)));
         figures.push(("bias, covered pixels", table::signed(covered.bias)));
     }
-    if let Some(pixels) = report.pixels.filter(|pixels| pixels.covered > 0) {
-        let ratio = pixels.visited as f64 / pixels.covered as f64;
+    if let Some(ratio) = report.pixels.and_then(|pixels| pixels.ratio()) {
         figures.push(("visited / covered", format!("{ratio:.2}")));
     }
     let milliseconds = report.host.total_s * 1e3;
