@@ -15,7 +15,7 @@ use crate::machine::{Config, Timing, simulate_alone};
 use crate::picture::Picture;
 use crate::reference::compositor::RowProgress as Rows;
 use crate::reference::sphere::{self, Shape};
-use crate::renderer::{Drawn, Renderer, Settings};
+use crate::renderer::{Renderer, Settings};
 use crate::report::facts::{ReasonCounts, SceneFacts, counted};
 use crate::report::{HostTimes, PixelCounts};
 use crate::scene::Scene;
@@ -345,7 +345,14 @@ impl KernelDrawing<'_> {
     /// Draws once. The drawing lacks its picture and footprints until it is [finished](KernelDrawing::finish).
     pub fn draw(&mut self, progress: Rows) -> Result<Drawing> {
         match &mut self.drawer {
-            Drawer::Splats(renderer) => draw_splats(renderer, &mut self.picture, progress),
+            Drawer::Splats(renderer) => {
+                let going_on = |done, of| {
+                    progress(done, of);
+                    true
+                };
+                let drawn = renderer.draw_picture(&mut self.picture, &going_on)?;
+                Ok(of_frame(drawn.facts, renderer.quantised(), drawn.convert))
+            }
             Drawer::Others(draw) => draw(&mut self.picture),
         }
     }
@@ -374,19 +381,6 @@ fn in_kernel(shape: Shape) -> (kernel::Ellipse, kernel::Index) {
     (ellipse, index)
 }
 
-fn draw_splats(
-    renderer: &mut Renderer<&Scene>,
-    picture: &mut Picture,
-    progress: Rows,
-) -> Result<Drawing> {
-    let going_on = |done, of| {
-        progress(done, of);
-        true
-    };
-    let Drawn { facts, convert } = renderer.draw_picture(picture, &going_on)?;
-    Ok(of_frame(facts, renderer.quantised(), convert))
-}
-
 /// What a frame's facts say; the picture comes when all frames have been drawn.
 fn of_frame(facts: FrameFacts, quantised: &QuantisedScene, convert_s: f64) -> Drawing {
     let mut culled = cull_counts(facts.culled);
@@ -399,8 +393,11 @@ fn of_frame(facts: FrameFacts, quantised: &QuantisedScene, convert_s: f64) -> Dr
         colour_log2: quantised.colour_log2,
         pixels: Some(pixels(facts.coverage)),
         host: HostTimes {
+            setup_s: facts.times.setup,
+            sort_s: facts.times.sort,
+            raster_s: facts.times.raster,
             convert_s,
-            ..stages(facts.times)
+            ..HostTimes::default()
         },
         ..plain(Picture::new(0, 0))
     }
@@ -431,15 +428,6 @@ fn draw_surface(renderer: &mut SurfaceRenderer, style: &Style, picture: &mut Pic
             ..HostTimes::default()
         },
         ..plain(Picture::new(0, 0))
-    }
-}
-
-fn stages(times: fixed::Times) -> HostTimes {
-    HostTimes {
-        setup_s: times.setup,
-        sort_s: times.sort,
-        raster_s: times.raster,
-        ..HostTimes::default()
     }
 }
 
