@@ -213,7 +213,7 @@ impl Plan {
         let effort = raise(Plan::effort(threads, repeat, vectors))?;
         let drawn = py.detach(|| draw_alone(&self.prepared, None, &effort, &ProgressMeter::new(1)));
         let (measured, report) = raise(drawn)?;
-        Ok((array(py, measured.drawing.picture)?, record(py, &report)?))
+        Ok((array(py, measured.picture)?, record(py, &report)?))
     }
 
     /// The pixels by the kernel and by the reference, and the record that `splatline compare` writes; `all_designs` adds the table of

@@ -22,7 +22,6 @@ Examples:
 scene.rs holds constants (with a camera path also its views), scene.bin what CompactScene::read reads; 24 bytes a splat in flash.
 Splats that no view shows are left out; --keep leaves out those that the views show least of.";
 
-/// Which scene, seen from where, how much of it, and where it goes.
 /// Why a surface is refused.
 const GAUSSIANS_ALONE: &str =
     "only scenes of 3D Gaussians are baked; surfaces are drawn by `splatline render`";
@@ -35,6 +34,7 @@ fn of_gaussians(arg: Arg) -> Arg {
     arg.hide(is_surfaces || is_other)
 }
 
+/// Which scene, seen from where, how much of it, and where it goes.
 #[derive(Debug, Args)]
 #[command(mut_args(of_gaussians))]
 pub struct BakeOptions {
@@ -88,20 +88,12 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
         views.push((frame.name.as_str(), colour));
     }
     drop(progress);
-    let bytes = if options
-        .output
-        .extension()
-        .is_some_and(|end| end.eq_ignore_ascii_case("rs"))
-    {
-        let path = if options.path.is_path() {
-            cameras.as_slice()
-        } else {
-            &[]
-        };
-        let path: Vec<_> = path
-            .iter()
-            .map(|camera| QuantisedScene::new(scene, camera, rules).view)
-            .collect();
+    let extension = options.output.extension();
+    let is_rust = extension.is_some_and(|end| end.eq_ignore_ascii_case("rs"));
+    let bytes = if is_rust {
+        let path = cameras.iter().filter(|_| options.path.is_path());
+        let path = path.map(|camera| QuantisedScene::new(scene, camera, rules).view);
+        let path: Vec<_> = path.collect();
         baked.to_rust(&scene.name, &path).into_bytes()
     } else {
         baked.to_bytes()

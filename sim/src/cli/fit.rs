@@ -5,7 +5,7 @@ use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
 use super::search_args::{FitOptions, limits_given, subject};
 use crate::design::DesignChoice;
-use crate::explore::evaluator::ErrorDetail;
+use crate::explore::evaluator::DesignError;
 use crate::explore::fit::{Fit, design_toml, fit, refusal};
 use crate::explore::formats;
 use crate::explore::limits::{Limit, Quantity};
@@ -60,42 +60,29 @@ pub fn fitted(frames: &[NamedFrame], limits: &[Limit], formats: &[Engine]) -> Re
 
 /// Widths, errors, and what each last bit is worth.
 pub fn text(start: &DesignChoice, fit: &Fit) -> String {
-    let error = &fit.error;
-    let seen = error.detail.map_or_else(String::new, |detail| {
-        let ErrorDetail {
-            percentiles, flip, ..
-        } = detail;
-        format!(", 99 % within {:.3e}, FLIP {flip:.3e}", percentiles.p99)
+    let DesignError {
+        max_abs, rms, bias, ..
+    } = fit.error;
+    let seen = fit.error.detail.map_or_else(String::new, |detail| {
+        let (p99, flip) = (detail.percentiles.p99, detail.flip);
+        format!(", 99 % within {p99:.3e}, FLIP {flip:.3e}")
     });
+    let (drawings, binding) = (fit.drawings, fit.binding.unwrap_or("none"));
     let mut text = format!(
-        "largest error {:.3e}, rms {:.3e}, bias {:+.2e}{seen} after {} drawings; binding width: {}\n",
-        error.max_abs,
-        error.rms,
-        error.bias,
-        fit.drawings,
-        fit.binding.unwrap_or("none")
+        "largest error {max_abs:.3e}, rms {rms:.3e}, bias {bias:+.2e}{seen} after {drawings} drawings; binding width: {binding}\n\
+         width          start   fit   with one bit less: largest, rms, bias\n"
     );
-    // Writing to a String cannot fail.
-    let _ = writeln!(
-        text,
-        "{:<14} {:>5} {:>5}   with one bit less: largest, rms, bias",
-        "width", "start", "fit"
-    );
+    let worse = |error: &DesignError| {
+        let DesignError {
+            max_abs, rms, bias, ..
+        } = error;
+        format!("{max_abs:.3e}, {rms:.3e}, {bias:+.2e}")
+    };
     for ((name, ..), before) in WIDTH_RANGES.iter().zip(start.widths.numbers()) {
-        let less = fit.one_bit_less.get(name).map_or_else(
-            || "at its limit".to_owned(),
-            |error| {
-                format!(
-                    "{:.3e}, {:.3e}, {:+.2e}",
-                    error.max_abs, error.rms, error.bias
-                )
-            },
-        );
-        let _ = writeln!(
-            text,
-            "{name:<14} {before:>5} {:>5}   {less}",
-            fit.widths[name]
-        );
+        let less = fit.one_bit_less.get(name).map(worse);
+        let (bits, less) = (fit.widths[name], less.unwrap_or("at its limit".to_owned()));
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{name:<14} {before:>5} {bits:>5}   {less}");
     }
     text
 }

@@ -48,7 +48,7 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         progress.doing(&name);
         let effort = drawing.effort_of_pictures();
         let (measured, report) = draw_alone(&prepared, None, &effort, &progress)?;
-        write_picture(options, &measured.drawing.picture, file)?;
+        write_picture(options, &measured.picture, file)?;
         seconds.push(report.host.total_s);
         warnings.extend(report.warnings.iter().cloned());
         if drawing.json.is_some() {

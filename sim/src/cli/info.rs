@@ -3,9 +3,8 @@
 use super::output::{self, Outputs};
 use super::say::{Failure, print_result};
 use crate::framing::{Ball, FramingInput, direction};
-use crate::metrics::median;
 use crate::plan::load::{AnyScene, recognise};
-use crate::report::facts::ReasonCounts;
+use crate::report::facts::{ReasonCounts, counted};
 use crate::scene::points::SurfaceScene;
 use crate::scene::{Bounds, Scene, SortOrder, Weight};
 use crate::vector::{self, Vector};
@@ -132,7 +131,7 @@ impl Info {
                 .map_or(0, |harmonics| harmonics.degree),
             rules: scene.natural_rules.name,
             order: scene.order.name(),
-            dropped: counts(&dropped),
+            dropped: counted(dropped),
             notes,
             ..Info::framed(&scene.name, &frame)
         }
@@ -159,7 +158,7 @@ impl Info {
             bounds: (!cloud.points.is_empty()).then(|| corners(cloud.bounds())),
             ranges: ranges.into_iter().flatten().collect(),
             rules: "surf",
-            dropped: counts(&[("unusable", cloud.skipped)]),
+            dropped: counted([("unusable", cloud.skipped)]),
             notes: cloud.notes.clone(),
             ..Info::framed(&cloud.name, &frame)
         }
@@ -188,44 +187,49 @@ impl Info {
 
     fn text(&self) -> String {
         let place = |v: &Vector| format!("{:.6},{:.6},{:.6}", v[0], v[1], v[2]);
-        let mut text = format!("{}: {}\n", self.scene, self.kind);
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "count      {}", self.count);
         let dropped = self.dropped.iter().filter(|(_, count)| **count > 0);
         let dropped: Vec<String> = dropped
             .map(|(reason, count)| format!("{reason} {count}"))
             .collect();
-        let dropped = if dropped.is_empty() {
-            "nothing".to_owned()
-        } else {
-            dropped.join(", ")
+        let dropped = match dropped[..] {
+            [] => "nothing".to_owned(),
+            _ => dropped.join(", "),
         };
-        let _ = writeln!(text, "dropped    {dropped}");
-        if let Some([least, greatest]) = &self.bounds {
-            let _ = writeln!(text, "bounds     {} to {}", place(least), place(greatest));
+        let BallInfo {
+            centre,
+            radius,
+            strays,
+        } = &self.ball;
+        let framed = if radius.is_finite() {
+            let centre = place(centre);
+            format!("ball of radius {radius:.6} around {centre}, {strays} strays outside")
+        } else {
+            "no ball: coordinates are too large or too far apart to place a camera".to_owned()
+        };
+        let bounds = self.bounds.as_ref();
+        let bounds = bounds.map(|[least, most]| format!("{} to {}", place(least), place(most)));
+        let [up, front] = [self.up, self.front].map(direction);
+        let facts = [
+            ("count", Some(self.count.to_string())),
+            ("dropped", Some(dropped)),
+            ("bounds", bounds),
+            ("framed", Some(framed)),
+            ("up", Some(format!("{up}, seen from {front}"))),
+            (
+                "rules",
+                Some(format!("{}, sorted by {}", self.rules, self.order)),
+            ),
+            (
+                "harmonics",
+                Some(format!("degree {}", self.harmonics_degree)),
+            ),
+        ];
+        let mut text = format!("{}: {}\n", self.scene, self.kind);
+        // Writing to a String cannot fail.
+        for (name, fact) in facts {
+            let Some(fact) = fact else { continue };
+            let _ = writeln!(text, "{name:<10} {fact}");
         }
-        let _ = if self.ball.radius.is_finite() {
-            writeln!(
-                text,
-                "framed     ball of radius {:.6} around {}, {} strays outside",
-                self.ball.radius,
-                place(&self.ball.centre),
-                self.ball.strays
-            )
-        } else {
-            writeln!(
-                text,
-                "framed     no ball: coordinates are too large or too far apart to place a camera"
-            )
-        };
-        let _ = writeln!(
-            text,
-            "up         {}, seen from {}",
-            direction(self.up),
-            direction(self.front)
-        );
-        let _ = writeln!(text, "rules      {}, sorted by {}", self.rules, self.order);
-        let _ = writeln!(text, "harmonics  degree {}", self.harmonics_degree);
         for ShownRange {
             of,
             least,
@@ -233,13 +237,8 @@ impl Info {
             greatest,
         } in &self.ranges
         {
-            let _ = writeln!(
-                text,
-                "{of:<31} {} to {}, median {}",
-                number(*least),
-                number(*greatest),
-                number(*median)
-            );
+            let [least, greatest, median] = [least, greatest, median].map(|value| number(*value));
+            let _ = writeln!(text, "{of:<31} {least} to {greatest}, median {median}");
         }
         for note in &self.notes {
             let _ = writeln!(text, "note       {note}");
@@ -260,9 +259,9 @@ fn number(value: f64) -> String {
 impl ShownRange {
     fn new(of: &'static str, values: impl Iterator<Item = f64>) -> Option<ShownRange> {
         let mut values: Vec<f64> = values.collect();
-        let median = median(&mut values)?;
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        values.sort_by(f64::total_cmp);
+        let median = *values.get(values.len() / 2)?;
+        let (least, greatest) = (*values.first()?, *values.last()?);
         Some(ShownRange {
             of,
             least,
@@ -274,11 +273,4 @@ impl ShownRange {
 
 fn corners(bounds: Bounds) -> [Vector; 2] {
     [bounds.least, bounds.greatest]
-}
-
-fn counts(reasons: &[(&str, usize)]) -> ReasonCounts {
-    reasons
-        .iter()
-        .map(|(reason, count)| ((*reason).to_owned(), *count as u64))
-        .collect()
 }

@@ -45,13 +45,8 @@ const TIMING: &str = "splatline-timing/1";
 /// Frames that are printed one by one; of more than these only the summary is.
 const FEW_FRAMES: usize = 8;
 
-/// What is timed, and what it is timed on.
-struct Modelled {
-    name: String,
-    workload: Workload,
-    entry: DesignVariant,
-    machine: Config,
-}
+/// What is timed, and the design and the machine that it is timed on.
+type Modelled = (Workload, DesignVariant, Config);
 
 /// A result with its format's name.
 #[derive(Serialize)]
@@ -107,7 +102,7 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     if let Some(table) = &options.footprints {
         let modelled = from_table(table, options)?;
         outputs.spare_inputs()?;
-        return one(&modelled, &prices, options);
+        return one(&table.display().to_string(), &modelled, &prices, options);
     }
     if options.view.scene.is_none() && options.view.from.is_none() {
         let message = "name a scene, a report with --from, or a table with --footprints";
@@ -123,7 +118,10 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         refuse_kept_order(&frames[0].plan().machine)?;
     }
     match frames.len() {
-        1 => one(&from_scene(&frames.remove(0).prepare())?, &prices, options),
+        1 => {
+            let frame = frames.remove(0).prepare();
+            one(&frame.name, &from_scene(&frame)?, &prices, options)
+        }
         _ => several(frames, &prices, options),
     }
 }
@@ -165,10 +163,14 @@ fn costed<'a>(
 }
 
 /// One picture, with all accounts.
-fn one(modelled: &Modelled, prices: &Prices, options: &ModelOptions) -> Result<(), Failure> {
-    let (workload, config) = (&modelled.workload, &modelled.machine);
-    let costed = costed(&modelled.entry, config, prices);
-    let record = costed.picture(&modelled.name, workload, options.repeat);
+fn one(
+    name: &str,
+    (workload, entry, config): &Modelled,
+    prices: &Prices,
+    options: &ModelOptions,
+) -> Result<(), Failure> {
+    let costed = costed(entry, config, prices);
+    let record = costed.picture(name, workload, options.repeat);
     print_result(&costed.text(&record))?;
     let Some(folder) = &options.output else {
         return Ok(());
@@ -293,12 +295,8 @@ fn from_scene(frame: &NamedFrame) -> Result<Modelled, Failure> {
     let progress = ProgressMeter::spinner("walking the rows of every tile");
     let workload = prepared.workload()?;
     drop(progress);
-    Ok(Modelled {
-        name: frame.name.clone(),
-        workload,
-        entry: prepared.plan.entry.clone(),
-        machine: prepared.plan.machine,
-    })
+    let plan = &prepared.plan;
+    Ok((workload, plan.entry.clone(), plan.machine))
 }
 
 /// Says what the scene's harmonics are charged with; nothing if it has none.
@@ -314,7 +312,6 @@ fn charged(scene: &Scene, machine: &Config) -> String {
 fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> {
     let machine = machine(&options.machine)?;
     refuse_kept_order(&machine)?;
-    let name = path.display().to_string();
     let text = output::read_text(path)?;
     let design = DesignChoice::load(&options.work.design)?;
     let entry = DesignVariant::new(design, options.work.traversal.map(Traversal::from));
@@ -332,10 +329,7 @@ fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> 
         cutoff: options.cutoff,
         packet_bytes: 4 * layout.words() as u32,
     };
-    Ok(Modelled {
-        workload: read_table(&text, &table).map_err(|error| anyhow!("{name}: {error}"))?,
-        name,
-        entry,
-        machine,
-    })
+    let workload =
+        read_table(&text, &table).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+    Ok((workload, entry, machine))
 }

@@ -22,25 +22,20 @@ const FILES: [&str; 4] = ["answer.json", "design.toml", "machine.toml", "answer.
 
 /// The limits of the options themselves.
 fn own_limits(options: &LimitOptions) -> Result<Vec<Limit>, Failure> {
+    let bandwidth = options.bandwidth.map(|megabytes| megabytes * 1e6);
+    let [lut, dsp, bram] = [options.lut, options.dsp, options.bram].map(|most| most.map(f64::from));
+    let energy = options.max_energy;
     limits_given(&[
         (Quantity::FramesPerSecond, options.fps, "--fps"),
         (Quantity::LargestError, options.max_error, "--max-error"),
         (Quantity::Percentile99, options.p99, "--p99"),
         (Quantity::Flip, options.flip, "--flip"),
         (Quantity::PsnrDb, options.psnr, "--psnr"),
-        (Quantity::Luts, options.lut.map(f64::from), "--lut"),
-        (Quantity::Dsps, options.dsp.map(f64::from), "--dsp"),
-        (Quantity::MemoryKbit, options.bram.map(f64::from), "--bram"),
-        (
-            Quantity::BytesPerSecond,
-            options.bandwidth.map(|megabytes| megabytes * 1e6),
-            "--bandwidth",
-        ),
-        (
-            Quantity::MillijoulesPerFrame,
-            options.max_energy,
-            "--max-energy",
-        ),
+        (Quantity::Luts, lut, "--lut"),
+        (Quantity::Dsps, dsp, "--dsp"),
+        (Quantity::MemoryKbit, bram, "--bram"),
+        (Quantity::BytesPerSecond, bandwidth, "--bandwidth"),
+        (Quantity::MillijoulesPerFrame, energy, "--max-energy"),
     ])
 }
 

@@ -88,11 +88,8 @@ fn one(
     match options.max_error {
         Some(budget) => {
             let only = std::slice::from_ref(frame);
-            let fitted = fit::fitted(
-                only,
-                &[Limit::new(Quantity::LargestError, budget, "--max-error")],
-                &[],
-            )?;
+            let limit = Limit::new(Quantity::LargestError, budget, "--max-error");
+            let fitted = fit::fitted(only, &[limit], &[])?;
             print_result(&fit::text(design, &fitted))?;
             answer.insert("fit".to_owned(), json!(fitted));
         }

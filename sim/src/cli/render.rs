@@ -67,8 +67,8 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     };
     progress.advance();
     progress.doing(format!("writing {}", options.output.display()));
-    let bent = lens.map(|lens| distorted(&measured.drawing.picture, &prepared.plan.camera, &lens));
-    let picture = bent.as_ref().unwrap_or(&measured.drawing.picture);
+    let bent = lens.map(|lens| distorted(&measured.picture, &prepared.plan.camera, &lens));
+    let picture = bent.as_ref().unwrap_or(&measured.picture);
     write_picture(options, picture, &options.output)?;
     write_json_if(drawing.json.as_ref(), &report)?;
     if !options.maps.is_empty() {
@@ -80,7 +80,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     progress.advance();
     drop(progress);
     warn(&report.warnings);
-    print_error(&if_layers_were_merged(measured.drawing.merged));
+    print_error(&if_layers_were_merged(measured.merged));
     print_error(&if_nothing_is_seen(
         picture,
         &report,

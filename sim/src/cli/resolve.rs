@@ -149,14 +149,22 @@ impl<'a> PlanRequest<'a> {
         self
     }
 
+    fn is_stamped(&self) -> bool {
+        self.traversal == Some(TraversalChoice::Stamp)
+    }
+
+    /// Is a method asked for that is not that of affine footprints, other than by the traversal?
+    fn has_method(&self) -> bool {
+        self.technique
+            .is_some_and(|options| options.points.is_some() || options.is_another_method())
+    }
+
     /// Refuses, before anything is loaded, what the options say that no unit draws.
     fn check_units(&self) -> Result<(), Failure> {
-        let is_method = self.traversal == Some(TraversalChoice::Stamp)
-            || self
-                .technique
-                .is_some_and(|options| options.points.is_some() || options.is_another_method());
         match self.by_units {
-            true if is_method => Err(Failure::Usage(COMPOSITED_ALONE.to_owned())),
+            true if self.is_stamped() || self.has_method() => {
+                Err(Failure::Usage(COMPOSITED_ALONE.to_owned()))
+            }
             _ => Ok(()),
         }
     }

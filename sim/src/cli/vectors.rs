@@ -41,13 +41,7 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
             (view, splats, options.rules.unwrap_or(Rules::GAUSSIAN_3D))
         }
         Some(file) => {
-            let loaded = scene::load(
-                file,
-                &LoadOptions {
-                    transfer: None,
-                    light: None,
-                },
-            )?;
+            let loaded = scene::load(file, &LoadOptions::default())?;
             if loaded.order != SortOrder::Depth {
                 let name = &loaded.name;
                 return Err(Failure::Usage(format!(

@@ -36,14 +36,11 @@ pub fn page(title: &str, answer: &Answer, detail: Option<&Detail>, note: &str) -
     }
     if let Some(first) = answer.found.first() {
         body += &headline(first);
-        body += &section(
-            if answer.holds {
-                "Limits and what is left of them"
-            } else {
-                "Limits: no machine was found that holds all of them"
-            },
-            &limits(answer),
-        );
+        let title = match answer.holds {
+            true => "Limits and what is left of them",
+            false => "Limits: no machine was found that holds all of them",
+        };
+        body += &section(title, &limits(answer));
         body += &section("What was looked at", &looked_at(answer));
         if !answer.formats.is_empty() {
             body += &section("In floating-point formats", &in_formats(answer));
@@ -74,24 +71,21 @@ fn section(title: &str, body: &str) -> String {
 
 fn headline(found: &Found) -> String {
     let reached = &found.reached;
-    let entry = |name: &str, value: String| format!("<div><dt>{name}</dt><dd>{value}</dd></div>");
-    let error = reached
-        .error
-        .map_or("-".to_owned(), |error| format!("{:.2e}", error.max_abs));
-    format!(
-        "<dl class=\"headline\">{}{}{}{}{}</dl>\n",
-        entry(
+    let error = reached.error.map(|error| format!("{:.2e}", error.max_abs));
+    let megabytes = reached.pace.bytes_per_frame as f64 / 1e6;
+    let figures = [
+        (
             "frames a second",
-            format!("{:.1}", reached.pace.frames_per_s)
+            format!("{:.1}", reached.pace.frames_per_s),
         ),
-        entry("LUT in all", count(reached.cost().round() as u64)),
-        entry("mJ a frame", format!("{:.3}", reached.millijoules)),
-        entry(
-            "MB a frame",
-            format!("{:.2}", reached.pace.bytes_per_frame as f64 / 1e6)
-        ),
-        entry("largest error", error),
-    )
+        ("LUT in all", count(reached.cost().round() as u64)),
+        ("mJ a frame", format!("{:.3}", reached.millijoules)),
+        ("MB a frame", format!("{megabytes:.2}")),
+        ("largest error", error.unwrap_or("-".to_owned())),
+    ];
+    let entry = |(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>");
+    let entries = figures.map(entry).concat();
+    format!("<dl class=\"headline\">{entries}</dl>\n")
 }
 
 /// A narrow table.
@@ -132,11 +126,8 @@ fn looked_at(answer: &Answer) -> String {
     let costs = answer.looked_at.iter().map(|one| one.cost);
     let across = Axis::of_values(costs, 100.0, frame.across());
     let up = Axis::of_values(rates, 0.01, frame.upwards());
-    let mut chart = Chart::new(
-        WIDTH,
-        base + 46.0,
-        "area and frames a second of all machines",
-    );
+    let label = "area and frames a second of all machines";
+    let mut chart = Chart::new(WIDTH, base + 46.0, label);
     chart.rows(&frame, &up, &up.ticks(5));
     chart.columns(&frame, &across, &across.ticks(4));
     chart.names(&frame, "LUT in all", "frames a second");
@@ -182,11 +173,8 @@ fn in_formats(answer: &Answer) -> String {
     ];
     let across = Axis::linear(range, frame.across());
     let up = Axis::of_values(all().map(|[_, y]| y), 10.0, frame.upwards());
-    let mut chart = Chart::new(
-        WIDTH,
-        base + 46.0,
-        "error and transistors of a lane by format",
-    );
+    let label = "error and transistors of a lane by format";
+    let mut chart = Chart::new(WIDTH, base + 46.0, label);
     chart.rows(&frame, &up, &up.ticks(5));
     chart.columns(&frame, &across, &across.ticks(5));
     chart.names(&frame, "PSNR, dB", "transistors a lane");
@@ -266,11 +254,8 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
     let stages = stages(timing);
     let (step, box_height, left, box_width) = (44.0, 30.0, 6.0, 190.0);
     let height = step * stages.len() as f64 + 8.0;
-    let mut chart = Chart::new(
-        WIDTH,
-        height,
-        "units of the machine and the bytes between them and the memory",
-    );
+    let label = "units of the machine and the bytes between them and the memory";
+    let mut chart = Chart::new(WIDTH, height, label);
     let memory = Rectangle::new([318.0, 6.0], [56.0, height - 22.0]);
     chart.bar(&memory, "class=\"frame\" fill=\"none\"", "memory");
     chart.text((346.0, height / 2.0), Anchor::Middle, "", "memory");
@@ -292,18 +277,10 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
         chart.bar(&worked, "fill=\"#2f6fde\" fill-opacity=\"0.3\"", &words);
         chart.bar(&whole, "class=\"frame\" fill=\"none\"", &words);
         let middle = top + box_height / 2.0;
-        chart.text(
-            (left + 8.0, middle),
-            Anchor::Start,
-            "",
-            &format!("{name}{times}"),
-        );
-        chart.text(
-            (left + box_width - 6.0, middle),
-            Anchor::End,
-            "",
-            &format!("{:.0} %", 100.0 * busy),
-        );
+        let [start, end] = [left + 8.0, left + box_width - 6.0].map(|x| (x, middle));
+        let (whose, share) = (format!("{name}{times}"), format!("{:.0} %", 100.0 * busy));
+        chart.text(start, Anchor::Start, "", &whose);
+        chart.text(end, Anchor::End, "", &share);
         if place + 1 < stages.len() {
             let x = left + box_width / 2.0;
             arrow(&mut chart, [(x, top + box_height), (x, top + step)]);
@@ -352,25 +329,23 @@ fn arrow(chart: &mut Chart, [from, to]: [(f64, f64); 2]) {
 }
 
 fn energy(detail: &Detail) -> String {
-    let all = detail.energy.attojoules.max(1) as f64;
-    let mut rows: Vec<Vec<String>> = Vec::new();
-    for unit in &detail.energy.units {
-        rows.push(vec![
-            unit.unit.replace('_', " "),
-            format!("{:.4}", unit.attojoules as f64 / MILLI),
-            format!("{:.1} %", 100.0 * unit.attojoules as f64 / all),
-            format!("{:.4}", unit.dram_attojoules as f64 / MILLI),
-        ]);
-    }
-    rows.push(vec![
-        "all".to_owned(),
-        format!("{:.4}", all / MILLI),
-        "100.0 %".to_owned(),
-        String::new(),
-    ]);
+    let all = detail.energy.attojoules.max(1);
+    let millijoules = |attojoules: u64| format!("{:.4}", attojoules as f64 / MILLI);
+    let columns: [Column<(&str, u64, Option<u64>)>; 4] = [
+        ("unit", &|(unit, ..)| escape(&unit.replace('_', " "))),
+        ("mJ a frame", &|(_, own, _)| millijoules(*own)),
+        ("of all", &|(_, own, _)| {
+            format!("{:.1} %", 100.0 * *own as f64 / all as f64)
+        }),
+        ("in the memory", &|(.., dram)| {
+            dram.map_or_else(String::new, millijoules)
+        }),
+    ];
+    let units = detail.energy.units.iter();
+    let units = units.map(|unit| (unit.unit, unit.attojoules, Some(unit.dram_attojoules)));
+    let rows = units.chain([("all", all, None)]);
     let note = escape(&detail.energy.of);
-    table(&["unit", "mJ a frame", "of all", "in the memory"], &rows)
-        + &format!("\n<p class=\"read\">{note}</p>")
+    table_of(SHORT, &[0], &columns, rows) + &format!("\n<p class=\"read\">{note}</p>")
 }
 
 fn traffic(timing: &Timing) -> String {

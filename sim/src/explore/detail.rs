@@ -1,10 +1,10 @@
 //! What a page shows of an answer's first machine beside the answer: its slowest frame in full, and what a change of one setting would do.
 
 use super::answer::{Answer, Found, value_of};
-use super::evaluator::{Evaluator, FrameCost};
+use super::evaluator::Evaluator;
 use super::limits::{Limit, missed};
 use super::search::EXCHANGED;
-use super::space::Space;
+use super::space::{Space, SpaceAxis};
 use super::subject::{Choice, Subject};
 use crate::design::DesignChoice;
 use crate::machine::energy::Energy;
@@ -95,49 +95,40 @@ fn knobs(
     (choice, found): (&Choice, &Found),
     frame: usize,
 ) -> Result<Vec<Knob>> {
-    let mut changed = Vec::new();
-    for axis in space
-        .axes
-        .iter()
-        .filter(|axis| EXCHANGED.contains(&axis.key.as_str()))
-    {
+    let (mut changed, mut choices) = (Vec::new(), Vec::new());
+    let exchanged = |axis: &&SpaceAxis| EXCHANGED.contains(&axis.key.as_str());
+    for axis in space.axes.iter().filter(exchanged) {
         let value = value_of(axis, &choice.variant.design, &choice.machine);
         let place = value.and_then(|value| axis.values.iter().position(|other| *other == value));
         let Some(place) = place else {
             continue;
         };
         let steps = [place.checked_sub(1), place.checked_add(1)];
-        for to in steps
-            .into_iter()
-            .flatten()
-            .filter_map(|to| axis.values.get(to))
-        {
+        let steps = steps.into_iter().flatten();
+        for to in steps.filter_map(|to| axis.values.get(to)) {
             let mut machine = choice.machine;
             machine.set("space", &axis.key, to)?;
             if machine.check_together().is_ok() {
                 let variant = choice.variant.clone();
-                let names = [axis.values[place].to_string(), to.to_string()];
-                changed.push((axis.key.clone(), names, Choice { variant, machine }));
+                choices.push(Choice { variant, machine });
+                changed.push((&axis.key, axis.values[place].to_string(), to.to_string()));
             }
         }
     }
-    let choices: Vec<Choice> = changed.iter().map(|(.., choice)| choice.clone()).collect();
     let costs = evaluator.costs(&choices, &[frame], false)?;
     let before = &found.reached;
-    let knob = |((setting, [from, to], choice), costs): (
-        (String, [String; 2], Choice),
-        Vec<FrameCost>,
-    )| {
-        let reached = evaluator.reached(&choice, before.error, &costs);
-        Knob {
-            setting,
+    let mut knobs = Vec::with_capacity(changed.len());
+    for (((setting, from, to), choice), costs) in changed.into_iter().zip(&choices).zip(costs) {
+        let reached = evaluator.reached(choice, before.error, &costs);
+        knobs.push(Knob {
+            setting: setting.clone(),
             from,
             to,
             cost: reached.cost() / before.cost() - 1.0,
             frames_per_s: reached.pace.frames_per_s / before.pace.frames_per_s - 1.0,
             energy: reached.millijoules / before.millijoules - 1.0,
             holds: missed(limits, None, &reached) <= 0.0,
-        }
-    };
-    Ok(changed.into_iter().zip(costs).map(knob).collect())
+        });
+    }
+    Ok(knobs)
 }

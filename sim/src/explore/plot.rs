@@ -32,19 +32,13 @@ pub fn page(title: &str, note: &str, table: &ResultTable, candidates: &[Candidat
                 first.rms
             );
         }
-        _ => charts.push_str(&chart(
-            candidates,
-            &front,
-            "error (rms, units of 1.0), less is up",
-            |c| c.rms,
-        )),
+        _ => {
+            let name = "error (rms, units of 1.0), less is up";
+            charts += &chart(candidates, &front, name, |c| c.rms);
+        }
     }
-    charts.push_str(&chart(
-        candidates,
-        &front,
-        "area (all resources, in LUTs), less is up",
-        |c| c.area,
-    ));
+    let name = "area (all resources, in LUTs), less is up";
+    charts += &chart(candidates, &front, name, |c| c.area);
     let mut plain = String::new();
     for candidate in &front {
         // Writing to a String cannot fail.
@@ -65,16 +59,10 @@ pub fn page(title: &str, note: &str, table: &ResultTable, candidates: &[Candidat
         points(table, candidates, &front),
         include_str!("front.js")
     );
-    Shell {
-        scripts: &scripts,
-        ..Shell::still(
-            "splatline: a sweep over designs and machines",
-            title,
-            &facts,
-            &body,
-        )
-    }
-    .html()
+    let product = "splatline: a sweep over designs and machines";
+    let mut shell = Shell::still(product, title, &facts, &body);
+    shell.scripts = &scripts;
+    shell.html()
 }
 
 /// What the page's script reads.

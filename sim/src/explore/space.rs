@@ -150,32 +150,26 @@ fn axis(
     key: &str,
     values: &Value,
 ) -> Result<SpaceAxis, Refused> {
+    let wrong = |problem: String| source.wrong(section, key, problem);
     let values = match values {
         Value::Array(list) if !list.is_empty() => list.clone(),
-        Value::Array(_) => return Err(source.wrong(section, key, "the list is empty")),
-        Value::Table(range) => {
-            numbers(range).map_err(|problem| source.wrong(section, key, problem))?
-        }
+        Value::Array(_) => return Err(wrong("the list is empty".to_owned())),
+        Value::Table(range) => numbers(range).map_err(wrong)?,
         single => vec![single.clone()],
     };
     let part = if section == "design" {
-        check_design(key, &values).map_err(|problem| source.wrong(section, key, problem))?;
+        check_design(key, &values).map_err(wrong)?;
         SpacePart::Design
     } else {
-        let Some(setting) = setting(key) else {
-            let problem = format!("no such field of a machine: {}", known(""));
-            return Err(source.wrong(section, key, problem));
-        };
+        let none = || wrong(format!("no such field of a machine: {}", known("")));
+        let setting = setting(key).ok_or_else(none)?;
         if setting.key == "sort_every" {
             let problem = "no point of a space keeps an order: `simulate` with a --camera-path and --set sort_every=N does";
-            return Err(source.wrong(section, key, problem));
+            return Err(wrong(problem.to_owned()));
         }
         if let Some(value) = values.iter().find(|value| !setting.accepts(value)) {
-            return Err(source.wrong(
-                section,
-                key,
-                format!("{value} is not allowed: {}", setting.allowed()),
-            ));
+            let allowed = setting.allowed();
+            return Err(wrong(format!("{value} is not allowed: {allowed}")));
         }
         match setting.key.as_str() {
             "tile_width" | "tile_height" => SpacePart::Tile,
@@ -277,24 +271,17 @@ fn points(
             .ok_or_else(|| source.wrong("", key, "must be a whole number, 0 or more")),
     };
     let (count, seed) = (integer("count", 100)? as usize, integer("seed", 1)? as u64);
-    let mut points = match table.get("sample").map_or(Some("grid"), Value::as_str) {
-        Some("grid") => {
-            let all = axes
-                .iter()
-                .try_fold(1usize, |all, axis| all.checked_mul(axis.values.len()));
-            match all.filter(|all| *all <= MOST_POINTS) {
-                Some(all) => grid(axes, all),
-                None => {
-                    return Err(source.wrong(
-                        "",
-                        "sample",
-                        format!("the grid has more than {MOST_POINTS} points: use \"latin\""),
-                    ));
-                }
-            }
+    let mut all = axes.iter().map(|axis| axis.values.len());
+    let all = all.try_fold(1usize, |all, values| all.checked_mul(values));
+    let sample = table.get("sample").map_or(Some("grid"), Value::as_str);
+    let mut points = match (sample, all.filter(|all| *all <= MOST_POINTS)) {
+        (Some("grid"), Some(all)) => grid(axes, all),
+        (Some("grid"), None) => {
+            let problem = format!("the grid has more than {MOST_POINTS} points: use \"latin\"");
+            return Err(source.wrong("", "sample", problem));
         }
-        Some("latin") if (1..=MOST_POINTS).contains(&count) => latin(axes, count, seed),
-        Some("latin") => {
+        (Some("latin"), _) if (1..=MOST_POINTS).contains(&count) => latin(axes, count, seed),
+        (Some("latin"), _) => {
             return Err(source.wrong("", "count", format!("allowed are 1 to {MOST_POINTS}")));
         }
         _ => return Err(source.wrong("", "sample", "allowed are \"grid\" and \"latin\"")),

@@ -1,7 +1,7 @@
 //! From a prepared plan to a picture through the kernel: the systems' different results become one [`Drawing`].
 
 use super::{
-    AnyScene, DesignVariant, Prepared, SplatMethod, Splats, Subject, Technique, surface_unit,
+    AnyScene, DesignVariant, Prepared, SplatMethod, Splats, Subject, Technique, with_surface_unit,
 };
 use crate::fast::frame::FrameFacts;
 use crate::fast::lanes::VectorLevel;
@@ -15,8 +15,8 @@ use crate::machine::{Config, Timing, simulate_alone};
 use crate::picture::Picture;
 use crate::reference::compositor::RowProgress as Rows;
 use crate::reference::sphere::{self, Shape};
-use crate::renderer::{Drawn, Renderer, Settings};
-use crate::report::facts::{ReasonCounts, SceneFacts};
+use crate::renderer::{Renderer, Settings};
+use crate::report::facts::{ReasonCounts, SceneFacts, counted};
 use crate::report::{HostTimes, PixelCounts};
 use crate::scene::Scene;
 use crate::surface::Style;
@@ -44,8 +44,8 @@ pub struct Drawing {
     /// Pixels at which more layers met than the style keeps.
     pub merged: usize,
     /// Seconds of this run, as the engine divides them; an engine that does not tell stages apart leaves them 0. The
-    /// total is measured around the engine by [`super::measure`].
-    pub stages: HostTimes,
+    /// total is measured around the engine by [`super::measure`], which puts the medians of all runs here.
+    pub host: HostTimes,
     /// Setup's results in the scene's order, for a machine to be timed on; empty for engines that no machine is modelled for, and partial where
     /// nobody counts.
     pub footprints: Vec<Result<Footprint, Cull>>,
@@ -158,27 +158,22 @@ impl Prepared {
             return Ok(extract_surface(&points, style, design, *traversal, tile)?);
         }
         let splats = self.splats()?;
-        let (scene, camera) = (splats.scene, splats.camera);
+        let options = splats.options(entry);
         Ok(extract_if_room(
-            scene,
-            camera,
-            &splats.options(entry),
+            splats.scene,
+            splats.camera,
+            &options,
             tile,
         )?)
     }
 
     /// Refuses a machine that has no units for what is drawn.
     pub fn check_machine(&self, machine: &Config) -> Result<()> {
-        let needed = match self.subject()? {
-            Subject::Surface(_, style) => surface_unit(style),
-            Subject::Splats(_) => self.splats().map(|_| [0; 2])?,
+        let style = match self.subject()? {
+            Subject::Surface(_, style) => Some(style),
+            Subject::Splats(_) => self.splats().map(|_| None)?,
         };
-        let [surface_layers, surface_light] = needed;
-        let wanted = Config {
-            surface_layers,
-            surface_light,
-            ..*machine
-        };
+        let wanted = with_surface_unit(machine, style);
         if wanted == *machine {
             return Ok(());
         }
@@ -187,7 +182,9 @@ impl Prepared {
             bail!("{name}: {key} = {value}: {allowed}");
         }
         bail!(
-            "{name}: it needs a machine with surface_layers = {surface_layers} and surface_light = {surface_light}"
+            "{name}: it needs a machine with surface_layers = {} and surface_light = {}",
+            wanted.surface_layers,
+            wanted.surface_light
         )
     }
 
@@ -230,7 +227,7 @@ pub(super) fn plain(picture: Picture) -> Drawing {
         colour_log2: 0,
         pixels: None,
         merged: 0,
-        stages: HostTimes::default(),
+        host: HostTimes::default(),
         footprints: Vec::new(),
     }
 }
@@ -348,7 +345,14 @@ impl KernelDrawing<'_> {
     /// Draws once. The drawing lacks its picture and footprints until it is [finished](KernelDrawing::finish).
     pub fn draw(&mut self, progress: Rows) -> Result<Drawing> {
         match &mut self.drawer {
-            Drawer::Splats(renderer) => draw_splats(renderer, &mut self.picture, progress),
+            Drawer::Splats(renderer) => {
+                let going_on = |done, of| {
+                    progress(done, of);
+                    true
+                };
+                let drawn = renderer.draw_picture(&mut self.picture, &going_on)?;
+                Ok(of_frame(drawn.facts, renderer.quantised(), drawn.convert))
+            }
             Drawer::Others(draw) => draw(&mut self.picture),
         }
     }
@@ -377,19 +381,6 @@ fn in_kernel(shape: Shape) -> (kernel::Ellipse, kernel::Index) {
     (ellipse, index)
 }
 
-fn draw_splats(
-    renderer: &mut Renderer<&Scene>,
-    picture: &mut Picture,
-    progress: Rows,
-) -> Result<Drawing> {
-    let going_on = |done, of| {
-        progress(done, of);
-        true
-    };
-    let Drawn { facts, convert } = renderer.draw_picture(picture, &going_on)?;
-    Ok(of_frame(facts, renderer.quantised(), convert))
-}
-
 /// What a frame's facts say; the picture comes when all frames have been drawn.
 fn of_frame(facts: FrameFacts, quantised: &QuantisedScene, convert_s: f64) -> Drawing {
     let mut culled = cull_counts(facts.culled);
@@ -401,9 +392,12 @@ fn of_frame(facts: FrameFacts, quantised: &QuantisedScene, convert_s: f64) -> Dr
         clamped: quantised.clamped as u64,
         colour_log2: quantised.colour_log2,
         pixels: Some(pixels(facts.coverage)),
-        stages: HostTimes {
+        host: HostTimes {
+            setup_s: facts.times.setup,
+            sort_s: facts.times.sort,
+            raster_s: facts.times.raster,
             convert_s,
-            ..stages(facts.times)
+            ..HostTimes::default()
         },
         ..plain(Picture::new(0, 0))
     }
@@ -427,22 +421,13 @@ fn draw_surface(renderer: &mut SurfaceRenderer, style: &Style, picture: &mut Pic
         clamped: renderer.clamped() as u64,
         pixels: Some(pixels(facts.coverage)),
         merged: facts.merged,
-        stages: HostTimes {
+        host: HostTimes {
             setup_s,
             sort_s,
             raster_s,
             ..HostTimes::default()
         },
         ..plain(Picture::new(0, 0))
-    }
-}
-
-fn stages(times: fixed::Times) -> HostTimes {
-    HostTimes {
-        setup_s: times.setup,
-        sort_s: times.sort,
-        raster_s: times.raster,
-        ..HostTimes::default()
     }
 }
 
@@ -464,10 +449,7 @@ fn cull_counts(culled: [usize; Cull::ALL.len()]) -> ReasonCounts {
         Cull::Transparent => "transparent",
         Cull::Outside => "outside",
     };
-    let counts = Cull::ALL.iter().zip(culled);
-    counts
-        .map(|(reason, count)| (name(reason).to_owned(), count as u64))
-        .collect()
+    counted(Cull::ALL.iter().map(name).zip(culled))
 }
 
 /// Backs among the reasons for culling, where they are left out.

@@ -1,7 +1,7 @@
 //! Drawings repeated, timed and compared: a plan by several designs and traversals, each against the reference.
 
 use super::draw::on_threads;
-use super::record::{report_of_drawing, report_of_entry};
+use super::record::report_of;
 use super::{DesignVariant, Drawing, Engine, Prepared};
 use crate::atomic;
 use crate::design::DesignChoice;
@@ -57,14 +57,6 @@ impl Effort {
     }
 }
 
-/// A drawing and the median times of all its runs.
-pub struct Measured {
-    /// The last run's.
-    pub drawing: Drawing,
-    /// Medians.
-    pub host: HostTimes,
-}
-
 /// The plan's pictures and the report about all designs.
 pub struct Comparison {
     /// By the plan's own design and traversal.
@@ -79,27 +71,27 @@ pub struct Comparison {
     pub merged: usize,
 }
 
-/// Runs `draw` as often as asked and keeps the last drawing.
+/// Runs `draw` as often as asked and keeps the last drawing, with the median times of all.
 fn measure(
     effort: &Effort,
     progress: &ProgressMeter,
     mut draw: impl FnMut() -> Result<Drawing> + Send,
-) -> Result<Measured> {
+) -> Result<Drawing> {
     let mut runs = Vec::with_capacity(effort.repeat);
     on_threads(effort.threads, || {
         loop {
             let start = Instant::now();
-            let drawing = draw()?;
+            let mut drawing = draw()?;
             let total_s = start.elapsed().as_secs_f64();
             runs.push(HostTimes {
                 total_s,
                 threads: effort.threads,
-                ..drawing.stages
+                ..drawing.host
             });
             progress.part(runs.len(), effort.repeat);
             if runs.len() >= effort.repeat {
-                let host = HostTimes::median_of(&runs);
-                return Ok(Measured { drawing, host });
+                drawing.host = HostTimes::median_of(&runs);
+                return Ok(drawing);
             }
         }
     })?
@@ -110,7 +102,7 @@ pub fn draw_last(
     prepared: &mut Prepared,
     effort: &Effort,
     progress: &ProgressMeter,
-) -> Result<(Measured, Report)> {
+) -> Result<(Drawing, Report)> {
     let started = Instant::now();
     let released = match prepared.plan.engine {
         Engine::Fixed => on_threads(effort.threads, || prepared.release())?,
@@ -126,16 +118,15 @@ pub fn draw_alone(
     released: Option<QuantisedScene>,
     effort: &Effort,
     progress: &ProgressMeter,
-) -> Result<(Measured, Report)> {
+) -> Result<(Drawing, Report)> {
     let plan = &prepared.plan;
-    if plan.engine == Engine::Fixed {
-        let measured = measure_fixed(prepared, released, effort, &plan.entry, progress)?;
-        let report = report_of_entry(prepared, &plan.entry, &measured)?;
-        return Ok((measured, report));
-    }
-    let measured = measure_reference(prepared, effort, plan.engine, progress)?;
-    let report = report_of_drawing(prepared, plan.engine, &measured)?;
-    Ok((measured, report))
+    let entry = (plan.engine == Engine::Fixed).then_some(&plan.entry);
+    let drawing = match entry {
+        Some(entry) => measure_fixed(prepared, released, effort, entry, progress)?,
+        None => measure_reference(prepared, effort, plan.engine, progress)?,
+    };
+    let report = report_of(prepared, plan.engine, entry, &drawing)?;
+    Ok((drawing, report))
 }
 
 /// The scene is brought into the kernel's formats once, before the first picture.
@@ -145,7 +136,7 @@ fn measure_fixed(
     effort: &Effort,
     entry: &DesignVariant,
     progress: &ProgressMeter,
-) -> Result<Measured> {
+) -> Result<Drawing> {
     let started = Instant::now();
     let prepare = || prepared.kernel(released, entry, effort.vectors, effort.counts);
     let mut kernel = on_threads(effort.threads, prepare)??;
@@ -157,7 +148,7 @@ fn measure_fixed(
             }
         })
     })?;
-    kernel.finish(&mut measured.drawing);
+    kernel.finish(&mut measured);
     measured.host.prepare_s = prepare_s;
     Ok(measured)
 }
@@ -167,7 +158,7 @@ fn measure_reference(
     effort: &Effort,
     engine: Engine,
     progress: &ProgressMeter,
-) -> Result<Measured> {
+) -> Result<Drawing> {
     let rows = |done, of| progress.part(done, of);
     measure(effort, progress, || prepared.draw_reference(engine, &rows))
 }
@@ -225,7 +216,7 @@ pub fn compare_all(
         ..*effort
     };
     let float = measure_reference(prepared, &once, reference, &progress)?;
-    let float = float.drawing.picture;
+    let float = float.picture;
     progress.advance();
 
     let mut table = Vec::with_capacity(entries.len());
@@ -233,13 +224,18 @@ pub fn compare_all(
     for entry in &entries {
         progress.doing(entry.title());
         let measured = measure_fixed(prepared, None, effort, entry, &progress)?;
-        let (error, cycles) = judge(prepared, effort.threads, entry, &measured.drawing, &float)?;
-        let pixels = measured.drawing.pixels.unwrap_or_default();
-        let traversal = prepared.traversal_name(entry);
-        let row = ReportRow::new(&entry.design.name, traversal, &error, pixels, measured.host);
+        let (error, cycles) = judge(prepared, effort.threads, entry, &measured, &float)?;
+        let pixels = measured.pixels.unwrap_or_default();
         table.push(ReportRow {
+            design: entry.design.name.clone(),
+            traversal: prepared.traversal_name(entry).to_owned(),
+            error: error.rgb,
+            flip: error.flip,
+            visited: pixels.visited,
+            covered: pixels.covered,
+            visited_per_covered: pixels.ratio(),
             cycles: cycles.as_ref().map(|cycles| cycles.total),
-            ..row
+            host: measured.host,
         });
         if entry == chosen {
             kept = Some((measured, error, cycles));
@@ -247,7 +243,7 @@ pub fn compare_all(
         progress.advance();
     }
     let (measured, error, cycles) = kept.context("the chosen design was not drawn")?;
-    let map = ErrorMap::new(&measured.drawing.picture, &float);
+    let map = ErrorMap::new(&measured.picture, &float);
     let machine = &prepared.plan.machine;
     let pace = cycles.as_ref().map(|timing| {
         let clock = Clock::of(machine, &chosen.design.widths, Family::default());
@@ -260,11 +256,11 @@ pub fn compare_all(
         pace,
         cycles,
         table,
-        ..report_of_entry(prepared, chosen, &measured)?
+        ..report_of(prepared, Engine::Fixed, Some(chosen), &measured)?
     };
     Ok(Comparison {
-        merged: measured.drawing.merged,
-        fixed: measured.drawing.picture,
+        merged: measured.merged,
+        fixed: measured.picture,
         float,
         map,
         report,

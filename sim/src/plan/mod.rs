@@ -25,7 +25,7 @@ mod text;
 pub use draw::Drawing;
 pub use footprints::FootprintLine;
 pub use load::{AnyScene, Contents, LoadedScene, Source};
-pub use measure::{Comparison, Effort, Measured, all_entries, compare_all};
+pub use measure::{Comparison, Effort, all_entries, compare_all};
 pub use technique::{AlphaChannel, SheetBuffers, SplatMethod, Technique};
 
 use crate::camera::Camera;
@@ -254,9 +254,13 @@ impl<'a> Splats<'a> {
     }
 }
 
-/// Layers of a pixel and light that a machine needs for a style.
-fn surface_unit(style: &Style) -> [u32; 2] {
-    [layers_of(style), style.light.is_some().into()]
+/// The machine with the layers of a pixel and the light that a style needs; splats need neither.
+fn with_surface_unit(machine: &Config, style: Option<&Style>) -> Config {
+    Config {
+        surface_layers: style.map_or(0, layers_of),
+        surface_light: style.is_some_and(|style| style.light.is_some()).into(),
+        ..*machine
+    }
 }
 
 impl Plan {
@@ -287,12 +291,7 @@ impl Prepared {
             });
         }
         if let Technique::Surface(style) = &plan.technique {
-            let [surface_layers, surface_light] = surface_unit(style);
-            let machine = Config {
-                surface_layers,
-                surface_light,
-                ..plan.machine
-            };
+            let machine = with_surface_unit(&plan.machine, Some(style));
             if plan.machine.surface_layers == 0 && machine.check_together().is_ok() {
                 plan.machine = machine;
             }

@@ -1,7 +1,7 @@
 //! A plan's results as a report, and a plan out of a report.
 
 use super::exercised::exercised;
-use super::{AnyScene, DesignVariant, Engine, Measured, Plan, Prepared, SplatMethod, Technique};
+use super::{AnyScene, DesignVariant, Drawing, Engine, Plan, Prepared, SplatMethod, Technique};
 use crate::design::traversal_name;
 use crate::hybrid::Hybrid;
 use crate::report::facts::SceneFacts;
@@ -70,33 +70,21 @@ impl Plan {
     }
 }
 
-/// The report of one picture through the kernel that was compared with nothing.
-pub fn report_of_entry(
-    prepared: &Prepared,
-    entry: &DesignVariant,
-    measured: &Measured,
-) -> Result<Report> {
-    Ok(Report {
-        design: Some(entry.design.resolved()),
-        traversal: Some(prepared.traversal_name(entry).to_owned()),
-        ..report_of_drawing(prepared, Engine::Fixed, measured)?
-    })
-}
-
-/// The report of one picture by whatever engine, without design and traversal.
-pub fn report_of_drawing(
+/// The report of one picture that was compared with nothing: by the kernel's design, or by another engine.
+pub fn report_of(
     prepared: &Prepared,
     engine: Engine,
-    measured: &Measured,
+    entry: Option<&DesignVariant>,
+    drawing: &Drawing,
 ) -> Result<Report> {
     let plan = &prepared.plan;
-    let scene = scene_facts(prepared, measured);
+    let scene = scene_facts(prepared, drawing);
     Ok(Report {
         format: FORMAT.to_owned(),
         engine: engine.name().to_owned(),
         reference: None,
-        design: None,
-        traversal: None,
+        design: entry.map(|entry| entry.design.resolved()),
+        traversal: entry.map(|entry| prepared.traversal_name(entry).to_owned()),
         warnings: scene.warnings(&prepared.warnings),
         scene,
         camera: (&plan.camera).into(),
@@ -110,10 +98,10 @@ pub fn report_of_drawing(
         error_map: None,
         cycles: None,
         pace: None,
-        pixels: measured.drawing.pixels,
+        pixels: drawing.pixels,
         host: HostTimes {
-            prepare_s: prepared.prepare_s + measured.host.prepare_s,
-            ..measured.host
+            prepare_s: prepared.prepare_s + drawing.host.prepare_s,
+            ..drawing.host
         },
         table: Vec::new(),
         formats: Vec::new(),
@@ -131,8 +119,7 @@ fn stated(plan: &Plan) -> Result<serde_json::Value> {
     })
 }
 
-fn scene_facts(prepared: &Prepared, measured: &Measured) -> SceneFacts {
-    let drawing = &measured.drawing;
+fn scene_facts(prepared: &Prepared, drawing: &Drawing) -> SceneFacts {
     let (culled, clamped) = (drawing.culled.clone(), drawing.clamped);
     match &*prepared.scene {
         AnyScene::Splats(scene) => SceneFacts {

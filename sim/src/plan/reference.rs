@@ -2,13 +2,11 @@
 
 use super::draw::{plain, with_backfaces};
 use super::{Drawing, Engine, Prepared, SplatMethod, Splats, Subject};
-use crate::camera::Camera;
 use crate::hybrid::Hybrid;
 use crate::reference::compositor::{self, RowProgress as Rows};
 use crate::reference::{self, Counts, FloatDrawing, exact, float, formats, sphere};
-use crate::report::facts::ReasonCounts;
+use crate::report::facts::{ReasonCounts, counted};
 use crate::rules::{self, Compositing, Rules};
-use crate::scene::Scene;
 use anyhow::{Result, bail};
 
 impl Prepared {
@@ -70,7 +68,12 @@ fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<F
             Ok(sphere::draw(scene, camera, rules, compositing, *shape))
         }
         (Engine::Float, SplatMethod::Points(hybrid)) => {
-            Ok(draw_hybrid_reference(scene, camera, rules, hybrid))
+            // Centres of points are where they are and not at a stamp's phase.
+            let hybrid = Hybrid {
+                phase_bits: None,
+                ..*hybrid
+            };
+            Ok(reference::hybrid::draw(scene, camera, rules, &hybrid))
         }
         (Engine::Float, SplatMethod::Sheets(sheets)) => {
             let plan = sheets.plan(scene, camera);
@@ -102,38 +105,17 @@ fn draw_format(engine: Engine, splats: &Splats) -> Result<FloatDrawing> {
     }
     let single = formats::RoundedStages::pixels(formats::FP32);
     let stages = engine.stages().unwrap_or(single);
-    Ok(formats::draw(
-        splats.scene,
-        splats.camera,
-        splats.rules,
-        &stages,
-    ))
-}
-
-/// Points and splats in double precision, centres of points where they are and not at a stamp's phase.
-fn draw_hybrid_reference(
-    scene: &Scene,
-    camera: &Camera,
-    rules: &Rules,
-    hybrid: &Hybrid,
-) -> FloatDrawing {
-    let hybrid = Hybrid {
-        phase_bits: None,
-        ..*hybrid
-    };
-    reference::hybrid::draw(scene, camera, rules, &hybrid)
+    let (scene, camera) = (splats.scene, splats.camera);
+    Ok(formats::draw(scene, camera, splats.rules, &stages))
 }
 
 fn reference_culled(counts: &Counts) -> ReasonCounts {
-    let reasons = [
+    counted([
         ("near", counts.near),
         ("far", counts.far),
         ("outside", counts.outside),
         ("transparent", counts.transparent),
         ("degenerate", counts.degenerate),
         ("non_finite", counts.non_finite),
-    ];
-    reasons
-        .map(|(reason, count)| (reason.to_owned(), count as u64))
-        .into()
+    ])
 }

@@ -7,6 +7,13 @@ use std::collections::BTreeMap;
 /// Counts by reason, in alphabetical order so that reports can be compared line by line.
 pub type ReasonCounts = BTreeMap<String, u64>;
 
+/// Counts by these reasons.
+pub fn counted<'a>(reasons: impl IntoIterator<Item = (&'a str, usize)>) -> ReasonCounts {
+    let reasons = reasons.into_iter();
+    let named = reasons.map(|(reason, count)| (reason.to_owned(), count as u64));
+    named.collect()
+}
+
 /// What was drawn and what was left out.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneFacts {

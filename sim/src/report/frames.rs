@@ -225,13 +225,8 @@ pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
         escape(&over.text()),
         curves.concat()
     );
-    Shell::still(
-        "splatline: many frames, fixed point against float",
-        title,
-        "",
-        &body,
-    )
-    .html()
+    let product = "splatline: many frames, fixed point against float";
+    Shell::still(product, title, "", &body).html()
 }
 
 /// A value over the frames, from 0 to its largest.

@@ -101,9 +101,9 @@ fn subject(report: &Report) -> String {
 /// The few figures that a reader looks for first.
 fn headline(report: &Report) -> String {
     let mut figures: Vec<(&str, String)> = Vec::new();
-    let psnr = |psnr_db: f64| {
-        let unit = psnr_db.is_finite().then_some("dB");
-        with_unit(table::decibels(psnr_db), unit)
+    let psnr = |psnr_db: f64| match table::decibels(psnr_db) {
+        number if psnr_db.is_finite() => format!("{number} <small>dB</small>"),
+        identical => identical,
     };
     if let Some(error) = &report.error {
         figures.push(("PSNR of RGB", psnr(error.rgb.psnr_db)));
@@ -116,27 +116,17 @@ fn headline(report: &Report) -> String {
         figures.push(("PSNR, covered pixels", psnr(covered.psnr_db)));
         figures.push(("bias, covered pixels", table::signed(covered.bias)));
     }
-    if let Some(pixels) = report.pixels.filter(|pixels| pixels.covered > 0) {
-        figures.push((
-            "visited / covered",
-            format!("{:.2}", pixels.visited as f64 / pixels.covered as f64),
-        ));
+    if let Some(ratio) = report.pixels.and_then(|pixels| pixels.ratio()) {
+        figures.push(("visited / covered", format!("{ratio:.2}")));
     }
-    figures.push((
-        "host time",
-        with_unit(format!("{:.1}", report.host.total_s * 1e3), Some("ms")),
-    ));
+    let milliseconds = report.host.total_s * 1e3;
+    let time = format!("{milliseconds:.1} <small>ms</small>");
+    figures.push(("host time", time));
     let items: String = figures
         .iter()
         .map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"))
         .collect();
     format!("<dl class=\"headline\">\n{items}</dl>\n")
-}
-
-fn with_unit(value: String, unit: Option<&str>) -> String {
-    unit.map_or(value.clone(), |unit| {
-        format!("{value} <small>{unit}</small>")
-    })
 }
 
 fn pictures(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -> Result<String> {
@@ -157,35 +147,25 @@ fn pictures(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -
         }
         None => "<b>error</b> none: the pictures are identical".to_owned(),
     };
-    let figures = [
-        figure(
-            "fixed",
-            &fixed_note,
-            &Rgb::on_black(fixed),
-            "the fixed-point picture",
-            "",
-        )?,
-        figure(
-            "float",
-            &float_note,
-            &Rgb::on_black(float),
-            "the reference picture",
-            "",
-        )?,
-        figure(
-            "error",
-            &map_note,
-            &map.to_rgb(),
-            "map of signed errors",
-            &scale_bar(map),
-        )?,
+    let [fixed, float] = [fixed, float].map(Rgb::on_black);
+    let layers = [
+        ("fixed", fixed_note, fixed, "the fixed-point picture"),
+        ("float", float_note, float, "the reference picture"),
+        ("error", map_note, map.to_rgb(), "map of signed errors"),
     ];
+    let mut figures = String::new();
+    for (layer, note, picture, alternative) in layers {
+        let below = match layer {
+            "error" => scale_bar(map),
+            _ => String::new(),
+        };
+        figures += &figure(layer, &note, &picture, alternative, &below)?;
+    }
     Ok(format!(
         "<section>\n<h2>Pictures</h2>\n<p class=\"read\">{text}</p>\n{controls}<div class=\"pictures\" id=\"side\">\n{figures}</div>\n{readings}</section>\n",
         controls = viewer::controls(),
         readings = viewer::readings(map),
         text = pictures_text(map),
-        figures = figures.concat(),
     ))
 }
 

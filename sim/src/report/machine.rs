@@ -119,18 +119,12 @@ pub struct Plot {
 /// All charts of a machine's cycles.
 pub fn plots(timing: &Timing, watched: &Watched, config: &Config) -> [Plot; 4] {
     let plot = |title, file, svg| Plot { title, file, svg };
+    let tile = [config.tile_width, config.tile_height];
+    let (time, tiles) = (over_time(timing, watched), heat_map(watched, tile));
     [
         plot("Where each unit's cycles go", "stalls", accounts(timing)),
-        plot(
-            "Work over the raster phase",
-            "time",
-            over_time(timing, watched),
-        ),
-        plot(
-            "Cycles of the lanes per tile",
-            "tiles",
-            heat_map(watched, [config.tile_width, config.tile_height]),
-        ),
+        plot("Work over the raster phase", "time", time),
+        plot("Cycles of the lanes per tile", "tiles", tiles),
         plot("Roofline", "roofline", roofline(timing, config)),
     ]
 }

@@ -213,6 +213,13 @@ impl Report {
     }
 }
 
+impl PixelCounts {
+    /// Visited over covered, 1 at best; nothing if nothing was covered.
+    pub fn ratio(&self) -> Option<f64> {
+        (self.covered > 0).then(|| self.visited as f64 / self.covered as f64)
+    }
+}
+
 impl ErrorFacts {
     /// From both measures of two pictures.
     pub fn new(errors: &Errors, flip: f64) -> Self {
@@ -254,30 +261,6 @@ impl HostTimes {
             total_s,
             repeat: runs.len(),
             threads: runs.first().map_or(0, |t| t.threads),
-        }
-    }
-}
-
-impl ReportRow {
-    /// A line of the sweep.
-    pub fn new(
-        design: &str,
-        traversal: &str,
-        error: &ErrorFacts,
-        pixels: PixelCounts,
-        host: HostTimes,
-    ) -> ReportRow {
-        let PixelCounts { covered, visited } = pixels;
-        ReportRow {
-            design: design.to_owned(),
-            traversal: traversal.to_owned(),
-            error: error.rgb,
-            flip: error.flip,
-            visited,
-            covered,
-            visited_per_covered: (covered > 0).then(|| visited as f64 / covered as f64),
-            cycles: None,
-            host,
         }
     }
 }

@@ -88,11 +88,12 @@ impl PhotoReport {
         let reference = means(0);
         let line = |place: usize| {
             let mean = means(place);
+            let change = change(&reference, &mean);
             PhotoMean {
                 engine: views[0].drawn[place].engine.clone(),
-                psnr_change_db: mean.psnr_db - reference.psnr_db,
-                ssim_change: mean.ssim - reference.ssim,
-                flip_change: mean.flip - reference.flip,
+                psnr_change_db: change.psnr_db,
+                ssim_change: change.ssim,
+                flip_change: change.flip,
                 mean,
             }
         };
@@ -118,38 +119,32 @@ impl PhotoReport {
             "SSIM",
             "FLIP"
         );
-        for row in &self.views {
-            let [a, b] = [0, 1].map(|place: usize| row.drawn[place.min(row.drawn.len() - 1)].error);
+        let numbers =
+            |e: &PhotoError| format!("{:>9.3} {:>9.5} {:>9.5}", e.psnr_db, e.ssim, e.flip);
+        let changed =
+            |e: PhotoError| format!("{:+.4} dB {:+.1e} {:+.1e}", e.psnr_db, e.ssim, e.flip);
+        let reference = self.means[0].mean;
+        for PhotoRow { name, drawn, .. } in &self.views {
+            let [a, b] = [0, 1].map(|place: usize| drawn[place.min(drawn.len() - 1)].error);
+            let (first, second, change) = (numbers(&a), numbers(&b), changed(change(&a, &b)));
             // Writing to a String cannot fail.
-            let _ = writeln!(
-                text,
-                "{:<24} {:>9.3} {:>9.5} {:>9.5}   {:>9.3} {:>9.5} {:>9.5}   {:+.4} dB {:+.1e} {:+.1e}",
-                row.name,
-                a.psnr_db,
-                a.ssim,
-                a.flip,
-                b.psnr_db,
-                b.ssim,
-                b.flip,
-                b.psnr_db - a.psnr_db,
-                b.ssim - a.ssim,
-                b.flip - a.flip
-            );
+            let _ = writeln!(text, "{name:<24} {first}   {second}   {change}");
         }
         let _ = writeln!(text, "mean over the views");
-        for mean in &self.means {
-            let PhotoError {
-                psnr_db,
-                ssim,
-                flip,
-            } = mean.mean;
-            let _ = writeln!(
-                text,
-                "{:<24} {psnr_db:>9.3} {ssim:>9.5} {flip:>9.5}   {:+.4} dB {:+.1e} {:+.1e}",
-                mean.engine, mean.psnr_change_db, mean.ssim_change, mean.flip_change
-            );
+        for PhotoMean { engine, mean, .. } in &self.means {
+            let (numbers, change) = (numbers(mean), changed(change(&reference, mean)));
+            let _ = writeln!(text, "{engine:<24} {numbers}   {change}");
         }
         text
+    }
+}
+
+/// From one error to another.
+fn change(from: &PhotoError, to: &PhotoError) -> PhotoError {
+    PhotoError {
+        psnr_db: to.psnr_db - from.psnr_db,
+        ssim: to.ssim - from.ssim,
+        flip: to.flip - from.flip,
     }
 }
 
@@ -271,35 +266,24 @@ pub fn page(report: &PhotoReport, shown: &[Vec<(String, String)>]) -> String {
         report.views.len(),
         escape(&report.split)
     );
-    Shell::still(
-        "splatline: drawn against photographs",
-        "Photographs",
-        &facts,
-        &body,
-    )
-    .html()
+    let product = "splatline: drawn against photographs";
+    Shell::still(product, "Photographs", &facts, &body).html()
 }
 
 /// A line for each engine, with what it costs beside the first.
 fn table<'a>(lines: impl Iterator<Item = (&'a str, PhotoError)> + Clone) -> String {
     let first = lines.clone().next().map(|(_, error)| error);
-    let change = |error: &PhotoError, of: fn(&PhotoError) -> f64| {
-        of(error) - of(first.as_ref().unwrap_or(error))
-    };
+    let change = |error: &PhotoError| change(first.as_ref().unwrap_or(error), error);
     let columns: [Column<(&str, PhotoError)>; 7] = [
         ("drawn by", &|(engine, _)| escape(engine)),
         ("PSNR, dB", &|(_, error)| format!("{:.3}", error.psnr_db)),
         ("SSIM", &|(_, error)| format!("{:.5}", error.ssim)),
         ("FLIP", &|(_, error)| format!("{:.5}", error.flip)),
-        ("PSNR change, dB", &|(_, error)| {
-            format!("{:+.4}", change(error, |e| e.psnr_db))
+        ("PSNR change, dB", &|(_, e)| {
+            format!("{:+.4}", change(e).psnr_db)
         }),
-        ("SSIM change", &|(_, error)| {
-            format!("{:+.1e}", change(error, |e| e.ssim))
-        }),
-        ("FLIP change", &|(_, error)| {
-            format!("{:+.1e}", change(error, |e| e.flip))
-        }),
+        ("SSIM change", &|(_, e)| format!("{:+.1e}", change(e).ssim)),
+        ("FLIP change", &|(_, e)| format!("{:+.1e}", change(e).flip)),
     ];
     table_of("", &[0], &columns, lines)
 }

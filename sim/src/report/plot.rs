@@ -51,15 +51,17 @@ pub fn svg(rows: &[ReportRow], across: Across, width: f64, height: f64) -> Strin
     axes.draw(&mut chart);
     draw_legend(&mut chart, rows, &axes);
     let designs = distinct(rows.iter().map(|row| row.design.as_str()));
+    let mut places = Vec::new();
     for (index, design) in designs.iter().enumerate() {
         let own = || rows.iter().filter(|row| row.design == *design);
         let points: Vec<(f64, f64)> = own().map(|row| axes.point(row)).collect();
         chart.line(&points, &series(index));
-        for (row, point) in own().zip(points) {
-            marker(&mut chart, point, &row.traversal, &series(index));
+        for (row, point) in own().zip(&points) {
+            marker(&mut chart, *point, &row.traversal, &series(index));
         }
+        places.push(points);
     }
-    draw_labels(&mut chart, rows, &designs, &axes);
+    draw_labels(&mut chart, &designs, &places, &axes.frame);
     // Over every marker a circle that tells its row, for the pointer and for the page's script, which lights row and marker together.
     for (index, row) in rows.iter().enumerate() {
         let attributes = format!("class=\"place\" data-row=\"{index}\" fill=\"none\"");
@@ -154,20 +156,16 @@ fn draw_legend(chart: &mut Chart, rows: &[ReportRow], axes: &PlotAxes) {
 }
 
 /// One label per design, at its fastest traversal.
-fn draw_labels(chart: &mut Chart, rows: &[ReportRow], designs: &[&str], axes: &PlotAxes) {
-    let drawn: Vec<Rectangle> = designs
-        .iter()
-        .flat_map(|design| occupied(rows, design, axes))
-        .collect();
-    let anchors: Vec<(f64, f64)> = designs
-        .iter()
-        .map(|design| fastest(rows, design, axes))
-        .collect();
-    let sizes: Vec<(f64, f64)> = designs
-        .iter()
-        .map(|design| (text_width(design), LINE))
-        .collect();
-    let placements = labels::place(&anchors, &sizes, &drawn, &axes.frame);
+fn draw_labels(chart: &mut Chart, designs: &[&str], places: &[Vec<(f64, f64)>], frame: &Rectangle) {
+    let drawn: Vec<Rectangle> = places.iter().flat_map(|points| occupied(points)).collect();
+    let leftmost = |points: &Vec<(f64, f64)>| {
+        let points = points.iter().copied();
+        points.min_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let anchors: Vec<(f64, f64)> = places.iter().filter_map(leftmost).collect();
+    let sizes = designs.iter().map(|design| (text_width(design), LINE));
+    let sizes: Vec<(f64, f64)> = sizes.collect();
+    let placements = labels::place(&anchors, &sizes, &drawn, frame);
     for (index, (design, placement)) in designs.iter().zip(&placements).enumerate() {
         let area = placement.area;
         if placement.leader {
@@ -184,12 +182,7 @@ fn draw_labels(chart: &mut Chart, rows: &[ReportRow], designs: &[&str], axes: &P
 }
 
 /// What a design's markers and its joining line cover, the line as a chain of small squares.
-fn occupied(rows: &[ReportRow], design: &str, axes: &PlotAxes) -> Vec<Rectangle> {
-    let points: Vec<(f64, f64)> = rows
-        .iter()
-        .filter(|row| row.design == design)
-        .map(|row| axes.point(row))
-        .collect();
+fn occupied(points: &[(f64, f64)]) -> Vec<Rectangle> {
     let markers = points
         .iter()
         .map(|&point| Rectangle::around(point, MARKER + 2.0));
@@ -202,15 +195,6 @@ fn occupied(rows: &[ReportRow], design: &str, axes: &PlotAxes) -> Vec<Rectangle>
         })
     });
     markers.chain(lines).collect()
-}
-
-/// The leftmost point of a design.
-fn fastest(rows: &[ReportRow], design: &str, axes: &PlotAxes) -> (f64, f64) {
-    rows.iter()
-        .filter(|row| row.design == design)
-        .map(|row| axes.point(row))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .unwrap_or((axes.frame.left, axes.frame.top))
 }
 
 /// A square for `box`, a circle for `spans`, a triangle for anything else.

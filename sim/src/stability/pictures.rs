@@ -133,18 +133,13 @@ pub(super) fn exact(case: &Case, projected: &[Option<RationalFootprint>]) -> Tru
     let targets = picture.pixels.iter_mut().zip(&mut edges);
     for ((pixel, edge), at) in targets.zip(pixels(case)) {
         let mut sum = [0.0; 3];
-        let (clear, on_edge) = composite(
-            &case.rules,
-            &order,
-            at,
-            |_| EDGE,
-            |layer| {
-                let colour = case.scene.splats[layer.index].colour;
-                for (sum, colour) in sum.iter_mut().zip(colour) {
-                    *sum += layer.clear * layer.alpha * colour;
-                }
-            },
-        );
+        let add = |layer: PictureLayer| {
+            let colour = case.scene.splats[layer.index].colour;
+            for (sum, colour) in sum.iter_mut().zip(colour) {
+                *sum += layer.clear * layer.alpha * colour;
+            }
+        };
+        let (clear, on_edge) = composite(&case.rules, &order, at, |_| EDGE, add);
         *edge = on_edge;
         *pixel = [sum[0], sum[1], sum[2], 1.0 - clear];
     }
@@ -177,17 +172,12 @@ pub(super) fn share_of_bound(
     let mut largest = 0.0;
     for ((got, expected), at) in pairs.zip(pixels(case)) {
         let mut bound = 0.0;
-        let (_, edge) = composite(
-            &case.rules,
-            &order,
-            at,
-            |index| widths[index],
-            |layer| {
-                if let Some(bounds) = &bounds[layer.index] {
-                    bound += layer.clear * bounds.opacity(layer.r, range) + bounds.layer();
-                }
-            },
-        );
+        let add = |layer: PictureLayer| {
+            if let Some(bounds) = &bounds[layer.index] {
+                bound += layer.clear * bounds.opacity(layer.r, range) + bounds.layer();
+            }
+        };
+        let (_, edge) = composite(&case.rules, &order, at, |index| widths[index], add);
         let error = (0..4).fold(0.0, |most: f64, c| most.max((got[c] - expected[c]).abs()));
         if !edge && bound > 0.0 {
             largest = worse(largest, error / bound);

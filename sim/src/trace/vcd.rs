@@ -10,11 +10,7 @@ use std::io;
 type VcdPlace = (u32, Stage, u32);
 
 /// What changes at a place in a cycle: items that come or go, and the splat that came last.
-#[derive(Default)]
-struct Change {
-    items: i64,
-    splat: Option<u32>,
-}
+type Change = (i64, Option<u32>);
 
 /// The dump of some events.
 pub fn dump(events: &[Event]) -> io::Result<Vec<u8>> {
@@ -26,8 +22,7 @@ pub fn dump(events: &[Event]) -> io::Result<Vec<u8>> {
         let place = (event.unit, event.stage, event.lane);
         let mut at = |cycle: u64, items: i64, splat: Option<u32>| {
             let change = changes.entry(cycle).or_default().entry(place).or_default();
-            change.items += items;
-            change.splat = splat.or(change.splat);
+            *change = (change.0 + items, splat.or(change.1));
         };
         at(event.start, 1, Some(event.splat));
         at(event.end, -1, None);
@@ -45,14 +40,14 @@ pub fn dump(events: &[Event]) -> io::Result<Vec<u8>> {
         if cycle > first {
             writer.timestamp(cycle)?;
         }
-        for (place, change) in places {
+        for (place, (moved, splat)) in places {
             let [of_items, of_splat] = signals[&place];
-            if change.items != 0 {
+            if moved != 0 {
                 let now = items.entry(place).or_default();
-                *now += change.items;
+                *now += moved;
                 writer.change_vector(of_items, bits(*now as u32))?;
             }
-            if let Some(splat) = change.splat {
+            if let Some(splat) = splat {
                 writer.change_vector(of_splat, bits(splat))?;
             }
         }

@@ -42,7 +42,7 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
         for (stage, mut record) in setup.iter_mut().zip(records) {
             // What comes after a splat was culled is zeros.
             record.resize(stage.fields.len(), 0);
-            stage.records.push(record);
+            stage.add(record);
         }
         visible.extend(footprint.ok().map(|footprint| (index, footprint)));
     }
@@ -191,7 +191,7 @@ fn packet_stage(
         let own = &stage.fields[..stage.fields.len() - 2];
         let mut record: Vec<i64> = own.iter().map(|field| field.value(&words)).collect();
         record.extend([footprint.depth as i64, *index as i64]);
-        stage.records.push(record);
+        stage.add(record);
     }
     stage
 }
@@ -281,8 +281,7 @@ impl<D: Design> RasterStages<D> {
         while let Some(run) = rows.next_span() {
             let lanes = [run.radial, run.first, run.second].map(Lane::to_wide);
             self.runs
-                .records
-                .push(record![number as i64; run.y; run.x; run.length; lanes]);
+                .add(record![number as i64; run.y; run.x; run.length; lanes]);
             for (column, lane) in (run.x..).zip(run.radials()) {
                 let radial = shift_signed(lane.to_wide(), drop).max(0) as u64;
                 if radial < end {
@@ -312,7 +311,7 @@ impl<D: Design> RasterStages<D> {
             }
         }
         let record = record![number as i64; y; x; radial; alpha; *pixel];
-        self.pixels.records.push(record);
+        self.pixels.add(record);
     }
 
     fn tile(&self) -> VectorStage {

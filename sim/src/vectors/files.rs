@@ -59,19 +59,12 @@ pub fn verify(folder: &Path) -> Result<Verified, Refused> {
     let mut subject = manifest
         .subject()
         .map_err(|problem| refused(&file, problem))?;
-    if subject
-        .view
-        .viewport
-        .iter()
-        .any(|side| *side > LARGEST_SIDE)
-    {
-        let message = format!(
-            "view.viewport is {:?}, at most {LARGEST_SIDE} a side",
-            subject.view.viewport
-        );
+    let sides = subject.view.viewport;
+    if sides.iter().any(|side| *side > LARGEST_SIDE) {
+        let message = format!("view.viewport is {sides:?}, at most {LARGEST_SIDE} a side");
         return Err(refused(&file, message));
     }
-    refuse_absurd_picture(folder, &file, subject.view.viewport)?;
+    refuse_absurd_picture(folder, &file, sides)?;
     subject.splats = read_splats(folder, &manifest, &splats_stage())?;
     room_for(&subject).map_err(|error| refused(folder, error))?;
     let expected = compute(&subject);

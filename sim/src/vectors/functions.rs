@@ -44,9 +44,7 @@ pub fn cases() -> VectorStage {
     for x in edges.into_iter().chain(random) {
         let inverses = BITS.map(|bits| reciprocal(x, bits).unwrap_or(none));
         let roots = BITS.map(|bits| square_root(x, bits));
-        stage
-            .records
-            .push(record![x; inverses; roots; ln(x).unwrap_or(0)]);
+        stage.add(record![x; inverses; roots; ln(x).unwrap_or(0)]);
     }
     stage
 }

@@ -104,7 +104,7 @@ words! {
 pub(super) fn push(stage: &mut VectorStage, mut record: Vec<i64>, found: Result<Vec<i64>, Cull>) {
     record.extend(found.as_ref().unwrap_or(&vec![reason(&found)]));
     record.resize(stage.fields.len(), 0);
-    stage.records.push(record);
+    stage.add(record);
 }
 
 pub(super) use record;

@@ -87,6 +87,11 @@ impl VectorStage {
         }
     }
 
+    /// One more record.
+    pub(super) fn add(&mut self, record: Vec<i64>) {
+        self.records.push(record);
+    }
+
     /// Bits of a record.
     pub fn bits(&self) -> usize {
         self.fields.last().map_or(0, |last| last.offset + last.bits)

@@ -77,9 +77,7 @@ fn colours(widths: &Widths, subject: &VectorSubject) -> VectorStage {
         let count = [0, 3, 8, 15, 24][number % 5];
         let coefficients = &all[..count];
         let colour = Harmonics { base, coefficients }.colour(direction);
-        stage
-            .records
-            .push(record![view; direction; base; count as i64; all.as_flattened(); colour]);
+        stage.add(record![view; direction; base; count as i64; all.as_flattened(); colour]);
     }
     stage
 }
@@ -97,10 +95,9 @@ fn surfaces<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vec
     for splat in &subject.splats {
         let [first, second, normal] = splat.axes;
         let (centre, weight) = (splat.centre, random.weight(splat.weight));
-        let normal = if random.up_to(7) == 0 {
-            Axis::default()
-        } else {
-            normal
+        let normal = match random.up_to(7) {
+            0 => Axis::default(),
+            _ => normal,
         };
         let colour = [(); 3].map(|()| U4F28::from_bits(random.shorter(1 << 29)));
         let opacity = U4F28::from_bits(random.shorter(1 << 29));
@@ -119,11 +116,8 @@ fn surfaces<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vec
             let plane = record![found.plane.origin; found.plane.step];
             record![found.footprint; plane; found.attributes; found.back; lane; depth_in_pixel(lane)]
         });
-        push(
-            &mut stage,
-            record![colour; opacity; weight; normal.mantissa; normal.exponent],
-            words,
-        );
+        let operands = record![colour; opacity; weight; normal.mantissa; normal.exponent];
+        push(&mut stage, operands, words);
     }
     stage
 }
@@ -189,7 +183,7 @@ fn samples(widths: &Widths) -> VectorStage {
         let sum = of(one.fragments(), 0);
         let divided = gather.normalise(&sum);
         let resolve = Resolve::new(widths, gather, None, edges);
-        stage.records.push(record![
+        stage.add(record![
             record![lane; depth_in_pixel(lane)];
             record![pixel; threshold; tau; alpha; rounded; weight; depth; attributes; material; sum];
             record![of(two.fragments(), 0); of(two.fragments(), 1); two.merges()];
@@ -207,19 +201,13 @@ fn octaves() -> VectorStage {
         "an opacity and its optical depth, an optical depth and what shines through it",
         "alpha:32.31 octaves:64.44 depth:32.28 through:32.31",
     );
-    let (mut random, dark) = (
-        BuiltinRandom(10),
-        Channel::new(Representation::OpticalDepth, ChannelRounding::Nearest, 32),
-    );
+    let mut random = BuiltinRandom(10);
+    let dark = Channel::new(Representation::OpticalDepth, ChannelRounding::Nearest, 32);
     for step in 0..3 * STEPS {
-        let (alpha, depth) = (
-            random.up_to(1 << 31),
-            random.up_to(u32::MAX >> (4 * (step % 8).min(1))),
-        );
+        let alpha = random.up_to(1 << 31);
+        let depth = random.up_to(u32::MAX >> (4 * (step % 8).min(1)));
         let through = dark.map_or(0, |dark| dark.transmittance(depth));
-        stage
-            .records
-            .push(record![alpha; octaves::of_opacity(alpha); depth; through]);
+        stage.add(record![alpha; octaves::of_opacity(alpha); depth; through]);
     }
     stage
 }
@@ -234,10 +222,8 @@ fn deep() -> VectorStage {
     let mut random = BuiltinRandom(4);
     use ChannelRounding::{Dither, Nearest, Truncate};
     use Representation::{Opacity, OpticalDepth, Transmittance};
-    let (kinds, roundings) = (
-        [Opacity, Transmittance, OpticalDepth],
-        [Nearest, Truncate, Dither],
-    );
+    let kinds = [Opacity, Transmittance, OpticalDepth];
+    let roundings = [Nearest, Truncate, Dither];
     for step in 0..2 * STEPS as usize {
         let (what, rounding, bits) = (step % 3, step / 3 % 3, 8 + random.up_to(24) as u8);
         let Ok(channel) = Channel::new(kinds[what], roundings[rounding], bits) else {
@@ -255,9 +241,7 @@ fn deep() -> VectorStage {
         back.back_to_front(&channel, opacity, &light, place, layer);
         let operands =
             record![what as i64; rounding as i64; bits; place; layer; opacity; light; before];
-        stage
-            .records
-            .push(record![operands; channel.transmittance(before.alpha); front; back]);
+        stage.add(record![operands; channel.transmittance(before.alpha); front; back]);
     }
     stage
 }
@@ -272,8 +256,8 @@ fn points<D: Design>(design: D, subject: &VectorSubject) -> VectorStage {
     );
     let (mut random, widths) = (BuiltinRandom(5), design.widths());
     for (number, splat) in subject.splats.iter().enumerate() {
-        let (spacing, deviation, normalised) =
-            (random.number(-4), random.number(-4), number % 2 == 0);
+        let (spacing, deviation) = (random.number(-4), random.number(-4));
+        let normalised = number % 2 == 0;
         let rules = Rules {
             spacing,
             normalised,
@@ -322,9 +306,7 @@ fn gathers(widths: &Widths, rules: &Rules) -> VectorStage {
         blend.gather(&mut pixel, &mut slab, opacity, &light, depth, range);
         let mut closed = pixel;
         blend.close(&mut closed, &mut slab.clone());
-        stage
-            .records
-            .push(record![number; range; opacity; light; depth; pixel; slab; closed]);
+        stage.add(record![number; range; opacity; light; depth; pixel; slab; closed]);
     }
     stage
 }
@@ -344,7 +326,7 @@ fn sheets(widths: &Widths, rules: &Rules) -> VectorStage {
         let (mut behind, mut over) = (pixel, pixel);
         blend.sheet_behind(&mut behind, &sheet);
         blend.sheet_over(&mut over, &sheet);
-        stage.records.push(record![pixel; sheet; behind; over]);
+        stage.add(record![pixel; sheet; behind; over]);
     }
     stage
 }
@@ -372,12 +354,11 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
         };
         let centre = splat.centre;
         let found = |deviation| {
-            let colour = splat.colour;
             let splat = SphereSplat {
                 centre,
                 deviation,
                 weight,
-                colour,
+                colour: splat.colour,
             };
             setup::setup_sphere(design, &subject.view, rules, &splat, choice)
         };
@@ -399,11 +380,8 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
                 .map_or([0; 2], |slant| [slant.mantissa, slant.exponent]);
             record![found.footprint; found.spread; slant; found.end]
         });
-        push(
-            &mut stage,
-            record![deviation; weight; ellipse as i64; index as i64],
-            words,
-        );
+        let operands = record![deviation; weight; ellipse as i64; index as i64];
+        push(&mut stage, operands, words);
     }
     stage
 }
@@ -420,10 +398,8 @@ fn perspective() -> VectorStage {
         "entries of the two-index table, row by row of the spread",
         "entry:32.28",
     );
-    stage.records = perspective_entries()
-        .iter()
-        .map(|entry| record![entry])
-        .collect();
+    let entries = perspective_entries();
+    stage.records = entries.iter().map(|entry| record![entry]).collect();
     stage
 }
 
@@ -454,7 +430,7 @@ fn indices(widths: &Widths, subject: &VectorSubject) -> VectorStage {
         let slant = SoftFloat::from_wide(slant, random.up_to(16) as i32 - 30, 31);
         let by_spread = table.index(spread, bits.into()).correct(radial);
         let by_ray = rays.correct(pixel, radial, slant);
-        stage.records.push(
+        stage.add(
             record![radial; spread; by_spread; pixel; focal; principal; slant; rays.squared(pixel); by_ray],
         );
     }

@@ -7,7 +7,7 @@ use crate::camera::Camera;
 use crate::cameras;
 use crate::cli::drawing_args::TechniqueOptions;
 use crate::cli::say::Failure;
-use crate::cli::values::{AntialiasChoice, Backfaces, SceneKind, TraversalChoice};
+use crate::cli::values::{AntialiasChoice, Backfaces, SceneKind};
 use crate::cli::view_args::{SplatArgs, SurfaceArgs, ViewOptions};
 use crate::hybrid::{Hybrid, Points, spacing};
 use crate::plan::load::SourceCamera;
@@ -174,7 +174,7 @@ impl PlanRequest<'_> {
         rules: &Rules,
         are_samples: bool,
     ) -> Result<Option<Hybrid>, Failure> {
-        let stamped = self.traversal == Some(TraversalChoice::Stamp);
+        let stamped = self.is_stamped();
         let requested = options.points.is_some() || stamped;
         let scaled = rules.spacing > 0.0 && rules.cutoff.is_finite();
         if stamped && options.is_another_method() {
@@ -210,18 +210,17 @@ impl PlanRequest<'_> {
     /// Options about splats, which points of a surface are not.
     fn for_splats(&self) -> Vec<Given> {
         let view = self.view;
-        let stamped = self.traversal == Some(TraversalChoice::Stamp);
-        let method = self
-            .technique
-            .is_some_and(|options| options.points.is_some() || options.is_another_method());
         vec![
             (view.splats.rules.is_some(), "--rules"),
             (view.splats.antialias.is_some(), "--antialias"),
             (view.splats.low_pass.is_some(), "--low-pass"),
             (view.splats.sh_degree.is_some(), "--sh-degree"),
             (view.splats.kernel != Kernel::Gaussian, "--kernel"),
-            (stamped, "--traversal stamp"),
-            (method, "--points, --sheets, --deep-alpha or --spheres"),
+            (self.is_stamped(), "--traversal stamp"),
+            (
+                self.has_method(),
+                "--points, --sheets, --deep-alpha or --spheres",
+            ),
         ]
     }
 }

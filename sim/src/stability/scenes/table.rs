@@ -50,10 +50,7 @@ pub fn markdown(lines: &[SceneLine]) -> String {
     for class in classes(lines) {
         let _ = write!(text, "| {class}");
         for engine in ENGINES {
-            let line = lines
-                .iter()
-                .find(|line| line.class == class && line.engine == engine);
-            let cell = line.map_or("-".to_owned(), |line| {
+            let cell = line_of(lines, class, engine).map_or("-".to_owned(), |line| {
                 let psnr = shown(decibels(line.psnr_db));
                 format!("{psnr}, {:.1e}, {:+.1e}", line.max_abs, line.bias)
             });
@@ -99,12 +96,14 @@ pub struct ClassVerdict {
     pub clamped: usize,
 }
 
+fn line_of<'a>(lines: &'a [SceneLine], class: &str, engine: &str) -> Option<&'a SceneLine> {
+    let mut lines = lines.iter();
+    lines.find(|line| line.class == class && line.engine == engine)
+}
+
 /// A class beside its bars; none if an engine's line is missing.
 pub fn verdict(lines: &[SceneLine], class: &str) -> Option<ClassVerdict> {
-    let of = |engine: &str| {
-        let mut lines = lines.iter();
-        lines.find(|line| line.class == class && line.engine == engine)
-    };
+    let of = |engine: &str| line_of(lines, class, engine);
     let single = decibels(of(SINGLE_NEAR).or(of(SINGLE))?.psnr_db);
     let in_class = lines.iter().filter(|line| line.class == class);
     Some(ClassVerdict {
