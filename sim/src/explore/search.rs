@@ -11,7 +11,7 @@ use crate::plan::DesignVariant;
 use anyhow::Result;
 use std::cell::RefCell;
 use std::cmp::Ordering;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 mod moves;
 
@@ -47,7 +47,7 @@ pub struct Search<'a> {
     /// What is to be held.
     pub limits: &'a [Limit],
     /// What has been evaluated; nothing for what makes no design or no machine.
-    pub known: HashMap<Vec<usize>, Option<Reached>>,
+    pub known: BTreeMap<Vec<usize>, Option<Reached>>,
     /// Is a point judged by what it could reach at best, without a drawing and a simulation?
     by_bounds: bool,
     /// Every design that was drawn, with its errors.
@@ -74,7 +74,7 @@ impl<'a> Search<'a> {
             evaluator,
             space,
             limits,
-            known: HashMap::new(),
+            known: BTreeMap::new(),
             by_bounds: false,
             drawn: Vec::new(),
             refused: Vec::new(),
