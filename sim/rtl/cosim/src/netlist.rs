@@ -1,4 +1,4 @@
-//! What Yosys writes about a circuit, as far as it is read here.
+//! What Yosys and nextpnr write about a circuit, as far as it is read here.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -38,4 +38,48 @@ impl NetlistCell {
         }
         Some(parameter("SIZE")? * parameter("WIDTH")?)
     }
+}
+
+/// Yosys' `stat -json`.
+#[derive(Deserialize)]
+pub struct Statistics {
+    pub design: DesignStatistics,
+}
+
+#[derive(Deserialize)]
+pub struct DesignStatistics {
+    pub num_cells_by_type: BTreeMap<String, u64>,
+}
+
+/// nextpnr's report.
+#[derive(Deserialize)]
+pub struct PlacerReport {
+    pub fmax: BTreeMap<String, ClockReport>,
+    pub critical_paths: Vec<PathReport>,
+}
+
+#[derive(Deserialize)]
+pub struct ClockReport {
+    pub achieved: f64,
+}
+
+#[derive(Deserialize)]
+pub struct PathReport {
+    pub from: String,
+    pub to: String,
+    pub path: Vec<StepReport>,
+}
+
+#[derive(Deserialize)]
+pub struct StepReport {
+    pub delay: f64,
+    #[serde(rename = "type")]
+    pub kind: String,
+    pub from: EndReport,
+    pub to: EndReport,
+}
+
+#[derive(Deserialize)]
+pub struct EndReport {
+    pub cell: String,
 }

@@ -171,10 +171,13 @@ fn microcode(program: &Program, layout: &[(&str, u32)], slot_bits: u32) -> Resul
             names.push(format!("out: {}", program.operations[exit.value].name));
         }
         if !names.is_empty() {
-            let word = layout.iter().fold(0u128, |word, (name, bits)| {
+            let mut word = 0u128;
+            for (name, bits) in layout {
                 let field = slot_fields.remove(name).unwrap_or(0);
-                word << bits | (field as u128 & ((1 << bits) - 1))
-            });
+                let fits = field >> bits == 0 || field >> (bits - 1) == -1;
+                ensure!(fits, "slot_t: {name} = {field} needs more than {bits} bits");
+                word = word << bits | (field as u128 & ((1 << bits) - 1));
+            }
             ensure!(slot_fields.is_empty(), "slot_t has no {slot_fields:?}");
             let names = names.join("; ");
             words.push((cycle, format!("{slot_bits}'h{word:x};  // {names}")));
