@@ -6,8 +6,11 @@
 //! Footprints that are [not ordinary](RowGroup::is_ordinary) are left to those two.
 
 use super::lanes::Doubles;
-use super::row_reals::{DIFFERENT, MOST, RealBlock, RowLine, RowNumbers, RowReals, power};
+use super::row_reals::{
+    DIFFERENT, FARTHEST, MOST, ROWS, RealBlock, RowLine, RowNumbers, RowReals, power, scale,
+};
 use super::row_words::{SeedWords, SquaredWidth, longest_rest};
+use super::rows::BLOCKS;
 use super::setup::number::{Arithmetic, Word};
 use super::setup::real::{Real, Reals};
 use splatline::footprint::Footprint;
@@ -27,7 +30,7 @@ const ORDINARY: [[i32; 2]; 3] = [[-10, 22], [-40, 4], [-60, 4]];
 const STEEPEST: i32 = 13;
 
 /// Words that are read of a footprint.
-const INPUTS: usize = 10;
+const INPUTS: usize = 12;
 
 /// A word of each footprint.
 type List = [i64; WORDS];
@@ -39,8 +42,6 @@ pub struct Member {
     pub rows: [u16; 2],
     /// Columns of the box in the window.
     pub visible: [u16; 2],
-    /// First column that runs may begin at.
-    begin: u16,
     /// Do its rows lie in two blocks?
     is_short: bool,
 }
@@ -51,6 +52,7 @@ pub struct RowGroup {
     members: [Member; WORDS],
     inputs: [List; INPUTS],
     seeds: [[List; 3]; 2],
+    columns: [[List; 2]; BLOCKS],
     constants: [List; DIFFERENT],
     shear: List,
     curve: List,
@@ -78,7 +80,6 @@ impl RowGroup {
         self.members[k % WORDS] = Member {
             rows: [y, end],
             visible: [x, right],
-            begin: bounds.first[0].max(x - x % BLOCK),
             is_short: end <= block.saturating_add(2 * BLOCK),
         };
         let words = [
@@ -92,36 +93,54 @@ impl RowGroup {
             bits(f64::from(origin)),
             bits(f64::from(y - origin.min(y))),
             bits(f64::from(block) + f64::from(BLOCK)),
+            // First column that runs may begin at, and one past the last.
+            bits(f64::from(bounds.first[0].max(x - x % BLOCK))),
+            bits(f64::from(right)),
         ];
         for (list, word) in self.inputs.iter_mut().zip(words) {
             list[k % WORDS] = word;
         }
     }
 
-    /// Computes the constants of the footprints that were read. What does not differ between them comes back.
+    /// Computes the constants of the footprints that were read, for a tile that begins at column `left`. What does not differ between them comes back.
     #[inline(always)]
-    pub fn compute<L: Doubles>(&mut self, math: Arithmetic<L>, widths: &Widths) -> RowReals<L> {
+    pub fn compute<L: Doubles>(
+        &mut self,
+        math: Arithmetic<L>,
+        widths: &Widths,
+        left: u16,
+    ) -> RowReals<L> {
         if L::ROWS_APART {
-            self.compute_apart(math, widths)
+            self.compute_apart(math, widths, left)
         } else {
-            self.compute_here(math, widths)
+            self.compute_here(math, widths, left)
         }
     }
 
     #[inline(never)]
-    fn compute_apart<L: Doubles>(&mut self, math: Arithmetic<L>, widths: &Widths) -> RowReals<L> {
-        self.compute_here(math, widths)
+    fn compute_apart<L: Doubles>(
+        &mut self,
+        math: Arithmetic<L>,
+        widths: &Widths,
+        left: u16,
+    ) -> RowReals<L> {
+        self.compute_here(math, widths, left)
     }
 
     #[inline(always)]
-    fn compute_here<L: Doubles>(&mut self, math: Arithmetic<L>, widths: &Widths) -> RowReals<L> {
+    fn compute_here<L: Doubles>(
+        &mut self,
+        math: Arithmetic<L>,
+        widths: &Widths,
+        left: u16,
+    ) -> RowReals<L> {
         let lanes = math.lanes;
         let mut inputs = [math.splat(0); INPUTS];
         for (word, list) in inputs.iter_mut().zip(&self.inputs) {
             *word = lanes.wide_load(list);
         }
         let [squared_width, horizontal, vertical, shear, u, v, ..] = inputs;
-        let [.., cutoff, origin, skipped, next] = inputs;
+        let [.., cutoff, origin, skipped, next, begin, right] = inputs;
         let doubt = Cell::new(math.splat(0));
         let reals = Reals {
             words: math,
@@ -142,20 +161,35 @@ impl RowGroup {
         let seeds = RowSeeds::new(reals, widths, [u, v], [shear, vertical]);
         // Rows above the window are stepped over.
         let first = seeds.skip(seeds.at(origin), skipped);
-        for (lists, words) in self.seeds.iter_mut().zip([first, seeds.at(next)]) {
-            reals.doubt_unless_less(reals.magnitude(Real(words[1])).0, MOST);
-            lanes.wide_store(&mut lists[0], lanes.double_mul(words[0], seeds.unit));
-            lanes.wide_store(&mut lists[1], words[1]);
-            lanes.wide_store(&mut lists[2], words[2]);
+        let fraction = vertical_fraction(widths);
+        let unit = scale(fraction);
+        let scale = reals.constant(unit);
+        let shear = lanes.double_mul(seeds.shear_per_row, seeds.unit);
+        let curve = lanes.double_mul(seeds.balance.second, scale);
+        for (lists, [centre, value, change]) in self.seeds.iter_mut().zip([first, seeds.at(next)]) {
+            let centre = lanes.double_mul(centre, seeds.unit);
+            let [value, change] = [
+                lanes.double_mul(value, scale),
+                lanes.double_mul(change, scale),
+            ];
+            let bent = seeds.farthest(change, curve);
+            reals.doubt_unless_less(seeds.farthest(value, bent), MOST * unit);
+            reals.doubt_unless_less(seeds.farthest(centre, shear), FARTHEST);
+            lanes.wide_store(&mut lists[0], centre);
+            lanes.wide_store(&mut lists[1], value);
+            lanes.wide_store(&mut lists[2], change);
         }
-        lanes.wide_store(
-            &mut self.shear,
-            lanes.double_mul(seeds.shear_per_row, seeds.unit),
-        );
-        lanes.wide_store(&mut self.curve, seeds.balance.second);
+        lanes.wide_store(&mut self.shear, shear);
+        lanes.wide_store(&mut self.curve, curve);
+        for (number, lists) in self.columns.iter_mut().enumerate() {
+            let column = f64::from(left) + f64::from(BLOCK) * number as f64;
+            let end = reals.constant(column + f64::from(BLOCK));
+            let first = lanes.double_max(begin, reals.constant(column));
+            lanes.wide_store(&mut lists[0], reals.opposite(Real(first)).0);
+            lanes.wide_store(&mut lists[1], lanes.double_min(end, right));
+        }
 
         let radial = i64::from(widths.radial);
-        let fraction = vertical_fraction(widths);
         let half = halved(math, math.plus(reals.exponent(squared_width.number, 1), 6));
         let odd = math.and(squared_width.exponent, 1);
         let root = halved(math, math.sub(squared_width.exponent, odd));
@@ -230,9 +264,7 @@ impl RowGroup {
     #[inline(always)]
     pub fn reals<L: Doubles>(&self, k: usize, together: &RowReals<L>) -> RowReals<L> {
         let (k, lanes) = (k % WORDS, together.math.lanes);
-        let member = &self.members[k];
         let line = RowLine {
-            columns: [member.begin, member.visible[1]],
             shear: double(self.shear[k]),
             curve: double(self.curve[k]),
         };
@@ -241,6 +273,18 @@ impl RowGroup {
             *word = lanes.wide_splat(list[k]);
         }
         together.one(line, words)
+    }
+
+    /// First column, negative, that runs of footprint number `k` may begin at in each block of columns, and one past the last.
+    #[inline(always)]
+    pub fn columns<L: Doubles>(&self, k: usize, reals: &RowReals<L>) -> [[Word<L>; 2]; BLOCKS] {
+        let lanes = reals.math.lanes;
+        let mut columns = [[lanes.wide_splat(0); 2]; BLOCKS];
+        for ([first, last], lists) in columns.iter_mut().zip(&self.columns) {
+            *first = lanes.wide_splat(lists[0][k % WORDS]);
+            *last = lanes.wide_splat(lists[1][k % WORDS]);
+        }
+        columns
     }
 
     /// Block of rows number `number`, of two, of footprint number `k`.
@@ -395,6 +439,15 @@ impl<'a, L: Doubles> RowSeeds<'a, L> {
             lanes.double_add(reals.short(value).0, self.balance.start),
             lanes.double_add(change, self.balance.step),
         ]
+    }
+
+    /// The most that a number and so much more in every row can be.
+    #[inline(always)]
+    fn farthest(&self, number: Word<L>, change: Word<L>) -> Word<L> {
+        let (reals, lanes) = (self.reals, self.reals.words.lanes);
+        let rows = reals.constant(ROWS);
+        let changes = lanes.double_mul(reals.magnitude(Real(change)).0, rows);
+        lanes.double_add(reals.magnitude(Real(number)).0, changes)
     }
 
     /// The same so many rows on.

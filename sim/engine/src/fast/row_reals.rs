@@ -9,17 +9,19 @@
 
 use super::lanes::Doubles;
 use super::lanes::singles::HAS_FUSED_ADD;
-use super::row_words::{
-    Runs, SeedWords, SquaredWidth, columns_of_runs, longest_rest, most_bits, seeds,
-};
+use super::row_words::{Runs, SeedWords, SquaredWidth, longest_rest, most_bits, seeds};
 use super::setup::number::Arithmetic;
-use splatline::raster::{BLOCK, REST, RowBlock, RowConstants};
+use super::tile::TILE;
+use splatline::raster::{REST, RowBlock, RowConstants};
 
 /// Integers below this have no error in a double, nor has a sum of three of them and a rounding bit.
 pub const MOST: f64 = (1u64 << 49) as f64;
 
 /// Columns below this have at most 51 bits in Q.32.
-const FARTHEST: f64 = (1 << 19) as f64;
+pub const FARTHEST: f64 = (1 << 19) as f64;
+
+/// Rows of a tile, and those of a vector behind the last one.
+pub const ROWS: f64 = TILE[1] as f64 + 8.0;
 
 /// Added to an integer of up to 51 bits, makes the number's lower bits the integer's.
 const WHOLE: f64 = 3.0 * (1u64 << 51) as f64;
@@ -48,6 +50,12 @@ pub fn power(exponent: i32) -> f64 {
     f64::from_bits((i64::from(1023 + exponent) as u64) << 52)
 }
 
+/// A unit of C dy^2 with so many fraction bits, which is so large here.
+#[inline(always)]
+pub fn scale(fraction: u32) -> f64 {
+    power(-(fraction.saturating_sub(REST) as i32))
+}
+
 /// The same in each word.
 #[inline(always)]
 fn powers<L: Doubles>(math: Arithmetic<L>, exponent: L::Word) -> L::Word {
@@ -65,8 +73,6 @@ pub struct RowReals<L: Doubles> {
     pub math: Arithmetic<L>,
     seeds: SeedWords<L>,
     line: RowLine,
-    /// For a unit of C dy^2, which is so large here.
-    scale: f64,
     reach: L::Word,
     /// One past the longest rest that the table takes, and past the longest square of a half-width whose distances fit the seeds.
     longest: [L::Word; 2],
@@ -83,11 +89,9 @@ pub struct RowReals<L: Doubles> {
 /// What is never needed of several footprints at once.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RowLine {
-    /// First column that runs may begin at, and one past the last.
-    pub columns: [u16; 2],
     /// Change of the centre per row.
     pub shear: f64,
-    /// Change of the change of the vertical distance, in its own unit.
+    /// Change of the change of the vertical distance.
     pub curve: f64,
 }
 
@@ -96,23 +100,8 @@ pub struct RowLine {
 pub struct RealBlock {
     /// One past the last row.
     pub end: u16,
-    /// In pixels.
     pub centre: f64,
-    /// In the unit of C dy^2.
     pub vertical: [f64; 2],
-}
-
-impl RealBlock {
-    /// From the kernel's words.
-    #[inline(always)]
-    pub fn new(block: &RowBlock) -> Self {
-        let [vertical, change] = block.vertical;
-        RealBlock {
-            end: block.end,
-            centre: block.centre as f64 * power(-32),
-            vertical: [vertical as f64, change as f64],
-        }
-    }
 }
 
 /// Some rows' words, and what leads to the next ones.
@@ -174,9 +163,8 @@ impl<L: Doubles> RowReals<L> {
             },
         );
         let line = RowLine {
-            columns: columns_of_runs(constants),
             shear: constants.shear as f64 * power(-32),
-            curve: constants.curve as f64,
+            curve: constants.curve as f64 * scale(constants.vertical_fraction),
         };
         RowReals { line, ..reals }
     }
@@ -186,7 +174,6 @@ impl<L: Doubles> RowReals<L> {
     pub fn of(math: Arithmetic<L>, numbers: RowNumbers<L>) -> Self {
         let (lanes, seeds) = (math.lanes, numbers.seeds);
         let below = numbers.fraction.saturating_sub(REST) as i32;
-        let scale = power(-below);
         // Roots are wrong by less than this leaves.
         let almost = splat(lanes, 1.0 - 1.0 / 1024.0);
         let farthest = powers(math, math.add(numbers.most_bits, numbers.unit));
@@ -195,8 +182,7 @@ impl<L: Doubles> RowReals<L> {
         RowReals {
             math,
             line: RowLine::default(),
-            scale,
-            reach: lanes.double_mul(numbers.reach, splat(lanes, scale)),
+            reach: lanes.double_mul(numbers.reach, splat(lanes, scale(numbers.fraction))),
             longest: [
                 splat(lanes, power(numbers.longest_rest as i32 - below)),
                 lanes.double_mul(farthest, farthest),
@@ -263,8 +249,9 @@ impl<L: Doubles> RowReals<L> {
         }
     }
 
+    /// The number in each word.
     #[inline(always)]
-    fn splat(&self, value: f64) -> L::Word {
+    pub fn splat(&self, value: f64) -> L::Word {
         splat(self.math.lanes, value)
     }
 
@@ -293,31 +280,43 @@ impl<L: Doubles> RowReals<L> {
         self.math.sub(a, self.splat(WHOLE))
     }
 
-    /// The first of so many rows of a block; `None` where their words are too large.
+    /// A block of the kernel's words; `None` where they are too large.
     #[inline(always)]
-    pub fn block(&self, block: &RealBlock, count: usize) -> Option<RealRows<L>> {
-        let (lanes, line) = (self.math.lanes, &self.line);
-        let (centre, [vertical, change]) = (block.centre, block.vertical);
-        let last = (count + 8) as f64;
-        let largest = vertical.abs() + last * (change.abs() + last * line.curve.abs());
-        let farthest = centre.abs() + last * line.shear.abs();
+    pub fn block(&self, block: &RowBlock, scale: f64) -> Option<RealBlock> {
+        let RowLine { shear, curve } = self.line;
+        let [vertical, change] = block.vertical.map(|word| word as f64 * scale);
+        let centre = block.centre as f64 * power(-32);
+        let largest = vertical.abs() + ROWS * (change.abs() + ROWS * curve.abs());
+        let farthest = centre.abs() + ROWS * shear.abs();
         // Words of more bits than a double are larger than this however they were rounded.
-        if largest >= MOST || farthest >= FARTHEST {
-            return None;
-        }
-        let (vertical, change) = (vertical * self.scale, change * self.scale);
-        let curve = line.curve * self.scale;
-        let (numbers, pairs) = (lanes.wide_load(&NUMBERS), lanes.wide_load(&PAIRS));
-        let width = L::WIDE as f64;
-        let bent = self.exact(pairs, self.splat(curve), self.splat(vertical));
-        let along = change * width + curve * (width * (width - 1.0) / 2.0);
-        Some(RealRows {
-            centre: self.exact(numbers, self.splat(line.shear), self.splat(centre)),
-            vertical: self.exact(numbers, self.splat(change), bent),
-            slope: self.splat(line.shear * width),
-            change: self.exact(numbers, self.splat(curve * width), self.splat(along)),
-            second: self.splat(curve * width * width),
+        (largest < MOST * scale && farthest < FARTHEST).then_some(RealBlock {
+            end: block.end,
+            centre,
+            vertical: [vertical, change],
         })
+    }
+
+    /// The first rows of a block.
+    #[inline(always)]
+    pub fn rows(&self, block: &RealBlock) -> RealRows<L> {
+        let lanes = self.math.lanes;
+        let width = L::WIDE as f64;
+        let (numbers, pairs) = (lanes.wide_load(&NUMBERS), lanes.wide_load(&PAIRS));
+        let [shear, curve] = [self.splat(self.line.shear), self.splat(self.line.curve)];
+        let [vertical, change] = [self.splat(block.vertical[0]), self.splat(block.vertical[1])];
+        let wider = lanes.double_mul(curve, self.splat(width));
+        let along = self.exact(
+            change,
+            self.splat(width),
+            lanes.double_mul(curve, self.splat(width * (width - 1.0) / 2.0)),
+        );
+        RealRows {
+            centre: self.exact(numbers, shear, self.splat(block.centre)),
+            vertical: self.exact(numbers, change, self.exact(pairs, curve, vertical)),
+            slope: lanes.double_mul(shear, self.splat(width)),
+            change: self.exact(numbers, wider, along),
+            second: lanes.double_mul(wider, self.splat(width)),
+        }
     }
 
     /// On to the next rows.
@@ -385,16 +384,7 @@ impl<L: Doubles> RowReals<L> {
         lanes.wide_load(&halves)
     }
 
-    /// First column, negative, that runs in the block from this column on may begin at, and one past the last.
-    #[inline(always)]
-    pub fn columns(&self, column: u16) -> [L::Word; 2] {
-        let [first, last] = self.line.columns;
-        let first = -f64::from(column.max(first));
-        let last = f64::from(column.saturating_add(BLOCK).min(last));
-        [self.splat(first), self.splat(last)]
-    }
-
-    /// The runs of some rows between these [`columns`](RowReals::columns), by [`seeds`].
+    /// The runs of some rows between these columns, the first one negative, by [`seeds`].
     #[inline(always)]
     pub fn runs(
         &self,

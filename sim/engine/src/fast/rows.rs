@@ -9,8 +9,8 @@
 use super::lanes::{Doubles, Wide};
 use super::recurrence::is_zero;
 use super::row_group::RowGroup;
-use super::row_reals::{RealBlock, RowReals};
-use super::row_words::{RowWords, Runs, excess, is_tame, longest_rest, runs};
+use super::row_reals::{RealBlock, RowReals, scale};
+use super::row_words::{RowWords, Runs, columns_of_runs, excess, is_tame, longest_rest, runs};
 use super::setup::number::Arithmetic;
 use super::tile::TILE;
 use core::ops::Range;
@@ -165,6 +165,12 @@ impl BlockSpans {
         [self.radial[row], self.first[row]]
     }
 
+    /// The same of two adjacent rows.
+    #[inline(always)]
+    pub fn two_seeds(&self, row: usize) -> [&[i64; 2]; 2] {
+        [two(&self.radial, row), two(&self.first, row)]
+    }
+
     /// The run of row number `row`, if it has pixels in the block.
     #[inline(always)]
     pub fn run(&self, row: usize) -> Option<RunWords> {
@@ -267,8 +273,9 @@ impl RowBatch {
         if !group.is_ordinary(k) {
             return false;
         }
-        let block = |number| group.block(k, number);
-        self.fill_blocks(&group.reals(k, together), member.rows, 2, block, left)
+        let block = |number| Some(group.block(k, number));
+        let reals = group.reals(k, together);
+        self.fill_blocks(&reals, member.rows, 2, block, group.columns(k, &reals))
     }
 
     /// The same with all of a row in words; `false` where they are too large.
@@ -300,23 +307,32 @@ impl RowBatch {
         left: u16,
     ) -> bool {
         let reals = RowReals::new(math, constants);
-        let block = |number: usize| RealBlock::new(&constants.blocks[number]);
-        self.fill_blocks(&reals, constants.rows, ROW_BLOCKS, block, left)
+        let scale = scale(constants.vertical_fraction);
+        let block = |number: usize| reals.block(&constants.blocks[number], scale);
+        let [first, last] = columns_of_runs(constants);
+        let mut columns = [[math.splat(0); 2]; BLOCKS];
+        for (block, columns) in (0..).zip(&mut columns) {
+            let column = left.saturating_add(block * BLOCK);
+            let end = column.saturating_add(BLOCK).min(last);
+            *columns = [
+                reals.splat(-f64::from(column.max(first))),
+                reals.splat(end.into()),
+            ];
+        }
+        self.fill_blocks(&reals, constants.rows, ROW_BLOCKS, block, columns)
     }
 
-    /// The rows of these blocks, in double precision.
+    /// The rows of these blocks, in double precision, between the columns of each block of columns.
     #[inline(always)]
     fn fill_blocks<L: Doubles>(
         &mut self,
         reals: &RowReals<L>,
         [first, last]: [u16; 2],
         blocks: usize,
-        block: impl Fn(usize) -> RealBlock,
-        left: u16,
+        block: impl Fn(usize) -> Option<RealBlock>,
+        columns: [[L::Word; 2]; BLOCKS],
     ) -> bool {
         let mut longest = reals.math.splat(0);
-        let columns: [_; BLOCKS] =
-            std::array::from_fn(|block| reals.columns(left.saturating_add(block as u16 * BLOCK)));
         let touched = self.touched();
         let count = usize::from(last.saturating_sub(first)).min(ROWS);
         let mut start = 0;
@@ -324,11 +340,11 @@ impl RowBatch {
             if start >= count {
                 break;
             }
-            let block = block(number);
-            let end = usize::from(block.end.saturating_sub(first)).min(count);
-            let Some(mut rows) = reals.block(&block, end) else {
+            let Some(block) = block(number) else {
                 return false;
             };
+            let end = usize::from(block.end.saturating_sub(first)).min(count);
+            let mut rows = reals.rows(&block);
             while start < end {
                 let span = reals.span(&rows, &mut longest);
                 // Without a loop, which would fetch its constants for the one block that most footprints touch.
@@ -370,6 +386,13 @@ impl RowBatch {
     pub fn run(&self, row: usize, block: usize) -> Option<RunWords> {
         self.blocks[block].run(row)
     }
+}
+
+/// Two words from `start` on, a row's number.
+#[inline(always)]
+pub fn two(words: &[i64; ROOM], start: usize) -> &[i64; 2] {
+    let rows = &words[start % ROWS..];
+    rows.first_chunk().unwrap_or(&[0; 2])
 }
 
 /// Eight words from `start` on, a row's number.

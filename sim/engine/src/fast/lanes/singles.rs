@@ -12,6 +12,9 @@ pub const HAS_FUSED_ADD: bool = cfg!(any(target_arch = "x86_64", target_arch = "
 /// Pixels of a vector. Sixteen with AVX-512 lost: a run of random splats has ten, and looking up sixteen entries takes twice the time of eight.
 pub const SINGLES: usize = 8;
 
+/// Pixels of each of two rows that share a vector.
+pub const HALF: usize = SINGLES / 2;
+
 /// Operations on pixels in single precision. Integers wrap; numbers are rounded to nearest, halves to even.
 pub trait Singles: Copy {
     /// Integers of 32 bits.
@@ -58,6 +61,12 @@ pub trait Singles: Copy {
     fn single_read(self, from: &[f32], at: usize) -> Self::Single;
     /// Stores numbers from place `at` on; nothing if there is no room.
     fn single_write(self, to: &mut [f32], at: usize, value: Self::Single);
+    /// The lower half of each of two words, in half of the integers.
+    fn whole_two(self, words: &[i64; 2]) -> Self::Whole;
+    /// Half of the numbers from a place on of each list; zeros if there are too few.
+    fn two_read(self, from: [&[f32]; 2], at: [usize; 2]) -> Self::Single;
+    /// Stores each half of the numbers from a place on of a list; nothing if there is no room.
+    fn two_write(self, to: [&mut [f32]; 2], at: [usize; 2], value: Self::Single);
     /// a b + c, rounded once.
     fn fused_add(self, a: Self::Single, b: Self::Single, c: Self::Single) -> Self::Single;
     /// a - b.
@@ -165,6 +174,23 @@ impl Singles for Portable {
         }
     }
     #[inline(always)]
+    fn whole_two(self, words: &[i64; 2]) -> Self::Whole {
+        std::array::from_fn(|k| words[k / HALF] as i32)
+    }
+    #[inline(always)]
+    fn two_read(self, from: [&[f32]; 2], at: [usize; 2]) -> Self::Single {
+        let number = |k: usize| from[k / HALF].get(at[k / HALF] + k % HALF).copied();
+        std::array::from_fn(|k| number(k).unwrap_or_default())
+    }
+    #[inline(always)]
+    fn two_write(self, to: [&mut [f32]; 2], at: [usize; 2], value: Self::Single) {
+        for ((to, at), half) in to.into_iter().zip(at).zip(value.as_chunks::<HALF>().0) {
+            if let Some(numbers) = to.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) {
+                *numbers = *half;
+            }
+        }
+    }
+    #[inline(always)]
     fn fused_add(self, a: Self::Single, b: Self::Single, c: Self::Single) -> Self::Single {
         std::array::from_fn(|k| a[k].mul_add(b[k], c[k]))
     }
@@ -218,7 +244,7 @@ mod x86 {
 
     use super::super::avx2::Avx2;
     use super::super::packed::{PackedOn, x86 as packed};
-    use super::{SINGLES, Singles};
+    use super::{HALF, SINGLES, Singles};
     use std::arch::x86_64::*;
 
     /// Words of which an unaligned part starts with so many true ones.
@@ -315,6 +341,40 @@ mod x86 {
             if let Some(numbers) = place.and_then(|rest| rest.first_chunk_mut::<8>()) {
                 // SAFETY: an array of eight numbers is written.
                 unsafe { _mm256_storeu_ps(numbers.as_mut_ptr(), value) }
+            }
+        }
+        #[inline(always)]
+        fn whole_two(self, words: &[i64; 2]) -> __m256i {
+            // SAFETY: an array of two words is read.
+            let words = unsafe { _mm_loadu_si128(words.as_ptr().cast()) };
+            op!({
+                let places = _mm256_setr_epi32(0, 0, 0, 0, 2, 2, 2, 2);
+                _mm256_permutevar8x32_epi32(_mm256_castsi128_si256(words), places)
+            })
+        }
+        #[inline(always)]
+        fn two_read(self, [above, below]: [&[f32]; 2], [x, y]: [usize; 2]) -> __m256 {
+            let above = above.get(x..).and_then(|rest| rest.first_chunk::<HALF>());
+            let below = below.get(y..).and_then(|rest| rest.first_chunk::<HALF>());
+            match (above, below) {
+                // SAFETY: two arrays of four numbers are read.
+                (Some(above), Some(below)) => unsafe {
+                    _mm256_loadu2_m128(below.as_ptr(), above.as_ptr())
+                },
+                _ => self.single(0.0),
+            }
+        }
+        #[inline(always)]
+        fn two_write(self, [above, below]: [&mut [f32]; 2], [x, y]: [usize; 2], value: __m256) {
+            let above = above
+                .get_mut(x..)
+                .and_then(|rest| rest.first_chunk_mut::<HALF>());
+            let below = below
+                .get_mut(y..)
+                .and_then(|rest| rest.first_chunk_mut::<HALF>());
+            if let (Some(above), Some(below)) = (above, below) {
+                // SAFETY: two arrays of four numbers are written.
+                unsafe { _mm256_storeu2_m128(below.as_mut_ptr(), above.as_mut_ptr(), value) }
             }
         }
         #[inline(always)]

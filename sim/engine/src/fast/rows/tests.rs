@@ -40,15 +40,17 @@ impl VectorTask for &AllWays<'_> {
         let words = runs(&batch, filled);
         let (mut group, k) = (RowGroup::default(), L::WIDE - 1);
         group.read(k, self.footprint, self.window);
-        let together = group.compute(math, self.widths);
+        let together = group.compute(math, self.widths, 0);
         let filled = batch.fill_member(&together, &group, k, 0);
         if filled {
             let (rows, visible) = (group.member(k).rows, group.member(k).visible);
             assert_eq!((rows, visible), (constants.rows, constants.visible));
             assert_eq!(group.second(k), constants.second);
             batch.touched = (0, BLOCKS);
-            let (reals, block) = (group.reals(k, &together), |block| group.block(k, block));
-            batch.fill_blocks(&reals, rows, 2, block, 0);
+            let (reals, block) = (group.reals(k, &together), |block| {
+                Some(group.block(k, block))
+            });
+            batch.fill_blocks(&reals, rows, 2, block, group.columns(k, &reals));
         }
         [reals, words, runs(&batch, filled)]
     }

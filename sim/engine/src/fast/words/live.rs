@@ -3,10 +3,10 @@
 //! A run ends at its last such pixel, and rows without one are never looked at: whether a row has a run, and whether that is in work, no
 //! branch foresees. Finished pixels before the first one are computed, too: to move seeds past them costs more.
 
-use super::path::Pixels;
+use super::path::{Pixels, SHORT, TwoRuns};
 use super::tile::{PixelWord, ROOM, WordTile};
 use crate::fast::lanes::Wide;
-use crate::fast::rows::BlockSpans;
+use crate::fast::rows::{BlockSpans, two};
 use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::TILE;
 
@@ -14,7 +14,7 @@ use crate::fast::tile::TILE;
 pub(super) struct LiveRuns {
     /// Column of the tile that each row's run begins at.
     starts: [i64; ROOM],
-    /// A bit for each of its pixels in work.
+    /// A bit for each of its pixels in work, from that column on.
     pixels: [i64; ROOM],
 }
 
@@ -28,7 +28,7 @@ impl LiveRuns {
     }
 
     /// Finds the pixels in work of so many rows' runs, from row `first` of the tile on, which begins at column `left`. A bit for every row that has
-    /// any comes back.
+    /// any comes back, and one for every row of which they are more than [`SHORT`] columns.
     #[inline(always)]
     pub fn find<L: Wide, W: PixelWord>(
         &mut self,
@@ -36,20 +36,35 @@ impl LiveRuns {
         (runs, count): (&BlockSpans, usize),
         (tile, first): (&WordTile<W>, usize),
         left: u16,
-    ) -> u64 {
+    ) -> [u64; 2] {
         let lanes = math.lanes;
-        let zero = math.splat(0);
-        let mut empty = 0;
+        let (zero, short) = (math.splat(0), math.splat((1 << SHORT) - 1));
+        let (mut empty, mut long) = (0, 0);
         for row in (0..count).step_by(L::WIDE) {
             let [x, of_run] = columns(math, runs.columns(lanes, row), left);
             let live = lanes.wide_load(tile.live(first + row));
-            let pixels = lanes.wide_and(of_run, live);
+            let pixels = lanes.wide_shr(lanes.wide_and(of_run, live), x);
             lanes.wide_store(room(&mut self.starts, row), x);
             lanes.wide_store(room(&mut self.pixels, row), pixels);
             empty |= u64::from(lanes.wide_flags(lanes.wide_equal(pixels, zero))) << row;
+            long |= u64::from(lanes.wide_flags(lanes.wide_greater(pixels, short))) << row;
         }
+        // A row beside the last one is none.
+        self.pixels[count.min(ROOM - 1)] = 0;
         let beyond = u64::MAX.checked_shl(count as u32).unwrap_or(0);
-        !(empty | beyond)
+        [!(empty | beyond), long & !beyond]
+    }
+
+    /// The short runs of two adjacent rows.
+    #[inline(always)]
+    pub fn two<'a>(&'a self, runs: &'a BlockSpans, row: usize) -> TwoRuns<'a> {
+        let [radial, first] = runs.two_seeds(row);
+        TwoRuns {
+            x: two(&self.starts, row),
+            pixels: two(&self.pixels, row),
+            radial,
+            first,
+        }
     }
 
     /// The run of a row that has pixels in work, up to the last of them.
@@ -58,11 +73,10 @@ impl LiveRuns {
         let row = row % ROOM;
         let pixels = self.pixels[row] as u64;
         let x = self.starts[row] as usize;
-        let end = 64 - pixels.leading_zeros() as usize;
         let [radial, first] = runs.seeds(row);
         Pixels {
             x,
-            length: end - x,
+            length: 64 - pixels.leading_zeros() as usize,
             radial,
             first,
         }

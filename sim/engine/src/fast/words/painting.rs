@@ -125,13 +125,15 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         let mut ahead = next.iter();
         let each = next.len().div_ceil(count.max(1));
         for indices in seen[..count].chunks(L::WIDE) {
-            for (k, index) in indices.iter().enumerate() {
+            for (k, (index, rows)) in indices.iter().enumerate() {
                 if let Ok(footprint) = &self.painting.footprints[*index as usize] {
-                    self.group.read(k, footprint, &self.window);
+                    self.group.read(k, footprint, &rows.intersect(&self.window));
                 }
             }
-            let together = self.group.compute(self.math, &self.painting.widths);
-            for (k, index) in indices.iter().enumerate() {
+            let together = self
+                .group
+                .compute(self.math, &self.painting.widths, self.corner[0]);
+            for (k, (index, _)) in indices.iter().enumerate() {
                 // A few at a time: many at once wait for each other.
                 for index in ahead.by_ref().take(each) {
                     prefetch(&self.painting.footprints[*index as usize]);
@@ -149,16 +151,16 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         }
     }
 
-    /// Those of a part that finished pixels do not hide, and how many: nothing is computed of the others.
+    /// Those of a part that finished pixels do not hide, with the rows between which these do not, and how many: nothing is computed of the others.
     #[inline(always)]
-    fn seen(&self, part: &[u32]) -> ([u32; CHECK_INTERVAL], usize) {
-        let (mut seen, mut count) = ([0; CHECK_INTERVAL], 0);
+    fn seen(&self, part: &[u32]) -> ([(u32, Window); CHECK_INTERVAL], usize) {
+        let (mut seen, mut count) = ([(0, self.window); CHECK_INTERVAL], 0);
         for index in part {
             if let Ok(footprint) = &self.painting.footprints[*index as usize]
-                && self.tile.is_live(&Window::of(footprint))
+                && let Some(rows) = self.tile.live_rows(&Window::of(footprint))
             {
                 // A part has no more than so many.
-                seen[count % CHECK_INTERVAL] = *index;
+                seen[count % CHECK_INTERVAL] = (*index, rows);
                 count += 1;
             }
         }
@@ -210,8 +212,21 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         for block in self.batch.touched() {
             let runs = self.batch.block(block);
             let live = (&*self.tile, first);
-            let mut left_over = self.live.find(self.math, (runs, count), live, left);
+            let [mut left_over, long] = self.live.find(self.math, (runs, count), live, left);
             let rows = self.tile.rows();
+            if P::TAKES_TWO && !COUNTS && long == 0 {
+                let mut alone = 0;
+                while left_over != 0 {
+                    let row = left_over.trailing_zeros() as usize;
+                    if let Some(rows) = rows[(first + row) % ROWS..].first_chunk_mut() {
+                        self.path.paint_two(&splat, &self.live.two(runs, row), rows);
+                    } else {
+                        alone = 1 << row;
+                    }
+                    left_over &= !(3 << row);
+                }
+                left_over = alone;
+            }
             while left_over != 0 {
                 let row = left_over.trailing_zeros() as usize;
                 left_over &= left_over - 1;

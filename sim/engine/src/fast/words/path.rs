@@ -39,8 +39,24 @@ pub trait PixelPath {
         row: &mut Row<Self::Word>,
         counts: &mut Coverage,
     );
+    /// Does a vector hold short runs of two rows?
+    const TAKES_TWO: bool = false;
+    /// Paints the short runs of two adjacent rows.
+    fn paint_two(&self, _: &Self::Splat, _: &TwoRuns, _: &mut [Row<Self::Word>; 2]) {}
     /// A bit for every finished pixel of a row.
     fn finished(&self, row: &Row<Self::Word>) -> u64;
+}
+
+/// Columns of a short run.
+pub const SHORT: usize = 4;
+
+/// Runs of two adjacent rows, of at most [`SHORT`] pixels each: their first columns, a bit for every pixel to be painted, and seeds.
+#[derive(Clone, Copy, Debug)]
+pub struct TwoRuns<'a> {
+    pub x: &'a [i64; 2],
+    pub pixels: &'a [i64; 2],
+    pub radial: &'a [i64; 2],
+    pub first: &'a [i64; 2],
 }
 
 /// How a layer and a pixel become a pixel. Front to back; the layer that finishes a pixel is drawn.

@@ -18,7 +18,7 @@
 //! The product of slope and position is one of 16 bits by 16, the quickest that there is: of the position and the interval's number above
 //! it, which the packed table counts on, it sees 16 bits as a signed number, and what it does not see is taken off the interval's word.
 
-use super::path::{OMIT_FINISHING, PixelPath, Pixels, SplatNumbers};
+use super::path::{OMIT_FINISHING, PixelPath, Pixels, SplatNumbers, TwoRuns};
 use super::tile::Row;
 use crate::fast::lanes::packed::{PackedOn, PackedWords};
 use crate::fast::lanes::singles::{HAS_FUSED_ADD, SINGLES, Singles};
@@ -144,11 +144,18 @@ pub struct SingleSplat<L: Singles> {
     ahead: [L::Whole; 2],
     /// w^2 s.
     second: L::Whole,
+    /// k (k - 1) / 2 s for pixel k of both halves of a vector.
+    two: L::Whole,
 }
 
 /// 0, 1, 2 and so on, and k (k - 1) / 2.
 const PLACES: [i32; SINGLES] = [0, 1, 2, 3, 4, 5, 6, 7];
 const PAIRS: [i32; SINGLES] = [0, 0, 1, 3, 6, 10, 15, 21];
+
+/// The same of two rows, and a bit for each pixel of a row.
+const PLACES_OF_TWO: [i32; SINGLES] = [0, 1, 2, 3, 0, 1, 2, 3];
+const PAIRS_OF_TWO: [i32; SINGLES] = [0, 0, 1, 3, 0, 0, 1, 3];
+const BITS_OF_TWO: [i32; SINGLES] = [1, 2, 4, 8, 1, 2, 4, 8];
 
 impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
     /// On these vectors.
@@ -219,6 +226,24 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
             counts.covered += u64::from(covered.count_ones());
             counts.finished += u64::from((covered & lanes.signs(light)).count_ones());
         }
+        let (rest, share) = self.lighten(splat, radial, inside, light);
+        lanes.single_write(plane_of_light, x, rest);
+        for (plane, colour) in colours.iter_mut().zip(splat.colour) {
+            let sum = lanes.fused_add(share, colour, lanes.single_read(plane, x));
+            lanes.single_write(plane, x, sum);
+        }
+    }
+
+    /// What is left of a vector's transmittances, and M times the contribution.
+    #[inline(always)]
+    fn lighten(
+        &self,
+        splat: &SingleSplat<L>,
+        radial: L::Whole,
+        inside: L::Choice,
+        light: L::Single,
+    ) -> (L::Single, L::Single) {
+        let lanes = self.lanes;
         let left = lanes.at_least_zero(light);
         let base = lanes.fused_add(left, self.opacity_negated, self.whole);
         let least = lanes.single_sub(left, self.stop);
@@ -233,11 +258,7 @@ impl<'a, L: Singles, const OPERATOR: u8> SinglePixels<'a, L, OPERATOR> {
             share
         };
         let rest = lanes.single_sub(light, share);
-        lanes.single_write(plane_of_light, x, lanes.single_mark(rest, stop));
-        for (plane, colour) in colours.iter_mut().zip(splat.colour) {
-            let sum = lanes.fused_add(share, colour, lanes.single_read(plane, x));
-            lanes.single_write(plane, x, sum);
-        }
+        (lanes.single_mark(rest, stop), share)
     }
 }
 
@@ -270,6 +291,7 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
                 lanes.whole_add(whole, lanes.whole_mul(lanes.whole_load(&PLACES), along)),
             ],
             second: lanes.whole(second.wrapping_mul(width * width)),
+            two: lanes.whole_mul(lanes.whole_load(&PAIRS_OF_TWO), lanes.whole(second)),
         }
     }
 
@@ -299,6 +321,37 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
         self.blend::<COUNTS>(splat, radial, inside, x, row, counts);
     }
 
+    const TAKES_TWO: bool = true;
+
+    #[inline(always)]
+    fn paint_two(&self, splat: &SingleSplat<L>, runs: &TwoRuns, rows: &mut [Row<f32>; 2]) {
+        let lanes = self.lanes;
+        let places = lanes.whole_load(&PLACES_OF_TWO);
+        let along = lanes.whole_mul(places, lanes.whole_two(runs.first));
+        let start = lanes.whole_add(lanes.whole_two(runs.radial), splat.two);
+        let radial = lanes.whole_add(start, along);
+        let bits = lanes.whole_and(lanes.whole_two(runs.pixels), lanes.whole_load(&BITS_OF_TWO));
+        let inside = lanes.whole_greater(splat.end, radial);
+        let inside = lanes.choose_both(inside, lanes.whole_greater(bits, self.zero));
+        // Never changes x; tells the compiler that a vector fits.
+        let [left, right] = *runs.x;
+        let x = [
+            left as usize % usize::from(TILE[0]),
+            right as usize % usize::from(TILE[0]),
+        ];
+        let [above, below] = rows;
+        let [light_above, colours_above @ ..] = above;
+        let [light_below, colours_below @ ..] = below;
+        let light = lanes.two_read([light_above, light_below], x);
+        let (light, share) = self.lighten(splat, radial, inside, light);
+        lanes.two_write([light_above, light_below], x, light);
+        let planes = colours_above.iter_mut().zip(colours_below);
+        for ((above, below), colour) in planes.zip(splat.colour) {
+            let sum = lanes.fused_add(share, colour, lanes.two_read([above, below], x));
+            lanes.two_write([above, below], x, sum);
+        }
+    }
+
     #[inline(always)]
     fn finished(&self, row: &Row<f32>) -> u64 {
         let columns = (0..usize::from(TILE[0])).step_by(SINGLES);
@@ -313,6 +366,7 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
 mod tests {
     //! Arbitrary pixels, splats and runs against the kernel's own words.
 
+    use super::super::path::SHORT;
     use super::*;
     use crate::fast::lanes::{Doubles, Portable, VectorLevel, VectorTask, dispatch_vectors};
     use crate::fast::tile::TILE;
@@ -326,7 +380,7 @@ mod tests {
     const WIDTHS: Widths = Lean18::WIDTHS;
     const COLUMNS: usize = TILE[0] as usize;
 
-    /// Draws so many runs of up to 64 pixels into rows of arbitrary pixels; the number of pixels inside a footprint.
+    /// Draws so many times two runs of up to 64 pixels into rows of arbitrary pixels, one by one or, if they are short, together; the number of pixels inside a footprint.
     struct ArbitraryRuns {
         runs: u64,
         random: u64,
@@ -369,6 +423,17 @@ mod tests {
             }
         }
 
+        /// A run of so many pixels at most.
+        fn arbitrary_run(&mut self, end: u64, longest: usize) -> Pixels {
+            let x = self.bits(6) as usize;
+            Pixels {
+                x,
+                length: 1 + self.bits(6) as usize % longest.min(COLUMNS - x),
+                radial: i64::from(self.up_to(end as u32) as i32) - i64::from(self.bits(8)),
+                first: i64::from(self.bits(32) as i32 >> self.bits(4).max(6)),
+            }
+        }
+
         fn check<L: Doubles, const OPERATOR: u8>(mut self, lanes: L) -> u64 {
             let entries = gaussian::<{ splatline::kernel::entries(&WIDTHS) }>(
                 &WIDTHS,
@@ -381,12 +446,12 @@ mod tests {
             let minimum = blend.constants().minimum_transmittance;
             let window = Window {
                 first: [0; 2],
-                end: [TILE[0], 1],
+                end: [TILE[0], 2],
             };
             let mut tile = WordTile::<f32>::new();
             tile.open(window, Pixel::clear(&WIDTHS));
-            let (mut counts, mut covered) = (Coverage::default(), 0);
-            let mut pixels = [Pixel::default(); COLUMNS];
+            let (mut counts, mut covered, mut of_two) = (Coverage::default(), 0, 0);
+            let mut pixels = [Pixel::default(); 2 * COLUMNS];
             for _ in 0..self.runs {
                 pixels = pixels.map(|_| self.pixel(minimum));
                 tile.set_pixels(&pixels);
@@ -398,38 +463,49 @@ mod tests {
                     colour: [(); 3]
                         .map(|()| self.up_to(1 << (WIDTHS.colour + WIDTHS.colour_range()))),
                 };
-                let x = self.bits(6) as usize;
-                let run = Pixels {
-                    x,
-                    length: 1 + self.bits(6) as usize % (COLUMNS - x),
-                    radial: i64::from(self.up_to(end as u32) as i32) - i64::from(self.bits(8)),
-                    first: i64::from(self.bits(32) as i32 >> self.bits(4).max(6)),
-                };
                 let second = i64::from(self.up_to(1 << 24));
-                path.paint::<true>(
-                    &path.splat(&splat, second),
-                    &run,
-                    &mut tile.rows()[0],
-                    &mut counts,
-                );
-                let (mut radial, mut first) = (run.radial as i32, run.first as i32);
-                for pixel in &mut pixels[x..x + run.length] {
-                    let index = radial.max(0) as u64;
-                    radial = radial.wrapping_add(first);
-                    first = first.wrapping_add(second as i32);
-                    if index >= end {
-                        continue;
-                    }
-                    covered += 1;
-                    let alpha = blend.opacity(splat.peak, table.weight(index));
-                    if alpha > 0 && !pixel.is_finished() {
-                        blend.front_to_back(pixel, alpha, &splat.colour);
+                let words = path.splat(&splat, second);
+                let longest = if self.bits(1) == 0 { COLUMNS } else { SHORT };
+                let runs = [(); 2].map(|()| self.arbitrary_run(end, longest));
+                if longest == SHORT {
+                    let pair = TwoRuns {
+                        x: &runs.map(|run| run.x as i64),
+                        pixels: &runs.map(|run| (1 << run.length) - 1),
+                        radial: &runs.map(|run| run.radial),
+                        first: &runs.map(|run| run.first),
+                    };
+                    path.paint_two(&words, &pair, tile.rows().first_chunk_mut().unwrap());
+                } else {
+                    for (run, row) in runs.iter().zip(tile.rows()) {
+                        path.paint::<true>(&words, run, row, &mut counts);
                     }
                 }
-                assert_eq!(tile.to_pixels(), pixels, "{splat:?} {run:?} {second}");
+                let mut inside = 0;
+                for (run, row) in runs.iter().zip(pixels.chunks_mut(COLUMNS)) {
+                    let (mut radial, mut first) = (run.radial as i32, run.first as i32);
+                    for pixel in &mut row[run.x..run.x + run.length] {
+                        let index = radial.max(0) as u64;
+                        radial = radial.wrapping_add(first);
+                        first = first.wrapping_add(second as i32);
+                        if index >= end {
+                            continue;
+                        }
+                        inside += 1;
+                        let alpha = blend.opacity(splat.peak, table.weight(index));
+                        if alpha > 0 && !pixel.is_finished() {
+                            blend.front_to_back(pixel, alpha, &splat.colour);
+                        }
+                    }
+                }
+                *if longest == SHORT {
+                    &mut of_two
+                } else {
+                    &mut covered
+                } += inside;
+                assert_eq!(tile.to_pixels(), pixels, "{splat:?} {runs:?} {second}");
             }
             assert_eq!(counts.covered, covered);
-            covered
+            covered + of_two
         }
     }
 

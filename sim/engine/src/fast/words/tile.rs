@@ -167,17 +167,24 @@ impl<W: PixelWord> WordTile<W> {
         }
     }
 
-    /// Had a pixel within these bounds, which are the screen's, not finished when it was last looked at?
+    /// Of these bounds, which are the screen's, the rows with pixels that had not finished when they were last looked at, from the first to the last; `None` if
+    /// there are none.
     #[inline(always)]
-    pub fn is_live(&self, bounds: &Window) -> bool {
+    pub fn live_rows(&self, bounds: &Window) -> Option<Window> {
         let seen = bounds.intersect(&self.window);
         if seen.is_empty() {
-            return false;
+            return None;
         }
         let [x, y] = [0, 1].map(|axis| usize::from(seen.first[axis] - self.window.first[axis]));
         let columns = u64::MAX >> ((64 - seen.columns()) % 64) << (x % 64);
-        let rows = self.live.get(y..y + usize::from(seen.rows()));
-        rows.is_some_and(|rows| rows.iter().any(|live| *live as u64 & columns != 0))
+        let rows = self.live.get(y..y + usize::from(seen.rows()))?;
+        let is_live = |live: &i64| *live as u64 & columns != 0;
+        let before = rows.iter().position(is_live)? as u16;
+        let behind = rows.iter().rev().position(is_live)? as u16;
+        Some(Window {
+            first: [seen.first[0], seen.first[1] + before],
+            end: [seen.end[0], seen.end[1] - behind],
+        })
     }
 
     /// The smallest window around the pixels that had not finished when they were last looked at; `None` if there are none.
