@@ -99,6 +99,8 @@ pub struct PathNumbers {
     widths: Widths,
     falls: Falls,
     reach: TableReach,
+    /// Bits above the formats of peaks and colours.
+    beyond: [u32; 2],
     /// Left shift of lanes that have 32 bits.
     raise: u32,
     /// Fraction bits of the position within an interval.
@@ -146,6 +148,8 @@ impl PathNumbers {
         };
         Some(PathNumbers {
             widths: *widths,
+            beyond: [widths.peak, widths.colour]
+                .map(|fraction| u32::MAX.checked_shl(u32::from(fraction) + 4).unwrap_or(0)),
             falls: Falls::new(table.entries())?,
             kept: u32::from(widths.interpolation).min(reach.rest_bits),
             raise: if reach.deep { 0 } else { 32 },
@@ -197,10 +201,9 @@ impl PathNumbers {
     #[inline(always)]
     pub fn splat(&self, footprint: &Footprint) -> Option<SplatNumbers> {
         let end = self.reach.end(footprint.cutoff)?;
-        let in_format = |value: u32, fraction: u8| u64::from(value) >> fraction < 16;
         let [red, green, blue] = footprint.colour;
-        let fits = in_format(footprint.opacity, self.widths.peak)
-            && in_format(red | green | blue, self.widths.colour);
+        let [peak, colour] = self.beyond;
+        let fits = footprint.opacity & peak | (red | green | blue) & colour == 0;
         fits.then(|| SplatNumbers {
             end: end << self.raise,
             peak: footprint.opacity,
