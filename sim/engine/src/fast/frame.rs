@@ -13,7 +13,7 @@
 use super::TILE;
 use super::depth_first::{DepthFirst, LiveBlocks, Slices, live_blocks};
 use super::order::{Grid, Key, TileOrder, part_length};
-use super::painter::{PaintScratch, Results, Start, TilePainter};
+use super::painter::{PaintScratch, Results, Start, TilePainter, TileWork};
 use super::setup::Outcome;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
@@ -311,10 +311,15 @@ impl FrameMemory {
                     if start == Start::Resumed && (list.is_empty() || *live == 0) {
                         return Coverage::default();
                     }
-                    let coverage = SCRATCH.with_borrow_mut(|scratch| {
-                        let painter = plan.painter;
-                        painter.paint(scratch, window, outcomes, list, start, pixels)
-                    });
+                    let work = TileWork {
+                        window,
+                        footprints: outcomes,
+                        list,
+                        start,
+                        pixels: &mut *pixels,
+                    };
+                    let coverage =
+                        SCRATCH.with_borrow_mut(|scratch| plan.painter.paint(scratch, work));
                     if !last {
                         *live = live_blocks(&window, pixels);
                     }
@@ -325,6 +330,13 @@ impl FrameMemory {
                 sum += part;
                 sum
             })
+    }
+
+    /// So many of the last frame's pixels, row by row.
+    pub fn pixels(&self, count: usize) -> Vec<Pixel> {
+        let mut pixels = vec![Pixel::default(); count];
+        self.copy(&mut pixels, |pixel| *pixel);
+        pixels
     }
 
     /// The last frame's pixels, row by row, as the caller wants them. A frame of another size is filled as far as it goes.

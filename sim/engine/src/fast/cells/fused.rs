@@ -12,7 +12,7 @@ use super::parts::CellPart;
 use super::scale::{MARK, Scale};
 use super::tile::Cell;
 use crate::fast::lanes::factors::Factors;
-use crate::fast::lanes::fused::{DROPPED, Fused, Pairs};
+use crate::fast::lanes::fused::{DROPPED, Fused, IOTA, Pairs};
 use splatline::blend::Blend;
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
@@ -179,7 +179,7 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         } else {
             0
         };
-        let iota = lanes.wide_iota();
+        let iota = lanes.wide_load(&IOTA);
         let corners = lanes.wide_mul(iota, lanes.wide_sub(iota, splat(1)));
         FusedPixels {
             lanes,
@@ -290,16 +290,16 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         if lanes.marked(live) == 0 {
             return;
         }
-        let value = self.value(radial, lanes.spread(live));
+        let value = self.value(radial, lanes.wide_sar_by(live, 63));
         let alpha = lanes.fused(self.alpha_half, value, colours.peak);
         // Where no pixel is live the value and with it the opacity is 0 already.
-        let too_small = lanes.spread(lanes.wide_sub(alpha, self.opacity_min));
+        let too_small = lanes.wide_sar_by(lanes.wide_sub(alpha, self.opacity_min), 63);
         let alpha = lanes.min_whole(alpha, self.alpha_max);
         let alpha = lanes.without(alpha, self.alpha_mask, too_small);
         let share = lanes.fused(self.share_half, light, alpha);
         let share = lanes.wide_and(share, self.share_mask);
         let rest = lanes.wide_sub(light, lanes.turn(share, self.to_light));
-        let stops = lanes.spread(lanes.wide_sub(rest, self.stop));
+        let stops = lanes.wide_sar_by(lanes.wide_sub(rest, self.stop), 63);
         let before = if STOP_BEFORE { light } else { rest };
         let stopped = lanes.merge(before, before, self.mark);
         lanes.write(&mut cell.light, lanes.blend(stops, stopped, rest));

@@ -5,7 +5,7 @@
 //! loop runs through one long list and not through rows of two cells, whose ends no processor foresees.
 
 use super::tile::{AREA, CELLS_OF_ROW, COLUMNS};
-use crate::fast::lanes::fused::Fused;
+use crate::fast::lanes::fused::{Fused, IOTA};
 use crate::fast::recurrence::{RowVectors, stays_near};
 use crate::fast::row_words::{RowWords, Runs, excess, runs};
 use crate::fast::setup::number::Arithmetic;
@@ -195,7 +195,7 @@ impl<const DEEP: bool> CellParts<DEEP> {
         let begin = math.plus(runs.x, -i64::from(block.left));
         let end = math.plus(runs.end, -i64::from(block.left));
         let bits = math.sub(lanes.wide_shl(one, end), lanes.wide_shl(one, begin));
-        let is_open = lanes.bits(math.greater(end, begin)) & block.open;
+        let is_open = lanes.wide_flags(math.greater(end, begin)) as u8 & block.open;
         let is_open = lanes.truth(is_open);
         let bits = math.select(math.splat(0), bits, is_open);
         let [first_cell, end_cell] = block.cells;
@@ -209,7 +209,10 @@ impl<const DEEP: bool> CellParts<DEEP> {
         let mut bits = lanes.turn(bits, math.splat(i64::from(first_cell) * WIDTH));
         let number = block.corner + usize::from(first_cell);
         let number = math.splat((number << PIXELS) as i64);
-        let row = math.shl(lanes.wide_iota(), (CELLS_OF_ROW << PIXELS).ilog2().into());
+        let row = math.shl(
+            lanes.wide_load(&IOTA),
+            (CELLS_OF_ROW << PIXELS).ilog2().into(),
+        );
         let mut place = math.add(number, row);
         for _ in first_cell..end_cell {
             let pixels = math.and(bits, (1 << WIDTH) - 1);
@@ -249,7 +252,7 @@ impl<const DEEP: bool> CellParts<DEEP> {
                 lanes.pack(room, word, truth);
             }
         }
-        self.count += lanes.bits(truth).count_ones() as usize;
+        self.count += lanes.wide_flags(truth).count_ones() as usize;
     }
 }
 

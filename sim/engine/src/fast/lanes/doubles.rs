@@ -32,10 +32,6 @@ pub trait Doubles: Wide {
     fn double_root(self, a: Self::Word) -> Self::Word;
     /// a > b.
     fn double_greater(self, a: Self::Word, b: Self::Word) -> Self::Truth;
-    /// a | b, of words.
-    fn wide_or(self, a: Self::Word, b: Self::Word) -> Self::Word;
-    /// a ^ b, of words.
-    fn wide_xor(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// Is any bit of the word set?
     fn wide_any(self, a: Self::Word) -> bool;
 }
@@ -57,17 +53,14 @@ impl Doubles for Portable {
     fn singles(self) -> Portable {
         self
     }
-    #[inline(always)]
-    fn double_add(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| a + b)
-    }
-    #[inline(always)]
-    fn double_sub(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| a - b)
-    }
-    #[inline(always)]
-    fn double_mul(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| a * b)
+    operations! { Words => Words;
+        double_add(a, b) = zip(a, b, |a, b| a + b);
+        double_sub(a, b) = zip(a, b, |a, b| a - b);
+        double_mul(a, b) = zip(a, b, |a, b| a * b);
+        double_min(a, b) = zip(a, b, |a, b| if a < b { a } else { b });
+        double_max(a, b) = zip(a, b, |a, b| if a > b { a } else { b });
+        double_floor(a) = a.map(|a| double(a).floor().to_bits() as i64);
+        double_root(a) = a.map(|a| double(a).sqrt().to_bits() as i64);
     }
     #[inline(always)]
     fn double_mul_add(self, a: Words, b: Words, c: Words) -> Words {
@@ -78,32 +71,8 @@ impl Doubles for Portable {
         std::array::from_fn(|k| double(a[k]).mul_add(double(b[k]), -double(c[k])).to_bits() as i64)
     }
     #[inline(always)]
-    fn double_min(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| if a < b { a } else { b })
-    }
-    #[inline(always)]
-    fn double_max(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| if a > b { a } else { b })
-    }
-    #[inline(always)]
-    fn double_floor(self, a: Words) -> Words {
-        a.map(|a| double(a).floor().to_bits() as i64)
-    }
-    #[inline(always)]
-    fn double_root(self, a: Words) -> Words {
-        a.map(|a| double(a).sqrt().to_bits() as i64)
-    }
-    #[inline(always)]
     fn double_greater(self, a: Words, b: Words) -> [bool; 8] {
         std::array::from_fn(|k| double(a[k]) > double(b[k]))
-    }
-    #[inline(always)]
-    fn wide_or(self, a: Words, b: Words) -> Words {
-        std::array::from_fn(|k| a[k] | b[k])
-    }
-    #[inline(always)]
-    fn wide_xor(self, a: Words, b: Words) -> Words {
-        std::array::from_fn(|k| a[k] ^ b[k])
     }
     #[inline(always)]
     fn wide_any(self, a: Words) -> bool {
@@ -147,13 +116,9 @@ mod x86 {
                 double_min = _mm256_min_pd, double_max = _mm256_max_pd;
             three: double_mul_add = _mm256_fmadd_pd, double_mul_sub = _mm256_fmsub_pd
         );
-        #[inline(always)]
-        fn double_floor(self, a: __m256i) -> __m256i {
-            op!(_mm256_castpd_si256(_mm256_floor_pd(_mm256_castsi256_pd(a))))
-        }
-        #[inline(always)]
-        fn double_root(self, a: __m256i) -> __m256i {
-            op!(_mm256_castpd_si256(_mm256_sqrt_pd(_mm256_castsi256_pd(a))))
+        operations! { __m256i => __m256i;
+            double_floor(a) = op!(_mm256_castpd_si256(_mm256_floor_pd(_mm256_castsi256_pd(a))));
+            double_root(a) = op!(_mm256_castpd_si256(_mm256_sqrt_pd(_mm256_castsi256_pd(a))));
         }
         #[inline(always)]
         fn double_greater(self, a: __m256i, b: __m256i) -> __m256i {
@@ -161,14 +126,6 @@ mod x86 {
                 _mm256_castsi256_pd(a),
                 _mm256_castsi256_pd(b)
             )))
-        }
-        #[inline(always)]
-        fn wide_or(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_or_si256(a, b))
-        }
-        #[inline(always)]
-        fn wide_xor(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_xor_si256(a, b))
         }
         #[inline(always)]
         fn wide_any(self, a: __m256i) -> bool {
@@ -206,14 +163,6 @@ mod x86 {
                 _mm512_castsi512_pd(a),
                 _mm512_castsi512_pd(b)
             ))
-        }
-        #[inline(always)]
-        fn wide_or(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_or_si512(a, b))
-        }
-        #[inline(always)]
-        fn wide_xor(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_xor_si512(a, b))
         }
         #[inline(always)]
         fn wide_any(self, a: __m512i) -> bool {

@@ -20,6 +20,16 @@ macro_rules! op {
     };
 }
 
+/// Operations that are one expression each, of operands of one type and with results of another: the table of an implementation.
+macro_rules! operations {
+    ($of:ty => $to:ty; $($name:ident($($operand:ident),+) = $result:expr;)+) => {$(
+        #[inline(always)]
+        fn $name(self, $($operand: $of),+) -> $to {
+            $result
+        }
+    )+};
+}
+
 #[cfg(target_arch = "x86_64")]
 pub mod avx2;
 #[cfg(target_arch = "x86_64")]

@@ -99,29 +99,14 @@ impl Singles for Portable {
     fn whole_load(self, from: &[i32; SINGLES]) -> Self::Whole {
         *from
     }
-    #[inline(always)]
-    fn whole_add(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
-        zip(a, b, i32::wrapping_add)
-    }
-    #[inline(always)]
-    fn whole_sub(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
-        zip(a, b, i32::wrapping_sub)
-    }
-    #[inline(always)]
-    fn whole_mul(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
-        zip(a, b, i32::wrapping_mul)
-    }
-    #[inline(always)]
-    fn whole_and(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
-        zip(a, b, |a, b| a & b)
-    }
-    #[inline(always)]
-    fn whole_max(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
-        zip(a, b, i32::max)
-    }
-    #[inline(always)]
-    fn whole_shr(self, a: Self::Whole, by: Self::Whole) -> Self::Whole {
-        zip(a, by, |a, by| (a as u32).wrapping_shr(by as u32) as i32)
+    operations! { Self::Whole => Self::Whole;
+        whole_add(a, b) = zip(a, b, i32::wrapping_add);
+        whole_sub(a, b) = zip(a, b, i32::wrapping_sub);
+        whole_mul(a, b) = zip(a, b, i32::wrapping_mul);
+        whole_and(a, b) = zip(a, b, |a, b| a & b);
+        whole_max(a, b) = zip(a, b, i32::max);
+        whole_shr(a, by) = zip(a, by, |a, by| (a as u32).wrapping_shr(by as u32) as i32);
+        short_mul(a, b) = zip(a, b, |a, b| a.wrapping_mul((b as i16).into()));
     }
     #[inline(always)]
     fn whole_greater(self, a: Self::Whole, b: Self::Whole) -> Self::Choice {
@@ -142,10 +127,6 @@ impl Singles for Portable {
         std::array::from_fn(|k| if choice[k] { word(index[k]) } else { 0 })
     }
     #[inline(always)]
-    fn short_mul(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
-        zip(a, b, |a, b| a.wrapping_mul((b as i16).into()))
-    }
-    #[inline(always)]
     fn single_of(self, a: Self::Whole, whole: Self::Single) -> Self::Single {
         std::array::from_fn(|k| f32::from_bits(a[k] as u32 | whole[k].to_bits()))
     }
@@ -164,21 +145,11 @@ impl Singles for Portable {
             *numbers = value;
         }
     }
-    #[inline(always)]
-    fn fused_add(self, a: Self::Single, b: Self::Single, c: Self::Single) -> Self::Single {
-        std::array::from_fn(|k| a[k].mul_add(b[k], c[k]))
-    }
-    #[inline(always)]
-    fn single_sub(self, a: Self::Single, b: Self::Single) -> Self::Single {
-        zip(a, b, |a, b| a - b)
-    }
-    #[inline(always)]
-    fn single_min(self, a: Self::Single, b: Self::Single) -> Self::Single {
-        zip(a, b, f32::min)
-    }
-    #[inline(always)]
-    fn at_least_zero(self, a: Self::Single) -> Self::Single {
-        a.map(|a| if a > 0.0 { a } else { 0.0 })
+    operations! { Self::Single => Self::Single;
+        fused_add(a, b, c) = std::array::from_fn(|k| a[k].mul_add(b[k], c[k]));
+        single_sub(a, b) = zip(a, b, |a, b| a - b);
+        single_min(a, b) = zip(a, b, f32::min);
+        at_least_zero(a) = a.map(|a| if a > 0.0 { a } else { 0.0 });
     }
     #[inline(always)]
     fn single_less(self, a: Self::Single, b: Self::Single) -> Self::Choice {
@@ -246,29 +217,14 @@ mod x86 {
             // SAFETY: an array of eight words is read.
             unsafe { _mm256_loadu_si256(from.as_ptr().cast()) }
         }
-        #[inline(always)]
-        fn whole_add(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_add_epi32(a, b))
-        }
-        #[inline(always)]
-        fn whole_sub(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_sub_epi32(a, b))
-        }
-        #[inline(always)]
-        fn whole_mul(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_mullo_epi32(a, b))
-        }
-        #[inline(always)]
-        fn whole_and(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_and_si256(a, b))
-        }
-        #[inline(always)]
-        fn whole_max(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_max_epi32(a, b))
-        }
-        #[inline(always)]
-        fn whole_shr(self, a: __m256i, by: __m256i) -> __m256i {
-            op!(_mm256_srlv_epi32(a, by))
+        operations! { __m256i => __m256i;
+            whole_add(a, b) = op!(_mm256_add_epi32(a, b));
+            whole_sub(a, b) = op!(_mm256_sub_epi32(a, b));
+            whole_mul(a, b) = op!(_mm256_mullo_epi32(a, b));
+            whole_and(a, b) = op!(_mm256_and_si256(a, b));
+            whole_max(a, b) = op!(_mm256_max_epi32(a, b));
+            whole_shr(a, by) = op!(_mm256_srlv_epi32(a, by));
+            short_mul(a, b) = op!(_mm256_madd_epi16(a, b));
         }
         #[inline(always)]
         fn whole_greater(self, a: __m256i, b: __m256i) -> __m256 {
@@ -285,10 +241,6 @@ mod x86 {
             } else {
                 packed::load(self, table, index, choice)
             }
-        }
-        #[inline(always)]
-        fn short_mul(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_madd_epi16(a, b))
         }
         #[inline(always)]
         fn single_of(self, a: __m256i, whole: __m256) -> __m256 {
@@ -317,29 +269,14 @@ mod x86 {
                 unsafe { _mm256_storeu_ps(numbers.as_mut_ptr(), value) }
             }
         }
-        #[inline(always)]
-        fn fused_add(self, a: __m256, b: __m256, c: __m256) -> __m256 {
-            op!(_mm256_fmadd_ps(a, b, c))
-        }
-        #[inline(always)]
-        fn single_sub(self, a: __m256, b: __m256) -> __m256 {
-            op!(_mm256_sub_ps(a, b))
-        }
-        #[inline(always)]
-        fn single_min(self, a: __m256, b: __m256) -> __m256 {
-            op!(_mm256_min_ps(a, b))
-        }
-        #[inline(always)]
-        fn at_least_zero(self, a: __m256) -> __m256 {
-            op!(_mm256_max_ps(a, _mm256_setzero_ps()))
-        }
-        #[inline(always)]
-        fn single_less(self, a: __m256, b: __m256) -> __m256 {
-            op!(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b))
-        }
-        #[inline(always)]
-        fn single_clear(self, a: __m256, choice: __m256) -> __m256 {
-            op!(_mm256_andnot_ps(choice, a))
+        operations! { __m256 => __m256;
+            fused_add(a, b, c) = op!(_mm256_fmadd_ps(a, b, c));
+            single_sub(a, b) = op!(_mm256_sub_ps(a, b));
+            single_min(a, b) = op!(_mm256_min_ps(a, b));
+            at_least_zero(a) = op!(_mm256_max_ps(a, _mm256_setzero_ps()));
+            single_less(a, b) = op!(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b));
+            single_clear(a, choice) = op!(_mm256_andnot_ps(choice, a));
+            choose_both(a, b) = op!(_mm256_and_ps(a, b));
         }
         #[inline(always)]
         fn single_mark(self, a: __m256, choice: __m256) -> __m256 {
@@ -353,6 +290,10 @@ mod x86 {
             op!(_mm256_movemask_ps(a)) as u32
         }
         #[inline(always)]
+        fn chosen(self, choice: __m256) -> u32 {
+            self.signs(choice)
+        }
+        #[inline(always)]
         fn choose_first(self, count: usize) -> __m256 {
             let start = SINGLES.wrapping_sub(count) % (2 * SINGLES);
             match FIRST[start..].first_chunk::<8>() {
@@ -360,14 +301,6 @@ mod x86 {
                 Some(words) => unsafe { _mm256_loadu_ps(words.as_ptr().cast()) },
                 None => self.single(0.0),
             }
-        }
-        #[inline(always)]
-        fn choose_both(self, a: __m256, b: __m256) -> __m256 {
-            op!(_mm256_and_ps(a, b))
-        }
-        #[inline(always)]
-        fn chosen(self, choice: __m256) -> u32 {
-            self.signs(choice)
         }
     }
 }

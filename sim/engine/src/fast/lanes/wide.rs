@@ -34,6 +34,10 @@ pub trait Wide: Copy + Send + Sync {
     fn wide_sub(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// a & b.
     fn wide_and(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a | b.
+    fn wide_or(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a ^ b.
+    fn wide_xor(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// a b of words that fit 32 bits.
     fn wide_mul(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// a b of words that fit 32 bits without a sign.
@@ -69,7 +73,7 @@ pub trait Wide: Copy + Send + Sync {
 pub(super) type Words = [i64; 8];
 
 #[inline(always)]
-fn zip(a: Words, b: Words, operation: impl Fn(i64, i64) -> i64) -> Words {
+pub(super) fn zip(a: Words, b: Words, operation: impl Fn(i64, i64) -> i64) -> Words {
     std::array::from_fn(|k| operation(a[k], b[k]))
 }
 
@@ -107,21 +111,17 @@ impl Wide for Portable {
     fn wide_store(self, to: &mut [i64; 8], value: Words) {
         *to = value;
     }
-    #[inline(always)]
-    fn wide_add(self, a: Words, b: Words) -> Words {
-        zip(a, b, i64::wrapping_add)
-    }
-    #[inline(always)]
-    fn wide_sub(self, a: Words, b: Words) -> Words {
-        zip(a, b, i64::wrapping_sub)
-    }
-    #[inline(always)]
-    fn wide_and(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| a & b)
-    }
-    #[inline(always)]
-    fn wide_mul(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| i64::from(a as i32) * i64::from(b as i32))
+    operations! { Words => Words;
+        wide_add(a, b) = zip(a, b, i64::wrapping_add);
+        wide_sub(a, b) = zip(a, b, i64::wrapping_sub);
+        wide_and(a, b) = zip(a, b, |a, b| a & b);
+        wide_or(a, b) = zip(a, b, |a, b| a | b);
+        wide_xor(a, b) = zip(a, b, |a, b| a ^ b);
+        wide_mul(a, b) = zip(a, b, |a, b| i64::from(a as i32) * i64::from(b as i32));
+        wide_mul_whole(a, b) = zip(a, b, i64::wrapping_mul);
+        wide_shl(a, by) = zip(a, by, |a, by| amount(by).map_or(0, |by| a << by));
+        wide_sar(a, by) = zip(a, by, |a, by| a >> amount(by).unwrap_or(63));
+        wide_leading_zeros(a) = a.map(|a| a.leading_zeros().into());
     }
     #[inline(always)]
     fn wide_mul_unsigned(self, a: Words, b: Words) -> Words {
@@ -130,26 +130,10 @@ impl Wide for Portable {
         })
     }
     #[inline(always)]
-    fn wide_mul_whole(self, a: Words, b: Words) -> Words {
-        zip(a, b, i64::wrapping_mul)
-    }
-    #[inline(always)]
-    fn wide_shl(self, a: Words, by: Words) -> Words {
-        zip(a, by, |a, by| amount(by).map_or(0, |by| a << by))
-    }
-    #[inline(always)]
     fn wide_shr(self, a: Words, by: Words) -> Words {
         zip(a, by, |a, by| {
             amount(by).map_or(0, |by| (a as u64 >> by) as i64)
         })
-    }
-    #[inline(always)]
-    fn wide_sar(self, a: Words, by: Words) -> Words {
-        zip(a, by, |a, by| a >> amount(by).unwrap_or(63))
-    }
-    #[inline(always)]
-    fn wide_leading_zeros(self, a: Words) -> Words {
-        a.map(|a| a.leading_zeros().into())
     }
     #[inline(always)]
     fn wide_gather(self, table: &[u32], index: Words) -> [Words; 2] {
@@ -159,13 +143,9 @@ impl Wide for Portable {
         let pairs = first.map(|first| entry(first).copied().unwrap_or_default());
         [0, 1].map(|which| pairs.map(|pair| i64::from(pair[which])))
     }
-    #[inline(always)]
-    fn wide_greater(self, a: Words, b: Words) -> [bool; 8] {
-        std::array::from_fn(|k| a[k] > b[k])
-    }
-    #[inline(always)]
-    fn wide_equal(self, a: Words, b: Words) -> [bool; 8] {
-        std::array::from_fn(|k| a[k] == b[k])
+    operations! { Words => [bool; 8];
+        wide_greater(a, b) = std::array::from_fn(|k| a[k] > b[k]);
+        wide_equal(a, b) = std::array::from_fn(|k| a[k] == b[k]);
     }
     #[inline(always)]
     fn wide_select(self, a: Words, b: Words, truth: [bool; 8]) -> Words {
@@ -292,45 +272,19 @@ pub(super) mod x86 {
             // SAFETY: a vector of the array's words is written.
             unsafe { _mm512_storeu_epi64(to.as_mut_ptr(), value) }
         }
-        #[inline(always)]
-        fn wide_add(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_add_epi64(a, b))
-        }
-        #[inline(always)]
-        fn wide_sub(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_sub_epi64(a, b))
-        }
-        #[inline(always)]
-        fn wide_and(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_and_si512(a, b))
-        }
-        #[inline(always)]
-        fn wide_mul(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_mul_epi32(a, b))
-        }
-        #[inline(always)]
-        fn wide_mul_unsigned(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_mul_epu32(a, b))
-        }
-        #[inline(always)]
-        fn wide_mul_whole(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_mullo_epi64(a, b))
-        }
-        #[inline(always)]
-        fn wide_shl(self, a: __m512i, by: __m512i) -> __m512i {
-            op!(_mm512_sllv_epi64(a, by))
-        }
-        #[inline(always)]
-        fn wide_shr(self, a: __m512i, by: __m512i) -> __m512i {
-            op!(_mm512_srlv_epi64(a, by))
-        }
-        #[inline(always)]
-        fn wide_sar(self, a: __m512i, by: __m512i) -> __m512i {
-            op!(_mm512_srav_epi64(a, by))
-        }
-        #[inline(always)]
-        fn wide_leading_zeros(self, a: __m512i) -> __m512i {
-            op!(_mm512_lzcnt_epi64(a))
+        operations! { __m512i => __m512i;
+            wide_add(a, b) = op!(_mm512_add_epi64(a, b));
+            wide_sub(a, b) = op!(_mm512_sub_epi64(a, b));
+            wide_and(a, b) = op!(_mm512_and_si512(a, b));
+            wide_or(a, b) = op!(_mm512_or_si512(a, b));
+            wide_xor(a, b) = op!(_mm512_xor_si512(a, b));
+            wide_mul(a, b) = op!(_mm512_mul_epi32(a, b));
+            wide_mul_unsigned(a, b) = op!(_mm512_mul_epu32(a, b));
+            wide_mul_whole(a, b) = op!(_mm512_mullo_epi64(a, b));
+            wide_shl(a, by) = op!(_mm512_sllv_epi64(a, by));
+            wide_shr(a, by) = op!(_mm512_srlv_epi64(a, by));
+            wide_sar(a, by) = op!(_mm512_srav_epi64(a, by));
+            wide_leading_zeros(a) = op!(_mm512_lzcnt_epi64(a));
         }
         #[inline(always)]
         fn wide_gather(self, table: &[u32], index: __m512i) -> [__m512i; 2] {
@@ -345,13 +299,9 @@ pub(super) mod x86 {
                 [low, _mm512_srli_epi64::<32>(pairs)]
             }
         }
-        #[inline(always)]
-        fn wide_greater(self, a: __m512i, b: __m512i) -> __mmask8 {
-            op!(_mm512_cmpgt_epi64_mask(a, b))
-        }
-        #[inline(always)]
-        fn wide_equal(self, a: __m512i, b: __m512i) -> __mmask8 {
-            op!(_mm512_cmpeq_epi64_mask(a, b))
+        operations! { __m512i => __mmask8;
+            wide_greater(a, b) = op!(_mm512_cmpgt_epi64_mask(a, b));
+            wide_equal(a, b) = op!(_mm512_cmpeq_epi64_mask(a, b));
         }
         #[inline(always)]
         fn wide_select(self, a: __m512i, b: __m512i, truth: __mmask8) -> __m512i {
@@ -447,25 +397,18 @@ pub(super) mod x86 {
             // SAFETY: a vector of the array's words is written.
             unsafe { _mm256_storeu_si256(to.as_mut_ptr().cast(), value) }
         }
-        #[inline(always)]
-        fn wide_add(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_add_epi64(a, b))
-        }
-        #[inline(always)]
-        fn wide_sub(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_sub_epi64(a, b))
-        }
-        #[inline(always)]
-        fn wide_and(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_and_si256(a, b))
-        }
-        #[inline(always)]
-        fn wide_mul(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(product(a, b))
-        }
-        #[inline(always)]
-        fn wide_mul_unsigned(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(product_unsigned(a, b))
+        operations! { __m256i => __m256i;
+            wide_add(a, b) = op!(_mm256_add_epi64(a, b));
+            wide_sub(a, b) = op!(_mm256_sub_epi64(a, b));
+            wide_and(a, b) = op!(_mm256_and_si256(a, b));
+            wide_or(a, b) = op!(_mm256_or_si256(a, b));
+            wide_xor(a, b) = op!(_mm256_xor_si256(a, b));
+            wide_mul(a, b) = op!(product(a, b));
+            wide_mul_unsigned(a, b) = op!(product_unsigned(a, b));
+            wide_shl(a, by) = op!(_mm256_sllv_epi64(a, by));
+            wide_shr(a, by) = op!(_mm256_srlv_epi64(a, by));
+            wide_greater(a, b) = op!(_mm256_cmpgt_epi64(a, b));
+            wide_equal(a, b) = op!(_mm256_cmpeq_epi64(a, b));
         }
         #[inline(always)]
         fn wide_mul_whole(self, a: __m256i, b: __m256i) -> __m256i {
@@ -475,14 +418,6 @@ pub(super) mod x86 {
                     _mm256_add_epi64(_mm256_mul_epu32(upper(a), b), _mm256_mul_epu32(a, upper(b)));
                 _mm256_add_epi64(_mm256_mul_epu32(a, b), _mm256_slli_epi64::<32>(crossed))
             })
-        }
-        #[inline(always)]
-        fn wide_shl(self, a: __m256i, by: __m256i) -> __m256i {
-            op!(_mm256_sllv_epi64(a, by))
-        }
-        #[inline(always)]
-        fn wide_shr(self, a: __m256i, by: __m256i) -> __m256i {
-            op!(_mm256_srlv_epi64(a, by))
         }
         #[inline(always)]
         fn wide_sar(self, a: __m256i, by: __m256i) -> __m256i {
@@ -541,14 +476,6 @@ pub(super) mod x86 {
                 let low = _mm256_and_si256(pairs, self.wide_splat(u32::MAX.into()));
                 [low, _mm256_srli_epi64::<32>(pairs)]
             }
-        }
-        #[inline(always)]
-        fn wide_greater(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_cmpgt_epi64(a, b))
-        }
-        #[inline(always)]
-        fn wide_equal(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_cmpeq_epi64(a, b))
         }
         #[inline(always)]
         fn wide_select(self, a: __m256i, b: __m256i, truth: __m256i) -> __m256i {

@@ -60,8 +60,6 @@ pub trait PixelWords: Wide {
     fn keep(self, a: Self::Word, truth: Self::Truth) -> Self::Word;
     /// a where it is false, else 0.
     fn clear(self, a: Self::Word, truth: Self::Truth) -> Self::Word;
-    /// a | b.
-    fn join(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// The smaller one of words below 2^32.
     fn min_short(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// 0, a, 2 a, 3 a and so on, of a vector of equal words.
@@ -93,13 +91,9 @@ impl PixelWords for Portable {
     fn first(self, count: usize) -> [bool; 8] {
         std::array::from_fn(|k| k < count)
     }
-    #[inline(always)]
-    fn both(self, a: [bool; 8], b: [bool; 8]) -> [bool; 8] {
-        std::array::from_fn(|k| a[k] && b[k])
-    }
-    #[inline(always)]
-    fn except(self, a: [bool; 8], b: [bool; 8]) -> [bool; 8] {
-        std::array::from_fn(|k| a[k] && !b[k])
+    operations! { [bool; 8] => [bool; 8];
+        both(a, b) = std::array::from_fn(|k| a[k] && b[k]);
+        except(a, b) = std::array::from_fn(|k| a[k] && !b[k]);
     }
     #[inline(always)]
     fn keep(self, a: Words, truth: [bool; 8]) -> Words {
@@ -109,17 +103,9 @@ impl PixelWords for Portable {
     fn clear(self, a: Words, truth: [bool; 8]) -> Words {
         std::array::from_fn(|k| if truth[k] { 0 } else { a[k] })
     }
-    #[inline(always)]
-    fn join(self, a: Words, b: Words) -> Words {
-        std::array::from_fn(|k| a[k] | b[k])
-    }
-    #[inline(always)]
-    fn min_short(self, a: Words, b: Words) -> Words {
-        std::array::from_fn(|k| a[k].min(b[k]))
-    }
-    #[inline(always)]
-    fn multiples(self, a: Words) -> Words {
-        std::array::from_fn(|k| a[k].wrapping_mul(k as i64))
+    operations! { Words => Words;
+        min_short(a, b) = std::array::from_fn(|k| a[k].min(b[k]));
+        multiples(a) = std::array::from_fn(|k| a[k].wrapping_mul(k as i64));
     }
     #[inline(always)]
     fn intervals(self, table: &Falls, index: Words) -> Words {
@@ -160,9 +146,13 @@ mod x86 {
                 unsafe { _mm256_storeu_si256(words.as_mut_ptr().cast(), value) }
             }
         }
-        #[inline(always)]
-        fn marked(self, a: __m256i) -> __m256i {
-            op!(_mm256_cmpgt_epi64(_mm256_setzero_si256(), a))
+        operations! { __m256i => __m256i;
+            marked(a) = op!(_mm256_cmpgt_epi64(_mm256_setzero_si256(), a));
+            both(a, b) = op!(_mm256_and_si256(a, b));
+            except(a, b) = op!(_mm256_andnot_si256(b, a));
+            keep(a, truth) = op!(_mm256_and_si256(a, truth));
+            clear(a, truth) = op!(_mm256_andnot_si256(truth, a));
+            min_short(a, b) = op!(_mm256_min_epu32(a, b));
         }
         #[inline(always)]
         fn first(self, count: usize) -> __m256i {
@@ -172,30 +162,6 @@ mod x86 {
                 Some(words) => unsafe { _mm256_loadu_si256(words.as_ptr().cast()) },
                 None => self.wide_splat(0),
             }
-        }
-        #[inline(always)]
-        fn both(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_and_si256(a, b))
-        }
-        #[inline(always)]
-        fn except(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_andnot_si256(b, a))
-        }
-        #[inline(always)]
-        fn keep(self, a: __m256i, truth: __m256i) -> __m256i {
-            op!(_mm256_and_si256(a, truth))
-        }
-        #[inline(always)]
-        fn clear(self, a: __m256i, truth: __m256i) -> __m256i {
-            op!(_mm256_andnot_si256(truth, a))
-        }
-        #[inline(always)]
-        fn join(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_or_si256(a, b))
-        }
-        #[inline(always)]
-        fn min_short(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_min_epu32(a, b))
         }
         #[inline(always)]
         fn multiples(self, a: __m256i) -> __m256i {

@@ -15,19 +15,19 @@ use super::TILE;
 use super::lanes::sums::PixelSums;
 use super::lanes::{Doubles, PixelTask, VectorLevel, VectorTask};
 use super::lanes::{dispatch_pixels, dispatch_vectors};
-use super::painter::{PaintScratch, Results, Start, TableMemory, TilePainter};
+use super::painter::{PaintScratch, Results, ScalarPainter, TilePainter, TileWork};
 use super::rows::RunWords;
+use super::setup::Outcome;
 use painting::{PaintAlone, Painting, PreparedFootprint};
 use path::{ANY, BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers};
 use path::{Pixels, SplatNumbers, WordPixels, X_RAY};
 use single::{SingleNumbers, SinglePixels};
 use splatline::blend::Pixel;
-use splatline::draw::{Coverage, Painter};
+use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Lane, Traversal};
 use splatline::raster::{EllipseSpans, RowConstants, Window};
 use splatline::rules::{Compositing, Rules};
-use splatline::target::Target;
 use tile::{PixelWord, WordTile};
 
 /// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
@@ -36,10 +36,8 @@ pub(super) const AHEAD: usize = 4;
 /// Paints tiles along runs.
 #[derive(Clone, Debug)]
 pub struct WordPainter<D> {
-    design: D,
-    rules: Rules,
-    order: Compositing,
-    table: TableMemory,
+    /// For what vectors cannot do.
+    kernel: ScalarPainter<D>,
     numbers: PathNumbers,
     single: Option<SingleNumbers>,
     choice: VectorLevel,
@@ -56,16 +54,14 @@ impl<D: Design> WordPainter<D> {
         counts: bool,
     ) -> Option<Self> {
         let widths = design.widths();
-        let table = TableMemory::new(&widths, rules);
-        let numbers = PathNumbers::new(&widths, rules, &table.table(), D::Lane::BITS)?;
+        let kernel = ScalarPainter::new(design, rules, order, Traversal::Spans);
+        let table = kernel.table.table();
+        let numbers = PathNumbers::new(&widths, rules, &table, D::Lane::BITS)?;
         let numbers = numbers.in_order(order, widths.rounding)?;
-        let single = SingleNumbers::new(&widths, rules, table.table().entries(), D::Lane::BITS);
+        let single = SingleNumbers::new(&widths, rules, table.entries(), D::Lane::BITS);
         let single = single.filter(|_| order == Compositing::FrontToBack);
         Some(WordPainter {
-            design,
-            rules: *rules,
-            order,
-            table,
+            kernel,
             numbers,
             single,
             choice,
@@ -89,7 +85,7 @@ impl<D: Design> WordPainter<D> {
         if bounds.intersect(window).is_empty() {
             return PreparedFootprint::Nothing;
         }
-        let rows = EllipseSpans::new(self.design, footprint, window);
+        let rows = EllipseSpans::new(self.kernel.design, footprint, window);
         match splat_numbers(&self.numbers, self.single.as_ref(), footprint) {
             Some(splat) => {
                 *place = rows.constants().widened();
@@ -102,40 +98,27 @@ impl<D: Design> WordPainter<D> {
     /// The kernel's painter on the tile's pixels.
     #[cold]
     #[inline(never)]
-    fn paint_scalar<W: PixelWord>(
-        &self,
-        footprints: &Results,
-        index: u32,
-        tile: &mut WordTile<W>,
-    ) -> Coverage {
-        let (table, order) = (self.table.table(), self.order);
-        let painter = Painter::new(self.design, &self.rules, table, order, Traversal::Spans);
+    fn paint_scalar<W: PixelWord>(&self, footprint: &Outcome, tile: &mut WordTile<W>) -> Coverage {
         let mut pixels = tile.to_pixels();
-        let window = tile.window();
-        let stride = usize::from(window.end[0] - window.first[0]);
-        let target = Target::new(&mut pixels, window, stride);
-        let (Ok(footprint), Ok(mut target)) = (&footprints[index as usize], target) else {
-            return Coverage::default();
-        };
-        let coverage = painter.draw(footprint, &mut target);
+        let coverage = (self.kernel).paint_alone(footprint, tile.window(), &mut pixels);
         tile.set_pixels(&pixels);
         coverage
     }
 }
 
 impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
-    fn paint(
-        &self,
-        scratch: &mut PaintScratch,
-        window: Window,
-        footprints: &Results,
-        list: &[u32],
-        start: Start,
-        pixels: &mut [Pixel],
-    ) -> Coverage {
-        let clear = Pixel::clear(&self.design.widths());
+    fn paint(&self, scratch: &mut PaintScratch, work: TileWork) -> Coverage {
+        let TileWork {
+            window,
+            footprints,
+            list,
+            start,
+            pixels,
+        } = work;
+        let widths = self.kernel.design.widths();
+        let clear = Pixel::clear(&widths);
         let painting = Painting {
-            widths: self.design.widths(),
+            widths,
             numbers: &self.numbers,
             single: self.single.as_ref(),
             prepare: &|index, window, rows| self.prepare(footprints, index, window, rows),
@@ -154,7 +137,7 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
             let task = SinglePainting {
                 painting,
                 numbers,
-                scalar: &|index, tile| self.paint_scalar(footprints, index, tile),
+                scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
                 tile,
             };
             let coverage = dispatch_vectors(self.choice, task).ok()?;
@@ -170,7 +153,7 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
             let task = WordPainting {
                 painting,
                 numbers: &self.numbers,
-                scalar: &|index, tile| self.paint_scalar(footprints, index, tile),
+                scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
                 tile,
             };
             let coverage = dispatch_pixels(self.choice, task);

@@ -389,7 +389,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         } else {
             (share, rest)
         };
-        lanes.write(plane_of_light, x, lanes.join(after, marks));
+        lanes.write(plane_of_light, x, lanes.wide_or(after, marks));
         for (plane, colour) in colours.iter_mut().zip(splat.colour) {
             let product = lanes.wide_mul_unsigned(share, colour);
             let sum = lanes.read(plane, x);

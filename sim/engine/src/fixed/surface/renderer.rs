@@ -27,12 +27,11 @@ use splatline::blend::shading::{self, Shading};
 use splatline::blend::surface::{Accumulation, WeightedSum, sum_fraction};
 use splatline::draw::Coverage;
 use splatline::draw::surface::SurfacePainter;
-use splatline::format::{RuntimeWidths, Traversal};
+use splatline::format::Traversal;
 use splatline::raster::Window;
 use splatline::rules as kernel;
-use splatline::setup::{Cull, setup_surface};
+use splatline::setup::Cull;
 use splatline::splat::surface::SurfaceSplat;
-use splatline::view::View;
 use std::borrow::Borrow;
 use std::cell::RefCell;
 use std::time::Instant;
@@ -202,10 +201,6 @@ impl<'a> SurfaceFrames<'a> {
         let edges = style
             .edge
             .and_then(|tau| EdgeFilter::new((tau * exp2(30)) as u32));
-        let engine = match options.engine {
-            PaintEngine::Vectors(choice) => Some(choice),
-            PaintEngine::Scalar => None,
-        };
         let job = SurfaceFrameJob {
             points,
             options,
@@ -214,7 +209,7 @@ impl<'a> SurfaceFrames<'a> {
             constants: TileConstants {
                 gather,
                 resolve: Resolve::new(&design.widths, gather, shading, edges),
-                numbers: numbers.as_ref().zip(engine),
+                numbers: numbers.as_ref().zip(options.engine.vectors()),
                 counts: options.counts,
             },
             memory,
@@ -250,9 +245,9 @@ impl SurfaceFrameJob<'_> {
             constants,
             memory,
         } = self;
-        let design = options.design.in_fields();
+        let (design, vectors) = (options.design.in_fields(), options.engine.vectors());
         let set_up = |splats: &[SurfaceSplat], outcomes: &mut [SurfaceOutcome]| {
-            set_up_part(design, view, rules, options.engine, (splats, outcomes));
+            setup::set_up(design, view, rules, splats, outcomes, vectors);
         };
         let (gather, traversal) = (constants.gather, options.traversal);
         let painter = SurfacePainter::new(design, rules, table.table(), gather, traversal);
@@ -263,26 +258,6 @@ impl SurfaceFrameJob<'_> {
             tiles: &GatherTiles::<C>::new(painter, &constants),
         };
         memory.draw(splats, &plan)
-    }
-}
-
-/// Setup of some points into as many places.
-fn set_up_part(
-    design: RuntimeWidths,
-    view: &View,
-    rules: &kernel::Rules,
-    engine: PaintEngine,
-    (splats, outcomes): (&[SurfaceSplat], &mut [SurfaceOutcome]),
-) {
-    match engine {
-        PaintEngine::Vectors(choice) => {
-            setup::set_up(design, view, rules, splats, outcomes, choice)
-        }
-        PaintEngine::Scalar => {
-            for (splat, outcome) in splats.iter().zip(outcomes) {
-                *outcome = setup_surface(design, view, rules, splat);
-            }
-        }
     }
 }
 
