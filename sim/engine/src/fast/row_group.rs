@@ -182,7 +182,7 @@ impl RowGroup {
         let [start, step] = [reals.to_short_word(start), reals.to_short_word(step)];
         let slack = reals.constant(power(fraction as i32 - 10));
         let reach = reals.to_fixed(Real(cutoff), power(fraction as i32 - 28));
-        let together = RowReals::of(
+        let mut together = RowReals::of(
             math,
             RowNumbers {
                 seeds: SeedWords::of(
@@ -200,8 +200,8 @@ impl RowGroup {
                 most_bits: math.splat(if bits <= 15 { bits } else { bits.max(30) }),
             },
         );
-        for (list, word) in self.constants.iter_mut().zip(together.words()) {
-            lanes.wide_store(list, word);
+        for (list, word) in self.constants.iter_mut().zip(together.different()) {
+            lanes.wide_store(list, *word);
         }
         lanes.wide_store(&mut self.second, reals.to_short_word(second));
         lanes.wide_store(&mut self.doubt, doubt.get());
@@ -231,16 +231,16 @@ impl RowGroup {
     pub fn reals<L: Doubles>(&self, k: usize, together: &RowReals<L>) -> RowReals<L> {
         let (k, lanes) = (k % WORDS, together.math.lanes);
         let member = &self.members[k];
-        let line = RowLine {
+        let mut reals = *together;
+        reals.line = RowLine {
             columns: [member.begin, member.visible[1]],
             shear: double(self.shear[k]),
             curve: double(self.curve[k]),
         };
-        let mut words = [lanes.wide_splat(0); DIFFERENT];
-        for (word, list) in words.iter_mut().zip(&self.constants) {
+        for (word, list) in reals.different().into_iter().zip(&self.constants) {
             *word = lanes.wide_splat(list[k]);
         }
-        together.one(line, words)
+        reals
     }
 
     /// Block of rows number `number`, of two, of footprint number `k`.

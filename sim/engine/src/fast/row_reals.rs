@@ -64,7 +64,7 @@ fn splat<L: Doubles>(lanes: L, value: f64) -> L::Word {
 pub struct RowReals<L: Doubles> {
     pub math: Arithmetic<L>,
     seeds: SeedWords<L>,
-    line: RowLine,
+    pub line: RowLine,
     /// For a unit of C dy^2, which is so large here.
     scale: f64,
     reach: L::Word,
@@ -215,52 +215,19 @@ impl<L: Doubles> RowReals<L> {
 
     /// The words that differ between footprints.
     #[inline(always)]
-    pub fn words(&self) -> [L::Word; DIFFERENT] {
-        let [a, b, c, d, e, f, g] = self.seeds.words();
+    pub fn different(&mut self) -> [&mut L::Word; DIFFERENT] {
+        let [a, b, c, d, e, f, g] = self.seeds.different();
         let SquaredWidth {
-            mantissa: h,
-            odd: i,
-            power: j,
-            ..
-        } = self.table;
-        let (k, l, m, n) = (self.reach, self.longest[1], self.squared_width, self.to_dx);
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, n]
-    }
-
-    /// The same of one footprint, of which these are the words.
-    #[inline(always)]
-    pub fn one(&self, line: RowLine, words: [L::Word; DIFFERENT]) -> Self {
-        let [
-            a,
-            b,
-            c,
-            d,
-            e,
-            f,
-            g,
             mantissa,
             odd,
             power,
-            reach,
-            farthest,
-            width,
-            to_dx,
-        ] = words;
-        RowReals {
-            line,
-            reach,
-            longest: [self.longest[0], farthest],
-            squared_width: width,
-            table: SquaredWidth {
-                mantissa,
-                odd,
-                power,
-                ..self.table
-            },
-            to_dx,
-            seeds: self.seeds.with([a, b, c, d, e, f, g]),
-            ..*self
-        }
+            ..
+        } = &mut self.table;
+        let [_, farthest] = &mut self.longest;
+        let (reach, width, to_dx) = (&mut self.reach, &mut self.squared_width, &mut self.to_dx);
+        [
+            a, b, c, d, e, f, g, mantissa, odd, power, reach, farthest, width, to_dx,
+        ]
     }
 
     #[inline(always)]

@@ -137,24 +137,19 @@ impl<L: Wide> SeedWords<L> {
 
     /// The words that differ between footprints without left shifts.
     #[inline(always)]
-    pub fn words(&self) -> [L::Word; 7] {
-        let (radial, first) = (self.drop_radial, self.drop_first);
-        let shifts = [radial.raise, radial.by, first.raise, first.by];
-        let [a, b, c, d] = shifts;
-        [self.horizontal, self.start, self.unit, a, b, c, d]
-    }
-
-    /// The same of a footprint with these words.
-    #[inline(always)]
-    pub fn with(&self, [horizontal, start, unit, a, b, c, d]: [L::Word; 7]) -> Self {
-        SeedWords {
-            horizontal,
-            start,
-            unit,
-            drop_radial: RoundingShift { raise: a, by: b },
-            drop_first: RoundingShift { raise: c, by: d },
-            ..*self
-        }
+    pub fn different(&mut self) -> [&mut L::Word; 7] {
+        let (radial, first) = (&mut self.drop_radial, &mut self.drop_first);
+        let [a, b] = [&mut radial.raise, &mut radial.by];
+        let [c, d] = [&mut first.raise, &mut first.by];
+        [
+            &mut self.horizontal,
+            &mut self.start,
+            &mut self.unit,
+            a,
+            b,
+            c,
+            d,
+        ]
     }
 }
 

@@ -7,7 +7,7 @@
 //!
 //! As in [`words`](crate::fast::words), an opacity of 0 changes no pixel.
 
-use super::intervals::{Intervals, TableReach};
+use super::intervals::{TableReach, pairs};
 use super::parts::CellPart;
 use super::scale::{MARK, Scale};
 use super::tile::Cell;
@@ -32,8 +32,12 @@ pub struct FusedSplatNumbers {
 #[derive(Clone, Debug)]
 pub struct FusedScheme {
     widths: Widths,
-    scale: Scale,
-    intervals: Intervals,
+    /// How pixels are written in a tile.
+    pub scale: Scale,
+    pub reach: TableReach,
+    pairs: Pairs,
+    /// The same table, if it is a Gaussian.
+    factors: Option<Factors>,
 }
 
 impl FusedScheme {
@@ -49,25 +53,17 @@ impl FusedScheme {
         Some(FusedScheme {
             widths: *widths,
             scale: Scale::new(widths, &constants)?,
-            intervals: Intervals::new(table, reach, widths, rules.table_range),
+            reach,
+            pairs: pairs(table, widths),
+            factors: Factors::gaussian(table.entries(), widths, rules.table_range),
         })
-    }
-
-    /// How pixels are written in a tile.
-    pub fn scale(&self) -> Scale {
-        self.scale
-    }
-
-    /// Do lanes have 64 bits?
-    pub fn is_deep(&self) -> bool {
-        self.intervals.reach.deep
     }
 
     /// A footprint's numbers; `None` if its words lie outside their formats or its end outside the table.
     #[inline(always)]
     pub fn numbers(&self, footprint: &Footprint) -> Option<FusedSplatNumbers> {
         let FusedScheme { widths, scale, .. } = self;
-        let end = self.intervals.reach.end(footprint.cutoff)?;
+        let end = self.reach.end(footprint.cutoff)?;
         let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
         let fits = in_format(footprint.opacity, widths.peak)
             && footprint
@@ -85,7 +81,7 @@ impl FusedScheme {
 /// Everything about the pixel path that is constant for a picture, on vectors. `DEEP` lanes have 64 bits.
 #[derive(Clone, Copy)]
 pub struct FusedPixels<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> {
-    lanes: L,
+    pub lanes: L,
     table: &'a Pairs,
     /// The same table, if it is a Gaussian.
     factors: Option<&'a Factors>,
@@ -118,30 +114,6 @@ pub struct FusedPixels<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> 
     sum_mask: L::Word,
 }
 
-/// Pixels counted, lane by lane.
-#[derive(Clone, Copy)]
-pub struct FusedCounts<L: Fused> {
-    covered: L::Word,
-    live: L::Word,
-}
-
-impl<L: Fused> FusedCounts<L> {
-    /// None.
-    #[inline(always)]
-    fn new(lanes: L) -> Self {
-        let [covered, live] = [lanes.wide_splat(0); 2];
-        FusedCounts { covered, live }
-    }
-
-    /// Adds the words whose most significant bits are set.
-    #[inline(always)]
-    fn add(&mut self, lanes: L, inside: L::Word, live: L::Word) {
-        let ones = |word: L::Word| lanes.wide_shr(word, lanes.wide_splat(63));
-        self.covered = lanes.wide_add(self.covered, ones(inside));
-        self.live = lanes.wide_add(self.live, ones(live));
-    }
-}
-
 /// A numbers on vectors.
 #[derive(Clone, Copy)]
 pub struct FusedSplatWords<L: Fused> {
@@ -158,14 +130,9 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
     /// For a scheme of lanes as deep as these.
     #[inline(always)]
     pub fn new(lanes: L, scheme: &'a FusedScheme, rules: &Rules) -> Self {
-        let FusedScheme {
-            widths,
-            scale,
-            intervals,
-            ..
-        } = scheme;
+        let FusedScheme { widths, scale, .. } = scheme;
         let constants = Blend::new(widths, rules).constants();
-        let rest = intervals.reach.rest_bits;
+        let rest = scheme.reach.rest_bits;
         let kept = u32::from(widths.interpolation).min(rest);
         // The position's left shift: it stands where its product with a change is a value at its scale.
         let raised = scale.weight - kept;
@@ -183,8 +150,8 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         let corners = lanes.wide_mul(iota, lanes.wide_sub(iota, splat(1)));
         FusedPixels {
             lanes,
-            table: &intervals.pairs,
-            factors: intervals.factors.as_ref(),
+            table: &scheme.pairs,
+            factors: scheme.factors.as_ref(),
             iota,
             corners: lanes.wide_shr(corners, splat(1)),
             interval: turn(rest),
@@ -268,7 +235,7 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         }
     }
 
-    /// Paints what a footprint covers of a cell.
+    /// Paints what a footprint covers of a cell; covered pixels, and those of them that had not finished, are counted lane by lane.
     ///
     /// Conditions stay in the words, as their most significant bits: a detour through the mask registers takes ten cycles of the way from
     /// a radial index to a pixel.
@@ -278,7 +245,7 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         colours: &FusedSplatWords<L>,
         part: &CellPart,
         cell: &mut Cell,
-        counts: &mut FusedCounts<L>,
+        counts: &mut [L::Word; 2],
     ) {
         let lanes = self.lanes;
         let radial = self.radial(colours, part);
@@ -286,7 +253,9 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         let inside = lanes.wide_and(lanes.wide_sub(radial, colours.end), of_run);
         let light = lanes.read(&cell.light);
         let live = lanes.without(inside, inside, light);
-        counts.add(lanes, inside, live);
+        for (count, marked) in counts.iter_mut().zip([inside, live]) {
+            *count = lanes.wide_add(*count, lanes.wide_shr(marked, lanes.wide_splat(63)));
+        }
         if lanes.marked(live) == 0 {
             return;
         }
@@ -312,17 +281,5 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
             let sum = lanes.fused(lanes.read(plane), share, colour);
             lanes.write(plane, lanes.merge(sum, self.sum_mask, self.sum_half));
         }
-    }
-
-    /// No pixels.
-    #[inline(always)]
-    pub fn no_counts(&self) -> FusedCounts<L> {
-        FusedCounts::new(self.lanes)
-    }
-
-    /// Pixels covered, and those of them that were not finished; of one batch.
-    #[inline(always)]
-    pub fn total(&self, counts: FusedCounts<L>) -> [u64; 2] {
-        [counts.covered, counts.live].map(|words| self.lanes.sum(words))
     }
 }

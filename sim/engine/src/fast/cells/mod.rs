@@ -17,6 +17,7 @@ use super::painter::{CHECK_INTERVAL, PaintScratch, Results, ScalarPainter, Start
 use super::painter::{TilePainter, TileWork};
 use super::row_words::is_tame;
 use super::setup::Outcome;
+use super::words::AHEAD;
 use batch::{Batch, CellFootprint, Prepare};
 use fused::{FusedPixels, FusedScheme};
 pub use intervals::TableReach;
@@ -26,9 +27,6 @@ use splatline::format::{Design, Lane, Traversal};
 use splatline::raster::{EllipseSpans, Window};
 use splatline::rules::{Compositing, Rules};
 use tile::CellTile;
-
-/// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
-const AHEAD: usize = 4;
 
 /// Paints tiles by fused products.
 pub struct FusedPainter<D> {
@@ -98,7 +96,7 @@ impl<D: Design> FusedPainter<D> {
 
 impl<D: Design + Send + Sync> TilePainter for FusedPainter<D> {
     fn paint(&self, scratch: &mut PaintScratch, work: TileWork) -> Coverage {
-        let (scale, footprints) = (self.scheme.scale(), work.footprints);
+        let (scale, footprints) = (self.scheme.scale, work.footprints);
         let tile = scratch.cells.get_or_insert_with(|| CellTile::new(scale));
         let coverage = self.lanes.run(CellPainting {
             scheme: &self.scheme,
@@ -136,7 +134,7 @@ impl FusedTask for CellPainting<'_> {
 
     #[inline(always)]
     fn run<L: Fused>(self, lanes: L) -> Coverage {
-        match (self.rules.omit_finishing, self.scheme.is_deep()) {
+        match (self.rules.omit_finishing, self.scheme.reach.deep) {
             (true, false) => self.paint::<L, true, false>(lanes),
             (false, false) => self.paint::<L, false, false>(lanes),
             (true, true) => self.paint::<L, true, true>(lanes),
@@ -162,7 +160,7 @@ impl CellPainting<'_> {
         let path = FusedPixels::<L, STOP_BEFORE, DEEP>::new(lanes, scheme, rules);
         let mut coverage = Coverage::default();
         let mut batch = Batch::<DEEP>::new();
-        tile.open(window, clear, scheme.scale());
+        tile.open(window, clear, scheme.scale);
         let mut live = window;
         if work.start == Start::Resumed {
             tile.set_pixels(pixels);

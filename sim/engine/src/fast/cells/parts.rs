@@ -14,7 +14,7 @@ use splatline::raster::{BLOCK, RowConstants, Window};
 
 /// A list with so many cells is painted before more are listed: enough to compute the rows of several footprints side by side, and little
 /// enough to stay in the first-level cache.
-const MANY: usize = 256;
+pub const MANY: usize = 256;
 
 /// Room for a whole footprint after that; a vector may reach beyond the last cell.
 const ROOM: usize = MANY + AREA / COLUMNS + 8;
@@ -60,9 +60,10 @@ pub struct CellParts<const DEEP: bool> {
     radial: [u64; ROOM],
     first: [u64; ROOM],
     place: [u64; ROOM],
-    count: usize,
+    /// Cells listed.
+    pub count: usize,
     /// Pixels of the runs that have been listed.
-    visited: u64,
+    pub visited: u64,
 }
 
 impl<const DEEP: bool> CellParts<DEEP> {
@@ -83,24 +84,6 @@ impl<const DEEP: bool> CellParts<DEEP> {
     pub fn clear(&mut self) {
         self.count = 0;
         self.visited = 0;
-    }
-
-    /// Cells listed.
-    #[inline(always)]
-    pub fn count(&self) -> usize {
-        self.count
-    }
-
-    /// Should they be painted before more are listed?
-    #[inline(always)]
-    pub fn is_full(&self) -> bool {
-        self.count >= MANY
-    }
-
-    /// Pixels of the runs that have been listed.
-    #[inline(always)]
-    pub fn visited(&self) -> u64 {
-        self.visited
     }
 
     /// The cells of these numbers in the list.
@@ -172,7 +155,7 @@ impl<const DEEP: bool> CellParts<DEEP> {
             begin = stop;
         }
         let too_large = math.add(long, excess(lanes, constants, large));
-        let fits = lanes.marked(math.negate(too_large)) == 0;
+        let fits = !lanes.wide_any(too_large);
         if fits {
             self.visited += lanes.sum(visited);
         } else {

@@ -32,8 +32,6 @@ pub trait Doubles: Wide {
     fn double_root(self, a: Self::Word) -> Self::Word;
     /// a > b.
     fn double_greater(self, a: Self::Word, b: Self::Word) -> Self::Truth;
-    /// Is any bit of the word set?
-    fn wide_any(self, a: Self::Word) -> bool;
 }
 
 #[inline(always)]
@@ -73,10 +71,6 @@ impl Doubles for Portable {
     #[inline(always)]
     fn double_greater(self, a: Words, b: Words) -> [bool; 8] {
         std::array::from_fn(|k| double(a[k]) > double(b[k]))
-    }
-    #[inline(always)]
-    fn wide_any(self, a: Words) -> bool {
-        a.iter().any(|a| *a != 0)
     }
 }
 
@@ -127,10 +121,6 @@ mod x86 {
                 _mm256_castsi256_pd(b)
             )))
         }
-        #[inline(always)]
-        fn wide_any(self, a: __m256i) -> bool {
-            op!(_mm256_testz_si256(a, a)) == 0
-        }
     }
 
     impl Doubles for Avx512 {
@@ -163,10 +153,6 @@ mod x86 {
                 _mm512_castsi512_pd(a),
                 _mm512_castsi512_pd(b)
             ))
-        }
-        #[inline(always)]
-        fn wide_any(self, a: __m512i) -> bool {
-            op!(_mm512_test_epi64_mask(a, a)) != 0
         }
     }
 }

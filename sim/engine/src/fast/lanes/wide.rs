@@ -65,6 +65,8 @@ pub trait Wide: Copy + Send + Sync {
     fn wide_equal(self, a: Self::Word, b: Self::Word) -> Self::Truth;
     /// `b` where it is true, else `a`.
     fn wide_select(self, a: Self::Word, b: Self::Word, truth: Self::Truth) -> Self::Word;
+    /// Is any bit of a word set?
+    fn wide_any(self, a: Self::Word) -> bool;
     /// A bit for every word.
     fn wide_flags(self, truth: Self::Truth) -> u32;
 }
@@ -152,6 +154,10 @@ impl Wide for Portable {
         std::array::from_fn(|k| if truth[k] { b[k] } else { a[k] })
     }
     #[inline(always)]
+    fn wide_any(self, a: Words) -> bool {
+        a.iter().any(|a| *a != 0)
+    }
+    #[inline(always)]
     fn wide_flags(self, truth: [bool; 8]) -> u32 {
         let bits = truth.iter().enumerate();
         bits.fold(0, |all, (k, truth)| all | u32::from(*truth) << k)
@@ -220,6 +226,12 @@ pub(super) mod x86 {
         }
     }
 
+    /// The lower words and the upper ones.
+    #[inline(always)]
+    fn halves(_: Avx512, a: __m512i) -> [__m256i; 2] {
+        op!([_mm512_castsi512_si256(a), _mm512_extracti64x4_epi64::<1>(a)])
+    }
+
     impl Wide for Avx512 {
         const WIDE: usize = 8;
         type Word = __m512i;
@@ -247,23 +259,13 @@ pub(super) mod x86 {
         }
         #[inline(always)]
         fn wide_rows(self, to: &mut [[i32; 4]; 8], [a, b, c, d]: [__m512i; 4]) {
-            // Not by closures, which are not compiled for the vectors' instructions.
-            let (lower, upper) = op!((
-                [
-                    _mm512_castsi512_si256(a),
-                    _mm512_castsi512_si256(b),
-                    _mm512_castsi512_si256(c),
-                    _mm512_castsi512_si256(d),
-                ],
-                [
-                    _mm512_extracti64x4_epi64::<1>(a),
-                    _mm512_extracti64x4_epi64::<1>(b),
-                    _mm512_extracti64x4_epi64::<1>(c),
-                    _mm512_extracti64x4_epi64::<1>(d),
-                ],
-            ));
+            let ([a, e], [b, f]) = (halves(self, a), halves(self, b));
+            let ([c, g], [d, h]) = (halves(self, c), halves(self, d));
             let [to_0, to_1, to_2, to_3, to_4, to_5, to_6, to_7] = to;
-            let (below, above) = (rows(self.avx2(), lower), rows(self.avx2(), upper));
+            let (below, above) = (
+                rows(self.avx2(), [a, b, c, d]),
+                rows(self.avx2(), [e, f, g, h]),
+            );
             store_rows(self.avx2(), [to_0, to_1, to_2, to_3], below);
             store_rows(self.avx2(), [to_4, to_5, to_6, to_7], above);
         }
@@ -306,6 +308,10 @@ pub(super) mod x86 {
         #[inline(always)]
         fn wide_select(self, a: __m512i, b: __m512i, truth: __mmask8) -> __m512i {
             op!(_mm512_mask_mov_epi64(a, truth, b))
+        }
+        #[inline(always)]
+        fn wide_any(self, a: __m512i) -> bool {
+            op!(_mm512_test_epi64_mask(a, a)) != 0
         }
         #[inline(always)]
         fn wide_flags(self, truth: __mmask8) -> u32 {
@@ -485,6 +491,10 @@ pub(super) mod x86 {
                 _mm256_castsi256_pd(b),
                 _mm256_castsi256_pd(truth)
             )))
+        }
+        #[inline(always)]
+        fn wide_any(self, a: __m256i) -> bool {
+            op!(_mm256_testz_si256(a, a)) == 0
         }
         #[inline(always)]
         fn wide_flags(self, truth: __m256i) -> u32 {

@@ -88,9 +88,9 @@ impl<W: Doubles> Stages<'_, W> {
         self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
         let mut columns = [
-            self.column(splats, 0, &projected),
-            self.column(splats, 1, &projected),
-            self.column(splats, 2, &projected),
+            self.column(splats, 0, &projected).0,
+            self.column(splats, 1, &projected).0,
+            self.column(splats, 2, &projected).0,
         ];
         let mut weight = self.reals.of_parts(splats.weight);
         if self.rules.spacing.mantissa > 0 {
@@ -198,20 +198,9 @@ impl<W: Doubles> Stages<'_, W> {
         reals.narrow(Real(number), self.bits())
     }
 
-    /// Axis `k` on the screen.
-    #[inline(always)]
-    fn column(
-        &self,
-        splats: &SplatLanes<W>,
-        k: usize,
-        projected: &ProjectedWords<W>,
-    ) -> [Real<W>; 2] {
-        self.column_and_depth(splats, k, projected).0
-    }
-
     /// Axis `k` on the screen, and its depth.
     #[inline(always)]
-    pub fn column_and_depth(
+    pub fn column(
         &self,
         splats: &SplatLanes<W>,
         k: usize,

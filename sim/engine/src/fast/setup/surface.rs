@@ -3,6 +3,7 @@
 //! The stages of volume splats with two axes instead of three, the normal in the third one's place; and what surfaces add: the
 //! weight at the centre, the tangent plane's depth, the normal towards the eye. Colours are numbers of one splat each and stay so.
 
+use super::number::BitDrop;
 use super::real::Real;
 use super::stages::{Footprints, ProjectedWords, SplatLanes, Stages, Variance, power};
 use super::{Batched, Lists, SplatFields, list};
@@ -10,7 +11,7 @@ use crate::fast::lanes::{Doubles, Wide};
 use splatline::footprint::surface::{
     Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint, attribute_fraction,
 };
-use splatline::format::{Rounding, RuntimeWidths, Widths};
+use splatline::format::{RuntimeWidths, Widths};
 use splatline::rules::Rules;
 use splatline::setup::{Cull, setup_surface};
 use splatline::splat::surface::SurfaceSplat;
@@ -75,8 +76,8 @@ impl<W: Doubles> Stages<'_, W> {
         let mut culled = math.splat(0);
         self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
-        let (first, z1) = self.column_and_depth(splats, 0, &projected);
-        let (second, z2) = self.column_and_depth(splats, 1, &projected);
+        let (first, z1) = self.column(splats, 0, &projected);
+        let (second, z2) = self.column(splats, 1, &projected);
         let area = self.minor(&first, &second);
         let variance = self.flat_variance(&first, &second, area);
         let inverse = reals.reciprocal(variance.determinant, self.bits());
@@ -241,32 +242,6 @@ impl<W: Doubles> Stages<'_, W> {
             *facing = math.select(fixed, math.negate(fixed), away);
         }
         (facing, math.select(math.splat(0), math.splat(1), away))
-    }
-}
-
-/// Bits dropped of numbers that have room for a rounding: `shift_unsigned` without its cases.
-#[derive(Clone, Copy)]
-struct BitDrop {
-    by: u32,
-    half: u64,
-    odd: u64,
-}
-
-impl BitDrop {
-    #[inline(always)]
-    fn new(by: u32, rounding: Rounding) -> Self {
-        let above = (1u64 << by) >> 1;
-        let (half, odd) = match rounding {
-            Rounding::Nearest => (above, 0),
-            Rounding::NearestEven => (above.saturating_sub(1), above.min(1)),
-            Rounding::Truncate => (0, 0),
-        };
-        BitDrop { by, half, odd }
-    }
-
-    #[inline(always)]
-    fn of(self, value: u64) -> u64 {
-        (value + self.half + (value >> self.by & self.odd)) >> self.by
     }
 }
 

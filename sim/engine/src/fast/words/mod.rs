@@ -15,10 +15,10 @@ use super::TILE;
 use super::lanes::sums::PixelSums;
 use super::lanes::{Doubles, PixelTask, VectorLevel, VectorTask};
 use super::lanes::{dispatch_pixels, dispatch_vectors};
-use super::painter::{PaintScratch, Results, ScalarPainter, TilePainter, TileWork};
-use super::rows::RunWords;
+use super::painter::{PaintScratch, ScalarPainter, TilePainter, TileWork};
+use super::rows::{RunWords, RuntimeRows};
 use super::setup::Outcome;
-use painting::{PaintAlone, Painting, PreparedFootprint};
+use painting::{PaintAlone, Painting};
 use path::{ANY, BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers};
 use path::{Pixels, SplatNumbers, WordPixels, X_RAY};
 use single::{SingleNumbers, SinglePixels};
@@ -26,7 +26,6 @@ use splatline::blend::Pixel;
 use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Lane, Traversal};
-use splatline::raster::{EllipseSpans, RowConstants, Window};
 use splatline::rules::{Compositing, Rules};
 use tile::{PixelWord, WordTile};
 
@@ -38,6 +37,7 @@ pub(super) const AHEAD: usize = 4;
 pub struct WordPainter<D> {
     /// For what vectors cannot do.
     kernel: ScalarPainter<D>,
+    rows: RuntimeRows,
     numbers: PathNumbers,
     single: Option<SingleNumbers>,
     choice: VectorLevel,
@@ -61,38 +61,13 @@ impl<D: Design> WordPainter<D> {
         let single = SingleNumbers::new(&widths, rules, table.entries(), D::Lane::BITS);
         let single = single.filter(|_| order == Compositing::FrontToBack);
         Some(WordPainter {
+            rows: RuntimeRows::new(&widths, D::Lane::BITS)?,
             kernel,
             numbers,
             single,
             choice,
             counts,
         })
-    }
-
-    /// What a footprint is computed from within the window.
-    #[cold]
-    fn prepare(
-        &self,
-        footprints: &Results,
-        index: u32,
-        window: &Window,
-        place: &mut RowConstants<i64>,
-    ) -> PreparedFootprint {
-        let Ok(footprint) = &footprints[index as usize] else {
-            return PreparedFootprint::Nothing;
-        };
-        let bounds = Window::of(footprint);
-        if bounds.intersect(window).is_empty() {
-            return PreparedFootprint::Nothing;
-        }
-        let rows = EllipseSpans::new(self.kernel.design, footprint, window);
-        match splat_numbers(&self.numbers, self.single.as_ref(), footprint) {
-            Some(splat) => {
-                *place = rows.constants().widened();
-                PreparedFootprint::Rows(splat)
-            }
-            None => PreparedFootprint::Scalar,
-        }
     }
 
     /// The kernel's painter on the tile's pixels.
@@ -121,20 +96,20 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
             widths,
             numbers: &self.numbers,
             single: self.single.as_ref(),
-            prepare: &|index, window, rows| self.prepare(footprints, index, window, rows),
+            rows: &self.rows,
             footprints,
             list,
             start,
             counts: self.counts,
         };
         let in_singles = self.single.as_ref().and_then(|numbers| {
-            let tile = scratch.singles.get_or_insert_with(WordTile::new);
+            let tile = scratch.singles.get_or_insert_default();
             tile.start(window, clear, start, pixels);
             // Colours beyond their format, drawn by the kernel, make sums beyond theirs: 64-bit words hold them.
             if tile.has_overflowed() {
                 return None;
             }
-            let task = SinglePainting {
+            let task = TilePainting {
                 painting,
                 numbers,
                 scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
@@ -148,16 +123,16 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
             Some(coverage)
         });
         let coverage = in_singles.unwrap_or_else(|| {
-            let tile = scratch.words.get_or_insert_with(WordTile::new);
+            let tile = scratch.words.get_or_insert_default();
             tile.start(window, clear, start, pixels);
-            let task = WordPainting {
+            let task = TilePainting {
                 painting,
                 numbers: &self.numbers,
                 scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
                 tile,
             };
             let coverage = dispatch_pixels(self.choice, task);
-            let coverage = coverage.unwrap_or_else(WordPainting::paint_scalar);
+            let coverage = coverage.unwrap_or_else(TilePainting::paint_scalar);
             tile.copy(pixels);
             coverage
         });
@@ -182,20 +157,20 @@ fn splat_numbers(
         .then_some(splat)
 }
 
-/// On 64-bit words.
-struct WordPainting<'a> {
+/// A tile to be painted by words that have such numbers.
+struct TilePainting<'a, W: PixelWord, N> {
     painting: Painting<'a>,
-    numbers: &'a PathNumbers,
-    scalar: &'a PaintAlone<'a, u64>,
-    tile: &'a mut WordTile<u64>,
+    numbers: &'a N,
+    scalar: &'a PaintAlone<'a, W>,
+    tile: &'a mut WordTile<W>,
 }
 
-impl PixelTask for WordPainting<'_> {
+impl PixelTask for TilePainting<'_, u64, PathNumbers> {
     type Output = Coverage;
 
     #[inline(always)]
     fn run<L: PixelSums>(self, lanes: L) -> Coverage {
-        match self.painting.numbers.operator {
+        match self.numbers.operator {
             OMIT_FINISHING => self.paint::<L, OMIT_FINISHING>(lanes),
             DRAW_FINISHING => self.paint::<L, DRAW_FINISHING>(lanes),
             BACK_TO_FRONT => self.paint::<L, BACK_TO_FRONT>(lanes),
@@ -205,7 +180,7 @@ impl PixelTask for WordPainting<'_> {
     }
 }
 
-impl WordPainting<'_> {
+impl TilePainting<'_, u64, PathNumbers> {
     /// By the kernel, where there are no vectors after all.
     #[cold]
     fn paint_scalar(self) -> Coverage {
@@ -223,15 +198,7 @@ impl WordPainting<'_> {
     }
 }
 
-/// In single precision.
-struct SinglePainting<'a> {
-    painting: Painting<'a>,
-    numbers: &'a SingleNumbers,
-    scalar: &'a PaintAlone<'a, f32>,
-    tile: &'a mut WordTile<f32>,
-}
-
-impl VectorTask for SinglePainting<'_> {
+impl VectorTask for TilePainting<'_, f32, SingleNumbers> {
     type Output = Coverage;
 
     #[inline(always)]
@@ -244,7 +211,7 @@ impl VectorTask for SinglePainting<'_> {
     }
 }
 
-impl SinglePainting<'_> {
+impl TilePainting<'_, f32, SingleNumbers> {
     #[inline(always)]
     fn paint<L: Doubles, const OPERATOR: u8>(self, lanes: L) -> Coverage {
         let path = SinglePixels::<_, OPERATOR>::new(lanes.singles(), self.numbers);

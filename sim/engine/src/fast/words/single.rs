@@ -383,7 +383,7 @@ mod tests {
                 first: [0; 2],
                 end: [TILE[0], 1],
             };
-            let mut tile = WordTile::<f32>::new();
+            let mut tile = WordTile::<f32>::default();
             tile.open(window, Pixel::clear(&WIDTHS));
             let (mut counts, mut covered) = (Coverage::default(), 0);
             let mut pixels = [Pixel::default(); COLUMNS];
