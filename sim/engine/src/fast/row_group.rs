@@ -6,9 +6,9 @@
 //! Footprints that are [not ordinary](RowGroup::is_ordinary) are left to those two.
 
 use super::lanes::Doubles;
-use super::row_reals::{DIFFERENT, MOST, RealBlock, RowLine, RowNumbers, RowReals, power};
+use super::row_reals::{DIFFERENT, MOST, RealBlock, RowLine, RowNumbers, RowReals};
 use super::row_words::{SeedWords, SquaredWidth, longest_rest};
-use super::setup::number::{Arithmetic, Word};
+use super::setup::number::{Arithmetic, Word, power};
 use super::setup::real::{Real, Reals};
 use splatline::footprint::Footprint;
 use splatline::format::Widths;

@@ -12,7 +12,7 @@ use super::lanes::singles::HAS_FUSED_ADD;
 use super::row_words::{
     Runs, SeedWords, SquaredWidth, columns_of_runs, longest_rest, most_bits, seeds,
 };
-use super::setup::number::Arithmetic;
+use super::setup::number::{Arithmetic, power};
 use splatline::raster::{BLOCK, REST, RowBlock, RowConstants};
 
 /// Integers below this have no error in a double, nor has a sum of three of them and a rounding bit.
@@ -42,13 +42,7 @@ const fn bits(numbers: [f64; 8]) -> [i64; 8] {
     bits
 }
 
-/// 2^exponent, of exponents that a number may have.
-#[inline(always)]
-pub fn power(exponent: i32) -> f64 {
-    f64::from_bits((i64::from(1023 + exponent) as u64) << 52)
-}
-
-/// The same in each word.
+/// [`power`] in each word.
 #[inline(always)]
 fn powers<L: Doubles>(math: Arithmetic<L>, exponent: L::Word) -> L::Word {
     math.shl(math.plus(exponent, 1023), 52)

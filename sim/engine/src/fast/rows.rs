@@ -104,27 +104,27 @@ impl BlockSpans {
         [self.radial[row], self.first[row]]
     }
 
-    /// The run of row number `row`, if it has pixels in the block.
+    /// The run of row number `row` in the tile that begins at column `left`, if it has pixels in the block.
     #[inline(always)]
-    pub fn run(&self, row: usize) -> Option<RunWords> {
+    pub fn run(&self, row: usize, left: u16) -> Option<Pixels> {
         let row = row % ROWS;
-        let run = RunWords {
-            x: self.x[row],
-            end: self.end[row],
+        let (x, end) = (self.x[row], self.end[row]);
+        (x < end).then(|| Pixels {
+            x: (x - i64::from(left)) as usize % usize::from(TILE[0]),
+            length: (end - x) as usize,
             radial: self.radial[row],
             first: self.first[row],
-        };
-        (run.x < run.end).then_some(run)
+        })
     }
 }
 
-/// A run as vectors leave it: the seeds are not cut to the lanes' word yet.
+/// Some adjacent pixels of a row: columns of the tile, and lanes not cut to their word yet.
 #[derive(Clone, Copy, Debug)]
-pub struct RunWords {
+pub struct Pixels {
     /// First column.
-    pub x: i64,
-    /// One past the last.
-    pub end: i64,
+    pub x: usize,
+    /// How many.
+    pub length: usize,
     /// Radial index at the first column.
     pub radial: i64,
     /// First difference there.
@@ -323,12 +323,6 @@ impl RowBatch {
     #[inline(always)]
     pub fn block(&self, block: usize) -> &BlockSpans {
         &self.blocks[block]
-    }
-
-    /// The run in one row and block, if it has pixels.
-    #[inline(always)]
-    pub fn run(&self, row: usize, block: usize) -> Option<RunWords> {
-        self.blocks[block].run(row)
     }
 }
 

@@ -7,7 +7,6 @@ use crate::camera::Camera;
 use crate::fast::TILE;
 use crate::fast::order::{Grid, Key, part_length, tile_lists};
 use crate::picture::Picture;
-use crate::rules::Compositing;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
 use splatline::footprint::Footprint;
@@ -17,23 +16,10 @@ use splatline::raster::Window;
 /// For every tile the footprints whose box touches it, in drawing order.
 pub(super) struct TileLists {
     grid: Grid,
-    lists: Vec<Vec<u32>>,
+    pub(super) lists: Vec<Vec<u32>>,
 }
 
 impl TileLists {
-    /// By depth, nearest first (farthest first for back to front), ties by index.
-    pub(super) fn by_depth(
-        footprints: &[Footprint],
-        compositing: Compositing,
-        viewport: [u16; 2],
-    ) -> Self {
-        let mut tiles = TileLists::by_key(footprints, viewport, &|_, footprint| footprint.depth);
-        if compositing == Compositing::BackToFront {
-            tiles.lists.iter_mut().for_each(|list| list.reverse());
-        }
-        tiles
-    }
-
     /// By a key of a footprint and its index, at most 48 bits, the smallest first, ties by index.
     pub(super) fn by_key(
         footprints: &[Footprint],

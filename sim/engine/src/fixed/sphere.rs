@@ -6,6 +6,7 @@ use super::render::{FixedDrawing, Options, culls};
 use crate::camera::Camera;
 use crate::fast::TableMemory;
 use crate::fast::frame::FrameFacts;
+use crate::rules::Compositing;
 use crate::scene::{Scene, Splat};
 use crate::vector;
 use rayon::prelude::*;
@@ -41,7 +42,11 @@ pub fn draw_spheres(
     let culled = culls(&results);
     let spheres: Vec<SphereFootprint> = results.into_iter().flatten().collect();
     let footprints: Vec<_> = spheres.iter().map(|sphere| sphere.footprint).collect();
-    let tiles = TileLists::by_depth(&footprints, options.compositing, quantised.view.viewport);
+    let viewport = quantised.view.viewport;
+    let mut tiles = TileLists::by_key(&footprints, viewport, &|_, footprint| footprint.depth);
+    if options.compositing == Compositing::BackToFront {
+        tiles.lists.iter_mut().for_each(|list| list.reverse());
+    }
     let table = TableMemory::new(&widths, &rules);
     let mut perspective = [0; PERSPECTIVE_ENTRIES];
     fill_perspective(&mut perspective);

@@ -44,6 +44,11 @@ fn zip(a: Words, b: Words, operation: impl Fn(f64, f64) -> f64) -> Words {
     std::array::from_fn(|k| operation(double(a[k]), double(b[k])).to_bits() as i64)
 }
 
+#[inline(always)]
+fn fused(a: Words, b: Words, c: [f64; 8]) -> Words {
+    std::array::from_fn(|k| double(a[k]).mul_add(double(b[k]), c[k]).to_bits() as i64)
+}
+
 impl Doubles for Portable {
     type Singles = Portable;
 
@@ -59,14 +64,8 @@ impl Doubles for Portable {
         double_max(a, b) = zip(a, b, |a, b| if a > b { a } else { b });
         double_floor(a) = a.map(|a| double(a).floor().to_bits() as i64);
         double_root(a) = a.map(|a| double(a).sqrt().to_bits() as i64);
-    }
-    #[inline(always)]
-    fn double_mul_add(self, a: Words, b: Words, c: Words) -> Words {
-        std::array::from_fn(|k| double(a[k]).mul_add(double(b[k]), double(c[k])).to_bits() as i64)
-    }
-    #[inline(always)]
-    fn double_mul_sub(self, a: Words, b: Words, c: Words) -> Words {
-        std::array::from_fn(|k| double(a[k]).mul_add(double(b[k]), -double(c[k])).to_bits() as i64)
+        double_mul_add(a, b, c) = fused(a, b, c.map(double));
+        double_mul_sub(a, b, c) = fused(a, b, c.map(|c| -double(c)));
     }
     #[inline(always)]
     fn double_greater(self, a: Words, b: Words) -> [bool; 8] {
@@ -136,16 +135,11 @@ mod x86 {
                 double_min = _mm512_min_pd, double_max = _mm512_max_pd;
             three: double_mul_add = _mm512_fmadd_pd, double_mul_sub = _mm512_fmsub_pd
         );
-        #[inline(always)]
-        fn double_floor(self, a: __m512i) -> __m512i {
+        operations! { __m512i => __m512i;
             // Without an exception, towards negative infinity, no fraction bits.
-            op!(_mm512_castpd_si512(_mm512_roundscale_pd::<9>(
-                _mm512_castsi512_pd(a)
-            )))
-        }
-        #[inline(always)]
-        fn double_root(self, a: __m512i) -> __m512i {
-            op!(_mm512_castpd_si512(_mm512_sqrt_pd(_mm512_castsi512_pd(a))))
+            double_floor(a) =
+                op!(_mm512_castpd_si512(_mm512_roundscale_pd::<9>(_mm512_castsi512_pd(a))));
+            double_root(a) = op!(_mm512_castpd_si512(_mm512_sqrt_pd(_mm512_castsi512_pd(a))));
         }
         #[inline(always)]
         fn double_greater(self, a: __m512i, b: __m512i) -> __mmask8 {

@@ -145,20 +145,14 @@ mod x86 {
             fused(acc, a, b) = op!(_mm512_madd52hi_epu64(acc, a, b));
             max_whole(a, b) = op!(_mm512_max_epi64(a, b));
             min_whole(a, b) = op!(_mm512_min_epu64(a, b));
+            // Every other half of a word is a low one.
+            half_from_zero(a) = op!(_mm512_maskz_max_epi32(0x5555, a, _mm512_setzero_si512()));
             turn(a, by) = op!(_mm512_rorv_epi64(a, by));
+            // The numbers are truth tables of the operands' bits.
+            merge(a, mask, b) = op!(_mm512_ternarylogic_epi64::<0b1110_1010>(a, mask, b));
             all_three(a, b, c) = op!(_mm512_ternarylogic_epi64::<0b1000_0000>(a, b, c));
             without(a, b, c) = op!(_mm512_ternarylogic_epi64::<0b0100_0000>(a, b, c));
             blend(a, b, c) = op!(_mm512_ternarylogic_epi64::<0b1100_1010>(a, b, c));
-        }
-        #[inline(always)]
-        fn half_from_zero(self, a: __m512i) -> __m512i {
-            const LOW: u16 = 0x5555;
-            op!(_mm512_maskz_max_epi32(LOW, a, _mm512_setzero_si512()))
-        }
-        #[inline(always)]
-        fn merge(self, a: __m512i, mask: __m512i, b: __m512i) -> __m512i {
-            // The number is the truth table of (a & mask) | b.
-            op!(_mm512_ternarylogic_epi64::<0b1110_1010>(a, mask, b))
         }
         #[inline(always)]
         fn marks(self, bits: u64) -> __m512i {

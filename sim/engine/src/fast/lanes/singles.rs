@@ -277,13 +277,10 @@ mod x86 {
             single_less(a, b) = op!(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b));
             single_clear(a, choice) = op!(_mm256_andnot_ps(choice, a));
             choose_both(a, b) = op!(_mm256_and_ps(a, b));
-        }
-        #[inline(always)]
-        fn single_mark(self, a: __m256, choice: __m256) -> __m256 {
-            op!({
+            single_mark(a, choice) = op!({
                 let sign = _mm256_slli_epi32::<31>(_mm256_castps_si256(choice));
                 _mm256_or_ps(a, _mm256_castsi256_ps(sign))
-            })
+            });
         }
         #[inline(always)]
         fn signs(self, a: __m256) -> u32 {

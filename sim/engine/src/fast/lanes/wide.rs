@@ -124,18 +124,10 @@ impl Wide for Portable {
         wide_shl(a, by) = zip(a, by, |a, by| amount(by).map_or(0, |by| a << by));
         wide_sar(a, by) = zip(a, by, |a, by| a >> amount(by).unwrap_or(63));
         wide_leading_zeros(a) = a.map(|a| a.leading_zeros().into());
-    }
-    #[inline(always)]
-    fn wide_mul_unsigned(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| {
-            (u64::from(a as u32) * u64::from(b as u32)) as i64
-        })
-    }
-    #[inline(always)]
-    fn wide_shr(self, a: Words, by: Words) -> Words {
-        zip(a, by, |a, by| {
-            amount(by).map_or(0, |by| (a as u64 >> by) as i64)
-        })
+        wide_mul_unsigned(a, b) =
+            zip(a, b, |a, b| (u64::from(a as u32) * u64::from(b as u32)) as i64);
+        wide_shr(a, by) =
+            zip(a, by, |a, by| amount(by).map_or(0, |by| (a as u64 >> by) as i64));
     }
     #[inline(always)]
     fn wide_gather(self, table: &[u32], index: Words) -> [Words; 2] {
@@ -415,15 +407,37 @@ pub(super) mod x86 {
             wide_shr(a, by) = op!(_mm256_srlv_epi64(a, by));
             wide_greater(a, b) = op!(_mm256_cmpgt_epi64(a, b));
             wide_equal(a, b) = op!(_mm256_cmpeq_epi64(a, b));
-        }
-        #[inline(always)]
-        fn wide_mul_whole(self, a: __m256i, b: __m256i) -> __m256i {
-            op!({
+            // By words: of those by bytes the compiler compares every byte with 0 first.
+            wide_select(a, b, truth) = op!({
+                let (a, b) = (_mm256_castsi256_pd(a), _mm256_castsi256_pd(b));
+                _mm256_castpd_si256(_mm256_blendv_pd(a, b, _mm256_castsi256_pd(truth)))
+            });
+            wide_mul_whole(a, b) = op!({
                 let upper = |word| _mm256_srli_epi64::<32>(word);
                 let crossed =
                     _mm256_add_epi64(_mm256_mul_epu32(upper(a), b), _mm256_mul_epu32(a, upper(b)));
                 _mm256_add_epi64(_mm256_mul_epu32(a, b), _mm256_slli_epi64::<32>(crossed))
-            })
+            });
+            // The upper half if it is not 0, else the lower one, as a double: its exponent counts.
+            wide_leading_zeros(a) = op!({
+                let upper = _mm256_srli_epi64(a, 32);
+                let low = _mm256_cmpeq_epi64(upper, _mm256_setzero_si256());
+                let half = _mm256_blendv_epi8(upper, a, low);
+                let unit = _mm256_castpd_si256(_mm256_set1_pd((1u64 << 52) as f64));
+                let number = _mm256_sub_pd(
+                    _mm256_castsi256_pd(_mm256_or_si256(half, unit)),
+                    _mm256_castsi256_pd(unit),
+                );
+                let exponent = _mm256_srli_epi64(_mm256_castpd_si256(number), 52);
+                let base = _mm256_blendv_epi8(
+                    _mm256_set1_epi64x(1023 + 31),
+                    _mm256_set1_epi64x(1023 + 63),
+                    low,
+                );
+                let zeros = _mm256_sub_epi64(base, exponent);
+                let none = _mm256_cmpeq_epi64(a, _mm256_setzero_si256());
+                _mm256_blendv_epi8(zeros, _mm256_set1_epi64x(64), none)
+            });
         }
         #[inline(always)]
         fn wide_sar(self, a: __m256i, by: __m256i) -> __m256i {
@@ -443,30 +457,6 @@ pub(super) mod x86 {
             self.wide_sub(shifted, self.wide_splat(turn))
         }
         #[inline(always)]
-        fn wide_leading_zeros(self, a: __m256i) -> __m256i {
-            // The upper half if it is not 0, else the lower one, as a double: its exponent counts.
-            const UNIT: i64 = 0x4330_0000_0000_0000; // 2^52
-            op!({
-                let upper = _mm256_srli_epi64(a, 32);
-                let low = _mm256_cmpeq_epi64(upper, _mm256_setzero_si256());
-                let half = _mm256_blendv_epi8(upper, a, low);
-                let unit = _mm256_set1_epi64x(UNIT);
-                let number = _mm256_sub_pd(
-                    _mm256_castsi256_pd(_mm256_or_si256(half, unit)),
-                    _mm256_castsi256_pd(unit),
-                );
-                let exponent = _mm256_srli_epi64(_mm256_castpd_si256(number), 52);
-                let base = _mm256_blendv_epi8(
-                    _mm256_set1_epi64x(1023 + 31),
-                    _mm256_set1_epi64x(1023 + 63),
-                    low,
-                );
-                let zeros = _mm256_sub_epi64(base, exponent);
-                let none = _mm256_cmpeq_epi64(a, _mm256_setzero_si256());
-                _mm256_blendv_epi8(zeros, _mm256_set1_epi64x(64), none)
-            })
-        }
-        #[inline(always)]
         fn wide_gather(self, table: &[u32], index: __m256i) -> [__m256i; 2] {
             let Some(last) = table.len().checked_sub(2) else {
                 return [self.wide_splat(0); 2];
@@ -482,15 +472,6 @@ pub(super) mod x86 {
                 let low = _mm256_and_si256(pairs, self.wide_splat(u32::MAX.into()));
                 [low, _mm256_srli_epi64::<32>(pairs)]
             }
-        }
-        #[inline(always)]
-        fn wide_select(self, a: __m256i, b: __m256i, truth: __m256i) -> __m256i {
-            // By words: of those by bytes the compiler compares every byte with 0 first.
-            op!(_mm256_castpd_si256(_mm256_blendv_pd(
-                _mm256_castsi256_pd(a),
-                _mm256_castsi256_pd(b),
-                _mm256_castsi256_pd(truth)
-            )))
         }
         #[inline(always)]
         fn wide_any(self, a: __m256i) -> bool {

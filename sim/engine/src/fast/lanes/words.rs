@@ -153,6 +153,11 @@ mod x86 {
             keep(a, truth) = op!(_mm256_and_si256(a, truth));
             clear(a, truth) = op!(_mm256_andnot_si256(truth, a));
             min_short(a, b) = op!(_mm256_min_epu32(a, b));
+            multiples(a) = op!({
+                let odd = _mm256_and_si256(a, _mm256_setr_epi64x(0, -1, 0, -1));
+                let upper = _mm256_and_si256(a, _mm256_setr_epi64x(0, 0, -1, -1));
+                _mm256_add_epi64(odd, _mm256_add_epi64(upper, upper))
+            });
         }
         #[inline(always)]
         fn first(self, count: usize) -> __m256i {
@@ -162,14 +167,6 @@ mod x86 {
                 Some(words) => unsafe { _mm256_loadu_si256(words.as_ptr().cast()) },
                 None => self.wide_splat(0),
             }
-        }
-        #[inline(always)]
-        fn multiples(self, a: __m256i) -> __m256i {
-            op!({
-                let odd = _mm256_and_si256(a, _mm256_setr_epi64x(0, -1, 0, -1));
-                let upper = _mm256_and_si256(a, _mm256_setr_epi64x(0, 0, -1, -1));
-                _mm256_add_epi64(odd, _mm256_add_epi64(upper, upper))
-            })
         }
         #[inline(always)]
         fn intervals(self, table: &Falls, index: __m256i) -> __m256i {

@@ -29,8 +29,9 @@ impl VectorTask for &AllWays<'_> {
         let runs = |batch: &RowBatch, filled: bool| {
             let places = (0..batch.rows()).flat_map(|row| (0..BLOCKS).map(move |x| (row, x)));
             let run = |(row, block)| {
-                let run: RunWords = batch.run(row, block)?;
-                Some([run.x, run.end, run.radial, run.first])
+                let run: Pixels = batch.block(block).run(row, 0)?;
+                let [x, end] = [run.x, run.x + run.length].map(|x| x as i64);
+                Some([x, end, run.radial, run.first])
             };
             filled.then(|| places.map(run).collect())
         };

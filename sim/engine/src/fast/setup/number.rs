@@ -61,6 +61,12 @@ impl BitDrop {
     }
 }
 
+/// 2^exponent, of exponents that a number may have.
+#[inline(always)]
+pub fn power(exponent: impl Into<i64>) -> f64 {
+    f64::from_bits(((1023 + exponent.into()) as u64) << 52)
+}
+
 /// Arithmetic on [`Number`]s. The design's widths come as arguments, constants for named designs.
 #[derive(Clone, Copy)]
 pub struct Arithmetic<W: Wide> {

@@ -12,8 +12,7 @@
 //!
 //! Exponents of doubles end where the kernel's do not: splats far from unit size are left to the kernel, or put in doubt.
 
-use super::number::{Arithmetic, Number, Word};
-use super::stages;
+use super::number::{Arithmetic, Number, Word, power};
 use crate::fast::lanes::{Doubles, Wide};
 use splatline::math::{GUARD, RECIPROCALS, ROOTS, SoftFloat};
 use std::cell::Cell;
@@ -227,7 +226,7 @@ impl<W: Doubles> Reals<'_, W> {
         for term in terms {
             top = lanes.double_max(top, self.quarter(term));
         }
-        let unit = lanes.double_mul(top, self.constant(4.0 / stages::power(bits + GUARD)));
+        let unit = lanes.double_mul(top, self.constant(4.0 / power(bits + GUARD)));
         (self.cuts(terms, unit), unit)
     }
 
@@ -436,8 +435,8 @@ impl<W: Doubles> Reals<'_, W> {
         let root = math.add(low, math.shr(step, 16));
         // Half of the exponent, and the root's 24 bits.
         let half = math.plus(math.shr(math.plus(field, 1), 1), BIAS - 511 - 24);
-        let power = Real(math.shl(half, EXPONENT));
-        let seed = self.times(self.short(root), power);
+        let half = Real(math.shl(half, EXPONENT));
+        let seed = self.times(self.short(root), half);
         let result = if bits <= 16 {
             self.narrow(seed, bits)
         } else {
@@ -446,7 +445,7 @@ impl<W: Doubles> Reals<'_, W> {
             let terms = [self.term(seed), self.product(value, inverse, bits + 31)];
             let unit = lanes.double_mul(
                 self.leading(seed.0),
-                self.constant(4.0 / stages::power(bits + GUARD)),
+                self.constant(4.0 / power(bits + GUARD)),
             );
             let twice = self.narrow(Real(self.cuts(terms, unit)), bits);
             self.scaled(self.times(twice, Real(unit)), 0.5)

@@ -3,7 +3,7 @@
 //! Where the kernel returns early with a reason, a vector goes on and keeps the first reason per word; what is computed for a culled
 //! splat is defined but of no use.
 
-use super::number::{Arithmetic, Number, Word};
+use super::number::{Arithmetic, Number, Word, power};
 use super::position::CameraPoints;
 use super::real::{Real, Reals, Term};
 use crate::fast::lanes::{Doubles, Wide};
@@ -41,12 +41,6 @@ pub struct Footprints<W: Wide> {
     pub conic_exponent: Word<W>,
     pub cutoff: Word<W>,
     pub peak: Word<W>,
-}
-
-/// 2^exponent as a constant.
-#[inline(always)]
-pub fn power(exponent: u32) -> f64 {
-    f64::from_bits((1023 + u64::from(exponent)) << 52)
 }
 
 /// Setup under one view, rules and widths.

@@ -3,9 +3,9 @@
 //! The stages of volume splats with two axes instead of three, the normal in the third one's place; and what surfaces add: the
 //! weight at the centre, the tangent plane's depth, the normal towards the eye. Colours are numbers of one splat each and stay so.
 
-use super::number::BitDrop;
+use super::number::{BitDrop, power};
 use super::real::Real;
-use super::stages::{Footprints, ProjectedWords, SplatLanes, Stages, Variance, power};
+use super::stages::{Footprints, ProjectedWords, SplatLanes, Stages, Variance};
 use super::{Batched, Lists, SplatFields, list};
 use crate::fast::lanes::{Doubles, Wide};
 use splatline::footprint::surface::{
@@ -210,7 +210,7 @@ impl<W: Doubles> Stages<'_, W> {
         let sample = math.shl(math.plus(math.shl(pixel, 1), 1), subpixel - 1);
         let distance = reals.short(math.sub(sample, centre));
         let distance = reals.narrow(distance, self.bits());
-        let distance = reals.scaled(distance, 1.0 / power(subpixel as u32));
+        let distance = reals.scaled(distance, 1.0 / power(subpixel));
         reals.times_to_fixed(slope, distance, DEPTH_UNIT)
     }
 
@@ -230,7 +230,7 @@ impl<W: Doubles> Stages<'_, W> {
             reals.term(normal[2]),
         ];
         let away = reals.sum_is_positive(terms, self.bits());
-        let one = power(attribute_fraction(&self.widths).into());
+        let one = power(attribute_fraction(&self.widths));
         let [limit, least] = [reals.constant(one), reals.constant(-one)];
         let mut facing = [math.splat(0); 3];
         for (facing, component) in facing.iter_mut().zip(normal) {

@@ -11,16 +11,15 @@ mod single;
 pub mod tile;
 pub mod visit;
 
-use super::TILE;
 use super::lanes::sums::PixelSums;
 use super::lanes::{Doubles, PixelTask, VectorLevel, VectorTask};
 use super::lanes::{dispatch_pixels, dispatch_vectors};
 use super::painter::{PaintScratch, ScalarPainter, TilePainter, TileWork};
-use super::rows::{RunWords, RuntimeRows};
+use super::rows::RuntimeRows;
 use super::setup::Outcome;
 use painting::{PaintAlone, Painting};
 use path::{ANY, BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers};
-use path::{Pixels, SplatNumbers, WordPixels, X_RAY};
+use path::{SplatNumbers, WordPixels, X_RAY};
 use single::{SingleNumbers, SinglePixels};
 use splatline::blend::Pixel;
 use splatline::draw::Coverage;
@@ -216,16 +215,5 @@ impl TilePainting<'_, f32, SingleNumbers> {
     fn paint<L: Doubles, const OPERATOR: u8>(self, lanes: L) -> Coverage {
         let path = SinglePixels::<_, OPERATOR>::new(lanes.singles(), self.numbers);
         self.painting.paint(lanes, &path, self.scalar, self.tile)
-    }
-}
-
-/// A run in columns of the tile that begins at column `left`.
-#[inline(always)]
-pub(super) fn columns(run: &RunWords, left: u16) -> Pixels {
-    Pixels {
-        x: (run.x - i64::from(left)) as usize % usize::from(TILE[0]),
-        length: (run.end - run.x) as usize,
-        radial: run.radial,
-        first: run.first,
     }
 }

@@ -167,13 +167,13 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
             footprints,
             ..
         } = self.painting;
-        let left = self.corner[0];
+        let (left, window) = (self.corner[0], self.window);
         let footprint = footprints[index as usize].as_ref().ok()?;
         if let Some(splat) = splat_numbers(numbers, single, footprint) {
             if self.batch.fill_member(together, self.group, k, left) {
                 return Some((splat, self.group.member(k).rows[0], self.group.second(k)));
             }
-            let rows = rows.constants_apart(footprint, &self.window);
+            let rows = rows.constants_apart(footprint, &window);
             if self.batch.fill(self.math.lanes, &rows, left) {
                 return Some((splat, rows.rows[0], rows.second));
             }

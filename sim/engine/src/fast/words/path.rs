@@ -15,6 +15,7 @@
 use super::tile::{PixelWord, Row};
 use crate::fast::cells::TableReach;
 use crate::fast::lanes::words::{Falls, PixelWords};
+use crate::fast::rows::Pixels;
 use crate::fast::setup::number::BitDrop;
 use crate::fast::tile::TILE;
 use splatline::blend::Blend;
@@ -230,15 +231,6 @@ pub struct SplatWords<L: PixelWords> {
     ahead: [L::Word; 2],
     /// w^2 s.
     second: L::Word,
-}
-
-/// Some adjacent pixels of a row: columns of the tile, and lanes not cut to their word yet.
-#[derive(Clone, Copy, Debug)]
-pub struct Pixels {
-    pub x: usize,
-    pub length: usize,
-    pub radial: i64,
-    pub first: i64,
 }
 
 impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
