@@ -163,7 +163,6 @@ impl RowGroup {
             mantissa: squared_width.mantissa,
             odd,
             power: math.plus(root, 32 - i64::from(REST) / 2),
-            drop: math.splat(0),
         };
         let finest = -(i64::from(widths.subpixel) + i64::from(CENTRE));
         let unit = math.max(math.plus(half, -bits), math.splat(finest));

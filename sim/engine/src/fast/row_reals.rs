@@ -162,7 +162,7 @@ impl<L: Doubles> RowReals<L> {
                 longest_rest: longest_rest(constants.drops.1, constants.vertical_fraction),
                 reach: splat(math.lanes, constants.reach as f64),
                 squared_width: splat(math.lanes, squared_width),
-                table: SquaredWidth::new(math, constants, 0),
+                table: SquaredWidth::new(math, constants),
                 unit: math.splat(i64::from(constants.drops.0) - 32),
                 most_bits: math.splat(most_bits(constants).into()),
             },
@@ -215,7 +215,6 @@ impl<L: Doubles> RowReals<L> {
             mantissa,
             odd,
             power,
-            ..
         } = &mut self.table;
         let [_, farthest] = &mut self.longest;
         let (reach, width, to_dx) = (&mut self.reach, &mut self.squared_width, &mut self.to_dx);

@@ -43,6 +43,9 @@ impl TileLists {
     }
 }
 
+/// What paints a tile: see [`paint_apart`].
+type PaintTile<'a, P, Answer> = dyn Fn(Window, &[u32], &mut [P]) -> Answer + Sync + 'a;
+
 /// Every tile on some core, in memory of its own, row by row, which is then copied into the frame: `paint` is given the tile's window, its list and
 /// its pixels. The tiles' answers are in the order of the tiles.
 ///
@@ -51,7 +54,7 @@ impl TileLists {
 pub(super) fn paint_apart<P: Clone + Send + Sync, Answer: Send>(
     clear: P,
     tiles: &TileLists,
-    paint: &(dyn Fn(Window, &[u32], &mut [P]) -> Answer + Sync),
+    paint: &PaintTile<P, Answer>,
 ) -> (Vec<P>, Vec<Answer>) {
     let [width, height] = tiles.grid.viewport().map(usize::from);
     let mut frame = vec![clear.clone(); width * height];

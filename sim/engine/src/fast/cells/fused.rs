@@ -8,6 +8,7 @@
 //! As in [`words`](crate::fast::words), an opacity of 0 changes no pixel.
 
 use super::intervals::{TableReach, pairs};
+use super::multiply;
 use super::parts::CellPart;
 use super::scale::{MARK, Scale};
 use super::tile::Cell;
@@ -175,22 +176,12 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         }
     }
 
-    /// A product modulo the lanes' word; what is above it is anything.
-    #[inline(always)]
-    fn multiply(&self, a: L::Word, b: L::Word) -> L::Word {
-        if DEEP {
-            self.lanes.wide_mul_whole(a, b)
-        } else {
-            self.lanes.wide_mul(a, b)
-        }
-    }
-
     /// The radial indices of a cell's pixels, 0 where they are negative.
     #[inline(always)]
     fn radial(&self, colours: &FusedSplatWords<L>, part: &CellPart) -> L::Word {
         let lanes = self.lanes;
         let [radial, first] = [part.radial, part.first].map(|word| lanes.wide_splat(word as i64));
-        let along = self.multiply(self.iota, first);
+        let along = multiply::<L, DEEP>(lanes, self.iota, first);
         let radial = lanes.wide_add(lanes.wide_add(radial, colours.ahead), along);
         if DEEP {
             lanes.max_whole(radial, lanes.wide_splat(0))
@@ -231,7 +222,7 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
             end: splat(numbers.end),
             peak: splat(numbers.peak as i64),
             colour: numbers.colour.map(|c| splat(c as i64)),
-            ahead: self.multiply(self.corners, splat(second)),
+            ahead: multiply::<L, DEEP>(self.lanes, self.corners, splat(second)),
         }
     }
 

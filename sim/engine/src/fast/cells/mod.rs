@@ -189,3 +189,13 @@ impl CellPainting<'_> {
         coverage
     }
 }
+
+/// A product modulo the word of lanes, which have 64 bits if they are `DEEP`; what is above it is anything.
+#[inline(always)]
+fn multiply<L: Fused, const DEEP: bool>(lanes: L, a: L::Word, b: L::Word) -> L::Word {
+    if DEEP {
+        lanes.wide_mul_whole(a, b)
+    } else {
+        lanes.wide_mul(a, b)
+    }
+}

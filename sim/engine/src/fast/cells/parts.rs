@@ -4,6 +4,7 @@
 //! r(x) - k f + k (k + 1) / 2 s. The list is in no order that matters, since a footprint touches a pixel once; what matters is that the pixels'
 //! loop runs through one long list and not through rows of two cells, whose ends no processor foresees.
 
+use super::multiply;
 use super::tile::{AREA, CELLS_OF_ROW, COLUMNS};
 use crate::fast::lanes::fused::{Fused, IOTA};
 use crate::fast::recurrence::{RowVectors, stays_near};
@@ -183,11 +184,11 @@ impl<const DEEP: bool> CellParts<DEEP> {
         let bits = math.select(math.splat(0), bits, is_open);
         let [first_cell, end_cell] = block.cells;
         let back = math.plus(begin, -i64::from(first_cell) * WIDTH);
-        let corners = self.multiply(lanes, back, math.plus(back, 1));
-        let corners = self.multiply(lanes, math.sar(corners, 1), math.splat(second));
-        let moved = self.multiply(lanes, back, runs.first);
+        let corners = multiply::<L, DEEP>(lanes, back, math.plus(back, 1));
+        let corners = multiply::<L, DEEP>(lanes, math.sar(corners, 1), math.splat(second));
+        let moved = multiply::<L, DEEP>(lanes, back, runs.first);
         let mut radial = math.add(math.sub(runs.radial, moved), corners);
-        let slowed = self.multiply(lanes, back, math.splat(second));
+        let slowed = multiply::<L, DEEP>(lanes, back, math.splat(second));
         let mut first = math.sub(runs.first, slowed);
         let mut bits = lanes.turn(bits, math.splat(i64::from(first_cell) * WIDTH));
         let number = block.corner + usize::from(first_cell);
@@ -212,16 +213,6 @@ impl<const DEEP: bool> CellParts<DEEP> {
             place = math.plus(place, 1 << PIXELS);
         }
         math.select(math.splat(0), math.sub(end, begin), is_open)
-    }
-
-    /// Words modulo the lanes' word.
-    #[inline(always)]
-    fn multiply<L: Fused>(&self, lanes: L, a: L::Word, b: L::Word) -> L::Word {
-        if DEEP {
-            lanes.wide_mul_whole(a, b)
-        } else {
-            lanes.wide_mul(a, b)
-        }
     }
 
     /// Adds the cells where it is true.

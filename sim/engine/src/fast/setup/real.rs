@@ -81,20 +81,23 @@ impl<W: Doubles> Reals<'_, W> {
             .set(self.words.lanes.wide_or(self.doubt.get(), word));
     }
 
+    /// Puts splats in doubt unless it is true.
+    #[inline(always)]
+    fn doubt_unless(self, truth: W::Truth) {
+        let math = self.words;
+        self.doubt_where(math.select(math.splat(1), math.splat(0), truth));
+    }
+
     /// Puts splats in doubt unless the number is greater than `least`.
     #[inline(always)]
     pub fn doubt_unless_greater(self, number: Word<W>, least: f64) {
-        let math = self.words;
-        let greater = math.lanes.double_greater(number, self.constant(least));
-        self.doubt_where(math.select(math.splat(1), math.splat(0), greater));
+        self.doubt_unless((self.words.lanes).double_greater(number, self.constant(least)));
     }
 
     /// Puts splats in doubt unless the number is less than `most`.
     #[inline(always)]
     pub fn doubt_unless_less(self, number: Word<W>, most: f64) {
-        let math = self.words;
-        let less = math.lanes.double_greater(self.constant(most), number);
-        self.doubt_where(math.select(math.splat(1), math.splat(0), less));
+        self.doubt_unless((self.words.lanes).double_greater(self.constant(most), number));
     }
 
     /// |a|.
@@ -304,11 +307,7 @@ impl<W: Doubles> Reals<'_, W> {
     /// Whole numbers of at most 51 bits; others are in doubt.
     #[inline(always)]
     pub fn to_word(self, whole: Word<W>) -> Word<W> {
-        let lanes = self.words.lanes;
-        let magnitude = self.magnitude(Real(whole)).0;
-        let short = lanes.double_greater(self.constant(SHORT), magnitude);
-        let [yes, no] = [0, 1].map(|word| self.words.splat(word));
-        self.doubt_where(self.words.select(no, yes, short));
+        self.doubt_unless_less(self.magnitude(Real(whole)).0, SHORT);
         self.to_short_word(whole)
     }
 

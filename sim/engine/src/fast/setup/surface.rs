@@ -57,16 +57,21 @@ impl Batched for SurfaceSplat {
     }
 }
 
-/// Surface footprints, one per word, without their colours.
-struct SurfaceWords<W: Wide> {
-    footprints: Footprints<W>,
+/// Surface footprints without their colours, one per word or as lists.
+pub struct SurfaceParts<F, T> {
+    footprints: F,
     /// Depth at the centre, and what leads from there to the box's first sample point.
-    origin: [W::Word; 3],
-    step: [W::Word; 2],
-    normal: [W::Word; 3],
+    origin: [T; 3],
+    step: [T; 2],
+    normal: [T; 3],
     /// 1 where the normal was turned.
-    back: W::Word,
+    back: T,
 }
+
+type SurfaceWords<W> = SurfaceParts<Footprints<W>, <W as Wide>::Word>;
+
+/// Words to surface footprints.
+pub type SurfaceLists = SurfaceParts<Lists, [i64; 8]>;
 
 impl<W: Doubles> Stages<'_, W> {
     /// `splatline::setup::setup_surface`.
@@ -243,15 +248,6 @@ impl<W: Doubles> Stages<'_, W> {
         }
         (facing, math.select(math.splat(0), math.splat(1), away))
     }
-}
-
-/// Words to surface footprints.
-pub struct SurfaceLists {
-    footprints: Lists,
-    origin: [[i64; 8]; 3],
-    step: [[i64; 8]; 2],
-    normal: [[i64; 8]; 3],
-    back: [i64; 8],
 }
 
 impl SurfaceLists {
