@@ -196,8 +196,11 @@ impl PixelTask for GatherTask<'_, '_> {
             let Ok(footprint) = &footprints[*index as usize] else {
                 continue;
             };
-            if number % LOOK_INTERVAL == 0 {
-                self.look();
+            if let Gather::Sums(tile) = &mut self.gather
+                && number % LOOK_INTERVAL == 0
+                && !self.counts
+            {
+                tile.look();
             }
             if self.is_hidden(footprint) {
                 continue;
@@ -279,15 +282,6 @@ impl GatherTask<'_, '_> {
             depth = lanes.wide_add(depth, lanes.wide_splat(step.wrapping_mul(L::WIDE as i64)));
         }
         covered
-    }
-
-    /// Looks at the tile for what [`Self::is_hidden`] needs.
-    #[inline(always)]
-    fn look(&mut self) {
-        match &mut self.gather {
-            Gather::Sums(tile) if !self.counts => tile.look(),
-            _ => {}
-        }
     }
 
     /// Is the footprint known to lie behind all of its pixels, whatever its shape?

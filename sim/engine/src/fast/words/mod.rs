@@ -19,11 +19,10 @@ use super::rows::RuntimeRows;
 use super::setup::Outcome;
 use painting::{PaintAlone, Painting};
 use path::{ANY, BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers};
-use path::{SplatNumbers, WordPixels, X_RAY};
+use path::{WordPixels, X_RAY};
 use single::{SingleNumbers, SinglePixels};
 use splatline::blend::Pixel;
 use splatline::draw::Coverage;
-use splatline::footprint::Footprint;
 use splatline::format::{Design, Lane, Traversal};
 use splatline::rules::{Compositing, Rules};
 use tile::{PixelWord, WordTile};
@@ -141,19 +140,6 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
             Coverage::default()
         }
     }
-}
-
-/// What a footprint's pixels need beside its rows; `None` if it lies outside its formats.
-#[inline(always)]
-fn splat_numbers(
-    numbers: &PathNumbers,
-    single: Option<&SingleNumbers>,
-    footprint: &Footprint,
-) -> Option<SplatNumbers> {
-    let splat = numbers.splat(footprint)?;
-    single
-        .is_none_or(|single| single.fits(&splat))
-        .then_some(splat)
 }
 
 /// A tile to be painted by words that have such numbers.

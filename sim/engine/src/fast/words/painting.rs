@@ -3,7 +3,6 @@
 use super::live::LiveRuns;
 use super::path::{PathNumbers, PixelPath, SplatNumbers};
 use super::single::SingleNumbers;
-use super::splat_numbers;
 use super::tile::{ROWS, WordTile};
 use crate::fast::lanes::{Doubles, prefetch};
 use crate::fast::painter::{CHECK_INTERVAL, Results, Start};
@@ -12,6 +11,7 @@ use crate::fast::row_reals::RowReals;
 use crate::fast::rows::{RowBatch, RuntimeRows};
 use crate::fast::setup::number::Arithmetic;
 use splatline::draw::Coverage;
+use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::raster::Window;
 
@@ -50,6 +50,14 @@ struct Progress<'a, 'b, L: Doubles, P: PixelPath> {
 }
 
 impl Painting<'_> {
+    /// What a footprint's pixels need beside its rows; `None` if it lies outside its formats.
+    #[inline(always)]
+    fn splat(&self, footprint: &Footprint) -> Option<SplatNumbers> {
+        let splat = self.numbers.splat(footprint)?;
+        let fits = self.single.is_none_or(|single| single.fits(&splat));
+        fits.then_some(splat)
+    }
+
     /// Paints the tile.
     #[inline(always)]
     pub fn paint<L: Doubles, P: PixelPath>(
@@ -161,15 +169,11 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         index: u32,
     ) -> Option<(SplatNumbers, u16, i64)> {
         let Painting {
-            numbers,
-            single,
-            rows,
-            footprints,
-            ..
+            rows, footprints, ..
         } = self.painting;
         let (left, window) = (self.corner[0], self.window);
         let footprint = footprints[index as usize].as_ref().ok()?;
-        if let Some(splat) = splat_numbers(numbers, single, footprint) {
+        if let Some(splat) = self.painting.splat(footprint) {
             if self.batch.fill_member(together, self.group, k, left) {
                 return Some((splat, self.group.member(k).rows[0], self.group.second(k)));
             }
