@@ -298,10 +298,7 @@ fn draw_frame(
         Some(DepthFirst {
             spheres,
             projection,
-            vectors: match settings.engine {
-                PaintEngine::Scalar => VectorLevel::Portable,
-                PaintEngine::Vectors(choice) => choice,
-            },
+            vectors: settings.engine.vectors().unwrap_or(VectorLevel::Portable),
         })
     });
     let (design, engine) = (settings.design.in_fields(), settings.engine);

@@ -13,11 +13,12 @@
 use super::TILE;
 use super::depth_first::{DepthFirst, LiveBlocks, Slices, live_blocks};
 use super::order::{Grid, Key, TileOrder, part_length};
-use super::painter::{PaintScratch, Results, Start, TilePainter};
+use super::painter::{PaintScratch, Results, Start, TilePainter, TileWork};
 use super::setup::Outcome;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::Coverage;
+use splatline::footprint::Footprint;
 use splatline::raster::Window;
 use splatline::setup::Cull;
 use splatline::splat::VolumeSplat;
@@ -198,7 +199,7 @@ impl FrameMemory {
                         }
                         (plan.set_up)(first, &group[..seen.len()], outcomes);
                     }
-                    note(outcomes, first, keys)
+                    note(outcomes, first, keys, by_depth)
                 },
                 add_counts,
             );
@@ -274,7 +275,7 @@ impl FrameMemory {
             &|work| steps.step(work),
             &|splats, outcomes, first, keys| {
                 (plan.set_up)(first, splats, outcomes);
-                note(outcomes, first, keys)
+                note(outcomes, first, keys, by_depth)
             },
             add_counts,
         )
@@ -311,10 +312,15 @@ impl FrameMemory {
                     if start == Start::Resumed && (list.is_empty() || *live == 0) {
                         return Coverage::default();
                     }
-                    let coverage = SCRATCH.with_borrow_mut(|scratch| {
-                        let painter = plan.painter;
-                        painter.paint(scratch, window, outcomes, list, start, pixels)
-                    });
+                    let work = TileWork {
+                        window,
+                        footprints: outcomes,
+                        list,
+                        start,
+                        pixels: &mut *pixels,
+                    };
+                    let coverage =
+                        SCRATCH.with_borrow_mut(|scratch| plan.painter.paint(scratch, work));
                     if !last {
                         *live = live_blocks(&window, pixels);
                     }
@@ -325,6 +331,13 @@ impl FrameMemory {
                 sum += part;
                 sum
             })
+    }
+
+    /// So many of the last frame's pixels, row by row.
+    pub fn pixels(&self, count: usize) -> Vec<Pixel> {
+        let mut pixels = vec![Pixel::default(); count];
+        self.copy(&mut pixels, |pixel| *pixel);
+        pixels
     }
 
     /// The last frame's pixels, row by row, as the caller wants them. A frame of another size is filled as far as it goes.
@@ -357,29 +370,37 @@ pub(crate) fn copy_tiles<P: Sync, T: Send>(
     });
 }
 
-fn add_counts(mut sum: CullCounts, part: CullCounts) -> CullCounts {
+/// The sum of two parts' counts.
+pub(crate) fn add_counts(mut sum: CullCounts, part: CullCounts) -> CullCounts {
     let sums = sum.iter_mut().zip(part);
     sums.for_each(|(sum, part)| *sum += part);
     sum
 }
 
-/// Lists the keys of the splats that have a footprint, numbered from `first`, and counts the others.
-fn note(outcomes: &[Outcome], first: usize, keys: &mut Vec<Key>) -> CullCounts {
+/// Lists the keys of the splats that are drawn, numbered from `first`, and counts the culled ones. `key` gives the depth and bounds of one that has a
+/// footprint; none if it is not drawn after all.
+pub(crate) fn note<T>(
+    outcomes: &[Result<T, Cull>],
+    first: usize,
+    keys: &mut Vec<Key>,
+    mut key: impl FnMut(&T) -> Option<(u64, Window)>,
+) -> CullCounts {
     let mut culled = CullCounts::default();
     for (outcome, index) in outcomes.iter().zip(first as u32..) {
-        match outcome {
-            Ok(footprint) => {
-                let bounds = Window::of(footprint);
-                if !bounds.is_empty() {
-                    keys.push(Key {
-                        depth: footprint.depth,
-                        index,
-                        bounds,
-                    });
-                }
-            }
+        match outcome.as_ref().map(&mut key) {
+            Ok(Some((depth, bounds))) if !bounds.is_empty() => keys.push(Key {
+                depth,
+                index,
+                bounds,
+            }),
+            Ok(_) => {}
             Err(reason) => culled[reason.place()] += 1,
         }
     }
     culled
+}
+
+/// What a footprint is sorted by, and its bounds.
+fn by_depth(footprint: &Footprint) -> Option<(u64, Window)> {
+    Some((footprint.depth, Window::of(footprint)))
 }

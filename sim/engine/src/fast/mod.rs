@@ -26,7 +26,10 @@ pub mod tile;
 mod words;
 
 pub use paint::tile_painter;
-pub use painter::{CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter};
+pub use painter::{
+    CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter, TileWork, table,
+    table_entries,
+};
 pub use tile::TILE;
 pub use words::visit::{OpacityVisitor, TakeOpacities};
 

@@ -181,17 +181,11 @@ impl Packing {
 
 /// The sort key of a splat; the indices of the parts ascend.
 fn whole_key(parts: &[ScenePart], index: u32) -> u64 {
-    let part = parts
-        .iter()
-        .find(|part| part.keys.last().is_some_and(|key| key.index >= index));
-    let place = part.and_then(|part| {
-        let place = part
-            .keys
-            .binary_search_by_key(&index, |key| key.index)
-            .ok()?;
-        part.keys.get(place)
-    });
-    place.map_or(0, |key| key.depth)
+    let mut keys = parts.iter().map(|part| &part.keys[..]);
+    let keys = keys.find(|keys| keys.last().is_some_and(|key| key.index >= index));
+    let keys = keys.unwrap_or_default();
+    let place = keys.binary_search_by_key(&index, |key| key.index);
+    place.map_or(0, |place| keys[place].depth)
 }
 
 /// Splats of one part of the scene: what orders them, and their entries by tile.
@@ -274,28 +268,24 @@ impl TileOrder {
         let length = part_length(splats.len());
         let parts = &mut self.parts;
         parts.resize_with(splats.len().div_ceil(length), Default::default);
-        let of_splats = splats.par_chunks(length);
-        let work = parts
-            .par_iter_mut()
-            .zip(outcomes.par_chunks_mut(length).zip(of_splats));
-        let counted =
-            work.enumerate()
-                .with_max_len(1)
-                .map(|(number, (part, (outcomes, splats)))| {
-                    part.keys.clear();
-                    let mut counts = F::default();
-                    step(&mut || {
-                        let mut first = number * length;
-                        for (outcomes, splats) in
-                            outcomes.chunks_mut(BATCH).zip(splats.chunks(BATCH))
-                        {
-                            let batch = set_up(splats, outcomes, first, &mut part.keys);
-                            counts = add(std::mem::take(&mut counts), batch);
-                            first += splats.len();
-                        }
-                    });
-                    counts
-                });
+        let of_splats = outcomes
+            .par_chunks_mut(length)
+            .zip(splats.par_chunks(length));
+        let work = parts.par_iter_mut().zip(of_splats).enumerate();
+        let counted = work.with_max_len(1).map(|(number, (part, of_splats))| {
+            part.keys.clear();
+            let (outcomes, splats) = of_splats;
+            let mut counts = F::default();
+            step(&mut || {
+                let mut first = number * length;
+                for (outcomes, splats) in outcomes.chunks_mut(BATCH).zip(splats.chunks(BATCH)) {
+                    let batch = set_up(splats, outcomes, first, &mut part.keys);
+                    counts = add(std::mem::take(&mut counts), batch);
+                    first += splats.len();
+                }
+            });
+            counts
+        });
         counted.reduce(F::default, add)
     }
 

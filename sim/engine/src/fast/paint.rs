@@ -2,14 +2,11 @@
 
 use super::cells::FusedPainter;
 use super::lanes::{VectorLevel, draws_pixels};
-use super::painter::{CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter};
+use super::painter::{CHECK_INTERVAL, PaintScratch, ScalarPainter, TilePainter, TileWork};
 use super::words::WordPainter;
-use splatline::blend::Pixel;
-use splatline::draw::{Coverage, Painter};
+use splatline::draw::Coverage;
 use splatline::format::{Design, Traversal};
-use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
-use splatline::target::Target;
 
 /// The fastest painter for a design and rules on such vectors: the kernel's own where vectors cannot draw.
 ///
@@ -27,13 +24,7 @@ pub fn tile_painter<D: Design + Send + Sync + 'static>(
     if let Some(painter) = vectors.and_then(of_level) {
         return painter;
     }
-    Box::new(ScalarPainter {
-        design,
-        rules: *rules,
-        table: TableMemory::new(&design.widths(), rules),
-        order,
-        traversal,
-    })
+    Box::new(ScalarPainter::new(design, rules, order, traversal))
 }
 
 /// A painter along spans; `None` where only the kernel's can. Other orders than front to back have the words alone.
@@ -62,17 +53,9 @@ struct ByLength<D> {
 }
 
 impl<D: Design + Send + Sync> TilePainter for ByLength<D> {
-    fn paint(
-        &self,
-        scratch: &mut PaintScratch,
-        window: Window,
-        footprints: &Results,
-        list: &[u32],
-        start: Start,
-        pixels: &mut [Pixel],
-    ) -> Coverage {
-        let first = list.iter().take(CHECK_INTERVAL);
-        let first = first.flat_map(|index| &footprints[*index as usize]);
+    fn paint(&self, scratch: &mut PaintScratch, work: TileWork) -> Coverage {
+        let first = work.list.iter().take(CHECK_INTERVAL);
+        let first = first.flat_map(|index| &work.footprints[*index as usize]);
         // A footprint's longest run grows as the root of 1 / A. At 2, nine pixels by the largest cut-off, both took
         // about the same time.
         let (mut sum, mut count) = (0, 0);
@@ -85,47 +68,6 @@ impl<D: Design + Send + Sync> TilePainter for ByLength<D> {
         } else {
             &self.cells
         };
-        painter.paint(scratch, window, footprints, list, start, pixels)
-    }
-}
-
-/// The kernel's own painter.
-struct ScalarPainter<D> {
-    design: D,
-    rules: Rules,
-    table: TableMemory,
-    order: Compositing,
-    traversal: Traversal,
-}
-
-impl<D: Design + Send + Sync> TilePainter for ScalarPainter<D> {
-    fn paint(
-        &self,
-        _: &mut PaintScratch,
-        window: Window,
-        footprints: &Results,
-        list: &[u32],
-        start: Start,
-        pixels: &mut [Pixel],
-    ) -> Coverage {
-        let (table, order) = (self.table.table(), self.order);
-        let painter = Painter::new(self.design, &self.rules, table, order, self.traversal);
-        if start == Start::Clear {
-            pixels.fill(Pixel::clear(&self.design.widths()));
-        }
-        let mut coverage = Coverage::default();
-        let columns = usize::from(window.end[0] - window.first[0]);
-        let Ok(mut target) = Target::new(pixels, window, columns) else {
-            return coverage;
-        };
-        for part in list.chunks(CHECK_INTERVAL) {
-            for footprint in part.iter().flat_map(|index| &footprints[*index as usize]) {
-                coverage += painter.draw(footprint, &mut target);
-            }
-            if target.is_finished() {
-                break;
-            }
-        }
-        coverage
+        painter.paint(scratch, work)
     }
 }

@@ -1,45 +1,55 @@
-//! What all painters of tiles share: their interface, their memory and the footprint table.
+//! What all painters of tiles share: their interface, their memory, the footprint table, and the kernel's own painter for what vectors cannot do.
 
 use super::cells::tile::CellTile;
+use super::setup::Outcome;
 use super::words::tile::WordTile;
 use splatline::blend::Pixel;
-use splatline::draw::Coverage;
-use splatline::footprint::Footprint;
-use splatline::format::Widths;
+use splatline::draw::{Coverage, Painter};
+use splatline::format::{Design, Traversal, Widths};
 use splatline::kernel::{FootprintTable, entries, fill};
 use splatline::raster::Window;
-use splatline::rules::Rules;
-use splatline::setup::Cull;
+use splatline::rules::{Compositing, Rules};
+use splatline::target::Target;
 
 /// Footprints painted between two checks whether the tile has finished.
 pub const CHECK_INTERVAL: usize = 64;
+
+/// The footprint table's entries for the rules' kernel.
+pub fn table_entries(widths: &Widths, rules: &Rules) -> Vec<u32> {
+    let mut memory = vec![0; entries(widths)];
+    fill(&mut memory, widths, rules.table_range, rules.kernel);
+    memory
+}
+
+/// The table over [`table_entries`].
+pub fn table<'a>(memory: &'a [u32], widths: &Widths, rules: &Rules) -> FootprintTable<'a> {
+    match FootprintTable::new(memory, widths, rules.table_range) {
+        Ok(table) => table,
+        Err(_) => unreachable!("the entries have been made for these widths"),
+    }
+}
 
 /// A footprint table with the memory that it lies in: painters outlive the picture that they were made for.
 #[derive(Clone, Debug)]
 pub struct TableMemory {
     entries: Vec<u32>,
     widths: Widths,
-    range: u8,
+    rules: Rules,
 }
 
 impl TableMemory {
     /// The table of the rules' kernel.
     pub fn new(widths: &Widths, rules: &Rules) -> Self {
-        let mut memory = vec![0; entries(widths)];
-        fill(&mut memory, widths, rules.table_range, rules.kernel);
         TableMemory {
-            entries: memory,
+            entries: table_entries(widths, rules),
             widths: *widths,
-            range: rules.table_range,
+            rules: *rules,
         }
     }
 
     /// The table.
     pub fn table(&self) -> FootprintTable<'_> {
-        match FootprintTable::new(&self.entries, &self.widths, self.range) {
-            Ok(table) => table,
-            Err(_) => unreachable!("the entries have been made for these widths"),
-        }
+        table(&self.entries, &self.widths, &self.rules)
     }
 }
 
@@ -52,7 +62,7 @@ pub struct PaintScratch {
 }
 
 /// What setup made of every splat, in the scene's order.
-pub type Results = [Result<Footprint, Cull>];
+pub type Results = [Outcome];
 
 /// What a tile's pixels are before it is painted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,16 +73,89 @@ pub enum Start {
     Resumed,
 }
 
+/// A tile to be painted.
+pub struct TileWork<'a> {
+    /// Its part of the screen.
+    pub window: Window,
+    /// See [`Results`].
+    pub footprints: &'a Results,
+    /// The numbers of those that are drawn, in this order.
+    pub list: &'a [u32],
+    /// What its pixels are before.
+    pub start: Start,
+    /// Its pixels, row by row.
+    pub pixels: &'a mut [Pixel],
+}
+
 /// Paints tiles along spans, whatever the design.
 pub trait TilePainter: Send + Sync {
-    /// Paints the footprints of `list`, in this order, into the pixels of `window`, which lie row by row.
-    fn paint(
+    /// Paints a tile in a thread's memory.
+    fn paint(&self, scratch: &mut PaintScratch, work: TileWork) -> Coverage;
+}
+
+/// The kernel's own painter.
+#[derive(Clone, Debug)]
+pub struct ScalarPainter<D> {
+    pub design: D,
+    pub rules: Rules,
+    pub table: TableMemory,
+    pub order: Compositing,
+    pub traversal: Traversal,
+}
+
+impl<D: Design> ScalarPainter<D> {
+    /// For a design and rules, of lists in this order.
+    pub fn new(design: D, rules: &Rules, order: Compositing, traversal: Traversal) -> Self {
+        ScalarPainter {
+            design,
+            rules: *rules,
+            table: TableMemory::new(&design.widths(), rules),
+            order,
+            traversal,
+        }
+    }
+
+    /// One footprint on a tile's pixels, which lie row by row.
+    pub fn paint_alone(
         &self,
-        scratch: &mut PaintScratch,
+        footprint: &Outcome,
         window: Window,
-        footprints: &Results,
-        list: &[u32],
-        start: Start,
         pixels: &mut [Pixel],
-    ) -> Coverage;
+    ) -> Coverage {
+        let target = Target::new(pixels, window, window.columns().into());
+        match (footprint, target) {
+            (Ok(footprint), Ok(mut target)) => self.painter().draw(footprint, &mut target),
+            _ => Coverage::default(),
+        }
+    }
+
+    fn painter(&self) -> Painter<'_, D> {
+        let table = self.table.table();
+        Painter::new(self.design, &self.rules, table, self.order, self.traversal)
+    }
+}
+
+impl<D: Design + Send + Sync> TilePainter for ScalarPainter<D> {
+    fn paint(&self, _: &mut PaintScratch, work: TileWork) -> Coverage {
+        if work.start == Start::Clear {
+            work.pixels.fill(Pixel::clear(&self.design.widths()));
+        }
+        let (painter, mut coverage) = (self.painter(), Coverage::default());
+        let columns = work.window.columns().into();
+        let Ok(mut target) = Target::new(work.pixels, work.window, columns) else {
+            return coverage;
+        };
+        for part in work.list.chunks(CHECK_INTERVAL) {
+            for footprint in part
+                .iter()
+                .flat_map(|index| &work.footprints[*index as usize])
+            {
+                coverage += painter.draw(footprint, &mut target);
+            }
+            if target.is_finished() {
+                break;
+            }
+        }
+        coverage
+    }
 }

@@ -77,14 +77,6 @@ impl<L: Wide> RowVectors<L> {
     }
 }
 
-/// Are all words 0?
-#[inline(always)]
-pub fn is_zero<L: Wide>(lanes: L, words: L::Word) -> bool {
-    let mut stored = [0; WORDS];
-    lanes.wide_store(&mut stored, words);
-    stored.iter().fold(0, |all, word| all | word) == 0
-}
-
 /// Do the words of so many rows fit the vectors' arithmetic, apart from what is noticed row by row?
 #[inline(always)]
 pub fn stays_near(constants: &RowConstants<i64>, count: usize) -> bool {

@@ -7,11 +7,11 @@
 
 use super::lanes::Doubles;
 use super::row_reals::{
-    DIFFERENT, FARTHEST, MOST, ROWS, RealBlock, RowLine, RowNumbers, RowReals, power, scale,
+    DIFFERENT, FARTHEST, MOST, ROWS, RealBlock, RowLine, RowNumbers, RowReals, scale,
 };
 use super::row_words::{SeedWords, SquaredWidth, longest_rest};
 use super::rows::BLOCKS;
-use super::setup::number::{Arithmetic, Word};
+use super::setup::number::{Arithmetic, Word, power};
 use super::setup::real::{Real, Reals};
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
@@ -197,7 +197,6 @@ impl RowGroup {
             mantissa: squared_width.mantissa,
             odd,
             power: math.plus(root, 32 - i64::from(REST) / 2),
-            drop: math.splat(0),
         };
         let finest = -(i64::from(widths.subpixel) + i64::from(CENTRE));
         let unit = math.max(math.plus(half, -bits), math.splat(finest));
@@ -216,7 +215,7 @@ impl RowGroup {
         let [start, step] = [reals.to_short_word(start), reals.to_short_word(step)];
         let slack = reals.constant(power(fraction as i32 - 10));
         let reach = reals.to_fixed(Real(cutoff), power(fraction as i32 - 28));
-        let together = RowReals::of(
+        let mut together = RowReals::of(
             math,
             RowNumbers {
                 seeds: SeedWords::of(
@@ -234,8 +233,8 @@ impl RowGroup {
                 most_bits: math.splat(if bits <= 15 { bits } else { bits.max(30) }),
             },
         );
-        for (list, word) in self.constants.iter_mut().zip(together.words()) {
-            lanes.wide_store(list, word);
+        for (list, word) in self.constants.iter_mut().zip(together.different()) {
+            lanes.wide_store(list, *word);
         }
         lanes.wide_store(&mut self.second, reals.to_short_word(second));
         lanes.wide_store(&mut self.doubt, doubt.get());
@@ -264,15 +263,15 @@ impl RowGroup {
     #[inline(always)]
     pub fn reals<L: Doubles>(&self, k: usize, together: &RowReals<L>) -> RowReals<L> {
         let (k, lanes) = (k % WORDS, together.math.lanes);
-        let line = RowLine {
+        let mut reals = *together;
+        reals.line = RowLine {
             shear: double(self.shear[k]),
             curve: double(self.curve[k]),
         };
-        let mut words = [lanes.wide_splat(0); DIFFERENT];
-        for (word, list) in words.iter_mut().zip(&self.constants) {
+        for (word, list) in reals.different().into_iter().zip(&self.constants) {
             *word = lanes.wide_splat(list[k]);
         }
-        together.one(line, words)
+        reals
     }
 
     /// First column, negative, that runs of footprint number `k` may begin at in each block of columns, and one past the last.

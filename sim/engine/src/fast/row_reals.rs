@@ -10,7 +10,7 @@
 use super::lanes::Doubles;
 use super::lanes::singles::HAS_FUSED_ADD;
 use super::row_words::{Runs, SeedWords, SquaredWidth, longest_rest, most_bits, seeds};
-use super::setup::number::Arithmetic;
+use super::setup::number::{Arithmetic, power};
 use super::tile::TILE;
 use splatline::raster::{REST, RowBlock, RowConstants};
 
@@ -44,19 +44,13 @@ const fn bits(numbers: [f64; 8]) -> [i64; 8] {
     bits
 }
 
-/// 2^exponent, of exponents that a number may have.
-#[inline(always)]
-pub fn power(exponent: i32) -> f64 {
-    f64::from_bits((i64::from(1023 + exponent) as u64) << 52)
-}
-
 /// A unit of C dy^2 with so many fraction bits, which is so large here.
 #[inline(always)]
 pub fn scale(fraction: u32) -> f64 {
     power(-(fraction.saturating_sub(REST) as i32))
 }
 
-/// The same in each word.
+/// [`power`] in each word.
 #[inline(always)]
 fn powers<L: Doubles>(math: Arithmetic<L>, exponent: L::Word) -> L::Word {
     math.shl(math.plus(exponent, 1023), 52)
@@ -72,7 +66,7 @@ fn splat<L: Doubles>(lanes: L, value: f64) -> L::Word {
 pub struct RowReals<L: Doubles> {
     pub math: Arithmetic<L>,
     seeds: SeedWords<L>,
-    line: RowLine,
+    pub line: RowLine,
     reach: L::Word,
     /// One past the longest rest that the table takes, and past the longest square of a half-width whose distances fit the seeds.
     longest: [L::Word; 2],
@@ -157,7 +151,7 @@ impl<L: Doubles> RowReals<L> {
                 longest_rest: longest_rest(constants.drops.1, constants.vertical_fraction),
                 reach: splat(math.lanes, constants.reach as f64),
                 squared_width: splat(math.lanes, squared_width),
-                table: SquaredWidth::new(math, constants, 0),
+                table: SquaredWidth::new(math, constants),
                 unit: math.splat(i64::from(constants.drops.0) - 32),
                 most_bits: math.splat(most_bits(constants).into()),
             },
@@ -201,52 +195,18 @@ impl<L: Doubles> RowReals<L> {
 
     /// The words that differ between footprints.
     #[inline(always)]
-    pub fn words(&self) -> [L::Word; DIFFERENT] {
-        let [a, b, c, d, e, f, g] = self.seeds.words();
+    pub fn different(&mut self) -> [&mut L::Word; DIFFERENT] {
+        let [a, b, c, d, e, f, g] = self.seeds.different();
         let SquaredWidth {
-            mantissa: h,
-            odd: i,
-            power: j,
-            ..
-        } = self.table;
-        let (k, l, m, n) = (self.reach, self.longest[1], self.squared_width, self.to_dx);
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, n]
-    }
-
-    /// The same of one footprint, of which these are the words.
-    #[inline(always)]
-    pub fn one(&self, line: RowLine, words: [L::Word; DIFFERENT]) -> Self {
-        let [
-            a,
-            b,
-            c,
-            d,
-            e,
-            f,
-            g,
             mantissa,
             odd,
             power,
-            reach,
-            farthest,
-            width,
-            to_dx,
-        ] = words;
-        RowReals {
-            line,
-            reach,
-            longest: [self.longest[0], farthest],
-            squared_width: width,
-            table: SquaredWidth {
-                mantissa,
-                odd,
-                power,
-                ..self.table
-            },
-            to_dx,
-            seeds: self.seeds.with([a, b, c, d, e, f, g]),
-            ..*self
-        }
+        } = &mut self.table;
+        let [_, farthest] = &mut self.longest;
+        let (reach, width, to_dx) = (&mut self.reach, &mut self.squared_width, &mut self.to_dx);
+        [
+            a, b, c, d, e, f, g, mantissa, odd, power, reach, farthest, width, to_dx,
+        ]
     }
 
     /// The number in each word.

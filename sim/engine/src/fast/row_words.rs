@@ -34,6 +34,8 @@ pub struct RowWords<L: Wide> {
     columns: [i64; 2],
     reach: L::Word,
     squared_width: SquaredWidth<L>,
+    /// Bits of a rest beyond [`REST`].
+    drop: L::Word,
     drop_dx: RoundingShift<L>,
     turn_of_dx: L::Word,
     seeds: SeedWords<L>,
@@ -47,11 +49,8 @@ impl<L: Wide> RowWords<L> {
         RowWords {
             columns: columns_of_runs(constants).map(i64::from),
             reach: math.splat(constants.reach),
-            squared_width: SquaredWidth::new(
-                math,
-                constants,
-                constants.vertical_fraction.saturating_sub(REST),
-            ),
+            squared_width: SquaredWidth::new(math, constants),
+            drop: math.splat(constants.vertical_fraction.saturating_sub(REST).into()),
             drop_dx,
             turn_of_dx: math.turn_of(drop_dx),
             seeds: SeedWords::new(math, constants),
@@ -137,24 +136,19 @@ impl<L: Wide> SeedWords<L> {
 
     /// The words that differ between footprints without left shifts.
     #[inline(always)]
-    pub fn words(&self) -> [L::Word; 7] {
-        let (radial, first) = (self.drop_radial, self.drop_first);
-        let shifts = [radial.raise, radial.by, first.raise, first.by];
-        let [a, b, c, d] = shifts;
-        [self.horizontal, self.start, self.unit, a, b, c, d]
-    }
-
-    /// The same of a footprint with these words.
-    #[inline(always)]
-    pub fn with(&self, [horizontal, start, unit, a, b, c, d]: [L::Word; 7]) -> Self {
-        SeedWords {
-            horizontal,
-            start,
-            unit,
-            drop_radial: RoundingShift { raise: a, by: b },
-            drop_first: RoundingShift { raise: c, by: d },
-            ..*self
-        }
+    pub fn different(&mut self) -> [&mut L::Word; 7] {
+        let (radial, first) = (&mut self.drop_radial, &mut self.drop_first);
+        let [a, b] = [&mut radial.raise, &mut radial.by];
+        let [c, d] = [&mut first.raise, &mut first.by];
+        [
+            &mut self.horizontal,
+            &mut self.start,
+            &mut self.unit,
+            a,
+            b,
+            c,
+            d,
+        ]
     }
 }
 
@@ -170,7 +164,9 @@ pub fn runs<L: Wide>(
 ) -> Runs<L> {
     let zero = math.splat(0);
     let rest = math.sub(rows.reach, vertical);
-    let half = rows.squared_width.half_width(math, rest);
+    let half = rows
+        .squared_width
+        .half_of(math, math.lanes.wide_shr(rest, rows.drop));
     let (low, high) = ends(math, centre, half);
     // An open row has its last column in the box beyond its first one: what lies outside makes the run empty.
     let x = math.max(low, math.splat(columns[0].max(rows.columns[0])));
@@ -246,30 +242,21 @@ pub struct SquaredWidth<L: Wide> {
     pub odd: L::Word,
     /// See `mantissa`.
     pub power: L::Word,
-    /// Bits of a rest beyond [`REST`].
-    pub drop: L::Word,
 }
 
 impl<L: Wide> SquaredWidth<L> {
-    /// Of a footprint, for rests with so many bits beyond [`REST`].
+    /// Of a footprint.
     #[inline(always)]
-    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>, drop: u32) -> Self {
+    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
         let (mantissa, odd, power) = constants.squared_width;
         SquaredWidth {
             mantissa: math.splat(mantissa as i64),
             odd: math.splat(odd.into()),
             power: math.splat(power.into()),
-            drop: math.splat(drop.into()),
         }
     }
 
-    /// Q.32 pixels, for rows with a positive `rest` of the cut-off; anything for others.
-    #[inline(always)]
-    fn half_width(&self, math: Arithmetic<L>, rest: L::Word) -> L::Word {
-        self.half_of(math, math.lanes.wide_shr(rest, self.drop))
-    }
-
-    /// The same for rests with [`REST`] fraction bits.
+    /// Q.32 pixels, for rows with a positive rest of the cut-off, of [`REST`] fraction bits; anything for others.
     #[inline(always)]
     pub fn half_of(&self, math: Arithmetic<L>, narrow: L::Word) -> L::Word {
         let (lanes, zero) = (math.lanes, math.splat(0));

@@ -7,10 +7,10 @@
 //! [`EllipseSpans`]: splatline::raster::EllipseSpans
 
 use super::lanes::{Doubles, Wide};
-use super::recurrence::is_zero;
+use super::recurrence::{RowVectors, stays_near};
 use super::row_group::RowGroup;
 use super::row_reals::{RealBlock, RowReals, scale};
-use super::row_words::{RowWords, Runs, columns_of_runs, excess, is_tame, longest_rest, runs};
+use super::row_words::{RowWords, Runs, columns_of_runs, excess, is_tame, runs};
 use super::setup::number::Arithmetic;
 use super::tile::TILE;
 use core::ops::Range;
@@ -53,6 +53,13 @@ impl RuntimeRows {
         }
         constants
     }
+
+    /// The same, compiled once, for the few footprints that need it.
+    #[cold]
+    #[inline(never)]
+    pub fn constants_apart(&self, footprint: &Footprint, window: &Window) -> RowConstants<i64> {
+        self.constants(footprint, window)
+    }
 }
 
 /// The runs of one footprint's rows in one block of a tile.
@@ -61,51 +68,6 @@ pub struct BlockSpans {
     end: [i64; ROOM],
     radial: [i64; ROOM],
     first: [i64; ROOM],
-}
-
-/// What the recurrences down the rows give, row by row; memory that is used again for every footprint.
-struct Recurrences {
-    centre: [i64; ROOM],
-    vertical: [i64; ROOM],
-    count: usize,
-}
-
-impl Recurrences {
-    /// No rows.
-    pub fn new() -> Self {
-        Recurrences {
-            centre: [0; ROOM],
-            vertical: [0; ROOM],
-            count: 0,
-        }
-    }
-
-    /// A footprint's rows; `false` where words are larger than the vectors' arithmetic takes.
-    #[inline(always)]
-    pub fn fill(&mut self, constants: &RowConstants<i64>) -> bool {
-        let [first, last] = constants.rows;
-        self.count = usize::from(last.saturating_sub(first)).min(ROWS);
-        let (mut far, mut long) = (0, 0);
-        let mut begin = 0;
-        for block in &constants.blocks {
-            let end = usize::from(block.end.saturating_sub(first)).min(ROWS);
-            let [mut vertical, mut change] = block.vertical;
-            let mut centre = block.centre;
-            let places = self.centre.iter_mut().zip(&mut self.vertical);
-            for (centre_of_row, vertical_of_row) in places.take(end).skip(begin) {
-                *centre_of_row = centre;
-                *vertical_of_row = vertical;
-                far |= centre ^ (centre >> 63);
-                long |= constants.reach.wrapping_sub(vertical).max(0);
-                centre = centre.wrapping_add(constants.shear);
-                vertical = vertical.wrapping_add(change);
-                change = change.wrapping_add(constants.curve);
-            }
-            begin = end;
-        }
-        // Centres below 2^61, what is left of the cut-off short enough for the root.
-        far >> 61 == 0 && long >> longest_rest(constants.drops.1, constants.vertical_fraction) == 0
-    }
 }
 
 impl BlockSpans {
@@ -118,29 +80,6 @@ impl BlockSpans {
             radial: [0; ROOM],
             first: [0; ROOM],
         }
-    }
-
-    /// The runs in block number `block` of the tile that begins at column `left`; the largest distance from the centre.
-    #[inline(always)]
-    fn fill<L: Wide>(
-        &mut self,
-        math: Arithmetic<L>,
-        words: &RowWords<L>,
-        rows: &Recurrences,
-        left: u16,
-        block: usize,
-    ) -> L::Word {
-        let lanes = math.lanes;
-        let first_column = i64::from(left) + (block * usize::from(BLOCK)) as i64;
-        let columns = [first_column, first_column + i64::from(BLOCK)];
-        let mut large = math.splat(0);
-        for start in (0..rows.count).step_by(L::WIDE) {
-            let centre = lanes.wide_load(window(&rows.centre, start));
-            let vertical = lanes.wide_load(window(&rows.vertical, start));
-            let runs = runs(math, words, [centre, vertical], columns, &mut large);
-            self.store(lanes, start, runs);
-        }
-        large
     }
 
     /// Notes the runs of the rows from number `start` on.
@@ -171,27 +110,27 @@ impl BlockSpans {
         [two(&self.radial, row), two(&self.first, row)]
     }
 
-    /// The run of row number `row`, if it has pixels in the block.
+    /// The run of row number `row` in the tile that begins at column `left`, if it has pixels in the block.
     #[inline(always)]
-    pub fn run(&self, row: usize) -> Option<RunWords> {
+    pub fn run(&self, row: usize, left: u16) -> Option<Pixels> {
         let row = row % ROWS;
-        let run = RunWords {
-            x: self.x[row],
-            end: self.end[row],
+        let (x, end) = (self.x[row], self.end[row]);
+        (x < end).then(|| Pixels {
+            x: (x - i64::from(left)) as usize % usize::from(TILE[0]),
+            length: (end - x) as usize,
             radial: self.radial[row],
             first: self.first[row],
-        };
-        (run.x < run.end).then_some(run)
+        })
     }
 }
 
-/// A run as vectors leave it: the seeds are not cut to the lanes' word yet.
+/// Some adjacent pixels of a row: columns of the tile, and lanes not cut to their word yet.
 #[derive(Clone, Copy, Debug)]
-pub struct RunWords {
+pub struct Pixels {
     /// First column.
-    pub x: i64,
-    /// One past the last.
-    pub end: i64,
+    pub x: usize,
+    /// How many.
+    pub length: usize,
     /// Radial index at the first column.
     pub radial: i64,
     /// First difference there.
@@ -200,7 +139,8 @@ pub struct RunWords {
 
 /// All rows of one footprint in a tile: memory that is used again for every footprint.
 pub struct RowBatch {
-    recurrences: Recurrences,
+    /// Rows of the footprint in the tile.
+    rows: usize,
     blocks: [BlockSpans; BLOCKS],
     /// Blocks that the footprint's box touches.
     touched: (usize, usize),
@@ -210,7 +150,7 @@ impl RowBatch {
     /// No rows.
     pub(crate) fn new() -> Self {
         RowBatch {
-            recurrences: Recurrences::new(),
+            rows: 0,
             blocks: std::array::from_fn(|_| BlockSpans::new()),
             touched: (0, 0),
         }
@@ -286,16 +226,36 @@ impl RowBatch {
         constants: &RowConstants<i64>,
         left: u16,
     ) -> bool {
-        if !self.recurrences.fill(constants) {
+        let [first, last] = constants.rows;
+        let count = usize::from(last.saturating_sub(first)).min(ROWS);
+        if !stays_near(constants, count) {
             return false;
         }
-        let words = RowWords::new(math, constants);
-        let mut large = math.splat(0);
-        for number in self.touched() {
-            let far = self.blocks[number].fill(math, &words, &self.recurrences, left, number);
-            large = math.max(large, far);
+        let (lanes, words) = (math.lanes, RowWords::new(math, constants));
+        let (mut large, mut long) = (math.splat(0), math.splat(0));
+        let mut start = 0;
+        for block in &constants.blocks {
+            let end = usize::from(block.end.saturating_sub(first)).min(count);
+            if end <= start {
+                break;
+            }
+            let mut rows = RowVectors::new(lanes, constants, block);
+            while start < end {
+                for number in self.touched() {
+                    let column = i64::from(left) + (number * usize::from(BLOCK)) as i64;
+                    let columns = [column, column + i64::from(BLOCK)];
+                    let [centre, vertical] = [rows.centre, rows.vertical];
+                    let runs = runs(math, &words, [centre, vertical], columns, &mut large);
+                    self.blocks[number].store(lanes, start, runs);
+                }
+                rows.step(lanes);
+                start += L::WIDE;
+            }
+            long = math.add(long, rows.excess(lanes));
+            start = end;
         }
-        is_zero(math.lanes, excess(math.lanes, constants, large))
+        self.rows = count;
+        !lanes.wide_any(math.add(long, excess(lanes, constants, large)))
     }
 
     /// The same with rows in double precision; `false` where it has not all bits.
@@ -359,7 +319,7 @@ impl RowBatch {
             }
             start = end;
         }
-        self.recurrences.count = count;
+        self.rows = count;
         !reals.math.lanes.wide_any(reals.excess(longest))
     }
 
@@ -372,19 +332,13 @@ impl RowBatch {
     /// Rows of the footprint in the tile.
     #[inline(always)]
     pub fn rows(&self) -> usize {
-        self.recurrences.count
+        self.rows
     }
 
     /// The runs in one block.
     #[inline(always)]
     pub fn block(&self, block: usize) -> &BlockSpans {
         &self.blocks[block]
-    }
-
-    /// The run in one row and block, if it has pixels.
-    #[inline(always)]
-    pub fn run(&self, row: usize, block: usize) -> Option<RunWords> {
-        self.blocks[block].run(row)
     }
 }
 

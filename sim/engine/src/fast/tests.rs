@@ -5,7 +5,7 @@ use super::cells::FusedPainter;
 use super::lanes::{FusedLanes, VectorLevel};
 use super::painter::{PaintScratch, TilePainter};
 use super::words::WordPainter;
-use crate::fast::{Start, tile_painter};
+use crate::fast::{Start, TileWork, tile_painter};
 use crate::fixed::{QuantisedScene, kernel_rules, table, table_entries};
 use crate::rules;
 use crate::scene::synthetic;
@@ -189,14 +189,14 @@ fn painted(
     let list: Vec<u32> = (0..footprints.len() as u32).collect();
     let mut pixels = vec![Pixel::default(); columns * rows];
     let scratch = &mut PaintScratch::default();
-    let coverage = painter.paint(
-        scratch,
+    let work = TileWork {
         window,
         footprints,
-        &list,
-        Start::Clear,
-        &mut pixels,
-    );
+        list: &list,
+        start: Start::Clear,
+        pixels: &mut pixels,
+    };
+    let coverage = painter.paint(scratch, work);
     (pixels, coverage)
 }
 

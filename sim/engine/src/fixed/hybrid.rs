@@ -1,13 +1,11 @@
 //! Points and splats through the kernel, frame after frame in the same memory: choice, setup, order, slabs, stamps.
 
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
-use super::render::{
-    CHECK_INTERVAL, FixedDrawing, Options, PaintEngine, best_engine, painter, set_up_splats,
-};
+use super::render::{CHECK_INTERVAL, FixedDrawing, Options, PaintEngine, best_engine, painter};
 use crate::camera::Camera;
 use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan};
-use crate::fast::setup::Outcome;
-use crate::fast::{PaintScratch, Results, Start, TableMemory, TilePainter};
+use crate::fast::setup::{self as fast, Outcome};
+use crate::fast::{PaintScratch, Start, TableMemory, TilePainter, TileWork};
 use crate::fixed::frame::converter;
 use crate::hybrid::{Hybrid, Points, deviation};
 use crate::picture::Picture;
@@ -64,25 +62,14 @@ pub fn draw_hybrid(
 ) -> Result<HybridDrawing, String> {
     let engine = (best_engine(), true);
     let mut renderer = HybridRenderer::new(scene, camera, options.clone(), hybrid, engine)?;
-    let mut picture = Picture::new(camera.width, camera.height);
-    let facts = renderer.draw_picture(&mut picture)?;
-    let mut pixels = vec![Pixel::default(); picture.pixels.len()];
-    renderer.memory.copy(&mut pixels, |pixel| *pixel);
-    let quantised = &renderer.quantised;
+    let facts = renderer.draw()?;
+    let pixels = renderer.memory.pixels(camera.width * camera.height);
+    let (quantised, widths) = (&renderer.quantised, &options.design.widths);
     Ok(HybridDrawing {
         points: facts.points,
         drawn: facts.drawn,
         stamp_words: facts.stamp_words,
-        drawing: FixedDrawing {
-            picture,
-            pixels,
-            splats: quantised.splats.len(),
-            culled: facts.frame.culled,
-            clamped: quantised.clamped,
-            colour_log2: quantised.colour_log2,
-            coverage: facts.frame.coverage,
-            times: facts.frame.times,
-        },
+        drawing: FixedDrawing::new(quantised, camera, widths, pixels, facts.frame),
     })
 }
 
@@ -276,19 +263,8 @@ impl HybridSetup<'_> {
             points += usize::from(is_point);
         }
         if points < splats.len() {
-            let HybridSetup {
-                design,
-                rules,
-                engine,
-                ..
-            } = *self;
-            set_up_splats(
-                design,
-                &self.quantised.view,
-                rules,
-                engine,
-                (splats, outcomes),
-            );
+            let (view, vectors) = (&self.quantised.view, self.engine.vectors());
+            fast::set_up(self.design, view, self.rules, splats, outcomes, vectors);
         }
         if points == 0 {
             return;
@@ -363,80 +339,70 @@ struct PointTiles<'a> {
 }
 
 impl TilePainter for PointTiles<'_> {
-    fn paint(
-        &self,
-        _: &mut PaintScratch,
-        window: Window,
-        footprints: &Results,
-        list: &[u32],
-        start: Start,
-        pixels: &mut [Pixel],
-    ) -> Coverage {
-        if start == Start::Clear {
-            pixels.fill(self.clear);
+    fn paint(&self, _: &mut PaintScratch, work: TileWork) -> Coverage {
+        if work.start == Start::Clear {
+            work.pixels.fill(self.clear);
         }
-        let columns = usize::from(window.columns());
-        let Ok(mut target) = Target::new(pixels, window, columns) else {
+        let columns = work.window.columns().into();
+        let Ok(mut target) = Target::new(work.pixels, work.window, columns) else {
             unreachable!("the tile's memory has just been made for its window")
         };
-        let drawn = list.iter().filter_map(|index| {
-            let footprint = footprints[*index as usize].as_ref().ok()?;
+        let drawn = work.list.iter().filter_map(|index| {
+            let footprint = work.footprints[*index as usize].as_ref().ok()?;
             let is_point = self.is_point[*index as usize].load(Ordering::Relaxed);
             Some((footprint, is_point))
         });
         if self.gathers {
-            gather_tile(&self.painter, &self.gathering, drawn, &mut target)
+            self.gather(drawn, &mut target)
         } else {
-            stamp_tile(&self.painter, &self.gathering, drawn, &mut target)
+            self.stamp(drawn, &mut target)
         }
     }
 }
 
-/// Points are gathered, splats composited behind what was gathered before them.
-fn gather_tile<'a, D: Design>(
-    painter: &Painter<D>,
-    gathering: &PointSettings,
-    list: impl Iterator<Item = (&'a Footprint, bool)>,
-    target: &mut Target,
-) -> Coverage {
-    let window = target.window();
-    let area =
-        usize::from(window.end[0] - window.first[0]) * usize::from(window.end[1] - window.first[1]);
-    let mut memory = vec![Slab::default(); area];
-    let Some(mut slabs) = Slabs::new(&mut memory, window) else {
-        unreachable!("the slabs have just been made for the window")
-    };
-    let mut coverage = Coverage::default();
-    for (number, (footprint, is_point)) in list.enumerate() {
-        coverage += if is_point {
-            painter.draw_point(footprint, gathering, target, &mut slabs)
-        } else {
-            painter.draw_among_points(footprint, target, &mut slabs)
+impl PointTiles<'_> {
+    /// Points are gathered, splats composited behind what was gathered before them.
+    fn gather<'a>(
+        &self,
+        list: impl Iterator<Item = (&'a Footprint, bool)>,
+        target: &mut Target,
+    ) -> Coverage {
+        let (painter, window) = (&self.painter, target.window());
+        let mut memory = vec![Slab::default(); window.pixels()];
+        let Some(mut slabs) = Slabs::new(&mut memory, window) else {
+            unreachable!("the slabs have just been made for the window")
         };
-        if number % CHECK_INTERVAL == 0 && target.is_finished() {
-            break;
+        let mut coverage = Coverage::default();
+        for (number, (footprint, is_point)) in list.enumerate() {
+            coverage += if is_point {
+                painter.draw_point(footprint, &self.gathering, target, &mut slabs)
+            } else {
+                painter.draw_among_points(footprint, target, &mut slabs)
+            };
+            if number % CHECK_INTERVAL == 0 && target.is_finished() {
+                break;
+            }
         }
+        painter.finish_points(target, &mut slabs);
+        coverage
     }
-    painter.finish_points(target, &mut slabs);
-    coverage
-}
 
-/// Points and splats are composited one by one, points by the stamp if there is one.
-fn stamp_tile<'a, D: Design>(
-    painter: &Painter<D>,
-    gathering: &PointSettings,
-    list: impl Iterator<Item = (&'a Footprint, bool)>,
-    target: &mut Target,
-) -> Coverage {
-    let mut coverage = Coverage::default();
-    for (number, (footprint, is_point)) in list.enumerate() {
-        coverage += match &gathering.stamp {
-            Some(stamp) if is_point => painter.draw_stamp(stamp, footprint, target),
-            _ => painter.draw(footprint, target),
-        };
-        if number % CHECK_INTERVAL == 0 && target.is_finished() {
-            break;
+    /// Points and splats are composited one by one, points by the stamp if there is one.
+    fn stamp<'a>(
+        &self,
+        list: impl Iterator<Item = (&'a Footprint, bool)>,
+        target: &mut Target,
+    ) -> Coverage {
+        let mut coverage = Coverage::default();
+        for (number, (footprint, is_point)) in list.enumerate() {
+            coverage += match &self.gathering.stamp {
+                Some(stamp) if is_point => self.painter.draw_stamp(stamp, footprint, target),
+                _ => self.painter.draw(footprint, target),
+            };
+            if number % CHECK_INTERVAL == 0 && target.is_finished() {
+                break;
+            }
         }
+        coverage
     }
-    coverage
 }

@@ -5,10 +5,11 @@
 //! comparison), and for depths a multiplication and an addition; depths and normals themselves come from the host.
 
 use super::deep::sort_by_depth;
-use super::frame::{TileLists, paint_apart, table, table_entries};
+use super::frame::{TileLists, paint_apart};
 use super::quantise::QuantisedScene;
 use super::render::{Options, best_engine, set_up};
 use crate::camera::Camera;
+use crate::fast::TableMemory;
 use crate::scene::Scene;
 use crate::vector::Vector;
 use rayon::prelude::*;
@@ -34,10 +35,9 @@ pub fn draw_maps(scene: &Scene, camera: &Camera, options: &Options) -> Vec<MapPi
     let mut seen: Vec<(usize, Footprint)> = seen.collect();
     sort_by_depth(&mut seen);
     let (indices, footprints): (Vec<usize>, Vec<Footprint>) = seen.into_iter().unzip();
-    let memory = table_entries(&widths, &rules);
-    let table = table(&memory, &widths, &rules);
+    let table = TableMemory::new(&widths, &rules);
     let order = Compositing::FrontToBack;
-    let painter = Painter::new(design, &rules, table, order, options.traversal);
+    let painter = Painter::new(design, &rules, table.table(), order, options.traversal);
     let blend = Blend::new(&widths, &rules);
     let unit = (-f64::from(widths.transmittance)).exp2();
     let paint = |window: Window, list: &[u32], pixels: &mut [(Pixel, MapPixel)]| {
@@ -73,7 +73,7 @@ pub fn draw_maps(scene: &Scene, camera: &Camera, options: &Options) -> Vec<MapPi
         layer.into()
     });
     let clear = (Pixel::clear(&widths), MapPixel::EMPTY);
-    let (pixels, _) = paint_apart(clear, &tiles, paint);
+    let (pixels, _) = paint_apart(clear, &tiles, &paint);
     pixels.into_iter().map(|(_, map)| map).collect()
 }
 

@@ -15,7 +15,8 @@ pub mod sheets;
 mod sphere;
 pub mod surface;
 
-pub use frame::{converter, table, table_entries};
+pub use crate::fast::{table, table_entries};
+pub use frame::converter;
 pub use harmonics::harmonic_colours;
 pub use hybrid::{HybridDrawing, HybridFacts, HybridRenderer, draw_hybrid};
 pub use maps::draw_maps;

@@ -101,9 +101,7 @@ impl QuantisedScene {
             ..stated
         }
     }
-}
 
-impl QuantisedScene {
     /// After setup of these splats: where the scene is sorted by distance, footprints get the key of the distance in the place of the depth's.
     ///
     /// A key is a number that splats are sorted by and nothing else, so that all that sorts them, on the host and in the machine's model, need not know

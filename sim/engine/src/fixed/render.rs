@@ -9,7 +9,7 @@ pub use crate::fast::frame::Times;
 use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan};
 use crate::fast::lanes::{VectorLevel, has_vectors};
 use crate::fast::setup::{self as fast, Outcome};
-use crate::fast::{PaintScratch, Results, Start, TilePainter, tile_painter};
+use crate::fast::{PaintScratch, TilePainter, TileWork, tile_painter};
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
@@ -21,10 +21,9 @@ use splatline::format::{Design, RuntimeWidths, Traversal, Widths};
 use splatline::raster::Window;
 use splatline::rules as kernel;
 use splatline::setup::{
-    Covariance2d, Cull, conic, covariance, distance, ldl, project, project_axes, setup,
+    Covariance2d, Cull, conic, covariance, distance, ldl, project, project_axes,
 };
 use splatline::splat::VolumeSplat;
-use splatline::view::View;
 
 /// Which implementation paints. All give the same pixels and counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +32,16 @@ pub enum PaintEngine {
     Scalar,
     /// Vectors where they can, else the scalar painter.
     Vectors(VectorLevel),
+}
+
+impl PaintEngine {
+    /// The vectors, if there are any.
+    pub fn vectors(self) -> Option<VectorLevel> {
+        match self {
+            PaintEngine::Vectors(level) => Some(level),
+            PaintEngine::Scalar => None,
+        }
+    }
 }
 
 /// What draws unless something else is asked for.
@@ -88,6 +97,28 @@ pub struct FixedDrawing {
     pub coverage: Coverage,
     /// Time taken.
     pub times: Times,
+}
+
+impl FixedDrawing {
+    /// Of a scene's pixels and what a frame of them did.
+    pub(super) fn new(
+        quantised: &QuantisedScene,
+        camera: &Camera,
+        widths: &Widths,
+        pixels: Vec<Pixel>,
+        facts: FrameFacts,
+    ) -> Self {
+        FixedDrawing {
+            picture: to_picture(&pixels, camera, widths, quantised.colour_log2),
+            pixels,
+            splats: quantised.splats.len(),
+            culled: facts.culled,
+            clamped: quantised.clamped,
+            colour_log2: quantised.colour_log2,
+            coverage: facts.coverage,
+            times: facts.times,
+        }
+    }
 }
 
 /// Footprints of all splats, in the scene's order.
@@ -171,26 +202,15 @@ pub fn set_up_part(
     engine: PaintEngine,
     (splats, outcomes): (&[VolumeSplat], &mut [Outcome]),
 ) {
-    set_up_splats(design, &quantised.view, rules, engine, (splats, outcomes));
+    fast::set_up(
+        design,
+        &quantised.view,
+        rules,
+        splats,
+        outcomes,
+        engine.vectors(),
+    );
     quantised.sort_keys(&design.widths(), splats, outcomes);
-}
-
-/// The same with the keys that setup gives them.
-pub(super) fn set_up_splats(
-    design: RuntimeWidths,
-    view: &View,
-    rules: &kernel::Rules,
-    engine: PaintEngine,
-    (splats, outcomes): (&[VolumeSplat], &mut [Outcome]),
-) {
-    match engine {
-        PaintEngine::Vectors(choice) => fast::set_up(design, view, rules, splats, outcomes, choice),
-        PaintEngine::Scalar => {
-            for (splat, outcome) in splats.iter().zip(outcomes) {
-                *outcome = setup(design, view, rules, splat);
-            }
-        }
-    }
 }
 
 /// Footprints of all splats that have one, in the scene's order, with the sort keys that setup gives them.
@@ -204,7 +224,7 @@ pub(super) fn seen(
     let batch = |(number, splats): (usize, &[VolumeSplat])| {
         let first = number * BATCH;
         let mut outcomes = vec![Err(Cull::Near); splats.len()];
-        set_up_splats(design, view, rules, engine, (splats, &mut outcomes));
+        fast::set_up(design, view, rules, splats, &mut outcomes, engine.vectors());
         let numbered = outcomes.into_iter().enumerate();
         numbered.filter_map(move |(index, outcome)| Some((first + index, outcome.ok()?)))
     };
@@ -259,18 +279,9 @@ pub fn draw_quantised(
     let rules = quantised.rules(options.rules);
     let painter = painter(&rules, options, engine, true);
     let facts = paint_with(quantised, options, engine, &*painter, &mut memory);
-    let pixels = copied(&memory, camera);
+    let pixels = memory.pixels(camera.width * camera.height);
     let widths = &options.design.widths;
-    let drawing = FixedDrawing {
-        picture: to_picture(&pixels, camera, widths, quantised.colour_log2),
-        pixels,
-        splats: quantised.splats.len(),
-        culled: facts.culled,
-        clamped: quantised.clamped,
-        colour_log2: quantised.colour_log2,
-        coverage: facts.coverage,
-        times: facts.times,
-    };
+    let drawing = FixedDrawing::new(quantised, camera, widths, pixels, facts);
     (drawing, memory.into_outcomes())
 }
 
@@ -333,28 +344,13 @@ struct ChosenTiles<'a> {
 }
 
 impl TilePainter for ChosenTiles<'_> {
-    fn paint(
-        &self,
-        scratch: &mut PaintScratch,
-        window: Window,
-        footprints: &Results,
-        list: &[u32],
-        start: Start,
-        pixels: &mut [Pixel],
-    ) -> Coverage {
-        let touches = |other: &Window| !window.intersect(other).is_empty();
+    fn paint(&self, scratch: &mut PaintScratch, work: TileWork) -> Coverage {
+        let touches = |other: &Window| !work.window.intersect(other).is_empty();
         match self.only {
             Some(only) if !only.iter().any(touches) => Coverage::default(),
-            _ => (self.inner).paint(scratch, window, footprints, list, start, pixels),
+            _ => self.inner.paint(scratch, work),
         }
     }
-}
-
-/// A frame's pixels, row by row. Compiled once, not for every design.
-fn copied(memory: &FrameMemory, camera: &Camera) -> Vec<Pixel> {
-    let mut pixels = vec![Pixel::default(); camera.width * camera.height];
-    memory.copy(&mut pixels, |pixel| *pixel);
-    pixels
 }
 
 /// What paints tiles under these options.
@@ -365,11 +361,7 @@ pub fn painter(
     counts: bool,
 ) -> Box<dyn TilePainter> {
     let order = kernel_compositing(options.compositing);
-    let choice = match engine {
-        PaintEngine::Scalar => None,
-        PaintEngine::Vectors(choice) => Some(choice),
-    };
-    let traversal = options.traversal;
+    let (choice, traversal) = (engine.vectors(), options.traversal);
     match options.design.in_short_lanes() {
         Some(design) => tile_painter(design, rules, order, traversal, choice, counts),
         None => {

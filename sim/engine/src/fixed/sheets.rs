@@ -5,7 +5,7 @@ use super::quantise::{QuantisedScene, kernel_rules};
 use super::render::{Options, PaintEngine, painter, seen};
 use crate::camera::Camera;
 use crate::fast::setup::Outcome;
-use crate::fast::{PaintScratch, Start, TilePainter};
+use crate::fast::{PaintScratch, Start, TilePainter, TileWork};
 use crate::picture::Picture;
 use crate::rules::Compositing;
 use crate::scene::Scene;
@@ -33,7 +33,14 @@ pub fn draw(
     let widths = options.design.widths;
     let slabs = SlabRule::new(plan, quantised.scale_log2);
     let seen = seen(options.design.in_fields(), &quantised, &rules, engine);
-    let (slabs, footprints) = slabs.all_parts(&quantised, seen);
+    let parts = seen.into_par_iter().flat_map_iter(|(index, footprint)| {
+        slabs.parts(&quantised, &quantised.splats[index], footprint)
+    });
+    let (slabs, footprints): (Vec<i64>, Vec<Footprint>) = parts.unzip();
+    let nearest = slabs.par_iter().min().copied().unwrap_or(0);
+    let key = |index: u32, _: &Footprint| (slabs[index as usize] - nearest) as u64;
+    let tiles = TileLists::by_key(&footprints, quantised.view.viewport, &key);
+    let footprints: Vec<Outcome> = footprints.into_iter().map(Ok).collect();
     let sums = Options {
         compositing: Compositing::XRay,
         ..*options
@@ -46,7 +53,10 @@ pub fn draw(
         blend: Blend::new(&widths, &rules),
         widths,
     };
-    let pixels = sheets.paint(quantised.view.viewport);
+    let paint = |window: Window, list: &[u32], pixels: &mut [Pixel]| {
+        sheets.paint_tile(window, list, pixels);
+    };
+    let (pixels, _) = paint_apart(Pixel::clear(&widths), &tiles, &paint);
     to_picture(&pixels, camera, &widths, quantised.colour_log2)
 }
 
@@ -60,17 +70,6 @@ struct Sheets<'a> {
 }
 
 impl Sheets<'_> {
-    fn paint(&self, viewport: [u16; 2]) -> Vec<Pixel> {
-        let nearest = self.slabs.par_iter().min().copied().unwrap_or(0);
-        let key = |index: u32, _: &Footprint| (self.slabs[index as usize] - nearest) as u64;
-        let tiles = TileLists::by_key(self.footprints, viewport, &key);
-        let clear = Pixel::clear(&self.widths);
-        let paint = |window: Window, list: &[u32], pixels: &mut [Pixel]| {
-            self.paint_tile(window, list, pixels);
-        };
-        paint_apart(clear, &tiles, paint).0
-    }
-
     fn paint_tile(&self, window: Window, list: &[u32], pixels: &mut [Pixel]) {
         let (mut scratch, mut memory) = (PaintScratch::default(), pixels.to_vec());
         let Ok(mut target) = Target::new(pixels, window, columns(&window)) else {
@@ -80,15 +79,14 @@ impl Sheets<'_> {
         for of_slab in list.chunk_by(|a, b| slab(a) == slab(b)) {
             let touched = self.touched(of_slab, &window);
             let sheet = &mut memory[..touched.pixels()];
-            let footprints = self.footprints;
-            (self.painter).paint(
-                &mut scratch,
-                touched,
-                footprints,
-                of_slab,
-                Start::Clear,
-                sheet,
-            );
+            let work = TileWork {
+                window: touched,
+                footprints: self.footprints,
+                list: of_slab,
+                start: Start::Clear,
+                pixels: &mut *sheet,
+            };
+            self.painter.paint(&mut scratch, work);
             let sheet = SheetBuffer::drawn(sheet, touched, columns(&touched), &self.widths);
             if let Ok(mut sheet) = sheet {
                 sheet.composite_behind(&self.blend, &mut target);
@@ -150,18 +148,6 @@ impl SlabRule {
         }
     }
 
-    /// All splats in their sheets: the sheets, and the footprints.
-    fn all_parts(
-        &self,
-        quantised: &QuantisedScene,
-        seen: Vec<(usize, Footprint)>,
-    ) -> (Vec<i64>, Vec<Outcome>) {
-        let parts = seen.into_par_iter().flat_map_iter(|(index, footprint)| {
-            self.parts(quantised, &quantised.splats[index], footprint)
-        });
-        parts.map(|(slab, footprint)| (slab, Ok(footprint))).unzip()
-    }
-
     /// The sheets that a splat takes part in, with its footprint in each.
     fn parts(
         &self,
@@ -180,14 +166,11 @@ impl SlabRule {
                         let share = slabs.fraction_in(slab, depth, spread);
                         let peak =
                             (u64::from(footprint.opacity) * u64::from(share) + (1 << 15)) >> 16;
-                        let peak = peak as u32;
-                        (
-                            slab.into(),
-                            Footprint {
-                                opacity: peak,
-                                ..footprint
-                            },
-                        )
+                        let cut = Footprint {
+                            opacity: peak as u32,
+                            ..footprint
+                        };
+                        (slab.into(), cut)
                     })
                     .collect()
             }

@@ -1,17 +1,22 @@
 //! Spherical kernels in perspective through the kernel (\[HYBRID\] 4.2).
 
-use super::frame::{TileLists, paint_tiles, table, table_entries, to_picture};
+use super::frame::{TileLists, paint_apart};
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
-use super::render::{FixedDrawing, Options, Times, culls};
+use super::render::{FixedDrawing, Options, culls};
 use crate::camera::Camera;
+use crate::fast::TableMemory;
+use crate::fast::frame::FrameFacts;
+use crate::rules::Compositing;
 use crate::scene::{Scene, Splat};
 use crate::vector;
 use rayon::prelude::*;
+use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter, Perspective};
 use splatline::format::Traversal;
 use splatline::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, Rays, fill_perspective};
 use splatline::setup::{Ellipse, Index, SphereFootprint, setup_sphere};
 use splatline::splat::{SphereSplat, VolumeSplat};
+use splatline::target::Target;
 
 /// Draws a scene whose splats are taken as spheres of their first axis' length.
 pub fn draw_spheres(
@@ -37,8 +42,12 @@ pub fn draw_spheres(
     let culled = culls(&results);
     let spheres: Vec<SphereFootprint> = results.into_iter().flatten().collect();
     let footprints: Vec<_> = spheres.iter().map(|sphere| sphere.footprint).collect();
-    let tiles = TileLists::by_depth(&footprints, options.compositing, quantised.view.viewport);
-    let memory = table_entries(&widths, &rules);
+    let viewport = quantised.view.viewport;
+    let mut tiles = TileLists::by_key(&footprints, viewport, &|_, footprint| footprint.depth);
+    if options.compositing == Compositing::BackToFront {
+        tiles.lists.iter_mut().for_each(|list| list.reverse());
+    }
+    let table = TableMemory::new(&widths, &rules);
     let mut perspective = [0; PERSPECTIVE_ENTRIES];
     fill_perspective(&mut perspective);
     let perspective = Perspective {
@@ -48,25 +57,24 @@ pub fn draw_spheres(
     let painter = Painter::new(
         design,
         &rules,
-        table(&memory, &widths, &rules),
+        table.table(),
         kernel_compositing(options.compositing),
         Traversal::Spans,
     );
-    let (pixels, coverage) = paint_tiles(&widths, &tiles, |list, target| {
+    let (pixels, parts) = paint_apart(Pixel::clear(&widths), &tiles, &|window, list, pixels| {
+        let Ok(mut target) = Target::new(pixels, window, window.columns().into()) else {
+            unreachable!("the tile's memory has just been made for its window")
+        };
         let mut coverage = Coverage::default();
         for number in list {
-            coverage += painter.draw_sphere(&spheres[*number as usize], &perspective, target);
+            coverage += painter.draw_sphere(&spheres[*number as usize], &perspective, &mut target);
         }
         coverage
     });
-    FixedDrawing {
-        picture: to_picture(&pixels, camera, &widths, quantised.colour_log2),
-        pixels,
-        splats: scene.splats.len(),
+    let mut facts = FrameFacts {
         culled,
-        clamped: quantised.clamped,
-        colour_log2: quantised.colour_log2,
-        coverage,
-        times: Times::default(),
-    }
+        ..FrameFacts::default()
+    };
+    parts.into_iter().for_each(|part| facts.coverage += part);
+    FixedDrawing::new(&quantised, camera, &widths, pixels, facts)
 }

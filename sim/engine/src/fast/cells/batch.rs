@@ -4,7 +4,7 @@
 //! next ones fill the time.
 
 use super::fused::{FusedPixels, FusedSplatNumbers};
-use super::parts::CellParts;
+use super::parts::{CellParts, MANY};
 use super::tile::Cell;
 use crate::fast::lanes::fused::Fused;
 use crate::fast::painter::CHECK_INTERVAL;
@@ -61,7 +61,7 @@ impl<const DEEP: bool> Batch<DEEP> {
         self.parts.clear();
         let mut count = 0;
         for listed in &mut self.listed {
-            if self.parts.is_full() {
+            if self.parts.count >= MANY {
                 break;
             }
             let Some(CellFootprint { rows, numbers }) = prepare(&list[count..], live) else {
@@ -73,7 +73,7 @@ impl<const DEEP: bool> Batch<DEEP> {
             *listed = Listed {
                 numbers,
                 second: rows.second,
-                end: self.parts.count(),
+                end: self.parts.count,
             };
             count += 1;
         }
@@ -89,7 +89,7 @@ impl<const DEEP: bool> Batch<DEEP> {
         tile: &mut [Cell],
     ) -> Coverage {
         let mut first = 0;
-        let mut counts = path.no_counts();
+        let mut counts = [path.lanes.wide_splat(0); 2];
         for listed in self.listed.iter().take(count) {
             let colours = path.splat_words(&listed.numbers, listed.second);
             for part in self.parts.range(first, listed.end) {
@@ -99,9 +99,9 @@ impl<const DEEP: bool> Batch<DEEP> {
             }
             first = listed.end;
         }
-        let [covered, live] = path.total(counts);
+        let [covered, live] = counts.map(|words| path.lanes.sum(words));
         Coverage {
-            visited: self.parts.visited(),
+            visited: self.parts.visited,
             covered,
             finished: covered - live,
         }

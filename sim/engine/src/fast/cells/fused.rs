@@ -7,12 +7,13 @@
 //!
 //! As in [`words`](crate::fast::words), an opacity of 0 changes no pixel.
 
-use super::intervals::{Intervals, TableReach};
+use super::intervals::{TableReach, pairs};
+use super::multiply;
 use super::parts::CellPart;
 use super::scale::{MARK, Scale};
 use super::tile::Cell;
 use crate::fast::lanes::factors::Factors;
-use crate::fast::lanes::fused::{DROPPED, Fused, Pairs};
+use crate::fast::lanes::fused::{DROPPED, Fused, IOTA, Pairs};
 use splatline::blend::Blend;
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
@@ -32,8 +33,12 @@ pub struct FusedSplatNumbers {
 #[derive(Clone, Debug)]
 pub struct FusedScheme {
     widths: Widths,
-    scale: Scale,
-    intervals: Intervals,
+    /// How pixels are written in a tile.
+    pub scale: Scale,
+    pub reach: TableReach,
+    pairs: Pairs,
+    /// The same table, if it is a Gaussian.
+    factors: Option<Factors>,
 }
 
 impl FusedScheme {
@@ -49,25 +54,17 @@ impl FusedScheme {
         Some(FusedScheme {
             widths: *widths,
             scale: Scale::new(widths, &constants)?,
-            intervals: Intervals::new(table, reach, widths, rules.table_range),
+            reach,
+            pairs: pairs(table, widths),
+            factors: Factors::gaussian(table.entries(), widths, rules.table_range),
         })
-    }
-
-    /// How pixels are written in a tile.
-    pub fn scale(&self) -> Scale {
-        self.scale
-    }
-
-    /// Do lanes have 64 bits?
-    pub fn is_deep(&self) -> bool {
-        self.intervals.reach.deep
     }
 
     /// A footprint's numbers; `None` if its words lie outside their formats or its end outside the table.
     #[inline(always)]
     pub fn numbers(&self, footprint: &Footprint) -> Option<FusedSplatNumbers> {
         let FusedScheme { widths, scale, .. } = self;
-        let end = self.intervals.reach.end(footprint.cutoff)?;
+        let end = self.reach.end(footprint.cutoff)?;
         let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
         let fits = in_format(footprint.opacity, widths.peak)
             && footprint
@@ -85,7 +82,7 @@ impl FusedScheme {
 /// Everything about the pixel path that is constant for a picture, on vectors. `DEEP` lanes have 64 bits.
 #[derive(Clone, Copy)]
 pub struct FusedPixels<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> {
-    lanes: L,
+    pub lanes: L,
     table: &'a Pairs,
     /// The same table, if it is a Gaussian.
     factors: Option<&'a Factors>,
@@ -118,30 +115,6 @@ pub struct FusedPixels<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> 
     sum_mask: L::Word,
 }
 
-/// Pixels counted, lane by lane.
-#[derive(Clone, Copy)]
-pub struct FusedCounts<L: Fused> {
-    covered: L::Word,
-    live: L::Word,
-}
-
-impl<L: Fused> FusedCounts<L> {
-    /// None.
-    #[inline(always)]
-    fn new(lanes: L) -> Self {
-        let [covered, live] = [lanes.wide_splat(0); 2];
-        FusedCounts { covered, live }
-    }
-
-    /// Adds the words whose most significant bits are set.
-    #[inline(always)]
-    fn add(&mut self, lanes: L, inside: L::Word, live: L::Word) {
-        let ones = |word: L::Word| lanes.wide_shr(word, lanes.wide_splat(63));
-        self.covered = lanes.wide_add(self.covered, ones(inside));
-        self.live = lanes.wide_add(self.live, ones(live));
-    }
-}
-
 /// A numbers on vectors.
 #[derive(Clone, Copy)]
 pub struct FusedSplatWords<L: Fused> {
@@ -158,14 +131,9 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
     /// For a scheme of lanes as deep as these.
     #[inline(always)]
     pub fn new(lanes: L, scheme: &'a FusedScheme, rules: &Rules) -> Self {
-        let FusedScheme {
-            widths,
-            scale,
-            intervals,
-            ..
-        } = scheme;
+        let FusedScheme { widths, scale, .. } = scheme;
         let constants = Blend::new(widths, rules).constants();
-        let rest = intervals.reach.rest_bits;
+        let rest = scheme.reach.rest_bits;
         let kept = u32::from(widths.interpolation).min(rest);
         // The position's left shift: it stands where its product with a change is a value at its scale.
         let raised = scale.weight - kept;
@@ -179,12 +147,12 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         } else {
             0
         };
-        let iota = lanes.wide_iota();
+        let iota = lanes.wide_load(&IOTA);
         let corners = lanes.wide_mul(iota, lanes.wide_sub(iota, splat(1)));
         FusedPixels {
             lanes,
-            table: &intervals.pairs,
-            factors: intervals.factors.as_ref(),
+            table: &scheme.pairs,
+            factors: scheme.factors.as_ref(),
             iota,
             corners: lanes.wide_shr(corners, splat(1)),
             interval: turn(rest),
@@ -208,22 +176,12 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         }
     }
 
-    /// A product modulo the lanes' word; what is above it is anything.
-    #[inline(always)]
-    fn multiply(&self, a: L::Word, b: L::Word) -> L::Word {
-        if DEEP {
-            self.lanes.wide_mul_whole(a, b)
-        } else {
-            self.lanes.wide_mul(a, b)
-        }
-    }
-
     /// The radial indices of a cell's pixels, 0 where they are negative.
     #[inline(always)]
     fn radial(&self, colours: &FusedSplatWords<L>, part: &CellPart) -> L::Word {
         let lanes = self.lanes;
         let [radial, first] = [part.radial, part.first].map(|word| lanes.wide_splat(word as i64));
-        let along = self.multiply(self.iota, first);
+        let along = multiply::<L, DEEP>(lanes, self.iota, first);
         let radial = lanes.wide_add(lanes.wide_add(radial, colours.ahead), along);
         if DEEP {
             lanes.max_whole(radial, lanes.wide_splat(0))
@@ -264,11 +222,11 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
             end: splat(numbers.end),
             peak: splat(numbers.peak as i64),
             colour: numbers.colour.map(|c| splat(c as i64)),
-            ahead: self.multiply(self.corners, splat(second)),
+            ahead: multiply::<L, DEEP>(self.lanes, self.corners, splat(second)),
         }
     }
 
-    /// Paints what a footprint covers of a cell.
+    /// Paints what a footprint covers of a cell; covered pixels, and those of them that had not finished, are counted lane by lane.
     ///
     /// Conditions stay in the words, as their most significant bits: a detour through the mask registers takes ten cycles of the way from
     /// a radial index to a pixel.
@@ -278,7 +236,7 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         colours: &FusedSplatWords<L>,
         part: &CellPart,
         cell: &mut Cell,
-        counts: &mut FusedCounts<L>,
+        counts: &mut [L::Word; 2],
     ) {
         let lanes = self.lanes;
         let radial = self.radial(colours, part);
@@ -286,20 +244,22 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         let inside = lanes.wide_and(lanes.wide_sub(radial, colours.end), of_run);
         let light = lanes.read(&cell.light);
         let live = lanes.without(inside, inside, light);
-        counts.add(lanes, inside, live);
+        for (count, marked) in counts.iter_mut().zip([inside, live]) {
+            *count = lanes.wide_add(*count, lanes.wide_shr(marked, lanes.wide_splat(63)));
+        }
         if lanes.marked(live) == 0 {
             return;
         }
-        let value = self.value(radial, lanes.spread(live));
+        let value = self.value(radial, lanes.wide_sar_by(live, 63));
         let alpha = lanes.fused(self.alpha_half, value, colours.peak);
         // Where no pixel is live the value and with it the opacity is 0 already.
-        let too_small = lanes.spread(lanes.wide_sub(alpha, self.opacity_min));
+        let too_small = lanes.wide_sar_by(lanes.wide_sub(alpha, self.opacity_min), 63);
         let alpha = lanes.min_whole(alpha, self.alpha_max);
         let alpha = lanes.without(alpha, self.alpha_mask, too_small);
         let share = lanes.fused(self.share_half, light, alpha);
         let share = lanes.wide_and(share, self.share_mask);
         let rest = lanes.wide_sub(light, lanes.turn(share, self.to_light));
-        let stops = lanes.spread(lanes.wide_sub(rest, self.stop));
+        let stops = lanes.wide_sar_by(lanes.wide_sub(rest, self.stop), 63);
         let before = if STOP_BEFORE { light } else { rest };
         let stopped = lanes.merge(before, before, self.mark);
         lanes.write(&mut cell.light, lanes.blend(stops, stopped, rest));
@@ -312,17 +272,5 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
             let sum = lanes.fused(lanes.read(plane), share, colour);
             lanes.write(plane, lanes.merge(sum, self.sum_mask, self.sum_half));
         }
-    }
-
-    /// No pixels.
-    #[inline(always)]
-    pub fn no_counts(&self) -> FusedCounts<L> {
-        FusedCounts::new(self.lanes)
-    }
-
-    /// Pixels covered, and those of them that were not finished; of one batch.
-    #[inline(always)]
-    pub fn total(&self, counts: FusedCounts<L>) -> [u64; 2] {
-        [counts.covered, counts.live].map(|words| self.lanes.sum(words))
     }
 }

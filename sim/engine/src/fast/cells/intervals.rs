@@ -1,6 +1,5 @@
 //! The footprint table as vectors read it.
 
-use crate::fast::lanes::factors::Factors;
 use crate::fast::lanes::fused::Pairs;
 use splatline::blend::BlendConstants;
 use splatline::draw::cutoff_in_lane;
@@ -51,32 +50,16 @@ impl TableReach {
     }
 }
 
-/// A table's entries in pairs, an interval's value in the upper half of a word, its change in the lower one; and its factors if it
-/// is a Gaussian.
-#[derive(Clone, Debug)]
-pub struct Intervals {
-    pub pairs: Pairs,
-    pub factors: Option<Factors>,
-    pub reach: TableReach,
-}
-
-impl Intervals {
-    /// Every interval of `table`, which reaches so far.
-    pub fn new(table: &FootprintTable, reach: TableReach, widths: &Widths, range: u8) -> Self {
-        let entries = table.entries();
-        let interpolates = widths.interpolation > 0;
-        let pair = |pair: &[u32]| {
-            let change = if interpolates {
-                pair[1].wrapping_sub(pair[0])
-            } else {
-                0
-            };
-            (u64::from(pair[0]) << 32) | u64::from(change)
+/// A table's entries in pairs, an interval's value in the upper half of a word, its change in the lower one.
+pub fn pairs(table: &FootprintTable, widths: &Widths) -> Pairs {
+    let interpolates = widths.interpolation > 0;
+    let pair = |pair: &[u32]| {
+        let change = if interpolates {
+            pair[1].wrapping_sub(pair[0])
+        } else {
+            0
         };
-        Intervals {
-            pairs: Pairs::new(entries.windows(2).map(pair).collect()),
-            factors: Factors::gaussian(entries, widths, range),
-            reach,
-        }
-    }
+        (u64::from(pair[0]) << 32) | u64::from(change)
+    };
+    Pairs::new(table.entries().windows(2).map(pair).collect())
 }

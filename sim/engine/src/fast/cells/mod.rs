@@ -13,29 +13,25 @@ pub mod tile;
 
 use super::lanes::fused::Fused;
 use super::lanes::{FusedLanes, FusedTask, VectorLevel, prefetch};
-use super::painter::{CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter};
+use super::painter::{CHECK_INTERVAL, PaintScratch, Results, ScalarPainter, Start};
+use super::painter::{TilePainter, TileWork};
 use super::row_words::is_tame;
+use super::setup::Outcome;
+use super::words::AHEAD;
 use batch::{Batch, CellFootprint, Prepare};
 use fused::{FusedPixels, FusedScheme};
 pub use intervals::TableReach;
 use splatline::blend::Pixel;
-use splatline::draw::{Coverage, Painter};
-use splatline::footprint::Footprint;
+use splatline::draw::Coverage;
 use splatline::format::{Design, Lane, Traversal};
 use splatline::raster::{EllipseSpans, Window};
 use splatline::rules::{Compositing, Rules};
-use splatline::setup::Cull;
-use splatline::target::Target;
 use tile::CellTile;
-
-/// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
-const AHEAD: usize = 4;
 
 /// Paints tiles by fused products.
 pub struct FusedPainter<D> {
-    table: TableMemory,
-    design: D,
-    rules: Rules,
+    /// For what vectors cannot do.
+    kernel: ScalarPainter<D>,
     scheme: FusedScheme,
     lanes: FusedLanes,
     counts: bool,
@@ -53,12 +49,12 @@ impl<D: Design> FusedPainter<D> {
 
     /// The same on these lanes.
     pub fn on(design: D, rules: &Rules, lanes: FusedLanes, counts: bool) -> Option<Self> {
-        let table = TableMemory::new(&design.widths(), rules);
-        let scheme = FusedScheme::new(&design.widths(), rules, &table.table(), D::Lane::BITS)?;
+        let order = Compositing::FrontToBack;
+        let kernel = ScalarPainter::new(design, rules, order, Traversal::Spans);
+        let table = kernel.table.table();
+        let scheme = FusedScheme::new(&design.widths(), rules, &table, D::Lane::BITS)?;
         Some(FusedPainter {
-            table,
-            design,
-            rules: *rules,
+            kernel,
             scheme,
             lanes,
             counts,
@@ -80,56 +76,37 @@ impl<D: Design> FusedPainter<D> {
         if Window::of(footprint).intersect(window).is_empty() {
             return Some(CellFootprint::default());
         }
-        let rows = EllipseSpans::new(self.design, footprint, window)
+        let rows = EllipseSpans::new(self.kernel.design, footprint, window)
             .constants()
             .widened();
         let numbers = self.scheme.numbers(footprint)?;
         is_tame(&rows).then_some(CellFootprint { rows, numbers })
     }
 
-    /// The scalar painter on the tile's pixels.
+    /// The kernel's painter on the tile's pixels.
     #[cold]
     #[inline(never)]
-    fn paint_scalar(&self, footprint: &Result<Footprint, Cull>, tile: &mut CellTile) -> Coverage {
+    fn paint_scalar(&self, footprint: &Outcome, tile: &mut CellTile) -> Coverage {
         let mut pixels = tile.to_pixels();
-        let window = tile.window();
-        let stride = usize::from(window.end[0] - window.first[0]);
-        let target = Target::new(&mut pixels, window, stride);
-        let (Ok(footprint), Ok(mut target)) = (footprint, target) else {
-            return Coverage::default();
-        };
-        let (table, order) = (self.table.table(), Compositing::FrontToBack);
-        let painter = Painter::new(self.design, &self.rules, table, order, Traversal::Spans);
-        let coverage = painter.draw(footprint, &mut target);
+        let coverage = (self.kernel).paint_alone(footprint, tile.window(), &mut pixels);
         tile.set_pixels(&pixels);
         coverage
     }
 }
 
 impl<D: Design + Send + Sync> TilePainter for FusedPainter<D> {
-    fn paint(
-        &self,
-        scratch: &mut PaintScratch,
-        window: Window,
-        footprints: &Results,
-        list: &[u32],
-        start: Start,
-        pixels: &mut [Pixel],
-    ) -> Coverage {
-        let scale = self.scheme.scale();
+    fn paint(&self, scratch: &mut PaintScratch, work: TileWork) -> Coverage {
+        let (scale, footprints) = (self.scheme.scale, work.footprints);
         let tile = scratch.cells.get_or_insert_with(|| CellTile::new(scale));
         let coverage = self.lanes.run(CellPainting {
             scheme: &self.scheme,
-            rules: &self.rules,
+            rules: &self.kernel.rules,
             prepare: &|list, live| self.prepare(footprints, list, live),
             scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
             tile,
-            window,
-            clear: Pixel::clear(&self.design.widths()),
-            list,
-            start,
+            clear: Pixel::clear(&self.kernel.design.widths()),
             counts: self.counts,
-            pixels,
+            work,
         });
         if self.counts {
             coverage
@@ -147,13 +124,9 @@ struct CellPainting<'a> {
     /// Paints the footprint of this number by the kernel.
     scalar: &'a dyn Fn(u32, &mut CellTile) -> Coverage,
     tile: &'a mut CellTile,
-    window: Window,
     clear: Pixel,
-    list: &'a [u32],
-    start: Start,
     counts: bool,
-    /// The tile's pixels, row by row.
-    pixels: &'a mut [Pixel],
+    work: TileWork<'a>,
 }
 
 impl FusedTask for CellPainting<'_> {
@@ -161,7 +134,7 @@ impl FusedTask for CellPainting<'_> {
 
     #[inline(always)]
     fn run<L: Fused>(self, lanes: L) -> Coverage {
-        match (self.rules.omit_finishing, self.scheme.is_deep()) {
+        match (self.rules.omit_finishing, self.scheme.reach.deep) {
             (true, false) => self.paint::<L, true, false>(lanes),
             (false, false) => self.paint::<L, false, false>(lanes),
             (true, true) => self.paint::<L, true, true>(lanes),
@@ -179,23 +152,21 @@ impl CellPainting<'_> {
             prepare,
             scalar,
             tile,
-            window,
             clear,
-            list,
-            start,
             counts,
-            pixels,
+            work,
         } = self;
+        let TileWork { window, pixels, .. } = work;
         let path = FusedPixels::<L, STOP_BEFORE, DEEP>::new(lanes, scheme, rules);
         let mut coverage = Coverage::default();
         let mut batch = Batch::<DEEP>::new();
-        tile.open(window, clear, scheme.scale());
+        tile.open(window, clear, scheme.scale);
         let mut live = window;
-        if start == Start::Resumed {
+        if work.start == Start::Resumed {
             tile.set_pixels(pixels);
             live = tile.live_window().filter(|_| !counts).unwrap_or(window);
         }
-        for chunk in list.chunks(CHECK_INTERVAL) {
+        for chunk in work.list.chunks(CHECK_INTERVAL) {
             let mut rest = chunk;
             while let Some((first, others)) = rest.split_first() {
                 let listed = batch.fill(lanes, rest, prepare, &window, &live);
@@ -213,8 +184,18 @@ impl CellPainting<'_> {
                 None => break,
             }
         }
-        let columns = usize::from(window.end[0] - window.first[0]).max(1);
+        let columns = usize::from(window.columns()).max(1);
         tile.copy(pixels.chunks_exact_mut(columns));
         coverage
+    }
+}
+
+/// A product modulo the word of lanes, which have 64 bits if they are `DEEP`; what is above it is anything.
+#[inline(always)]
+fn multiply<L: Fused, const DEEP: bool>(lanes: L, a: L::Word, b: L::Word) -> L::Word {
+    if DEEP {
+        lanes.wide_mul_whole(a, b)
+    } else {
+        lanes.wide_mul(a, b)
     }
 }

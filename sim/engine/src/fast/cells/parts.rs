@@ -4,8 +4,9 @@
 //! r(x) - k f + k (k + 1) / 2 s. The list is in no order that matters, since a footprint touches a pixel once; what matters is that the pixels'
 //! loop runs through one long list and not through rows of two cells, whose ends no processor foresees.
 
+use super::multiply;
 use super::tile::{AREA, CELLS_OF_ROW, COLUMNS};
-use crate::fast::lanes::fused::Fused;
+use crate::fast::lanes::fused::{Fused, IOTA};
 use crate::fast::recurrence::{RowVectors, stays_near};
 use crate::fast::row_words::{RowWords, Runs, excess, runs};
 use crate::fast::setup::number::Arithmetic;
@@ -14,7 +15,7 @@ use splatline::raster::{BLOCK, RowConstants, Window};
 
 /// A list with so many cells is painted before more are listed: enough to compute the rows of several footprints side by side, and little
 /// enough to stay in the first-level cache.
-const MANY: usize = 256;
+pub const MANY: usize = 256;
 
 /// Room for a whole footprint after that; a vector may reach beyond the last cell.
 const ROOM: usize = MANY + AREA / COLUMNS + 8;
@@ -60,9 +61,10 @@ pub struct CellParts<const DEEP: bool> {
     radial: [u64; ROOM],
     first: [u64; ROOM],
     place: [u64; ROOM],
-    count: usize,
+    /// Cells listed.
+    pub count: usize,
     /// Pixels of the runs that have been listed.
-    visited: u64,
+    pub visited: u64,
 }
 
 impl<const DEEP: bool> CellParts<DEEP> {
@@ -83,24 +85,6 @@ impl<const DEEP: bool> CellParts<DEEP> {
     pub fn clear(&mut self) {
         self.count = 0;
         self.visited = 0;
-    }
-
-    /// Cells listed.
-    #[inline(always)]
-    pub fn count(&self) -> usize {
-        self.count
-    }
-
-    /// Should they be painted before more are listed?
-    #[inline(always)]
-    pub fn is_full(&self) -> bool {
-        self.count >= MANY
-    }
-
-    /// Pixels of the runs that have been listed.
-    #[inline(always)]
-    pub fn visited(&self) -> u64 {
-        self.visited
     }
 
     /// The cells of these numbers in the list.
@@ -172,7 +156,7 @@ impl<const DEEP: bool> CellParts<DEEP> {
             begin = stop;
         }
         let too_large = math.add(long, excess(lanes, constants, large));
-        let fits = lanes.marked(math.negate(too_large)) == 0;
+        let fits = !lanes.wide_any(too_large);
         if fits {
             self.visited += lanes.sum(visited);
         } else {
@@ -195,21 +179,24 @@ impl<const DEEP: bool> CellParts<DEEP> {
         let begin = math.plus(runs.x, -i64::from(block.left));
         let end = math.plus(runs.end, -i64::from(block.left));
         let bits = math.sub(lanes.wide_shl(one, end), lanes.wide_shl(one, begin));
-        let is_open = lanes.bits(math.greater(end, begin)) & block.open;
+        let is_open = lanes.wide_flags(math.greater(end, begin)) as u8 & block.open;
         let is_open = lanes.truth(is_open);
         let bits = math.select(math.splat(0), bits, is_open);
         let [first_cell, end_cell] = block.cells;
         let back = math.plus(begin, -i64::from(first_cell) * WIDTH);
-        let corners = self.multiply(lanes, back, math.plus(back, 1));
-        let corners = self.multiply(lanes, math.sar(corners, 1), math.splat(second));
-        let moved = self.multiply(lanes, back, runs.first);
+        let corners = multiply::<L, DEEP>(lanes, back, math.plus(back, 1));
+        let corners = multiply::<L, DEEP>(lanes, math.sar(corners, 1), math.splat(second));
+        let moved = multiply::<L, DEEP>(lanes, back, runs.first);
         let mut radial = math.add(math.sub(runs.radial, moved), corners);
-        let slowed = self.multiply(lanes, back, math.splat(second));
+        let slowed = multiply::<L, DEEP>(lanes, back, math.splat(second));
         let mut first = math.sub(runs.first, slowed);
         let mut bits = lanes.turn(bits, math.splat(i64::from(first_cell) * WIDTH));
         let number = block.corner + usize::from(first_cell);
         let number = math.splat((number << PIXELS) as i64);
-        let row = math.shl(lanes.wide_iota(), (CELLS_OF_ROW << PIXELS).ilog2().into());
+        let row = math.shl(
+            lanes.wide_load(&IOTA),
+            (CELLS_OF_ROW << PIXELS).ilog2().into(),
+        );
         let mut place = math.add(number, row);
         for _ in first_cell..end_cell {
             let pixels = math.and(bits, (1 << WIDTH) - 1);
@@ -228,16 +215,6 @@ impl<const DEEP: bool> CellParts<DEEP> {
         math.select(math.splat(0), math.sub(end, begin), is_open)
     }
 
-    /// Words modulo the lanes' word.
-    #[inline(always)]
-    fn multiply<L: Fused>(&self, lanes: L, a: L::Word, b: L::Word) -> L::Word {
-        if DEEP {
-            lanes.wide_mul_whole(a, b)
-        } else {
-            lanes.wide_mul(a, b)
-        }
-    }
-
     /// Adds the cells where it is true.
     #[inline(always)]
     fn pack<L: Fused>(&mut self, lanes: L, words: [L::Word; 3], truth: L::Truth) {
@@ -249,7 +226,7 @@ impl<const DEEP: bool> CellParts<DEEP> {
                 lanes.pack(room, word, truth);
             }
         }
-        self.count += lanes.bits(truth).count_ones() as usize;
+        self.count += lanes.wide_flags(truth).count_ones() as usize;
     }
 }
 

@@ -32,12 +32,6 @@ pub trait Doubles: Wide {
     fn double_root(self, a: Self::Word) -> Self::Word;
     /// a > b.
     fn double_greater(self, a: Self::Word, b: Self::Word) -> Self::Truth;
-    /// a | b, of words.
-    fn wide_or(self, a: Self::Word, b: Self::Word) -> Self::Word;
-    /// a ^ b, of words.
-    fn wide_xor(self, a: Self::Word, b: Self::Word) -> Self::Word;
-    /// Is any bit of the word set?
-    fn wide_any(self, a: Self::Word) -> bool;
 }
 
 #[inline(always)]
@@ -48,6 +42,11 @@ fn double(bits: i64) -> f64 {
 #[inline(always)]
 fn zip(a: Words, b: Words, operation: impl Fn(f64, f64) -> f64) -> Words {
     std::array::from_fn(|k| operation(double(a[k]), double(b[k])).to_bits() as i64)
+}
+
+#[inline(always)]
+fn fused(a: Words, b: Words, c: [f64; 8]) -> Words {
+    std::array::from_fn(|k| double(a[k]).mul_add(double(b[k]), c[k]).to_bits() as i64)
 }
 
 impl Doubles for Portable {
@@ -70,14 +69,6 @@ impl Doubles for Portable {
         zip(a, b, |a, b| a * b)
     }
     #[inline(always)]
-    fn double_mul_add(self, a: Words, b: Words, c: Words) -> Words {
-        std::array::from_fn(|k| double(a[k]).mul_add(double(b[k]), double(c[k])).to_bits() as i64)
-    }
-    #[inline(always)]
-    fn double_mul_sub(self, a: Words, b: Words, c: Words) -> Words {
-        std::array::from_fn(|k| double(a[k]).mul_add(double(b[k]), -double(c[k])).to_bits() as i64)
-    }
-    #[inline(always)]
     fn double_min(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| if a < b { a } else { b })
     }
@@ -94,20 +85,16 @@ impl Doubles for Portable {
         a.map(|a| double(a).sqrt().to_bits() as i64)
     }
     #[inline(always)]
+    fn double_mul_add(self, a: Words, b: Words, c: Words) -> Words {
+        fused(a, b, c.map(double))
+    }
+    #[inline(always)]
+    fn double_mul_sub(self, a: Words, b: Words, c: Words) -> Words {
+        fused(a, b, c.map(|c| -double(c)))
+    }
+    #[inline(always)]
     fn double_greater(self, a: Words, b: Words) -> [bool; 8] {
         std::array::from_fn(|k| double(a[k]) > double(b[k]))
-    }
-    #[inline(always)]
-    fn wide_or(self, a: Words, b: Words) -> Words {
-        std::array::from_fn(|k| a[k] | b[k])
-    }
-    #[inline(always)]
-    fn wide_xor(self, a: Words, b: Words) -> Words {
-        std::array::from_fn(|k| a[k] ^ b[k])
-    }
-    #[inline(always)]
-    fn wide_any(self, a: Words) -> bool {
-        a.iter().any(|a| *a != 0)
     }
 }
 
@@ -162,18 +149,6 @@ mod x86 {
                 _mm256_castsi256_pd(b)
             )))
         }
-        #[inline(always)]
-        fn wide_or(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_or_si256(a, b))
-        }
-        #[inline(always)]
-        fn wide_xor(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_xor_si256(a, b))
-        }
-        #[inline(always)]
-        fn wide_any(self, a: __m256i) -> bool {
-            op!(_mm256_testz_si256(a, a)) == 0
-        }
     }
 
     impl Doubles for Avx512 {
@@ -206,18 +181,6 @@ mod x86 {
                 _mm512_castsi512_pd(a),
                 _mm512_castsi512_pd(b)
             ))
-        }
-        #[inline(always)]
-        fn wide_or(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_or_si512(a, b))
-        }
-        #[inline(always)]
-        fn wide_xor(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_xor_si512(a, b))
-        }
-        #[inline(always)]
-        fn wide_any(self, a: __m512i) -> bool {
-            op!(_mm512_test_epi64_mask(a, a)) != 0
         }
     }
 }

@@ -6,8 +6,11 @@
 #![allow(unsafe_code)]
 
 use super::factors::Factors;
-use super::wide::Words;
+use super::wide::{Words, zip};
 use super::{Portable, Wide};
+
+/// The number of each word.
+pub const IOTA: [i64; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
 
 /// Fraction bits that the fused product drops.
 pub const DROPPED: u32 = 52;
@@ -26,8 +29,6 @@ impl Pairs {
 
 /// Operations of the fused pixel path. Arithmetic wraps.
 pub trait Fused: Wide {
-    /// 0, 1, 2, ...
-    fn wide_iota(self) -> Self::Word;
     /// The words of memory.
     fn read(self, from: &[u64; 8]) -> Self::Word;
     /// Stores the words.
@@ -52,8 +53,6 @@ pub trait Fused: Wide {
     fn without(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
     /// The bits of b where those of a are set, else those of c.
     fn blend(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
-    /// -1 where the most significant bit is set, else 0.
-    fn spread(self, a: Self::Word) -> Self::Word;
     /// Bit k of `bits` in word k, as its most significant bit; the others are anything.
     fn marks(self, bits: u64) -> Self::Word;
     /// A bit for every word: its most significant one.
@@ -64,21 +63,11 @@ pub trait Fused: Wide {
     fn sum(self, a: Self::Word) -> u64;
     /// [`Factors::neighbours`] of these indices.
     fn factored(self, factors: &Factors, index: Self::Word) -> [Self::Word; 2];
-    /// A bit for every word.
-    fn bits(self, truth: Self::Truth) -> u8;
     /// Truth values from bits.
     fn truth(self, bits: u8) -> Self::Truth;
 }
 
-#[inline(always)]
-fn zip(a: Words, b: Words, operation: impl Fn(i64, i64) -> i64) -> Words {
-    std::array::from_fn(|k| operation(a[k], b[k]))
-}
-
 impl Fused for Portable {
-    fn wide_iota(self) -> Words {
-        [0, 1, 2, 3, 4, 5, 6, 7]
-    }
     fn read(self, from: &[u64; 8]) -> Words {
         from.map(|word| word as i64)
     }
@@ -96,38 +85,43 @@ impl Fused for Portable {
         let product = zip(a, b, |a, b| ((low(a) * low(b)) >> DROPPED) as i64);
         zip(acc, product, i64::wrapping_add)
     }
+    #[inline(always)]
     fn half_from_zero(self, a: Words) -> Words {
         a.map(|a| (a as i32).max(0).into())
     }
+    #[inline(always)]
     fn max_whole(self, a: Words, b: Words) -> Words {
         zip(a, b, i64::max)
     }
+    #[inline(always)]
     fn min_whole(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| (a as u64).min(b as u64) as i64)
     }
+    #[inline(always)]
     fn turn(self, a: Words, by: Words) -> Words {
         zip(a, by, |a, by| a.rotate_right(by as u32 % 64))
     }
+    #[inline(always)]
     fn merge(self, a: Words, mask: Words, b: Words) -> Words {
         zip(zip(a, mask, |a, mask| a & mask), b, |a, b| a | b)
     }
+    #[inline(always)]
     fn all_three(self, a: Words, b: Words, c: Words) -> Words {
         zip(zip(a, b, |a, b| a & b), c, |ab, c| ab & c)
     }
+    #[inline(always)]
     fn without(self, a: Words, b: Words, c: Words) -> Words {
         zip(zip(a, b, |a, b| a & b), c, |ab, c| ab & !c)
     }
+    #[inline(always)]
     fn blend(self, a: Words, b: Words, c: Words) -> Words {
         std::array::from_fn(|k| (a[k] & b[k]) | (!a[k] & c[k]))
-    }
-    fn spread(self, a: Words) -> Words {
-        a.map(|a| a >> 63)
     }
     fn marks(self, bits: u64) -> Words {
         std::array::from_fn(|k| (bits << (63 - k)) as i64)
     }
     fn marked(self, a: Words) -> u8 {
-        self.bits(a.map(|a| a < 0))
+        self.wide_flags(a.map(|a| a < 0)) as u8
     }
     fn gather_pairs(self, table: &Pairs, index: Words) -> Words {
         index.map(|index| table.0[index as usize & (table.0.len() - 1)] as i64)
@@ -138,9 +132,6 @@ impl Fused for Portable {
     fn factored(self, factors: &Factors, index: Words) -> [Words; 2] {
         let pairs = index.map(|index| factors.neighbours(index as u64));
         [0, 1].map(|which| pairs.map(|pair| pair[which] as i64))
-    }
-    fn bits(self, truth: [bool; 8]) -> u8 {
-        (0..8).fold(0, |bits, k| bits | (u8::from(truth[k]) << k))
     }
     fn truth(self, bits: u8) -> [bool; 8] {
         std::array::from_fn(|k| bits >> k & 1 == 1)
@@ -157,10 +148,6 @@ mod x86 {
     use std::arch::x86_64::*;
 
     impl Fused for Avx512 {
-        #[inline(always)]
-        fn wide_iota(self) -> __m512i {
-            op!(_mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7))
-        }
         #[inline(always)]
         fn read(self, from: &[u64; 8]) -> __m512i {
             // SAFETY: the array has the 64 bytes that are read; no alignment is needed.
@@ -181,11 +168,6 @@ mod x86 {
             op!(_mm512_madd52hi_epu64(acc, a, b))
         }
         #[inline(always)]
-        fn half_from_zero(self, a: __m512i) -> __m512i {
-            const LOW: u16 = 0x5555;
-            op!(_mm512_maskz_max_epi32(LOW, a, _mm512_setzero_si512()))
-        }
-        #[inline(always)]
         fn max_whole(self, a: __m512i, b: __m512i) -> __m512i {
             op!(_mm512_max_epi64(a, b))
         }
@@ -194,12 +176,17 @@ mod x86 {
             op!(_mm512_min_epu64(a, b))
         }
         #[inline(always)]
+        fn half_from_zero(self, a: __m512i) -> __m512i {
+            // Every other half of a word is a low one.
+            op!(_mm512_maskz_max_epi32(0x5555, a, _mm512_setzero_si512()))
+        }
+        #[inline(always)]
         fn turn(self, a: __m512i, by: __m512i) -> __m512i {
             op!(_mm512_rorv_epi64(a, by))
         }
         #[inline(always)]
         fn merge(self, a: __m512i, mask: __m512i, b: __m512i) -> __m512i {
-            // The number is the truth table of (a & mask) | b.
+            // The numbers are truth tables of the operands' bits.
             op!(_mm512_ternarylogic_epi64::<0b1110_1010>(a, mask, b))
         }
         #[inline(always)]
@@ -213,10 +200,6 @@ mod x86 {
         #[inline(always)]
         fn blend(self, a: __m512i, b: __m512i, c: __m512i) -> __m512i {
             op!(_mm512_ternarylogic_epi64::<0b1100_1010>(a, b, c))
-        }
-        #[inline(always)]
-        fn spread(self, a: __m512i) -> __m512i {
-            op!(_mm512_srai_epi64::<63>(a))
         }
         #[inline(always)]
         fn marks(self, bits: u64) -> __m512i {
@@ -266,10 +249,6 @@ mod x86 {
                 let next = _mm512_fmadd_pd(value, _mm512_set1_pd(factors.ratio), to_integer);
                 [_mm512_castpd_si512(low), _mm512_castpd_si512(next)]
             })
-        }
-        #[inline(always)]
-        fn bits(self, truth: u8) -> u8 {
-            truth
         }
         #[inline(always)]
         fn truth(self, bits: u8) -> u8 {

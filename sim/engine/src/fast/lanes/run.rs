@@ -73,12 +73,12 @@ pub fn dispatch_vectors<T: VectorTask>(choice: VectorLevel, task: T) -> Result<T
         if choice == VectorLevel::Best
             && let Some(lanes) = super::avx512::Avx512::detect()
         {
-            return Ok(lanes.run(task));
+            return Ok(op!(x86::run_on_avx512(lanes, task)));
         }
         if choice != VectorLevel::Portable
             && let Some(lanes) = super::avx2::Avx2::detect()
         {
-            return Ok(lanes.run(task));
+            return Ok(op!(x86::run_on_avx2(lanes, task)));
         }
         Err(task)
     }
@@ -129,7 +129,7 @@ pub fn dispatch_pixels<T: PixelTask>(choice: VectorLevel, task: T) -> Result<T::
     if choice != VectorLevel::Portable
         && let Some(lanes) = super::avx2::Avx2::detect()
     {
-        return Ok(lanes.run_pixels(task));
+        return Ok(op!(x86::run_pixels(lanes, task)));
     }
     let _ = choice;
     #[cfg(any(test, not(target_arch = "x86_64")))]
@@ -189,7 +189,7 @@ impl FusedLanes {
     pub fn run<T: FusedTask>(self, task: T) -> T::Output {
         match self {
             #[cfg(target_arch = "x86_64")]
-            FusedLanes::Avx512(lanes) => lanes.run_fused(task),
+            FusedLanes::Avx512(lanes) => op!(x86::run_fused(lanes, task)),
             #[cfg(test)]
             FusedLanes::Portable => task.run(super::Portable),
         }
@@ -225,58 +225,26 @@ mod x86 {
     use super::{FusedTask, PixelTask, VectorTask};
 
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,fma")]
-    fn run_on_avx2<T: VectorTask>(lanes: Avx2, task: T) -> T::Output {
+    pub fn run_on_avx2<T: VectorTask>(lanes: Avx2, task: T) -> T::Output {
         task.run(lanes)
     }
 
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,fma")]
-    fn run_pixels_with<T: PixelTask>(lanes: Avx2, task: T) -> T::Output {
-        task.run(lanes)
-    }
-
-    impl Avx2 {
-        /// Runs a task compiled for this processor.
-        #[inline(always)]
-        pub fn run<T: VectorTask>(self, task: T) -> T::Output {
-            // SAFETY: `self` proves that the processor has what the function is compiled for.
-            unsafe { run_on_avx2(self, task) }
-        }
-
-        /// Runs a task on pixels compiled for this processor.
-        #[inline(always)]
-        pub fn run_pixels<T: PixelTask>(self, task: T) -> T::Output {
-            // SAFETY: `self` proves that the processor has what the function is compiled for.
-            unsafe { run_pixels_with(self, task) }
-        }
-    }
-
-    #[target_feature(
-        enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx512ifma,avx2,bmi1,bmi2,lzcnt,popcnt,fma"
-    )]
-    fn run_on_avx512<T: VectorTask>(lanes: Avx512, task: T) -> T::Output {
+    pub fn run_pixels<T: PixelTask>(lanes: Avx2, task: T) -> T::Output {
         task.run(lanes)
     }
 
     #[target_feature(
         enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx512ifma,avx2,bmi1,bmi2,lzcnt,popcnt,fma"
     )]
-    fn run_fused_with<T: FusedTask>(lanes: Avx512, task: T) -> T::Output {
+    pub fn run_on_avx512<T: VectorTask>(lanes: Avx512, task: T) -> T::Output {
         task.run(lanes)
     }
 
-    impl Avx512 {
-        /// Runs a task compiled for this processor.
-        #[inline(always)]
-        pub fn run<T: VectorTask>(self, task: T) -> T::Output {
-            // SAFETY: `self` proves that the processor has what the function is compiled for.
-            unsafe { run_on_avx512(self, task) }
-        }
-
-        /// Runs a task with fused products compiled for this processor.
-        #[inline(always)]
-        pub fn run_fused<T: FusedTask>(self, task: T) -> T::Output {
-            // SAFETY: `self` proves that the processor has what the function is compiled for.
-            unsafe { run_fused_with(self, task) }
-        }
+    #[target_feature(
+        enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx512ifma,avx2,bmi1,bmi2,lzcnt,popcnt,fma"
+    )]
+    pub fn run_fused<T: FusedTask>(lanes: Avx512, task: T) -> T::Output {
+        task.run(lanes)
     }
 }

@@ -133,6 +133,10 @@ impl Singles for Portable {
         zip(a, by, |a, by| (a as u32).wrapping_shr(by as u32) as i32)
     }
     #[inline(always)]
+    fn short_mul(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
+        zip(a, b, |a, b| a.wrapping_mul((b as i16).into()))
+    }
+    #[inline(always)]
     fn whole_greater(self, a: Self::Whole, b: Self::Whole) -> Self::Choice {
         zip(a, b, |a, b| a > b)
     }
@@ -149,10 +153,6 @@ impl Singles for Portable {
     ) -> Self::Whole {
         let word = |index: i32| table.words[index as usize & (table.words.len() - 1)] as i32;
         std::array::from_fn(|k| if choice[k] { word(index[k]) } else { 0 })
-    }
-    #[inline(always)]
-    fn short_mul(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
-        zip(a, b, |a, b| a.wrapping_mul((b as i16).into()))
     }
     #[inline(always)]
     fn single_of(self, a: Self::Whole, whole: Self::Single) -> Self::Single {
@@ -297,6 +297,10 @@ mod x86 {
             op!(_mm256_srlv_epi32(a, by))
         }
         #[inline(always)]
+        fn short_mul(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_madd_epi16(a, b))
+        }
+        #[inline(always)]
         fn whole_greater(self, a: __m256i, b: __m256i) -> __m256 {
             op!(_mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b)))
         }
@@ -311,10 +315,6 @@ mod x86 {
             } else {
                 packed::load(self, table, index, choice)
             }
-        }
-        #[inline(always)]
-        fn short_mul(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_madd_epi16(a, b))
         }
         #[inline(always)]
         fn single_of(self, a: __m256i, whole: __m256) -> __m256 {
@@ -402,6 +402,10 @@ mod x86 {
             op!(_mm256_andnot_ps(choice, a))
         }
         #[inline(always)]
+        fn choose_both(self, a: __m256, b: __m256) -> __m256 {
+            op!(_mm256_and_ps(a, b))
+        }
+        #[inline(always)]
         fn single_mark(self, a: __m256, choice: __m256) -> __m256 {
             op!({
                 let sign = _mm256_slli_epi32::<31>(_mm256_castps_si256(choice));
@@ -413,6 +417,10 @@ mod x86 {
             op!(_mm256_movemask_ps(a)) as u32
         }
         #[inline(always)]
+        fn chosen(self, choice: __m256) -> u32 {
+            self.signs(choice)
+        }
+        #[inline(always)]
         fn choose_first(self, count: usize) -> __m256 {
             let start = SINGLES.wrapping_sub(count) % (2 * SINGLES);
             match FIRST[start..].first_chunk::<8>() {
@@ -420,14 +428,6 @@ mod x86 {
                 Some(words) => unsafe { _mm256_loadu_ps(words.as_ptr().cast()) },
                 None => self.single(0.0),
             }
-        }
-        #[inline(always)]
-        fn choose_both(self, a: __m256, b: __m256) -> __m256 {
-            op!(_mm256_and_ps(a, b))
-        }
-        #[inline(always)]
-        fn chosen(self, choice: __m256) -> u32 {
-            self.signs(choice)
         }
     }
 }

@@ -27,11 +27,12 @@ impl FusedTask for &AllFused {
         let by = lanes.wide_and(c, lanes.wide_splat(63));
         let [low, high] = lanes.wide_gather(&self.table, lanes.wide_and(a, lanes.wide_splat(63)));
         let words = [
-            lanes.wide_iota(),
             lanes.wide_splat(self.a[0] as i64),
             lanes.wide_add(a, b),
             lanes.wide_sub(a, b),
             lanes.wide_and(a, b),
+            lanes.wide_or(a, b),
+            lanes.wide_xor(a, b),
             lanes.wide_mul(a, b),
             lanes.wide_mul_unsigned(a, b),
             lanes.wide_shl(a, c),
@@ -56,8 +57,8 @@ impl FusedTask for &AllFused {
             lanes.all_three(a, b, c),
             lanes.without(a, b, c),
             lanes.blend(a, b, c),
-            lanes.spread(a),
-            lanes.spread(lanes.marks(self.a[0])),
+            lanes.wide_sar_by(a, 63),
+            lanes.wide_sar_by(lanes.marks(self.a[0]), 63),
             lanes.gather_pairs(&self.pairs, b),
             lanes.factored(&self.factors, b)[0],
             lanes.factored(&self.factors, b)[1],
@@ -65,9 +66,8 @@ impl FusedTask for &AllFused {
         let mut packed = [0; 8];
         lanes.pack(&mut packed, a, truth);
         packed[self.bits.count_ones() as usize..].fill(0);
-        let bits = [lanes.bits(truth), lanes.marked(a)].map(u64::from);
-        let flags = lanes.wide_flags(truth).into();
-        let mut results = vec![packed, [bits[0], bits[1], flags, lanes.sum(a), 0, 0, 0, 0]];
+        let bits = [lanes.wide_flags(truth), lanes.marked(a).into()].map(u64::from);
+        let mut results = vec![packed, [bits[0], bits[1], lanes.sum(a), 0, 0, 0, 0, 0]];
         for word in words {
             let mut stored = [0; 8];
             lanes.write(&mut stored, word);

@@ -34,6 +34,10 @@ pub trait Wide: Copy + Send + Sync {
     fn wide_sub(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// a & b.
     fn wide_and(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a | b.
+    fn wide_or(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a ^ b.
+    fn wide_xor(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// a b of words that fit 32 bits.
     fn wide_mul(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// a b of words that fit 32 bits without a sign.
@@ -61,6 +65,8 @@ pub trait Wide: Copy + Send + Sync {
     fn wide_equal(self, a: Self::Word, b: Self::Word) -> Self::Truth;
     /// `b` where it is true, else `a`.
     fn wide_select(self, a: Self::Word, b: Self::Word, truth: Self::Truth) -> Self::Word;
+    /// Is any bit of a word set?
+    fn wide_any(self, a: Self::Word) -> bool;
     /// A bit for every word.
     fn wide_flags(self, truth: Self::Truth) -> u32;
 }
@@ -69,7 +75,7 @@ pub trait Wide: Copy + Send + Sync {
 pub(super) type Words = [i64; 8];
 
 #[inline(always)]
-fn zip(a: Words, b: Words, operation: impl Fn(i64, i64) -> i64) -> Words {
+pub(super) fn zip(a: Words, b: Words, operation: impl Fn(i64, i64) -> i64) -> Words {
     std::array::from_fn(|k| operation(a[k], b[k]))
 }
 
@@ -120,14 +126,16 @@ impl Wide for Portable {
         zip(a, b, |a, b| a & b)
     }
     #[inline(always)]
-    fn wide_mul(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| i64::from(a as i32) * i64::from(b as i32))
+    fn wide_or(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| a | b)
     }
     #[inline(always)]
-    fn wide_mul_unsigned(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| {
-            (u64::from(a as u32) * u64::from(b as u32)) as i64
-        })
+    fn wide_xor(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| a ^ b)
+    }
+    #[inline(always)]
+    fn wide_mul(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| i64::from(a as i32) * i64::from(b as i32))
     }
     #[inline(always)]
     fn wide_mul_whole(self, a: Words, b: Words) -> Words {
@@ -138,18 +146,24 @@ impl Wide for Portable {
         zip(a, by, |a, by| amount(by).map_or(0, |by| a << by))
     }
     #[inline(always)]
-    fn wide_shr(self, a: Words, by: Words) -> Words {
-        zip(a, by, |a, by| {
-            amount(by).map_or(0, |by| (a as u64 >> by) as i64)
-        })
-    }
-    #[inline(always)]
     fn wide_sar(self, a: Words, by: Words) -> Words {
         zip(a, by, |a, by| a >> amount(by).unwrap_or(63))
     }
     #[inline(always)]
     fn wide_leading_zeros(self, a: Words) -> Words {
         a.map(|a| a.leading_zeros().into())
+    }
+    #[inline(always)]
+    fn wide_mul_unsigned(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| {
+            (u64::from(a as u32) * u64::from(b as u32)) as i64
+        })
+    }
+    #[inline(always)]
+    fn wide_shr(self, a: Words, by: Words) -> Words {
+        zip(a, by, |a, by| {
+            amount(by).map_or(0, |by| (a as u64 >> by) as i64)
+        })
     }
     #[inline(always)]
     fn wide_gather(self, table: &[u32], index: Words) -> [Words; 2] {
@@ -170,6 +184,10 @@ impl Wide for Portable {
     #[inline(always)]
     fn wide_select(self, a: Words, b: Words, truth: [bool; 8]) -> Words {
         std::array::from_fn(|k| if truth[k] { b[k] } else { a[k] })
+    }
+    #[inline(always)]
+    fn wide_any(self, a: Words) -> bool {
+        a.iter().any(|a| *a != 0)
     }
     #[inline(always)]
     fn wide_flags(self, truth: [bool; 8]) -> u32 {
@@ -240,6 +258,12 @@ pub(super) mod x86 {
         }
     }
 
+    /// The lower words and the upper ones.
+    #[inline(always)]
+    fn halves(_: Avx512, a: __m512i) -> [__m256i; 2] {
+        op!([_mm512_castsi512_si256(a), _mm512_extracti64x4_epi64::<1>(a)])
+    }
+
     impl Wide for Avx512 {
         const WIDE: usize = 8;
         type Word = __m512i;
@@ -267,23 +291,13 @@ pub(super) mod x86 {
         }
         #[inline(always)]
         fn wide_rows(self, to: &mut [[i32; 4]; 8], [a, b, c, d]: [__m512i; 4]) {
-            // Not by closures, which are not compiled for the vectors' instructions.
-            let (lower, upper) = op!((
-                [
-                    _mm512_castsi512_si256(a),
-                    _mm512_castsi512_si256(b),
-                    _mm512_castsi512_si256(c),
-                    _mm512_castsi512_si256(d),
-                ],
-                [
-                    _mm512_extracti64x4_epi64::<1>(a),
-                    _mm512_extracti64x4_epi64::<1>(b),
-                    _mm512_extracti64x4_epi64::<1>(c),
-                    _mm512_extracti64x4_epi64::<1>(d),
-                ],
-            ));
+            let ([a, e], [b, f]) = (halves(self, a), halves(self, b));
+            let ([c, g], [d, h]) = (halves(self, c), halves(self, d));
             let [to_0, to_1, to_2, to_3, to_4, to_5, to_6, to_7] = to;
-            let (below, above) = (rows(self.avx2(), lower), rows(self.avx2(), upper));
+            let (below, above) = (
+                rows(self.avx2(), [a, b, c, d]),
+                rows(self.avx2(), [e, f, g, h]),
+            );
             store_rows(self.avx2(), [to_0, to_1, to_2, to_3], below);
             store_rows(self.avx2(), [to_4, to_5, to_6, to_7], above);
         }
@@ -303,6 +317,14 @@ pub(super) mod x86 {
         #[inline(always)]
         fn wide_and(self, a: __m512i, b: __m512i) -> __m512i {
             op!(_mm512_and_si512(a, b))
+        }
+        #[inline(always)]
+        fn wide_or(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_or_si512(a, b))
+        }
+        #[inline(always)]
+        fn wide_xor(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_xor_si512(a, b))
         }
         #[inline(always)]
         fn wide_mul(self, a: __m512i, b: __m512i) -> __m512i {
@@ -356,6 +378,10 @@ pub(super) mod x86 {
         #[inline(always)]
         fn wide_select(self, a: __m512i, b: __m512i, truth: __mmask8) -> __m512i {
             op!(_mm512_mask_mov_epi64(a, truth, b))
+        }
+        #[inline(always)]
+        fn wide_any(self, a: __m512i) -> bool {
+            op!(_mm512_test_epi64_mask(a, a)) != 0
         }
         #[inline(always)]
         fn wide_flags(self, truth: __mmask8) -> u32 {
@@ -460,12 +486,44 @@ pub(super) mod x86 {
             op!(_mm256_and_si256(a, b))
         }
         #[inline(always)]
+        fn wide_or(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_or_si256(a, b))
+        }
+        #[inline(always)]
+        fn wide_xor(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_xor_si256(a, b))
+        }
+        #[inline(always)]
         fn wide_mul(self, a: __m256i, b: __m256i) -> __m256i {
             op!(product(a, b))
         }
         #[inline(always)]
         fn wide_mul_unsigned(self, a: __m256i, b: __m256i) -> __m256i {
             op!(product_unsigned(a, b))
+        }
+        #[inline(always)]
+        fn wide_shl(self, a: __m256i, by: __m256i) -> __m256i {
+            op!(_mm256_sllv_epi64(a, by))
+        }
+        #[inline(always)]
+        fn wide_shr(self, a: __m256i, by: __m256i) -> __m256i {
+            op!(_mm256_srlv_epi64(a, by))
+        }
+        #[inline(always)]
+        fn wide_greater(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_cmpgt_epi64(a, b))
+        }
+        #[inline(always)]
+        fn wide_equal(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_cmpeq_epi64(a, b))
+        }
+        #[inline(always)]
+        fn wide_select(self, a: __m256i, b: __m256i, truth: __m256i) -> __m256i {
+            // By words: of those by bytes the compiler compares every byte with 0 first.
+            op!({
+                let (a, b) = (_mm256_castsi256_pd(a), _mm256_castsi256_pd(b));
+                _mm256_castpd_si256(_mm256_blendv_pd(a, b, _mm256_castsi256_pd(truth)))
+            })
         }
         #[inline(always)]
         fn wide_mul_whole(self, a: __m256i, b: __m256i) -> __m256i {
@@ -477,12 +535,27 @@ pub(super) mod x86 {
             })
         }
         #[inline(always)]
-        fn wide_shl(self, a: __m256i, by: __m256i) -> __m256i {
-            op!(_mm256_sllv_epi64(a, by))
-        }
-        #[inline(always)]
-        fn wide_shr(self, a: __m256i, by: __m256i) -> __m256i {
-            op!(_mm256_srlv_epi64(a, by))
+        fn wide_leading_zeros(self, a: __m256i) -> __m256i {
+            // The upper half if it is not 0, else the lower one, as a double: its exponent counts.
+            op!({
+                let upper = _mm256_srli_epi64(a, 32);
+                let low = _mm256_cmpeq_epi64(upper, _mm256_setzero_si256());
+                let half = _mm256_blendv_epi8(upper, a, low);
+                let unit = _mm256_castpd_si256(_mm256_set1_pd((1u64 << 52) as f64));
+                let number = _mm256_sub_pd(
+                    _mm256_castsi256_pd(_mm256_or_si256(half, unit)),
+                    _mm256_castsi256_pd(unit),
+                );
+                let exponent = _mm256_srli_epi64(_mm256_castpd_si256(number), 52);
+                let base = _mm256_blendv_epi8(
+                    _mm256_set1_epi64x(1023 + 31),
+                    _mm256_set1_epi64x(1023 + 63),
+                    low,
+                );
+                let zeros = _mm256_sub_epi64(base, exponent);
+                let none = _mm256_cmpeq_epi64(a, _mm256_setzero_si256());
+                _mm256_blendv_epi8(zeros, _mm256_set1_epi64x(64), none)
+            })
         }
         #[inline(always)]
         fn wide_sar(self, a: __m256i, by: __m256i) -> __m256i {
@@ -502,30 +575,6 @@ pub(super) mod x86 {
             self.wide_sub(shifted, self.wide_splat(turn))
         }
         #[inline(always)]
-        fn wide_leading_zeros(self, a: __m256i) -> __m256i {
-            // The upper half if it is not 0, else the lower one, as a double: its exponent counts.
-            const UNIT: i64 = 0x4330_0000_0000_0000; // 2^52
-            op!({
-                let upper = _mm256_srli_epi64(a, 32);
-                let low = _mm256_cmpeq_epi64(upper, _mm256_setzero_si256());
-                let half = _mm256_blendv_epi8(upper, a, low);
-                let unit = _mm256_set1_epi64x(UNIT);
-                let number = _mm256_sub_pd(
-                    _mm256_castsi256_pd(_mm256_or_si256(half, unit)),
-                    _mm256_castsi256_pd(unit),
-                );
-                let exponent = _mm256_srli_epi64(_mm256_castpd_si256(number), 52);
-                let base = _mm256_blendv_epi8(
-                    _mm256_set1_epi64x(1023 + 31),
-                    _mm256_set1_epi64x(1023 + 63),
-                    low,
-                );
-                let zeros = _mm256_sub_epi64(base, exponent);
-                let none = _mm256_cmpeq_epi64(a, _mm256_setzero_si256());
-                _mm256_blendv_epi8(zeros, _mm256_set1_epi64x(64), none)
-            })
-        }
-        #[inline(always)]
         fn wide_gather(self, table: &[u32], index: __m256i) -> [__m256i; 2] {
             let Some(last) = table.len().checked_sub(2) else {
                 return [self.wide_splat(0); 2];
@@ -543,21 +592,8 @@ pub(super) mod x86 {
             }
         }
         #[inline(always)]
-        fn wide_greater(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_cmpgt_epi64(a, b))
-        }
-        #[inline(always)]
-        fn wide_equal(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_cmpeq_epi64(a, b))
-        }
-        #[inline(always)]
-        fn wide_select(self, a: __m256i, b: __m256i, truth: __m256i) -> __m256i {
-            // By words: of those by bytes the compiler compares every byte with 0 first.
-            op!(_mm256_castpd_si256(_mm256_blendv_pd(
-                _mm256_castsi256_pd(a),
-                _mm256_castsi256_pd(b),
-                _mm256_castsi256_pd(truth)
-            )))
+        fn wide_any(self, a: __m256i) -> bool {
+            op!(_mm256_testz_si256(a, a)) == 0
         }
         #[inline(always)]
         fn wide_flags(self, truth: __m256i) -> u32 {

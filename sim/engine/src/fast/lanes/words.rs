@@ -60,8 +60,6 @@ pub trait PixelWords: Wide {
     fn keep(self, a: Self::Word, truth: Self::Truth) -> Self::Word;
     /// a where it is false, else 0.
     fn clear(self, a: Self::Word, truth: Self::Truth) -> Self::Word;
-    /// a | b.
-    fn join(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// The smaller one of words below 2^32.
     fn min_short(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// 0, a, 2 a, 3 a and so on, of a vector of equal words.
@@ -108,10 +106,6 @@ impl PixelWords for Portable {
     #[inline(always)]
     fn clear(self, a: Words, truth: [bool; 8]) -> Words {
         std::array::from_fn(|k| if truth[k] { 0 } else { a[k] })
-    }
-    #[inline(always)]
-    fn join(self, a: Words, b: Words) -> Words {
-        std::array::from_fn(|k| a[k] | b[k])
     }
     #[inline(always)]
     fn min_short(self, a: Words, b: Words) -> Words {
@@ -165,15 +159,6 @@ mod x86 {
             op!(_mm256_cmpgt_epi64(_mm256_setzero_si256(), a))
         }
         #[inline(always)]
-        fn first(self, count: usize) -> __m256i {
-            let start = 4 - count.min(4);
-            match FIRST[start..].first_chunk::<4>() {
-                // SAFETY: an array of four words is read.
-                Some(words) => unsafe { _mm256_loadu_si256(words.as_ptr().cast()) },
-                None => self.wide_splat(0),
-            }
-        }
-        #[inline(always)]
         fn both(self, a: __m256i, b: __m256i) -> __m256i {
             op!(_mm256_and_si256(a, b))
         }
@@ -190,10 +175,6 @@ mod x86 {
             op!(_mm256_andnot_si256(truth, a))
         }
         #[inline(always)]
-        fn join(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_or_si256(a, b))
-        }
-        #[inline(always)]
         fn min_short(self, a: __m256i, b: __m256i) -> __m256i {
             op!(_mm256_min_epu32(a, b))
         }
@@ -204,6 +185,15 @@ mod x86 {
                 let upper = _mm256_and_si256(a, _mm256_setr_epi64x(0, 0, -1, -1));
                 _mm256_add_epi64(odd, _mm256_add_epi64(upper, upper))
             })
+        }
+        #[inline(always)]
+        fn first(self, count: usize) -> __m256i {
+            let start = 4 - count.min(4);
+            match FIRST[start..].first_chunk::<4>() {
+                // SAFETY: an array of four words is read.
+                Some(words) => unsafe { _mm256_loadu_si256(words.as_ptr().cast()) },
+                None => self.wide_splat(0),
+            }
         }
         #[inline(always)]
         fn intervals(self, table: &Falls, index: __m256i) -> __m256i {

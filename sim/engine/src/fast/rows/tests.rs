@@ -29,8 +29,9 @@ impl VectorTask for &AllWays<'_> {
         let runs = |batch: &RowBatch, filled: bool| {
             let places = (0..batch.rows()).flat_map(|row| (0..BLOCKS).map(move |x| (row, x)));
             let run = |(row, block)| {
-                let run: RunWords = batch.run(row, block)?;
-                Some([run.x, run.end, run.radial, run.first])
+                let run: Pixels = batch.block(block).run(row, 0)?;
+                let [x, end] = [run.x, run.x + run.length].map(|x| x as i64);
+                Some([x, end, run.radial, run.first])
             };
             filled.then(|| places.map(run).collect())
         };
@@ -102,7 +103,7 @@ proptest! {
             squared_width: (mantissa, odd, power),
             ..RowConstants::<i64>::default()
         };
-        let table = SquaredWidth::new(math, &constants, 0).half_of(math, [rest.into(); 8])[0];
+        let table = SquaredWidth::new(math, &constants).half_of(math, [rest.into(); 8])[0];
         let [table, product] = [table as f64, (mantissa << odd) as f64 * f64::from(rest)];
         let root = product.sqrt() * f64::from(power).exp2();
         let [relative, absolute] = crate::fast::row_reals::ERROR;

@@ -78,14 +78,6 @@ impl<W: Doubles> Stages<'_, W> {
         math.select(math.splat(0), math.splat(1), outside)
     }
 
-    /// 1 where a number is greater than another.
-    #[inline(always)]
-    fn beyond(&self, a: Word<W>, b: Word<W>) -> Word<W> {
-        let math = self.math;
-        let greater = math.lanes.double_greater(a, b);
-        math.select(math.splat(0), math.splat(1), greater)
-    }
-
     /// Puts splats in doubt that vectors do not take: products of their numbers must stay within the range of doubles, and coordinates be normalised.
     /// What is computed of them has no meaning, so that this doubt must stay whatever culls them: see [`Self::trust`].
     #[inline(always)]
@@ -120,13 +112,14 @@ impl<W: Doubles> Stages<'_, W> {
     #[inline(always)]
     pub fn doubt_ranges(&self, z: Real<W>, on_plane: &[Real<W>; 2]) {
         let (math, reals) = (self.math, self.reals);
-        reals.doubt_where(self.beyond(reals.constant(DEPTHS[0]), z.0));
-        reals.doubt_where(self.beyond(z.0, reals.constant(DEPTHS[1])));
+        reals.doubt_unless_greater(z.0, DEPTHS[0]);
+        reals.doubt_unless_less(z.0, DEPTHS[1]);
         for ratio in on_plane {
             let magnitude = reals.magnitude(*ratio).0;
-            reals.doubt_where(self.beyond(magnitude, reals.constant(RATIOS[0])));
-            let small = self.beyond(reals.constant(RATIOS[1]), magnitude);
-            reals.doubt_where(math.select(small, math.splat(0), reals.is_zero(*ratio)));
+            reals.doubt_unless_less(magnitude, RATIOS[0]);
+            let nothing = reals.is_zero(*ratio);
+            let magnitude = math.select(magnitude, reals.constant(1.0), nothing);
+            reals.doubt_unless_greater(magnitude, RATIOS[1]);
         }
     }
 

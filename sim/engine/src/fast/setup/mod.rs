@@ -56,16 +56,18 @@ pub trait Batched: Sized {
     fn write(&self, lists: &Self::Lists, k: usize, widths: &Widths, to: &mut Self::Outcome);
 }
 
-/// Setup of `splats` into as many places of `outcomes`.
+/// Setup of `splats` into as many places of `outcomes`, by such vectors or the kernel.
 pub fn set_up<S: Batched>(
     design: RuntimeWidths,
     view: &View,
     rules: &Rules,
     splats: &[S],
     outcomes: &mut [S::Outcome],
-    choice: VectorLevel,
+    choice: Option<VectorLevel>,
 ) {
-    let left = if covers(view, rules) {
+    let left = if let Some(choice) = choice
+        && covers(view, rules)
+    {
         let batch = SetupBatch {
             design,
             view,

@@ -4,6 +4,7 @@
 //! own: it stays 0 under every shift.
 
 use crate::fast::lanes::Wide;
+use splatline::format::Rounding;
 use splatline::math::{LN_2, LOGARITHMS, REST, ROOTS, fraction};
 
 /// `mantissa * 2^exponent` per word.
@@ -28,6 +29,43 @@ pub struct RoundingShift<W: Wide> {
 
 /// The turn that makes signed words unsigned ones in their order, and back.
 const TURN: i64 = i64::MIN;
+
+/// Bits dropped of numbers that have room for a rounding: `shift_unsigned` without its cases.
+#[derive(Clone, Copy, Debug)]
+pub struct BitDrop {
+    /// So many.
+    pub by: u32,
+    /// What is added to every number.
+    pub half: u64,
+    /// The bits of the result that are added.
+    pub odd: u64,
+}
+
+impl BitDrop {
+    /// By fewer than 64 bits.
+    #[inline(always)]
+    pub fn new(by: u32, rounding: Rounding) -> Self {
+        let above = (1u64 << by) >> 1;
+        let (half, odd) = match rounding {
+            Rounding::Nearest => (above, 0),
+            Rounding::NearestEven => (above.saturating_sub(1), above.min(1)),
+            Rounding::Truncate => (0, 0),
+        };
+        BitDrop { by, half, odd }
+    }
+
+    /// The number without them.
+    #[inline(always)]
+    pub fn of(self, value: u64) -> u64 {
+        (value + self.half + (value >> self.by & self.odd)) >> self.by
+    }
+}
+
+/// 2^exponent, of exponents that a number may have.
+#[inline(always)]
+pub fn power(exponent: impl Into<i64>) -> f64 {
+    f64::from_bits(((1023 + exponent.into()) as u64) << 52)
+}
 
 /// Arithmetic on [`Number`]s. The design's widths come as arguments, constants for named designs.
 #[derive(Clone, Copy)]

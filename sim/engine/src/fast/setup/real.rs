@@ -12,8 +12,7 @@
 //!
 //! Exponents of doubles end where the kernel's do not: splats far from unit size are left to the kernel, or put in doubt.
 
-use super::number::{Arithmetic, Number, Word};
-use super::stages;
+use super::number::{Arithmetic, Number, Word, power};
 use crate::fast::lanes::{Doubles, Wide};
 use splatline::math::{GUARD, RECIPROCALS, ROOTS, SoftFloat};
 use std::cell::Cell;
@@ -82,20 +81,23 @@ impl<W: Doubles> Reals<'_, W> {
             .set(self.words.lanes.wide_or(self.doubt.get(), word));
     }
 
+    /// Puts splats in doubt unless it is true.
+    #[inline(always)]
+    fn doubt_unless(self, truth: W::Truth) {
+        let math = self.words;
+        self.doubt_where(math.select(math.splat(1), math.splat(0), truth));
+    }
+
     /// Puts splats in doubt unless the number is greater than `least`.
     #[inline(always)]
     pub fn doubt_unless_greater(self, number: Word<W>, least: f64) {
-        let math = self.words;
-        let greater = math.lanes.double_greater(number, self.constant(least));
-        self.doubt_where(math.select(math.splat(1), math.splat(0), greater));
+        self.doubt_unless((self.words.lanes).double_greater(number, self.constant(least)));
     }
 
     /// Puts splats in doubt unless the number is less than `most`.
     #[inline(always)]
     pub fn doubt_unless_less(self, number: Word<W>, most: f64) {
-        let math = self.words;
-        let less = math.lanes.double_greater(self.constant(most), number);
-        self.doubt_where(math.select(math.splat(1), math.splat(0), less));
+        self.doubt_unless((self.words.lanes).double_greater(self.constant(most), number));
     }
 
     /// |a|.
@@ -227,7 +229,7 @@ impl<W: Doubles> Reals<'_, W> {
         for term in terms {
             top = lanes.double_max(top, self.quarter(term));
         }
-        let unit = lanes.double_mul(top, self.constant(4.0 / stages::power(bits + GUARD)));
+        let unit = lanes.double_mul(top, self.constant(4.0 / power(bits + GUARD)));
         (self.cuts(terms, unit), unit)
     }
 
@@ -305,11 +307,7 @@ impl<W: Doubles> Reals<'_, W> {
     /// Whole numbers of at most 51 bits; others are in doubt.
     #[inline(always)]
     pub fn to_word(self, whole: Word<W>) -> Word<W> {
-        let lanes = self.words.lanes;
-        let magnitude = self.magnitude(Real(whole)).0;
-        let short = lanes.double_greater(self.constant(SHORT), magnitude);
-        let [yes, no] = [0, 1].map(|word| self.words.splat(word));
-        self.doubt_where(self.words.select(no, yes, short));
+        self.doubt_unless_less(self.magnitude(Real(whole)).0, SHORT);
         self.to_short_word(whole)
     }
 
@@ -436,8 +434,8 @@ impl<W: Doubles> Reals<'_, W> {
         let root = math.add(low, math.shr(step, 16));
         // Half of the exponent, and the root's 24 bits.
         let half = math.plus(math.shr(math.plus(field, 1), 1), BIAS - 511 - 24);
-        let power = Real(math.shl(half, EXPONENT));
-        let seed = self.times(self.short(root), power);
+        let half = Real(math.shl(half, EXPONENT));
+        let seed = self.times(self.short(root), half);
         let result = if bits <= 16 {
             self.narrow(seed, bits)
         } else {
@@ -446,7 +444,7 @@ impl<W: Doubles> Reals<'_, W> {
             let terms = [self.term(seed), self.product(value, inverse, bits + 31)];
             let unit = lanes.double_mul(
                 self.leading(seed.0),
-                self.constant(4.0 / stages::power(bits + GUARD)),
+                self.constant(4.0 / power(bits + GUARD)),
             );
             let twice = self.narrow(Real(self.cuts(terms, unit)), bits);
             self.scaled(self.times(twice, Real(unit)), 0.5)

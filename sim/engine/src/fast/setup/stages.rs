@@ -3,7 +3,7 @@
 //! Where the kernel returns early with a reason, a vector goes on and keeps the first reason per word; what is computed for a culled
 //! splat is defined but of no use.
 
-use super::number::{Arithmetic, Number, Word};
+use super::number::{Arithmetic, Number, Word, power};
 use super::position::CameraPoints;
 use super::real::{Real, Reals, Term};
 use crate::fast::lanes::{Doubles, Wide};
@@ -41,12 +41,6 @@ pub struct Footprints<W: Wide> {
     pub conic_exponent: Word<W>,
     pub cutoff: Word<W>,
     pub peak: Word<W>,
-}
-
-/// 2^exponent as a constant.
-#[inline(always)]
-pub fn power(exponent: u32) -> f64 {
-    f64::from_bits((1023 + u64::from(exponent)) << 52)
 }
 
 /// Setup under one view, rules and widths.
@@ -88,9 +82,9 @@ impl<W: Doubles> Stages<'_, W> {
         self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
         let mut columns = [
-            self.column(splats, 0, &projected),
-            self.column(splats, 1, &projected),
-            self.column(splats, 2, &projected),
+            self.column(splats, 0, &projected).0,
+            self.column(splats, 1, &projected).0,
+            self.column(splats, 2, &projected).0,
         ];
         let mut weight = self.reals.of_parts(splats.weight);
         if self.rules.spacing.mantissa > 0 {
@@ -198,20 +192,9 @@ impl<W: Doubles> Stages<'_, W> {
         reals.narrow(Real(number), self.bits())
     }
 
-    /// Axis `k` on the screen.
-    #[inline(always)]
-    fn column(
-        &self,
-        splats: &SplatLanes<W>,
-        k: usize,
-        projected: &ProjectedWords<W>,
-    ) -> [Real<W>; 2] {
-        self.column_and_depth(splats, k, projected).0
-    }
-
     /// Axis `k` on the screen, and its depth.
     #[inline(always)]
-    pub fn column_and_depth(
+    pub fn column(
         &self,
         splats: &SplatLanes<W>,
         k: usize,

@@ -3,14 +3,15 @@
 //! The stages of volume splats with two axes instead of three, the normal in the third one's place; and what surfaces add: the
 //! weight at the centre, the tangent plane's depth, the normal towards the eye. Colours are numbers of one splat each and stay so.
 
+use super::number::{BitDrop, power};
 use super::real::Real;
-use super::stages::{Footprints, ProjectedWords, SplatLanes, Stages, Variance, power};
+use super::stages::{Footprints, ProjectedWords, SplatLanes, Stages, Variance};
 use super::{Batched, Lists, SplatFields, list};
 use crate::fast::lanes::{Doubles, Wide};
 use splatline::footprint::surface::{
     Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint, attribute_fraction,
 };
-use splatline::format::{Rounding, RuntimeWidths, Widths};
+use splatline::format::{RuntimeWidths, Widths};
 use splatline::rules::Rules;
 use splatline::setup::{Cull, setup_surface};
 use splatline::splat::surface::SurfaceSplat;
@@ -56,16 +57,21 @@ impl Batched for SurfaceSplat {
     }
 }
 
-/// Surface footprints, one per word, without their colours.
-struct SurfaceWords<W: Wide> {
-    footprints: Footprints<W>,
+/// Surface footprints without their colours, one per word or as lists.
+pub struct SurfaceParts<F, T> {
+    footprints: F,
     /// Depth at the centre, and what leads from there to the box's first sample point.
-    origin: [W::Word; 3],
-    step: [W::Word; 2],
-    normal: [W::Word; 3],
+    origin: [T; 3],
+    step: [T; 2],
+    normal: [T; 3],
     /// 1 where the normal was turned.
-    back: W::Word,
+    back: T,
 }
+
+type SurfaceWords<W> = SurfaceParts<Footprints<W>, <W as Wide>::Word>;
+
+/// Words to surface footprints.
+pub type SurfaceLists = SurfaceParts<Lists, [i64; 8]>;
 
 impl<W: Doubles> Stages<'_, W> {
     /// `splatline::setup::setup_surface`.
@@ -75,8 +81,8 @@ impl<W: Doubles> Stages<'_, W> {
         let mut culled = math.splat(0);
         self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
-        let (first, z1) = self.column_and_depth(splats, 0, &projected);
-        let (second, z2) = self.column_and_depth(splats, 1, &projected);
+        let (first, z1) = self.column(splats, 0, &projected);
+        let (second, z2) = self.column(splats, 1, &projected);
         let area = self.minor(&first, &second);
         let variance = self.flat_variance(&first, &second, area);
         let inverse = reals.reciprocal(variance.determinant, self.bits());
@@ -209,7 +215,7 @@ impl<W: Doubles> Stages<'_, W> {
         let sample = math.shl(math.plus(math.shl(pixel, 1), 1), subpixel - 1);
         let distance = reals.short(math.sub(sample, centre));
         let distance = reals.narrow(distance, self.bits());
-        let distance = reals.scaled(distance, 1.0 / power(subpixel as u32));
+        let distance = reals.scaled(distance, 1.0 / power(subpixel));
         reals.times_to_fixed(slope, distance, DEPTH_UNIT)
     }
 
@@ -229,7 +235,7 @@ impl<W: Doubles> Stages<'_, W> {
             reals.term(normal[2]),
         ];
         let away = reals.sum_is_positive(terms, self.bits());
-        let one = power(attribute_fraction(&self.widths).into());
+        let one = power(attribute_fraction(&self.widths));
         let [limit, least] = [reals.constant(one), reals.constant(-one)];
         let mut facing = [math.splat(0); 3];
         for (facing, component) in facing.iter_mut().zip(normal) {
@@ -242,41 +248,6 @@ impl<W: Doubles> Stages<'_, W> {
         }
         (facing, math.select(math.splat(0), math.splat(1), away))
     }
-}
-
-/// Bits dropped of numbers that have room for a rounding: `shift_unsigned` without its cases.
-#[derive(Clone, Copy)]
-struct BitDrop {
-    by: u32,
-    half: u64,
-    odd: u64,
-}
-
-impl BitDrop {
-    #[inline(always)]
-    fn new(by: u32, rounding: Rounding) -> Self {
-        let above = (1u64 << by) >> 1;
-        let (half, odd) = match rounding {
-            Rounding::Nearest => (above, 0),
-            Rounding::NearestEven => (above.saturating_sub(1), above.min(1)),
-            Rounding::Truncate => (0, 0),
-        };
-        BitDrop { by, half, odd }
-    }
-
-    #[inline(always)]
-    fn of(self, value: u64) -> u64 {
-        (value + self.half + (value >> self.by & self.odd)) >> self.by
-    }
-}
-
-/// Words to surface footprints.
-pub struct SurfaceLists {
-    footprints: Lists,
-    origin: [[i64; 8]; 3],
-    step: [[i64; 8]; 2],
-    normal: [[i64; 8]; 3],
-    back: [i64; 8],
 }
 
 impl SurfaceLists {

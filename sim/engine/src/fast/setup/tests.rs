@@ -63,7 +63,7 @@ fn check<D: Design>(design: D, splats: &[VolumeSplat], rules: &Rules) {
     let fields = RuntimeWidths::new(design.widths()).unwrap();
     for choice in [VectorLevel::Best, VectorLevel::Avx2] {
         let mut outcomes = vec![Err(Cull::Near); splats.len()];
-        set_up(fields, &view, rules, splats, &mut outcomes, choice);
+        set_up(fields, &view, rules, splats, &mut outcomes, Some(choice));
         for (splat, outcome) in splats.iter().zip(outcomes) {
             let expected = setup(design, &view, rules, splat);
             assert_eq!(outcome, expected, "{choice:?} {splat:?}");
@@ -193,7 +193,7 @@ fn check_surface<D: Design>(design: D, splats: &[SurfaceSplat], view: &View) {
     let fields = RuntimeWidths::new(design.widths()).unwrap();
     for choice in [VectorLevel::Best, VectorLevel::Avx2] {
         let mut outcomes = vec![Err(Cull::Near); splats.len()];
-        set_up(fields, view, &rules, splats, &mut outcomes, choice);
+        set_up(fields, view, &rules, splats, &mut outcomes, Some(choice));
         for (splat, outcome) in splats.iter().zip(outcomes) {
             let expected = setup_surface(design, view, &rules, splat);
             assert_eq!(outcome, expected, "{choice:?} {splat:?}");

@@ -9,10 +9,10 @@ use super::lanes::prefetch;
 use super::lanes::sums::{PixelSums, ShareShift};
 use super::lanes::{PixelTask, dispatch_pixels};
 use super::lanes::{VectorLevel, words::PixelWords};
-use super::rows::{RowBatch, RunWords, RuntimeRows};
+use super::rows::{Pixels, RowBatch, RuntimeRows};
 use super::setup::SurfaceOutcome;
+use super::words::AHEAD;
 use super::words::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
-use super::words::{AHEAD, columns};
 use splatline::blend::surface::{Cell, Sample, WeightedSum, sum_fraction};
 use splatline::draw::Coverage;
 use splatline::footprint::surface::{
@@ -196,8 +196,11 @@ impl PixelTask for GatherTask<'_, '_> {
             let Ok(footprint) = &footprints[*index as usize] else {
                 continue;
             };
-            if number % LOOK_INTERVAL == 0 {
-                self.look();
+            if let Gather::Sums(tile) = &mut self.gather
+                && number % LOOK_INTERVAL == 0
+                && !self.counts
+            {
+                tile.look();
             }
             if self.is_hidden(footprint) {
                 continue;
@@ -228,9 +231,9 @@ impl PixelTask for GatherTask<'_, '_> {
             };
             for row in 0..batch.rows() {
                 for block in batch.touched() {
-                    if let Some(run) = batch.run(row, block) {
+                    if let Some(run) = batch.block(block).run(row, left) {
                         let y = rows.rows[0] + row as u16;
-                        coverage.visited += (run.end - run.x) as u64;
+                        coverage.visited += run.length as u64;
                         coverage.covered += self.run_of(&path, &words, &painted, y, &run);
                     }
                 }
@@ -249,23 +252,23 @@ impl GatherTask<'_, '_> {
         words: &DepthWords<L>,
         painted: &Painted<L>,
         y: u16,
-        run: &RunWords,
+        pixels: &Pixels,
     ) -> u64 {
         let (lanes, splat) = (path.lanes(), &painted.splat);
-        let pixels = columns(run, self.window.first[0]);
+        let x = self.window.first[0] + pixels.x as u16;
         let step = painted.footprint.plane.step[0];
-        let depth = painted.footprint.depth_at(run.x as u16, y);
+        let depth = painted.footprint.depth_at(x, y);
         let mut depth = lanes.wide_add(
             lanes.wide_splat(depth + words.half),
             lanes.multiples(lanes.wide_splat(step)),
         );
-        let mut radial = path.start(splat, &pixels);
+        let mut radial = path.start(splat, pixels);
         let mut covered = 0;
         for from in (0..pixels.length).step_by(L::WIDE) {
             let inside = path.inside(splat, radial[0], pixels.length - from);
             covered += u64::from(lanes.wide_flags(inside).count_ones());
             let depths = words.in_pixel(lanes, depth);
-            let place = [run.x as u16 + from as u16, y];
+            let place = [x + from as u16, y];
             let seen = self.seen(lanes, place, depths, &painted.words, inside);
             // Half of a closed surface's samples are hidden: they need no opacity.
             if lanes.wide_flags(seen) != 0 {
@@ -279,15 +282,6 @@ impl GatherTask<'_, '_> {
             depth = lanes.wide_add(depth, lanes.wide_splat(step.wrapping_mul(L::WIDE as i64)));
         }
         covered
-    }
-
-    /// Looks at the tile for what [`Self::is_hidden`] needs.
-    #[inline(always)]
-    fn look(&mut self) {
-        match &mut self.gather {
-            Gather::Sums(tile) if !self.counts => tile.look(),
-            _ => {}
-        }
     }
 
     /// Is the footprint known to lie behind all of its pixels, whatever its shape?

@@ -184,7 +184,7 @@ impl SumTile {
                 }
             }
         }
-        let key = lanes.join(lanes.wide_shl(depths, material), splat.material);
+        let key = lanes.wide_or(lanes.wide_shl(depths, material), splat.material);
         let empty = lanes.wide_splat(EMPTY as i64);
         let compared = lanes.wide_select(old, empty, before);
         let nearest = lanes.wide_select(compared, key, lanes.wide_greater(compared, key));

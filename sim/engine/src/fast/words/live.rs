@@ -3,10 +3,10 @@
 //! A run ends at its last such pixel, and rows without one are never looked at: whether a row has a run, and whether that is in work, no
 //! branch foresees. Finished pixels before the first one are computed, too: to move seeds past them costs more.
 
-use super::path::{Pixels, SHORT, TwoRuns};
+use super::path::{SHORT, TwoRuns};
 use super::tile::{PixelWord, ROOM, WordTile};
 use crate::fast::lanes::Wide;
-use crate::fast::rows::{BlockSpans, two};
+use crate::fast::rows::{BlockSpans, Pixels, two};
 use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::TILE;
 

@@ -11,23 +11,20 @@ mod single;
 pub mod tile;
 pub mod visit;
 
-use super::TILE;
 use super::lanes::sums::PixelSums;
 use super::lanes::{Doubles, PixelTask, VectorLevel, VectorTask};
 use super::lanes::{dispatch_pixels, dispatch_vectors};
-use super::painter::{PaintScratch, Results, Start, TableMemory, TilePainter};
-use super::rows::RunWords;
-use painting::{PaintAlone, Painting, PreparedFootprint};
+use super::painter::{PaintScratch, ScalarPainter, TilePainter, TileWork};
+use super::rows::RuntimeRows;
+use super::setup::Outcome;
+use painting::{PaintAlone, Painting};
 use path::{ANY, BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers};
-use path::{Pixels, SplatNumbers, WordPixels, X_RAY};
+use path::{WordPixels, X_RAY};
 use single::{SingleNumbers, SinglePixels};
 use splatline::blend::Pixel;
-use splatline::draw::{Coverage, Painter};
-use splatline::footprint::Footprint;
+use splatline::draw::Coverage;
 use splatline::format::{Design, Lane, Traversal};
-use splatline::raster::{EllipseSpans, RowConstants, Window};
 use splatline::rules::{Compositing, Rules};
-use splatline::target::Target;
 use tile::{PixelWord, WordTile};
 
 /// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
@@ -36,10 +33,9 @@ pub(super) const AHEAD: usize = 4;
 /// Paints tiles along runs.
 #[derive(Clone, Debug)]
 pub struct WordPainter<D> {
-    design: D,
-    rules: Rules,
-    order: Compositing,
-    table: TableMemory,
+    /// For what vectors cannot do.
+    kernel: ScalarPainter<D>,
+    rows: RuntimeRows,
     numbers: PathNumbers,
     single: Option<SingleNumbers>,
     choice: VectorLevel,
@@ -56,16 +52,15 @@ impl<D: Design> WordPainter<D> {
         counts: bool,
     ) -> Option<Self> {
         let widths = design.widths();
-        let table = TableMemory::new(&widths, rules);
-        let numbers = PathNumbers::new(&widths, rules, &table.table(), D::Lane::BITS)?;
+        let kernel = ScalarPainter::new(design, rules, order, Traversal::Spans);
+        let table = kernel.table.table();
+        let numbers = PathNumbers::new(&widths, rules, &table, D::Lane::BITS)?;
         let numbers = numbers.in_order(order, widths.rounding)?;
-        let single = SingleNumbers::new(&widths, rules, table.table().entries(), D::Lane::BITS);
+        let single = SingleNumbers::new(&widths, rules, table.entries(), D::Lane::BITS);
         let single = single.filter(|_| order == Compositing::FrontToBack);
         Some(WordPainter {
-            design,
-            rules: *rules,
-            order,
-            table,
+            rows: RuntimeRows::new(&widths, D::Lane::BITS)?,
+            kernel,
             numbers,
             single,
             choice,
@@ -73,88 +68,49 @@ impl<D: Design> WordPainter<D> {
         })
     }
 
-    /// What a footprint is computed from within the window.
-    #[cold]
-    fn prepare(
-        &self,
-        footprints: &Results,
-        index: u32,
-        window: &Window,
-        place: &mut RowConstants<i64>,
-    ) -> PreparedFootprint {
-        let Ok(footprint) = &footprints[index as usize] else {
-            return PreparedFootprint::Nothing;
-        };
-        let bounds = Window::of(footprint);
-        if bounds.intersect(window).is_empty() {
-            return PreparedFootprint::Nothing;
-        }
-        let rows = EllipseSpans::new(self.design, footprint, window);
-        match splat_numbers(&self.numbers, self.single.as_ref(), footprint) {
-            Some(splat) => {
-                *place = rows.constants().widened();
-                PreparedFootprint::Rows(splat)
-            }
-            None => PreparedFootprint::Scalar,
-        }
-    }
-
     /// The kernel's painter on the tile's pixels.
     #[cold]
     #[inline(never)]
-    fn paint_scalar<W: PixelWord>(
-        &self,
-        footprints: &Results,
-        index: u32,
-        tile: &mut WordTile<W>,
-    ) -> Coverage {
-        let (table, order) = (self.table.table(), self.order);
-        let painter = Painter::new(self.design, &self.rules, table, order, Traversal::Spans);
+    fn paint_scalar<W: PixelWord>(&self, footprint: &Outcome, tile: &mut WordTile<W>) -> Coverage {
         let mut pixels = tile.to_pixels();
-        let window = tile.window();
-        let stride = usize::from(window.end[0] - window.first[0]);
-        let target = Target::new(&mut pixels, window, stride);
-        let (Ok(footprint), Ok(mut target)) = (&footprints[index as usize], target) else {
-            return Coverage::default();
-        };
-        let coverage = painter.draw(footprint, &mut target);
+        let coverage = (self.kernel).paint_alone(footprint, tile.window(), &mut pixels);
         tile.set_pixels(&pixels);
         coverage
     }
 }
 
 impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
-    fn paint(
-        &self,
-        scratch: &mut PaintScratch,
-        window: Window,
-        footprints: &Results,
-        list: &[u32],
-        start: Start,
-        pixels: &mut [Pixel],
-    ) -> Coverage {
-        let clear = Pixel::clear(&self.design.widths());
+    fn paint(&self, scratch: &mut PaintScratch, work: TileWork) -> Coverage {
+        let TileWork {
+            window,
+            footprints,
+            list,
+            start,
+            pixels,
+        } = work;
+        let widths = self.kernel.design.widths();
+        let clear = Pixel::clear(&widths);
         let painting = Painting {
-            widths: self.design.widths(),
+            widths,
             numbers: &self.numbers,
             single: self.single.as_ref(),
-            prepare: &|index, window, rows| self.prepare(footprints, index, window, rows),
+            rows: &self.rows,
             footprints,
             list,
             start,
             counts: self.counts,
         };
         let in_singles = self.single.as_ref().and_then(|numbers| {
-            let tile = scratch.singles.get_or_insert_with(WordTile::new);
+            let tile = scratch.singles.get_or_insert_default();
             tile.start(window, clear, start, pixels);
             // Colours beyond their format, drawn by the kernel, make sums beyond theirs: 64-bit words hold them.
             if tile.has_overflowed() {
                 return None;
             }
-            let task = SinglePainting {
+            let task = TilePainting {
                 painting,
                 numbers,
-                scalar: &|index, tile| self.paint_scalar(footprints, index, tile),
+                scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
                 tile,
             };
             let coverage = dispatch_vectors(self.choice, task).ok()?;
@@ -165,16 +121,16 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
             Some(coverage)
         });
         let coverage = in_singles.unwrap_or_else(|| {
-            let tile = scratch.words.get_or_insert_with(WordTile::new);
+            let tile = scratch.words.get_or_insert_default();
             tile.start(window, clear, start, pixels);
-            let task = WordPainting {
+            let task = TilePainting {
                 painting,
                 numbers: &self.numbers,
-                scalar: &|index, tile| self.paint_scalar(footprints, index, tile),
+                scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
                 tile,
             };
             let coverage = dispatch_pixels(self.choice, task);
-            let coverage = coverage.unwrap_or_else(WordPainting::paint_scalar);
+            let coverage = coverage.unwrap_or_else(TilePainting::paint_scalar);
             tile.copy(pixels);
             coverage
         });
@@ -186,33 +142,20 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
     }
 }
 
-/// What a footprint's pixels need beside its rows; `None` if it lies outside its formats.
-#[inline(always)]
-fn splat_numbers(
-    numbers: &PathNumbers,
-    single: Option<&SingleNumbers>,
-    footprint: &Footprint,
-) -> Option<SplatNumbers> {
-    let splat = numbers.splat(footprint)?;
-    single
-        .is_none_or(|single| single.fits(&splat))
-        .then_some(splat)
-}
-
-/// On 64-bit words.
-struct WordPainting<'a> {
+/// A tile to be painted by words that have such numbers.
+struct TilePainting<'a, W: PixelWord, N> {
     painting: Painting<'a>,
-    numbers: &'a PathNumbers,
-    scalar: &'a PaintAlone<'a, u64>,
-    tile: &'a mut WordTile<u64>,
+    numbers: &'a N,
+    scalar: &'a PaintAlone<'a, W>,
+    tile: &'a mut WordTile<W>,
 }
 
-impl PixelTask for WordPainting<'_> {
+impl PixelTask for TilePainting<'_, u64, PathNumbers> {
     type Output = Coverage;
 
     #[inline(always)]
     fn run<L: PixelSums>(self, lanes: L) -> Coverage {
-        match self.painting.numbers.operator {
+        match self.numbers.operator {
             OMIT_FINISHING => self.paint::<L, OMIT_FINISHING>(lanes),
             DRAW_FINISHING => self.paint::<L, DRAW_FINISHING>(lanes),
             BACK_TO_FRONT => self.paint::<L, BACK_TO_FRONT>(lanes),
@@ -222,7 +165,7 @@ impl PixelTask for WordPainting<'_> {
     }
 }
 
-impl WordPainting<'_> {
+impl TilePainting<'_, u64, PathNumbers> {
     /// By the kernel, where there are no vectors after all.
     #[cold]
     fn paint_scalar(self) -> Coverage {
@@ -240,15 +183,7 @@ impl WordPainting<'_> {
     }
 }
 
-/// In single precision.
-struct SinglePainting<'a> {
-    painting: Painting<'a>,
-    numbers: &'a SingleNumbers,
-    scalar: &'a PaintAlone<'a, f32>,
-    tile: &'a mut WordTile<f32>,
-}
-
-impl VectorTask for SinglePainting<'_> {
+impl VectorTask for TilePainting<'_, f32, SingleNumbers> {
     type Output = Coverage;
 
     #[inline(always)]
@@ -261,21 +196,10 @@ impl VectorTask for SinglePainting<'_> {
     }
 }
 
-impl SinglePainting<'_> {
+impl TilePainting<'_, f32, SingleNumbers> {
     #[inline(always)]
     fn paint<L: Doubles, const OPERATOR: u8>(self, lanes: L) -> Coverage {
         let path = SinglePixels::<_, OPERATOR>::new(lanes.singles(), self.numbers);
         self.painting.paint(lanes, &path, self.scalar, self.tile)
-    }
-}
-
-/// A run in columns of the tile that begins at column `left`.
-#[inline(always)]
-pub(super) fn columns(run: &RunWords, left: u16) -> Pixels {
-    Pixels {
-        x: (run.x - i64::from(left)) as usize % usize::from(TILE[0]),
-        length: (run.end - run.x) as usize,
-        radial: run.radial,
-        first: run.first,
     }
 }

@@ -3,31 +3,17 @@
 use super::live::LiveRuns;
 use super::path::{PathNumbers, PixelPath, SplatNumbers};
 use super::single::SingleNumbers;
-use super::splat_numbers;
 use super::tile::{ROWS, WordTile};
 use crate::fast::lanes::{Doubles, prefetch};
 use crate::fast::painter::{CHECK_INTERVAL, Results, Start};
 use crate::fast::row_group::RowGroup;
 use crate::fast::row_reals::RowReals;
-use crate::fast::rows::RowBatch;
+use crate::fast::rows::{RowBatch, RuntimeRows};
 use crate::fast::setup::number::Arithmetic;
 use splatline::draw::Coverage;
+use splatline::footprint::Footprint;
 use splatline::format::Widths;
-use splatline::raster::{RowConstants, Window};
-
-/// What is drawn of a footprint.
-pub(super) enum PreparedFootprint {
-    /// Nothing of it lies in the window.
-    Nothing,
-    /// By the kernel's painter.
-    Scalar,
-    /// By vectors, from these numbers and the constants of its rows, which are left in memory that serves all.
-    Rows(SplatNumbers),
-}
-
-/// Prepares a footprint for a window by itself, and leaves the constants of its rows in the place given.
-pub(super) type Prepare<'a> =
-    dyn Fn(u32, &Window, &mut RowConstants<i64>) -> PreparedFootprint + 'a;
+use splatline::raster::Window;
 
 /// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves all.
 #[derive(Clone, Copy)]
@@ -35,7 +21,7 @@ pub(super) struct Painting<'a> {
     pub widths: Widths,
     pub numbers: &'a PathNumbers,
     pub single: Option<&'a SingleNumbers>,
-    pub prepare: &'a Prepare<'a>,
+    pub rows: &'a RuntimeRows,
     pub footprints: &'a Results,
     pub list: &'a [u32],
     pub start: Start,
@@ -64,6 +50,14 @@ struct Progress<'a, 'b, L: Doubles, P: PixelPath> {
 }
 
 impl Painting<'_> {
+    /// What a footprint's pixels need beside its rows; `None` if it lies outside its formats.
+    #[inline(always)]
+    fn splat(&self, footprint: &Footprint) -> Option<SplatNumbers> {
+        let splat = self.numbers.splat(footprint)?;
+        let fits = self.single.is_none_or(|single| single.fits(&splat));
+        fits.then_some(splat)
+    }
+
     /// Paints the tile.
     #[inline(always)]
     pub fn paint<L: Doubles, P: PixelPath>(
@@ -177,29 +171,20 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         index: u32,
     ) -> Option<(SplatNumbers, u16, i64)> {
         let Painting {
-            numbers,
-            single,
-            prepare,
-            footprints,
-            ..
+            rows, footprints, ..
         } = self.painting;
-        let left = self.corner[0];
-        let splat = footprints[index as usize].as_ref().ok();
-        let splat = splat.and_then(|footprint| splat_numbers(numbers, single, footprint));
-        if let Some(splat) = splat
-            && self.batch.fill_member(together, self.group, k, left)
-        {
-            return Some((splat, self.group.member(k).rows[0], self.group.second(k)));
-        }
-        let (lanes, window) = (self.math.lanes, self.window);
-        let mut rows = RowConstants::default();
-        match prepare(index, &window, &mut rows) {
-            PreparedFootprint::Nothing => {}
-            PreparedFootprint::Rows(splat) if self.batch.fill(lanes, &rows, left) => {
+        let (left, window) = (self.corner[0], self.window);
+        let footprint = footprints[index as usize].as_ref().ok()?;
+        if let Some(splat) = self.painting.splat(footprint) {
+            if self.batch.fill_member(together, self.group, k, left) {
+                return Some((splat, self.group.member(k).rows[0], self.group.second(k)));
+            }
+            let rows = rows.constants_apart(footprint, &window);
+            if self.batch.fill(self.math.lanes, &rows, left) {
                 return Some((splat, rows.rows[0], rows.second));
             }
-            _ => self.coverage += (self.scalar)(index, self.tile),
         }
+        self.coverage += (self.scalar)(index, self.tile);
         None
     }
 

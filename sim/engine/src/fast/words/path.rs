@@ -15,6 +15,8 @@
 use super::tile::{PixelWord, Row};
 use crate::fast::cells::TableReach;
 use crate::fast::lanes::words::{Falls, PixelWords};
+use crate::fast::rows::Pixels;
+use crate::fast::setup::number::BitDrop;
 use crate::fast::tile::TILE;
 use splatline::blend::Blend;
 use splatline::draw::Coverage;
@@ -72,25 +74,10 @@ pub const EVEN: u8 = 4;
 /// Any of them, looked up: those that usual designs need have compiled copies of their own, which take an eighth fewer instructions.
 pub const ANY: u8 = 8;
 
-/// A product's right shift, and what rounds it: what is added to every product, and the bits of the result that are.
-#[derive(Clone, Copy, Debug)]
-struct Shift {
-    by: u32,
-    half: u64,
-    odd: u64,
-}
-
-impl Shift {
-    fn new(by: i32, rounding: Rounding) -> Option<Self> {
-        let by = u32::try_from(by).ok().filter(|by| *by < 64)?;
-        let above = (1u64 << by) >> 1;
-        let (half, odd) = match rounding {
-            Rounding::Nearest => (above, 0),
-            Rounding::NearestEven => (above.saturating_sub(1), above.min(1)),
-            Rounding::Truncate => (0, 0),
-        };
-        Some(Shift { by, half, odd })
-    }
+/// A product's right shift; `None` if it is not one.
+fn shift(by: i32, rounding: Rounding) -> Option<BitDrop> {
+    let by = u32::try_from(by).ok().filter(|by| *by < 64)?;
+    Some(BitDrop::new(by, rounding))
 }
 
 /// Everything about the pixel path that is constant for a picture, as numbers.
@@ -105,9 +92,9 @@ pub struct PathNumbers {
     raise: u32,
     /// Fraction bits of the position within an interval.
     kept: u32,
-    opacity: Shift,
-    share: Shift,
-    colour: Shift,
+    opacity: BitDrop,
+    share: BitDrop,
+    colour: BitDrop,
     alpha_max: u32,
     /// Products of peak and kernel below this are skipped.
     opacity_min: i64,
@@ -116,9 +103,9 @@ pub struct PathNumbers {
     /// One of the four ways.
     pub operator: u8,
     /// Opacity times colour, where a layer does not lie behind others.
-    layer: Option<Shift>,
+    layer: Option<BitDrop>,
     /// From an opacity raised to the transmittance's format, if that has more bits, to that format.
-    light: Shift,
+    light: BitDrop,
 }
 
 /// What a footprint's pixels need beside its rows.
@@ -140,7 +127,7 @@ impl PathNumbers {
     ) -> Option<Self> {
         let constants = Blend::new(widths, rules).constants();
         let reach = TableReach::new(table, widths, &constants, lane_bits)?;
-        let shift = |by| Shift::new(by, constants.rounding);
+        let shift = |by| shift(by, constants.rounding);
         let even = if constants.rounding == Rounding::NearestEven {
             EVEN
         } else {
@@ -191,8 +178,8 @@ impl PathNumbers {
         }
         Some(PathNumbers {
             operator: operator | self.operator & EVEN,
-            layer: Some(Shift::new(alpha + colour - accumulator, rounding)?),
-            light: Shift::new((alpha - transmittance).max(0), rounding)?,
+            layer: Some(shift(alpha + colour - accumulator, rounding)?),
+            light: shift((alpha - transmittance).max(0), rounding)?,
             ..self
         })
     }
@@ -245,7 +232,7 @@ pub struct WordPixels<'a, L: PixelWords, const OPERATOR: u8> {
     last: L::Word,
 }
 
-/// A [`Shift`] on vectors.
+/// A [`BitDrop`] on vectors.
 #[derive(Clone, Copy)]
 struct ShiftWords<L: PixelWords> {
     by: L::Word,
@@ -265,21 +252,12 @@ pub struct SplatWords<L: PixelWords> {
     second: L::Word,
 }
 
-/// Some adjacent pixels of a row: columns of the tile, and lanes not cut to their word yet.
-#[derive(Clone, Copy, Debug)]
-pub struct Pixels {
-    pub x: usize,
-    pub length: usize,
-    pub radial: i64,
-    pub first: i64,
-}
-
 impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     /// On these vectors.
     #[inline(always)]
     pub fn new(lanes: L, numbers: &'a PathNumbers) -> Self {
         let word = |value: u64| lanes.wide_splat(value as i64);
-        let shift = |Shift { by, half, odd }| ShiftWords {
+        let shift = |BitDrop { by, half, odd }| ShiftWords {
             by: word(by.into()),
             half: word(half),
             odd: word(odd),
@@ -408,7 +386,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         } else {
             (share, rest)
         };
-        lanes.write(plane_of_light, x, lanes.join(after, marks));
+        lanes.write(plane_of_light, x, lanes.wide_or(after, marks));
         for (plane, colour) in colours.iter_mut().zip(splat.colour) {
             let product = lanes.wide_mul_unsigned(share, colour);
             let sum = lanes.read(plane, x);

@@ -18,10 +18,11 @@
 //! The product of slope and position is one of 16 bits by 16, the quickest that there is: of the position and the interval's number above
 //! it, which the packed table counts on, it sees 16 bits as a signed number, and what it does not see is taken off the interval's word.
 
-use super::path::{OMIT_FINISHING, PixelPath, Pixels, SplatNumbers, TwoRuns};
+use super::path::{OMIT_FINISHING, PixelPath, SplatNumbers, TwoRuns};
 use super::tile::Row;
 use crate::fast::lanes::packed::{PackedOn, PackedWords};
 use crate::fast::lanes::singles::{HAS_FUSED_ADD, SINGLES, Singles};
+use crate::fast::rows::Pixels;
 use crate::fast::tile::TILE;
 use splatline::blend::Blend;
 use splatline::draw::Coverage;
@@ -448,7 +449,7 @@ mod tests {
                 first: [0; 2],
                 end: [TILE[0], 2],
             };
-            let mut tile = WordTile::<f32>::new();
+            let mut tile = WordTile::<f32>::default();
             tile.open(window, Pixel::clear(&WIDTHS));
             let (mut counts, mut covered, mut of_two) = (Coverage::default(), 0, 0);
             let mut pixels = [Pixel::default(); 2 * COLUMNS];

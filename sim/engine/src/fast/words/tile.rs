@@ -95,9 +95,8 @@ pub struct WordTile<W> {
     overflowed: bool,
 }
 
-impl<W: PixelWord> WordTile<W> {
-    /// Memory for a tile, empty.
-    pub fn new() -> Self {
+impl<W: PixelWord> Default for WordTile<W> {
+    fn default() -> Self {
         WordTile {
             rows: Box::new([[[W::FINISHED; STRIDE]; 4]; ROWS]),
             live: [0; ROOM],
@@ -108,7 +107,9 @@ impl<W: PixelWord> WordTile<W> {
             },
         }
     }
+}
 
+impl<W: PixelWord> WordTile<W> {
     /// Makes it the transparent pixels of `window`, which is at most a [`TILE`].
     pub fn open(&mut self, window: Window, clear: Pixel) {
         self.window = window;
@@ -245,12 +246,6 @@ impl<W: PixelWord> WordTile<W> {
                 };
             }
         }
-    }
-}
-
-impl<W: PixelWord> Default for WordTile<W> {
-    fn default() -> Self {
-        Self::new()
     }
 }
 

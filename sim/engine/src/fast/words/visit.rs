@@ -3,13 +3,12 @@
 //! What [`Painter::visit`](splatline::draw::Painter::visit) gives, bit for bit, a run at a time: rows and opacities are those of painting,
 //! and whoever asked composites them.
 
-use super::columns;
-use super::path::{EVEN, PathNumbers, PixelPath, Pixels, SplatWords, WordPixels};
+use super::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
 use crate::fast::lanes::VectorLevel;
 use crate::fast::lanes::sums::PixelSums;
 use crate::fast::lanes::words::PixelWords;
 use crate::fast::lanes::{PixelTask, dispatch_pixels};
-use crate::fast::rows::{RowBatch, RuntimeRows};
+use crate::fast::rows::{Pixels, RowBatch, RuntimeRows};
 use crate::fast::tile::TILE;
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
@@ -101,9 +100,8 @@ impl PixelTask for VisitTask<'_> {
             let splat = pixels.splat(&numbers, constants.second);
             for row in 0..batch.rows() {
                 for block in batch.touched() {
-                    if let Some(run) = batch.run(row, block) {
-                        let place = [run.x as u16, constants.rows[0] + row as u16];
-                        let run = columns(&run, left);
+                    if let Some(run) = batch.block(block).run(row, left) {
+                        let place = [left + run.x as u16, constants.rows[0] + row as u16];
                         opacities(&pixels, &splat, &run, &mut memory);
                         (self.take)(*index, place, &memory[..run.length]);
                     }

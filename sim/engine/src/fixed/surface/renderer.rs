@@ -4,11 +4,11 @@
 //! parts of the points: setup, bounds -> tile lists in the scene's order -> tiles, each in a place of its own -> picture
 //! ```
 
-use super::tiles::{GatherTiles, HostCell, Resolved, SurfaceScratch, SurfaceTiles, TileConstants};
+use super::tiles::{GatherTiles, Resolved, SurfaceScratch, SurfaceTiles, TileConstants};
 use super::{QuantisedPoints, SurfaceOptions, direction, kernel_rules, material, threshold};
 use crate::camera::Camera;
-use crate::fast::frame::{AREA, copy_tiles};
-use crate::fast::order::{Grid, Key, TileOrder};
+use crate::fast::frame::{AREA, CullCounts, add_counts, copy_tiles, note};
+use crate::fast::order::{Grid, TileOrder};
 use crate::fast::setup::{self, SurfaceOutcome};
 use crate::fast::surface::GatherNumbers;
 use crate::fast::{TILE, TableMemory};
@@ -27,12 +27,10 @@ use splatline::blend::shading::{self, Shading};
 use splatline::blend::surface::{Accumulation, WeightedSum, sum_fraction};
 use splatline::draw::Coverage;
 use splatline::draw::surface::SurfacePainter;
-use splatline::format::{RuntimeWidths, Traversal};
+use splatline::format::Traversal;
 use splatline::raster::Window;
 use splatline::rules as kernel;
-use splatline::setup::{Cull, setup_surface};
-use splatline::splat::surface::SurfaceSplat;
-use splatline::view::View;
+use splatline::setup::Cull;
 use std::borrow::Borrow;
 use std::cell::RefCell;
 use std::time::Instant;
@@ -46,7 +44,7 @@ thread_local! {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SurfaceFacts {
     /// Points culled, by reason, in the order of [`Cull::ALL`].
-    pub culled: [usize; Cull::ALL.len()],
+    pub culled: CullCounts,
     /// Points left out because they show their back.
     pub backfaces: usize,
     /// Pixels visited and covered.
@@ -59,8 +57,7 @@ pub struct SurfaceFacts {
 
 impl SurfaceFacts {
     fn add(mut self, other: SurfaceFacts) -> Self {
-        let culled = self.culled.iter_mut().zip(other.culled);
-        culled.for_each(|(sum, part)| *sum += part);
+        self.culled = add_counts(self.culled, other.culled);
         self.backfaces += other.backfaces;
         self.coverage += other.coverage;
         self.merged += other.merged;
@@ -202,103 +199,48 @@ impl<'a> SurfaceFrames<'a> {
         let edges = style
             .edge
             .and_then(|tau| EdgeFilter::new((tau * exp2(30)) as u32));
-        let engine = match options.engine {
-            PaintEngine::Vectors(choice) => Some(choice),
-            PaintEngine::Scalar => None,
+        let constants = TileConstants {
+            gather,
+            resolve: Resolve::new(&design.widths, gather, shading, edges),
+            numbers: numbers.as_ref().zip(options.engine.vectors()),
+            counts: options.counts,
         };
-        let job = SurfaceFrameJob {
-            points,
-            options,
-            rules,
-            table,
-            constants: TileConstants {
-                gather,
-                resolve: Resolve::new(&design.widths, gather, shading, edges),
-                numbers: numbers.as_ref().zip(engine),
-                counts: options.counts,
-            },
-            memory,
+        let traversal = options.traversal;
+        let painter =
+            SurfacePainter::new(design.in_fields(), rules, table.table(), gather, traversal);
+        let mut frame = |tiles: &dyn SurfaceTiles| {
+            let plan = SurfaceFramePlan {
+                points,
+                options,
+                rules,
+                tiles,
+            };
+            memory.draw(&plan)
         };
         match style.buffer {
-            Buffer::Accumulation => job.draw::<Accumulation>(),
-            Buffer::Layers(0 | 1) => job.draw::<Layers<1>>(),
-            Buffer::Layers(2) => job.draw::<Layers<2>>(),
-            Buffer::Layers(3) => job.draw::<Layers<3>>(),
-            Buffer::Layers(4) => job.draw::<Layers<4>>(),
-            Buffer::Layers(_) => job.draw::<Layers<8>>(),
+            Buffer::Accumulation => frame(&GatherTiles::<Accumulation>::new(painter, &constants)),
+            Buffer::Layers(0 | 1) => frame(&GatherTiles::<Layers<1>>::new(painter, &constants)),
+            Buffer::Layers(2) => frame(&GatherTiles::<Layers<2>>::new(painter, &constants)),
+            Buffer::Layers(3) => frame(&GatherTiles::<Layers<3>>::new(painter, &constants)),
+            Buffer::Layers(4) => frame(&GatherTiles::<Layers<4>>::new(painter, &constants)),
+            Buffer::Layers(_) => frame(&GatherTiles::<Layers<8>>::new(painter, &constants)),
         }
     }
 }
 
-/// A frame, whatever its cells.
-struct SurfaceFrameJob<'a> {
+/// How points become pixels, whatever the cells.
+struct SurfaceFramePlan<'a> {
     points: &'a QuantisedPoints,
     options: &'a SurfaceOptions<'a>,
     rules: &'a kernel::Rules,
-    table: &'a TableMemory,
-    constants: TileConstants<'a>,
-    memory: &'a mut SurfaceFrameMemory,
-}
-
-impl SurfaceFrameJob<'_> {
-    fn draw<C: HostCell>(self) -> SurfaceFacts {
-        let SurfaceFrameJob {
-            points: QuantisedPoints { view, splats, .. },
-            options,
-            rules,
-            table,
-            constants,
-            memory,
-        } = self;
-        let design = options.design.in_fields();
-        let set_up = |splats: &[SurfaceSplat], outcomes: &mut [SurfaceOutcome]| {
-            set_up_part(design, view, rules, options.engine, (splats, outcomes));
-        };
-        let (gather, traversal) = (constants.gather, options.traversal);
-        let painter = SurfacePainter::new(design, rules, table.table(), gather, traversal);
-        let plan = SurfaceFramePlan {
-            viewport: view.viewport,
-            cull_backfaces: options.style.cull_backfaces,
-            set_up: &set_up,
-            tiles: &GatherTiles::<C>::new(painter, &constants),
-        };
-        memory.draw(splats, &plan)
-    }
-}
-
-/// Setup of some points into as many places.
-fn set_up_part(
-    design: RuntimeWidths,
-    view: &View,
-    rules: &kernel::Rules,
-    engine: PaintEngine,
-    (splats, outcomes): (&[SurfaceSplat], &mut [SurfaceOutcome]),
-) {
-    match engine {
-        PaintEngine::Vectors(choice) => {
-            setup::set_up(design, view, rules, splats, outcomes, choice)
-        }
-        PaintEngine::Scalar => {
-            for (splat, outcome) in splats.iter().zip(outcomes) {
-                *outcome = setup_surface(design, view, rules, splat);
-            }
-        }
-    }
-}
-
-/// How points become pixels, whatever the design.
-struct SurfaceFramePlan<'a> {
-    viewport: [u16; 2],
-    cull_backfaces: bool,
-    set_up: &'a (dyn Fn(&[SurfaceSplat], &mut [SurfaceOutcome]) + Sync),
     tiles: &'a dyn SurfaceTiles,
 }
 
 impl SurfaceFrameMemory {
-    fn draw(&mut self, splats: &[SurfaceSplat], plan: &SurfaceFramePlan) -> SurfaceFacts {
+    fn draw(&mut self, plan: &SurfaceFramePlan) -> SurfaceFacts {
         let started = Instant::now();
-        let grid = Grid::new(plan.viewport, TILE);
-        let set_up = self.set_up(splats, plan);
+        let grid = Grid::new(plan.points.view.viewport, TILE);
+        let set_up = self.set_up(plan);
         let set_up_at = started.elapsed().as_secs_f64();
         self.order.sort(&grid);
         let sorted_at = started.elapsed().as_secs_f64();
@@ -310,7 +252,9 @@ impl SurfaceFrameMemory {
         }
     }
 
-    fn set_up(&mut self, splats: &[SurfaceSplat], plan: &SurfaceFramePlan) -> SurfaceFacts {
+    fn set_up(&mut self, plan: &SurfaceFramePlan) -> SurfaceFacts {
+        let (QuantisedPoints { view, splats, .. }, options) = (plan.points, plan.options);
+        let (design, vectors) = (options.design.in_fields(), options.engine.vectors());
         if self.outcomes.len() != splats.len() {
             // In parallel: most of its time is the first touch of its memory.
             self.outcomes = splats.par_iter().map(|_| Err(Cull::Near)).collect();
@@ -320,8 +264,19 @@ impl SurfaceFrameMemory {
             &mut self.outcomes,
             &|work| work(),
             &|splats, outcomes, first, keys| {
-                (plan.set_up)(splats, outcomes);
-                note(outcomes, first, plan.cull_backfaces, keys)
+                setup::set_up(design, view, plan.rules, splats, outcomes, vectors);
+                let mut backfaces = 0;
+                // In the scene's order: for the sort all are equally near.
+                let culled = note(outcomes, first, keys, |surface| {
+                    let is_left_out = options.style.cull_backfaces && surface.back;
+                    backfaces += usize::from(is_left_out);
+                    (!is_left_out).then(|| (0, Window::of(&surface.footprint)))
+                });
+                SurfaceFacts {
+                    culled,
+                    backfaces,
+                    ..SurfaceFacts::default()
+                }
             },
             SurfaceFacts::add,
         )
@@ -355,32 +310,4 @@ impl SurfaceFrameMemory {
             })
             .reduce(SurfaceFacts::default, SurfaceFacts::add)
     }
-}
-
-/// Lists the footprints that are drawn, numbered from `first`, and counts the others. They are drawn in the scene's order: for the sort all are
-/// equally near.
-fn note(
-    outcomes: &[SurfaceOutcome],
-    first: usize,
-    cull_backfaces: bool,
-    keys: &mut Vec<Key>,
-) -> SurfaceFacts {
-    let mut facts = SurfaceFacts::default();
-    for (outcome, index) in outcomes.iter().zip(first as u32..) {
-        match outcome {
-            Ok(footprint) if cull_backfaces && footprint.back => facts.backfaces += 1,
-            Ok(footprint) => {
-                let bounds = Window::of(&footprint.footprint);
-                if !bounds.is_empty() {
-                    keys.push(Key {
-                        depth: 0,
-                        index,
-                        bounds,
-                    });
-                }
-            }
-            Err(reason) => facts.culled[reason.place()] += 1,
-        }
-    }
-    facts
 }

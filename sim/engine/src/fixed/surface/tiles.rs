@@ -2,14 +2,14 @@
 
 use crate::fast::lanes::VectorLevel;
 use crate::fast::setup::SurfaceOutcome;
-use crate::fast::surface::{Gather, GatherNumbers, GatherTask, Recorded, SumTile};
+use crate::fast::surface::{Gather, GatherNumbers, GatherTask, SumTile};
 use splatline::blend::Pixel;
 use splatline::blend::layers::Layers;
 use splatline::blend::resolve::Resolve;
 use splatline::blend::surface::{Accumulation, Cell, Sample, WeightedSum};
 use splatline::draw::Coverage;
 use splatline::draw::surface::SurfacePainter;
-use splatline::footprint::surface::{Attributes, SurfaceFootprint};
+use splatline::footprint::surface::Attributes;
 use splatline::format::RuntimeWidths;
 use splatline::raster::Window;
 use splatline::target::cells::CellTarget;
@@ -132,19 +132,6 @@ impl<'a, C: HostCell> GatherTiles<'a, C> {
         }
     }
 
-    /// One footprint by the kernel.
-    fn record(
-        &self,
-        footprint: &SurfaceFootprint,
-        window: Window,
-        cells: &mut [Recorded],
-    ) -> Coverage {
-        match CellTarget::new(cells, window) {
-            Ok(mut target) => self.painter.draw(footprint, &mut target),
-            Err(_) => Coverage::default(),
-        }
-    }
-
     /// The footprints in the cells by the kernel.
     fn draw(
         &self,
@@ -205,7 +192,10 @@ impl<'a, C: HostCell> GatherTiles<'a, C> {
             footprints,
             list,
             window,
-            record: &|footprint, window, cells| self.record(footprint, window, cells),
+            record: &|footprint, window, cells| match CellTarget::new(cells, window) {
+                Ok(mut target) => self.painter.draw(footprint, &mut target),
+                Err(_) => Coverage::default(),
+            },
             gather,
             counts: self.constants.counts,
         };
