@@ -311,13 +311,4 @@ impl Config {
         let geometry = ring(self.setup_fifo) + ring(self.bin_fifo);
         8 * (u64::from(self.raster_units) * unit + geometry)
     }
-
-    /// Columns that the lanes advance per group.
-    pub fn stride(&self) -> u32 {
-        match self.layout {
-            LaneLayout::Run | LaneLayout::Aligned => self.lanes,
-            LaneLayout::Quad => (self.lanes / 2).max(1),
-            LaneLayout::Rows => 1,
-        }
-    }
 }

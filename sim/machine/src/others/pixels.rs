@@ -10,17 +10,11 @@ pub fn tested(workload: &Workload, how: Tested) -> Workload {
     if how == Tested::Own {
         return workload.clone();
     }
-    let mut changed = Workload {
-        rows: Vec::with_capacity(workload.rows.len()),
-        pairs: Vec::with_capacity(workload.pairs.len()),
-        ..workload.clone()
-    };
+    let mut changed = workload.clone();
     changed.rows.clear();
     changed.pairs.clear();
-    let mut first = 0;
-    for pair in &workload.pairs {
-        let rows = &workload.rows[first..pair.rows_end as usize];
-        first = pair.rows_end as usize;
+    for (number, pair) in workload.pairs.iter().enumerate() {
+        let rows = workload.rows_of(number);
         let (first_row, all) = rows_tested(rows, pair.first_row, workload.tile, how);
         let visits = all.iter().any(|row| row.length > 0);
         changed.rows.extend(all);
