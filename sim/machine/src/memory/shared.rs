@@ -38,14 +38,13 @@ impl Map {
             [start, bytes]
         };
         let sorted = config.sorted_bytes().max(config.list_bytes).into();
-        let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
         Map {
             splat: region(config.splat_bytes.into(), splats),
             harmonics: region(config.harmonics_bytes.into(), splats),
             packet: region(packet_bytes.into(), splats),
             entry: region(sorted, entries),
             sorted: region(sorted, entries),
-            tile: region(pixels * u64::from(config.pixel_bytes), 1),
+            tile: region(config.tile_pixels() * u64::from(config.pixel_bytes), 1),
         }
     }
 

@@ -248,16 +248,10 @@ pub fn outcome(
         .filter(|action| action.action == "multiply")
         .map(|action| action.count)
         .sum();
-    let pixels = timing.bytes.pixels_written / u64::from(config.pixel_bytes);
-    let energy = sum(
-        units,
-        [pixels, timing.splats.fetched, timing.pixels.live],
-        table,
-    );
     Outcome {
         preset: *preset,
+        energy: sum(units, &config, &timing, table),
         timing,
-        energy,
         products,
     }
 }
@@ -271,9 +265,9 @@ fn replace<'t>(
 ) {
     let pixels = &timing.pixels;
     let bits = operations.bits;
-    let mut put = |name: &'static str, count: u64, [additions, products]: [u64; 2]| {
+    let mut put = |name: &'static str, count: u64, operations: [u64; 2]| {
         let mut unit = UnitActions::new(name, table);
-        unit.float(bits, additions * count, products * count);
+        unit.float(bits, operations, count);
         if let Some(place) = units.iter_mut().find(|unit| unit.name == name) {
             *place = unit;
         }
@@ -285,8 +279,7 @@ fn replace<'t>(
     for unit in units {
         match unit.name {
             "lanes" => {
-                let [additions, products] = operations.inside;
-                unit.float(bits, additions * pixels.covered, products * pixels.covered);
+                unit.float(bits, operations.inside, pixels.covered);
                 unit.memory("table", 256, 2 * bits, [pixels.covered, 0]);
             }
             "blend" => unit.memory("tile_buffer", 16, 4 * bits, [pixels.covered, pixels.live]),
