@@ -50,10 +50,8 @@ fn numbers<'a, T: Element + Copy + Into<f64>, D: numpy::ndarray::Dimension>(
     let numbers = array
         .as_slice()
         .with_context(|| format!("{name}: not in rows"))?;
-    let place = numbers
-        .iter()
-        .position(|number| !(*number).into().is_finite());
-    match place {
+    let finite = |number: &T| (*number).into().is_finite();
+    match numbers.iter().position(|number| !finite(number)) {
         None => Ok(numbers),
         Some(place) => {
             let each = shape[1..].iter().product::<usize>().max(1);
@@ -66,15 +64,13 @@ impl Arrays<'_> {
     /// The only copy: a splat's numbers lie together, an array's apart.
     fn splats(&self) -> Result<Vec<Splat>> {
         let count = self.centres.shape()[0];
-        let centres = numbers("centres", &self.centres, &[count, 3])?
-            .as_chunks::<3>()
-            .0;
+        let centres = numbers("centres", &self.centres, &[count, 3])?;
+        let centres = centres.as_chunks::<3>().0;
         let axes = numbers("axes", &self.axes, &[count, 3, 3])?;
         let axes = axes.as_chunks::<3>().0.as_chunks::<3>().0;
         let weights = numbers("weights", &self.weights, &[count])?;
-        let colours = numbers("colours", &self.colours, &[count, 3])?
-            .as_chunks::<3>()
-            .0;
+        let colours = numbers("colours", &self.colours, &[count, 3])?;
+        let colours = colours.as_chunks::<3>().0;
         let splat = |index: usize| Splat {
             centre: centres[index],
             axes: axes[index],
@@ -102,15 +98,13 @@ fn harmonics(
     })?;
     let count = colours.shape()[0];
     let coefficients = numbers("harmonics", &found, &[count, each, 3])?;
-    let base = colours.as_array();
+    let colours = colours.as_array();
+    let base = colours.rows().into_iter();
+    let base = base.map(|row| [0, 1, 2].map(|channel| row[channel] as f32));
     Ok(Some(Harmonics {
         degree,
         coefficients: coefficients.as_chunks::<3>().0.to_vec(),
-        base: base
-            .rows()
-            .into_iter()
-            .map(|row| [row[0] as f32, row[1] as f32, row[2] as f32])
-            .collect(),
+        base: base.collect(),
     }))
 }
 
@@ -220,9 +214,8 @@ impl Scene {
             "opacity" => Rules::GAUSSIAN_3D,
             "mass" => Rules::EWA,
             other => {
-                return raise(Err(anyhow::anyhow!(
-                    "weight = '{other}': allowed are opacity and mass"
-                )));
+                let message = format!("weight = '{other}': allowed are opacity and mass");
+                return raise(Err(anyhow::Error::msg(message)));
             }
         };
         let arrays = Arrays {
@@ -292,10 +285,8 @@ impl Scene {
     /// The settings by which a surface is drawn unless others are given.
     fn usual_style<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let AnyScene::Surface { scene, .. } = &*self.scene else {
-            return raise(Err(anyhow::anyhow!(
-                "{}: holds splats, which have no style",
-                self.name()
-            )));
+            let message = format!("{}: holds splats, which have no style", self.name());
+            return raise(Err(anyhow::Error::msg(message)));
         };
         let style = splatline_sim::surface::Style::opaque(scene.usual_threshold());
         crate::convert::record(py, &style)
@@ -341,10 +332,8 @@ impl Scene {
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let splats = &raise(self.splats())?.splats;
-        Ok(PyArray1::from_vec(
-            py,
-            splats.iter().map(|splat| splat.weight).collect(),
-        ))
+        let weights = splats.iter().map(|splat| splat.weight);
+        Ok(PyArray1::from_iter(py, weights))
     }
 
     /// View-dependent colour: its constant part before clamping, float32 of shape (n, 3), and the coefficients of degree 1 and up in the
@@ -371,22 +360,18 @@ impl Scene {
     fn normals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         match &*self.scene {
             AnyScene::Surface { .. } => self.triples(py, |_| [0.0; 3], |point| point.normal),
-            AnyScene::Splats(scene) => raise(Err(anyhow::anyhow!(
-                "{}: splats have no normals",
-                scene.name
-            ))),
+            AnyScene::Splats(scene) => {
+                let name = &scene.name;
+                raise(Err(anyhow::anyhow!("{name}: splats have no normals")))
+            }
         }
     }
 
     fn __repr__(&self) -> String {
-        format!(
-            "<Scene {}: {} {}>",
-            self.name(),
-            self.scene.len(),
-            match self.kind() {
-                "splats" => "splats",
-                _ => "points of a surface",
-            }
-        )
+        let what = match &*self.scene {
+            AnyScene::Splats(_) => "splats",
+            AnyScene::Surface { .. } => "points of a surface",
+        };
+        format!("<Scene {}: {} {what}>", self.name(), self.scene.len())
     }
 }

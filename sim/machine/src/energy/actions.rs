@@ -56,11 +56,9 @@ impl<'a> UnitActions<'a> {
         count: u64,
         attojoules_each: u64,
     ) {
-        let known = self
-            .actions
-            .iter_mut()
-            .find(|known| (known.component, known.action, known.bits) == (component, action, bits));
-        match known {
+        let key = |known: &Action| (known.component, known.action, known.bits);
+        let mut known = self.actions.iter_mut();
+        match known.find(|known| key(known) == (component, action, bits)) {
             Some(known) => known.count += count,
             None if count > 0 => self.actions.push(Action {
                 component,

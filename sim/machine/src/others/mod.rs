@@ -244,10 +244,8 @@ pub fn outcome(
     }
     let path = units.iter().filter(|unit| PIXEL_PATH.contains(&unit.name));
     let actions = path.flat_map(|unit| &unit.actions);
-    let products = actions
-        .filter(|action| action.action == "multiply")
-        .map(|action| action.count)
-        .sum();
+    let products = actions.filter(|action| action.action == "multiply");
+    let products = products.map(|action| action.count).sum();
     Outcome {
         preset: *preset,
         energy: sum(units, &config, &timing, table),
@@ -293,10 +291,8 @@ pub fn cells(outcome: &Outcome) -> [String; 11] {
     let Timing { pixels, bytes, .. } = &outcome.timing;
     let blended = pixels.live.max(1) as f64;
     let units = outcome.energy.units.iter();
-    let path: u64 = units
-        .filter(|unit| PIXEL_PATH.contains(&unit.unit))
-        .map(|unit| unit.attojoules)
-        .sum();
+    let path = units.filter(|unit| PIXEL_PATH.contains(&unit.unit));
+    let path: u64 = path.map(|unit| unit.attojoules).sum();
     [
         outcome.preset.name.to_owned(),
         pixels.visited.to_string(),
