@@ -204,6 +204,7 @@ impl RasterUnit {
             tile: job.tile,
             splat: pair.splat,
             pair: (job.first_pair + drawing.pair) as u64,
+            buffer: drawing.buffer,
             drain: self.drain,
             observer,
             memory,
@@ -211,9 +212,9 @@ impl RasterUnit {
         drawing.band = pair.bands_end as usize;
         drawing.pair += 1;
         match self.config.overlap {
-            Overlap::Serial => self.serial_pair(bands, drawing.buffer, &mut at),
-            Overlap::Pipelined => self.pipelined_pair(bands, drawing.buffer, &mut at),
-            Overlap::Primitive => self.primitive_pair(bands, drawing.buffer, &mut at),
+            Overlap::Serial => self.serial_pair(bands, &mut at),
+            Overlap::Pipelined => self.pipelined_pair(bands, &mut at),
+            Overlap::Primitive => self.primitive_pair(bands, &mut at),
         }
     }
 
@@ -257,7 +258,6 @@ impl RasterUnit {
     fn pipelined_pair<O: Observer, M: Memory>(
         &mut self,
         bands: &[Band],
-        buffer: u64,
         at: &mut TracePlace<O, M>,
     ) {
         let [requested, arrival] = self.fetch(at);
@@ -279,7 +279,7 @@ impl RasterUnit {
             self.rows.work(steps * u64::from(self.config.row_cycles));
             at.event(Stage::Rows, 0, band.y, began, self.rows.at());
             if band.groups > 0 {
-                self.hand_over(band, [arrival, handed_on], buffer, at);
+                self.hand_over(band, [arrival, handed_on], at);
             }
         }
     }
@@ -290,7 +290,6 @@ impl RasterUnit {
         &mut self,
         band: &Band,
         [arrived, set_up]: [u64; 2],
-        buffer: u64,
         at: &mut TracePlace<O, M>,
     ) {
         let lane = self.lane_of(band);
@@ -301,18 +300,13 @@ impl RasterUnit {
         lanes.wait(Cause::Memory, arrived);
         lanes.wait(Cause::SplatSetup, set_up);
         lanes.wait(Cause::RowGenerator, entered);
-        let start = sequencer.visit(band, buffer, &self.visit);
+        let start = sequencer.visit(band, at.buffer, &self.visit);
         sequencer.fifo.pass(entered, start);
         at.lanes(lane, band, start, sequencer.account.at());
     }
 
     /// All three stages take turns, so each of them waits while another works.
-    fn serial_pair<O: Observer, M: Memory>(
-        &mut self,
-        bands: &[Band],
-        buffer: u64,
-        at: &mut TracePlace<O, M>,
-    ) {
+    fn serial_pair<O: Observer, M: Memory>(&mut self, bands: &[Band], at: &mut TracePlace<O, M>) {
         let [requested, arrival] = self.fetch(at);
         let RasterUnit {
             splat,
@@ -341,7 +335,7 @@ impl RasterUnit {
             at.event(Stage::Rows, 0, band.y, began, rows.at());
             sequencer.account.wait(Cause::Turn, rows.at());
             if band.groups > 0 {
-                let start = sequencer.visit(band, buffer, &self.visit);
+                let start = sequencer.visit(band, at.buffer, &self.visit);
                 at.lanes(0, band, start, sequencer.account.at());
             }
             rows.wait(Cause::Turn, sequencer.account.at());
@@ -354,10 +348,9 @@ impl RasterUnit {
     fn primitive_pair<O: Observer, M: Memory>(
         &mut self,
         bands: &[Band],
-        buffer: u64,
         at: &mut TracePlace<O, M>,
     ) {
-        let [requested, arrival] = self.fetch(at);
+        let ([requested, arrival], buffer) = (self.fetch(at), at.buffer);
         let stamp = self.primitive.packet(arrival.max(buffer));
         // The place of a packet that has been taken is free in the next cycle.
         self.packets.pass(requested, stamp.accepted + 1);
@@ -452,7 +445,8 @@ impl RasterUnit {
             tile: job.tile,
             splat: u32::MAX,
             pair: 0,
-            drain: 0,
+            buffer,
+            drain: self.drain,
             observer,
             memory,
         };
@@ -468,6 +462,8 @@ struct TracePlace<'a, O, M> {
     splat: u32,
     /// Number of the pair in all lists.
     pair: u64,
+    /// When the tile's buffer was free.
+    buffer: u64,
     /// From a group's issue to its write.
     drain: u64,
     observer: &'a mut O,

@@ -28,14 +28,6 @@ pub struct Scene {
     notes: Vec<String>,
 }
 
-/// The splats of a scene: one line for every array.
-struct Arrays<'a> {
-    centres: PyReadonlyArray2<'a, f64>,
-    axes: PyReadonlyArray3<'a, f64>,
-    weights: PyReadonlyArray1<'a, f64>,
-    colours: PyReadonlyArray2<'a, f64>,
-}
-
 /// The numbers of an array of this shape, where they lie, all of them finite.
 fn numbers<'a, T: Element + Copy + Into<f64>, D: numpy::ndarray::Dimension>(
     name: &str,
@@ -60,25 +52,27 @@ fn numbers<'a, T: Element + Copy + Into<f64>, D: numpy::ndarray::Dimension>(
     }
 }
 
-impl Arrays<'_> {
-    /// The only copy: a splat's numbers lie together, an array's apart.
-    fn splats(&self) -> Result<Vec<Splat>> {
-        let count = self.centres.shape()[0];
-        let centres = numbers("centres", &self.centres, &[count, 3])?;
-        let centres = centres.as_chunks::<3>().0;
-        let axes = numbers("axes", &self.axes, &[count, 3, 3])?;
-        let axes = axes.as_chunks::<3>().0.as_chunks::<3>().0;
-        let weights = numbers("weights", &self.weights, &[count])?;
-        let colours = numbers("colours", &self.colours, &[count, 3])?;
-        let colours = colours.as_chunks::<3>().0;
-        let splat = |index: usize| Splat {
-            centre: centres[index],
-            axes: axes[index],
-            weight: weights[index],
-            colour: colours[index].map(|value| value.max(0.0)),
-        };
-        Ok((0..count).map(splat).collect())
-    }
+/// The splats of arrays, one line of each for a splat. The only copy: a splat's numbers lie together, an array's apart.
+fn splats_of(
+    centres: &PyReadonlyArray2<f64>,
+    axes: &PyReadonlyArray3<f64>,
+    weights: &PyReadonlyArray1<f64>,
+    colours: &PyReadonlyArray2<f64>,
+) -> Result<Vec<Splat>> {
+    let count = centres.shape()[0];
+    let centres = numbers("centres", centres, &[count, 3])?;
+    let axes = numbers("axes", axes, &[count, 3, 3])?;
+    let weights = numbers("weights", weights, &[count])?;
+    let colours = numbers("colours", colours, &[count, 3])?;
+    let [centres, colours] = [centres, colours].map(|array| array.as_chunks::<3>().0);
+    let axes = axes.as_chunks::<3>().0.as_chunks::<3>().0;
+    let splat = |index: usize| Splat {
+        centre: centres[index],
+        axes: axes[index],
+        weight: weights[index],
+        colour: colours[index].map(|value| value.max(0.0)),
+    };
+    Ok((0..count).map(splat).collect())
 }
 
 /// Coefficients of view-dependent colour; the colours that came with them are its constant part.
@@ -218,15 +212,9 @@ impl Scene {
                 return raise(Err(anyhow::Error::msg(message)));
             }
         };
-        let arrays = Arrays {
-            centres,
-            axes,
-            weights,
-            colours,
-        };
-        let splats = raise(arrays.splats())?;
+        let splats = raise(splats_of(&centres, &axes, &weights, &colours))?;
         let scene = scene::Scene {
-            harmonics: raise(self::harmonics(&arrays.colours, harmonics))?,
+            harmonics: raise(self::harmonics(&colours, harmonics))?,
             up,
             ..scene::Scene::of_splats(name, natural_rules, splats)
         };

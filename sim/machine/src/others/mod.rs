@@ -118,7 +118,7 @@ pub const PRESETS: [Preset; 7] = [
         design: "standard24",
         tested: Tested::Tiles,
         float: Some(FORM),
-        config: sixteen_lanes,
+        config: || sixteen(LaneLayout::Aligned),
     },
     Preset {
         name: "sub-tiles",
@@ -126,7 +126,7 @@ pub const PRESETS: [Preset; 7] = [
         design: "standard24",
         tested: Tested::SubTiles(8),
         float: Some(FORM),
-        config: sixteen_lanes,
+        config: || sixteen(LaneLayout::Aligned),
     },
     Preset {
         name: "row-sequential",
@@ -134,7 +134,7 @@ pub const PRESETS: [Preset; 7] = [
         design: "standard24",
         tested: Tested::Rows,
         float: Some(DIFFERENCES),
-        config: sixteen_rows,
+        config: || sixteen(LaneLayout::Rows),
     },
     Preset {
         name: "axis-shared",
@@ -142,7 +142,7 @@ pub const PRESETS: [Preset; 7] = [
         design: "standard24",
         tested: Tested::Tiles,
         float: Some(SHARED_AXES),
-        config: sixteen_lanes,
+        config: || sixteen(LaneLayout::Aligned),
     },
     Preset {
         name: "primitive-1997",
@@ -150,7 +150,7 @@ pub const PRESETS: [Preset; 7] = [
         design: "classic8",
         tested: Tested::Own,
         float: None,
-        config: sixteen_lanes,
+        config: || sixteen(LaneLayout::Aligned),
     },
     Preset {
         name: "splatline lean18",
@@ -170,18 +170,10 @@ pub const PRESETS: [Preset; 7] = [
     },
 ];
 
-fn sixteen_lanes() -> Config {
+fn sixteen(layout: LaneLayout) -> Config {
     Config {
         lanes: 16,
-        layout: LaneLayout::Aligned,
-        ..Config::default()
-    }
-}
-
-fn sixteen_rows() -> Config {
-    Config {
-        lanes: 16,
-        layout: LaneLayout::Rows,
+        layout,
         ..Config::default()
     }
 }
