@@ -126,13 +126,12 @@ unsafe fn draw_into(
         return Err(Error::Stride);
     }
     let mut target = Target::new(pixels, *window, stride).map_err(|_| Error::Size)?;
-    let kernel_painter = Painter::new(
-        painter.widths.design()?,
-        &painter.rules.rules()?,
-        table,
+    let (design, rules) = (painter.widths.design()?, painter.rules.rules()?);
+    let (order, traversal) = (
         compositing(painter.compositing)?,
         traversal(painter.traversal)?,
     );
+    let kernel_painter = Painter::new(design, &rules, table, order, traversal);
     Ok(kernel_painter.draw(&footprint.into(), &mut target))
 }
 

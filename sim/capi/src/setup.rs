@@ -91,16 +91,10 @@ pub unsafe extern "C" fn splatline_setup_many(
         let (design, view, rules) = (widths.design()?, view.view()?, rules.rules()?);
         let mut written = 0;
         for (index, reason) in reasons.iter_mut().enumerate() {
+            let splat = element(splats, index, splat_stride);
+            let footprint = element(footprints, index, footprint_stride).cast_mut();
             // SAFETY: the function's own contract; strides keep the alignment.
-            *reason = unsafe {
-                set_up_one(
-                    design,
-                    &view,
-                    &rules,
-                    element(splats, index, splat_stride),
-                    element(footprints, index, footprint_stride).cast_mut(),
-                )
-            };
+            *reason = unsafe { set_up_one(design, &view, &rules, splat, footprint) };
             written += i32::from(*reason == SPLATLINE_OK);
         }
         Ok(written)

@@ -84,8 +84,9 @@ impl TileDrawing {
 impl RasterUnit {
     pub fn new(number: u32, config: &Config) -> RasterUnit {
         let sequencer = Sequencer::new(config.row_fifo, config.tile_height.into());
+        let lanes = config.lanes as usize;
         let sequencers = match config.layout {
-            LaneLayout::Rows => config.lanes as usize,
+            LaneLayout::Rows => lanes,
             _ => 1,
         };
         let free = TileBuffer::Free(config.clear_cycles.into());
@@ -106,7 +107,7 @@ impl RasterUnit {
             packets: Fifo::new(config.packet_fifo),
             splats: Fifo::new(config.splat_fifo),
             primitive: PrimitiveClock::with_interval(
-                config.lanes as usize,
+                lanes,
                 config.row_fifo,
                 config.splat_cycles,
                 0,
@@ -474,15 +475,12 @@ impl<O: Observer, M> TracePlace<'_, O, M> {
     #[inline(always)]
     fn event(&mut self, stage: Stage, lane: usize, row: u8, start: u64, end: u64) {
         if O::WATCHES {
-            let TracePlace {
-                unit, tile, splat, ..
-            } = *self;
             self.observer.event(Event {
-                unit,
+                unit: self.unit,
                 stage,
                 lane: lane as u32,
-                tile,
-                splat,
+                tile: self.tile,
+                splat: self.splat,
                 row: row.into(),
                 start,
                 end,

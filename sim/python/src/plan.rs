@@ -35,8 +35,8 @@ pub struct Plan {
     scene: Scene,
 }
 
-/// Pixels of a picture as an array, and its report.
-type Drawn<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyAny>);
+/// Pixels of a picture as an array.
+type Drawing<'py> = Bound<'py, PyArray3<f64>>;
 
 impl Plan {
     fn of_prepared(prepared: Prepared) -> Plan {
@@ -204,7 +204,7 @@ impl Plan {
         threads: Option<usize>,
         repeat: usize,
         vectors: Option<&str>,
-    ) -> PyResult<Drawn<'py>> {
+    ) -> PyResult<(Drawing<'py>, Bound<'py, PyAny>)> {
         let effort = raise(Plan::effort(threads, repeat, vectors))?;
         let drawn = py.detach(|| draw_alone(&self.prepared, None, &effort, &ProgressMeter::new(1)));
         let (measured, report) = raise(drawn)?;
@@ -221,11 +221,7 @@ impl Plan {
         repeat: usize,
         all_designs: bool,
         formats: bool,
-    ) -> PyResult<(
-        Bound<'py, PyArray3<f64>>,
-        Bound<'py, PyArray3<f64>>,
-        Bound<'py, PyAny>,
-    )> {
+    ) -> PyResult<(Drawing<'py>, Drawing<'py>, Bound<'py, PyAny>)> {
         let effort = raise(Plan::effort(threads, repeat, None))?;
         let prepared = &self.prepared;
         let others = match all_designs && prepared.has_traversals() {

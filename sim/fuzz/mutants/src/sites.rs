@@ -158,10 +158,10 @@ impl Finder<'_> {
 
     fn literal(&mut self, e: &syn::ExprLit) {
         let option = match &e.lit {
-            Lit::Bool(b) => Some((
-                format!("{} -> {}", b.value, !b.value),
-                format!("{}", !b.value),
-            )),
+            Lit::Bool(b) => {
+                let (value, other) = (b.value, !b.value);
+                Some((format!("{value} -> {other}"), other.to_string()))
+            }
             Lit::Int(i) => i.base10_parse::<u128>().ok().map(|value| {
                 let other = if value == 0 { 1 } else { value - 1 };
                 (format!("{i} -> {other}"), format!("{other}{}", i.suffix()))
@@ -188,11 +188,9 @@ impl Finder<'_> {
             _ => return,
         };
         let (whole, method) = (e.span().byte_range(), e.method.span().byte_range());
-        let code = format!(
-            "{}{other}{}",
-            &self.text[whole.start..method.start],
-            &self.text[method.end..whole.end]
-        );
+        let before = &self.text[whole.start..method.start];
+        let after = &self.text[method.end..whole.end];
+        let code = format!("{before}{other}{after}");
         self.instead(e, vec![(format!("{name} -> {other}"), code)]);
     }
 
@@ -209,11 +207,8 @@ impl Finder<'_> {
     }
 
     fn body(&mut self, name: &syn::Ident, signature: &syn::Signature, block: &syn::Block) {
-        let outer = (
-            self.function.clone(),
-            self.constant,
-            std::mem::take(&mut self.deferred),
-        );
+        let deferred = std::mem::take(&mut self.deferred);
+        let outer = (self.function.clone(), self.constant, deferred);
         self.function = if self.owner.is_empty() {
             name.to_string()
         } else {
@@ -333,11 +328,8 @@ impl<'ast> Visit<'ast> for Finder<'_> {
                 _ => false,
             };
             if left_out {
-                self.add(
-                    statement.span().byte_range(),
-                    Kind::LeftOut,
-                    vec![("left out".into(), String::new())],
-                );
+                let option = vec![("left out".into(), String::new())];
+                self.add(statement.span().byte_range(), Kind::LeftOut, option);
             }
         }
         visit::visit_stmt(self, statement);

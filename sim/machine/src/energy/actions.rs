@@ -90,15 +90,9 @@ impl<'a> UnitActions<'a> {
     /// So many times sums and products in floating point, each for so many attojoules.
     fn operations(&mut self, bits: u64, counts: [u64; 2], times: u64, energies: [u64; 2]) {
         let [sums, products] = counts.map(|count| count * times);
-        let [add, multiply] = energies;
-        self.add("float_adder", "add", [bits; 2], sums, add);
-        self.add(
-            "float_multiplier",
-            "multiply",
-            [bits; 2],
-            products,
-            multiply,
-        );
+        let (bits, [add, multiply]) = ([bits; 2], energies);
+        self.add("float_adder", "add", bits, sums, add);
+        self.add("float_multiplier", "multiply", bits, products, multiply);
     }
 
     pub fn float(&mut self, bits: u64, counts: [u64; 2], times: u64) {

@@ -97,10 +97,7 @@ fn sub_tiles(mut all: Vec<WorkloadRow>, width: u32, side: u32) -> (u8, Vec<Workl
         }
     }
     let first = met.iter().position(|met| *met).unwrap_or(0) * side_rows;
-    let end = met
-        .iter()
-        .rposition(|met| *met)
-        .map_or(first, |last| (last + 1) * side_rows);
-    let end = end.min(all.len());
-    (first as u8, all[first..end.max(first)].to_vec())
+    let last = met.iter().rposition(|met| *met);
+    let end = last.map_or(first, |last| ((last + 1) * side_rows).min(all.len()));
+    (first as u8, all[first..end].to_vec())
 }

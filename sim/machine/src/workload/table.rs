@@ -253,12 +253,8 @@ fn workload(entries: &[WorkTableEntry], splats: usize, options: &TableOptions) -
             tiles.is_none_or(|tiles| tiles.contains(&(tile as u32)))
         };
         let list = bins.lists[tile].iter();
-        let list = list.map(|number| &entries[*number as usize]);
-        tile_part(
-            list.filter(listed),
-            bins.grid.window(tile),
-            options.traversal,
-        )
+        let list = list.map(|number| &entries[*number as usize]).filter(listed);
+        tile_part(list, bins.grid.window(tile), options.traversal)
     });
     assemble(parts.collect(), &bins, splats, options.packet_bytes)
 }
