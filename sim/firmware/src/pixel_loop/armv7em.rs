@@ -35,15 +35,21 @@ const _: () = {
 /// Blends a run.
 #[inline(always)]
 pub fn paint(run: NarrowRun) {
+    let NarrowRun {
+        pixels,
+        lanes,
+        footprint,
+        clamped,
+    } = run;
     // The counter's bits.
-    let count = run.pixels.len().min(1 << 16) as u32;
-    let pixels = run.pixels.as_mut_ptr();
+    let count = pixels.len().min(1 << 16) as u32;
+    let pixels = pixels.as_mut_ptr();
     // SAFETY: the pixels are a borrowed slice's.
     unsafe {
-        if run.clamped {
-            paint_clamped(pixels, &run.lanes, run.footprint, count)
+        if clamped {
+            paint_clamped(pixels, &lanes, footprint, count)
         } else {
-            paint_unclamped(pixels, &run.lanes, run.footprint, count)
+            paint_unclamped(pixels, &lanes, footprint, count)
         }
     }
 }
