@@ -106,10 +106,9 @@ impl LaneWork {
 
     /// Groups every row of `workload` for lanes of this shape. `lanes` must be at most 64.
     pub fn new(workload: &Workload, shape: LaneShape) -> LaneWork {
-        let parts: Vec<LaneWork> = (0..workload.tiles.len())
-            .into_par_iter()
-            .map(|tile| one_tile(workload, shape, tile))
-            .collect();
+        let tiles = (0..workload.tiles.len()).into_par_iter();
+        let parts = tiles.map(|tile| one_tile(workload, shape, tile));
+        let parts: Vec<LaneWork> = parts.collect();
         let mut work = LaneWork {
             bands: Vec::with_capacity(parts.iter().map(|part| part.bands.len()).sum()),
             pairs: Vec::with_capacity(workload.pairs.len()),

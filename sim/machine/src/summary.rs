@@ -121,11 +121,9 @@ pub fn text(name: &str, timing: &Timing) -> String {
             causes.join(", ")
         );
     }
-    let fifos: Vec<String> = timing
-        .fifos
-        .iter()
-        .map(|(fifo, entry)| format!("{fifo} {}/{}", entry.high_water, entry.depth))
-        .collect();
+    let fifos = timing.fifos.iter();
+    let fifos = fifos.map(|(name, fifo)| format!("{name} {}/{}", fifo.high_water, fifo.depth));
+    let fifos: Vec<String> = fifos.collect();
     let _ = writeln!(text, "FIFOs, fullest/depth: {}", fifos.join(", "));
     let bytes = &timing.bytes;
     let _ = writeln!(

@@ -472,13 +472,8 @@ impl Timing {
 
     fn add_pixels(&mut self, raster: &Raster, config: &Config) {
         let lanes = u64::from(config.lanes) * u64::from(config.raster_units);
-        let per_lane = |pixels: u64| {
-            if self.raster == 0 {
-                0.0
-            } else {
-                pixels as f64 / (self.raster * lanes) as f64
-            }
-        };
+        // A phase without cycles has no pixels.
+        let per_lane = |pixels: u64| pixels as f64 / (self.raster * lanes).max(1) as f64;
         let unit = raster.units.first();
         let sequencers = unit.map_or(1, |unit| unit.sequencers.len() as u64);
         let busy = self.units.get("lanes").map_or(0, |unit| unit.busy);
