@@ -393,8 +393,11 @@ impl RasterUnit {
 
     #[inline(always)]
     fn lane_of(&self, band: &Band) -> usize {
-        // Lanes that own their rows are a power of two; others advance together.
-        usize::from(band.y) & (self.sequencers.len() - 1)
+        // Lanes that own their rows are a power of two.
+        match self.config.layout {
+            LaneLayout::Rows => usize::from(band.y) & (self.sequencers.len() - 1),
+            _ => 0,
+        }
     }
 
     /// Packets of a finished tile that were already on their way.

@@ -107,6 +107,7 @@ impl Port {
     }
 
     /// The bursts, as address and bytes, that a stream does not have at hand, which it has afterwards; nothing if it has all.
+    #[inline(always)]
     fn rest(&self, stream: &mut Stream, address: u64, bytes: u64) -> Option<[u64; 2]> {
         let (first, last) = self.bursts(address, bytes);
         let first = first + u64::from(stream.last == first + 1);
