@@ -99,16 +99,13 @@ impl Browser {
         }
         let mut bytes = message.to_string().into_bytes();
         bytes.push(0);
-        self.to
-            .write_all(&bytes)
-            .with_context(|| format!("chromium does not take {method}: is it running?"))?;
+        let taken = self.to.write_all(&bytes);
+        taken.with_context(|| format!("chromium does not take {method}: is it running?"))?;
         let until = Instant::now() + PATIENCE;
         loop {
             let left = until.saturating_duration_since(Instant::now());
-            let answer = self
-                .from
-                .recv_timeout(left)
-                .with_context(|| format!("chromium gives no answer to {method}"))?;
+            let answer = self.from.recv_timeout(left);
+            let answer = answer.with_context(|| format!("chromium gives no answer to {method}"))?;
             if answer["id"] == json!(id) {
                 return match answer.get("error") {
                     Some(error) => Err(anyhow!("{method}: {error}")),
@@ -152,10 +149,8 @@ impl Browser {
     /// Opens a file and waits until `ready`, an expression, holds.
     pub fn open(&mut self, file: &Path, ready: &str) -> Result<()> {
         let file = file.canonicalize()?;
-        self.call(
-            "Page.navigate",
-            json!({"url": format!("file://{}", file.display())}),
-        )?;
+        let address = format!("file://{}", file.display());
+        self.call("Page.navigate", json!({"url": address}))?;
         self.wait(ready)
     }
 
@@ -164,10 +159,7 @@ impl Browser {
         let until = Instant::now() + PATIENCE;
         while Instant::now() < until {
             let expression = format!("!!({condition})");
-            if self
-                .evaluate(&expression)
-                .is_ok_and(|value| value == json!(true))
-            {
+            if self.evaluate(&expression).is_ok_and(|value| value == true) {
                 return Ok(());
             }
             std::thread::sleep(Duration::from_millis(50));
@@ -189,9 +181,8 @@ impl Browser {
     /// The same as a number.
     pub fn number(&mut self, expression: &str) -> Result<f64> {
         let value = self.evaluate(expression)?;
-        value
-            .as_f64()
-            .with_context(|| format!("{expression} is {value} and no number"))
+        let number = value.as_f64();
+        number.with_context(|| format!("{expression} is {value} and no number"))
     }
 
     /// The same as text.
@@ -241,10 +232,8 @@ impl Browser {
             };
             // A name may hold spaces; it ends at the last parenthesis.
             let fields = text.rsplit_once(')').map_or("", |parts| parts.1);
-            let fields: Vec<u64> = fields
-                .split_whitespace()
-                .map(|field| field.parse().unwrap_or(0))
-                .collect();
+            let fields = fields.split_whitespace();
+            let fields: Vec<u64> = fields.map(|field| field.parse().unwrap_or(0)).collect();
             let name = entry.file_name();
             let process: Option<u64> = name.to_str().and_then(|name| name.parse().ok());
             if let (Some(process), [_, parent, ..]) = (process, &fields[..])
@@ -256,11 +245,8 @@ impl Browser {
         let mut own = vec![u64::from(self.child.id())];
         let mut ticks = 0;
         while let Some(process) = own.pop() {
-            ticks += all
-                .iter()
-                .filter(|p| p.0 == process)
-                .map(|p| p.2)
-                .sum::<u64>();
+            let own_ticks = all.iter().filter(|p| p.0 == process).map(|p| p.2);
+            ticks += own_ticks.sum::<u64>();
             own.extend(all.iter().filter(|p| p.1 == process).map(|p| p.0));
         }
         // A tick is a hundredth of a second on every Linux.

@@ -36,10 +36,10 @@ pub unsafe extern "C" fn splatline_design(name: u32, widths: *mut SplatlineWidth
         SPLATLINE_STANDARD24 => &Standard24::WIDTHS,
         SPLATLINE_DEEP32 => &Deep32::WIDTHS,
         SPLATLINE_MICRO16 => &Micro16::WIDTHS,
-        _ => return code(Err(Error::Value)),
+        _ => return Error::Value as i32,
     };
     // SAFETY: the function's own contract.
-    code(unsafe { write(widths, named.into()) }.map(|()| SPLATLINE_OK))
+    code(|| unsafe { write(widths, named.into()) })
 }
 
 /// Are all widths within their ranges? SPLATLINE_OK, SPLATLINE_ERROR_WIDTHS, or SPLATLINE_ERROR_VALUE of a rounding that there is not.
@@ -49,7 +49,7 @@ pub unsafe extern "C" fn splatline_design(name: u32, widths: *mut SplatlineWidth
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splatline_design_check(widths: *const SplatlineWidths) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { read(widths) }.and_then(|widths| widths.widths().map(|_| SPLATLINE_OK)))
+    code(|| unsafe { read(widths) }?.widths().map(|_| SPLATLINE_OK))
 }
 
 /// Writes named rules (SPLATLINE_RULES_EWA or SPLATLINE_RULES_3DGS).
@@ -61,10 +61,10 @@ pub unsafe extern "C" fn splatline_rules(name: u32, rules: *mut SplatlineRules) 
     let named = match name {
         SPLATLINE_RULES_EWA => &Rules::EWA,
         SPLATLINE_RULES_3DGS => &Rules::GAUSSIAN_3D,
-        _ => return code(Err(Error::Value)),
+        _ => return Error::Value as i32,
     };
     // SAFETY: the function's own contract.
-    code(unsafe { write(rules, named.into()) }.map(|()| SPLATLINE_OK))
+    code(|| unsafe { write(rules, named.into()) })
 }
 
 /// Writes the constants of front-to-back compositing: what a circuit of the design compares with under these rules.
@@ -78,13 +78,11 @@ pub unsafe extern "C" fn splatline_blend_constants(
     constants: *mut SplatlineBlendConstants,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { read(widths) }.and_then(|widths| {
-        // SAFETY: the function's own contract.
-        let rules = unsafe { read(rules) }?.rules()?;
+    code(|| unsafe {
+        let (widths, rules) = (read(widths)?, read(rules)?.rules()?);
         let blend = Blend::new(&widths.widths()?, &rules);
-        // SAFETY: the function's own contract.
-        unsafe { write(constants, blend.constants().into()) }.map(|()| SPLATLINE_OK)
-    }))
+        write(constants, blend.constants().into())
+    })
 }
 
 /// Writes the number of entries of a design's footprint table.
@@ -97,11 +95,7 @@ pub unsafe extern "C" fn splatline_table_entries(
     count: *mut usize,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { read(widths) }.and_then(|widths| {
-        let needed = entries(&widths.widths()?);
-        // SAFETY: the function's own contract.
-        unsafe { write(count, needed) }.map(|()| SPLATLINE_OK)
-    }))
+    code(|| unsafe { write(count, entries(&read(widths)?.widths()?)) })
 }
 
 /// Fills a footprint table with the Gaussian exp(-r/2), entries in UQ1.weight, for `table_range` of the rules (0 to 4, at most
@@ -117,15 +111,14 @@ pub unsafe extern "C" fn splatline_table_gaussian(
     count: usize,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { read(widths) }.and_then(|widths| {
-        let widths = widths.widths()?;
+    code(|| unsafe {
+        let widths = read(widths)?.widths()?;
         let range = checked_range(&widths, table_range)?;
-        // SAFETY: the function's own contract.
-        let memory = unsafe { slice_mut(table, count) }?;
+        let memory = slice_mut(table, count)?;
         FootprintTable::new(memory, &widths, range).map_err(|_| Error::Size)?;
         fill_gaussian(memory, &widths, range);
         Ok(SPLATLINE_OK)
-    }))
+    })
 }
 
 /// Looks the kernel up at `radial` (UQ4.radial) and writes it in UQ1.weight.
@@ -142,13 +135,10 @@ pub unsafe extern "C" fn splatline_table_weight(
     weight: *mut u32,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { read(widths) }.and_then(|widths| {
-        let widths = widths.widths()?;
-        // SAFETY: the function's own contract.
-        let table = unsafe { footprint_table(&widths, table_range, table, count) }?;
-        // SAFETY: the function's own contract.
-        unsafe { write(weight, table.weight(radial)) }.map(|()| SPLATLINE_OK)
-    }))
+    code(|| unsafe {
+        let table = footprint_table(&read(widths)?.widths()?, table_range, table, count)?;
+        write(weight, table.weight(radial))
+    })
 }
 
 /// # Safety

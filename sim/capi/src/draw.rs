@@ -53,15 +53,9 @@ impl SplatlinePainter {
     pub(crate) unsafe fn parts(&self) -> Result<(Widths, FootprintTable<'_>, Blend), Error> {
         let widths = self.widths.widths()?;
         let rules = self.rules.rules()?;
+        let range = self.rules.table_range;
         // SAFETY: the function's own contract.
-        let table = unsafe {
-            footprint_table(
-                &widths,
-                self.rules.table_range,
-                self.table,
-                self.table_count,
-            )
-        }?;
+        let table = unsafe { footprint_table(&widths, range, self.table, self.table_count) }?;
         Ok((widths, table, Blend::new(&widths, &rules)))
     }
 }
@@ -76,14 +70,12 @@ pub unsafe extern "C" fn splatline_clear(
     pixels: *mut SplatlinePixel,
     count: usize,
 ) -> i32 {
-    let clear = || {
-        // SAFETY: the function's own contract.
-        let clear = Pixel::clear(&unsafe { read(widths) }?.widths()?);
-        // SAFETY: the function's own contract.
-        unsafe { slice_mut(pixels.cast::<Pixel>(), count) }?.fill(clear);
+    // SAFETY: the function's own contract.
+    code(|| unsafe {
+        let clear = Pixel::clear(&read(widths)?.widths()?);
+        slice_mut(pixels.cast::<Pixel>(), count)?.fill(clear);
         Ok(SPLATLINE_OK)
-    };
-    code(clear())
+    })
 }
 
 /// Draws one footprint into `window`. Row y of the window begins at pixel `(y - window.first[1]) * stride`; `stride` counts pixels and is at
@@ -102,31 +94,21 @@ pub unsafe extern "C" fn splatline_draw(
     stride: usize,
     coverage: *mut SplatlineCoverage,
 ) -> i32 {
-    let draw = || {
-        // SAFETY: the function's own contract.
-        let (painter, footprint, window) =
-            unsafe { (read(painter)?, read(footprint)?, read(window)?) };
-        // SAFETY: the function's own contract.
-        let pixels = unsafe { slice_mut(pixels.cast::<Pixel>(), count) }?;
-        // SAFETY: the function's own contract.
-        let drawn = unsafe { draw_into(painter, footprint, &window.into(), pixels, stride) }?;
-        if !coverage.is_null() {
-            let Coverage {
-                visited,
-                covered,
-                finished,
-            } = drawn;
-            let counted = SplatlineCoverage {
-                visited,
-                covered,
-                finished,
-            };
-            // SAFETY: the function's own contract.
-            unsafe { write(coverage, counted) }?;
+    // SAFETY: the function's own contract.
+    code(|| unsafe {
+        let (painter, footprint, window) = (read(painter)?, read(footprint)?, read(window)?);
+        let pixels = slice_mut(pixels.cast::<Pixel>(), count)?;
+        let drawn = draw_into(painter, footprint, &window.into(), pixels, stride)?;
+        if coverage.is_null() {
+            return Ok(SPLATLINE_OK);
         }
-        Ok(SPLATLINE_OK)
-    };
-    code(draw())
+        let counted = SplatlineCoverage {
+            visited: drawn.visited,
+            covered: drawn.covered,
+            finished: drawn.finished,
+        };
+        write(coverage, counted)
+    })
 }
 
 /// # Safety
@@ -144,13 +126,12 @@ unsafe fn draw_into(
         return Err(Error::Stride);
     }
     let mut target = Target::new(pixels, *window, stride).map_err(|_| Error::Size)?;
-    let kernel_painter = Painter::new(
-        painter.widths.design()?,
-        &painter.rules.rules()?,
-        table,
+    let (design, rules) = (painter.widths.design()?, painter.rules.rules()?);
+    let (order, traversal) = (
         compositing(painter.compositing)?,
         traversal(painter.traversal)?,
     );
+    let kernel_painter = Painter::new(design, &rules, table, order, traversal);
     Ok(kernel_painter.draw(&footprint.into(), &mut target))
 }
 

@@ -29,17 +29,15 @@ pub unsafe extern "C" fn splatline_look_at(
     rows: u16,
     view: *mut SplatlineView,
 ) -> i32 {
-    let look = || {
-        // SAFETY: the function's own contract.
-        let [eye, target, up] = unsafe { [vector(eye)?, vector(target)?, vector(up)?] };
+    // SAFETY: the function's own contract.
+    code(|| unsafe {
+        let [eye, target, up] = [vector(eye)?, vector(target)?, vector(up)?];
         let [eye, target, up] = [eye, target, up].map(|vector| vector.map(f64::from));
         let camera = Camera::look_at(eye, target, up, field_of_view.into(), [columns, rows]);
         let seen = camera.and_then(|camera| camera.view());
         let seen = seen.map_err(|_| Error::Value)?;
-        // SAFETY: the function's own contract.
-        unsafe { write(view, (&seen).into()) }.map(|()| SPLATLINE_OK)
-    };
-    code(look())
+        write(view, (&seen).into())
+    })
 }
 
 /// A splat from ordinary numbers: mean (scene units), rotation as a quaternion w, x, y, z of any length but 0, standard deviations along the
@@ -57,22 +55,17 @@ pub unsafe extern "C" fn splatline_gaussian(
     colour: *const f32,
     splat: *mut SplatlineSplat,
 ) -> i32 {
-    let convert = || {
-        // SAFETY: the function's own contract.
-        let gaussian = unsafe {
-            Gaussian {
-                mean: vector(mean)?,
-                rotation: *read(rotation.cast::<[f32; 4]>())?,
-                scales: vector(scales)?,
-                opacity,
-                colour: vector(colour)?,
-            }
+    // SAFETY: the function's own contract.
+    code(|| unsafe {
+        let gaussian = Gaussian {
+            mean: vector(mean)?,
+            rotation: *read(rotation.cast::<[f32; 4]>())?,
+            scales: vector(scales)?,
+            opacity,
+            colour: vector(colour)?,
         };
-        let converted = gaussian.splat().ok_or(Error::Value)?;
-        // SAFETY: the function's own contract.
-        unsafe { write(splat, (&converted).into()) }.map(|()| SPLATLINE_OK)
-    };
-    code(convert())
+        write(splat, (&gaussian.splat().ok_or(Error::Value)?).into())
+    })
 }
 
 /// Words of 32 bits that a list of `footprints` takes; the last is the picture's viewport.
@@ -98,13 +91,11 @@ pub unsafe extern "C" fn splatline_set_up_scene(
     word_count: usize,
     needed_words: *mut usize,
 ) -> i32 {
-    let set_up = || {
-        // SAFETY: the function's own contract.
-        let (view, splats) = unsafe { (read(view)?.view()?, slice(splats, count)?) };
-        // SAFETY: the function's own contract.
-        unsafe { set_up(&view, &Lent(splats), words, word_count, needed_words) }
-    };
-    code(set_up())
+    // SAFETY: the function's own contract.
+    code(|| unsafe {
+        let (view, scene) = (read(view)?.view()?, Lent(slice(splats, count)?));
+        set_up(&view, &scene, words, word_count, needed_words)
+    })
 }
 
 /// The same for a scene as `splatline bake -o scene.bin` writes it, `count` bytes; SPLATLINE_ERROR_VALUE if they are not one, whole.
@@ -120,14 +111,12 @@ pub unsafe extern "C" fn splatline_set_up_compact(
     word_count: usize,
     needed_words: *mut usize,
 ) -> i32 {
-    let set_up = || {
-        // SAFETY: the function's own contract.
-        let (view, bytes) = unsafe { (read(view)?.view()?, slice(bytes, count)?) };
+    // SAFETY: the function's own contract.
+    code(|| unsafe {
+        let (view, bytes) = (read(view)?.view()?, slice(bytes, count)?);
         let scene = CompactScene::read(bytes).ok_or(Error::Value)?;
-        // SAFETY: the function's own contract.
-        unsafe { set_up(&view, &scene, words, word_count, needed_words) }
-    };
-    code(set_up())
+        set_up(&view, &scene, words, word_count, needed_words)
+    })
 }
 
 /// Draws the part of the picture in `window` and brings it to 16 bits a pixel (red 5, green 6, blue 5) over a background in the same
@@ -146,25 +135,19 @@ pub unsafe extern "C" fn splatline_draw_rgb565(
     sent: *mut u16,
     count: usize,
 ) -> i32 {
-    let draw = || {
-        // SAFETY: the function's own contract.
-        let (words, window) = unsafe { (slice_mut(words, word_count)?, read(window)?) };
+    // SAFETY: the function's own contract; both structs of a pixel have the same fields in C's layout.
+    code(|| unsafe {
+        let (words, window) = (slice_mut(words, word_count)?, read(window)?);
         let (viewport, words) = words.split_last_mut().ok_or(Error::Size)?;
         let viewport = [*viewport as u16, (*viewport >> 16) as u16];
         let list = PackedList::filled(Micro16, words, footprints, viewport).ok_or(Error::Size)?;
-        // SAFETY: the function's own contract; both structs have the same fields in C's layout.
-        let (pixels, sent) = unsafe {
-            (
-                slice_mut(pixels.cast::<Pixel>(), count)?,
-                slice_mut(sent, count)?,
-            )
-        };
+        let pixels = slice_mut(pixels.cast::<Pixel>(), count)?;
+        let sent = slice_mut(sent, count)?;
         let frame = Renderer::new(Micro16).draw(&list, window.into(), pixels);
         let frame = frame.map_err(|_| Error::Size)?;
         frame.write_rgb565(background, sent);
         Ok(SPLATLINE_OK)
-    };
-    code(draw())
+    })
 }
 
 /// Numbers of `count` footprints in `order` by depth, nearest first, ties by number: what drawing front to back asks for.
@@ -177,7 +160,7 @@ pub unsafe extern "C" fn splatline_sort(
     count: usize,
     order: *mut u32,
 ) -> i32 {
-    let sort = || {
+    code(|| {
         // SAFETY: the function's own contract.
         let (footprints, order) = unsafe { (slice(footprints, count)?, slice_mut(order, count)?) };
         if u32::try_from(count).is_err() {
@@ -187,15 +170,12 @@ pub unsafe extern "C" fn splatline_sort(
             *place = number;
         }
         sort_by_key(order, |number| {
-            let footprint = footprints.get(number as usize);
-            (
-                footprint.map_or(u64::MAX, |footprint| footprint.depth),
-                number,
-            )
+            let depth = |footprint: &SplatlineFootprint| footprint.depth;
+            let found = footprints.get(number as usize);
+            (found.map_or(u64::MAX, depth), number)
         });
         Ok(SPLATLINE_OK)
-    };
-    code(sort())
+    })
 }
 
 /// # Safety

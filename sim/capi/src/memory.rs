@@ -4,9 +4,10 @@
 //! Null and misaligned pointers are errors. That a pointer leads to as much memory as the caller says, and that nobody else writes
 //! it meanwhile, cannot be checked: it is the contract of every function of this library.
 
-use crate::status::Error;
+use crate::status::{Error, SPLATLINE_OK};
 
-fn check<T>(pointer: *const T) -> Result<(), Error> {
+/// Is the pointer neither null nor misaligned?
+pub(crate) fn check<T>(pointer: *const T) -> Result<(), Error> {
     if pointer.is_null() {
         Err(Error::Null)
     } else if !pointer.is_aligned() {
@@ -24,15 +25,15 @@ pub(crate) unsafe fn read<'a, T>(pointer: *const T) -> Result<&'a T, Error> {
     Ok(unsafe { &*pointer })
 }
 
-/// Writes without reading what was there: the memory may be uninitialised.
+/// Writes without reading what was there: the memory may be uninitialised. Gives the code of success.
 ///
 /// # Safety
 /// `pointer` is null, misaligned, or leads to memory for a `T` that nobody else uses during the call.
-pub(crate) unsafe fn write<T>(pointer: *mut T, value: T) -> Result<(), Error> {
+pub(crate) unsafe fn write<T>(pointer: *mut T, value: T) -> Result<i32, Error> {
     check(pointer)?;
     // SAFETY: not null, aligned; the rest is the caller's contract.
     unsafe { pointer.write(value) };
-    Ok(())
+    Ok(SPLATLINE_OK)
 }
 
 /// # Safety

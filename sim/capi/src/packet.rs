@@ -44,10 +44,7 @@ pub unsafe extern "C" fn splatline_packet_words(
     words: *mut usize,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { layout(widths, traversal) }.and_then(|layout| {
-        // SAFETY: the function's own contract.
-        unsafe { write(words, layout.words()) }.map(|()| SPLATLINE_OK)
-    }))
+    code(|| unsafe { write(words, layout(widths, traversal)?.words()) })
 }
 
 /// Describes field `index` (below SPLATLINE_PACKET_FIELDS) of a design's packet.
@@ -62,14 +59,12 @@ pub unsafe extern "C" fn splatline_packet_field(
     field: *mut SplatlineField,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { layout(widths, traversal) }.and_then(|layout| {
+    code(|| unsafe {
+        let layout = layout(widths, traversal)?;
         let found = layout.fields().get(index).ok_or(Error::Size)?;
         let mut name = [0; SPLATLINE_FIELD_NAME];
-        for (to, from) in name
-            .iter_mut()
-            .take(SPLATLINE_FIELD_NAME - 1)
-            .zip(found.name.bytes())
-        {
+        let places = name.iter_mut().take(SPLATLINE_FIELD_NAME - 1);
+        for (to, from) in places.zip(found.name.bytes()) {
             *to = from as c_char;
         }
         let described = SplatlineField {
@@ -79,9 +74,8 @@ pub unsafe extern "C" fn splatline_packet_field(
             is_signed: found.signed.into(),
             fraction: found.fraction,
         };
-        // SAFETY: the function's own contract.
-        unsafe { write(field, described) }.map(|()| SPLATLINE_OK)
-    }))
+        write(field, described)
+    })
 }
 
 /// Serialises a footprint into exactly `count` words (see splatline_packet_words). Values too wide for their field are cut.
@@ -97,16 +91,15 @@ pub unsafe extern "C" fn splatline_packet_encode(
     count: usize,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { layout(widths, traversal) }.and_then(|layout| {
-        // SAFETY: the function's own contract.
-        let footprint: Footprint = unsafe { read(footprint) }?.into();
-        // SAFETY: the function's own contract.
-        let words = unsafe { slice_mut(words, exactly(&layout, count)?) }?;
+    code(|| unsafe {
+        let layout = layout(widths, traversal)?;
+        let footprint: Footprint = read(footprint)?.into();
+        let words = slice_mut(words, exactly(&layout, count)?)?;
         for (to, from) in words.iter_mut().zip(layout.encode(&footprint)) {
             *to = from;
         }
         Ok(SPLATLINE_OK)
-    }))
+    })
 }
 
 /// Reads a packet of exactly `count` words; what it does not have is 0.
@@ -122,17 +115,16 @@ pub unsafe extern "C" fn splatline_packet_decode(
     footprint: *mut SplatlineFootprint,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    code(unsafe { layout(widths, traversal) }.and_then(|layout| {
-        // SAFETY: the function's own contract.
-        let words = unsafe { slice(words, exactly(&layout, count)?) }?;
+    code(|| unsafe {
+        let layout = layout(widths, traversal)?;
+        let words = slice(words, exactly(&layout, count)?)?;
         let mut packet = [0; WORDS];
         for (to, from) in packet.iter_mut().zip(words) {
             *to = *from;
         }
         let found = layout.decode(&packet).map_err(|_| Error::PacketVersion)?;
-        // SAFETY: the function's own contract.
-        unsafe { write(footprint, (&found).into()) }.map(|()| SPLATLINE_OK)
-    }))
+        write(footprint, (&found).into())
+    })
 }
 
 /// # Safety
@@ -144,9 +136,6 @@ unsafe fn layout(widths: *const SplatlineWidths, traversal: u32) -> Result<Layou
 }
 
 fn exactly(layout: &Layout, count: usize) -> Result<usize, Error> {
-    if count == layout.words() {
-        Ok(count)
-    } else {
-        Err(Error::Size)
-    }
+    let fits = count == layout.words();
+    fits.then_some(count).ok_or(Error::Size)
 }

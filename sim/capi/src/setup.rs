@@ -1,6 +1,6 @@
 //! Setup: splats to footprints.
 
-use crate::memory::{check_stride, element, read, slice_mut, write};
+use crate::memory::{check, check_stride, element, read, slice_mut, write};
 use crate::status::{Error, SPLATLINE_OK, code};
 use crate::types::{
     SplatlineFootprint, SplatlineRules, SplatlineSplat, SplatlineView, SplatlineWidths,
@@ -71,50 +71,34 @@ pub unsafe extern "C" fn splatline_setup_many(
     reasons: *mut i32,
     count: usize,
 ) -> i32 {
-    let prepared = (|| {
+    code(|| {
         check_stride::<SplatlineSplat>(splat_stride)?;
         check_stride::<SplatlineFootprint>(footprint_stride)?;
-        let longest = splat_stride.max(footprint_stride);
-        if i32::try_from(count).is_err()
-            || count
-                .checked_mul(longest)
-                .is_none_or(|b| b > isize::MAX as usize)
-        {
+        let bytes = count.checked_mul(splat_stride.max(footprint_stride));
+        let fits = bytes.is_some_and(|bytes| bytes <= isize::MAX as usize);
+        if i32::try_from(count).is_err() || !fits {
             return Err(Error::Size);
         }
         if count > 0 {
             // SAFETY: the function's own contract. Read here, before anything is written, to report null and misalignment.
             unsafe { read(splats) }?;
-            if footprints.is_null() {
-                return Err(Error::Null);
-            }
-            if !footprints.is_aligned() {
-                return Err(Error::Alignment);
-            }
+            check(footprints)?;
         }
         // SAFETY: the function's own contract.
         let (widths, view, rules) = unsafe { (read(widths)?, read(view)?, read(rules)?) };
         // SAFETY: the function's own contract.
         let reasons = unsafe { slice_mut(reasons, count) }?;
-        Ok((widths.design()?, view.view()?, rules.rules()?, reasons))
-    })();
-    code(prepared.map(|(design, view, rules, reasons)| {
+        let (design, view, rules) = (widths.design()?, view.view()?, rules.rules()?);
         let mut written = 0;
         for (index, reason) in reasons.iter_mut().enumerate() {
+            let splat = element(splats, index, splat_stride);
+            let footprint = element(footprints, index, footprint_stride).cast_mut();
             // SAFETY: the function's own contract; strides keep the alignment.
-            *reason = unsafe {
-                set_up_one(
-                    design,
-                    &view,
-                    &rules,
-                    element(splats, index, splat_stride),
-                    element(footprints, index, footprint_stride).cast_mut(),
-                )
-            };
+            *reason = unsafe { set_up_one(design, &view, &rules, splat, footprint) };
             written += i32::from(*reason == SPLATLINE_OK);
         }
-        written
-    }))
+        Ok(written)
+    })
 }
 
 /// # Safety
@@ -127,14 +111,12 @@ unsafe fn set_up_one(
     footprint: *mut SplatlineFootprint,
 ) -> i32 {
     // SAFETY: the function's own contract.
-    let result = unsafe { read(splat) }.and_then(|splat| {
-        match setup(design, view, rules, &splat.into()) {
-            // SAFETY: the function's own contract.
-            Ok(found) => unsafe { write(footprint, (&found).into()) }.map(|()| SPLATLINE_OK),
+    code(|| unsafe {
+        match setup(design, view, rules, &read(splat)?.into()) {
+            Ok(found) => write(footprint, (&found).into()),
             Err(reason) => Ok(culled(reason)),
         }
-    });
-    code(result)
+    })
 }
 
 fn culled(reason: Cull) -> i32 {

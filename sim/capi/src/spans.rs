@@ -68,7 +68,7 @@ pub unsafe extern "C" fn splatline_spans_begin(
     window: *const SplatlineWindow,
     rows: *mut SplatlineSpans,
 ) -> i32 {
-    let begin = || {
+    code(|| {
         // SAFETY: the function's own contract.
         let (widths, footprint, window) =
             unsafe { (read(widths)?, read(footprint)?, read(window)?) };
@@ -94,9 +94,8 @@ pub unsafe extern "C" fn splatline_spans_begin(
             },
         }
         // SAFETY: the function's own contract.
-        unsafe { write(rows, prepared) }.map(|()| SPLATLINE_OK)
-    };
-    code(begin())
+        unsafe { write(rows, prepared) }
+    })
 }
 
 /// Writes the next run and returns 1, or returns SPLATLINE_OK when there is none.
@@ -108,7 +107,7 @@ pub unsafe extern "C" fn splatline_spans_next(
     rows: *mut SplatlineSpans,
     run: *mut SplatlineSpan,
 ) -> i32 {
-    let next = || {
+    code(|| {
         // SAFETY: the function's own contract.
         let rows = unsafe { modify(rows) }?;
         if rows.prepared != PREPARED {
@@ -122,11 +121,10 @@ pub unsafe extern "C" fn splatline_spans_next(
         };
         match found {
             // SAFETY: the function's own contract.
-            Some(found) => unsafe { write(run, found) }.map(|()| 1),
+            Some(found) => unsafe { write(run, found) }.map(|_| 1),
             None => Ok(SPLATLINE_OK),
         }
-    };
-    code(next())
+    })
 }
 
 fn next_of<R: Spans<Lane = i64>>(rows: &mut R) -> Option<SplatlineSpan> {
@@ -156,14 +154,15 @@ fn next_of<R: Spans<Lane = i64>>(rows: &mut R) -> Option<SplatlineSpan> {
 /// Pointers are null or lead to what their types say.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splatline_span_step(run: *mut SplatlineSpan) -> i32 {
-    // SAFETY: the function's own contract.
-    code(unsafe { modify(run) }.map(|run| {
+    code(|| {
+        // SAFETY: the function's own contract.
+        let run = unsafe { modify(run) }?;
         run.radial = run.radial.wrapping_add(run.first);
         run.first = run.first.wrapping_add(run.second);
         run.x = run.x.saturating_add(1);
         run.length = run.length.saturating_sub(1);
-        i32::from(run.length > 0)
-    }))
+        Ok(i32::from(run.length > 0))
+    })
 }
 
 /// The opacity of a footprint at a run's present pixel, UQ1.alpha: 0 outside the footprint and where the rules skip it. Writes the
@@ -178,11 +177,10 @@ pub unsafe extern "C" fn splatline_pixel_opacity(
     run: *const SplatlineSpan,
     opacity: *mut u32,
 ) -> i32 {
-    let look = || {
-        // SAFETY: the function's own contract.
-        let (painter, footprint, run) = unsafe { (read(painter)?, read(footprint)?, read(run)?) };
-        // SAFETY: the painter's table is as long as it says.
-        let (widths, table, blend) = unsafe { painter.parts() }?;
+    // SAFETY: the function's own contract; the painter's table is as long as it says.
+    code(|| unsafe {
+        let (painter, footprint, run) = (read(painter)?, read(footprint)?, read(run)?);
+        let (widths, table, blend) = painter.parts()?;
         let drop = i64::from(run.fraction) - i64::from(widths.radial);
         let drop = i32::try_from(drop).map_err(|_| Error::Value)?;
         let radial = shift_signed(run.radial, drop).max(0) as u64;
@@ -192,10 +190,8 @@ pub unsafe extern "C" fn splatline_pixel_opacity(
         } else {
             0
         };
-        // SAFETY: the function's own contract.
-        unsafe { write(opacity, alpha) }.map(|()| i32::from(inside))
-    };
-    code(look())
+        write(opacity, alpha).map(|_| i32::from(inside))
+    })
 }
 
 /// Composites a splat of an opacity (UQ1.alpha, at most 1) and colour (UQ4.colour, three numbers) into a pixel by the painter's operator.
@@ -210,28 +206,16 @@ pub unsafe extern "C" fn splatline_pixel_composite(
     colour: *const u32,
     pixel: *mut SplatlinePixel,
 ) -> i32 {
-    let mix = || {
-        // SAFETY: the function's own contract.
-        let (painter, colour, pixel) = unsafe {
-            (
-                read(painter)?,
-                read(colour.cast::<[u32; 3]>())?,
-                modify(pixel)?,
-            )
-        };
-        // SAFETY: the painter's table is as long as it says.
-        let (widths, _, blend) = unsafe { painter.parts() }?;
+    // SAFETY: the function's own contract; the painter's table is as long as it says.
+    code(|| unsafe {
+        let (painter, colour) = (read(painter)?, read(colour.cast::<[u32; 3]>())?);
+        let pixel = modify(pixel)?;
+        let (widths, _, blend) = painter.parts()?;
         if opacity > 1 << widths.alpha {
             return Err(Error::Value);
         }
-        composite(
-            &blend,
-            crate::types::compositing(painter.compositing)?,
-            opacity,
-            colour,
-            pixel,
-        );
+        let order = crate::types::compositing(painter.compositing)?;
+        composite(&blend, order, opacity, colour, pixel);
         Ok(SPLATLINE_OK)
-    };
-    code(mix())
+    })
 }

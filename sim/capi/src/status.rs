@@ -33,9 +33,9 @@ pub(crate) enum Error {
     State = SPLATLINE_ERROR_STATE,
 }
 
-/// The code of a result.
-pub(crate) fn code(result: Result<i32, Error>) -> i32 {
-    match result {
+/// The code of what a function does.
+pub(crate) fn code(work: impl FnOnce() -> Result<i32, Error>) -> i32 {
+    match work() {
         Ok(answer) => answer,
         Err(error) => error as i32,
     }

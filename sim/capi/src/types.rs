@@ -365,11 +365,8 @@ impl From<Extended> for SplatlineExtended {
 
 impl SplatlineView {
     pub(crate) fn view(&self) -> Result<View, Error> {
-        if self
-            .viewport
-            .iter()
-            .any(|size| u32::from(*size) > SPLATLINE_LARGEST_VIEWPORT)
-        {
+        let fits = |size: &u16| u32::from(*size) <= SPLATLINE_LARGEST_VIEWPORT;
+        if !self.viewport.iter().all(fits) {
             return Err(Error::Value);
         }
         let rows =

@@ -27,19 +27,11 @@ pub struct FixedMemory {
 
 impl FixedMemory {
     /// Empty memory.
-    pub const fn new() -> Self {
-        FixedMemory {
-            footprints: Vec::new(),
-            order: Order::new(),
-            strip: [Pixel::EMPTY; STRIP_PIXELS],
-        }
-    }
-}
-
-impl Default for FixedMemory {
-    fn default() -> Self {
-        Self::new()
-    }
+    pub const EMPTY: FixedMemory = FixedMemory {
+        footprints: Vec::new(),
+        order: Order::EMPTY,
+        strip: [Pixel::EMPTY; STRIP_PIXELS],
+    };
 }
 
 /// What came out.
@@ -84,9 +76,7 @@ pub fn draw(
 #[inline(never)]
 fn set_up(memory: &mut FixedMemory) -> Result<(), Full> {
     let view = view();
-    let FixedMemory {
-        footprints, order, ..
-    } = memory;
+    let (footprints, order) = (&mut memory.footprints, &mut memory.order);
     footprints.clear();
     order.clear();
     for splat in &SCENE {

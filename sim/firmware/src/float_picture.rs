@@ -53,28 +53,19 @@ pub struct FloatSplat {
 pub struct FloatMemory {
     footprints: [Option<FloatFootprint>; SPLATS],
     order: Order<f32>,
-    strip: [FloatPixel; STRIP_PIXELS],
+    strip: Strip,
 }
 
 impl FloatMemory {
     /// Empty memory.
-    pub const fn new() -> Self {
-        let clear = FloatPixel {
+    pub const EMPTY: FloatMemory = FloatMemory {
+        footprints: [None; SPLATS],
+        order: Order::EMPTY,
+        strip: [FloatPixel {
             colour: [0.0; 3],
             transmittance: 0.0,
-        };
-        FloatMemory {
-            footprints: [None; SPLATS],
-            order: Order::new(),
-            strip: [clear; STRIP_PIXELS],
-        }
-    }
-}
-
-impl Default for FloatMemory {
-    fn default() -> Self {
-        Self::new()
-    }
+        }; STRIP_PIXELS],
+    };
 }
 
 /// What came out: covered pixels and the sum of all colours, of either way.
@@ -122,9 +113,7 @@ fn converted(index: usize) -> FloatSplat {
     let power = |exponent: i32| f32::from_bits(((127 + exponent) as u32) << 23);
     FloatSplat {
         centre: splat.centre.map(|c| bits_of(c) as f32 * power(-24)),
-        axes: splat
-            .axes
-            .map(|a| a.mantissa.map(|m| m as f32 * power(a.exponent))),
+        axes: (splat.axes).map(|a| a.mantissa.map(|m| m as f32 * power(a.exponent))),
         opacity: splat.weight.mantissa as f32 * power(splat.weight.exponent),
         colour: splat.colour.map(|c| c.to_bits() as f32 * power(-28)),
     }
@@ -194,44 +183,34 @@ fn bounds(centre: f32, extent: f32, limit: u16) -> Option<(u16, u16)> {
     (first < last).then_some((first as u16, last as u16))
 }
 
-type Drawer = fn(&FloatFootprint, u16, &mut [FloatPixel; STRIP_PIXELS]) -> u32;
+type Strip = [FloatPixel; STRIP_PIXELS];
+type Drawer = fn(&FloatFootprint, u16, &mut Strip) -> u32;
 
 #[inline(never)]
 fn draw_strip(memory: &mut FloatMemory, first_row: u16, drawer: Drawer) -> u32 {
-    let FloatMemory {
-        footprints,
-        order,
-        strip,
-    } = memory;
-    let clear = FloatPixel {
+    memory.strip.fill(FloatPixel {
         colour: [0.0; 3],
         transmittance: 1.0,
-    };
-    strip.fill(clear);
+    });
     let mut covered = 0;
-    for number in order.iter() {
-        let Some(Some(footprint)) = footprints.get(number) else {
+    for number in memory.order.iter() {
+        let Some(Some(footprint)) = memory.footprints.get(number) else {
             continue;
         };
-        covered += drawer(footprint, first_row, strip);
+        covered += drawer(footprint, first_row, &mut memory.strip);
     }
     covered
 }
 
 /// Pixels `first .. last` of row `y` of the strip.
-fn row(strip: &mut [FloatPixel; STRIP_PIXELS], y: u16, first: u16, last: u16) -> &mut [FloatPixel] {
+fn row(strip: &mut Strip, y: u16, first: u16, last: u16) -> &mut [FloatPixel] {
     let start = usize::from(y) * usize::from(COLUMNS);
-    strip
-        .get_mut(start + usize::from(first)..start + usize::from(last))
-        .unwrap_or_default()
+    let pixels = start + usize::from(first)..start + usize::from(last);
+    strip.get_mut(pixels).unwrap_or_default()
 }
 
 /// Every pixel of the box: conic, exponential, over.
-fn draw_box(
-    footprint: &FloatFootprint,
-    first_row: u16,
-    strip: &mut [FloatPixel; STRIP_PIXELS],
-) -> u32 {
+fn draw_box(footprint: &FloatFootprint, first_row: u16, strip: &mut Strip) -> u32 {
     let [a, b, c] = footprint.conic;
     let mut covered = 0;
     let last = footprint.last[1].min(first_row + STRIP);
@@ -251,11 +230,7 @@ fn draw_box(
 }
 
 /// Spans by LDL, radial index by two additions, kernel from the table.
-fn draw_spans(
-    footprint: &FloatFootprint,
-    first_row: u16,
-    strip: &mut [FloatPixel; STRIP_PIXELS],
-) -> u32 {
+fn draw_spans(footprint: &FloatFootprint, first_row: u16, strip: &mut Strip) -> u32 {
     let curvature = footprint.conic[0];
     let spread = 1.0 / curvature;
     let mut covered = 0;
@@ -287,9 +262,8 @@ fn draw_spans(
 /// The kernel's table (UQ1.14, up to r = 16), without interpolation.
 fn looked_up(radial: f32) -> f32 {
     let index = (radial * (INTERVALS as f32 / 16.0)) as usize;
-    ENTRIES
-        .get(index)
-        .map_or(0.0, |w| *w as f32 * (1.0 / 16384.0))
+    let entry = ENTRIES.get(index);
+    entry.map_or(0.0, |w| *w as f32 * (1.0 / 16384.0))
 }
 
 #[inline(always)]

@@ -32,22 +32,25 @@ pub mod pixel_loop;
 pub mod scene;
 pub mod table;
 
-/// What the instructions are counted for. The counter in `counter/` knows these functions by name.
+/// What the instructions are counted for: functions that the counter in `counter/` knows by name.
 ///
 /// Each must stay a function of its own with a body of its own, hence the different volatile writes.
+#[macro_export]
+macro_rules! phases {
+    ($($name:ident = $number:literal, $what:literal;)*) => {$(
+        #[doc = $what]
+        #[unsafe(no_mangle)]
+        #[inline(never)]
+        pub extern "C" fn $name() {
+            let mut number = 0u8;
+            // SAFETY: a local variable.
+            unsafe { core::ptr::write_volatile(&mut number, $number) };
+        }
+    )*};
+}
+
+/// The phases of all images.
 pub mod phase {
-    macro_rules! phases {
-        ($($name:ident = $number:literal, $what:literal;)*) => {$(
-            #[doc = $what]
-            #[unsafe(no_mangle)]
-            #[inline(never)]
-            pub extern "C" fn $name() {
-                let mut number = 0u8;
-                // SAFETY: a local variable.
-                unsafe { core::ptr::write_volatile(&mut number, $number) };
-            }
-        )*};
-    }
     phases! {
         phase_rest = 1, "Start, checksum, output: not counted for the drawing.";
         phase_setup = 2, "Splats to footprints.";

@@ -17,11 +17,9 @@ pub struct Full;
 
 impl<K: Copy + PartialOrd> Order<K> {
     /// An empty list.
-    pub const fn new() -> Self {
-        Order {
-            entries: Vec::new(),
-        }
-    }
+    pub const EMPTY: Self = Order {
+        entries: Vec::new(),
+    };
 
     /// Forgets all splats.
     pub fn clear(&mut self) {
@@ -47,19 +45,13 @@ impl<K: Copy + PartialOrd> Order<K> {
     }
 }
 
-impl<K: Copy + PartialOrd> Default for Order<K> {
-    fn default() -> Self {
-        Order::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn nearest_first_and_equal_ones_as_they_came() {
-        let mut order = Order::new();
+        let mut order = Order::EMPTY;
         for (number, depth) in [3, 1, 3, 2, 1].into_iter().enumerate() {
             assert_eq!(order.insert(number, depth), Ok(()));
         }
@@ -68,7 +60,7 @@ mod tests {
 
     #[test]
     fn what_has_no_place_is_an_error() {
-        let mut order = Order::new();
+        let mut order = Order::EMPTY;
         for number in 0..SPLATS {
             assert_eq!(order.insert(1000 + number, 0), Ok(()));
         }

@@ -102,12 +102,9 @@ impl UnitTime {
         for account in accounts {
             time.instances += 1;
             time.busy += account.busy;
-            assert!(
-                account.at <= total,
-                "a unit worked until {} of {total} cycles",
-                account.at
-            );
-            time.idle += total - account.at;
+            let at = account.at;
+            assert!(at <= total, "a unit worked until {at} of {total} cycles");
+            time.idle += total - at;
             for (sum, cycles) in stalled.iter_mut().zip(account.stalled) {
                 *sum += cycles;
             }
@@ -115,16 +112,9 @@ impl UnitTime {
         let named = CAUSES.iter().zip(stalled).filter(|(_, cycles)| *cycles > 0);
         time.stalled = named.map(|((_, name), cycles)| (*name, cycles)).collect();
         let all = time.instances * total;
-        assert_eq!(
-            time.busy + time.stalled_sum() + time.idle,
-            all,
-            "accounts must add up to the total"
-        );
-        time.utilisation = if all == 0 {
-            0.0
-        } else {
-            time.busy as f64 / all as f64
-        };
+        let sum = time.busy + time.stalled_sum() + time.idle;
+        assert_eq!(sum, all, "accounts must add up to the total");
+        time.utilisation = time.busy as f64 / all.max(1) as f64;
         time
     }
 

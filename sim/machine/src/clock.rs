@@ -102,9 +102,10 @@ impl RoutedCircuit {
     }
 
     fn named(&self) -> String {
+        let (design, lanes, device) = (&self.design, self.lanes, &self.device);
         format!(
-            "{} with {} lane(s) on {} ({})",
-            self.design, self.lanes, self.device, self.conditions
+            "{design} with {lanes} lane(s) on {device} ({})",
+            self.conditions
         )
     }
 }
@@ -130,21 +131,18 @@ impl Clock {
             return assumed(own.mhz, of);
         }
         let factor = family.clock_factor();
-        match nearest(Family::Ecp5) {
-            Some(other) => assumed(
-                (other.mhz * factor.of_ecp5 * 10.0).round() / 10.0,
-                format!(
-                    "no raster unit was placed for {}: {} of the {} MHz of {}, {}",
-                    family.name(),
-                    factor.of_ecp5,
-                    other.mhz,
-                    other.named(),
-                    factor.source
-                ),
-            ),
+        let Some(other) = nearest(Family::Ecp5) else {
             // A test reads the table, so that this is not met.
-            None => assumed(1.0, "nothing was placed".to_owned()),
-        }
+            return assumed(1.0, "nothing was placed".to_owned());
+        };
+        let (part, source) = (factor.of_ecp5, &factor.source);
+        let (name, mhz, named) = (family.name(), other.mhz, other.named());
+        assumed(
+            (mhz * part * 10.0).round() / 10.0,
+            format!(
+                "no raster unit was placed for {name}: {part} of the {mhz} MHz of {named}, {source}"
+            ),
+        )
     }
 }
 
@@ -205,13 +203,8 @@ impl Throughput {
 /// Phases of different pictures run side by side where their packets have buffers of their own in memory. They share the channels: a channel that
 /// is asked for more bytes than it moves sets the rate.
 fn interval(timing: &Timing, config: &Config) -> (u64, &'static str) {
-    let Timing {
-        geometry,
-        sort,
-        raster,
-        total,
-        ..
-    } = *timing;
+    let [geometry, sort, raster] = [timing.geometry, timing.sort, timing.raster];
+    let total = timing.total;
     if config.overlap_frames < 2 {
         return (total, "all phases, one after the other");
     }

@@ -281,18 +281,32 @@ impl Config {
         }
     }
 
+    /// Banks of a tile buffer, one a lane unless they are given.
+    pub fn banks(&self) -> u64 {
+        match self.buffer_banks {
+            0 => self.lanes.into(),
+            banks => banks.into(),
+        }
+    }
+
+    /// Pixels of a tile.
+    pub fn tile_pixels(&self) -> u64 {
+        u64::from(self.tile_width) * u64::from(self.tile_height)
+    }
+
+    /// Pixels of a bank of a tile buffer.
+    pub fn bank_words(&self) -> u64 {
+        self.tile_pixels().div_ceil(self.banks())
+    }
+
     /// Cycles per group of lanes, stretched where ports or banks are fewer than lanes.
     pub fn stretch(&self) -> u32 {
-        let shared = |ports: u32| {
-            if ports == 0 {
-                1
-            } else {
-                self.lanes.div_ceil(ports)
-            }
+        let shared = |ports: u32| match ports {
+            0 => 1,
+            ports => self.lanes.div_ceil(ports),
         };
-        self.blend_interval
-            .max(shared(self.table_ports))
-            .max(shared(self.buffer_banks))
+        let shared = shared(self.table_ports).max(shared(self.buffer_banks));
+        self.blend_interval.max(shared)
     }
 
     /// Bytes of the queues that simulating it takes: a time per place, in rings of a power of two, and the primitive's own per lane.
@@ -310,14 +324,5 @@ impl Config {
             + u64::from(self.packet_cache);
         let geometry = ring(self.setup_fifo) + ring(self.bin_fifo);
         8 * (u64::from(self.raster_units) * unit + geometry)
-    }
-
-    /// Columns that the lanes advance per group.
-    pub fn stride(&self) -> u32 {
-        match self.layout {
-            LaneLayout::Run | LaneLayout::Aligned => self.lanes,
-            LaneLayout::Quad => (self.lanes / 2).max(1),
-            LaneLayout::Rows => 1,
-        }
     }
 }

@@ -93,9 +93,8 @@ impl Geometry {
         }
         self.binning.wait(Cause::Upstream, upstream);
         self.footprints.pass(handed_on, self.binning.at());
-        self.binning.work(
-            u64::from(config.bin_cycles) + u64::from(config.bin_tile_cycles) * u64::from(tiles),
-        );
+        let of_tiles = u64::from(config.bin_tile_cycles) * u64::from(tiles);
+        self.binning.work(u64::from(config.bin_cycles) + of_tiles);
         self.visible += 1;
         self.tiles += u64::from(tiles);
     }
@@ -108,15 +107,8 @@ impl Geometry {
 
     /// Cycles of the phase.
     pub fn cycles(&self) -> u64 {
-        let setup = self.setup.iter().map(Account::at);
-        setup
-            .chain([
-                self.left,
-                self.fetch.at(),
-                self.binning.at(),
-                self.write.at(),
-            ])
-            .max()
-            .unwrap_or(0)
+        let others = [&self.fetch, &self.binning, &self.write];
+        let units = self.setup.iter().chain(others).map(Account::at);
+        units.fold(self.left, u64::max)
     }
 }

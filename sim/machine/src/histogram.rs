@@ -1,7 +1,7 @@
 //! How work is spread over tiles and splats, in classes that double.
 
 use super::config::Config;
-use super::lanes::LaneWork;
+use super::lanes::{LaneWork, PairWork};
 use serde::Serialize;
 
 /// Class 0 counts zeros, class k > 0 counts values from `2^(k-1)` to `2^k - 1`.
@@ -52,33 +52,21 @@ impl Histograms {
     pub fn new(work: &LaneWork, config: &Config, splats: usize) -> Histograms {
         let stretch = u64::from(config.stretch());
         let mut per_splat = vec![(0u64, 0u64, 0u64); splats];
-        let mut tiles = Vec::with_capacity(work.tiles.len());
-        let mut first = 0;
-        for tile in &work.tiles {
-            let pairs = &work.pairs[first..tile.pairs_end as usize];
-            first = tile.pairs_end as usize;
-            tiles.push((
-                pairs.len() as u64,
-                pairs
-                    .iter()
-                    .map(|pair| u64::from(pair.groups) * stretch)
-                    .sum(),
-            ));
-            for pair in pairs {
-                if let Some((count, cycles, covered)) = per_splat.get_mut(pair.splat as usize) {
-                    *count += 1;
-                    *cycles += u64::from(pair.groups) * stretch;
-                    *covered += u64::from(pair.covered);
-                }
+        let cycles_of = |pair: &PairWork| u64::from(pair.groups) * stretch;
+        for pair in &work.pairs {
+            if let Some((count, cycles, covered)) = per_splat.get_mut(pair.splat as usize) {
+                *count += 1;
+                *cycles += cycles_of(pair);
+                *covered += u64::from(pair.covered);
             }
         }
-        let visible: Vec<_> = per_splat
-            .into_iter()
-            .filter(|(count, ..)| *count > 0)
-            .collect();
+        per_splat.retain(|(count, ..)| *count > 0);
+        let visible = per_splat;
+        let tiles = || (0..work.tiles.len()).map(|tile| &work.pairs[work.pairs_in(tile)]);
+        let cycles = tiles().map(|pairs| pairs.iter().map(cycles_of).sum());
         Histograms {
-            pairs_per_tile: Histogram::of(tiles.iter().map(|(pairs, _)| *pairs)),
-            lane_cycles_per_tile: Histogram::of(tiles.iter().map(|(_, cycles)| *cycles)),
+            pairs_per_tile: Histogram::of(tiles().map(|pairs| pairs.len() as u64)),
+            lane_cycles_per_tile: Histogram::of(cycles),
             tiles_per_splat: Histogram::of(visible.iter().map(|(count, ..)| *count)),
             lane_cycles_per_splat: Histogram::of(visible.iter().map(|(_, cycles, _)| *cycles)),
             covered_per_splat: Histogram::of(visible.iter().map(|(.., covered)| *covered)),

@@ -4,8 +4,9 @@
 //! in one piece: a row, or the two rows of a quad.
 
 use super::config::{Binning, Config, LaneLayout, Termination};
-use super::workload::{Mask, Workload, WorkloadRow, mask};
+use super::workload::{Mask, Pair, Tile, Workload, WorkloadRow, mask, part_of};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// What lane work depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,18 +23,22 @@ pub struct LaneShape {
 
 impl From<&Config> for LaneShape {
     fn from(config: &Config) -> Self {
-        let Config {
-            lanes,
-            layout,
-            pixel_termination,
-            binning,
-            ..
-        } = *config;
         LaneShape {
-            lanes,
-            layout,
-            termination: pixel_termination,
-            binning,
+            lanes: config.lanes,
+            layout: config.layout,
+            termination: config.pixel_termination,
+            binning: config.binning,
+        }
+    }
+}
+
+impl LaneShape {
+    /// Columns that the lanes advance per group.
+    pub fn stride(&self) -> u32 {
+        match self.layout {
+            LaneLayout::Run | LaneLayout::Aligned => self.lanes,
+            LaneLayout::Quad => (self.lanes / 2).max(1),
+            LaneLayout::Rows => 1,
         }
     }
 }
@@ -78,17 +83,6 @@ pub struct PairWork {
     pub runs: u16,
 }
 
-/// One tile.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TileWork {
-    /// One past its last pair.
-    pub pairs_end: u32,
-    /// Pairs after which all its pixels have finished; `u32::MAX` if they never do.
-    pub finished_after: u32,
-    /// Pixels to write back.
-    pub pixels: u32,
-}
-
 /// A workload as the lanes see it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LaneWork {
@@ -97,7 +91,7 @@ pub struct LaneWork {
     /// Pairs of all tiles.
     pub pairs: Vec<PairWork>,
     /// All tiles.
-    pub tiles: Vec<TileWork>,
+    pub tiles: Vec<Tile>,
     /// Tiles in a row of the screen; 0 if that is not known.
     pub columns: u32,
     /// Fragments that a surface unit normalises of each tile; nothing without one.
@@ -112,10 +106,9 @@ impl LaneWork {
 
     /// Groups every row of `workload` for lanes of this shape. `lanes` must be at most 64.
     pub fn new(workload: &Workload, shape: LaneShape) -> LaneWork {
-        let parts: Vec<LaneWork> = (0..workload.tiles.len())
-            .into_par_iter()
-            .map(|tile| one_tile(workload, shape, tile))
-            .collect();
+        let tiles = (0..workload.tiles.len()).into_par_iter();
+        let parts = tiles.map(|tile| one_tile(workload, shape, tile));
+        let parts: Vec<LaneWork> = parts.collect();
         let mut work = LaneWork {
             bands: Vec::with_capacity(parts.iter().map(|part| part.bands.len()).sum()),
             pairs: Vec::with_capacity(workload.pairs.len()),
@@ -123,86 +116,67 @@ impl LaneWork {
             columns: workload.columns,
             resolved: (workload.surface.as_ref()).map_or(Vec::new(), |work| work.resolved.clone()),
         };
-        for (part, tile) in parts.into_iter().zip(&workload.tiles) {
+        for part in parts {
             let base = work.bands.len() as u32;
-            let finished_after = part
-                .tiles
-                .first()
-                .map_or(u32::MAX, |tile| tile.finished_after);
             work.pairs.extend(part.pairs.iter().map(|pair| PairWork {
                 bands_end: base + pair.bands_end,
                 ..*pair
             }));
             work.bands.extend(part.bands);
             let pairs_end = work.pairs.len() as u32;
-            work.tiles.push(TileWork {
-                pairs_end,
-                finished_after,
-                pixels: tile.pixels,
-            });
+            let tiles = part.tiles.into_iter();
+            work.tiles
+                .extend(tiles.map(|tile| Tile { pairs_end, ..tile }));
         }
         work
     }
+
+    /// The numbers of a tile's pairs.
+    pub fn pairs_in(&self, tile: usize) -> Range<usize> {
+        part_of(&self.tiles, tile, |tile| tile.pairs_end)
+    }
 }
 
-fn one_tile(workload: &Workload, shape: LaneShape, tile: usize) -> LaneWork {
+fn one_tile(workload: &Workload, shape: LaneShape, number: usize) -> LaneWork {
+    let tile = &workload.tiles[number];
     let mut work = LaneWork::default();
-    let start = if tile == 0 {
-        0
-    } else {
-        workload.tiles[tile - 1].pairs_end as usize
-    };
-    let end = workload.tiles[tile].pairs_end as usize;
-    let mut first_row = if start == 0 {
-        0
-    } else {
-        workload.pairs[start - 1].rows_end as usize
-    };
     let mut finished_after = u32::MAX;
-    for (index, pair) in workload.pairs[start..end].iter().enumerate() {
-        let rows = &workload.rows[first_row..pair.rows_end as usize];
-        first_row = pair.rows_end as usize;
+    for (count, index) in (1..).zip(workload.pairs_in(number)) {
+        let pair = &workload.pairs[index];
         if pair.visits || shape.binning == Binning::Box {
-            one_pair(&mut work, shape, pair.splat, pair.first_row, rows);
+            one_pair(&mut work, shape, pair, workload.rows_of(index));
         }
-        if index as u32 + 1 == workload.tiles[tile].finished_after {
+        if count == tile.finished_after {
             finished_after = work.pairs.len() as u32;
         }
     }
-    work.tiles.push(TileWork {
-        pairs_end: 0,
+    work.tiles.push(Tile {
         finished_after,
-        pixels: 0,
+        ..*tile
     });
     work
 }
 
-fn one_pair(
-    work: &mut LaneWork,
-    shape: LaneShape,
-    splat: u32,
-    first_row: u8,
-    rows: &[WorkloadRow],
-) {
+fn one_pair(work: &mut LaneWork, shape: LaneShape, of: &Pair, rows: &[WorkloadRow]) {
     let mut pair = PairWork {
-        splat,
+        splat: of.splat,
         rows: rows.len() as u16,
         ..PairWork::default()
     };
     let mut rest = rows;
-    let mut y = first_row;
+    let mut y = of.first_row;
     // Rows without work for the lanes are charged to the next band that has some, which changes no time of any unit.
     let mut empty_rows = 0;
     while !rest.is_empty() {
         let quad = shape.layout == LaneLayout::Quad;
         let tall = if quad && y.is_multiple_of(2) { 2 } else { 1 };
         let (now, later) = rest.split_at(tall.min(rest.len()));
-        let grouped = Grouped::new(shape, now);
-        pair.add(&grouped, now);
-        let mut band = grouped.band(if quad { y / 2 } else { y }, now.len() as u8);
-        y += band.rows;
+        let (mut band, visited) = grouped(shape, now);
+        pair.add(&band, visited, now);
+        band.y = if quad { y / 2 } else { y };
+        y += now.len() as u8;
         rest = later;
-        band.rows += empty_rows;
+        band.rows = empty_rows + now.len() as u8;
         empty_rows = band.rows;
         pair.runs += u16::from(band.groups > 0);
         if band.groups > 0 || rest.is_empty() {
@@ -215,11 +189,11 @@ fn one_pair(
 }
 
 impl PairWork {
-    fn add(&mut self, grouped: &Grouped, rows: &[WorkloadRow]) {
-        self.groups += u16::from(grouped.groups);
-        self.skipped += u16::from(grouped.skipped);
+    fn add(&mut self, band: &Band, visited: Mask, rows: &[WorkloadRow]) {
+        self.groups += u16::from(band.groups);
+        self.skipped += u16::from(band.skipped);
         for row in rows {
-            let count = |pixels: Mask| (pixels & grouped.visited).count_ones() as u16;
+            let count = |pixels: Mask| (pixels & visited).count_ones() as u16;
             self.visited += count(row.visited());
             self.covered += count(row.covered);
             self.live += count(row.covered & row.open);
@@ -227,73 +201,32 @@ impl PairWork {
     }
 }
 
-/// The groups of one band.
-struct Grouped {
-    first: u8,
-    last: u8,
-    groups: u8,
-    skipped: u8,
-    /// Columns that lie in a visited group.
-    visited: Mask,
-}
-
-impl Grouped {
-    fn new(shape: LaneShape, rows: &[WorkloadRow]) -> Grouped {
-        let pixels = rows.iter().fold(0, |all, row| all | row.visited());
-        let wanted = match shape.termination {
-            Termination::Discard => pixels,
-            Termination::Skip => rows.iter().fold(0, |all, row| all | row.open),
-        };
-        let mut grouped = Grouped {
-            first: 0,
-            last: 0,
-            groups: 0,
-            skipped: 0,
-            visited: 0,
-        };
-        if pixels == 0 {
-            return grouped;
-        }
-        let columns = match shape.layout {
-            LaneLayout::Run | LaneLayout::Aligned => shape.lanes,
-            LaneLayout::Quad => shape.lanes / 2,
-            LaneLayout::Rows => 1,
-        };
-        let (low, end) = (pixels.trailing_zeros(), 64 - pixels.leading_zeros());
-        let start = if shape.layout == LaneLayout::Run {
-            low
+/// The groups of one band, and the columns that lie in a visited one.
+fn grouped(shape: LaneShape, rows: &[WorkloadRow]) -> (Band, Mask) {
+    let pixels = rows.iter().fold(0, |all, row| all | row.visited());
+    let wanted = match shape.termination {
+        Termination::Discard => pixels,
+        Termination::Skip => rows.iter().fold(0, |all, row| all | row.open),
+    };
+    let (mut band, mut visited) = (Band::default(), 0);
+    if pixels == 0 {
+        return (band, visited);
+    }
+    let columns = shape.stride();
+    let (low, end) = (pixels.trailing_zeros(), 64 - pixels.leading_zeros());
+    let start = match shape.layout {
+        LaneLayout::Run => low,
+        _ => low - low % columns,
+    };
+    (band.first, band.last) = (start as u8, end as u8);
+    for column in (start..end).step_by(columns as usize) {
+        let group = mask(column, columns);
+        if wanted & group != 0 {
+            band.groups += 1;
+            visited |= group;
         } else {
-            low - low % columns
-        };
-        grouped.first = start as u8;
-        grouped.last = end as u8;
-        for column in (start..end).step_by(columns as usize) {
-            let group = mask(column, columns);
-            if wanted & group != 0 {
-                grouped.groups += 1;
-                grouped.visited |= group;
-            } else {
-                grouped.skipped += 1;
-            }
-        }
-        grouped
-    }
-
-    fn band(&self, y: u8, rows: u8) -> Band {
-        let Grouped {
-            first,
-            last,
-            groups,
-            skipped,
-            ..
-        } = *self;
-        Band {
-            y,
-            rows,
-            first,
-            last,
-            groups,
-            skipped,
+            band.skipped += 1;
         }
     }
+    (band, visited)
 }

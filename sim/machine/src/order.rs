@@ -9,7 +9,7 @@ use super::workload::{OrderChanges, Workload};
 use splatline::footprint::depth::KEY_BITS;
 
 /// Passes of the sort over so many entries.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct SortStep {
     pub entries: u64,
     pub passes: u64,
@@ -34,8 +34,8 @@ impl SortStep {
                 entries: visible,
                 passes: merges(config, visible).saturating_sub(1),
                 places: 1,
-                begins: 0,
                 waits: waits(config),
+                ..SortStep::default()
             }],
         }
     }
@@ -67,8 +67,7 @@ fn over_entries(config: &Config, entries: u64, changes: Option<OrderChanges>) ->
         entries,
         passes: config.sort_passes.into(),
         places: BUCKETS,
-        begins: 0,
-        waits: 0,
+        ..SortStep::default()
     };
     let Some(changes) = changes else {
         return vec![anew(entries)];
@@ -77,8 +76,7 @@ fn over_entries(config: &Config, entries: u64, changes: Option<OrderChanges>) ->
         entries: entries + changes.left,
         passes: 1,
         places: 1,
-        begins: 0,
-        waits: 0,
+        ..SortStep::default()
     };
     vec![anew(changes.came), merge]
 }
@@ -95,12 +93,10 @@ fn by_digits(config: &Config, varying: u64, visible: u64) -> Vec<SortStep> {
         begins: 1 << bits,
         waits,
     };
+    let moved = step(visible, moving, waits(config));
     match visible {
         0 => Vec::new(),
-        _ => vec![
-            step(visible, moving, waits(config)),
-            step(0, all - moving, 0),
-        ],
+        _ => vec![moved, step(0, all - moving, 0)],
     }
 }
 

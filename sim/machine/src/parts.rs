@@ -40,11 +40,8 @@ pub struct Parts(BTreeMap<String, Part>);
 impl Default for Parts {
     /// Those that ship.
     fn default() -> Parts {
-        match parse("parts.toml", SHIPPED) {
-            Ok(parts) => Parts(parts),
-            // A test reads the file, so that this is not met.
-            Err(_) => Parts(BTreeMap::new()),
-        }
+        // A test reads the file, so that it is never empty.
+        Parts(parse("parts.toml", SHIPPED).unwrap_or_default())
     }
 }
 
@@ -58,11 +55,9 @@ impl Parts {
     /// The part of that name, in whatever case.
     pub fn find(&self, name: &str) -> Result<&Part, String> {
         self.0.get(&name.to_lowercase()).ok_or_else(|| {
-            let names: Vec<&str> = self.0.keys().map(String::as_str).collect();
-            format!(
-                "unknown part '{name}': there are {}; --parts file.toml adds others",
-                names.join(", ")
-            )
+            let names = self.0.keys().map(String::as_str);
+            let names = names.collect::<Vec<_>>().join(", ");
+            format!("unknown part '{name}': there are {names}; --parts file.toml adds others")
         })
     }
 }
@@ -133,15 +128,11 @@ impl Part {
 
     /// How much of it a machine takes, in one line.
     pub fn text(&self, name: &str, taken: Fabric, channel_bytes_per_s: f64) -> String {
-        let taken = taken.resources();
-        let shares = taken.iter().zip(self.fabric().resources());
-        let words: Vec<String> = shares
-            .map(|((what, count), (_, of))| format!("{what} {}", share(*count as f64, of as f64)))
-            .collect();
-        let fits = taken
-            .iter()
-            .zip(self.fabric().resources())
-            .all(|((_, count), (_, of))| *count <= of);
+        let pairs = taken.resources().into_iter().zip(self.fabric().resources());
+        let fits = pairs.clone().all(|((_, count), (_, of))| count <= of);
+        let share_of =
+            |((what, count), (_, of))| format!("{what} {}", share(count as f64, of as f64));
+        let words: Vec<String> = pairs.map(share_of).collect();
         let memory = self.megabytes_per_s as f64 * 1e6;
         format!(
             "part {name} ({}): {}{}; the channels ask for {} of its memory ({}, {} MB a second)\n",

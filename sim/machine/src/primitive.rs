@@ -181,7 +181,7 @@ struct LaneClock {
 }
 
 /// The last runs of a lane, whose pixels may be in flight.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Flights {
     /// When the last run was popped, and first cycle in which the next one may be.
     popped: u64,
@@ -190,7 +190,7 @@ struct Flights {
     last: [SplatInFlight; INTERVAL as usize - 1],
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct SplatInFlight {
     row: u16,
     first: u16,
@@ -199,20 +199,10 @@ struct SplatInFlight {
 }
 
 impl Flights {
-    const NEW: Self = Flights {
-        popped: 0,
-        free: 0,
-        last: [SplatInFlight {
-            row: 0,
-            first: 0,
-            end: 0,
-            popped: 0,
-        }; INTERVAL as usize - 1],
-    };
-
     /// Pops a run in the first possible cycle from `earliest` on; gives that, and for how long it was held back.
     #[inline(always)]
-    fn pop(&mut self, earliest: u64, row: u16, column: u16, length: u16) -> (u64, u64) {
+    fn pop(&mut self, earliest: u64, run: &LaneRun) -> (u64, u64) {
+        let (row, column, length) = (run.row, run.column, run.length);
         let offered = self.free.max(earliest);
         let end = column + length;
         let mut popped = offered;
@@ -246,7 +236,7 @@ impl PrimitiveClock {
         let lane = LaneClock {
             moves: vec![0; queue.max(1) as usize],
             place: 0,
-            flights: Flights::NEW,
+            flights: Flights::default(),
         };
         PrimitiveClock {
             turns: Turns::new(interval, phase),
@@ -277,42 +267,31 @@ impl PrimitiveClock {
         self.issued = issued + 1;
         self.begun = self.begun.max(issued);
         let ready = self.left.max(issued + ROW);
-        let Some(run) = run else {
-            return self.leave(ready, ready, ready, None, 0);
-        };
-        let lane = &mut self.lanes[run.lane];
-        // Before the queue has been full once this place holds 0, and no slot is ready in cycle 0.
-        let left = ready.max(lane.moves[lane.place] + 1);
-        let moved = lane.flights.popped.max(left + 1);
-        lane.moves[lane.place] = moved;
-        lane.place += 1;
-        if lane.place == lane.moves.len() {
-            lane.place = 0;
-        }
-        let flights = &mut lane.flights;
-        let (popped, held) = flights.pop(moved + FRONT, run.row, run.column, run.length);
-        let free = flights.free;
-        self.leave(ready, left, free, Some(popped), held)
-    }
-
-    #[inline(always)]
-    fn leave(
-        &mut self,
-        ready: u64,
-        left: u64,
-        last: u64,
-        popped: Option<u64>,
-        held: u64,
-    ) -> SlotStamp {
-        self.slots.leave(left);
-        self.left = left + 1;
-        self.idle_at = self.idle_at.max(last + 2);
-        SlotStamp {
+        let mut stamp = SlotStamp {
             ready,
-            left,
-            popped,
-            held,
+            left: ready,
+            popped: None,
+            held: 0,
+        };
+        let mut last = ready;
+        if let Some(run) = run {
+            let lane = &mut self.lanes[run.lane];
+            // Before the queue has been full once this place holds 0, and no slot is ready in cycle 0.
+            stamp.left = ready.max(lane.moves[lane.place] + 1);
+            let moved = lane.flights.popped.max(stamp.left + 1);
+            lane.moves[lane.place] = moved;
+            lane.place += 1;
+            if lane.place == lane.moves.len() {
+                lane.place = 0;
+            }
+            let (popped, held) = lane.flights.pop(moved + FRONT, &run);
+            (stamp.popped, stamp.held) = (Some(popped), held);
+            last = lane.flights.free;
         }
+        self.slots.leave(stamp.left);
+        self.left = stamp.left + 1;
+        self.idle_at = self.idle_at.max(last + 2);
+        stamp
     }
 
     /// The first cycle in which the unit says that nothing is in it any more, of what has been fed.

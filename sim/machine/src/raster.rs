@@ -14,36 +14,21 @@ use super::accounts::{Account, Cause, Fifo};
 use super::area::surface::RESOLVE_LATENCY;
 use super::cache::PacketCache;
 use super::config::{Config, LaneLayout, Overlap};
-use super::lanes::{Band, PairWork};
+use super::lanes::{Band, LaneShape, PairWork};
 use super::memory::{Memory, TileBuffer, TileWrite, Wanted};
 use super::observe::{Event, Observer, Stage};
 use super::primitive::{LaneRun, PrimitiveClock};
 use super::sequencer::{Sequencer, Steps, VisitCosts};
 use std::collections::VecDeque;
 
-/// Constants of a unit, resolved from the configuration.
-#[derive(Clone, Debug)]
-struct Costs {
-    overlap: Overlap,
-    splat: u64,
-    row: u64,
-    rows_at_once: u32,
-    visit: VisitCosts,
-    /// From a group's issue to its write.
-    drain: u64,
-    private_rows: bool,
-    prefetch: usize,
-    write_back: u64,
-    clear: u64,
-    /// Between two fragments that a surface unit normalises.
-    resolve: u64,
-}
-
 /// One raster unit's state.
 #[derive(Clone, Debug)]
 pub(super) struct RasterUnit {
     number: u32,
-    costs: Costs,
+    config: Config,
+    visit: VisitCosts,
+    /// From a group's issue to its write.
+    drain: u64,
     pub fetch: Account,
     pub splat: Account,
     pub rows: Account,
@@ -98,52 +83,36 @@ impl TileDrawing {
 
 impl RasterUnit {
     pub fn new(number: u32, config: &Config) -> RasterUnit {
-        let private_rows = config.layout == LaneLayout::Rows;
         let sequencer = Sequencer::new(config.row_fifo, config.tile_height.into());
-        let costs = Costs {
-            overlap: config.overlap,
-            splat: config.splat_cycles.into(),
-            row: config.row_cycles.into(),
-            rows_at_once: config.rows_at_once,
+        let lanes = config.lanes as usize;
+        let sequencers = match config.layout {
+            LaneLayout::Rows => lanes,
+            _ => 1,
+        };
+        let free = TileBuffer::Free(config.clear_cycles.into());
+        RasterUnit {
+            number,
+            config: *config,
             visit: VisitCosts {
                 stretch: config.stretch().into(),
-                stride: config.stride().into(),
+                stride: LaneShape::from(config).stride().into(),
                 blend_latency: config.blend_latency.into(),
             },
             drain: u64::from(config.table_latency) + u64::from(config.blend_latency),
-            private_rows,
-            prefetch: config.packet_fifo as usize,
-            write_back: config.write_back_cycles.into(),
-            clear: config.clear_cycles.into(),
-            resolve: config.resolve_interval.into(),
-        };
-        RasterUnit {
-            number,
-            costs,
             fetch: Account::default(),
             splat: Account::default(),
             rows: Account::default(),
-            sequencers: vec![
-                sequencer;
-                if private_rows {
-                    config.lanes as usize
-                } else {
-                    1
-                }
-            ],
+            sequencers: vec![sequencer; sequencers],
             write_back: Account::default(),
             packets: Fifo::new(config.packet_fifo),
             splats: Fifo::new(config.splat_fifo),
             primitive: PrimitiveClock::with_interval(
-                config.lanes as usize,
+                lanes,
                 config.row_fifo,
                 config.splat_cycles,
                 0,
             ),
-            buffers: VecDeque::from(vec![
-                TileBuffer::Free(config.clear_cycles.into());
-                config.tile_buffers as usize
-            ]),
+            buffers: vec![free; config.tile_buffers as usize].into(),
             owed: 0,
             handed_over: 1,
             prefetched_discarded: 0,
@@ -156,14 +125,16 @@ impl RasterUnit {
         self.fetch.at()
     }
 
+    /// The cycle after which the lanes do nothing any more.
+    fn lanes_at(&self) -> u64 {
+        let lanes = self.sequencers.iter().map(|lanes| lanes.account.at());
+        lanes.max().unwrap_or(0)
+    }
+
     /// The cycle after which the unit does nothing any more.
     pub fn finished_at(&self) -> u64 {
-        let lanes = self
-            .sequencers
-            .iter()
-            .map(|sequencer| sequencer.account.at());
         let stages = [&self.fetch, &self.splat, &self.rows, &self.write_back].map(Account::at);
-        lanes.chain(stages).max().unwrap_or(0)
+        stages.into_iter().fold(self.lanes_at(), u64::max)
     }
 
     /// The first cycle in which it could ask for another packet.
@@ -192,7 +163,7 @@ impl RasterUnit {
     /// keep the circuit for a cycle a pixel.
     pub fn is_background(&self, job: &TileJob) -> bool {
         let empty = job.pairs.is_empty() && job.left_out.is_empty();
-        empty && self.costs.overlap == Overlap::Primitive
+        empty && self.config.overlap == Overlap::Primitive
     }
 
     /// Writes such a tile, when the write channel has nothing else to do.
@@ -204,7 +175,7 @@ impl RasterUnit {
     pub fn begin<M: Memory>(&mut self, job: &TileJob, memory: &mut M) -> TileDrawing {
         let oldest = self.buffers.pop_front().unwrap_or(TileBuffer::Free(0));
         let mut buffer = memory.buffer(&mut self.write_back, oldest);
-        if self.costs.overlap == Overlap::Primitive {
+        if self.config.overlap == Overlap::Primitive {
             buffer = buffer.max(self.handed_over);
         }
         // Another tile's pixels lie in another buffer.
@@ -234,15 +205,17 @@ impl RasterUnit {
             tile: job.tile,
             splat: pair.splat,
             pair: (job.first_pair + drawing.pair) as u64,
+            buffer: drawing.buffer,
+            drain: self.drain,
             observer,
             memory,
         };
         drawing.band = pair.bands_end as usize;
         drawing.pair += 1;
-        match self.costs.overlap {
-            Overlap::Serial => self.serial_pair(bands, drawing.buffer, &mut at),
-            Overlap::Pipelined => self.pipelined_pair(bands, drawing.buffer, &mut at),
-            Overlap::Primitive => self.primitive_pair(bands, drawing.buffer, &mut at),
+        match self.config.overlap {
+            Overlap::Serial => self.serial_pair(bands, &mut at),
+            Overlap::Pipelined => self.pipelined_pair(bands, &mut at),
+            Overlap::Primitive => self.primitive_pair(bands, &mut at),
         }
     }
 
@@ -286,14 +259,13 @@ impl RasterUnit {
     fn pipelined_pair<O: Observer, M: Memory>(
         &mut self,
         bands: &[Band],
-        buffer: u64,
         at: &mut TracePlace<O, M>,
     ) {
         let [requested, arrival] = self.fetch(at);
         self.splat.wait(Cause::Memory, arrival);
         let start = self.splat.at();
         self.packets.pass(requested, start);
-        self.splat.work(self.costs.splat);
+        self.splat.work(self.config.splat_cycles.into());
         at.event(Stage::Setup, 0, 0, start, self.splat.at());
         self.splat.wait(Cause::FifoFull, self.splats.free_at());
         let handed_on = self.splat.at();
@@ -301,14 +273,14 @@ impl RasterUnit {
         self.rows.wait(Cause::Memory, arrival);
         self.rows.wait(Cause::SplatSetup, handed_on);
         self.splats.pass(handed_on, self.rows.at());
-        let mut generator = Steps::new(self.costs.rows_at_once);
+        let mut generator = Steps::new(self.config.rows_at_once);
         for band in bands {
             let began = self.rows.at();
             let steps = generator.make(band.rows);
-            self.rows.work(steps * self.costs.row);
+            self.rows.work(steps * u64::from(self.config.row_cycles));
             at.event(Stage::Rows, 0, band.y, began, self.rows.at());
             if band.groups > 0 {
-                self.hand_over(band, [arrival, handed_on], buffer, at);
+                self.hand_over(band, [arrival, handed_on], at);
             }
         }
     }
@@ -319,7 +291,6 @@ impl RasterUnit {
         &mut self,
         band: &Band,
         [arrived, set_up]: [u64; 2],
-        buffer: u64,
         at: &mut TracePlace<O, M>,
     ) {
         let lane = self.lane_of(band);
@@ -330,24 +301,19 @@ impl RasterUnit {
         lanes.wait(Cause::Memory, arrived);
         lanes.wait(Cause::SplatSetup, set_up);
         lanes.wait(Cause::RowGenerator, entered);
-        let start = sequencer.visit(band, buffer, &self.costs.visit);
+        let start = sequencer.visit(band, at.buffer, &self.visit);
         sequencer.fifo.pass(entered, start);
-        at.lanes(lane, band, start, sequencer.account.at(), &self.costs);
+        at.lanes(lane, band, start, sequencer.account.at());
     }
 
     /// All three stages take turns, so each of them waits while another works.
-    fn serial_pair<O: Observer, M: Memory>(
-        &mut self,
-        bands: &[Band],
-        buffer: u64,
-        at: &mut TracePlace<O, M>,
-    ) {
+    fn serial_pair<O: Observer, M: Memory>(&mut self, bands: &[Band], at: &mut TracePlace<O, M>) {
         let [requested, arrival] = self.fetch(at);
         let RasterUnit {
             splat,
             rows,
             sequencers,
-            costs,
+            config,
             packets,
             ..
         } = self;
@@ -359,19 +325,19 @@ impl RasterUnit {
         }
         packets.pass(requested, splat.at());
         let began = splat.at();
-        splat.work(costs.splat);
+        splat.work(config.splat_cycles.into());
         at.event(Stage::Setup, 0, 0, began, splat.at());
         rows.wait(Cause::Turn, splat.at());
-        let mut generator = Steps::new(costs.rows_at_once);
+        let mut generator = Steps::new(config.rows_at_once);
         for band in bands {
             let began = rows.at();
             let steps = generator.make(band.rows);
-            rows.work(steps * costs.row);
+            rows.work(steps * u64::from(config.row_cycles));
             at.event(Stage::Rows, 0, band.y, began, rows.at());
             sequencer.account.wait(Cause::Turn, rows.at());
             if band.groups > 0 {
-                let start = sequencer.visit(band, buffer, &costs.visit);
-                at.lanes(0, band, start, sequencer.account.at(), costs);
+                let start = sequencer.visit(band, at.buffer, &self.visit);
+                at.lanes(0, band, start, sequencer.account.at());
             }
             rows.wait(Cause::Turn, sequencer.account.at());
         }
@@ -383,10 +349,9 @@ impl RasterUnit {
     fn primitive_pair<O: Observer, M: Memory>(
         &mut self,
         bands: &[Band],
-        buffer: u64,
         at: &mut TracePlace<O, M>,
     ) {
-        let [requested, arrival] = self.fetch(at);
+        let ([requested, arrival], buffer) = (self.fetch(at), at.buffer);
         let stamp = self.primitive.packet(arrival.max(buffer));
         // The place of a packet that has been taken is free in the next cycle.
         self.packets.pass(requested, stamp.accepted + 1);
@@ -421,25 +386,23 @@ impl RasterUnit {
                 lanes.wait(Cause::RowGenerator, popped + 1 - slot.held);
                 lanes.wait(Cause::Hazard, popped + 1);
                 lanes.work(band.groups.into());
-                let end = lanes.at();
-                at.lanes(lane, band, popped + 1, end, &self.costs);
+                at.lanes(lane, band, popped + 1, lanes.at());
             }
         }
     }
 
     #[inline(always)]
     fn lane_of(&self, band: &Band) -> usize {
-        // Lanes are a power of two.
-        if self.costs.private_rows {
-            usize::from(band.y) & (self.sequencers.len() - 1)
-        } else {
-            0
+        // Lanes that own their rows are a power of two.
+        match self.config.layout {
+            LaneLayout::Rows => usize::from(band.y) & (self.sequencers.len() - 1),
+            _ => 0,
         }
     }
 
     /// Packets of a finished tile that were already on their way.
     fn drop_prefetched<M: Memory>(&mut self, first: u64, left_out: &[PairWork], memory: &mut M) {
-        let pairs = &left_out[..left_out.len().min(self.costs.prefetch)];
+        let pairs = &left_out[..left_out.len().min(self.config.packet_fifo as usize)];
         self.prefetched_discarded += pairs.len() as u64;
         memory.discarded(self.number, &mut self.fetch, first, pairs);
     }
@@ -452,24 +415,19 @@ impl RasterUnit {
         observer: &mut O,
         memory: &mut M,
     ) {
-        let last = self
-            .sequencers
-            .iter()
-            .map(|sequencer| sequencer.account.at())
-            .max()
-            .unwrap_or(0);
-        let primitive = self.costs.overlap == Overlap::Primitive;
-        // The circuit reads its buffer out when its rows have come to an end as well, and a pixel a cycle.
-        let last = if primitive {
-            last.max(self.rows.at())
-        } else {
-            last
+        // The circuit reads its buffer out when its rows have come to an end as well, and a pixel a cycle; a surface unit normalises fragment by fragment.
+        let (last, least) = match self.config.overlap {
+            Overlap::Primitive => (self.lanes_at().max(self.rows.at()), job.pixels.into()),
+            _ => {
+                let interval = u64::from(self.config.resolve_interval);
+                (self.lanes_at(), u64::from(job.resolved) * interval)
+            }
         };
         let blended = if job.pairs.is_empty() {
             buffer
         } else {
             let resolve = if job.resolved > 0 { RESOLVE_LATENCY } else { 0 };
-            last.max(buffer) + self.costs.drain + resolve
+            last.max(buffer) + self.drain + resolve
         };
         let gap = blended.saturating_sub(self.write_back.at());
         let filled = self.owed.min(gap);
@@ -479,13 +437,9 @@ impl RasterUnit {
             tile: job.tile,
             pixels: job.pixels,
             blended,
-            begin: self.costs.write_back,
-            least: if primitive {
-                job.pixels.into()
-            } else {
-                u64::from(job.resolved) * self.costs.resolve
-            },
-            clear: self.costs.clear,
+            begin: self.config.write_back_cycles.into(),
+            least,
+            clear: self.config.clear_cycles.into(),
         };
         let (start, free) = memory.tile(&mut self.write_back, &tile);
         self.handed_over = start + HAND_OVER;
@@ -495,16 +449,13 @@ impl RasterUnit {
             tile: job.tile,
             splat: u32::MAX,
             pair: 0,
+            buffer,
+            drain: self.drain,
             observer,
             memory,
         };
-        at.event(
-            Stage::WriteBack,
-            0,
-            0,
-            start,
-            self.write_back.at().max(start),
-        );
+        let end = self.write_back.at().max(start);
+        at.event(Stage::WriteBack, 0, 0, start, end);
     }
 }
 
@@ -515,6 +466,10 @@ struct TracePlace<'a, O, M> {
     splat: u32,
     /// Number of the pair in all lists.
     pair: u64,
+    /// When the tile's buffer was free.
+    buffer: u64,
+    /// From a group's issue to its write.
+    drain: u64,
     observer: &'a mut O,
     memory: &'a mut M,
 }
@@ -523,15 +478,12 @@ impl<O: Observer, M> TracePlace<'_, O, M> {
     #[inline(always)]
     fn event(&mut self, stage: Stage, lane: usize, row: u8, start: u64, end: u64) {
         if O::WATCHES {
-            let TracePlace {
-                unit, tile, splat, ..
-            } = *self;
             self.observer.event(Event {
-                unit,
+                unit: self.unit,
                 stage,
                 lane: lane as u32,
-                tile,
-                splat,
+                tile: self.tile,
+                splat: self.splat,
                 row: row.into(),
                 start,
                 end,
@@ -540,8 +492,8 @@ impl<O: Observer, M> TracePlace<'_, O, M> {
     }
 
     #[inline(always)]
-    fn lanes(&mut self, lane: usize, band: &Band, start: u64, end: u64, costs: &Costs) {
+    fn lanes(&mut self, lane: usize, band: &Band, start: u64, end: u64) {
         self.event(Stage::Lanes, lane, band.y, start, end);
-        self.event(Stage::Blend, lane, band.y, end, end + costs.drain);
+        self.event(Stage::Blend, lane, band.y, end, end + self.drain);
     }
 }

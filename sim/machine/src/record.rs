@@ -110,6 +110,12 @@ impl CostedMachine<'_> {
         }
     }
 
+    /// Energy of a picture with this timing.
+    pub fn energy(&self, timing: &Timing) -> Energy {
+        let (config, table) = (self.config, &self.prices.energy);
+        energy::estimate(None, self.widths, self.traversal, config, timing, table)
+    }
+
     /// The area in words, and how much of the part it takes if there is one; the memory's channels could move so many bytes a second.
     pub fn area_text(&self, record: &AreaRecord, channel_bytes_per_s: f64) -> String {
         let (raster, around, of) = (record.raster, record.around, &record.of);
@@ -137,14 +143,7 @@ impl CostedMachine<'_> {
             visible: workload.visible(),
             pace: self.throughput(&cycles),
             area: self.area(),
-            energy: energy::estimate(
-                None,
-                self.widths,
-                self.traversal,
-                self.config,
-                &cycles,
-                &self.prices.energy,
-            ),
+            energy: self.energy(&cycles),
             histograms: Histograms::new(&work, self.config, workload.splats.len()),
             host: HostSpeed {
                 simulation_s,
@@ -156,19 +155,16 @@ impl CostedMachine<'_> {
 
     /// The record for people.
     pub fn text(&self, record: &PictureRecord) -> String {
-        let HostSpeed {
-            simulation_s,
-            cycles_per_s,
-        } = record.host;
+        let host = record.host;
         format!(
             "{}{}{}{}host: {:.1} ms for {} cycles: {:.0} million simulated cycles per second on one core\n",
             summary::text(&record.scene, &record.cycles),
             record.pace.text(),
             self.area_text(&record.area, record.pace.channel_bytes_per_s),
             record.energy.text(),
-            simulation_s * 1e3,
+            host.simulation_s * 1e3,
             record.cycles.total,
-            cycles_per_s / 1e6,
+            host.cycles_per_s / 1e6,
         )
     }
 }

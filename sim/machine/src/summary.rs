@@ -72,12 +72,8 @@ impl OverFrames {
     /// For people.
     pub fn text(&self) -> String {
         let line = |name: &str, spread: &Spread, unit: f64| {
-            let Spread {
-                worst,
-                percentile_95,
-                mean,
-            } = spread;
-            let [worst, p95, mean] = [worst, percentile_95, mean].map(|value| value / unit);
+            let values = [spread.worst, spread.percentile_95, spread.mean];
+            let [worst, p95, mean] = values.map(|value| value / unit);
             format!("{name:<20} {worst:>12.3} {p95:>12.3} {mean:>12.3}\n")
         };
         format!(
@@ -111,11 +107,9 @@ pub fn text(name: &str, timing: &Timing) -> String {
         "unit", "count", "busy", "busy %", "stalled", "idle"
     );
     for (unit, time) in &timing.units {
-        let causes: Vec<String> = time
-            .stalled
-            .iter()
-            .map(|(cause, cycles)| format!("{cause} {cycles}"))
-            .collect();
+        let causes = time.stalled.iter();
+        let causes = causes.map(|(cause, cycles)| format!("{cause} {cycles}"));
+        let causes: Vec<String> = causes.collect();
         let _ = writeln!(
             text,
             "{unit:<14} {:>5} {:>12} {:>7.2} {:>12} {:>12}  {}",
@@ -127,11 +121,9 @@ pub fn text(name: &str, timing: &Timing) -> String {
             causes.join(", ")
         );
     }
-    let fifos: Vec<String> = timing
-        .fifos
-        .iter()
-        .map(|(fifo, entry)| format!("{fifo} {}/{}", entry.high_water, entry.depth))
-        .collect();
+    let fifos = timing.fifos.iter();
+    let fifos = fifos.map(|(name, fifo)| format!("{name} {}/{}", fifo.high_water, fifo.depth));
+    let fifos: Vec<String> = fifos.collect();
     let _ = writeln!(text, "FIFOs, fullest/depth: {}", fifos.join(", "));
     let bytes = &timing.bytes;
     let _ = writeln!(

@@ -8,7 +8,6 @@ use super::accounts::{Account, Cause, Fifo, UnitTime};
 use super::config::{Assignment, Config, Sorter};
 use super::geometry::Geometry;
 use super::lanes::{LaneShape, LaneWork};
-use super::memory::parts::DramPart;
 use super::memory::{Access, Channels, Memory, MemoryFacts, Shared};
 use super::observe::{Blind, Observer};
 use super::order::SortStep;
@@ -162,63 +161,35 @@ pub fn simulate_observed<O: Observer>(
     config: &Config,
     observer: &mut O,
 ) -> Timing {
-    let packet_bytes = config.bytes_of_packet(workload.packet_bytes);
     match config.memory_part() {
         None => {
-            let mut memory = Channels::new(config, packet_bytes);
-            let drawn = |raster: &mut Raster, memory: &mut Channels| {
-                raster.draw(&Tiles::new(work, config), observer, memory);
-            };
-            phases(workload, config, packet_bytes, &mut memory, drawn)
+            let mut memory = Channels::new(config, workload);
+            phases(workload, work, config, observer, &mut memory)
         }
         Some(part) => {
-            let mut memory = shared(workload, config, packet_bytes, part, false);
-            let drawn = |raster: &mut Raster, memory: &mut Shared| {
-                raster.draw_in_turn(&Tiles::new(work, config), observer, memory);
-            };
-            phases(workload, config, packet_bytes, &mut memory, drawn)
+            let mut memory = Shared::new(part, config, workload, false);
+            phases(workload, work, config, observer, &mut memory)
         }
     }
 }
 
 /// All accesses to a machine's memory part; none if it has none.
 pub fn accesses(workload: &Workload, work: &LaneWork, config: &Config) -> Option<Vec<Access>> {
-    let part = config.memory_part()?;
-    let packet_bytes = config.bytes_of_packet(workload.packet_bytes);
-    let mut memory = shared(workload, config, packet_bytes, part, true);
-    let drawn = |raster: &mut Raster, memory: &mut Shared| {
-        raster.draw_in_turn(&Tiles::new(work, config), &mut Blind, memory);
-    };
-    phases(workload, config, packet_bytes, &mut memory, drawn);
+    let mut memory = Shared::new(config.memory_part()?, config, workload, true);
+    phases(workload, work, config, &mut Blind, &mut memory);
     Some(memory.into_trace())
 }
 
-fn shared(
-    workload: &Workload,
-    config: &Config,
-    packet_bytes: u32,
-    part: &'static DramPart,
-    traced: bool,
-) -> Shared {
-    let splats = workload.splats.len() as u64;
-    let entries = workload.splats.iter().map(|splat| u64::from(splat.tiles));
-    let left = workload.order_changes.map_or(0, |changes| changes.left);
-    let entries = entries.sum::<u64>() + left;
-    Shared::new(part, config, packet_bytes, splats, entries, traced)
-}
-
 /// The three phases one after the other, and what came of them.
-fn phases<M: Memory>(
+fn phases<O: Observer, M: Memory>(
     workload: &Workload,
+    work: &LaneWork,
     config: &Config,
-    packet_bytes: u32,
+    observer: &mut O,
     memory: &mut M,
-    draw: impl FnOnce(&mut Raster, &mut M),
 ) -> Timing {
     let geometry = Geometry::run(workload, config, memory);
-    let geometry_cycles = memory
-        .end_of_phase(geometry.cycles())
-        .max(geometry.cycles());
+    let geometry_cycles = memory.end_of_phase(geometry.cycles());
     let mut sort = Account::default();
     let steps = match workload.surface {
         None => SortStep::all(config, workload, geometry.packets, geometry.entries),
@@ -228,11 +199,24 @@ fn phases<M: Memory>(
     sort.wait(Cause::Port, memory.end_of_phase(sort.at()));
     let fill = filled(&geometry, config, memory);
     let sort_cycles = sort.at() + fill.as_ref().map_or(0, Account::at);
-    let mut raster = Raster::new(config);
-    draw(&mut raster, memory);
+    let mut raster = Raster {
+        units: (0..config.raster_units)
+            .map(|number| RasterUnit::new(number, config))
+            .collect(),
+        ..Raster::default()
+    };
+    let tiles = Tiles {
+        work,
+        config,
+        order: sequence(config.tile_order, work.columns, work.tiles.len()),
+    };
+    if M::IN_TURN {
+        raster.draw_in_turn(&tiles, observer, memory);
+    } else {
+        raster.draw(&tiles, observer, memory);
+    }
     let finished = raster.units.iter().map(RasterUnit::finished_at);
-    let finished = finished.max().unwrap_or(0);
-    let raster_cycles = memory.end_of_phase(finished).max(finished);
+    let raster_cycles = memory.end_of_phase(finished.max().unwrap_or(0));
 
     let moves = SortStep::moves(&steps);
     let total = geometry_cycles + sort_cycles + raster_cycles;
@@ -255,6 +239,7 @@ fn phases<M: Memory>(
         entries: geometry.entries,
         sorted: moves,
     };
+    let packet_bytes = config.bytes_of_packet(workload.packet_bytes);
     let entry = u64::from(packet_bytes + config.list_bytes);
     let cached = timing.pixels.packet_hits * u64::from(packet_bytes);
     // What is sorted before the lists are filled is written once beside them.
@@ -294,7 +279,8 @@ fn is_zero(value: &u64) -> bool {
     *value == 0
 }
 
-/// All raster units and the tiles that they share.
+/// All raster units, and what they have drawn.
+#[derive(Default)]
 struct Raster {
     units: Vec<RasterUnit>,
     pixels: PixelWork,
@@ -302,17 +288,6 @@ struct Raster {
 }
 
 impl Raster {
-    fn new(config: &Config) -> Raster {
-        let units = (0..config.raster_units)
-            .map(|number| RasterUnit::new(number, config))
-            .collect();
-        Raster {
-            units,
-            pixels: PixelWork::default(),
-            pixels_written: 0,
-        }
-    }
-
     /// Draws tile by tile: no unit needs to know what another one does meanwhile.
     fn draw<O: Observer, M: Memory>(&mut self, tiles: &Tiles, observer: &mut O, memory: &mut M) {
         for turn in 0..tiles.order.len() {
@@ -396,10 +371,8 @@ impl Raster {
     }
 
     fn discarded(&self) -> u64 {
-        self.units
-            .iter()
-            .map(|unit| unit.prefetched_discarded)
-            .sum()
+        let units = self.units.iter();
+        units.map(|unit| unit.prefetched_discarded).sum()
     }
 }
 
@@ -411,27 +384,15 @@ struct Tiles<'a> {
 }
 
 impl<'a> Tiles<'a> {
-    fn new(work: &'a LaneWork, config: &'a Config) -> Tiles<'a> {
-        Tiles {
-            work,
-            config,
-            order: sequence(config.tile_order, work.columns, work.tiles.len()),
-        }
-    }
-
     /// The work of the tile whose turn it is.
     fn job(&self, turn: usize) -> TileJob<'a> {
         let (work, number) = (self.work, self.order[turn]);
         let tile = &work.tiles[number];
-        let first_pair = match number {
-            0 => 0,
-            _ => work.tiles[number - 1].pairs_end as usize,
-        };
-        let first_band = match first_pair {
-            0 => 0,
-            _ => work.pairs[first_pair - 1].bands_end as usize,
-        };
-        let all = &work.pairs[first_pair..tile.pairs_end as usize];
+        let numbers = work.pairs_in(number);
+        let first_pair = numbers.start;
+        let before = first_pair.checked_sub(1);
+        let first_band = before.map_or(0, |before| work.pairs[before].bands_end as usize);
+        let all = &work.pairs[numbers];
         let interval = self.config.tile_termination;
         let (pairs, left_out) = all.split_at(drawn(all.len(), tile.finished_after, interval));
         TileJob {
@@ -463,79 +424,58 @@ impl Timing {
         fill: Option<&Account>,
         raster: &Raster,
     ) {
-        let total = self.total;
-        let mut add = |name, accounts: Vec<&Account>| {
-            self.units.insert(name, UnitTime::close(accounts, total));
-        };
-        let each =
-            |of: fn(&RasterUnit) -> &Account| raster.units.iter().map(of).collect::<Vec<_>>();
-        add("fetch", vec![&geometry.fetch]);
-        add("setup", geometry.setup.iter().collect());
-        add("binning", vec![&geometry.binning]);
-        add("packet_write", vec![&geometry.write]);
-        add("sort", vec![sort]);
-        if let Some(fill) = fill {
-            add("list_fill", vec![fill]);
+        let units = || raster.units.iter();
+        let sequencers = units().flat_map(|unit| &unit.sequencers);
+        let all: [(_, Vec<&Account>); 11] = [
+            ("fetch", vec![&geometry.fetch]),
+            ("setup", geometry.setup.iter().collect()),
+            ("binning", vec![&geometry.binning]),
+            ("packet_write", vec![&geometry.write]),
+            ("sort", vec![sort]),
+            ("list_fill", fill.into_iter().collect()),
+            ("packet_fetch", units().map(|unit| &unit.fetch).collect()),
+            ("splat_setup", units().map(|unit| &unit.splat).collect()),
+            ("row_generator", units().map(|unit| &unit.rows).collect()),
+            ("write_back", units().map(|unit| &unit.write_back).collect()),
+            ("lanes", sequencers.map(|lanes| &lanes.account).collect()),
+        ];
+        for (name, accounts) in all {
+            if !accounts.is_empty() {
+                let time = UnitTime::close(accounts, self.total);
+                self.units.insert(name, time);
+            }
         }
-        add("packet_fetch", each(|unit| &unit.fetch));
-        add("splat_setup", each(|unit| &unit.splat));
-        add("row_generator", each(|unit| &unit.rows));
-        add("write_back", each(|unit| &unit.write_back));
-        let sequencers = raster.units.iter().flat_map(|unit| &unit.sequencers);
-        add(
-            "lanes",
-            sequencers.map(|sequencer| &sequencer.account).collect(),
-        );
     }
 
     fn add_fifos(&mut self, geometry: &Geometry, raster: &Raster, config: &Config) {
-        let mut add = |name, depth: u32, fifos: Vec<&Fifo>| {
-            let high_water = fifos
-                .iter()
-                .map(|fifo| fifo.high_water())
-                .max()
-                .unwrap_or(0);
-            self.fifos.insert(
-                name,
-                FifoUse {
-                    depth: depth.into(),
-                    high_water,
-                },
-            );
-        };
-        add("setup", config.setup_fifo, vec![&geometry.splats]);
-        add("bin", config.bin_fifo, vec![&geometry.footprints]);
-        add(
-            "packet",
-            config.packet_fifo,
-            raster.units.iter().map(|unit| &unit.packets).collect(),
-        );
-        add(
-            "splat",
-            config.splat_fifo,
-            raster.units.iter().map(|unit| &unit.splats).collect(),
-        );
-        let sequencers = raster.units.iter().flat_map(|unit| &unit.sequencers);
-        add(
-            "row",
-            config.row_fifo,
-            sequencers.map(|sequencer| &sequencer.fifo).collect(),
-        );
+        let units = || raster.units.iter();
+        let sequencers = units().flat_map(|unit| &unit.sequencers);
+        let packets = units().map(|unit| &unit.packets).collect();
+        let splats = units().map(|unit| &unit.splats).collect();
+        let rows = sequencers.map(|lanes| &lanes.fifo).collect();
+        let all: [(_, _, Vec<&Fifo>); 5] = [
+            ("setup", config.setup_fifo, vec![&geometry.splats]),
+            ("bin", config.bin_fifo, vec![&geometry.footprints]),
+            ("packet", config.packet_fifo, packets),
+            ("splat", config.splat_fifo, splats),
+            ("row", config.row_fifo, rows),
+        ];
+        for (name, depth, fifos) in all {
+            let high_water = fifos.iter().map(|fifo| fifo.high_water()).max();
+            let used = FifoUse {
+                depth: depth.into(),
+                high_water: high_water.unwrap_or(0),
+            };
+            self.fifos.insert(name, used);
+        }
     }
 
     fn add_pixels(&mut self, raster: &Raster, config: &Config) {
         let lanes = u64::from(config.lanes) * u64::from(config.raster_units);
-        let per_lane = |pixels: u64| {
-            if self.raster == 0 {
-                0.0
-            } else {
-                pixels as f64 / (self.raster * lanes) as f64
-            }
-        };
-        let sequencers = raster
-            .units
-            .first()
-            .map_or(1, |unit| unit.sequencers.len() as u64);
+        // A phase without cycles has no pixels.
+        let per_lane = |pixels: u64| pixels as f64 / (self.raster * lanes).max(1) as f64;
+        let unit = raster.units.first();
+        let sequencers = unit.map_or(1, |unit| unit.sequencers.len() as u64);
         let busy = self.units.get("lanes").map_or(0, |unit| unit.busy);
         self.pixels = PixelWork {
             packet_hits: raster.units.iter().map(|unit| unit.cache.hits).sum(),
@@ -549,9 +489,6 @@ impl Timing {
 
 /// The lane work for a configuration and the simulation in one call.
 pub fn simulate_alone(workload: &Workload, config: &Config) -> Timing {
-    simulate(
-        workload,
-        &LaneWork::new(workload, LaneShape::from(config)),
-        config,
-    )
+    let work = LaneWork::new(workload, LaneShape::from(config));
+    simulate(workload, &work, config)
 }

@@ -46,10 +46,8 @@ impl LoadedScene {
 
     /// A splat's centre, scene units.
     pub fn centre(&self, splat: u32) -> [f64; 3] {
-        self.scene
-            .splats
-            .get(splat as usize)
-            .map_or([f64::NAN; 3], |splat| splat.centre)
+        let splat = self.scene.splats.get(splat as usize);
+        splat.map_or([f64::NAN; 3], |splat| splat.centre)
     }
 
     /// The splats, quantised once; again for every camera if their colours depend on it.
@@ -68,13 +66,10 @@ impl LoadedScene {
 pub struct FixedPicture {
     pub picture: Picture,
     pub rgba: Vec<u8>,
-    pub coverage: Coverage,
+    pub painted: PaintedTiles,
     pub culled: usize,
     pub checksum: u64,
     pub design: RuntimeWidths,
-    pub footprints: Vec<Result<Footprint, Cull>>,
-    /// Per tile the drawn splats in their order.
-    pub lists: Vec<Vec<u32>>,
     pub rules: splatline::rules::Rules,
     pub traversal: Traversal,
 }
@@ -96,31 +91,21 @@ impl FixedPicture {
             traversal,
         };
         // The widths of a named design as constants: the same bits in less time.
-        let drawn = match design.widths() {
+        let painted = match design.widths() {
             widths if widths == Lean18::WIDTHS => view.draw(Lean18),
             widths if widths == Standard24::WIDTHS => view.draw(Standard24),
             _ => view.draw(design),
         };
-        let PaintedTiles {
-            footprints,
-            lists,
-            pixels,
-            coverage,
-        } = drawn;
-        let picture = picture_of(&pixels, camera, &design.widths(), quantised.colour_log2);
+        let pixels = &painted.pixels;
+        let picture = picture_of(pixels, camera, &design.widths(), quantised.colour_log2);
+        let words = |p: &Pixel| p.colour.into_iter().chain([p.transmittance]);
         FixedPicture {
             rgba: rgba(&picture),
-            checksum: bytes::checksum(
-                pixels
-                    .iter()
-                    .flat_map(|p| p.colour.into_iter().chain([p.transmittance])),
-            ),
+            checksum: bytes::checksum(pixels.iter().flat_map(words)),
             picture,
-            coverage,
-            culled: footprints.iter().filter(|f| f.is_err()).count(),
+            culled: painted.footprints.iter().filter(|f| f.is_err()).count(),
+            painted,
             design,
-            footprints,
-            lists,
             rules,
             traversal,
         }
@@ -136,11 +121,12 @@ struct PageRequest<'a> {
 }
 
 /// What setup and raster made of it.
-struct PaintedTiles {
-    footprints: Vec<Result<Footprint, Cull>>,
-    lists: Vec<Vec<u32>>,
+pub struct PaintedTiles {
+    pub footprints: Vec<Result<Footprint, Cull>>,
+    /// Per tile the drawn splats in their order.
+    pub lists: Vec<Vec<u32>>,
     pixels: Vec<Pixel>,
-    coverage: Coverage,
+    pub coverage: Coverage,
 }
 
 impl PageRequest<'_> {
@@ -221,10 +207,8 @@ fn paint<D: Design>(
 ) -> Coverage {
     let mut coverage = Coverage::default();
     for part in list.chunks(CHECK_INTERVAL) {
-        for footprint in part
-            .iter()
-            .filter_map(|i| footprints[*i as usize].as_ref().ok())
-        {
+        let drawn = part.iter().flat_map(|i| &footprints[*i as usize]);
+        for footprint in drawn {
             coverage += painter.draw(footprint, target);
         }
         if target.is_finished() {
@@ -268,25 +252,17 @@ impl PageTiles {
 
     /// For every tile the splats whose box touches it, nearest first, ties by index.
     fn lists(&self, footprints: &[Result<Footprint, Cull>]) -> Vec<Vec<u32>> {
-        let mut order: Vec<(u64, u32)> = footprints
-            .iter()
-            .zip(0..)
-            .filter_map(|(footprint, index)| Some((footprint.as_ref().ok()?.depth, index)))
-            .collect();
-        order.sort_unstable();
+        let drawn = footprints.iter().zip(0..);
+        let drawn = drawn.filter_map(|(footprint, index)| Some((footprint.as_ref().ok()?, index)));
+        let mut order: Vec<(&Footprint, u32)> = drawn.collect();
+        order.sort_unstable_by_key(|(footprint, index)| (footprint.depth, *index));
         let mut lists = vec![Vec::new(); self.columns * self.viewport[1].div_ceil(TILE)];
-        for (_, index) in order {
-            let Ok(footprint) = &footprints[index as usize] else {
-                continue;
-            };
-            let Footprint {
-                first, end: last, ..
-            } = footprint;
-            if first[0] >= last[0] || first[1] >= last[1] {
+        for (footprint, index) in order {
+            if Window::of(footprint).is_empty() {
                 continue;
             }
-            let [left, top] = first.map(|pixel| usize::from(pixel) / TILE);
-            let [right, bottom] = last.map(|pixel| usize::from(pixel - 1) / TILE);
+            let [left, top] = footprint.first.map(|pixel| usize::from(pixel) / TILE);
+            let [right, bottom] = footprint.end.map(|pixel| usize::from(pixel - 1) / TILE);
             for y in top..=bottom {
                 for x in left..=right {
                     lists[y * self.columns + x].push(index);

@@ -85,7 +85,8 @@ impl Compared {
     pub fn tell(&mut self, fixed: Option<&FixedPicture>) {
         let Some(fixed) = fixed else { return };
         let [psnr, largest, bias, x, y, psnr_covered, bias_covered] = self.errors;
-        let drawn = fixed.footprints.len() - fixed.culled;
+        let (painted, culled) = (&fixed.painted, fixed.culled);
+        let drawn = painted.footprints.len() - culled;
         self.figures = [
             psnr,
             largest,
@@ -94,10 +95,10 @@ impl Compared {
             y,
             psnr_covered,
             bias_covered,
-            fixed.coverage.visited as f64,
-            fixed.coverage.covered as f64,
+            painted.coverage.visited as f64,
+            painted.coverage.covered as f64,
             drawn as f64,
-            fixed.culled as f64,
+            culled as f64,
             (fixed.checksum >> 32) as f64,
             (fixed.checksum & u64::from(u32::MAX)) as f64,
             self.scale.limit,

@@ -35,11 +35,9 @@ pub fn heaviest(fixed: &FixedPicture, loaded: &LoadedScene, x: u32, y: u32) -> O
     };
     let mut pixel = [Pixel::clear(&widths)];
     let (mut best, mut covering) = (None, 0);
-    for &splat in fixed
-        .lists
-        .get(PageTiles::of([width, height]).at(column, row))?
-    {
-        let Ok(footprint) = &fixed.footprints[splat as usize] else {
+    let tile = PageTiles::of([width, height]).at(column, row);
+    for &splat in fixed.painted.lists.get(tile)? {
+        let Ok(footprint) = &fixed.painted.footprints[splat as usize] else {
             continue;
         };
         let before = pixel[0].transmittance();
@@ -66,7 +64,7 @@ pub fn heaviest(fixed: &FixedPicture, loaded: &LoadedScene, x: u32, y: u32) -> O
 /// The packet as JSON: fields with their bits, most significant first.
 pub fn packet_json(fixed: &FixedPicture, picked: &Picked) -> String {
     let mut text = String::new();
-    let Some(Ok(footprint)) = fixed.footprints.get(picked.splat as usize) else {
+    let Some(Ok(footprint)) = fixed.painted.footprints.get(picked.splat as usize) else {
         return text;
     };
     let layout = Layout::new(&fixed.design.widths(), fixed.traversal);
@@ -93,10 +91,8 @@ pub fn packet_json(fixed: &FixedPicture, picked: &Picked) -> String {
         );
         for bit in (0..u16::from(field.width)).rev() {
             let place = usize::from(field.offset + bit);
-            text.push(match packet[place / 32] >> (place % 32) & 1 {
-                0 => '0',
-                _ => '1',
-            });
+            let is_set = packet[place / 32] >> (place % 32) & 1 == 1;
+            text.push(if is_set { '1' } else { '0' });
         }
         text.push_str("\"}");
     }

@@ -55,24 +55,6 @@ fn with<T>(work: impl FnOnce(&mut Page) -> T) -> T {
     PAGE.with_borrow_mut(work)
 }
 
-/// What a picture is of.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum ShownLayer {
-    FixedPicture,
-    FloatPicture,
-    Error,
-}
-
-impl ShownLayer {
-    fn of(number: u32) -> ShownLayer {
-        match number {
-            0 => ShownLayer::FixedPicture,
-            1 => ShownLayer::FloatPicture,
-            _ => ShownLayer::Error,
-        }
-    }
-}
-
 /// Memory for so many bytes of a scene.
 #[unsafe(no_mangle)]
 pub extern "C" fn input(length: usize) -> *mut u8 {
@@ -89,9 +71,8 @@ pub extern "C" fn load() -> i32 {
         let loaded = bytes::decode(&std::mem::take(&mut page.input));
         (page.fixed, page.float) = (None, None);
         page.scene = loaded.map(|(scene, rules)| draw::LoadedScene::new(scene, rules));
-        page.scene
-            .as_ref()
-            .map_or(-1, |loaded| loaded.splats() as i32)
+        let loaded = page.scene.as_ref();
+        loaded.map_or(-1, |loaded| loaded.splats() as i32)
     })
 }
 
@@ -146,16 +127,13 @@ pub extern "C" fn compare(percentile: f64, limit: f64) -> u32 {
 /// RGBA bytes of a layer (0 fixed, 1 float, 2 error), row by row.
 #[unsafe(no_mangle)]
 pub extern "C" fn pixels(layer: u32) -> *const u8 {
-    with(|page| match ShownLayer::of(layer) {
-        ShownLayer::FixedPicture => page
-            .fixed
-            .as_ref()
-            .map_or(std::ptr::null(), |f| f.rgba.as_ptr()),
-        ShownLayer::FloatPicture => page
-            .float
-            .as_ref()
-            .map_or(std::ptr::null(), |f| f.rgba.as_ptr()),
-        ShownLayer::Error => page.compared.rgba.as_ptr(),
+    with(|page| {
+        let rgba = match layer {
+            0 => page.fixed.as_ref().map(|fixed| &fixed.rgba),
+            1 => page.float.as_ref().map(|float| &float.rgba),
+            _ => Some(&page.compared.rgba),
+        };
+        rgba.map_or(std::ptr::null(), Vec::as_ptr)
     })
 }
 
@@ -174,23 +152,22 @@ pub extern "C" fn histogram() -> *const f64 {
     with(|page| page.compared.histogram.as_ptr())
 }
 
-/// One channel (0 to 3) of a pixel; NaN outside.
+/// One channel (0 to 3) of a layer's pixel; NaN outside.
 #[unsafe(no_mangle)]
 pub extern "C" fn value(layer: u32, channel: u32, x: u32, y: u32) -> f64 {
     with(|page| {
         let of = |picture: &splatline_reference::picture::Picture| {
             let inside = (x as usize) < picture.width && (y as usize) < picture.height;
-            let pixel = picture
-                .pixels
-                .get(y as usize * picture.width + x as usize)?;
-            inside.then(|| pixel.get(channel as usize).copied())?
+            let place = y as usize * picture.width + x as usize;
+            let pixel = picture.pixels.get(place).filter(|_| inside)?;
+            pixel.get(channel as usize).copied()
         };
         let fixed = || of(&page.fixed.as_ref()?.picture);
         let float = || of(&page.float.as_ref()?.picture);
-        let value = match ShownLayer::of(layer) {
-            ShownLayer::FixedPicture => fixed(),
-            ShownLayer::FloatPicture => float(),
-            ShownLayer::Error => fixed().zip(float()).map(|(a, b)| a - b),
+        let value = match layer {
+            0 => fixed(),
+            1 => float(),
+            _ => fixed().zip(float()).map(|(a, b)| a - b),
         };
         value.unwrap_or(f64::NAN)
     })

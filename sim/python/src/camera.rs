@@ -28,10 +28,8 @@ impl Camera {
         fov: f64,
         size: (usize, usize),
     ) -> PyResult<Camera> {
-        raise(camera::Camera::look_at(
-            eye, target, up, fov, size.0, size.1,
-        ))
-        .map(Camera)
+        let (width, height) = size;
+        raise(camera::Camera::look_at(eye, target, up, fov, width, height)).map(Camera)
     }
 
     /// A camera that shows the whole of a scene, from its front: what the command line takes where none is named.
@@ -66,10 +64,8 @@ impl Camera {
     #[pyo3(signature = (path, size=None))]
     fn load_all(path: PathBuf, size: Option<(usize, usize)>) -> PyResult<Vec<(String, Camera)>> {
         let poses = raise(cameras::load(&path, size.map(|(w, h)| [w, h])))?;
-        Ok(poses
-            .into_iter()
-            .map(|pose| (pose.name, Camera(pose.camera)))
-            .collect())
+        let poses = poses.into_iter();
+        Ok(poses.map(|pose| (pose.name, Camera(pose.camera))).collect())
     }
 
     /// From the text of a camera file.
@@ -129,10 +125,8 @@ impl Camera {
 
     /// Its fields as a dictionary, in the form of a camera file.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        record(
-            py,
-            &raise(serde_json::from_str::<serde_json::Value>(&self.0.to_json()))?,
-        )
+        let fields: serde_json::Value = raise(serde_json::from_str(&self.0.to_json()))?;
+        record(py, &fields)
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
@@ -141,10 +135,7 @@ impl Camera {
     }
 
     fn __repr__(&self) -> String {
-        let camera::Camera {
-            width, height, fx, ..
-        } = &self.0;
-        let [x, y, z] = self.0.eye();
+        let ((width, height), fx, [x, y, z]) = (self.size(), self.0.fx, self.0.eye());
         format!("<Camera {width}x{height} at ({x:.3}, {y:.3}, {z:.3}), fx {fx:.1}>")
     }
 }

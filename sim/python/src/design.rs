@@ -93,19 +93,10 @@ impl Design {
     }
 
     fn __repr__(&self) -> String {
-        let widths: Vec<String> = self
-            .0
-            .resolved()
-            .widths
-            .iter()
-            .map(|(key, bits)| format!("{key}={bits}"))
-            .collect();
-        format!(
-            "<Design {} by {}: {}>",
-            self.0.name,
-            self.traversal(),
-            widths.join(" ")
-        )
+        let widths = self.0.resolved().widths;
+        let widths = widths.iter().map(|(key, bits)| format!("{key}={bits}"));
+        let widths = widths.collect::<Vec<_>>().join(" ");
+        format!("<Design {} by {}: {widths}>", self.0.name, self.traversal())
     }
 }
 
@@ -121,12 +112,10 @@ impl Machine {
     #[new]
     #[pyo3(signature = (base=None, /, **settings))]
     fn new(base: Option<&str>, settings: Option<&Bound<'_, PyDict>>) -> PyResult<Machine> {
-        let mut config = match base {
-            None => Config::default(),
-            Some(name) => match Config::named(name) {
-                Some(config) => config,
-                None => raise(config::from_file(Path::new(name)))?,
-            },
+        let named = base.map_or_else(|| Some(Config::default()), Config::named);
+        let mut config = match (named, base) {
+            (None, Some(file)) => raise(config::from_file(Path::new(file)))?,
+            (named, _) => named.unwrap_or_default(),
         };
         for (key, value) in toml_of(settings)? {
             raise(config.set("Machine", &key, &value))?;
@@ -160,12 +149,7 @@ impl Machine {
     }
 
     fn __repr__(&self) -> String {
-        let Config {
-            lanes,
-            tile_width,
-            tile_height,
-            ..
-        } = self.0;
-        format!("<Machine {lanes} lanes, tiles of {tile_width}x{tile_height}>")
+        let (lanes, width, height) = (self.0.lanes, self.0.tile_width, self.0.tile_height);
+        format!("<Machine {lanes} lanes, tiles of {width}x{height}>")
     }
 }

@@ -73,10 +73,8 @@ impl Kernel {
         packet[..words.len()].copy_from_slice(words);
         let found = layout.decode(&packet);
         found.map_err(|wrong| {
-            anyhow::anyhow!(
-                "a packet of version {}: this kernel reads others",
-                wrong.found
-            )
+            let version = wrong.found;
+            anyhow::anyhow!("a packet of version {version}: this kernel reads others")
         })
     }
 
@@ -86,16 +84,13 @@ impl Kernel {
             let fraction = rows.fraction();
             let mut found = Vec::new();
             while let Some(span) = rows.next_span() {
-                let [radial, first, second] =
-                    [span.radial, span.first, span.second].map(Lane::to_wide);
-                let Span { y, x, length, .. } = span;
                 found.push(Span {
-                    y,
-                    x,
-                    length,
-                    radial,
-                    first,
-                    second,
+                    y: span.y,
+                    x: span.x,
+                    length: span.length,
+                    radial: span.radial.to_wide(),
+                    first: span.first.to_wide(),
+                    second: span.second.to_wide(),
                 });
             }
             (found, fraction)
@@ -192,12 +187,9 @@ impl Kernel {
         let mut words = Vec::with_capacity(indices.len() * layout.words());
         let mut keys = Vec::with_capacity(indices.len());
         for index in &indices {
-            let count = self.scene.splats.len();
-            let splat = self
-                .scene
-                .splats
-                .get(*index)
-                .with_context(|| format!("splat {index}: there are {count}"));
+            let splats = &self.scene.splats;
+            let missing = || format!("splat {index}: there are {}", splats.len());
+            let splat = splats.get(*index).with_context(missing);
             let (mut packet, mut key) = ([0; WORDS], 0);
             reasons.push(
                 match setup(self.design, &self.scene.view, &self.rules, raise(splat)?) {
@@ -233,14 +225,8 @@ impl Kernel {
         let footprint = raise(self.packet(&packet.to_vec()?))?;
         let (spans, fraction) = self.spans(&footprint, &self.window(window));
         let row = |s: &Span<i64>| -> SpanRow {
-            [
-                s.y.into(),
-                s.x.into(),
-                s.length.into(),
-                s.radial,
-                s.first,
-                s.second,
-            ]
+            let [y, x, length] = [s.y, s.x, s.length].map(i64::from);
+            [y, x, length, s.radial, s.first, s.second]
         };
         Ok((rows(py, spans.iter().map(row).collect())?, fraction))
     }
@@ -256,10 +242,8 @@ impl Kernel {
         let footprint = raise(self.packet(&packet.to_vec()?))?;
         let (spans, fraction) = self.spans(&footprint, &self.window(window));
         let bits = self.widths().radial;
-        let (drop, end) = (
-            fraction as i32 - i32::from(bits),
-            cutoff_in_lane(footprint.cutoff, bits),
-        );
+        let drop = fraction as i32 - i32::from(bits);
+        let end = cutoff_in_lane(footprint.cutoff, bits);
         let mut found: Vec<[i64; 3]> = Vec::new();
         for span in &spans {
             for (column, lane) in (span.x..).zip(span.radials()) {
@@ -362,13 +346,8 @@ impl Kernel {
         }
         let drawn = py.detach(|| -> Result<()> {
             let table = fixed::table(&self.table, &widths, &self.rules);
-            let painter = Painter::new(
-                self.design,
-                &self.rules,
-                table,
-                self.compositing,
-                self.traversal,
-            );
+            let (order, traversal) = (self.compositing, self.traversal);
+            let painter = Painter::new(self.design, &self.rules, table, order, traversal);
             let mut target = Target::new(&mut pixels, window, window.columns().into())
                 .map_err(|wrong| anyhow::anyhow!("{wrong}"))?;
             for footprint in &footprints {
@@ -378,11 +357,8 @@ impl Kernel {
         });
         raise(drawn)?;
         let words: Vec<[u32; 4]> = pixels.iter().map(words_of).collect();
-        PyArray1::from_vec(py, words.into_flattened()).reshape([
-            window.rows().into(),
-            window.columns().into(),
-            4,
-        ])
+        let [rows, columns] = [window.rows(), window.columns()].map(usize::from);
+        PyArray1::from_vec(py, words.into_flattened()).reshape([rows, columns, 4])
     }
 
     /// All stages of the first `splats` splats as `splatline vectors` writes them, in the order of the data flow: name, what a record is,

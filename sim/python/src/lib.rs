@@ -25,9 +25,7 @@ fn depth(bits: u8) -> PyResult<Depth> {
     match bits {
         8 => Ok(Depth::Eight),
         16 => Ok(Depth::Sixteen),
-        _ => Err(convert::error(&anyhow::anyhow!(
-            "depth = {bits}: allowed are 8 and 16"
-        ))),
+        _ => convert::raise(Err(anyhow::anyhow!("depth = {bits}: allowed are 8 and 16"))),
     }
 }
 
@@ -55,17 +53,12 @@ fn encode<'py>(
     background: Option<[f64; 3]>,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let picture = convert::picture(&picture)?;
-    let format = PictureFormat::of(&PathBuf::from(format!("x.{format}"))).ok_or_else(|| {
-        convert::error(&anyhow::anyhow!(
-            "format '{format}': allowed are png, npy and exr"
-        ))
-    })?;
+    let found = PictureFormat::of(&PathBuf::from(format!("x.{format}")));
+    let allowed = || format!("format '{format}': allowed are png, npy and exr");
+    let format = convert::raise(found.ok_or_else(|| anyhow::Error::msg(allowed())))?;
     let backdrop = background.map_or(Backdrop::Transparent, Backdrop::Colour);
     let bytes = picture.encode(format, depth(bits)?, backdrop);
-    Ok(PyBytes::new(
-        py,
-        &bytes.map_err(|error| convert::error(&error.into()))?,
-    ))
+    Ok(PyBytes::new(py, &convert::raise(bytes)?))
 }
 
 /// The command line; its exit code.

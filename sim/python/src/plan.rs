@@ -14,7 +14,6 @@ use splatline_sim::explore::fit;
 use splatline_sim::explore::limits::{Limit, limits_of_part, tightest};
 use splatline_sim::explore::space::Space;
 use splatline_sim::explore::subject::Subject;
-use splatline_sim::machine::area::Calibration;
 use splatline_sim::machine::energy::EnergyTable;
 use splatline_sim::machine::parts::{Part, Parts};
 use splatline_sim::machine::record::{CostedMachine, Prices};
@@ -36,15 +35,22 @@ pub struct Plan {
     scene: Scene,
 }
 
-/// Pixels of a picture as an array, and its report.
-type Drawn<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyAny>);
+/// Pixels of a picture as an array.
+type Drawing<'py> = Bound<'py, PyArray3<f64>>;
 
 impl Plan {
     fn of_prepared(prepared: Prepared) -> Plan {
         let scene = Scene::of_plan(&prepared);
+        let prepared = Arc::new(prepared);
+        Plan { prepared, scene }
+    }
+
+    /// A plan whose scene is there already.
+    fn of_scene(plan: plan::Plan, scene: &Scene) -> Plan {
+        let prepared = Prepared::new(plan, Arc::clone(&scene.scene), Vec::new(), scene.seconds);
         Plan {
             prepared: Arc::new(prepared),
-            scene,
+            scene: scene.clone(),
         }
     }
 
@@ -76,10 +82,9 @@ pub fn part(name: Option<&str>) -> Result<Option<(String, Part)>> {
 /// Prices of area and energy on a part.
 pub fn prices(name: Option<&str>) -> Result<Prices> {
     let part = part(name)?;
+    let family = part.as_ref().map(|(_, part)| part.family);
     Ok(Prices {
-        calibration: part
-            .as_ref()
-            .map_or_else(Calibration::default, |(_, part)| part.family.calibration()),
+        calibration: family.unwrap_or_default().calibration(),
         part,
         energy: EnergyTable::default(),
     })
@@ -122,12 +127,9 @@ impl Plan {
             entry: DesignVariant::new(design.0.clone(), None),
             machine: machine.0,
         };
-        let prepared = Prepared::new(plan, Arc::clone(&scene.scene), Vec::new(), scene.seconds);
-        raise(prepared.subject().map(drop))?;
-        Ok(Plan {
-            prepared: Arc::new(prepared),
-            scene: scene.clone(),
-        })
+        let plan = Plan::of_scene(plan, scene);
+        raise(plan.prepared.subject().map(drop))?;
+        Ok(plan)
     }
 
     /// The plan of a file, a plan's (TOML) or a report's (JSON); paths in it count from the working directory.
@@ -148,14 +150,7 @@ impl Plan {
     fn from_dict(py: Python<'_>, plan: &Bound<'_, PyAny>, scene: Option<&Scene>) -> PyResult<Plan> {
         let plan: plan::Plan = read(plan)?;
         match scene {
-            Some(scene) => {
-                let prepared =
-                    Prepared::new(plan, Arc::clone(&scene.scene), Vec::new(), scene.seconds);
-                Ok(Plan {
-                    prepared: Arc::new(prepared),
-                    scene: scene.clone(),
-                })
-            }
+            Some(scene) => Ok(Plan::of_scene(plan, scene)),
             None => raise(py.detach(|| Prepared::load(plan, &|_| ()))).map(Plan::of_prepared),
         }
     }
@@ -209,7 +204,7 @@ impl Plan {
         threads: Option<usize>,
         repeat: usize,
         vectors: Option<&str>,
-    ) -> PyResult<Drawn<'py>> {
+    ) -> PyResult<(Drawing<'py>, Bound<'py, PyAny>)> {
         let effort = raise(Plan::effort(threads, repeat, vectors))?;
         let drawn = py.detach(|| draw_alone(&self.prepared, None, &effort, &ProgressMeter::new(1)));
         let (measured, report) = raise(drawn)?;
@@ -226,11 +221,7 @@ impl Plan {
         repeat: usize,
         all_designs: bool,
         formats: bool,
-    ) -> PyResult<(
-        Bound<'py, PyArray3<f64>>,
-        Bound<'py, PyArray3<f64>>,
-        Bound<'py, PyAny>,
-    )> {
+    ) -> PyResult<(Drawing<'py>, Drawing<'py>, Bound<'py, PyAny>)> {
         let effort = raise(Plan::effort(threads, repeat, None))?;
         let prepared = &self.prepared;
         let others = match all_designs && prepared.has_traversals() {
@@ -246,11 +237,8 @@ impl Plan {
         });
         let compared = raise(compared)?;
         let report = record(py, &compared.report)?;
-        Ok((
-            array(py, compared.fixed)?,
-            array(py, compared.float)?,
-            report,
-        ))
+        let [fixed, float] = [array(py, compared.fixed)?, array(py, compared.float)?];
+        Ok((fixed, float, report))
     }
 
     /// Where every splat lands, float64 of shape (n, 12): u, v, depth, conic a, b, c, x0, y0, x1, y1, cutoff, opacity; NaN where it is culled.
@@ -267,20 +255,12 @@ impl Plan {
             _ => prepared.float_footprints(),
         });
         let row = |line: Option<FootprintLine>| {
-            let Some(FootprintLine {
-                centre,
-                depth,
-                conic,
-                bounds,
-                cutoff,
-                opacity,
-            }) = line
-            else {
+            let Some(line) = line else {
                 return vec![f64::NAN; 12];
             };
-            let bounds = bounds.map(|bound| bound as f64);
-            let last = [cutoff, opacity.unwrap_or(f64::NAN)];
-            [&centre[..], &[depth], &conic, &bounds, &last].concat()
+            let bounds = line.bounds.map(|bound| bound as f64);
+            let last = [line.cutoff, line.opacity.unwrap_or(f64::NAN)];
+            [&line.centre[..], &[line.depth], &line.conic, &bounds, &last].concat()
         };
         let rows: Vec<Vec<f64>> = raise(found)?.into_iter().map(row).collect();
         Ok(numpy::PyArray2::from_vec2(py, &rows)?)
@@ -324,10 +304,8 @@ pub fn subject<'a>(
 
 /// The plans that Python handed over.
 pub fn frames(plans: &[Bound<'_, Plan>]) -> Vec<Arc<Prepared>> {
-    plans
-        .iter()
-        .map(|plan| Arc::clone(&plan.get().prepared))
-        .collect()
+    let prepared = |plan: &Bound<'_, Plan>| Arc::clone(&plan.get().prepared);
+    plans.iter().map(prepared).collect()
 }
 
 /// The smallest design within limits on its errors: the record of `splatline fit`; its start is the first plan's design.

@@ -28,14 +28,6 @@ pub struct Scene {
     notes: Vec<String>,
 }
 
-/// The splats of a scene: one line for every array.
-struct Arrays<'a> {
-    centres: PyReadonlyArray2<'a, f64>,
-    axes: PyReadonlyArray3<'a, f64>,
-    weights: PyReadonlyArray1<'a, f64>,
-    colours: PyReadonlyArray2<'a, f64>,
-}
-
 /// The numbers of an array of this shape, where they lie, all of them finite.
 fn numbers<'a, T: Element + Copy + Into<f64>, D: numpy::ndarray::Dimension>(
     name: &str,
@@ -50,10 +42,8 @@ fn numbers<'a, T: Element + Copy + Into<f64>, D: numpy::ndarray::Dimension>(
     let numbers = array
         .as_slice()
         .with_context(|| format!("{name}: not in rows"))?;
-    let place = numbers
-        .iter()
-        .position(|number| !(*number).into().is_finite());
-    match place {
+    let finite = |number: &T| (*number).into().is_finite();
+    match numbers.iter().position(|number| !finite(number)) {
         None => Ok(numbers),
         Some(place) => {
             let each = shape[1..].iter().product::<usize>().max(1);
@@ -62,27 +52,27 @@ fn numbers<'a, T: Element + Copy + Into<f64>, D: numpy::ndarray::Dimension>(
     }
 }
 
-impl Arrays<'_> {
-    /// The only copy: a splat's numbers lie together, an array's apart.
-    fn splats(&self) -> Result<Vec<Splat>> {
-        let count = self.centres.shape()[0];
-        let centres = numbers("centres", &self.centres, &[count, 3])?
-            .as_chunks::<3>()
-            .0;
-        let axes = numbers("axes", &self.axes, &[count, 3, 3])?;
-        let axes = axes.as_chunks::<3>().0.as_chunks::<3>().0;
-        let weights = numbers("weights", &self.weights, &[count])?;
-        let colours = numbers("colours", &self.colours, &[count, 3])?
-            .as_chunks::<3>()
-            .0;
-        let splat = |index: usize| Splat {
-            centre: centres[index],
-            axes: axes[index],
-            weight: weights[index],
-            colour: colours[index].map(|value| value.max(0.0)),
-        };
-        Ok((0..count).map(splat).collect())
-    }
+/// The splats of arrays, one line of each for a splat. The only copy: a splat's numbers lie together, an array's apart.
+fn splats_of(
+    centres: &PyReadonlyArray2<f64>,
+    axes: &PyReadonlyArray3<f64>,
+    weights: &PyReadonlyArray1<f64>,
+    colours: &PyReadonlyArray2<f64>,
+) -> Result<Vec<Splat>> {
+    let count = centres.shape()[0];
+    let centres = numbers("centres", centres, &[count, 3])?;
+    let axes = numbers("axes", axes, &[count, 3, 3])?;
+    let weights = numbers("weights", weights, &[count])?;
+    let colours = numbers("colours", colours, &[count, 3])?;
+    let [centres, colours] = [centres, colours].map(|array| array.as_chunks::<3>().0);
+    let axes = axes.as_chunks::<3>().0.as_chunks::<3>().0;
+    let splat = |index: usize| Splat {
+        centre: centres[index],
+        axes: axes[index],
+        weight: weights[index],
+        colour: colours[index].map(|value| value.max(0.0)),
+    };
+    Ok((0..count).map(splat).collect())
 }
 
 /// Coefficients of view-dependent colour; the colours that came with them are its constant part.
@@ -102,15 +92,13 @@ fn harmonics(
     })?;
     let count = colours.shape()[0];
     let coefficients = numbers("harmonics", &found, &[count, each, 3])?;
-    let base = colours.as_array();
+    let colours = colours.as_array();
+    let base = colours.rows().into_iter();
+    let base = base.map(|row| [0, 1, 2].map(|channel| row[channel] as f32));
     Ok(Some(Harmonics {
         degree,
         coefficients: coefficients.as_chunks::<3>().0.to_vec(),
-        base: base
-            .rows()
-            .into_iter()
-            .map(|row| [row[0] as f32, row[1] as f32, row[2] as f32])
-            .collect(),
+        base: base.collect(),
     }))
 }
 
@@ -220,20 +208,13 @@ impl Scene {
             "opacity" => Rules::GAUSSIAN_3D,
             "mass" => Rules::EWA,
             other => {
-                return raise(Err(anyhow::anyhow!(
-                    "weight = '{other}': allowed are opacity and mass"
-                )));
+                let message = format!("weight = '{other}': allowed are opacity and mass");
+                return raise(Err(anyhow::Error::msg(message)));
             }
         };
-        let arrays = Arrays {
-            centres,
-            axes,
-            weights,
-            colours,
-        };
-        let splats = raise(arrays.splats())?;
+        let splats = raise(splats_of(&centres, &axes, &weights, &colours))?;
         let scene = scene::Scene {
-            harmonics: raise(self::harmonics(&arrays.colours, harmonics))?,
+            harmonics: raise(self::harmonics(&colours, harmonics))?,
             up,
             ..scene::Scene::of_splats(name, natural_rules, splats)
         };
@@ -292,10 +273,8 @@ impl Scene {
     /// The settings by which a surface is drawn unless others are given.
     fn usual_style<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let AnyScene::Surface { scene, .. } = &*self.scene else {
-            return raise(Err(anyhow::anyhow!(
-                "{}: holds splats, which have no style",
-                self.name()
-            )));
+            let message = format!("{}: holds splats, which have no style", self.name());
+            return raise(Err(anyhow::Error::msg(message)));
         };
         let style = splatline_sim::surface::Style::opaque(scene.usual_threshold());
         crate::convert::record(py, &style)
@@ -341,10 +320,8 @@ impl Scene {
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let splats = &raise(self.splats())?.splats;
-        Ok(PyArray1::from_vec(
-            py,
-            splats.iter().map(|splat| splat.weight).collect(),
-        ))
+        let weights = splats.iter().map(|splat| splat.weight);
+        Ok(PyArray1::from_iter(py, weights))
     }
 
     /// View-dependent colour: its constant part before clamping, float32 of shape (n, 3), and the coefficients of degree 1 and up in the
@@ -371,22 +348,18 @@ impl Scene {
     fn normals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         match &*self.scene {
             AnyScene::Surface { .. } => self.triples(py, |_| [0.0; 3], |point| point.normal),
-            AnyScene::Splats(scene) => raise(Err(anyhow::anyhow!(
-                "{}: splats have no normals",
-                scene.name
-            ))),
+            AnyScene::Splats(scene) => {
+                let name = &scene.name;
+                raise(Err(anyhow::anyhow!("{name}: splats have no normals")))
+            }
         }
     }
 
     fn __repr__(&self) -> String {
-        format!(
-            "<Scene {}: {} {}>",
-            self.name(),
-            self.scene.len(),
-            match self.kind() {
-                "splats" => "splats",
-                _ => "points of a surface",
-            }
-        )
+        let what = match &*self.scene {
+            AnyScene::Splats(_) => "splats",
+            AnyScene::Surface { .. } => "points of a surface",
+        };
+        format!("<Scene {}: {} {what}>", self.name(), self.scene.len())
     }
 }

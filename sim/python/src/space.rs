@@ -41,11 +41,9 @@ impl Space {
     /// Axes, dearest first: key, values, and what they change (`design`, `tile`, `lanes`, `machine`).
     fn axes(&self, py: Python<'_>) -> PyResult<Vec<(String, Py<PyAny>, String)>> {
         let axis = |axis: &space::SpaceAxis| {
-            Ok((
-                axis.key.clone(),
-                crate::convert::record(py, &axis.values)?.unbind(),
-                format!("{:?}", axis.part).to_lowercase(),
-            ))
+            let values = crate::convert::record(py, &axis.values)?.unbind();
+            let part = format!("{:?}", axis.part).to_lowercase();
+            Ok((axis.key.clone(), values, part))
         };
         self.space.axes.iter().map(axis).collect()
     }
@@ -184,14 +182,10 @@ fn evaluate(
         anyhow::ensure!(fits, "point {point:?} is none of the space's");
     }
     let found = Mutex::new(vec![Vec::new(); points.len()]);
-    sweep::evaluate(
-        evaluator,
-        space,
-        points.iter().enumerate(),
-        &|place, results| {
-            found.lock().unwrap_or_else(PoisonError::into_inner)[place] = results;
-            Ok(())
-        },
-    )?;
+    let keep = |place: usize, results| {
+        found.lock().unwrap_or_else(PoisonError::into_inner)[place] = results;
+        Ok(())
+    };
+    sweep::evaluate(evaluator, space, points.iter().enumerate(), &keep)?;
     Ok(found.into_inner().unwrap_or_else(PoisonError::into_inner))
 }

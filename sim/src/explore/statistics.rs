@@ -81,13 +81,11 @@ fn counted(workload: &Workload) -> (Vec<u64>, Vec<[u64; 2]>) {
     let [width, height] = workload.tile.map(usize::from);
     let mut all = Vec::new();
     let mut splats = vec![[0; 2]; workload.splats.len()];
-    let mut row = 0;
     for (number, tile) in workload.tiles.iter().enumerate() {
         let mut layers = vec![0u64; width * height];
-        for pair in workload.pairs_of(number) {
-            let rows = &workload.rows[row..pair.rows_end as usize];
-            row = pair.rows_end as usize;
-            for (y, one) in (usize::from(pair.first_row)..).zip(rows) {
+        for index in workload.pairs_in(number) {
+            let pair = &workload.pairs[index];
+            for (y, one) in (usize::from(pair.first_row)..).zip(workload.rows_of(index)) {
                 add_row(one, &mut layers[y * width..(y + 1) * width]);
                 if let Some([open, covered]) = splats.get_mut(pair.splat as usize) {
                     *open += u64::from((one.covered & one.open).count_ones());

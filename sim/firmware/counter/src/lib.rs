@@ -15,7 +15,7 @@
 use std::collections::BTreeMap;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::fmt::Write;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 /// Version of the plugin interface that is used.
 #[unsafe(no_mangle)]
@@ -78,9 +78,7 @@ struct State {
 static STATE: Mutex<Option<State>> = Mutex::new(None);
 
 fn with_state<T>(work: impl FnOnce(&mut State) -> T) -> T {
-    let mut state = STATE
-        .lock()
-        .unwrap_or_else(|poisoned| poisoned.into_inner());
+    let mut state = STATE.lock().unwrap_or_else(PoisonError::into_inner);
     work(state.get_or_insert_default())
 }
 
@@ -139,11 +137,9 @@ impl State {
         let Some(file) = &self.addresses else {
             return;
         };
-        let lines: String = self
-            .counters
-            .iter()
-            .map(|(address, counter)| format!("{address:08x} {}\n", counter.taken))
-            .collect();
+        let counters = self.counters.iter();
+        let lines = counters.map(|(address, one)| format!("{address:08x} {}\n", one.taken));
+        let lines: String = lines.collect();
         if let Err(error) = std::fs::write(file, lines) {
             eprintln!("splatline_counter: {file}: {error}");
         }
@@ -185,12 +181,8 @@ extern "C" fn translated(_: u64, block: *mut c_void) {
             // its number as it is.
             unsafe {
                 if entered.is_some_and(|f| f.name.starts_with("phase_")) {
-                    qemu_plugin_register_vcpu_insn_exec_cb(
-                        instruction,
-                        phase_entered,
-                        0,
-                        place as *mut c_void,
-                    );
+                    let place = place as *mut c_void;
+                    qemu_plugin_register_vcpu_insn_exec_cb(instruction, phase_entered, 0, place);
                 }
                 qemu_plugin_register_vcpu_insn_exec_inline(instruction, 0, count, 1);
             }
@@ -202,11 +194,8 @@ extern "C" fn phase_entered(_: u32, function: *mut c_void) {
     with_state(|state| {
         state.close_phase();
         state.current = state.functions[function as usize].name.clone();
-        state
-            .phases
-            .entry(state.current.clone())
-            .or_default()
-            .entries += 1;
+        let phase = state.phases.entry(state.current.clone());
+        phase.or_default().entries += 1;
     });
 }
 
@@ -240,9 +229,8 @@ pub unsafe extern "C" fn qemu_plugin_install(
             continue;
         }
         let Some(file) = argument.strip_prefix("symbols=") else {
-            eprintln!(
-                "splatline_counter: expected symbols=FILE or addresses=FILE, not '{argument}'"
-            );
+            let expected = "expected symbols=FILE or addresses=FILE";
+            eprintln!("splatline_counter: {expected}, not '{argument}'");
             return 1;
         };
         if let Err(error) = with_state(|state| state.read_symbols(file)) {

@@ -43,18 +43,10 @@ pub enum DisplayError<E> {
 
 impl DisplayMemory {
     /// Empty memory.
-    pub const fn new() -> Self {
-        DisplayMemory {
-            list: BoundedList::new(),
-            strip: [Pixel::EMPTY; scene::SIZE[0] as usize * STRIP as usize],
-        }
-    }
-}
-
-impl Default for DisplayMemory {
-    fn default() -> Self {
-        Self::new()
-    }
+    pub const EMPTY: DisplayMemory = DisplayMemory {
+        list: BoundedList::new(),
+        strip: [Pixel::EMPTY; scene::SIZE[0] as usize * STRIP as usize],
+    };
 }
 
 /// Draws the scene on a display. The phases are for counting instructions and do nothing.
@@ -78,9 +70,8 @@ pub fn draw<T: DrawTarget<Color = Rgb565>>(
             Point::new(0, window.first[1].into()),
             Size::new(window.columns().into(), window.rows().into()),
         );
-        let colours = strip
-            .rgb565(BACKGROUND)
-            .map(|bits| RawU16::new(bits).into());
+        let bits = strip.rgb565(BACKGROUND);
+        let colours = bits.map(|bits| RawU16::new(bits).into());
         let sent = display.fill_contiguous(&area, colours);
         sent.map_err(DisplayError::Display)?;
     }

@@ -13,7 +13,7 @@ mod image {
     struct Lent(UnsafeCell<DisplayMemory>);
     // SAFETY: one core, no interrupts.
     unsafe impl Sync for Lent {}
-    static MEMORY: Lent = Lent(UnsafeCell::new(DisplayMemory::new()));
+    static MEMORY: Lent = Lent(UnsafeCell::new(DisplayMemory::EMPTY));
 
     #[unsafe(no_mangle)]
     fn image_main() {
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     use embedded_graphics::prelude::Size;
     use embedded_graphics_simulator::{OutputSettingsBuilder, SimulatorDisplay};
     use splatline_display::covered;
-    let mut memory = Box::new(DisplayMemory::new());
+    let mut memory = Box::new(DisplayMemory::EMPTY);
     let mut panel = Panel::default();
     draw(&mut memory, &mut panel).map_err(|failure| format!("no picture: {failure:?}"))?;
     report(&memory, &panel, |name, value| println!("{name}={value}"));

@@ -14,9 +14,7 @@ use splatline::front::CompactScene;
 use splatline::front::{PackedList, packed_words};
 use splatline::{Pixel, Renderer};
 #[cfg(feature = "emulated")]
-use splatline_firmware::checksum::Checksum;
-#[cfg(feature = "emulated")]
-use splatline_firmware::phase::phase_rest;
+use splatline_firmware::{fixed_picture::FixedOutcome, phase::phase_rest};
 
 /// Rows of a strip.
 pub const STRIP: u16 = 8;
@@ -70,24 +68,14 @@ pub fn show(memory: &mut FrameMemory, mut send: impl FnMut(u16, &[u16])) -> ! {
     }
 }
 
-/// What came out.
-#[cfg(feature = "emulated")]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FrameOutcome {
-    /// Checksum of all pixels as they are sent.
-    pub checksum: Checksum,
-    /// Splats with a footprint.
-    pub visible: u32,
-}
-
-/// Draws a scene; `set_up` and `draw` are called before the phases for which instructions are counted. `None` if memory does not suffice.
+/// Draws a scene, whose pixels are summed up as they are sent; `set_up` and `draw` are called before the phases for which instructions are counted. `None` if memory does not suffice.
 #[cfg(feature = "emulated")]
 pub fn draw(
     scene: &CompactScene,
     memory: &mut FrameMemory,
     set_up: extern "C" fn(),
     draw: extern "C" fn(),
-) -> Option<FrameOutcome> {
+) -> Option<FixedOutcome> {
     let renderer = Renderer::new(Drawn);
     let view = scene::view();
     let FrameMemory { list, strip, sent } = memory;
@@ -95,9 +83,9 @@ pub fn draw(
     set_up();
     let counts = renderer.set_up_scene(&view, scene, &mut list);
     phase_rest();
-    let mut outcome = FrameOutcome {
+    let mut outcome = FixedOutcome {
         visible: counts.ok()?.drawn,
-        ..FrameOutcome::default()
+        ..FixedOutcome::default()
     };
     for window in view.window().strips(STRIP) {
         draw();
@@ -120,7 +108,7 @@ pub fn draw(
 
 /// The same by the kernel's general painter with widths in fields, 64-bit lanes and an unpacked list, and the pixels that were covered.
 #[cfg(all(feature = "emulated", not(target_os = "none")))]
-pub fn expected(scene: &CompactScene) -> (FrameOutcome, u64, Vec<u16>) {
+pub fn expected(scene: &CompactScene) -> (FixedOutcome, u64, Vec<u16>) {
     use splatline::footprint::Footprint;
     use splatline::format::RuntimeWidths;
     use splatline::front::Splats;
@@ -139,9 +127,9 @@ pub fn expected(scene: &CompactScene) -> (FrameOutcome, u64, Vec<u16>) {
     let mut pixels = vec![Pixel::EMPTY; view.window().pixels()];
     let frame = renderer.draw(&list, view.window(), &mut pixels);
     let frame = frame.expect("of the picture's size");
-    let mut outcome = FrameOutcome {
+    let mut outcome = FixedOutcome {
         visible: counts.drawn,
-        ..FrameOutcome::default()
+        ..FixedOutcome::default()
     };
     let sent: Vec<u16> = frame.rgb565(BACKGROUND).collect();
     sent.iter()

@@ -4,28 +4,16 @@
 use splatline_frame::scene::SCENES;
 use splatline_frame::{FrameMemory, draw};
 
-/// What the instructions are counted for; the counter knows these functions by name. Each must stay a function of its own, hence the
-/// different volatile writes.
+/// Setup and drawing of each scene, for the counter of instructions.
 mod phase {
-    macro_rules! phases {
-        ($($name:ident = $number:literal),*) => {$(
-            #[unsafe(no_mangle)]
-            #[inline(never)]
-            pub extern "C" fn $name() {
-                let mut number = 0u8;
-                // SAFETY: a local variable.
-                unsafe { core::ptr::write_volatile(&mut number, $number) };
-            }
-        )*};
+    splatline_firmware::phases! {
+        phase_setup_200 = 11, "Setup of 200 splats.";
+        phase_draw_200 = 12, "Drawing of 200 splats.";
+        phase_setup_1000 = 13, "Setup of 1000 splats.";
+        phase_draw_1000 = 14, "Drawing of 1000 splats.";
+        phase_setup_3000 = 15, "Setup of 3000 splats.";
+        phase_draw_3000 = 16, "Drawing of 3000 splats.";
     }
-    phases!(
-        phase_setup_200 = 11,
-        phase_draw_200 = 12,
-        phase_setup_1000 = 13,
-        phase_draw_1000 = 14,
-        phase_setup_3000 = 15,
-        phase_draw_3000 = 16
-    );
 }
 
 /// Draws all scenes and prints what came out of each.

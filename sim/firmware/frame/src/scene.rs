@@ -47,7 +47,8 @@ const fn splats<const N: usize>(size: i32) -> [CompactSplat; N] {
     let mut splats = [[0; 24]; N];
     let mut i = 0;
     while i < N {
-        let mut numbers = [
+        // The last number holds the columns' own exponents, 5 bits each.
+        let numbers = [
             random.between(-26_214, 26_214),
             random.between(-26_214, 26_214),
             random.between(-16_384, 16_384),
@@ -59,8 +60,6 @@ const fn splats<const N: usize>(size: i32) -> [CompactSplat; N] {
             (random.between(12_000, 32_000) * size) >> 10,
             0,
         ];
-        // Columns by their own exponents: 5 bits each, here 0.
-        numbers[9] = 0;
         let mut k = 0;
         while k < 10 {
             let [low, high] = (numbers[k] as i16).to_le_bytes();

@@ -13,7 +13,7 @@ mod image {
     struct Lent(UnsafeCell<FixedMemory>);
     // SAFETY: one core, no interrupts.
     unsafe impl Sync for Lent {}
-    static MEMORY: Lent = Lent(UnsafeCell::new(FixedMemory::new()));
+    static MEMORY: Lent = Lent(UnsafeCell::new(FixedMemory::EMPTY));
 
     #[unsafe(no_mangle)]
     fn image_main() {
@@ -49,7 +49,7 @@ fn main() -> std::io::Result<()> {
         print_design();
         return Ok(());
     }
-    let mut memory = Box::new(FixedMemory::new());
+    let mut memory = Box::new(FixedMemory::EMPTY);
     let mut picture = format!("P6\n{COLUMNS} {ROWS}\n255\n").into_bytes();
     let mut coverage = Coverage::default();
     let mut differing = 0;

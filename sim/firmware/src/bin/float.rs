@@ -13,7 +13,7 @@ mod image {
     struct Lent(UnsafeCell<FloatMemory>);
     // SAFETY: one core, no interrupts.
     unsafe impl Sync for Lent {}
-    static MEMORY: Lent = Lent(UnsafeCell::new(FloatMemory::new()));
+    static MEMORY: Lent = Lent(UnsafeCell::new(FloatMemory::EMPTY));
 
     #[unsafe(no_mangle)]
     fn image_main() {
@@ -41,7 +41,7 @@ fn report(outcome: &FloatOutcome, mut print: impl FnMut(&str, u32)) {
 fn main() -> std::io::Result<()> {
     use splatline_firmware::order::Full;
     let failed = |Full| std::io::Error::other("the depth order has too little room");
-    let outcome = draw(&mut Box::new(FloatMemory::new())).map_err(failed)?;
+    let outcome = draw(&mut Box::new(FloatMemory::EMPTY)).map_err(failed)?;
     report(&outcome, |name, value| println!("{name}={value}"));
     Ok(())
 }

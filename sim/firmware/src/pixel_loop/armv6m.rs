@@ -32,17 +32,11 @@ use splatline::footprint::Footprint;
 /// Blends a run.
 #[inline(always)]
 pub fn paint(run: NarrowRun) {
-    let NarrowRun {
-        pixels,
-        lanes,
-        footprint,
-        clamped,
-    } = run;
-    let pixels = pixels.as_mut_ptr_range();
-    let lanes = within_table(lanes);
-    let scale = if clamped { 0 } else { SCALE as u32 };
+    let pixels = run.pixels.as_mut_ptr_range();
+    let lanes = within_table(run.lanes);
+    let scale = if run.clamped { 0 } else { SCALE as u32 };
     // SAFETY: the range is a borrowed slice's, and `last` lies within the table.
-    unsafe { paint_range(pixels.start, footprint, &lanes, pixels.end, scale) }
+    unsafe { paint_range(pixels.start, run.footprint, &lanes, pixels.end, scale) }
 }
 
 /// The kernel at r1 into r2; r3 to r6 are free.

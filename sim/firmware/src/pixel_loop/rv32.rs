@@ -28,20 +28,14 @@ const INTERVAL: u32 = size_of_val(&TABLE[0]).ilog2();
 /// Blends a run.
 #[inline(always)]
 pub fn paint(run: NarrowRun) {
-    let NarrowRun {
-        pixels,
-        lanes,
-        footprint,
-        clamped,
-    } = run;
-    let pixels = pixels.as_mut_ptr_range();
-    let lanes = within_table(lanes);
+    let pixels = run.pixels.as_mut_ptr_range();
+    let lanes = within_table(run.lanes);
     // SAFETY: the range is a borrowed slice's, and `last` lies within the table.
     unsafe {
-        if clamped {
-            paint_clamped(pixels.start, &lanes, footprint, pixels.end)
+        if run.clamped {
+            paint_clamped(pixels.start, &lanes, run.footprint, pixels.end)
         } else {
-            paint_unclamped(pixels.start, &lanes, footprint, pixels.end)
+            paint_unclamped(pixels.start, &lanes, run.footprint, pixels.end)
         }
     }
 }

@@ -50,22 +50,15 @@ impl Copy {
     /// Copies the repository `root` below `work` and finds every mutant of its `src`.
     pub fn new(root: &Path, work: &Path) -> Result<Copy, Failure> {
         let (tree, build) = (work.join("tree"), work.join("build"));
-        let list = Command::new("git")
-            .args(["ls-files", "-co", "--exclude-standard"])
-            .current_dir(root)
-            .output()?;
-        let files: Vec<String> = String::from_utf8(list.stdout)?
-            .lines()
-            .map(String::from)
-            .collect();
+        let mut list = Command::new("git");
+        list.args(["ls-files", "-co", "--exclude-standard"]);
+        let files = String::from_utf8(list.current_dir(root).output()?.stdout)?;
+        let kept = |f: &&str| !f.starts_with("sim/fuzz/") && root.join(f).is_file();
         let mut texts = Vec::new();
-        for file in files
-            .iter()
-            .filter(|f| !f.starts_with("sim/fuzz/") && root.join(f).is_file())
-        {
+        for file in files.lines().filter(kept) {
             let bytes = fs::read(root.join(file))?;
             match file.starts_with("src/") && file.ends_with(".rs") {
-                true => texts.push((file.clone(), String::from_utf8(bytes)?)),
+                true => texts.push((file.to_owned(), String::from_utf8(bytes)?)),
                 false => write(&tree.join(file), &bytes)?,
             }
         }
@@ -104,10 +97,8 @@ impl Copy {
             write(&self.tree.join(&source.path), text.as_bytes())?;
             parts.push((source.path.clone(), at));
         }
-        write(
-            &self.tree.join("src/mutation.rs"),
-            include_bytes!("cell.rs"),
-        )?;
+        let cell = self.tree.join("src/mutation.rs");
+        write(&cell, include_bytes!("cell.rs"))?;
         Ok(parts)
     }
 
@@ -146,15 +137,12 @@ impl Copy {
     fn drop_at(&mut self, span: &Value, parts: &[(String, Vec<Part>)]) {
         let number = |name: &str| span[name].as_u64().unwrap_or(0) as usize;
         let (start, end) = (number("byte_start"), number("byte_end"));
-        let Some((_, parts)) = parts
-            .iter()
-            .find(|(path, _)| span["file_name"] == path.as_str())
-        else {
+        let is_file = |part: &&(String, Vec<Part>)| span["file_name"] == part.0.as_str();
+        let Some((_, parts)) = parts.iter().find(is_file) else {
             return;
         };
-        let around = parts
-            .iter()
-            .filter(|p| p.range.start <= start && end <= p.range.end);
+        let around = |p: &&Part| p.range.start <= start && end <= p.range.end;
+        let around = parts.iter().filter(around);
         if let Some(part) = around.min_by_key(|p| p.range.len()) {
             self.mutants[part.mutant].dropped = true;
         }
@@ -168,22 +156,17 @@ impl Copy {
     pub fn programs(&self, compiled: usize, arguments: &[&str]) -> Result<Vec<Program>, Failure> {
         let arguments = [&["test", "--no-run"], arguments].concat();
         let output = self.cargo(&arguments, compiled)?;
-        let programs: Vec<Program> = messages(&output)
-            .filter(|m| m["profile"]["test"] == true)
-            .filter_map(|m| {
-                let folder = Path::new(m["manifest_path"].as_str()?)
-                    .parent()?
-                    .to_path_buf();
-                Some(Program {
-                    path: m["executable"].as_str()?.into(),
-                    folder,
-                })
+        let program = |m: Value| {
+            Some(Program {
+                path: m["executable"].as_str()?.into(),
+                folder: Path::new(m["manifest_path"].as_str()?).parent()?.into(),
             })
-            .collect();
+        };
+        let tests = messages(&output).filter(|m| m["profile"]["test"] == true);
+        let programs: Vec<Program> = tests.filter_map(program).collect();
         if programs.is_empty() {
-            let errors: String = messages(&output)
-                .filter_map(|m| m["message"]["rendered"].as_str().map(String::from))
-                .collect();
+            let error = |m: Value| m["message"]["rendered"].as_str().map(String::from);
+            let errors: String = messages(&output).filter_map(error).collect();
             return Err(errors.into());
         }
         Ok(programs)
@@ -198,13 +181,8 @@ impl Copy {
         let output = Command::new("sh")
             .args(["-c", limits, "cargo"])
             .args(arguments)
-            .args([
-                "--profile",
-                "mutants",
-                "--message-format",
-                "json",
-                "--offline",
-            ])
+            .args(["--profile", "mutants", "--offline"])
+            .args(["--message-format", "json"])
             .env("RUSTC_BOOTSTRAP", "1")
             .env("RUSTFLAGS", "--cap-lints=allow")
             .env("MUTANT_COMPILED", compiled.to_string())
@@ -245,11 +223,11 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 /// The text with every choice in it, and which part of it belongs to which mutant.
 fn rewritten(source: &Source, mutants: &[Mutant]) -> (String, Vec<Part>) {
     let compiles = |choice: &&Choice| !mutants[choice.0].dropped;
-    let mut edits: Vec<(&Edit, Vec<&Choice>)> = source
-        .edits
-        .iter()
-        .map(|edit| (edit, edit.choices.iter().filter(compiles).collect()))
-        .collect();
+    let edits = source.edits.iter();
+    let chosen = edits
+        .clone()
+        .map(|edit| edit.choices.iter().filter(compiles).collect());
+    let mut edits: Vec<(&Edit, Vec<&Choice>)> = edits.zip(chosen).collect();
     edits.retain(|(_, choices)| !choices.is_empty());
     // Outer ones before those inside.
     edits.sort_by_key(|(edit, _)| (edit.range.start, Reverse(edit.range.end)));
@@ -292,11 +270,8 @@ impl<'a> Writer<'a> {
             self.open.pop_if(|(edit, ..)| edit.range.end <= limit)
         {
             self.copy(edit.range.end);
-            self.out.push_str(if edit.kind == Kind::Instead {
-                " })"
-            } else {
-                " }"
-            });
+            let instead = edit.kind == Kind::Instead;
+            self.out.push_str(if instead { " })" } else { " }" });
             let range = begin..self.out.len();
             self.parts.extend(choices.iter().map(|choice| Part {
                 range: range.clone(),

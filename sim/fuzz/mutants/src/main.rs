@@ -40,11 +40,8 @@ fn options() -> Result<Options, Failure> {
     let mut options = Options::default();
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
-        let mut value = || {
-            arguments
-                .next()
-                .ok_or(format!("{argument} needs a value\n{HELP}"))
-        };
+        let missing = format!("{argument} needs a value\n{HELP}");
+        let mut value = || arguments.next().ok_or_else(|| missing.clone());
         match argument.as_str() {
             "--sample" => options.sample = Some((value()?.parse()?, value()?.parse()?)),
             "--in" => options.part = Some(value()?),
@@ -62,15 +59,12 @@ fn options() -> Result<Options, Failure> {
 fn equivalent(text: &str) -> Result<BTreeMap<String, String>, Failure> {
     let mut names = BTreeMap::new();
     let mut open = Vec::new();
-    for line in text
+    let lines = text
         .lines()
-        .filter(|l| !l.is_empty() && !l.starts_with('#'))
-    {
+        .filter(|l| !l.is_empty() && !l.starts_with('#'));
+    for line in lines {
         match line.strip_prefix("    ") {
-            Some(reason) => names.extend(
-                open.drain(..)
-                    .map(|name: String| (name, reason.to_string())),
-            ),
+            Some(reason) => names.extend(open.drain(..).map(|name| (name, reason.to_string()))),
             None => open.push(line.to_string()),
         }
     }
@@ -81,16 +75,12 @@ fn equivalent(text: &str) -> Result<BTreeMap<String, String>, Failure> {
 }
 
 fn reason<'a>(names: &'a BTreeMap<String, String>, key: &str) -> Option<&'a String> {
-    let covers = |name: &String| {
-        name.strip_suffix('*')
-            .is_some_and(|start| key.starts_with(start))
+    let covers = |name: &str| {
+        let start = name.strip_suffix('*');
+        start.is_some_and(|start| key.starts_with(start))
     };
-    names.get(key).or_else(|| {
-        names
-            .iter()
-            .find(|(name, _)| covers(name))
-            .map(|(_, reason)| reason)
-    })
+    let covering = || names.iter().find(|(name, _)| covers(name));
+    names.get(key).or_else(|| Some(covering()?.1))
 }
 
 fn main() {
@@ -110,9 +100,9 @@ fn run() -> Result<(), Failure> {
     let mut copy = Copy::new(&root, &work)?;
     let mut chosen = choose(&copy, &options, &last)?;
     if options.list {
-        chosen
-            .iter()
-            .for_each(|&m| println!("{}:{}", copy.mutants[m].key, copy.mutants[m].line));
+        for mutant in chosen.iter().map(|&m| &copy.mutants[m]) {
+            println!("{}:{}", mutant.key, mutant.line);
+        }
         return Ok(());
     }
     copy.settle()?;
@@ -123,9 +113,10 @@ fn run() -> Result<(), Failure> {
         copy.mutants.len() - 1,
         chosen.len()
     );
-    let end = options
+    let time = options
         .sample
-        .map(|(_, minutes)| Instant::now() + Duration::from_secs(60 * minutes));
+        .map(|(_, minutes)| Duration::from_secs(60 * minutes));
+    let end = time.map(|time| Instant::now() + time);
     let explained = |m: &usize| reason(&names, &copy.mutants[*m].key).is_some();
     let (tried, survivors) = trials(&copy, chosen, &options, end, &work, explained)?;
     let (explained, unexplained): (Vec<usize>, Vec<usize>) =
@@ -254,8 +245,8 @@ fn in_parallel(
         Ok::<_, Failure>(all)
     })?;
     judged.sort_by_key(|(place, ..)| *place);
+    let judged = judged.into_iter();
     Ok(judged
-        .into_iter()
         .map(|(_, mutant, survived)| (mutant, survived))
         .collect())
 }

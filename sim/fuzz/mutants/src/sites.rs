@@ -6,7 +6,7 @@
 use std::ops::Range;
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
-use syn::{BinOp, Expr, Lit, UnOp};
+use syn::{Expr, Lit, UnOp};
 
 /// One change of the source.
 pub struct Mutant {
@@ -137,24 +137,31 @@ impl Finder<'_> {
         if has_let(&e.left) || has_let(&e.right) {
             return;
         }
-        let (left, right) = (self.source(&e.left), self.source(&e.right));
-        let options = other_operators(&e.op).iter().map(|other| {
-            let code = match is_assignment(&e.op) {
-                true => format!("{left} {other} {right}"),
-                false => format!("({left}) {other} ({right})"),
+        let [left, op, right] = [
+            self.source(&e.left),
+            self.source(&e.op),
+            self.source(&e.right),
+        ];
+        let sign = if is_assignment(op) { "=" } else { "" };
+        let others = other_operators(op.strip_suffix(sign).unwrap_or(op)).iter();
+        let option = |other: &&str| {
+            let other = format!("{other}{sign}");
+            let code = match sign {
+                "=" => format!("{left} {other} {right}"),
+                _ => format!("({left}) {other} ({right})"),
             };
-            (format!("{} -> {other}", self.source(&e.op)), code)
-        });
-        let options = options.collect();
+            (format!("{op} -> {other}"), code)
+        };
+        let options = others.map(option).collect();
         self.instead(e, options);
     }
 
     fn literal(&mut self, e: &syn::ExprLit) {
         let option = match &e.lit {
-            Lit::Bool(b) => Some((
-                format!("{} -> {}", b.value, !b.value),
-                format!("{}", !b.value),
-            )),
+            Lit::Bool(b) => {
+                let (value, other) = (b.value, !b.value);
+                Some((format!("{value} -> {other}"), other.to_string()))
+            }
             Lit::Int(i) => i.base10_parse::<u128>().ok().map(|value| {
                 let other = if value == 0 { 1 } else { value - 1 };
                 (format!("{i} -> {other}"), format!("{other}{}", i.suffix()))
@@ -181,11 +188,9 @@ impl Finder<'_> {
             _ => return,
         };
         let (whole, method) = (e.span().byte_range(), e.method.span().byte_range());
-        let code = format!(
-            "{}{other}{}",
-            &self.text[whole.start..method.start],
-            &self.text[method.end..whole.end]
-        );
+        let before = &self.text[whole.start..method.start];
+        let after = &self.text[method.end..whole.end];
+        let code = format!("{before}{other}{after}");
         self.instead(e, vec![(format!("{name} -> {other}"), code)]);
     }
 
@@ -202,11 +207,8 @@ impl Finder<'_> {
     }
 
     fn body(&mut self, name: &syn::Ident, signature: &syn::Signature, block: &syn::Block) {
-        let outer = (
-            self.function.clone(),
-            self.constant,
-            std::mem::take(&mut self.deferred),
-        );
+        let deferred = std::mem::take(&mut self.deferred);
+        let outer = (self.function.clone(), self.constant, deferred);
         self.function = if self.owner.is_empty() {
             name.to_string()
         } else {
@@ -218,11 +220,9 @@ impl Finder<'_> {
             syn::ReturnType::Default => vec![""],
             syn::ReturnType::Type(_, kind) => default_results(self.source(&**kind)),
         };
-        let options = results
-            .iter()
-            .map(|r| (format!("returns {r}").trim().into(), format!("return {r};")))
-            .collect();
+        let option = |r: &&str| (format!("returns {r}").trim().into(), format!("return {r};"));
         if !block.stmts.is_empty() {
+            let options = results.iter().map(option).collect();
             self.add(start..start, Kind::Entry, options);
         }
         visit::visit_block(self, block);
@@ -319,20 +319,17 @@ impl<'ast> Visit<'ast> for Finder<'_> {
     fn visit_stmt(&mut self, statement: &'ast syn::Stmt) {
         if let syn::Stmt::Expr(e, Some(_)) = statement {
             let left_out = match e {
-                Expr::Assign(a) => !self
-                    .deferred
-                    .iter()
-                    .any(|name| name == self.source(&*a.left)),
-                Expr::Binary(b) => is_assignment(&b.op),
+                Expr::Assign(a) => {
+                    let target = self.source(&*a.left);
+                    !self.deferred.iter().any(|name| name == target)
+                }
+                Expr::Binary(b) => is_assignment(self.source(&b.op)),
                 Expr::Call(_) | Expr::MethodCall(_) => true,
                 _ => false,
             };
             if left_out {
-                self.add(
-                    statement.span().byte_range(),
-                    Kind::LeftOut,
-                    vec![("left out".into(), String::new())],
-                );
+                let option = vec![("left out".into(), String::new())];
+                self.add(statement.span().byte_range(), Kind::LeftOut, option);
             }
         }
         visit::visit_stmt(self, statement);
@@ -382,53 +379,29 @@ fn has_let(e: &Expr) -> bool {
     }
 }
 
-fn is_assignment(op: &BinOp) -> bool {
-    use BinOp::*;
-    matches!(
-        op,
-        AddAssign(_)
-            | SubAssign(_)
-            | MulAssign(_)
-            | DivAssign(_)
-            | RemAssign(_)
-            | BitXorAssign(_)
-            | BitAndAssign(_)
-            | BitOrAssign(_)
-            | ShlAssign(_)
-            | ShrAssign(_)
-    )
+fn is_assignment(op: &str) -> bool {
+    op.ends_with('=') && !["==", "!=", "<=", ">="].contains(&op)
 }
 
-fn other_operators(op: &BinOp) -> &'static [&'static str] {
+/// What may stand in place of an operator; `+=` and its like change as `+` does.
+fn other_operators(op: &str) -> &'static [&'static str] {
     match op {
-        BinOp::Add(_) => &["-"],
-        BinOp::Sub(_) => &["+"],
-        BinOp::Mul(_) => &["+"],
-        BinOp::Div(_) => &["*"],
-        BinOp::Rem(_) => &["/"],
-        BinOp::And(_) => &["||"],
-        BinOp::Or(_) => &["&&"],
-        BinOp::BitXor(_) => &["&"],
-        BinOp::BitAnd(_) => &["|"],
-        BinOp::BitOr(_) => &["&"],
-        BinOp::Shl(_) => &[">>"],
-        BinOp::Shr(_) => &["<<"],
-        BinOp::Eq(_) => &["!="],
-        BinOp::Ne(_) => &["=="],
-        BinOp::Lt(_) => &["<=", ">="],
-        BinOp::Le(_) => &["<", ">"],
-        BinOp::Gt(_) => &[">=", "<="],
-        BinOp::Ge(_) => &[">", "<"],
-        BinOp::AddAssign(_) => &["-="],
-        BinOp::SubAssign(_) => &["+="],
-        BinOp::MulAssign(_) => &["+="],
-        BinOp::DivAssign(_) => &["*="],
-        BinOp::RemAssign(_) => &["/="],
-        BinOp::BitXorAssign(_) => &["&="],
-        BinOp::BitAndAssign(_) => &["|="],
-        BinOp::BitOrAssign(_) => &["&="],
-        BinOp::ShlAssign(_) => &[">>="],
-        BinOp::ShrAssign(_) => &["<<="],
+        "+" => &["-"],
+        "-" | "*" => &["+"],
+        "/" => &["*"],
+        "%" => &["/"],
+        "&&" => &["||"],
+        "||" => &["&&"],
+        "^" | "|" => &["&"],
+        "&" => &["|"],
+        "<<" => &[">>"],
+        ">>" => &["<<"],
+        "==" => &["!="],
+        "!=" => &["=="],
+        "<" => &["<=", ">="],
+        "<=" => &["<", ">"],
+        ">" => &[">=", "<="],
+        ">=" => &[">", "<"],
         _ => &[],
     }
 }

@@ -43,12 +43,8 @@ impl Suite {
             tests: Vec::new(),
         };
         for program in 0..suite.programs.len() {
-            let list = command(
-                &suite.programs[program],
-                &["--list", "--format", "terse"],
-                "20",
-            )
-            .output()?;
+            let arguments = ["--list", "--format", "terse"];
+            let list = command(&suite.programs[program], &arguments, "20").output()?;
             for line in String::from_utf8(list.stdout)?.lines() {
                 let Some(name) = line.strip_suffix(": test") else {
                     continue;
@@ -73,15 +69,12 @@ impl Suite {
         }
         if text.contains("1 passed") {
             let numbers = std::fs::read_to_string(&record)?;
-            let reached = numbers
-                .split_whitespace()
-                .filter_map(|n| n.parse().ok())
-                .collect();
+            let numbers = numbers.split_whitespace();
             self.tests.push(Test {
                 program,
                 name: name.into(),
                 time,
-                reached,
+                reached: numbers.filter_map(|n| n.parse().ok()).collect(),
             });
         }
         Ok(())
@@ -112,11 +105,8 @@ impl Suite {
             let (now, later) = rest.split_at(group(rest));
             rest = later;
             for (program, built) in programs.iter().enumerate() {
-                let tests: Vec<&Test> = now
-                    .iter()
-                    .copied()
-                    .filter(|t| t.program == program)
-                    .collect();
+                let tests = now.iter().copied().filter(|t| t.program == program);
+                let tests: Vec<&Test> = tests.collect();
                 if tests.is_empty() {
                     continue;
                 }
@@ -181,16 +171,9 @@ fn group(tests: &[&Test]) -> usize {
 
 fn verdict(output: &std::process::Output) -> Verdict {
     let text = String::from_utf8_lossy(&output.stdout);
-    let last = text
-        .lines()
-        .rfind(|l| l.starts_with("test "))
-        .unwrap_or("")
-        .to_string();
-    match text
-        .lines()
-        .find(|l| l.starts_with("test ") && l.ends_with("FAILED"))
-    {
+    let mut tests = text.lines().filter(|l| l.starts_with("test "));
+    match tests.clone().find(|l| l.ends_with("FAILED")) {
         Some(line) => Verdict::Noticed(line.split_whitespace().nth(1).unwrap_or("").into()),
-        None => Verdict::Endless(last),
+        None => Verdict::Endless(tests.next_back().unwrap_or("").to_string()),
     }
 }

@@ -174,10 +174,8 @@ impl Calibration {
     /// Prices calibrated on these circuits, of which a family's own with one and four lanes of two designs are used.
     pub fn fitted(family: Family, circuits: &[Synthesised]) -> Calibration {
         let sheet = family.sheet();
-        let used = circuits
-            .iter()
-            .filter(|line| line.family == family && line.fitted());
-        let found: Vec<Synthesised> = used.cloned().collect();
+        let fitted = |line: &&Synthesised| line.family == family && line.fitted();
+        let found: Vec<Synthesised> = circuits.iter().filter(fitted).cloned().collect();
         Calibration {
             family,
             luts: lines(&found, |fabric| fabric.luts),
@@ -207,12 +205,10 @@ impl Calibration {
             .map_err(|error| format!("{file}: {error}"))?;
         replace(&mut prices, changes);
         let prices: Calibration = prices.try_into().map_err(problem)?;
-        match prices.check() {
-            Ok(()) => Ok(prices),
-            Err((key, value, allowed)) => {
-                Err(format!("{file}: {key} = {value}: allowed are {allowed}"))
-            }
-        }
+        let refused =
+            |(key, value, allowed)| format!("{file}: {key} = {value}: allowed are {allowed}");
+        prices.check().map_err(refused)?;
+        Ok(prices)
     }
 
     /// Are these the family's own prices?
@@ -265,13 +261,12 @@ fn points(
     bits: fn(&Bits) -> u64,
     of: fn(&Fabric) -> u64,
 ) -> Vec<[f64; 2]> {
+    let point = |line: &Synthesised| {
+        let bits = bits(&Bits::new(&line.widths)) as f64;
+        [bits, of(&line.fabric) as f64]
+    };
     let lines = found.iter().filter(|line| line.part == part);
-    lines
-        .map(|line| {
-            let bits = bits(&Bits::new(&line.widths)) as f64;
-            [bits, of(&line.fabric) as f64]
-        })
-        .collect()
+    lines.map(point).collect()
 }
 
 /// The line of a part that depends on the mantissa alone.
@@ -290,25 +285,17 @@ fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64) -> Lines {
     let of_lanes = |lanes| points(found, SynthesisedPart::Lanes(lanes), |bits| bits.lane, of);
     let (setup, rows) = (mantissa(SHARED_SETUP), mantissa(SynthesisedPart::Rows));
     let (one, four) = (of_lanes(1), of_lanes(4));
-    let lane: Vec<[f64; 2]> = one
-        .iter()
-        .zip(&four)
-        .map(|(one, four)| [one[0], (four[1] - one[1]) / 3.0])
-        .collect();
-    let rest: Vec<f64> = (0..one.len())
-        .map(|i| one[i][1] - lane[i][1] - setup[i][1] - rows[i][1])
-        .collect();
+    let of_lane = |(one, four): (&[f64; 2], &[f64; 2])| [one[0], (four[1] - one[1]) / 3.0];
+    let lane: Vec<[f64; 2]> = one.iter().zip(&four).map(of_lane).collect();
+    let left = |i: usize| one[i][1] - lane[i][1] - setup[i][1] - rows[i][1];
+    let rest: Vec<f64> = (0..one.len()).map(left).collect();
     Lines {
         setup: over_mantissa(found, SynthesisedPart::Setup(1), of),
         shared_setup: PriceLine::through(setup[0], setup[1]),
         rows: PriceLine::through(rows[0], rows[1]),
         lane: PriceLine::through(lane[0], lane[1]),
-        rest: mean(&rest),
+        rest: rest.iter().sum::<f64>() / rest.len().max(1) as f64,
     }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// Puts changes over prices, table by table.

@@ -38,39 +38,28 @@ fn check(path: &str, value: &Value) -> Result<(), Refused> {
         }
         Value::Array(list) => return list.iter().try_for_each(|value| check(path, value)),
         Value::Integer(count) => {
-            let (low, high) = if key == "multiplier" {
-                MULTIPLIER
-            } else {
-                BLOCK
+            let (low, high) = match key {
+                "multiplier" => MULTIPLIER,
+                _ => BLOCK,
             };
             let holds = (low as i64..=high as i64).contains(count);
-            (
-                count.to_string(),
-                holds,
-                format!("whole numbers from {low} to {high}"),
-            )
+            let allowed = format!("whole numbers from {low} to {high}");
+            (count.to_string(), holds, allowed)
         }
         Value::Float(price) => {
-            let low = if ["at_zero", "rest"].contains(&key) {
-                -LARGEST
-            } else {
-                0.0
+            let low = match key {
+                "at_zero" | "rest" => -LARGEST,
+                _ => 0.0,
             };
             let holds = (low..=LARGEST).contains(price);
-            (
-                price.to_string(),
-                holds,
-                format!("numbers from {low} to {LARGEST}"),
-            )
+            let allowed = format!("numbers from {low} to {LARGEST}");
+            (price.to_string(), holds, allowed)
         }
         // The family, which is a name.
         _ => return Ok(()),
     };
-    if holds {
-        Ok(())
-    } else {
-        Err((path.to_owned(), found, allowed))
-    }
+    let refused = || (path.to_owned(), found, allowed);
+    holds.then_some(()).ok_or_else(refused)
 }
 
 #[cfg(test)]

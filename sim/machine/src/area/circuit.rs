@@ -127,12 +127,8 @@ impl Operators {
     /// Look-up tables if each took no more than its carry chain or its stages, which shift by up to three places each.
     pub fn luts(&self) -> f64 {
         let stages = |width: u64| u64::from(width.max(2).ilog2().div_ceil(2));
-        let shifting: u64 = self
-            .shifters
-            .iter()
-            .map(|width| width * stages(*width))
-            .sum();
-        (self.adder_bits + shifting) as f64
+        let shifting = self.shifters.iter().map(|width| width * stages(*width));
+        (self.adder_bits + shifting.sum::<u64>()) as f64
     }
 }
 
@@ -255,25 +251,20 @@ impl Calibration {
             .sum()
     }
 
-    /// Multipliers of several products.
-    pub fn tiled(&self, products: &[[u64; 2]]) -> u64 {
-        products.iter().map(|operands| self.tiles(*operands)).sum()
+    /// Multipliers for products of the same unit, of which a longer interval lets several share one.
+    pub fn shared(&self, products: &[[u64; 2]], interval: u32) -> u64 {
+        let all = products.iter().map(|operands| self.tiles(*operands));
+        all.sum::<u64>().div_ceil(interval.max(1).into())
     }
 
     /// Kilobits of a memory: blocks of the shape that takes fewest.
     pub fn memory(&self, words: u64, bits: u64) -> u64 {
-        let blocks = self
-            .shapes
-            .iter()
-            .map(|[deep, wide]| words.div_ceil(*deep) * bits.div_ceil(*wide));
+        let blocks = |[deep, wide]: &[u64; 2]| words.div_ceil(*deep) * bits.div_ceil(*wide);
+        let blocks = self.shapes.iter().map(blocks).min().unwrap_or(0);
         // The deepest shape of a 36 kbit pair of blocks has 9 bits where a single block has 4.
         let pairs = 2 * words.div_ceil(4096) * bits.div_ceil(9);
-        let pairs = if self.block_kbit == 18 {
-            pairs
-        } else {
-            u64::MAX
-        };
-        self.block_kbit * blocks.min().unwrap_or(0).min(pairs)
+        let paired = self.block_kbit == 18;
+        self.block_kbit * if paired { blocks.min(pairs) } else { blocks }
     }
 
     /// A queue: a memory of look-up tables or of blocks, whichever weighs less.

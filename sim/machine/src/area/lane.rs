@@ -6,9 +6,9 @@
 //! table: an estimate that ranks formats. A machine in a format is the fixed one with a lane's arithmetic exchanged.
 
 use super::circuit::Bits;
-use super::{Area, Calibration, Fabric, Family, lane_dsps, lines_of};
+use super::{Area, Calibration, CountedMachine, Fabric, Family, lines_of};
 use crate::config::Config;
-use splatline::format::Widths;
+use splatline::format::{Traversal, Widths};
 
 const CSV: &str = include_str!("lane_units.csv");
 
@@ -104,11 +104,12 @@ pub fn fixed_lane(widths: &Widths, calibration: &Calibration) -> LaneUnits {
         .into_iter()
         .chain(interpolation);
     let products: u64 = products.map(product_transistors).sum();
+    let machine = Config::primitive(1);
     LaneUnits {
         transistors: products + sums(&bits).map(sum_transistors).iter().sum::<u64>(),
         fabric: Fabric {
             luts: sums(&bits).iter().sum(),
-            dsps: lane_dsps(&bits, None, &Config::primitive(1), calibration),
+            dsps: CountedMachine::new(widths, Traversal::Spans, &machine, calibration).lane_dsps(),
             ..Fabric::default()
         },
     }
@@ -122,15 +123,18 @@ pub fn in_format(
     config: &Config,
     calibration: &Calibration,
 ) -> Area {
-    let (bits, units) = (Bits::new(widths), u64::from(config.raster_units));
+    let counted = CountedMachine {
+        surface: None,
+        ..CountedMachine::new(widths, Traversal::Spans, config, calibration)
+    };
+    let units = u64::from(config.raster_units);
     let lanes = units * u64::from(config.lanes);
     let float = lane.shared_units(calibration.family, config.blend_interval.max(1).into());
     let float = float.fabric * lanes;
     let raster = Fabric {
         luts: (area.raster.luts + float.luts)
-            .saturating_sub(lanes * sums(&bits).iter().sum::<u64>()),
-        dsps: (area.raster.dsps + float.dsps)
-            .saturating_sub(units * lane_dsps(&bits, None, config, calibration)),
+            .saturating_sub(lanes * sums(&counted.bits).iter().sum::<u64>()),
+        dsps: (area.raster.dsps + float.dsps).saturating_sub(units * counted.lane_dsps()),
         ..area.raster
     };
     let weight = calibration.weight(&(raster + area.around));

@@ -58,11 +58,11 @@ pub fn estimate(
     config: &Config,
     calibration: &Calibration,
 ) -> Area {
-    let raster =
-        raster_unit(widths, traversal, config, calibration) * u64::from(config.raster_units);
-    let counted = || counted_setup(widths, config, calibration) * u64::from(config.setup_units);
-    let around = setup::of_machine(widths, config, calibration).unwrap_or_else(counted)
-        + queues(widths, traversal, config, calibration)
+    let counted = CountedMachine::new(widths, traversal, config, calibration);
+    let raster = counted.raster_unit() * u64::from(config.raster_units);
+    let setup = || counted.setup() * u64::from(config.setup_units);
+    let around = setup::of_machine(widths, config, calibration).unwrap_or_else(setup)
+        + counted.queues()
         + units::of_machine(config, calibration);
     Area {
         raster,
@@ -78,161 +78,179 @@ pub fn raster_unit(
     config: &Config,
     calibration: &Calibration,
 ) -> Fabric {
-    let bits = Bits::new(widths);
-    let rows = rows(&bits, traversal, config, calibration);
-    let surface = SurfaceBits::of(widths, config);
-    let logic = surface.map_or(Fabric::default(), |surface| {
-        surface.logic(widths, config, calibration)
-    });
-    splat_setup(&bits, traversal, config, calibration)
-        + rows * u64::from(config.rows_at_once)
-        + lanes(&bits, surface, config, calibration)
-        + logic
+    CountedMachine::new(widths, traversal, config, calibration).raster_unit()
 }
 
-/// Multipliers for products of the same unit, of which a longer interval lets several share one.
-fn shared(products: &[[u64; 2]], interval: u32, calibration: &Calibration) -> u64 {
-    calibration
-        .tiled(products)
-        .div_ceil(u64::from(interval.max(1)))
-}
-
-/// Start values of the rows. `box` has seven products of mantissas where the circuit of `spans` has three.
-///
-/// The circuit sets a packet up in every cycle, or in four by shared shifters; a machine between the two is charged for the larger one's logic.
-fn splat_setup(
-    bits: &Bits,
+/// A machine with a design, and what its circuits are counted by.
+struct CountedMachine<'a> {
+    widths: &'a Widths,
+    bits: Bits,
+    surface: Option<SurfaceBits>,
     traversal: Traversal,
-    config: &Config,
-    calibration: &Calibration,
-) -> Fabric {
-    let m = bits.mantissa;
-    let dsps = match traversal {
-        Traversal::Spans => calibration.setup_dsps(bits, config.splat_cycles),
-        Traversal::Box => shared(&[[m, m]; 7], config.splat_cycles, calibration),
-    };
-    let logic = |lines: &Lines| {
-        let setup = if config.splat_cycles >= SETUP_INTERVAL {
-            &lines.shared_setup
-        } else {
-            &lines.setup
+    config: &'a Config,
+    prices: &'a Calibration,
+}
+
+impl<'a> CountedMachine<'a> {
+    fn new(
+        widths: &'a Widths,
+        traversal: Traversal,
+        config: &'a Config,
+        prices: &'a Calibration,
+    ) -> Self {
+        CountedMachine {
+            widths,
+            bits: Bits::new(widths),
+            surface: SurfaceBits::of(widths, config),
+            traversal,
+            config,
+            prices,
+        }
+    }
+
+    fn raster_unit(&self) -> Fabric {
+        let logic = self.surface.map_or(Fabric::default(), |surface| {
+            surface.logic(self.widths, self.config, self.prices)
+        });
+        let rows = self.rows() * u64::from(self.config.rows_at_once);
+        self.splat_setup() + rows + self.lanes() + logic
+    }
+
+    /// Start values of the rows. `box` has seven products of mantissas where the circuit of `spans` has three.
+    ///
+    /// The circuit sets a packet up in every cycle, or in four by shared shifters; a machine between the two is charged for the larger one's logic.
+    fn splat_setup(&self) -> Fabric {
+        let (m, interval) = (self.bits.mantissa, self.config.splat_cycles);
+        let logic = |lines: &Lines| {
+            let shared = interval >= SETUP_INTERVAL;
+            let setup = if shared {
+                &lines.shared_setup
+            } else {
+                &lines.setup
+            };
+            (setup.at(m) + lines.rest).round() as u64
         };
-        (setup.at(m) + lines.rest).round() as u64
-    };
-    Fabric {
-        luts: logic(&calibration.luts),
-        flip_flops: logic(&calibration.flip_flops),
-        dsps,
-        memory_kbit: calibration.blocks_of(&calibration.setup_kbit, m),
+        Fabric {
+            luts: logic(&self.prices.luts),
+            flip_flops: logic(&self.prices.flip_flops),
+            dsps: match self.traversal {
+                Traversal::Spans => self.prices.setup_dsps(&self.bits, interval),
+                Traversal::Box => self.prices.shared(&[[m, m]; 7], interval),
+            },
+            memory_kbit: self.prices.blocks_of(&self.prices.setup_kbit, m),
+        }
     }
-}
 
-/// One generator of rows. `box` only adds: four words of 63 bits, counted.
-fn rows(bits: &Bits, traversal: Traversal, config: &Config, calibration: &Calibration) -> Fabric {
-    if traversal == Traversal::Box {
-        return Fabric {
-            luts: 4 * 63,
-            flip_flops: 4 * 63,
-            ..Fabric::default()
+    /// One generator of rows. `box` only adds: four words of 63 bits, counted.
+    fn rows(&self) -> Fabric {
+        if self.traversal == Traversal::Box {
+            return Fabric {
+                luts: 4 * 63,
+                flip_flops: 4 * 63,
+                ..Fabric::default()
+            };
+        }
+        let (m, prices) = (self.bits.mantissa, self.prices);
+        let logic = |lines: &Lines| lines.rows.at(m).round() as u64;
+        let products = self.bits.row_products().map(|product| product.factors);
+        Fabric {
+            luts: logic(&prices.luts),
+            flip_flops: logic(&prices.flip_flops),
+            dsps: prices.shared(&products, self.config.row_cycles),
+            memory_kbit: prices.blocks_of(&prices.row_kbit, m),
+        }
+    }
+
+    /// All lanes with their queues, tables and banks. Only with the layout `rows` has each lane a queue of its own.
+    fn lanes(&self) -> Fabric {
+        let (config, bits, prices) = (self.config, &self.bits, self.prices);
+        let lanes = u64::from(config.lanes);
+        let queues = match config.layout {
+            LaneLayout::Rows => lanes,
+            _ => 1,
         };
+        let queue = |runs: u32| prices.queue(runs.into(), bits.run);
+        // A mask of the tile's columns, with the search for the next open group.
+        let mask = match config.pixel_termination {
+            Termination::Skip => 2 * u64::from(config.tile_width),
+            Termination::Discard => 0,
+        };
+        let lane = |lines: &Lines| (lanes as f64 * lines.lane.at(bits.lane)).round() as u64;
+        // The lines hold a lane with the circuit's queue.
+        let luts = lane(&prices.luts) + lanes * mask + queues * queue(config.row_fifo).luts;
+        let [words, entry] = bits.table;
+        let pixel = match self.surface {
+            Some(surface) => vec![surface.layers * surface.fragment],
+            None => bits.pixel.to_vec(),
+        };
+        let words_of_bank = config.bank_words();
+        let bank = pixel.iter().map(|word| prices.memory(words_of_bank, *word));
+        Fabric {
+            luts: luts.saturating_sub(lanes * queue(QUEUE).luts),
+            flip_flops: lane(&prices.flip_flops),
+            dsps: self.lane_dsps(),
+            memory_kbit: self.table_ports() * prices.memory(words, entry)
+                + config.banks() * u64::from(config.tile_buffers) * bank.sum::<u64>()
+                + queues * queue(config.row_fifo).memory_kbit,
+        }
     }
-    let logic = |lines: &Lines| lines.rows.at(bits.mantissa).round() as u64;
-    let products = bits.row_products().map(|product| product.factors);
-    Fabric {
-        luts: logic(&calibration.luts),
-        flip_flops: logic(&calibration.flip_flops),
-        dsps: shared(&products, config.row_cycles, calibration),
-        memory_kbit: calibration.blocks_of(&calibration.row_kbit, bits.mantissa),
+
+    /// Ports of the footprint table, one a lane unless they are given.
+    fn table_ports(&self) -> u64 {
+        match self.config.table_ports {
+            0 => self.config.lanes.into(),
+            ports => ports.min(self.config.lanes).into(),
+        }
     }
-}
 
-/// All lanes with their queues, tables and banks. Only with the layout `rows` has each lane a queue of its own.
-fn lanes(
-    bits: &Bits,
-    surface: Option<SurfaceBits>,
-    config: &Config,
-    calibration: &Calibration,
-) -> Fabric {
-    let lanes = u64::from(config.lanes);
-    let banks = match config.buffer_banks {
-        0 => lanes,
-        banks => banks.into(),
-    };
-    let ports = table_ports(config);
-    let queues = if config.layout == LaneLayout::Rows {
-        lanes
-    } else {
-        1
-    };
-    let queue = |runs: u32| calibration.queue(runs.into(), bits.run);
-    // A mask of the tile's columns, with the search for the next open group.
-    let mask = match config.pixel_termination {
-        Termination::Skip => 2 * u64::from(config.tile_width),
-        Termination::Discard => 0,
-    };
-    let lane = |lines: &Lines| (lanes as f64 * lines.lane.at(bits.lane)).round() as u64;
-    // The lines hold a lane with the circuit's queue.
-    let luts = lane(&calibration.luts) + lanes * mask + queues * queue(config.row_fifo).luts;
-    let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
-    let [words, entry] = bits.table;
-    let pixel = match surface {
-        Some(surface) => vec![surface.layers * surface.fragment],
-        None => bits.pixel.to_vec(),
-    };
-    let bank: u64 = pixel
-        .iter()
-        .map(|word| calibration.memory(pixels.div_ceil(banks), *word))
-        .sum();
-    Fabric {
-        luts: luts.saturating_sub(lanes * queue(QUEUE).luts),
-        flip_flops: lane(&calibration.flip_flops),
-        dsps: lane_dsps(bits, surface, config, calibration),
-        memory_kbit: ports * calibration.memory(words, entry)
-            + banks * u64::from(config.tile_buffers) * bank
-            + queues * queue(config.row_fifo).memory_kbit,
+    /// Multipliers of all lanes of a raster unit.
+    fn lane_dsps(&self) -> u64 {
+        let (bits, config) = (&self.bits, self.config);
+        let [opacity, share, colour] = bits.blend_products().map(|product| product.factors);
+        let blend = |products: &[[u64; 2]]| self.prices.shared(products, config.blend_interval);
+        let interpolation = bits.interpolation_product();
+        let interpolation = interpolation.map_or(0, |product| self.prices.tiles(product.factors));
+        let blended = match self.surface {
+            Some(surface) => blend(&surface.gathered()),
+            None => blend(&[share]) + blend(&[colour; 3]),
+        };
+        u64::from(config.lanes) * (blend(&[opacity]) + blended) + self.table_ports() * interpolation
     }
-}
 
-/// Ports of the footprint table, one a lane unless they are given.
-fn table_ports(config: &Config) -> u64 {
-    match config.table_ports {
-        0 => config.lanes.into(),
-        ports => ports.min(config.lanes).into(),
+    /// Geometry setup where no circuit was synthesised ([`setup`], [`circuit::Geometry`]): more often than once in eight cycles, or for another family.
+    ///
+    /// Its operators are counted. Those of splat setup and rows, counted the same way, come out several times smaller than their synthesis (rounding,
+    /// saturation, special cases); geometry setup is taken to be short by the same factor.
+    fn setup(&self) -> Fabric {
+        let (geometry, prices) = (GeometryCircuit::new(self.widths), self.prices);
+        let operators = geometry.counted().luts();
+        let logic = |lines: &Lines| as_synthesised(operators, lines, self.widths);
+        Fabric {
+            luts: logic(&prices.luts),
+            flip_flops: logic(&prices.flip_flops),
+            dsps: prices.shared(&geometry.products(), self.config.setup_interval),
+            memory_kbit: 2 * prices.memory(GeometryCircuit::TABLE_WORDS, geometry.table_bits),
+        }
     }
-}
 
-/// Multipliers of all lanes of a raster unit.
-fn lane_dsps(
-    bits: &Bits,
-    surface: Option<SurfaceBits>,
-    config: &Config,
-    calibration: &Calibration,
-) -> u64 {
-    let [opacity, share, colour] = bits.blend_products().map(|product| product.factors);
-    let blend = |products: &[[u64; 2]]| shared(products, config.blend_interval, calibration);
-    let interpolation = bits
-        .interpolation_product()
-        .map_or(0, |product| calibration.tiles(product.factors));
-    let blended = match surface {
-        Some(surface) => blend(&surface.gathered()),
-        None => blend(&[share]) + blend(&[colour; 3]),
-    };
-    u64::from(config.lanes) * (blend(&[opacity]) + blended) + table_ports(config) * interpolation
-}
-
-/// Geometry setup where no circuit was synthesised ([`setup`], [`circuit::Geometry`]): more often than once in eight cycles, or for another family.
-///
-/// Its operators are counted. Those of splat setup and rows, counted the same way, come out several times smaller than their synthesis (rounding,
-/// saturation, special cases); geometry setup is taken to be short by the same factor.
-fn counted_setup(widths: &Widths, config: &Config, calibration: &Calibration) -> Fabric {
-    let geometry = GeometryCircuit::new(widths);
-    let operators = geometry.counted().luts();
-    let logic = |lines: &Lines| as_synthesised(operators, lines, widths);
-    Fabric {
-        luts: logic(&calibration.luts),
-        flip_flops: logic(&calibration.flip_flops),
-        dsps: shared(&geometry.products(), config.setup_interval, calibration),
-        memory_kbit: 2 * calibration.memory(GeometryCircuit::TABLE_WORDS, geometry.table_bits),
+    /// Queues of splats and packets. The circuit has none between splat setup and rows.
+    fn queues(&self) -> Fabric {
+        let config = self.config;
+        let bits = packet_bits(self.widths, self.traversal, config);
+        let queue = |depth: u32, bits: u64| self.prices.queue(depth.into(), bits);
+        let splats = match config.overlap {
+            Overlap::Primitive => Fabric::default(),
+            _ => queue(config.splat_fifo, bits),
+        };
+        // Each packet of a cache with the rest of its splat's number, up to 2^24 splats.
+        let cache = match config.packet_cache {
+            0 => Fabric::default(),
+            packets => queue(packets, bits + 24),
+        };
+        let each = queue(config.packet_fifo, bits) + splats + cache;
+        each * u64::from(config.raster_units)
+            + queue(config.setup_fifo, 8 * u64::from(config.splat_bytes))
+            + queue(config.bin_fifo, bits)
     }
 }
 
@@ -249,30 +267,6 @@ fn as_synthesised(operators: f64, lines: &Lines, widths: &Widths) -> u64 {
 pub fn packet_bits(widths: &Widths, traversal: Traversal, config: &Config) -> u64 {
     let surface = SurfaceBits::of(widths, config).map_or(0, |bits| bits.packet);
     packet::Layout::new(widths, traversal).bits() as u64 + surface
-}
-
-/// Queues of splats and packets. The circuit has none between splat setup and rows.
-fn queues(
-    widths: &Widths,
-    traversal: Traversal,
-    config: &Config,
-    calibration: &Calibration,
-) -> Fabric {
-    let bits = packet_bits(widths, traversal, config);
-    let queue = |depth: u32, bits: u64| calibration.queue(depth.into(), bits);
-    let splats = match config.overlap {
-        Overlap::Primitive => Fabric::default(),
-        _ => queue(config.splat_fifo, bits),
-    };
-    // Each packet of a cache with the rest of its splat's number, up to 2^24 splats.
-    let cache = match config.packet_cache {
-        0 => Fabric::default(),
-        packets => queue(packets, bits + 24),
-    };
-    let each = queue(config.packet_fifo, bits) + splats + cache;
-    each * u64::from(config.raster_units)
-        + queue(config.setup_fifo, 8 * u64::from(config.splat_bytes))
-        + queue(config.bin_fifo, bits)
 }
 
 impl Fabric {
@@ -329,9 +323,8 @@ impl Fabric {
     }
 
     fn cells(&self) -> String {
-        self.resources()
-            .map(|(_, count)| count.to_string())
-            .join(",")
+        let counts = self.resources().map(|(_, count)| count.to_string());
+        counts.join(",")
     }
 }
 

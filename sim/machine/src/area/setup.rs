@@ -131,9 +131,8 @@ pub fn is_turned(mantissa: u8) -> bool {
 pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
     let kind = |position: u8, mantissa: u8| (position > 30, is_turned(mantissa));
     let of = kind(widths.position, widths.mantissa);
-    let same = units
-        .iter()
-        .find(|unit| kind(unit.position, unit.mantissa) == of);
+    let is_alike = |unit: &&SetupUnit| kind(unit.position, unit.mantissa) == of;
+    let same = units.iter().find(is_alike);
     let longest = || units.iter().max_by_key(|unit| unit.round);
     same.or_else(longest).map(|unit| unit.round)
 }
@@ -142,16 +141,13 @@ pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
 /// elsewhere, moved by what a bit of mantissa takes there; nothing where none was synthesised. Two cores share their
 /// memories, so that an odd one needs more than half of a pair.
 pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -> Option<Fabric> {
-    let design = if is_turned(mantissa) {
-        "lean18"
-    } else {
-        "standard24"
+    let design = match is_turned(mantissa) {
+        true => "lean18",
+        false => "standard24",
     };
     let [few, many] = FITTED_CORES;
-    let (one, more) = (
-        find(units, family, design, few)?,
-        find(units, family, design, many)?,
-    );
+    let with = |cores| find(units, family, design, cores);
+    let (one, more) = (with(few)?, with(many)?);
     let shorter = find(units, family, SHORTER, few).filter(|_| !is_turned(mantissa));
     let odd = odd_kbit(units, family)?;
     let of = |resource: fn(&Fabric) -> u64| {
@@ -195,8 +191,8 @@ fn find<'a>(
 
 /// What an odd core's memories have more than half of a pair's: lean18's with one core, two, and four.
 fn odd_kbit(units: &[SetupUnit], family: Family) -> Option<f64> {
-    let of =
-        |cores| find(units, family, "lean18", cores).map(|unit| unit.fabric.memory_kbit as f64);
+    let with = |cores| find(units, family, "lean18", cores);
+    let of = |cores| with(cores).map(|unit| unit.fabric.memory_kbit as f64);
     let (one, two, four) = (of(1)?, of(2)?, of(4)?);
     Some(one - (two - (four - two) / 2.0))
 }

@@ -3,7 +3,7 @@
 //! No circuit of it was written, so its area is an **estimate**: operators by the kernel's formats, products tiled with the family's multipliers, other
 //! logic scaled by what splat setup and rows take beyond their own count. A lane keeps the logic of its blend, which gathering takes the place of.
 
-use super::{Calibration, Fabric, as_synthesised, shared};
+use super::{Calibration, Fabric, as_synthesised};
 use crate::config::Config;
 use splatline::blend::surface::sum_fraction;
 use splatline::footprint::surface::attribute_fraction;
@@ -105,7 +105,7 @@ impl SurfaceBits {
         Fabric {
             luts,
             flip_flops: registers,
-            dsps: shared(&self.resolved(), config.resolve_interval, prices),
+            dsps: prices.shared(&self.resolved(), config.resolve_interval),
             memory_kbit: prices.memory(256, 2 * self.mantissa),
         }
     }

@@ -115,9 +115,8 @@ pub fn parse(text: &str) -> Option<Vec<Synthesised>> {
 fn widths_of(design: &str, numbers: [u8; 12]) -> Widths {
     let mut all = [Standard24::WIDTHS.position; 13];
     all[1..].copy_from_slice(&numbers);
-    let known = subjects()
-        .into_iter()
-        .find(|subject| subject.name == design);
+    let mut subjects = subjects().into_iter();
+    let known = subjects.find(|subject| subject.name == design);
     let rounding = known.map_or(Rounding::Nearest, |subject| subject.widths.rounding);
     Widths::from_numbers(all, rounding)
 }
@@ -126,13 +125,8 @@ fn widths_of(design: &str, numbers: [u8; 12]) -> Widths {
 pub fn to_csv(lines: &[Synthesised]) -> String {
     let mut text = format!("{HEADING},{RESOURCES}\n");
     for line in lines {
-        let widths: Vec<String> = line
-            .widths
-            .numbers()
-            .iter()
-            .skip(1)
-            .map(ToString::to_string)
-            .collect();
+        let [_, numbers @ ..] = line.widths.numbers();
+        let widths = numbers.map(|width| width.to_string()).join(" ");
         let part = match line.part {
             SynthesisedPart::Setup(interval) => format!("setup {interval}"),
             SynthesisedPart::Rows => "rows".to_owned(),
@@ -141,9 +135,8 @@ pub fn to_csv(lines: &[Synthesised]) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "{},{},{},{part},{}",
+            "{},{widths},{},{part},{}",
             line.design,
-            widths.join(" "),
             line.family.name(),
             line.fabric.cells()
         );
@@ -154,11 +147,8 @@ pub fn to_csv(lines: &[Synthesised]) -> String {
 impl Synthesised {
     /// Do the calibration's lines go through it?
     pub fn fitted(&self) -> bool {
-        let named = subjects()
-            .iter()
-            .take(2)
-            .any(|subject| subject.name == self.design);
-        named && self.part != SynthesisedPart::Lanes(2)
+        let mut fitted = subjects().into_iter().take(2);
+        fitted.any(|subject| subject.name == self.design) && self.part != SynthesisedPart::Lanes(2)
     }
 
     /// The estimate of the same circuit, if it is a whole one.
@@ -166,13 +156,8 @@ impl Synthesised {
         let SynthesisedPart::Lanes(lanes) = self.part else {
             return None;
         };
-        let config = Config::primitive(lanes);
-        Some(raster_unit(
-            &self.widths,
-            Traversal::Spans,
-            &config,
-            calibration,
-        ))
+        let (widths, config) = (&self.widths, Config::primitive(lanes));
+        Some(raster_unit(widths, Traversal::Spans, &config, calibration))
     }
 }
 
@@ -222,10 +207,8 @@ pub fn statement(calibration: &Calibration) -> String {
     }
     let AreaErrors { fitted, unseen } = errors(calibration.family);
     let unseen = unseen.map_or(String::new(), |unseen| {
-        format!(
-            " and {:.1} % of circuits that the calibration has not seen",
-            100.0 * unseen
-        )
+        let percent = 100.0 * unseen;
+        format!(" and {percent:.1} % of circuits that the calibration has not seen")
     });
     format!(
         "area for {name}: the raster unit of sim/rtl (layout rows, one row a cycle) is estimated within {:.1} % of its synthesis{unseen} (LUT, FF, DSP, memory; \

@@ -26,10 +26,8 @@ fn unit(name: &str, family: Family) -> Fabric {
         Some((unit == name && Family::by_key(of)? == family).then_some(fabric))
     };
     let lines = lines_of(CSV, "unit,family", line).expect("units.csv is a table of units");
-    let mut found = lines.into_iter().flatten();
-    found
-        .next()
-        .expect("units.csv has every unit for every family")
+    let found = lines.into_iter().flatten().next();
+    found.expect("units.csv has every unit for every family")
 }
 
 /// All of a machine's.
@@ -38,11 +36,11 @@ pub(super) fn of_machine(config: &Config, calibration: &Calibration) -> Fabric {
     let raster_units = u64::from(config.raster_units);
     // Splats are read for setup and by the sort, lists and packets by each raster unit.
     let readers = 2 + raster_units;
-    let mut all = unit("binning") + unit("stream") * readers;
+    let asking = unit("stream") * readers + unit("arbiter") * readers.div_ceil(ASKERS);
+    let mut all = unit("binning") + asking;
     if config.surface_layers == 0 {
         all = all + unit("sort");
     }
-    all = all + unit("arbiter") * readers.div_ceil(ASKERS);
     if config.harmonics_bytes > 0 {
         all = all + unit("harmonics");
     }

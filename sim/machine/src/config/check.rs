@@ -31,16 +31,12 @@ impl Config {
     }
 
     fn conflict(&self) -> Option<Conflict> {
-        let plain = self
-            .model_lacks()
-            .map(|(key, allowed)| (key, allowed.to_owned()));
-        plain
-            .or_else(|| self.primitive_lacks())
-            .or_else(|| self.too_large())
+        let lacks = self.model_lacks().or_else(|| self.primitive_lacks());
+        lacks.or_else(|| self.too_large())
     }
 
     /// What the model does not have.
-    fn model_lacks(&self) -> Option<(&'static str, &'static str)> {
+    fn model_lacks(&self) -> Option<Conflict> {
         let part = self.memory_part > 0;
         let before_binning = self.sorter != Sorter::Passes;
         let conditions = [
@@ -106,7 +102,7 @@ impl Config {
             ),
         ];
         let found = conditions.into_iter().find(|(wrong, ..)| *wrong);
-        found.map(|(_, key, allowed)| (key, allowed))
+        found.map(|(_, key, allowed)| (key, allowed.to_owned()))
     }
 
     /// What the circuit of `sim/rtl` cannot do, where it is the raster unit.
@@ -131,10 +127,9 @@ impl Config {
             return Some(("tile_width", allowed));
         }
         if self.lanes > u32::from(self.tile_height) {
-            let allowed = format!(
-                "overlap = \"primitive\" allows up to tile_height = {} lanes",
-                self.tile_height
-            );
+            let rows = self.tile_height;
+            let allowed =
+                format!("overlap = \"primitive\" allows up to tile_height = {rows} lanes");
             return Some(("lanes", allowed));
         }
         None

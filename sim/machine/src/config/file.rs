@@ -27,35 +27,21 @@ pub fn from_toml(file: &str, text: &str) -> Result<Config, Refused> {
     let mut config = Config::default();
     let mut places = BTreeMap::new();
     for (section, keys) in sections.get_ref() {
-        let DeValue::Table(keys) = keys.get_ref() else {
-            return Err(unknown(&place(section.span().start), section.get_ref()));
+        let name = section.get_ref();
+        let known = SETTINGS.iter().any(|setting| setting.section == *name);
+        let (DeValue::Table(keys), true) = (keys.get_ref(), known) else {
+            return Err(unknown(&place(section.span().start), name));
         };
-        if !is_section(section.get_ref()) {
-            return Err(unknown(&place(section.span().start), section.get_ref()));
-        }
         for (key, value) in keys {
             let place = place(key.span().start);
             let value = Value::deserialize(value.clone().into_deserializer()).map_err(malformed)?;
-            config.set(
-                &place,
-                &format!("{}.{}", section.get_ref(), key.get_ref()),
-                &value,
-            )?;
+            config.set(&place, &format!("{name}.{}", key.get_ref()), &value)?;
             places.insert(key.get_ref().to_string(), place);
         }
     }
-    let place = |key: &str| {
-        places
-            .get(key)
-            .cloned()
-            .unwrap_or_else(|| format!("{file}:1"))
-    };
-    config.check_at(place)?;
+    let place = |key: &str| places.get(key).cloned();
+    config.check_at(|key| place(key).unwrap_or_else(|| format!("{file}:1")))?;
     Ok(config)
-}
-
-fn is_section(name: &str) -> bool {
-    SETTINGS.iter().any(|setting| setting.section == name)
 }
 
 impl Config {
@@ -66,7 +52,7 @@ impl Config {
 
     /// Gives several settings values, in the time of one.
     pub fn set_all(&mut self, place: &str, all: &[(&str, &Value)]) -> Result<(), Refused> {
-        let mut accepted = Vec::with_capacity(all.len());
+        let mut values = self.values();
         for (key, value) in all {
             let Some(setting) = setting(key) else {
                 return Err(unknown(place, key));
@@ -75,9 +61,9 @@ impl Config {
                 let allowed = setting.allowed();
                 return Err(Refused(format!("{place}: {key} = {value}: {allowed}")));
             }
-            accepted.push((setting, *value));
+            values.insert(setting.key.clone(), (*value).clone());
         }
-        self.put(&accepted);
+        *self = Config::of_values(values);
         Ok(())
     }
 
@@ -158,15 +144,11 @@ pub fn known(key: &str) -> String {
     if !keys.is_empty() {
         return format!("[{section}] has {}", keys.join(", "));
     }
-    let mut sections: Vec<&str> = SETTINGS
-        .iter()
-        .map(|setting| setting.section.as_str())
-        .collect();
+    let sections = SETTINGS.iter().map(|setting| setting.section.as_str());
+    let mut sections: Vec<&str> = sections.collect();
     sections.dedup();
-    format!(
-        "the sections are {}; docs/files.md lists their keys",
-        sections.join(", ")
-    )
+    let sections = sections.join(", ");
+    format!("the sections are {sections}; docs/files.md lists their keys")
 }
 
 fn unknown(place: &str, key: &str) -> Refused {
@@ -179,14 +161,11 @@ fn unknown(place: &str, key: &str) -> Refused {
         Some(setting) => format!(": '{name}' belongs into [{}]", setting.section),
         None => {
             let start: String = name.chars().take(3).collect();
-            let near = SETTINGS
-                .iter()
-                .filter(|setting| setting.key.starts_with(&start));
-            let keys: Vec<&str> = near.map(|setting| setting.key.as_str()).collect();
-            if keys.is_empty() {
-                format!(": {}", known(key))
-            } else {
-                format!(": did you mean {}?", keys.join(" or "))
+            let keys = SETTINGS.iter().map(|setting| setting.key.as_str());
+            let near: Vec<&str> = keys.filter(|key| key.starts_with(&start)).collect();
+            match near.is_empty() {
+                true => format!(": {}", known(key)),
+                false => format!(": did you mean {}?", near.join(" or ")),
             }
         }
     };

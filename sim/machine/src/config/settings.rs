@@ -122,8 +122,7 @@ pub(super) fn shown(value: &Value) -> String {
 /// The machine of all defaults.
 pub(super) fn defaults() -> Config {
     let default = |setting: &Setting| (setting.key.clone(), setting.default.clone());
-    let values: Table = SETTINGS.iter().map(default).collect();
-    Config::deserialize(values).expect("every default is declared and of its setting's kind")
+    Config::of_values(SETTINGS.iter().map(default).collect())
 }
 
 impl Config {
@@ -138,12 +137,8 @@ impl Config {
         Table::try_from(ByKey(self)).expect("numbers and names are TOML")
     }
 
-    /// Gives settings values that they accept.
-    pub(super) fn put(&mut self, accepted: &[(&Setting, &Value)]) {
-        let mut values = self.values();
-        for (setting, value) in accepted {
-            values.insert(setting.key.clone(), (*value).clone());
-        }
-        *self = Config::deserialize(values).expect("a setting's allowed values are of its kind");
+    /// The machine of these values, each of which its setting must accept.
+    pub(super) fn of_values(values: Table) -> Config {
+        Config::deserialize(values).expect("a setting's allowed values are of its kind")
     }
 }

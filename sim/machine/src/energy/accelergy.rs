@@ -4,7 +4,6 @@
 //! component `splatline.<unit>.<component>_<bits>x<bits>`, because operands are attributes of a component in Accelergy and not of an action.
 
 use super::Energy;
-use std::fmt::Write;
 
 /// The file's text.
 pub fn action_counts(energy: &Energy) -> String {
@@ -12,23 +11,19 @@ pub fn action_counts(energy: &Energy) -> String {
     for unit in &energy.units {
         let mut last = None;
         for action in &unit.actions {
-            let [a, b] = action.bits;
-            let component = (action.component, a, b);
+            let (name, [a, b]) = (unit.unit, action.bits);
+            let component = format!(
+                "    - name: splatline.{name}.{}_{a}x{b}\n",
+                action.component
+            );
             // Reads and writes of a memory follow each other.
-            if last != Some(component) {
-                // Writing to a String cannot fail.
-                let _ = writeln!(
-                    text,
-                    "    - name: splatline.{}.{}_{a}x{b}\n      action_counts:",
-                    unit.unit, action.component
-                );
+            if last.as_ref() != Some(&component) {
+                text += &component;
+                text += "      action_counts:\n";
             }
             last = Some(component);
-            let _ = writeln!(
-                text,
-                "        - name: {}\n          counts: {}",
-                action.action, action.count
-            );
+            let (name, count) = (action.action, action.count);
+            text += &format!("        - name: {name}\n          counts: {count}\n");
         }
     }
     text

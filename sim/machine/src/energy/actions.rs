@@ -56,11 +56,9 @@ impl<'a> UnitActions<'a> {
         count: u64,
         attojoules_each: u64,
     ) {
-        let known = self
-            .actions
-            .iter_mut()
-            .find(|known| (known.component, known.action, known.bits) == (component, action, bits));
-        match known {
+        let key = |known: &Action| (known.component, known.action, known.bits);
+        let mut known = self.actions.iter_mut();
+        match known.find(|known| key(known) == (component, action, bits)) {
             Some(known) => known.count += count,
             None if count > 0 => self.actions.push(Action {
                 component,
@@ -89,34 +87,24 @@ impl<'a> UnitActions<'a> {
         }
     }
 
-    pub fn float(&mut self, bits: u64, additions: u64, products: u64) {
-        let [add, multiply] = [
-            self.table.float_adder(bits),
-            self.table.float_multiplier(bits),
-        ];
-        self.add("float_adder", "add", [bits; 2], additions, add);
-        self.add(
-            "float_multiplier",
-            "multiply",
-            [bits; 2],
-            products,
-            multiply,
-        );
+    /// So many times sums and products in floating point, each for so many attojoules.
+    fn operations(&mut self, bits: u64, counts: [u64; 2], times: u64, energies: [u64; 2]) {
+        let [sums, products] = counts.map(|count| count * times);
+        let (bits, [add, multiply]) = ([bits; 2], energies);
+        self.add("float_adder", "add", bits, sums, add);
+        self.add("float_multiplier", "multiply", bits, products, multiply);
+    }
+
+    pub fn float(&mut self, bits: u64, counts: [u64; 2], times: u64) {
+        let table = self.table;
+        let energies = [table.float_adder(bits), table.float_multiplier(bits)];
+        self.operations(bits, counts, times, energies);
     }
 
     /// A stage of a lane in floating point, so often.
     fn stage_of(&mut self, lane: &FloatLane, stage: usize, count: u64) {
-        let [sums, products] = OPERATIONS[stage];
-        let [add, multiply] = self.table.float_operations(lane.stages[stage]);
-        let bits = [lane.bits; 2];
-        self.add("float_adder", "add", bits, sums * count, add);
-        self.add(
-            "float_multiplier",
-            "multiply",
-            bits,
-            products * count,
-            multiply,
-        );
+        let energies = self.table.float_operations(lane.stages[stage]);
+        self.operations(lane.bits, OPERATIONS[stage], count, energies);
     }
 
     /// Reads and writes of a memory of so many words.
@@ -158,6 +146,7 @@ pub fn of<'a>(
     table: &'a EnergyTable,
 ) -> Vec<UnitActions<'a>> {
     let picture = CountedPicture {
+        widths,
         bits: Bits::new(widths),
         packet: packet_bits(widths, traversal, config),
         surface: SurfaceBits::of(widths, config).zip(timing.surface),
@@ -168,20 +157,17 @@ pub fn of<'a>(
     };
     let mut units = vec![
         picture.fetch(),
-        picture.setup(widths),
+        picture.setup(),
         picture.binning(),
         picture.sort(),
-    ];
-    units.extend([
         picture.packet_fetch(),
         picture.splat_setup(),
-        picture.row_generator(widths),
-    ]);
-    units.push(picture.lanes());
+        picture.row_generator(),
+        picture.lanes(),
+    ];
     match &picture.surface {
         Some((bits, counts)) => {
-            units.push(picture.gather(bits, counts));
-            units.push(picture.resolve(bits, counts));
+            units.extend([picture.gather(bits, counts), picture.resolve(bits, counts)])
         }
         None => units.extend([picture.blend(), picture.write_back()]),
     }
@@ -209,7 +195,7 @@ pub fn put_lane(units: &mut [UnitActions], lane: &FloatLane, config: &Config, ti
             "blend" => {
                 unit.actions.clear();
                 unit.stage_of(lane, 2, pixels.live);
-                let words = bank_words(config);
+                let words = config.bank_words();
                 unit.memory("tile_buffer", words, bits, [pixels.covered, pixels.live]);
                 unit.memory("tile_buffer", words, 3 * bits, [pixels.live; 2]);
             }
@@ -218,22 +204,13 @@ pub fn put_lane(units: &mut [UnitActions], lane: &FloatLane, config: &Config, ti
     }
 }
 
-/// Pixels of a bank of the tile buffer.
-fn bank_words(config: &Config) -> u64 {
-    let banks = match config.buffer_banks {
-        0 => config.lanes,
-        banks => banks,
-    };
-    let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
-    pixels.div_ceil(banks.into())
-}
-
 fn operands<const N: usize>(products: [Product; N]) -> [[u64; 2]; N] {
     products.map(|product| product.operands)
 }
 
 /// What all units need.
 struct CountedPicture<'a, 't> {
+    widths: &'a Widths,
     bits: Bits,
     /// Bits of a packet.
     packet: u64,
@@ -260,8 +237,8 @@ impl<'t> CountedPicture<'_, 't> {
     }
 
     /// Every splat is brought before the eye; only those that are seen go on.
-    fn setup(&self, widths: &Widths) -> UnitActions<'t> {
-        let geometry = GeometryCircuit::new(widths);
+    fn setup(&self) -> UnitActions<'t> {
+        let geometry = GeometryCircuit::new(self.widths);
         let tables = [GeometryCircuit::TABLE_WORDS, geometry.table_bits];
         let mut unit = self.unit("setup");
         unit.stage(&geometry.rotation, tables, self.timing.splats.fetched);
@@ -294,11 +271,8 @@ impl<'t> CountedPicture<'_, 't> {
     fn packet_fetch(&self) -> UnitActions<'t> {
         let mut unit = self.unit("packet_fetch");
         unit.dram("read", self.timing.bytes.packets_read);
-        unit.queue(
-            self.config.packet_fifo,
-            self.packet,
-            self.timing.pixels.pairs,
-        );
+        let pairs = self.timing.pixels.pairs;
+        unit.queue(self.config.packet_fifo, self.packet, pairs);
         unit
     }
 
@@ -318,7 +292,7 @@ impl<'t> CountedPicture<'_, 't> {
         unit
     }
 
-    fn row_generator(&self, widths: &Widths) -> UnitActions<'t> {
+    fn row_generator(&self) -> UnitActions<'t> {
         let pixels = &self.timing.pixels;
         let mut unit = self.unit("row_generator");
         match self.traversal {
@@ -326,13 +300,8 @@ impl<'t> CountedPicture<'_, 't> {
                 let [_, row] = self.bits.operators();
                 unit.products(&operands(self.bits.row_products()), pixels.rows);
                 unit.adder_bits(row.adder_bits, pixels.rows);
-                let bits = u64::from(widths.mantissa.min(18));
-                unit.memory(
-                    "table",
-                    GeometryCircuit::TABLE_WORDS,
-                    bits,
-                    [pixels.rows, 0],
-                );
+                let (words, bits) = (GeometryCircuit::TABLE_WORDS, self.widths.mantissa.min(18));
+                unit.memory("table", words, bits.into(), [pixels.rows, 0]);
             }
             Traversal::Box => unit.adders(63, 4 * pixels.rows),
         }
@@ -365,13 +334,9 @@ impl<'t> CountedPicture<'_, 't> {
         unit.adders(self.bits.transmittance + 2, pixels.live);
         unit.adders(self.bits.accumulator + self.bits.range + 1, 3 * pixels.live);
         let [transmittance, sums] = self.bits.pixel;
-        let words = bank_words(self.config);
-        unit.memory(
-            "tile_buffer",
-            words,
-            transmittance,
-            [pixels.covered, pixels.live],
-        );
+        let words = self.config.bank_words();
+        let looks = [pixels.covered, pixels.live];
+        unit.memory("tile_buffer", words, transmittance, looks);
         unit.memory("tile_buffer", words, sums, [pixels.live; 2]);
         unit
     }
@@ -383,7 +348,7 @@ impl<'t> CountedPicture<'_, 't> {
         unit.adders(SurfaceBits::DEPTH, self.timing.pixels.visited);
         unit.adder_bits(bits.gather_adders(), counts.samples);
         unit.products(&bits.gathered(), gathered);
-        let (words, pixel) = (bank_words(self.config), bits.layers * bits.fragment);
+        let (words, pixel) = (self.config.bank_words(), bits.layers * bits.fragment);
         unit.memory("tile_buffer", words, pixel, [counts.samples, gathered]);
         unit
     }
@@ -394,7 +359,7 @@ impl<'t> CountedPicture<'_, 't> {
         let mut unit = self.unit("resolve");
         unit.products(&bits.resolved(), resolved);
         unit.adder_bits(bits.resolve_adders(), resolved);
-        let (words, pixel) = (bank_words(self.config), bits.layers * bits.fragment);
+        let (words, pixel) = (self.config.bank_words(), bits.layers * bits.fragment);
         unit.memory("tile_buffer", words, pixel, [written; 2]);
         unit.dram("write", self.timing.bytes.pixels_written);
         unit
@@ -410,7 +375,7 @@ impl<'t> CountedPicture<'_, 't> {
         let written = self.written();
         let mut unit = self.unit("write_back");
         for bits in self.bits.pixel {
-            unit.memory("tile_buffer", bank_words(self.config), bits, [written; 2]);
+            unit.memory("tile_buffer", self.config.bank_words(), bits, [written; 2]);
         }
         unit.dram("write", self.timing.bytes.pixels_written);
         unit

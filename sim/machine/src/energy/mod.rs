@@ -69,12 +69,7 @@ pub fn estimate(
     if let Some(lane) = lane {
         actions::put_lane(&mut units, lane, config, timing);
     }
-    let pixels = timing.bytes.pixels_written / u64::from(config.pixel_bytes);
-    sum(
-        units,
-        [pixels, timing.splats.fetched, timing.pixels.live],
-        table,
-    )
+    sum(units, config, timing, table)
 }
 
 /// Picojoules of a lane's arithmetic and its pixel's words for one pixel that is visited, covered and blended.
@@ -91,7 +86,8 @@ pub fn of_pixel(lane: Option<&FloatLane>, widths: &Widths, table: &EnergyTable) 
 /// Adds up units. Sums stay at the largest number of 64 bits, which is 18 J a picture.
 pub(crate) fn sum(
     units: Vec<actions::UnitActions>,
-    [pixels, splats, blends]: [u64; 3],
+    config: &Config,
+    timing: &Timing,
     table: &EnergyTable,
 ) -> Energy {
     let units: Vec<UnitEnergy> = units.into_iter().map(UnitEnergy::new).collect();
@@ -101,9 +97,9 @@ pub(crate) fn sum(
         of: table.statement(),
         attojoules,
         mj_per_frame: attojoules as f64 / MILLI,
-        pj_per_pixel: per(pixels),
-        pj_per_splat: per(splats),
-        pj_per_blend: per(blends),
+        pj_per_pixel: per(timing.bytes.pixels_written / u64::from(config.pixel_bytes)),
+        pj_per_splat: per(timing.splats.fetched),
+        pj_per_blend: per(timing.pixels.live),
         units,
     }
 }

@@ -108,13 +108,9 @@ impl EnergyTable {
         check.source("dram", &parsed.dram.source)?;
         let dram_bits = check.whole("dram.bits", &parsed.dram.bits, 1, 4096)?;
         let dram_pj = check.positive("dram.pj", &parsed.dram.pj, MOST_PJ)?;
-        let squared = |curve: PriceCurve| PriceCurve {
-            points: curve
-                .points
-                .iter()
-                .map(|[bits, pj]| [bits * bits, *pj])
-                .collect(),
-            ..curve
+        let squared = |mut curve: PriceCurve| {
+            curve.points.iter_mut().for_each(|[bits, _]| *bits *= *bits);
+            curve
         };
         Ok(EnergyTable {
             node: parsed.node,
@@ -174,10 +170,9 @@ impl EnergyTable {
 
     /// What a reader of an estimate must know.
     pub fn statement(&self) -> String {
-        let source = if self.shipped {
-            "figures of the literature"
-        } else {
-            "a table of your own"
+        let source = match self.shipped {
+            true => "figures of the literature",
+            false => "a table of your own",
         };
         format!(
             "estimate by {source} for {}: actions counted times energy each; without clock tree, pipeline registers, control, wires, leakage, and what a DRAM \
@@ -197,9 +192,8 @@ impl PriceCurve {
     fn at(&self, x: f64) -> f64 {
         let x = x.max(1.0);
         let after = self.points.partition_point(|[at, _]| *at < x);
-        let high = after
-            .clamp(1, self.points.len().max(2) - 1)
-            .min(self.points.len() - 1);
+        let last = self.points.len() - 1;
+        let high = after.clamp(1, last.max(1)).min(last);
         let [x0, y0] = self.points[high.saturating_sub(1)];
         let [x1, y1] = self.points[high];
         let slope = if x1 > x0 {
@@ -219,11 +213,8 @@ struct EnergyCheck<'a> {
 
 impl EnergyCheck<'_> {
     fn refused<T>(&self, at: usize, what: &str, allowed: &str) -> Result<T, String> {
-        Err(format!(
-            "{}:{}: {what}: {allowed}",
-            self.file,
-            line_at(self.text, at)
-        ))
+        let (file, line) = (self.file, line_at(self.text, at));
+        Err(format!("{file}:{line}: {what}: {allowed}"))
     }
 
     fn positive(&self, key: &str, value: &Spanned<f64>, most: f64) -> Result<f64, String> {
@@ -249,11 +240,8 @@ impl EnergyCheck<'_> {
             return Ok(());
         }
         let allowed = "name the paper or the data sheet that the energy is from";
-        self.refused(
-            source.span().start,
-            &format!("{kind}.source is empty"),
-            allowed,
-        )
+        let what = format!("{kind}.source is empty");
+        self.refused(source.span().start, &what, allowed)
     }
 
     fn curve(
@@ -275,9 +263,9 @@ impl EnergyCheck<'_> {
             curve.points.push(point);
         }
         if curve.points.is_empty() {
+            let file = self.file;
             return Err(format!(
-                "{}: {kind} has no entry: at least one is needed",
-                self.file
+                "{file}: {kind} has no entry: at least one is needed"
             ));
         }
         Ok(curve)

@@ -34,18 +34,6 @@ pub struct DramCounts {
     pub turnarounds: u64,
 }
 
-impl std::ops::AddAssign for DramCounts {
-    fn add_assign(&mut self, phase: DramCounts) {
-        self.reads += phase.reads;
-        self.writes += phase.writes;
-        self.row_hits += phase.row_hits;
-        self.row_misses += phase.row_misses;
-        self.row_conflicts += phase.row_conflicts;
-        self.refreshes += phase.refreshes;
-        self.turnarounds += phase.turnarounds;
-    }
-}
-
 /// A bank, by times of the part's clock.
 #[derive(Clone, Copy, Debug, Default)]
 struct Bank {

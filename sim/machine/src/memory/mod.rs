@@ -20,6 +20,7 @@ use super::accounts::{Account, Cause};
 use super::config::{Config, Sorter};
 use super::lanes::PairWork;
 use super::order::SortStep;
+use super::workload::Workload;
 use dram::DramCounts;
 use port::WriteId;
 use serde::Serialize;
@@ -68,6 +69,8 @@ pub(super) struct TileWrite {
 
 /// What units ask of a memory. Accounts move to the end of what was asked.
 pub(super) trait Memory {
+    /// Must requests come in the order of time, because the units share a port?
+    const IN_TURN: bool;
     /// A splat for setup, with its harmonics if it is seen; `free` is when its queue has a place.
     fn splat(&mut self, fetch: &mut Account, free: u64, number: u64, seen: bool) -> Read;
     /// A footprint's packet and so many list entries; binning waits until they are taken.
@@ -89,7 +92,7 @@ pub(super) trait Memory {
     fn background(&mut self, write_back: &Account, tile: u32, pixels: u32) -> u64;
     /// When a buffer is free.
     fn buffer(&mut self, write_back: &mut Account, buffer: TileBuffer) -> u64;
-    /// Ends a phase in which the units took so many cycles; gives the cycle in which the memory is idle. The next phase starts from 0 again.
+    /// Ends a phase in which the units took so many cycles; gives the cycle in which the memory is idle, too. The next phase starts from 0 again.
     fn end_of_phase(&mut self, cycles: u64) -> u64;
     /// What a part did in a picture of so many cycles, if there is one.
     fn facts(&self, cycles: u64) -> Option<MemoryFacts>;
@@ -112,6 +115,7 @@ pub struct MemoryFacts {
 
 /// A read and a write channel of a fixed bandwidth.
 pub(super) struct Channels {
+    config: Config,
     splat: u64,
     harmonics: u64,
     packet: u64,
@@ -120,32 +124,14 @@ pub(super) struct Channels {
     /// A packet alone, and lists in whole words: where lists were filled in order, so that their entries follow each other in memory.
     packet_alone: u64,
     lists: Option<ListWords>,
-    latency: u64,
     packet_bytes: u64,
-    list_bytes: u64,
     /// What geometry writes beside a packet: of each list entry, or of the splat.
     stored: [u64; 2],
-    sort: Sort,
+    latency: u64,
     read_bandwidth: u64,
     write_bandwidth: u64,
     /// Bytes of a pixel times units, which share the bandwidth evenly.
     pixel_bytes: u64,
-}
-
-/// What the sort moves.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sort {
-    pub cycles: u64,
-    pub bytes: u64,
-}
-
-impl Sort {
-    fn new(config: &Config) -> Sort {
-        Sort {
-            cycles: config.sort_cycles.into(),
-            bytes: config.sorted_bytes().into(),
-        }
-    }
 }
 
 /// Reads of lists without gaps: what a cycle brings beyond an entry belongs to the next ones.
@@ -169,11 +155,13 @@ impl ListWords {
 }
 
 impl Channels {
-    pub fn new(config: &Config, packet_bytes: u32) -> Channels {
+    pub fn new(config: &Config, workload: &Workload) -> Channels {
+        let packet_bytes = config.bytes_of_packet(workload.packet_bytes);
         let units = u64::from(config.raster_units);
         let read_bandwidth = u64::from(config.read_bandwidth);
         let reading = |bytes: u64| bytes.div_ceil(read_bandwidth);
         Channels {
+            config: *config,
             splat: reading(config.splat_bytes.into()),
             harmonics: reading(config.harmonics_bytes.into()),
             packet: reading(u64::from(packet_bytes + config.list_bytes) * units),
@@ -187,14 +175,12 @@ impl Channels {
                     left: 0,
                 }),
             },
-            latency: config.latency.into(),
             packet_bytes: packet_bytes.into(),
-            list_bytes: config.list_bytes.into(),
             stored: match config.sorter {
                 Sorter::Passes => [config.list_bytes.into(), 0],
                 Sorter::Radix | Sorter::Merge => [0, config.sorted_bytes().into()],
             },
-            sort: Sort::new(config),
+            latency: config.latency.into(),
             read_bandwidth,
             write_bandwidth: config.write_bandwidth.into(),
             pixel_bytes: u64::from(config.pixel_bytes) * units,
@@ -203,6 +189,8 @@ impl Channels {
 }
 
 impl Memory for Channels {
+    const IN_TURN: bool = false;
+
     #[inline(always)]
     fn splat(&mut self, fetch: &mut Account, free: u64, _: u64, seen: bool) -> Read {
         let requested = free.max(fetch.at());
@@ -227,10 +215,11 @@ impl Memory for Channels {
 
     /// Reading and writing go on beside the comparisons, each in its channel; sums of counts do not, since they say where everything goes.
     fn sort(&mut self, sort: &mut Account, steps: &[SortStep]) {
+        let sorted = u64::from(self.config.sorted_bytes());
         for step in steps {
             let moves = sort.at() + step.passes * step.begins;
-            sort.work(step.work(self.sort.cycles));
-            let bytes = step.passes * step.entries * self.sort.bytes;
+            sort.work(step.work(self.config.sort_cycles.into()));
+            let bytes = step.passes * step.entries * sorted;
             sort.wait(Cause::Memory, moves + bytes.div_ceil(self.read_bandwidth));
             sort.wait(
                 Cause::WriteChannel,
@@ -242,7 +231,8 @@ impl Memory for Channels {
 
     fn fill(&mut self, fill: &mut Account, cycles: u64, splats: u64, entries: u64) {
         fill.work(cycles);
-        let [read, written] = [splats * self.sort.bytes, entries * self.list_bytes];
+        let read = splats * u64::from(self.config.sorted_bytes());
+        let written = entries * u64::from(self.config.list_bytes);
         fill.wait(Cause::Memory, read.div_ceil(self.read_bandwidth));
         fill.wait(Cause::WriteChannel, written.div_ceil(self.write_bandwidth));
         if entries > 0 {
@@ -299,8 +289,8 @@ impl Memory for Channels {
         }
     }
 
-    fn end_of_phase(&mut self, _: u64) -> u64 {
-        0
+    fn end_of_phase(&mut self, cycles: u64) -> u64 {
+        cycles
     }
 
     fn facts(&self, _: u64) -> Option<MemoryFacts> {

@@ -61,7 +61,9 @@ pub struct Port {
     waiting: BinaryHeap<Reverse<Write>>,
     over: BTreeMap<WriteId, Served>,
     next: WriteId,
-    /// Every burst, if somebody wants them.
+    /// Cycles of the phases that are over.
+    before: u64,
+    /// Every burst in cycles of the picture, if somebody wants them.
     pub trace: Option<Vec<Access>>,
 }
 
@@ -76,6 +78,7 @@ impl Port {
             waiting: BinaryHeap::new(),
             over: BTreeMap::new(),
             next: 0,
+            before: 0,
             trace: None,
         }
     }
@@ -99,15 +102,18 @@ impl Port {
         address: u64,
         bytes: u64,
     ) -> Option<Served> {
+        let [address, bytes] = self.rest(stream, address, bytes)?;
+        Some(self.read(at, address, bytes))
+    }
+
+    /// The bursts, as address and bytes, that a stream does not have at hand, which it has afterwards; nothing if it has all.
+    #[inline(always)]
+    fn rest(&self, stream: &mut Stream, address: u64, bytes: u64) -> Option<[u64; 2]> {
         let (first, last) = self.bursts(address, bytes);
-        let first = if stream.last == first + 1 {
-            first + 1
-        } else {
-            first
-        };
+        let first = first + u64::from(stream.last == first + 1);
         stream.last = last + 1;
         let size = self.part.burst_bytes();
-        (first <= last).then(|| self.read(at, first * size, (last + 1 - first) * size))
+        (first <= last).then_some([first * size, (last + 1).saturating_sub(first) * size])
     }
 
     /// Queues a write that a unit has ready in a cycle; gives the cycle in which the queue takes it.
@@ -142,15 +148,10 @@ impl Port {
 
     /// Writes on in a stream, which holds a burst back until it is whole.
     pub fn write_on(&mut self, stream: &mut Stream, at: u64, address: u64, bytes: u64) -> u64 {
-        let (first, last) = self.bursts(address, bytes);
-        let known = stream.last != 0 && stream.last - 1 == first;
-        stream.last = last + 1;
-        let first = if known { first + 1 } else { first };
-        if first > last {
-            return at;
+        match self.rest(stream, address, bytes) {
+            Some([address, bytes]) => self.write(at, address, bytes),
+            None => at,
         }
-        let size = self.part.burst_bytes();
-        self.write(at, first * size, (last + 1 - first) * size)
     }
 
     /// When a write was served: now, if it has not been yet, with all that are older.
@@ -159,10 +160,16 @@ impl Port {
         self.over.remove(&id).unwrap_or_default()
     }
 
-    /// Serves all writes; gives the cycle in which nothing is on the bus any more.
-    pub fn drain(&mut self) -> u64 {
+    /// Serves all writes, and begins another phase from cycle 0 with all rows closed; gives the cycle in which nothing is on the bus any more and
+    /// the units, which took so many cycles, have ended.
+    pub fn end_of_phase(&mut self, cycles: u64) -> u64 {
         while self.write_one().is_some() {}
-        self.machine(self.dram.idle_at())
+        let end = self.machine(self.dram.idle_at()).max(cycles);
+        self.before += end;
+        let counts = self.dram.counts;
+        self.dram = Dram::new(self.part);
+        self.dram.counts = counts;
+        end
     }
 
     /// Writes for which the bus has time before a read, and half of a full queue.
@@ -214,7 +221,7 @@ impl Port {
             let transfer = self.dram.burst(requested, address, write);
             if let Some(trace) = &mut self.trace {
                 trace.push(Access {
-                    cycle: at,
+                    cycle: self.before + at,
                     address,
                     write,
                 });

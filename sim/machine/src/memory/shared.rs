@@ -2,11 +2,12 @@
 
 use super::parts::DramPart;
 use super::port::{Access, Port, Stream};
-use super::{Memory, MemoryFacts, Read, Sort, TileBuffer, TileWrite, Wanted};
+use super::{Memory, MemoryFacts, Read, TileBuffer, TileWrite, Wanted};
 use crate::accounts::{Account, Cause};
 use crate::config::Config;
 use crate::lanes::PairWork;
 use crate::order::SortStep;
+use crate::workload::Workload;
 
 /// Regions begin at whole megabytes, so that none shares a row with another.
 const MEGABYTE: u64 = 1 << 20;
@@ -23,8 +24,13 @@ struct Map {
 }
 
 impl Map {
-    /// Addresses for so many splats and list entries.
-    fn new(config: &Config, packet_bytes: u32, splats: u64, entries: u64) -> Map {
+    /// Addresses for a picture's splats and list entries.
+    fn new(config: &Config, workload: &Workload) -> Map {
+        let packet_bytes = config.bytes_of_packet(workload.packet_bytes);
+        let splats = workload.splats.len() as u64;
+        let tiles = workload.splats.iter().map(|splat| u64::from(splat.tiles));
+        let left = workload.order_changes.map_or(0, |changes| changes.left);
+        let entries = tiles.sum::<u64>() + left;
         let mut next = 0;
         let mut region = |bytes: u64, count: u64| {
             let start = next;
@@ -32,14 +38,13 @@ impl Map {
             [start, bytes]
         };
         let sorted = config.sorted_bytes().max(config.list_bytes).into();
-        let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
         Map {
             splat: region(config.splat_bytes.into(), splats),
             harmonics: region(config.harmonics_bytes.into(), splats),
             packet: region(packet_bytes.into(), splats),
             entry: region(sorted, entries),
             sorted: region(sorted, entries),
-            tile: region(pixels * u64::from(config.pixel_bytes), 1),
+            tile: region(config.tile_pixels() * u64::from(config.pixel_bytes), 1),
         }
     }
 
@@ -62,8 +67,6 @@ pub struct Shared {
     port: Port,
     config: Config,
     map: Map,
-    sort: Sort,
-    packet_bytes: u64,
     /// Next cycle in which geometry may ask, and its streams.
     geometry: u64,
     splats: Stream,
@@ -71,20 +74,14 @@ pub struct Shared {
     lists: Stream,
     entries: u64,
     readers: Vec<SharedReader>,
-    /// Phases that are over: their cycles, what was counted, and their accesses.
-    before: u64,
-    counts: super::DramCounts,
-    traced: Option<Vec<Access>>,
 }
 
 impl Shared {
-    /// A part for a machine and a picture of so many splats and list entries.
+    /// A part for a machine and a picture.
     pub fn new(
         part: &'static DramPart,
         config: &Config,
-        packet_bytes: u32,
-        splats: u64,
-        entries: u64,
+        workload: &Workload,
         traced: bool,
     ) -> Shared {
         let mut port = Port::new(part, config.clock_mhz, config.write_queue);
@@ -93,30 +90,25 @@ impl Shared {
             part,
             port,
             config: *config,
-            map: Map::new(config, packet_bytes, splats, entries),
-            sort: Sort::new(config),
-            packet_bytes: packet_bytes.into(),
+            map: Map::new(config, workload),
             geometry: 0,
             splats: Stream::default(),
             packets: Stream::default(),
             lists: Stream::default(),
             entries: 0,
             readers: vec![SharedReader::default(); config.raster_units as usize],
-            before: 0,
-            counts: super::DramCounts::default(),
-            traced: traced.then(Vec::new),
         }
     }
 
     /// All accesses in the order in which they were served, in cycles of the picture.
     pub fn into_trace(self) -> Vec<Access> {
-        self.traced.unwrap_or_default()
+        self.port.trace.unwrap_or_default()
     }
 
     /// The units of the sort take what comes in no time; their own time goes on beside it.
     fn sort_step(&mut self, step: &SortStep) {
         let size = self.part.burst_bytes();
-        let bursts = (step.entries * self.sort.bytes).div_ceil(size);
+        let bursts = (step.entries * u64::from(self.config.sorted_bytes())).div_ceil(size);
         let place = bursts.div_ceil(step.places) * size;
         for pass in 0..step.passes {
             let [from, to] = match pass % 2 {
@@ -138,6 +130,8 @@ impl Shared {
 }
 
 impl Memory for Shared {
+    const IN_TURN: bool = true;
+
     fn splat(&mut self, fetch: &mut Account, free: u64, number: u64, seen: bool) -> Read {
         let requested = free.max(self.geometry);
         self.geometry = requested + 1;
@@ -152,12 +146,8 @@ impl Memory for Shared {
         };
         note(self.port.read_on(&mut self.splats, requested, start, bytes));
         if seen && self.config.harmonics_bytes > 0 {
-            let address = Map::of(self.map.harmonics, number);
-            note(Some(self.port.read(
-                requested,
-                address,
-                self.map.harmonics[1],
-            )));
+            let [address, bytes] = [Map::of(self.map.harmonics, number), self.map.harmonics[1]];
+            note(Some(self.port.read(requested, address, bytes)));
         }
         let arrives = self.arrival(end.max(fetch.at()));
         Read { requested, arrives }
@@ -171,21 +161,18 @@ impl Memory for Shared {
         let at = binning.at();
         write.wait(Cause::Upstream, at);
         let address = Map::of(self.map.packet, splat);
-        let packet = self
-            .port
-            .write_on(&mut self.packets, at, address, self.packet_bytes);
+        let (port, [_, bytes]) = (&mut self.port, self.map.packet);
+        let packet = port.write_on(&mut self.packets, at, address, bytes);
         let [first, each] = [Map::of(self.map.entry, self.entries), self.map.entry[1]];
         self.entries += entries;
-        let list = self
-            .port
-            .write_on(&mut self.lists, at, first, each * entries);
+        let list = port.write_on(&mut self.lists, at, first, each * entries);
         binning.wait(Cause::WriteChannel, packet.max(list));
         write.wait(Cause::Port, packet.max(list));
     }
 
     /// A pass reads the entries from one region in their order and writes them into the places of the other; each place gets a burst when it is whole.
     fn sort(&mut self, sort: &mut Account, steps: &[SortStep]) {
-        sort.work(SortStep::cycles(steps, self.sort.cycles));
+        sort.work(SortStep::cycles(steps, self.config.sort_cycles.into()));
         for step in steps {
             self.sort_step(step);
         }
@@ -197,21 +184,16 @@ impl Memory for Shared {
     }
 
     fn packet(&mut self, fetch: &mut Account, wanted: Wanted) -> Read {
-        let Wanted {
-            unit,
-            free,
-            pair,
-            splat,
-        } = wanted;
-        let requested = self.next_request(unit, fetch, free);
+        let requested = self.next_request(wanted.unit, fetch, wanted.free);
         fetch.wait(Cause::FifoFull, requested);
-        let reader = &mut self.readers[unit as usize];
+        let reader = &mut self.readers[wanted.unit as usize];
         reader.next = requested + 1;
-        let [entry, each] = [Map::of(self.map.sorted, pair), self.map.sorted[1]];
+        let entry = Map::of(self.map.sorted, wanted.pair);
+        let each = self.map.sorted[1];
         self.port.read_on(&mut reader.list, requested, entry, each);
         // Machines with a part have no packet cache, so that a splat is always named.
-        let packet = Map::of(self.map.packet, splat.unwrap_or_default().into());
-        let served = self.port.read(requested, packet, self.packet_bytes);
+        let packet = Map::of(self.map.packet, wanted.splat.unwrap_or_default().into());
+        let served = self.port.read(requested, packet, self.map.packet[1]);
         fetch.wait(Cause::Port, served.start);
         fetch.work(served.end.saturating_sub(fetch.at()));
         let arrives = self.arrival(served.end.max(fetch.at()));
@@ -271,25 +253,11 @@ impl Memory for Shared {
     }
 
     fn end_of_phase(&mut self, cycles: u64) -> u64 {
-        let end = self.port.drain();
-        self.counts += self.port.counts();
-        let config = &self.config;
-        let next = Port::new(self.part, config.clock_mhz, config.write_queue);
-        let port = std::mem::replace(&mut self.port, next);
-        if let (Some(all), Some(phase)) = (&mut self.traced, port.trace) {
-            self.port.trace = Some(Vec::new());
-            let before = self.before;
-            all.extend(phase.into_iter().map(|access| Access {
-                cycle: before + access.cycle,
-                ..access
-            }));
-        }
-        self.before += end.max(cycles);
-        end
+        self.port.end_of_phase(cycles)
     }
 
     fn facts(&self, cycles: u64) -> Option<MemoryFacts> {
-        let counts = self.counts;
+        let counts = self.port.counts();
         let clock = 1_000_000 * u128::from(self.config.clock_mhz.max(1));
         let at_peak = u128::from(cycles) * u128::from(self.part.peak_bytes_per_s()) / clock;
         Some(MemoryFacts {

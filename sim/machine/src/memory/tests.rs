@@ -294,7 +294,7 @@ fn writes_are_held_back_and_go_in_batches() {
         port.write(step, (1 << 20) + 16 * step, 16);
         port.read(step, 16 * step, 16);
     }
-    port.drain();
+    port.end_of_phase(0);
     let counts = port.counts();
     assert_eq!([counts.reads, counts.writes], [64, 64]);
     assert!(counts.turnarounds <= 2 * 64 / 4 + 1, "{counts:?}");

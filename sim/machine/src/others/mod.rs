@@ -118,7 +118,7 @@ pub const PRESETS: [Preset; 7] = [
         design: "standard24",
         tested: Tested::Tiles,
         float: Some(FORM),
-        config: sixteen_lanes,
+        config: || sixteen(LaneLayout::Aligned),
     },
     Preset {
         name: "sub-tiles",
@@ -126,7 +126,7 @@ pub const PRESETS: [Preset; 7] = [
         design: "standard24",
         tested: Tested::SubTiles(8),
         float: Some(FORM),
-        config: sixteen_lanes,
+        config: || sixteen(LaneLayout::Aligned),
     },
     Preset {
         name: "row-sequential",
@@ -134,7 +134,7 @@ pub const PRESETS: [Preset; 7] = [
         design: "standard24",
         tested: Tested::Rows,
         float: Some(DIFFERENCES),
-        config: sixteen_rows,
+        config: || sixteen(LaneLayout::Rows),
     },
     Preset {
         name: "axis-shared",
@@ -142,7 +142,7 @@ pub const PRESETS: [Preset; 7] = [
         design: "standard24",
         tested: Tested::Tiles,
         float: Some(SHARED_AXES),
-        config: sixteen_lanes,
+        config: || sixteen(LaneLayout::Aligned),
     },
     Preset {
         name: "primitive-1997",
@@ -150,7 +150,7 @@ pub const PRESETS: [Preset; 7] = [
         design: "classic8",
         tested: Tested::Own,
         float: None,
-        config: sixteen_lanes,
+        config: || sixteen(LaneLayout::Aligned),
     },
     Preset {
         name: "splatline lean18",
@@ -170,18 +170,10 @@ pub const PRESETS: [Preset; 7] = [
     },
 ];
 
-fn sixteen_lanes() -> Config {
+fn sixteen(layout: LaneLayout) -> Config {
     Config {
         lanes: 16,
-        layout: LaneLayout::Aligned,
-        ..Config::default()
-    }
-}
-
-fn sixteen_rows() -> Config {
-    Config {
-        lanes: 16,
-        layout: LaneLayout::Rows,
+        layout,
         ..Config::default()
     }
 }
@@ -244,20 +236,12 @@ pub fn outcome(
     }
     let path = units.iter().filter(|unit| PIXEL_PATH.contains(&unit.name));
     let actions = path.flat_map(|unit| &unit.actions);
-    let products = actions
-        .filter(|action| action.action == "multiply")
-        .map(|action| action.count)
-        .sum();
-    let pixels = timing.bytes.pixels_written / u64::from(config.pixel_bytes);
-    let energy = sum(
-        units,
-        [pixels, timing.splats.fetched, timing.pixels.live],
-        table,
-    );
+    let products = actions.filter(|action| action.action == "multiply");
+    let products = products.map(|action| action.count).sum();
     Outcome {
         preset: *preset,
+        energy: sum(units, &config, &timing, table),
         timing,
-        energy,
         products,
     }
 }
@@ -271,9 +255,9 @@ fn replace<'t>(
 ) {
     let pixels = &timing.pixels;
     let bits = operations.bits;
-    let mut put = |name: &'static str, count: u64, [additions, products]: [u64; 2]| {
+    let mut put = |name: &'static str, count: u64, operations: [u64; 2]| {
         let mut unit = UnitActions::new(name, table);
-        unit.float(bits, additions * count, products * count);
+        unit.float(bits, operations, count);
         if let Some(place) = units.iter_mut().find(|unit| unit.name == name) {
             *place = unit;
         }
@@ -285,8 +269,7 @@ fn replace<'t>(
     for unit in units {
         match unit.name {
             "lanes" => {
-                let [additions, products] = operations.inside;
-                unit.float(bits, additions * pixels.covered, products * pixels.covered);
+                unit.float(bits, operations.inside, pixels.covered);
                 unit.memory("table", 256, 2 * bits, [pixels.covered, 0]);
             }
             "blend" => unit.memory("tile_buffer", 16, 4 * bits, [pixels.covered, pixels.live]),
@@ -300,10 +283,8 @@ pub fn cells(outcome: &Outcome) -> [String; 11] {
     let Timing { pixels, bytes, .. } = &outcome.timing;
     let blended = pixels.live.max(1) as f64;
     let units = outcome.energy.units.iter();
-    let path: u64 = units
-        .filter(|unit| PIXEL_PATH.contains(&unit.unit))
-        .map(|unit| unit.attojoules)
-        .sum();
+    let path = units.filter(|unit| PIXEL_PATH.contains(&unit.unit));
+    let path: u64 = path.map(|unit| unit.attojoules).sum();
     [
         outcome.preset.name.to_owned(),
         pixels.visited.to_string(),

@@ -10,17 +10,11 @@ pub fn tested(workload: &Workload, how: Tested) -> Workload {
     if how == Tested::Own {
         return workload.clone();
     }
-    let mut changed = Workload {
-        rows: Vec::with_capacity(workload.rows.len()),
-        pairs: Vec::with_capacity(workload.pairs.len()),
-        ..workload.clone()
-    };
+    let mut changed = workload.clone();
     changed.rows.clear();
     changed.pairs.clear();
-    let mut first = 0;
-    for pair in &workload.pairs {
-        let rows = &workload.rows[first..pair.rows_end as usize];
-        first = pair.rows_end as usize;
+    for (number, pair) in workload.pairs.iter().enumerate() {
+        let rows = workload.rows_of(number);
         let (first_row, all) = rows_tested(rows, pair.first_row, workload.tile, how);
         let visits = all.iter().any(|row| row.length > 0);
         changed.rows.extend(all);
@@ -103,10 +97,7 @@ fn sub_tiles(mut all: Vec<WorkloadRow>, width: u32, side: u32) -> (u8, Vec<Workl
         }
     }
     let first = met.iter().position(|met| *met).unwrap_or(0) * side_rows;
-    let end = met
-        .iter()
-        .rposition(|met| *met)
-        .map_or(first, |last| (last + 1) * side_rows);
-    let end = end.min(all.len());
-    (first as u8, all[first..end.max(first)].to_vec())
+    let last = met.iter().rposition(|met| *met);
+    let end = last.map_or(first, |last| ((last + 1) * side_rows).min(all.len()));
+    (first as u8, all[first..end].to_vec())
 }

@@ -139,7 +139,7 @@ fn may_start(band: &Band, (flight, start): &(Band, u64), now: u64, config: &Conf
     }
     let (stretch, stride, latency) = (
         f64::from(config.stretch()),
-        f64::from(config.stride()),
+        f64::from(LaneShape::from(config).stride()),
         f64::from(config.blend_latency),
     );
     let groups = ((f64::from(band.first) - f64::from(flight.first)) / stride).ceil()

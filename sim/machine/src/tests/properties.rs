@@ -233,7 +233,7 @@ fn spans(workload: &Workload, config: &Config) -> HashMap<(u32, u32), (u64, u64)
 
 /// Columns and the cycle in which each is issued, group by group.
 fn issues((visited, wanted): &(u64, u64), event: &Event, config: &Config) -> Vec<(u32, u64)> {
-    let stride = config.stride();
+    let stride = LaneShape::from(config).stride();
     let low = visited.trailing_zeros();
     let start = if config.layout == LaneLayout::Run {
         low

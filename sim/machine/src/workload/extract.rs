@@ -136,10 +136,8 @@ impl ExtractJob<'_> {
         let painter = Painter::new(design, &rules, table, compositing, self.options.traversal);
         let order = self.order();
         let boxes = order.iter().filter_map(|index| {
-            self.footprints[*index as usize]
-                .as_ref()
-                .ok()
-                .map(|footprint| (*index, Window::of(footprint)))
+            let footprint = self.footprints[*index as usize].as_ref().ok()?;
+            Some((*index, Window::of(footprint)))
         });
         let mut bins = Bins::new(boxes, self.viewport, self.tile);
         let rank = self.before.map(|before| {
@@ -150,10 +148,9 @@ impl ExtractJob<'_> {
         let parts = each_tile(bins.lists.len(), &|at| {
             self.tile(design, &painter, &bins.lists[at], bins.grid.window(at))
         });
-        let screen = if self.wants_pixels {
-            self.screen(&parts, widths, &bins.grid)
-        } else {
-            Vec::new()
+        let screen = match self.wants_pixels {
+            true => self.screen(&parts, widths, &bins.grid),
+            false => Vec::new(),
         };
         let packet_bytes = 4 * Layout::new(widths, self.options.traversal).words() as u32;
         let mut workload = assemble(parts, &bins, self.footprints.len(), packet_bytes);
@@ -169,9 +166,9 @@ impl ExtractJob<'_> {
             let footprint = self.footprints[*index as usize].as_ref();
             footprint.map_or(0, |footprint| footprint.depth)
         };
-        let mut order: Vec<u32> = (0..self.footprints.len() as u32)
-            .filter(|index| self.footprints[*index as usize].is_ok())
-            .collect();
+        let visible = |index: &u32| self.footprints[*index as usize].is_ok();
+        let all = 0..self.footprints.len() as u32;
+        let mut order: Vec<u32> = all.filter(visible).collect();
         order.par_sort_by_key(depth);
         if self.options.compositing == Compositing::BackToFront {
             order.reverse();
@@ -184,8 +181,8 @@ impl ExtractJob<'_> {
         let [width, height] = self.viewport.map(usize::from);
         let mut screen = vec![Pixel::clear(widths); width * height];
         for (tile, part) in parts.iter().enumerate() {
-            let Window { first, end } = grid.window(tile);
-            let columns = usize::from(end[0] - first[0]);
+            let window = grid.window(tile);
+            let (first, columns) = (window.first, usize::from(window.columns()));
             for (row, pixels) in part.pixels.chunks(columns).enumerate() {
                 let start = (usize::from(first[1]) + row) * width + usize::from(first[0]);
                 screen[start..start + columns].copy_from_slice(pixels);
@@ -202,10 +199,8 @@ impl ExtractJob<'_> {
         window: Window,
     ) -> TilePart {
         let widths = design.widths();
-        let columns = usize::from(window.end[0] - window.first[0]);
-        let rows = usize::from(window.end[1] - window.first[1]);
-        let mut pixels = vec![Pixel::clear(&widths); columns * rows];
-        let Ok(mut target) = Target::new(&mut pixels, window, columns) else {
+        let mut pixels = vec![Pixel::clear(&widths); window.pixels()];
+        let Ok(mut target) = Target::new(&mut pixels, window, window.columns().into()) else {
             unreachable!("the tile's memory has just been made for its window")
         };
         let mut part = TilePart::default();
@@ -213,13 +208,8 @@ impl ExtractJob<'_> {
             let Ok(footprint) = &self.footprints[*index as usize] else {
                 continue;
             };
-            part.note(
-                design,
-                *index,
-                footprint,
-                self.options.traversal,
-                &mut target,
-            );
+            let traversal = self.options.traversal;
+            part.note(design, *index, footprint, traversal, &mut target);
             // Nothing that comes after the last pixel has finished changes the tile.
             if part.finished_after.is_none() {
                 painter.draw(footprint, &mut target);
@@ -248,7 +238,7 @@ impl TilePart {
         let window = target.window();
         let visible = Window::of(footprint).intersect(&window);
         let first = self.rows.len();
-        let height = usize::from(visible.end[1] - visible.first[1]);
+        let height = usize::from(visible.rows());
         self.rows.resize(first + height, WorkloadRow::default());
         let note = Note {
             footprint,

@@ -21,6 +21,7 @@ use splatline::blend::Pixel;
 use splatline::footprint::depth::KEY_BITS;
 use splatline::raster::Window;
 use splatline_engine::fast::order::Grid;
+use std::ops::Range;
 
 /// Pixels of a row of a tile: bit i is column i.
 pub type Mask = u64;
@@ -113,6 +114,14 @@ pub struct Workload {
     pub surface: Option<SurfaceWork>,
 }
 
+/// Which part of a list belongs to an item of another one, whose items say where theirs end.
+pub(super) fn part_of<T>(items: &[T], number: usize, end: fn(&T) -> u32) -> Range<usize> {
+    let first = number
+        .checked_sub(1)
+        .map_or(0, |before| end(&items[before]));
+    first as usize..end(&items[number]) as usize
+}
+
 /// Sums over a workload.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Totals {
@@ -141,13 +150,24 @@ impl Workload {
         totals
     }
 
-    /// A tile's pairs in drawing order.
+    /// The numbers of a tile's pairs in drawing order.
+    pub fn pairs_in(&self, tile: usize) -> Range<usize> {
+        part_of(&self.tiles, tile, |tile| tile.pairs_end)
+    }
+
+    /// A tile's pairs in drawing order; none of a tile that is not there.
     pub fn pairs_of(&self, tile: usize) -> &[Pair] {
-        let first = tile.checked_sub(1);
-        let first = first.map_or(0, |before| self.tiles[before].pairs_end as usize);
-        self.tiles
-            .get(tile)
-            .map_or(&[], |tile| &self.pairs[first..tile.pairs_end as usize])
+        let there = tile < self.tiles.len();
+        if there {
+            &self.pairs[self.pairs_in(tile)]
+        } else {
+            &[]
+        }
+    }
+
+    /// The rows of the pair of this number.
+    pub fn rows_of(&self, pair: usize) -> &[WorkloadRow] {
+        &self.rows[part_of(&self.pairs, pair, |pair| pair.rows_end)]
     }
 
     /// Bytes of its lists.
@@ -210,12 +230,9 @@ fn assemble(parts: Vec<TilePart>, bins: &Bins, splats: usize, packet_bytes: u32)
         key_bits: (1 << KEY_BITS) - 1,
         ..Workload::default()
     };
-    workload
-        .pairs
-        .reserve(parts.iter().map(|part| part.pairs.len()).sum());
-    workload
-        .rows
-        .reserve(parts.iter().map(|part| part.rows.len()).sum());
+    let (pairs, rows) = (&mut workload.pairs, &mut workload.rows);
+    pairs.reserve(parts.iter().map(|part| part.pairs.len()).sum());
+    rows.reserve(parts.iter().map(|part| part.rows.len()).sum());
     for (index, part) in parts.into_iter().enumerate() {
         let base = workload.rows.len() as u32;
         for pair in part.pairs {

@@ -94,9 +94,8 @@ fn merged(before: &[u32], now: &[u32], rank: &[u32], marks: &mut [u32], stamp: u
             old.push(*splat);
         }
     }
-    let mut came = now
-        .iter()
-        .copied()
+    let came = now.iter().copied();
+    let mut came = came
         .filter(|splat| marks[*splat as usize] == here)
         .peekable();
     let mut list = Vec::with_capacity(now.len());

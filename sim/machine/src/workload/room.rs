@@ -19,25 +19,19 @@ pub fn room_for(
     tile: [u16; 2],
 ) -> Result<(), TooLarge> {
     const FIX: &str = "give a smaller --size, larger tiles or a farther camera";
-    host_memory::room_for(
-        bytes(footprints, viewport, tile),
-        "the tiles' lists and rows",
-        FIX,
-    )
+    let bytes = bytes(footprints, viewport, tile);
+    host_memory::room_for(bytes, "the tiles' lists and rows", FIX)
 }
 
 fn bytes(footprints: &[Result<Footprint, Cull>], viewport: [usize; 2], tile: [u16; 2]) -> u64 {
     let [columns, rows] = tile.map(u64::from);
-    let mut bytes = [0, 1]
-        .map(|axis| (viewport[axis] as u64).div_ceil([columns, rows][axis]))
-        .iter()
-        .product::<u64>()
-        * (TILE_BYTES + size_of::<Tile>() as u64);
+    let [width, height] = viewport.map(|pixels| pixels as u64);
+    let tiles = width.div_ceil(columns) * height.div_ceil(rows);
+    let mut bytes = tiles * (TILE_BYTES + size_of::<Tile>() as u64);
     for print in footprints.iter().flatten() {
         let tiles = |axis: usize, size: u64| {
-            u64::from(print.end[axis])
-                .div_ceil(size)
-                .saturating_sub(u64::from(print.first[axis]) / size)
+            let [first, end] = [print.first, print.end].map(|pixel| u64::from(pixel[axis]));
+            end.div_ceil(size).saturating_sub(first / size)
         };
         let (across, down) = (tiles(0, columns), tiles(1, rows));
         let height = u64::from(print.end[1].saturating_sub(print.first[1]));

@@ -123,25 +123,17 @@ struct SurfaceJob<'a> {
     design: RuntimeWidths,
 }
 
-/// A cell of the kernel's with what it did.
+/// A cell of the kernel's with what became of its samples: begun, accumulated, discarded.
 #[derive(Clone)]
 struct CountedCell<C> {
     cell: C,
-    counts: SurfaceCounts,
+    samples: [u64; 3],
 }
 
 impl<C: Cell> Cell for CountedCell<C> {
     const EMPTY: Self = CountedCell {
         cell: C::EMPTY,
-        counts: SurfaceCounts {
-            samples: 0,
-            begun: 0,
-            accumulated: 0,
-            discarded: 0,
-            merges: 0,
-            fragments: 0,
-            pixels: 0,
-        },
+        samples: [0; 3],
     };
 
     fn add(&mut self, gather: &WeightedSum, sample: &Sample) {
@@ -154,13 +146,12 @@ impl<C: Cell> Cell for CountedCell<C> {
         let before = self.cell.clone();
         self.cell.add(gather, sample);
         let stays = before.fragments() == self.cell.fragments();
-        let counts = &mut self.counts;
-        counts.samples += 1;
-        match (stays, joins) {
-            (true, _) => counts.discarded += 1,
-            (false, true) => counts.accumulated += 1,
-            (false, false) => counts.begun += 1,
-        }
+        let [begun, accumulated, discarded] = &mut self.samples;
+        *match (stays, joins) {
+            (true, _) => discarded,
+            (false, true) => accumulated,
+            (false, false) => begun,
+        } += 1;
     }
 
     fn fragments(&self) -> &[Fragment] {
@@ -224,13 +215,17 @@ impl SurfaceJob<'_> {
             painter.draw(found, &mut target);
         }
         let mut counts = SurfaceCounts::default();
-        for CountedCell { cell, counts: own } in &cells {
+        for CountedCell { cell, samples } in &cells {
             let fragments = cell.fragments().len() as u64;
+            let [begun, accumulated, discarded] = *samples;
             counts += SurfaceCounts {
+                samples: begun + accumulated + discarded,
+                begun,
+                accumulated,
+                discarded,
                 merges: cell.merges(),
                 fragments,
                 pixels: u64::from(fragments > 0),
-                ..*own
             };
         }
         (part, counts)

@@ -49,8 +49,7 @@ struct WorkTableEntry {
     conic: [f64; 3],
     cutoff: f64,
     opacity: Option<f64>,
-    first: [u16; 2],
-    last: [u16; 2],
+    bounds: Window,
     tiles: Option<Vec<u32>>,
 }
 
@@ -61,12 +60,8 @@ const COLUMNS: [&str; 10] = [
 /// Reads the text of a table. Splats are drawn nearest first, ties by line.
 pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, Refused> {
     let mut lines = text.lines();
-    let heading: Vec<&str> = lines
-        .next()
-        .unwrap_or("")
-        .split(',')
-        .map(str::trim)
-        .collect();
+    let heading = lines.next().unwrap_or("").split(',');
+    let heading: Vec<&str> = heading.map(str::trim).collect();
     let place = |name: &str| heading.iter().position(|column| *column == name);
     let mut places = [0; COLUMNS.len()];
     for (slot, name) in places.iter_mut().zip(COLUMNS) {
@@ -81,19 +76,16 @@ pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, Refuse
     let mut entries = Vec::new();
     let mut splats = 0;
     let mut work = Work::default();
-    for (number, line) in lines
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty())
-    {
-        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+    for (line, text) in (2..).zip(lines).filter(|(_, text)| !text.trim().is_empty()) {
+        let fields: Vec<&str> = text.split(',').map(str::trim).collect();
         let reader = TableReader {
-            line: number + 2,
+            line,
             fields: &fields,
             places: &places,
             optional,
         };
         if let Some(entry) = reader.entry(splats, options)? {
-            work.add(&entry, options, reader.line)?;
+            work.add(&entry.bounds, options, line)?;
             entries.push(entry);
         }
         splats += 1;
@@ -110,28 +102,22 @@ struct Work {
 }
 
 impl Work {
-    fn add(
-        &mut self,
-        entry: &WorkTableEntry,
-        options: &TableOptions,
-        line: usize,
-    ) -> Result<(), Refused> {
-        let columns = (entry.last[0] - 1) / options.tile[0] - entry.first[0] / options.tile[0] + 1;
-        self.rows += u64::from(columns) * u64::from(entry.last[1] - entry.first[1]);
+    fn add(&mut self, bounds: &Window, options: &TableOptions, line: usize) -> Result<(), Refused> {
+        let columns = (bounds.end[0] - 1) / options.tile[0] - bounds.first[0] / options.tile[0] + 1;
+        self.rows += u64::from(columns) * u64::from(bounds.rows());
         let mut tiles = 1;
         for axis in [0, 1] {
-            self.last[axis] = self.last[axis].max(entry.last[axis]);
+            self.last[axis] = self.last[axis].max(bounds.end[axis]);
             tiles *= u64::from(self.last[axis].div_ceil(options.tile[axis]));
         }
-        if self.rows.max(tiles) <= LARGEST_WORK {
-            Ok(())
-        } else {
-            let rows = self.rows;
-            Err(Refused(format!(
-                "line {line}: the boxes up to here have {rows} rows in tiles and {tiles} tiles, at most {LARGEST_WORK} each are modelled: \
-                 correct x0,y0,x1,y1, or give the screen's size"
-            )))
+        let rows = self.rows;
+        if rows.max(tiles) <= LARGEST_WORK {
+            return Ok(());
         }
+        Err(Refused(format!(
+            "line {line}: the boxes up to here have {rows} rows in tiles and {tiles} tiles, at most {LARGEST_WORK} each are modelled: \
+             correct x0,y0,x1,y1, or give the screen's size"
+        )))
     }
 }
 
@@ -148,10 +134,8 @@ impl TableReader<'_> {
     }
 
     fn wrong(&self, column: &str, value: &str, expected: &str) -> Refused {
-        Refused(format!(
-            "line {}: {column} = '{value}': {expected}",
-            self.line
-        ))
+        let line = self.line;
+        Refused(format!("line {line}: {column} = '{value}': {expected}"))
     }
 
     fn number(&self, column: usize) -> Result<f64, Refused> {
@@ -164,27 +148,35 @@ impl TableReader<'_> {
 
     fn pixel(&self, column: usize) -> Result<u16, Refused> {
         let text = self.text(self.places[column]);
-        text.parse()
-            .ok()
-            .filter(|pixel| *pixel <= 32_768)
-            .ok_or_else(|| {
-                self.wrong(
-                    COLUMNS[column],
-                    text,
-                    "expected a whole number of pixels from 0 to 32768",
-                )
-            })
+        let expected = "expected a whole number of pixels from 0 to 32768";
+        let pixel = text.parse().ok().filter(|pixel| *pixel <= 32_768);
+        pixel.ok_or_else(|| self.wrong(COLUMNS[column], text, expected))
+    }
+
+    /// A number for which `holds`, from a column that may lack or be empty.
+    fn optional(
+        &self,
+        [column, expected]: [&str; 2],
+        place: Option<usize>,
+        holds: fn(f64) -> bool,
+    ) -> Result<Option<f64>, Refused> {
+        let text = place.map_or("", |place| self.text(place));
+        match text.parse::<f64>() {
+            _ if text.is_empty() => Ok(None),
+            Ok(value) if value.is_finite() && holds(value) => Ok(Some(value)),
+            _ => Err(self.wrong(column, text, expected)),
+        }
     }
 
     fn entry(&self, splat: u32, options: &TableOptions) -> Result<Option<WorkTableEntry>, Refused> {
         if self.places.iter().all(|place| self.text(*place).is_empty()) {
             return Ok(None);
         }
-        let (first, mut last) = (
-            [self.pixel(6)?, self.pixel(7)?],
-            [self.pixel(8)?, self.pixel(9)?],
-        );
-        for (end, limit) in last.iter_mut().zip(options.viewport) {
+        let mut bounds = Window {
+            first: [self.pixel(6)?, self.pixel(7)?],
+            end: [self.pixel(8)?, self.pixel(9)?],
+        };
+        for (end, limit) in bounds.end.iter_mut().zip(options.viewport) {
             if limit > 0 {
                 *end = limit.min(*end);
             }
@@ -196,44 +188,30 @@ impl TableReader<'_> {
             conic: self.conic()?,
             cutoff: self.cutoff(options)?,
             opacity: self.opacity()?,
-            first,
-            last,
+            bounds,
             tiles: self.tiles()?,
         };
-        Ok((first[0] < last[0] && first[1] < last[1]).then_some(entry))
+        Ok((!bounds.is_empty()).then_some(entry))
     }
 
     fn cutoff(&self, options: &TableOptions) -> Result<f64, Refused> {
-        let text = self.optional[0].map_or("", |place| self.text(place));
-        match text.parse::<f64>() {
-            // Any guess would give cycles of another picture.
-            _ if text.is_empty() => options.cutoff.ok_or_else(|| {
-                Refused(format!(
-                    "line {}: no cut-off: the table has no column 'cutoff' (or an empty field in it); add it as `splatline footprints` \
-                     writes it, or give --cutoff r (4 in ewa; 11.1 at most in 3dgs)",
-                    self.line
-                ))
-            }),
-            Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-            _ => Err(self.wrong(
-                "cutoff",
-                text,
-                "expected a finite number above 0, or nothing",
-            )),
-        }
+        let column = ["cutoff", "expected a finite number above 0, or nothing"];
+        let own = self.optional(column, self.optional[0], |value| value > 0.0)?;
+        // Any guess would give cycles of another picture.
+        own.or(options.cutoff).ok_or_else(|| {
+            Refused(format!(
+                "line {}: no cut-off: the table has no column 'cutoff' (or an empty field in it); add it as `splatline footprints` \
+                 writes it, or give --cutoff r (4 in ewa; 11.1 at most in 3dgs)",
+                self.line
+            ))
+        })
     }
 
     fn opacity(&self) -> Result<Option<f64>, Refused> {
-        let text = self.optional[2].map_or("", |place| self.text(place));
-        match text.parse::<f64>() {
-            _ if text.is_empty() => Ok(None),
-            Ok(value) if value.is_finite() && value >= 0.0 => Ok(Some(value)),
-            _ => Err(self.wrong(
-                "opacity",
-                text,
-                "expected a finite number of 0 or more, or nothing",
-            )),
-        }
+        let expected = "expected a finite number of 0 or more, or nothing";
+        self.optional(["opacity", expected], self.optional[2], |value| {
+            value >= 0.0
+        })
     }
 
     /// The coefficients of an ellipse: with an indefinite form the footprint would grow towards the far corners.
@@ -241,15 +219,10 @@ impl TableReader<'_> {
         let [a, b, c] = [self.number(3)?, self.number(4)?, self.number(5)?];
         // A needle's form has almost no determinant, and rounding to the narrowest mantissas (8 bits) may turn its sign.
         let definite = a >= 0.0 && c >= 0.0 && b.abs() <= (a.sqrt() * c.sqrt()) * (1.0 + ROUNDED);
-        if definite {
-            Ok([a, b, c])
-        } else {
-            Err(self.wrong(
-                "conic_b",
-                self.text(self.places[4]),
-                "expected conic_a >= 0, conic_c >= 0 and conic_b^2 <= conic_a conic_c, an ellipse",
-            ))
-        }
+        let expected =
+            "expected conic_a >= 0, conic_c >= 0 and conic_b^2 <= conic_a conic_c, an ellipse";
+        let refused = || self.wrong("conic_b", self.text(self.places[4]), expected);
+        definite.then_some([a, b, c]).ok_or_else(refused)
     }
 
     fn tiles(&self) -> Result<Option<Vec<u32>>, Refused> {
@@ -268,29 +241,19 @@ fn workload(entries: &[WorkTableEntry], splats: usize, options: &TableOptions) -
     let mut viewport = options.viewport;
     for (axis, size) in viewport.iter_mut().enumerate() {
         if *size == 0 {
-            *size = entries
-                .iter()
-                .map(|entry| entry.last[axis])
-                .max()
-                .unwrap_or(1);
+            let ends = entries.iter().map(|entry| entry.bounds.end[axis]);
+            *size = ends.max().unwrap_or(1);
         }
     }
-    let boxes = (0..).zip(entries).map(|(number, entry)| {
-        let (first, end) = (entry.first, entry.last);
-        (number, Window { first, end })
-    });
-    let bins = Bins::new(boxes, viewport, options.tile);
+    let boxes = entries.iter().map(|entry| entry.bounds);
+    let bins = Bins::new((0..).zip(boxes), viewport, options.tile);
     let parts = (0..bins.lists.len()).map(|tile| {
         let listed = |entry: &&WorkTableEntry| {
-            entry
-                .tiles
-                .as_ref()
-                .is_none_or(|tiles| tiles.contains(&(tile as u32)))
+            let tiles = entry.tiles.as_ref();
+            tiles.is_none_or(|tiles| tiles.contains(&(tile as u32)))
         };
-        let list = bins.lists[tile]
-            .iter()
-            .map(|number| &entries[*number as usize])
-            .filter(listed);
+        let list = bins.lists[tile].iter();
+        let list = list.map(|number| &entries[*number as usize]).filter(listed);
         tile_part(list, bins.grid.window(tile), options.traversal)
     });
     assemble(parts.collect(), &bins, splats, options.packet_bytes)
@@ -301,22 +264,21 @@ fn tile_part<'a>(
     window: Window,
     traversal: Traversal,
 ) -> TilePart {
-    let (first, last) = (window.first, window.end);
     let mut part = TilePart::default();
-    let mut light = TileLight::new(first, last);
+    let mut light = TileLight::new(&window);
     for entry in list {
-        let columns = [entry.first[0].max(first[0]), entry.last[0].min(last[0])];
-        let (top, bottom) = (entry.first[1].max(first[1]), entry.last[1].min(last[1]));
-        let start = part.rows.len();
-        part.rows
-            .extend((top..bottom).map(|y| entry.row(y, columns, first[0], traversal)));
-        for (y, row) in (top..bottom).zip(&mut part.rows[start..]) {
+        let visible = entry.bounds.intersect(&window);
+        let (columns, [left, top]) = ([visible.first[0], visible.end[0]], window.first);
+        let (start, rows) = (part.rows.len(), visible.first[1]..visible.end[1]);
+        let row = |y| entry.row(y, columns, left, traversal);
+        part.rows.extend(rows.clone().map(row));
+        for (y, row) in rows.zip(&mut part.rows[start..]) {
             light.dim(entry, y, row);
         }
         part.pairs.push(Pair {
             splat: entry.splat,
             rows_end: part.rows.len() as u32,
-            first_row: (top - first[1]) as u8,
+            first_row: (visible.first[1] - top) as u8,
             visits: part.rows[start..].iter().any(|row| row.length > 0),
         });
         if part.finished_after.is_none() && light.is_finished() {
@@ -336,13 +298,13 @@ struct TileLight {
 }
 
 impl TileLight {
-    fn new(first: [u16; 2], last: [u16; 2]) -> TileLight {
-        let rows = usize::from(last[1] - first[1]);
+    fn new(window: &Window) -> TileLight {
+        let rows = usize::from(window.rows());
         TileLight {
-            first,
+            first: window.first,
             left: vec![[1.0; 64]; rows],
             finished: vec![0; rows],
-            whole: mask(0, (last[0] - first[0]).into()),
+            whole: mask(0, window.columns().into()),
         }
     }
 
