@@ -136,6 +136,9 @@ unsafe fn layout(widths: *const SplatlineWidths, traversal: u32) -> Result<Layou
 }
 
 fn exactly(layout: &Layout, count: usize) -> Result<usize, Error> {
-    let fits = count == layout.words();
-    fits.then_some(count).ok_or(Error::Size)
+    if count == layout.words() {
+        Ok(count)
+    } else {
+        Err(Error::Size)
+    }
 }

@@ -58,8 +58,11 @@ fn check(path: &str, value: &Value) -> Result<(), Refused> {
         // The family, which is a name.
         _ => return Ok(()),
     };
-    let refused = || (path.to_owned(), found, allowed);
-    holds.then_some(()).ok_or_else(refused)
+    if holds {
+        Ok(())
+    } else {
+        Err((path.to_owned(), found, allowed))
+    }
 }
 
 #[cfg(test)]
