@@ -26,29 +26,18 @@ pub struct Schedule {
     pub registers: Vec<&'static str>,
 }
 
-/// Takes the sum of the lowest degree that can begin, of those the one with the longest way behind it, place by place.
+/// Sums begin in the order of the program, each as soon as all that it reads has been written.
 pub fn schedule() -> Result<Schedule> {
-    let sums = sums()?;
-    let ways = ways(&sums);
     let mut places = AXES.map(|axis| Some(Term::load(axis))).to_vec();
     // Registers in the order of their first writing, and the places from which on they can be read.
     let mut written: Vec<(&str, usize)> = AXES.into_iter().zip(LATENCY..).collect();
-    let mut left: Vec<usize> = (0..sums.len()).collect();
     // The last place of each degree's terms, and the place of each harmonic.
     let mut ends = [AXES.len() - 1; 5];
     let mut harmonics = [0; HARMONICS + 1];
-    while !left.is_empty() {
-        let now = places.len();
-        let can =
-            |index: &&usize| ready(&sums[**index], &written).is_some_and(|place| place <= now);
-        let next = left.iter().filter(can);
-        let next = next.min_by_key(|index| (sums[**index].degree, usize::MAX - ways[**index]));
-        let Some(next) = next.copied() else {
-            places.push(None);
-            continue;
-        };
-        left.retain(|index| *index != next);
-        let sum = &sums[next];
+    for sum in sums()? {
+        let ready = ready(&sum, &written);
+        let ready = ready.with_context(|| format!("{sum:?} reads what is not written before"))?;
+        places.resize(places.len().max(ready), None);
         for term in &sum.terms {
             match term.target {
                 Target::Register(name) => written.push((name, places.len() + LATENCY)),
@@ -88,30 +77,6 @@ fn ready(sum: &Sum, written: &[(&str, usize)]) -> Option<usize> {
         }
     }
     Some(ready)
-}
-
-/// Places from each sum to the end of all that follows from it.
-fn ways(sums: &[Sum]) -> Vec<usize> {
-    let mut ways: Vec<usize> = sums.iter().map(|sum| sum.terms.len()).collect();
-    // Sums that read a result stand behind it or are harmonics: as often as a way is long.
-    for _ in 0..sums.len() {
-        for (index, sum) in sums.iter().enumerate() {
-            let follows = |other: &Sum| other.degree == sum.degree && reads(other, sum);
-            let behind = sums.iter().zip(&ways).filter(|(other, _)| follows(other));
-            let behind = behind.map(|(_, way)| way + LATENCY).max();
-            ways[index] = sum.terms.len() + behind.unwrap_or(0);
-        }
-    }
-    ways
-}
-
-fn reads(reader: &Sum, of: &Sum) -> bool {
-    let writes = |name| {
-        of.terms
-            .iter()
-            .any(|term| term.target == Target::Register(name))
-    };
-    reader.terms.iter().flat_map(Term::reads).any(writes)
 }
 
 impl Schedule {
