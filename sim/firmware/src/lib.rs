@@ -42,9 +42,9 @@ macro_rules! phases {
         #[unsafe(no_mangle)]
         #[inline(never)]
         pub extern "C" fn $name() {
-            let mut number = 0u8;
+            let (mut number, new) = (0u8, $number);
             // SAFETY: a local variable.
-            unsafe { core::ptr::write_volatile(&mut number, $number) };
+            unsafe { core::ptr::write_volatile(&mut number, new) };
         }
     )*};
 }
