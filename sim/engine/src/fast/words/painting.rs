@@ -173,6 +173,7 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         let Painting {
             rows, footprints, ..
         } = self.painting;
+        // A copy: whoever is called gets no reference into this structure.
         let (left, window) = (self.corner[0], self.window);
         let footprint = footprints[index as usize].as_ref().ok()?;
         if let Some(splat) = self.painting.splat(footprint) {
@@ -199,6 +200,7 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
             let live = (&*self.tile, first);
             let [mut left_over, long] = self.live.find(self.math, (runs, count), live, left);
             let rows = self.tile.rows();
+            // If all runs are short; a choice row by row is foreseen by no branch. The tile's last row has none behind it.
             if P::TAKES_TWO && !COUNTS && long == 0 {
                 let mut alone = 0;
                 while left_over != 0 {
