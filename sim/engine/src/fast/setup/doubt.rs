@@ -33,9 +33,14 @@ impl<W: Doubles> Stages<'_, W> {
     /// Notes the reason where it holds and no other was noted before.
     #[inline(always)]
     pub fn cull(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
-        let code = self.math.splat(code(reason));
+        let now = self.math.select(*culled, self.math.splat(code(reason)), truth);
+        self.note(culled, now);
+    }
+
+    /// Notes these reasons where no other was noted before.
+    #[inline(always)]
+    fn note(&self, culled: &mut Word<W>, now: Word<W>) {
         let noted = self.math.greater(*culled, self.math.splat(0));
-        let now = self.math.select(*culled, code, truth);
         *culled = self.math.select(now, *culled, noted);
     }
 
@@ -50,9 +55,8 @@ impl<W: Doubles> Stages<'_, W> {
     /// Notes the reason where it does not hold.
     #[inline(always)]
     pub fn cull_unless(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
-        let math = self.math;
-        let kept = math.select(math.splat(0), math.splat(1), truth);
-        self.cull(culled, reason, math.greater(math.splat(1), kept));
+        let now = self.math.select(self.math.splat(code(reason)), *culled, truth);
+        self.note(culled, now);
     }
 
     /// Culls where one of some exponents has no place in the packet: where it is not from -512 to 511.
@@ -68,14 +72,14 @@ impl<W: Doubles> Stages<'_, W> {
         self.cull(culled, Cull::Degenerate, outside);
     }
 
-    /// 1 where an integer lies outside a range.
+    /// All bits where an integer lies outside a range.
     #[inline(always)]
     fn outside(&self, word: Word<W>, [least, most]: [i64; 2]) -> Word<W> {
         let math = self.math;
         // From the least word on in a circle, so that one comparison sees both ends.
         let from_least = math.plus(word, i64::MIN.wrapping_sub(least));
         let outside = math.greater(from_least, math.splat(i64::MIN + (most - least)));
-        math.select(math.splat(0), math.splat(1), outside)
+        math.select(math.splat(0), math.splat(-1), outside)
     }
 
     /// Puts splats in doubt that vectors do not take: products of their numbers must stay within the range of doubles, and coordinates be normalised.
@@ -100,7 +104,7 @@ impl<W: Doubles> Stages<'_, W> {
             reals.doubt_where(self.outside(exponent, AXES));
             for part in axis {
                 let least = math.lanes.wide_equal(*part, math.splat(i32::MIN.into()));
-                reals.doubt_where(math.select(zero, math.splat(1), least));
+                reals.doubt_where(math.select(zero, math.splat(-1), least));
             }
         }
         let doubt = self.outside(splats.weight.exponent, WEIGHTS);

@@ -85,7 +85,8 @@ impl<W: Doubles> Reals<'_, W> {
     #[inline(always)]
     fn doubt_unless(self, truth: W::Truth) {
         let math = self.words;
-        self.doubt_where(math.select(math.splat(1), math.splat(0), truth));
+        // All bits: that is the comparison's own word.
+        self.doubt_where(math.select(math.splat(-1), math.splat(0), truth));
     }
 
     /// Puts splats in doubt unless the number is greater than `least`.
