@@ -9,7 +9,6 @@ use crate::netlist::{Netlist, NetlistPort, PathReport, PlacerReport};
 use crate::registers;
 use crate::tools::{first_that_runs, json, printed, run, yosys};
 use anyhow::{Context, Result};
-use serde_json::{Value, json};
 use splatline_sim::atomic;
 use splatline_sim::machine::area::Fabric;
 use std::collections::BTreeMap;
@@ -161,12 +160,15 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
         netlist.display()
     );
     let mut fabric = cells(&script, folder)?;
-    let mut cells: Value = json(&netlist)?;
-    fabric.flip_flops -= registers::move_in(&mut cells, WRAPPER)?;
-    if *circuit.unit == MACHINE {
-        cells["modules"][WRAPPER]["settings"] = json!({ CONGESTION.0: CONGESTION.1 });
+    let mut wired: Netlist = json(&netlist)?;
+    fabric.flip_flops -= registers::move_in(&mut wired, WRAPPER)?;
+    if *circuit.unit == MACHINE
+        && let Some(module) = wired.modules.get_mut(WRAPPER)
+    {
+        let (name, value) = CONGESTION;
+        module.settings.insert(name.to_owned(), value.to_owned());
     }
-    fs::write(&netlist, serde_json::to_vec(&cells)?)?;
+    fs::write(&netlist, serde_json::to_vec(&wired)?)?;
     let pins = PLACES.map(|(port, site)| {
         format!(
             "LOCATE COMP \"{port}\" SITE \"{site}\";\nIOBUF PORT \"{port}\" IO_TYPE=LVCMOS33;\n"

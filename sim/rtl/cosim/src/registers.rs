@@ -9,9 +9,9 @@
 //! everywhere: the first is that of most products, and only products of this enable move in. Registers that are written alike are one enable, whatever they are
 //! called.
 
+use crate::netlist::{Bit, Netlist, NetlistCell};
 use anyhow::{Context, Result};
-use serde_json::{Map, Value};
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// What a multiplier and a memory are called on the ECP5.
 const MULTIPLIER: &str = "MULT18X18D";
@@ -31,14 +31,17 @@ const PAIRED: i64 = 36;
 /// A flip-flop without a reset.
 struct Register {
     cell: String,
-    data: Value,
+    data: Bit,
     output: u64,
-    clock: Value,
+    clock: Bit,
     /// The constant 1, if it is written in every cycle.
-    enable: Value,
+    enable: Bit,
 }
 
-/// A netlist's cells, and what is connected to what.
+/// A netlist's cells by their names.
+type Cells = BTreeMap<String, NetlistCell>;
+
+/// What is connected to what.
 struct Wiring {
     /// By the net that it drives.
     registers: HashMap<u64, Register>,
@@ -52,30 +55,29 @@ struct Wiring {
 type Pins<'a> = Vec<(String, &'a Register)>;
 
 /// Moves registers of `top` into multipliers and memories; gives how many flip-flops there are no more.
-pub fn move_in(netlist: &mut Value, top: &str) -> Result<u64> {
-    let module = &mut netlist["modules"][top];
-    let ports = entries(&module["ports"]).flat_map(|(_, port)| nets(&port["bits"]));
-    let ports: Vec<u64> = ports.collect();
-    let cells = module["cells"]
-        .as_object_mut()
-        .with_context(|| format!("a netlist without {top}"))?;
+pub fn move_in(netlist: &mut Netlist, top: &str) -> Result<u64> {
+    let module = netlist.modules.get_mut(top);
+    let module = module.with_context(|| format!("a netlist without {top}"))?;
+    let ports = module.ports.values().flat_map(|port| &port.bits);
+    let ports: Vec<u64> = ports.filter_map(Bit::net).collect();
+    let cells = &mut module.cells;
     let before = cells.len();
     let wiring = Wiring::of(cells, &ports);
     let mut gone = HashSet::new();
     let first = most_frequent_enable(cells, &wiring);
-    let mut enables: Vec<Value> = first.into_iter().collect();
-    for (_, cell) in cells.iter_mut() {
-        if cell["type"] == MULTIPLIER {
+    let mut enables: Vec<Bit> = first.into_iter().collect();
+    for cell in cells.values_mut() {
+        if cell.kind == MULTIPLIER {
             if let Some(pins) = wiring.product(cell)
                 && number(&mut enables, &pins[0].1.enable) == Some(ENABLES[0])
             {
                 take_words(cell, &pins, &mut gone);
-                cell["parameters"]["REG_OUTPUT_CLK"] = "CLK0".into();
-                connect(cell, "CLK0", &pins[0].1.clock);
-                connect(cell, ENABLES[0], &pins[0].1.enable);
+                cell.set("REG_OUTPUT_CLK", "CLK0");
+                cell.connect("CLK0", &pins[0].1.clock);
+                cell.connect(ENABLES[0], &pins[0].1.enable);
             }
             take_factors(cell, &wiring, &mut enables);
-        } else if cell["type"] == MEMORY {
+        } else if cell.kind == MEMORY {
             take_memory_words(cell, &wiring, &mut gone);
         }
     }
@@ -84,8 +86,8 @@ pub fn move_in(netlist: &mut Value, top: &str) -> Result<u64> {
     loop {
         let left = cells.len();
         let read = Wiring::of(cells, &ports).readers;
-        let is_read = |cell: &Value| net(pin(cell, "Q")).is_none_or(|net| read.contains_key(&net));
-        cells.retain(|_, cell| cell["type"] != REGISTER || is_read(cell));
+        let is_read = |cell: &NetlistCell| cell.net("Q").is_none_or(|net| read.contains_key(&net));
+        cells.retain(|_, cell| cell.kind != REGISTER || is_read(cell));
         if cells.len() == left {
             break;
         }
@@ -93,13 +95,8 @@ pub fn move_in(netlist: &mut Value, top: &str) -> Result<u64> {
     Ok(u64::try_from(before - cells.len())?)
 }
 
-/// A JSON object's names and values; none of anything else.
-fn entries(object: &Value) -> impl Iterator<Item = (&String, &Value)> {
-    object.as_object().into_iter().flatten()
-}
-
 /// The pin of an enable, as long as there is one left.
-fn number(enables: &mut Vec<Value>, enable: &Value) -> Option<&'static str> {
+fn number(enables: &mut Vec<Bit>, enable: &Bit) -> Option<&'static str> {
     let known = enables.iter().position(|known| known == enable);
     let number = known.unwrap_or(enables.len());
     let pin = ENABLES.get(number)?;
@@ -110,18 +107,19 @@ fn number(enables: &mut Vec<Value>, enable: &Value) -> Option<&'static str> {
 }
 
 impl Wiring {
-    fn of(cells: &Map<String, Value>, ports: &[u64]) -> Wiring {
+    fn of(cells: &Cells, ports: &[u64]) -> Wiring {
         let mut readers: HashMap<u64, u32> = HashMap::new();
-        for net in cells.values().flat_map(inputs).chain(ports.iter().copied()) {
+        let inputs = cells.values().flat_map(NetlistCell::inputs);
+        for net in inputs.chain(ports.iter().copied()) {
             *readers.entry(net).or_default() += 1;
         }
-        let flip_flops = cells.iter().filter(|(_, cell)| cell["type"] == REGISTER);
-        let alike = written_alike(flip_flops.clone());
+        let flip_flops = cells.iter().filter(|(_, cell)| cell.kind == REGISTER);
+        let alike = written_alike(flip_flops.clone().map(|(_, cell)| cell));
         let registers = flip_flops.filter_map(|(name, cell)| register(name, cell, &alike));
         let registers = registers.map(|register| (register.output, register));
         let registers: HashMap<u64, Register> = registers.collect();
         let behind = registers.iter().filter_map(|(output, register)| {
-            let data = net(&register.data)?;
+            let data = register.data.net()?;
             (readers.get(&data) == Some(&1)).then_some((data, *output))
         });
         Wiring {
@@ -132,29 +130,28 @@ impl Wiring {
     }
 
     /// The registers behind these pins. Pins that nobody reads need none.
-    fn behind(&self, cell: &Value, pins: impl Iterator<Item = String>) -> Option<Pins<'_>> {
+    fn behind(&self, cell: &NetlistCell, pins: impl Iterator<Item = String>) -> Option<Pins<'_>> {
         let mut found = Vec::new();
         for name in pins {
-            let net = net(pin(cell, &name)).filter(|net| self.readers.contains_key(net));
-            if let Some(net) = net {
+            let net = cell.net(&name);
+            if let Some(net) = net.filter(|net| self.readers.contains_key(net)) {
                 found.push((name, &self.registers[self.behind.get(&net)?]));
             }
         }
         together(found)
     }
 
-    fn product(&self, cell: &Value) -> Option<Pins<'_>> {
+    fn product(&self, cell: &NetlistCell) -> Option<Pins<'_>> {
         self.behind(cell, (0..PRODUCT).map(|bit| format!("P{bit}")))
     }
 
     /// The registers before a factor's pins. Zeros need none.
-    fn factor(&self, cell: &Value, side: &str) -> Option<Pins<'_>> {
+    fn factor(&self, cell: &NetlistCell, side: &str) -> Option<Pins<'_>> {
         let mut found = Vec::new();
         for bit in 0..FACTOR {
             let name = format!("{side}{bit}");
-            let bit = pin(cell, &name);
-            if !bit.is_null() && bit != "0" {
-                found.push((name, self.registers.get(&net(bit)?)?));
+            if let Some(bit) = cell.pin(&name).filter(|bit| !bit.is("0")) {
+                found.push((name, self.registers.get(&bit.net()?)?));
             }
         }
         together(found)
@@ -169,47 +166,49 @@ fn together(pins: Pins) -> Option<Pins> {
 }
 
 /// The enable of most products that have registers.
-fn most_frequent_enable(cells: &Map<String, Value>, wiring: &Wiring) -> Option<Value> {
-    let multipliers = cells.values().filter(|cell| cell["type"] == MULTIPLIER);
+fn most_frequent_enable(cells: &Cells, wiring: &Wiring) -> Option<Bit> {
+    let multipliers = cells.values().filter(|cell| cell.kind == MULTIPLIER);
     let products = multipliers.filter_map(|cell| wiring.product(cell));
-    let enables: Vec<&Value> = products.map(|pins| &pins[0].1.enable).collect();
+    let enables: Vec<&Bit> = products.map(|pins| &pins[0].1.enable).collect();
     let most = enables.iter().max_by_key(|enable| {
         let alike = enables.iter().filter(|other| other == enable).count();
-        (alike, enable.to_string())
+        // As texts, so that of several it is always the same.
+        (alike, serde_json::to_string(enable).ok())
     });
     most.map(|enable| (*enable).clone())
 }
 
 /// Lets a cell drive what the registers behind it drove.
-fn take_words(cell: &mut Value, pins: &Pins, gone: &mut HashSet<String>) {
+fn take_words(cell: &mut NetlistCell, pins: &Pins, gone: &mut HashSet<String>) {
     for (name, register) in pins {
-        cell["connections"][name] = Value::from(vec![register.output]);
+        let bits = vec![Bit::Net(register.output)];
+        cell.connections.insert(name.clone(), bits);
         gone.insert(register.cell.clone());
     }
 }
 
 /// Both factors' registers move in, or none: nextpnr times no other multiplier.
-fn take_factors(cell: &mut Value, wiring: &Wiring, enables: &mut Vec<Value>) -> Option<()> {
+fn take_factors(cell: &mut NetlistCell, wiring: &Wiring, enables: &mut Vec<Bit>) -> Option<()> {
     let mut factors = Vec::new();
     for side in ["A", "B"] {
         let pins = wiring.factor(cell, side)?;
         factors.push((side, number(enables, &pins[0].1.enable)?, pins));
     }
     for (side, enable, pins) in factors {
-        cell["parameters"][format!("REG_INPUT{side}_CLK")] = "CLK0".into();
-        cell["parameters"][format!("REG_INPUT{side}_CE")] = enable.into();
-        connect(cell, "CLK0", &pins[0].1.clock);
-        connect(cell, enable, &pins[0].1.enable);
+        cell.set(&format!("REG_INPUT{side}_CLK"), "CLK0");
+        cell.set(&format!("REG_INPUT{side}_CE"), enable);
+        cell.connect("CLK0", &pins[0].1.clock);
+        cell.connect(enable, &pins[0].1.enable);
         for (name, register) in pins {
-            connect(cell, &name, &register.data);
+            cell.connect(&name, &register.data);
         }
     }
     Some(())
 }
 
 /// The registers behind a memory's ports; a wide memory has one port for reading, with the pins of both.
-fn take_memory_words(cell: &mut Value, wiring: &Wiring, gone: &mut HashSet<String>) {
-    let width = |name| i64::from_str_radix(cell["parameters"][name].as_str()?, 2).ok();
+fn take_memory_words(cell: &mut NetlistCell, wiring: &Wiring, gone: &mut HashSet<String>) {
+    let width = |name| i64::from_str_radix(cell.parameters.get(name)?, 2).ok();
     let widths = [width("DATA_WIDTH_A"), width("DATA_WIDTH_B")];
     let together = if widths.contains(&Some(PAIRED)) { 2 } else { 1 };
     for sides in ["A", "B"].chunks(together) {
@@ -219,20 +218,20 @@ fn take_memory_words(cell: &mut Value, wiring: &Wiring, gone: &mut HashSet<Strin
         };
         take_words(cell, &pins, gone);
         for side in sides {
-            cell["parameters"][format!("REGMODE_{side}")] = "OUTREG".into();
-            connect(cell, &format!("OCE{side}"), &pins[0].1.enable);
+            cell.set(&format!("REGMODE_{side}"), "OUTREG");
+            cell.connect(&format!("OCE{side}"), &pins[0].1.enable);
         }
     }
 }
 
 /// For each net that a flip-flop drives, the first of those that are written alike.
-fn written_alike<'a>(cells: impl Iterator<Item = (&'a String, &'a Value)>) -> HashMap<u64, u64> {
+fn written_alike<'a>(cells: impl Iterator<Item = &'a NetlistCell>) -> HashMap<u64, u64> {
     let mut first = HashMap::new();
     let mut alike = HashMap::new();
-    for (_, cell) in cells {
-        if let Some(output) = net(pin(cell, "Q")) {
-            let pins = ["CLK", "CE", "LSR", "DI"].map(|name| pin(cell, name).to_string());
-            let key = (pins, cell["parameters"].to_string());
+    for cell in cells {
+        if let Some(output) = cell.net("Q") {
+            let pins = ["CLK", "CE", "LSR", "DI"].map(|name| cell.pin(name));
+            let key = (pins, &cell.parameters);
             alike.insert(output, *first.entry(key).or_insert(output));
         }
     }
@@ -240,85 +239,62 @@ fn written_alike<'a>(cells: impl Iterator<Item = (&'a String, &'a Value)>) -> Ha
 }
 
 /// The flip-flop as one that may move, unless it has a reset, an inverted clock or enable, or begins with 1.
-fn register(name: &str, cell: &Value, alike: &HashMap<u64, u64>) -> Option<Register> {
-    let setting = |key: &str, default: &'static str| -> String {
-        let text = cell["parameters"][key].as_str().unwrap_or(default);
-        text.trim().to_owned()
+fn register(name: &str, cell: &NetlistCell, alike: &HashMap<u64, u64>) -> Option<Register> {
+    let setting = |key: &str, usual: &'static str| match cell.parameters.get(key) {
+        Some(text) => text.trim(),
+        None => usual,
     };
-    let reset = pin(cell, "LSR");
-    let plain = setting("CLKMUX", "CLK") == "CLK"
+    let is_plain = setting("CLKMUX", "CLK") == "CLK"
         && setting("REGSET", "RESET") == "RESET"
-        && (reset.is_null() || reset == "0");
-    let enable = match setting("CEMUX", "1").as_str() {
-        "1" => Value::from("1"),
-        "CE" => match net(pin(cell, "CE")) {
-            Some(net) => Value::from(alike.get(&net).copied().unwrap_or(net)),
-            None => pin(cell, "CE").clone(),
+        && cell.pin("LSR").is_none_or(|reset| reset.is("0"));
+    if !is_plain {
+        return None;
+    }
+    let enable = match setting("CEMUX", "1") {
+        "1" => Bit::Constant("1".to_owned()),
+        "CE" => match cell.pin("CE")? {
+            Bit::Net(net) => Bit::Net(alike.get(net).copied().unwrap_or(*net)),
+            constant => constant.clone(),
         },
         _ => return None,
     };
-    let output = net(pin(cell, "Q"))?;
-    plain.then(|| Register {
+    Some(Register {
         cell: name.to_owned(),
-        data: pin(cell, "DI").clone(),
-        output,
-        clock: pin(cell, "CLK").clone(),
+        data: cell.pin("DI")?.clone(),
+        output: cell.net("Q")?,
+        clock: cell.pin("CLK")?.clone(),
         enable,
     })
-}
-
-/// What a pin of one bit is connected to.
-fn pin<'a>(cell: &'a Value, name: &str) -> &'a Value {
-    &cell["connections"][name][0]
-}
-
-fn net(bit: &Value) -> Option<u64> {
-    bit.as_u64()
-}
-
-fn connect(cell: &mut Value, name: &str, bit: &Value) {
-    cell["connections"][name] = Value::from(vec![bit.clone()]);
-    cell["port_directions"][name] = "input".into();
-}
-
-fn nets(bits: &Value) -> impl Iterator<Item = u64> + '_ {
-    bits.as_array().into_iter().flatten().filter_map(net)
-}
-
-fn inputs(cell: &Value) -> impl Iterator<Item = u64> + '_ {
-    let directions = &cell["port_directions"];
-    let pins = entries(&cell["connections"]);
-    let pins = pins.filter(|(name, _)| directions[name.as_str()] != "output");
-    pins.flat_map(|(_, bits)| nets(bits))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::tools;
-    use serde_json::json;
+    use serde_json::{from_value, json};
     use std::fs;
     use std::process::Command;
 
     /// A flip-flop from one net to another, with an enable or without.
-    fn flip_flop(data: u64, output: u64, enable: Option<u64>) -> Value {
-        let mut cell = json!({
+    fn flip_flop(data: u64, output: u64, enable: Option<u64>) -> NetlistCell {
+        let cell = json!({
             "type": REGISTER,
             "parameters": { "CEMUX": if enable.is_some() { "CE" } else { "1 " }, "CLKMUX": "CLK", "LSRMUX": "LSR", "REGSET": "RESET" },
             "port_directions": { "CLK": "input", "DI": "input", "LSR": "input", "Q": "output" },
             "connections": { "CLK": [2], "DI": [data], "LSR": ["0"], "Q": [output] },
         });
+        let mut cell: NetlistCell = from_value(cell).unwrap();
         if let Some(net) = enable {
-            connect(&mut cell, "CE", &Value::from(net));
+            cell.connect("CE", &Bit::Net(net));
         }
         cell
     }
 
     /// One bit times one bit between three registers: 10, 20 -> 11, 21 -> 30 -> 31.
-    fn circuit(enables: [Option<u64>; 3]) -> Value {
+    fn circuit(enables: [Option<u64>; 3]) -> Netlist {
         let [a, b, product] = enables;
-        json!({ "modules": { "top": {
-            "ports": { "in": { "bits": [10, 20, 40, 41] }, "out": { "bits": [31] } },
+        let netlist = json!({ "modules": { "top": {
+            "ports": { "in": { "direction": "input", "bits": [10, 20, 40, 41] }, "out": { "direction": "output", "bits": [31] } },
             "cells": {
                 "a": flip_flop(10, 11, a),
                 "b": flip_flop(20, 21, b),
@@ -330,12 +306,13 @@ mod tests {
                 },
                 "product": flip_flop(30, 31, product),
             },
-        }}})
+        }}});
+        from_value(netlist).unwrap()
     }
 
     /// Multipliers with a register behind their product, those with registers before their factors, memories with one behind their words, and the flip-flops that
     /// there are no more.
-    fn moved(netlist: &mut Value, top: &str) -> [u64; 4] {
+    fn moved(netlist: &mut Netlist, top: &str) -> [u64; 4] {
         let flip_flops = move_in(netlist, top).unwrap();
         let [products, factors, words] = [
             ("REG_OUTPUT_CLK", "CLK0"),
@@ -343,9 +320,13 @@ mod tests {
             ("REGMODE_A", "OUTREG"),
         ]
         .map(|(parameter, value)| {
-            let cells = entries(&netlist["modules"][top]["cells"]);
-            let set = cells.filter(|(_, cell)| cell["parameters"][parameter] == value);
-            set.count() as u64
+            let cells = netlist.modules[top].cells.values();
+            let set = |cell: &&NetlistCell| {
+                cell.parameters
+                    .get(parameter)
+                    .is_some_and(|own| own == value)
+            };
+            cells.filter(set).count() as u64
         });
         [products, factors, words, flip_flops]
     }
@@ -354,10 +335,10 @@ mod tests {
     fn registers_around_a_multiplier_move_in() {
         let mut netlist = circuit([Some(40), Some(41), None]);
         assert_eq!(moved(&mut netlist, "top"), [1, 1, 0, 3]);
-        let cell = &netlist["modules"]["top"]["cells"]["multiplier"];
-        let connected = ["A0", "B0", "P0", "CE0", "CE1", "CE2"].map(|name| pin(cell, name).clone());
+        let cell = &netlist.modules["top"].cells["multiplier"];
+        let connected = ["A0", "B0", "P0", "CE0", "CE1", "CE2"].map(|name| cell.pin(name));
         assert_eq!(json!(connected), json!([10, 20, 31, "1", 40, 41]));
-        let parameters = &cell["parameters"];
+        let parameters = &cell.parameters;
         assert_eq!(parameters["REG_INPUTA_CE"], "CE1");
         assert_eq!(parameters["REG_INPUTB_CE"], "CE2");
         assert_eq!(parameters["REG_OUTPUT_CLK"], "CLK0");
@@ -366,10 +347,11 @@ mod tests {
     #[test]
     fn what_others_read_stays_beside_the_multiplier() {
         let mut netlist = circuit([None; 3]);
-        netlist["modules"]["top"]["ports"]["out"]["bits"] = json!([31, 30, 21]);
+        let ports = &mut netlist.modules.get_mut("top").unwrap().ports;
+        ports.get_mut("out").unwrap().bits = [31, 30, 21].map(Bit::Net).to_vec();
         // The product has another reader; factor b has one, too, and is in both places.
         assert_eq!(moved(&mut netlist, "top"), [0, 1, 0, 1]);
-        let cells = &netlist["modules"]["top"]["cells"];
+        let cells = &netlist.modules["top"].cells;
         assert!(cells.get("b").is_some() && cells.get("a").is_none());
     }
 
@@ -377,7 +359,8 @@ mod tests {
     fn a_register_with_a_reset_stays() {
         let mut netlist = circuit([None; 3]);
         for name in ["a", "product"] {
-            netlist["modules"]["top"]["cells"][name]["connections"]["LSR"] = json!([40]);
+            let cells = &mut netlist.modules.get_mut("top").unwrap().cells;
+            cells.get_mut(name).unwrap().connect("LSR", &Bit::Net(40));
         }
         assert_eq!(moved(&mut netlist, "top"), [0, 0, 0, 0]);
     }
@@ -385,15 +368,15 @@ mod tests {
     #[test]
     fn enables_that_are_written_alike_are_one() {
         let mut netlist = circuit([Some(60), Some(61), Some(62)]);
-        let cells = &mut netlist["modules"]["top"]["cells"];
+        let cells = &mut netlist.modules.get_mut("top").unwrap().cells;
         for (name, output) in [("x", 60), ("y", 61), ("z", 62)] {
-            cells[name] = flip_flop(40, output, None);
+            cells.insert(name.to_owned(), flip_flop(40, output, None));
         }
         // Two of the enables are nobody's after that.
         assert_eq!(moved(&mut netlist, "top"), [1, 1, 0, 5]);
-        let cell = &netlist["modules"]["top"]["cells"]["multiplier"];
-        assert_eq!(cell["connections"].get("CE1"), None);
-        assert_eq!(cell["parameters"]["REG_INPUTB_CE"], "CE0");
+        let cell = &netlist.modules["top"].cells["multiplier"];
+        assert_eq!(cell.pin("CE1"), None);
+        assert_eq!(cell.parameters["REG_INPUTB_CE"], "CE0");
     }
 
     /// Both netlists of a circuit, simulated gate by gate with Yosys' models of the ECP5's cells and our own of its multiplier and block RAM.
@@ -416,9 +399,10 @@ mod tests {
         ))
         .unwrap();
         let text = fs::read_to_string(path("before.json")).unwrap();
-        let mut netlist: Value = serde_json::from_str(&text).unwrap();
+        let mut netlist: Netlist = serde_json::from_str(&text).unwrap();
         assert_eq!(moved(&mut netlist, top)[..3], [2, 2, 1]);
-        fs::write(path("after.json"), netlist.to_string()).unwrap();
+        let text = serde_json::to_string(&netlist).unwrap();
+        fs::write(path("after.json"), text).unwrap();
         tools::yosys(&format!(
             "read_json {}; {}",
             path("after.json"),
