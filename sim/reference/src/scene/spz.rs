@@ -22,6 +22,7 @@ use super::gaussian::{
     Gaussian, GaussianScene, HARMONICS, MAX_DEGREE, TRAINED_ANTIALIASED, base_from_coefficient,
     coefficient_count, harmonic_basis, room_for, scale_from_log, scene_bytes,
 };
+use super::quaternion::smallest_three;
 use anyhow::{anyhow, ensure};
 use half::f16;
 
@@ -235,7 +236,7 @@ impl<'a> Arrays<'a> {
             [b0, b1, b2, b3] => rotation_smallest_three(u32::from_le_bytes([b0, b1, b2, b3])),
             _ => [0.0; 4],
         };
-        let [x, y, z, w] = rotation;
+        let [w, z, y, x] = rotation;
         let constant =
             self.colours[index].map(|byte| (f64::from(byte) / 255.0 - 0.5) / COLOUR_SCALE);
         Gaussian {
@@ -277,30 +278,21 @@ fn position(stored: &[u8], fraction_bits: u8) -> [f64; 3] {
     [0, 1, 2].map(|axis| FLIP[axis] * place(axis))
 }
 
-/// Versions 1 and 2: x, y, z, w.
+/// Versions 1 and 2: w, z, y, x.
 fn rotation_first_three(stored: [u8; 3]) -> [f64; 4] {
     let [x, y, z] = stored.map(|byte| f64::from(byte) / 127.5 - 1.0);
-    [x, y, z, (1.0 - x * x - y * y - z * z).max(0.0).sqrt()]
+    [(1.0 - x * x - y * y - z * z).max(0.0).sqrt(), z, y, x]
 }
 
-/// Versions 3 and 4: x, y, z, w.
+/// Versions 3 and 4: w, z, y, x, the order in which the three stand from the lowest bit up.
 fn rotation_smallest_three(stored: u32) -> [f64; 4] {
-    let largest = (stored >> 30) as usize;
-    let mut rotation = [0.0; 4];
-    let mut bits = stored;
-    let mut squares = 0.0;
-    for part in (0..4).rev().filter(|&part| part != largest) {
-        let magnitude = f64::from(bits & 511) / 511.0 * std::f64::consts::FRAC_1_SQRT_2;
-        rotation[part] = if bits & 512 == 0 {
-            magnitude
-        } else {
-            -magnitude
-        };
-        squares += magnitude * magnitude;
-        bits >>= 10;
-    }
-    rotation[largest] = f64::max(0.0, 1.0 - squares).sqrt();
-    rotation
+    let largest = 3 - (stored >> 30) as usize;
+    let others = [0, 10, 20].map(|shift| {
+        let magnitude = f64::from(stored >> shift & 511) / 511.0;
+        let is_negative = stored >> shift & 512 != 0;
+        if is_negative { -magnitude } else { magnitude }
+    });
+    smallest_three(largest, others)
 }
 
 /// Sign that each harmonic takes when y and z are negated: each is even or odd, so one direction tells.

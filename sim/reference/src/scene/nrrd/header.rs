@@ -12,42 +12,6 @@ pub(super) struct NrrdHeader {
     pub(super) data_file: Option<String>,
 }
 
-/// Fields that describe the data without changing how they are read.
-const DESCRIPTIVE: [&str; 20] = [
-    "content",
-    "number",
-    "min",
-    "max",
-    "old min",
-    "oldmin",
-    "old max",
-    "oldmax",
-    "kinds",
-    "centers",
-    "centerings",
-    "labels",
-    "units",
-    "thicknesses",
-    "sample units",
-    "sampleunits",
-    "space",
-    "space dimension",
-    "space units",
-    "space origin",
-];
-
-/// The fields that matter.
-const KEYS: [&str; 8] = [
-    "type",
-    "dimension",
-    "sizes",
-    "spacings",
-    "space directions",
-    "encoding",
-    "endian",
-    "data file",
-];
-
 /// The header, and what follows its blank line if there is one.
 pub(super) fn parse(bytes: &[u8]) -> Result<(NrrdHeader, Option<&[u8]>), Problem> {
     let mut header = LineHeader::new("NRRD");
@@ -81,17 +45,16 @@ fn read_line(header: &mut LineHeader, text: &str) -> Result<(), Problem> {
     let Some((name, value)) = text.split_once(": ") else {
         return Err(header.no_field(text, "field: value"));
     };
-    let lower = name.to_ascii_lowercase();
-    let key = match lower.as_str() {
-        "datafile" => "data file",
-        other => other,
-    };
-    if KEYS.contains(&key) {
-        return header.add(key, name, value);
-    }
-    match DESCRIPTIVE.contains(&key) {
-        true => Ok(()),
-        false => Err(header.unsupported(name)),
+    match name.to_ascii_lowercase().as_str() {
+        "datafile" => header.add("data file", name, value),
+        key @ ("type" | "dimension" | "sizes" | "spacings" | "space directions" | "encoding"
+        | "endian" | "data file") => header.add(key, name, value),
+        // These describe the data without changing how they are read.
+        "content" | "number" | "min" | "max" | "old min" | "oldmin" | "old max" | "oldmax"
+        | "kinds" | "centers" | "centerings" | "labels" | "units" | "thicknesses"
+        | "sample units" | "sampleunits" | "space" | "space dimension" | "space units"
+        | "space origin" => Ok(()),
+        _ => Err(header.unsupported(name)),
     }
 }
 
