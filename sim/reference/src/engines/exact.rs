@@ -43,14 +43,9 @@ pub struct ExactFootprint<'a> {
     depth: f64,
     /// What it is sorted by: the depth, unless [`footprints`] says otherwise.
     place: f64,
-    /// Peak opacity or mass.
+    /// Peak opacity or mass, as the rules want.
     weight: f64,
-    /// Whether `weight` is a mass.
-    normalised: bool,
-    /// Peak of the rules' kernel relative to the Gaussian's.
-    relative_peak: f64,
-    /// Variance of the low-pass filter, square pixels.
-    low_pass: f64,
+    rules: Rules,
     /// Pixels that may lie inside the cut-off.
     bounds: PixelBox,
     /// Linear RGB.
@@ -77,9 +72,7 @@ pub fn project<'a>(
         depth: position[2],
         place: position[2],
         weight,
-        normalised: rules.normalised,
-        relative_peak: rules.kernel.relative_peak(),
-        low_pass: rules.low_pass,
+        rules: *rules,
         bounds: PixelBox::whole(camera),
         colour,
     };
@@ -133,9 +126,9 @@ impl ExactFootprint<'_> {
     /// The marginal variance and the peak on the ray through a point of the picture.
     fn variance_and_peak(&self, point: [f64; 2]) -> (ScreenVariance, f64) {
         let jacobian = Jacobian::at(self.camera, self.camera.slopes(point), self.depth);
-        let variance = ScreenVariance::new(&self.axes, &jacobian, self.low_pass);
-        let peak = if self.normalised {
-            let peak = variance.normalised_peak() * self.relative_peak;
+        let variance = ScreenVariance::new(&self.axes, &jacobian, self.rules.low_pass);
+        let peak = if self.rules.normalised {
+            let peak = variance.normalised_peak() * self.rules.kernel.relative_peak();
             self.weight * jacobian.determinant() * peak
         } else {
             self.weight
@@ -169,14 +162,15 @@ impl ExactFootprint<'_> {
         let centre = self.centre[direction];
         let x_row = self.axes.row(direction);
         if self.camera.orthographic {
-            let variance = focal_length * focal_length * vector::dot(x_row, x_row) + self.low_pass;
+            let variance =
+                focal_length * focal_length * vector::dot(x_row, x_row) + self.rules.low_pass;
             let half = (cutoff * variance).sqrt();
             return [centre - half, centre + half];
         }
         let z_row = self.axes.row(2);
         let slope = (centre - principal) / focal_length;
         let b_row = vector::subtract(x_row, vector::scale(slope, z_row));
-        let filter = self.low_pass * (self.depth / focal_length).powi(2);
+        let filter = self.rules.low_pass * (self.depth / focal_length).powi(2);
         // p e^2 + 2 q e - w <= 0
         let p = self.depth * self.depth - cutoff * vector::dot(z_row, z_row);
         let q = cutoff * vector::dot(b_row, z_row);

@@ -58,7 +58,7 @@ pub struct GoldenA {
 }
 
 /// Largest differences between the reference and the data set within one category.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Deviation {
     /// The category.
     pub category: String,
@@ -131,11 +131,7 @@ impl GoldenA {
         let (camera, rules) = (&self.camera, &self.rules);
         let mut deviation = Deviation {
             category: category.to_string(),
-            splats: 0,
-            conic: 0.0,
-            centre: 0.0,
-            depth: 0.0,
-            picture: 0.0,
+            ..Deviation::default()
         };
         for golden in self.members(category) {
             // Opaque, so that a projection is compared whether or not it would leave a trace in the picture.
@@ -143,15 +139,11 @@ impl GoldenA {
                 float::project_beyond_viewport(&golden.splat, 1.0, [0.0; 3], camera, rules);
             let Ok(footprint) = projected else { continue };
             deviation.splats += 1;
-            raise(
-                &mut deviation.conic,
-                conic_difference(footprint.conic, golden.exact_conic),
-            );
-            raise(
-                &mut deviation.centre,
-                difference(footprint.centre, golden.centre, 1.0),
-            );
+            let conic = conic_difference(footprint.conic, golden.exact_conic);
+            let centre = difference(footprint.centre, golden.centre, 1.0);
             let depth = (footprint.depth / golden.depth - 1.0).abs();
+            raise(&mut deviation.conic, conic);
+            raise(&mut deviation.centre, centre);
             raise(&mut deviation.depth, depth);
         }
         let drawing = float::draw(
