@@ -166,38 +166,22 @@ impl TilePixel {
         rules: &Rules,
         compositing: Compositing,
     ) -> bool {
-        match compositing {
-            Compositing::FrontToBack => self.add_behind(opacity, colour, rules),
-            Compositing::BackToFront => self.add_in_front(opacity, colour),
-            Compositing::XRay => self.sum_up(opacity, colour),
-        }
-    }
-
-    fn add_behind(&mut self, opacity: f64, colour: [f64; 3], rules: &Rules) -> bool {
         let next = self.transmittance * (1.0 - opacity);
-        self.finished = next <= rules.minimum_transmittance;
-        if self.finished && rules.omit_finishing {
-            return false;
-        }
+        let (kept, share) = match compositing {
+            Compositing::FrontToBack => {
+                self.finished = next <= rules.minimum_transmittance;
+                if self.finished && rules.omit_finishing {
+                    return false;
+                }
+                (1.0, self.transmittance * opacity)
+            }
+            Compositing::BackToFront => (1.0 - opacity, opacity),
+            Compositing::XRay => (1.0, opacity),
+        };
         for (sum, channel) in self.colour.iter_mut().zip(colour) {
-            *sum += self.transmittance * opacity * channel;
+            *sum = *sum * kept + share * channel;
         }
         self.transmittance = next;
-        true
-    }
-
-    fn add_in_front(&mut self, opacity: f64, colour: [f64; 3]) -> bool {
-        for (sum, channel) in self.colour.iter_mut().zip(colour) {
-            *sum = *sum * (1.0 - opacity) + opacity * channel;
-        }
-        self.transmittance *= 1.0 - opacity;
-        true
-    }
-
-    fn sum_up(&mut self, opacity: f64, colour: [f64; 3]) -> bool {
-        for (sum, channel) in self.colour.iter_mut().zip(colour) {
-            *sum += opacity * channel;
-        }
         self.opacity_sum += opacity;
         true
     }
