@@ -62,6 +62,22 @@ pub fn opacity(splat: &impl ScreenSplat, point: [f64; 2], rules: &Rules) -> Opti
     (inside && opacity > 0.0 && opacity >= rules.alpha_min).then_some(opacity)
 }
 
+/// Calls `see` with the column, row and centre of every pixel of an area on which a splat may leave a trace.
+pub fn for_each_pixel(
+    splat: &impl ScreenSplat,
+    area: PixelBox,
+    mut see: impl FnMut(usize, usize, [f64; 2]),
+) {
+    let inside = area.intersection(&splat.bounds());
+    for y in inside.y0..inside.y1 {
+        let centre_y = y as f64 + 0.5;
+        let (x0, x1) = splat.row_span(centre_y);
+        for x in inside.x0.max(x0)..inside.x1.min(x1) {
+            see(x, y, [x as f64 + 0.5, centre_y]);
+        }
+    }
+}
+
 /// Projects every splat of the scene with its weight and colour, in the scene's order.
 pub fn project_all<Footprint: Send>(
     scene: &Scene,
@@ -217,25 +233,18 @@ impl FloatTile {
 
     /// Gathers one splat; returns in how many pixels it was blended.
     fn add(&mut self, splat: &impl ScreenSplat, rules: &Rules, compositing: Compositing) -> u64 {
-        let inside = self.area.intersection(&splat.bounds());
-        let colour = splat.colour();
+        let (area, colour) = (self.area, splat.colour());
         let mut covered = 0;
-        for y in inside.y0..inside.y1 {
-            let centre_y = y as f64 + 0.5;
-            let (x0, x1) = splat.row_span(centre_y);
-            let row = (y - self.area.y0) * TILE;
-            for x in inside.x0.max(x0)..inside.x1.min(x1) {
-                let pixel = &mut self.pixels[row + x - self.area.x0];
-                if pixel.finished {
-                    continue;
-                }
-                let Some(opacity) = opacity(splat, [x as f64 + 0.5, centre_y], rules) else {
-                    continue;
-                };
+        for_each_pixel(splat, area, |x, y, centre| {
+            let pixel = &mut self.pixels[(y - area.y0) * TILE + x - area.x0];
+            if pixel.finished {
+                return;
+            }
+            if let Some(opacity) = opacity(splat, centre, rules) {
                 covered += u64::from(pixel.add(opacity, colour, rules, compositing));
                 self.unfinished -= usize::from(pixel.finished);
             }
-        }
+        });
         covered
     }
 

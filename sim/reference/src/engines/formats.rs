@@ -291,8 +291,7 @@ impl<'a> RowBand<'a> {
         if inside.is_empty() {
             return;
         }
-        for tile in inside.x0 / TILE..=(inside.x1 - 1) / TILE {
-            let first = tile * TILE;
+        for first in (inside.x0 / TILE * TILE..inside.x1).step_by(TILE) {
             let part = PixelBox {
                 x0: inside.x0.max(first),
                 x1: inside.x1.min(first + TILE),

@@ -3,7 +3,7 @@
 //! Points have one circular footprint, the one that a spherical splat has at the distance k. With a depth range, the points
 //! that a pixel meets within it are summed; the sum is composited when the next fragment lies beyond, or belongs to a splat.
 
-use super::compositor::{self, opacity};
+use super::compositor::{self, for_each_pixel, opacity};
 use super::float::{self, Footprint, screen_position, visible_position};
 use super::jacobian::{Jacobian, ScreenVariance};
 use super::kernels::enlargement;
@@ -125,27 +125,23 @@ fn splat_into(
     rules: &Rules,
     gathered_over: Option<f64>,
 ) -> u64 {
-    let bounds = footprint.bounds;
     let mut covered = 0;
-    for y in bounds.y0..bounds.y1 {
-        for x in bounds.x0..bounds.x1 {
-            let cell = &mut cells[y * camera.width + x];
-            let point = [x as f64 + 0.5, y as f64 + 0.5];
-            if cell.finished {
-                continue;
-            }
-            let Some(alpha) = opacity(footprint, point, rules) else {
-                continue;
-            };
-            covered += 1;
-            if let Some(range) = gathered_over {
-                cell.gather(alpha, footprint, range, rules);
-            } else {
-                cell.close(rules);
-                cell.over(alpha, footprint.colour.map(|c| c * alpha), rules);
-            }
+    for_each_pixel(footprint, PixelBox::whole(camera), |x, y, centre| {
+        let cell = &mut cells[y * camera.width + x];
+        if cell.finished {
+            return;
         }
-    }
+        let Some(alpha) = opacity(footprint, centre, rules) else {
+            return;
+        };
+        covered += 1;
+        if let Some(range) = gathered_over {
+            cell.gather(alpha, footprint, range, rules);
+        } else {
+            cell.close(rules);
+            cell.over(alpha, footprint.colour.map(|c| c * alpha), rules);
+        }
+    });
     covered
 }
 

@@ -2,7 +2,7 @@
 //!
 //! With the sums A_s = min(1, sum alpha) and C_s = sum alpha c of sheet s, nearest first: C = sum_s C_s prod_(i<s) (1 - A_i).
 
-use super::compositor::{self, ScreenSplat};
+use super::compositor::{for_each_pixel, opacity};
 use super::float::{self, Footprint};
 use super::{Counts, FloatDrawing, PixelBox, in_bands};
 use crate::camera::Camera;
@@ -92,12 +92,16 @@ fn draw_band(parts: &[(i64, Footprint)], band: PixelBox, pixels: &mut [[f64; 4]]
     for of_slab in parts.chunk_by(|a, b| a.0 == b.0) {
         let mut touched = false;
         for (_, splat) in of_slab {
-            let bounds = splat.bounds.intersection(&band);
-            for y in bounds.y0..bounds.y1 {
+            for_each_pixel(splat, band, |x, y, centre| {
                 touched = true;
-                let row = &mut sheet[(y - band.y0) * band.x1..][..band.x1];
-                add_row(row, splat, y, rules);
-            }
+                if let Some(opacity) = opacity(splat, centre, rules) {
+                    let sums = &mut sheet[(y - band.y0) * band.x1 + x];
+                    for (sum, colour) in sums.iter_mut().zip(splat.colour) {
+                        *sum += opacity * colour;
+                    }
+                    sums[3] += opacity;
+                }
+            });
         }
         if touched {
             for (pixel, sums) in pixels.iter_mut().zip(&mut sheet) {
@@ -107,19 +111,6 @@ fn draw_band(parts: &[(i64, Footprint)], band: PixelBox, pixels: &mut [[f64; 4]]
     }
     for pixel in pixels {
         pixel[3] = 1.0 - pixel[3];
-    }
-}
-
-fn add_row(sheet: &mut [[f64; 4]], splat: &Footprint, y: usize, rules: &Rules) {
-    let centre_y = y as f64 + 0.5;
-    let (x0, x1) = splat.row_span(centre_y);
-    for (x, sums) in sheet.iter_mut().enumerate().take(x1).skip(x0) {
-        if let Some(opacity) = compositor::opacity(splat, [x as f64 + 0.5, centre_y], rules) {
-            for (sum, colour) in sums.iter_mut().zip(splat.colour) {
-                *sum += opacity * colour;
-            }
-            sums[3] += opacity;
-        }
     }
 }
 
