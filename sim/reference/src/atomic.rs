@@ -139,7 +139,7 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn a_file_keeps_its_permissions_and_a_new_one_has_the_usual_ones() {
-        use std::os::unix::fs::PermissionsExt;
+        use std::fs::Permissions;
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let mode = |name: &str| fs::metadata(path(name)).unwrap().permissions().mode() & 0o777;

@@ -9,7 +9,7 @@ pub mod png;
 use crate::atomic;
 use crate::input::Refused;
 use ::png::{BitDepth, ColorType};
-use png::{PngError, PngSamples};
+use png::PngSamples;
 use std::path::Path;
 
 /// What a PNG file shows behind the picture.
@@ -184,7 +184,7 @@ impl Picture {
     }
 
     /// The same from the file's bytes.
-    pub fn from_png(bytes: &[u8]) -> Result<Picture, PngError> {
+    pub fn from_png(bytes: &[u8]) -> anyhow::Result<Picture> {
         let image = png::decode(bytes)?;
         let share = |pixel: &[u16; 4]| pixel.map(|value| f64::from(value) / 65535.0);
         let pixels = image.pixels.iter().map(|pixel| premultiplied(share(pixel)));

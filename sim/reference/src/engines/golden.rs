@@ -6,10 +6,11 @@
 
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::Read;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use zip::ZipArchive;
 
 use super::float;
 use crate::camera::Camera;
@@ -82,17 +83,20 @@ pub fn archive() -> PathBuf {
 impl GoldenA {
     /// Reads the archive: the table of splats and a picture of each category.
     pub fn load(archive: &Path) -> Result<GoldenA> {
-        let texts = unpack(archive).with_context(|| format!("in '{}'", archive.display()))?;
-        let text = |file: &str| {
-            texts
-                .get(file)
-                .with_context(|| format!("no '{file}' in '{}'", archive.display()))
+        let shown = archive.display();
+        let inside = || format!("in '{shown}'");
+        let file = File::open(archive).with_context(inside)?;
+        let mut files = ZipArchive::new(file).with_context(inside)?;
+        let mut text = |file: &str| -> Result<String> {
+            let found = files.by_name(file);
+            let found = found.with_context(|| format!("no '{file}' in '{shown}'"))?;
+            io::read_to_string(found).with_context(inside)
         };
         let mut golden =
-            parse(text(SPLATS_FILE)?).with_context(|| format!("in '{SPLATS_FILE}'"))?;
+            parse(&text(SPLATS_FILE)?).with_context(|| format!("in '{SPLATS_FILE}'"))?;
         for category in &golden.categories {
             let file = format!("golden_a_img_{category}_ma0.999.txt");
-            let picture = parse_picture(text(&file)?, &golden.camera)
+            let picture = parse_picture(&text(&file)?, &golden.camera)
                 .with_context(|| format!("in '{file}'"))?;
             golden.pictures.insert(category.clone(), picture);
         }
@@ -164,19 +168,6 @@ impl GoldenA {
         }
         Ok(deviation)
     }
-}
-
-/// The texts of an archive by name.
-fn unpack(archive: &Path) -> Result<HashMap<String, String>> {
-    let mut archive = zip::ZipArchive::new(File::open(archive)?)?;
-    let mut texts = HashMap::new();
-    for index in 0..archive.len() {
-        let mut file = archive.by_index(index)?;
-        let mut text = String::new();
-        file.read_to_string(&mut text)?;
-        texts.insert(file.name()?.into_owned(), text);
-    }
-    Ok(texts)
 }
 
 /// A pixel a line: red, green, blue, alpha.
