@@ -110,18 +110,22 @@ impl FramingInput {
                 .map(|axis| vector::length(*axis))
                 .fold(0.0, f64::max)
         });
+        let ball = Ball::around(places.clone(), longest);
+        let chosen = up.unwrap_or(scene.up);
         let (front, reason) = match scene.weight {
-            Weight::Mass => (
-                Some([0.0, 0.0, -1.0]),
-                "a volume is seen along +z with -y up",
-            ),
+            Weight::Mass => ([0.0, 0.0, -1.0], "a volume is seen along +z with -y up"),
             Weight::Opacity => (
-                None,
+                thinner_side(places, &ball, chosen),
                 "a capture is seen across its thinner horizontal side; -y is up in trainers' files, +y in glTF",
             ),
         };
-        let up = up.unwrap_or(scene.up);
-        FramingInput::new(places, longest, up, front, 0.0, reason)
+        FramingInput {
+            ball,
+            up: chosen,
+            front: level(front, chosen),
+            elevation: 0.0,
+            reason,
+        }
     }
 
     /// How points of a surface are framed: clouds across their thinner horizontal side, height fields from the south and above.
@@ -131,30 +135,22 @@ impl FramingInput {
         up: Option<Vector>,
     ) -> FramingInput {
         let places = scene.points.iter().map(|point| point.centre);
-        let of_field = "a height field is seen from the south and above";
-        let (front, elevation, reason) = match is_height_field {
-            true => (Some([0.0, -1.0, 0.0]), OBLIQUE, of_field),
-            false => (None, 0.0, cloud_reason(scene.up)),
+        let ball = Ball::around(places.clone(), 3.0 * scene.radius);
+        let chosen = up.unwrap_or(scene.up);
+        let (front, elevation, reason) = if is_height_field {
+            (
+                [0.0, -1.0, 0.0],
+                OBLIQUE,
+                "a height field is seen from the south and above",
+            )
+        } else {
+            let front = thinner_side(places, &ball, chosen);
+            (front, 0.0, cloud_reason(scene.up))
         };
-        let up = up.unwrap_or(scene.up);
-        FramingInput::new(places, 3.0 * scene.radius, up, front, elevation, reason)
-    }
-
-    /// Seen from `front`, or across the thinner horizontal side; `size` is the extent of a scene of one place.
-    fn new(
-        places: impl Iterator<Item = Vector> + Clone,
-        size: f64,
-        up: Vector,
-        front: Option<Vector>,
-        elevation: f64,
-        reason: &'static str,
-    ) -> FramingInput {
-        let ball = Ball::around(places.clone(), size);
-        let front = front.unwrap_or_else(|| thinner_side(places, &ball, up));
         FramingInput {
             ball,
-            up,
-            front: level(front, up),
+            up: chosen,
+            front: level(front, chosen),
             elevation,
             reason,
         }

@@ -21,7 +21,7 @@
 //! slopes, a remedy for the affine approximation, does not apply. The whole line counts, including what lies
 //! behind the eye: this concerns only splats that reach around the eye.
 
-use super::compositor::{self, ScreenSplat};
+use super::compositor::{self, OnScreen, ScreenSplat};
 use super::float::{effective_cutoff, scaled_by_distance, screen_position, visible_position};
 use super::jacobian::{CameraAxes, Jacobian, ScreenVariance};
 use super::{Culled, FloatDrawing, PixelBox, pixel_range};
@@ -41,15 +41,11 @@ pub struct ExactFootprint<'a> {
     centre: [f64; 2],
     /// Camera-space z of the centre.
     depth: f64,
-    /// What it is sorted by: the depth, unless [`footprints`] says otherwise.
-    place: f64,
     /// Peak opacity or mass, as the rules want.
     weight: f64,
     rules: Rules,
-    /// Pixels that may lie inside the cut-off.
-    bounds: PixelBox,
-    /// Linear RGB.
-    colour: [f64; 3],
+    /// Pixels that may lie inside the cut-off; sorted by the depth, unless [`footprints`] says otherwise.
+    on_screen: OnScreen,
 }
 
 /// Prepares one splat of the given weight (as the rules need it) and colour.
@@ -70,11 +66,13 @@ pub fn project<'a>(
         axes,
         centre,
         depth: position[2],
-        place: position[2],
         weight,
         rules: *rules,
-        bounds: PixelBox::whole(camera),
-        colour,
+        on_screen: OnScreen {
+            bounds: PixelBox::whole(camera),
+            place: position[2],
+            colour,
+        },
     };
     let (variance, mut peak) = footprint.variance_and_peak(centre);
     if !(variance.is_regular() && centre[0].is_finite() && centre[1].is_finite()) {
@@ -91,8 +89,8 @@ pub fn project<'a>(
         bounding.alpha_min = 0.0;
     }
     let cutoff = effective_cutoff(peak, &bounding)?;
-    footprint.bounds = footprint.bounds_within(cutoff);
-    if footprint.bounds.is_empty() {
+    footprint.on_screen.bounds = footprint.bounds_within(cutoff);
+    if footprint.on_screen.bounds.is_empty() {
         return Err(Culled::OutsideViewport);
     }
     Ok(footprint)
@@ -105,9 +103,9 @@ pub fn footprints<'a>(
     rules: &Rules,
 ) -> Vec<Result<ExactFootprint<'a>, Culled>> {
     compositor::project_all(scene, camera, rules, |splat, weight, colour| {
-        let footprint = project(splat, weight, colour, camera, rules)?;
-        let place = scene.order.place(camera, splat.centre);
-        Ok(ExactFootprint { place, ..footprint })
+        let mut footprint = project(splat, weight, colour, camera, rules)?;
+        footprint.on_screen.place = scene.order.place(camera, splat.centre);
+        Ok(footprint)
     })
 }
 
@@ -199,16 +197,8 @@ impl ExactFootprint<'_> {
 }
 
 impl ScreenSplat for ExactFootprint<'_> {
-    fn bounds(&self) -> PixelBox {
-        self.bounds
-    }
-
-    fn sort_place(&self) -> f64 {
-        self.place
-    }
-
-    fn colour(&self) -> [f64; 3] {
-        self.colour
+    fn on_screen(&self) -> OnScreen {
+        self.on_screen
     }
 
     fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64) {

@@ -4,7 +4,7 @@
 //! centre, V' = J W V W^T J^T, low-pass V^h = h I, conic Q = (V' + V^h)^-1, radial index r = x^T Q x and weight
 //! exp(-r/2). Everything is in pixels. What the peak means and where the footprint ends is up to the [`Rules`].
 
-use super::compositor::{self, ScreenSplat};
+use super::compositor::{self, OnScreen, ScreenSplat};
 use super::jacobian::{CameraAxes, Jacobian, ScreenVariance};
 use super::kernels::enlargement;
 use super::{Culled, FloatDrawing, PixelBox, pixel_range};
@@ -123,16 +123,12 @@ pub fn draw(
 }
 
 impl ScreenSplat for Footprint {
-    fn bounds(&self) -> PixelBox {
-        self.bounds
-    }
-
-    fn sort_place(&self) -> f64 {
-        self.place
-    }
-
-    fn colour(&self) -> [f64; 3] {
-        self.colour
+    fn on_screen(&self) -> OnScreen {
+        OnScreen {
+            bounds: self.bounds,
+            place: self.place,
+            colour: self.colour,
+        }
     }
 
     fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64) {

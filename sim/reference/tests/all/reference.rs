@@ -86,7 +86,10 @@ fn every_splat_at_every_pixel<P: ScreenSplat>(
     let order = compositor::order(projected);
     super::oracle::gather(camera, rules, compositing, &order, |index, point| {
         let splat = projected[index].as_ref().ok()?;
-        Some((compositor::opacity(splat, point, rules)?, splat.colour()))
+        Some((
+            compositor::opacity(splat, point, rules)?,
+            splat.on_screen().colour,
+        ))
     })
 }
 

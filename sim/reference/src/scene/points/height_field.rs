@@ -115,12 +115,13 @@ impl HeightField {
         spacing: f64,
         height: impl Fn(usize, usize) -> f64,
     ) -> HeightField {
+        let [columns, rows] = [columns, rows].map(|count| count.max(2));
+        let places = 0..columns * rows;
+        let heights = places.map(|index| height(index % columns, index / columns));
         HeightField {
-            columns: columns.max(2),
-            rows: rows.max(2),
-            heights: (0..columns.max(2) * rows.max(2))
-                .map(|index| height(index % columns.max(2), index / columns.max(2)))
-                .collect(),
+            columns,
+            rows,
+            heights: heights.collect(),
             spacing,
         }
     }
