@@ -31,8 +31,6 @@ pub struct Footprint {
     pub place: f64,
     /// Variance matrix including the low-pass filter, and its determinant.
     pub variance: ScreenVariance,
-    /// Conic (A, B, C): r = A x^2 + 2 B x y + C y^2.
-    pub conic: [f64; 3],
     /// Opacity at r = 0, before the clamp to `alpha_max`.
     pub peak: f64,
     /// Radial index at which the footprint ends: the rules' cut-off, or earlier where it becomes too faint.
@@ -94,7 +92,6 @@ pub fn project_beyond_viewport(
         depth,
         place: depth,
         variance,
-        conic: variance.conic(),
         peak,
         cutoff,
         bounds,

@@ -233,7 +233,7 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStage
         let plain = plain::project(splat, weight, camera, rules, n)?;
         let place = match by_distance {
             true => plain::dot(plain.position, plain.position).sqrt(),
-            false => plain.depth,
+            false => plain.position[2],
         };
         Ok(RoundedFootprint {
             plain,

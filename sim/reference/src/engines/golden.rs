@@ -143,7 +143,7 @@ impl GoldenA {
                 float::project_beyond_viewport(&golden.splat, 1.0, [0.0; 3], camera, rules);
             let Ok(footprint) = projected else { continue };
             deviation.splats += 1;
-            let conic = conic_difference(footprint.conic, golden.exact_conic);
+            let conic = conic_difference(footprint.variance.conic(), golden.exact_conic);
             let centre = difference(footprint.centre, golden.centre, 1.0);
             let depth = (footprint.depth / golden.depth - 1.0).abs();
             raise(&mut deviation.conic, conic);

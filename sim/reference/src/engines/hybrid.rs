@@ -109,7 +109,6 @@ fn point(
         depth: position[2],
         place: position[2],
         variance,
-        conic: variance.conic(),
         peak: weight * across * down * share,
         cutoff: rules.cutoff,
         bounds: around(centre),
