@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use splatline_sim::cli::{Failure, create_folder, print_result, write};
 use splatline_sim::metrics::ChannelError;
-use splatline_sim::picture::{Depth, Picture};
+use splatline_sim::picture::{Backdrop, Depth, Picture};
 use splatline_sim::plan::golden;
 use splatline_sim::plan::{Comparison, Effort, Prepared, compare_all};
 use splatline_sim::progress::ProgressMeter;
@@ -50,7 +50,8 @@ pub fn run(options: &GalleryOptions) -> Result<(), Failure> {
         progress.doing(name.clone());
         let text = std::fs::read_to_string(path).context(name.clone())?;
         let comparison = drawn(path, options.enlarge).context(name.clone())?;
-        panels(&comparison).write_png(&options.output.join(format!("{name}.png")), Depth::Eight)?;
+        let file = options.output.join(format!("{name}.png"));
+        panels(&comparison).write_png(&file, Depth::Eight, Backdrop::default())?;
         page += &section(name, &caption(name, &text), &comparison);
         progress.advance();
     }

@@ -5,8 +5,10 @@
 //! them would replace them by a plain file. A file that was read on this thread is what the bytes come from: it is refused.
 
 use crate::input;
-use std::fs::{self, OpenOptions, Permissions};
+use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
+#[cfg(unix)]
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
 /// Writes `bytes` to `path`, replacing what was there only once everything is on the disk; what was there keeps its permissions.
@@ -30,9 +32,9 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let beginning: String = name.to_string_lossy().chars().take(32).collect();
     let prefix = format!(".{beginning}.");
     builder.prefix(&prefix).suffix(".tmp");
-    if let Some(usual) = usual_permissions() {
-        builder.permissions(usual);
-    }
+    // Those of a new file, from which the system takes what the user's mask forbids; temporary files would be their owner's alone.
+    #[cfg(unix)]
+    builder.permissions(PermissionsExt::from_mode(0o666));
     let folder = target.parent().filter(|folder| *folder != Path::new(""));
     let mut file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
     // Through the file itself, whose errors do not name the temporary one.
@@ -57,18 +59,6 @@ pub fn refuse_input(path: &Path) -> io::Result<()> {
             ),
         )),
     }
-}
-
-/// Those of a new file, from which the system takes what the user's mask forbids; temporary files would be their owner's alone.
-#[cfg(unix)]
-fn usual_permissions() -> Option<Permissions> {
-    use std::os::unix::fs::PermissionsExt;
-    Some(Permissions::from_mode(0o666))
-}
-
-#[cfg(not(unix))]
-fn usual_permissions() -> Option<Permissions> {
-    None
 }
 
 #[cfg(test)]
@@ -149,7 +139,7 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn a_file_keeps_its_permissions_and_a_new_one_has_the_usual_ones() {
-        use std::os::unix::fs::PermissionsExt;
+        use std::fs::Permissions;
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let mode = |name: &str| fs::metadata(path(name)).unwrap().permissions().mode() & 0o777;

@@ -452,13 +452,8 @@ fn orthonormal_deviation(rows: &[Vector; 3]) -> f64 {
 fn nearest_rotation(rows: &[Vector; 3]) -> [Vector; 3] {
     let mut rotation = *rows;
     for _ in 0..4 {
-        let [r0, r1, r2] = rotation;
-        let cofactors = [
-            vector::cross(r1, r2),
-            vector::cross(r2, r0),
-            vector::cross(r0, r1),
-        ];
-        let determinant = vector::dot(r0, cofactors[0]);
+        let cofactors = vector::cofactors(rotation);
+        let determinant = vector::dot(rotation[0], cofactors[0]);
         rotation = [0, 1, 2].map(|i: usize| {
             let inverse = vector::scale(1.0 / determinant, cofactors[i]);
             vector::scale(0.5, vector::add(rotation[i], inverse))

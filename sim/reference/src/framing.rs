@@ -9,7 +9,7 @@ mod fill;
 
 use crate::camera::{Camera, CameraError};
 use crate::scene::points::SurfaceScene;
-use crate::scene::{Scene, Weight, across};
+use crate::scene::{Bounds, Scene, Weight, across};
 use crate::vector::{self, Vector};
 
 /// Share of the centres that may lie outside the box whose middle is the ball's first guess, per side and axis.
@@ -63,13 +63,14 @@ pub struct Orbit {
 impl Ball {
     /// The ball around some places; `size` is the extent of a scene of one place.
     pub fn around(places: impl Iterator<Item = Vector> + Clone, size: f64) -> Ball {
-        let Some(guess) = box_middle(places.clone(), OUTERMOST) else {
+        let Some(guess) = Bounds::around(places.clone(), OUTERMOST) else {
             return Ball {
                 centre: [0.0; 3],
                 radius: 1.0,
                 strays: 0,
             };
         };
+        let guess = guess.centre();
         let distance = |from: Vector, place: Vector| vector::length(vector::subtract(place, from));
         let distances = places.clone().map(|place| distance(guess, place));
         let mut distances: Vec<f64> = distances.collect();
@@ -81,7 +82,7 @@ impl Ball {
         drop(distances);
         let near = places.filter(|place| distance(guess, *place) <= limit);
         // Half of the places lie within the box's middle, so that some are near.
-        let centre = box_middle(near.clone(), 0.0).unwrap_or(guess);
+        let centre = Bounds::around(near.clone(), 0.0).map_or(guess, |near| near.centre());
         let radius = near.map(|place| distance(centre, place));
         let radius = radius.fold(0.0, f64::max);
         let least = if size > 0.0 && size.is_finite() {
@@ -95,20 +96,6 @@ impl Ball {
             strays,
         }
     }
-}
-
-/// The middle of the box that leaves out a share of the places on each side of each axis.
-fn box_middle(places: impl Iterator<Item = Vector> + Clone, outermost: f64) -> Option<Vector> {
-    let mut middle = [0.0; 3];
-    for (axis, middle) in middle.iter_mut().enumerate() {
-        let mut along: Vec<f64> = places.clone().map(|place| place[axis]).collect();
-        let last = along.len().checked_sub(1)?;
-        let rank = (last as f64 * outermost) as usize;
-        let least = *along.select_nth_unstable_by(rank, f64::total_cmp).1;
-        let greatest = *along.select_nth_unstable_by(last - rank, f64::total_cmp).1;
-        *middle = least / 2.0 + greatest / 2.0;
-    }
-    Some(middle)
 }
 
 impl FramingInput {
@@ -157,11 +144,8 @@ impl FramingInput {
                 "a height field is seen from the south and above",
             )
         } else {
-            (
-                thinner_side(places, &ball, chosen),
-                0.0,
-                cloud_reason(scene.up),
-            )
+            let front = thinner_side(places, &ball, chosen);
+            (front, 0.0, cloud_reason(scene.up))
         };
         FramingInput {
             ball,

@@ -92,16 +92,11 @@ fn too_large(bytes: u64, limit: u64, what: &str, fix: &'static str) -> TooLarge 
         what: what.to_owned(),
         needed: bytes.div_ceil(MEGABYTE),
         limit: limit / MEGABYTE,
-        of: of_the_granted(),
+        // The user's own number: what the process has left of it would read as another limit.
+        of: granted().map_or_else(String::new, |bytes| {
+            format!("of the {} MB granted ", bytes / MEGABYTE)
+        }),
         fix,
-    }
-}
-
-/// The user's own number: what the process has left of it would read as another limit.
-fn of_the_granted() -> String {
-    match granted() {
-        Some(bytes) => format!("of the {} MB granted ", bytes / MEGABYTE),
-        None => String::new(),
     }
 }
 

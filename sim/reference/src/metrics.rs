@@ -225,7 +225,6 @@ fn channel_error(
     let mut covered = SampleSums::default();
     let samples = channels.len() * fixed.pixels.len();
     let (mut inside, mut outside) = (Vec::with_capacity(samples), Vec::new());
-    let mut max_abs = 0.0;
     let mut max_at = SampleAt {
         x: 0,
         y: 0,
@@ -235,6 +234,10 @@ fn channel_error(
         let is_covered = is_covered(a, b);
         for &channel in channels {
             let difference = stored(a[channel]) - stored(b[channel]);
+            if difference.abs() > whole.most {
+                let (x, y) = (index % fixed.width, index / fixed.width);
+                max_at = SampleAt { x, y, channel };
+            }
             whole.add(difference);
             if is_covered {
                 covered.add(difference);
@@ -242,20 +245,15 @@ fn channel_error(
             } else {
                 outside.push(difference.abs());
             }
-            if difference.abs() > max_abs {
-                max_abs = difference.abs();
-                let (x, y) = (index % fixed.width, index / fixed.width);
-                max_at = SampleAt { x, y, channel };
-            }
         }
     }
     let of_covered = Percentiles::of(&mut inside);
     inside.append(&mut outside);
     let (ssim, ssim_covered) = ssim(fixed, float, brightness);
     ChannelError {
-        psnr_db: psnr(max_abs, whole.mean_square()),
-        identical: max_abs == 0.0,
-        max_abs,
+        psnr_db: psnr(whole.most, whole.mean_square()),
+        identical: whole.most == 0.0,
+        max_abs: whole.most,
         percentiles: Percentiles::of(&mut inside),
         max_at,
         bias: whole.mean(),

@@ -9,7 +9,7 @@ pub mod png;
 use crate::atomic;
 use crate::input::Refused;
 use ::png::{BitDepth, ColorType};
-use png::{PngError, PngSamples};
+use png::PngSamples;
 use std::path::Path;
 
 /// What a PNG file shows behind the picture.
@@ -167,18 +167,8 @@ impl Picture {
         }
     }
 
-    /// Writes a PNG file, opaque on black; a failure or an interruption leaves the old file or none, never a part.
-    pub fn write_png(&self, path: &Path, depth: Depth) -> Result<(), Refused> {
-        self.write_png_on(path, depth, Backdrop::default())
-    }
-
-    /// The same on another backdrop.
-    pub fn write_png_on(
-        &self,
-        path: &Path,
-        depth: Depth,
-        backdrop: Backdrop,
-    ) -> Result<(), Refused> {
+    /// Writes a PNG file; a failure or an interruption leaves the old file or none, never a part.
+    pub fn write_png(&self, path: &Path, depth: Depth, backdrop: Backdrop) -> Result<(), Refused> {
         let bytes = self.encode(PictureFormat::Png, depth, backdrop)?;
         atomic::write(path, &bytes)
             .map_err(|error| Refused(format!("picture '{}': {error}", path.display())))
@@ -194,7 +184,7 @@ impl Picture {
     }
 
     /// The same from the file's bytes.
-    pub fn from_png(bytes: &[u8]) -> Result<Picture, PngError> {
+    pub fn from_png(bytes: &[u8]) -> anyhow::Result<Picture> {
         let image = png::decode(bytes)?;
         let share = |pixel: &[u16; 4]| pixel.map(|value| f64::from(value) / 65535.0);
         let pixels = image.pixels.iter().map(|pixel| premultiplied(share(pixel)));
@@ -258,7 +248,7 @@ mod tests {
         let path = folder.path().join("ramp.png");
         for (depth, steps) in [(Depth::Eight, 255.0), (Depth::Sixteen, 65535.0)] {
             ramp()
-                .write_png_on(&path, depth, Backdrop::Transparent)
+                .write_png(&path, depth, Backdrop::Transparent)
                 .unwrap();
             let read = Picture::read_png(&path).unwrap();
             assert_eq!((read.width, read.height), (7, 5));
@@ -289,7 +279,7 @@ mod tests {
         for (depth, steps) in [(Depth::Eight, 255.0), (Depth::Sixteen, 65535.0)] {
             for colour in [[0.0; 3], [1.0, 0.5, 0.0]] {
                 ramp()
-                    .write_png_on(&path, depth, Backdrop::Colour(colour))
+                    .write_png(&path, depth, Backdrop::Colour(colour))
                     .unwrap();
                 assert!(!image::open(&path).unwrap().color().has_alpha());
                 let read = Picture::read_png(&path).unwrap();

@@ -32,6 +32,11 @@ pub fn cross(a: Vector, b: Vector) -> Vector {
     ]
 }
 
+/// The cofactors of the matrix of these rows: `b x c`, `c x a` and `a x b`.
+pub fn cofactors([a, b, c]: [Vector; 3]) -> [Vector; 3] {
+    [cross(b, c), cross(c, a), cross(a, b)]
+}
+
 /// The Euclidean length.
 pub fn length(a: Vector) -> f64 {
     dot(a, a).sqrt()
@@ -55,9 +60,8 @@ pub fn is_finite(a: Vector) -> bool {
 
 /// The solution of `rows a = b` by Cramer's rule; not finite where the rows do not span space.
 pub fn solve(rows: &[Vector; 3], b: Vector) -> Vector {
-    let [r0, r1, r2] = *rows;
-    let columns = [cross(r1, r2), cross(r2, r0), cross(r0, r1)];
-    let determinant = dot(r0, columns[0]);
+    let columns = cofactors(*rows);
+    let determinant = dot(rows[0], columns[0]);
     let once = |b: Vector| {
         let sum = add(
             scale(b[0], columns[0]),

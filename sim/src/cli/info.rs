@@ -155,7 +155,7 @@ impl Info {
                 "points of a surface (drawn with --as surface)"
             },
             count: cloud.points.len(),
-            bounds: (!cloud.points.is_empty()).then(|| corners(cloud.bounds())),
+            bounds: cloud.bounds().map(corners),
             ranges: ranges.into_iter().flatten().collect(),
             rules: "surf",
             dropped: counted([("unusable", cloud.skipped)]),

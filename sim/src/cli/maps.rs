@@ -110,7 +110,7 @@ pub fn write_maps(prepared: &Prepared, requested: &[Map], picture: &Path) -> Res
         let (bytes, scale) = match format {
             PictureFormat::Png => {
                 let (picture, scale) = in_colours(*map, &pixels, size);
-                (picture.to_png().map_err(anyhow::Error::from)?, scale)
+                (picture.to_png()?, scale)
             }
             format => {
                 let [width, height] = size;

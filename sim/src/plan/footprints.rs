@@ -69,7 +69,7 @@ impl Prepared {
                 let of_splat = |f: &Result<float::Footprint, Culled>| {
                     let f = f.as_ref().ok()?;
                     let ends = (Some(f.peak), f.cutoff);
-                    Some(line(f.centre, f.place, f.conic, &f.bounds, ends))
+                    Some(line(f.centre, f.place, f.variance.conic(), &f.bounds, ends))
                 };
                 found.iter().map(of_splat).collect()
             }

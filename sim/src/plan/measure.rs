@@ -307,9 +307,8 @@ impl Comparison {
 
     /// Writes fixed.png, float.png, error.png, report.json and report.html.
     pub fn write(&self, folder: &Path, depth: Depth, backdrop: Backdrop) -> Result<()> {
-        let picture = |picture: &Picture, name: &str| {
-            picture.write_png_on(&folder.join(name), depth, backdrop)
-        };
+        let picture =
+            |picture: &Picture, name: &str| picture.write_png(&folder.join(name), depth, backdrop);
         let file = |name: &str, bytes: &[u8]| {
             let path = folder.join(name);
             atomic::write(&path, bytes)

@@ -8,7 +8,6 @@ use super::png::Rgb;
 use super::shell::Shell;
 use crate::metrics::PhotoError;
 use crate::picture::Picture;
-use crate::picture::png::PngError;
 use anyhow::{Result, ensure};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -184,14 +183,14 @@ impl Shown {
     }
 
     /// Their files, of the full size.
-    pub fn files(&self) -> Result<Vec<(&'static str, Vec<u8>)>, PngError> {
+    pub fn files(&self) -> anyhow::Result<Vec<(&'static str, Vec<u8>)>> {
         let file =
             |(name, _, picture): &(&'static str, String, Rgb)| Ok((*name, picture.to_png()?));
         self.0.iter().map(file).collect()
     }
 
     /// For the page: names with pictures of at most 400 columns.
-    pub fn small(&self) -> Result<Vec<(String, String)>, PngError> {
+    pub fn small(&self) -> anyhow::Result<Vec<(String, String)>> {
         let small = |(_, name, picture): &(&'static str, String, Rgb)| {
             Ok((name.clone(), STANDARD.encode(shrunk(picture).to_png()?)))
         };

@@ -156,7 +156,7 @@ fn single_errors(
             continue;
         };
         errors.worsen_centre(single.centre.map(f64::from), truth);
-        errors.worsen_depth_and_peak(single.depth.into(), single.peak.into(), truth);
+        errors.worsen_depth_and_peak(single.position[2].into(), single.peak.into(), truth);
         errors.worsen_variance(single.variance.map(f64::from), truth);
         let form = form_error_of_conic(single.conic.map(f64::from), truth);
         errors.form = worse(errors.form, form);

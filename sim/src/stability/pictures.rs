@@ -188,7 +188,7 @@ pub(super) fn share_of_bound(
 
 /// The picture of single precision, composited in single precision.
 pub(super) fn single(case: &Case, projected: &[Option<SingleFootprint>]) -> Picture {
-    let order: Vec<usize> = by_depth(projected, |f| f.depth.into())
+    let order: Vec<usize> = by_depth(projected, |f| f.position[2].into())
         .into_iter()
         .map(|(index, _)| index)
         .collect();

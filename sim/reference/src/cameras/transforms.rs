@@ -47,26 +47,21 @@ struct TransformsLens {
 /// The one model that is no polynomial.
 const FISHEYE: &str = "OPENCV_FISHEYE";
 
-const MODELS: [&str; 7] = [
-    "OPENCV",
-    FISHEYE,
-    "PINHOLE",
-    "SIMPLE_PINHOLE",
-    "PERSPECTIVE",
-    "SIMPLE_RADIAL",
-    "RADIAL",
-];
-
 /// All frames of a file; `size` is the picture's where the file has none.
 pub(super) fn parse(text: &str, size: Option<[usize; 2]>) -> Read {
     let file: TransformsFile =
         serde_json::from_str(text).map_err(|error| anyhow!("is no transforms.json: {error}"))?;
     let model = file.camera_model.as_deref().unwrap_or("OPENCV");
-    if !MODELS.contains(&model.to_ascii_uppercase().as_str()) {
-        let shown: String = model.chars().filter(|c| !c.is_control()).take(40).collect();
-        bail!("camera_model '{shown}' is unknown: undistort the pictures and export again");
-    }
-    let fisheye = model.eq_ignore_ascii_case(FISHEYE);
+    let fisheye = match model.to_ascii_uppercase().as_str() {
+        FISHEYE => true,
+        "OPENCV" | "PINHOLE" | "SIMPLE_PINHOLE" | "PERSPECTIVE" | "SIMPLE_RADIAL" | "RADIAL" => {
+            false
+        }
+        _ => {
+            let shown: String = model.chars().filter(|c| !c.is_control()).take(40).collect();
+            bail!("camera_model '{shown}' is unknown: undistort the pictures and export again");
+        }
+    };
     let posed = |(index, frame): (usize, &TransformsFrame)| {
         pose(frame, &frame.lens.or(&file.lens), size, fisheye)
             .map_err(|what| anyhow!("frame {index}: {what}"))

@@ -21,16 +21,21 @@ const TILE: usize = BAND;
 /// Told the rows done and the rows in all, from any thread.
 pub type RowProgress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
+/// What every splat on the screen has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnScreen {
+    /// Pixels outside of which it leaves no trace.
+    pub bounds: PixelBox,
+    /// What it is sorted by, the least first.
+    pub place: f64,
+    /// Linear RGB.
+    pub colour: [f64; 3],
+}
+
 /// A splat on the screen, as the compositor needs it.
 pub trait ScreenSplat: Send + Sync {
-    /// Pixels outside of which the splat leaves no trace.
-    fn bounds(&self) -> PixelBox;
-
-    /// What it is sorted by, the least first.
-    fn sort_place(&self) -> f64;
-
-    /// Linear RGB.
-    fn colour(&self) -> [f64; 3];
+    /// Where it is seen.
+    fn on_screen(&self) -> OnScreen;
 
     /// Radial index r and peak opacity at a point of the picture, in pixels.
     fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64);
@@ -38,7 +43,8 @@ pub trait ScreenSplat: Send + Sync {
     /// The columns `x0 <= x < x1` outside of which the splat leaves no trace on the row at height `y`.
     fn row_span(&self, y: f64) -> (usize, usize) {
         let _ = y;
-        (self.bounds().x0, self.bounds().x1)
+        let bounds = self.on_screen().bounds;
+        (bounds.x0, bounds.x1)
     }
 }
 
@@ -46,7 +52,7 @@ pub trait ScreenSplat: Send + Sync {
 pub fn order<S: ScreenSplat>(projected: &[Result<S, Culled>]) -> Vec<usize> {
     let drawn = projected.iter().enumerate().filter_map(|(index, outcome)| {
         let splat = outcome.as_ref().ok()?;
-        Some((splat.sort_place(), index))
+        Some((splat.on_screen().place, index))
     });
     let mut ordered: Vec<(f64, usize)> = drawn.collect();
     ordered.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -60,6 +66,22 @@ pub fn opacity(splat: &impl ScreenSplat, point: [f64; 2], rules: &Rules) -> Opti
     // Written so that a NaN, which f64::min would turn into alpha_max, is left out.
     let inside = radial_index < rules.cutoff && peak > 0.0;
     (inside && opacity > 0.0 && opacity >= rules.alpha_min).then_some(opacity)
+}
+
+/// Calls `see` with the column, row and centre of every pixel of an area on which a splat may leave a trace.
+pub fn for_each_pixel(
+    splat: &impl ScreenSplat,
+    area: PixelBox,
+    mut see: impl FnMut(usize, usize, [f64; 2]),
+) {
+    let inside = area.intersection(&splat.on_screen().bounds);
+    for y in inside.y0..inside.y1 {
+        let centre_y = y as f64 + 0.5;
+        let (x0, x1) = splat.row_span(centre_y);
+        for x in inside.x0.max(x0)..inside.x1.min(x1) {
+            see(x, y, [x as f64 + 0.5, centre_y]);
+        }
+    }
 }
 
 /// Projects every splat of the scene with its weight and colour, in the scene's order.
@@ -113,7 +135,7 @@ fn draw_band<S: ScreenSplat>(
     compositing: Compositing,
 ) -> u64 {
     let touching = |splats: &[&S], area: PixelBox| -> Vec<usize> {
-        let touches = |&i: &usize| !splats[i].bounds().intersection(&area).is_empty();
+        let touches = |&i: &usize| !splats[i].on_screen().bounds.intersection(&area).is_empty();
         (0..splats.len()).filter(touches).collect()
     };
     let of_band = touching(ordered, band);
@@ -166,38 +188,22 @@ impl TilePixel {
         rules: &Rules,
         compositing: Compositing,
     ) -> bool {
-        match compositing {
-            Compositing::FrontToBack => self.add_behind(opacity, colour, rules),
-            Compositing::BackToFront => self.add_in_front(opacity, colour),
-            Compositing::XRay => self.sum_up(opacity, colour),
-        }
-    }
-
-    fn add_behind(&mut self, opacity: f64, colour: [f64; 3], rules: &Rules) -> bool {
         let next = self.transmittance * (1.0 - opacity);
-        self.finished = next <= rules.minimum_transmittance;
-        if self.finished && rules.omit_finishing {
-            return false;
-        }
+        let (kept, share) = match compositing {
+            Compositing::FrontToBack => {
+                self.finished = next <= rules.minimum_transmittance;
+                if self.finished && rules.omit_finishing {
+                    return false;
+                }
+                (1.0, self.transmittance * opacity)
+            }
+            Compositing::BackToFront => (1.0 - opacity, opacity),
+            Compositing::XRay => (1.0, opacity),
+        };
         for (sum, channel) in self.colour.iter_mut().zip(colour) {
-            *sum += self.transmittance * opacity * channel;
+            *sum = *sum * kept + share * channel;
         }
         self.transmittance = next;
-        true
-    }
-
-    fn add_in_front(&mut self, opacity: f64, colour: [f64; 3]) -> bool {
-        for (sum, channel) in self.colour.iter_mut().zip(colour) {
-            *sum = *sum * (1.0 - opacity) + opacity * channel;
-        }
-        self.transmittance *= 1.0 - opacity;
-        true
-    }
-
-    fn sum_up(&mut self, opacity: f64, colour: [f64; 3]) -> bool {
-        for (sum, channel) in self.colour.iter_mut().zip(colour) {
-            *sum += opacity * channel;
-        }
         self.opacity_sum += opacity;
         true
     }
@@ -233,25 +239,18 @@ impl FloatTile {
 
     /// Gathers one splat; returns in how many pixels it was blended.
     fn add(&mut self, splat: &impl ScreenSplat, rules: &Rules, compositing: Compositing) -> u64 {
-        let inside = self.area.intersection(&splat.bounds());
-        let colour = splat.colour();
+        let (area, colour) = (self.area, splat.on_screen().colour);
         let mut covered = 0;
-        for y in inside.y0..inside.y1 {
-            let centre_y = y as f64 + 0.5;
-            let (x0, x1) = splat.row_span(centre_y);
-            let row = (y - self.area.y0) * TILE;
-            for x in inside.x0.max(x0)..inside.x1.min(x1) {
-                let pixel = &mut self.pixels[row + x - self.area.x0];
-                if pixel.finished {
-                    continue;
-                }
-                let Some(opacity) = opacity(splat, [x as f64 + 0.5, centre_y], rules) else {
-                    continue;
-                };
+        for_each_pixel(splat, area, |x, y, centre| {
+            let pixel = &mut self.pixels[(y - area.y0) * TILE + x - area.x0];
+            if pixel.finished {
+                return;
+            }
+            if let Some(opacity) = opacity(splat, centre, rules) {
                 covered += u64::from(pixel.add(opacity, colour, rules, compositing));
                 self.unfinished -= usize::from(pixel.finished);
             }
-        }
+        });
         covered
     }
 

@@ -21,7 +21,7 @@
 //! slopes, a remedy for the affine approximation, does not apply. The whole line counts, including what lies
 //! behind the eye: this concerns only splats that reach around the eye.
 
-use super::compositor::{self, ScreenSplat};
+use super::compositor::{self, OnScreen, ScreenSplat};
 use super::float::{effective_cutoff, scaled_by_distance, screen_position, visible_position};
 use super::jacobian::{CameraAxes, Jacobian, ScreenVariance};
 use super::{Culled, FloatDrawing, PixelBox, pixel_range};
@@ -41,20 +41,11 @@ pub struct ExactFootprint<'a> {
     centre: [f64; 2],
     /// Camera-space z of the centre.
     depth: f64,
-    /// What it is sorted by: the depth, unless [`footprints`] says otherwise.
-    place: f64,
-    /// Peak opacity or mass.
+    /// Peak opacity or mass, as the rules want.
     weight: f64,
-    /// Whether `weight` is a mass.
-    normalised: bool,
-    /// Peak of the rules' kernel relative to the Gaussian's.
-    relative_peak: f64,
-    /// Variance of the low-pass filter, square pixels.
-    low_pass: f64,
-    /// Pixels that may lie inside the cut-off.
-    bounds: PixelBox,
-    /// Linear RGB.
-    colour: [f64; 3],
+    rules: Rules,
+    /// Pixels that may lie inside the cut-off; sorted by the depth, unless [`footprints`] says otherwise.
+    on_screen: OnScreen,
 }
 
 /// Prepares one splat of the given weight (as the rules need it) and colour.
@@ -75,13 +66,13 @@ pub fn project<'a>(
         axes,
         centre,
         depth: position[2],
-        place: position[2],
         weight,
-        normalised: rules.normalised,
-        relative_peak: rules.kernel.relative_peak(),
-        low_pass: rules.low_pass,
-        bounds: PixelBox::whole(camera),
-        colour,
+        rules: *rules,
+        on_screen: OnScreen {
+            bounds: PixelBox::whole(camera),
+            place: position[2],
+            colour,
+        },
     };
     let (variance, mut peak) = footprint.variance_and_peak(centre);
     if !(variance.is_regular() && centre[0].is_finite() && centre[1].is_finite()) {
@@ -98,8 +89,8 @@ pub fn project<'a>(
         bounding.alpha_min = 0.0;
     }
     let cutoff = effective_cutoff(peak, &bounding)?;
-    footprint.bounds = footprint.bounds_within(cutoff);
-    if footprint.bounds.is_empty() {
+    footprint.on_screen.bounds = footprint.bounds_within(cutoff);
+    if footprint.on_screen.bounds.is_empty() {
         return Err(Culled::OutsideViewport);
     }
     Ok(footprint)
@@ -112,9 +103,9 @@ pub fn footprints<'a>(
     rules: &Rules,
 ) -> Vec<Result<ExactFootprint<'a>, Culled>> {
     compositor::project_all(scene, camera, rules, |splat, weight, colour| {
-        let footprint = project(splat, weight, colour, camera, rules)?;
-        let place = scene.order.place(camera, splat.centre);
-        Ok(ExactFootprint { place, ..footprint })
+        let mut footprint = project(splat, weight, colour, camera, rules)?;
+        footprint.on_screen.place = scene.order.place(camera, splat.centre);
+        Ok(footprint)
     })
 }
 
@@ -133,9 +124,9 @@ impl ExactFootprint<'_> {
     /// The marginal variance and the peak on the ray through a point of the picture.
     fn variance_and_peak(&self, point: [f64; 2]) -> (ScreenVariance, f64) {
         let jacobian = Jacobian::at(self.camera, self.camera.slopes(point), self.depth);
-        let variance = ScreenVariance::new(&self.axes, &jacobian, self.low_pass);
-        let peak = if self.normalised {
-            let peak = variance.normalised_peak() * self.relative_peak;
+        let variance = ScreenVariance::new(&self.axes, &jacobian, self.rules.low_pass);
+        let peak = if self.rules.normalised {
+            let peak = variance.normalised_peak() * self.rules.kernel.relative_peak();
             self.weight * jacobian.determinant() * peak
         } else {
             self.weight
@@ -169,14 +160,15 @@ impl ExactFootprint<'_> {
         let centre = self.centre[direction];
         let x_row = self.axes.row(direction);
         if self.camera.orthographic {
-            let variance = focal_length * focal_length * vector::dot(x_row, x_row) + self.low_pass;
+            let variance =
+                focal_length * focal_length * vector::dot(x_row, x_row) + self.rules.low_pass;
             let half = (cutoff * variance).sqrt();
             return [centre - half, centre + half];
         }
         let z_row = self.axes.row(2);
         let slope = (centre - principal) / focal_length;
         let b_row = vector::subtract(x_row, vector::scale(slope, z_row));
-        let filter = self.low_pass * (self.depth / focal_length).powi(2);
+        let filter = self.rules.low_pass * (self.depth / focal_length).powi(2);
         // p e^2 + 2 q e - w <= 0
         let p = self.depth * self.depth - cutoff * vector::dot(z_row, z_row);
         let q = cutoff * vector::dot(b_row, z_row);
@@ -205,16 +197,8 @@ impl ExactFootprint<'_> {
 }
 
 impl ScreenSplat for ExactFootprint<'_> {
-    fn bounds(&self) -> PixelBox {
-        self.bounds
-    }
-
-    fn sort_place(&self) -> f64 {
-        self.place
-    }
-
-    fn colour(&self) -> [f64; 3] {
-        self.colour
+    fn on_screen(&self) -> OnScreen {
+        self.on_screen
     }
 
     fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64) {

@@ -4,7 +4,7 @@
 //! centre, V' = J W V W^T J^T, low-pass V^h = h I, conic Q = (V' + V^h)^-1, radial index r = x^T Q x and weight
 //! exp(-r/2). Everything is in pixels. What the peak means and where the footprint ends is up to the [`Rules`].
 
-use super::compositor::{self, ScreenSplat};
+use super::compositor::{self, OnScreen, ScreenSplat};
 use super::jacobian::{CameraAxes, Jacobian, ScreenVariance};
 use super::kernels::enlargement;
 use super::{Culled, FloatDrawing, PixelBox, pixel_range};
@@ -31,8 +31,6 @@ pub struct Footprint {
     pub place: f64,
     /// Variance matrix including the low-pass filter, and its determinant.
     pub variance: ScreenVariance,
-    /// Conic (A, B, C): r = A x^2 + 2 B x y + C y^2.
-    pub conic: [f64; 3],
     /// Opacity at r = 0, before the clamp to `alpha_max`.
     pub peak: f64,
     /// Radial index at which the footprint ends: the rules' cut-off, or earlier where it becomes too faint.
@@ -94,7 +92,6 @@ pub fn project_beyond_viewport(
         depth,
         place: depth,
         variance,
-        conic: variance.conic(),
         peak,
         cutoff,
         bounds,
@@ -123,16 +120,12 @@ pub fn draw(
 }
 
 impl ScreenSplat for Footprint {
-    fn bounds(&self) -> PixelBox {
-        self.bounds
-    }
-
-    fn sort_place(&self) -> f64 {
-        self.place
-    }
-
-    fn colour(&self) -> [f64; 3] {
-        self.colour
+    fn on_screen(&self) -> OnScreen {
+        OnScreen {
+            bounds: self.bounds,
+            place: self.place,
+            colour: self.colour,
+        }
     }
 
     fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64) {

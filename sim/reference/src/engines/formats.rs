@@ -233,7 +233,7 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStage
         let plain = plain::project(splat, weight, camera, rules, n)?;
         let place = match by_distance {
             true => plain::dot(plain.position, plain.position).sqrt(),
-            false => plain.depth,
+            false => plain.position[2],
         };
         Ok(RoundedFootprint {
             plain,
@@ -252,11 +252,21 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStage
         .collect();
     let mut picture = Picture::new(camera.width, camera.height);
     counts.covered_pixels = in_bands(&mut picture.pixels, camera.width, |rows, pixels| {
-        let mut tiles = RowBand::new(rows, pixels.len(), rules, stages);
-        boxed
-            .iter()
-            .for_each(|(footprint, bounds)| tiles.splat(footprint, bounds));
-        tiles.store(pixels);
+        let [nothing, all] = [0.0, 1.0].map(|value| stages.blend.number(value));
+        let mut tiles = RowBand {
+            rows,
+            rules,
+            stages,
+            gathered: vec![[nothing, nothing, nothing, all]; pixels.len()],
+            finished: vec![false; pixels.len()],
+            covered: 0,
+        };
+        for (footprint, bounds) in &boxed {
+            tiles.splat(footprint, bounds);
+        }
+        for (pixel, [r, g, b, clear]) in pixels.iter_mut().zip(&tiles.gathered) {
+            *pixel = [r.value, g.value, b.value, 1.0 - clear.value];
+        }
         tiles.covered
     });
     FloatDrawing { picture, counts }
@@ -273,26 +283,13 @@ struct RowBand<'a> {
     covered: u64,
 }
 
-impl<'a> RowBand<'a> {
-    fn new(rows: PixelBox, pixels: usize, rules: &'a Rules, stages: &'a RoundedStages) -> Self {
-        let [nothing, all] = [0.0, 1.0].map(|value| stages.blend.number(value));
-        RowBand {
-            rows,
-            rules,
-            stages,
-            gathered: vec![[nothing, nothing, nothing, all]; pixels],
-            finished: vec![false; pixels],
-            covered: 0,
-        }
-    }
-
+impl RowBand<'_> {
     fn splat(&mut self, footprint: &RoundedFootprint, bounds: &PixelBox) {
         let inside = bounds.intersection(&self.rows);
         if inside.is_empty() {
             return;
         }
-        for tile in inside.x0 / TILE..=(inside.x1 - 1) / TILE {
-            let first = tile * TILE;
+        for first in (inside.x0 / TILE * TILE..inside.x1).step_by(TILE) {
             let part = PixelBox {
                 x0: inside.x0.max(first),
                 x1: inside.x1.min(first + TILE),
@@ -345,12 +342,6 @@ impl<'a> RowBand<'a> {
             *sum = *sum + share * channel;
         }
         pixel[3] = rest;
-    }
-
-    fn store(&self, pixels: &mut [[f64; 4]]) {
-        for (pixel, [r, g, b, clear]) in pixels.iter_mut().zip(&self.gathered) {
-            *pixel = [r.value, g.value, b.value, 1.0 - clear.value];
-        }
     }
 }
 

@@ -6,10 +6,11 @@
 
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::Read;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use zip::ZipArchive;
 
 use super::float;
 use crate::camera::Camera;
@@ -58,7 +59,7 @@ pub struct GoldenA {
 }
 
 /// Largest differences between the reference and the data set within one category.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Deviation {
     /// The category.
     pub category: String,
@@ -82,17 +83,20 @@ pub fn archive() -> PathBuf {
 impl GoldenA {
     /// Reads the archive: the table of splats and a picture of each category.
     pub fn load(archive: &Path) -> Result<GoldenA> {
-        let texts = unpack(archive).with_context(|| format!("in '{}'", archive.display()))?;
-        let text = |file: &str| {
-            texts
-                .get(file)
-                .with_context(|| format!("no '{file}' in '{}'", archive.display()))
+        let shown = archive.display();
+        let inside = || format!("in '{shown}'");
+        let file = File::open(archive).with_context(inside)?;
+        let mut files = ZipArchive::new(file).with_context(inside)?;
+        let mut text = |file: &str| -> Result<String> {
+            let found = files.by_name(file);
+            let found = found.with_context(|| format!("no '{file}' in '{shown}'"))?;
+            io::read_to_string(found).with_context(inside)
         };
         let mut golden =
-            parse(text(SPLATS_FILE)?).with_context(|| format!("in '{SPLATS_FILE}'"))?;
+            parse(&text(SPLATS_FILE)?).with_context(|| format!("in '{SPLATS_FILE}'"))?;
         for category in &golden.categories {
             let file = format!("golden_a_img_{category}_ma0.999.txt");
-            let picture = parse_picture(text(&file)?, &golden.camera)
+            let picture = parse_picture(&text(&file)?, &golden.camera)
                 .with_context(|| format!("in '{file}'"))?;
             golden.pictures.insert(category.clone(), picture);
         }
@@ -131,11 +135,7 @@ impl GoldenA {
         let (camera, rules) = (&self.camera, &self.rules);
         let mut deviation = Deviation {
             category: category.to_string(),
-            splats: 0,
-            conic: 0.0,
-            centre: 0.0,
-            depth: 0.0,
-            picture: 0.0,
+            ..Deviation::default()
         };
         for golden in self.members(category) {
             // Opaque, so that a projection is compared whether or not it would leave a trace in the picture.
@@ -143,15 +143,11 @@ impl GoldenA {
                 float::project_beyond_viewport(&golden.splat, 1.0, [0.0; 3], camera, rules);
             let Ok(footprint) = projected else { continue };
             deviation.splats += 1;
-            raise(
-                &mut deviation.conic,
-                conic_difference(footprint.conic, golden.exact_conic),
-            );
-            raise(
-                &mut deviation.centre,
-                difference(footprint.centre, golden.centre, 1.0),
-            );
+            let conic = conic_difference(footprint.variance.conic(), golden.exact_conic);
+            let centre = difference(footprint.centre, golden.centre, 1.0);
             let depth = (footprint.depth / golden.depth - 1.0).abs();
+            raise(&mut deviation.conic, conic);
+            raise(&mut deviation.centre, centre);
             raise(&mut deviation.depth, depth);
         }
         let drawing = float::draw(
@@ -172,19 +168,6 @@ impl GoldenA {
         }
         Ok(deviation)
     }
-}
-
-/// The texts of an archive by name.
-fn unpack(archive: &Path) -> Result<HashMap<String, String>> {
-    let mut archive = zip::ZipArchive::new(File::open(archive)?)?;
-    let mut texts = HashMap::new();
-    for index in 0..archive.len() {
-        let mut file = archive.by_index(index)?;
-        let mut text = String::new();
-        file.read_to_string(&mut text)?;
-        texts.insert(file.name()?.into_owned(), text);
-    }
-    Ok(texts)
 }
 
 /// A pixel a line: red, green, blue, alpha.

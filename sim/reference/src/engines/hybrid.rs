@@ -3,7 +3,7 @@
 //! Points have one circular footprint, the one that a spherical splat has at the distance k. With a depth range, the points
 //! that a pixel meets within it are summed; the sum is composited when the next fragment lies beyond, or belongs to a splat.
 
-use super::compositor::{self, opacity};
+use super::compositor::{self, for_each_pixel, opacity};
 use super::float::{self, Footprint, screen_position, visible_position};
 use super::jacobian::{Jacobian, ScreenVariance};
 use super::kernels::enlargement;
@@ -22,8 +22,16 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, hybrid: &Hybrid) -> F
     let is_point = |splat: &Splat| is_point(splat, camera, rules, hybrid.points);
     let projected = compositor::project_all(scene, camera, rules, |splat, weight, colour| {
         if is_point(splat) {
-            let point = point(splat, weight, colour, camera, rules, deviation)?;
-            Ok(stamped(point, hybrid.phase_bits, rules, camera))
+            let area = (deviation / rules.spacing).powi(2);
+            point(
+                splat,
+                weight,
+                colour,
+                camera,
+                rules,
+                area,
+                hybrid.phase_bits,
+            )
         } else {
             float::project(splat, weight, colour, camera, rules)
         }
@@ -59,20 +67,31 @@ fn is_point(splat: &Splat, camera: &Camera, rules: &Rules, points: Points) -> bo
     }
 }
 
+/// A circle of variance `area`, square pixels, with its centre at the nearest of the stamp's phases if there are any.
 fn point(
     splat: &Splat,
     weight: f64,
     colour: [f64; 3],
     camera: &Camera,
     rules: &Rules,
-    deviation: f64,
+    area: f64,
+    phase_bits: Option<u8>,
 ) -> Result<Footprint, Culled> {
     let position = visible_position(splat, weight, colour, camera)?;
     if weight <= 0.0 {
         return Err(Culled::Transparent);
     }
+    let half = (rules.cutoff * area).sqrt();
+    let around = |centre: [f64; 2]| PixelBox::around(centre, [half; 2], camera);
+    let exact = screen_position(position, camera);
+    if around(exact).is_empty() {
+        return Err(Culled::OutsideViewport);
+    }
+    let centre = match phase_bits.map(|bits| f64::from(bits).exp2()) {
+        Some(phases) => exact.map(|coordinate| (coordinate * phases + 0.5).floor() / phases),
+        None => exact,
+    };
     let [across, down] = Jacobian::at(camera, [0.0; 2], position[2]).scale;
-    let area = (deviation / rules.spacing).powi(2);
     let share = if rules.normalised {
         rules.kernel.circular_peak(area)
     } else {
@@ -85,38 +104,16 @@ fn point(
         determinant: area * area,
         sharp_determinant: area * area,
     };
-    let (centre, half) = (screen_position(position, camera), half(rules, area));
-    let footprint = Footprint {
+    Ok(Footprint {
         centre,
         depth: position[2],
         place: position[2],
         variance,
-        conic: variance.conic(),
         peak: weight * across * down * share,
         cutoff: rules.cutoff,
-        bounds: PixelBox::around(centre, half, camera),
+        bounds: around(centre),
         colour,
-    };
-    if footprint.bounds.is_empty() {
-        Err(Culled::OutsideViewport)
-    } else {
-        Ok(footprint)
-    }
-}
-
-/// Half of a point's extent along both axes.
-fn half(rules: &Rules, variance: f64) -> [f64; 2] {
-    [(rules.cutoff * variance).sqrt(); 2]
-}
-
-/// The point with its centre at the nearest of the stamp's phases.
-fn stamped(mut point: Footprint, bits: Option<u8>, rules: &Rules, camera: &Camera) -> Footprint {
-    let Some(bits) = bits else { return point };
-    let phases = f64::from(bits).exp2();
-    let nearest = |coordinate: f64| (coordinate * phases + 0.5).floor() / phases;
-    point.centre = point.centre.map(nearest);
-    point.bounds = PixelBox::around(point.centre, half(rules, point.variance.a), camera);
-    point
+    })
 }
 
 /// Blends one footprint into its pixels, or gathers it over a range of depths; returns how many it covered.
@@ -127,27 +124,23 @@ fn splat_into(
     rules: &Rules,
     gathered_over: Option<f64>,
 ) -> u64 {
-    let bounds = footprint.bounds;
     let mut covered = 0;
-    for y in bounds.y0..bounds.y1 {
-        for x in bounds.x0..bounds.x1 {
-            let cell = &mut cells[y * camera.width + x];
-            let point = [x as f64 + 0.5, y as f64 + 0.5];
-            if cell.finished {
-                continue;
-            }
-            let Some(alpha) = opacity(footprint, point, rules) else {
-                continue;
-            };
-            covered += 1;
-            if let Some(range) = gathered_over {
-                cell.gather(alpha, footprint, range, rules);
-            } else {
-                cell.close(rules);
-                cell.over(alpha, footprint.colour.map(|c| c * alpha), rules);
-            }
+    for_each_pixel(footprint, PixelBox::whole(camera), |x, y, centre| {
+        let cell = &mut cells[y * camera.width + x];
+        if cell.finished {
+            return;
         }
-    }
+        let Some(alpha) = opacity(footprint, centre, rules) else {
+            return;
+        };
+        covered += 1;
+        if let Some(range) = gathered_over {
+            cell.gather(alpha, footprint, range, rules);
+        } else {
+            cell.close(rules);
+            cell.over(alpha, footprint.colour.map(|c| c * alpha), rules);
+        }
+    });
     covered
 }
 

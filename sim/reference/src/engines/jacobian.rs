@@ -82,12 +82,7 @@ impl CameraAxes {
     pub fn new(world_axes: &[Vector; 3], camera: &Camera) -> CameraAxes {
         // The cofactors turn with the axes; taken in world space they keep the exactness of axes that lie there
         // along the coordinates.
-        let [a1, a2, a3] = *world_axes;
-        let cofactors = [
-            vector::cross(a2, a3),
-            vector::cross(a3, a1),
-            vector::cross(a1, a2),
-        ];
+        let cofactors = vector::cofactors(*world_axes);
         let rotate = |a: Vector| vector::transform(&camera.rotation, a);
         CameraAxes {
             axes: world_axes.map(rotate),

@@ -7,7 +7,7 @@
 //! - count: splats that were blended, and those that were looked up before the pixel was finished: inside the row's span, however faint;
 //! - first: the first splat that was blended; id: the one of the largest w. Both are numbers in the scene's order, -1 without any.
 
-use super::compositor::{ScreenSplat, opacity, order};
+use super::compositor::{for_each_pixel, opacity, order};
 use super::{float, in_bands};
 use crate::camera::Camera;
 use crate::rules::Rules;
@@ -103,21 +103,16 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<MapPixel> {
     let mut pixels = vec![MapPixel::EMPTY; width * camera.height];
     in_bands(&mut pixels, width, |rows, pixels| {
         for (index, footprint, normal) in &ordered {
-            let bounds = footprint.bounds.intersection(&rows);
-            for y in bounds.y0..bounds.y1 {
-                let height = y as f64 + 0.5;
-                let (x0, x1) = footprint.row_span(height);
-                for x in bounds.x0.max(x0)..bounds.x1.min(x1) {
-                    let pixel = &mut pixels[(y - rows.y0) * width + x];
-                    if pixel.finished {
-                        continue;
-                    }
-                    pixel.visited += 1;
-                    if let Some(opacity) = opacity(*footprint, [x as f64 + 0.5, height], rules) {
-                        pixel.add(opacity, (footprint.depth, *normal), *index, rules);
-                    }
+            for_each_pixel(*footprint, rows, |x, y, centre| {
+                let pixel = &mut pixels[(y - rows.y0) * width + x];
+                if pixel.finished {
+                    return;
                 }
-            }
+                pixel.visited += 1;
+                if let Some(opacity) = opacity(*footprint, centre, rules) {
+                    pixel.add(opacity, (footprint.depth, *normal), *index, rules);
+                }
+            });
         }
         0
     });

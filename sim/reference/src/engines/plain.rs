@@ -58,10 +58,8 @@ impl Number for f32 {
 pub struct PlainFootprint<N> {
     /// Centre, pixels.
     pub centre: [N; 2],
-    /// Centre in camera space, scene units.
+    /// Centre in camera space, scene units; its z is the depth.
     pub position: [N; 3],
-    /// Depth, scene units.
-    pub depth: N,
     /// Vxx, Vxy, Vyy, square pixels, and the determinant.
     pub variance: [N; 4],
     /// a, b, c of r = a dx^2 + 2 b dx dy + c dy^2.
@@ -149,7 +147,6 @@ pub(super) fn project<N: Number>(
             focal[1] * t[1] / distance + n(camera.cy),
         ],
         position: t,
-        depth: z,
         variance: [a, b, c, determinant],
         conic: [c / determinant, -b / determinant, a / determinant],
         peak,

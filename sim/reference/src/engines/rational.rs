@@ -8,7 +8,7 @@ use crate::camera::Camera;
 use crate::rules::Rules;
 use crate::scene::Splat;
 use num_rational::BigRational;
-use num_traits::{Signed, ToPrimitive, Zero};
+use num_traits::{One, Signed, ToPrimitive, Zero};
 
 /// A footprint as it should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,22 +69,14 @@ pub fn project(
         return None;
     }
     let focal = [camera.fx, camera.fy].map(exact);
-    let on_plane = [0, 1].map(|i| {
-        if camera.orthographic {
-            t[i].clone()
-        } else {
-            &t[i] / z
-        }
-    });
+    let distance = match camera.orthographic {
+        true => BigRational::one(),
+        false => z.clone(),
+    };
+    let on_plane = [0, 1].map(|i| &t[i] / &distance);
     let centre = [camera.cx, camera.cy].map(exact);
     let centre = [0, 1].map(|i| &focal[i] * &on_plane[i] + &centre[i]);
-    let gain = [0, 1].map(|i| {
-        if camera.orthographic {
-            focal[i].clone()
-        } else {
-            &focal[i] / z
-        }
-    });
+    let gain = [0, 1].map(|i| &focal[i] / &distance);
     let slope = slopes(&on_plane, camera, rules);
     let turned = splat.axes.map(|axis| turn(&axis.map(exact)));
     let columns = turned

@@ -2,7 +2,7 @@
 //!
 //! With the sums A_s = min(1, sum alpha) and C_s = sum alpha c of sheet s, nearest first: C = sum_s C_s prod_(i<s) (1 - A_i).
 
-use super::compositor::{self, ScreenSplat};
+use super::compositor::{for_each_pixel, opacity};
 use super::float::{self, Footprint};
 use super::{Counts, FloatDrawing, PixelBox, in_bands};
 use crate::camera::Camera;
@@ -15,27 +15,24 @@ use crate::vector;
 /// Standard deviations of depth beyond which a kernel is not cut any more.
 const REACH: f64 = 3.0;
 
-/// A splat in one sheet: the sheet's number, growing away from the eye, the splat's index and the share of its opacity.
-type SheetPart = (i64, usize, f64);
-
 /// Draws the scene sheet by sheet, nearest first.
 pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, plan: &SheetPlan) -> FloatDrawing {
     let footprints = float::footprints(scene, camera, rules);
-    let mut parts: Vec<SheetPart> = Vec::new();
-    for (index, (splat, footprint)) in scene.splats.iter().zip(&footprints).enumerate() {
-        if footprint.is_ok() {
-            parts_of(splat, index, camera, plan, &mut parts);
+    let mut drawn: Vec<(i64, Footprint)> = Vec::new();
+    for (splat, footprint) in scene.splats.iter().zip(&footprints) {
+        if let Ok(footprint) = footprint {
+            drawn.extend(
+                parts_of(splat, camera, plan)
+                    .into_iter()
+                    .map(|(slab, share)| {
+                        let peak = footprint.peak * share;
+                        (slab, Footprint { peak, ..*footprint })
+                    }),
+            );
         }
     }
-    parts.sort_by_key(|(slab, index, _)| (*slab, *index));
-    let drawn: Vec<(i64, Footprint)> = parts
-        .iter()
-        .filter_map(|(slab, index, share)| {
-            let footprint = footprints[*index].as_ref().ok()?;
-            let peak = footprint.peak * share;
-            Some((*slab, Footprint { peak, ..*footprint }))
-        })
-        .collect();
+    // Stable: the splats of a sheet stay in the scene's order.
+    drawn.sort_by_key(|(slab, _)| *slab);
     let mut picture = Picture::new(camera.width, camera.height);
     in_bands(&mut picture.pixels, camera.width, |band, pixels| {
         draw_band(&drawn, band, pixels, rules);
@@ -45,29 +42,24 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, plan: &SheetPlan) -> 
     FloatDrawing { picture, counts }
 }
 
-/// The sheets that a splat takes part in.
-fn parts_of(
-    splat: &Splat,
-    index: usize,
-    camera: &Camera,
-    plan: &SheetPlan,
-    parts: &mut Vec<SheetPart>,
-) {
+/// The sheets that a splat takes part in, by their numbers, which grow away from the eye, and the share of its opacity in each.
+fn parts_of(splat: &Splat, camera: &Camera, plan: &SheetPlan) -> Vec<(i64, f64)> {
     let depth = (camera.to_camera(splat.centre)[2] - plan.first) / plan.thickness;
+    let slab = |place: f64| place.max(0.0).floor() as i64;
     match plan.kind {
-        SheetKind::AxisAligned => parts.push((axis_slab(splat, plan), index, 1.0)),
-        SheetKind::ImageAligned => parts.push((depth.max(0.0).floor() as i64, index, 1.0)),
+        SheetKind::AxisAligned => vec![(axis_slab(splat, plan), 1.0)],
+        SheetKind::ImageAligned => vec![(slab(depth), 1.0)],
         SheetKind::ImageAlignedCut => {
             let along = |axis: &[f64; 3]| vector::dot(camera.rotation[2], *axis).powi(2);
             let spread = splat.axes.iter().map(along).sum::<f64>().sqrt() / plan.thickness;
-            let slab = |place: f64| place.max(0.0).floor() as i64;
             let (first, last) = (slab(depth - REACH * spread), slab(depth + REACH * spread));
             let below = |edge: i64| match edge {
                 edge if edge <= first => 0.0,
                 edge if edge > last => 1.0,
                 edge => normal_integral((edge as f64 - depth) / spread),
             };
-            parts.extend((first..=last).map(|s| (s, index, below(s + 1) - below(s))));
+            let shares = (first..=last).map(|s| (s, below(s + 1) - below(s)));
+            shares.collect()
         }
     }
 }
@@ -100,12 +92,16 @@ fn draw_band(parts: &[(i64, Footprint)], band: PixelBox, pixels: &mut [[f64; 4]]
     for of_slab in parts.chunk_by(|a, b| a.0 == b.0) {
         let mut touched = false;
         for (_, splat) in of_slab {
-            let bounds = splat.bounds.intersection(&band);
-            for y in bounds.y0..bounds.y1 {
+            for_each_pixel(splat, band, |x, y, centre| {
                 touched = true;
-                let row = &mut sheet[(y - band.y0) * band.x1..][..band.x1];
-                add_row(row, splat, y, rules);
-            }
+                if let Some(opacity) = opacity(splat, centre, rules) {
+                    let sums = &mut sheet[(y - band.y0) * band.x1 + x];
+                    for (sum, colour) in sums.iter_mut().zip(splat.colour) {
+                        *sum += opacity * colour;
+                    }
+                    sums[3] += opacity;
+                }
+            });
         }
         if touched {
             for (pixel, sums) in pixels.iter_mut().zip(&mut sheet) {
@@ -115,19 +111,6 @@ fn draw_band(parts: &[(i64, Footprint)], band: PixelBox, pixels: &mut [[f64; 4]]
     }
     for pixel in pixels {
         pixel[3] = 1.0 - pixel[3];
-    }
-}
-
-fn add_row(sheet: &mut [[f64; 4]], splat: &Footprint, y: usize, rules: &Rules) {
-    let centre_y = y as f64 + 0.5;
-    let (x0, x1) = splat.row_span(centre_y);
-    for (x, sums) in sheet.iter_mut().enumerate().take(x1).skip(x0) {
-        if let Some(opacity) = compositor::opacity(splat, [x as f64 + 0.5, centre_y], rules) {
-            for (sum, colour) in sums.iter_mut().zip(splat.colour) {
-                *sum += opacity * colour;
-            }
-            sums[3] += opacity;
-        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! optical axis and sin a = R/|C|, the tangent cone cuts the image plane between tan(b - a) and tan(b + a), and the minor
 //! half-axis is sin a / sqrt(cos^2 b - sin^2 a). The corrected index is the paper's d = sin(atan(i tan a)) / tan a.
 
-use super::compositor::{self, ScreenSplat};
+use super::compositor::{self, OnScreen, ScreenSplat};
 use super::float::{effective_cutoff, screen_position, visible_position};
 use super::jacobian::ScreenVariance;
 use super::{Culled, FloatDrawing, PixelBox};
@@ -55,8 +55,7 @@ pub struct SphereFootprint<'a> {
     sine: f64,
     tangent: f64,
     peak: f64,
-    bounds: PixelBox,
-    colour: [f64; 3],
+    on_screen: OnScreen,
 }
 
 /// Draws a scene whose splats are taken as spheres of their first axis' length.
@@ -153,22 +152,17 @@ fn project<'a>(
         sine,
         tangent,
         peak,
-        bounds,
-        colour,
+        on_screen: OnScreen {
+            bounds,
+            place: z,
+            colour,
+        },
     })
 }
 
 impl ScreenSplat for SphereFootprint<'_> {
-    fn bounds(&self) -> PixelBox {
-        self.bounds
-    }
-
-    fn sort_place(&self) -> f64 {
-        self.position[2]
-    }
-
-    fn colour(&self) -> [f64; 3] {
-        self.colour
+    fn on_screen(&self) -> OnScreen {
+        self.on_screen
     }
 
     fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64) {

@@ -22,8 +22,6 @@ pub struct SurfaceFootprint {
     pub depth: f64,
     /// Change of the tangent plane's depth per column and row, as the filtered kernel sees it.
     pub gradient: [f64; 2],
-    /// Variance (xx, xy, yy) with the low-pass filter, square pixels.
-    pub variance: [f64; 3],
     /// Conic (A, B, C): r = A x^2 + 2 B x y + C y^2.
     pub conic: [f64; 3],
     /// Weight at r = 0.
@@ -109,7 +107,6 @@ pub fn project(
         centre,
         depth: position[2],
         gradient,
-        variance: [xx, xy, yy],
         conic,
         peak,
         bounds,

@@ -87,59 +87,40 @@ fn ball(radius: f64) -> [[f64; 3]; 3] {
     [[radius, 0.0, 0.0], [0.0, radius, 0.0], [0.0, 0.0, radius]]
 }
 
+/// A round splat anywhere in the picture.
+fn round(radius: f64, weight: f64) -> impl Fn([f64; 4]) -> Splat {
+    move |[_, x, y, _]| splat([x, y, 6.0], ball(radius), weight)
+}
+
+/// A splat in the middle of the picture that extends along one axis only.
+fn line([_, x, y, z]: [f64; 4]) -> Splat {
+    splat([0.0, 0.0, 6.0], [[x, y, z], [0.0; 3], [0.0; 3]], 0.8)
+}
+
 fn shapes(sample: u64) -> Vec<Case> {
     let gaussian = Rules::GAUSSIAN_3D;
+    let [ordinary, tiny] = ["round, ordinary", "smaller than a pixel by 1000"];
+    let in_volume = |name: &str, make| many(sample, &format!("{name}, ewa"), Rules::EWA, make);
     vec![
-        many(sample, "round, ordinary", gaussian, |turn| {
-            splat([turn[1], turn[2], 6.0], ball(0.5), 0.8)
-        }),
-        many(sample, "round, ordinary, ewa", Rules::EWA, |turn| {
-            splat([turn[1], turn[2], 6.0], ball(0.5), 0.8)
-        }),
-        many(sample, "discs edge-on", gaussian, |turn| {
-            splat(
-                [0.0, 0.0, 6.0],
-                [[turn[0], turn[1], 0.0], [0.0, 0.0, 1.0], [0.0; 3]],
-                0.8,
-            )
+        many(sample, ordinary, gaussian, round(0.5, 0.8)),
+        in_volume(ordinary, round(0.5, 0.8)),
+        many(sample, "discs edge-on", gaussian, |[x, y, ..]| {
+            let axes = [[x, y, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
+            splat([0.0, 0.0, 6.0], axes, 0.8)
         }),
         many(sample, "disc through the eye, low-pass 0", SHARP, |turn| {
             let centre = [turn[1], 2.0 + 0.7 * turn[2], 6.0];
             splat(centre, disc_through_the_eye(centre, turn[3], 1e-3), 0.8)
         }),
         many(sample, "larger than the screen by 1000", gaussian, |turn| {
-            splat(
-                [0.3 + apart(sample), 0.2, 6.0 - apart(sample)],
-                rotated_axes(turn, [6000.0, 5000.0, 4000.0]),
-                0.6,
-            )
+            let axes = rotated_axes(turn, [6000.0, 5000.0, 4000.0]);
+            splat([0.3 + apart(sample), 0.2, 6.0 - apart(sample)], axes, 0.6)
         }),
-        many(sample, "smaller than a pixel by 1000", gaussian, |turn| {
-            splat([turn[1], turn[2], 6.0], ball(1e-4), 0.9)
-        }),
-        many(
-            sample,
-            "smaller than a pixel by 1000, ewa",
-            Rules::EWA,
-            |turn| splat([turn[1], turn[2], 6.0], ball(1e-4), 0.02),
-        ),
-        many(sample, "singular: one axis only", gaussian, |turn| {
-            splat(
-                [0.0, 0.0, 6.0],
-                [[turn[1], turn[2], turn[3]], [0.0; 3], [0.0; 3]],
-                0.8,
-            )
-        }),
-        many(sample, "singular: a point", gaussian, |turn| {
-            splat([turn[1], turn[2], 6.0], [[0.0; 3]; 3], 0.8)
-        }),
-        many(sample, "singular, low-pass 0", SHARP, |turn| {
-            splat(
-                [0.0, 0.0, 6.0],
-                [[turn[1], turn[2], turn[3]], [0.0; 3], [0.0; 3]],
-                0.8,
-            )
-        }),
+        many(sample, tiny, gaussian, round(1e-4, 0.9)),
+        in_volume(tiny, round(1e-4, 0.02)),
+        many(sample, "singular: one axis only", gaussian, line),
+        many(sample, "singular: a point", gaussian, round(0.0, 0.8)),
+        many(sample, "singular, low-pass 0", SHARP, line),
     ]
 }
 
@@ -159,71 +140,44 @@ fn disc_through_the_eye(centre: [f64; 3], angle: f64, thin: f64) -> [[f64; 3]; 3
 }
 
 fn places(sample: u64) -> Vec<Case> {
-    let gaussian = Rules::GAUSSIAN_3D;
-    let small = |radius: f64| ball(0.1 * radius);
+    let scattered = |name: &str, width: f64, depth: f64, radius: f64| {
+        many(sample, name, Rules::GAUSSIAN_3D, |[_, x, y, _]| {
+            splat([x * width, y * width, depth], ball(radius), 0.8)
+        })
+    };
+    let near = many(
+        sample,
+        "on and behind the near plane",
+        Rules::GAUSSIAN_3D,
+        |turn| {
+            let depth = 0.01 - turn[0].abs().floor() * 3.0;
+            splat([0.0, 0.0, depth], ball(0.1), 0.8)
+        },
+    );
+    let on_edges = many(
+        sample,
+        "centres on pixel edges and corners",
+        Rules::GAUSSIAN_3D,
+        |turn| {
+            let [x, y] = [turn[1], turn[2]].map(|place| (place * 8.0).round() / 8.0);
+            splat([x, y, 8.0], ball(0.2), 0.8)
+        },
+    );
     vec![
-        many(sample, "just beyond the near plane", gaussian, |turn| {
-            splat(
-                [turn[1] * 0.004, turn[2] * 0.004, 0.010_001],
-                small(0.01),
-                0.8,
-            )
-        }),
-        many(sample, "on and behind the near plane", gaussian, |turn| {
-            splat(
-                [0.0, 0.0, 0.01 - turn[0].abs().floor() * 3.0],
-                ball(0.1),
-                0.8,
-            )
-        }),
-        many(sample, "far off axis", gaussian, |turn| {
-            splat([turn[1] * 50.0, turn[2] * 50.0, 1.0], small(200.0), 0.8)
-        }),
-        many(
-            sample,
-            "at the far end of the positions",
-            gaussian,
-            |turn| splat([turn[1] * 1e6, turn[2] * 1e6, 4e6], small(1e7), 0.8),
-        ),
-        many(
-            sample,
-            "at the near end of the positions",
-            gaussian,
-            |turn| splat([turn[1] * 0.01, turn[2] * 0.01, 0.02], small(0.02), 0.8),
-        ),
-        many(
-            sample,
-            "centres on pixel edges and corners",
-            gaussian,
-            |turn| {
-                splat(
-                    [
-                        (turn[1] * 8.0).round() / 8.0,
-                        (turn[2] * 8.0).round() / 8.0,
-                        8.0,
-                    ],
-                    small(2.0),
-                    0.8,
-                )
-            },
-        ),
+        scattered("just beyond the near plane", 0.004, 0.010_001, 0.001),
+        near,
+        scattered("far off axis", 50.0, 1.0, 20.0),
+        scattered("at the far end of the positions", 1e6, 4e6, 1e6),
+        scattered("at the near end of the positions", 0.01, 0.02, 0.002),
+        on_edges,
     ]
 }
 
 /// A camera that is turned about a slant axis and moved, so that every entry of W takes part.
 fn turned(sample: u64) -> Vec<Case> {
-    let ordinary = many(
-        sample,
-        "turned camera, ordinary",
-        Rules::GAUSSIAN_3D,
-        |turn| splat([turn[1], turn[2], 6.0], ball(0.5), 0.8),
-    );
-    let thin = needle(
-        sample,
-        "turned camera, needle 10^3:1",
-        1e3,
-        Rules::GAUSSIAN_3D,
-    );
+    let gaussian = Rules::GAUSSIAN_3D;
+    let ordinary = many(sample, "turned camera, ordinary", gaussian, round(0.5, 0.8));
+    let thin = needle(sample, "turned camera, needle 10^3:1", 1e3, gaussian);
     vec![seen_askew(ordinary), seen_askew(thin)]
 }
 
@@ -247,21 +201,14 @@ fn seen_askew(mut case: Case) -> Case {
 
 fn orders(sample: u64) -> Vec<Case> {
     let gaussian = Rules::GAUSSIAN_3D;
-    let opacity = |name: &str, value: f64| {
-        many(sample, name, gaussian, |turn| {
-            splat([turn[1], turn[2], 6.0], ball(0.5), value)
-        })
-    };
+    let opacity = |name: &str, value: f64| many(sample, name, gaussian, round(0.5, value));
     vec![
-        many(sample, "equal depths", gaussian, |turn| {
-            splat([turn[1] * 0.2, turn[2] * 0.2, 6.0], ball(0.5), 0.5)
+        many(sample, "equal depths", gaussian, |[_, x, y, _]| {
+            splat([x * 0.2, y * 0.2, 6.0], ball(0.5), 0.5)
         }),
         many(sample, "identical splats", gaussian, |_| {
-            splat(
-                [0.1 + apart(sample), 0.2, 6.0 - apart(sample)],
-                ball(0.5),
-                0.3,
-            )
+            let centre = [0.1 + apart(sample), 0.2, 6.0 - apart(sample)];
+            splat(centre, ball(0.5), 0.3)
         }),
         opacity("opacity 0", 0.0),
         opacity("opacity 1/255", f64::from(1.0f32 / 255.0 + 1e-9)),

@@ -3,5 +3,4 @@
 
 pub mod cases;
 pub mod classes;
-mod kinds;
 mod splats;

@@ -1,7 +1,7 @@
 //! Ten kinds of hard Gaussians in one scene, after the independent data that the reference is held to (`engines::golden`): there each
 //! kind has a picture of its own, here they share one, at depths from 0.01 to 67.
 
-use super::kinds::{Class, Size, class, gaussian, looking};
+use super::classes::{Class, Size, class, gaussian, looking};
 use crate::engines::golden::rotated_axes;
 use crate::scene::Splat;
 use crate::scene::synthetic::Random;

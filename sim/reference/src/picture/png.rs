@@ -1,6 +1,7 @@
 //! PNG files by the crate `png`: written with given samples, and read whatever their depth and colour type.
 
-use crate::memory::{self, TooLarge};
+use crate::memory;
+use anyhow::{Context, Result, ensure};
 use png::{
     BitDepth, ColorType, Compression, Decoder, Encoder, Limits, OutputInfo, Transformations,
 };
@@ -9,29 +10,6 @@ use std::path::{Path, PathBuf};
 
 /// Bytes of pixels of a file at most; what it claims is not set aside beyond that.
 const LARGEST: usize = 512 << 20;
-
-/// Why a picture is not written or read.
-#[derive(Debug, thiserror::Error)]
-pub enum PngError {
-    /// The file is damaged.
-    #[error(transparent)]
-    Decoding(#[from] png::DecodingError),
-    /// The pixels make no file.
-    #[error(transparent)]
-    Encoding(#[from] png::EncodingError),
-    /// Its pixels take more memory than there is.
-    #[error(transparent)]
-    NoRoom(#[from] TooLarge),
-    /// A frame cannot be read again.
-    #[error(transparent)]
-    Reading(#[from] std::io::Error),
-    /// Frames of an animation differ.
-    #[error("'{0}' has another size than the first frame, and an animation has one: give --size")]
-    Sizes(String),
-    /// Its pixels take more memory than anybody's picture.
-    #[error("{0} x {1} pixels are more than 512 MB")]
-    TooLarge(u32, u32),
-}
 
 /// A picture's samples as they stand in a file, most significant byte first.
 pub struct PngSamples<'a> {
@@ -57,7 +35,7 @@ impl PngSamples<'_> {
     }
 
     /// The bytes of a file; samples that are too few or too many for the size are an error.
-    pub fn encode(&self) -> Result<Vec<u8>, PngError> {
+    pub fn encode(&self) -> Result<Vec<u8>> {
         // Sizes beyond 32 bits cannot be allocated; saturation makes the encoder refuse them.
         let [width, height] = self
             .size
@@ -86,7 +64,7 @@ fn encoder(
 }
 
 /// The bytes of one file that shows these files one after the other, for ever; their samples stay as they are.
-pub fn animated(frames: &[PathBuf], per_second: u16) -> Result<Vec<u8>, PngError> {
+pub fn animated(frames: &[PathBuf], per_second: u16) -> Result<Vec<u8>> {
     let mut file = Vec::new();
     let Some((first, others)) = frames.split_first() else {
         return Ok(file);
@@ -100,9 +78,11 @@ pub fn animated(frames: &[PathBuf], per_second: u16) -> Result<Vec<u8>, PngError
     writer.write_image_data(&samples)?;
     for frame in others {
         let (other, samples) = samples_of(frame)?;
-        if [other.width, other.height] != size {
-            return Err(PngError::Sizes(frame.display().to_string()));
-        }
+        ensure!(
+            [other.width, other.height] == size,
+            "'{}' has another size than the first frame, and an animation has one: give --size",
+            frame.display()
+        );
         writer.write_image_data(&samples)?;
     }
     writer.finish()?;
@@ -110,7 +90,7 @@ pub fn animated(frames: &[PathBuf], per_second: u16) -> Result<Vec<u8>, PngError
 }
 
 /// A file's samples as they stand.
-fn samples_of(file: &Path) -> Result<(OutputInfo, Vec<u8>), PngError> {
+fn samples_of(file: &Path) -> Result<(OutputInfo, Vec<u8>)> {
     let bytes = std::fs::read(file)?;
     let mut reader = Decoder::new(Cursor::new(&bytes)).read_info()?;
     let mut samples = vec![0; reader.output_buffer_size().unwrap_or(0)];
@@ -129,14 +109,15 @@ pub struct PngPixels {
 }
 
 /// Reads a file of any depth and colour type.
-pub fn decode(file: &[u8]) -> Result<PngPixels, PngError> {
+pub fn decode(file: &[u8]) -> Result<PngPixels> {
     let limits = Limits { bytes: LARGEST };
     let mut decoder = Decoder::new_with_limits(Cursor::new(file), limits);
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info()?;
     let [width, height] = [reader.info().width, reader.info().height];
     let bytes = reader.output_buffer_size().filter(|size| *size <= LARGEST);
-    let bytes = bytes.ok_or(PngError::TooLarge(width, height))?;
+    let too_large = || format!("{width} x {height} pixels are more than 512 MB");
+    let bytes = bytes.with_context(too_large)?;
     // The samples, and the pixels that they become.
     let count = u64::from(width) * u64::from(height);
     let what = format!("a picture of {width} x {height} pixels");

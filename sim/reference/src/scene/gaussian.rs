@@ -74,10 +74,9 @@ pub(super) struct GaussianScene {
     pub(super) rules: Rules,
     /// Coefficients of degree 1 and up of the next Gaussian.
     pub(super) harmonics: Vec<[f32; 3]>,
-    degree: u8,
     splats: Vec<Splat>,
-    coefficients: Vec<[f32; 3]>,
-    bases: Vec<[f32; 3]>,
+    /// Of all Gaussians.
+    gathered: Harmonics,
     skipped: Skipped,
 }
 
@@ -92,10 +91,12 @@ impl GaussianScene {
         Ok(GaussianScene {
             rules: Rules::GAUSSIAN_3D,
             harmonics: vec![[0.0; 3]; each],
-            degree,
             splats: memory::list(count, what)?,
-            coefficients: memory::list(coefficients, what)?,
-            bases: memory::list(coloured, what)?,
+            gathered: Harmonics {
+                degree,
+                coefficients: memory::list(coefficients, what)?,
+                base: memory::list(coloured, what)?,
+            },
             skipped: Skipped::default(),
         })
     }
@@ -133,9 +134,11 @@ impl GaussianScene {
             weight: gaussian.opacity,
             colour: gaussian.base.map(|channel| channel.max(0.0)),
         });
-        if self.degree > 0 {
-            self.coefficients.extend_from_slice(&self.harmonics);
-            self.bases.push(gaussian.base.map(|channel| channel as f32));
+        let gathered = &mut self.gathered;
+        if gathered.degree > 0 {
+            gathered.coefficients.extend_from_slice(&self.harmonics);
+            let base = gaussian.base.map(|channel| channel as f32);
+            gathered.base.push(base);
         }
     }
 
@@ -151,13 +154,8 @@ impl GaussianScene {
                  a zero rotation); export the scene again"
             );
         }
-        let harmonics = Harmonics {
-            degree: self.degree,
-            coefficients: self.coefficients,
-            base: self.bases,
-        };
         Ok(Scene {
-            harmonics: (self.degree > 0).then_some(harmonics),
+            harmonics: Some(self.gathered).filter(|harmonics| harmonics.degree > 0),
             skipped: self.skipped,
             ..Scene::of_splats(name, self.rules, self.splats)
         })

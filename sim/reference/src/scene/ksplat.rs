@@ -10,6 +10,7 @@ use super::error::Problem;
 use super::gaussian::{Gaussian, GaussianScene, coefficient_count};
 use anyhow::{Context, ensure};
 use half::f16;
+use std::iter::repeat_n;
 
 const HEADER_BYTES: usize = 4096;
 const SECTION_BYTES: usize = 1024;
@@ -166,15 +167,22 @@ impl Section {
         let layout = KsplatLayout::new(header.level, coefficients);
         let splats = reader.records(u64::from(self.capacity), layout.bytes, &field("splats"))?;
         scene.harmonics.fill([0.0; 3]);
-        let mut bucket = Buckets::new(self, sizes);
+        // The bucket of every Gaussian: full ones first.
+        let full = (0..self.full).map(|bucket| (bucket, self.bucket_size));
+        let sizes = sizes.as_chunks().0.iter();
+        let sizes = sizes.map(|size| u32::from_le_bytes(*size));
+        let buckets = full.chain((self.full..).zip(sizes));
+        let mut buckets =
+            buckets.flat_map(|(bucket, size)| repeat_n(bucket as usize, size as usize));
         for index in 0..self.count {
             let at = index as usize * layout.bytes;
             let record = &splats[at..at + layout.bytes];
             let centre = if header.level == 0 {
-                [0, 4, 8].map(|at| f32_at(record, at))
+                [0, 1, 2].map(|axis| f32_at(record, 4 * axis))
             } else {
-                let number = bucket.of(index).map(|number| number as usize);
-                let first = number.map(|number| number * usize::from(self.bucket_bytes));
+                let first = buckets
+                    .next()
+                    .map(|bucket| bucket * usize::from(self.bucket_bytes));
                 let centre = first.and_then(|first| centres.get(first..first + 12));
                 let field = || field(&format!("buckets: splat {index} lies in none"));
                 let centre =
@@ -191,48 +199,9 @@ impl Section {
     }
 }
 
-/// Which bucket a Gaussian lies in; asked in rising order.
-struct Buckets<'a> {
-    full: u32,
-    bucket_size: u32,
-    sizes: &'a [[u8; 4]],
-    /// The partial bucket reached, and its first and one past its last Gaussian.
-    partial: usize,
-    end: u64,
-}
-
-impl<'a> Buckets<'a> {
-    fn new(section: &Section, sizes: &'a [u8]) -> Self {
-        let sizes = sizes.as_chunks().0;
-        let full_end = u64::from(section.full) * u64::from(section.bucket_size);
-        let first = sizes.first().map_or(0, |size| u32::from_le_bytes(*size));
-        Buckets {
-            full: section.full,
-            bucket_size: section.bucket_size,
-            sizes,
-            partial: 0,
-            end: full_end + u64::from(first),
-        }
-    }
-
-    fn of(&mut self, index: u32) -> Option<u32> {
-        if u64::from(index) < u64::from(self.full) * u64::from(self.bucket_size) {
-            return index.checked_div(self.bucket_size);
-        }
-        while u64::from(index) >= self.end {
-            self.partial += 1;
-            self.end += u64::from(u32::from_le_bytes(*self.sizes.get(self.partial)?));
-        }
-        self.sizes.get(self.partial)?;
-        self.full.checked_add(self.partial as u32)
-    }
-}
-
-/// Where a record holds each field.
+/// How a record holds its fields: centre, scales, rotation, colour, harmonics.
 struct KsplatLayout {
     level: u16,
-    scales: usize,
-    rotation: usize,
     colour: usize,
     harmonics: usize,
     bytes: usize,
@@ -241,14 +210,11 @@ struct KsplatLayout {
 impl KsplatLayout {
     fn new(level: u16, coefficients: usize) -> KsplatLayout {
         let part = if level == 0 { 4 } else { 2 };
-        let (scales, rotation, colour) = (3 * part, 6 * part, 10 * part);
-        let harmonics = colour + 4;
+        let harmonics = 10 * part + 4;
         let harmonic_bytes = [4, 2, 1][usize::from(level.min(2))];
         KsplatLayout {
             level,
-            scales,
-            rotation,
-            colour,
+            colour: 10 * part,
             harmonics,
             bytes: harmonics + 3 * coefficients * harmonic_bytes,
         }
@@ -266,8 +232,8 @@ impl KsplatLayout {
         let byte = |index: usize| f64::from(record[self.colour + index]) / 255.0;
         Gaussian {
             centre,
-            scales: [0, 1, 2].map(|k| self.part(record, self.scales, k)),
-            rotation: [0, 1, 2, 3].map(|k| self.part(record, self.rotation, k)),
+            scales: [3, 4, 5].map(|k| self.part(record, 0, k)),
+            rotation: [6, 7, 8, 9].map(|k| self.part(record, 0, k)),
             base: [byte(0), byte(1), byte(2)],
             opacity: byte(3),
         }

@@ -136,11 +136,7 @@ const FORMATS: [SceneFormat; 10] = [
     (&["sog"], &[b"PK\x03\x04"], Gaussians(sog::load_bundle)),
     (&["ksplat"], &[], Gaussians(ksplat::load)),
     (&["glb", "gltf"], &[b"glTF"], Gltf),
-    (
-        &["nrrd", "nhdr"],
-        &[b"NRRD"],
-        Grid(|bytes, folder| Ok((nrrd::load(bytes, folder)?, Vec::new()))),
-    ),
+    (&["nrrd", "nhdr"], &[b"NRRD"], Grid(nrrd::load)),
     (&["nii"], &[], NIFTI),
     (&["mhd", "mha"], &[], Grid(volume::meta_image::load)),
     (&["vti"], &[], Grid(|bytes, _| vti(bytes))),

@@ -29,14 +29,9 @@ pub(super) fn look_at(
         cy: height as f64 / 2.0,
         rotation,
         translation: rotation.map(|row| -(row[0] * eye[0] + row[1] * eye[1] + row[2] * eye[2])),
-        near: near_plane(eye, target),
+        // The usual near plane, but always well before the target of a tiny scene, which would vanish behind it.
+        near: f64::min(0.01, vector::length(vector::subtract(target, eye)) / 100.0),
         far: f64::INFINITY,
         orthographic: false,
     }
-}
-
-/// The usual near plane, but always well before the target of a tiny scene, which would vanish behind it.
-fn near_plane(eye: [f64; 3], target: [f64; 3]) -> f64 {
-    let distance = vector::length(vector::subtract(target, eye));
-    f64::min(0.01, distance / 100.0)
 }

@@ -22,6 +22,7 @@ use super::gaussian::{
     Gaussian, GaussianScene, HARMONICS, MAX_DEGREE, TRAINED_ANTIALIASED, base_from_coefficient,
     coefficient_count, harmonic_basis, room_for, scale_from_log, scene_bytes,
 };
+use super::quaternion::smallest_three;
 use anyhow::{anyhow, ensure};
 use half::f16;
 
@@ -120,16 +121,23 @@ fn load_streams(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     decode(&header, unpacked.each_ref().map(Vec::as_slice), name)
 }
 
+/// A scene from its arrays, which are those of [`ARRAYS`].
 fn decode(header: &SpzHeader, arrays: [&[u8]; 6], name: &str) -> Result<Scene, Problem> {
-    let arrays = Arrays::new(arrays);
     let mut scene = GaussianScene::new(header.degree, header.count.into())?;
     if header.antialiased {
         scene.rules = TRAINED_ANTIALIASED;
     }
-    let parities = harmonic_parities();
+    let (sizes, parities) = (header.record_bytes(), harmonic_parities());
     for index in 0..header.count as usize {
-        arrays.read_harmonics(index, &parities, &mut scene.harmonics);
-        scene.push(&arrays.gaussian(index, header));
+        let of_array = |array: usize| &arrays[array][index * sizes[array]..][..sizes[array]];
+        let parts: [&[u8]; 6] = std::array::from_fn(of_array);
+        let (harmonics, _) = parts[5].as_chunks::<3>();
+        for ((coefficient, bytes), parity) in
+            scene.harmonics.iter_mut().zip(harmonics).zip(parities)
+        {
+            *coefficient = bytes.map(|byte| parity * (f32::from(byte) - 128.0) / 128.0);
+        }
+        scene.push(&gaussian(parts, header.fraction_bits));
     }
     scene.finish(name)
 }
@@ -206,61 +214,23 @@ fn unsupported_version(version: &str) -> Problem {
     anyhow!("spz version: it is {version}; versions 1 to 4 are read; convert to one of these")
 }
 
-/// The attribute arrays, each sliced per Gaussian.
-struct Arrays<'a> {
-    positions: &'a [u8],
-    opacities: &'a [u8],
-    colours: &'a [[u8; 3]],
-    scales: &'a [[u8; 3]],
-    rotations: &'a [u8],
-    harmonics: &'a [[u8; 3]],
-}
-
-impl<'a> Arrays<'a> {
-    fn new([positions, opacities, colours, scales, rotations, harmonics]: [&'a [u8]; 6]) -> Self {
-        Arrays {
-            positions,
-            opacities,
-            colours: colours.as_chunks().0,
-            scales: scales.as_chunks().0,
-            rotations,
-            harmonics: harmonics.as_chunks().0,
-        }
-    }
-
-    fn gaussian(&self, index: usize, header: &SpzHeader) -> Gaussian {
-        let [position_bytes, .., size, _] = header.record_bytes();
-        let rotation = match self.rotations[index * size..(index + 1) * size] {
-            [x, y, z] => rotation_first_three([x, y, z]),
-            [b0, b1, b2, b3] => rotation_smallest_three(u32::from_le_bytes([b0, b1, b2, b3])),
-            _ => [0.0; 4],
-        };
-        let [x, y, z, w] = rotation;
-        let constant =
-            self.colours[index].map(|byte| (f64::from(byte) / 255.0 - 0.5) / COLOUR_SCALE);
-        Gaussian {
-            centre: position(
-                &self.positions[index * position_bytes..(index + 1) * position_bytes],
-                header.fraction_bits,
-            ),
-            scales: self.scales[index].map(|byte| scale_from_log(f64::from(byte) / 16.0 - 10.0)),
-            rotation: [w, x * FLIP[0], y * FLIP[1], z * FLIP[2]],
-            opacity: f64::from(self.opacities[index]) / 255.0,
-            base: constant.map(base_from_coefficient),
-        }
-    }
-
-    fn read_harmonics(
-        &self,
-        index: usize,
-        parities: &[f32; HARMONICS],
-        harmonics: &mut [[f32; 3]],
-    ) {
-        let first = index * harmonics.len();
-        let stored = &self.harmonics[first..first + harmonics.len()];
-        for ((coefficient, bytes), parity) in harmonics.iter_mut().zip(stored).zip(parities) {
-            *coefficient = bytes.map(|byte| parity * (f32::from(byte) - 128.0) / 128.0);
-        }
+/// One Gaussian from its part of each array.
+fn gaussian(
+    [place, opacity, colour, scale, rotation, _]: [&[u8]; 6],
+    fraction_bits: u8,
+) -> Gaussian {
+    let [x, y, z, w] = match *rotation {
+        [x, y, z] => rotation_first_three([x, y, z]),
+        [b0, b1, b2, b3] => rotation_smallest_three(u32::from_le_bytes([b0, b1, b2, b3])),
+        _ => [0.0; 4],
+    };
+    let constant = |k: usize| (f64::from(colour[k]) / 255.0 - 0.5) / COLOUR_SCALE;
+    Gaussian {
+        centre: position(place, fraction_bits),
+        scales: [0, 1, 2].map(|k| scale_from_log(f64::from(scale[k]) / 16.0 - 10.0)),
+        rotation: [w, x * FLIP[0], y * FLIP[1], z * FLIP[2]],
+        opacity: f64::from(opacity[0]) / 255.0,
+        base: [0, 1, 2].map(|k| base_from_coefficient(constant(k))),
     }
 }
 
@@ -283,24 +253,16 @@ fn rotation_first_three(stored: [u8; 3]) -> [f64; 4] {
     [x, y, z, (1.0 - x * x - y * y - z * z).max(0.0).sqrt()]
 }
 
-/// Versions 3 and 4: x, y, z, w.
+/// Versions 3 and 4: x, y, z, w; from the lowest bit up the three stand the other way round.
 fn rotation_smallest_three(stored: u32) -> [f64; 4] {
-    let largest = (stored >> 30) as usize;
-    let mut rotation = [0.0; 4];
-    let mut bits = stored;
-    let mut squares = 0.0;
-    for part in (0..4).rev().filter(|&part| part != largest) {
-        let magnitude = f64::from(bits & 511) / 511.0 * std::f64::consts::FRAC_1_SQRT_2;
-        rotation[part] = if bits & 512 == 0 {
-            magnitude
-        } else {
-            -magnitude
-        };
-        squares += magnitude * magnitude;
-        bits >>= 10;
-    }
-    rotation[largest] = f64::max(0.0, 1.0 - squares).sqrt();
-    rotation
+    let largest = 3 - (stored >> 30) as usize;
+    let others = [0, 10, 20].map(|shift| {
+        let magnitude = f64::from(stored >> shift & 511) / 511.0;
+        let is_negative = stored >> shift & 512 != 0;
+        if is_negative { -magnitude } else { magnitude }
+    });
+    let [w, z, y, x] = smallest_three(largest, others);
+    [x, y, z, w]
 }
 
 /// Sign that each harmonic takes when y and z are negated: each is even or odd, so one direction tells.

@@ -23,9 +23,28 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The middle of the box.
+    /// The box of some places when the `outermost` part on each side of each axis is left out; nothing of nothing.
+    pub(crate) fn around(
+        places: impl Iterator<Item = [f64; 3]> + Clone,
+        outermost: f64,
+    ) -> Option<Bounds> {
+        let mut bounds = Bounds {
+            least: [0.0; 3],
+            greatest: [0.0; 3],
+        };
+        for axis in 0..3 {
+            let mut along: Vec<f64> = places.clone().map(|place| place[axis]).collect();
+            let last = along.len().checked_sub(1)?;
+            let rank = (last as f64 * outermost) as usize;
+            bounds.least[axis] = *along.select_nth_unstable_by(rank, f64::total_cmp).1;
+            bounds.greatest[axis] = *along.select_nth_unstable_by(last - rank, f64::total_cmp).1;
+        }
+        Some(bounds)
+    }
+
+    /// The middle of the box; halved first, so that the sum does not overflow.
     pub fn centre(&self) -> [f64; 3] {
-        [0, 1, 2].map(|axis| (self.least[axis] + self.greatest[axis]) / 2.0)
+        [0, 1, 2].map(|axis| self.least[axis] / 2.0 + self.greatest[axis] / 2.0)
     }
 
     /// Side lengths.
@@ -37,25 +56,7 @@ impl Bounds {
 impl Scene {
     /// The box of all splats' centres; none for a scene without splats.
     pub fn bounds(&self) -> Option<Bounds> {
-        self.bounds_without(0.0)
-    }
-
-    /// The box of the centres when the outermost `stray` part on each side of each axis is left out.
-    fn bounds_without(&self, stray: f64) -> Option<Bounds> {
-        let last = self.splats.len().checked_sub(1)?;
-        let place = (last as f64 * stray) as usize;
-        let mut bounds = Bounds {
-            least: [0.0; 3],
-            greatest: [0.0; 3],
-        };
-        for axis in 0..3 {
-            let mut places: Vec<f64> = self.splats.iter().map(|splat| splat.centre[axis]).collect();
-            bounds.least[axis] = *places.select_nth_unstable_by(place, f64::total_cmp).1;
-            bounds.greatest[axis] = *places
-                .select_nth_unstable_by(last - place, f64::total_cmp)
-                .1;
-        }
-        Some(bounds)
+        Bounds::around(self.splats.iter().map(|splat| splat.centre), 0.0)
     }
 
     /// Is it a capture? Its view fills the picture; made scenes keep theirs from version to version.
@@ -72,25 +73,23 @@ impl Scene {
         if synthetic::is_synthetic(&self.name) {
             return synthetic::camera(width, height);
         }
-        match self.weight {
-            Weight::Mass => self.volume_camera(width, height),
-            Weight::Opacity => self.capture_camera(width, height),
-        }
-    }
-
-    fn volume_camera(&self, width: usize, height: usize) -> Camera {
-        let (centre, extents) = centre_and_extents(self.bounds());
-        let distance = VOLUME_DISTANCE * largest(extents);
-        let eye = [centre[0], centre[1], centre[2] - distance];
-        look_at(eye, centre, self.up, VOLUME_DEGREES, width, height)
-    }
-
-    fn capture_camera(&self, width: usize, height: usize) -> Camera {
-        let (centre, extents) = centre_and_extents(self.bounds_without(STRAY_PART));
-        let distance = CAPTURE_DISTANCE * largest(extents);
+        let centres = self.splats.iter().map(|splat| splat.centre);
+        let (stray, distance, degrees) = match self.weight {
+            Weight::Mass => (0.0, VOLUME_DISTANCE, VOLUME_DEGREES),
+            Weight::Opacity => (STRAY_PART, CAPTURE_DISTANCE, CAPTURE_DEGREES),
+        };
+        // A scene without splats is shown as a unit cube at the origin would be.
+        let (centre, extents) = Bounds::around(centres, stray)
+            .map_or(([0.0; 3], [1.0; 3]), |bounds| {
+                (bounds.centre(), bounds.extents())
+            });
+        let distance = distance * largest(extents);
         let mut eye = centre;
-        eye[across(self.up, |axis| extents[axis])] += distance;
-        look_at(eye, centre, self.up, CAPTURE_DEGREES, width, height)
+        match self.weight {
+            Weight::Mass => eye[2] -= distance,
+            Weight::Opacity => eye[across(self.up, |axis| extents[axis])] += distance,
+        }
+        look_at(eye, centre, self.up, degrees, width, height)
     }
 }
 
@@ -100,13 +99,6 @@ pub(crate) fn across(up: [f64; 3], extent: impl Fn(usize) -> f64) -> usize {
     let horizontal = (0..3).filter(|&axis| Some(axis) != vertical);
     let smallest = horizontal.min_by(|&a, &b| extent(a).total_cmp(&extent(b)));
     smallest.unwrap_or(0)
-}
-
-/// A scene without splats is shown as a unit cube at the origin would be.
-fn centre_and_extents(bounds: Option<Bounds>) -> ([f64; 3], [f64; 3]) {
-    bounds.map_or(([0.0; 3], [1.0; 3]), |bounds| {
-        (bounds.centre(), bounds.extents())
-    })
 }
 
 /// The largest extent, 1 for a single point.

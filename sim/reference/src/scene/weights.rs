@@ -7,6 +7,7 @@
 
 use super::{Scene, Splat, Weight};
 use crate::rules::Rules;
+use crate::vector;
 
 impl Scene {
     /// One weight per splat with the meaning that `rules` want: a mass if they are normalised, else an opacity.
@@ -35,7 +36,6 @@ fn opacity_of_mass(splat: &Splat) -> f64 {
 /// `2 pi det(V)^(1/3)`, in square scene units. V = A A^T for the axes A, so the root is |det A|^(2/3).
 fn mean_section(splat: &Splat) -> f64 {
     let [a, b, c] = splat.axes;
-    let determinant = a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
-        + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    let determinant = vector::dot(a, vector::cross(b, c));
     std::f64::consts::TAU * determinant.abs().cbrt().powi(2)
 }

@@ -89,12 +89,12 @@ impl NormalEquations {
             let first: Vec<f64> = start.iter().map(|colour| colour[channel]).collect();
             let right = self.right.iter().zip(&first);
             let right = right.map(|(sum, w0)| sum[channel] + damping * w0).collect();
-            let found = solve_one(&matrix, dense(right), dense(first))?;
-            for (value, found) in solution.values.iter_mut().zip(found.values) {
+            let (values, iterations, residual) = solve_one(&matrix, dense(right), dense(first))?;
+            for (value, found) in solution.values.iter_mut().zip(values) {
                 value[channel] = found;
             }
-            solution.iterations = solution.iterations.max(found.iterations);
-            solution.residual = solution.residual.max(found.residual);
+            solution.iterations = solution.iterations.max(iterations);
+            solution.residual = solution.residual.max(residual);
         }
         Ok(solution)
     }
@@ -126,18 +126,12 @@ impl NormalEquations {
     }
 }
 
-/// One channel's unknowns.
-struct ColourChannel {
-    values: Vec<f64>,
-    iterations: usize,
-    residual: f64,
-}
-
+/// One channel's unknowns, iterations and residual.
 fn solve_one(
     matrix: &CsMat<f64>,
     right: CsVec<f64>,
     start: CsVec<f64>,
-) -> Result<ColourChannel, NotConverged> {
+) -> Result<(Vec<f64>, usize, f64), NotConverged> {
     let norm = right.l2_norm().max(f64::MIN_POSITIVE);
     let tolerance = TOLERANCE * norm;
     let fresh = BiCGSTAB::<f64, _, _>::new(matrix.view(), start.view(), right.view());
@@ -158,17 +152,15 @@ fn solve_one(
         Err(solver) => (false, solver),
     };
     let values = solver.x().to_dense().to_vec();
-    if !ended || !values.iter().all(|value| value.is_finite()) {
-        return Err(NotConverged {
-            residual: solver.err() / norm,
-            iterations: solver.iteration_count(),
-        });
+    let (residual, iterations) = (solver.err() / norm, solver.iteration_count());
+    if ended && values.iter().all(|value| value.is_finite()) {
+        Ok((values, iterations, residual))
+    } else {
+        Err(NotConverged {
+            residual,
+            iterations,
+        })
     }
-    Ok(ColourChannel {
-        values,
-        iterations: solver.iteration_count(),
-        residual: solver.err() / norm,
-    })
 }
 
 /// The crate's vectors are sparse; these have every entry.

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use splatline_reference::camera::Camera;
-use splatline_reference::engines::compositor::{self, ScreenSplat};
+use splatline_reference::engines::compositor::{self, OnScreen, ScreenSplat};
 use splatline_reference::engines::float::Footprint;
 use splatline_reference::engines::golden::{self, ALL, Deviation, GoldenA, GoldenSplat};
-use splatline_reference::engines::{Culled, PixelBox, exact, float};
+use splatline_reference::engines::{Culled, exact, float};
 use splatline_reference::picture::Picture;
 use splatline_reference::rules::{Compositing, Rules};
 
@@ -162,16 +162,8 @@ impl FadedTail {
 }
 
 impl ScreenSplat for FadedTail {
-    fn bounds(&self) -> PixelBox {
-        self.0.bounds
-    }
-
-    fn sort_place(&self) -> f64 {
-        self.0.place
-    }
-
-    fn colour(&self) -> [f64; 3] {
-        self.0.colour
+    fn on_screen(&self) -> OnScreen {
+        self.0.on_screen()
     }
 
     fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64) {

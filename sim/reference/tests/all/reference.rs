@@ -86,7 +86,10 @@ fn every_splat_at_every_pixel<P: ScreenSplat>(
     let order = compositor::order(projected);
     super::oracle::gather(camera, rules, compositing, &order, |index, point| {
         let splat = projected[index].as_ref().ok()?;
-        Some((compositor::opacity(splat, point, rules)?, splat.colour()))
+        Some((
+            compositor::opacity(splat, point, rules)?,
+            splat.on_screen().colour,
+        ))
     })
 }
 
@@ -181,7 +184,7 @@ proptest! {
             return Err(TestCaseError::reject("culled"));
         };
         let v = footprint.variance;
-        let [a, b, c] = footprint.conic;
+        let [a, b, c] = footprint.variance.conic();
         prop_assert!(v.a > 0.0 && v.c > 0.0 && v.determinant > 0.0);
         prop_assert!(v.determinant >= rules.low_pass * rules.low_pass);
         prop_assert!((v.a * a + v.b * b - 1.0).abs() <= 1e-12 * v.a * a);

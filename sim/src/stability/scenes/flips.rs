@@ -8,7 +8,7 @@
 use crate::camera::Camera;
 use crate::design::DesignChoice;
 use crate::fixed;
-use crate::reference::compositor::{self, ScreenSplat};
+use crate::reference::compositor;
 use crate::reference::float::Footprint as Exact;
 use crate::reference::{Culled, PixelBox};
 use crate::rules::Rules;
@@ -87,7 +87,7 @@ pub(super) fn double<'a>(
 ) -> FloatSide<'a> {
     let splat = |index: usize| projected[index].as_ref();
     FloatSide {
-        bounds: Box::new(move |index| splat(index).map_or(NOWHERE, ScreenSplat::bounds)),
+        bounds: Box::new(move |index| splat(index).map_or(NOWHERE, |f| f.bounds)),
         opacity: Box::new(move |index, [x, y]| {
             compositor::opacity(splat(index).ok()?, [x as f64 + 0.5, y as f64 + 0.5], rules)
         }),

@@ -231,7 +231,9 @@ impl DecisionTruth {
     }
 
     fn conics(&self) -> impl Iterator<Item = Option<[f64; 3]>> {
-        self.projected.iter().map(|f| Some(f.as_ref().ok()?.conic))
+        self.projected
+            .iter()
+            .map(|f| Some(f.as_ref().ok()?.variance.conic()))
     }
 
     /// An engine's line.

@@ -10,6 +10,7 @@ use splatline_sim::explore::identity::Identity;
 use splatline_sim::explore::space::Space;
 use splatline_sim::explore::table::ResultTable;
 use splatline_sim::fixed::{self, Options};
+use splatline_sim::framing::{FramingInput, USUAL_FOV};
 use splatline_sim::machine::area::{Calibration, estimate};
 use splatline_sim::machine::config::{self, Config};
 use splatline_sim::machine::energy::EnergyTable;
@@ -137,18 +138,18 @@ fn draw(scene: &Scene, camera: &Camera, design: &DesignChoice) -> Result<(), Str
 
 fn cloud_file(path: &Path) -> Result<(), String> {
     let scene = points::load(path).map_err(printed)?;
-    let camera = scene.default_camera(SIDE, SIDE);
-    draw_surface(&scene, &camera)
+    draw_surface(&scene, false)
 }
 
 fn height_field_file(path: &Path) -> Result<(), String> {
     let field = height_field::HeightField::load(path, height_field::USUAL_SPACING);
     let scene = field.map_err(printed)?.scene("grid");
-    let camera = height_field::default_camera(&scene, SIDE, SIDE);
-    draw_surface(&scene, &camera)
+    draw_surface(&scene, true)
 }
 
-fn draw_surface(scene: &SurfaceScene, camera: &Camera) -> Result<(), String> {
+fn draw_surface(scene: &SurfaceScene, is_height_field: bool) -> Result<(), String> {
+    let frame = FramingInput::of_surface(scene, is_height_field, None);
+    let camera = &frame.camera(None, USUAL_FOV, SIDE, SIDE).map_err(printed)?;
     if !camera.is_sound() {
         return Err("no camera can be placed".to_owned());
     }

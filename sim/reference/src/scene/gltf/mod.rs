@@ -191,20 +191,13 @@ fn gather(
     let order = orders.first().copied().unwrap_or_default();
     if orders.iter().any(|other| *other != order) {
         let name = order.name();
-        note(
-            &mut notes,
-            &format!("its primitives are sorted in two ways: all are drawn in order of {name}"),
-        );
+        notes.push(format!(
+            "its primitives are sorted in two ways: all are drawn in order of {name}"
+        ));
     }
-    let scene = scene.finish(name)?;
-    Ok((
-        Scene {
-            up: UP,
-            order,
-            ..scene
-        },
-        notes,
-    ))
+    let mut scene = scene.finish(name)?;
+    (scene.up, scene.order) = (UP, order);
+    Ok((scene, notes))
 }
 
 /// Refuses what would be drawn otherwise than stated, and gives the order of drawing.
@@ -219,11 +212,8 @@ fn check(stated: &serde_json::Value) -> Result<SortOrder, Problem> {
         )
     };
     if let Some(compression) = stated.extensions.keys().next() {
-        return Err(refused(
-            "extensions",
-            compression,
-            "export the scene without compression",
-        ));
+        let fix = "export the scene without compression";
+        return Err(refused("extensions", compression, fix));
     }
     let fields = [
         ("kernel", &stated.kernel, "ellipse"),
@@ -233,11 +223,8 @@ fn check(stated: &serde_json::Value) -> Result<SortOrder, Problem> {
     ];
     for (field, found, read) in fields {
         if let Some(other) = found.as_deref().filter(|found| *found != read) {
-            return Err(refused(
-                field,
-                other,
-                &format!("export the scene with '{read}'"),
-            ));
+            let fix = format!("export the scene with '{read}'");
+            return Err(refused(field, other, &fix));
         }
     }
     match stated.sorting_method.as_deref() {

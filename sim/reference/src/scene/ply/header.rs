@@ -86,15 +86,13 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(PlyHeader, &[u8]), Problem> {
                          add 'format binary_little_endian 1.0' or what the body is"
                     )
                 })?;
-                return Ok((
-                    PlyHeader {
-                        format,
-                        elements,
-                        antialiased,
-                        lines: number,
-                    },
-                    rest,
-                ));
+                let header = PlyHeader {
+                    format,
+                    elements,
+                    antialiased,
+                    lines: number,
+                };
+                return Ok((header, rest));
             }
             ["comment", name, value] if name.eq_ignore_ascii_case("SplatRenderMode:") => {
                 antialiased = value.eq_ignore_ascii_case("mip");

@@ -8,11 +8,9 @@
 //! with the grid's spacing d, the slopes by central differences and s = [`DEVIATION`] (SURF 3.2: the local parameterisation).
 
 use super::{INSIDE_CUTOFF, Material, SurfacePoint, SurfaceScene};
-use crate::camera::Camera;
 use crate::memory;
 use crate::scene::error::{LoadError, Problem, shorten};
 use crate::scene::file::read_file;
-use crate::scene::look::look_at;
 use crate::vector::{self, Vector};
 use anyhow::{bail, ensure};
 use std::path::Path;
@@ -117,12 +115,13 @@ impl HeightField {
         spacing: f64,
         height: impl Fn(usize, usize) -> f64,
     ) -> HeightField {
+        let [columns, rows] = [columns, rows].map(|count| count.max(2));
+        let places = 0..columns * rows;
+        let heights = places.map(|index| height(index % columns, index / columns));
         HeightField {
-            columns: columns.max(2),
-            rows: rows.max(2),
-            heights: (0..columns.max(2) * rows.max(2))
-                .map(|index| height(index % columns.max(2), index / columns.max(2)))
-                .collect(),
+            columns,
+            rows,
+            heights: heights.collect(),
             spacing,
         }
     }
@@ -181,15 +180,6 @@ impl HeightField {
             material: 0,
         }
     }
-}
-
-/// A camera south of the surface and above it that shows the whole of it.
-pub fn default_camera(scene: &SurfaceScene, width: usize, height: usize) -> Camera {
-    let bounds = scene.bounds();
-    let (centre, extents) = (bounds.centre(), bounds.extents());
-    let largest = extents.into_iter().fold(1e-9, f64::max);
-    let eye = vector::add(centre, [0.0, -1.5 * largest, 0.9 * largest]);
-    look_at(eye, centre, scene.up, 45.0, width, height)
 }
 
 /// The weight by which basis functions on the square grid sum to 1: a cell over the integral inside the cut-off.

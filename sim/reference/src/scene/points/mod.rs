@@ -24,9 +24,7 @@ mod xyz;
 
 use super::error::{LoadError, Problem};
 use super::file::read_file;
-use super::view::across;
 use super::{Bounds, ply};
-use crate::camera::Camera;
 use crate::memory;
 use crate::metrics::median;
 use crate::vector::{self, Vector};
@@ -319,23 +317,9 @@ pub fn tangents(normal: Vector) -> [Vector; 2] {
 }
 
 impl SurfaceScene {
-    /// The box of all places.
-    pub fn bounds(&self) -> Bounds {
-        let along = |axis: usize| self.points.iter().map(move |point| point.centre[axis]);
-        Bounds {
-            least: [0, 1, 2].map(|axis| along(axis).fold(f64::INFINITY, f64::min)),
-            greatest: [0, 1, 2].map(|axis| along(axis).fold(f64::NEG_INFINITY, f64::max)),
-        }
-    }
-
-    /// A camera that shows the whole cloud across its thinner horizontal side.
-    pub fn default_camera(&self, width: usize, height: usize) -> Camera {
-        let bounds = self.bounds();
-        let (centre, extents) = (bounds.centre(), bounds.extents());
-        let largest = extents.into_iter().fold(1e-9, f64::max);
-        let mut eye = centre;
-        eye[across(self.up, |axis| extents[axis])] += 1.5 * largest;
-        super::look::look_at(eye, centre, self.up, 45.0, width, height)
+    /// The box of all places; none for a scene without points.
+    pub fn bounds(&self) -> Option<Bounds> {
+        Bounds::around(self.points.iter().map(|point| point.centre), 0.0)
     }
 
     /// Depth differences up to this belong to one surface unless the command line says otherwise: three radii.

@@ -14,34 +14,6 @@ use crate::scene::error::{Problem, shorten};
 use crate::vector::{self, Vector};
 use anyhow::{Context, bail, ensure};
 
-/// Words whose lines have nothing to do with points.
-const IGNORED: [&str; 19] = [
-    "vt",
-    "o",
-    "g",
-    "s",
-    "mg",
-    "mtllib",
-    "usemtl",
-    "usemap",
-    "maplib",
-    "lod",
-    "shadow_obj",
-    "trace_obj",
-    "bevel",
-    "c_interp",
-    "d_interp",
-    "call",
-    "csh",
-    "parm",
-    "ctech",
-];
-/// Words of what is made of the points.
-const SHAPES: [&str; 15] = [
-    "p", "l", "curv", "curv2", "surf", "cstype", "deg", "bmat", "step", "trim", "hole", "scrv",
-    "sp", "end", "con",
-];
-
 /// What the lines say.
 #[derive(Default)]
 struct Obj {
@@ -96,8 +68,13 @@ impl Obj {
                     self.corner(corner, line)?;
                 }
             }
-            word if SHAPES.contains(&word) => self.shapes += 1,
-            word if IGNORED.contains(&word) || word == "vp" => {}
+            // What else is made of the points.
+            "p" | "l" | "curv" | "curv2" | "surf" | "cstype" | "deg" | "bmat" | "step" | "trim"
+            | "hole" | "scrv" | "sp" | "end" | "con" => self.shapes += 1,
+            // Lines that have nothing to do with points.
+            "vt" | "vp" | "o" | "g" | "s" | "mg" | "mtllib" | "usemtl" | "usemap" | "maplib"
+            | "lod" | "shadow_obj" | "trace_obj" | "bevel" | "c_interp" | "d_interp" | "call"
+            | "csh" | "parm" | "ctech" => {}
             other => bail!(
                 "line {line}: '{}' is no word of .obj; \
                  remove the line, or export the file again",

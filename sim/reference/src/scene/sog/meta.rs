@@ -39,12 +39,15 @@ pub(super) struct HarmonicsPalette {
     pub(super) files: [String; 2],
 }
 
+/// A range per channel, or one for all.
 #[derive(Deserialize)]
-pub(super) struct Means {
-    pub(super) mins: [f64; 3],
-    pub(super) maxs: [f64; 3],
-    pub(super) files: [String; 2],
+pub(super) struct Ranged<N, Files = [String; 1]> {
+    pub(super) mins: N,
+    pub(super) maxs: N,
+    pub(super) files: Files,
 }
+
+pub(super) type Means = Ranged<[f64; 3], [String; 2]>;
 
 #[derive(Deserialize)]
 pub(super) struct Plain {
@@ -129,7 +132,7 @@ struct Meta1 {
     quats: Plain,
     sh0: Ranged<[f64; 4]>,
     #[serde(rename = "shN")]
-    rest: Option<Ranged2>,
+    rest: Option<Ranged<f64, [String; 2]>>,
 }
 
 #[derive(Deserialize)]
@@ -137,21 +140,6 @@ struct Means1 {
     shape: Vec<u64>,
     #[serde(flatten)]
     means: Means,
-}
-
-#[derive(Deserialize)]
-struct Ranged<N> {
-    mins: N,
-    maxs: N,
-    files: [String; 1],
-}
-
-/// One range for all coefficients, and two files.
-#[derive(Deserialize)]
-struct Ranged2 {
-    mins: f64,
-    maxs: f64,
-    files: [String; 2],
 }
 
 /// A codebook of equal steps, which is what a range is.

@@ -1,35 +1,26 @@
 //! Transfer functions as TOML; errors name the key and the line.
 
-use serde::Deserialize;
-
 use super::super::error::Problem;
-use super::{GradientPoint, Shading, Transfer, ValuePoint};
+use super::Transfer;
 use crate::input::{line_at, line_of};
 use anyhow::{anyhow, bail, ensure};
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TransferFile {
-    #[serde(default)]
-    value: Vec<ValuePoint>,
-    #[serde(default)]
-    gradient: Vec<GradientPoint>,
-    #[serde(default)]
-    shading: Shading,
-}
 
 impl Transfer {
     /// Reads a transfer function from TOML text.
     pub fn from_toml(text: &str) -> Result<Transfer, Problem> {
-        let file: TransferFile =
+        let transfer: Transfer =
             toml::from_str(text).map_err(|error| syntax_error(text, &error))?;
         ensure!(
-            !file.value.is_empty(),
+            !transfer.values.is_empty(),
             "transfer, key 'value': it is missing; add [[value]] control points"
         );
-        increasing(text, "value", file.value.iter().map(|point| point.at))?;
-        increasing(text, "gradient", file.gradient.iter().map(|point| point.at))?;
-        for (index, point) in file.value.iter().enumerate() {
+        increasing(text, "value", transfer.values.iter().map(|point| point.at))?;
+        increasing(
+            text,
+            "gradient",
+            transfer.gradients.iter().map(|point| point.at),
+        )?;
+        for (index, point) in transfer.values.iter().enumerate() {
             let (place, colour) = (index.to_string(), point.colour);
             if !colour.iter().all(|channel| (0.0..=1.0).contains(channel)) {
                 let keys = ["value", &place, "colour"];
@@ -40,11 +31,11 @@ impl Transfer {
             }
             not_negative(text, &["value", &place, "extinction"], point.extinction)?;
         }
-        for (index, point) in file.gradient.iter().enumerate() {
+        for (index, point) in transfer.gradients.iter().enumerate() {
             let keys = ["gradient", &index.to_string(), "multiplier"];
             not_negative(text, &keys, point.multiplier)?;
         }
-        let shading = &file.shading;
+        let shading = &transfer.shading;
         for (key, number) in [
             ("ambient", shading.ambient),
             ("diffuse", shading.diffuse),
@@ -54,11 +45,7 @@ impl Transfer {
         ] {
             not_negative(text, &["shading", key], number)?;
         }
-        Ok(Transfer {
-            values: file.value,
-            gradients: file.gradient,
-            shading: file.shading,
-        })
+        Ok(transfer)
     }
 }
 

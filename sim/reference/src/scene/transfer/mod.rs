@@ -83,13 +83,17 @@ impl Default for Shading {
     }
 }
 
-/// A transfer function over value and gradient magnitude.
-#[derive(Clone, Debug, PartialEq)]
+/// A transfer function over value and gradient magnitude; [`Transfer::from_toml`] checks what a file says.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Transfer {
     /// Control points, `at` increasing; at least one.
+    #[serde(rename = "value", default)]
     values: Vec<ValuePoint>,
     /// Control points, `at` increasing; none means a multiplier of 1.
+    #[serde(rename = "gradient", default)]
     gradients: Vec<GradientPoint>,
+    #[serde(default)]
     shading: Shading,
 }
 

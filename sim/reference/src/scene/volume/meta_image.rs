@@ -9,34 +9,8 @@ use super::header::LineHeader;
 use super::{Grid, Noted, Packing, UNTURNED, data_file, numbers, three_spacings, turned};
 use std::path::Path;
 
-/// Keys that describe the data without changing how they are read.
-const DESCRIPTIVE: [&str; 22] = [
-    "comment",
-    "objecttype",
-    "objectsubtype",
-    "transformtype",
-    "name",
-    "id",
-    "parentid",
-    "color",
-    "centerofrotation",
-    "offset",
-    "origin",
-    "position",
-    "anatomicalorientation",
-    "distanceunits",
-    "modality",
-    "elementmin",
-    "elementmax",
-    "elementnbits",
-    "sequenceid",
-    "imageposition",
-    "creationdate",
-    "acquisitiondate",
-];
-
 /// The keys that matter.
-const KEYS: [&str; 14] = [
+const KEYS: [&str; 13] = [
     "ndims",
     "dimsize",
     "elementtype",
@@ -49,10 +23,9 @@ const KEYS: [&str; 14] = [
     "compresseddata",
     "compresseddatasize",
     "headersize",
-    "transformmatrix",
-    "elementdatafile",
+    LAST,
 ];
-/// Names of [`KEYS`]' turn of the grid, which other versions use.
+/// Those of the turn of the grid, which differ from version to version.
 const TURNS: [&str; 3] = ["orientation", "rotation", "transformmatrix"];
 
 const LAST: &str = "elementdatafile";
@@ -102,13 +75,16 @@ fn add(header: &mut LineHeader, line: &str) -> Result<(), Problem> {
         let found = format!("it is '{}'", shorten(value));
         return Err(header.malformed(name, found, "give a file of an Image"));
     }
-    if DESCRIPTIVE.contains(&key.as_str()) {
-        return Ok(());
+    match key.as_str() {
+        // These describe the data without changing how they are read.
+        "comment" | "objecttype" | "objectsubtype" | "transformtype" | "name" | "id"
+        | "parentid" | "color" | "centerofrotation" | "offset" | "origin" | "position"
+        | "distanceunits" | "modality" | "elementmin" | "elementmax" | "elementnbits"
+        | "sequenceid" | "imageposition" | "creationdate" | "acquisitiondate" => Ok(()),
+        "anatomicalorientation" => Ok(()),
+        key if KEYS.contains(&key) || TURNS.contains(&key) => header.add(key, name, value),
+        _ => Err(header.unsupported(name)),
     }
-    if !KEYS.contains(&key.as_str()) && !TURNS.contains(&key.as_str()) {
-        return Err(header.unsupported(name));
-    }
-    header.add(&key, name, value)
 }
 
 fn flag(header: &LineHeader, key: &str) -> Result<Option<bool>, Problem> {

@@ -24,35 +24,38 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 /// Farthest begin of the numbers: behind extensions, which hold text.
 const MAX_OFFSET: f64 = 1e9;
 
+/// Where the numbers of a field begin, and their type.
+type Place = (usize, Scalar);
+
 /// Where a version keeps its fields.
 struct NiftiLayout {
-    dim: (usize, usize, Scalar),
-    datatype: usize,
-    pixdim: (usize, usize, Scalar),
-    offset: (usize, Scalar),
-    slope: (usize, usize, Scalar),
-    codes: ([usize; 2], Scalar),
+    dim: Place,
+    datatype: Place,
+    pixdim: Place,
+    offset: Place,
+    slope: Place,
+    codes: Place,
     magic: usize,
     single: &'static [u8],
 }
 
 const FIRST: NiftiLayout = NiftiLayout {
-    dim: (40, 2, Scalar::I16),
-    datatype: 70,
-    pixdim: (76, 4, Scalar::F32),
+    dim: (40, Scalar::I16),
+    datatype: (70, Scalar::I16),
+    pixdim: (76, Scalar::F32),
     offset: (108, Scalar::F32),
-    slope: (112, 4, Scalar::F32),
-    codes: ([252, 254], Scalar::I16),
+    slope: (112, Scalar::F32),
+    codes: (252, Scalar::I16),
     magic: 344,
     single: b"n+1\0",
 };
 const SECOND: NiftiLayout = NiftiLayout {
-    dim: (16, 8, Scalar::I64),
-    datatype: 12,
-    pixdim: (104, 8, Scalar::F64),
+    dim: (16, Scalar::I64),
+    datatype: (12, Scalar::I16),
+    pixdim: (104, Scalar::F64),
     offset: (168, Scalar::I64),
-    slope: (176, 8, Scalar::F64),
-    codes: ([344, 348], Scalar::I32),
+    slope: (176, Scalar::F64),
+    codes: (344, Scalar::I32),
     magic: 4,
     single: b"n+2\0",
 };
@@ -131,14 +134,15 @@ impl<'a> Header<'a> {
         Ok(header)
     }
 
-    fn number(&self, place: usize, kind: Scalar) -> f64 {
-        let stored = self.bytes.get(place..).unwrap_or_default();
+    /// The number at an index of a field.
+    fn number(&self, (place, kind): Place, index: usize) -> f64 {
+        let stored = self.bytes.get(place + index * kind.size()..);
+        let stored = stored.unwrap_or_default();
         kind.decode(stored, self.grid.endian)
     }
 
     fn kind(&self) -> Result<Scalar, Problem> {
-        let code = self.number(self.layout.datatype, Scalar::I16);
-        Ok(match code as i16 {
+        Ok(match self.number(self.layout.datatype, 0) as i16 {
             2 => Scalar::U8,
             4 => Scalar::I16,
             8 => Scalar::I32,
@@ -156,8 +160,7 @@ impl<'a> Header<'a> {
 
     /// Three axes; further ones of one entry are no axes.
     fn sizes(&self) -> Result<[usize; 3], Problem> {
-        let (place, step, kind) = self.layout.dim;
-        let dim = |index: usize| self.number(place + index * step, kind);
+        let dim = |index: usize| self.number(self.layout.dim, index);
         let axes = dim(0);
         let further = (4..8).filter(|axis| *axis as f64 <= axes);
         let single = further.into_iter().all(|axis| dim(axis) == 1.0);
@@ -176,8 +179,7 @@ impl<'a> Header<'a> {
     }
 
     fn spacings(&self) -> Result<[f64; 3], Problem> {
-        let (place, step, kind) = self.layout.pixdim;
-        let spacings = [1, 2, 3].map(|axis| self.number(place + axis * step, kind).abs());
+        let spacings = [1, 2, 3].map(|axis| self.number(self.layout.pixdim, axis).abs());
         if spacings.into_iter().all(is_spacing) {
             Ok(spacings)
         } else {
@@ -189,8 +191,7 @@ impl<'a> Header<'a> {
     }
 
     fn offset(&self, least: usize) -> Result<usize, Problem> {
-        let (place, kind) = self.layout.offset;
-        let offset = self.number(place, kind);
+        let offset = self.number(self.layout.offset, 0);
         if (least as f64..MAX_OFFSET).contains(&offset) && offset.fract() == 0.0 {
             return Ok(offset as usize);
         }
@@ -201,17 +202,14 @@ impl<'a> Header<'a> {
     }
 
     fn volume(&self, data: &[u8]) -> Result<Noted, Problem> {
-        let (place, step, kind) = self.layout.slope;
-        let [slope, inter] = [0, 1].map(|index| self.number(place + index * step, kind));
+        let [slope, inter] = [0, 1].map(|index| self.number(self.layout.slope, index));
         let mut values = self.grid.decode(data)?;
         if slope != 0.0 && slope.is_finite() && inter.is_finite() && (slope, inter) != (1.0, 0.0) {
             for value in &mut values {
                 *value = (slope * f64::from(*value) + inter) as f32;
             }
         }
-        let (places, kind) = self.layout.codes;
-        let code = |place: usize| self.number(place, kind);
-        let is_turned = places.into_iter().any(|place| code(place) != 0.0);
+        let is_turned = (0..2).any(|index| self.number(self.layout.codes, index) != 0.0);
         Ok((self.grid.volume(values), turned(is_turned)))
     }
 }

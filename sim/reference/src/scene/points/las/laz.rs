@@ -133,8 +133,10 @@ fn checked(data: &[u8], header: &LasHeader) -> Result<LazVlr, Problem> {
         "LAS header, packed items: their sizes or versions do not fit; {fix}"
     );
     let size = vlr.chunk_size();
+    // Compressor 2 of the description; 1 is one chunk without a table, of the years before 2011.
+    let is_chunked = data.first_chunk() == Some(&2u16.to_le_bytes());
     ensure!(
-        size != 0 && (layered || is_chunked(data) && size != VARIABLE),
+        size != 0 && (layered || is_chunked && size != VARIABLE),
         "LAS header, packed chunks: chunks of {size}; {fix}"
     );
     Ok(vlr)
@@ -146,11 +148,6 @@ fn record_size(vlr: &LazVlr) -> usize {
         .iter()
         .map(|item| usize::from(item.size()))
         .sum()
-}
-
-/// Compressor 2 of the description; 1 is one chunk without a table, of the years before 2011.
-fn is_chunked(data: &[u8]) -> bool {
-    data.first_chunk() == Some(&2u16.to_le_bytes())
 }
 
 /// Bytes that an item must have: what the crate unpacks into.
