@@ -11,7 +11,6 @@ use splatline_sim::picture::{Depth, Picture};
 use splatline_sim::plan::golden;
 use splatline_sim::plan::{Comparison, Effort, Prepared, compare_all};
 use splatline_sim::progress::ProgressMeter;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// What the help ends with.
@@ -127,18 +126,12 @@ fn section(name: &str, Caption { title, text }: &Caption, comparison: &Compariso
 }
 
 fn row(group: &str, facts: &ChannelError) -> String {
-    let mut row = String::new();
     let psnr = match facts.psnr_db {
         psnr if psnr.is_finite() => format!("{psnr:.1}"),
         _ => "identical".to_owned(),
     };
-    // Writing to a String cannot fail.
-    let _ = writeln!(
-        row,
-        "| {group} | {psnr} | {:.1e} | {:+.1e} |",
-        facts.max_abs, facts.bias
-    );
-    row
+    let ChannelError { max_abs, bias, .. } = facts;
+    format!("| {group} | {psnr} | {max_abs:.1e} | {bias:+.1e} |\n")
 }
 
 #[cfg(test)]

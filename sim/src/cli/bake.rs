@@ -3,7 +3,7 @@
 use super::output::{Outputs, write, write_json_if};
 use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
-use super::view_args::{MoreScenes, PathOptions, ViewOptions};
+use super::view_args::{PathOptions, ViewOptions};
 use crate::bake::{BakedScene, contributions, error, most_visible};
 use crate::fixed::QuantisedScene;
 use crate::metrics::ChannelError;
@@ -60,8 +60,8 @@ pub fn run(options: &BakeOptions) -> Result<(), Failure> {
     if options.view.surface.kind.is_some() {
         return Err(Failure::Usage(GAUSSIANS_ALONE.to_owned()));
     }
-    let request = PlanRequest::by_design(&options.view, "standard24");
-    let frames = request.frames(&options.path, &MoreScenes::default())?;
+    let request = PlanRequest::by_design(&options.view, "standard24").along(&options.path);
+    let frames = request.frames()?;
     outputs.spare_inputs()?;
     let first = frames.first().map(|frame| &frame.prepared);
     let Some(first) = first else {

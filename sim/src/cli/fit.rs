@@ -13,12 +13,10 @@ use crate::plan::{DesignVariant, Engine};
 use crate::progress::ProgressMeter;
 use anyhow::anyhow;
 use splatline::format::WIDTH_RANGES;
-use std::fmt::Write;
 
 pub fn run(options: &FitOptions) -> Result<(), Failure> {
     let outputs = Outputs::default().file_if(options.output.as_ref(), &["toml"])?;
-    let request = PlanRequest::work(&options.view, &options.work);
-    let frames = request.frames(&options.path, &options.more)?;
+    let frames = PlanRequest::of_frames(&options.frames).frames()?;
     outputs.spare_inputs()?;
     for frame in &frames {
         warn(&frame.prepared.setup_warnings()?);
@@ -81,8 +79,7 @@ pub fn text(start: &DesignChoice, fit: &Fit) -> String {
     for ((name, ..), before) in WIDTH_RANGES.iter().zip(start.widths.numbers()) {
         let less = fit.one_bit_less.get(name).map(worse);
         let (bits, less) = (fit.widths[name], less.unwrap_or("at its limit".to_owned()));
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "{name:<14} {before:>5} {bits:>5}   {less}");
+        text += &format!("{name:<14} {before:>5} {bits:>5}   {less}\n");
     }
     text
 }

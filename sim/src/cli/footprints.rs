@@ -8,7 +8,6 @@ use super::output::{Outputs, write};
 use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
 use crate::plan::{Engine, FootprintLine};
-use std::fmt::Write;
 
 const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,opacity,cutoff\n";
 
@@ -54,9 +53,8 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
 fn csv(lines: &[Option<FootprintLine>]) -> String {
     let mut text = String::from(HEADING);
     for (index, line) in lines.iter().enumerate() {
-        // Writing to a String cannot fail.
-        let _ = match line {
-            None => writeln!(text, "{index},,,,,,,,,,,,"),
+        text += &match line {
+            None => format!("{index},,,,,,,,,,,,\n"),
             Some(FootprintLine {
                 centre: [u, v],
                 depth,
@@ -66,9 +64,8 @@ fn csv(lines: &[Option<FootprintLine>]) -> String {
                 cutoff,
             }) => {
                 let opacity = opacity.map_or(String::new(), |opacity| opacity.to_string());
-                writeln!(
-                    text,
-                    "{index},{u},{v},{depth},{a:e},{b:e},{c:e},{x0},{y0},{x1},{y1},{opacity},{cutoff}"
+                format!(
+                    "{index},{u},{v},{depth},{a:e},{b:e},{c:e},{x0},{y0},{x1},{y1},{opacity},{cutoff}\n"
                 )
             }
         };

@@ -6,7 +6,6 @@ use super::output::{self, Outputs, create_folder, write, write_json, write_json_
 use super::render::{check_room, write_picture};
 use super::resolve::{COMPARED, NamedFrame, PlanRequest, PlannedFrame, room_for_picture};
 use super::say::{Failure, print_result, warn};
-use super::view_args::MoreScenes;
 use crate::machine::summary::Spread;
 use crate::picture::EXTENSIONS;
 use crate::picture::png::animated;
@@ -25,7 +24,8 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
     }
     let drawing = &options.drawing;
     let frames = PlanRequest::drawing(&options.view, drawing)
-        .planned_frames(&options.path, &MoreScenes::default())?;
+        .along(&options.path)
+        .planned_frames()?;
     let count = frames.len();
     let files = files(&options.output, &frames);
     let [first, last] = [files.first(), files.last()].map(|file| file.cloned().unwrap_or_default());
@@ -85,7 +85,7 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
 pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<(), Failure> {
     let drawing = &options.drawing;
     let request = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
-    let frames = request.planned_frames(&options.path, &MoreScenes::default())?;
+    let frames = request.along(&options.path).planned_frames()?;
     outputs
         .folder(&options.output, &["frames.json", "frames.html"])?
         .spare_inputs()?;

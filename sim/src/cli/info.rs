@@ -10,7 +10,6 @@ use crate::scene::{Bounds, Scene, SortOrder, Weight};
 use crate::vector::{self, Vector};
 use clap::Args;
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
@@ -41,7 +40,7 @@ struct Info {
     count: usize,
     /// Of the centres.
     bounds: Option<[Vector; 2]>,
-    ball: BallInfo,
+    ball: Ball,
     up: Vector,
     front: Vector,
     /// Smallest, median and largest of each.
@@ -53,13 +52,6 @@ struct Info {
     /// Records left out, by reason.
     dropped: ReasonCounts,
     notes: Vec<String>,
-}
-
-#[derive(Default, Serialize)]
-struct BallInfo {
-    centre: Vector,
-    radius: f64,
-    strays: usize,
 }
 
 #[derive(Serialize)]
@@ -165,19 +157,10 @@ impl Info {
     }
 
     fn framed(name: &str, frame: &FramingInput) -> Info {
-        let Ball {
-            centre,
-            radius,
-            strays,
-        } = frame.ball;
         Info {
             format: "splatline-info/1",
             scene: name.to_owned(),
-            ball: BallInfo {
-                centre,
-                radius,
-                strays,
-            },
+            ball: frame.ball,
             up: frame.up,
             front: frame.front,
             order: SortOrder::Depth.name(),
@@ -195,7 +178,7 @@ impl Info {
             [] => "nothing".to_owned(),
             _ => dropped.join(", "),
         };
-        let BallInfo {
+        let Ball {
             centre,
             radius,
             strays,
@@ -225,10 +208,9 @@ impl Info {
             ),
         ];
         let mut text = format!("{}: {}\n", self.scene, self.kind);
-        // Writing to a String cannot fail.
         for (name, fact) in facts {
             let Some(fact) = fact else { continue };
-            let _ = writeln!(text, "{name:<10} {fact}");
+            text += &format!("{name:<10} {fact}\n");
         }
         for ShownRange {
             of,
@@ -238,10 +220,10 @@ impl Info {
         } in &self.ranges
         {
             let [least, greatest, median] = [least, greatest, median].map(|value| number(*value));
-            let _ = writeln!(text, "{of:<31} {least} to {greatest}, median {median}");
+            text += &format!("{of:<31} {least} to {greatest}, median {median}\n");
         }
         for note in &self.notes {
-            let _ = writeln!(text, "note       {note}");
+            text += &format!("note       {note}\n");
         }
         text
     }

@@ -8,8 +8,7 @@ use super::machine_args::ModelOptions;
 use super::order_reuse::{self, OrderReuse, ReusedOrderFrame};
 use super::output::{self, Outputs, write, write_json};
 use super::resolve::{
-    NamedFrame, PlanRequest, PlannedFrame, calibration, energy_table, machine, part,
-    refuse_kept_order,
+    NamedFrame, PlannedFrame, calibration, energy_table, machine, part, refuse_kept_order,
 };
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
@@ -93,28 +92,27 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     if options.machines {
         return others_beside_ours(options, &outputs);
     }
-    let named = options.area.part.clone().unwrap_or_default();
+    let (simulation, area) = (&options.simulation, &options.simulation.area);
+    let named = area.part.clone().unwrap_or_default();
     let prices = Prices {
-        calibration: calibration(&options.area)?,
-        part: part(&options.area)?.map(|part| (named, part)),
-        energy: energy_table(&options.energy)?,
+        calibration: calibration(area)?,
+        part: part(area)?.map(|part| (named, part)),
+        energy: energy_table(&simulation.energy)?,
     };
     if let Some(table) = &options.footprints {
         let modelled = from_table(table, options)?;
         outputs.spare_inputs()?;
         return one(&table.display().to_string(), &modelled, &prices, options);
     }
-    if options.view.scene.is_none() && options.view.from.is_none() {
+    let view = &simulation.frames.view;
+    if view.scene.is_none() && view.from.is_none() {
         let message = "name a scene, a report with --from, or a table with --footprints";
         return Err(Failure::Usage(message.to_owned()));
     }
-    let request = PlanRequest::work(&options.view, &options.work)
-        .on(&options.machine)
-        .by_units()
-        .keeping_order();
-    let mut frames = request.planned_frames(&options.path, &options.more)?;
+    let request = simulation.request().keeping_order();
+    let mut frames = request.planned_frames()?;
     outputs.spare_inputs()?;
-    if !options.path.is_path() {
+    if !simulation.frames.path.is_path() {
         refuse_kept_order(&frames[0].plan().machine)?;
     }
     match frames.len() {
@@ -128,15 +126,12 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
 
 /// All machines of the presets on the scene's splats.
 fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<(), Failure> {
-    let prepared = PlanRequest::work(&options.view, &options.work)
-        .on(&options.machine)
-        .by_units()
-        .prepare()?;
+    let prepared = options.simulation.request().prepare()?;
     outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);
     let splats = prepared.splats()?;
     let drawn = splats.options(&prepared.plan.entry);
-    let energy = energy_table(&options.energy)?;
+    let energy = energy_table(&options.simulation.energy)?;
     let machines = others::run_all(splats.scene, splats.camera, &drawn, &energy)?;
     let (table, note) = (others::table_of(&machines), others::note());
     print_result(&format!("{table}\n{note}"))?;
@@ -310,11 +305,12 @@ fn charged(scene: &Scene, machine: &Config) -> String {
 }
 
 fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> {
-    let machine = machine(&options.machine)?;
+    let work = &options.simulation.frames.work;
+    let machine = machine(&options.simulation.machine)?;
     refuse_kept_order(&machine)?;
     let text = output::read_text(path)?;
-    let design = DesignChoice::load(&options.work.design)?;
-    let entry = DesignVariant::new(design, options.work.traversal.map(Traversal::from));
+    let design = DesignChoice::load(&work.design)?;
+    let entry = DesignVariant::new(design, work.traversal.map(Traversal::from));
     if options.screen.is_none() {
         print_result(
             "screen: up to the largest x1 and y1 of the table; --screen WxH gives another\n",

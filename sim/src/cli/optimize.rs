@@ -45,7 +45,7 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     let outputs = Outputs::default().folder_if(options.output.as_ref(), &FILES)?;
     let started = Instant::now();
     let limits = limits(own, options)?;
-    let frames = search.frames()?;
+    let frames = search.request().frames()?;
     let errors = limits.iter().any(|limit| limit.quantity.is_error());
     // Without a limit on errors the error of one picture is reported, those of many are not worth their memory.
     let formats = &options.formats.formats;

@@ -8,7 +8,7 @@ use super::compare::against_reference;
 use super::output::{Outputs, create_folder, write, write_json, write_json_if};
 use super::resolve::{COMPARED, NamedFrame, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
-use super::view_args::{MoreScenes, PathOptions};
+use super::view_args::PathOptions;
 use crate::cameras;
 use crate::cameras::lens::{Distortion, Lens};
 use crate::design::DesignChoice;
@@ -162,7 +162,7 @@ fn chosen_views(
         .into_iter()
         .filter_map(|pose| Some((pose.name, pose.lens?)));
     let request = PlanRequest::drawing(&options.view, &options.drawing).on(&options.machine);
-    let mut frames = request.frames(&path, &MoreScenes::default())?;
+    let mut frames = request.along(&path).frames()?;
     frames.sort_by(|a, b| a.name.cmp(&b.name));
     let views: Vec<NamedFrame> = (0..)
         .zip(frames)

@@ -15,14 +15,13 @@ use crate::progress::ProgressMeter;
 use crate::systems::SystemVerdict;
 use anyhow::anyhow;
 use serde_json::{Map, json};
-use std::fmt::Write;
 
 pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
     let outputs = Outputs::default()
         .json(options.json.as_ref())?
         .file_if(options.html.as_ref(), &["html"])?;
-    let request = PlanRequest::work(&options.view, &options.work).on(&options.machine);
-    let frames = request.planned_frames(&options.path, &options.more)?;
+    let request = PlanRequest::of_frames(&options.frames).on(&options.machine);
+    let frames = request.planned_frames()?;
     outputs.spare_inputs()?;
     let mut answers = Vec::with_capacity(frames.len());
     let mut drawn = Drawn::default();
@@ -138,28 +137,24 @@ fn systems_text(systems: &[SystemVerdict]) -> String {
 
 fn text(name: &str, needs: &Needs) -> String {
     let mut text = format!("{name}: {} visible splats\nunits:\n", needs.visible);
-    // Writing to a String cannot fail.
     for (unit, verdict) in &needs.units {
-        let _ = writeln!(text, "  {unit:<18} {verdict}");
+        text += &format!("  {unit:<18} {verdict}\n");
     }
-    let _ = writeln!(
-        text,
-        "FIFOs (depth within {} % of the cycles of deep ones; fullest when deep):",
+    text += &format!(
+        "FIFOs (depth within {} % of the cycles of deep ones; fullest when deep):\n",
         SLACK * 100.0
     );
     for ((name, depth), high) in needs.fifo_depths.iter().zip(needs.fifo_high_water.values()) {
-        let _ = writeln!(text, "  {name:<18} {depth:>5} {high:>6}");
+        text += &format!("  {name:<18} {depth:>5} {high:>6}\n");
     }
     let [columns, rows] = needs.largest_box;
-    let _ = writeln!(
-        text,
-        "layers: at most {} in a pixel; longest tile list {}; largest box {columns} x {rows}; longest run {}",
+    text += &format!(
+        "layers: at most {} in a pixel; longest tile list {}; largest box {columns} x {rows}; longest run {}\n",
         needs.deepest_pixel, needs.longest_tile_list, needs.longest_run
     );
     if let (Some([low, high]), Some([most, least])) = (needs.curvature_log2, needs.peaks) {
-        let _ = writeln!(
-            text,
-            "ranges: curvature 2^{low} to 2^{high} per square pixel; peak opacity {least:.5} to {most:.5}"
+        text += &format!(
+            "ranges: curvature 2^{low} to 2^{high} per square pixel; peak opacity {least:.5} to {most:.5}\n"
         );
     }
     text

@@ -10,11 +10,11 @@ mod technique;
 pub use camera::sound_camera;
 pub use machine::{calibration, energy_table, machine, part, refuse_kept_order};
 
-use super::drawing_args::{DrawingOptions, TechniqueOptions, WorkOptions};
+use super::drawing_args::{DrawingOptions, FrameOptions, TechniqueOptions, WorkOptions};
 use super::machine_args::MachineOptions;
 use super::say::{Failure, print_error};
 use super::values::TraversalChoice;
-use super::view_args::{MoreScenes, PathOptions, ViewOptions};
+use super::view_args::{PathOptions, ViewOptions};
 use crate::camera::Camera;
 use crate::design::DesignChoice;
 use crate::framing::turned_camera;
@@ -35,6 +35,8 @@ use std::sync::Arc;
 /// What the options of a command say about a scene and its drawing; commands that lack an option have its default here.
 pub struct PlanRequest<'a> {
     view: &'a ViewOptions,
+    more: &'a [PathBuf],
+    path: Option<&'a PathOptions>,
     engine: Engine,
     design: &'a str,
     traversal: Option<TraversalChoice>,
@@ -102,6 +104,8 @@ impl<'a> PlanRequest<'a> {
     pub fn by_design(view: &'a ViewOptions, design: &'a str) -> PlanRequest<'a> {
         PlanRequest {
             view,
+            more: &[],
+            path: None,
             engine: Engine::Fixed,
             design,
             traversal: None,
@@ -123,12 +127,26 @@ impl<'a> PlanRequest<'a> {
         }
     }
 
+    /// The same of several scenes and cameras.
+    pub fn of_frames(frames: &'a FrameOptions) -> PlanRequest<'a> {
+        PlanRequest {
+            more: &frames.more,
+            ..PlanRequest::work(&frames.view, &frames.work).along(&frames.path)
+        }
+    }
+
     /// What the commands that write pictures ask.
     pub fn drawing(view: &'a ViewOptions, drawing: &'a DrawingOptions) -> PlanRequest<'a> {
         PlanRequest {
             engine: drawing.engine,
             ..PlanRequest::work(view, &drawing.work)
         }
+    }
+
+    /// The same along a path, if there is one.
+    pub fn along(mut self, path: &'a PathOptions) -> PlanRequest<'a> {
+        self.path = Some(path);
+        self
     }
 
     /// The same for a machine.
@@ -188,26 +206,18 @@ impl<'a> PlanRequest<'a> {
     }
 
     /// A plan for every frame at once, for what draws all of them again and again.
-    pub fn frames(
-        &self,
-        path: &PathOptions,
-        more: &MoreScenes,
-    ) -> Result<Vec<NamedFrame>, Failure> {
-        let planned = self.planned_frames(path, more)?;
+    pub fn frames(&self) -> Result<Vec<NamedFrame>, Failure> {
+        let planned = self.planned_frames()?;
         let what = format!("the plans of {} frames", planned.len());
         memory::room_for_records(planned.len() as u64, FRAME_BYTES, &what)?;
         Ok(planned.into_iter().map(PlannedFrame::prepare).collect())
     }
 
     /// Every frame, of each scene by each camera of the path, whose plan is made when its turn comes.
-    pub fn planned_frames(
-        &self,
-        path: &PathOptions,
-        more: &MoreScenes,
-    ) -> Result<Vec<PlannedFrame>, Failure> {
+    pub fn planned_frames(&self) -> Result<Vec<PlannedFrame>, Failure> {
         self.check_units()?;
-        let turntable = path.turntable;
-        let path = match &path.camera_path {
+        let turntable = self.path.and_then(|path| path.turntable);
+        let path = match self.path.and_then(|path| path.camera_path.as_ref()) {
             Some(file) => {
                 let (path, notes) = path::load(file, self.view.camera.size)?;
                 for note in notes {
@@ -220,7 +230,7 @@ impl<'a> PlanRequest<'a> {
         if self.view.from.is_some() {
             return Ok(vec![PlannedFrame::only(self.prepare()?)]);
         }
-        let scenes = std::iter::once(scene_of(self.view)?).chain(&more.others);
+        let scenes = std::iter::once(scene_of(self.view)?).chain(self.more);
         let mut frames = Vec::new();
         for scene in scenes {
             // Turned, a scene shows its other sides: there the whole of it has room.

@@ -1,14 +1,13 @@
 //! Options of the commands that search designs and machines: sweep, optimize, fit, profile.
 
-use super::drawing_args::WorkOptions;
-use super::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
+use super::drawing_args::FrameOptions;
+use super::machine_args::{MachineOptions, SimulationOptions};
 use super::resolve::{
-    COMPARED, HELD_PIXEL_BYTES, NamedFrame, PlanRequest, calibration, energy_table,
-    room_for_picture,
+    COMPARED, HELD_PIXEL_BYTES, NamedFrame, calibration, energy_table, room_for_picture,
 };
 use super::say::{Failure, warn};
 use super::values::{METRICS, format, one_of, positive};
-use super::view_args::{MoreScenes, PathOptions, ViewOptions, of_units};
+use super::view_args::of_units;
 use crate::explore::limits::{Limit, Quantity};
 use crate::explore::subject::Subject;
 use crate::plan::Engine;
@@ -16,34 +15,7 @@ use clap::Args;
 use splatline::format::Traversal;
 use std::path::PathBuf;
 
-/// What is drawn and simulated, by what a search starts from.
-#[derive(Debug, Args)]
-pub struct SearchOptions {
-    #[command(flatten)]
-    pub view: ViewOptions,
-    #[command(flatten)]
-    pub more: MoreScenes,
-    #[command(flatten)]
-    pub path: PathOptions,
-    #[command(flatten)]
-    pub work: WorkOptions,
-    #[command(flatten)]
-    pub machine: MachineOptions,
-    #[command(flatten)]
-    pub area: AreaOptions,
-    #[command(flatten)]
-    pub energy: EnergyOptions,
-}
-
-impl SearchOptions {
-    /// The frames that are drawn.
-    pub fn frames(&self) -> Result<Vec<NamedFrame>, Failure> {
-        let request = PlanRequest::work(&self.view, &self.work)
-            .on(&self.machine)
-            .by_units();
-        request.frames(&self.path, &self.more)
-    }
-
+impl SimulationOptions {
     /// What is explored, with references where errors are asked for.
     pub fn subject<'a>(
         &self,
@@ -59,8 +31,8 @@ impl SearchOptions {
         }
         // What nobody asked for, each design of a space decides.
         let recorded = &frames[0].prepared.plan.entry.traversal;
-        let recorded = self.view.from.as_ref().map(|_| *recorded);
-        subject.traversal = self.work.traversal.map(Traversal::from).or(recorded);
+        let recorded = self.frames.view.from.as_ref().map(|_| *recorded);
+        subject.traversal = self.frames.work.traversal.map(Traversal::from).or(recorded);
         subject.calibration = calibration(&self.area)?;
         subject.energy = energy_table(&self.energy)?;
         Ok(subject)
@@ -131,7 +103,7 @@ On several machines: splatline.study, in Python.
 #[command(mut_args(of_units))]
 pub struct SweepOptions {
     #[command(flatten)]
-    pub search: SearchOptions,
+    pub search: SimulationOptions,
     /// Fields and their values (TOML)
     #[arg(long, value_name = "s.toml")]
     pub space: PathBuf,
@@ -157,7 +129,7 @@ The exit status is 1 where no point holds all limits. `explore` with a limit is 
 #[command(mut_args(of_units))]
 pub struct OptimizeOptions {
     #[command(flatten)]
-    pub search: SearchOptions,
+    pub search: SimulationOptions,
     /// Fields and their values (TOML) [default: every width and the usual machines]
     #[arg(long, value_name = "s.toml")]
     pub space: Option<PathBuf>,
@@ -230,13 +202,7 @@ Examples:
 #[derive(Debug, Args)]
 pub struct FitOptions {
     #[command(flatten)]
-    pub view: ViewOptions,
-    #[command(flatten)]
-    pub more: MoreScenes,
-    #[command(flatten)]
-    pub path: PathOptions,
-    #[command(flatten)]
-    pub work: WorkOptions,
+    pub frames: FrameOptions,
     /// Error that the design may have, colours, in units of 1.0
     #[arg(long, value_name = "E", value_parser = positive)]
     pub max_error: Option<f64>,
@@ -271,13 +237,7 @@ Examples:
 #[derive(Debug, Args)]
 pub struct ProfileOptions {
     #[command(flatten)]
-    pub view: ViewOptions,
-    #[command(flatten)]
-    pub more: MoreScenes,
-    #[command(flatten)]
-    pub path: PathOptions,
-    #[command(flatten)]
-    pub work: WorkOptions,
+    pub frames: FrameOptions,
     #[command(flatten)]
     pub machine: MachineOptions,
     /// Also find the smallest widths within this error (as `splatline fit` does)

@@ -1,8 +1,9 @@
 //! `splatline sweep`: every point of a space, in one piece.
 
+use super::machine_args::SimulationOptions;
 use super::output::{Outputs, read_settings, write};
 use super::say::{Failure, print_result};
-use super::search_args::{SearchOptions, SweepOptions};
+use super::search_args::SweepOptions;
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
 use crate::explore::identity::{Identity, SettingsText};
@@ -28,7 +29,7 @@ pub fn run(options: &SweepOptions) -> Result<(), Failure> {
     let outputs = Outputs::default().folder(output, &FILES)?;
     let text = read_settings(file)?;
     let space = Space::from_toml(&file.display().to_string(), &text)?;
-    let frames = search.frames()?;
+    let frames = search.request().frames()?;
     let subject = search.subject(&frames, !options.no_error)?;
     let identity = Identity::new(&subject, &text, &settings(search, &space)?)?;
     outputs.spare_inputs()?;
@@ -106,13 +107,13 @@ fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<
 }
 
 /// The texts of all settings files that take part: whatever they say, another text is another sweep.
-fn settings(options: &SearchOptions, space: &Space) -> Result<Vec<SettingsText>, Failure> {
-    let design = Some(PathBuf::from(&options.work.design));
+fn settings(options: &SimulationOptions, space: &Space) -> Result<Vec<SettingsText>, Failure> {
+    let design = Some(PathBuf::from(&options.frames.work.design));
     let machine = options.machine.machine.clone();
     let files = [
-        ("plan", options.view.from.clone()),
-        ("transfer", options.view.splats.transfer.clone()),
-        ("camera", options.view.camera.file.clone()),
+        ("plan", options.frames.view.from.clone()),
+        ("transfer", options.frames.view.splats.transfer.clone()),
+        ("camera", options.frames.view.camera.file.clone()),
         ("design", design.filter(|name| is_toml(name))),
         ("machine", machine.filter(|name| is_toml(name))),
         ("calibration", options.area.calibration.clone()),
