@@ -5,7 +5,7 @@
 
 use anyhow::{Context, Result};
 use clap::Args;
-use splatline_sim::cli::{Failure, create_folder, print_result, write};
+use splatline_sim::cli::{create_folder, print_result, write};
 use splatline_sim::metrics::ChannelError;
 use splatline_sim::picture::{Depth, Picture};
 use splatline_sim::plan::golden;
@@ -40,7 +40,7 @@ struct Caption {
 }
 
 /// Draws all plans and writes the page.
-pub fn run(options: &GalleryOptions) -> Result<(), Failure> {
+pub fn run(options: &GalleryOptions) -> Result<()> {
     create_folder(&options.output)?;
     let plans = golden::plans(&options.plans)?;
     let progress = ProgressMeter::new(plans.len());

@@ -2,7 +2,7 @@
 
 use super::output::{Outputs, write};
 use super::resolve::{NamedFrame, PlanRequest};
-use super::say::{Failure, print_result, warn};
+use super::say::{print_result, warn};
 use super::search_args::{FitOptions, limits_given, subject};
 use crate::design::DesignChoice;
 use crate::explore::evaluator::DesignError;
@@ -11,10 +11,10 @@ use crate::explore::formats;
 use crate::explore::limits::{Limit, Quantity};
 use crate::plan::{DesignVariant, Engine};
 use crate::progress::ProgressMeter;
-use anyhow::anyhow;
+use anyhow::{Result, anyhow};
 use splatline::format::WIDTH_RANGES;
 
-pub fn run(options: &FitOptions) -> Result<(), Failure> {
+pub fn run(options: &FitOptions) -> Result<()> {
     let outputs = Outputs::default().file_if(options.output.as_ref(), &["toml"])?;
     let frames = PlanRequest::of_frames(&options.frames).frames()?;
     outputs.spare_inputs()?;
@@ -37,7 +37,7 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
 }
 
 /// What the options allow.
-fn limits(options: &FitOptions) -> Result<Vec<Limit>, Failure> {
+fn limits(options: &FitOptions) -> Result<Vec<Limit>> {
     limits_given(&[
         (options.metric, options.max_error, "--max-error"),
         (Quantity::Percentile99, options.p99, "--p99"),
@@ -47,13 +47,13 @@ fn limits(options: &FitOptions) -> Result<Vec<Limit>, Failure> {
 }
 
 /// Fits what is planned for all frames, starting from their design.
-pub fn fitted(frames: &[NamedFrame], limits: &[Limit], formats: &[Engine]) -> Result<Fit, Failure> {
+pub fn fitted(frames: &[NamedFrame], limits: &[Limit], formats: &[Engine]) -> Result<Fit> {
     let mut subject = subject(frames, true)?;
     subject.traversal = Some(frames[0].prepared.plan.entry.traversal);
     subject.formats = formats.to_vec();
     let progress = ProgressMeter::spinner("searching");
     let (fitted, error) = fit(&subject, limits, &|what| progress.doing(what))?;
-    Ok(fitted.ok_or_else(|| anyhow!(refusal(&subject.design.name, limits, &error)))?)
+    fitted.ok_or_else(|| anyhow!(refusal(&subject.design.name, limits, &error)))
 }
 
 /// Widths, errors, and what each last bit is worth.

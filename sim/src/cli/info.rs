@@ -1,13 +1,14 @@
 //! `splatline info`: what is in a scene, before anything is drawn.
 
 use super::output::{self, Outputs};
-use super::say::{Failure, print_result};
+use super::say::print_result;
 use crate::framing::{Ball, FramingInput, direction};
 use crate::plan::load::{AnyScene, recognise};
 use crate::report::facts::{ReasonCounts, counted};
 use crate::scene::points::SurfaceScene;
 use crate::scene::{Bounds, Scene, SortOrder, Weight};
 use crate::vector::{self, Vector};
+use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -62,7 +63,7 @@ struct ShownRange {
     greatest: f64,
 }
 
-pub fn run(options: &InfoOptions) -> Result<(), Failure> {
+pub fn run(options: &InfoOptions) -> Result<()> {
     let outputs = Outputs::default().json(options.json.as_ref())?;
     let loaded = recognise(&options.scene, options.transfer.clone())?;
     outputs.spare_inputs()?;

@@ -10,7 +10,7 @@ use super::output::{self, Outputs, write, write_json};
 use super::resolve::{
     NamedFrame, PlannedFrame, calibration, energy_table, machine, part, refuse_kept_order,
 };
-use super::say::{Failure, print_result, warn};
+use super::say::{print_result, usage, warn};
 use crate::design::DesignChoice;
 use crate::machine::clock::Throughput;
 use crate::machine::lanes::{LaneShape, LaneWork};
@@ -23,7 +23,7 @@ use crate::plan::{DesignVariant, Subject};
 use crate::progress::ProgressMeter;
 use crate::report::machine::{page, watch};
 use crate::scene::Scene;
-use anyhow::anyhow;
+use anyhow::{Result, anyhow};
 use serde::Serialize;
 use splatline::format::Traversal;
 use std::path::Path;
@@ -87,7 +87,7 @@ struct MachinesRecord {
     machines: Vec<others::Outcome>,
 }
 
-pub fn run(options: &ModelOptions) -> Result<(), Failure> {
+pub fn run(options: &ModelOptions) -> Result<()> {
     let outputs = Outputs::default().folder_if(options.output.as_ref(), &FILES)?;
     if options.machines {
         return others_beside_ours(options, &outputs);
@@ -106,8 +106,9 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     }
     let view = &simulation.frames.view;
     if view.scene.is_none() && view.from.is_none() {
-        let message = "name a scene, a report with --from, or a table with --footprints";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(usage(
+            "name a scene, a report with --from, or a table with --footprints",
+        ));
     }
     let request = simulation.request().keeping_order();
     let mut frames = request.planned_frames()?;
@@ -125,7 +126,7 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
 }
 
 /// All machines of the presets on the scene's splats.
-fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<(), Failure> {
+fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<()> {
     let prepared = options.simulation.request().prepare()?;
     outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);
@@ -163,7 +164,7 @@ fn one(
     (workload, entry, config): &Modelled,
     prices: &Prices,
     options: &ModelOptions,
-) -> Result<(), Failure> {
+) -> Result<()> {
     let costed = costed(entry, config, prices);
     let record = costed.picture(name, workload, options.repeat);
     print_result(&costed.text(&record))?;
@@ -178,7 +179,7 @@ fn one(
     write_timing(folder, record)
 }
 
-fn write_timing(folder: &Path, result: impl Serialize) -> Result<(), Failure> {
+fn write_timing(folder: &Path, result: impl Serialize) -> Result<()> {
     let format = TIMING;
     write_json(&folder.join("timing.json"), &Versioned { format, result })
 }
@@ -189,17 +190,13 @@ fn page_of(record: &PictureRecord, workload: &Workload, config: &Config) -> Stri
     page(&record.scene, &record.cycles, &watched, config)
 }
 
-fn write_machine(folder: &Path, config: &Config) -> Result<(), Failure> {
+fn write_machine(folder: &Path, config: &Config) -> Result<()> {
     let text = config::to_toml(config);
     write(&folder.join("machine.toml"), text.as_bytes())
 }
 
 /// Several pictures: the worst of them, the 95th percentile and the mean.
-fn several(
-    frames: Vec<PlannedFrame>,
-    prices: &Prices,
-    options: &ModelOptions,
-) -> Result<(), Failure> {
+fn several(frames: Vec<PlannedFrame>, prices: &Prices, options: &ModelOptions) -> Result<()> {
     let started = Instant::now();
     let (count, plan) = (frames.len(), frames[0].plan().clone());
     let records = simulated(frames, prices)?;
@@ -243,7 +240,7 @@ fn several(
 }
 
 /// All pictures one after the other, since one may keep the order of the one before.
-fn simulated(frames: Vec<PlannedFrame>, prices: &Prices) -> Result<Vec<FrameRecord>, Failure> {
+fn simulated(frames: Vec<PlannedFrame>, prices: &Prices) -> Result<Vec<FrameRecord>> {
     let progress = ProgressMeter::new(frames.len());
     let mut order = OrderReuse::default();
     let mut records = Vec::with_capacity(frames.len());
@@ -275,7 +272,7 @@ fn simulated(frames: Vec<PlannedFrame>, prices: &Prices) -> Result<Vec<FrameReco
 }
 
 /// Says what of a frame the kernel does not take as it is, and what the machine reads nothing for.
-fn announce(frame: &NamedFrame) -> Result<(), Failure> {
+fn announce(frame: &NamedFrame) -> Result<()> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     match prepared.subject()? {
@@ -284,7 +281,7 @@ fn announce(frame: &NamedFrame) -> Result<(), Failure> {
     }
 }
 
-fn from_scene(frame: &NamedFrame) -> Result<Modelled, Failure> {
+fn from_scene(frame: &NamedFrame) -> Result<Modelled> {
     let prepared = &frame.prepared;
     announce(frame)?;
     let progress = ProgressMeter::spinner("walking the rows of every tile");
@@ -304,7 +301,7 @@ fn charged(scene: &Scene, machine: &Config) -> String {
     })
 }
 
-fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> {
+fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled> {
     let work = &options.simulation.frames.work;
     let machine = machine(&options.simulation.machine)?;
     refuse_kept_order(&machine)?;

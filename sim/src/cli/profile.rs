@@ -3,7 +3,7 @@
 use super::fit;
 use super::output::{Outputs, write, write_json_if};
 use super::resolve::{NamedFrame, PlanRequest};
-use super::say::{Failure, print_result, warn};
+use super::say::{print_result, warn};
 use super::search_args::ProfileOptions;
 use crate::explore::limits::{Limit, Quantity};
 use crate::explore::profile::{Needs, SLACK, needs};
@@ -13,10 +13,10 @@ use crate::machine::workload::Workload;
 use crate::plan::{Prepared, Subject};
 use crate::progress::ProgressMeter;
 use crate::systems::SystemVerdict;
-use anyhow::anyhow;
+use anyhow::{Result, bail};
 use serde_json::{Map, json};
 
-pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
+pub fn run(options: &ProfileOptions) -> Result<()> {
     let outputs = Outputs::default()
         .json(options.json.as_ref())?
         .file_if(options.html.as_ref(), &["html"])?;
@@ -30,7 +30,7 @@ pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
     }
     if let Some(path) = &options.html {
         if drawn.frames.is_empty() {
-            return Err(anyhow!("--html: no frame is drawn by units that the machine has").into());
+            bail!("--html: no frame is drawn by units that the machine has");
         }
         write(path, statistics::page("workload", &drawn.frames).as_bytes())?;
     }
@@ -53,7 +53,7 @@ fn one(
     frame: &NamedFrame,
     options: &ProfileOptions,
     drawn: &mut Drawn,
-) -> Result<serde_json::Value, Failure> {
+) -> Result<serde_json::Value> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     let (name, systems) = (frame.name.as_str(), prepared.systems());
@@ -104,7 +104,7 @@ fn one(
 fn examined(
     prepared: &Prepared,
     before: Option<&Workload>,
-) -> Result<(Needs, Statistics, Workload), Failure> {
+) -> Result<(Needs, Statistics, Workload)> {
     let (splats, plan) = (prepared.splats()?, &prepared.plan);
     let progress = ProgressMeter::spinner("setting up every splat");
     let options = splats.options(&plan.entry);

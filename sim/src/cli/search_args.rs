@@ -5,23 +5,20 @@ use super::machine_args::{MachineOptions, SimulationOptions};
 use super::resolve::{
     COMPARED, HELD_PIXEL_BYTES, NamedFrame, calibration, energy_table, room_for_picture,
 };
-use super::say::{Failure, warn};
+use super::say::{usage, warn};
 use super::values::{METRICS, format, one_of, positive};
 use super::view_args::of_units;
 use crate::explore::limits::{Limit, Quantity};
 use crate::explore::subject::Subject;
 use crate::plan::Engine;
+use anyhow::Result;
 use clap::Args;
 use splatline::format::Traversal;
 use std::path::PathBuf;
 
 impl SimulationOptions {
     /// What is explored, with references where errors are asked for.
-    pub fn subject<'a>(
-        &self,
-        frames: &'a [NamedFrame],
-        errors: bool,
-    ) -> Result<Subject<'a>, Failure> {
+    pub fn subject<'a>(&self, frames: &'a [NamedFrame], errors: bool) -> Result<Subject<'a>> {
         for frame in frames {
             warn(&frame.prepared.setup_warnings()?);
         }
@@ -40,18 +37,14 @@ impl SimulationOptions {
 }
 
 /// What is explored of these frames, whatever they are of, with references where errors are asked for.
-pub fn subject(frames: &[NamedFrame], errors: bool) -> Result<Subject<'_>, Failure> {
+pub fn subject(frames: &[NamedFrame], errors: bool) -> Result<Subject<'_>> {
     let mut subject = Subject::new(frames.iter().map(|frame| &frame.prepared).collect())?;
     draw_references(&mut subject, frames, errors)?;
     Ok(subject)
 }
 
 /// Draws a subject's references where errors are asked for and there is memory for all of them.
-pub fn draw_references(
-    subject: &mut Subject,
-    frames: &[NamedFrame],
-    errors: bool,
-) -> Result<(), Failure> {
+pub fn draw_references(subject: &mut Subject, frames: &[NamedFrame], errors: bool) -> Result<()> {
     if !errors {
         return Ok(());
     }
@@ -59,12 +52,11 @@ pub fn draw_references(
         let bytes = COMPARED + HELD_PIXEL_BYTES * (frames.len() as u64 - 1);
         room_for_picture(&frame.prepared.plan.camera, bytes)?;
     }
-    subject.draw_references()?;
-    Ok(())
+    subject.draw_references()
 }
 
 /// The limits that options give, of which there must be one: quantities, bounds and the options' names.
-pub fn limits_given(options: &[(Quantity, Option<f64>, &str)]) -> Result<Vec<Limit>, Failure> {
+pub fn limits_given(options: &[(Quantity, Option<f64>, &str)]) -> Result<Vec<Limit>> {
     let given = options.iter();
     let given =
         given.filter_map(|(quantity, bound, of)| Some(Limit::new(*quantity, (*bound)?, of)));
@@ -73,7 +65,7 @@ pub fn limits_given(options: &[(Quantity, Option<f64>, &str)]) -> Result<Vec<Lim
         [others @ .., (.., last)] if limits.is_empty() => {
             let others: Vec<&str> = others.iter().map(|(.., name)| *name).collect();
             let others = others.join(", ");
-            Err(Failure::Usage(format!(
+            Err(usage(format!(
                 "there is no limit: give one or more of {others} and {last}"
             )))
         }

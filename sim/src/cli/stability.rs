@@ -1,13 +1,14 @@
 //! `splatline stability`: the hard-case suite and the classes of scenes, with the verdict on each bar.
 
 use super::output::{Outputs, write, write_json_if};
-use super::say::{Failure, print_result};
+use super::say::print_result;
 use super::verification_args::{StabilityOptions, StabilitySection};
 use crate::design::DesignChoice;
 use crate::progress::ProgressMeter;
 use crate::stability::scenes::classes::Size;
 use crate::stability::scenes::{self, SceneLine};
 use crate::stability::{StabilityExtent, StabilityLine, measure, steps, table};
+use anyhow::Result;
 
 /// Heads the page that `--markdown` writes.
 const HEADING: &str = "\
@@ -44,7 +45,7 @@ struct MeasuredLine {
     scenes: Vec<SceneLine>,
 }
 
-pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
+pub fn run(options: &StabilityOptions) -> Result<()> {
     Outputs::default()
         .json(options.json.as_ref())?
         .file_if(options.markdown.as_ref(), &["md"])?
