@@ -104,12 +104,7 @@ fn summary(measurements: &[Measurement]) -> Table {
         let met = of_view
             .iter()
             .all(|found| found.meets_bars() != Some(false));
-        table.push(
-            [view.to_owned()]
-                .into_iter()
-                .chain(psnr)
-                .chain([verdict(Some(met))]),
-        );
+        table.push_behind(&[view], psnr.chain([verdict(Some(met))]));
     }
     table
 }

@@ -136,42 +136,27 @@ fn add(table: &mut Table, all: &mut Table, view: &View, level: VectorLevel) -> R
     for run in &runs {
         let ms =
             |of: fn(&FrameTimes) -> f64| format!("{:.2}", 1e3 * median(run.one.iter().map(of)));
-        all.push([
-            view.name.to_owned(),
-            lanes::name(level).to_owned(),
-            run.name.to_owned(),
+        let two = median(run.two.iter().map(|frame| frame.total));
+        let cells = [
             ms(|frame| frame.stages.setup),
             ms(|frame| frame.stages.sort),
             ms(|frame| frame.stages.raster),
             ms(|frame| frame.total),
-            format!(
-                "{:.2}",
-                1e3 * median(run.two.iter().map(|frame| frame.total))
-            ),
+            format!("{:.2}", 1e3 * two),
             format!("{:.2}", ratio(&floats.one, &run.one)),
             format!("{:.1}", run.psnr_db),
-        ]);
+        ];
+        all.push_behind(&[view.name, lanes::name(level), run.name], cells);
     }
     let frames = runs.iter().map(|run| {
-        format!(
-            "{:.1}",
-            1e3 * median(run.one.iter().map(|frame| frame.total))
-        )
+        let seconds = median(run.one.iter().map(|frame| frame.total));
+        format!("{:.1}", 1e3 * seconds)
     });
-    let ratios = runs
-        .iter()
-        .skip(1)
-        .map(|run| format!("{:.2}", ratio(&floats.one, &run.one)));
-    let gain = runs
-        .last()
-        .map(|run| format!("{:.2}", ratio(&run.one, &run.two)));
-    table.push(
-        [view.name.to_owned()]
-            .into_iter()
-            .chain(frames)
-            .chain(ratios)
-            .chain(gain),
-    );
+    let behind = runs.iter().skip(1);
+    let ratios = behind.map(|run| format!("{:.2}", ratio(&floats.one, &run.one)));
+    let last = runs.last();
+    let gain = last.map(|run| format!("{:.2}", ratio(&run.one, &run.two)));
+    table.push_behind(&[view.name], frames.chain(ratios).chain(gain));
     Ok(())
 }
 
