@@ -58,24 +58,18 @@ pub fn fitted(frames: &[NamedFrame], limits: &[Limit], formats: &[Engine]) -> Re
 
 /// Widths, errors, and what each last bit is worth.
 pub fn text(start: &DesignChoice, fit: &Fit) -> String {
-    let DesignError {
-        max_abs, rms, bias, ..
-    } = fit.error;
-    let seen = fit.error.detail.map_or_else(String::new, |detail| {
+    let error = &fit.error;
+    let seen = error.detail.map_or_else(String::new, |detail| {
         let (p99, flip) = (detail.percentiles.p99, detail.flip);
         format!(", 99 % within {p99:.3e}, FLIP {flip:.3e}")
     });
     let (drawings, binding) = (fit.drawings, fit.binding.unwrap_or("none"));
     let mut text = format!(
-        "largest error {max_abs:.3e}, rms {rms:.3e}, bias {bias:+.2e}{seen} after {drawings} drawings; binding width: {binding}\n\
-         width          start   fit   with one bit less: largest, rms, bias\n"
+        "largest error {:.3e}, rms {:.3e}, bias {:+.2e}{seen} after {drawings} drawings; binding width: {binding}\n\
+         width          start   fit   with one bit less: largest, rms, bias\n",
+        error.max_abs, error.rms, error.bias
     );
-    let worse = |error: &DesignError| {
-        let DesignError {
-            max_abs, rms, bias, ..
-        } = error;
-        format!("{max_abs:.3e}, {rms:.3e}, {bias:+.2e}")
-    };
+    let worse = |e: &DesignError| format!("{:.3e}, {:.3e}, {:+.2e}", e.max_abs, e.rms, e.bias);
     for ((name, ..), before) in WIDTH_RANGES.iter().zip(start.widths.numbers()) {
         let less = fit.one_bit_less.get(name).map(worse);
         let (bits, less) = (fit.widths[name], less.unwrap_or("at its limit".to_owned()));

@@ -179,13 +179,9 @@ impl Info {
             [] => "nothing".to_owned(),
             _ => dropped.join(", "),
         };
-        let Ball {
-            centre,
-            radius,
-            strays,
-        } = &self.ball;
+        let (radius, strays) = (self.ball.radius, self.ball.strays);
         let framed = if radius.is_finite() {
-            let centre = place(centre);
+            let centre = place(&self.ball.centre);
             format!("ball of radius {radius:.6} around {centre}, {strays} strays outside")
         } else {
             "no ball: coordinates are too large or too far apart to place a camera".to_owned()
@@ -213,14 +209,9 @@ impl Info {
             let Some(fact) = fact else { continue };
             text += &format!("{name:<10} {fact}\n");
         }
-        for ShownRange {
-            of,
-            least,
-            median,
-            greatest,
-        } in &self.ranges
-        {
-            let [least, greatest, median] = [least, greatest, median].map(|value| number(*value));
+        for range in &self.ranges {
+            let [least, greatest, median] = [range.least, range.greatest, range.median].map(number);
+            let of = range.of;
             text += &format!("{of:<31} {least} to {greatest}, median {median}\n");
         }
         for note in &self.notes {

@@ -144,12 +144,7 @@ fn nexts(first: &Found, next: &[Found]) -> String {
 
 /// A point in a few lines.
 fn point(found: &Found) -> String {
-    let Found {
-        design,
-        machine,
-        reached,
-        ..
-    } = found;
+    let (design, machine, reached) = (&found.design, &found.machine, &found.reached);
     let widths: Vec<String> = design
         .widths
         .iter()

@@ -75,18 +75,10 @@ impl GoldenLine {
         let [covered, visited] = self.pixels.map_or_else(Default::default, |pixels| {
             pixels.map(|count| count.to_string())
         });
-        let GoldenLine {
-            plan,
-            psnr_db,
-            max_abs,
-            bias,
-            items,
-            culled,
-            crc32,
-            ..
-        } = self;
+        let (plan, items, culled, crc32) = (&self.plan, self.items, self.culled, self.crc32);
         format!(
-            "{plan},{psnr_db:.1},{max_abs:.1e},{bias:+.1e},{items},{culled},{covered},{visited},{crc32:08x}\n"
+            "{plan},{:.1},{:.1e},{:+.1e},{items},{culled},{covered},{visited},{crc32:08x}\n",
+            self.psnr_db, self.max_abs, self.bias
         )
     }
 }

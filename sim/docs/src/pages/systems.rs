@@ -32,16 +32,11 @@ fn text(lines: &[GoldenLine]) -> String {
             .iter()
             .filter(|line| line.system() == Some(system.number))
         {
-            let GoldenLine {
-                plan,
-                psnr_db,
-                max_abs,
-                bias,
-                ..
-            } = line;
+            let plan = &line.plan;
             let met = if line.meets_bars() { "met" } else { "missed" };
             text += &format!(
-                "{shown} [{plan}](../../{PLANS}/{plan}.toml) | {psnr_db:.1} | {max_abs:.1e} | {bias:+.1e} | {met} |\n"
+                "{shown} [{plan}](../../{PLANS}/{plan}.toml) | {:.1} | {:.1e} | {:+.1e} | {met} |\n",
+                line.psnr_db, line.max_abs, line.bias
             );
             shown = "| | | | | |".to_owned();
         }
