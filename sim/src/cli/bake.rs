@@ -56,7 +56,7 @@ pub struct BakeOptions {
 
 pub fn run(options: &BakeOptions) -> Result<()> {
     let outputs = Outputs::default()
-        .file(&options.output, &["rs", "bin"])?
+        .file(Some(&options.output), &["rs", "bin"])?
         .json(options.json.as_ref())?;
     if options.view.surface.kind.is_some() {
         return Err(usage(GAUSSIANS_ALONE));

@@ -21,7 +21,7 @@ pub fn run(options: &CompareOptions) -> Result<()> {
         return frames::compare(options, Outputs::default().json(json)?);
     }
     let outputs = Outputs::default()
-        .folder(&options.output, &FILES)?
+        .folder(Some(&options.output), &FILES)?
         .json(json)?;
     let request = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
     let mut prepared = request.prepare()?;

@@ -15,7 +15,7 @@ use anyhow::{Result, anyhow};
 use splatline::format::WIDTH_RANGES;
 
 pub fn run(options: &FitOptions) -> Result<()> {
-    let outputs = Outputs::default().file_if(options.output.as_ref(), &["toml"])?;
+    let outputs = Outputs::default().file(options.output.as_deref(), &["toml"])?;
     let frames = PlanRequest::of_frames(&options.frames).frames()?;
     outputs.spare_inputs()?;
     for frame in &frames {

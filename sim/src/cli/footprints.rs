@@ -13,7 +13,7 @@ use anyhow::Result;
 const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,opacity,cutoff\n";
 
 pub fn run(options: &FootprintsOptions) -> Result<()> {
-    let outputs = Outputs::default().file(&options.output, &["csv"])?;
+    let outputs = Outputs::default().file(Some(&options.output), &["csv"])?;
     let no_exact =
         || usage("--engine exact integrates along rays and has no footprints; use fixed or float");
     if options.engine == Engine::Exact {

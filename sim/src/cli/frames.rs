@@ -32,7 +32,7 @@ pub fn render(options: &RenderOptions) -> Result<()> {
     let [first, last] = [files.first(), files.last()].map(|file| file.cloned().unwrap_or_default());
     let outputs = Outputs::default()
         .json(drawing.json.as_ref())?
-        .file_if(options.animation.as_ref(), &["png", "apng"])?;
+        .file(options.animation.as_deref(), &["png", "apng"])?;
     let extensions = if options.animation.is_some() {
         &EXTENSIONS[..1]
     } else {
@@ -88,7 +88,7 @@ pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<()> {
     let request = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
     let frames = request.along(&options.path).planned_frames()?;
     outputs
-        .folder(&options.output, &["frames.json", "frames.html"])?
+        .folder(Some(&options.output), &["frames.json", "frames.html"])?
         .spare_inputs()?;
     let (progress, mut warnings) = (ProgressMeter::new(frames.len()), BTreeSet::new());
     let mut rows = Vec::with_capacity(frames.len());

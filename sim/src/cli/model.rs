@@ -88,7 +88,7 @@ struct MachinesRecord {
 }
 
 pub fn run(options: &ModelOptions) -> Result<()> {
-    let outputs = Outputs::default().folder_if(options.output.as_ref(), &FILES)?;
+    let outputs = Outputs::default().folder(options.output.as_deref(), &FILES)?;
     if options.machines {
         return others_beside_ours(options, &outputs);
     }

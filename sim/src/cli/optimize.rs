@@ -42,7 +42,7 @@ fn own_limits(options: &LimitOptions) -> Result<Vec<Limit>> {
 pub fn run(options: &OptimizeOptions) -> Result<()> {
     let own = own_limits(&options.limits)?;
     let search = &options.search;
-    let outputs = Outputs::default().folder_if(options.output.as_ref(), &FILES)?;
+    let outputs = Outputs::default().folder(options.output.as_deref(), &FILES)?;
     let started = Instant::now();
     let limits = limits(own, options)?;
     let frames = search.request().frames()?;

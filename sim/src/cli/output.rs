@@ -41,21 +41,22 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// With a file of one of these formats, or stdout.
-    pub fn file(mut self, path: &Path, extensions: &[&str]) -> Result<Outputs> {
+    /// With a file of one of these formats, or stdout, if one is asked for.
+    pub fn file(mut self, path: Option<&Path>, extensions: &[&str]) -> Result<Outputs> {
+        let Some(path) = path else {
+            return Ok(self);
+        };
         if self.files.iter().any(|other| other == path) {
             let shown = path.display();
             let message = format!("two results cannot both be written to '{shown}'");
             return Err(usage(message));
         }
-        self.files.push(path.to_owned());
         if is_stream(path) {
+            self.files.push(path.to_owned());
             divert();
             return Ok(self);
         }
-        check_folder_of(path)?;
-        check_extension(path, extensions)?;
-        Ok(self)
+        self.files([path.to_owned()].into_iter(), extensions)
     }
 
     /// With numbered files of one of these formats, which differ from each other and from JSON.
@@ -72,29 +73,16 @@ impl Outputs {
         Ok(self)
     }
 
-    /// The same if one is asked for.
-    pub fn file_if(self, path: Option<&PathBuf>, extensions: &[&str]) -> Result<Outputs> {
-        match path {
-            Some(path) => self.file(path, extensions),
-            None => Ok(self),
-        }
-    }
-
     /// With a JSON file, if one is asked for.
     pub fn json(self, path: Option<&PathBuf>) -> Result<Outputs> {
-        self.file_if(path, &["json"])
+        self.file(path.map(PathBuf::as_path), &["json"])
     }
 
-    /// With these files of a folder, if one is asked for.
-    pub fn folder_if(self, folder: Option<&PathBuf>, files: &[&str]) -> Result<Outputs> {
-        match folder {
-            Some(folder) => self.folder(folder, files),
-            None => Ok(self),
-        }
-    }
-
-    /// With these files of a folder, which is made if need be.
-    pub fn folder(mut self, folder: &Path, files: &[&str]) -> Result<Outputs> {
+    /// With these files of a folder, which is made if need be, if one is asked for.
+    pub fn folder(mut self, folder: Option<&Path>, files: &[&str]) -> Result<Outputs> {
+        let Some(folder) = folder else {
+            return Ok(self);
+        };
         create_folder(folder)?;
         self.folder = Some(folder.to_owned());
         self.files
@@ -265,14 +253,18 @@ mod tests {
         }
         let spared = |outputs: Outputs| outputs.spare_inputs();
         for name in names {
-            let outputs = Outputs::default().file(&name, &["png", "ply"]).unwrap();
+            let outputs = Outputs::default()
+                .file(Some(&name), &["png", "ply"])
+                .unwrap();
             let message = refused(spared(outputs));
             assert!(message.contains("would be destroyed"), "{message}");
         }
-        let other = Outputs::default().file(&path("y.png"), &["png"]).unwrap();
+        let other = Outputs::default()
+            .file(Some(&path("y.png")), &["png"])
+            .unwrap();
         assert!(spared(other).is_ok());
         let member = Outputs::default()
-            .folder(folder.path(), &["x.ply"])
+            .folder(Some(folder.path()), &["x.ply"])
             .unwrap();
         assert!(refused(spared(member)).contains("x.ply"));
     }
@@ -281,7 +273,11 @@ mod tests {
     fn only_what_is_written_may_be_named() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
-        let named = |path: &Path| Outputs::default().file(path, &["png", "npy"]).map(|_| ());
+        let named = |path: &Path| {
+            Outputs::default()
+                .file(Some(path), &["png", "npy"])
+                .map(|_| ())
+        };
         for name in ["a.jpg", "a.ppm", "a", "a.png.txt"] {
             let message = refused(named(&path(name)));
             assert!(

@@ -54,7 +54,7 @@ const VOLUME_SPLATS_ALONE: &str =
     "the live page draws volume splats; surfaces are drawn by `splatline render`";
 
 pub fn run(options: &PageOptions) -> Result<()> {
-    let outputs = Outputs::default().file(&options.output, &["html", "htm"])?;
+    let outputs = Outputs::default().file(Some(&options.output), &["html", "htm"])?;
     if options.traversal == Some(TraversalChoice::Stamp) {
         let message = "the live page walks box or spans; stamps are drawn by `splatline render`";
         return Err(usage(message));

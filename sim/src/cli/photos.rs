@@ -84,7 +84,7 @@ struct View {
 
 pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<()> {
     let drawing = &options.drawing;
-    let outputs = outputs.folder(&options.output, &FILES)?;
+    let outputs = outputs.folder(Some(&options.output), &FILES)?;
     if drawing.alpha {
         let message =
             "--alpha has no meaning with --photos: photographs are compared on --background";

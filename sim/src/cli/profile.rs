@@ -19,7 +19,7 @@ use serde_json::{Map, json};
 pub fn run(options: &ProfileOptions) -> Result<()> {
     let outputs = Outputs::default()
         .json(options.json.as_ref())?
-        .file_if(options.html.as_ref(), &["html"])?;
+        .file(options.html.as_deref(), &["html"])?;
     let request = PlanRequest::of_frames(&options.frames).on(&options.machine);
     let frames = request.planned_frames()?;
     outputs.spare_inputs()?;

@@ -21,7 +21,7 @@ use std::path::Path;
 pub fn run(options: &RenderOptions) -> Result<()> {
     let drawing = &options.drawing;
     let mut outputs = Outputs::default()
-        .file(&options.output, &EXTENSIONS)?
+        .file(Some(&options.output), &EXTENSIONS)?
         .json(drawing.json.as_ref())?;
     if is_stream(&options.output) && !options.maps.is_empty() {
         return Err(usage(
@@ -29,7 +29,7 @@ pub fn run(options: &RenderOptions) -> Result<()> {
         ));
     }
     for map in &options.maps {
-        outputs = outputs.file(&map.file(&options.output), &EXTENSIONS)?;
+        outputs = outputs.file(Some(&map.file(&options.output)), &EXTENSIONS)?;
     }
     if drawing.engine != Engine::Fixed && drawing.work.traversal.is_some() {
         let engine = drawing.engine.name();

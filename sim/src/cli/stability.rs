@@ -48,7 +48,7 @@ struct MeasuredLine {
 pub fn run(options: &StabilityOptions) -> Result<()> {
     Outputs::default()
         .json(options.json.as_ref())?
-        .file_if(options.markdown.as_ref(), &["md"])?
+        .file(options.markdown.as_deref(), &["md"])?
         .spare_inputs()?;
     let wants = |section| options.only.is_empty() || options.only.contains(&section);
     let mut measured = MeasuredLine {

@@ -27,7 +27,7 @@ const FILES: [&str; 4] = ["sweep.json", POINTS, "front.csv", "front.html"];
 /// Every point of the space.
 pub fn run(options: &SweepOptions) -> Result<()> {
     let (search, file, output) = (&options.search, &options.space, &options.output);
-    let outputs = Outputs::default().folder(output, &FILES)?;
+    let outputs = Outputs::default().folder(Some(output), &FILES)?;
     let text = read_settings(file)?;
     let space = Space::from_toml(&file.display().to_string(), &text)?;
     let frames = search.request().frames()?;

@@ -26,7 +26,7 @@ fn extensions(format: TraceFormat) -> &'static [&'static str] {
 }
 
 pub fn run(options: &TraceOptions) -> Result<()> {
-    let outputs = Outputs::default().file(&options.output, extensions(options.format))?;
+    let outputs = Outputs::default().file(Some(&options.output), extensions(options.format))?;
     let last = options
         .last
         .unwrap_or(options.first.saturating_add(USUAL_COUNT - 1));
