@@ -139,10 +139,8 @@ fn levels(options: &ResultsOptions) -> Vec<VectorLevel> {
     if !options.vectors.is_empty() {
         return options.vectors.clone();
     }
-    let mut levels: Vec<VectorLevel> = VectorLevel::levels()
-        .into_iter()
-        .map(|level| level.1)
-        .collect();
+    let levels = VectorLevel::levels().into_iter();
+    let mut levels: Vec<VectorLevel> = levels.map(|level| level.1).collect();
     levels.truncate(levels.len().saturating_sub(1).max(1));
     levels
 }

@@ -11,7 +11,6 @@ use crate::camera::{Camera, CameraError};
 use crate::scene::points::SurfaceScene;
 use crate::scene::{Scene, Weight, across};
 use crate::vector::{self, Vector};
-use serde::Serialize;
 
 /// Share of the centres that may lie outside the box whose middle is the ball's first guess, per side and axis.
 const OUTERMOST: f64 = 0.02;
@@ -27,7 +26,7 @@ pub const USUAL_FOV: f64 = 45.0;
 const OBLIQUE: f64 = 31.0;
 
 /// A ball around a scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Ball {
     /// Middle.
     pub centre: Vector,

@@ -55,14 +55,14 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
         cases: Vec::new(),
         scenes: Vec::new(),
     };
+    let (size, extent) = if options.quick {
+        (Size::QUICK, StabilityExtent::QUICK)
+    } else {
+        (Size::FULL, StabilityExtent::FULL)
+    };
     let progress = ProgressMeter::spinner("stability");
     let (mut page, mut summary) = (String::new(), String::new());
     if wants(StabilitySection::Scenes) {
-        let size = if options.quick {
-            Size::QUICK
-        } else {
-            Size::FULL
-        };
         progress.doing("drawing scenes as people have them");
         measured.scenes = scenes::measure(size, options.seed);
         let table = scenes::table::markdown(&measured.scenes);
@@ -70,11 +70,6 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
         summary += &format!("{table}\n");
     }
     if wants(StabilitySection::Cases) {
-        let extent = if options.quick {
-            StabilityExtent::QUICK
-        } else {
-            StabilityExtent::FULL
-        };
         progress.doing("measuring hard cases against exact arithmetic");
         measured.cases = measure(&DesignChoice::all(), extent);
         let lines = &measured.cases;

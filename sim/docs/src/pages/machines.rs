@@ -118,8 +118,8 @@ impl Tables {
         }
         let (drawn, energy) = (view.options(design), EnergyTable::default());
         for outcome in others::run_all(&view.scene, &view.camera, &drawn, &energy)? {
-            let cells = others::cells(&outcome);
-            self.others.push_behind(&[view.name], cells);
+            self.others
+                .push_behind(&[view.name], others::cells(&outcome));
         }
         let config = Config::primitive(4);
         let workload = workload(view, design, design.traversal, &config)?;
@@ -142,8 +142,8 @@ impl Tables {
             self.energy.push_behind(&[view.name], cells);
         }
         for part in 0..=PARTS.len() as u32 {
-            let cells = memory_cells(&workload, part);
-            self.memories.push_behind(&[view.name], cells);
+            self.memories
+                .push_behind(&[view.name], memory_cells(&workload, part));
         }
         Ok(())
     }

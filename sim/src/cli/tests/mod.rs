@@ -5,6 +5,7 @@ mod options;
 mod messages;
 
 use super::args::*;
+use super::say::UsageError;
 use super::say::explain;
 use super::*;
 use crate::picture::{Depth, Picture};
