@@ -3,14 +3,15 @@
 //! What the command line cannot draw is not shown: a plan is drawn by the library functions that `splatline compare --plan` runs. A plan's
 //! first line of comment is its heading, the lines after it say what to see.
 
+use crate::pages::picture::beside;
 use anyhow::{Context, Result};
 use clap::Args;
 use splatline_sim::cli::{create_folder, print_result, write};
 use splatline_sim::metrics::ChannelError;
-use splatline_sim::picture::{Depth, Picture};
 use splatline_sim::plan::golden;
 use splatline_sim::plan::{Comparison, Effort, Prepared, compare_all};
 use splatline_sim::progress::ProgressMeter;
+use splatline_sim::report::png::Rgb;
 use std::path::{Path, PathBuf};
 
 /// What the help ends with.
@@ -49,7 +50,8 @@ pub fn run(options: &GalleryOptions) -> Result<()> {
         progress.doing(name.clone());
         let text = std::fs::read_to_string(path).context(name.clone())?;
         let comparison = drawn(path, options.enlarge).context(name.clone())?;
-        panels(&comparison).write_png(&options.output.join(format!("{name}.png")), Depth::Eight)?;
+        let file = options.output.join(format!("{name}.png"));
+        write(&file, &panels(&comparison).to_png()?)?;
         page += &section(name, &caption(name, &text), &comparison);
         progress.advance();
     }
@@ -72,25 +74,9 @@ fn drawn(path: &Path, enlarge: u16) -> Result<Comparison> {
 }
 
 /// The kernel's picture, the reference's and the error map, side by side.
-fn panels(comparison: &Comparison) -> Picture {
-    let Comparison {
-        fixed, float, map, ..
-    } = comparison;
-    let rgb = map.to_rgb();
-    let map = rgb.bytes.chunks_exact(3).map(|colour| {
-        let channel = |c: usize| f64::from(colour[c]) / 255.0;
-        [channel(0), channel(1), channel(2), 1.0]
-    });
-    let map: Vec<[f64; 4]> = map.collect();
-    let mut panels = Picture::new(3 * fixed.width, fixed.height);
-    let rows = panels.pixels.chunks_exact_mut(3 * fixed.width);
-    for (y, row) in rows.enumerate() {
-        for (panel, pixels) in [&fixed.pixels, &float.pixels, &map].into_iter().enumerate() {
-            let source = &pixels[y * fixed.width..][..fixed.width];
-            row[panel * fixed.width..][..fixed.width].copy_from_slice(source);
-        }
-    }
-    panels
+fn panels(comparison: &Comparison) -> Rgb {
+    let [fixed, float] = [&comparison.fixed, &comparison.float].map(Rgb::on_black);
+    beside(&[fixed, float, comparison.map.to_rgb()])
 }
 
 fn caption(name: &str, text: &str) -> Caption {
@@ -157,10 +143,8 @@ mod tests {
         let comparison = drawn(&plan, 1).unwrap();
         let panels = panels(&comparison);
         assert_eq!((panels.width, panels.height), (192, 64));
-        assert_eq!(
-            panels.pixels[64 * 3..][..64],
-            comparison.fixed.pixels[64..128]
-        );
+        let fixed = Rgb::on_black(&comparison.fixed);
+        assert_eq!(panels.bytes[3 * 192..][..192], fixed.bytes[192..384]);
         let shown = section("12-edges", &caption("e", "# Edges\n"), &comparison);
         assert!(
             shown.contains("![Edges](12-edges.png)") && shown.contains("| alpha |"),

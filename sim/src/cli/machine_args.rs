@@ -92,13 +92,13 @@ pub struct ModelOptions {
     #[command(flatten)]
     pub simulation: SimulationOptions,
     /// Footprints of another rasterizer (CSV) instead of a scene
-    #[arg(long, value_name = "f.csv", conflicts_with_all = ["scene", "camera_path", "turntable"])]
+    #[arg(long, help_heading = "Surfaces", value_name = "f.csv", conflicts_with_all = ["scene", "camera_path", "turntable"])]
     pub footprints: Option<PathBuf>,
     /// With --footprints: size of the screen [default: up to the largest x1 and y1]
-    #[arg(long, value_name = "WxH", value_parser = size, requires = "footprints")]
+    #[arg(long, help_heading = "Surfaces", value_name = "WxH", value_parser = size, requires = "footprints")]
     pub screen: Option<[usize; 2]>,
     /// With --footprints: radial index at which footprints end that have no cut-off in the table
-    #[arg(long, value_name = "r", requires = "footprints", value_parser = positive)]
+    #[arg(long, help_heading = "Surfaces", value_name = "r", requires = "footprints", value_parser = positive)]
     pub cutoff: Option<f64>,
     /// Compare with machines of others, reimplemented from their papers, on the same splats: pixels tested, products, cycles, bytes, energy
     #[arg(long, conflicts_with_all = ["footprints", "machine", "set", "design", "traversal"])]

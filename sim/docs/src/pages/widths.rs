@@ -84,14 +84,7 @@ fn narrowed(keys: &[&str], bits: u8) -> Result<DesignChoice> {
     Ok(DesignChoice::from_toml("narrowed.toml", &text)?)
 }
 
-/// PSNR of colours, dB.
-fn psnr(picture: &Picture, reference: &Picture) -> Result<String> {
-    Ok(format!(
-        "{:.1}",
-        compare(picture, reference)?.colour.psnr_db
-    ))
-}
-
+/// PSNR of a design's colours, dB.
 fn colour_psnr(view: &View, design: &DesignChoice, reference: &Picture) -> Result<f64> {
     let options = fixed::Options {
         traversal: Traversal::Spans,
@@ -151,7 +144,8 @@ fn add_floats(table: &mut Table, view: &View, reference: &Picture) -> Result<()>
         let mut row = vec![view.name.to_owned(), name.to_owned()];
         for stages in narrow.into_iter().chain(several) {
             let drawing = formats::draw(&view.scene, &view.camera, &view.rules, &stages);
-            row.push(psnr(&drawing.picture, reference)?);
+            let error = compare(&drawing.picture, reference)?.colour;
+            row.push(format!("{:.1}", error.psnr_db));
         }
         table.push(row);
     }
