@@ -6,9 +6,9 @@
 
 use crate::camera::Camera;
 use crate::design::DesignChoice;
-use crate::fixed::{self, QuantisedScene, draw_with_footprints};
+use crate::fixed::{self, Options, QuantisedScene, draw_with_footprints};
 use crate::metrics::{Errors, compare};
-use crate::rules::{Compositing, Rules};
+use crate::rules::Rules;
 use crate::scene::{Scene, Splat, Weight};
 use crate::vector::{Vector, dot};
 use anyhow::{Result, bail, ensure};
@@ -18,7 +18,6 @@ use splatline::format::{Standard24, Traversal};
 use splatline::front::{COMPACT_MAGIC, CompactScene, CompactSplat, Splats};
 use splatline::math::SoftFloat;
 use splatline::view::View;
-use std::fmt::Write;
 
 /// Largest magnitude of a factor, of a centre's distance from the middle, and of an exponent above the scene's.
 const MOST: f64 = 32_767.0;
@@ -42,7 +41,8 @@ pub fn contributions(scene: &Scene, cameras: &[Camera], rules: &Rules) -> Vec<f6
     let painter = Painter::new(Standard24, &kernel_rules, table, order, Traversal::Spans);
     let one = f64::from(1u32 << widths.alpha);
     for camera in cameras {
-        let (_, footprints) = draw_with_footprints(scene, camera, &options(rules, &standard()));
+        let (_, footprints) =
+            draw_with_footprints(scene, camera, &Options::front_to_back(rules, &standard()));
         let mut order: Vec<usize> = (0..footprints.len()).collect();
         order.retain(|index| footprints[*index].is_ok());
         order.sort_by_key(|index| footprints[*index].map_or(0, |footprint| footprint.depth));
@@ -76,21 +76,13 @@ pub fn most_visible(contributions: &[f64], keep: usize) -> Vec<usize> {
 /// The error of a baked scene against the one it came from, in one view, by `standard24`.
 pub fn error(from: &Scene, baked: &BakedScene, camera: &Camera, rules: &Rules) -> Result<Errors> {
     let design = standard();
-    let draw = |scene: &Scene| fixed::draw(scene, camera, &options(rules, &design)).picture;
+    let draw =
+        |scene: &Scene| fixed::draw(scene, camera, &Options::front_to_back(rules, &design)).picture;
     Ok(compare(&draw(&baked.to_scene(from)), &draw(from))?)
 }
 
 fn standard() -> DesignChoice {
     DesignChoice::named("standard24").expect("a named design")
-}
-
-fn options<'a>(rules: &'a Rules, design: &'a DesignChoice) -> fixed::Options<'a> {
-    fixed::Options {
-        rules,
-        compositing: Compositing::FrontToBack,
-        design,
-        traversal: Traversal::Spans,
-    }
 }
 
 impl BakedScene {
@@ -206,21 +198,19 @@ impl BakedScene {
              axis_exponent: {axis_exponent},\n    colour_unit: {colour_unit},\n    splats: &SPLATS,\n}};\n\n\
              #[rustfmt::skip]\nstatic SPLATS: [CompactSplat; {count}] = [\n"
         );
-        // Writing to a String cannot fail.
         for splat in &self.splats {
-            let _ = writeln!(text, "    {splat:?},");
+            text += &format!("    {splat:?},\n");
         }
         text.push_str("];\n");
         if !views.is_empty() {
-            let _ = write!(
-                text,
+            text += &format!(
                 "\n/// The views of the camera path.\n#[rustfmt::skip]\npub static VIEWS: [splatline::View; {}] = {{\n    \
                  use splatline::fixed::types::{{I2F30, I32F32}};\n    use splatline::math::{{Extended, SoftFloat}};\n    \
                  use splatline::view::{{Eye, Projection, RatioLimits, View}};\n    [\n",
                 views.len()
             );
             for view in views {
-                let _ = writeln!(text, "        {},", rust_view(view));
+                text += &format!("        {},\n", rust_view(view));
             }
             text.push_str("    ]\n};\n");
         }
@@ -395,7 +385,12 @@ mod tests {
         let camera = scene.default_camera(96, 96);
         let rules = Rules::GAUSSIAN_3D;
         let sums = contributions(&scene, std::slice::from_ref(&camera), &rules);
-        let picture = fixed::draw(&scene, &camera, &options(&rules, &standard())).picture;
+        let picture = fixed::draw(
+            &scene,
+            &camera,
+            &Options::front_to_back(&rules, &standard()),
+        )
+        .picture;
         let alpha: f64 = picture.pixels.iter().map(|pixel| pixel[3]).sum();
         let sum: f64 = sums.iter().sum();
         assert!((sum - alpha).abs() < 2e-3 * alpha, "{sum} {alpha}");

@@ -2,7 +2,8 @@
 
 use crate::views::DEEP_STACK;
 use splatline::format::Traversal;
-use splatline_sim::metrics::{ChannelError, Errors};
+use splatline_sim::metrics::Errors;
+use splatline_sim::plan::golden::worst;
 
 /// What a design must reach: PSNR in dB at least, largest error and bias in units of 1.0 at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,19 +79,7 @@ pub struct Measurement {
 impl Measurement {
     /// PSNR, largest error and bias: the worse of colour and alpha in each respect.
     pub fn worst(&self) -> (f64, f64, f64) {
-        let ChannelError {
-            psnr_db,
-            max_abs,
-            bias,
-            ..
-        } = self.errors.colour;
-        let alpha = &self.errors.alpha;
-        let bias = if alpha.bias.abs() > bias.abs() {
-            alpha.bias
-        } else {
-            bias
-        };
-        (psnr_db.min(alpha.psnr_db), max_abs.max(alpha.max_abs), bias)
+        worst(&self.errors)
     }
 
     /// Visited pixels for one covered pixel.

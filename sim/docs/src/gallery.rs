@@ -3,15 +3,15 @@
 //! What the command line cannot draw is not shown: a plan is drawn by the library functions that `splatline compare --plan` runs. A plan's
 //! first line of comment is its heading, the lines after it say what to see.
 
+use crate::pages::picture::beside;
 use anyhow::{Context, Result};
 use clap::Args;
-use splatline_sim::cli::{Failure, create_folder, print_result, write};
+use splatline_sim::cli::{create_folder, print_result, write};
 use splatline_sim::metrics::ChannelError;
-use splatline_sim::picture::{Backdrop, Depth, Picture};
 use splatline_sim::plan::golden;
 use splatline_sim::plan::{Comparison, Effort, Prepared, compare_all};
 use splatline_sim::progress::ProgressMeter;
-use std::fmt::Write;
+use splatline_sim::report::png::Rgb;
 use std::path::{Path, PathBuf};
 
 /// What the help ends with.
@@ -41,7 +41,7 @@ struct Caption {
 }
 
 /// Draws all plans and writes the page.
-pub fn run(options: &GalleryOptions) -> Result<(), Failure> {
+pub fn run(options: &GalleryOptions) -> Result<()> {
     create_folder(&options.output)?;
     let plans = golden::plans(&options.plans)?;
     let progress = ProgressMeter::new(plans.len());
@@ -51,7 +51,7 @@ pub fn run(options: &GalleryOptions) -> Result<(), Failure> {
         let text = std::fs::read_to_string(path).context(name.clone())?;
         let comparison = drawn(path, options.enlarge).context(name.clone())?;
         let file = options.output.join(format!("{name}.png"));
-        panels(&comparison).write_png(&file, Depth::Eight, Backdrop::default())?;
+        write(&file, &panels(&comparison).to_png()?)?;
         page += &section(name, &caption(name, &text), &comparison);
         progress.advance();
     }
@@ -74,25 +74,9 @@ fn drawn(path: &Path, enlarge: u16) -> Result<Comparison> {
 }
 
 /// The kernel's picture, the reference's and the error map, side by side.
-fn panels(comparison: &Comparison) -> Picture {
-    let Comparison {
-        fixed, float, map, ..
-    } = comparison;
-    let rgb = map.to_rgb();
-    let map = rgb.bytes.chunks_exact(3).map(|colour| {
-        let channel = |c: usize| f64::from(colour[c]) / 255.0;
-        [channel(0), channel(1), channel(2), 1.0]
-    });
-    let map: Vec<[f64; 4]> = map.collect();
-    let mut panels = Picture::new(3 * fixed.width, fixed.height);
-    let rows = panels.pixels.chunks_exact_mut(3 * fixed.width);
-    for (y, row) in rows.enumerate() {
-        for (panel, pixels) in [&fixed.pixels, &float.pixels, &map].into_iter().enumerate() {
-            let source = &pixels[y * fixed.width..][..fixed.width];
-            row[panel * fixed.width..][..fixed.width].copy_from_slice(source);
-        }
-    }
-    panels
+fn panels(comparison: &Comparison) -> Rgb {
+    let [fixed, float] = [&comparison.fixed, &comparison.float].map(Rgb::on_black);
+    beside(&[fixed, float, comparison.map.to_rgb()])
 }
 
 fn caption(name: &str, text: &str) -> Caption {
@@ -128,18 +112,12 @@ fn section(name: &str, Caption { title, text }: &Caption, comparison: &Compariso
 }
 
 fn row(group: &str, facts: &ChannelError) -> String {
-    let mut row = String::new();
     let psnr = match facts.psnr_db {
         psnr if psnr.is_finite() => format!("{psnr:.1}"),
         _ => "identical".to_owned(),
     };
-    // Writing to a String cannot fail.
-    let _ = writeln!(
-        row,
-        "| {group} | {psnr} | {:.1e} | {:+.1e} |",
-        facts.max_abs, facts.bias
-    );
-    row
+    let ChannelError { max_abs, bias, .. } = facts;
+    format!("| {group} | {psnr} | {max_abs:.1e} | {bias:+.1e} |\n")
 }
 
 #[cfg(test)]
@@ -165,10 +143,8 @@ mod tests {
         let comparison = drawn(&plan, 1).unwrap();
         let panels = panels(&comparison);
         assert_eq!((panels.width, panels.height), (192, 64));
-        assert_eq!(
-            panels.pixels[64 * 3..][..64],
-            comparison.fixed.pixels[64..128]
-        );
+        let fixed = Rgb::on_black(&comparison.fixed);
+        assert_eq!(panels.bytes[3 * 192..][..192], fixed.bytes[192..384]);
         let shown = section("12-edges", &caption("e", "# Edges\n"), &comparison);
         assert!(
             shown.contains("![Edges](12-edges.png)") && shown.contains("| alpha |"),

@@ -1,10 +1,11 @@
 //! `splatline-docs`: prints the documentation's pages of figures and its galleries.
 
+use anyhow::Result;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use splatline_docs::gallery::{self, GALLERY_EXAMPLES, GalleryOptions};
 use splatline_docs::pages::check::differences;
 use splatline_docs::pages::{Page, accuracy, machines, packet, picture, speed, systems, widths};
-use splatline_sim::cli::{Failure, create_folder, finish, print_result, write};
+use splatline_sim::cli::{create_folder, finish, print_result, write};
 use splatline_sim::fast::lanes::VectorLevel;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -87,7 +88,7 @@ fn main() -> ExitCode {
     code.into()
 }
 
-fn results(options: &ResultsOptions) -> Result<(), Failure> {
+fn results(options: &ResultsOptions) -> Result<()> {
     if options.check {
         return check(options);
     }
@@ -100,7 +101,7 @@ fn results(options: &ResultsOptions) -> Result<(), Failure> {
     Ok(())
 }
 
-fn pictures(data: &Path, output: &Path) -> Result<(), Failure> {
+fn pictures(data: &Path, output: &Path) -> Result<()> {
     for (file, picture) in [
         ("results/demo.png", picture::demo(300)?),
         ("pictures/trained.png", picture::trained(data, 256)?),
@@ -121,17 +122,16 @@ fn requested(options: &ResultsOptions) -> impl Iterator<Item = PageName> {
     })
 }
 
-fn print(name: PageName, options: &ResultsOptions) -> Result<Page, Failure> {
+fn print(name: PageName, options: &ResultsOptions) -> Result<Page> {
     let data = &options.data;
-    let page = match name {
+    match name {
         PageName::Accuracy => accuracy::page(data),
         PageName::Packet => Ok(packet::page()),
-        PageName::Systems => Ok(systems::page()?),
+        PageName::Systems => systems::page(),
         PageName::Widths => widths::page(data),
         PageName::Machines => machines::page(data),
         PageName::Speed => speed::page(data, &levels(options)),
-    };
-    Ok(page?)
+    }
 }
 
 /// The levels asked for; else what most people's processors have and what this one has beyond it, arrays only where there is nothing else.
@@ -139,16 +139,14 @@ fn levels(options: &ResultsOptions) -> Vec<VectorLevel> {
     if !options.vectors.is_empty() {
         return options.vectors.clone();
     }
-    let mut levels: Vec<VectorLevel> = VectorLevel::levels()
-        .into_iter()
-        .map(|level| level.1)
-        .collect();
+    let levels = VectorLevel::levels().into_iter();
+    let mut levels: Vec<VectorLevel> = levels.map(|level| level.1).collect();
     levels.truncate(levels.len().saturating_sub(1).max(1));
     levels
 }
 
 /// Prints the pages again and compares them with the committed ones.
-fn check(options: &ResultsOptions) -> Result<(), Failure> {
+fn check(options: &ResultsOptions) -> Result<()> {
     let mut found = Vec::new();
     for name in requested(options).filter(|name| *name != PageName::Speed) {
         found.extend(differences(&print(name, options)?, &options.output));
@@ -157,5 +155,8 @@ fn check(options: &ResultsOptions) -> Result<(), Failure> {
     if found.is_empty() {
         return Ok(());
     }
-    Err(anyhow::anyhow!("pages that are no longer true:\n{}", found.join("\n")).into())
+    Err(anyhow::anyhow!(
+        "pages that are no longer true:\n{}",
+        found.join("\n")
+    ))
 }

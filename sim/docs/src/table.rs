@@ -13,10 +13,7 @@ impl Table {
     /// No rows yet.
     pub fn new(headings: &[&str]) -> Table {
         Table {
-            headings: headings
-                .iter()
-                .map(|heading| (*heading).to_owned())
-                .collect(),
+            headings: headings.iter().map(ToString::to_string).collect(),
             rows: Vec::new(),
         }
     }
@@ -24,6 +21,12 @@ impl Table {
     /// Adds a row.
     pub fn push(&mut self, cells: impl IntoIterator<Item = String>) {
         self.rows.push(cells.into_iter().collect());
+    }
+
+    /// Adds a row of words and of cells behind them.
+    pub fn push_behind(&mut self, words: &[&str], cells: impl IntoIterator<Item = String>) {
+        let words = words.iter().map(|word| (*word).to_owned());
+        self.push(words.chain(cells));
     }
 
     /// The rows.
@@ -50,16 +53,9 @@ impl Table {
     /// Markdown: the first column is text, all others are aligned as numbers.
     pub fn markdown(&self) -> String {
         let rule = format!("|---|{}", "--:|".repeat(self.headings.len() - 1));
-        let lines = self
-            .rows
-            .iter()
-            .map(|row| format!("| {} |", row.join(" | ")));
-        let heading = format!("| {} |", self.headings.join(" | "));
-        once(heading)
-            .chain(once(rule))
-            .chain(lines)
-            .map(|line| line + "\n")
-            .collect()
+        let line = |row: &Vec<String>| format!("| {} |\n", row.join(" | "));
+        let rows: String = self.rows.iter().map(line).collect();
+        format!("{}{rule}\n{rows}", line(&self.headings))
     }
 
     /// Comma-separated values; cells with commas are quoted.

@@ -26,7 +26,7 @@ pub const USUAL_FOV: f64 = 45.0;
 const OBLIQUE: f64 = 31.0;
 
 /// A ball around a scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Ball {
     /// Middle.
     pub centre: Vector,

@@ -2,14 +2,15 @@
 
 use super::output::{Outputs, write, write_json_if};
 use super::resolve::PlanRequest;
-use super::say::{Failure, print_result, warn};
-use super::view_args::{MoreScenes, PathOptions, ViewOptions};
+use super::say::{print_result, usage, warn};
+use super::view_args::{PathOptions, ViewOptions};
 use crate::bake::{BakedScene, contributions, error, most_visible};
 use crate::fixed::QuantisedScene;
 use crate::metrics::ChannelError;
 use crate::plan::Subject;
 use crate::progress::ProgressMeter;
 use crate::report::table::psnr_text;
+use anyhow::Result;
 use clap::{Arg, Args};
 use std::path::PathBuf;
 
@@ -53,23 +54,23 @@ pub struct BakeOptions {
     pub output: PathBuf,
 }
 
-pub fn run(options: &BakeOptions) -> Result<(), Failure> {
+pub fn run(options: &BakeOptions) -> Result<()> {
     let outputs = Outputs::default()
-        .file(&options.output, &["rs", "bin"])?
+        .file(Some(&options.output), &["rs", "bin"])?
         .json(options.json.as_ref())?;
     if options.view.surface.kind.is_some() {
-        return Err(Failure::Usage(GAUSSIANS_ALONE.to_owned()));
+        return Err(usage(GAUSSIANS_ALONE));
     }
-    let request = PlanRequest::by_design(&options.view, "standard24");
-    let frames = request.frames(&options.path, &MoreScenes::default())?;
+    let request = PlanRequest::by_design(&options.view, "standard24").along(&options.path);
+    let frames = request.frames()?;
     outputs.spare_inputs()?;
     let first = frames.first().map(|frame| &frame.prepared);
     let Some(first) = first else {
-        return Err(Failure::Usage("there is no view".to_owned()));
+        return Err(usage("there is no view".to_owned()));
     };
     warn(&first.warnings);
     let Subject::Splats(splats) = first.subject()? else {
-        return Err(Failure::Usage(GAUSSIANS_ALONE.to_owned()));
+        return Err(usage(GAUSSIANS_ALONE));
     };
     let (scene, rules) = (splats.scene, splats.rules);
     let cameras: Vec<_> = frames

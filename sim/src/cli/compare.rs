@@ -5,12 +5,13 @@ use super::frames;
 use super::output::{Outputs, write_json_if};
 use super::photos;
 use super::resolve::{COMPARED, PlanRequest, room_for_picture};
-use super::say::{Failure, print_error, print_result, warn};
+use super::say::{print_error, print_result, usage, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_comparison};
 use crate::plan::measure::FILES;
 use crate::plan::{Engine, Plan, all_entries, compare_all};
+use anyhow::Result;
 
-pub fn run(options: &CompareOptions) -> Result<(), Failure> {
+pub fn run(options: &CompareOptions) -> Result<()> {
     let drawing = &options.drawing;
     let json = drawing.json.as_ref();
     if let Some(folder) = &options.photographs.photos {
@@ -20,7 +21,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         return frames::compare(options, Outputs::default().json(json)?);
     }
     let outputs = Outputs::default()
-        .folder(&options.output, &FILES)?
+        .folder(Some(&options.output), &FILES)?
         .json(json)?;
     let request = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
     let mut prepared = request.prepare()?;
@@ -51,7 +52,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
 }
 
 /// The fixed picture is always drawn; the engine asked for can only say what it is compared with.
-pub fn against_reference(plan: Plan) -> Result<Plan, Failure> {
+pub fn against_reference(plan: Plan) -> Result<Plan> {
     let engine = plan.reference.unwrap_or(plan.engine);
     let reference = match engine {
         Engine::Exact => Engine::Exact,
@@ -61,7 +62,7 @@ pub fn against_reference(plan: Plan) -> Result<Plan, Failure> {
                 "--engine {} is compared and not compared with: --formats adds it to the report; the reference is float or exact",
                 format.name()
             );
-            return Err(Failure::Usage(message));
+            return Err(usage(message));
         }
     };
     Ok(Plan {

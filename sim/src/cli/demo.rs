@@ -1,13 +1,13 @@
 //! `splatline` alone: an embedded real volume by all designs against float, with a report in `out/`.
 
 use super::output::create_folder;
-use super::say::{Failure, print_result, warn};
+use super::say::{print_result, warn};
 use crate::design::DesignChoice;
 use crate::picture::{Backdrop, Depth};
 use crate::plan::{Effort, Prepared, Source, all_entries, compare_all};
 use crate::report::table;
 use crate::scene;
-use anyhow::Context;
+use anyhow::{Context, Result};
 use std::path::Path;
 
 const SIZE: [usize; 2] = [512, 512];
@@ -15,12 +15,12 @@ const DESIGN: &str = "standard24";
 /// Times are medians over this many runs: the first one also pays for cold caches.
 const REPEAT: usize = 3;
 
-pub fn run() -> Result<(), Failure> {
+pub fn run() -> Result<()> {
     run_into(Path::new("out"), SIZE, REPEAT)
 }
 
 /// The demo with another folder, size and number of runs, for tests.
-pub fn run_into(folder: &Path, [width, height]: [usize; 2], repeat: usize) -> Result<(), Failure> {
+pub fn run_into(folder: &Path, [width, height]: [usize; 2], repeat: usize) -> Result<()> {
     create_folder(folder)?;
     let scene = scene::demo()?;
     let camera = scene.default_camera(width, height);
@@ -42,6 +42,5 @@ pub fn run_into(folder: &Path, [width, height]: [usize; 2], repeat: usize) -> Re
         table::plain(&report.table),
         folder.join("report.html").display(),
         live.display(),
-    ))?;
-    Ok(())
+    ))
 }

@@ -4,6 +4,7 @@ use super::values::{
     COMPOSITINGS, ELLIPSES, INDICES, POINTS, REPRESENTATIONS, ROUNDINGS, SHEETS, TraversalChoice,
     at_least_one, colour, depth, design_name, one_of, positive,
 };
+use super::view_args::{PathOptions, ViewOptions};
 use crate::fast::lanes::VectorLevel;
 use crate::hybrid::Points;
 use crate::picture::{Backdrop, Depth};
@@ -82,6 +83,20 @@ impl TechniqueOptions {
     pub fn is_another_method(&self) -> bool {
         self.sheets.is_some() || self.deep_alpha.is_some() || self.spheres.is_some()
     }
+}
+
+/// Frames, of every scene by every camera, and how they are drawn.
+#[derive(Debug, Args)]
+pub struct FrameOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    /// Further scenes, each seen whole or by the same camera
+    #[arg(value_name = "MORE", conflicts_with = "from")]
+    pub more: Vec<PathBuf>,
+    #[command(flatten)]
+    pub path: PathOptions,
+    #[command(flatten)]
+    pub work: WorkOptions,
 }
 
 /// By what and how often it is drawn.

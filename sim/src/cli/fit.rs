@@ -2,7 +2,7 @@
 
 use super::output::{Outputs, write};
 use super::resolve::{NamedFrame, PlanRequest};
-use super::say::{Failure, print_result, warn};
+use super::say::{print_result, warn};
 use super::search_args::{FitOptions, limits_given, subject};
 use crate::design::DesignChoice;
 use crate::explore::evaluator::DesignError;
@@ -11,14 +11,12 @@ use crate::explore::formats;
 use crate::explore::limits::{Limit, Quantity};
 use crate::plan::{DesignVariant, Engine};
 use crate::progress::ProgressMeter;
-use anyhow::anyhow;
+use anyhow::{Result, anyhow};
 use splatline::format::WIDTH_RANGES;
-use std::fmt::Write;
 
-pub fn run(options: &FitOptions) -> Result<(), Failure> {
-    let outputs = Outputs::default().file_if(options.output.as_ref(), &["toml"])?;
-    let request = PlanRequest::work(&options.view, &options.work);
-    let frames = request.frames(&options.path, &options.more)?;
+pub fn run(options: &FitOptions) -> Result<()> {
+    let outputs = Outputs::default().file(options.output.as_deref(), &["toml"])?;
+    let frames = PlanRequest::of_frames(&options.frames).frames()?;
     outputs.spare_inputs()?;
     for frame in &frames {
         warn(&frame.prepared.setup_warnings()?);
@@ -39,7 +37,7 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
 }
 
 /// What the options allow.
-fn limits(options: &FitOptions) -> Result<Vec<Limit>, Failure> {
+fn limits(options: &FitOptions) -> Result<Vec<Limit>> {
     limits_given(&[
         (options.metric, options.max_error, "--max-error"),
         (Quantity::Percentile99, options.p99, "--p99"),
@@ -49,40 +47,33 @@ fn limits(options: &FitOptions) -> Result<Vec<Limit>, Failure> {
 }
 
 /// Fits what is planned for all frames, starting from their design.
-pub fn fitted(frames: &[NamedFrame], limits: &[Limit], formats: &[Engine]) -> Result<Fit, Failure> {
+pub fn fitted(frames: &[NamedFrame], limits: &[Limit], formats: &[Engine]) -> Result<Fit> {
     let mut subject = subject(frames, true)?;
     subject.traversal = Some(frames[0].prepared.plan.entry.traversal);
     subject.formats = formats.to_vec();
     let progress = ProgressMeter::spinner("searching");
     let (fitted, error) = fit(&subject, limits, &|what| progress.doing(what))?;
-    Ok(fitted.ok_or_else(|| anyhow!(refusal(&subject.design.name, limits, &error)))?)
+    fitted.ok_or_else(|| anyhow!(refusal(&subject.design.name, limits, &error)))
 }
 
 /// Widths, errors, and what each last bit is worth.
 pub fn text(start: &DesignChoice, fit: &Fit) -> String {
-    let DesignError {
-        max_abs, rms, bias, ..
-    } = fit.error;
-    let seen = fit.error.detail.map_or_else(String::new, |detail| {
+    let error = &fit.error;
+    let seen = error.detail.map_or_else(String::new, |detail| {
         let (p99, flip) = (detail.percentiles.p99, detail.flip);
         format!(", 99 % within {p99:.3e}, FLIP {flip:.3e}")
     });
     let (drawings, binding) = (fit.drawings, fit.binding.unwrap_or("none"));
     let mut text = format!(
-        "largest error {max_abs:.3e}, rms {rms:.3e}, bias {bias:+.2e}{seen} after {drawings} drawings; binding width: {binding}\n\
-         width          start   fit   with one bit less: largest, rms, bias\n"
+        "largest error {:.3e}, rms {:.3e}, bias {:+.2e}{seen} after {drawings} drawings; binding width: {binding}\n\
+         width          start   fit   with one bit less: largest, rms, bias\n",
+        error.max_abs, error.rms, error.bias
     );
-    let worse = |error: &DesignError| {
-        let DesignError {
-            max_abs, rms, bias, ..
-        } = error;
-        format!("{max_abs:.3e}, {rms:.3e}, {bias:+.2e}")
-    };
+    let worse = |e: &DesignError| format!("{:.3e}, {:.3e}, {:+.2e}", e.max_abs, e.rms, e.bias);
     for ((name, ..), before) in WIDTH_RANGES.iter().zip(start.widths.numbers()) {
         let less = fit.one_bit_less.get(name).map(worse);
         let (bits, less) = (fit.widths[name], less.unwrap_or("at its limit".to_owned()));
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "{name:<14} {before:>5} {bits:>5}   {less}");
+        text += &format!("{name:<14} {before:>5} {bits:>5}   {less}\n");
     }
     text
 }

@@ -6,19 +6,16 @@
 use super::args::FootprintsOptions;
 use super::output::{Outputs, write};
 use super::resolve::PlanRequest;
-use super::say::{Failure, print_result, warn};
+use super::say::{print_result, usage, warn};
 use crate::plan::{Engine, FootprintLine};
-use std::fmt::Write;
+use anyhow::Result;
 
 const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,opacity,cutoff\n";
 
-pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
-    let outputs = Outputs::default().file(&options.output, &["csv"])?;
-    let no_exact = || {
-        let message =
-            "--engine exact integrates along rays and has no footprints; use fixed or float";
-        Failure::Usage(message.to_owned())
-    };
+pub fn run(options: &FootprintsOptions) -> Result<()> {
+    let outputs = Outputs::default().file(Some(&options.output), &["csv"])?;
+    let no_exact =
+        || usage("--engine exact integrates along rays and has no footprints; use fixed or float");
     if options.engine == Engine::Exact {
         return Err(no_exact());
     }
@@ -38,11 +35,10 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
         }
         Engine::Exact => return Err(no_exact()),
         format => {
-            let message = format!(
-                "--engine {} has no footprints of its own; use fixed or float",
-                format.name()
-            );
-            return Err(Failure::Usage(message));
+            let name = format.name();
+            return Err(usage(format!(
+                "--engine {name} has no footprints of its own; use fixed or float"
+            )));
         }
     };
     write(&options.output, csv(&lines).as_bytes())?;
@@ -54,9 +50,8 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
 fn csv(lines: &[Option<FootprintLine>]) -> String {
     let mut text = String::from(HEADING);
     for (index, line) in lines.iter().enumerate() {
-        // Writing to a String cannot fail.
-        let _ = match line {
-            None => writeln!(text, "{index},,,,,,,,,,,,"),
+        text += &match line {
+            None => format!("{index},,,,,,,,,,,,\n"),
             Some(FootprintLine {
                 centre: [u, v],
                 depth,
@@ -66,9 +61,8 @@ fn csv(lines: &[Option<FootprintLine>]) -> String {
                 cutoff,
             }) => {
                 let opacity = opacity.map_or(String::new(), |opacity| opacity.to_string());
-                writeln!(
-                    text,
-                    "{index},{u},{v},{depth},{a:e},{b:e},{c:e},{x0},{y0},{x1},{y1},{opacity},{cutoff}"
+                format!(
+                    "{index},{u},{v},{depth},{a:e},{b:e},{c:e},{x0},{y0},{x1},{y1},{opacity},{cutoff}\n"
                 )
             }
         };

@@ -5,8 +5,7 @@ use super::compare::against_reference;
 use super::output::{self, Outputs, create_folder, write, write_json, write_json_if};
 use super::render::{check_room, write_picture};
 use super::resolve::{COMPARED, NamedFrame, PlanRequest, PlannedFrame, room_for_picture};
-use super::say::{Failure, print_result, warn};
-use super::view_args::MoreScenes;
+use super::say::{print_result, usage, warn};
 use crate::machine::summary::Spread;
 use crate::picture::EXTENSIONS;
 use crate::picture::png::animated;
@@ -14,24 +13,26 @@ use crate::plan::compare_all;
 use crate::plan::measure::draw_alone;
 use crate::progress::ProgressMeter;
 use crate::report::frames::{DrawnFrame, DrawnFrames, FORMAT, FrameRow, FramesReport, page};
+use anyhow::Result;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// A picture a frame, numbered behind the output's name.
-pub fn render(options: &RenderOptions) -> Result<(), Failure> {
+pub fn render(options: &RenderOptions) -> Result<()> {
     if output::is_stream(&options.output) {
         let message = "--camera-path draws many pictures, and stdout takes one: name a file with -o, frames are numbered behind its name";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(usage(message));
     }
     let drawing = &options.drawing;
     let frames = PlanRequest::drawing(&options.view, drawing)
-        .planned_frames(&options.path, &MoreScenes::default())?;
+        .along(&options.path)
+        .planned_frames()?;
     let count = frames.len();
     let files = files(&options.output, &frames);
     let [first, last] = [files.first(), files.last()].map(|file| file.cloned().unwrap_or_default());
     let outputs = Outputs::default()
         .json(drawing.json.as_ref())?
-        .file_if(options.animation.as_ref(), &["png", "apng"])?;
+        .file(options.animation.as_deref(), &["png", "apng"])?;
     let extensions = if options.animation.is_some() {
         &EXTENSIONS[..1]
     } else {
@@ -82,12 +83,12 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
 }
 
 /// Every frame's pictures and report in a folder of its own.
-pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<(), Failure> {
+pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<()> {
     let drawing = &options.drawing;
     let request = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
-    let frames = request.planned_frames(&options.path, &MoreScenes::default())?;
+    let frames = request.along(&options.path).planned_frames()?;
     outputs
-        .folder(&options.output, &["frames.json", "frames.html"])?
+        .folder(Some(&options.output), &["frames.json", "frames.html"])?
         .spare_inputs()?;
     let (progress, mut warnings) = (ProgressMeter::new(frames.len()), BTreeSet::new());
     let mut rows = Vec::with_capacity(frames.len());

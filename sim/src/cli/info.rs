@@ -1,16 +1,16 @@
 //! `splatline info`: what is in a scene, before anything is drawn.
 
 use super::output::{self, Outputs};
-use super::say::{Failure, print_result};
+use super::say::print_result;
 use crate::framing::{Ball, FramingInput, direction};
 use crate::plan::load::{AnyScene, recognise};
 use crate::report::facts::{ReasonCounts, counted};
 use crate::scene::points::SurfaceScene;
 use crate::scene::{Bounds, Scene, SortOrder, Weight};
 use crate::vector::{self, Vector};
+use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
@@ -41,7 +41,7 @@ struct Info {
     count: usize,
     /// Of the centres.
     bounds: Option<[Vector; 2]>,
-    ball: BallInfo,
+    ball: Ball,
     up: Vector,
     front: Vector,
     /// Smallest, median and largest of each.
@@ -55,13 +55,6 @@ struct Info {
     notes: Vec<String>,
 }
 
-#[derive(Default, Serialize)]
-struct BallInfo {
-    centre: Vector,
-    radius: f64,
-    strays: usize,
-}
-
 #[derive(Serialize)]
 struct ShownRange {
     of: &'static str,
@@ -70,7 +63,7 @@ struct ShownRange {
     greatest: f64,
 }
 
-pub fn run(options: &InfoOptions) -> Result<(), Failure> {
+pub fn run(options: &InfoOptions) -> Result<()> {
     let outputs = Outputs::default().json(options.json.as_ref())?;
     let loaded = recognise(&options.scene, options.transfer.clone())?;
     outputs.spare_inputs()?;
@@ -165,19 +158,10 @@ impl Info {
     }
 
     fn framed(name: &str, frame: &FramingInput) -> Info {
-        let Ball {
-            centre,
-            radius,
-            strays,
-        } = frame.ball;
         Info {
             format: "splatline-info/1",
             scene: name.to_owned(),
-            ball: BallInfo {
-                centre,
-                radius,
-                strays,
-            },
+            ball: frame.ball,
             up: frame.up,
             front: frame.front,
             order: SortOrder::Depth.name(),
@@ -195,13 +179,9 @@ impl Info {
             [] => "nothing".to_owned(),
             _ => dropped.join(", "),
         };
-        let BallInfo {
-            centre,
-            radius,
-            strays,
-        } = &self.ball;
+        let (radius, strays) = (self.ball.radius, self.ball.strays);
         let framed = if radius.is_finite() {
-            let centre = place(centre);
+            let centre = place(&self.ball.centre);
             format!("ball of radius {radius:.6} around {centre}, {strays} strays outside")
         } else {
             "no ball: coordinates are too large or too far apart to place a camera".to_owned()
@@ -225,23 +205,17 @@ impl Info {
             ),
         ];
         let mut text = format!("{}: {}\n", self.scene, self.kind);
-        // Writing to a String cannot fail.
         for (name, fact) in facts {
             let Some(fact) = fact else { continue };
-            let _ = writeln!(text, "{name:<10} {fact}");
+            text += &format!("{name:<10} {fact}\n");
         }
-        for ShownRange {
-            of,
-            least,
-            median,
-            greatest,
-        } in &self.ranges
-        {
-            let [least, greatest, median] = [least, greatest, median].map(|value| number(*value));
-            let _ = writeln!(text, "{of:<31} {least} to {greatest}, median {median}");
+        for range in &self.ranges {
+            let [least, greatest, median] = [range.least, range.greatest, range.median].map(number);
+            let of = range.of;
+            text += &format!("{of:<31} {least} to {greatest}, median {median}\n");
         }
         for note in &self.notes {
-            let _ = writeln!(text, "note       {note}");
+            text += &format!("note       {note}\n");
         }
         text
     }

@@ -1,8 +1,9 @@
 //! Options of the commands about one machine, simulate and trace, and what every command says of a machine.
 
-use super::drawing_args::WorkOptions;
+use super::drawing_args::{FrameOptions, WorkOptions};
+use super::resolve::PlanRequest;
 use super::values::{FAMILIES, one_of, positive, size};
-use super::view_args::{MoreScenes, PathOptions, ViewOptions, of_units};
+use super::view_args::{ViewOptions, of_units};
 use crate::machine::area::Family;
 use clap::Args;
 use std::path::PathBuf;
@@ -63,32 +64,42 @@ pub struct EnergyOptions {
     pub energy: Option<PathBuf>,
 }
 
+/// What is drawn, on which machine it is simulated, and what that takes.
 #[derive(Debug, Args)]
-#[command(mut_args(of_units))]
-pub struct ModelOptions {
+pub struct SimulationOptions {
     #[command(flatten)]
-    pub view: ViewOptions,
-    #[command(flatten)]
-    pub more: MoreScenes,
-    #[command(flatten)]
-    pub path: PathOptions,
-    /// Footprints of another rasterizer (CSV) instead of a scene
-    #[arg(long, value_name = "f.csv", conflicts_with_all = ["scene", "camera_path", "turntable"])]
-    pub footprints: Option<PathBuf>,
-    /// With --footprints: size of the screen [default: up to the largest x1 and y1]
-    #[arg(long, value_name = "WxH", value_parser = size, requires = "footprints")]
-    pub screen: Option<[usize; 2]>,
-    /// With --footprints: radial index at which footprints end that have no cut-off in the table
-    #[arg(long, value_name = "r", requires = "footprints", value_parser = positive)]
-    pub cutoff: Option<f64>,
-    #[command(flatten)]
-    pub work: WorkOptions,
+    pub frames: FrameOptions,
     #[command(flatten)]
     pub machine: MachineOptions,
     #[command(flatten)]
     pub area: AreaOptions,
     #[command(flatten)]
     pub energy: EnergyOptions,
+}
+
+impl SimulationOptions {
+    /// What they ask of units that draw affine footprints one by one.
+    pub fn request(&self) -> PlanRequest<'_> {
+        PlanRequest::of_frames(&self.frames)
+            .on(&self.machine)
+            .by_units()
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(mut_args(of_units))]
+pub struct ModelOptions {
+    #[command(flatten)]
+    pub simulation: SimulationOptions,
+    /// Footprints of another rasterizer (CSV) instead of a scene
+    #[arg(long, help_heading = "Surfaces", value_name = "f.csv", conflicts_with_all = ["scene", "camera_path", "turntable"])]
+    pub footprints: Option<PathBuf>,
+    /// With --footprints: size of the screen [default: up to the largest x1 and y1]
+    #[arg(long, help_heading = "Surfaces", value_name = "WxH", value_parser = size, requires = "footprints")]
+    pub screen: Option<[usize; 2]>,
+    /// With --footprints: radial index at which footprints end that have no cut-off in the table
+    #[arg(long, help_heading = "Surfaces", value_name = "r", requires = "footprints", value_parser = positive)]
+    pub cutoff: Option<f64>,
     /// Compare with machines of others, reimplemented from their papers, on the same splats: pixels tested, products, cycles, bytes, energy
     #[arg(long, conflicts_with_all = ["footprints", "machine", "set", "design", "traversal"])]
     pub machines: bool,

@@ -2,7 +2,7 @@
 //! reference's double precision.
 
 use super::output::write;
-use super::say::{Failure, print_result};
+use super::say::print_result;
 use crate::fixed::draw_maps;
 use crate::picture::{Depth, Picture, PictureFormat};
 use crate::plan::{Engine, Prepared, Subject};
@@ -10,7 +10,7 @@ use crate::reference::maps::{self, MapPixel};
 use crate::report::png::Rgb;
 use crate::rules::Compositing;
 use crate::vector;
-use anyhow::anyhow;
+use anyhow::{Result, anyhow};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use std::path::{Path, PathBuf};
@@ -79,24 +79,23 @@ impl Map {
 }
 
 /// Refuses, before anything is drawn, what has no maps.
-pub fn check(prepared: &Prepared) -> Result<(), Failure> {
+pub fn check(prepared: &Prepared) -> Result<()> {
     match prepared.subject()? {
         Subject::Splats(splats) if !splats.are_composited() => Err(anyhow!(
             "--maps are of splats that are composited one by one: leave out --points, --traversal stamp, --sheets, --deep-alpha and --spheres"
-        )
-        .into()),
-        Subject::Splats(splats) if splats.compositing != Compositing::FrontToBack => {
-            Err(anyhow!("--maps composite front to back: leave out --compositing").into())
-        }
+        )),
+        Subject::Splats(splats) if splats.compositing != Compositing::FrontToBack => Err(anyhow!(
+            "--maps composite front to back: leave out --compositing"
+        )),
         Subject::Splats(_) => Ok(()),
-        Subject::Surface(..) => {
-            Err(anyhow!("--maps are of volume splats: surfaces keep fragments of their own").into())
-        }
+        Subject::Surface(..) => Err(anyhow!(
+            "--maps are of volume splats: surfaces keep fragments of their own"
+        )),
     }
 }
 
 /// Writes maps of what is drawn beside the picture.
-pub fn write_maps(prepared: &Prepared, requested: &[Map], picture: &Path) -> Result<(), Failure> {
+pub fn write_maps(prepared: &Prepared, requested: &[Map], picture: &Path) -> Result<()> {
     let splats = prepared.splats()?;
     let (scene, camera) = (splats.scene, splats.camera);
     let pixels = match prepared.plan.engine {

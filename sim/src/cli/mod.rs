@@ -40,9 +40,10 @@ mod view_args;
 
 pub use maps::{Map, in_colours};
 pub use output::{create_folder, write};
-pub use say::{Failure, explain, finish, print_result, printable};
+pub use say::{explain, finish, print_result, printable};
 
 use crate::plan::Prepared;
+use anyhow::{Result, bail};
 use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
 use resolve::PlanRequest;
@@ -129,21 +130,18 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
 }
 
 /// The plan of the words that `compare` takes, with its scene loaded; what would be said on the way goes to stderr.
-pub fn prepared(words: Vec<String>) -> anyhow::Result<Prepared> {
+pub fn prepared(words: Vec<String>) -> Result<Prepared> {
     say::divert();
     let command = ["splatline", "compare", "--output", "."].map(str::to_owned);
     let Cli { command, .. } = parsed(command.into_iter().chain(words))?;
     let Some(Command::Compare(options)) = command else {
-        anyhow::bail!("name a scene");
+        bail!("name a scene");
     };
     let request = PlanRequest::drawing(&options.view, &options.drawing).on(&options.machine);
-    request.prepare().map_err(|failure| match failure {
-        Failure::Usage(message) => anyhow::Error::msg(message),
-        Failure::Input(error) => error,
-    })
+    request.prepare()
 }
 
-fn dispatch(command: Option<Command>) -> Result<(), Failure> {
+fn dispatch(command: Option<Command>) -> Result<()> {
     crate::input::forget();
     match command {
         None => demo::run(),

@@ -8,10 +8,9 @@ use super::machine_args::ModelOptions;
 use super::order_reuse::{self, OrderReuse, ReusedOrderFrame};
 use super::output::{self, Outputs, write, write_json};
 use super::resolve::{
-    NamedFrame, PlanRequest, PlannedFrame, calibration, energy_table, machine, part,
-    refuse_kept_order,
+    NamedFrame, PlannedFrame, calibration, energy_table, machine, part, refuse_kept_order,
 };
-use super::say::{Failure, print_result, warn};
+use super::say::{print_result, usage, warn};
 use crate::design::DesignChoice;
 use crate::machine::clock::Throughput;
 use crate::machine::lanes::{LaneShape, LaneWork};
@@ -24,7 +23,7 @@ use crate::plan::{DesignVariant, Subject};
 use crate::progress::ProgressMeter;
 use crate::report::machine::{page, watch};
 use crate::scene::Scene;
-use anyhow::anyhow;
+use anyhow::{Result, anyhow};
 use serde::Serialize;
 use splatline::format::Traversal;
 use std::path::Path;
@@ -88,33 +87,33 @@ struct MachinesRecord {
     machines: Vec<others::Outcome>,
 }
 
-pub fn run(options: &ModelOptions) -> Result<(), Failure> {
-    let outputs = Outputs::default().folder_if(options.output.as_ref(), &FILES)?;
+pub fn run(options: &ModelOptions) -> Result<()> {
+    let outputs = Outputs::default().folder(options.output.as_deref(), &FILES)?;
     if options.machines {
         return others_beside_ours(options, &outputs);
     }
-    let named = options.area.part.clone().unwrap_or_default();
+    let (simulation, area) = (&options.simulation, &options.simulation.area);
+    let named = area.part.clone().unwrap_or_default();
     let prices = Prices {
-        calibration: calibration(&options.area)?,
-        part: part(&options.area)?.map(|part| (named, part)),
-        energy: energy_table(&options.energy)?,
+        calibration: calibration(area)?,
+        part: part(area)?.map(|part| (named, part)),
+        energy: energy_table(&simulation.energy)?,
     };
     if let Some(table) = &options.footprints {
         let modelled = from_table(table, options)?;
         outputs.spare_inputs()?;
         return one(&table.display().to_string(), &modelled, &prices, options);
     }
-    if options.view.scene.is_none() && options.view.from.is_none() {
-        let message = "name a scene, a report with --from, or a table with --footprints";
-        return Err(Failure::Usage(message.to_owned()));
+    let view = &simulation.frames.view;
+    if view.scene.is_none() && view.from.is_none() {
+        return Err(usage(
+            "name a scene, a report with --from, or a table with --footprints",
+        ));
     }
-    let request = PlanRequest::work(&options.view, &options.work)
-        .on(&options.machine)
-        .by_units()
-        .keeping_order();
-    let mut frames = request.planned_frames(&options.path, &options.more)?;
+    let request = simulation.request().keeping_order();
+    let mut frames = request.planned_frames()?;
     outputs.spare_inputs()?;
-    if !options.path.is_path() {
+    if !simulation.frames.path.is_path() {
         refuse_kept_order(&frames[0].plan().machine)?;
     }
     match frames.len() {
@@ -127,16 +126,13 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
 }
 
 /// All machines of the presets on the scene's splats.
-fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<(), Failure> {
-    let prepared = PlanRequest::work(&options.view, &options.work)
-        .on(&options.machine)
-        .by_units()
-        .prepare()?;
+fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<()> {
+    let prepared = options.simulation.request().prepare()?;
     outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);
     let splats = prepared.splats()?;
     let drawn = splats.options(&prepared.plan.entry);
-    let energy = energy_table(&options.energy)?;
+    let energy = energy_table(&options.simulation.energy)?;
     let machines = others::run_all(splats.scene, splats.camera, &drawn, &energy)?;
     let (table, note) = (others::table_of(&machines), others::note());
     print_result(&format!("{table}\n{note}"))?;
@@ -168,7 +164,7 @@ fn one(
     (workload, entry, config): &Modelled,
     prices: &Prices,
     options: &ModelOptions,
-) -> Result<(), Failure> {
+) -> Result<()> {
     let costed = costed(entry, config, prices);
     let record = costed.picture(name, workload, options.repeat);
     print_result(&costed.text(&record))?;
@@ -183,7 +179,7 @@ fn one(
     write_timing(folder, record)
 }
 
-fn write_timing(folder: &Path, result: impl Serialize) -> Result<(), Failure> {
+fn write_timing(folder: &Path, result: impl Serialize) -> Result<()> {
     let format = TIMING;
     write_json(&folder.join("timing.json"), &Versioned { format, result })
 }
@@ -194,17 +190,13 @@ fn page_of(record: &PictureRecord, workload: &Workload, config: &Config) -> Stri
     page(&record.scene, &record.cycles, &watched, config)
 }
 
-fn write_machine(folder: &Path, config: &Config) -> Result<(), Failure> {
+fn write_machine(folder: &Path, config: &Config) -> Result<()> {
     let text = config::to_toml(config);
     write(&folder.join("machine.toml"), text.as_bytes())
 }
 
 /// Several pictures: the worst of them, the 95th percentile and the mean.
-fn several(
-    frames: Vec<PlannedFrame>,
-    prices: &Prices,
-    options: &ModelOptions,
-) -> Result<(), Failure> {
+fn several(frames: Vec<PlannedFrame>, prices: &Prices, options: &ModelOptions) -> Result<()> {
     let started = Instant::now();
     let (count, plan) = (frames.len(), frames[0].plan().clone());
     let records = simulated(frames, prices)?;
@@ -248,7 +240,7 @@ fn several(
 }
 
 /// All pictures one after the other, since one may keep the order of the one before.
-fn simulated(frames: Vec<PlannedFrame>, prices: &Prices) -> Result<Vec<FrameRecord>, Failure> {
+fn simulated(frames: Vec<PlannedFrame>, prices: &Prices) -> Result<Vec<FrameRecord>> {
     let progress = ProgressMeter::new(frames.len());
     let mut order = OrderReuse::default();
     let mut records = Vec::with_capacity(frames.len());
@@ -280,7 +272,7 @@ fn simulated(frames: Vec<PlannedFrame>, prices: &Prices) -> Result<Vec<FrameReco
 }
 
 /// Says what of a frame the kernel does not take as it is, and what the machine reads nothing for.
-fn announce(frame: &NamedFrame) -> Result<(), Failure> {
+fn announce(frame: &NamedFrame) -> Result<()> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     match prepared.subject()? {
@@ -289,7 +281,7 @@ fn announce(frame: &NamedFrame) -> Result<(), Failure> {
     }
 }
 
-fn from_scene(frame: &NamedFrame) -> Result<Modelled, Failure> {
+fn from_scene(frame: &NamedFrame) -> Result<Modelled> {
     let prepared = &frame.prepared;
     announce(frame)?;
     let progress = ProgressMeter::spinner("walking the rows of every tile");
@@ -309,12 +301,13 @@ fn charged(scene: &Scene, machine: &Config) -> String {
     })
 }
 
-fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> {
-    let machine = machine(&options.machine)?;
+fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled> {
+    let work = &options.simulation.frames.work;
+    let machine = machine(&options.simulation.machine)?;
     refuse_kept_order(&machine)?;
     let text = output::read_text(path)?;
-    let design = DesignChoice::load(&options.work.design)?;
-    let entry = DesignVariant::new(design, options.work.traversal.map(Traversal::from));
+    let design = DesignChoice::load(&work.design)?;
+    let entry = DesignVariant::new(design, work.traversal.map(Traversal::from));
     if options.screen.is_none() {
         print_result(
             "screen: up to the largest x1 and y1 of the table; --screen WxH gives another\n",

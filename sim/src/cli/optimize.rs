@@ -2,7 +2,7 @@
 
 use super::output::{Outputs, settings, write, write_json};
 use super::resolve::{NamedFrame, part};
-use super::say::{Failure, print_result};
+use super::say::print_result;
 use super::search_args::{LimitOptions, OptimizeOptions, draw_references, limits_given};
 use crate::explore::answer::{self, Answer, usual_space};
 use crate::explore::answer_page;
@@ -12,7 +12,7 @@ use crate::explore::space::Space;
 use crate::machine::area::synthesis;
 use crate::machine::config;
 use crate::progress::ProgressMeter;
-use anyhow::anyhow;
+use anyhow::{Result, bail};
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
@@ -21,7 +21,7 @@ use std::time::Instant;
 const FILES: [&str; 4] = ["answer.json", "design.toml", "machine.toml", "answer.html"];
 
 /// The limits of the options themselves.
-fn own_limits(options: &LimitOptions) -> Result<Vec<Limit>, Failure> {
+fn own_limits(options: &LimitOptions) -> Result<Vec<Limit>> {
     let bandwidth = options.bandwidth.map(|megabytes| megabytes * 1e6);
     let [lut, dsp, bram] = [options.lut, options.dsp, options.bram].map(|most| most.map(f64::from));
     let energy = options.max_energy;
@@ -39,13 +39,13 @@ fn own_limits(options: &LimitOptions) -> Result<Vec<Limit>, Failure> {
     ])
 }
 
-pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
+pub fn run(options: &OptimizeOptions) -> Result<()> {
     let own = own_limits(&options.limits)?;
     let search = &options.search;
-    let outputs = Outputs::default().folder_if(options.output.as_ref(), &FILES)?;
+    let outputs = Outputs::default().folder(options.output.as_deref(), &FILES)?;
     let started = Instant::now();
     let limits = limits(own, options)?;
-    let frames = search.frames()?;
+    let frames = search.request().frames()?;
     let errors = limits.iter().any(|limit| limit.quantity.is_error());
     // Without a limit on errors the error of one picture is reported, those of many are not worth their memory.
     let formats = &options.formats.formats;
@@ -87,7 +87,7 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
         write_answer(&answer, &note, folder, &page)?;
     }
     if !answer.holds {
-        return Err(anyhow!("no point holds all limits").into());
+        bail!("no point holds all limits");
     }
     Ok(())
 }
@@ -110,7 +110,7 @@ fn title(frames: &[NamedFrame]) -> String {
 }
 
 /// The options' limits and the part's.
-fn limits(own: Vec<Limit>, options: &OptimizeOptions) -> Result<Vec<Limit>, Failure> {
+fn limits(own: Vec<Limit>, options: &OptimizeOptions) -> Result<Vec<Limit>> {
     let named = options.search.area.part.clone().unwrap_or_default();
     let of_part = part(&options.search.area)?.map(|part| limits_of_part(&named, &part));
     let mut of_part = of_part.unwrap_or_default();
@@ -121,7 +121,7 @@ fn limits(own: Vec<Limit>, options: &OptimizeOptions) -> Result<Vec<Limit>, Fail
     Ok(tightest([own, of_part].concat()))
 }
 
-fn write_answer(answer: &Answer, note: &str, folder: &Path, page: &str) -> Result<(), Failure> {
+fn write_answer(answer: &Answer, note: &str, folder: &Path, page: &str) -> Result<()> {
     write(&folder.join(FILES[3]), page.as_bytes())?;
     let result = json!({ "format": "splatline-answer/1", "answer": answer, "area_of": note });
     write_json(&folder.join(FILES[0]), &result)?;

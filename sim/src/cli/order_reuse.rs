@@ -3,13 +3,13 @@
 //! Each picture whose order is kept is drawn and simulated twice, in the kept order and sorted anew, so that gain and error are of the same picture.
 
 use super::resolve::NamedFrame;
-use super::say::Failure;
 use crate::explore::evaluator::DesignError;
 use crate::machine::simulate_alone;
 use crate::machine::summary::Spread;
 use crate::machine::workload::{OrderChanges, Workload};
 use crate::plan::AnyScene;
 use crate::report::table::psnr_of_rms;
+use anyhow::Result;
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -45,10 +45,7 @@ pub struct OrderReuse {
 
 impl OrderReuse {
     /// The work of the next picture, and what keeping its order is worth if it is kept.
-    pub fn next(
-        &mut self,
-        frame: &NamedFrame,
-    ) -> Result<(Workload, Option<ReusedOrderFrame>), Failure> {
+    pub fn next(&mut self, frame: &NamedFrame) -> Result<(Workload, Option<ReusedOrderFrame>)> {
         let prepared = &frame.prepared;
         let plan = &prepared.plan;
         let size = [plan.camera.width, plan.camera.height];

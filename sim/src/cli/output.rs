@@ -3,9 +3,9 @@
 //!
 //! `-` is stdout. What would have been said there goes to stderr then, so that a pipe holds the result alone.
 
-use super::say::{Failure, divert, print_error, printed};
+use super::say::{divert, print_error, printed, usage};
 use crate::{atomic, input};
-use anyhow::{Context, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::Write;
@@ -41,21 +41,22 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// With a file of one of these formats, or stdout.
-    pub fn file(mut self, path: &Path, extensions: &[&str]) -> Result<Outputs, Failure> {
+    /// With a file of one of these formats, or stdout, if one is asked for.
+    pub fn file(mut self, path: Option<&Path>, extensions: &[&str]) -> Result<Outputs> {
+        let Some(path) = path else {
+            return Ok(self);
+        };
         if self.files.iter().any(|other| other == path) {
             let shown = path.display();
             let message = format!("two results cannot both be written to '{shown}'");
-            return Err(Failure::Usage(message));
+            return Err(usage(message));
         }
-        self.files.push(path.to_owned());
         if is_stream(path) {
+            self.files.push(path.to_owned());
             divert();
             return Ok(self);
         }
-        check_folder_of(path)?;
-        check_extension(path, extensions)?;
-        Ok(self)
+        self.files([path.to_owned()].into_iter(), extensions)
     }
 
     /// With numbered files of one of these formats, which differ from each other and from JSON.
@@ -63,7 +64,7 @@ impl Outputs {
         mut self,
         paths: impl Iterator<Item = PathBuf>,
         extensions: &[&str],
-    ) -> Result<Outputs, Failure> {
+    ) -> Result<Outputs> {
         for path in paths {
             check_folder_of(&path)?;
             check_extension(&path, extensions)?;
@@ -72,29 +73,16 @@ impl Outputs {
         Ok(self)
     }
 
-    /// The same if one is asked for.
-    pub fn file_if(self, path: Option<&PathBuf>, extensions: &[&str]) -> Result<Outputs, Failure> {
-        match path {
-            Some(path) => self.file(path, extensions),
-            None => Ok(self),
-        }
-    }
-
     /// With a JSON file, if one is asked for.
-    pub fn json(self, path: Option<&PathBuf>) -> Result<Outputs, Failure> {
-        self.file_if(path, &["json"])
+    pub fn json(self, path: Option<&PathBuf>) -> Result<Outputs> {
+        self.file(path.map(PathBuf::as_path), &["json"])
     }
 
-    /// With these files of a folder, if one is asked for.
-    pub fn folder_if(self, folder: Option<&PathBuf>, files: &[&str]) -> Result<Outputs, Failure> {
-        match folder {
-            Some(folder) => self.folder(folder, files),
-            None => Ok(self),
-        }
-    }
-
-    /// With these files of a folder, which is made if need be.
-    pub fn folder(mut self, folder: &Path, files: &[&str]) -> Result<Outputs, Failure> {
+    /// With these files of a folder, which is made if need be, if one is asked for.
+    pub fn folder(mut self, folder: Option<&Path>, files: &[&str]) -> Result<Outputs> {
+        let Some(folder) = folder else {
+            return Ok(self);
+        };
         create_folder(folder)?;
         self.folder = Some(folder.to_owned());
         self.files
@@ -104,11 +92,11 @@ impl Outputs {
 
     /// Fails if a file that the command has read, or a result of another command, would be replaced; tells of results
     /// beside which its own will lie. Asked when everything is read, before the work.
-    pub fn spare_inputs(&self) -> Result<(), Failure> {
+    pub fn spare_inputs(&self) -> Result<()> {
         let outputs = self.files.iter().filter(|path| !is_stream(path));
         for output in outputs {
             atomic::refuse_input(output).map_err(|refused| {
-                Failure::Usage(format!("cannot write '{}': {refused}", output.display()))
+                usage(format!("cannot write '{}': {refused}", output.display()))
             })?;
         }
         match &self.folder {
@@ -118,7 +106,7 @@ impl Outputs {
     }
 
     /// Fails if another command's result in the folder would be replaced; tells of those that stay.
-    fn spare_results(&self, folder: &Path) -> Result<(), Failure> {
+    fn spare_results(&self, folder: &Path) -> Result<()> {
         let writes = |file: &str| self.files.contains(&folder.join(file));
         let there = |file: &str| folder.join(file).is_file();
         let others = RECORDS
@@ -128,7 +116,7 @@ impl Outputs {
         let shown = folder.display();
         let replaced = commands.iter().find(|command| MACHINES.contains(command));
         if let Some(command) = replaced.filter(|_| writes(MACHINE) && there(MACHINE)) {
-            return Err(Failure::Usage(format!(
+            return Err(usage(format!(
                 "cannot write to '{shown}': '{MACHINE}' there is a result of `{command}` and would be replaced; name another folder"
             )));
         }
@@ -141,7 +129,7 @@ impl Outputs {
     }
 }
 
-fn check_extension(output: &Path, extensions: &[&str]) -> Result<(), Failure> {
+fn check_extension(output: &Path, extensions: &[&str]) -> Result<()> {
     // A device (/dev/null, /dev/stdout) has no extension to go by.
     let is_device = std::fs::metadata(output).is_ok_and(|found| !found.is_file());
     let extension = output.extension().unwrap_or_default().to_string_lossy();
@@ -156,7 +144,7 @@ fn check_extension(output: &Path, extensions: &[&str]) -> Result<(), Failure> {
     };
     let named = extensions.iter().filter(|name| !name.is_empty());
     let expected = named.map(|name| format!(".{name}"));
-    Err(Failure::Usage(format!(
+    Err(usage(format!(
         "cannot write '{}': {found}; end the name in {}, or write to - (stdout)",
         output.display(),
         expected.collect::<Vec<_>>().join(" or ")
@@ -164,34 +152,34 @@ fn check_extension(output: &Path, extensions: &[&str]) -> Result<(), Failure> {
 }
 
 /// Fails before the work and not after it if the output's folder does not exist.
-fn check_folder_of(file: &Path) -> Result<(), Failure> {
+fn check_folder_of(file: &Path) -> Result<()> {
     if file.is_dir() {
-        return Err(anyhow!(
+        bail!(
             "cannot write '{}': it is a folder; name a file in it",
             file.display()
-        )
-        .into());
+        );
     }
     match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
             let (file, folder) = (file.display(), folder.display());
-            Err(anyhow!("cannot write '{file}': the folder '{folder}' does not exist").into())
+            Err(anyhow!(
+                "cannot write '{file}': the folder '{folder}' does not exist"
+            ))
         }
         _ => Ok(()),
     }
 }
 
 /// Writes bytes whole, or to stdout; the error names the file.
-pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     if is_stream(path) {
         return printed(std::io::stdout().write_all(bytes));
     }
-    atomic::write(path, bytes).with_context(|| format!("cannot write '{}'", path.display()))?;
-    Ok(())
+    atomic::write(path, bytes).with_context(|| format!("cannot write '{}'", path.display()))
 }
 
 /// Writes a record as JSON.
-pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), Failure> {
+pub fn write_json(path: &Path, record: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(record)
         .with_context(|| format!("cannot write '{}'", path.display()))?;
     let text = text + "\n";
@@ -199,53 +187,52 @@ pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), Failure> {
 }
 
 /// The same if a file is asked for.
-pub fn write_json_if(path: Option<&PathBuf>, record: &impl Serialize) -> Result<(), Failure> {
+pub fn write_json_if(path: Option<&PathBuf>, record: &impl Serialize) -> Result<()> {
     path.map_or(Ok(()), |path| write_json(path, record))
 }
 
 /// A text file, or stdin.
-pub fn read_text(path: &Path) -> Result<String, Failure> {
+pub fn read_text(path: &Path) -> Result<String> {
     let text = if is_stream(path) {
         input::text_of(std::io::stdin(), input::TABLE)
     } else {
         input::text(path, input::TABLE)
     };
-    Ok(text.with_context(|| format!("cannot read '{}'", path.display()))?)
+    text.with_context(|| format!("cannot read '{}'", path.display()))
 }
 
 /// A file of settings.
-pub fn read_settings(path: &Path) -> Result<String, Failure> {
-    Ok(input::text(path, input::SETTINGS)
-        .with_context(|| format!("cannot read '{}'", path.display()))?)
+pub fn read_settings(path: &Path) -> Result<String> {
+    input::text(path, input::SETTINGS).with_context(|| format!("cannot read '{}'", path.display()))
 }
 
 /// What a file of settings says, by a reader that is given its name and its text.
 pub fn settings<T, E: Display>(
     path: &Path,
     read: impl Fn(&str, &str) -> Result<T, E>,
-) -> Result<T, Failure> {
+) -> Result<T> {
     let found = read(&path.display().to_string(), &read_settings(path)?);
-    Ok(found.map_err(|problem| anyhow!("{problem}"))?)
+    found.map_err(|problem| anyhow!("{problem}"))
 }
 
 /// The folder for results, made if need be.
-pub fn create_folder(folder: &Path) -> Result<(), Failure> {
+pub fn create_folder(folder: &Path) -> Result<()> {
     if folder.exists() && !folder.is_dir() {
         let shown = folder.display();
-        return Err(anyhow!("cannot write to '{shown}': it is a file; name a folder").into());
+        bail!("cannot write to '{shown}': it is a file; name a folder");
     }
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot create the folder '{}'", folder.display()))?;
-    Ok(())
+        .with_context(|| format!("cannot create the folder '{}'", folder.display()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::say::UsageError;
 
-    fn refused(result: Result<(), Failure>) -> String {
+    fn refused(result: Result<()>) -> String {
         match result {
-            Err(Failure::Usage(message)) => message,
+            Err(error) if error.is::<UsageError>() => error.to_string(),
             other => panic!("{other:?}"),
         }
     }
@@ -266,14 +253,18 @@ mod tests {
         }
         let spared = |outputs: Outputs| outputs.spare_inputs();
         for name in names {
-            let outputs = Outputs::default().file(&name, &["png", "ply"]).unwrap();
+            let outputs = Outputs::default()
+                .file(Some(&name), &["png", "ply"])
+                .unwrap();
             let message = refused(spared(outputs));
             assert!(message.contains("would be destroyed"), "{message}");
         }
-        let other = Outputs::default().file(&path("y.png"), &["png"]).unwrap();
+        let other = Outputs::default()
+            .file(Some(&path("y.png")), &["png"])
+            .unwrap();
         assert!(spared(other).is_ok());
         let member = Outputs::default()
-            .folder(folder.path(), &["x.ply"])
+            .folder(Some(folder.path()), &["x.ply"])
             .unwrap();
         assert!(refused(spared(member)).contains("x.ply"));
     }
@@ -282,7 +273,11 @@ mod tests {
     fn only_what_is_written_may_be_named() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
-        let named = |path: &Path| Outputs::default().file(path, &["png", "npy"]).map(|_| ());
+        let named = |path: &Path| {
+            Outputs::default()
+                .file(Some(path), &["png", "npy"])
+                .map(|_| ())
+        };
         for name in ["a.jpg", "a.ppm", "a", "a.png.txt"] {
             let message = refused(named(&path(name)));
             assert!(

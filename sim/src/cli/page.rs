@@ -2,7 +2,7 @@
 
 use super::output::{self, Outputs};
 use super::resolve::PlanRequest;
-use super::say::{Failure, print_result, warn};
+use super::say::{print_result, usage, warn};
 use super::values::{TraversalChoice, design_name};
 use super::view_args::{ViewOptions, of_volumes};
 use crate::camera::Camera;
@@ -10,6 +10,7 @@ use crate::framing::FramingInput;
 use crate::page::{Shown, html};
 use crate::plan::{AnyScene, Prepared, Subject};
 use crate::scene::Scene;
+use anyhow::Result;
 use clap::Args;
 use splatline::format::Traversal;
 use std::path::{Path, PathBuf};
@@ -52,15 +53,15 @@ pub struct PageOptions {
 const VOLUME_SPLATS_ALONE: &str =
     "the live page draws volume splats; surfaces are drawn by `splatline render`";
 
-pub fn run(options: &PageOptions) -> Result<(), Failure> {
-    let outputs = Outputs::default().file(&options.output, &["html", "htm"])?;
+pub fn run(options: &PageOptions) -> Result<()> {
+    let outputs = Outputs::default().file(Some(&options.output), &["html", "htm"])?;
     if options.traversal == Some(TraversalChoice::Stamp) {
         let message = "the live page walks box or spans; stamps are drawn by `splatline render`";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(usage(message));
     }
     let surface = &options.view.surface;
     if surface.kind.is_some() && surface.flatten.is_none() {
-        return Err(Failure::Usage(VOLUME_SPLATS_ALONE.to_owned()));
+        return Err(usage(VOLUME_SPLATS_ALONE));
     }
     // Before anything is loaded or said; a camera's file has its own size, which is looked at when it is there.
     if let Some(size) = options.view.camera.size {
@@ -87,9 +88,9 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
     ))
 }
 
-fn check_size([width, height]: [usize; 2]) -> Result<(), Failure> {
+fn check_size([width, height]: [usize; 2]) -> Result<()> {
     if width.max(height) > LARGEST_SIDE {
-        Err(Failure::Usage(format!(
+        Err(usage(format!(
             "a live page draws at most {LARGEST_SIDE} pixels a side: give a smaller --size"
         )))
     } else {
@@ -98,18 +99,13 @@ fn check_size([width, height]: [usize; 2]) -> Result<(), Failure> {
 }
 
 /// Writes the page of a view; how many bytes it has.
-pub fn write_page(
-    prepared: &Prepared,
-    up: Option<[f64; 3]>,
-    path: &Path,
-) -> Result<usize, Failure> {
+pub fn write_page(prepared: &Prepared, up: Option<[f64; 3]>, path: &Path) -> Result<usize> {
     let Subject::Splats(splats) = prepared.subject()? else {
-        let message = VOLUME_SPLATS_ALONE;
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(usage(VOLUME_SPLATS_ALONE));
     };
     if !splats.are_composited() {
         let message = "the live page composites affine footprints one by one; other techniques are drawn by `splatline render`";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(usage(message));
     }
     let frame = FramingInput::of_scene(splats.scene, up);
     let page = html(&Shown {

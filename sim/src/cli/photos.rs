@@ -7,8 +7,8 @@ use super::args::CompareOptions;
 use super::compare::against_reference;
 use super::output::{Outputs, create_folder, write, write_json, write_json_if};
 use super::resolve::{COMPARED, NamedFrame, PlanRequest, room_for_picture};
-use super::say::{Failure, print_error, print_result, warn};
-use super::view_args::{MoreScenes, PathOptions};
+use super::say::{print_error, print_result, usage, warn};
+use super::view_args::PathOptions;
 use crate::cameras;
 use crate::cameras::lens::{Distortion, Lens};
 use crate::design::DesignChoice;
@@ -19,7 +19,7 @@ use crate::plan::{DesignVariant, Engine, Prepared};
 use crate::progress::ProgressMeter;
 use crate::report::photos::{Drawn, FILES, PhotoReport, PhotoRow, Shown, page};
 use crate::texture::image::{load_photograph, undistorted};
-use anyhow::{Context, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -82,18 +82,18 @@ struct View {
     mask: Option<Picture>,
 }
 
-pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<(), Failure> {
+pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<()> {
     let drawing = &options.drawing;
-    let outputs = outputs.folder(&options.output, &FILES)?;
+    let outputs = outputs.folder(Some(&options.output), &FILES)?;
     if drawing.alpha {
         let message =
             "--alpha has no meaning with --photos: photographs are compared on --background";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(usage(message));
     }
     let (views, lenses) = chosen_views(options)?;
     outputs.spare_inputs()?;
     let Backdrop::Colour(background) = drawing.backdrop() else {
-        return Err(anyhow!("photographs are compared on a colour").into());
+        bail!("photographs are compared on a colour");
     };
     let (progress, mut notes) = (ProgressMeter::new(views.len()), BTreeSet::new());
     let mut rows = Vec::with_capacity(views.len());
@@ -125,7 +125,7 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
             photograph: view.file.clone(),
             size: [photograph.width, photograph.height],
             folder: format!("view-{number:04}"),
-            drawn: drawn.iter().map(judged).collect::<anyhow::Result<_>>()?,
+            drawn: drawn.iter().map(judged).collect::<Result<_>>()?,
         });
         shown.push(pictures.small()?);
         progress.advance();
@@ -144,9 +144,7 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
 }
 
 /// The views of the split, in the order of their names.
-fn chosen_views(
-    options: &CompareOptions,
-) -> Result<(Vec<NamedFrame>, BTreeMap<String, Lens>), Failure> {
+fn chosen_views(options: &CompareOptions) -> Result<(Vec<NamedFrame>, BTreeMap<String, Lens>)> {
     let cameras = options.view.camera.file.clone();
     let path = PathOptions {
         camera_path: cameras.or_else(|| options.path.camera_path.clone()),
@@ -154,7 +152,7 @@ fn chosen_views(
     };
     let Some(file) = &path.camera_path else {
         let message = "--photos needs --camera: the COLMAP folder, transforms.json or cameras.json of the photographs";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(usage(message));
     };
     // Key frames have no lenses.
     let poses = cameras::load(file, None).unwrap_or_default();
@@ -162,7 +160,7 @@ fn chosen_views(
         .into_iter()
         .filter_map(|pose| Some((pose.name, pose.lens?)));
     let request = PlanRequest::drawing(&options.view, &options.drawing).on(&options.machine);
-    let mut frames = request.frames(&path, &MoreScenes::default())?;
+    let mut frames = request.along(&path).frames()?;
     frames.sort_by(|a, b| a.name.cmp(&b.name));
     let views: Vec<NamedFrame> = (0..)
         .zip(frames)
@@ -170,7 +168,7 @@ fn chosen_views(
         .map(|(_, frame)| frame)
         .collect();
     if views.is_empty() {
-        return Err(anyhow!("--split leaves no view").into());
+        bail!("--split leaves no view");
     }
     Ok((views, lenses.collect()))
 }
@@ -182,7 +180,7 @@ fn with_photograph(
     options: &CompareOptions,
     lenses: &BTreeMap<String, Lens>,
     notes: &mut BTreeSet<String>,
-) -> Result<View, Failure> {
+) -> Result<View> {
     let NamedFrame { name, prepared } = frame;
     let scene = format!("{}, ", prepared.scene.name());
     let name = name.strip_prefix(&scene).unwrap_or(&name).to_owned();
@@ -230,7 +228,7 @@ fn with_photograph(
             "the mask of '{name}' has {}x{} pixels and its photograph {}x{}: scale the masks",
             mask.width, mask.height, size[0], size[1]
         );
-        return Err(anyhow!(message).into());
+        bail!(message);
     }
     Ok(View {
         name,
@@ -259,7 +257,7 @@ fn both(mask: Option<Picture>, coverage: Option<Picture>) -> Option<Picture> {
 }
 
 /// The file of a view: by its name, with the usual extensions, and by the last part of its name.
-fn photograph_of(folder: &Path, name: &str) -> Result<PathBuf, Failure> {
+fn photograph_of(folder: &Path, name: &str) -> Result<PathBuf> {
     let last = Path::new(name).file_name().map(PathBuf::from);
     let names = [Some(PathBuf::from(name)), last];
     for name in names.into_iter().flatten() {
@@ -277,18 +275,18 @@ fn photograph_of(folder: &Path, name: &str) -> Result<PathBuf, Failure> {
         "'{}' holds no picture of the view '{name}' (.png, .jpg): give the folder of the photographs that belong to --camera",
         folder.display()
     );
-    Err(anyhow!(message).into())
+    Err(anyhow!(message))
 }
 
 /// By whom a view is drawn: the reference, the design, the other named designs, and the formats.
-fn draw(view: &View, options: &CompareOptions) -> anyhow::Result<Vec<(String, Picture)>> {
+fn draw(view: &View, options: &CompareOptions) -> Result<Vec<(String, Picture)>> {
     let prepared = &view.prepared;
     let reference = prepared.plan.reference.unwrap_or(Engine::Float);
-    let by = |engine: Engine| -> anyhow::Result<(String, Picture)> {
+    let by = |engine: Engine| -> Result<(String, Picture)> {
         let drawing = prepared.draw_reference(engine, &|_, _| ())?;
         Ok((engine.name().to_owned(), drawing.picture))
     };
-    let fixed = |entry: &DesignVariant| -> anyhow::Result<(String, Picture)> {
+    let fixed = |entry: &DesignVariant| -> Result<(String, Picture)> {
         Ok((
             entry.design.name.clone(),
             prepared.draw_fixed(entry)?.picture,

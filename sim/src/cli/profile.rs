@@ -3,7 +3,7 @@
 use super::fit;
 use super::output::{Outputs, write, write_json_if};
 use super::resolve::{NamedFrame, PlanRequest};
-use super::say::{Failure, print_result, warn};
+use super::say::{print_result, warn};
 use super::search_args::ProfileOptions;
 use crate::explore::limits::{Limit, Quantity};
 use crate::explore::profile::{Needs, SLACK, needs};
@@ -13,16 +13,15 @@ use crate::machine::workload::Workload;
 use crate::plan::{Prepared, Subject};
 use crate::progress::ProgressMeter;
 use crate::systems::SystemVerdict;
-use anyhow::anyhow;
+use anyhow::{Result, bail};
 use serde_json::{Map, json};
-use std::fmt::Write;
 
-pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
+pub fn run(options: &ProfileOptions) -> Result<()> {
     let outputs = Outputs::default()
         .json(options.json.as_ref())?
-        .file_if(options.html.as_ref(), &["html"])?;
-    let request = PlanRequest::work(&options.view, &options.work).on(&options.machine);
-    let frames = request.planned_frames(&options.path, &options.more)?;
+        .file(options.html.as_deref(), &["html"])?;
+    let request = PlanRequest::of_frames(&options.frames).on(&options.machine);
+    let frames = request.planned_frames()?;
     outputs.spare_inputs()?;
     let mut answers = Vec::with_capacity(frames.len());
     let mut drawn = Drawn::default();
@@ -31,7 +30,7 @@ pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
     }
     if let Some(path) = &options.html {
         if drawn.frames.is_empty() {
-            return Err(anyhow!("--html: no frame is drawn by units that the machine has").into());
+            bail!("--html: no frame is drawn by units that the machine has");
         }
         write(path, statistics::page("workload", &drawn.frames).as_bytes())?;
     }
@@ -54,7 +53,7 @@ fn one(
     frame: &NamedFrame,
     options: &ProfileOptions,
     drawn: &mut Drawn,
-) -> Result<serde_json::Value, Failure> {
+) -> Result<serde_json::Value> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     let (name, systems) = (frame.name.as_str(), prepared.systems());
@@ -105,7 +104,7 @@ fn one(
 fn examined(
     prepared: &Prepared,
     before: Option<&Workload>,
-) -> Result<(Needs, Statistics, Workload), Failure> {
+) -> Result<(Needs, Statistics, Workload)> {
     let (splats, plan) = (prepared.splats()?, &prepared.plan);
     let progress = ProgressMeter::spinner("setting up every splat");
     let options = splats.options(&plan.entry);
@@ -138,28 +137,24 @@ fn systems_text(systems: &[SystemVerdict]) -> String {
 
 fn text(name: &str, needs: &Needs) -> String {
     let mut text = format!("{name}: {} visible splats\nunits:\n", needs.visible);
-    // Writing to a String cannot fail.
     for (unit, verdict) in &needs.units {
-        let _ = writeln!(text, "  {unit:<18} {verdict}");
+        text += &format!("  {unit:<18} {verdict}\n");
     }
-    let _ = writeln!(
-        text,
-        "FIFOs (depth within {} % of the cycles of deep ones; fullest when deep):",
+    text += &format!(
+        "FIFOs (depth within {} % of the cycles of deep ones; fullest when deep):\n",
         SLACK * 100.0
     );
     for ((name, depth), high) in needs.fifo_depths.iter().zip(needs.fifo_high_water.values()) {
-        let _ = writeln!(text, "  {name:<18} {depth:>5} {high:>6}");
+        text += &format!("  {name:<18} {depth:>5} {high:>6}\n");
     }
     let [columns, rows] = needs.largest_box;
-    let _ = writeln!(
-        text,
-        "layers: at most {} in a pixel; longest tile list {}; largest box {columns} x {rows}; longest run {}",
+    text += &format!(
+        "layers: at most {} in a pixel; longest tile list {}; largest box {columns} x {rows}; longest run {}\n",
         needs.deepest_pixel, needs.longest_tile_list, needs.longest_run
     );
     if let (Some([low, high]), Some([most, least])) = (needs.curvature_log2, needs.peaks) {
-        let _ = writeln!(
-            text,
-            "ranges: curvature 2^{low} to 2^{high} per square pixel; peak opacity {least:.5} to {most:.5}"
+        text += &format!(
+            "ranges: curvature 2^{low} to 2^{high} per square pixel; peak opacity {least:.5} to {most:.5}\n"
         );
     }
     text

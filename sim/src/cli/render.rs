@@ -5,7 +5,7 @@ use super::frames;
 use super::maps::{self, write_maps};
 use super::output::{Outputs, is_stream, write, write_json_if};
 use super::resolve::{COMPARED, DRAWN, PlanRequest, room_for_picture};
-use super::say::{Failure, print_error, print_result, warn};
+use super::say::{print_error, print_result, usage, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
 use crate::camera::Camera;
 use crate::cameras::{self, lens::Lens};
@@ -15,24 +15,25 @@ use crate::plan::measure::{draw_alone, draw_last};
 use crate::plan::{Engine, Prepared, Technique};
 use crate::progress::ProgressMeter;
 use crate::texture::image::distorted;
-use anyhow::anyhow;
+use anyhow::{Result, anyhow};
 use std::path::Path;
 
-pub fn run(options: &RenderOptions) -> Result<(), Failure> {
+pub fn run(options: &RenderOptions) -> Result<()> {
     let drawing = &options.drawing;
     let mut outputs = Outputs::default()
-        .file(&options.output, &EXTENSIONS)?
+        .file(Some(&options.output), &EXTENSIONS)?
         .json(drawing.json.as_ref())?;
     if is_stream(&options.output) && !options.maps.is_empty() {
-        let message = "--maps are written beside the picture: name a file with -o";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(usage(
+            "--maps are written beside the picture: name a file with -o",
+        ));
     }
     for map in &options.maps {
-        outputs = outputs.file(&map.file(&options.output), &EXTENSIONS)?;
+        outputs = outputs.file(Some(&map.file(&options.output)), &EXTENSIONS)?;
     }
     if drawing.engine != Engine::Fixed && drawing.work.traversal.is_some() {
         let engine = drawing.engine.name();
-        return Err(Failure::Usage(format!(
+        return Err(usage(format!(
             "--traversal has no meaning for --engine {engine}"
         )));
     }
@@ -40,8 +41,9 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         return frames::render(options);
     }
     if options.animation.is_some() {
-        let message = "--animation takes several frames: give --camera-path or --turntable";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(usage(
+            "--animation takes several frames: give --camera-path or --turntable",
+        ));
     }
     let mut prepared = PlanRequest::drawing(&options.view, drawing).prepare()?;
     outputs.spare_inputs()?;
@@ -91,7 +93,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
 }
 
 /// The lens of the camera's file in the size of the picture, and the pinhole that sees as much.
-fn behind_lens(options: &RenderOptions, prepared: &Prepared) -> Result<(Lens, Camera), Failure> {
+fn behind_lens(options: &RenderOptions, prepared: &Prepared) -> Result<(Lens, Camera)> {
     let poses = match &options.view.camera.file {
         Some(file) => cameras::load(file, None)?,
         None => Vec::new(),
@@ -118,11 +120,7 @@ fn steps(path: &Path, depth: Depth) -> Option<f64> {
 }
 
 /// Writes a picture in the format that its name says.
-pub fn write_picture(
-    options: &RenderOptions,
-    picture: &Picture,
-    path: &Path,
-) -> Result<(), Failure> {
+pub fn write_picture(options: &RenderOptions, picture: &Picture, path: &Path) -> Result<()> {
     let drawing = &options.drawing;
     let format = PictureFormat::of(path).unwrap_or(PictureFormat::Png);
     let bytes = picture.encode(format, drawing.depth, drawing.backdrop())?;
@@ -130,7 +128,7 @@ pub fn write_picture(
 }
 
 /// Refuses a picture that does not fit into memory.
-pub fn check_room(prepared: &Prepared) -> Result<(), Failure> {
+pub fn check_room(prepared: &Prepared) -> Result<()> {
     let bytes = match (&prepared.plan.technique, prepared.plan.engine) {
         // The reference of surfaces keeps every fragment.
         (Technique::Surface(_), Engine::Float) => COMPARED,

@@ -10,11 +10,11 @@ mod technique;
 pub use camera::sound_camera;
 pub use machine::{calibration, energy_table, machine, part, refuse_kept_order};
 
-use super::drawing_args::{DrawingOptions, TechniqueOptions, WorkOptions};
+use super::drawing_args::{DrawingOptions, FrameOptions, TechniqueOptions, WorkOptions};
 use super::machine_args::MachineOptions;
-use super::say::{Failure, print_error};
+use super::say::{print_error, usage};
 use super::values::TraversalChoice;
-use super::view_args::{MoreScenes, PathOptions, ViewOptions};
+use super::view_args::{PathOptions, ViewOptions};
 use crate::camera::Camera;
 use crate::design::DesignChoice;
 use crate::framing::turned_camera;
@@ -24,7 +24,7 @@ use crate::plan::path::{self, CameraPath};
 use crate::plan::{COMPOSITED_ALONE, DesignVariant, Engine, Plan, Prepared};
 use crate::progress::ProgressMeter;
 use crate::rules::Compositing;
-use anyhow::anyhow;
+use anyhow::{Result, anyhow};
 use camera::{USUAL_SIZE, camera};
 use machine::change_machine;
 use splatline::format::Traversal;
@@ -35,6 +35,8 @@ use std::sync::Arc;
 /// What the options of a command say about a scene and its drawing; commands that lack an option have its default here.
 pub struct PlanRequest<'a> {
     view: &'a ViewOptions,
+    more: &'a [PathBuf],
+    path: Option<&'a PathOptions>,
     engine: Engine,
     design: &'a str,
     traversal: Option<TraversalChoice>,
@@ -102,6 +104,8 @@ impl<'a> PlanRequest<'a> {
     pub fn by_design(view: &'a ViewOptions, design: &'a str) -> PlanRequest<'a> {
         PlanRequest {
             view,
+            more: &[],
+            path: None,
             engine: Engine::Fixed,
             design,
             traversal: None,
@@ -123,12 +127,26 @@ impl<'a> PlanRequest<'a> {
         }
     }
 
+    /// The same of several scenes and cameras.
+    pub fn of_frames(frames: &'a FrameOptions) -> PlanRequest<'a> {
+        PlanRequest {
+            more: &frames.more,
+            ..PlanRequest::work(&frames.view, &frames.work).along(&frames.path)
+        }
+    }
+
     /// What the commands that write pictures ask.
     pub fn drawing(view: &'a ViewOptions, drawing: &'a DrawingOptions) -> PlanRequest<'a> {
         PlanRequest {
             engine: drawing.engine,
             ..PlanRequest::work(view, &drawing.work)
         }
+    }
+
+    /// The same along a path, if there is one.
+    pub fn along(mut self, path: &'a PathOptions) -> PlanRequest<'a> {
+        self.path = Some(path);
+        self
     }
 
     /// The same for a machine.
@@ -160,17 +178,15 @@ impl<'a> PlanRequest<'a> {
     }
 
     /// Refuses, before anything is loaded, what the options say that no unit draws.
-    fn check_units(&self) -> Result<(), Failure> {
+    fn check_units(&self) -> Result<()> {
         match self.by_units {
-            true if self.is_stamped() || self.has_method() => {
-                Err(Failure::Usage(COMPOSITED_ALONE.to_owned()))
-            }
+            true if self.is_stamped() || self.has_method() => Err(usage(COMPOSITED_ALONE)),
             _ => Ok(()),
         }
     }
 
     /// Refuses a machine that keeps an order where no picture comes before another.
-    fn check_order(&self, machine: &Config) -> Result<(), Failure> {
+    fn check_order(&self, machine: &Config) -> Result<()> {
         if self.keeps_order {
             Ok(())
         } else {
@@ -179,7 +195,7 @@ impl<'a> PlanRequest<'a> {
     }
 
     /// The plan with its scene, from the options or from a file.
-    pub fn prepare(&self) -> Result<Prepared, Failure> {
+    pub fn prepare(&self) -> Result<Prepared> {
         self.check_units()?;
         match &self.view.from {
             Some(file) => self.read_file(file),
@@ -188,26 +204,18 @@ impl<'a> PlanRequest<'a> {
     }
 
     /// A plan for every frame at once, for what draws all of them again and again.
-    pub fn frames(
-        &self,
-        path: &PathOptions,
-        more: &MoreScenes,
-    ) -> Result<Vec<NamedFrame>, Failure> {
-        let planned = self.planned_frames(path, more)?;
+    pub fn frames(&self) -> Result<Vec<NamedFrame>> {
+        let planned = self.planned_frames()?;
         let what = format!("the plans of {} frames", planned.len());
         memory::room_for_records(planned.len() as u64, FRAME_BYTES, &what)?;
         Ok(planned.into_iter().map(PlannedFrame::prepare).collect())
     }
 
     /// Every frame, of each scene by each camera of the path, whose plan is made when its turn comes.
-    pub fn planned_frames(
-        &self,
-        path: &PathOptions,
-        more: &MoreScenes,
-    ) -> Result<Vec<PlannedFrame>, Failure> {
+    pub fn planned_frames(&self) -> Result<Vec<PlannedFrame>> {
         self.check_units()?;
-        let turntable = path.turntable;
-        let path = match &path.camera_path {
+        let turntable = self.path.and_then(|path| path.turntable);
+        let path = match self.path.and_then(|path| path.camera_path.as_ref()) {
             Some(file) => {
                 let (path, notes) = path::load(file, self.view.camera.size)?;
                 for note in notes {
@@ -220,7 +228,7 @@ impl<'a> PlanRequest<'a> {
         if self.view.from.is_some() {
             return Ok(vec![PlannedFrame::only(self.prepare()?)]);
         }
-        let scenes = std::iter::once(scene_of(self.view)?).chain(&more.others);
+        let scenes = std::iter::once(scene_of(self.view)?).chain(self.more);
         let mut frames = Vec::new();
         for scene in scenes {
             // Turned, a scene shows its other sides: there the whole of it has room.
@@ -263,7 +271,7 @@ impl<'a> PlanRequest<'a> {
     }
 
     /// A plan's or a report's; the machine's options may change its machine, which no picture depends on.
-    fn read_file(&self, file: &Path) -> Result<Prepared, Failure> {
+    fn read_file(&self, file: &Path) -> Result<Prepared> {
         let progress = ProgressMeter::spinner(format!("loading what {} names", file.display()));
         let mut prepared = Prepared::from_file(file, &|what| progress.doing(what))?;
         if let Some(options) = self.machine {
@@ -278,7 +286,7 @@ impl<'a> PlanRequest<'a> {
         scene: &Path,
         path: Option<&CameraPath>,
         fills: bool,
-    ) -> Result<Prepared, Failure> {
+    ) -> Result<Prepared> {
         let view = self.view;
         let source = self.source(scene)?;
         let machine = match self.machine {
@@ -323,18 +331,16 @@ impl<'a> PlanRequest<'a> {
 }
 
 /// The scene that the options name.
-pub fn scene_of(view: &ViewOptions) -> Result<&PathBuf, Failure> {
-    let message = "name a scene, or a plan with --plan FILE";
-    view.scene
-        .as_ref()
-        .ok_or_else(|| Failure::Usage(message.to_owned()))
+pub fn scene_of(view: &ViewOptions) -> Result<&PathBuf> {
+    let scene = view.scene.as_ref();
+    scene.ok_or_else(|| usage("name a scene, or a plan with --plan FILE"))
 }
 
 /// Bytes of a frame's plan.
 const FRAME_BYTES: usize = 40_000;
 
 /// Refuses a picture of which so many bytes a pixel do not fit into memory.
-pub fn room_for_picture(camera: &Camera, bytes: u64) -> Result<(), Failure> {
+pub fn room_for_picture(camera: &Camera, bytes: u64) -> Result<()> {
     let (width, height) = (camera.width, camera.height);
     let bytes = bytes.saturating_mul(width as u64 * height as u64);
     let what = format!("a picture of {width}x{height}");

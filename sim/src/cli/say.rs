@@ -1,46 +1,40 @@
 //! How a command ends and what it says: results to stdout, all else to stderr, failures as exit codes.
 
+use anyhow::{Context, Error, Result};
 use std::io::{ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Stdout holds a file (`-o -`): what is said goes to stderr.
 static DIVERTED: AtomicBool = AtomicBool::new(false);
 
-/// Why a command failed, which decides the exit code.
-#[derive(Debug)]
-pub enum Failure {
-    /// The options make no sense together; exit code 2.
-    Usage(String),
-    /// A file or its contents; exit code 1.
-    Input(anyhow::Error),
-}
+/// Options that make no sense together; exit code 2. All other errors are those of a file or its contents: exit code 1.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct UsageError(pub String);
 
-impl<E: Into<anyhow::Error>> From<E> for Failure {
-    fn from(error: E) -> Self {
-        Failure::Input(error.into())
-    }
+/// Says that options make no sense together.
+pub fn usage(message: impl Into<String>) -> Error {
+    UsageError(message.into()).into()
 }
 
 /// The exit code of a command that has ended, its failure told on stderr.
-pub fn finish(outcome: Result<(), Failure>) -> u8 {
-    match outcome {
-        Ok(()) => 0,
-        Err(Failure::Input(error)) => {
-            print_error(&format!("error: {}\n", shortened(&explain(&error))));
-            1
-        }
-        Err(Failure::Usage(message)) => {
-            let message = shortened(&message);
-            print_error(&format!(
-                "error: {message}\n\nFor more information, try '--help'.\n"
-            ));
-            2
-        }
+pub fn finish(outcome: Result<()>) -> u8 {
+    let Err(error) = outcome else {
+        return 0;
+    };
+    let message = shortened(&explain(&error));
+    if error.is::<UsageError>() {
+        print_error(&format!(
+            "error: {message}\n\nFor more information, try '--help'.\n"
+        ));
+        return 2;
     }
+    print_error(&format!("error: {message}\n"));
+    1
 }
 
 /// The error and its causes, each said once: some errors already quote their cause.
-pub fn explain(error: &anyhow::Error) -> String {
+pub fn explain(error: &Error) -> String {
     error
         .chain()
         .map(ToString::to_string)
@@ -88,7 +82,7 @@ pub fn divert() {
 }
 
 /// Prints a result.
-pub fn print_result(text: &str) -> Result<(), Failure> {
+pub fn print_result(text: &str) -> Result<()> {
     if DIVERTED.load(Ordering::Relaxed) {
         print_error(text);
         return Ok(());
@@ -97,12 +91,12 @@ pub fn print_result(text: &str) -> Result<(), Failure> {
 }
 
 /// What became of a result: a reader that has gone away (`splatline ... | head`) is no error, a full disk is one.
-pub fn printed(written: std::io::Result<()>) -> Result<(), Failure> {
+pub fn printed(written: std::io::Result<()>) -> Result<()> {
     // Flushed here: what is still buffered when the process ends fails unseen.
     match written.and_then(|()| std::io::stdout().flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(anyhow::Error::new(error)
-            .context("cannot write to the standard output")
-            .into()),
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to the standard output")
+        }
         _ => Ok(()),
     }
 }

@@ -1,55 +1,24 @@
 //! Options of the commands that search designs and machines: sweep, optimize, fit, profile.
 
-use super::drawing_args::WorkOptions;
-use super::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
+use super::drawing_args::FrameOptions;
+use super::machine_args::{MachineOptions, SimulationOptions};
 use super::resolve::{
-    COMPARED, HELD_PIXEL_BYTES, NamedFrame, PlanRequest, calibration, energy_table,
-    room_for_picture,
+    COMPARED, HELD_PIXEL_BYTES, NamedFrame, calibration, energy_table, room_for_picture,
 };
-use super::say::{Failure, warn};
+use super::say::{usage, warn};
 use super::values::{METRICS, format, one_of, positive};
-use super::view_args::{MoreScenes, PathOptions, ViewOptions, of_units};
+use super::view_args::of_units;
 use crate::explore::limits::{Limit, Quantity};
 use crate::explore::subject::Subject;
 use crate::plan::Engine;
+use anyhow::Result;
 use clap::Args;
 use splatline::format::Traversal;
 use std::path::PathBuf;
 
-/// What is drawn and simulated, by what a search starts from.
-#[derive(Debug, Args)]
-pub struct SearchOptions {
-    #[command(flatten)]
-    pub view: ViewOptions,
-    #[command(flatten)]
-    pub more: MoreScenes,
-    #[command(flatten)]
-    pub path: PathOptions,
-    #[command(flatten)]
-    pub work: WorkOptions,
-    #[command(flatten)]
-    pub machine: MachineOptions,
-    #[command(flatten)]
-    pub area: AreaOptions,
-    #[command(flatten)]
-    pub energy: EnergyOptions,
-}
-
-impl SearchOptions {
-    /// The frames that are drawn.
-    pub fn frames(&self) -> Result<Vec<NamedFrame>, Failure> {
-        let request = PlanRequest::work(&self.view, &self.work)
-            .on(&self.machine)
-            .by_units();
-        request.frames(&self.path, &self.more)
-    }
-
+impl SimulationOptions {
     /// What is explored, with references where errors are asked for.
-    pub fn subject<'a>(
-        &self,
-        frames: &'a [NamedFrame],
-        errors: bool,
-    ) -> Result<Subject<'a>, Failure> {
+    pub fn subject<'a>(&self, frames: &'a [NamedFrame], errors: bool) -> Result<Subject<'a>> {
         for frame in frames {
             warn(&frame.prepared.setup_warnings()?);
         }
@@ -59,8 +28,8 @@ impl SearchOptions {
         }
         // What nobody asked for, each design of a space decides.
         let recorded = &frames[0].prepared.plan.entry.traversal;
-        let recorded = self.view.from.as_ref().map(|_| *recorded);
-        subject.traversal = self.work.traversal.map(Traversal::from).or(recorded);
+        let recorded = self.frames.view.from.as_ref().map(|_| *recorded);
+        subject.traversal = self.frames.work.traversal.map(Traversal::from).or(recorded);
         subject.calibration = calibration(&self.area)?;
         subject.energy = energy_table(&self.energy)?;
         Ok(subject)
@@ -68,18 +37,14 @@ impl SearchOptions {
 }
 
 /// What is explored of these frames, whatever they are of, with references where errors are asked for.
-pub fn subject(frames: &[NamedFrame], errors: bool) -> Result<Subject<'_>, Failure> {
+pub fn subject(frames: &[NamedFrame], errors: bool) -> Result<Subject<'_>> {
     let mut subject = Subject::new(frames.iter().map(|frame| &frame.prepared).collect())?;
     draw_references(&mut subject, frames, errors)?;
     Ok(subject)
 }
 
 /// Draws a subject's references where errors are asked for and there is memory for all of them.
-pub fn draw_references(
-    subject: &mut Subject,
-    frames: &[NamedFrame],
-    errors: bool,
-) -> Result<(), Failure> {
+pub fn draw_references(subject: &mut Subject, frames: &[NamedFrame], errors: bool) -> Result<()> {
     if !errors {
         return Ok(());
     }
@@ -87,12 +52,11 @@ pub fn draw_references(
         let bytes = COMPARED + HELD_PIXEL_BYTES * (frames.len() as u64 - 1);
         room_for_picture(&frame.prepared.plan.camera, bytes)?;
     }
-    subject.draw_references()?;
-    Ok(())
+    subject.draw_references()
 }
 
 /// The limits that options give, of which there must be one: quantities, bounds and the options' names.
-pub fn limits_given(options: &[(Quantity, Option<f64>, &str)]) -> Result<Vec<Limit>, Failure> {
+pub fn limits_given(options: &[(Quantity, Option<f64>, &str)]) -> Result<Vec<Limit>> {
     let given = options.iter();
     let given =
         given.filter_map(|(quantity, bound, of)| Some(Limit::new(*quantity, (*bound)?, of)));
@@ -101,7 +65,7 @@ pub fn limits_given(options: &[(Quantity, Option<f64>, &str)]) -> Result<Vec<Lim
         [others @ .., (.., last)] if limits.is_empty() => {
             let others: Vec<&str> = others.iter().map(|(.., name)| *name).collect();
             let others = others.join(", ");
-            Err(Failure::Usage(format!(
+            Err(usage(format!(
                 "there is no limit: give one or more of {others} and {last}"
             )))
         }
@@ -131,7 +95,7 @@ On several machines: splatline.study, in Python.
 #[command(mut_args(of_units))]
 pub struct SweepOptions {
     #[command(flatten)]
-    pub search: SearchOptions,
+    pub search: SimulationOptions,
     /// Fields and their values (TOML)
     #[arg(long, value_name = "s.toml")]
     pub space: PathBuf,
@@ -157,7 +121,7 @@ The exit status is 1 where no point holds all limits. `explore` with a limit is 
 #[command(mut_args(of_units))]
 pub struct OptimizeOptions {
     #[command(flatten)]
-    pub search: SearchOptions,
+    pub search: SimulationOptions,
     /// Fields and their values (TOML) [default: every width and the usual machines]
     #[arg(long, value_name = "s.toml")]
     pub space: Option<PathBuf>,
@@ -230,13 +194,7 @@ Examples:
 #[derive(Debug, Args)]
 pub struct FitOptions {
     #[command(flatten)]
-    pub view: ViewOptions,
-    #[command(flatten)]
-    pub more: MoreScenes,
-    #[command(flatten)]
-    pub path: PathOptions,
-    #[command(flatten)]
-    pub work: WorkOptions,
+    pub frames: FrameOptions,
     /// Error that the design may have, colours, in units of 1.0
     #[arg(long, value_name = "E", value_parser = positive)]
     pub max_error: Option<f64>,
@@ -271,13 +229,7 @@ Examples:
 #[derive(Debug, Args)]
 pub struct ProfileOptions {
     #[command(flatten)]
-    pub view: ViewOptions,
-    #[command(flatten)]
-    pub more: MoreScenes,
-    #[command(flatten)]
-    pub path: PathOptions,
-    #[command(flatten)]
-    pub work: WorkOptions,
+    pub frames: FrameOptions,
     #[command(flatten)]
     pub machine: MachineOptions,
     /// Also find the smallest widths within this error (as `splatline fit` does)

@@ -1,7 +1,8 @@
 //! `splatline completions` and `splatline man`: made from the options themselves, so that they cannot fall behind.
 
 use super::output::{self, create_folder};
-use super::say::{Failure, print_result};
+use super::say::print_result;
+use anyhow::Result;
 use clap::{Args, Command};
 use clap_complete::Shell;
 use clap_mangen::Man;
@@ -32,14 +33,14 @@ pub struct ManOptions {
 }
 
 /// Prints the script that a shell completes the command by.
-pub fn completions(options: &CompletionsOptions, mut command: Command) -> Result<(), Failure> {
+pub fn completions(options: &CompletionsOptions, mut command: Command) -> Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(options.shell, &mut command, "splatline", &mut script);
     print_result(&String::from_utf8_lossy(&script))
 }
 
 /// Writes a page for the program and one for each command.
-pub fn man(options: &ManOptions, mut command: Command) -> Result<(), Failure> {
+pub fn man(options: &ManOptions, mut command: Command) -> Result<()> {
     create_folder(&options.output)?;
     command.build();
     let pages = std::iter::once(command.clone()).chain(command.get_subcommands().cloned());

@@ -1,13 +1,14 @@
 //! `splatline stability`: the hard-case suite and the classes of scenes, with the verdict on each bar.
 
 use super::output::{Outputs, write, write_json_if};
-use super::say::{Failure, print_result};
+use super::say::print_result;
 use super::verification_args::{StabilityOptions, StabilitySection};
 use crate::design::DesignChoice;
 use crate::progress::ProgressMeter;
 use crate::stability::scenes::classes::Size;
 use crate::stability::scenes::{self, SceneLine};
 use crate::stability::{StabilityExtent, StabilityLine, measure, steps, table};
+use anyhow::Result;
 
 /// Heads the page that `--markdown` writes.
 const HEADING: &str = "\
@@ -44,24 +45,24 @@ struct MeasuredLine {
     scenes: Vec<SceneLine>,
 }
 
-pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
+pub fn run(options: &StabilityOptions) -> Result<()> {
     Outputs::default()
         .json(options.json.as_ref())?
-        .file_if(options.markdown.as_ref(), &["md"])?
+        .file(options.markdown.as_deref(), &["md"])?
         .spare_inputs()?;
     let wants = |section| options.only.is_empty() || options.only.contains(&section);
     let mut measured = MeasuredLine {
         cases: Vec::new(),
         scenes: Vec::new(),
     };
+    let (size, extent) = if options.quick {
+        (Size::QUICK, StabilityExtent::QUICK)
+    } else {
+        (Size::FULL, StabilityExtent::FULL)
+    };
     let progress = ProgressMeter::spinner("stability");
     let (mut page, mut summary) = (String::new(), String::new());
     if wants(StabilitySection::Scenes) {
-        let size = if options.quick {
-            Size::QUICK
-        } else {
-            Size::FULL
-        };
         progress.doing("drawing scenes as people have them");
         measured.scenes = scenes::measure(size, options.seed);
         let table = scenes::table::markdown(&measured.scenes);
@@ -69,11 +70,6 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
         summary += &format!("{table}\n");
     }
     if wants(StabilitySection::Cases) {
-        let extent = if options.quick {
-            StabilityExtent::QUICK
-        } else {
-            StabilityExtent::FULL
-        };
         progress.doing("measuring hard cases against exact arithmetic");
         measured.cases = measure(&DesignChoice::all(), extent);
         let lines = &measured.cases;

@@ -1,8 +1,9 @@
 //! `splatline sweep`: every point of a space, in one piece.
 
+use super::machine_args::SimulationOptions;
 use super::output::{Outputs, read_settings, write};
-use super::say::{Failure, print_result};
-use super::search_args::{SearchOptions, SweepOptions};
+use super::say::print_result;
+use super::search_args::SweepOptions;
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
 use crate::explore::identity::{Identity, SettingsText};
@@ -13,6 +14,7 @@ use crate::explore::table::{ResultTable, heading};
 use crate::machine::Config;
 use crate::machine::area::synthesis;
 use crate::progress::ProgressMeter;
+use anyhow::Result;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -23,12 +25,12 @@ const POINTS: &str = "points.csv";
 const FILES: [&str; 4] = ["sweep.json", POINTS, "front.csv", "front.html"];
 
 /// Every point of the space.
-pub fn run(options: &SweepOptions) -> Result<(), Failure> {
+pub fn run(options: &SweepOptions) -> Result<()> {
     let (search, file, output) = (&options.search, &options.space, &options.output);
-    let outputs = Outputs::default().folder(output, &FILES)?;
+    let outputs = Outputs::default().folder(Some(output), &FILES)?;
     let text = read_settings(file)?;
     let space = Space::from_toml(&file.display().to_string(), &text)?;
-    let frames = search.frames()?;
+    let frames = search.request().frames()?;
     let subject = search.subject(&frames, !options.no_error)?;
     let identity = Identity::new(&subject, &text, &settings(search, &space)?)?;
     outputs.spare_inputs()?;
@@ -72,7 +74,7 @@ fn clock_note(machine: &Config, space: &Space) -> &'static str {
 }
 
 /// Front, plot and a line for each of the front's points.
-fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<(), Failure> {
+fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<()> {
     let all = candidates(table);
     let kept = front(&all);
     let csv = front_table(table, &kept).to_csv();
@@ -106,13 +108,13 @@ fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<
 }
 
 /// The texts of all settings files that take part: whatever they say, another text is another sweep.
-fn settings(options: &SearchOptions, space: &Space) -> Result<Vec<SettingsText>, Failure> {
-    let design = Some(PathBuf::from(&options.work.design));
+fn settings(options: &SimulationOptions, space: &Space) -> Result<Vec<SettingsText>> {
+    let design = Some(PathBuf::from(&options.frames.work.design));
     let machine = options.machine.machine.clone();
     let files = [
-        ("plan", options.view.from.clone()),
-        ("transfer", options.view.splats.transfer.clone()),
-        ("camera", options.view.camera.file.clone()),
+        ("plan", options.frames.view.from.clone()),
+        ("transfer", options.frames.view.splats.transfer.clone()),
+        ("camera", options.frames.view.camera.file.clone()),
         ("design", design.filter(|name| is_toml(name))),
         ("machine", machine.filter(|name| is_toml(name))),
         ("calibration", options.area.calibration.clone()),
@@ -123,7 +125,7 @@ fn settings(options: &SearchOptions, space: &Space) -> Result<Vec<SettingsText>,
         .into_iter()
         .filter_map(|(role, path)| Some((role, path?)));
     let read = |(role, path): (&'static str, PathBuf)| Ok((role, read_settings(&path)?));
-    let mut all: Vec<SettingsText> = named.map(read).collect::<Result<_, Failure>>()?;
+    let mut all: Vec<SettingsText> = named.map(read).collect::<Result<_>>()?;
     let mut bases = String::new();
     for file in base_files(space) {
         bases += &read_settings(&file)?;

@@ -3,13 +3,14 @@
 use super::machine_args::{TraceFormat, TraceOptions};
 use super::output::{Outputs, write};
 use super::resolve::PlanRequest;
-use super::say::{Failure, print_result, warn};
+use super::say::{print_result, usage, warn};
 use crate::machine::Config;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::simulate_observed;
 use crate::machine::timing::accesses;
 use crate::machine::workload::Workload;
 use crate::trace::{Recorder, kanata, perfetto, requests, vcd};
+use anyhow::Result;
 
 /// Splats recorded unless the options say otherwise.
 const USUAL_COUNT: u32 = 256;
@@ -24,13 +25,13 @@ fn extensions(format: TraceFormat) -> &'static [&'static str] {
     }
 }
 
-pub fn run(options: &TraceOptions) -> Result<(), Failure> {
-    let outputs = Outputs::default().file(&options.output, extensions(options.format))?;
+pub fn run(options: &TraceOptions) -> Result<()> {
+    let outputs = Outputs::default().file(Some(&options.output), extensions(options.format))?;
     let last = options
         .last
         .unwrap_or(options.first.saturating_add(USUAL_COUNT - 1));
     if last < options.first {
-        return Err(Failure::Usage(format!(
+        return Err(usage(format!(
             "--last {last} is smaller than --first {}",
             options.first
         )));
@@ -59,8 +60,7 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
     print_result(&format!(
         "{path}: splats {first} to {last}, {count} events in {} raster cycles\n",
         timing.raster
-    ))?;
-    Ok(())
+    ))
 }
 
 /// Everything that the machine's memory part is asked for.
@@ -69,11 +69,11 @@ fn requests_of(
     workload: &Workload,
     work: &LaneWork,
     config: &Config,
-) -> Result<(), Failure> {
+) -> Result<()> {
     let (Some(part), Some(all)) = (config.memory_part(), accesses(workload, work, config)) else {
         let message = "the machine has two channels and no memory part, so there are no requests to one: choose a part, for example with \
                        --set memory_part=ddr3-1600-x16 --set clock_mhz=100";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(usage(message));
     };
     let text = match options.format {
         TraceFormat::Ramulator2 => requests::ramulator2(&all),
@@ -81,6 +81,5 @@ fn requests_of(
     };
     write(&options.output, text.as_bytes())?;
     let (count, path) = (all.len(), options.output.display());
-    print_result(&format!("{path}: {count} requests to {}\n", part.name))?;
-    Ok(())
+    print_result(&format!("{path}: {count} requests to {}\n", part.name))
 }

@@ -9,7 +9,7 @@ use crate::picture::Depth;
 use crate::plan::Engine;
 use crate::plan::measure::count_of_threads_or_runs;
 use crate::reference::sphere::Index;
-use crate::rules::{Compositing, Kernel};
+use crate::rules::{Antialias, Compositing, Kernel};
 use crate::sheets::SheetKind;
 use crate::surface::LAYERS;
 use crate::vector::Vector;
@@ -257,6 +257,18 @@ pub enum AntialiasChoice {
     Mip,
     /// Distance scaling by the volume's sample spacing, without a low-pass filter
     Swan,
+}
+
+impl AntialiasChoice {
+    /// With this variance of the filter, or spacing of the samples.
+    pub fn with(self, variance: f64, spacing: impl FnOnce() -> f64) -> Antialias {
+        match self {
+            AntialiasChoice::None => Antialias::None,
+            AntialiasChoice::Ewa => Antialias::Ewa(variance),
+            AntialiasChoice::Mip => Antialias::Mip(variance),
+            AntialiasChoice::Swan => Antialias::Swan(spacing()),
+        }
+    }
 }
 
 /// Three finite numbers parted by commas.

@@ -2,17 +2,18 @@
 
 use super::output::create_folder;
 use super::resolve::sound_camera;
-use super::say::{Failure, print_result};
+use super::say::{print_result, usage};
 use super::values::AntialiasChoice;
 use super::verification_args::{VectorsAction, VectorsExportOptions};
 use crate::design::DesignChoice;
 use crate::fixed::QuantisedScene;
-use crate::rules::{Antialias, Rules};
+use crate::rules::Rules;
 use crate::scene::{self, LoadOptions, SortOrder};
 use crate::vectors::{self, VectorSubject};
+use anyhow::Result;
 use std::path::Path;
 
-pub fn run(action: &VectorsAction) -> Result<(), Failure> {
+pub fn run(action: &VectorsAction) -> Result<()> {
     match action {
         VectorsAction::Export(options) => export(options),
         VectorsAction::Verify { folder } => verify(folder),
@@ -20,7 +21,7 @@ pub fn run(action: &VectorsAction) -> Result<(), Failure> {
     }
 }
 
-fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
+fn export(options: &VectorsExportOptions) -> Result<()> {
     create_folder(&options.folder)?;
     let mut design = DesignChoice::load(&options.design)?;
     if let Some(traversal) = options.traversal {
@@ -44,7 +45,7 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
             let loaded = scene::load(file, &LoadOptions::default())?;
             if loaded.order != SortOrder::Depth {
                 let name = &loaded.name;
-                return Err(Failure::Usage(format!(
+                return Err(usage(format!(
                     "{name}: it is sorted by distance, and vectors hold the words of a setup unit whose key is the depth: give a scene that is sorted by depth (glTF: \"sortingMethod\": \"zDepth\")"
                 )));
             }
@@ -74,25 +75,19 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
         "{}: {}\n",
         options.folder.display(),
         counts.join(", ")
-    ))?;
-    Ok(())
+    ))
 }
 
 /// The built-in splats' samples are as far apart as pixels are in the middle of them.
 fn filtered(rules: Rules, antialias: Option<AntialiasChoice>) -> Rules {
     const SPACING: f64 = 1.0 / 24.0;
-    let Some(choice) = antialias else {
-        return rules;
-    };
-    rules.with_antialias(match choice {
-        AntialiasChoice::None => Antialias::None,
-        AntialiasChoice::Ewa => Antialias::Ewa(rules.low_pass),
-        AntialiasChoice::Mip => Antialias::Mip(rules.low_pass),
-        AntialiasChoice::Swan => Antialias::Swan(SPACING),
-    })
+    match antialias {
+        Some(choice) => rules.with_antialias(choice.with(rules.low_pass, || SPACING)),
+        None => rules,
+    }
 }
 
-fn verify(folder: &Path) -> Result<(), Failure> {
+fn verify(folder: &Path) -> Result<()> {
     let verified = vectors::verify(folder)?;
     for (stage, records) in &verified.stages {
         print_result(&format!("{stage}: {records} records equal the kernel's\n"))?;

@@ -147,14 +147,6 @@ pub fn of_volumes(arg: Arg) -> Arg {
     arg.hide(is_beyond)
 }
 
-/// Scenes beside the first.
-#[derive(Debug, Default, Args)]
-pub struct MoreScenes {
-    /// Further scenes, each seen whole or by the same camera
-    #[arg(value_name = "MORE", conflicts_with = "from")]
-    pub others: Vec<PathBuf>,
-}
-
 /// How a point cloud is drawn as a surface.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Surfaces")]

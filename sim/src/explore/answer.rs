@@ -20,7 +20,6 @@ use crate::machine::config::{Config, setting};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use splatline::format::WIDTH_RANGES;
-use std::fmt::Write;
 use toml::Value;
 
 /// The machines that are searched unless a space is given.
@@ -118,8 +117,7 @@ pub fn usual_space(
     if designs {
         text += "[design]\n";
         for (name, low, high) in WIDTH_RANGES {
-            // Writing to a String cannot fail.
-            let _ = writeln!(text, "{name} = {{ from = {low}, to = {high} }}");
+            text += &format!("{name} = {{ from = {low}, to = {high} }}\n");
         }
     }
     let mut space = Space::without_points("the usual space", &text)?;

@@ -15,7 +15,6 @@ use crate::report::machine::plots;
 use crate::report::shell::Shell;
 use crate::report::table::count;
 use serde_json::Value;
-use std::fmt::Write;
 
 /// Width of the diagram and of the scatter: what a telephone shows without scrolling.
 const WIDTH: f64 = 380.0;
@@ -373,9 +372,7 @@ fn traffic(timing: &Timing) -> String {
     let mut text = table_of(SHORT, &[0], &columns, moving);
     if let Some(memory) = &timing.memory {
         let counts = &memory.counts;
-        // Writing to a String cannot fail.
-        let _ = write!(
-            text,
+        text += &format!(
             "\n<p class=\"read\">{}: {} bursts read and {} written; {} found their row open, {} an idle bank and {} another row \
              (bank conflicts); {} turns of the bus, {} refreshes.</p>",
             escape(memory.part),

@@ -4,7 +4,6 @@ use super::answer::{Answer, Found, Standing};
 use super::{formats, refusal};
 use crate::machine::config::Config;
 use crate::report::table::psnr_text;
-use std::fmt::Write;
 
 /// Limits that are named: the tightest.
 const NAMED: usize = 3;
@@ -74,15 +73,13 @@ impl Answer {
         );
         for standing in &self.standings {
             let limit = &standing.limit;
-            // Writing to a String cannot fail.
-            let _ = writeln!(
-                text,
-                "  {:<22} {:>12} {:>12} {:>9}  {}",
+            text += &format!(
+                "  {:<22} {:>12} {:>12} {:>9}  {}\n",
                 limit.quantity.name(),
                 limit.quantity.show(limit.bound),
                 limit.quantity.show(standing.value),
                 per_cent(standing.slack),
-                limit.of,
+                limit.of
             );
         }
         text
@@ -108,9 +105,8 @@ impl Answer {
             per_cent(*missed)
         );
         for (standing, missed) in others {
-            let _ = writeln!(
-                text,
-                "  {} ({}) in its place: missed by {}",
+            text += &format!(
+                "  {} ({}) in its place: missed by {}\n",
                 standing.limit.quantity.name(),
                 standing.limit.of,
                 per_cent(*missed)
@@ -148,12 +144,7 @@ fn nexts(first: &Found, next: &[Found]) -> String {
 
 /// A point in a few lines.
 fn point(found: &Found) -> String {
-    let Found {
-        design,
-        machine,
-        reached,
-        ..
-    } = found;
+    let (design, machine, reached) = (&found.design, &found.machine, &found.reached);
     let widths: Vec<String> = design
         .widths
         .iter()

@@ -39,11 +39,7 @@ impl FrameCounts {
     /// Cycles, bytes and work that a machine cannot do with less of: every splat through setup, every blended pixel through a lane, every byte over its
     /// channel.
     pub fn least_timing(&self, machine: &Config) -> Timing {
-        let FrameCounts {
-            splats,
-            blended,
-            pixels,
-        } = *self;
+        let (splats, blended, pixels) = (self.splats, self.blended, self.pixels);
         let bytes = Bytes {
             splats_read: splats * u64::from(machine.splat_bytes),
             pixels_written: pixels * u64::from(machine.pixel_bytes),

@@ -418,13 +418,8 @@ impl<'a> Evaluator<'a> {
 
     /// What a frame has, by the design that all starts from.
     fn counted(&self, frame: usize) -> Result<FrameCounts> {
-        let Subject {
-            design,
-            traversal,
-            machine,
-            ..
-        } = self.subject;
-        let variant = DesignVariant::new(design.clone(), *traversal);
+        let (subject, machine) = (self.subject, &self.subject.machine);
+        let variant = DesignVariant::new(subject.design.clone(), subject.traversal);
         let tile = [machine.tile_width, machine.tile_height];
         let key = ((design_key(&variant), tile), frame);
         let extract = || self.workload(&variant, tile, frame);

@@ -16,7 +16,6 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 use splatline::format::{Traversal, WIDTH_RANGES};
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 /// The outcome.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -49,8 +48,7 @@ pub fn fit(
             // Lower, the table that it begins with is refused.
             low = low.max(widths.table.saturating_sub(2));
         }
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "{name} = {{ from = {low}, to = {bits} }}");
+        text += &format!("{name} = {{ from = {low}, to = {bits} }}\n");
     }
     let space = Space::without_points("the design's widths", &text)?;
     let detail = limits.iter().any(|limit| limit.quantity.is_detail());

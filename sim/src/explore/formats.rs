@@ -16,7 +16,6 @@ use crate::report::table::decibels;
 use anyhow::Result;
 use serde::Serialize;
 use splatline::format::Widths;
-use std::fmt::Write;
 
 /// What the figures are.
 pub const NOTE: &str = "A lane's arithmetic from the radial index to the blended pixel, each unit as Yosys synthesises it alone, without registers and \
@@ -224,10 +223,9 @@ pub fn text(rows: &[FormatRow]) -> String {
     for line in std::iter::once(&headings).chain(&lines) {
         for (column, (cell, heading)) in line.iter().zip(&headings).enumerate() {
             let width = heading.len().max(9);
-            // Writing to a String cannot fail.
-            let _ = match column {
-                0 => write!(text, "  {cell:<width$}"),
-                _ => write!(text, "  {cell:>width$}"),
+            text += &match column {
+                0 => format!("  {cell:<width$}"),
+                _ => format!("  {cell:>width$}"),
             };
         }
         text.push('\n');

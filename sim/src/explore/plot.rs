@@ -11,7 +11,6 @@ use crate::report::html::escape;
 use crate::report::labels::Rectangle;
 use crate::report::shell::Shell;
 use serde::Serialize;
-use std::fmt::Write;
 
 /// The page of all points and of those with results; `note` is what the area is an estimate of.
 pub fn page(title: &str, note: &str, table: &ResultTable, candidates: &[Candidate]) -> String {
@@ -26,9 +25,8 @@ pub fn page(title: &str, note: &str, table: &ResultTable, candidates: &[Candidat
         // A sweep that measures no error leaves its column empty, which reads as 0.
         all if all.iter().all(|c| c.rms == 0.0) => charts.push_str("<p>No errors to show.</p>\n"),
         [first, others @ ..] if others.iter().all(|other| other.rms == first.rms) => {
-            let _ = writeln!(
-                charts,
-                "<p>All points have the same error, {:.3e} rms in units of 1.0.</p>",
+            charts += &format!(
+                "<p>All points have the same error, {:.3e} rms in units of 1.0.</p>\n",
                 first.rms
             );
         }
@@ -41,8 +39,7 @@ pub fn page(title: &str, note: &str, table: &ResultTable, candidates: &[Candidat
     charts += &chart(candidates, &front, name, |c| c.area);
     let mut plain = String::new();
     for candidate in &front {
-        // Writing to a String cannot fail.
-        let _ = writeln!(plain, "<li>{}</li>", escape(&candidate.label));
+        plain += &format!("<li>{}</li>\n", escape(&candidate.label));
     }
     let facts = format!(
         "<p class=\"facts\">{count} As in the report, up is better and left is faster: the best corner is the upper left. Point at a mark for its \

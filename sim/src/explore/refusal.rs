@@ -10,7 +10,6 @@ use super::search::Search;
 use super::space::SpacePart;
 use anyhow::Result;
 use serde::Serialize;
-use std::fmt::Write;
 
 /// By which part of their bounds limits must be missed together before a question is refused for it: what follows from several fields at once is found
 /// by descent, which may end a step short of the best.
@@ -130,14 +129,12 @@ pub fn text(all: &[RuledOut]) -> String {
         } else {
             format!(" while it holds {}", held.join(", "))
         };
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "  {} ({}): asked for {asked} {}, {reached} {} is possible{held}, {by}",
+        text += &format!(
+            "  {} ({}): asked for {asked} {}, {reached} {} is possible{held}, {by}\n",
             quantity.name(),
             limit.of,
             quantity.show(limit.bound),
-            quantity.show(*best),
+            quantity.show(*best)
         );
     }
     text

@@ -431,11 +431,8 @@ fn draw_surface(renderer: &mut SurfaceRenderer, style: &Style, picture: &mut Pic
     }
 }
 
-fn pixels(
-    Coverage {
-        covered, visited, ..
-    }: Coverage,
-) -> PixelCounts {
+fn pixels(of: Coverage) -> PixelCounts {
+    let (covered, visited) = (of.covered, of.visited);
     PixelCounts { covered, visited }
 }
 

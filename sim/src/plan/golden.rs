@@ -4,7 +4,7 @@
 //! into which the kernel's words go without further rounding.
 
 use super::{Engine, Prepared};
-use crate::metrics::{ChannelError, compare};
+use crate::metrics::{Errors, compare};
 use crate::picture::Picture;
 use anyhow::{Context, Result, bail};
 use flate2::Crc;
@@ -45,17 +45,12 @@ impl GoldenLine {
         let engine = prepared.plan.reference.unwrap_or(Engine::Float);
         let reference = prepared.draw_reference(engine, &|_, _| ())?;
         let errors = compare(&drawing.picture, &reference.picture)?;
-        let worst = |of: fn(&ChannelError) -> f64| of(&errors.colour).max(of(&errors.alpha));
-        let (colour, alpha) = (errors.colour.bias, errors.alpha.bias);
+        let (psnr_db, max_abs, bias) = worst(&errors);
         Ok(GoldenLine {
             plan: name.to_owned(),
-            psnr_db: -worst(|error| -error.psnr_db),
-            max_abs: worst(|error| error.max_abs),
-            bias: if colour.abs() > alpha.abs() {
-                colour
-            } else {
-                alpha
-            },
+            psnr_db,
+            max_abs,
+            bias,
             items: prepared.scene.len(),
             culled: drawing.culled.values().sum(),
             pixels: drawing
@@ -80,20 +75,20 @@ impl GoldenLine {
         let [covered, visited] = self.pixels.map_or_else(Default::default, |pixels| {
             pixels.map(|count| count.to_string())
         });
-        let GoldenLine {
-            plan,
-            psnr_db,
-            max_abs,
-            bias,
-            items,
-            culled,
-            crc32,
-            ..
-        } = self;
+        let (plan, items, culled, crc32) = (&self.plan, self.items, self.culled, self.crc32);
         format!(
-            "{plan},{psnr_db:.1},{max_abs:.1e},{bias:+.1e},{items},{culled},{covered},{visited},{crc32:08x}\n"
+            "{plan},{:.1},{:.1e},{:+.1e},{items},{culled},{covered},{visited},{crc32:08x}\n",
+            self.psnr_db, self.max_abs, self.bias
         )
     }
+}
+
+/// PSNR, largest error and bias: the worse of colour and alpha in each respect.
+pub fn worst(Errors { colour, alpha }: &Errors) -> (f64, f64, f64) {
+    let by_alpha = alpha.bias.abs() > colour.bias.abs();
+    let bias = if by_alpha { alpha.bias } else { colour.bias };
+    let max_abs = colour.max_abs.max(alpha.max_abs);
+    (colour.psnr_db.min(alpha.psnr_db), max_abs, bias)
 }
 
 fn checksum(picture: &Picture) -> u32 {

@@ -35,13 +35,8 @@ impl Prepared {
 }
 
 fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<FloatDrawing> {
-    let Splats {
-        scene,
-        camera,
-        rules,
-        compositing,
-        method,
-    } = splats;
+    let (scene, camera, rules) = (splats.scene, splats.camera, splats.rules);
+    let (compositing, method) = (splats.compositing, splats.method);
     // A deep alpha channel shows all of its error: no pixel finishes.
     let endless = Rules {
         minimum_transmittance: 0.0,

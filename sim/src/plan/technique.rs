@@ -19,7 +19,7 @@ pub enum Technique {
     /// Volume splats.
     Splats {
         /// Rules of blending.
-        #[serde(with = "text::rules")]
+        #[serde(deserialize_with = "text::rules")]
         rules: Rules,
         /// Order and operator of blending.
         #[serde(default)]

@@ -5,7 +5,6 @@
 
 use super::html::escape;
 use super::labels::Rectangle;
-use std::fmt::Write;
 
 /// A colour on a light and on a dark page, as `#RRGGBB`.
 pub type Tone = [&'static str; 2];
@@ -39,9 +38,7 @@ pub fn style() -> String {
         );
         for (index, series) in DESIGNS.iter().enumerate() {
             let colour = series[page];
-            // Writing to a String cannot fail.
-            let _ = write!(
-                rules,
+            rules += &format!(
                 ".chart .s{index}{{stroke:{colour}}}.chart .mark.s{index},.chart text.s{index}{{fill:{colour};stroke:none}}"
             );
         }

@@ -8,7 +8,6 @@ use super::shell::Shell;
 use super::table::{decibels, psnr_of_rms};
 use crate::machine::summary::Spread;
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Version of the reports over frames.
@@ -178,14 +177,11 @@ impl OverRows {
         );
         for (name, spread, show) in lines {
             let [worst, p95, mean] = [spread.worst, spread.percentile_95, spread.mean].map(show);
-            // Writing to a String cannot fail.
-            let _ = writeln!(text, "{name:<16} {worst:>12} {p95:>12} {mean:>12}");
+            text += &format!("{name:<16} {worst:>12} {p95:>12} {mean:>12}\n");
         }
         if let Some(rate) = self.frames_per_s_at_worst {
-            let _ = writeln!(
-                text,
-                "{rate:.2} frames a second if every frame took as long as the worst"
-            );
+            text +=
+                &format!("{rate:.2} frames a second if every frame took as long as the worst\n");
         }
         text
     }

@@ -12,7 +12,6 @@ use anyhow::{Result, ensure};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::PathBuf;
 
 /// What is written into the folder, beside one of pictures for each view.
@@ -126,13 +125,12 @@ impl PhotoReport {
         for PhotoRow { name, drawn, .. } in &self.views {
             let [a, b] = [0, 1].map(|place: usize| drawn[place.min(drawn.len() - 1)].error);
             let (first, second, change) = (numbers(&a), numbers(&b), changed(change(&a, &b)));
-            // Writing to a String cannot fail.
-            let _ = writeln!(text, "{name:<24} {first}   {second}   {change}");
+            text += &format!("{name:<24} {first}   {second}   {change}\n");
         }
-        let _ = writeln!(text, "mean over the views");
+        text += "mean over the views\n";
         for PhotoMean { engine, mean, .. } in &self.means {
             let (numbers, change) = (numbers(mean), changed(change(&reference, mean)));
-            let _ = writeln!(text, "{engine:<24} {numbers}   {change}");
+            text += &format!("{engine:<24} {numbers}   {change}\n");
         }
         text
     }
@@ -225,9 +223,7 @@ fn shrunk(picture: &Rgb) -> Rgb {
 pub fn page(report: &PhotoReport, shown: &[Vec<(String, String)>]) -> String {
     let mut views = String::new();
     for (row, pictures) in report.views.iter().zip(shown) {
-        // Writing to a String cannot fail.
-        let _ = write!(
-            views,
+        views += &format!(
             "<h3>{}</h3>\n<p class=\"read\">{} × {}, full size in {}/.</p>\n{}\n<div class=\"pictures\">\n",
             escape(&row.name),
             row.size[0],
@@ -240,8 +236,7 @@ pub fn page(report: &PhotoReport, shown: &[Vec<(String, String)>]) -> String {
             )
         );
         for (name, data) in pictures {
-            let _ = write!(
-                views,
+            views += &format!(
                 "<figure>\n<figcaption>{0}</figcaption>\n<img alt=\"{0}\" src=\"data:image/png;base64,{data}\">\n</figure>\n",
                 escape(name)
             );

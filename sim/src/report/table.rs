@@ -1,4 +1,4 @@
-//! The sweep's table: one set of cells for the terminal, for Markdown and for the page.
+//! The sweep's table: one set of cells for the terminal and for the page.
 
 use super::{Report, ReportRow};
 
@@ -51,37 +51,15 @@ pub fn throughput_text(report: &Report) -> String {
     )
 }
 
-/// Aligned plain text for a terminal.
+/// Plain text for a terminal: headings, a rule and the rows, cells padded to their column's width, words to the left and numbers to the right.
 pub fn plain(rows: &[ReportRow]) -> String {
-    let rule = |_, width| "-".repeat(width);
-    aligned(rows, rule, |cells| cells.join("  ").trim_end().to_owned())
-}
-
-/// A Markdown table, aligned in the source as well.
-pub fn markdown(rows: &[ReportRow]) -> String {
-    let rule = |column, width| match column < WORD_COLUMNS {
-        true => "-".repeat(width),
-        false => "-".repeat(width - 1) + ":",
-    };
-    aligned(rows, rule, |cells| format!("| {} |", cells.join(" | ")))
-}
-
-/// Headings, a rule and the rows, cells padded to their column's width: words to the left, numbers to the right.
-fn aligned(
-    rows: &[ReportRow],
-    rule: impl Fn(usize, usize) -> String,
-    joined: impl Fn(Vec<String>) -> String,
-) -> String {
     let headings = COLUMNS.map(|(heading, _)| heading.to_owned());
     let cells = rows.iter().map(|row| COLUMNS.map(|(_, cell)| cell(row)));
     let mut lines: Vec<_> = std::iter::once(headings).chain(cells).collect();
     let lengths = |column: usize| lines.iter().map(move |line| line[column].chars().count());
     let widths: [usize; COLUMNS.len()] =
         std::array::from_fn(|column| lengths(column).max().unwrap_or(0));
-    lines.insert(
-        1,
-        std::array::from_fn(|column| rule(column, widths[column])),
-    );
+    lines.insert(1, widths.map(|width| "-".repeat(width)));
     let padded = |(column, cell): (usize, &String)| {
         let width = widths[column];
         match column < WORD_COLUMNS {
@@ -90,8 +68,8 @@ fn aligned(
         }
     };
     let line = |cells: &[String; COLUMNS.len()]| {
-        let cells = cells.iter().enumerate().map(padded);
-        joined(cells.collect()) + "\n"
+        let cells: Vec<String> = cells.iter().enumerate().map(padded).collect();
+        cells.join("  ").trim_end().to_owned() + "\n"
     };
     lines.iter().map(line).collect()
 }

@@ -117,18 +117,6 @@ lean18    box          55.13     1.3e-2  5.4e-3  -4.1e-5  0.99474  7.0e-4     51
 }
 
 #[test]
-fn the_markdown_table_marks_numbers_as_right_aligned() {
-    let text = table::markdown(&sample::rows()[..1]);
-    let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(lines.len(), 3);
-    assert!(
-        lines[1].starts_with("| -------- | --------- | ------: |"),
-        "{text}"
-    );
-    assert!(lines.iter().all(|line| line.matches('|').count() == 19));
-}
-
-#[test]
 fn the_page_is_one_file_without_any_address() {
     let (fixed, float) = sample::pictures(64, 48);
     let page = page(&sample::report(&fixed, &float), &fixed, &float);

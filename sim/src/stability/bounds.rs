@@ -80,12 +80,8 @@ impl ErrorBounds {
 
     /// Of the radial index in the lanes, where it is `r`.
     pub fn radial(&self, r: f64) -> f64 {
-        let RationalFootprint {
-            horizontal,
-            shear,
-            vertical,
-            ..
-        } = self.footprint;
+        let of = &self.footprint;
+        let (horizontal, shear, vertical) = (of.horizontal, of.shear, of.vertical);
         let u = 2.0 * half(self.widths.mantissa);
         // Moving the centre by d changes r by at most 2 sqrt(r k) d + k d^2, k the largest eigenvalue of Q. The distance of a block's first row is
         // rounded to a mantissa, and the rows' sums drift by 16 units of theirs, or 17 where rows are long or far apart.

@@ -138,12 +138,7 @@ fn spectral([a, b, c]: [f64; 3]) -> f64 {
 
 /// Q' - Q in the coordinates in which Q is the identity, from a conic.
 pub(super) fn form_error_of_conic([a, b, c]: [f64; 3], truth: &RationalFootprint) -> f64 {
-    let RationalFootprint {
-        horizontal,
-        shear,
-        vertical,
-        ..
-    } = *truth;
+    let (horizontal, shear, vertical) = (truth.horizontal, truth.shear, truth.vertical);
     let mixed = (a * shear + b) / (horizontal * vertical).sqrt();
     let down = (a * shear * shear + 2.0 * b * shear + c) / vertical;
     spectral([a / horizontal - 1.0, mixed, down - 1.0])

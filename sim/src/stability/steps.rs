@@ -9,7 +9,6 @@ use crate::design::DesignChoice;
 use crate::machine::area::{Family, raster_unit, synthesis};
 use crate::machine::config::Config;
 use splatline::format::Widths;
-use std::fmt::Write;
 
 /// A change of one width: its name in a design file, and what the design began with.
 type Step = (&'static str, u8, fn(&mut Widths) -> &mut u8);
@@ -86,15 +85,13 @@ fn design_of_today() -> DesignChoice {
 
 fn table(designs: &[DesignChoice], lines: &[StabilityLine]) -> String {
     let stages: Vec<&str> = STAGES.iter().map(|(name, _)| *name).collect();
-    let mut text = format!(
+    let heading = format!(
         "| widths | {} | wrong decisions | needle 10:1, times better | table, kbit | LUT | FF | DSP | memory, kbit |\n|---|{}\n",
         stages.join(" | "),
         "--:|".repeat(STAGES.len() + 7)
     );
-    for design in designs {
-        let _ = writeln!(text, "{}", row(design, lines));
-    }
-    text
+    let rows = designs.iter().map(|design| row(design, lines));
+    heading + &rows.collect::<String>()
 }
 
 fn row(design: &DesignChoice, lines: &[StabilityLine]) -> String {
@@ -121,7 +118,7 @@ fn row(design: &DesignChoice, lines: &[StabilityLine]) -> String {
     let area = raster_unit(widths, design.traversal, &machine, &FAMILY.calibration());
     let area = area.resources().map(|(_, count)| count.to_string());
     format!(
-        "| {} | {} | {decisions} | {needle:.1} | {kbit:.0} | {} |",
+        "| {} | {} | {decisions} | {needle:.1} | {kbit:.0} | {} |\n",
         design.name,
         counts.join(" | "),
         area.join(" | ")

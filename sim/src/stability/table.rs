@@ -1,7 +1,6 @@
 //! The suite as text: one line per engine and case, a verdict per case, and the summary of the bars.
 
 use super::{StabilityLine, StageErrors};
-use std::fmt::Write;
 
 /// The named design that the bars are about.
 pub const JUDGED: &str = "standard24";
@@ -42,10 +41,8 @@ pub fn csv(lines: &[StabilityLine]) -> String {
             .psnr_db
             .map_or("exact".to_owned(), |db| format!("{db:.1}"));
         let stages = STAGES.map(|(_, of)| format!("{:.1e}", of(e))).join(",");
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "\"{}\",{},{stages},{:.1e},{psnr},{},{},{},{worse}",
+        text += &format!(
+            "\"{}\",{},{stages},{:.1e},{psnr},{},{},{},{worse}\n",
             line.case, line.engine, e.bias, e.decided_wrongly, e.edges, e.culled_wrongly
         );
     }
@@ -75,9 +72,8 @@ pub fn summary(lines: &[StabilityLine]) -> String {
             .filter(|(_, single, fixed)| fixed > single)
             .map(|(line, single, fixed)| format!("{} ({fixed:.1e}, f32 {single:.1e})", line.case))
             .collect();
-        let _ = writeln!(
-            text,
-            "- {name} worse than f32 in {} cases{}{}",
+        text += &format!(
+            "- {name} worse than f32 in {} cases{}{}\n",
             worse.len(),
             if worse.is_empty() { "" } else { ": " },
             worse.join("; ")
@@ -93,9 +89,8 @@ pub fn summary(lines: &[StabilityLine]) -> String {
             format!("{engine} {wrong} of {all}")
         })
         .collect();
-    let _ = writeln!(
-        text,
-        "- pixels on a threshold decided otherwise: {}",
+    text += &format!(
+        "- pixels on a threshold decided otherwise: {}\n",
         decisions.join(", ")
     );
     let needles = pairs(lines).filter(|(single, _)| single.needle);
@@ -111,9 +106,8 @@ pub fn summary(lines: &[StabilityLine]) -> String {
         } else {
             "FALLS SHORT"
         };
-        let _ = writeln!(
-            text,
-            "- form of {} needles at least {gain:.1e} times better than f32 ({case}; bar {NEEDLE_BAR}): {verdict}",
+        text += &format!(
+            "- form of {} needles at least {gain:.1e} times better than f32 ({case}; bar {NEEDLE_BAR}): {verdict}\n",
             gains.len()
         );
     }
@@ -139,7 +133,7 @@ pub fn bounds(lines: &[StabilityLine]) -> String {
                     format!("{:.2} {}", share(&line), line.case)
                 })
         });
-        let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
+        text += &format!("| {name} | {} |\n", cells.join(" | "));
     }
     text
 }

@@ -7,7 +7,6 @@
 use super::name_of;
 use crate::machine::observe::{Event, Stage};
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 /// One pair: unit, tile, splat.
 type TracedPair = (u32, u32, u32);
@@ -59,11 +58,10 @@ pub fn log(events: &[Event]) -> String {
 
     let mut text = String::from("Kanata\t0004\n");
     let mut now = lines.first().map_or(0, |(cycle, ..)| *cycle);
-    // Writing to a String cannot fail.
-    let _ = writeln!(text, "C=\t{now}");
+    text += &format!("C=\t{now}\n");
     for (cycle, _, line) in lines {
         if cycle > now {
-            let _ = writeln!(text, "C\t{}", cycle - now);
+            text += &format!("C\t{}\n", cycle - now);
             now = cycle;
         }
         text.push_str(&line);

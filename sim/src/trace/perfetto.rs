@@ -38,24 +38,15 @@ fn track(stage: Stage, lane: u32) -> u32 {
 }
 
 fn slice(id: usize, event: &Event, entries: &mut Vec<Value>) {
-    let Event {
-        unit,
-        stage,
-        lane,
-        tile,
-        splat,
-        row,
-        start,
-        end,
-    } = *event;
+    let (unit, stage, start, end) = (event.unit, event.stage, event.start, event.end);
     let (category, _) = name_of(stage);
-    let args = json!({"tile": tile, "splat": splat, "row": row});
+    let args = json!({"tile": event.tile, "splat": event.splat, "row": event.row});
     let name = if stage == Stage::WriteBack {
-        format!("tile {tile}")
+        format!("tile {}", event.tile)
     } else {
-        format!("splat {splat}")
+        format!("splat {}", event.splat)
     };
-    let tid = track(stage, lane);
+    let tid = track(stage, event.lane);
     if matches!(stage, Stage::Fetch | Stage::Blend) {
         let end_of = |phase: &str, time: u64| json!({"ph": phase, "name": name, "cat": category, "id": id, "pid": unit, "tid": tid, "ts": time, "args": args});
         entries.push(end_of("b", start));

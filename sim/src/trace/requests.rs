@@ -9,7 +9,6 @@
 
 use crate::machine::memory::Access;
 use crate::machine::memory::parts::DramPart;
-use std::fmt::Write;
 
 fn in_order(accesses: &[Access]) -> Vec<Access> {
     let mut sorted = accesses.to_vec();
@@ -19,25 +18,22 @@ fn in_order(accesses: &[Access]) -> Vec<Access> {
 
 /// For Ramulator 2.
 pub fn ramulator2(accesses: &[Access]) -> String {
-    let mut text = String::new();
-    for access in in_order(accesses) {
+    let line = |access: Access| {
         let what = if access.write { "ST" } else { "LD" };
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "{what} {:#x}", access.address);
-    }
-    text
+        format!("{what} {:#x}\n", access.address)
+    };
+    in_order(accesses).into_iter().map(line).collect()
 }
 
 /// For DRAMsim3; a machine with this clock and part.
 pub fn dramsim3(accesses: &[Access], part: &DramPart, clock_mhz: u32) -> String {
-    let mut text = String::new();
     let machine = 1000 * u128::from(clock_mhz.max(1));
-    for access in in_order(accesses) {
+    let line = |access: Access| {
         let what = if access.write { "WRITE" } else { "READ" };
         let clock = u128::from(access.cycle) * u128::from(part.khz) / machine;
-        let _ = writeln!(text, "{:#x} {what} {clock}", access.address);
-    }
-    text
+        format!("{:#x} {what} {clock}\n", access.address)
+    };
+    in_order(accesses).into_iter().map(line).collect()
 }
 
 #[cfg(test)]

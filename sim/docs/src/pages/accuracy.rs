@@ -104,12 +104,7 @@ fn summary(measurements: &[Measurement]) -> Table {
         let met = of_view
             .iter()
             .all(|found| found.meets_bars() != Some(false));
-        table.push(
-            [view.to_owned()]
-                .into_iter()
-                .chain(psnr)
-                .chain([verdict(Some(met))]),
-        );
+        table.push_behind(&[view], psnr.chain([verdict(Some(met))]));
     }
     table
 }
@@ -130,10 +125,8 @@ fn all(measurements: &[Measurement]) -> Table {
     for found in measurements {
         let (psnr_db, max_abs, bias) = found.worst();
         let ssim = found.errors.colour.ssim.min(found.errors.alpha.ssim);
-        table.push([
-            found.view.to_owned(),
-            found.design.clone(),
-            traversal_name(found.traversal).to_owned(),
+        let words = [found.view, &found.design, traversal_name(found.traversal)];
+        let cells = [
             format!("{psnr_db:.1}"),
             format!("{:.3}", max_abs * 255.0),
             format!("{bias:+.1e}"),
@@ -141,7 +134,8 @@ fn all(measurements: &[Measurement]) -> Table {
             found.visited.to_string(),
             format!("{:.3}", found.overhead()),
             verdict(found.meets_bars()),
-        ]);
+        ];
+        table.push_behind(&words, cells);
     }
     table
 }

@@ -20,20 +20,11 @@ pub fn differences(page: &Page, folder: &Path) -> Vec<String> {
 
 fn lines(committed: &str, printed: &str) -> Vec<String> {
     let [old, new] = [committed, printed].map(|text| text.lines().collect::<Vec<_>>());
-    let line = |lines: &[&str], at: usize| {
-        lines
-            .get(at)
-            .map_or(String::new(), |line| (*line).to_owned())
-    };
     (0..old.len().max(new.len()))
         .filter(|at| old.get(*at) != new.get(*at))
         .map(|at| {
-            format!(
-                "line {}: '{}', printed now: '{}'",
-                at + 1,
-                line(&old, at),
-                line(&new, at)
-            )
+            let [old, new] = [&old, &new].map(|lines| lines.get(at).copied().unwrap_or_default());
+            format!("line {}: '{old}', printed now: '{new}'", at + 1)
         })
         .take(NAMED)
         .collect()

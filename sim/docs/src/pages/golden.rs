@@ -128,8 +128,8 @@ fn float_table(golden: &GoldenA) -> Result<Table> {
         let met = found.conic <= FLOAT_CONIC && found.picture <= FLOAT_PICTURE;
         let numbers =
             [found.conic, found.centre, found.depth, found.picture].map(|n| format!("{n:.1e}"));
-        let first = [found.category.clone(), found.splats.to_string()];
-        table.push(first.into_iter().chain(numbers).chain([verdict(Some(met))]));
+        let cells = [found.splats.to_string()].into_iter().chain(numbers);
+        table.push_behind(&[&found.category], cells.chain([verdict(Some(met))]));
     }
     Ok(table)
 }

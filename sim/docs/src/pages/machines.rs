@@ -112,31 +112,23 @@ impl Tables {
                 let mut config = Config::default();
                 config.set_words(&words)?;
                 let timing = simulate_alone(&workload, &config);
-                let first = [view.name, machine, traversal_name(traversal)].map(str::to_owned);
-                self.throughput
-                    .push(first.into_iter().chain(lanes(&timing)));
+                let words = [view.name, machine, traversal_name(traversal)];
+                self.throughput.push_behind(&words, lanes(&timing));
             }
         }
         let (drawn, energy) = (view.options(design), EnergyTable::default());
         for outcome in others::run_all(&view.scene, &view.camera, &drawn, &energy)? {
-            self.others.push(
-                [view.name.to_owned()]
-                    .into_iter()
-                    .chain(others::cells(&outcome)),
-            );
+            self.others
+                .push_behind(&[view.name], others::cells(&outcome));
         }
         let config = Config::primitive(4);
         let workload = workload(view, design, design.traversal, &config)?;
         let timing = simulate_alone(&workload, &config);
-        for (what, of, count, whole) in work(&workload, &timing) {
-            let cells = [
-                view.name.to_owned(),
-                what.to_owned(),
-                of.to_owned(),
-                count.to_string(),
-            ];
-            self.work
-                .push(cells.into_iter().chain([percent(count, whole)]));
+        for (of, whole, parts) in work(&workload, &timing) {
+            for (what, count) in parts {
+                let cells = [count.to_string(), percent(count, whole)];
+                self.work.push_behind(&[view.name, what, of], cells);
+            }
         }
         let energy = estimate(
             None,
@@ -147,15 +139,11 @@ impl Tables {
             &EnergyTable::default(),
         );
         for cells in energy_cells(&energy) {
-            self.energy
-                .push([view.name.to_owned()].into_iter().chain(cells));
+            self.energy.push_behind(&[view.name], cells);
         }
         for part in 0..=PARTS.len() as u32 {
-            self.memories.push(
-                [view.name.to_owned()]
-                    .into_iter()
-                    .chain(memory_cells(&workload, part)),
-            );
+            self.memories
+                .push_behind(&[view.name], memory_cells(&workload, part));
         }
         Ok(())
     }
@@ -342,68 +330,51 @@ fn lanes(timing: &Timing) -> [String; 6] {
     ]
 }
 
-/// Where splats, pairs, rows, pixels and bytes go: what, of what, how many, of how many.
-fn work(workload: &Workload, timing: &Timing) -> [(&'static str, &'static str, u64, u64); 13] {
-    let all = workload.totals();
+/// Of how many things of a kind how many are what.
+type Shares = (&'static str, u64, Vec<(&'static str, u64)>);
+
+/// Where splats, pairs, rows, pixels and bytes go.
+fn work(workload: &Workload, timing: &Timing) -> [Shares; 6] {
     let (pixels, splats, bytes) = (&timing.pixels, &timing.splats, &timing.bytes);
     let pairs = workload.pairs.len() as u64;
     let without = workload.pairs.iter().filter(|pair| !pair.visits).count() as u64;
-    let empty = pixels.rows - pixels.runs.min(pixels.rows);
-    let visited = "pixels visited";
-    [
-        (
-            "splats that are seen",
-            "splats",
-            splats.visible,
-            splats.fetched,
-        ),
-        ("pairs without a pixel", "pairs", without, pairs),
+    let of_pairs = vec![
+        ("pairs without a pixel", without),
         (
             "pairs left out, their tile having finished",
-            "pairs",
             pixels.pairs_left_out,
-            pairs,
         ),
-        ("rows without a pixel", "rows drawn", empty, pixels.rows),
+    ];
+    let empty = pixels.rows - pixels.runs.min(pixels.rows);
+    let blended = ("pixels blended", pixels.live);
+    let of_pixels = vec![
         (
             "pixels outside the footprint",
-            visited,
             pixels.visited - pixels.covered,
-            pixels.visited,
         ),
+        ("pixels that had finished", pixels.covered - pixels.live),
+        blended,
+    ];
+    let of_bytes = vec![
+        ("bytes of splats", bytes.splats_read),
+        ("bytes of packets and lists written", bytes.packets_written),
+        ("bytes of the sort", bytes.sort_moved),
+        ("bytes of packets and lists read", bytes.packets_read),
+        ("bytes of pixels", bytes.pixels_written),
+    ];
+    let seen = vec![("splats that are seen", splats.visible)];
+    let all_visited = workload.totals().visited;
+    [
+        ("splats", splats.fetched, seen),
+        ("pairs", pairs, of_pairs),
         (
-            "pixels that had finished",
-            visited,
-            pixels.covered - pixels.live,
-            pixels.visited,
+            "rows drawn",
+            pixels.rows,
+            vec![("rows without a pixel", empty)],
         ),
-        ("pixels blended", visited, pixels.live, pixels.visited),
-        (
-            "pixels blended",
-            "pixels of all pairs",
-            pixels.live,
-            all.visited,
-        ),
-        ("bytes of splats", "bytes", bytes.splats_read, bytes.all()),
-        (
-            "bytes of packets and lists written",
-            "bytes",
-            bytes.packets_written,
-            bytes.all(),
-        ),
-        ("bytes of the sort", "bytes", bytes.sort_moved, bytes.all()),
-        (
-            "bytes of packets and lists read",
-            "bytes",
-            bytes.packets_read,
-            bytes.all(),
-        ),
-        (
-            "bytes of pixels",
-            "bytes",
-            bytes.pixels_written,
-            bytes.all(),
-        ),
+        ("pixels visited", pixels.visited, of_pixels),
+        ("pixels of all pairs", all_visited, vec![blended]),
+        ("bytes", bytes.all(), of_bytes),
     ]
 }
 
@@ -441,25 +412,19 @@ fn memory_cells(workload: &Workload, memory_part: u32) -> Vec<String> {
         ..Config::primitive(4)
     };
     let timing = simulate_alone(workload, &config);
-    let name = timing
-        .memory
-        .as_ref()
-        .map_or("two channels, 64 and 32 bytes a cycle", |facts| facts.part);
-    let traffic = match &timing.memory {
-        None => [
-            format!("{:.2}", timing.bytes.all() as f64 / 1e6),
-            String::new(),
-            String::new(),
-            String::new(),
-        ],
+    let (name, moved, of_part) = match &timing.memory {
+        None => {
+            let name = "two channels, 64 and 32 bytes a cycle";
+            (name, timing.bytes.all(), <[String; 3]>::default())
+        }
         Some(facts) => {
             let counts = &facts.counts;
-            [
-                format!("{:.2}", facts.bytes_moved as f64 / 1e6),
+            let of_part = [
                 percent(facts.bytes_moved, facts.bytes_at_peak),
                 percent(counts.row_hits, counts.reads + counts.writes),
                 counts.turnarounds.to_string(),
-            ]
+            ];
+            (facts.part, facts.bytes_moved, of_part)
         }
     };
     let cycles = [timing.total, timing.geometry, timing.sort, timing.raster]
@@ -468,7 +433,8 @@ fn memory_cells(workload: &Workload, memory_part: u32) -> Vec<String> {
     [name.to_owned()]
         .into_iter()
         .chain(cycles)
-        .chain(traffic)
+        .chain([format!("{:.2}", moved as f64 / 1e6)])
+        .chain(of_part)
         .chain([ms])
         .collect()
 }

@@ -15,7 +15,8 @@ pub mod speed;
 pub mod systems;
 pub mod widths;
 
-use splatline_sim::cli::{Failure, write};
+use anyhow::Result;
+use splatline_sim::cli::write;
 use std::path::Path;
 
 /// The command that prints every page.
@@ -51,7 +52,7 @@ impl Page {
     }
 
     /// Writes all files into a folder.
-    pub fn write(&self, folder: &Path) -> Result<(), Failure> {
+    pub fn write(&self, folder: &Path) -> Result<()> {
         for (name, text) in &self.files {
             write(&folder.join(name), text.as_bytes())?;
         }

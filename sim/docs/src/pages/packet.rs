@@ -29,20 +29,12 @@ pub fn page() -> Page {
                 width => format!("{}:{}.{}", field.offset, width, field.fraction),
             }
         });
-        table.push(
-            [first.name.to_owned(), signed.to_owned()]
-                .into_iter()
-                .chain(places),
-        );
+        table.push_behind(&[first.name, signed], places);
     }
     let sizes = layouts
         .iter()
         .map(|layout| format!("{} ({})", layout.bits(), layout.words()));
-    table.push(
-        ["bits (words)".to_owned(), String::new()]
-            .into_iter()
-            .chain(sizes),
-    );
+    table.push_behind(&["bits (words)", ""], sizes);
     page.add(table.markdown());
     page
 }

@@ -62,7 +62,7 @@ pub fn trained(data: &Path, size: usize) -> Result<Rgb> {
 }
 
 /// Panels of one size in a row.
-fn beside(panels: &[Rgb]) -> Rgb {
+pub fn beside(panels: &[Rgb]) -> Rgb {
     let width = panels.iter().map(|panel| panel.width).sum();
     let height = panels.first().map_or(0, |panel| panel.height);
     let row = |y: usize| {

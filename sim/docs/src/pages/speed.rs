@@ -52,8 +52,7 @@ struct FrameTimes {
 /// What one contender took in all rounds, with one thread and with two, and its PSNR.
 struct Runs {
     name: &'static str,
-    one: Vec<FrameTimes>,
-    two: Vec<FrameTimes>,
+    frames: [Vec<FrameTimes>; 2],
     psnr_db: f64,
 }
 
@@ -134,44 +133,30 @@ fn add(table: &mut Table, all: &mut Table, view: &View, level: VectorLevel) -> R
         return Ok(());
     };
     for run in &runs {
-        let ms =
-            |of: fn(&FrameTimes) -> f64| format!("{:.2}", 1e3 * median(run.one.iter().map(of)));
-        all.push([
-            view.name.to_owned(),
-            lanes::name(level).to_owned(),
-            run.name.to_owned(),
+        let ms = |of: fn(&FrameTimes) -> f64| {
+            format!("{:.2}", 1e3 * median(run.frames[0].iter().map(of)))
+        };
+        let two = median(run.frames[1].iter().map(|frame| frame.total));
+        let cells = [
             ms(|frame| frame.stages.setup),
             ms(|frame| frame.stages.sort),
             ms(|frame| frame.stages.raster),
             ms(|frame| frame.total),
-            format!(
-                "{:.2}",
-                1e3 * median(run.two.iter().map(|frame| frame.total))
-            ),
-            format!("{:.2}", ratio(&floats.one, &run.one)),
+            format!("{:.2}", 1e3 * two),
+            format!("{:.2}", ratio(&floats.frames[0], &run.frames[0])),
             format!("{:.1}", run.psnr_db),
-        ]);
+        ];
+        all.push_behind(&[view.name, lanes::name(level), run.name], cells);
     }
     let frames = runs.iter().map(|run| {
-        format!(
-            "{:.1}",
-            1e3 * median(run.one.iter().map(|frame| frame.total))
-        )
+        let seconds = median(run.frames[0].iter().map(|frame| frame.total));
+        format!("{:.1}", 1e3 * seconds)
     });
-    let ratios = runs
-        .iter()
-        .skip(1)
-        .map(|run| format!("{:.2}", ratio(&floats.one, &run.one)));
-    let gain = runs
-        .last()
-        .map(|run| format!("{:.2}", ratio(&run.one, &run.two)));
-    table.push(
-        [view.name.to_owned()]
-            .into_iter()
-            .chain(frames)
-            .chain(ratios)
-            .chain(gain),
-    );
+    let behind = runs.iter().skip(1);
+    let ratios = behind.map(|run| format!("{:.2}", ratio(&floats.frames[0], &run.frames[0])));
+    let last = runs.last();
+    let gain = last.map(|run| format!("{:.2}", ratio(&run.frames[0], &run.frames[1])));
+    table.push_behind(&[view.name], frames.chain(ratios).chain(gain));
     Ok(())
 }
 
@@ -193,8 +178,7 @@ fn measure(view: &View, level: VectorLevel) -> Result<Vec<Runs>> {
         let psnr_db = compare(&contender.picture()?, &reference)?.colour.psnr_db;
         runs.push(Runs {
             name,
-            one: Vec::new(),
-            two: Vec::new(),
+            frames: Default::default(),
             psnr_db,
         });
     }
@@ -203,12 +187,7 @@ fn measure(view: &View, level: VectorLevel) -> Result<Vec<Runs>> {
         on_threads(threads, || -> Result<()> {
             for _ in 0..ROUNDS {
                 for ((_, contender), runs) in contenders.iter_mut().zip(&mut runs) {
-                    let frame = contender.draw(&mut pixels)?;
-                    if threads == 1 {
-                        runs.one.push(frame)
-                    } else {
-                        runs.two.push(frame)
-                    }
+                    runs.frames[threads - 1].push(contender.draw(&mut pixels)?);
                 }
             }
             Ok(())

@@ -3,7 +3,6 @@
 use super::Page;
 use splatline_sim::plan::golden::{self, BARS, GoldenLine};
 use splatline_sim::systems::SYSTEMS;
-use std::fmt::Write;
 use std::path::Path;
 
 /// Where the plans are, from the repository's root.
@@ -33,18 +32,11 @@ fn text(lines: &[GoldenLine]) -> String {
             .iter()
             .filter(|line| line.system() == Some(system.number))
         {
-            let GoldenLine {
-                plan,
-                psnr_db,
-                max_abs,
-                bias,
-                ..
-            } = line;
+            let plan = &line.plan;
             let met = if line.meets_bars() { "met" } else { "missed" };
-            // Writing to a String cannot fail.
-            let _ = writeln!(
-                text,
-                "{shown} [{plan}](../../{PLANS}/{plan}.toml) | {psnr_db:.1} | {max_abs:.1e} | {bias:+.1e} | {met} |"
+            text += &format!(
+                "{shown} [{plan}](../../{PLANS}/{plan}.toml) | {:.1} | {:.1e} | {:+.1e} | {met} |\n",
+                line.psnr_db, line.max_abs, line.bias
             );
             shown = "| | | | | |".to_owned();
         }

@@ -84,14 +84,7 @@ fn narrowed(keys: &[&str], bits: u8) -> Result<DesignChoice> {
     Ok(DesignChoice::from_toml("narrowed.toml", &text)?)
 }
 
-/// PSNR of colours, dB.
-fn psnr(picture: &Picture, reference: &Picture) -> Result<String> {
-    Ok(format!(
-        "{:.1}",
-        compare(picture, reference)?.colour.psnr_db
-    ))
-}
-
+/// PSNR of a design's colours, dB.
 fn colour_psnr(view: &View, design: &DesignChoice, reference: &Picture) -> Result<f64> {
     let options = fixed::Options {
         traversal: Traversal::Spans,
@@ -142,30 +135,17 @@ fn add_fixed(table: &mut Table, view: &View, reference: &Picture) -> Result<()> 
 fn add_floats(table: &mut Table, view: &View, reference: &Picture) -> Result<()> {
     let single = RoundedStages::all(FP32);
     for (name, format) in [("fp32", FP32), ("fp16", FP16), ("bfloat16", BFLOAT16)] {
-        let narrow = [
-            RoundedStages {
-                setup: format,
-                ..single
-            },
-            RoundedStages {
-                raster: format,
-                ..single
-            },
-            RoundedStages {
-                kernel: format,
-                ..single
-            },
-            RoundedStages {
-                blend: format,
-                ..single
-            },
-            RoundedStages::pixels(format),
-            RoundedStages::all(format),
-        ];
+        let mut narrow = [single; 4];
+        narrow[0].setup = format;
+        narrow[1].raster = format;
+        narrow[2].kernel = format;
+        narrow[3].blend = format;
+        let several = [RoundedStages::pixels(format), RoundedStages::all(format)];
         let mut row = vec![view.name.to_owned(), name.to_owned()];
-        for stages in narrow {
+        for stages in narrow.into_iter().chain(several) {
             let drawing = formats::draw(&view.scene, &view.camera, &view.rules, &stages);
-            row.push(psnr(&drawing.picture, reference)?);
+            let error = compare(&drawing.picture, reference)?.colour;
+            row.push(format!("{:.1}", error.psnr_db));
         }
         table.push(row);
     }

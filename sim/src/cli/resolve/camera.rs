@@ -2,11 +2,11 @@
 
 use crate::camera::{Camera, CameraError, NOTABLE_CORRECTION};
 use crate::cameras::{self, CameraPose};
-use crate::cli::say::{Failure, print_error, print_result};
+use crate::cli::say::{print_error, print_result, usage};
 use crate::cli::view_args::CameraArgs;
 use crate::framing::{Ball, FramingInput, USUAL_FOV, orbited};
 use crate::scene::Scene;
-use anyhow::anyhow;
+use anyhow::{Error, Result, anyhow};
 use std::path::Path;
 
 /// Where neither a camera file nor `--size` says otherwise.
@@ -20,7 +20,7 @@ pub(super) fn camera(
     scene: &Path,
     frame: impl FnOnce() -> FramingInput,
     filling: Option<&Scene>,
-) -> Result<(Camera, Vec<String>), Failure> {
+) -> Result<(Camera, Vec<String>)> {
     let (camera, warnings) = match (&options.file, options.eye, options.target) {
         (Some(path), ..) => camera_from_file(path, options)?,
         (None, Some(eye), Some(target)) => (camera_from_eye(eye, target, up, options)?, Vec::new()),
@@ -36,7 +36,7 @@ pub(super) fn camera(
     Ok((camera, warnings))
 }
 
-fn camera_from_file(path: &Path, options: &CameraArgs) -> Result<(Camera, Vec<String>), Failure> {
+fn camera_from_file(path: &Path, options: &CameraArgs) -> Result<(Camera, Vec<String>)> {
     let pose = cameras::choose(cameras::load(path, options.size)?, options.image.as_deref())
         .map_err(|problem| anyhow!("camera file '{}' {problem}", path.display()))?;
     for note in &pose.notes {
@@ -47,10 +47,7 @@ fn camera_from_file(path: &Path, options: &CameraArgs) -> Result<(Camera, Vec<St
 }
 
 /// The first camera that a trainer's folder was trained with, where nothing is said about the view.
-fn trained_camera(
-    scene: &Path,
-    options: &CameraArgs,
-) -> Result<Option<(Camera, Vec<String>)>, Failure> {
+fn trained_camera(scene: &Path, options: &CameraArgs) -> Result<Option<(Camera, Vec<String>)>> {
     let file = scene.join("cameras.json");
     let is_said = options.orbit.is_some() || options.fov.is_some() || options.up.is_some();
     if is_said || !file.is_file() {
@@ -75,7 +72,7 @@ fn sized(
     camera: Camera,
     options: &CameraArgs,
     mut warnings: Vec<String>,
-) -> Result<(Camera, Vec<String>), Failure> {
+) -> Result<(Camera, Vec<String>)> {
     let Some([width, height]) = options.size else {
         return Ok((camera, warnings));
     };
@@ -109,7 +106,7 @@ fn camera_from_eye(
     target: [f64; 3],
     up: [f64; 3],
     options: &CameraArgs,
-) -> Result<Camera, Failure> {
+) -> Result<Camera> {
     let [width, height] = options.size.unwrap_or(USUAL_SIZE);
     let up = options.up.unwrap_or(up);
     let fov = options.fov.unwrap_or(USUAL_FOV);
@@ -117,24 +114,22 @@ fn camera_from_eye(
         Some(orbit) => orbited(eye, target, up, orbit),
         None => eye,
     };
-    Camera::look_at(eye, target, up, fov, width, height).map_err(|error| {
-        Failure::Usage(format!("--eye, --target and --up make no camera: {error}"))
-    })
+    Camera::look_at(eye, target, up, fov, width, height)
+        .map_err(|error| usage(format!("--eye, --target and --up make no camera: {error}")))
 }
 
 /// An automatic camera, unless the scene's coordinates are so large that it cannot be placed: their squares overflow beyond 1e154.
-pub fn sound_camera(camera: Camera, scene: &str) -> Result<Camera, Failure> {
+pub fn sound_camera(camera: Camera, scene: &str) -> Result<Camera> {
     match camera.is_sound() {
         true => Ok(camera),
         false => Err(too_large(scene)),
     }
 }
 
-fn too_large(scene: &str) -> Failure {
+fn too_large(scene: &str) -> Error {
     anyhow!(
         "{scene}: its coordinates are too large or too far apart to place a camera: remove what lies far outside, or scale the scene"
     )
-    .into()
 }
 
 /// The whole scene, or as much as fills the picture with `filling`, and a line that tells by which rule.
@@ -143,7 +138,7 @@ fn framed(
     filling: Option<&Scene>,
     scene: &Path,
     options: &CameraArgs,
-) -> Result<Camera, Failure> {
+) -> Result<Camera> {
     let [width, height] = options.size.unwrap_or(USUAL_SIZE);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     let scene = scene.display().to_string();
@@ -170,7 +165,7 @@ fn why_not_framed(
     frame: &FramingInput,
     scene: &str,
     place: impl Fn(&FramingInput) -> Result<Camera, CameraError>,
-) -> Failure {
+) -> Error {
     let usual = FramingInput {
         ball: Ball {
             centre: [0.0; 3],
@@ -181,6 +176,6 @@ fn why_not_framed(
     };
     match place(&usual) {
         Ok(_) => too_large(scene),
-        Err(_) => Failure::Usage(format!("the scene cannot be framed: {error}")),
+        Err(_) => usage(format!("the scene cannot be framed: {error}")),
     }
 }

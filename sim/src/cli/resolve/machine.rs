@@ -2,29 +2,30 @@
 
 use crate::cli::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
 use crate::cli::output::settings;
-use crate::cli::say::Failure;
+use crate::cli::say::usage;
 use crate::machine::area::Calibration;
 use crate::machine::config::{self, Config};
 use crate::machine::energy::EnergyTable;
 use crate::machine::parts::{Part, Parts};
+use anyhow::Result;
 
 /// Refuses lists that keep the order of the picture before.
-pub fn refuse_kept_order(machine: &Config) -> Result<(), Failure> {
+pub fn refuse_kept_order(machine: &Config) -> Result<()> {
     match machine.sort_every {
         1 => Ok(()),
-        every => Err(Failure::Usage(format!(
+        every => Err(usage(format!(
             "sort_every = {every}: allowed is 1 here: `simulate` with a --camera-path keeps the order of the picture before, and nothing else does"
         ))),
     }
 }
 
 /// The machine that the options describe.
-pub fn machine(options: &MachineOptions) -> Result<Config, Failure> {
+pub fn machine(options: &MachineOptions) -> Result<Config> {
     change_machine(options, Config::default())
 }
 
 /// The machine that the options name, or else this one, with the changes that they ask for.
-pub(super) fn change_machine(options: &MachineOptions, unnamed: Config) -> Result<Config, Failure> {
+pub(super) fn change_machine(options: &MachineOptions, unnamed: Config) -> Result<Config> {
     let mut config = match &options.machine {
         Some(path) => match path.to_str().and_then(Config::named) {
             Some(config) => config,
@@ -34,12 +35,12 @@ pub(super) fn change_machine(options: &MachineOptions, unnamed: Config) -> Resul
     };
     config
         .set_words(&options.set)
-        .map_err(|error| Failure::Usage(error.to_string()))?;
+        .map_err(|error| usage(error.to_string()))?;
     Ok(config)
 }
 
 /// The part that the options name.
-pub fn part(options: &AreaOptions) -> Result<Option<Part>, Failure> {
+pub fn part(options: &AreaOptions) -> Result<Option<Part>> {
     let Some(name) = &options.part else {
         return Ok(None);
     };
@@ -47,12 +48,12 @@ pub fn part(options: &AreaOptions) -> Result<Option<Part>, Failure> {
     if let Some(path) = &options.parts {
         parts = settings(path, |file, text| parts.clone().and(file, text))?;
     }
-    let found = parts.find(name).map_err(Failure::Usage)?;
+    let found = parts.find(name).map_err(usage)?;
     Ok(Some(found.clone()))
 }
 
 /// The prices that the options name: a file's, a part's family's, or a family's.
-pub fn calibration(options: &AreaOptions) -> Result<Calibration, Failure> {
+pub fn calibration(options: &AreaOptions) -> Result<Calibration> {
     match &options.calibration {
         None => Ok(match part(options)? {
             Some(part) => part.family.calibration(),
@@ -63,7 +64,7 @@ pub fn calibration(options: &AreaOptions) -> Result<Calibration, Failure> {
 }
 
 /// The table of energies that was asked for, or the one that ships.
-pub fn energy_table(options: &EnergyOptions) -> Result<EnergyTable, Failure> {
+pub fn energy_table(options: &EnergyOptions) -> Result<EnergyTable> {
     match &options.energy {
         None => Ok(EnergyTable::default()),
         Some(path) => settings(path, EnergyTable::from_toml),

@@ -6,7 +6,7 @@ use super::PlanRequest;
 use crate::camera::Camera;
 use crate::cameras;
 use crate::cli::drawing_args::TechniqueOptions;
-use crate::cli::say::Failure;
+use crate::cli::say::usage;
 use crate::cli::values::{AntialiasChoice, Backfaces, SceneKind};
 use crate::cli::view_args::{SplatArgs, SurfaceArgs, ViewOptions};
 use crate::hybrid::{Hybrid, Points, spacing};
@@ -23,7 +23,7 @@ use crate::scene::points::height_field::is_height_field;
 use crate::scene::points::orientation::Orientation;
 use crate::surface::{Buffer, Style, USUAL_EDGE};
 use crate::texture::warp;
-use anyhow::anyhow;
+use anyhow::{Result, anyhow};
 use std::path::Path;
 
 /// Light of a cloud that has no colours of its own, from above the default camera's left shoulder.
@@ -34,7 +34,7 @@ const DEPTH_RANGE: f64 = 0.5;
 
 impl PlanRequest<'_> {
     /// The scene that the options name, if the other options have a meaning for its kind.
-    pub(super) fn source(&self, path: &Path) -> Result<Source, Failure> {
+    pub(super) fn source(&self, path: &Path) -> Result<Source> {
         let contents = match self.view.surface.kind {
             None => Contents::Splats {
                 transfer: self.view.splats.transfer.clone(),
@@ -52,7 +52,7 @@ impl PlanRequest<'_> {
         Ok(Source { path, contents })
     }
 
-    fn surface(&self, path: &Path) -> Result<Contents, Failure> {
+    fn surface(&self, path: &Path) -> Result<Contents> {
         let options = &self.view.surface;
         refuse("--as surface", &self.for_volumes())?;
         if options.flatten.is_some() {
@@ -63,7 +63,7 @@ impl PlanRequest<'_> {
             refuse("--as surface", &self.for_splats())?;
             if self.engine == Engine::Exact {
                 let message = "--engine exact has no meaning with --as surface: use fixed or float";
-                return Err(Failure::Usage(message.to_owned()));
+                return Err(usage(message));
             }
         }
         refuse_height_field_options(path, options)?;
@@ -83,7 +83,7 @@ impl PlanRequest<'_> {
         source: &Source,
         scene: &AnyScene,
         camera: &Camera,
-    ) -> Result<Technique, Failure> {
+    ) -> Result<Technique> {
         match (scene, source.contents.flattening()) {
             (AnyScene::Splats(scene), _) => self.splats(scene, source.contents.has_samples()),
             (AnyScene::Surface { scene, .. }, Some(factor)) => {
@@ -96,7 +96,7 @@ impl PlanRequest<'_> {
     }
 
     /// Rules and method of splats; samples of a surface become points where they are closer together than pixels.
-    fn splats(&self, scene: &Scene, are_samples: bool) -> Result<Technique, Failure> {
+    fn splats(&self, scene: &Scene, are_samples: bool) -> Result<Technique> {
         let spheres = self
             .technique
             .is_some_and(|options| options.spheres.is_some());
@@ -119,11 +119,11 @@ impl PlanRequest<'_> {
         };
         if !name.is_empty() && compositing != Compositing::FrontToBack {
             let message = format!("{name} composite front to back only");
-            return Err(Failure::Usage(message));
+            return Err(usage(message));
         }
         if matches!(method, SplatMethod::DeepAlpha(_)) && compositing == Compositing::XRay {
             let message = "--deep-alpha composites and does not sum: leave out --compositing x-ray";
-            return Err(Failure::Usage(message.to_owned()));
+            return Err(usage(message));
         }
         Ok(Technique::Splats {
             rules,
@@ -132,12 +132,7 @@ impl PlanRequest<'_> {
         })
     }
 
-    fn method(
-        &self,
-        scene: &Scene,
-        rules: &Rules,
-        are_samples: bool,
-    ) -> Result<SplatMethod, Failure> {
+    fn method(&self, scene: &Scene, rules: &Rules, are_samples: bool) -> Result<SplatMethod> {
         let Some(options) = self.technique else {
             return Ok(SplatMethod::Composited);
         };
@@ -146,7 +141,7 @@ impl PlanRequest<'_> {
             let thickness = options.sheet_thickness.unwrap_or_else(|| spacing(scene));
             if thickness <= 0.0 {
                 let message = "--sheets needs --sheet-thickness: the scene's splats have no size";
-                return Err(Failure::Usage(message.to_owned()));
+                return Err(usage(message));
             }
             return Ok(SplatMethod::Sheets(SheetBuffers { kind, thickness }));
         }
@@ -173,18 +168,18 @@ impl PlanRequest<'_> {
         scene: &Scene,
         rules: &Rules,
         are_samples: bool,
-    ) -> Result<Option<Hybrid>, Failure> {
+    ) -> Result<Option<Hybrid>> {
         let stamped = self.is_stamped();
         let requested = options.points.is_some() || stamped;
         let scaled = rules.spacing > 0.0 && rules.cutoff.is_finite();
         if stamped && options.is_another_method() {
             let message =
                 "--traversal stamp draws points: leave out --sheets, --deep-alpha and --spheres";
-            return Err(Failure::Usage(message.to_owned()));
+            return Err(usage(message));
         }
         if requested && !scaled {
             let message = "--points and --traversal stamp need --rules ewa and --antialias swan";
-            return Err(Failure::Usage(message.to_owned()));
+            return Err(usage(message));
         }
         let chosen = requested || are_samples && scaled;
         if !chosen {
@@ -254,22 +249,20 @@ fn for_surfaces(view: &ViewOptions) -> Vec<Given> {
 }
 
 /// Refuses options that have no meaning beside another one.
-fn refuse(beside: &str, options: &[Given]) -> Result<(), Failure> {
+fn refuse(beside: &str, options: &[Given]) -> Result<()> {
     match options.iter().find(|(given, _)| *given) {
-        Some((_, option)) => Err(Failure::Usage(format!(
-            "{option} has no meaning with {beside}"
-        ))),
+        Some((_, option)) => Err(usage(format!("{option} has no meaning with {beside}"))),
         None => Ok(()),
     }
 }
 
-fn refuse_height_field_options(path: &Path, surface: &SurfaceArgs) -> Result<(), Failure> {
+fn refuse_height_field_options(path: &Path, surface: &SurfaceArgs) -> Result<()> {
     let options = [
         (surface.texture.is_some(), "--texture"),
         (surface.spacing.is_some(), "--spacing"),
     ];
     match options.iter().find(|(given, _)| *given) {
-        Some((_, option)) if !is_height_field(path) => Err(Failure::Usage(format!(
+        Some((_, option)) if !is_height_field(path) => Err(usage(format!(
             "{option} needs a height field: give a .csv file as scene"
         ))),
         _ => Ok(()),
@@ -277,18 +270,14 @@ fn refuse_height_field_options(path: &Path, surface: &SurfaceArgs) -> Result<(),
 }
 
 /// The camera that takes a depth image.
-fn source_camera(path: &Path) -> Result<SourceCamera, Failure> {
+fn source_camera(path: &Path) -> Result<SourceCamera> {
     let pose = cameras::choose(cameras::load(path, None)?, None)
         .map_err(|problem| anyhow!("camera file '{}' {problem}", path.display()))?;
     Ok(SourceCamera(pose.camera))
 }
 
 /// The rules asked for, with the kernel and the protection against aliasing asked for, or else with that which the scene was trained with.
-fn rules(
-    options: &SplatArgs,
-    scene: &Scene,
-    antialias: Option<AntialiasChoice>,
-) -> Result<Rules, Failure> {
+fn rules(options: &SplatArgs, scene: &Scene, antialias: Option<AntialiasChoice>) -> Result<Rules> {
     let natural = scene.natural_rules;
     let rules = options.rules.unwrap_or(natural).with_kernel(options.kernel);
     let as_trained = natural.compensated && !rules.normalised;
@@ -297,18 +286,17 @@ fn rules(
         None if as_trained => natural.low_pass,
         None => rules.low_pass,
     };
-    let antialias = match antialias {
-        None if as_trained => Antialias::Mip(variance),
-        None | Some(AntialiasChoice::Ewa) => Antialias::Ewa(variance),
-        Some(AntialiasChoice::Mip) => Antialias::Mip(variance),
-        Some(AntialiasChoice::None) => Antialias::None,
-        Some(AntialiasChoice::Swan) => Antialias::Swan(spacing(scene)),
+    let usual = if as_trained {
+        AntialiasChoice::Mip
+    } else {
+        AntialiasChoice::Ewa
     };
+    let antialias = antialias.unwrap_or(usual).with(variance, || spacing(scene));
     let is_filtered = matches!(antialias, Antialias::Ewa(_) | Antialias::Mip(_));
     if options.low_pass.is_some() && !is_filtered {
         let message =
             "--low-pass has no meaning with --antialias none and swan: leave one of them out";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(usage(message));
     }
     Ok(rules.with_antialias(antialias))
 }

@@ -5,6 +5,7 @@ mod options;
 mod messages;
 
 use super::args::*;
+use super::say::UsageError;
 use super::say::explain;
 use super::*;
 use crate::picture::{Depth, Picture};
@@ -18,7 +19,7 @@ fn parse(line: &str) -> Result<Cli, clap::Error> {
     super::parsed(std::iter::once("splatline").chain(line.split_whitespace()))
 }
 
-fn run_line(line: &str) -> Result<(), Failure> {
+fn run_line(line: &str) -> anyhow::Result<()> {
     dispatch(parse(line).unwrap().command)
 }
 
@@ -57,7 +58,7 @@ impl Folder {
         serde_json::from_slice(&self.bytes(name)).unwrap()
     }
 
-    fn attempt(&self, line: &str) -> Result<(), Failure> {
+    fn attempt(&self, line: &str) -> anyhow::Result<()> {
         run_line(&line.replace("./", &format!("{}/", self.0.path().display())))
     }
 
@@ -68,7 +69,7 @@ impl Folder {
     /// The message about what is refused for its options.
     fn usage(&self, line: &str) -> String {
         match self.attempt(line) {
-            Err(Failure::Usage(message)) => message,
+            Err(error) if error.is::<UsageError>() => error.to_string(),
             other => panic!("{line}: {other:?}"),
         }
     }

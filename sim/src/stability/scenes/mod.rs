@@ -174,28 +174,20 @@ fn in_camera_space(scene: &Scene, camera: &Camera) -> (Scene, Camera) {
 
 /// The same view after everything has been moved by `-offset` and the splats have been rounded to single precision again.
 fn moved(scene: &Scene, camera: &Camera, offset: [f64; 3]) -> (Scene, Camera) {
-    let translation = vector::add(
-        camera.translation,
-        vector::transform(&camera.rotation, offset),
-    );
-    (
-        relative_to(scene, offset),
-        Camera {
-            translation,
-            ..camera.clone()
-        },
-    )
-}
-
-fn relative_to(scene: &Scene, origin: [f64; 3]) -> Scene {
     let nearer = |splat: &Splat| Splat {
-        centre: vector::subtract(splat.centre, origin),
+        centre: vector::subtract(splat.centre, offset),
         ..*splat
     };
-    Scene {
+    let scene = Scene {
         splats: scene.splats.iter().map(nearer).collect(),
         ..scene.clone()
-    }
+    };
+    let turned = vector::transform(&camera.rotation, offset);
+    let camera = Camera {
+        translation: vector::add(camera.translation, turned),
+        ..camera.clone()
+    };
+    (scene, camera)
 }
 
 /// What double precision makes of a scene.

@@ -1,7 +1,6 @@
 //! The classes as text: one line per engine, and the bars.
 
 use super::{SINGLE, SINGLE_NEAR, SceneLine};
-use std::fmt::Write;
 
 /// All lines as CSV.
 pub fn csv(lines: &[SceneLine]) -> String {
@@ -10,10 +9,8 @@ pub fn csv(lines: &[SceneLine]) -> String {
     );
     for line in lines {
         let settled = settled(line).map_or_else(|| "-".to_owned(), shown);
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "\"{}\",\"{}\",{},{settled},{:.1e},{:+.1e},{:.1e},{},{},{},{},{},{},{},{}",
+        text += &format!(
+            "\"{}\",\"{}\",{},{settled},{:.1e},{:+.1e},{:.1e},{},{},{},{},{},{},{},{}\n",
             line.class,
             line.engine,
             shown(decibels(line.psnr_db)),
@@ -48,13 +45,13 @@ pub fn markdown(lines: &[SceneLine]) -> String {
         "| scene | f32 | lean18 | standard24 | deep32 | bar of standard24 | deep32 where nothing flips, of 120 dB |\n|---|---|---|---|---|---|---|\n",
     );
     for class in classes(lines) {
-        let _ = write!(text, "| {class}");
+        text += &format!("| {class}");
         for engine in ENGINES {
             let cell = line_of(lines, class, engine).map_or("-".to_owned(), |line| {
                 let psnr = shown(decibels(line.psnr_db));
                 format!("{psnr}, {:.1e}, {:+.1e}", line.max_abs, line.bias)
             });
-            let _ = write!(text, " | {cell}");
+            text += &format!(" | {cell}");
         }
         let bars = verdict(lines, class).map_or("- | -".to_owned(), |verdict| {
             let standard = meets(verdict.standard >= verdict.bar);
@@ -65,7 +62,7 @@ pub fn markdown(lines: &[SceneLine]) -> String {
                 shown(verdict.deep)
             )
         });
-        let _ = writeln!(text, " | {bars} |");
+        text += &format!(" | {bars} |\n");
     }
     text
 }

@@ -33,7 +33,9 @@ impl<W: Doubles> Stages<'_, W> {
     /// Notes the reason where it holds and no other was noted before.
     #[inline(always)]
     pub fn cull(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
-        let now = self.math.select(*culled, self.math.splat(code(reason)), truth);
+        let now = self
+            .math
+            .select(*culled, self.math.splat(code(reason)), truth);
         self.note(culled, now);
     }
 
@@ -55,7 +57,9 @@ impl<W: Doubles> Stages<'_, W> {
     /// Notes the reason where it does not hold.
     #[inline(always)]
     pub fn cull_unless(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
-        let now = self.math.select(self.math.splat(code(reason)), *culled, truth);
+        let now = self
+            .math
+            .select(self.math.splat(code(reason)), *culled, truth);
         self.note(culled, now);
     }
 
