@@ -5,6 +5,7 @@ use super::output::{Outputs, write, write_json_if};
 use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{print_result, warn};
 use super::search_args::ProfileOptions;
+use crate::explore::fit::Fit;
 use crate::explore::limits::{Limit, Quantity};
 use crate::explore::profile::{Needs, SLACK, needs};
 use crate::explore::statistics::{self, Statistics};
@@ -14,7 +15,29 @@ use crate::plan::{Prepared, Subject};
 use crate::progress::ProgressMeter;
 use crate::systems::SystemVerdict;
 use anyhow::{Result, bail};
-use serde_json::{Map, json};
+use serde::Serialize;
+
+const FORMAT: &str = "splatline-needs/1";
+
+/// What one frame needs: the file's fields.
+#[derive(Serialize)]
+struct FrameNeeds {
+    fit: Option<Fit>,
+    format: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    needs: Option<Needs>,
+    scene: String,
+    systems: Vec<SystemVerdict>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    workload: Option<Statistics>,
+}
+
+/// A file about several frames.
+#[derive(Serialize)]
+struct AllNeeds {
+    format: &'static str,
+    frames: Vec<FrameNeeds>,
+}
 
 pub fn run(options: &ProfileOptions) -> Result<()> {
     let outputs = Outputs::default()
@@ -34,11 +57,12 @@ pub fn run(options: &ProfileOptions) -> Result<()> {
         }
         write(path, statistics::page("workload", &drawn.frames).as_bytes())?;
     }
-    let answer = match &answers[..] {
-        [only] => only.clone(),
-        _ => json!({ "format": "splatline-needs/1", "frames": answers }),
-    };
-    write_json_if(options.json.as_ref(), &answer)
+    let path = options.json.as_ref();
+    if let [only] = &answers[..] {
+        return write_json_if(path, only);
+    }
+    let (format, frames) = (FORMAT, answers);
+    write_json_if(path, &AllNeeds { format, frames })
 }
 
 /// Statistics of the frames so far, and the work of the one before.
@@ -49,26 +73,25 @@ struct Drawn {
 }
 
 /// What one frame needs, which is also said.
-fn one(
-    frame: &NamedFrame,
-    options: &ProfileOptions,
-    drawn: &mut Drawn,
-) -> Result<serde_json::Value> {
+fn one(frame: &NamedFrame, options: &ProfileOptions, drawn: &mut Drawn) -> Result<FrameNeeds> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
-    let (name, systems) = (frame.name.as_str(), prepared.systems());
-    let mut answer = Map::new();
-    answer.insert("format".to_owned(), "splatline-needs/1".into());
-    answer.insert("scene".to_owned(), name.into());
-    answer.insert("systems".to_owned(), json!(systems));
+    let name = frame.name.as_str();
+    let mut answer = FrameNeeds {
+        fit: None,
+        format: FORMAT,
+        needs: None,
+        scene: name.to_owned(),
+        systems: prepared.systems(),
+        workload: None,
+    };
     // Units and FIFOs are those of the machine, which draws plain splats.
     match prepared.subject()? {
         Subject::Splats(splats) if splats.are_composited() => {
             let (found, statistics, workload) = examined(prepared, drawn.before.as_ref())?;
             print_result(&text(name, &found))?;
-            answer.insert("needs".to_owned(), json!(found));
-            answer.insert("workload".to_owned(), json!(statistics));
-            drawn.frames.push((frame.name.clone(), statistics));
+            drawn.frames.push((name.to_owned(), statistics.clone()));
+            (answer.needs, answer.workload) = (Some(found), Some(statistics));
             drawn.before = Some(workload);
         }
         Subject::Splats(splats) => {
@@ -82,7 +105,7 @@ fn one(
             print_result(&format!("{name}: {count} points of a surface\n"))?;
         }
     }
-    print_result(&systems_text(&systems))?;
+    print_result(&systems_text(&answer.systems))?;
     let design = &prepared.plan.entry.design;
     match options.max_error {
         Some(budget) => {
@@ -90,14 +113,13 @@ fn one(
             let limit = Limit::new(Quantity::LargestError, budget, "--max-error");
             let fitted = fit::fitted(only, &[limit], &[])?;
             print_result(&fit::text(design, &fitted))?;
-            answer.insert("fit".to_owned(), json!(fitted));
+            answer.fit = Some(fitted);
         }
         None => {
             print_result("widths: give --max-error E to find the smallest ones within an error\n")?;
-            answer.insert("fit".to_owned(), json!(null));
         }
     }
-    Ok(json!(answer))
+    Ok(answer)
 }
 
 /// Units, ranges and FIFO depths of splats.
