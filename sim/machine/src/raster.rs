@@ -415,7 +415,8 @@ impl RasterUnit {
         observer: &mut O,
         memory: &mut M,
     ) {
-        // The circuit reads its buffer out when its rows have come to an end as well, and a pixel a cycle; a surface unit normalises fragment by fragment.
+        // The circuit reads its buffer out when its rows have come to an end as well, and a pixel a cycle; a surface
+        // unit normalises fragment by fragment.
         let (last, least) = match self.config.overlap {
             Overlap::Primitive => (self.lanes_at().max(self.rows.at()), job.pixels.into()),
             _ => {

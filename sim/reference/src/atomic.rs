@@ -32,7 +32,8 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let beginning: String = name.to_string_lossy().chars().take(32).collect();
     let prefix = format!(".{beginning}.");
     builder.prefix(&prefix).suffix(".tmp");
-    // Those of a new file, from which the system takes what the user's mask forbids; temporary files would be their owner's alone.
+    // Those of a new file, from which the system takes what the user's mask forbids; temporary files would be their
+    // owner's alone.
     #[cfg(unix)]
     builder.permissions(PermissionsExt::from_mode(0o666));
     let folder = target.parent().filter(|folder| *folder != Path::new(""));

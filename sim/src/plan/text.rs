@@ -40,7 +40,8 @@ struct RulesChanges {
     clamp_jacobian: Option<bool>,
 }
 
-/// Rules as a report states them: the named ones with every number its own. A plan file names them and gives what differs.
+/// Rules as a report states them: the named ones with every number its own. A plan file names them and gives what
+/// differs.
 pub(super) fn rules<'de, D: Deserializer<'de>>(from: D) -> Result<Rules, D::Error> {
     let changes = RulesChanges::deserialize(from)?;
     let named: Rules = changes.name.parse().map_err(D::Error::custom)?;

@@ -51,7 +51,8 @@ pub fn throughput_text(report: &Report) -> String {
     )
 }
 
-/// Plain text for a terminal: headings, a rule and the rows, cells padded to their column's width, words to the left and numbers to the right.
+/// Plain text for a terminal: headings, a rule and the rows, cells padded to their column's width, words to the left
+/// and numbers to the right.
 pub fn plain(rows: &[ReportRow]) -> String {
     let headings = COLUMNS.map(|(heading, _)| heading.to_owned());
     let cells = rows.iter().map(|row| COLUMNS.map(|(_, cell)| cell(row)));

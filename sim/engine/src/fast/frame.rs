@@ -377,8 +377,8 @@ pub(crate) fn add_counts(mut sum: CullCounts, part: CullCounts) -> CullCounts {
     sum
 }
 
-/// Lists the keys of the splats that are drawn, numbered from `first`, and counts the culled ones. `key` gives the depth and bounds of one that has a
-/// footprint; none if it is not drawn after all.
+/// Lists the keys of the splats that are drawn, numbered from `first`, and counts the culled ones. `key` gives the
+/// depth and bounds of one that has a footprint; none if it is not drawn after all.
 pub(crate) fn note<T>(
     outcomes: &[Result<T, Cull>],
     first: usize,

@@ -1,4 +1,5 @@
-//! What all painters of tiles share: their interface, their memory, the footprint table, and the kernel's own painter for what vectors cannot do.
+//! What all painters of tiles share: their interface, their memory, the footprint table, and the kernel's own painter
+//! for what vectors cannot do.
 
 use super::cells::tile::CellTile;
 use super::setup::Outcome;

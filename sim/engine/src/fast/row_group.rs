@@ -102,7 +102,8 @@ impl RowGroup {
         }
     }
 
-    /// Computes the constants of the footprints that were read, for a tile that begins at column `left`. What does not differ between them comes back.
+    /// Computes the constants of the footprints that were read, for a tile that begins at column `left`. What does not
+    /// differ between them comes back.
     #[inline(always)]
     pub fn compute<L: Doubles>(
         &mut self,
@@ -274,7 +275,8 @@ impl RowGroup {
         reals
     }
 
-    /// First column, negative, that runs of footprint number `k` may begin at in each block of columns, and one past the last.
+    /// First column, negative, that runs of footprint number `k` may begin at in each block of columns, and one past
+    /// the last.
     #[inline(always)]
     pub fn columns<L: Doubles>(&self, k: usize, reals: &RowReals<L>) -> [[Word<L>; 2]; BLOCKS] {
         let lanes = reals.math.lanes;

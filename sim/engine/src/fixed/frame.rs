@@ -46,8 +46,8 @@ impl TileLists {
 /// What paints a tile: see [`paint_apart`].
 type PaintTile<'a, P, Answer> = dyn Fn(Window, &[u32], &mut [P]) -> Answer + Sync + 'a;
 
-/// Every tile on some core, in memory of its own, row by row, which is then copied into the frame: `paint` is given the tile's window, its list and
-/// its pixels. The tiles' answers are in the order of the tiles.
+/// Every tile on some core, in memory of its own, row by row, which is then copied into the frame: `paint` is given the
+/// tile's window, its list and its pixels. The tiles' answers are in the order of the tiles.
 ///
 /// Not inlined, so that a profiler can tell it from the rest.
 #[inline(never)]

@@ -68,7 +68,8 @@ pub fn show(memory: &mut FrameMemory, mut send: impl FnMut(u16, &[u16])) -> ! {
     }
 }
 
-/// Draws a scene, whose pixels are summed up as they are sent; `set_up` and `draw` are called before the phases for which instructions are counted. `None` if memory does not suffice.
+/// Draws a scene, whose pixels are summed up as they are sent; `set_up` and `draw` are called before the phases for
+/// which instructions are counted. `None` if memory does not suffice.
 #[cfg(feature = "emulated")]
 pub fn draw(
     scene: &CompactScene,

@@ -118,7 +118,8 @@ impl<'a> CountedMachine<'a> {
 
     /// Start values of the rows. `box` has seven products of mantissas where the circuit of `spans` has three.
     ///
-    /// The circuit sets a packet up in every cycle, or in four by shared shifters; a machine between the two is charged for the larger one's logic.
+    /// The circuit sets a packet up in every cycle, or in four by shared shifters; a machine between the two is charged
+    /// for the larger one's logic.
     fn splat_setup(&self) -> Fabric {
         let (m, interval) = (self.bits.mantissa, self.config.splat_cycles);
         let logic = |lines: &Lines| {
@@ -217,10 +218,12 @@ impl<'a> CountedMachine<'a> {
         u64::from(config.lanes) * (blend(&[opacity]) + blended) + self.table_ports() * interpolation
     }
 
-    /// Geometry setup where no circuit was synthesised ([`setup`], [`circuit::Geometry`]): more often than once in eight cycles, or for another family.
+    /// Geometry setup where no circuit was synthesised ([`setup`], [`circuit::Geometry`]): more often than once in
+    /// eight cycles, or for another family.
     ///
-    /// Its operators are counted. Those of splat setup and rows, counted the same way, come out several times smaller than their synthesis (rounding,
-    /// saturation, special cases); geometry setup is taken to be short by the same factor.
+    /// Its operators are counted. Those of splat setup and rows, counted the same way, come out several times smaller
+    /// than their synthesis (rounding, saturation, special cases); geometry setup is taken to be short by the same
+    /// factor.
     fn setup(&self) -> Fabric {
         let (geometry, prices) = (GeometryCircuit::new(self.widths), self.prices);
         let operators = geometry.counted().luts();

@@ -92,7 +92,8 @@ pub(super) trait Memory {
     fn background(&mut self, write_back: &Account, tile: u32, pixels: u32) -> u64;
     /// When a buffer is free.
     fn buffer(&mut self, write_back: &mut Account, buffer: TileBuffer) -> u64;
-    /// Ends a phase in which the units took so many cycles; gives the cycle in which the memory is idle, too. The next phase starts from 0 again.
+    /// Ends a phase in which the units took so many cycles; gives the cycle in which the memory is idle, too. The next
+    /// phase starts from 0 again.
     fn end_of_phase(&mut self, cycles: u64) -> u64;
     /// What a part did in a picture of so many cycles, if there is one.
     fn facts(&self, cycles: u64) -> Option<MemoryFacts>;

@@ -106,7 +106,8 @@ impl Port {
         Some(self.read(at, address, bytes))
     }
 
-    /// The bursts, as address and bytes, that a stream does not have at hand, which it has afterwards; nothing if it has all.
+    /// The bursts, as address and bytes, that a stream does not have at hand, which it has afterwards; nothing if it
+    /// has all.
     #[inline(always)]
     fn rest(&self, stream: &mut Stream, address: u64, bytes: u64) -> Option<[u64; 2]> {
         let (first, last) = self.bursts(address, bytes);
@@ -160,8 +161,8 @@ impl Port {
         self.over.remove(&id).unwrap_or_default()
     }
 
-    /// Serves all writes, and begins another phase from cycle 0 with all rows closed; gives the cycle in which nothing is on the bus any more and
-    /// the units, which took so many cycles, have ended.
+    /// Serves all writes, and begins another phase from cycle 0 with all rows closed; gives the cycle in which nothing
+    /// is on the bus any more and the units, which took so many cycles, have ended.
     pub fn end_of_phase(&mut self, cycles: u64) -> u64 {
         while self.write_one().is_some() {}
         let end = self.machine(self.dram.idle_at()).max(cycles);

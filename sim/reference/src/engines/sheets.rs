@@ -42,7 +42,8 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, plan: &SheetPlan) -> 
     FloatDrawing { picture, counts }
 }
 
-/// The sheets that a splat takes part in, by their numbers, which grow away from the eye, and the share of its opacity in each.
+/// The sheets that a splat takes part in, by their numbers, which grow away from the eye, and the share of its opacity
+/// in each.
 fn parts_of(splat: &Splat, camera: &Camera, plan: &SheetPlan) -> Vec<(i64, f64)> {
     let depth = (camera.to_camera(splat.centre)[2] - plan.first) / plan.thickness;
     let slab = |place: f64| place.max(0.0).floor() as i64;

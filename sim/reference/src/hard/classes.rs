@@ -1,7 +1,8 @@
-//! Scenes of the kinds that people have, made from a seed: domes, strays, close detail, far objects, world coordinates, bright colours, faint
-//! stacks, and all hard shapes in one scene.
+//! Scenes of the kinds that people have, made from a seed: domes, strays, close detail, far objects, world coordinates,
+//! bright colours, faint stacks, and all hard shapes in one scene.
 //!
-//! Every number of a splat is one that single precision holds, in world coordinates, as a file would have it; cameras are double precision.
+//! Every number of a splat is one that single precision holds, in world coordinates, as a file would have it; cameras
+//! are double precision.
 
 use super::cases::rounded;
 use super::splats;
@@ -46,7 +47,8 @@ pub struct Class {
     pub scene: Scene,
     /// From where.
     pub camera: Camera,
-    /// Where the scene lies in the world, if far from its origin: single precision is measured with this subtracted as well.
+    /// Where the scene lies in the world, if far from its origin: single precision is measured with this subtracted as
+    /// well.
     pub offset: Option<[f64; 3]>,
 }
 
@@ -179,8 +181,8 @@ fn faint_stack(size: Size, seed: u64) -> Class {
     class("stack at 1 to 1.6/255", splats, front(size))
 }
 
-/// Opacities of exactly 1/255 in single precision: what is drawn is decided by the last bit. One splat in `centred`, if not 0, lies on a pixel's
-/// centre.
+/// Opacities of exactly 1/255 in single precision: what is drawn is decided by the last bit. One splat in `centred`, if
+/// not 0, lies on a pixel's centre.
 fn at_threshold(size: Size, seed: u64, name: &str, centred: usize) -> Class {
     let mut random = Random(seed);
     let depth = 4.0;

@@ -226,7 +226,8 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         }
     }
 
-    /// Paints what a footprint covers of a cell; covered pixels, and those of them that had not finished, are counted lane by lane.
+    /// Paints what a footprint covers of a cell; covered pixels, and those of them that had not finished, are counted
+    /// lane by lane.
     ///
     /// Conditions stay in the words, as their most significant bits: a detour through the mask registers takes ten cycles of the way from
     /// a radial index to a pixel.

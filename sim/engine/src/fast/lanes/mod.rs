@@ -11,8 +11,8 @@
 //! methods safe to call. [`dispatch_vectors`] runs a [`VectorTask`] on the widest of them, compiled for it. Every method is one or two instructions;
 //! the portable implementation is their definition, and tests compare the others with it word for word.
 
-/// An intrinsic on registers, never one that touches memory, or a function that is compiled for such. SAFETY of every use: the vectors' value
-/// (`self`, `lanes`) proves that the processor has the instructions.
+/// An intrinsic on registers, never one that touches memory, or a function that is compiled for such. SAFETY of every
+/// use: the vectors' value (`self`, `lanes`) proves that the processor has the instructions.
 #[cfg(target_arch = "x86_64")]
 macro_rules! op {
     ($call:expr) => {

@@ -22,7 +22,8 @@ const LEAST_VARIANCE: f64 = f64::from_bits((1023 - 900) << 52);
 /// Splats that distance enlarges by more than 2^20 are in doubt: their determinants might leave the range of doubles.
 const LEAST_DISTANCE: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// Exponents of axes, of which products of eight come near the ends of doubles (trained scenes have axes of 2^-40), and of coordinates.
+/// Exponents of axes, of which products of eight come near the ends of doubles (trained scenes have axes of 2^-40), and
+/// of coordinates.
 const AXES: [i64; 2] = [-100, 40];
 const COORDINATES: [i64; 2] = [-200, 200];
 

@@ -145,7 +145,8 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         }
     }
 
-    /// Those of a part that finished pixels do not hide, with the rows between which these do not, and how many: nothing is computed of the others.
+    /// Those of a part that finished pixels do not hide, with the rows between which these do not, and how many:
+    /// nothing is computed of the others.
     #[inline(always)]
     fn seen(&self, part: &[u32]) -> ([(u32, Window); CHECK_INTERVAL], usize) {
         let (mut seen, mut count) = ([(0, self.window); CHECK_INTERVAL], 0);
@@ -200,7 +201,8 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
             let live = (&*self.tile, first);
             let [mut left_over, long] = self.live.find(self.math, (runs, count), live, left);
             let rows = self.tile.rows();
-            // If all runs are short; a choice row by row is foreseen by no branch. The tile's last row has none behind it.
+            // If all runs are short; a choice row by row is foreseen by no branch. The tile's last row has none behind
+            // it.
             if P::TAKES_TWO && !COUNTS && long == 0 {
                 let mut alone = 0;
                 while left_over != 0 {

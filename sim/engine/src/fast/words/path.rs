@@ -52,7 +52,8 @@ pub trait PixelPath {
 /// Columns of a short run.
 pub const SHORT: usize = 4;
 
-/// Runs of two adjacent rows, of at most [`SHORT`] pixels each: their first columns, a bit for every pixel to be painted, and seeds.
+/// Runs of two adjacent rows, of at most [`SHORT`] pixels each: their first columns, a bit for every pixel to be
+/// painted, and seeds.
 #[derive(Clone, Copy, Debug)]
 pub struct TwoRuns<'a> {
     pub x: &'a [i64; 2],

@@ -381,7 +381,8 @@ mod tests {
     const WIDTHS: Widths = Lean18::WIDTHS;
     const COLUMNS: usize = TILE[0] as usize;
 
-    /// Draws so many times two runs of up to 64 pixels into rows of arbitrary pixels, one by one or, if they are short, together; the number of pixels inside a footprint.
+    /// Draws so many times two runs of up to 64 pixels into rows of arbitrary pixels, one by one or, if they are short,
+    /// together; the number of pixels inside a footprint.
     struct ArbitraryRuns {
         runs: u64,
         random: u64,

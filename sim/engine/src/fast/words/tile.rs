@@ -168,8 +168,8 @@ impl<W: PixelWord> WordTile<W> {
         }
     }
 
-    /// Of these bounds, which are the screen's, the rows with pixels that had not finished when they were last looked at, from the first to the last; `None` if
-    /// there are none.
+    /// Of these bounds, which are the screen's, the rows with pixels that had not finished when they were last looked
+    /// at, from the first to the last; `None` if there are none.
     #[inline(always)]
     pub fn live_rows(&self, bounds: &Window) -> Option<Window> {
         let seen = bounds.intersect(&self.window);
