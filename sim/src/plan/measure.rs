@@ -20,7 +20,7 @@ use anyhow::{Context, Result};
 use splatline::format::Traversal;
 use std::num::NonZero;
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Threads, and runs, that may be asked for: the upper bound keeps a slip of the finger from asking for a million.
 pub fn count_of_threads_or_runs(count: usize) -> Result<usize, String> {
@@ -38,6 +38,8 @@ pub struct Effort {
     pub threads: usize,
     /// How often each is drawn; the times are medians.
     pub repeat: usize,
+    /// After so long it is not drawn once more.
+    pub limit: Duration,
     /// Vectors of the engine `fixed`; the processor's best if none are named.
     pub vectors: Option<VectorLevel>,
     /// Are culled splats and pixels counted? If not, the engine `fixed` sets up no splat that finished pixels alone would see.
@@ -51,6 +53,7 @@ impl Effort {
         Effort {
             threads: threads.unwrap_or_else(all),
             repeat,
+            limit: Duration::MAX,
             vectors: None,
             counts: true,
         }
@@ -71,7 +74,7 @@ pub struct Comparison {
     pub merged: usize,
 }
 
-/// Runs `draw` as often as asked and keeps the last drawing, with the median times of all.
+/// Runs `draw` as often as asked, or until the limit, and keeps the last drawing, with the median times of all.
 fn measure(
     effort: &Effort,
     progress: &ProgressMeter,
@@ -79,6 +82,7 @@ fn measure(
 ) -> Result<Drawing> {
     let mut runs = Vec::with_capacity(effort.repeat);
     on_threads(effort.threads, || {
+        let began = Instant::now();
         loop {
             let start = Instant::now();
             let mut drawing = draw()?;
@@ -89,7 +93,7 @@ fn measure(
                 ..drawing.host
             });
             progress.part(runs.len(), effort.repeat);
-            if runs.len() >= effort.repeat {
+            if runs.len() >= effort.repeat || began.elapsed() > effort.limit {
                 drawing.host = HostTimes::median_of(&runs);
                 return Ok(drawing);
             }
