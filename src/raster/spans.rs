@@ -31,7 +31,7 @@
 use super::seeds::{BLOCK, RowSeeds, Seed, centre_fraction, reach_of_rows, vertical_fraction};
 use super::{Quadratic, Span, Spans, Window};
 use crate::footprint::Footprint;
-use crate::format::{Design, Lane, Widths};
+use crate::format::{Design, Widths};
 use crate::math::words::shifted_up;
 use crate::math::{SoftFloat, root_of, root_seed, shift_signed};
 
@@ -114,47 +114,6 @@ pub struct RowConstants<L> {
     pub start: i64,
     /// 2 A in the lane's word.
     pub second: L,
-}
-
-impl<L: Lane> RowConstants<L> {
-    /// The same with the lanes' word sign-extended, for implementations that do not tell lanes apart by type.
-    #[inline(always)]
-    pub fn widened(&self) -> RowConstants<i64> {
-        let RowConstants {
-            rows,
-            blocks,
-            bounds,
-            visible,
-            shear,
-            curve,
-            vertical_fraction,
-            reach,
-            squared_width,
-            horizontal,
-            drops,
-            fraction,
-            unit,
-            start,
-            second,
-        } = *self;
-        RowConstants {
-            rows,
-            blocks,
-            bounds,
-            visible,
-            shear,
-            curve,
-            vertical_fraction,
-            reach,
-            squared_width,
-            horizontal,
-            drops,
-            fraction,
-            unit,
-            start,
-            second: second.to_wide(),
-        }
-    }
 }
 
 /// What is left of the row being drawn.

@@ -437,21 +437,3 @@ fn seeds_by_words_are_defined_for_all_shifts() {
         }
     }
 }
-
-/// What lanes of 64 bits are given is the same, but for the lane's word.
-#[test]
-fn widened_constants_are_the_same() {
-    let footprint = ellipse(&Micro16::WIDTHS, [40.0, 30.0], [9.0, 2.0], [0.8, 0.6]);
-    let window = Window {
-        first: [0, 0],
-        end: [64, 64],
-    };
-    let short = EllipseSpans::new(Micro16, &footprint, &window).constants();
-    let wide = short.widened();
-    assert!(short.second != 0 && short.bounds != [0; 2]);
-    assert_eq!(
-        std::format!("{:?}", RowConstants { second: 0, ..wide }),
-        std::format!("{:?}", RowConstants { second: 0, ..short })
-    );
-    assert_eq!(wide.second, i64::from(short.second));
-}

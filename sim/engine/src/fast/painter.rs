@@ -1,7 +1,6 @@
 //! What all painters of tiles share: their interface, their memory, the footprint table, and the kernel's own painter
 //! for what vectors cannot do.
 
-use super::cells::tile::CellTile;
 use super::setup::Outcome;
 use super::words::tile::WordTile;
 use splatline::blend::Pixel;
@@ -59,7 +58,6 @@ impl TableMemory {
 pub struct PaintScratch {
     pub(super) words: Option<WordTile<u64>>,
     pub(super) singles: Option<WordTile<f32>>,
-    pub(super) cells: Option<CellTile>,
 }
 
 /// What setup made of every splat, in the scene's order.

@@ -1,8 +1,7 @@
 //! Tiles by vectors against the kernel's painter: random widths, arbitrary footprints, any tile; pixels word for word, and the counts.
 
 use super::TILE;
-use super::cells::FusedPainter;
-use super::lanes::{FusedLanes, VectorLevel};
+use super::lanes::VectorLevel;
 use super::painter::{PaintScratch, TilePainter};
 use super::words::WordPainter;
 use crate::fast::{Start, TileWork, tile_painter};
@@ -247,16 +246,6 @@ fn agree(
             assert_eq!(coverage, expected, "{choice:?}");
         }
     }
-    // The fused products of 52 bits know no ties to even.
-    let fused = FusedLanes::all().filter(|_| widths.rounding != Rounding::NearestEven);
-    for (lanes, counts) in fused.flat_map(|lanes| [(lanes, true), (lanes, false)]) {
-        let Some(painter) = FusedPainter::on(any_widths(widths), rules, lanes, counts) else {
-            return false;
-        };
-        let (got, coverage) = painted(&painter, window, footprints);
-        assert_same(&got, &pixels, &format!("fused: {lanes:?}, {counts}"));
-        assert!(!counts || coverage == expected, "fused: {lanes:?}");
-    }
     for counts in [true, false] {
         let (design, choice) = (any_widths(widths), Some(VectorLevel::Best));
         let chosen = tile_painter(design, rules, order, traversal, choice, counts);
@@ -289,6 +278,8 @@ fn agree_in_other_orders(
             expected += scalar.draw(footprint, &mut target);
         }
         for (choice, counts) in [
+            (VectorLevel::Best, true),
+            (VectorLevel::Best, false),
             (VectorLevel::Avx2, true),
             (VectorLevel::Avx2, false),
             (VectorLevel::Portable, true),
@@ -303,17 +294,6 @@ fn agree_in_other_orders(
         }
     }
     true
-}
-
-/// No named design is left to slower painters.
-#[test]
-fn named_designs_are_drawn_by_fused_products() {
-    for rules in [rules_of(true), rules_of(false)] {
-        for widths in [Classic8::WIDTHS, Standard24::WIDTHS] {
-            let painter = FusedPainter::on(any_widths(widths), &rules, FusedLanes::Portable, true);
-            assert!(painter.is_some(), "{widths:?}");
-        }
-    }
 }
 
 fn rules_of(normalised: bool) -> Rules {

@@ -1,5 +1,5 @@
 //! Vectors for whatever the processor has. Setup computes on 64-bit words ([`Wide`]) and double-precision numbers ([`Doubles`]), pixels on
-//! [`words::PixelWords`], [`singles::Singles`] and [`fused::Fused`].
+//! [`words::PixelWords`] and [`singles::Singles`], sums of a surface's pixels on [`sums::PixelSums`].
 //!
 //! | implementation | 64-bit words | chosen |
 //! |---|--:|---|
@@ -26,8 +26,6 @@ pub mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub mod avx512;
 mod doubles;
-pub mod factors;
-pub mod fused;
 pub mod packed;
 mod portable;
 mod run;
@@ -39,8 +37,8 @@ pub mod words;
 pub use doubles::Doubles;
 pub use portable::Portable;
 pub use run::{
-    FusedLanes, FusedTask, PixelTask, VectorLevel, VectorTask, dispatch_pixels, dispatch_vectors,
-    draws_pixels, has_vectors, name, prefetch,
+    VectorLevel, VectorTask, dispatch_pixels, dispatch_vectors, draws_pixels, has_vectors, name,
+    prefetch,
 };
 pub use wide::Wide;
 

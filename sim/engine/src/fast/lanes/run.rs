@@ -2,8 +2,6 @@
 
 #![allow(unsafe_code)]
 
-use super::Doubles;
-use super::fused::Fused;
 use super::sums::PixelSums;
 use std::str::FromStr;
 
@@ -13,7 +11,7 @@ pub trait VectorTask {
     /// The result.
     type Output;
     /// The work.
-    fn run<L: Doubles>(self, lanes: L) -> Self::Output;
+    fn run<L: PixelSums>(self, lanes: L) -> Self::Output;
 }
 
 /// Which vectors to use.
@@ -113,87 +111,21 @@ pub fn name(choice: VectorLevel) -> &'static str {
     "portable"
 }
 
-/// Work on pixels. Implement `run` and all that it calls with `#[inline(always)]`.
-pub trait PixelTask {
-    /// The result.
-    type Output;
-    /// The work.
-    fn run<L: PixelSums>(self, lanes: L) -> Self::Output;
-}
-
-/// Runs the task on AVX2 if the processor has it and less is not asked for. Without AVX2 the kernel's painter is faster than arrays, so that
-/// x86-64 gets the task back; other processors draw by arrays, and so do tests.
+/// The same for work on pixels. Without AVX2 the kernel's painter is faster than arrays, so that x86-64 gets the task
+/// back; other processors draw by arrays, and so do tests.
 #[inline]
-pub fn dispatch_pixels<T: PixelTask>(choice: VectorLevel, task: T) -> Result<T::Output, T> {
-    #[cfg(target_arch = "x86_64")]
-    if choice != VectorLevel::Portable
-        && let Some(lanes) = super::avx2::Avx2::detect()
-    {
-        return Ok(op!(x86::run_pixels(lanes, task)));
-    }
-    let _ = choice;
+pub fn dispatch_pixels<T: VectorTask>(choice: VectorLevel, task: T) -> Result<T::Output, T> {
+    let done = dispatch_vectors(choice, task);
     #[cfg(any(test, not(target_arch = "x86_64")))]
-    return Ok(task.run(super::Portable));
+    return done.or_else(|task| Ok(task.run(super::Portable)));
     #[cfg(not(any(test, not(target_arch = "x86_64"))))]
-    Err(task)
+    done
 }
 
 /// Does [`dispatch_pixels`] run tasks on this level?
 pub fn draws_pixels(choice: VectorLevel) -> bool {
     cfg!(test)
         || has_vectors() && (cfg!(not(target_arch = "x86_64")) || choice != VectorLevel::Portable)
-}
-
-/// Work on fused products. Implement `run` and all that it calls with `#[inline(always)]`.
-pub trait FusedTask {
-    /// The result.
-    type Output;
-    /// The work.
-    fn run<L: Fused>(self, lanes: L) -> Self::Output;
-}
-
-/// What a processor has for fused products. Whoever has nothing draws by words; arrays stand in for the instructions in tests alone.
-#[derive(Clone, Copy, Debug)]
-pub enum FusedLanes {
-    /// AVX-512.
-    #[cfg(target_arch = "x86_64")]
-    Avx512(super::avx512::Avx512),
-    /// Arrays.
-    #[cfg(test)]
-    Portable,
-}
-
-impl FusedLanes {
-    /// This processor's.
-    pub fn detect() -> Option<FusedLanes> {
-        #[cfg(target_arch = "x86_64")]
-        return super::avx512::Avx512::detect().map(FusedLanes::Avx512);
-        #[cfg(not(target_arch = "x86_64"))]
-        None
-    }
-
-    /// This processor's and arrays.
-    #[cfg(test)]
-    pub fn all() -> impl Iterator<Item = FusedLanes> {
-        FusedLanes::detect()
-            .into_iter()
-            .chain([FusedLanes::Portable])
-    }
-
-    /// Runs the task on them.
-    #[cfg_attr(
-        not(target_arch = "x86_64"),
-        allow(unused_variables, reason = "there are none")
-    )]
-    #[inline]
-    pub fn run<T: FusedTask>(self, task: T) -> T::Output {
-        match self {
-            #[cfg(target_arch = "x86_64")]
-            FusedLanes::Avx512(lanes) => op!(x86::run_fused(lanes, task)),
-            #[cfg(test)]
-            FusedLanes::Portable => task.run(super::Portable),
-        }
-    }
 }
 
 /// Asks for memory that will be read soon.
@@ -222,15 +154,10 @@ pub fn prefetch<T>(place: &T) {
 mod x86 {
     use super::super::avx2::Avx2;
     use super::super::avx512::Avx512;
-    use super::{FusedTask, PixelTask, VectorTask};
+    use super::VectorTask;
 
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,fma")]
     pub fn run_on_avx2<T: VectorTask>(lanes: Avx2, task: T) -> T::Output {
-        task.run(lanes)
-    }
-
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,fma")]
-    pub fn run_pixels<T: PixelTask>(lanes: Avx2, task: T) -> T::Output {
         task.run(lanes)
     }
 
@@ -238,13 +165,6 @@ mod x86 {
         enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx512ifma,avx2,bmi1,bmi2,lzcnt,popcnt,fma"
     )]
     pub fn run_on_avx512<T: VectorTask>(lanes: Avx512, task: T) -> T::Output {
-        task.run(lanes)
-    }
-
-    #[target_feature(
-        enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx512ifma,avx2,bmi1,bmi2,lzcnt,popcnt,fma"
-    )]
-    pub fn run_fused<T: FusedTask>(lanes: Avx512, task: T) -> T::Output {
         task.run(lanes)
     }
 }

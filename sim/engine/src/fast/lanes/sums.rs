@@ -70,6 +70,7 @@ mod x86 {
     //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores are of whole arrays.
 
     use super::super::avx2::Avx2;
+    use super::super::avx512::Avx512;
     use super::{PixelSums, ShareShift, Sums};
     use std::arch::x86_64::*;
 
@@ -133,6 +134,20 @@ mod x86 {
                 _mm256_storeu_si256(place, added);
             }
             true
+        }
+    }
+
+    /// Eight words of 32 bits fill half of a vector.
+    impl PixelSums for Avx512 {
+        type Attributes = AttributeFactors;
+
+        #[inline(always)]
+        fn attributes(self, values: &[i32; 8], shift: ShareShift) -> AttributeFactors {
+            self.avx2().attributes(values, shift)
+        }
+        #[inline(always)]
+        fn add_shares(self, sums: &mut Sums, weight: &i64, attributes: &AttributeFactors) -> bool {
+            self.avx2().add_shares(sums, weight, attributes)
         }
     }
 }

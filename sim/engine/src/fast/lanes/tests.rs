@@ -1,87 +1,48 @@
 //! Every operation of every implementation against the portable arrays, word for word.
 
-use super::factors::Factors;
-use super::fused::{Fused, Pairs};
+use super::sums::PixelSums;
+use super::words::Falls;
 use super::*;
 use proptest::prelude::*;
-use splatline::format::Deep32;
 
-/// Results of all operations on 64-bit words and fused products, in a fixed order.
-struct AllFused {
-    a: [u64; 8],
-    b: [u64; 8],
-    c: [u64; 8],
-    bits: u8,
-    pairs: Pairs,
-    factors: Factors,
-    table: Vec<u32>,
+/// Results of all operations on pixels' words, in a fixed order.
+struct PixelOperations {
+    a: [u64; 16],
+    b: [i64; 8],
+    at: usize,
+    count: usize,
+    falls: Falls,
 }
 
-impl FusedTask for &AllFused {
-    type Output = Vec<[u64; 8]>;
+impl VectorTask for &PixelOperations {
+    type Output = Vec<[u64; 4]>;
 
     #[inline(always)]
-    fn run<L: Fused>(self, lanes: L) -> Self::Output {
-        let [a, b, c] = [&self.a, &self.b, &self.c].map(|words| lanes.read(words));
-        let truth = lanes.truth(self.bits);
-        let by = lanes.wide_and(c, lanes.wide_splat(63));
-        let [low, high] = lanes.wide_gather(&self.table, lanes.wide_and(a, lanes.wide_splat(63)));
+    fn run<L: PixelSums>(self, lanes: L) -> Self::Output {
+        let (a, b) = (lanes.read(&self.a, self.at), lanes.wide_load(&self.b));
+        let low = lanes.wide_splat(u32::MAX.into());
+        let truth = lanes.wide_greater(a, b);
+        let first = lanes.first(self.count);
         let words = [
-            lanes.wide_splat(self.a[0] as i64),
-            lanes.wide_add(a, b),
-            lanes.wide_sub(a, b),
-            lanes.wide_and(a, b),
-            lanes.wide_or(a, b),
-            lanes.wide_xor(a, b),
-            lanes.wide_mul(a, b),
-            lanes.wide_mul_unsigned(a, b),
-            lanes.wide_shl(a, c),
-            lanes.wide_shr(a, c),
-            lanes.wide_sar(a, c),
-            lanes.wide_shl(a, by),
-            lanes.wide_shr(a, by),
-            lanes.wide_sar(a, by),
-            lanes.wide_leading_zeros(lanes.wide_shr(a, lanes.wide_splat(1))),
-            low,
-            high,
-            lanes.wide_select(a, b, lanes.wide_greater(a, b)),
-            lanes.wide_select(a, b, lanes.wide_equal(a, b)),
-            lanes.wide_select(a, b, truth),
-            lanes.fused(a, b, c),
-            lanes.wide_mul_whole(a, b),
-            lanes.half_from_zero(a),
-            lanes.max_whole(a, b),
-            lanes.min_whole(a, b),
-            lanes.turn(a, by),
-            lanes.merge(a, b, c),
-            lanes.all_three(a, b, c),
-            lanes.without(a, b, c),
-            lanes.blend(a, b, c),
-            lanes.wide_sar_by(a, 63),
-            lanes.wide_sar_by(lanes.marks(self.a[0]), 63),
-            lanes.gather_pairs(&self.pairs, b),
-            lanes.factored(&self.factors, b)[0],
-            lanes.factored(&self.factors, b)[1],
+            a,
+            lanes.keep(a, lanes.marked(b)),
+            lanes.clear(a, lanes.marked(b)),
+            lanes.keep(a, first),
+            lanes.keep(a, lanes.both(truth, first)),
+            lanes.keep(a, lanes.except(truth, first)),
+            lanes.min_short(lanes.wide_and(a, low), lanes.wide_and(b, low)),
+            lanes.multiples(lanes.wide_splat(self.b[0])),
+            lanes.intervals(&self.falls, b),
         ];
-        let mut packed = [0; 8];
-        lanes.pack(&mut packed, a, truth);
-        packed[self.bits.count_ones() as usize..].fill(0);
-        let bits = [lanes.wide_flags(truth), lanes.marked(a).into()].map(u64::from);
-        let mut results = vec![packed, [bits[0], bits[1], lanes.sum(a), 0, 0, 0, 0, 0]];
+        let mut results = Vec::new();
         for word in words {
-            let mut stored = [0; 8];
-            lanes.write(&mut stored, word);
-            results.push(stored);
+            let mut stored = self.a;
+            lanes.write(&mut stored, self.at, word);
+            let start = self.at.min(stored.len() - 4);
+            results.push(std::array::from_fn(|k| stored[start + k]));
         }
         results
     }
-}
-
-/// The factors of the largest table.
-fn gaussian() -> Factors {
-    let mut entries = vec![0; splatline::kernel::entries(&Deep32::WIDTHS)];
-    splatline::kernel::fill_gaussian(&mut entries, &Deep32::WIDTHS, 4);
-    Factors::gaussian(&entries, &Deep32::WIDTHS, 4).expect("its products are exact")
 }
 
 /// Operations on 64-bit words that AVX2 is missing in part.
@@ -148,20 +109,18 @@ proptest! {
     }
 
     #[test]
-    #[cfg_attr(
-        not(has_avx512),
-        ignore = "this processor has no AVX-512: the portable model would be compared with itself"
-    )]
-    fn every_fused_operation_is_the_portable_one(
-        a: [u64; 8], b: [u64; 8], c: [u64; 8], bits: u8, less in 0u32..64, alike: bool, pairs in prop::collection::vec(any::<u64>(), 0..40),
-        table in prop::collection::vec(any::<u32>(), 0..60),
+    fn operations_on_pixels_are_the_portable_ones(
+        a: [u64; 16], b: [i64; 8], alike: bool, at in 0usize..9, count in 0usize..9, falls in prop::collection::vec(0u32..1000, 1..40),
     ) {
-        let small = |words: [u64; 8]| words.map(|word| word >> less);
-        let b = if alike { a } else { small(b) };
-        let all = AllFused { a, b, c: small(c), bits, pairs: Pairs::new(pairs), factors: gaussian(), table };
-        let expected = FusedLanes::Portable.run(&all);
-        for lanes in FusedLanes::all() {
-            prop_assert_eq!(&lanes.run(&all), &expected, "{:?}", lanes);
+        let mut entries = falls;
+        entries.sort_unstable_by(|a, b| b.cmp(a));
+        let falls = Falls::new(&entries).expect("they fall");
+        let b = if alike { std::array::from_fn(|k| a[at + k] as i64) } else { b };
+        let operations = PixelOperations { a, b, at, count, falls };
+        let expected = (&operations).run(Portable);
+        for choice in [VectorLevel::Avx2, VectorLevel::Best] {
+            let found = dispatch_vectors(choice, &operations);
+            prop_assert_eq!(found.as_ref().unwrap_or(&expected), &expected, "{:?}", choice);
         }
     }
 }

@@ -128,7 +128,8 @@ mod x86 {
 
     use super::super::Wide;
     use super::super::avx2::Avx2;
-    use super::super::wide::x86::four_words;
+    use super::super::avx512::Avx512;
+    use super::super::wide::x86::{four_words, halves};
     use super::{Falls, PixelWords};
     use std::arch::x86_64::*;
 
@@ -201,6 +202,73 @@ mod x86 {
             let words = table.intervals.as_ptr();
             // SAFETY: the length is a power of two, so that every masked number lies in the table.
             four_words(self, index, |place| unsafe { *words.add(place) })
+        }
+    }
+
+    impl PixelWords for Avx512 {
+        #[inline(always)]
+        fn read(self, from: &[u64], at: usize) -> __m512i {
+            match from.get(at..).and_then(|rest| rest.first_chunk::<8>()) {
+                // SAFETY: an array of eight words is read.
+                Some(words) => unsafe { _mm512_loadu_si512(words.as_ptr().cast()) },
+                None => self.wide_splat(0),
+            }
+        }
+        #[inline(always)]
+        fn write(self, to: &mut [u64], at: usize, value: __m512i) {
+            if let Some(words) = to
+                .get_mut(at..)
+                .and_then(|rest| rest.first_chunk_mut::<8>())
+            {
+                // SAFETY: an array of eight words is written.
+                unsafe { _mm512_storeu_si512(words.as_mut_ptr().cast(), value) }
+            }
+        }
+        #[inline(always)]
+        fn marked(self, a: __m512i) -> __mmask8 {
+            op!(_mm512_movepi64_mask(a))
+        }
+        #[inline(always)]
+        fn first(self, count: usize) -> __mmask8 {
+            (0xff_u32 >> (8 - count.min(8))) as __mmask8
+        }
+        #[inline(always)]
+        fn both(self, a: __mmask8, b: __mmask8) -> __mmask8 {
+            a & b
+        }
+        #[inline(always)]
+        fn except(self, a: __mmask8, b: __mmask8) -> __mmask8 {
+            a & !b
+        }
+        #[inline(always)]
+        fn keep(self, a: __m512i, truth: __mmask8) -> __m512i {
+            op!(_mm512_maskz_mov_epi64(truth, a))
+        }
+        #[inline(always)]
+        fn clear(self, a: __m512i, truth: __mmask8) -> __m512i {
+            self.keep(a, !truth)
+        }
+        #[inline(always)]
+        fn min_short(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_min_epu32(a, b))
+        }
+        #[inline(always)]
+        fn multiples(self, a: __m512i) -> __m512i {
+            op!(_mm512_mullo_epi64(
+                a,
+                _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7)
+            ))
+        }
+        #[inline(always)]
+        fn intervals(self, table: &Falls, index: __m512i) -> __m512i {
+            let index = self.wide_and(index, self.wide_load(&table.last));
+            let words = table.intervals.as_ptr();
+            let [low, high] = halves(self, index);
+            // SAFETY: the length is a power of two, so that every masked number lies in the table.
+            let low = four_words(self.avx2(), low, |place| unsafe { *words.add(place) });
+            // SAFETY: as above.
+            let high = four_words(self.avx2(), high, |place| unsafe { *words.add(place) });
+            op!(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
         }
     }
 }

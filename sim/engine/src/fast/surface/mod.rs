@@ -7,8 +7,8 @@ mod tile;
 
 use super::lanes::prefetch;
 use super::lanes::sums::{PixelSums, ShareShift};
-use super::lanes::{PixelTask, dispatch_pixels};
 use super::lanes::{VectorLevel, words::PixelWords};
+use super::lanes::{VectorTask, dispatch_pixels};
 use super::rows::{Pixels, RowBatch, RuntimeRows};
 use super::setup::SurfaceOutcome;
 use super::words::AHEAD;
@@ -177,7 +177,7 @@ struct Painted<'a, L: PixelSums> {
     words: AttributeWords<L>,
 }
 
-impl PixelTask for GatherTask<'_, '_> {
+impl VectorTask for GatherTask<'_, '_> {
     type Output = Option<Coverage>;
 
     #[inline(always)]

@@ -7,12 +7,13 @@
 mod live;
 mod painting;
 pub(super) mod path;
+mod reach;
 mod single;
 pub mod tile;
 pub mod visit;
 
 use super::lanes::sums::PixelSums;
-use super::lanes::{Doubles, PixelTask, VectorLevel, VectorTask};
+use super::lanes::{Doubles, VectorLevel, VectorTask};
 use super::lanes::{dispatch_pixels, dispatch_vectors};
 use super::painter::{PaintScratch, ScalarPainter, TilePainter, TileWork};
 use super::rows::RuntimeRows;
@@ -150,7 +151,7 @@ struct TilePainting<'a, W: PixelWord, N> {
     tile: &'a mut WordTile<W>,
 }
 
-impl PixelTask for TilePainting<'_, u64, PathNumbers> {
+impl VectorTask for TilePainting<'_, u64, PathNumbers> {
     type Output = Coverage;
 
     #[inline(always)]

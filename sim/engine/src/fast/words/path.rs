@@ -12,8 +12,8 @@
 //!   the others no transmittance.
 //! - A table that falls is interpolated without a sign: low + ((change rest + half) >> k) = low - ((fall rest + half - 1) >> k).
 
+use super::reach::TableReach;
 use super::tile::{PixelWord, Row};
-use crate::fast::cells::TableReach;
 use crate::fast::lanes::words::{Falls, PixelWords};
 use crate::fast::rows::Pixels;
 use crate::fast::setup::number::BitDrop;

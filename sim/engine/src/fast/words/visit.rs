@@ -7,7 +7,7 @@ use super::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
 use crate::fast::lanes::VectorLevel;
 use crate::fast::lanes::sums::PixelSums;
 use crate::fast::lanes::words::PixelWords;
-use crate::fast::lanes::{PixelTask, dispatch_pixels};
+use crate::fast::lanes::{VectorTask, dispatch_pixels};
 use crate::fast::rows::{Pixels, RowBatch, RuntimeRows};
 use crate::fast::tile::TILE;
 use splatline::footprint::Footprint;
@@ -80,7 +80,7 @@ struct VisitTask<'a> {
     take: &'a mut TakeOpacities<'a>,
 }
 
-impl PixelTask for VisitTask<'_> {
+impl VectorTask for VisitTask<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -58,7 +58,7 @@ fn store_rows(_: Avx2, [to_0, to_1, to_2, to_3]: [&mut [i32; 4]; 4], [even, odd]
 
 /// The lower words and the upper ones.
 #[inline(always)]
-fn halves(_: Avx512, a: __m512i) -> [__m256i; 2] {
+pub fn halves(_: Avx512, a: __m512i) -> [__m256i; 2] {
     op!([_mm512_castsi512_si256(a), _mm512_extracti64x4_epi64::<1>(a)])
 }
 

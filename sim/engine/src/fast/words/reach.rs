@@ -1,6 +1,5 @@
-//! The footprint table as vectors read it.
+//! How far the footprint table reaches, so that vectors look nothing up beyond it.
 
-use crate::fast::lanes::fused::Pairs;
 use splatline::blend::BlendConstants;
 use splatline::draw::cutoff_in_lane;
 use splatline::format::Widths;
@@ -48,18 +47,4 @@ impl TableReach {
             && (last < 0 || ((last as u64) >> self.rest_bits) < self.intervals);
         fits.then_some(end)
     }
-}
-
-/// A table's entries in pairs, an interval's value in the upper half of a word, its change in the lower one.
-pub fn pairs(table: &FootprintTable, widths: &Widths) -> Pairs {
-    let interpolates = widths.interpolation > 0;
-    let pair = |pair: &[u32]| {
-        let change = if interpolates {
-            pair[1].wrapping_sub(pair[0])
-        } else {
-            0
-        };
-        (u64::from(pair[0]) << 32) | u64::from(change)
-    };
-    Pairs::new(table.entries().windows(2).map(pair).collect())
 }
