@@ -1,5 +1,5 @@
-//! Vectors of 64-bit words for pixels where there are no fused products: a word for each pixel, so that a product of 32 bits by 32 needs neither
-//! taking apart nor interleaving.
+//! Vectors of 64-bit words for pixels that single precision does not hold: a word for each pixel, so that a product of
+//! 32 bits by 32 needs neither taking apart nor interleaving.
 //!
 //! Shifts and constants are words in memory and not of the instructions: one compiled copy draws every design.
 
