@@ -81,18 +81,21 @@ pub fn for_each_pixel(
     }
 }
 
-/// Projects every splat of the scene with its weight and colour, in the scene's order.
+/// Projects every splat of the scene with the weight that the rules need and the colour that the camera sees, in the scene's order.
 pub fn project_all<Footprint: Send>(
     scene: &Scene,
     camera: &Camera,
     rules: &Rules,
-    project: impl Fn(&Splat, f64, [f64; 3]) -> Result<Footprint, Culled> + Sync + Send,
+    project: impl Fn(&Splat) -> Result<Footprint, Culled> + Sync + Send,
 ) -> Vec<Result<Footprint, Culled>> {
     let (weights, colours) = (scene.weights_for(rules), scene.colours(camera));
     let splats = scene.splats.par_iter().zip(weights).zip(colours);
-    splats
-        .map(|((splat, weight), colour)| project(splat, weight, colour))
-        .collect()
+    let seen = splats.map(|((splat, weight), colour)| Splat {
+        weight,
+        colour,
+        ..*splat
+    });
+    seen.map(|splat| project(&splat)).collect()
 }
 
 /// Draws projected splats.
