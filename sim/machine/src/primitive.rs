@@ -226,8 +226,8 @@ impl Flights {
 }
 
 impl PrimitiveClock {
-    /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on, that takes a packet in every `interval`th
-    /// cycle from `phase` on; [`SETUP_INTERVAL`] is how the circuit is usually built.
+    /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on, that takes a packet
+    /// in every `interval`th cycle from `phase` on; [`SETUP_INTERVAL`] is how the circuit is usually built.
     pub fn new(lanes: usize, queue: u32, interval: u32, phase: u64) -> Self {
         let lane = LaneClock {
             moves: vec![0; queue.max(1) as usize],

@@ -185,7 +185,8 @@ fn default_far() -> Option<f64> {
 }
 
 impl Camera {
-    /// A pinhole at the origin that looks along z: square pixels of one focal length, pixels, and the principal point in the picture's middle.
+    /// A pinhole at the origin that looks along z, with the principal point in the picture's middle; the focal length
+    /// is in pixels.
     pub fn centred(width: usize, height: usize, focal_length: f64) -> Camera {
         Camera {
             width,

@@ -50,9 +50,9 @@ fn pattern(random: &mut Random) -> Texture {
     })
 }
 
-/// The continuous texture function of \[SURF\] eq. 2, summed in the plainest way: what a surface splatted with given coefficients looks like
-/// on its own texture, without screen, low-pass filter and depth. It is the function that the optimised coefficients fit, and the limit of a
-/// drawing under ever greater magnification (\[HYBRID\] 3).
+/// The continuous texture function of \[SURF\] eq. 2, summed in the plainest way: what a surface splatted with given
+/// coefficients looks like on its own texture, without screen, low-pass filter and depth. It is the function that the
+/// optimised coefficients fit, and the limit of a drawing under ever greater magnification (\[HYBRID\] 3).
 ///
 /// f(u) = sum_k w_k g_k(u) / sum_k g_k(u) with g_k = exp(-r_k / 2) inside `cutoff`; none where no function reaches.
 fn texture_function(

@@ -43,8 +43,8 @@ fn hybrid(samples: &Scene, points: Points) -> Hybrid {
     }
 }
 
-/// The warping equation between two cameras, written out (McMillan 1997; \[HYBRID\] 3), where the samples go through space and the ordinary
-/// projection: screen position and depth in `to` of the place that `from` sees at `place` and `depth`.
+/// The warping equation between two cameras, written out (McMillan 1997; \[HYBRID\] 3), where the samples go through
+/// space and the ordinary projection: screen position and depth in `to` of the place that `from` sees at `place` and `depth`.
 ///
 /// With R = W' W^T the relative rotation and c = d' - R d the relative translation: t' = R t + c.
 fn reproject(from: &Camera, place: [f64; 2], depth: f64, to: &Camera) -> ([f64; 2], f64) {

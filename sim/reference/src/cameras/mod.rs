@@ -173,8 +173,8 @@ fn photograph(
     })
 }
 
-/// From a camera's axes and place in the world to what takes the world to the camera; `axes` are its columns, of length 1 but for the six digits
-/// that files write.
+/// From a camera's axes and place in the world to what takes the world to the camera; `axes` are its columns, of
+/// length 1 but for the six digits that files write.
 fn inverted(axes: [Vector; 3], place: Vector) -> ([Vector; 3], Vector) {
     let axes = axes.map(|axis| {
         let length = vector::length(axis);

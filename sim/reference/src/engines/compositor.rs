@@ -2,8 +2,8 @@
 //!
 //! Splats are ordered by the place that their engine gave them, ties by index, and blended pixel by pixel (EWA 4.1 "every-sample" compositing;
 //! X-ray: SWAN 3.1). The picture is cut into bands of rows that rayon draws side by side: a band goes through its
-//! splats in order and skips the rest once every pixel is finished. Only speed depends on the cutting: a pixel meets its splats in the same
-//! order as in a loop over all of them.
+//! splats in order and skips the rest once every pixel is finished. Only speed depends on the cutting: a pixel meets
+//! its splats in the same order as in a loop over all of them.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -81,7 +81,8 @@ pub fn for_each_pixel(
     }
 }
 
-/// Projects every splat of the scene with the weight that the rules need and the colour that the camera sees, in the scene's order.
+/// Projects every splat of the scene with the weight that the rules need and the colour that the camera sees, in the
+/// scene's order.
 pub fn project_all<Footprint: Send>(
     scene: &Scene,
     camera: &Camera,
