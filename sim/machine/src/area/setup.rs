@@ -50,15 +50,6 @@ pub struct SetupUnit {
     pub fabric: Fabric,
 }
 
-impl SetupUnit {
-    /// Do the lines go through it?
-    pub fn fitted(&self) -> bool {
-        FITTED_CORES.contains(&self.cores)
-            && ["lean18", "standard24"].contains(&self.design.as_str())
-            || (self.design.as_str(), self.cores) == (SHORTER, FITTED_CORES[0])
-    }
-}
-
 /// The table's text.
 pub fn to_csv(units: &[SetupUnit]) -> String {
     let mut text = format!("{HEADING},{RESOURCES}\n");
@@ -242,7 +233,11 @@ mod tests {
     #[test]
     fn estimates_are_within_a_twentieth_of_synthesis() {
         let units = synthesised();
-        assert!(units.iter().any(|unit| !unit.fitted()), "nothing is unseen");
+        let fitted = |unit: &SetupUnit| match unit.design.as_str() {
+            "lean18" | "standard24" => FITTED_CORES.contains(&unit.cores),
+            design => (design, unit.cores) == (SHORTER, FITTED_CORES[0]),
+        };
+        assert!(!units.iter().all(fitted), "nothing is unseen");
         for unit in &units {
             let estimate = estimate(&units, unit.family, unit.mantissa, unit.cores).unwrap();
             let error = estimate.worst_error(&unit.fabric);
