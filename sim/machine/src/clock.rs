@@ -5,11 +5,11 @@
 //! width or number of lanes is a hint of the order of magnitude and no promise. Where no raster unit of a family was placed, it is the ECP5's by a
 //! stated factor (`area/families.toml`): what both families reach with the same circuit.
 
-use super::area::Family;
+use super::area::{Family, lines_of};
 use super::config::Config;
 use super::timing::Timing;
 use crate::design::DesignChoice;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use splatline::format::Widths;
 
 /// The placements, as they lie beside this file; `docs/hardware.md` holds them with what is to be known of each.
@@ -19,7 +19,7 @@ const PLACED: &str = include_str!("clock/placed.csv");
 const MEGA: f64 = 1e6;
 
 /// A circuit that was placed and routed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct RoutedCircuit {
     /// Named design.
     pub design: String,
@@ -76,21 +76,11 @@ pub struct Throughput {
 }
 
 /// Everything that was placed of today's circuit.
+///
+/// # Panics
+/// If the table is none; a test reads it.
 pub fn placed() -> Vec<RoutedCircuit> {
-    let line = |line: &str| -> Option<RoutedCircuit> {
-        let [design, lanes, family, device, mhz, conditions, source] =
-            line.split(',').collect::<Vec<_>>().try_into().ok()?;
-        Some(RoutedCircuit {
-            design: design.to_owned(),
-            lanes: lanes.parse().ok()?,
-            family: Family::by_key(family)?,
-            device: device.to_owned(),
-            mhz: mhz.parse().ok()?,
-            conditions: conditions.to_owned(),
-            source: source.to_owned(),
-        })
-    };
-    PLACED.lines().skip(1).filter_map(line).collect()
+    lines_of(PLACED).expect("placed.csv is a table of circuits")
 }
 
 impl RoutedCircuit {

@@ -226,13 +226,9 @@ impl Flights {
 }
 
 impl PrimitiveClock {
-    /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on, as the circuit is usually built.
-    pub fn new(lanes: usize, queue: u32) -> Self {
-        Self::with_interval(lanes, queue, SETUP_INTERVAL, 0)
-    }
-
-    /// The same with another number of cycles between two packets, and some cycle in which one may be taken.
-    pub fn with_interval(lanes: usize, queue: u32, interval: u32, phase: u64) -> Self {
+    /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on, that takes a packet
+    /// in every `interval`th cycle from `phase` on; [`SETUP_INTERVAL`] is how the circuit is usually built.
+    pub fn new(lanes: usize, queue: u32, interval: u32, phase: u64) -> Self {
         let lane = LaneClock {
             moves: vec![0; queue.max(1) as usize],
             place: 0,
@@ -346,7 +342,7 @@ mod tests {
 
     /// One splat with these rows, offered in cycle 0.
     fn alone(lanes: usize, queue: u32, rows: impl IntoIterator<Item = Option<LaneRun>>) -> u64 {
-        let mut clock = PrimitiveClock::new(lanes, queue);
+        let mut clock = PrimitiveClock::new(lanes, queue, SETUP_INTERVAL, 0);
         clock.packet(0);
         rows.into_iter().for_each(|row| {
             clock.slot(row);
@@ -373,7 +369,7 @@ mod tests {
     /// One run waits for the lane at the queue's front, one behind it; the next one leaves in the cycle after these have moved up.
     #[test]
     fn a_full_queue_stops_the_rows() {
-        let mut clock = PrimitiveClock::new(1, 1);
+        let mut clock = PrimitiveClock::new(1, 1, SETUP_INTERVAL, 0);
         clock.packet(0);
         let left = [0, 1, 2, 3].map(|row| clock.slot(run(1, row, 10)).left);
         assert_eq!(left, [63, 65, 67, 77]);
@@ -389,7 +385,7 @@ mod tests {
     /// A pixel comes again seven cycles after the last time; what does not meet goes on at once.
     #[test]
     fn runs_that_meet_keep_their_distance() {
-        let mut clock = PrimitiveClock::new(1, QUEUE);
+        let mut clock = PrimitiveClock::new(1, QUEUE, SETUP_INTERVAL, 0);
         clock.packet(0);
         let mut popped = |row, column, length| {
             let lane = 0;

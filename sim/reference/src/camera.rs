@@ -185,6 +185,24 @@ fn default_far() -> Option<f64> {
 }
 
 impl Camera {
+    /// A pinhole at the origin that looks along z, with the principal point in the picture's middle; the focal length
+    /// is in pixels.
+    pub fn centred(width: usize, height: usize, focal_length: f64) -> Camera {
+        Camera {
+            width,
+            height,
+            fx: focal_length,
+            fy: focal_length,
+            cx: 0.5 * width as f64,
+            cy: 0.5 * height as f64,
+            rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            translation: [0.0; 3],
+            near: DEFAULT_NEAR,
+            far: DEFAULT_FAR,
+            orthographic: false,
+        }
+    }
+
     /// A perspective camera at `eye` that looks at `target`, with `up` pointing up in the picture.
     ///
     /// The rotation's rows are right = forward x up, down = forward x right, and forward. Pixels are square and
@@ -223,17 +241,9 @@ impl Camera {
         let rotation = [right, vector::cross(forward, right), forward];
         let focal_length = 0.5 * height as f64 / (0.5 * vertical_fov_degrees.to_radians()).tan();
         Camera {
-            width,
-            height,
-            fx: focal_length,
-            fy: focal_length,
-            cx: 0.5 * width as f64,
-            cy: 0.5 * height as f64,
             rotation,
             translation: vector::scale(-1.0, vector::transform(&rotation, eye)),
-            near: DEFAULT_NEAR,
-            far: DEFAULT_FAR,
-            orthographic: false,
+            ..Camera::centred(width, height, focal_length)
         }
         .checked()
     }

@@ -105,11 +105,6 @@ fn granted() -> Option<u64> {
     Some(GRANTED.load(Ordering::Relaxed)).filter(|bytes| *bytes < u64::MAX)
 }
 
-/// The most bytes of memory that this process has had so far, if the system says.
-pub fn peak() -> Option<u64> {
-    kilobytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
-}
-
 /// Bytes that this process can still take, if the system says.
 pub fn available() -> Option<u64> {
     let text = |path: &str| fs::read_to_string(path).unwrap_or_default();

@@ -96,11 +96,6 @@ impl Picture {
         }
     }
 
-    /// The picture as the bytes of a PNG file, opaque on black.
-    pub fn to_png(&self, depth: Depth) -> Result<Vec<u8>, Refused> {
-        self.encode(PictureFormat::Png, depth, Backdrop::default())
-    }
-
     /// The picture as the bytes of a file; `depth` and `backdrop` are PNG's.
     pub fn encode(
         &self,
@@ -354,7 +349,7 @@ mod tests {
         let mut torn = ramp();
         torn.pixels.pop();
         assert!(
-            torn.to_png(Depth::Eight)
+            torn.encode(PictureFormat::Png, Depth::Eight, Backdrop::default())
                 .unwrap_err()
                 .to_string()
                 .contains("34 pixels")

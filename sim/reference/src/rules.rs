@@ -4,6 +4,7 @@
 //! ends and when a pixel is finished. The kernel holds its own fixed-point statement of the same rules; this
 //! one is written from the papers' formulas and shares nothing with it.
 
+use crate::metrics::finite_or_null;
 use serde::{Deserialize, Deserializer, Serialize, de};
 use std::str::FromStr;
 
@@ -30,7 +31,7 @@ pub struct Rules {
     /// Shape of all footprints.
     pub kernel: Kernel,
     /// The footprint ends where the radial index reaches this value (`r < cutoff`); infinite, null in JSON, if only `alpha_min` ends it.
-    #[serde(deserialize_with = "or_infinite")]
+    #[serde(deserialize_with = "finite_or_null::deserialize")]
     pub cutoff: f64,
     /// Opacity of one splat at one pixel is clamped to this.
     pub alpha_max: f64,
@@ -52,10 +53,6 @@ fn known_name<'de, D: Deserializer<'de>>(from: D) -> Result<&'static str, D::Err
             .map(|rules: Rules| rules.name)
             .map_err(de::Error::custom),
     }
-}
-
-fn or_infinite<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-    Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
 }
 
 impl Rules {
@@ -158,13 +155,6 @@ impl Rules {
 }
 
 impl Compositing {
-    /// All of them.
-    pub const ALL: [Compositing; 3] = [
-        Compositing::FrontToBack,
-        Compositing::BackToFront,
-        Compositing::XRay,
-    ];
-
     /// Name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {

@@ -18,13 +18,6 @@ pub enum SheetKind {
 }
 
 impl SheetKind {
-    /// All kinds.
-    pub const ALL: [SheetKind; 3] = [
-        SheetKind::AxisAligned,
-        SheetKind::ImageAligned,
-        SheetKind::ImageAlignedCut,
-    ];
-
     /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {

@@ -9,7 +9,7 @@ use crate::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
 use crate::fixed::{self, HybridRenderer, QuantisedScene};
 use crate::machine::config::Binning;
 use crate::machine::workload::{
-    InOrder, Workload, extract_from, extract_if_room, extract_in_order, extract_surface, room_for,
+    InOrder, Workload, extract, extract_from, extract_in_order, extract_surface, room_for,
 };
 use crate::machine::{Config, Timing, simulate_alone};
 use crate::picture::Picture;
@@ -159,12 +159,7 @@ impl Prepared {
         }
         let splats = self.splats()?;
         let options = splats.options(entry);
-        Ok(extract_if_room(
-            splats.scene,
-            splats.camera,
-            &options,
-            tile,
-        )?)
+        Ok(extract(splats.scene, splats.camera, &options, tile)?)
     }
 
     /// Refuses a machine that has no units for what is drawn.

@@ -323,7 +323,7 @@ mod tests {
         let camera = synthetic::camera(48, 40);
         let design = DesignChoice::named("standard24").unwrap();
         let options = Options::front_to_back(&scene.natural_rules, &design);
-        let workload = extract(&scene, &camera, &options, [16, 16]);
+        let workload = extract(&scene, &camera, &options, [16, 16]).unwrap();
         let config = Config::default();
         let work = LaneWork::new(&workload, LaneShape::from(&config));
         let timing = simulate(&workload, &work, &config);

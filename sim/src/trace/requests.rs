@@ -39,6 +39,7 @@ pub fn dramsim3(accesses: &[Access], part: &DramPart, clock_mhz: u32) -> String 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::memory::parts::PARTS;
 
     #[test]
     fn lines_are_those_of_the_simulators() {
@@ -49,7 +50,10 @@ mod tests {
         };
         let all = [access(7, 0x40, true), access(2, 0x1c0, false)];
         assert_eq!(ramulator2(&all), "LD 0x1c0\nST 0x40\n");
-        let part = DramPart::named("ddr3-1600-x16").unwrap();
+        let part = PARTS
+            .iter()
+            .find(|part| part.name == "ddr3-1600-x16")
+            .unwrap();
         assert_eq!(dramsim3(&all, part, 200), "0x1c0 READ 8\n0x40 WRITE 28\n");
     }
 }

@@ -4,7 +4,6 @@ use super::shell::{Shell, holds};
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::metrics::compare;
-use splatline_sim::reference::texture::texture_function;
 use splatline_sim::scene::points::height_field::HeightField;
 use splatline_sim::surface::Style;
 use splatline_sim::texture::Texture;
@@ -49,6 +48,40 @@ fn pattern(random: &mut Random) -> Texture {
         let grain = noise[v as usize * 36 + u as usize];
         [step, 1.0 - step, 0.9 * step + 0.1 * grain]
     })
+}
+
+/// The continuous texture function of \[SURF\] eq. 2, summed in the plainest way: what a surface splatted with given
+/// coefficients looks like on its own texture, without screen, low-pass filter and depth. It is the function that the
+/// optimised coefficients fit, and the limit of a drawing under ever greater magnification (\[HYBRID\] 3).
+///
+/// f(u) = sum_k w_k g_k(u) / sum_k g_k(u) with g_k = exp(-r_k / 2) inside `cutoff`; none where no function reaches.
+fn texture_function(
+    points: &[SamplePoint],
+    colours: &[[f64; 3]],
+    cutoff: f64,
+    place: [f64; 2],
+) -> Option<[f64; 3]> {
+    let (mut sum, mut colour) = (0.0, [0.0; 3]);
+    for (point, coefficient) in points.iter().zip(colours) {
+        let index = radial_index(point, place);
+        if index < cutoff {
+            let height = (-0.5 * index).exp();
+            sum += height;
+            for (total, channel) in colour.iter_mut().zip(coefficient) {
+                *total += height * channel;
+            }
+        }
+    }
+    (sum > 0.0).then(|| colour.map(|total| total / sum))
+}
+
+/// Squared length of the place in the point's own axes: the two axes' coordinates by Cramer's rule.
+fn radial_index(point: &SamplePoint, place: [f64; 2]) -> f64 {
+    let [a, b] = point.axes;
+    let [x, y] = [place[0] - point.place[0], place[1] - point.place[1]];
+    let area = a[0] * b[1] - a[1] * b[0];
+    let along = [(x * b[1] - y * b[0]) / area, (a[0] * y - a[1] * x) / area];
+    along[0] * along[0] + along[1] * along[1]
 }
 
 /// Sum over the texels of the squared difference of function and texture.

@@ -12,7 +12,7 @@ use splatline_sim::machine::energy::{Energy, EnergyTable, estimate};
 use splatline_sim::machine::lanes::{LaneShape, LaneWork};
 use splatline_sim::machine::memory::parts::PARTS;
 use splatline_sim::machine::others;
-use splatline_sim::machine::workload::{Workload, extract_if_room};
+use splatline_sim::machine::workload::{Workload, extract};
 use splatline_sim::machine::{Config, Timing, simulate, simulate_alone};
 use splatline_sim::report::chart::alone;
 use splatline_sim::report::machine::{plots, watch};
@@ -305,7 +305,7 @@ fn workload(
         ..view.options(design)
     };
     let tile = [config.tile_width, config.tile_height];
-    Ok(extract_if_room(&view.scene, &view.camera, &options, tile)?)
+    Ok(extract(&view.scene, &view.camera, &options, tile)?)
 }
 
 fn percent(part: u64, whole: u64) -> String {

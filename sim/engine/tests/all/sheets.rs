@@ -47,7 +47,11 @@ fn all_agree(what: &str, draw: impl Fn(&Options, PaintEngine) -> Picture) {
 #[test]
 fn sheets_by_vectors_are_the_kernels() {
     let (scene, camera) = scene();
-    for kind in SheetKind::ALL {
+    for kind in [
+        SheetKind::AxisAligned,
+        SheetKind::ImageAligned,
+        SheetKind::ImageAlignedCut,
+    ] {
         let plan = SheetPlan::new(kind, 0.5, &scene, &camera);
         all_agree(&format!("{kind:?}"), |options, engine| {
             fixed::sheets::draw(&scene, &camera, options, engine, &plan)

@@ -3,15 +3,17 @@
 use splatline_engine::camera::Camera;
 use splatline_engine::design::DesignChoice;
 use splatline_engine::fixed::{HybridDrawing, Options, draw_hybrid};
-use splatline_engine::hybrid::{Points, spacing};
+use splatline_engine::hybrid::{Hybrid, Points, spacing};
 use splatline_engine::metrics::compare;
 use splatline_engine::picture::Picture;
+use splatline_engine::rules::{Antialias, Rules};
 use splatline_engine::scene::Scene;
 use splatline_engine::scene::points::synthetic::{Paint, scene, sphere};
 use splatline_engine::surface::Style;
 use splatline_engine::texture::Texture;
-use splatline_engine::texture::warp::{DepthImage, hybrid, rules, textured_plane};
-use splatline_reference::engines::{self as reference, warp::reproject};
+use splatline_engine::texture::warp::{DEPTH_RANGE, DepthImage, textured_plane};
+use splatline_engine::vector::{Vector, dot};
+use splatline_reference::engines as reference;
 
 fn camera(eye: [f64; 3], size: usize) -> Camera {
     Camera::look_at(eye, [0.0; 3], [0.0, 0.0, 1.0], 40.0, size, size).unwrap()
@@ -23,6 +25,48 @@ fn ball(camera: &Camera) -> (DepthImage, Picture) {
     let ball = scene("ball", points);
     let drawing = reference::surface::draw(&ball, camera, &Style::opaque(3.0 * ball.radius));
     (DepthImage::of_drawing(&drawing, camera), drawing.picture)
+}
+
+/// The rules by which samples are drawn: peak opacities, distance scaling by the samples' spacing.
+fn rules(samples: &Scene) -> Rules {
+    samples
+        .natural_rules
+        .with_antialias(Antialias::Swan(spacing(samples)))
+}
+
+/// The choice of points and splats for samples of a surface.
+fn hybrid(samples: &Scene, points: Points) -> Hybrid {
+    Hybrid {
+        points,
+        depth_range: Some(DEPTH_RANGE * spacing(samples)),
+        phase_bits: None,
+    }
+}
+
+/// The warping equation between two cameras, written out (McMillan 1997; \[HYBRID\] 3), where the samples go through
+/// space and the ordinary projection: screen position and depth in `to` of the place that `from` sees at `place` and `depth`.
+///
+/// With R = W' W^T the relative rotation and c = d' - R d the relative translation: t' = R t + c.
+fn reproject(from: &Camera, place: [f64; 2], depth: f64, to: &Camera) -> ([f64; 2], f64) {
+    let relative: [Vector; 3] = to
+        .rotation
+        .map(|row| from.rotation.map(|other| dot(row, other)));
+    let [x, y] = [
+        (place[0] - from.cx) / from.fx,
+        (place[1] - from.cy) / from.fy,
+    ];
+    let seen = if from.orthographic {
+        [x, y, depth]
+    } else {
+        [x * depth, y * depth, depth]
+    };
+    let turned = |axis: usize| {
+        let offset = to.translation[axis] - dot(relative[axis], from.translation);
+        dot(relative[axis], seen) + offset
+    };
+    let [x, y, z] = [0, 1, 2].map(turned);
+    let scale = if to.orthographic { 1.0 } else { z };
+    ([to.fx * x / scale + to.cx, to.fy * y / scale + to.cy], z)
 }
 
 fn draw(samples: &Scene, camera: &Camera, points: Points) -> (HybridDrawing, Picture) {

@@ -8,11 +8,13 @@ use super::Fabric;
 use super::circuit::Bits;
 use super::synthesis::{Synthesised, SynthesisedPart, synthesised};
 use crate::primitive::SETUP_INTERVAL;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
+use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 /// A family of devices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Family {
     /// Xilinx 7 series: LUT6, signed 25 x 18 multipliers (UG479), 18 kbit memories (UG473).
@@ -111,14 +113,7 @@ pub struct ClockFactor {
     pub source: String,
 }
 
-#[derive(Deserialize)]
-struct SynthesisSheets {
-    xilinx7: SynthesisSheet,
-    ecp5: SynthesisSheet,
-    ice40: SynthesisSheet,
-}
-
-static SHEETS: LazyLock<SynthesisSheets> =
+static SHEETS: LazyLock<BTreeMap<Family, SynthesisSheet>> =
     LazyLock::new(|| toml::from_str(include_str!("families.toml")).expect("a sheet a family"));
 
 impl Family {
@@ -140,17 +135,15 @@ impl Family {
         value.try_into().ok()
     }
 
-    /// The family of that name.
-    pub fn named(name: &str) -> Option<Family> {
-        Family::ALL.into_iter().find(|family| family.name() == name)
+    /// The family of a name, of tables that have it so.
+    pub(super) fn by_name<'de, D: Deserializer<'de>>(from: D) -> Result<Family, D::Error> {
+        let name = String::deserialize(from)?;
+        let named = Family::ALL.into_iter().find(|family| family.name() == name);
+        named.ok_or_else(|| D::Error::custom("no family has this name"))
     }
 
     fn sheet(self) -> &'static SynthesisSheet {
-        match self {
-            Family::Xilinx7 => &SHEETS.xilinx7,
-            Family::Ecp5 => &SHEETS.ecp5,
-            Family::Ice40 => &SHEETS.ice40,
-        }
+        &SHEETS[&self]
     }
 
     /// What its clock is beside the ECP5's.

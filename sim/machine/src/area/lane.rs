@@ -8,19 +8,34 @@
 use super::circuit::Bits;
 use super::{Area, Calibration, CountedMachine, Fabric, Family, lines_of};
 use crate::config::Config;
+use serde::Deserialize;
 use splatline::format::{Traversal, Widths};
+use std::sync::LazyLock;
 
-const CSV: &str = include_str!("lane_units.csv");
+static UNITS: LazyLock<Vec<LaneLine>> = LazyLock::new(|| {
+    lines_of(include_str!("lane_units.csv")).expect("lane_units.csv is a table of units")
+});
+
+/// A unit of a format for a family.
+#[derive(Deserialize)]
+struct LaneLine {
+    unit: String,
+    format: String,
+    family: Family,
+    #[serde(flatten)]
+    units: LaneUnits,
+}
 
 /// Sums and products of a pixel: its radial index from the neighbour's, its opacity, its share with three colours and what is left of the light.
 pub(crate) const OPERATIONS: [[u64; 2]; 3] = [[3, 2], [0, 1], [4, 5]];
 
 /// A lane's arithmetic.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 pub struct LaneUnits {
     /// Transistors.
     pub transistors: u64,
     /// Cells of a family of FPGAs.
+    #[serde(flatten)]
     pub fabric: Fabric,
 }
 
@@ -35,17 +50,9 @@ pub struct FloatLane {
 
 /// A unit of the table, if it is there.
 fn unit(name: &str, format: &str, family: Family) -> Option<LaneUnits> {
-    let line = |columns: &[&str], fabric| {
-        let [unit, of, transistors, cells]: [&str; 4] = columns.try_into().ok()?;
-        let transistors = transistors.parse().ok()?;
-        let matches = unit == name && of == format && Family::by_key(cells)? == family;
-        Some(matches.then_some(LaneUnits {
-            transistors,
-            fabric,
-        }))
-    };
-    let lines = lines_of(CSV, "unit,format,transistors,family", line)?;
-    lines.into_iter().flatten().next()
+    let mut lines = UNITS.iter().filter(|line| line.family == family);
+    let found = lines.find(|line| line.unit == name && line.format == format);
+    found.map(|line| line.units)
 }
 
 /// A float's sum and product, by their names in the table; nothing for a format that it does not have.

@@ -20,7 +20,8 @@ pub use calibration::{Calibration, ClockFactor, Family, Lines, LutMemory, PriceL
 use super::config::{Config, LaneLayout, Overlap, Termination};
 use super::primitive::{QUEUE, SETUP_INTERVAL};
 use circuit::{Bits, GeometryCircuit, Operators};
-use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use splatline::footprint::packet;
 use splatline::format::{Traversal, Widths};
 use std::fmt;
@@ -28,7 +29,7 @@ use std::ops::{Add, Mul};
 use surface::SurfaceBits;
 
 /// What a circuit takes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fabric {
     /// Look-up tables, those used as memory and shift registers included.
     pub luts: u64,
@@ -296,35 +297,14 @@ impl Fabric {
 /// Headings of [`Fabric::cells`].
 const RESOURCES: &str = "luts,flip_flops,dsps,memory_kbit";
 
-/// The lines of a table of counts, whose columns before the counts have this heading; nothing if one of them is none.
-fn lines_of<T>(
-    text: &str,
-    heading: &str,
-    line: impl Fn(&[&str], Fabric) -> Option<T>,
-) -> Option<Vec<T>> {
-    let (first, rest) = text.split_once('\n')?;
-    let is_heading = first.strip_prefix(heading) == Some(&format!(",{RESOURCES}"));
-    let lines = rest.lines().filter(|_| is_heading);
-    let read = |text: &str| {
-        let cells: Vec<&str> = text.split(',').collect();
-        let (columns, counts) = cells.split_at_checked(heading.split(',').count())?;
-        line(columns, Fabric::from_cells(counts)?)
-    };
-    is_heading.then(|| lines.map(read).collect())?
+/// The lines of a table whose heading names the fields of a line.
+pub(crate) fn lines_of<Line: DeserializeOwned>(text: &str) -> csv::Result<Vec<Line>> {
+    csv::Reader::from_reader(text.as_bytes())
+        .into_deserialize()
+        .collect()
 }
 
 impl Fabric {
-    fn from_cells(cells: &[&str]) -> Option<Fabric> {
-        let counts: Result<Vec<u64>, _> = cells.iter().map(|cell| cell.parse()).collect();
-        let [luts, flip_flops, dsps, memory_kbit] = counts.ok()?.try_into().ok()?;
-        Some(Fabric {
-            luts,
-            flip_flops,
-            dsps,
-            memory_kbit,
-        })
-    }
-
     fn cells(&self) -> String {
         let counts = self.resources().map(|(_, count)| count.to_string());
         counts.join(",")

@@ -8,6 +8,7 @@ use super::surface::ESTIMATED;
 use super::{Fabric, RESOURCES, lines_of, raster_unit, units};
 use crate::config::Config;
 use crate::design::DesignChoice;
+use serde::Deserialize;
 use splatline::format::{Lean18, Rounding, Standard24, Traversal, Widths};
 use std::fmt::Write;
 
@@ -93,22 +94,35 @@ pub fn synthesised() -> Vec<Synthesised> {
 
 /// The lines of a table; nothing if one of them is none.
 pub fn parse(text: &str) -> Option<Vec<Synthesised>> {
-    lines_of(text, HEADING, |columns, fabric| {
-        let [design, widths, family, part]: [&str; 4] = columns.try_into().ok()?;
-        let numbers: Result<Vec<u8>, _> = widths.split(' ').map(str::parse).collect();
-        let part = match part.split_once(' ') {
+    let synthesised = |line: SynthesisLine| {
+        let numbers: Result<Vec<u8>, _> = line.widths.split(' ').map(str::parse).collect();
+        let part = match line.part.split_once(' ') {
             Some(("setup", interval)) => SynthesisedPart::Setup(interval.parse().ok()?),
-            _ if part == "rows" => SynthesisedPart::Rows,
-            _ => SynthesisedPart::Lanes(part.parse().ok()?),
+            _ if line.part == "rows" => SynthesisedPart::Rows,
+            _ => SynthesisedPart::Lanes(line.part.parse().ok()?),
         };
         Some(Synthesised {
-            design: design.to_owned(),
-            widths: widths_of(design, numbers.ok()?.try_into().ok()?),
-            family: Family::named(family)?,
+            widths: widths_of(&line.design, numbers.ok()?.try_into().ok()?),
+            design: line.design,
+            family: line.family,
             part,
-            fabric,
+            fabric: line.fabric,
         })
-    })
+    };
+    let lines = lines_of(text).ok()?;
+    lines.into_iter().map(synthesised).collect()
+}
+
+/// A line of the table.
+#[derive(Deserialize)]
+struct SynthesisLine {
+    design: String,
+    widths: String,
+    #[serde(deserialize_with = "Family::by_name")]
+    family: Family,
+    part: String,
+    #[serde(flatten)]
+    fabric: Fabric,
 }
 
 /// The circuit begins at the packet: how positions became footprints is nothing to it. It rounds as the design of this name does.
@@ -260,7 +274,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(parse("design,widths\n"), None);
+        assert_eq!(parse("design,widths\nlean18,30\n"), None);
     }
 
     #[test]

@@ -6,9 +6,21 @@
 
 use super::{Calibration, Fabric, Family, lines_of};
 use crate::config::{Config, Sorter};
+use serde::Deserialize;
+use std::sync::LazyLock;
 
 /// The counts, flattened, as Yosys gives them.
-const CSV: &str = include_str!("units.csv");
+static UNITS: LazyLock<Vec<UnitLine>> =
+    LazyLock::new(|| lines_of(include_str!("units.csv")).expect("units.csv is a table of units"));
+
+/// A unit for a family.
+#[derive(Deserialize)]
+struct UnitLine {
+    unit: String,
+    family: Family,
+    #[serde(flatten)]
+    fabric: Fabric,
+}
 
 /// Those that ask at one arbiter.
 const ASKERS: u64 = 3;
@@ -21,13 +33,11 @@ const KEY_BITS: u64 = 48;
 /// # Panics
 /// If the table has no such line; a test reads all of them.
 fn unit(name: &str, family: Family) -> Fabric {
-    let line = |columns: &[&str], fabric| {
-        let [unit, of]: [&str; 2] = columns.try_into().ok()?;
-        Some((unit == name && Family::by_key(of)? == family).then_some(fabric))
-    };
-    let lines = lines_of(CSV, "unit,family", line).expect("units.csv is a table of units");
-    let found = lines.into_iter().flatten().next();
-    found.expect("units.csv has every unit for every family")
+    let mut lines = UNITS.iter();
+    let found = lines.find(|line| (line.unit.as_str(), line.family) == (name, family));
+    found
+        .expect("units.csv has every unit for every family")
+        .fabric
 }
 
 /// All of a machine's.

@@ -23,16 +23,12 @@ type Conflict = (&'static str, String);
 impl Config {
     /// Conditions between settings: the key at fault, its value and what is allowed.
     pub fn check_together(&self) -> Result<(), (&'static str, String, String)> {
-        let Some((key, allowed)) = self.conflict() else {
+        let lacks = self.model_lacks().or_else(|| self.primitive_lacks());
+        let Some((key, allowed)) = lacks.or_else(|| self.too_large()) else {
             return Ok(());
         };
         let value = setting(key).map(|setting| setting.value(self).to_string());
         Err((key, value.unwrap_or_default(), allowed))
-    }
-
-    fn conflict(&self) -> Option<Conflict> {
-        let lacks = self.model_lacks().or_else(|| self.primitive_lacks());
-        lacks.or_else(|| self.too_large())
     }
 
     /// What the model does not have.

@@ -255,7 +255,7 @@ mod tests {
                     setting.section, setting.key
                 );
                 let printed = from_toml("m.toml", &text).unwrap_err().to_string();
-                let place = format!("m.toml:4: {} = ", setting.path());
+                let place = format!("m.toml:4: {}.{} = ", setting.section, setting.key);
                 assert!(printed.starts_with(&place), "{printed}");
                 assert!(printed.ends_with(&setting.allowed()), "{printed}");
                 let mut config = Config::default();

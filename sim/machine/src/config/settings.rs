@@ -57,11 +57,6 @@ pub fn setting(name: &str) -> Option<&'static Setting> {
 }
 
 impl Setting {
-    /// `section.key`.
-    pub fn path(&self) -> String {
-        format!("{}.{}", self.section, self.key)
-    }
-
     /// What it means.
     pub fn meaning(&self) -> String {
         format!("{} {}", self.unit, self.about)
@@ -104,11 +99,6 @@ impl Setting {
     /// What a machine has.
     pub fn value(&self, config: &Config) -> Value {
         config.values()[&self.key].clone()
-    }
-
-    /// The same as CSV and messages show it.
-    pub fn show(&self, config: &Config) -> String {
-        shown(&self.value(config))
     }
 }
 

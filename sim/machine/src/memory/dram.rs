@@ -14,6 +14,8 @@
 //! Left out: conflicts on the command bus, groups of banks, reordering, power-down, reading levels.
 
 use super::parts::DramPart;
+#[cfg(test)]
+use super::tests::{DramCommand, Issued};
 
 /// What a channel did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -70,27 +72,6 @@ pub struct Dram {
     pub(super) log: Option<Vec<Issued>>,
 }
 
-/// A command to the part.
-#[cfg(test)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum DramCommand {
-    Activate,
-    Precharge,
-    Read,
-    Write,
-    Refresh,
-}
-
-/// A command and when it was issued.
-#[cfg(test)]
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Issued {
-    pub at: u64,
-    pub command: DramCommand,
-    pub bank: u64,
-    pub row: u64,
-}
-
 impl Dram {
     /// A channel with all rows closed.
     pub fn new(part: &'static DramPart) -> Dram {
@@ -126,16 +107,7 @@ impl Dram {
         bank.precharge = bank.precharge.max(closing);
         self.note(command, write);
         #[cfg(test)]
-        self.issue(
-            command,
-            if write {
-                DramCommand::Write
-            } else {
-                DramCommand::Read
-            },
-            number,
-            row,
-        );
+        self.issue(command, DramCommand::moving(write), number, row);
         Transfer { start, end }
     }
 
@@ -145,18 +117,6 @@ impl Dram {
         self.last.map_or(0, |(command, write)| {
             command + latency(write) + self.part.burst_clocks()
         })
-    }
-
-    #[cfg(test)]
-    fn issue(&mut self, at: u64, command: DramCommand, bank: u64, row: u64) {
-        if let Some(log) = &mut self.log {
-            log.push(Issued {
-                at,
-                command,
-                bank,
-                row,
-            });
-        }
     }
 
     /// Opens a row; gives the first clock of a command to it.

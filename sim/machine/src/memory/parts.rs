@@ -65,11 +65,6 @@ pub static PARTS: LazyLock<Vec<DramPart>> = LazyLock::new(|| {
 });
 
 impl DramPart {
-    /// The part of that name.
-    pub fn named(name: &str) -> Option<&'static DramPart> {
-        PARTS.iter().find(|part| part.name == name)
-    }
-
     /// Bytes of a burst.
     pub fn burst_bytes(&self) -> u64 {
         self.bus_bytes * self.burst

@@ -1,5 +1,5 @@
 use super::ListWords;
-use super::dram::{Dram, DramCommand, Issued};
+use super::dram::Dram;
 use super::parts::{DramPart, PARTS};
 use super::port::{Port, Stream};
 use crate::config::{Config, Sorter};
@@ -9,8 +9,50 @@ use crate::timing::{accesses, simulate_alone};
 use crate::workload::{SplatWork, Workload};
 use proptest::prelude::*;
 
+/// A command to the part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum DramCommand {
+    Activate,
+    Precharge,
+    Read,
+    Write,
+    Refresh,
+}
+
+/// A command and when it was issued.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Issued {
+    pub at: u64,
+    pub command: DramCommand,
+    pub bank: u64,
+    pub row: u64,
+}
+
+impl DramCommand {
+    /// What moves a burst.
+    pub(super) fn moving(write: bool) -> DramCommand {
+        match write {
+            true => DramCommand::Write,
+            false => DramCommand::Read,
+        }
+    }
+}
+
+impl Dram {
+    pub(super) fn issue(&mut self, at: u64, command: DramCommand, bank: u64, row: u64) {
+        if let Some(log) = &mut self.log {
+            log.push(Issued {
+                at,
+                command,
+                bank,
+                row,
+            });
+        }
+    }
+}
+
 fn part(name: &str) -> &'static DramPart {
-    DramPart::named(name).unwrap()
+    PARTS.iter().find(|part| part.name == name).unwrap()
 }
 
 /// Nanoseconds of a part's clocks.

@@ -22,7 +22,7 @@ use super::config::{Config, LaneLayout};
 use super::energy::actions::{UnitActions, of};
 use super::energy::{Energy, EnergyTable, sum};
 use super::timing::{Timing, simulate_alone};
-use super::workload::{Workload, extract_if_room};
+use super::workload::{Workload, extract};
 use crate::camera::Camera;
 use crate::design::DesignChoice;
 use crate::fixed::Options;
@@ -210,7 +210,7 @@ pub fn run_all(
         };
         let config = (preset.config)();
         let tile = [config.tile_width, config.tile_height];
-        let workload = extract_if_room(scene, camera, &own, tile)?;
+        let workload = extract(scene, camera, &own, tile)?;
         Ok(outcome(preset, &workload, widths, traversal, table))
     };
     PRESETS.iter().map(run).collect()

@@ -60,7 +60,7 @@ fn machine(words: &str) -> Config {
 fn work(scene: &Scene, design: &DesignChoice, config: &Config) -> Workload {
     let options = Options::front_to_back(&scene.natural_rules, design);
     let tile = [config.tile_width, config.tile_height];
-    extract(scene, &synthetic::camera(150, 110), &options, tile)
+    extract(scene, &synthetic::camera(150, 110), &options, tile).unwrap()
 }
 
 /// A checksum of everything in a result, its last digits included.

@@ -220,7 +220,7 @@ fn clocked(packets: &[NaivePacket], lanes: usize, queue: usize, interval: u64) -
 }
 
 fn recurrence(packets: &[NaivePacket], lanes: usize, queue: usize, interval: u64) -> Handshakes {
-    let mut clock = PrimitiveClock::with_interval(lanes, queue as u32, interval as u32, 0);
+    let mut clock = PrimitiveClock::new(lanes, queue as u32, interval as u32, 0);
     let mut seen = Handshakes {
         popped: vec![Vec::new(); lanes],
         ..Handshakes::default()

@@ -25,14 +25,8 @@ use splatline::setup::Cull;
 use splatline::target::Target;
 use splatline_engine::fast::order::Grid;
 
-/// The work of drawing `scene` in tiles of `tile` columns (at most 64) and rows.
-pub fn extract(scene: &Scene, camera: &Camera, options: &Options, tile: [u16; 2]) -> Workload {
-    let footprints = fixed::footprints(scene, camera, options);
-    extract_from(&footprints, camera, options, tile)
-}
-
-/// The same, unless it does not fit into memory.
-pub fn extract_if_room(
+/// The work of drawing `scene` in tiles of `tile` columns (at most 64) and rows, unless it does not fit into memory.
+pub fn extract(
     scene: &Scene,
     camera: &Camera,
     options: &Options,
@@ -343,7 +337,7 @@ mod tests {
                 design: &design,
                 traversal,
             };
-            let workload = extract(&scene, &camera, &options, [16, 8]);
+            let workload = extract(&scene, &camera, &options, [16, 8]).unwrap();
             // Back to front no pixel finishes, so the painter's sums are those of a drawing without termination.
             let all = Options {
                 compositing: Compositing::BackToFront,
@@ -356,7 +350,7 @@ mod tests {
                 (drawn.visited, drawn.covered),
                 "{name}"
             );
-            let totals = extract(&scene, &camera, &all, [64, 16]).totals();
+            let totals = extract(&scene, &camera, &all, [64, 16]).unwrap().totals();
             assert_eq!(
                 (totals.visited, totals.covered, totals.live),
                 (drawn.visited, drawn.covered, drawn.covered)
@@ -379,7 +373,8 @@ mod tests {
             first.picture,
             fixed::draw(&scene, &camera, &options).picture
         );
-        assert_eq!(first.workload, extract(&scene, &camera, &options, [16, 16]));
+        let anew = extract(&scene, &camera, &options, [16, 16]).unwrap();
+        assert_eq!(first.workload, anew);
         let still = draw(&camera, Some(&first.workload));
         let changes = still.workload.order_changes.unwrap();
         assert_eq!((changes.came, changes.left, changes.inversions), (0, 0, 0));
@@ -419,7 +414,7 @@ mod tests {
         let design = DesignChoice::named("standard24").unwrap();
         let options = spans(&design);
         let [small, large] =
-            [[8, 8], [64, 64]].map(|tile| extract(&scene, &camera, &options, tile));
+            [[8, 8], [64, 64]].map(|tile| extract(&scene, &camera, &options, tile).unwrap());
         assert_eq!(small.totals().live, large.totals().live);
         assert!(
             small.totals().live < small.totals().covered,

@@ -10,7 +10,7 @@ mod room;
 mod surface;
 mod table;
 
-pub use extract::{InOrder, extract, extract_from, extract_if_room, extract_in_order};
+pub use extract::{InOrder, extract, extract_from, extract_in_order};
 pub use order_changes::OrderChanges;
 pub use room::room_for;
 pub use surface::{SurfaceCounts, SurfaceWork, extract_surface, layers_of};

@@ -7,6 +7,7 @@
 
 use super::{Bins, Workload};
 use rayon::prelude::*;
+use std::collections::HashSet;
 
 /// Entries of all lists that changed from the picture before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -39,13 +40,8 @@ impl Before<'_> {
 
     /// Puts lists, which are in the order of `rank`, into the order in which such a machine would have them.
     pub fn keep_order(&self, bins: &mut Bins, rank: &[u32]) {
-        let marks = || vec![0u32; rank.len()];
-        bins.lists
-            .par_iter_mut()
-            .enumerate()
-            .for_each_init(marks, |marks, (tile, list)| {
-                *list = merged(&self.list(tile), list, rank, marks, tile as u32 + 1);
-            });
+        let lists = bins.lists.par_iter_mut().enumerate();
+        lists.for_each(|(tile, list)| *list = merged(&self.list(tile), list, rank));
     }
 
     /// What changed, of a picture in the order of its lists.
@@ -55,19 +51,13 @@ impl Before<'_> {
             exact: self.exact,
         };
         let one = |tile: usize| {
-            let [mut old, mut list] = [self.list(tile), new.list(tile)];
-            let order: Vec<u32> = list.iter().map(|splat| rank[*splat as usize]).collect();
-            old.sort_unstable();
-            list.sort_unstable();
-            let lacks = |from: &[u32], of: &[u32]| {
-                let missing = of.iter().filter(|splat| from.binary_search(splat).is_err());
-                missing.count() as u64
-            };
+            let [old, list] = [self.list(tile), new.list(tile)];
+            let [was, is] = [&old[..], &list].map(set);
             let length = list.len() as u64;
             OrderChanges {
-                came: lacks(&old, &list),
-                left: lacks(&list, &old),
-                inversions: inversions(order),
+                came: is.difference(&was).count() as u64,
+                left: was.difference(&is).count() as u64,
+                inversions: inversions(list.iter().map(|splat| rank[*splat as usize]).collect()),
                 pairs: length * length.saturating_sub(1) / 2,
             }
         };
@@ -81,25 +71,17 @@ impl Before<'_> {
     }
 }
 
-/// What stayed in the order of `before`, and among it what came. `now` is in the order of `rank`; `marks` are below `stamp` twice over.
-fn merged(before: &[u32], now: &[u32], rank: &[u32], marks: &mut [u32], stamp: u32) -> Vec<u32> {
-    let (here, stays) = (2 * stamp, 2 * stamp + 1);
-    for splat in now {
-        marks[*splat as usize] = here;
-    }
-    let mut old = Vec::with_capacity(now.len());
-    for splat in before {
-        if marks[*splat as usize] == here {
-            marks[*splat as usize] = stays;
-            old.push(*splat);
-        }
-    }
-    let came = now.iter().copied();
-    let mut came = came
-        .filter(|splat| marks[*splat as usize] == here)
-        .peekable();
+fn set(list: &[u32]) -> HashSet<u32> {
+    list.iter().copied().collect()
+}
+
+/// What stayed in the order of `before`, and among it what came; `now` is in the order of `rank`.
+fn merged(before: &[u32], now: &[u32], rank: &[u32]) -> Vec<u32> {
+    let [here, known] = [now, before].map(set);
+    let came = now.iter().copied().filter(|splat| !known.contains(splat));
+    let mut came = came.peekable();
     let mut list = Vec::with_capacity(now.len());
-    for splat in old {
+    for splat in before.iter().copied().filter(|splat| here.contains(splat)) {
         let nearer = |other: &u32| rank[*other as usize] < rank[splat as usize];
         while let Some(new) = came.next_if(nearer) {
             list.push(new);
@@ -164,8 +146,7 @@ mod tests {
             let before = &before[..old];
             let mut now: Vec<u32> = (0..30).filter(|splat| here[*splat as usize]).collect();
             now.sort_by_key(|splat| rank[*splat as usize]);
-            let mut marks = vec![0; 30];
-            let list = merged(before, &now, &rank, &mut marks, 1);
+            let list = merged(before, &now, &rank);
             let mut sorted = list.clone();
             sorted.sort_by_key(|splat| rank[*splat as usize]);
             prop_assert_eq!(&sorted, &now);

@@ -62,17 +62,12 @@ pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, Refuse
     let mut lines = text.lines();
     let heading = lines.next().unwrap_or("").split(',');
     let heading: Vec<&str> = heading.map(str::trim).collect();
-    let place = |name: &str| heading.iter().position(|column| *column == name);
-    let mut places = [0; COLUMNS.len()];
-    for (slot, name) in places.iter_mut().zip(COLUMNS) {
-        *slot = place(name).ok_or_else(|| {
-            let expected = COLUMNS.join(",");
-            Refused(format!(
-                "line 1: no column '{name}': expected at least {expected}"
-            ))
-        })?;
+    if let Some(name) = COLUMNS.iter().find(|name| !heading.contains(name)) {
+        let expected = COLUMNS.join(",");
+        return Err(Refused(format!(
+            "line 1: no column '{name}': expected at least {expected}"
+        )));
     }
-    let optional = [place("cutoff"), place("tiles"), place("opacity")];
     let mut entries = Vec::new();
     let mut splats = 0;
     let mut work = Work::default();
@@ -80,9 +75,8 @@ pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, Refuse
         let fields: Vec<&str> = text.split(',').map(str::trim).collect();
         let reader = TableReader {
             line,
+            heading: &heading,
             fields: &fields,
-            places: &places,
-            optional,
         };
         if let Some(entry) = reader.entry(splats, options)? {
             work.add(&entry.bounds, options, line)?;
@@ -121,16 +115,19 @@ impl Work {
     }
 }
 
+/// A line of the table.
 struct TableReader<'a> {
     line: usize,
+    heading: &'a [&'a str],
     fields: &'a [&'a str],
-    places: &'a [usize; COLUMNS.len()],
-    optional: [Option<usize>; 3],
 }
 
 impl TableReader<'_> {
-    fn text(&self, place: usize) -> &str {
-        self.fields.get(place).copied().unwrap_or("")
+    /// What stands in a column; nothing where the table or the line has none.
+    fn text(&self, column: &str) -> &str {
+        let place = self.heading.iter().position(|name| *name == column);
+        let field = place.and_then(|place| self.fields.get(place));
+        field.copied().unwrap_or("")
     }
 
     fn wrong(&self, column: &str, value: &str, expected: &str) -> Refused {
@@ -138,29 +135,28 @@ impl TableReader<'_> {
         Refused(format!("line {line}: {column} = '{value}': {expected}"))
     }
 
-    fn number(&self, column: usize) -> Result<f64, Refused> {
-        let text = self.text(self.places[column]);
+    fn number(&self, column: &str) -> Result<f64, Refused> {
+        let text = self.text(column);
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(self.wrong(COLUMNS[column], text, "expected a finite number")),
+            _ => Err(self.wrong(column, text, "expected a finite number")),
         }
     }
 
-    fn pixel(&self, column: usize) -> Result<u16, Refused> {
-        let text = self.text(self.places[column]);
+    fn pixel(&self, column: &str) -> Result<u16, Refused> {
+        let text = self.text(column);
         let expected = "expected a whole number of pixels from 0 to 32768";
         let pixel = text.parse().ok().filter(|pixel| *pixel <= 32_768);
-        pixel.ok_or_else(|| self.wrong(COLUMNS[column], text, expected))
+        pixel.ok_or_else(|| self.wrong(column, text, expected))
     }
 
     /// A number for which `holds`, from a column that may lack or be empty.
     fn optional(
         &self,
         [column, expected]: [&str; 2],
-        place: Option<usize>,
         holds: fn(f64) -> bool,
     ) -> Result<Option<f64>, Refused> {
-        let text = place.map_or("", |place| self.text(place));
+        let text = self.text(column);
         match text.parse::<f64>() {
             _ if text.is_empty() => Ok(None),
             Ok(value) if value.is_finite() && holds(value) => Ok(Some(value)),
@@ -169,12 +165,12 @@ impl TableReader<'_> {
     }
 
     fn entry(&self, splat: u32, options: &TableOptions) -> Result<Option<WorkTableEntry>, Refused> {
-        if self.places.iter().all(|place| self.text(*place).is_empty()) {
+        if COLUMNS.iter().all(|column| self.text(column).is_empty()) {
             return Ok(None);
         }
         let mut bounds = Window {
-            first: [self.pixel(6)?, self.pixel(7)?],
-            end: [self.pixel(8)?, self.pixel(9)?],
+            first: [self.pixel("x0")?, self.pixel("y0")?],
+            end: [self.pixel("x1")?, self.pixel("y1")?],
         };
         for (end, limit) in bounds.end.iter_mut().zip(options.viewport) {
             if limit > 0 {
@@ -183,8 +179,8 @@ impl TableReader<'_> {
         }
         let entry = WorkTableEntry {
             splat,
-            centre: [self.number(0)?, self.number(1)?],
-            depth: self.number(2)?,
+            centre: [self.number("u")?, self.number("v")?],
+            depth: self.number("depth")?,
             conic: self.conic()?,
             cutoff: self.cutoff(options)?,
             opacity: self.opacity()?,
@@ -196,7 +192,7 @@ impl TableReader<'_> {
 
     fn cutoff(&self, options: &TableOptions) -> Result<f64, Refused> {
         let column = ["cutoff", "expected a finite number above 0, or nothing"];
-        let own = self.optional(column, self.optional[0], |value| value > 0.0)?;
+        let own = self.optional(column, |value| value > 0.0)?;
         // Any guess would give cycles of another picture.
         own.or(options.cutoff).ok_or_else(|| {
             Refused(format!(
@@ -209,27 +205,26 @@ impl TableReader<'_> {
 
     fn opacity(&self) -> Result<Option<f64>, Refused> {
         let expected = "expected a finite number of 0 or more, or nothing";
-        self.optional(["opacity", expected], self.optional[2], |value| {
-            value >= 0.0
-        })
+        self.optional(["opacity", expected], |value| value >= 0.0)
     }
 
     /// The coefficients of an ellipse: with an indefinite form the footprint would grow towards the far corners.
     fn conic(&self) -> Result<[f64; 3], Refused> {
-        let [a, b, c] = [self.number(3)?, self.number(4)?, self.number(5)?];
+        let (a, b) = (self.number("conic_a")?, self.number("conic_b")?);
+        let c = self.number("conic_c")?;
         // A needle's form has almost no determinant, and rounding to the narrowest mantissas (8 bits) may turn its sign.
         let definite = a >= 0.0 && c >= 0.0 && b.abs() <= (a.sqrt() * c.sqrt()) * (1.0 + ROUNDED);
         let expected =
             "expected conic_a >= 0, conic_c >= 0 and conic_b^2 <= conic_a conic_c, an ellipse";
-        let refused = || self.wrong("conic_b", self.text(self.places[4]), expected);
+        let refused = || self.wrong("conic_b", self.text("conic_b"), expected);
         definite.then_some([a, b, c]).ok_or_else(refused)
     }
 
     fn tiles(&self) -> Result<Option<Vec<u32>>, Refused> {
-        let Some(place) = self.optional[1] else {
+        if !self.heading.contains(&"tiles") {
             return Ok(None);
-        };
-        let text = self.text(place);
+        }
+        let text = self.text("tiles");
         let numbers: Result<Vec<u32>, _> = text.split_whitespace().map(str::parse).collect();
         numbers
             .map(Some)

@@ -149,77 +149,51 @@ fn text_image(line: &str, lenses: &Lenses) -> Result<CameraPose> {
     )
 }
 
-/// A cursor over a binary file.
-struct ColmapBytes<'a> {
-    reader: Reader<'a>,
-    file: &'static str,
-}
-
-impl<'a> ColmapBytes<'a> {
-    fn new(bytes: &'a [u8], file: &'static str) -> ColmapBytes<'a> {
-        let reader = Reader::new(bytes);
-        ColmapBytes { reader, file }
-    }
-
-    fn double(&mut self) -> Result<f64> {
-        Ok(f64::from_le_bytes(self.reader.array(self.file)?))
-    }
-
-    fn int(&mut self) -> Result<i64> {
-        Ok(i32::from_le_bytes(self.reader.array(self.file)?).into())
-    }
-
-    fn long(&mut self) -> Result<u64> {
-        Ok(u64::from_le_bytes(self.reader.array(self.file)?))
-    }
-
-    fn finish(&self) -> Result<()> {
-        let fix = "fetch it again";
-        nothing_left(self.reader.remaining(), self.file, "record", fix)
-    }
-}
-
 fn binary_cameras(bytes: &[u8]) -> Result<Lenses> {
-    let mut bytes = ColmapBytes::new(bytes, "cameras.bin");
+    const FILE: &str = "cameras.bin";
+    let mut reader = Reader::new(bytes);
     let mut lenses = Lenses::new();
-    for _ in 0..bytes.long()? {
-        let (id, number) = (bytes.int()?, bytes.int()?);
+    for _ in 0..reader.little::<u64, _>(FILE)? {
+        let (id, number): (i32, i32) = (reader.little(FILE)?, reader.little(FILE)?);
         let known = usize::try_from(number).ok();
-        let known = known.and_then(|number| MODELS.get(number)).with_context(|| {
-            format!(
-                "cameras.bin, camera {id}: the lens model {number} is unknown; undistort to PINHOLE"
-            )
-        })?;
-        let size = [bytes.long()?, bytes.long()?];
-        let parameters: Result<Vec<f64>> = (0..known.1).map(|_| bytes.double()).collect();
+        let known = known
+            .and_then(|number| MODELS.get(number))
+            .with_context(|| {
+                format!(
+                    "{FILE}, camera {id}: the lens model {number} is unknown; undistort to PINHOLE"
+                )
+            })?;
+        let size = [reader.little(FILE)?, reader.little(FILE)?];
+        let parameters: Result<Vec<f64>> = (0..known.1).map(|_| reader.little(FILE)).collect();
         let lens = lens(known, size, &parameters?);
         lenses.insert(
-            id,
-            lens.map_err(|what| anyhow!("cameras.bin, camera {id}: {what}"))?,
+            id.into(),
+            lens.map_err(|what| anyhow!("{FILE}, camera {id}: {what}"))?,
         );
     }
-    bytes.finish()?;
+    nothing_left(reader.remaining(), FILE, "record", "fetch it again")?;
     Ok(lenses)
 }
 
 fn binary_images(bytes: &[u8], lenses: &Lenses) -> Read {
-    let mut bytes = ColmapBytes::new(bytes, "images.bin");
+    const FILE: &str = "images.bin";
+    let mut reader = Reader::new(bytes);
     let mut poses = Vec::new();
-    for _ in 0..bytes.long()? {
-        let id = bytes.int()?;
+    for _ in 0..reader.little::<u64, _>(FILE)? {
+        let id: i32 = reader.little(FILE)?;
         let mut pose = [0.0; 7];
         for value in &mut pose {
-            *value = bytes.double()?;
+            *value = reader.little(FILE)?;
         }
-        let camera = bytes.int()?;
-        let name = String::from_utf8_lossy(bytes.reader.up_to_zero(bytes.file)?);
-        let posed = posed(name.into_owned(), pose, camera, lenses);
-        poses.push(posed.map_err(|what| anyhow!("images.bin, image {id}: {what}"))?);
+        let camera: i32 = reader.little(FILE)?;
+        let name = String::from_utf8_lossy(reader.up_to_zero(FILE)?);
+        let posed = posed(name.into_owned(), pose, camera.into(), lenses);
+        poses.push(posed.map_err(|what| anyhow!("{FILE}, image {id}: {what}"))?);
         // Points of the picture: two doubles and a number each.
-        let points = bytes.long()?;
-        bytes.reader.records(points, 24, bytes.file)?;
+        let points = reader.little(FILE)?;
+        reader.records(points, 24, FILE)?;
     }
-    bytes.finish()?;
+    nothing_left(reader.remaining(), FILE, "record", "fetch it again")?;
     Ok(poses)
 }
 

@@ -173,20 +173,17 @@ fn photograph(
     })
 }
 
-/// From a camera's axes and place in the world to what takes the world to the camera; `axes` are its columns.
+/// From a camera's axes and place in the world to what takes the world to the camera; `axes` are its columns, of
+/// length 1 but for the six digits that files write.
 fn inverted(axes: [Vector; 3], place: Vector) -> ([Vector; 3], Vector) {
+    let axes = axes.map(|axis| {
+        let length = vector::length(axis);
+        if length > 0.0 && (length - 1.0).abs() < 1e-3 {
+            vector::scale(1.0 / length, axis)
+        } else {
+            axis
+        }
+    });
     let translation = vector::scale(-1.0, vector::transform(&axes, place));
     (axes, translation)
-}
-
-/// The same rows at length 1: files write them with six digits.
-fn unit_rows(rows: [Vector; 3]) -> [Vector; 3] {
-    rows.map(|row| {
-        let length = vector::length(row);
-        if length > 0.0 && (length - 1.0).abs() < 1e-3 {
-            vector::scale(1.0 / length, row)
-        } else {
-            row
-        }
-    })
 }

@@ -2,7 +2,7 @@
 //! forward) to the world; the pictures are undistorted and centred.
 
 use super::lens::{Distortion, Lens};
-use super::{CameraPose, Read, inverted, photograph, unit_rows};
+use super::{CameraPose, Read, inverted, photograph};
 use anyhow::{Result, anyhow};
 use serde::Deserialize;
 
@@ -31,8 +31,7 @@ pub(super) fn parse(text: &str) -> Read {
 
 fn pose(entry: &TrainerCamera) -> Result<CameraPose> {
     let column = |k: usize| entry.rotation.map(|row| row[k]);
-    let (rotation, translation) =
-        inverted(unit_rows([column(0), column(1), column(2)]), entry.position);
+    let (rotation, translation) = inverted([column(0), column(1), column(2)], entry.position);
     let lens = Lens {
         size: [entry.width, entry.height],
         focal: [entry.fx, entry.fy],

@@ -5,7 +5,7 @@
 //! there has to be exported with its poses.
 
 use super::lens::{Distortion, Lens};
-use super::{CameraPose, Read, inverted, photograph, unit_rows};
+use super::{CameraPose, Read, inverted, photograph};
 use anyhow::{Result, anyhow, bail, ensure};
 use serde::Deserialize;
 
@@ -122,8 +122,7 @@ fn pose(
     let column = |k: usize| [first[k], second[k], third[k]];
     // Right, up, back in the file; right, down, forward here.
     let flipped = |k: usize| column(k).map(|part| -part);
-    let (rotation, translation) =
-        inverted(unit_rows([column(0), flipped(1), flipped(2)]), column(3));
+    let (rotation, translation) = inverted([column(0), flipped(1), flipped(2)], column(3));
     let at = |value: Option<f64>| value.unwrap_or(0.0);
     let radial = [lens.k1, lens.k2, lens.k3, lens.k4].map(at);
     let tangential = [lens.p1, lens.p2].map(at);

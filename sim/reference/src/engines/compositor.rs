@@ -1,22 +1,19 @@
-//! Order, binning and blending, shared by both engines of the reference.
+//! Order and blending, shared by both engines of the reference.
 //!
 //! Splats are ordered by the place that their engine gave them, ties by index, and blended pixel by pixel (EWA 4.1 "every-sample" compositing;
-//! X-ray: SWAN 3.1). The picture is cut into bands of rows that rayon draws side by side, and each band into
-//! tiles: a tile goes through its splats in order and skips the rest once every pixel is finished. Only speed
-//! depends on the cutting: a pixel meets its splats in the same order as in a loop over all of them.
+//! X-ray: SWAN 3.1). The picture is cut into bands of rows that rayon draws side by side: a band goes through its
+//! splats in order and skips the rest once every pixel is finished. Only speed depends on the cutting: a pixel meets
+//! its splats in the same order as in a loop over all of them.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::{BAND, Counts, Culled, FloatDrawing, PixelBox, in_bands};
+use super::{Counts, Culled, FloatDrawing, PixelBox, in_bands};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::{Scene, Splat};
-
-/// Columns of a tile, which has as many rows as a band.
-const TILE: usize = BAND;
 
 /// Told the rows done and the rows in all, from any thread.
 pub type RowProgress<'a> = &'a (dyn Fn(usize, usize) + Sync);
@@ -84,18 +81,22 @@ pub fn for_each_pixel(
     }
 }
 
-/// Projects every splat of the scene with its weight and colour, in the scene's order.
+/// Projects every splat of the scene with the weight that the rules need and the colour that the camera sees, in the
+/// scene's order.
 pub fn project_all<Footprint: Send>(
     scene: &Scene,
     camera: &Camera,
     rules: &Rules,
-    project: impl Fn(&Splat, f64, [f64; 3]) -> Result<Footprint, Culled> + Sync + Send,
+    project: impl Fn(&Splat) -> Result<Footprint, Culled> + Sync + Send,
 ) -> Vec<Result<Footprint, Culled>> {
     let (weights, colours) = (scene.weights_for(rules), scene.colours(camera));
     let splats = scene.splats.par_iter().zip(weights).zip(colours);
-    splats
-        .map(|((splat, weight), colour)| project(splat, weight, colour))
-        .collect()
+    let seen = splats.map(|((splat, weight), colour)| Splat {
+        weight,
+        colour,
+        ..*splat
+    });
+    seen.map(|splat| project(&splat)).collect()
 }
 
 /// Draws projected splats.
@@ -134,34 +135,33 @@ fn draw_band<S: ScreenSplat>(
     rules: &Rules,
     compositing: Compositing,
 ) -> u64 {
-    let touching = |splats: &[&S], area: PixelBox| -> Vec<usize> {
-        let touches = |&i: &usize| !splats[i].on_screen().bounds.intersection(&area).is_empty();
-        (0..splats.len()).filter(touches).collect()
-    };
-    let of_band = touching(ordered, band);
-    let of_band: Vec<&S> = of_band.into_iter().map(|i| ordered[i]).collect();
-    let width = band.x1;
-    let mut covered = 0;
-    for x0 in (0..width).step_by(TILE) {
-        let mut tile = FloatTile::new(PixelBox {
-            x0,
-            x1: (x0 + TILE).min(width),
-            ..band
-        });
-        for i in touching(&of_band, tile.area) {
-            if tile.unfinished == 0 {
-                break;
-            }
-            covered += tile.add(of_band[i], rules, compositing);
+    let mut gathered = vec![BandPixel::EMPTY; pixels.len()];
+    let (mut covered, mut unfinished) = (0, gathered.len());
+    for splat in ordered {
+        if unfinished == 0 {
+            break;
         }
-        tile.store(&mut pixels[x0..], width, compositing);
+        let colour = splat.on_screen().colour;
+        for_each_pixel(*splat, band, |x, y, centre| {
+            let pixel = &mut gathered[(y - band.y0) * band.x1 + x];
+            if pixel.finished {
+                return;
+            }
+            if let Some(opacity) = opacity(*splat, centre, rules) {
+                covered += u64::from(pixel.add(opacity, colour, rules, compositing));
+                unfinished -= usize::from(pixel.finished);
+            }
+        });
+    }
+    for (target, pixel) in pixels.iter_mut().zip(&gathered) {
+        *target = pixel.output(compositing);
     }
     covered
 }
 
 /// A pixel that is being gathered.
 #[derive(Clone, Copy)]
-struct TilePixel {
+struct BandPixel {
     /// Premultiplied colour so far.
     colour: [f64; 3],
     /// Product of 1 - opacity so far.
@@ -172,8 +172,8 @@ struct TilePixel {
     finished: bool,
 }
 
-impl TilePixel {
-    const EMPTY: TilePixel = TilePixel {
+impl BandPixel {
+    const EMPTY: BandPixel = BandPixel {
         colour: [0.0; 3],
         transmittance: 1.0,
         opacity_sum: 0.0,
@@ -214,53 +214,6 @@ impl TilePixel {
         match compositing {
             Compositing::XRay => [r, g, b, self.opacity_sum].map(|sum| sum.min(1.0)),
             _ => [r, g, b, 1.0 - self.transmittance],
-        }
-    }
-}
-
-/// A rectangle of pixels that are being gathered.
-struct FloatTile {
-    area: PixelBox,
-    /// Row by row, `TILE` to a row.
-    pixels: [TilePixel; TILE * TILE],
-    /// Pixels that still take splats.
-    unfinished: usize,
-}
-
-impl FloatTile {
-    fn new(area: PixelBox) -> FloatTile {
-        let unfinished = (area.x1 - area.x0) * (area.y1 - area.y0);
-        FloatTile {
-            area,
-            pixels: [TilePixel::EMPTY; TILE * TILE],
-            unfinished,
-        }
-    }
-
-    /// Gathers one splat; returns in how many pixels it was blended.
-    fn add(&mut self, splat: &impl ScreenSplat, rules: &Rules, compositing: Compositing) -> u64 {
-        let (area, colour) = (self.area, splat.on_screen().colour);
-        let mut covered = 0;
-        for_each_pixel(splat, area, |x, y, centre| {
-            let pixel = &mut self.pixels[(y - area.y0) * TILE + x - area.x0];
-            if pixel.finished {
-                return;
-            }
-            if let Some(opacity) = opacity(splat, centre, rules) {
-                covered += u64::from(pixel.add(opacity, colour, rules, compositing));
-                self.unfinished -= usize::from(pixel.finished);
-            }
-        });
-        covered
-    }
-
-    /// Writes the tile to rows that start at its first pixel and are `stride` apart.
-    fn store(&self, rows: &mut [[f64; 4]], stride: usize, compositing: Compositing) {
-        let width = self.area.x1 - self.area.x0;
-        for (target, gathered) in rows.chunks_mut(stride).zip(self.pixels.chunks(TILE)) {
-            for (target, pixel) in target.iter_mut().zip(&gathered[..width]) {
-                *target = pixel.output(compositing);
-            }
         }
     }
 }

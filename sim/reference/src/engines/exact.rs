@@ -48,17 +48,15 @@ pub struct ExactFootprint<'a> {
     on_screen: OnScreen,
 }
 
-/// Prepares one splat of the given weight (as the rules need it) and colour.
+/// Prepares one splat, whose weight is as the rules need it.
 pub fn project<'a>(
     splat: &Splat,
-    weight: f64,
-    colour: [f64; 3],
     camera: &'a Camera,
     rules: &Rules,
 ) -> Result<ExactFootprint<'a>, Culled> {
-    let position = visible_position(splat, weight, colour, camera)?;
+    let position = visible_position(splat, camera)?;
     let jacobian = Jacobian::at(camera, [0.0; 2], position[2]);
-    let (axes, weight) = scaled_by_distance(splat, weight, &jacobian, rules);
+    let (axes, weight) = scaled_by_distance(splat, &jacobian, rules);
     let axes = CameraAxes::new(&axes, camera);
     let centre = screen_position(position, camera);
     let mut footprint = ExactFootprint {
@@ -71,7 +69,7 @@ pub fn project<'a>(
         on_screen: OnScreen {
             bounds: PixelBox::whole(camera),
             place: position[2],
-            colour,
+            colour: splat.colour,
         },
     };
     let (variance, mut peak) = footprint.variance_and_peak(centre);
@@ -102,8 +100,8 @@ pub fn footprints<'a>(
     camera: &'a Camera,
     rules: &Rules,
 ) -> Vec<Result<ExactFootprint<'a>, Culled>> {
-    compositor::project_all(scene, camera, rules, |splat, weight, colour| {
-        let mut footprint = project(splat, weight, colour, camera, rules)?;
+    compositor::project_all(scene, camera, rules, |splat| {
+        let mut footprint = project(splat, camera, rules)?;
         footprint.on_screen.place = scene.order.place(camera, splat.centre);
         Ok(footprint)
     })

@@ -41,15 +41,9 @@ pub struct Footprint {
     pub colour: [f64; 3],
 }
 
-/// Projects one splat of the given weight (as the rules need it) and colour.
-pub fn project(
-    splat: &Splat,
-    weight: f64,
-    colour: [f64; 3],
-    camera: &Camera,
-    rules: &Rules,
-) -> Result<Footprint, Culled> {
-    let footprint = project_beyond_viewport(splat, weight, colour, camera, rules)?;
+/// Projects one splat, whose weight is as the rules need it.
+pub fn project(splat: &Splat, camera: &Camera, rules: &Rules) -> Result<Footprint, Culled> {
+    let footprint = project_beyond_viewport(splat, camera, rules)?;
     if footprint.bounds.is_empty() {
         Err(Culled::OutsideViewport)
     } else {
@@ -60,15 +54,13 @@ pub fn project(
 /// Like [`project`], but keeps a footprint that touches no pixel: its bounds are empty.
 pub fn project_beyond_viewport(
     splat: &Splat,
-    weight: f64,
-    colour: [f64; 3],
     camera: &Camera,
     rules: &Rules,
 ) -> Result<Footprint, Culled> {
-    let position = visible_position(splat, weight, colour, camera)?;
+    let position = visible_position(splat, camera)?;
     let depth = position[2];
     let jacobian = Jacobian::at(camera, jacobian_slope(position, camera, rules), depth);
-    let (axes, weight) = scaled_by_distance(splat, weight, &jacobian, rules);
+    let (axes, weight) = scaled_by_distance(splat, &jacobian, rules);
     let axes = CameraAxes::new(&axes, camera);
     let variance = ScreenVariance::new(&axes, &jacobian, rules.low_pass);
     let centre = screen_position(position, camera);
@@ -95,14 +87,14 @@ pub fn project_beyond_viewport(
         peak,
         cutoff,
         bounds,
-        colour,
+        colour: splat.colour,
     })
 }
 
 /// Projects every splat of the scene, in the scene's order, each with the place that the scene's [`SortOrder`](crate::scene::SortOrder) gives it.
 pub fn footprints(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<Result<Footprint, Culled>> {
-    compositor::project_all(scene, camera, rules, |splat, weight, colour| {
-        let footprint = project(splat, weight, colour, camera, rules)?;
+    compositor::project_all(scene, camera, rules, |splat| {
+        let footprint = project(splat, camera, rules)?;
         let place = scene.order.place(camera, splat.centre);
         Ok(Footprint { place, ..footprint })
     })
@@ -154,14 +146,9 @@ impl ScreenSplat for Footprint {
 }
 
 /// The splat's centre in camera space, unless a number is not finite or it lies outside near and far.
-pub(super) fn visible_position(
-    splat: &Splat,
-    weight: f64,
-    colour: [f64; 3],
-    camera: &Camera,
-) -> Result<[f64; 3], Culled> {
-    let mut vectors = splat.axes.iter().chain([&splat.centre, &colour]);
-    if !(weight.is_finite() && vectors.all(|&numbers| vector::is_finite(numbers))) {
+pub(super) fn visible_position(splat: &Splat, camera: &Camera) -> Result<[f64; 3], Culled> {
+    let mut vectors = splat.axes.iter().chain([&splat.centre, &splat.colour]);
+    if !(splat.weight.is_finite() && vectors.all(|&numbers| vector::is_finite(numbers))) {
         return Err(Culled::NonFinite);
     }
     let position = camera.to_camera(splat.centre);
@@ -205,16 +192,15 @@ pub(super) fn effective_cutoff(peak: f64, rules: &Rules) -> Result<f64, Culled> 
 /// (k/d)^2. A normalised kernel keeps its mass, and its peak falls by itself.
 pub(super) fn scaled_by_distance(
     splat: &Splat,
-    weight: f64,
     jacobian: &Jacobian,
     rules: &Rules,
 ) -> ([Vector; 3], f64) {
     let factor = enlargement(rules, jacobian);
     let axes = splat.axes.map(|axis| vector::scale(factor, axis));
     let weight = if rules.normalised {
-        weight
+        splat.weight
     } else {
-        weight / (factor * factor)
+        splat.weight / (factor * factor)
     };
     (axes, weight)
 }

@@ -228,9 +228,9 @@ struct RoundedFootprint {
 /// Draws front to back. Kernels other than the Gaussian are drawn as one: callers ask for `3dgs` or `ewa`.
 pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStages) -> FloatDrawing {
     let by_distance = scene.order == SortOrder::Distance && !camera.orthographic;
-    let projected = compositor::project_all(scene, camera, rules, |splat, weight, colour| {
+    let projected = compositor::project_all(scene, camera, rules, |splat| {
         let n = |value| stages.setup.number(value);
-        let plain = plain::project(splat, weight, camera, rules, n)?;
+        let plain = plain::project(splat, splat.weight, camera, rules, n)?;
         let place = match by_distance {
             true => plain::dot(plain.position, plain.position).sqrt(),
             false => plain.position[2],
@@ -238,7 +238,7 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStage
         Ok(RoundedFootprint {
             plain,
             place,
-            colour,
+            colour: splat.colour,
         })
     });
     let mut counts = Counts::of_projected(&projected);

@@ -139,8 +139,11 @@ impl GoldenA {
         };
         for golden in self.members(category) {
             // Opaque, so that a projection is compared whether or not it would leave a trace in the picture.
-            let projected =
-                float::project_beyond_viewport(&golden.splat, 1.0, [0.0; 3], camera, rules);
+            let opaque = Splat {
+                weight: 1.0,
+                ..golden.splat
+            };
+            let projected = float::project_beyond_viewport(&opaque, camera, rules);
             let Ok(footprint) = projected else { continue };
             deviation.splats += 1;
             let conic = conic_difference(footprint.variance.conic(), golden.exact_conic);

@@ -18,22 +18,13 @@ use crate::scene::{Scene, Splat};
 ///
 /// With phase bits, the centres of points are rounded as a stamp rounds them.
 pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, hybrid: &Hybrid) -> FloatDrawing {
-    let deviation = deviation(scene);
+    let area = (deviation(scene) / rules.spacing).powi(2);
     let is_point = |splat: &Splat| is_point(splat, camera, rules, hybrid.points);
-    let projected = compositor::project_all(scene, camera, rules, |splat, weight, colour| {
+    let projected = compositor::project_all(scene, camera, rules, |splat| {
         if is_point(splat) {
-            let area = (deviation / rules.spacing).powi(2);
-            point(
-                splat,
-                weight,
-                colour,
-                camera,
-                rules,
-                area,
-                hybrid.phase_bits,
-            )
+            point(splat, camera, rules, area, hybrid.phase_bits)
         } else {
-            float::project(splat, weight, colour, camera, rules)
+            float::project(splat, camera, rules)
         }
     });
     let mut counts = Counts::of_projected(&projected);
@@ -70,15 +61,13 @@ fn is_point(splat: &Splat, camera: &Camera, rules: &Rules, points: Points) -> bo
 /// A circle of variance `area`, square pixels, with its centre at the nearest of the stamp's phases if there are any.
 fn point(
     splat: &Splat,
-    weight: f64,
-    colour: [f64; 3],
     camera: &Camera,
     rules: &Rules,
     area: f64,
     phase_bits: Option<u8>,
 ) -> Result<Footprint, Culled> {
-    let position = visible_position(splat, weight, colour, camera)?;
-    if weight <= 0.0 {
+    let position = visible_position(splat, camera)?;
+    if splat.weight <= 0.0 {
         return Err(Culled::Transparent);
     }
     let half = (rules.cutoff * area).sqrt();
@@ -109,10 +98,10 @@ fn point(
         depth: position[2],
         place: position[2],
         variance,
-        peak: weight * across * down * share,
+        peak: splat.weight * across * down * share,
         cutoff: rules.cutoff,
         bounds: around(centre),
-        colour,
+        colour: splat.colour,
     })
 }
 

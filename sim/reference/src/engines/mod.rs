@@ -5,11 +5,10 @@
 //! - [`exact`]: the integral (or peak) of the Gaussian along each pixel's own ray, without that approximation, so
 //!   that model error (`float` against `exact`) and arithmetic error (fixed against `float`) are told apart.
 //!
-//! Both derive from [`jacobian`]; [`compositor`] orders, bins and blends what they project. [`golden`] holds the
+//! Both derive from [`jacobian`]; [`compositor`] orders and blends what they project. [`golden`] holds the
 //! independent data that the reference itself is measured against.
 
 pub mod compositor;
-pub mod deep;
 pub mod exact;
 pub mod float;
 pub mod formats;
@@ -26,8 +25,6 @@ pub mod sheets;
 pub mod single;
 pub mod sphere;
 pub mod surface;
-pub mod texture;
-pub mod warp;
 
 use crate::camera::Camera;
 use crate::picture::Picture;

@@ -66,26 +66,24 @@ pub fn draw(
     compositing: Compositing,
     shape: Shape,
 ) -> FloatDrawing {
-    let spheres = compositor::project_all(scene, camera, rules, |splat, weight, colour| {
-        project(splat, weight, colour, camera, rules, shape)
+    let spheres = compositor::project_all(scene, camera, rules, |splat| {
+        project(splat, camera, rules, shape)
     });
     compositor::draw(&spheres, camera, rules, compositing, &|_, _| ())
 }
 
 fn project<'a>(
     splat: &Splat,
-    weight: f64,
-    colour: [f64; 3],
     camera: &'a Camera,
     rules: &Rules,
     shape: Shape,
 ) -> Result<SphereFootprint<'a>, Culled> {
-    let position = visible_position(splat, weight, colour, camera)?;
+    let position = visible_position(splat, camera)?;
     let deviation = vector::length(splat.axes[0]);
     let peak = if rules.normalised {
-        weight * rules.kernel.circular_peak(deviation * deviation)
+        splat.weight * rules.kernel.circular_peak(deviation * deviation)
     } else {
-        weight
+        splat.weight
     };
     let cutoff = effective_cutoff(peak, rules)?;
     let radius = deviation * cutoff.sqrt();
@@ -155,7 +153,7 @@ fn project<'a>(
         on_screen: OnScreen {
             bounds,
             place: z,
-            colour,
+            colour: splat.colour,
         },
     })
 }

@@ -228,8 +228,7 @@ fn deep_stack(sample: u64, count: usize) -> Case {
         FAINT,
         vec![one; count],
     );
-    (case.camera.width, case.camera.height) = (8, 8);
-    (case.camera.cx, case.camera.cy) = (4.0, 4.0);
+    case.camera = camera(8);
     case
 }
 
@@ -257,25 +256,19 @@ fn apart(sample: u64) -> f64 {
     sample as f64 * 0.013
 }
 
-fn case(name: &str, rules: Rules, splats: Vec<Splat>) -> Case {
-    let camera = Camera {
-        width: SIZE,
-        height: SIZE,
-        fx: FOCAL,
-        fy: FOCAL,
-        cx: SIZE as f64 / 2.0,
-        cy: SIZE as f64 / 2.0,
-        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        translation: [0.0; 3],
+fn camera(size: usize) -> Camera {
+    Camera {
         near: f64::from(0.01f32),
-        far: 1e10,
-        orthographic: false,
-    };
+        ..Camera::centred(size, size, FOCAL)
+    }
+}
+
+fn case(name: &str, rules: Rules, splats: Vec<Splat>) -> Case {
     Case {
         name: name.to_owned(),
         needle: false,
         scene: Scene::of_splats(name, rules, splats),
-        camera,
+        camera: camera(SIZE),
         rules,
     }
 }

@@ -199,11 +199,8 @@ fn at_threshold(size: Size, seed: u64, name: &str, centred: usize) -> Class {
             }
         })
         .collect();
-    let mut camera = looking(size, [0.0; 3], [0.0, 0.0, 1.0], 60.0);
     // A power of two, and no rotation: the pixels' centres are met exactly.
-    (camera.fx, camera.fy) = (512.0, 512.0);
-    camera.rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    camera.translation = [0.0; 3];
+    let camera = Camera::centred(size.pixels, size.pixels, 512.0);
     class(name, splats, camera)
 }
 
@@ -258,7 +255,7 @@ fn front(size: Size) -> Camera {
     looking(size, [0.7, -0.6, -3.0], [0.0; 3], 50.0)
 }
 
-pub(super) fn looking(size: Size, eye: [f64; 3], target: [f64; 3], degrees: f64) -> Camera {
+fn looking(size: Size, eye: [f64; 3], target: [f64; 3], degrees: f64) -> Camera {
     let up = [0.0, -1.0, 0.0];
     match Camera::look_at(eye, target, up, degrees, size.pixels, size.pixels) {
         Ok(camera) => camera,

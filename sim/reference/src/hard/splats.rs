@@ -1,7 +1,8 @@
 //! Ten kinds of hard Gaussians in one scene, after the independent data that the reference is held to (`engines::golden`): there each
 //! kind has a picture of its own, here they share one, at depths from 0.01 to 67.
 
-use super::classes::{Class, Size, class, gaussian, looking};
+use super::classes::{Class, Size, class, gaussian};
+use crate::camera::Camera;
 use crate::engines::golden::rotated_axes;
 use crate::scene::Splat;
 use crate::scene::synthetic::Random;
@@ -29,11 +30,7 @@ pub(super) fn mixed(size: Size, seed: u64) -> Class {
         .flat_map(|index| kinds.map(|kind| (kind, index)))
         .map(|(kind, index)| kind(&mut random, index))
         .collect();
-    let mut camera = looking(size, [0.0; 3], [0.0, 0.0, 1.0], 60.0);
-    camera.rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    camera.translation = [0.0; 3];
-    camera.fx = size.pixels as f64 * 0.9375;
-    camera.fy = camera.fx;
+    let camera = Camera::centred(size.pixels, size.pixels, size.pixels as f64 * 0.9375);
     class("ten hard kinds mixed", splats, camera)
 }
 

@@ -9,6 +9,7 @@ use std::fmt::Display;
 use std::io::Read;
 
 use flate2::read::{MultiGzDecoder, ZlibDecoder};
+use num_traits::FromBytes;
 use ruzstd::decoding::StreamingDecoder;
 
 use super::error::{Problem, shorten};
@@ -53,6 +54,14 @@ impl<'a> Reader<'a> {
         Ok(*taken)
     }
 
+    /// The next number, least significant byte first.
+    pub(crate) fn little<T, const N: usize>(&mut self, field: &str) -> Result<T, Problem>
+    where
+        T: FromBytes<Bytes = [u8; N]>,
+    {
+        Ok(T::from_le_bytes(&self.array(field)?))
+    }
+
     /// The bytes before the next zero byte, which is taken as well.
     pub(crate) fn up_to_zero(&mut self, field: &str) -> Result<&'a [u8], Problem> {
         let mut parts = self.rest.splitn(2, |byte| *byte == 0);
@@ -76,10 +85,13 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The bytes at a place of a record; what lies beyond its end reads as zero.
-pub(super) fn array_at<const N: usize>(record: &[u8], at: usize) -> [u8; N] {
+/// The number at a place of a record, least significant byte first; what does not lie in it reads as zero.
+pub(super) fn little_at<T, const N: usize>(record: &[u8], at: usize) -> T
+where
+    T: FromBytes<Bytes = [u8; N]>,
+{
     let found = record.get(at..).and_then(|rest| rest.first_chunk());
-    found.copied().unwrap_or([0; N])
+    T::from_le_bytes(found.unwrap_or(&[0; N]))
 }
 
 /// The error of a field that needs more bytes than are left.

@@ -5,7 +5,7 @@
 //! the sizes of its partly filled buckets, then come the buckets' centres, then the Gaussians, full buckets first.
 
 use super::Scene;
-use super::bytes::{Reader, array_at, nothing_left};
+use super::bytes::{Reader, little_at, nothing_left};
 use super::error::Problem;
 use super::gaussian::{Gaussian, GaussianScene, coefficient_count};
 use anyhow::{Context, ensure};
@@ -66,19 +66,19 @@ impl KsplatHeader {
             "ksplat version: it is {major}.{minor}; version 0.1 is read; \
              check that this is a .ksplat file"
         );
-        let level = u16_at(bytes, 20);
+        let level: u16 = little_at(bytes, 20);
         ensure!(
             level <= 2,
             "ksplat compression level: it is {level}; 0 to 2 are read; \
              export the scene with one of these"
         );
-        let bound = |at: usize, usual: f64| match f64::from(f32::from_bits(u32_at(bytes, at))) {
+        let bound = |at: usize, usual: f64| match f32_at(bytes, at) {
             0.0 => usual,
             stored => stored,
         };
         Ok(KsplatHeader {
-            sections: u32_at(bytes, 4),
-            count: u32_at(bytes, 16),
+            sections: little_at(bytes, 4),
+            count: little_at(bytes, 16),
             level,
             range: [bound(36, -USUAL_HARMONIC), bound(40, USUAL_HARMONIC)],
         })
@@ -105,12 +105,12 @@ struct Section {
 
 impl Section {
     fn parse(bytes: &[u8], number: usize, header: &KsplatHeader) -> Result<Section, Problem> {
-        let steps = match u32_at(bytes, 24) {
+        let steps = match little_at(bytes, 24) {
             0 if header.level == 0 => 1,
             0 => USUAL_RANGE,
             stored => stored,
         };
-        let degree = u16_at(bytes, 40);
+        let degree: u16 = little_at(bytes, 40);
         ensure!(
             degree <= 3,
             "ksplat section {number}, harmonics degree: it is {degree}; degrees 0 to 3 are read; \
@@ -118,14 +118,14 @@ impl Section {
         );
         let section = Section {
             number,
-            count: u32_at(bytes, 0),
-            capacity: u32_at(bytes, 4),
-            bucket_size: u32_at(bytes, 8),
-            buckets: u32_at(bytes, 12),
-            bucket_bytes: u16_at(bytes, 20),
-            full: u32_at(bytes, 32),
-            partial: u32_at(bytes, 36),
-            step: f64::from(f32::from_bits(u32_at(bytes, 16))) / 2.0 / f64::from(steps),
+            count: little_at(bytes, 0),
+            capacity: little_at(bytes, 4),
+            bucket_size: little_at(bytes, 8),
+            buckets: little_at(bytes, 12),
+            bucket_bytes: little_at(bytes, 20),
+            full: little_at(bytes, 32),
+            partial: little_at(bytes, 36),
+            step: f32_at(bytes, 16) / 2.0 / f64::from(steps),
             steps: f64::from(steps),
             degree: degree as u8,
         };
@@ -188,7 +188,7 @@ impl Section {
                 let centre =
                     centre.with_context(|| format!("{}; export the scene again", field()))?;
                 [0, 1, 2].map(|axis| {
-                    let steps = f64::from(u16_at(record, 2 * axis)) - self.steps;
+                    let steps = f64::from(little_at::<u16, _>(record, 2 * axis)) - self.steps;
                     f32_at(centre, 4 * axis) + steps * self.step
                 })
             };
@@ -224,7 +224,7 @@ impl KsplatLayout {
     fn part(&self, record: &[u8], first: usize, index: usize) -> f64 {
         match self.level {
             0 => f32_at(record, first + 4 * index),
-            _ => f16::from_bits(u16_at(record, first + 2 * index)).to_f64(),
+            _ => f16::from_bits(little_at(record, first + 2 * index)).to_f64(),
         }
     }
 
@@ -264,16 +264,8 @@ impl KsplatLayout {
     }
 }
 
-fn u16_at(bytes: &[u8], at: usize) -> u16 {
-    u16::from_le_bytes(array_at(bytes, at))
-}
-
-fn u32_at(bytes: &[u8], at: usize) -> u32 {
-    u32::from_le_bytes(array_at(bytes, at))
-}
-
 fn f32_at(bytes: &[u8], at: usize) -> f64 {
-    f64::from(f32::from_bits(u32_at(bytes, at)))
+    f64::from(little_at::<f32, _>(bytes, at))
 }
 
 #[cfg(test)]

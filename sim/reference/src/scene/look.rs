@@ -21,17 +21,11 @@ pub(super) fn look_at(
     let rotation = [right, down, forward];
     let focal = height as f64 / 2.0 / (vertical_degrees.to_radians() / 2.0).tan();
     Camera {
-        width,
-        height,
-        fx: focal,
-        fy: focal,
-        cx: width as f64 / 2.0,
-        cy: height as f64 / 2.0,
         rotation,
         translation: rotation.map(|row| -(row[0] * eye[0] + row[1] * eye[1] + row[2] * eye[2])),
         // The usual near plane, but always well before the target of a tiny scene, which would vanish behind it.
         near: f64::min(0.01, vector::length(vector::subtract(target, eye)) / 100.0),
         far: f64::INFINITY,
-        orthographic: false,
+        ..Camera::centred(width, height, focal)
     }
 }

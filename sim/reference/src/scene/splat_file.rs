@@ -5,7 +5,7 @@
 //! Without a header a file cut between two records cannot be told from a shorter scene; any other cut is an error.
 
 use super::Scene;
-use super::bytes::{array_at, truncated};
+use super::bytes::{little_at, truncated};
 use super::error::Problem;
 use super::gaussian::{Gaussian, GaussianScene};
 use anyhow::ensure;
@@ -34,7 +34,7 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
 }
 
 fn decode(record: &[u8; RECORD_BYTES]) -> Gaussian {
-    let float = |place: usize| f64::from(f32::from_le_bytes(array_at(record, place)));
+    let float = |place: usize| f64::from(little_at::<f32, _>(record, place));
     let unit = |place: usize| f64::from(record[place]) / 255.0;
     let signed = |place: usize| (f64::from(record[place]) - 128.0) / 128.0;
     Gaussian {

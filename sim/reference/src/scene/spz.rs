@@ -16,7 +16,7 @@
 //! positions, in quaternions and in the harmonics that are odd in them.
 
 use super::Scene;
-use super::bytes::{Reader, array_at, gunzip_at_most, gunzip_exact, nothing_left, unzstd_exact};
+use super::bytes::{Reader, gunzip_at_most, gunzip_exact, little_at, nothing_left, unzstd_exact};
 use super::error::Problem;
 use super::gaussian::{
     Gaussian, GaussianScene, HARMONICS, MAX_DEGREE, TRAINED_ANTIALIASED, base_from_coefficient,
@@ -82,7 +82,7 @@ fn load_streams(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     }
     let mut reader = Reader::new(bytes);
     reader.take(HEADER_BYTES, "spz header")?;
-    let table_at = u32::from_le_bytes(reader.array("spz table offset")?) as usize;
+    let table_at = reader.little::<u32, _>("spz table offset")? as usize;
     let mut table = Reader::new(bytes);
     table.take(table_at.max(HEADER_BYTES_4), "spz table")?;
     let streams = usize::from(header.reserved);
@@ -105,7 +105,7 @@ fn load_streams(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     let mut unpacked: [Vec<u8>; 6] = Default::default();
     for (index, entry) in sizes.as_chunks::<16>().0.iter().enumerate() {
         let expected = u64::from(header.count) * header.record_bytes()[index] as u64;
-        let [packed, plain] = [0, 8].map(|at| u64::from_le_bytes(array_at(entry, at)));
+        let [packed, plain]: [u64; 2] = [0, 8].map(|at| little_at(entry, at));
         ensure!(
             plain == expected,
             "{}: the table says {plain} bytes; {} Gaussians need {expected}; \
@@ -161,11 +161,11 @@ impl SpzHeader {
             magic == *MAGIC,
             "spz magic: it is not 'NGSP'; check that this is a .spz file"
         );
-        let version = u32::from_le_bytes(reader.array("spz version")?);
+        let version: u32 = reader.little("spz version")?;
         if !(1..=4).contains(&version) {
             return Err(unsupported_version(&version.to_string()));
         }
-        let count = u32::from_le_bytes(reader.array("spz count")?);
+        let count: u32 = reader.little("spz count")?;
         let [degree, fraction_bits, flags, reserved] = reader.array("spz header")?;
         ensure!(
             count != 0,

@@ -10,8 +10,8 @@
 use super::Texture;
 use crate::camera::Camera;
 use crate::engines::surface::{FloatFragment, FloatSurfaceDrawing};
-use crate::hybrid::{DEVIATION_PER_SPACING, Hybrid, Points, spacing};
-use crate::rules::{Antialias, Rules};
+use crate::hybrid::DEVIATION_PER_SPACING;
+use crate::rules::Rules;
 use crate::scene::{Scene, Splat};
 use crate::vector::{self, Vector};
 
@@ -85,25 +85,11 @@ pub fn textured_plane(
     scene(name, splats.collect())
 }
 
-/// The rules by which samples are drawn: peak opacities, distance scaling by the samples' spacing.
-pub fn rules(scene: &Scene) -> Rules {
-    OPAQUE.with_antialias(Antialias::Swan(spacing(scene)))
-}
-
 /// EWA with peak opacities.
 const OPAQUE: Rules = Rules {
     normalised: false,
     ..Rules::EWA
 };
-
-/// The choice of points and splats for samples of a surface.
-pub fn hybrid(scene: &Scene, points: Points) -> Hybrid {
-    Hybrid {
-        points,
-        depth_range: Some(DEPTH_RANGE * spacing(scene)),
-        phase_bits: None,
-    }
-}
 
 /// Where a place of the picture lies in space at a depth: W^-1 (t - d).
 fn in_space(camera: &Camera, place: [f64; 2], depth: f64) -> Vector {

@@ -9,6 +9,7 @@ use splatline_reference::engines::golden::{self, ALL, Deviation, GoldenA, Golden
 use splatline_reference::engines::{Culled, exact, float};
 use splatline_reference::picture::Picture;
 use splatline_reference::rules::{Compositing, Rules};
+use splatline_reference::scene::Splat;
 
 /// The small scene of another renderer, which is not ours to publish.
 fn shared_folder() -> PathBuf {
@@ -76,13 +77,11 @@ fn compensation_of_the_low_pass_filter_is_gsplats() {
     };
     let mut compared = 0;
     for golden_splat in &golden.splats {
-        let projected = float::project_beyond_viewport(
-            &golden_splat.splat,
-            1.0,
-            [0.0; 3],
-            &golden.camera,
-            &rules,
-        );
+        let opaque = Splat {
+            weight: 1.0,
+            ..golden_splat.splat
+        };
+        let projected = float::project_beyond_viewport(&opaque, &golden.camera, &rules);
         let factor = match projected {
             Ok(footprint) => footprint.peak,
             Err(Culled::Transparent) => {

@@ -180,7 +180,8 @@ proptest! {
 
     #[test]
     fn variance_is_positive_and_the_conic_is_its_inverse(splat in any_splat(), rules in any_rules()) {
-        let Ok(footprint) = float::project(&splat, 0.5, splat.colour, &camera(false), &rules) else {
+        let splat = Splat { weight: 0.5, ..splat };
+        let Ok(footprint) = float::project(&splat, &camera(false), &rules) else {
             return Err(TestCaseError::reject("culled"));
         };
         let v = footprint.variance;
@@ -255,10 +256,10 @@ proptest! {
         row in 0.0..40.0,
     ) {
         let camera = Camera { far: 1e10, ..straight_camera() };
-        let splat = Splat { centre: [splat.centre[0], splat.centre[1], splat.centre[2].abs() + 0.5], ..splat };
+        let splat = Splat { centre: [splat.centre[0], splat.centre[1], splat.centre[2].abs() + 0.5], weight: 1.0, ..splat };
         // All of the picture, however faint.
         let everything = Rules { cutoff: f64::INFINITY, ..Rules::EWA };
-        let projected = exact::project(&splat, 1.0, splat.colour, &camera, &everything).unwrap();
+        let projected = exact::project(&splat, &camera, &everything).unwrap();
         let (r, peak) = projected.radial_index_and_peak([column, row]);
         let (integral, smallest) = super::oracle::integral_and_distance(&splat, &camera, [column, row], 1.0);
         let closed_form = peak * (-0.5 * r).exp();
@@ -397,7 +398,7 @@ fn splats_are_culled_for_the_right_reason() {
             weight,
             colour: [1.0; 3],
         };
-        float::project(&splat, weight, splat.colour, &camera, rules).err()
+        float::project(&splat, &camera, rules).err()
     };
     let rules = Rules::GAUSSIAN_3D;
     assert_eq!(culled([0.0, 0.0, 2.0], 0.5, &rules), None);
@@ -438,7 +439,7 @@ fn splats_are_culled_for_the_right_reason() {
         colour: [1.0; 3],
     };
     assert_eq!(
-        float::project(&vast, 0.5, vast.colour, &camera, &rules).err(),
+        float::project(&vast, &camera, &rules).err(),
         Some(Culled::Degenerate)
     );
 }

@@ -55,10 +55,8 @@ pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Problem> {
     }
     let mut reader = Reader::new(bytes);
     reader.take(4, "glb magic")?;
-    let [version, length] = [
-        u32::from_le_bytes(reader.array("glb version")?),
-        u32::from_le_bytes(reader.array("glb length")?),
-    ];
+    let version: u32 = reader.little("glb version")?;
+    let length: u32 = reader.little("glb length")?;
     ensure!(
         version == 2,
         "glb version: it is {version}; version 2 is read; export the scene again"
@@ -78,7 +76,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Problem> {
 }
 
 fn chunk<'a>(reader: &mut Reader<'a>, kind: &[u8; 4], field: &str) -> Result<&'a [u8], Problem> {
-    let length = u32::from_le_bytes(reader.array(field)?);
+    let length: u32 = reader.little(field)?;
     let found: [u8; 4] = reader.array(field)?;
     ensure!(
         found == *kind,

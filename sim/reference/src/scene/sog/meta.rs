@@ -4,34 +4,41 @@ use super::super::error::Problem;
 use super::super::gaussian::opacity_from_logit;
 use super::META;
 use anyhow::{anyhow, bail, ensure};
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 /// Entries of a palette: one per 16-bit label.
 pub(super) const MAX_ENTRIES: usize = 1 << 16;
 /// Entries of a codebook: one per byte.
 const CODES: usize = 256;
 
-/// What both versions come to.
+/// What both versions come to, as version 2 states it.
+#[derive(Deserialize)]
 pub(super) struct Meta {
     pub(super) count: u64,
-    /// Was it trained antialiased?
-    pub(super) antialiased: bool,
+    /// `antialiased` or `2dgs`; nothing for the usual model.
+    pub(super) model: Option<String>,
     pub(super) means: Means,
     pub(super) scales: Coded,
     pub(super) quats: Plain,
     /// Opacity of each byte.
+    #[serde(skip, default = "plain_opacity")]
     pub(super) opacity: Vec<f64>,
     pub(super) sh0: Coded,
+    #[serde(rename = "shN")]
     pub(super) rest: Option<HarmonicsPalette>,
 }
 
-/// A codebook for each of three channels.
+/// A codebook for each of three channels, or one for all.
+#[derive(Deserialize)]
 pub(super) struct Coded {
+    #[serde(rename = "codebook", deserialize_with = "one_for_all")]
     pub(super) books: [Vec<f64>; 3],
     pub(super) files: [String; 1],
 }
 
 /// Harmonics that Gaussians share.
+#[derive(Deserialize)]
+#[serde(from = "Palette2")]
 pub(super) struct HarmonicsPalette {
     /// Entries and bands; version 1 leaves both to the picture of the entries.
     pub(super) size: Option<(usize, u8)>,
@@ -54,25 +61,7 @@ pub(super) struct Plain {
     pub(super) files: [String; 1],
 }
 
-#[derive(Deserialize)]
-struct Meta2 {
-    count: u64,
-    /// `antialiased` or `2dgs`; nothing for the usual model.
-    model: Option<String>,
-    means: Means,
-    scales: Coded2,
-    quats: Plain,
-    sh0: Coded2,
-    #[serde(rename = "shN")]
-    rest: Option<Palette2>,
-}
-
-#[derive(Deserialize)]
-struct Coded2 {
-    codebook: Vec<f64>,
-    files: [String; 1],
-}
-
+/// The palette of version 2.
 #[derive(Deserialize)]
 struct Palette2 {
     count: usize,
@@ -88,32 +77,21 @@ impl Coded {
     }
 }
 
-impl From<Coded2> for Coded {
-    /// One codebook for all channels.
-    fn from(coded: Coded2) -> Coded {
-        let book = coded.codebook;
-        Coded {
-            books: [book.clone(), book.clone(), book],
-            files: coded.files,
-        }
-    }
+fn one_for_all<'de, D: Deserializer<'de>>(from: D) -> Result<[Vec<f64>; 3], D::Error> {
+    let book = Vec::deserialize(from)?;
+    Ok([book.clone(), book.clone(), book])
 }
 
-impl From<Meta2> for Meta {
-    fn from(meta: Meta2) -> Meta {
-        Meta {
-            count: meta.count,
-            antialiased: meta.model.as_deref() == Some("antialiased"),
-            means: meta.means,
-            scales: meta.scales.into(),
-            quats: meta.quats,
-            opacity: steps(0.0, 1.0),
-            sh0: meta.sh0.into(),
-            rest: meta.rest.map(|rest| HarmonicsPalette {
-                size: Some((rest.count, rest.bands)),
-                codebook: rest.codebook,
-                files: rest.files,
-            }),
+fn plain_opacity() -> Vec<f64> {
+    steps(0.0, 1.0)
+}
+
+impl From<Palette2> for HarmonicsPalette {
+    fn from(palette: Palette2) -> HarmonicsPalette {
+        HarmonicsPalette {
+            size: Some((palette.count, palette.bands)),
+            codebook: palette.codebook,
+            files: palette.files,
         }
     }
 }
@@ -154,7 +132,7 @@ impl From<Meta1> for Meta {
         let logits = steps(sh0.mins[3], sh0.maxs[3]).into_iter();
         Meta {
             count: meta.means.shape.first().copied().unwrap_or(0),
-            antialiased: false,
+            model: None,
             means: meta.means.means,
             scales: Coded::of_ranges(&scales.mins, &scales.maxs, scales.files),
             quats: meta.quats,
@@ -179,7 +157,7 @@ impl Meta {
         let Version { version } = serde_json::from_slice(text).map_err(wrong)?;
         let meta: Meta = match version {
             None | Some(1) => serde_json::from_slice::<Meta1>(text).map_err(wrong)?.into(),
-            Some(2) => serde_json::from_slice::<Meta2>(text).map_err(wrong)?.into(),
+            Some(2) => serde_json::from_slice(text).map_err(wrong)?,
             Some(other) => bail!(
                 "{META}, version: it is {other}; versions 1 and 2 are read; \
                  convert the scene with a current tool"

@@ -20,7 +20,7 @@ mod meta;
 use self::images::Pictures;
 use self::meta::Meta;
 use super::Scene;
-use super::archive::Archive;
+use super::archive::{FileReader, unpacked};
 use super::error::{Problem, shorten};
 use super::file::read_file;
 use super::gaussian::{GaussianScene, TRAINED_ANTIALIASED, room_for};
@@ -39,14 +39,14 @@ const MAX_META_BYTES: u64 = 1 << 20;
 /// Where the files are.
 enum SogSource<'a> {
     Folder(&'a Path),
-    Bundle(Archive<'a>, u64),
+    Bundle(FileReader<'a>, u64),
 }
 
 /// Loads a `.sog` bundle.
 pub(super) fn load_bundle(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
-    let archive = Archive::open(bytes).map_err(|error| damaged("sog bundle", &error))?;
+    let read = unpacked(bytes).map_err(|error| damaged("sog bundle", &error))?;
     let size = bytes.len() as u64;
-    load(&SogSource::Bundle(archive, size), name)
+    load(&SogSource::Bundle(read, size), name)
 }
 
 /// Loads a folder with its `meta.json`.
@@ -70,9 +70,9 @@ impl SogSource<'_> {
         let bytes = match self {
             SogSource::Folder(folder) => read_file(&folder.join(file))
                 .map_err(|problem| damaged(file, &problem.to_string()))?,
-            SogSource::Bundle(archive, _) => archive
-                .read(file, limit)
-                .map_err(|error| damaged(file, &error))?,
+            SogSource::Bundle(read, _) => {
+                read(file, limit).map_err(|error| damaged(file, &error))?
+            }
         };
         ensure!(
             bytes.len() as u64 <= limit,
@@ -110,7 +110,7 @@ fn load(source: &SogSource, name: &str) -> Result<Scene, Problem> {
     let pictures = Pictures::read(&meta, source, size)?;
     let degree = pictures.degree();
     let mut scene = GaussianScene::new(degree, meta.count)?;
-    if meta.antialiased {
+    if meta.model.as_deref() == Some("antialiased") {
         scene.rules = TRAINED_ANTIALIASED;
     }
     for index in 0..count {

@@ -8,19 +8,19 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 
 /// The fields that matter, by their names in lower case.
-pub(in super::super) struct LineHeader {
+pub struct LineHeader {
     format: &'static str,
     found: BTreeMap<String, HeaderField>,
     /// Lines read so far.
-    pub(in super::super) lines: usize,
+    pub lines: usize,
 }
 
 /// A field as it stands in the file.
-pub(in super::super) struct HeaderField {
+pub struct HeaderField {
     format: &'static str,
     line: usize,
     name: String,
-    pub(in super::super) value: String,
+    pub value: String,
 }
 
 fn malformed(
@@ -35,7 +35,7 @@ fn malformed(
 
 impl LineHeader {
     /// Of a format, no line of which has been read.
-    pub(in super::super) fn new(format: &'static str) -> LineHeader {
+    pub fn new(format: &'static str) -> LineHeader {
         LineHeader {
             format,
             found: BTreeMap::new(),
@@ -44,10 +44,7 @@ impl LineHeader {
     }
 
     /// Takes the next line off `rest`; its end is left out.
-    pub(in super::super) fn next_line<'a>(
-        &mut self,
-        rest: &mut &'a [u8],
-    ) -> Result<Cow<'a, str>, Problem> {
+    pub fn next_line<'a>(&mut self, rest: &mut &'a [u8]) -> Result<Cow<'a, str>, Problem> {
         let end = rest.iter().position(|byte| *byte == b'\n');
         let (line, after) = rest.split_at(end.unwrap_or(rest.len()));
         let line = line.strip_suffix(b"\r").unwrap_or(line);
@@ -61,34 +58,24 @@ impl LineHeader {
     }
 
     /// A problem of the line that was read last.
-    pub(in super::super) fn malformed(
-        &self,
-        field: &str,
-        found: impl Display,
-        fix: &str,
-    ) -> Problem {
+    pub fn malformed(&self, field: &str, found: impl Display, fix: &str) -> Problem {
         malformed(self.format, self.lines, &shorten(field), found, fix)
     }
 
     /// The line that was read last has no field.
-    pub(in super::super) fn no_field(&self, line: &str, form: &str) -> Problem {
+    pub fn no_field(&self, line: &str, form: &str) -> Problem {
         let found = format!("'{}' is no field", shorten(line));
         self.malformed("header", found, &format!("write '{form}'"))
     }
 
     /// Nobody knows what the field of the line that was read last does to the data.
-    pub(in super::super) fn unsupported(&self, name: &str) -> Problem {
+    pub fn unsupported(&self, name: &str) -> Problem {
         let fix = "remove it if the data can be read without it, or convert the volume";
         self.malformed(name, "this field is not supported", fix)
     }
 
     /// Keeps the field of the line that was read last, whose name is a way to write `key`.
-    pub(in super::super) fn add(
-        &mut self,
-        key: &str,
-        name: &str,
-        value: &str,
-    ) -> Result<(), Problem> {
+    pub fn add(&mut self, key: &str, name: &str, value: &str) -> Result<(), Problem> {
         let field = HeaderField {
             format: self.format,
             line: self.lines,
@@ -102,12 +89,12 @@ impl LineHeader {
     }
 
     /// A field that there may be.
-    pub(in super::super) fn get(&self, key: &str) -> Option<&HeaderField> {
+    pub fn get(&self, key: &str) -> Option<&HeaderField> {
         self.found.get(key)
     }
 
     /// A field that there must be.
-    pub(in super::super) fn required(&self, key: &str) -> Result<&HeaderField, Problem> {
+    pub fn required(&self, key: &str) -> Result<&HeaderField, Problem> {
         let lacks = || self.malformed(key, "the header lacks it", "add it before the data");
         self.get(key).ok_or_else(lacks)
     }
@@ -115,35 +102,35 @@ impl LineHeader {
 
 impl HeaderField {
     /// A problem of this field.
-    pub(in super::super) fn malformed(&self, found: impl Display, fix: &str) -> Problem {
+    pub fn malformed(&self, found: impl Display, fix: &str) -> Problem {
         malformed(self.format, self.line, &self.name, found, fix)
     }
 
     /// Its value is not what it must be.
-    pub(in super::super) fn is_not(&self, wanted: &str, fix: &str) -> Problem {
+    pub fn is_not(&self, wanted: &str, fix: &str) -> Problem {
         self.malformed(format!("'{}' is not {wanted}", shorten(&self.value)), fix)
     }
 
     /// Its value is another one than is read.
-    pub(in super::super) fn is(&self, fix: &str) -> Problem {
+    pub fn is(&self, fix: &str) -> Problem {
         self.malformed(format!("it is '{}'", shorten(&self.value)), fix)
     }
 
     /// Its value as voxels along the axes.
-    pub(in super::super) fn sizes(&self) -> Result<[usize; 3], Problem> {
+    pub fn sizes(&self) -> Result<[usize; 3], Problem> {
         let fix = "write the number of voxels along x, y and z";
         let sizes = numbers(&self.value).filter(|sizes: &[usize; 3]| !sizes.contains(&0));
         sizes.ok_or_else(|| self.is_not("three positive whole numbers", fix))
     }
 
     /// Its value as distances between voxels, if it is that.
-    pub(in super::super) fn spacings(&self, read: Option<[f64; 3]>) -> Result<[f64; 3], Problem> {
+    pub fn spacings(&self, read: Option<[f64; 3]>) -> Result<[f64; 3], Problem> {
         let fix = "write the distances between voxels along x, y and z";
         read.ok_or_else(|| self.is_not("three positive lengths", fix))
     }
 
     /// Its value as the name of the file with the data.
-    pub(in super::super) fn data_file(&self) -> Result<&str, Problem> {
+    pub fn data_file(&self) -> Result<&str, Problem> {
         let name = self.value.as_str();
         if name.is_empty() || name.contains('%') || name.starts_with("LIST") {
             return Err(self.is_not("one file", "join the slices into one data file"));

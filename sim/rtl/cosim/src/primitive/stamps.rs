@@ -98,7 +98,7 @@ impl Stamps {
         // The first packet is offered before its tile has begun; time is counted from its handshake, and with it the turns of setup.
         let first = self.accepted.first().copied().unwrap_or(0);
         let lanes = lanes as usize;
-        let mut clock = PrimitiveClock::with_interval(lanes, QUEUE, interval, first);
+        let mut clock = PrimitiveClock::new(lanes, QUEUE, interval, first);
         let mut left = self.left.iter();
         let mut popped = self.popped.each_ref().map(|lane| lane.iter());
         for (place, index) in tile.list.iter().enumerate() {

@@ -96,8 +96,8 @@ fn description(bytes: &[u8], header: &LasHeader) -> Result<LazVlr, Problem> {
     for _ in 0..header.variable_records {
         reader.take(2, "variable length record")?;
         let user: [u8; 16] = reader.array("variable length record")?;
-        let id = u16::from_le_bytes(reader.array("variable length record")?);
-        let length = u16::from_le_bytes(reader.array("variable length record")?);
+        let id: u16 = reader.little("variable length record")?;
+        let length: u16 = reader.little("variable length record")?;
         reader.take(32, "variable length record")?;
         let data = reader.take(length.into(), "variable length record")?;
         if user.starts_with(LazVlr::USER_ID.as_bytes()) && id == LazVlr::RECORD_ID {
@@ -182,7 +182,7 @@ fn chunk_size(vlr: &LazVlr, source: &LazBytes) -> Result<u64, Problem> {
     let mut reader = Reader::new(rest.unwrap_or_default());
     let field = "packed points";
     reader.take(record_size(vlr), field)?;
-    let count = u32::from_le_bytes(reader.array(field)?);
+    let count: u32 = reader.little(field)?;
     let layers: u64 = vlr
         .items()
         .iter()
@@ -190,7 +190,7 @@ fn chunk_size(vlr: &LazVlr, source: &LazBytes) -> Result<u64, Problem> {
         .sum();
     let mut needed = 0u64;
     for _ in 0..layers {
-        needed += u64::from(u32::from_le_bytes(reader.array(field)?));
+        needed += u64::from(reader.little::<u32, _>(field)?);
     }
     if needed > reader.remaining() as u64 {
         Err(truncated(field, needed, reader.remaining()))
