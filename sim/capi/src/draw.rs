@@ -141,20 +141,14 @@ pub(crate) fn composite(
     compositing: Compositing,
     alpha: u32,
     colour: &[u32; 3],
-    pixel: &mut SplatlinePixel,
+    pixel: &mut Pixel,
 ) {
-    let mut mixed = Pixel {
-        colour: pixel.colour,
-        transmittance: pixel.transmittance,
-    };
-    if alpha == 0 || mixed.is_finished() {
+    if alpha == 0 || pixel.is_finished() {
         return;
     }
     match compositing {
-        Compositing::FrontToBack => blend.front_to_back(&mut mixed, alpha, colour),
-        Compositing::BackToFront => blend.back_to_front(&mut mixed, alpha, colour),
-        Compositing::XRay => blend.x_ray(&mut mixed, alpha, colour),
+        Compositing::FrontToBack => blend.front_to_back(pixel, alpha, colour),
+        Compositing::BackToFront => blend.back_to_front(pixel, alpha, colour),
+        Compositing::XRay => blend.x_ray(pixel, alpha, colour),
     }
-    pixel.colour = mixed.colour;
-    pixel.transmittance = mixed.transmittance;
 }

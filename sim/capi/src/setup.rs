@@ -5,10 +5,7 @@ use crate::status::{Error, SPLATLINE_OK, code};
 use crate::types::{
     SplatlineFootprint, SplatlineRules, SplatlineSplat, SplatlineView, SplatlineWidths,
 };
-use splatline::format::RuntimeWidths;
-use splatline::rules::Rules;
 use splatline::setup::{Cull, setup};
-use splatline::view::View;
 
 /// No footprint: z <= near.
 pub const SPLATLINE_CULLED_NEAR: i32 = 1;
@@ -94,28 +91,14 @@ pub unsafe extern "C" fn splatline_setup_many(
             let splat = element(splats, index, splat_stride);
             let footprint = element(footprints, index, footprint_stride).cast_mut();
             // SAFETY: the function's own contract; strides keep the alignment.
-            *reason = unsafe { set_up_one(design, &view, &rules, splat, footprint) };
+            *reason = match setup(design, &view, &rules, &unsafe { read(splat) }?.into()) {
+                // SAFETY: as above.
+                Ok(found) => unsafe { write(footprint, (&found).into()) }?,
+                Err(reason) => culled(reason),
+            };
             written += i32::from(*reason == SPLATLINE_OK);
         }
         Ok(written)
-    })
-}
-
-/// # Safety
-/// `splat` leads to a splat, `footprint` to memory for a footprint.
-unsafe fn set_up_one(
-    design: RuntimeWidths,
-    view: &View,
-    rules: &Rules,
-    splat: *const SplatlineSplat,
-    footprint: *mut SplatlineFootprint,
-) -> i32 {
-    // SAFETY: the function's own contract.
-    code(|| unsafe {
-        match setup(design, view, rules, &read(splat)?.into()) {
-            Ok(found) => write(footprint, (&found).into()),
-            Err(reason) => Ok(culled(reason)),
-        }
     })
 }
 

@@ -7,6 +7,7 @@ use crate::memory::{modify, read, write};
 use crate::status::{Error, SPLATLINE_OK, code};
 use crate::types::*;
 use core::mem::MaybeUninit;
+use splatline::blend::Pixel;
 use splatline::format::{RuntimeWidths, Traversal};
 use splatline::math::shift_signed;
 use splatline::raster::{BoxSpans, EllipseSpans, Span, Spans};
@@ -209,7 +210,7 @@ pub unsafe extern "C" fn splatline_pixel_composite(
     // SAFETY: the function's own contract; the painter's table is as long as it says.
     code(|| unsafe {
         let (painter, colour) = (read(painter)?, read(colour.cast::<[u32; 3]>())?);
-        let pixel = modify(pixel)?;
+        let pixel = modify(pixel.cast::<Pixel>())?;
         let (widths, _, blend) = painter.parts()?;
         if opacity > 1 << widths.alpha {
             return Err(Error::Value);

@@ -138,7 +138,7 @@ impl PageRequest<'_> {
             .map(|splat| setup(design, &quantised.view, rules, splat))
             .collect();
         quantised.sort_keys(&widths, &quantised.splats, &mut footprints);
-        let tiles = PageTiles::new(camera);
+        let tiles = PageTiles::new([camera.width, camera.height]);
         let lists = tiles.lists(&footprints);
         let memory = table(&widths, rules);
         let painter = painter(design, rules, &memory, self.traversal);
@@ -225,11 +225,7 @@ pub struct PageTiles {
 }
 
 impl PageTiles {
-    pub fn new(camera: &Camera) -> PageTiles {
-        PageTiles::of([camera.width, camera.height])
-    }
-
-    pub fn of(viewport: [usize; 2]) -> PageTiles {
+    pub fn new(viewport: [usize; 2]) -> PageTiles {
         PageTiles {
             viewport,
             columns: viewport[0].div_ceil(TILE),

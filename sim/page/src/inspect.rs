@@ -35,7 +35,7 @@ pub fn heaviest(fixed: &FixedPicture, loaded: &LoadedScene, x: u32, y: u32) -> O
     };
     let mut pixel = [Pixel::clear(&widths)];
     let (mut best, mut covering) = (None, 0);
-    let tile = PageTiles::of([width, height]).at(column, row);
+    let tile = PageTiles::new([width, height]).at(column, row);
     for &splat in fixed.painted.lists.get(tile)? {
         let Ok(footprint) = &fixed.painted.footprints[splat as usize] else {
             continue;

@@ -17,9 +17,10 @@ use splatline::format::{Design as _, Lane, RuntimeWidths, Traversal, Widths};
 use splatline::math::shift_signed;
 use splatline::raster::{BoxSpans, EllipseSpans, Span, Spans, Window};
 use splatline::rules::{Compositing, Rules};
-use splatline::setup::{Cull, setup};
+use splatline::setup::setup;
 use splatline::target::Target;
 use splatline_sim::fixed::{self, QuantisedScene, kernel_compositing};
+use splatline_sim::plan::draw::cull_name;
 use splatline_sim::vectors::{self, VectorSubject};
 
 /// The stages of a plan of composited splats. All values are the kernel's integers; `layout` and `formats` say what they are.
@@ -198,12 +199,7 @@ impl Kernel {
                         key = footprint.depth as i64;
                         None
                     }
-                    Err(Cull::Near) => Some("near"),
-                    Err(Cull::Far) => Some("far"),
-                    Err(Cull::Range) => Some("out_of_range"),
-                    Err(Cull::Degenerate) => Some("degenerate"),
-                    Err(Cull::Transparent) => Some("transparent"),
-                    Err(Cull::Outside) => Some("outside"),
+                    Err(reason) => Some(cull_name(reason)),
                 },
             );
             keys.push(key);

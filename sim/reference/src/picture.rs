@@ -56,7 +56,7 @@ impl PictureFormat {
 }
 
 /// Row-major RGBA picture, premultiplied on black; A = 1 - transmittance.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
     /// Columns.
     pub width: usize,

@@ -6,7 +6,7 @@ use crate::framing::{Ball, FramingInput, direction};
 use crate::plan::load::{AnyScene, recognise};
 use crate::report::facts::{ReasonCounts, counted};
 use crate::scene::points::SurfaceScene;
-use crate::scene::{Bounds, Scene, SortOrder, Weight};
+use crate::scene::{Scene, SortOrder, Weight};
 use crate::vector::{self, Vector};
 use anyhow::Result;
 use clap::Args;
@@ -116,7 +116,7 @@ impl Info {
                 Weight::Mass => "volume, a splat per voxel that the transfer function shows",
             },
             count: scene.splats.len(),
-            bounds: scene.bounds().map(corners),
+            bounds: scene.bounds().map(|bounds| [bounds.least, bounds.greatest]),
             ranges: ranges.into_iter().flatten().collect(),
             harmonics_degree: scene
                 .harmonics
@@ -148,7 +148,7 @@ impl Info {
                 "points of a surface (drawn with --as surface)"
             },
             count: cloud.points.len(),
-            bounds: cloud.bounds().map(corners),
+            bounds: cloud.bounds().map(|bounds| [bounds.least, bounds.greatest]),
             ranges: ranges.into_iter().flatten().collect(),
             rules: "surf",
             dropped: counted([("unusable", cloud.skipped)]),
@@ -243,8 +243,4 @@ impl ShownRange {
             greatest,
         })
     }
-}
-
-fn corners(bounds: Bounds) -> [Vector; 2] {
-    [bounds.least, bounds.greatest]
 }

@@ -132,7 +132,7 @@ pub fn write_maps(prepared: &Prepared, requested: &[Map], picture: &Path) -> Res
 }
 
 /// A map of a whole picture in false colours, and what they say.
-pub fn in_colours(map: Map, pixels: &[MapPixel], [width, height]: [usize; 2]) -> (Rgb, String) {
+pub fn in_colours(map: Map, pixels: &[MapPixel], size: [usize; 2]) -> (Rgb, String) {
     let numbers: Vec<[f64; 4]> = pixels.iter().map(|pixel| map.numbers(pixel)).collect();
     let value = |numbers: &[f64; 4]| {
         if map == Map::Depth {
@@ -155,11 +155,7 @@ pub fn in_colours(map: Map, pixels: &[MapPixel], [width, height]: [usize; 2]) ->
         Map::First | Map::Id => of_number(pixel[0]),
         _ => ramp((value(pixel) - least) / (most - least).max(f64::MIN_POSITIVE)),
     };
-    let picture = Rgb {
-        width,
-        height,
-        bytes: numbers.iter().flat_map(colour).collect(),
-    };
+    let picture = Rgb::of_pixels(size, numbers.iter().map(colour));
     let scale = match map {
         Map::Normal => ": red, green and blue are 127.5 (1 + x), (1 + y) and (1 + z)".to_owned(),
         Map::First | Map::Id => ": a colour of its own for each".to_owned(),

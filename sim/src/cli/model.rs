@@ -14,7 +14,7 @@ use super::say::{print_result, usage, warn};
 use crate::design::DesignChoice;
 use crate::machine::clock::Throughput;
 use crate::machine::lanes::{LaneShape, LaneWork};
-use crate::machine::record::{AreaRecord, CostedMachine, PictureRecord, Prices};
+use crate::machine::record::{AreaRecord, CostedMachine, Prices};
 use crate::machine::summary::OverFrames;
 use crate::machine::timing::Timing;
 use crate::machine::workload::{TableOptions, Workload, read_table};
@@ -22,10 +22,10 @@ use crate::machine::{Config, config, energy, others, simulate_alone};
 use crate::plan::{DesignVariant, Subject};
 use crate::progress::ProgressMeter;
 use crate::report::machine::{page, watch};
-use crate::scene::Scene;
 use anyhow::{Result, anyhow};
 use serde::Serialize;
 use splatline::format::Traversal;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
@@ -72,12 +72,7 @@ struct FramesRecord {
     frames: Vec<FrameRecord>,
     over_frames: OverFrames,
     area: AreaRecord,
-    host: AllSeconds,
-}
-
-#[derive(Serialize)]
-struct AllSeconds {
-    all_s: f64,
+    host: BTreeMap<&'static str, f64>,
 }
 
 /// Machines of others on a scene.
@@ -171,7 +166,9 @@ fn one(
     let Some(folder) = &options.output else {
         return Ok(());
     };
-    let page = page_of(&record, workload, config);
+    let work = LaneWork::new(workload, LaneShape::from(config));
+    let watched = watch(workload, &work, config, &record.cycles);
+    let page = page(&record.scene, &record.cycles, &watched, config);
     write(&folder.join("timing.html"), page.as_bytes())?;
     let actions = energy::action_counts(&record.energy);
     write(&folder.join("action_counts.yaml"), actions.as_bytes())?;
@@ -182,12 +179,6 @@ fn one(
 fn write_timing(folder: &Path, result: impl Serialize) -> Result<()> {
     let format = TIMING;
     write_json(&folder.join("timing.json"), &Versioned { format, result })
-}
-
-fn page_of(record: &PictureRecord, workload: &Workload, config: &Config) -> String {
-    let work = LaneWork::new(workload, LaneShape::from(config));
-    let watched = watch(workload, &work, config, &record.cycles);
-    page(&record.scene, &record.cycles, &watched, config)
 }
 
 fn write_machine(folder: &Path, config: &Config) -> Result<()> {
@@ -234,7 +225,7 @@ fn several(frames: Vec<PlannedFrame>, prices: &Prices, options: &ModelOptions) -
         frames: records,
         over_frames,
         area,
-        host: AllSeconds { all_s },
+        host: BTreeMap::from([("all_s", all_s)]),
     };
     write_timing(folder, record)
 }
@@ -271,14 +262,19 @@ fn simulated(frames: Vec<PlannedFrame>, prices: &Prices) -> Result<Vec<FrameReco
     Ok(records)
 }
 
-/// Says what of a frame the kernel does not take as it is, and what the machine reads nothing for.
+/// Says what of a frame the kernel does not take as it is, and what the machine reads for its harmonics.
 fn announce(frame: &NamedFrame) -> Result<()> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
-    match prepared.subject()? {
-        Subject::Splats(splats) => print_result(&charged(splats.scene, &prepared.plan.machine)),
-        Subject::Surface(..) => Ok(()),
+    if let Subject::Splats(splats) = prepared.subject()?
+        && let Some(harmonics) = &splats.scene.harmonics
+    {
+        let (degree, bytes) = (harmonics.degree, prepared.plan.machine.harmonics_bytes);
+        print_result(&format!(
+            "harmonics of degree {degree}: {bytes} bytes are read for each splat that is seen (harmonics_bytes)\n"
+        ))?;
     }
+    Ok(())
 }
 
 fn from_scene(frame: &NamedFrame) -> Result<Modelled> {
@@ -289,16 +285,6 @@ fn from_scene(frame: &NamedFrame) -> Result<Modelled> {
     drop(progress);
     let plan = &prepared.plan;
     Ok((workload, plan.entry.clone(), plan.machine))
-}
-
-/// Says what the scene's harmonics are charged with; nothing if it has none.
-fn charged(scene: &Scene, machine: &Config) -> String {
-    scene.harmonics.as_ref().map_or(String::new(), |harmonics| {
-        format!(
-            "harmonics of degree {}: {} bytes are read for each splat that is seen (harmonics_bytes)\n",
-            harmonics.degree, machine.harmonics_bytes
-        )
-    })
 }
 
 fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled> {

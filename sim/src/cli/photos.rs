@@ -195,7 +195,11 @@ fn with_photograph(
                 .to_owned(),
         );
         let opaque = photograph.on([0.0; 3]);
-        coverage = Some(shown_part(&undistorted(&opaque, lens)));
+        // What of the undistorted picture is there: white, or black.
+        let mut shown = undistorted(&opaque, lens);
+        let pixels = shown.pixels.iter_mut();
+        pixels.for_each(|pixel| *pixel = [pixel[3]; 4]);
+        coverage = Some(shown);
         photograph = undistorted(&photograph, lens);
     }
     let size = [photograph.width, photograph.height];
@@ -235,25 +239,12 @@ fn with_photograph(
         prepared,
         photograph,
         file,
-        mask: both(mask, coverage),
+        // Both masks, or the one there is.
+        mask: match mask {
+            Some(mask) => Some(seen(&mask, coverage.as_ref())),
+            None => coverage,
+        },
     })
-}
-
-/// What of an undistorted picture is there: white, or black.
-fn shown_part(picture: &Picture) -> Picture {
-    let pixels = picture.pixels.iter().map(|[.., alpha]| [*alpha; 4]);
-    Picture {
-        pixels: pixels.collect(),
-        ..*picture
-    }
-}
-
-/// Both masks of one size, or the one there is.
-fn both(mask: Option<Picture>, coverage: Option<Picture>) -> Option<Picture> {
-    match (mask, coverage) {
-        (Some(mask), coverage) => Some(seen(&mask, coverage.as_ref())),
-        (None, coverage) => coverage,
-    }
 }
 
 /// The file of a view: by its name, with the usual extensions, and by the last part of its name.

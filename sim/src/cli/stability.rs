@@ -39,7 +39,7 @@ another splat finished (\"stopped early\", \"late\"), and splats lost. `sim/refe
 ";
 
 /// Everything measured, as JSON.
-#[derive(serde::Serialize)]
+#[derive(Default, serde::Serialize)]
 struct MeasuredLine {
     cases: Vec<StabilityLine>,
     scenes: Vec<SceneLine>,
@@ -51,10 +51,7 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
         .file(options.markdown.as_deref(), &["md"])?
         .spare_inputs()?;
     let wants = |section| options.only.is_empty() || options.only.contains(&section);
-    let mut measured = MeasuredLine {
-        cases: Vec::new(),
-        scenes: Vec::new(),
-    };
+    let mut measured = MeasuredLine::default();
     let (size, extent) = if options.quick {
         (Size::QUICK, StabilityExtent::QUICK)
     } else {

@@ -127,21 +127,17 @@ fn settings(options: &SimulationOptions, space: &Space) -> Result<Vec<SettingsTe
     let read = |(role, path): (&'static str, PathBuf)| Ok((role, read_settings(&path)?));
     let mut all: Vec<SettingsText> = named.map(read).collect::<Result<_>>()?;
     let mut bases = String::new();
-    for file in base_files(space) {
-        bases += &read_settings(&file)?;
+    // The files of designs that the space begins with.
+    let of_bases = space.axes.iter().filter(|axis| axis.key == "base");
+    let names = of_bases.flat_map(|axis| &axis.values);
+    let names = names.filter_map(toml::Value::as_str).map(Path::new);
+    for file in names.filter(|name| is_toml(name)) {
+        bases += &read_settings(file)?;
     }
     if !bases.is_empty() {
         all.push(("bases", bases));
     }
     Ok(all)
-}
-
-/// The files of designs that a space begins with.
-fn base_files(space: &Space) -> Vec<PathBuf> {
-    let bases = space.axes.iter().filter(|axis| axis.key == "base");
-    let values = bases.flat_map(|axis| &axis.values);
-    let names = values.filter_map(toml::Value::as_str).map(PathBuf::from);
-    names.filter(|name| is_toml(name)).collect()
 }
 
 /// Names of designs and machines have no extension.

@@ -10,7 +10,7 @@
 use super::evaluator::{Evaluator, Reached};
 use super::formats::{self, FormatRow};
 use super::limits::{Limit, missed};
-use super::refusal::{RuledOut, has_only_widths, ruled_out};
+use super::refusal::{RuledOut, ruled_out};
 use super::search::{Score, Search, compare};
 use super::space::{Space, SpaceAxis, SpacePart};
 use super::subject::{Choice, Subject};
@@ -190,7 +190,10 @@ fn refused(search: &Search, ruled_out: Vec<RuledOut>, frames: usize) -> Answer {
 
 /// The limits on errors that the widest design misses; nothing if one of them holds or the space has more than widths.
 fn out_of_every_width(search: &mut Search, at: &[usize]) -> Result<Vec<RuledOut>> {
-    if !has_only_widths(search) {
+    // Only where all axes of the designs are widths is the widest design the most exact one.
+    let axes = search.space.axes.iter();
+    let of_design = axes.filter(|axis| axis.part == SpacePart::Design).count();
+    if of_design > search.split_axes().0.len() {
         return Ok(Vec::new());
     }
     let error = search.error(at)?;

@@ -90,12 +90,6 @@ fn headline(found: &Found) -> String {
 /// A narrow table.
 const SHORT: &str = " class=\"short\"";
 
-/// A table of text; the first column is words.
-fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
-    let escaped = |row: &Vec<String>| row.iter().map(|cell| escape(cell)).collect();
-    html_table(SHORT, &[0], headings, rows.iter().map(escaped))
-}
-
 fn limits(answer: &Answer) -> String {
     let columns: [Column<&Standing>; 6] = [
         ("limit", &|one| one.limit.quantity.name().to_owned()),
@@ -194,12 +188,13 @@ fn in_formats(answer: &Answer) -> String {
         chart.text((place.0 - 8.0, place.1), Anchor::End, "", row.format);
     }
     let (headings, lines) = formats::table(&answer.formats);
+    let escaped = |line: &Vec<String>| line.iter().map(|cell| escape(cell)).collect();
     format!(
         "<p class=\"read\">{}. Green holds all limits, red misses one, grey are fixed designs of the search. {}.</p>\n<div class=\"diagram\">{}</div>\n{}",
         escape(&formats::verdict(&answer.formats)),
         escape(formats::NOTE),
         chart.finish(),
-        table(&headings, &lines)
+        html_table(SHORT, &[0], &headings, lines.iter().map(escaped))
     )
 }
 

@@ -142,7 +142,7 @@ fn nexts(first: &Found, next: &[Found]) -> String {
     format!("  next      {}\n", all.join("; "))
 }
 
-/// A point in a few lines.
+/// A point in a few lines, its machine by what decides area and pace; the rest is in machine.toml.
 fn point(found: &Found) -> String {
     let (design, machine, reached) = (&found.design, &found.machine, &found.reached);
     let widths: Vec<String> = design
@@ -165,7 +165,7 @@ fn point(found: &Found) -> String {
            pace      {:.2} frames a second at {} MHz{}, limited by {}{error}\n  \
            moves     {:.2} MB a frame, {:.0} MB a second; {:.3} mJ a frame (estimate)\n  \
            design    {},\n            {} ({}, {})\n  \
-           machine   {}\n",
+           machine   {}, {} + {} bytes a cycle; -o DIR for all of it\n",
         reached.cost(),
         reached.area.raster + reached.area.around,
         pace.frames_per_s,
@@ -179,14 +179,6 @@ fn point(found: &Found) -> String {
         others.join(", "),
         design.rounding,
         design.traversal,
-        in_short(machine),
-    )
-}
-
-/// A machine by what decides its area and pace; the rest is in machine.toml.
-fn in_short(machine: &Config) -> String {
-    format!(
-        "{}, {} + {} bytes a cycle; -o DIR for all of it",
         units_of(machine),
         machine.read_bandwidth,
         machine.write_bandwidth

@@ -57,7 +57,11 @@ pub fn detail(
     let Some(found) = answer.found.first() else {
         return Ok(None);
     };
-    let choice = chosen(subject, found)?;
+    let design = DesignChoice::from_toml("answer.toml", &found.design.to_toml())?;
+    let choice = Choice {
+        variant: DesignVariant::new(design, subject.traversal),
+        machine: found.machine,
+    };
     let evaluator = Evaluator::new(subject, false);
     let costs = evaluator.on_all_frames(&choice)?;
     let by_cycles = |frame: &usize| costs[*frame].pace.cycles_per_frame;
@@ -78,13 +82,6 @@ pub fn detail(
         energy,
         knobs,
     }))
-}
-
-fn chosen(subject: &Subject, found: &Found) -> Result<Choice> {
-    let design = DesignChoice::from_toml("answer.toml", &found.design.to_toml())?;
-    let variant = DesignVariant::new(design, subject.traversal);
-    let machine = found.machine;
-    Ok(Choice { variant, machine })
 }
 
 /// Each setting that costs or gains most, one step down and one up, on the slowest frame.

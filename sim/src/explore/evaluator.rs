@@ -26,7 +26,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use splatline::format::Rounding;
 use splatline::raster::Window;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Bytes of rows kept at most, and of their groupings.
@@ -254,13 +254,12 @@ impl<'a> Evaluator<'a> {
             return Ok(());
         };
         let key = work_key(first);
-        let mut shapes: BTreeMap<usize, (LaneShape, Vec<usize>)> = BTreeMap::new();
+        let mut shapes: Vec<(LaneShape, Vec<usize>)> = Vec::new();
         for (place, choice) in choices.iter().enumerate() {
             let shape = LaneShape::from(&choice.machine);
-            let known = shapes.values_mut().find(|(other, _)| *other == shape);
-            match known {
+            match shapes.iter_mut().find(|(other, _)| *other == shape) {
                 Some((_, places)) => places.push(place),
-                None => drop(shapes.insert(place, (shape, vec![place]))),
+                None => shapes.push((shape, vec![place])),
             }
         }
         let earlier: Vec<Mutex<Vec<FrameCost>>> =
@@ -272,7 +271,7 @@ impl<'a> Evaluator<'a> {
             } else {
                 extract()?
             };
-            shapes.par_iter().try_for_each(|(_, (shape, places))| {
+            shapes.par_iter().try_for_each(|(shape, places)| {
                 let group = || Ok(Arc::new(LaneWork::new(&workload, *shape)));
                 let work = if keep {
                     self.groupings.get((key, *frame, *shape), group)?
@@ -337,8 +336,10 @@ impl<'a> Evaluator<'a> {
 
     fn cost(&self, choice: &Choice, timing: &Timing) -> FrameCost {
         let lanes = timing.units.get("lanes");
+        let (widths, machine) = (&choice.variant.design.widths, &choice.machine);
+        let clock = Clock::of(machine, widths, self.subject.calibration.family);
         FrameCost {
-            pace: self.throughput(choice, timing),
+            pace: Throughput::new(timing, machine, clock),
             cycles: [timing.geometry, timing.sort, timing.raster, timing.total],
             lanes: [
                 lanes.map_or(0.0, |unit| unit.utilisation),
@@ -356,16 +357,6 @@ impl<'a> Evaluator<'a> {
         let (widths, table) = (&variant.design.widths, &self.subject.energy);
         let (lane, traversal) = (self.lane(), variant.traversal);
         energy::estimate(lane.as_ref(), widths, traversal, machine, timing, table)
-    }
-
-    fn throughput(&self, choice: &Choice, timing: &Timing) -> Throughput {
-        let Choice { variant, machine } = choice;
-        let clock = Clock::of(
-            machine,
-            &variant.design.widths,
-            self.subject.calibration.family,
-        );
-        Throughput::new(timing, machine, clock)
     }
 
     /// The area of a choice, which needs no simulation.

@@ -84,16 +84,13 @@ impl Identity {
 
     /// The space that its tables must fill.
     pub fn space(&self) -> Result<Space, Refused> {
-        Space::from_toml("space in sweep.json", self.text_of("space"))
+        let text = self.0.get("space").and_then(Value::as_str);
+        Space::from_toml("space in sweep.json", text.unwrap_or_default())
     }
 
     /// Do its tables hold errors?
     pub fn has_errors(&self) -> bool {
         self.0.get("errors").and_then(Value::as_bool) == Some(true)
-    }
-
-    fn text_of(&self, key: &str) -> &str {
-        self.0.get(key).and_then(Value::as_str).unwrap_or_default()
     }
 
     /// Where `known` and this one differ, one line each; empty if they are the same sweep.

@@ -187,12 +187,7 @@ pub fn tightest(limits: Vec<Limit>) -> Vec<Limit> {
             .find(|other| other.quantity == limit.quantity)
         {
             Some(other) => {
-                let tighter = if limit.quantity.is_at_least() {
-                    limit.bound > other.bound
-                } else {
-                    limit.bound < other.bound
-                };
-                if tighter {
+                if limit.excess(other.bound) > 0.0 {
                     *other = limit;
                 }
             }

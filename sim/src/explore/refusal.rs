@@ -7,7 +7,6 @@ use super::answer::start;
 use super::evaluator::Reached;
 use super::limits::{Limit, Quantity, missed};
 use super::search::Search;
-use super::space::SpacePart;
 use anyhow::Result;
 use serde::Serialize;
 
@@ -138,11 +137,4 @@ pub fn text(all: &[RuledOut]) -> String {
         );
     }
     text
-}
-
-/// Are all axes of the space's designs widths? Then the widest design is the most exact one.
-pub fn has_only_widths(search: &Search) -> bool {
-    let axes = search.space.axes.iter();
-    let of_design = axes.filter(|axis| axis.part == SpacePart::Design).count();
-    of_design == search.split_axes().0.len()
 }

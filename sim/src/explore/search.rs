@@ -219,15 +219,15 @@ impl<'a> Search<'a> {
     /// The least cost of a design that was drawn, on this machine, if one of the limits on errors did not hold: such designs are drawn and not
     /// simulated.
     pub fn cost_without_error(&self, machine: &crate::machine::Config, but: usize) -> Option<f64> {
+        let all = self.limits.iter().enumerate();
+        let errors = all.filter(|(_, limit)| limit.quantity.is_error());
         let holds = |error: DesignError| {
-            let others = self.limits.iter().enumerate();
-            let mut errors = others.filter(|(place, l)| *place != but && l.quantity.is_error());
-            errors.all(|(_, limit)| limit.excess_of_error(Some(error)) <= 0.0)
+            let mut others = errors.clone().filter(|(place, _)| *place != but);
+            others.all(|(_, limit)| limit.excess_of_error(Some(error)) <= 0.0)
         };
         let held = self.drawn.iter().filter(|(_, error)| holds(*error));
         // What was refused misses this limit if it is the only one on errors; else nobody knows.
-        let errors = self.limits.iter().filter(|limit| limit.quantity.is_error());
-        let only = errors.count() == 1;
+        let only = errors.clone().count() == 1;
         let refused = self.refused.iter().filter(|_| only);
         let cost = |choice: &Choice| {
             let machine = *machine;

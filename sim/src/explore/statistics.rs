@@ -6,7 +6,7 @@
 use crate::machine::config::Config;
 use crate::machine::histogram::{Histogram, Histograms};
 use crate::machine::lanes::{LaneShape, LaneWork};
-use crate::machine::workload::{Workload, WorkloadRow};
+use crate::machine::workload::Workload;
 use crate::report::chart::{Anchor, Chart, TEXT, text_width};
 use crate::report::html::escape;
 use crate::report::labels::Rectangle;
@@ -86,7 +86,11 @@ fn counted(workload: &Workload) -> (Vec<u64>, Vec<[u64; 2]>) {
         for index in workload.pairs_in(number) {
             let pair = &workload.pairs[index];
             for (y, one) in (usize::from(pair.first_row)..).zip(workload.rows_of(index)) {
-                add_row(one, &mut layers[y * width..(y + 1) * width]);
+                let mut open = one.covered & one.open;
+                while open != 0 {
+                    layers[y * width + open.trailing_zeros() as usize] += 1;
+                    open &= open - 1;
+                }
                 if let Some([open, covered]) = splats.get_mut(pair.splat as usize) {
                     *open += u64::from((one.covered & one.open).count_ones());
                     *covered += u64::from(one.covered.count_ones());
@@ -103,15 +107,6 @@ fn counted(workload: &Workload) -> (Vec<u64>, Vec<[u64; 2]>) {
         all.extend(layers);
     }
     (all, splats)
-}
-
-/// Counts a row's open pixels.
-fn add_row(row: &WorkloadRow, layers: &mut [u64]) {
-    let mut open = row.covered & row.open;
-    while open != 0 {
-        layers[open.trailing_zeros() as usize] += 1;
-        open &= open - 1;
-    }
 }
 
 impl FrameReuse {

@@ -2,7 +2,7 @@
 //! lane shape. Of several frames one after the other is walked, so that the rows of one alone lie in memory; a point's line has its slowest frame, and
 //! the spread of its time over all.
 
-use super::evaluator::{DesignError, ErrorDetail, Evaluator, Reached, work_key};
+use super::evaluator::{DesignError, Evaluator, Reached, work_key};
 use super::folder::Appender;
 use super::space::Space;
 use super::subject::{Choice, NoDesign, Subject};
@@ -120,13 +120,10 @@ fn errors(error: Option<&DesignError>) -> Vec<String> {
     };
     let mut fields = vec![psnr];
     fields.extend([error.rms, error.max_abs, error.bias].map(|value| format!("{value:.4e}")));
-    let ErrorDetail {
-        ssim,
-        percentiles: Percentiles { p95, p99 },
-        flip,
-    } = error.detail.unwrap_or_default();
-    fields.push(format!("{ssim:.6}"));
-    fields.extend([p95, p99, flip].map(|value| format!("{value:.4e}")));
+    let detail = error.detail.unwrap_or_default();
+    fields.push(format!("{:.6}", detail.ssim));
+    let Percentiles { p95, p99 } = detail.percentiles;
+    fields.extend([p95, p99, detail.flip].map(|value| format!("{value:.4e}")));
     fields
 }
 

@@ -124,7 +124,7 @@ pub struct ResultTable {
 impl ResultTable {
     /// Why points were left out, in their order.
     pub fn left_out(&self) -> impl Iterator<Item = &str> {
-        let column = self.heading.iter().position(|name| name == "left_out");
+        let column = self.column("left_out");
         let reasons = self.rows.values().filter_map(move |row| row.get(column?));
         reasons
             .map(String::as_str)

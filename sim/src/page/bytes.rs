@@ -66,8 +66,7 @@ pub fn decode(bytes: &[u8]) -> Option<(Scene, Rules)> {
     for _ in 0..NUMBERS {
         columns.push(take_column(&mut rest, count)?);
     }
-    let splat = |i: usize| splat_from([0; NUMBERS].map(|_| 0.0f32), &columns, i);
-    let splats: Vec<Splat> = (0..count).map(splat).collect();
+    let splats: Vec<Splat> = (0..count).map(|i| splat_from(&columns, i)).collect();
     let harmonics = match degree {
         0 => None,
         1..=4 => Some(take_harmonics(&mut rest, count, degree)?),
@@ -122,11 +121,8 @@ fn splat_numbers(splat: &Splat, weight: f64) -> [f32; NUMBERS] {
     numbers
 }
 
-fn splat_from(mut numbers: [f32; NUMBERS], columns: &[Vec<f32>], index: usize) -> Splat {
-    for (number, column) in numbers.iter_mut().zip(columns) {
-        *number = column[index];
-    }
-    let number = |place: usize| f64::from(numbers[place]);
+fn splat_from(columns: &[Vec<f32>], index: usize) -> Splat {
+    let number = |place: usize| f64::from(columns[place][index]);
     let vector = |place: usize| [0, 1, 2].map(|axis| number(place + axis));
     Splat {
         centre: vector(0),

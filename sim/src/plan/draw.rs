@@ -29,7 +29,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// One drawn picture and what drawing it took.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Drawing {
     /// The picture.
     pub picture: Picture,
@@ -125,7 +125,7 @@ impl Prepared {
                 }))
             }
         };
-        let picture = Picture::new(0, 0);
+        let picture = Picture::default();
         Ok(KernelDrawing { drawer, picture })
     }
 
@@ -213,20 +213,6 @@ impl Prepared {
     }
 }
 
-/// A picture of which nothing else is known.
-pub(super) fn plain(picture: Picture) -> Drawing {
-    Drawing {
-        picture,
-        culled: ReasonCounts::new(),
-        clamped: 0,
-        colour_log2: 0,
-        pixels: None,
-        merged: 0,
-        host: HostTimes::default(),
-        footprints: Vec::new(),
-    }
-}
-
 /// What a setup tells of splats that are drawn by a method which keeps no counts of its own; no picture.
 fn set_up(splats: &Splats, entry: &DesignVariant) -> Drawing {
     let found = fixed::footprints(splats.scene, splats.camera, &splats.options(entry));
@@ -235,7 +221,7 @@ fn set_up(splats: &Splats, entry: &DesignVariant) -> Drawing {
         culled: cull_counts(fixed::culls(&found)),
         clamped: quantised.clamped as u64,
         colour_log2: quantised.colour_log2,
-        ..plain(Picture::new(0, 0))
+        ..Drawing::default()
     }
 }
 
@@ -307,7 +293,8 @@ impl<'a> Drawer<'a> {
                     clamped: drawn.clamped as u64,
                     colour_log2: drawn.colour_log2,
                     pixels: Some(pixels(drawn.coverage)),
-                    ..plain(drawn.picture)
+                    picture: drawn.picture,
+                    ..Drawing::default()
                 }
             }),
         })
@@ -394,7 +381,7 @@ fn of_frame(facts: FrameFacts, quantised: &QuantisedScene, convert_s: f64) -> Dr
             convert_s,
             ..HostTimes::default()
         },
-        ..plain(Picture::new(0, 0))
+        ..Drawing::default()
     }
 }
 
@@ -422,7 +409,7 @@ fn draw_surface(renderer: &mut SurfaceRenderer, style: &Style, picture: &mut Pic
             raster_s,
             ..HostTimes::default()
         },
-        ..plain(Picture::new(0, 0))
+        ..Drawing::default()
     }
 }
 
@@ -431,17 +418,21 @@ fn pixels(of: Coverage) -> PixelCounts {
     PixelCounts { covered, visited }
 }
 
-/// The kernel's counts under the reports' names, in the order of [`Cull::ALL`].
-fn cull_counts(culled: [usize; Cull::ALL.len()]) -> ReasonCounts {
-    let name = |reason: &Cull| match reason {
+/// The reports' name of a reason for culling.
+pub fn cull_name(reason: Cull) -> &'static str {
+    match reason {
         Cull::Near => "near",
         Cull::Far => "far",
         Cull::Range => "out_of_range",
         Cull::Degenerate => "degenerate",
         Cull::Transparent => "transparent",
         Cull::Outside => "outside",
-    };
-    counted(Cull::ALL.iter().map(name).zip(culled))
+    }
+}
+
+/// The kernel's counts in the order of [`Cull::ALL`].
+fn cull_counts(culled: [usize; Cull::ALL.len()]) -> ReasonCounts {
+    counted(Cull::ALL.map(cull_name).into_iter().zip(culled))
 }
 
 /// Backs among the reasons for culling, where they are left out.

@@ -29,7 +29,13 @@ pub fn exercised(
             18 => Err("colours are stored in the file"),
             _ => of_splats(number, rules, *compositing, method),
         },
-        Technique::Surface(style) => of_surface(number, style, contents.is_textured()),
+        Technique::Surface(style) => {
+            let texture = match contents {
+                Contents::Surface { texture, .. } => texture.as_ref(),
+                _ => None,
+            };
+            of_surface(number, style, texture.is_some())
+        }
     };
     let verdict = |system: &crate::systems::System| {
         let reason = reason(system.number);

@@ -95,17 +95,6 @@ impl Contents {
             Contents::Splats { .. } => false,
         }
     }
-
-    /// Have points of a surface colours from a photograph?
-    pub fn is_textured(&self) -> bool {
-        matches!(
-            self,
-            Contents::Surface {
-                texture: Some(_),
-                ..
-            }
-        )
-    }
 }
 
 /// A scene of either kind.
@@ -166,7 +155,12 @@ impl Source {
                 let scene = self.load_surface(texture.as_ref(), *spacing, doing)?;
                 let notes = scene.notes.clone();
                 let scene = match depth_image {
-                    Some(SourceCamera(camera)) => AnyScene::Splats(depth_image_of(&scene, camera)),
+                    Some(SourceCamera(camera)) => {
+                        let style = Style::opaque(scene.usual_threshold());
+                        let drawing = reference::surface::draw(&scene, camera, &style);
+                        let image = DepthImage::of_drawing(&drawing, camera);
+                        AnyScene::Splats(image.samples(&scene.name))
+                    }
                     None => AnyScene::Surface {
                         scene,
                         is_height_field: height_field::is_height_field(&self.path),
@@ -216,13 +210,6 @@ impl Source {
         let draped = drape(&field, &name, &texture, *method, cutoff).context(shown)?;
         Ok(draped.scene)
     }
-}
-
-/// The pixels of a depth image that `camera` takes of a surface, as samples in space.
-fn depth_image_of(scene: &SurfaceScene, camera: &Camera) -> Scene {
-    let style = Style::opaque(scene.usual_threshold());
-    let drawing = reference::surface::draw(scene, camera, &style);
-    DepthImage::of_drawing(&drawing, camera).samples(&scene.name)
 }
 
 /// A height field and its file's name.

@@ -211,7 +211,11 @@ pub fn compare_all(
 ) -> Result<Comparison> {
     let chosen = &prepared.plan.entry;
     let reference = prepared.plan.reference.unwrap_or(Engine::Float);
-    let entries = entries(chosen, others);
+    // The chosen one in its place among the others or else last.
+    let mut entries = others.to_vec();
+    if !entries.contains(chosen) {
+        entries.push(chosen.clone());
+    }
     let progress = ProgressMeter::new(entries.len() + 1);
     progress.doing(format!("{} reference", reference.name()));
     // Once is enough: the reference's time is not reported.
@@ -269,15 +273,6 @@ pub fn compare_all(
         map,
         report,
     })
-}
-
-/// All entries, the chosen one in its place among the others or else last.
-fn entries(chosen: &DesignVariant, others: &[DesignVariant]) -> Vec<DesignVariant> {
-    let mut entries = others.to_vec();
-    if !entries.contains(chosen) {
-        entries.push(chosen.clone());
-    }
-    entries
 }
 
 /// What a comparison writes into its folder.

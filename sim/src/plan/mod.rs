@@ -165,10 +165,8 @@ impl DesignVariant {
 impl Default for DesignVariant {
     /// `standard24` by spans.
     fn default() -> DesignVariant {
-        match DesignVariant::try_from(text::VariantText::default()) {
-            Ok(entry) => entry,
-            Err(_) => unreachable!("standard24 is a named design"),
-        }
+        let usual = DesignVariant::try_from(text::VariantText::default());
+        usual.expect("standard24 is a named design")
     }
 }
 

@@ -8,7 +8,7 @@ use crate::report::facts::SceneFacts;
 use crate::report::{FORMAT, HostTimes, Report};
 use crate::rules::Rules;
 use crate::scene::Weight;
-use crate::surface::{Buffer, Style};
+use crate::surface::Buffer;
 use crate::systems::SystemVerdict;
 use anyhow::{Context, Result, bail};
 use splatline::format::Traversal;
@@ -90,7 +90,15 @@ pub fn report_of(
         camera: (&plan.camera).into(),
         rules: match &plan.technique {
             Technique::Splats { rules, .. } => *rules,
-            Technique::Surface(style) => surface_rules(style),
+            // A style in the terms of rules.
+            Technique::Surface(style) => Rules {
+                name: "surf",
+                normalised: false,
+                low_pass: style.low_pass,
+                cutoff: style.cutoff,
+                minimum_transmittance: 0.0,
+                ..Rules::EWA
+            },
         },
         compositing: plan.compositing(),
         error: None,
@@ -137,17 +145,5 @@ fn scene_facts(prepared: &Prepared, drawing: &Drawing) -> SceneFacts {
             clamped,
             ..SceneFacts::default()
         },
-    }
-}
-
-/// A style in the terms of rules.
-fn surface_rules(style: &Style) -> Rules {
-    Rules {
-        name: "surf",
-        normalised: false,
-        low_pass: style.low_pass,
-        cutoff: style.cutoff,
-        minimum_transmittance: 0.0,
-        ..Rules::EWA
     }
 }

@@ -1,6 +1,6 @@
 //! From a prepared plan to a picture in double precision or in an emulated format.
 
-use super::draw::{plain, with_backfaces};
+use super::draw::with_backfaces;
 use super::{Drawing, Engine, Prepared, SplatMethod, Splats, Subject};
 use crate::hybrid::Hybrid;
 use crate::reference::compositor::{self, RowProgress as Rows};
@@ -12,8 +12,15 @@ use anyhow::{Result, bail};
 impl Prepared {
     /// Draws by one of the double-precision engines.
     pub fn draw_reference(&self, engine: Engine, rows: Rows) -> Result<Drawing> {
-        let drawing = match self.subject()? {
-            Subject::Splats(splats) => draw_splats_reference(engine, splats, rows)?,
+        match self.subject()? {
+            Subject::Splats(splats) => {
+                let drawn = draw_splats_reference(engine, splats, rows)?;
+                Ok(Drawing {
+                    culled: reference_culled(&drawn.counts),
+                    picture: drawn.picture,
+                    ..Drawing::default()
+                })
+            }
             Subject::Surface(..) if engine.stages().is_some() => {
                 let name = engine.name();
                 bail!("engine '{name}' draws splats and no surfaces: use fixed or float")
@@ -21,16 +28,13 @@ impl Prepared {
             Subject::Surface(scene, style) => {
                 let drawn = reference::surface::draw(scene, &self.plan.camera, style);
                 let culled = reference_culled(&drawn.counts);
-                return Ok(Drawing {
+                Ok(Drawing {
                     culled: with_backfaces(culled, style, drawn.counts.backfaces),
-                    ..plain(drawn.picture)
-                });
+                    picture: drawn.picture,
+                    ..Drawing::default()
+                })
             }
-        };
-        Ok(Drawing {
-            culled: reference_culled(&drawing.counts),
-            ..plain(drawing.picture)
-        })
+        }
     }
 }
 

@@ -45,16 +45,8 @@ impl ErrorMap {
 
     /// The map in colours.
     pub fn to_rgb(&self) -> Rgb {
-        let bytes = self
-            .differences
-            .iter()
-            .flat_map(|&d| colour(self.scale.position(d)))
-            .collect();
-        Rgb {
-            width: self.width,
-            height: self.height,
-            bytes,
-        }
+        let positions = self.differences.iter().map(|d| self.scale.position(*d));
+        Rgb::of_pixels([self.width, self.height], positions.map(colour))
     }
 }
 

@@ -131,11 +131,11 @@ fn headline(report: &Report) -> String {
 
 fn pictures(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -> Result<String> {
     let reference = reference_name(report);
-    let fixed_note = format!(
-        "<b>{}</b> {}",
-        escape(&report.engine),
-        escape(&fixed_caption(report))
-    );
+    let drawn_by = match &report.traversal {
+        Some(traversal) => format!("{}, {traversal}", report.design_name()),
+        None => "double precision".to_owned(),
+    };
+    let fixed_note = format!("<b>{}</b> {}", escape(&report.engine), escape(&drawn_by));
     let float_note = format!("<b>{}</b> double precision", escape(reference));
     let map_note = match map.magnification() {
         Some(factor) => {
@@ -159,7 +159,18 @@ fn pictures(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -
             "error" => scale_bar(map),
             _ => String::new(),
         };
-        figures += &figure(layer, &note, &picture, alternative, &below)?;
+        let class = if picture.width <= SMALL_PICTURE {
+            " class=\"small\""
+        } else {
+            ""
+        };
+        figures += &format!(
+            "<figure>\n<figcaption>{note}</figcaption>\n<div class=\"view\" data-layer=\"{layer}\" tabindex=\"0\"><img{class} width=\"{width}\" height=\"{height}\" alt=\"{alternative}\" \
+             src=\"data:image/png;base64,{data}\"><i hidden></i></div>\n{below}</figure>\n",
+            width = picture.width,
+            height = picture.height,
+            data = STANDARD.encode(picture.to_png()?),
+        );
     }
     Ok(format!(
         "<section>\n<h2>Pictures</h2>\n<p class=\"read\">{text}</p>\n{controls}<div class=\"pictures\" id=\"side\">\n{figures}</div>\n{readings}</section>\n",
@@ -167,13 +178,6 @@ fn pictures(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -
         readings = viewer::readings(map),
         text = pictures_text(map),
     ))
-}
-
-fn fixed_caption(report: &Report) -> String {
-    match &report.traversal {
-        Some(traversal) => format!("{}, {traversal}", report.design_name()),
-        None => "double precision".to_owned(),
-    }
 }
 
 fn pictures_text(map: &ErrorMap) -> String {
@@ -214,27 +218,6 @@ fn magnified(factor: f64) -> String {
     }
     let unit = 10f64.powi(factor.log10().floor() as i32 - 1);
     table::count(((factor / unit).round() * unit) as u64)
-}
-
-fn figure(
-    layer: &str,
-    note: &str,
-    picture: &Rgb,
-    alternative: &str,
-    below: &str,
-) -> Result<String> {
-    let class = if picture.width <= SMALL_PICTURE {
-        " class=\"small\""
-    } else {
-        ""
-    };
-    Ok(format!(
-        "<figure>\n<figcaption>{note}</figcaption>\n<div class=\"view\" data-layer=\"{layer}\" tabindex=\"0\"><img{class} width=\"{width}\" height=\"{height}\" alt=\"{alternative}\" \
-         src=\"data:image/png;base64,{data}\"><i hidden></i></div>\n{below}</figure>\n",
-        width = picture.width,
-        height = picture.height,
-        data = STANDARD.encode(picture.to_png()?),
-    ))
 }
 
 /// The colour scale with numbers; nothing if there is no error.
@@ -285,17 +268,14 @@ fn plots(report: &Report) -> String {
     if report.table.len() < 2 {
         return String::new();
     }
-    let plot = |(width, height)| plot::svg(&report.table, Across::HostTime, width, height);
     format!(
         "<section>\n<h2>Speed against error</h2>\n<p class=\"read\">Up is nearer to the reference, left is faster: the \
          best corner is the upper left. A colour is a design, a shape is a traversal, and a line joins the two traversals \
          of one design. Time is that of the bit-exact model on this machine ({repeat}, {threads}); it orders the designs' \
-         work, it is not the time of a chip. Point at a mark for its row.</p>\n<div class=\"plot\">\n<div class=\"wide\">{wide}</div>\n\
-         <div class=\"narrow\">{narrow}</div>\n</div>\n{cycles}</section>\n",
+         work, it is not the time of a chip. Point at a mark for its row.</p>\n{time}{cycles}</section>\n",
         repeat = plural(report.host.repeat, "run", "median of "),
         threads = plural(report.host.threads, "thread", ""),
-        wide = plot(WIDE_PLOT),
-        narrow = plot(NARROW_PLOT),
+        time = in_both_sizes(report, Across::HostTime),
         cycles = cycles_plot(report),
     )
 }
@@ -305,13 +285,20 @@ fn cycles_plot(report: &Report) -> String {
     if report.table.iter().all(|row| row.cycles.is_none()) {
         return String::new();
     }
-    let plot = |(width, height)| plot::svg(&report.table, Across::Cycles, width, height);
     format!(
         "<p class=\"read\">The same designs in clock cycles of the hardware model: one raster unit of one lane unless a machine \
-         was given. Widths hardly change cycles, the traversal does.</p>\n<div class=\"plot\">\n<div class=\"wide\">{}</div>\n\
-         <div class=\"narrow\">{}</div>\n</div>\n",
+         was given. Widths hardly change cycles, the traversal does.</p>\n{}",
+        in_both_sizes(report, Across::Cycles)
+    )
+}
+
+/// A plot of the designs for wide and for narrow screens, of which the style shows one.
+fn in_both_sizes(report: &Report, across: Across) -> String {
+    let plot = |(width, height)| plot::svg(&report.table, across, width, height);
+    format!(
+        "<div class=\"plot\">\n<div class=\"wide\">{}</div>\n<div class=\"narrow\">{}</div>\n</div>\n",
         plot(WIDE_PLOT),
-        plot(NARROW_PLOT),
+        plot(NARROW_PLOT)
     )
 }
 
@@ -437,7 +424,8 @@ fn error_table(error: &ErrorFacts) -> String {
 fn sweep_table(report: &Report) -> String {
     let words: Vec<usize> = (0..WORD_COLUMNS).collect();
     let line = |(index, row): (usize, &ReportRow)| {
-        let chosen = is_chosen(report, row);
+        let chosen =
+            row.design == report.design_name() && Some(&row.traversal) == report.traversal.as_ref();
         let mark = if chosen { " class=\"chosen\"" } else { "" };
         let cells = COLUMNS.map(|(_, cell)| escape(&cell(row)));
         html_row(
@@ -487,10 +475,6 @@ fn html_row(attributes: &str, tag: &str, words: &[usize], cells: &[impl AsRef<st
         text += &format!("<{tag}{class}>{}</{tag}>", cell.as_ref());
     }
     text + "</tr>\n"
-}
-
-fn is_chosen(report: &Report, row: &ReportRow) -> bool {
-    row.design == report.design_name() && Some(&row.traversal) == report.traversal.as_ref()
 }
 
 fn details(report: &Report) -> Result<String> {

@@ -58,17 +58,6 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// Of a machine whose raster phase takes so many cycles.
-    fn new(tiles: usize, columns: u32, raster: u64) -> Watched {
-        Watched {
-            columns,
-            tiles: vec![0; tiles],
-            slots: std::array::from_fn(|_| vec![0; SLOTS]),
-            slot: raster.div_ceil(SLOTS as u64).max(1),
-            first: vec![u64::MAX; tiles],
-        }
-    }
-
     /// Adds the cycles of an event to the slots that it lies in.
     fn spread(&mut self, stage: usize, start: u64, end: u64) {
         let mut from = start;
@@ -101,7 +90,13 @@ impl Observer for Watched {
 
 /// Simulates once more and watches.
 pub fn watch(workload: &Workload, work: &LaneWork, config: &Config, timing: &Timing) -> Watched {
-    let mut watched = Watched::new(work.tiles.len(), workload.columns, timing.raster);
+    let mut watched = Watched {
+        tiles: vec![0; work.tiles.len()],
+        slots: std::array::from_fn(|_| vec![0; SLOTS]),
+        slot: timing.raster.div_ceil(SLOTS as u64).max(1),
+        columns: workload.columns,
+        first: vec![u64::MAX; work.tiles.len()],
+    };
     simulate_observed(workload, work, config, &mut watched);
     watched
 }

@@ -20,14 +20,17 @@ impl Rgb {
     /// multiply by it once more.
     pub fn on_black(picture: &Picture) -> Rgb {
         let byte = |value: f64| (stored(value) * 255.0).round() as u8;
-        let bytes = picture
-            .pixels
-            .iter()
-            .flat_map(|p| [byte(p[0]), byte(p[1]), byte(p[2])])
-            .collect();
+        let colours = picture.pixels.iter().map(|[r, g, b, _]| [r, g, b]);
+        let colours = colours.map(|colour| colour.map(|value| byte(*value)));
+        Rgb::of_pixels([picture.width, picture.height], colours)
+    }
+
+    /// From the colours of its pixels.
+    pub fn of_pixels([width, height]: [usize; 2], colours: impl Iterator<Item = [u8; 3]>) -> Rgb {
+        let bytes = colours.flatten().collect();
         Rgb {
-            width: picture.width,
-            height: picture.height,
+            width,
+            height,
             bytes,
         }
     }

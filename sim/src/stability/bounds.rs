@@ -24,12 +24,6 @@ pub(super) struct ErrorBounds {
     footprint: RationalFootprint,
 }
 
-/// How far from the eye of a parallel view a splat is, `offset` pixels from the middle.
-fn camera_distance(footprint: &RationalFootprint, camera: &Camera, offset: [f64; 2]) -> f64 {
-    let [x, y] = [offset[0] / camera.fx, offset[1] / camera.fy];
-    (footprint.depth.powi(2) + x * x + y * y).sqrt()
-}
-
 /// Half a unit of a format with `bits` fraction bits.
 fn half(bits: u8) -> f64 {
     (-f64::from(bits) - 1.0).exp2()
@@ -46,13 +40,11 @@ impl ErrorBounds {
         let middle = [(camera.cx, camera.fx), (camera.cy, camera.fy)];
         let offset = [0, 1].map(|i| (footprint.centre[i] - middle[i].0).abs());
         // The difference to the eye, whose length over the depth is the slant, and the rotation.
+        let [x, y] = [0, 1].map(|i| offset[i] / middle[i].1);
         let slant = if camera.orthographic {
-            camera_distance(footprint, camera, offset) / footprint.depth.abs()
+            (footprint.depth.powi(2) + x * x + y * y).sqrt() / footprint.depth.abs()
         } else {
-            (1.0 + (0..2)
-                .map(|i| (offset[i] / middle[i].1).powi(2))
-                .sum::<f64>())
-            .sqrt()
+            (1.0 + (x * x + y * y)).sqrt()
         };
         let near = 8.0 * half(widths.position) * slant;
         let lost = (6.0 * u + 2.0 * near) * footprint.cancellation;

@@ -75,28 +75,21 @@ impl StageErrors {
         };
     }
 
-    pub(super) fn worsen_centre(&mut self, centre: [f64; 2], truth: &RationalFootprint) {
+    /// By what setup made of one splat: centre, depth and peak, xx, xy, yy and determinant of its variance, and the error of its form.
+    pub(super) fn worsen_setup(
+        &mut self,
+        centre: [f64; 2],
+        [depth, peak]: [f64; 2],
+        [xx, xy, yy, determinant]: [f64; 4],
+        form: f64,
+        truth: &RationalFootprint,
+    ) {
         for (got, expected) in centre.iter().zip(truth.centre) {
             self.centre = worse(self.centre, (got - expected).abs());
         }
-    }
-
-    pub(super) fn worsen_depth_and_peak(
-        &mut self,
-        depth: f64,
-        peak: f64,
-        truth: &RationalFootprint,
-    ) {
         self.depth = worse(self.depth, (depth / truth.depth - 1.0).abs());
         let [peak, expected] = [peak, truth.peak].map(|peak| peak.min(LARGEST_PEAK));
         self.peak = worse(self.peak, (peak / expected - 1.0).abs());
-    }
-
-    pub(super) fn worsen_variance(
-        &mut self,
-        [xx, xy, yy, determinant]: [f64; 4],
-        truth: &RationalFootprint,
-    ) {
         let [true_xx, true_xy, true_yy, true_determinant] = truth.variance;
         let cross = (xy - true_xy).abs() / (true_xx * true_yy).sqrt();
         for error in [
@@ -108,6 +101,7 @@ impl StageErrors {
         }
         let relative = (determinant / true_determinant - 1.0).abs();
         self.determinant = worse(self.determinant, relative);
+        self.form = worse(self.form, form);
     }
 
     /// Takes the errors of one splat as shares of its bounds; r and the picture have their own, pixel by pixel.

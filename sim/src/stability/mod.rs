@@ -155,11 +155,10 @@ fn single_errors(
                 usize::from(single.is_some() != (truth.is_some_and(|t| on_screen(case, &t))));
             continue;
         };
-        errors.worsen_centre(single.centre.map(f64::from), truth);
-        errors.worsen_depth_and_peak(single.position[2].into(), single.peak.into(), truth);
-        errors.worsen_variance(single.variance.map(f64::from), truth);
+        let (centre, variance) = (single.centre.map(f64::from), single.variance.map(f64::from));
+        let depth_and_peak = [single.position[2], single.peak].map(f64::from);
         let form = form_error_of_conic(single.conic.map(f64::from), truth);
-        errors.form = worse(errors.form, form);
+        errors.worsen_setup(centre, depth_and_peak, variance, form, truth);
         for (x, y) in pixels(case) {
             let r = truth.radial(x, y);
             if r < truth.cutoff {
@@ -231,17 +230,16 @@ fn setup_errors(
 ) -> StageErrors {
     let mut errors = StageErrors::default();
     let unit = f64::from(design.widths.subpixel).exp2();
-    errors.worsen_centre(fixed.centre.map(|c| c as f64 / unit), truth);
+    let centre = fixed.centre.map(|c| c as f64 / unit);
     let peak = f64::from(fixed.opacity) / f64::from(design.widths.peak).exp2();
-    errors.worsen_depth_and_peak(depth, peak, truth);
-    errors.worsen_variance(variance, truth);
-    errors.form = match design.traversal {
+    let form = match design.traversal {
         Traversal::Spans => form_error_of_ldl(fixed, truth),
         Traversal::Box => {
             let conic = fixed.conic;
             form_error_of_conic(conic.mantissa.map(|m| value(m, conic.exponent)), truth)
         }
     };
+    errors.worsen_setup(centre, [depth, peak], variance, form, truth);
     errors
 }
 

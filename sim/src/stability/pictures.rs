@@ -43,9 +43,8 @@ pub(super) fn errors(mut picture: Picture, truth: &TruePictures) -> StageErrors 
         decided_wrongly += usize::from(off);
         *got = expected;
     }
-    let Ok(errors) = metrics::compare(&picture, exact) else {
-        unreachable!("both pictures have the camera's size")
-    };
+    let errors = metrics::compare(&picture, exact);
+    let errors = errors.expect("both pictures have the camera's size");
     let psnr = errors.colour.psnr_db;
     StageErrors {
         picture: errors.colour.max_abs.max(errors.alpha.max_abs),

@@ -18,22 +18,16 @@ pub mod vcd;
 
 use crate::machine::observe::{Event, Observer, Stage};
 
-/// All stages in pipeline order, with their names and the letters that Konata shows.
-pub const STAGES: [(Stage, &str, &str); 6] = [
-    (Stage::Fetch, "fetch", "F"),
-    (Stage::Setup, "splat_setup", "S"),
-    (Stage::Rows, "row_generator", "R"),
-    (Stage::Lanes, "lanes", "L"),
-    (Stage::Blend, "blend", "B"),
-    (Stage::WriteBack, "write_back", "W"),
-];
-
-/// Name and letter of a stage.
+/// Name of a stage, and the letter that Konata shows.
 pub fn name_of(stage: Stage) -> (&'static str, &'static str) {
-    STAGES
-        .iter()
-        .find(|(other, ..)| *other == stage)
-        .map_or(("", ""), |(_, name, letter)| (name, letter))
+    match stage {
+        Stage::Fetch => ("fetch", "F"),
+        Stage::Setup => ("splat_setup", "S"),
+        Stage::Rows => ("row_generator", "R"),
+        Stage::Lanes => ("lanes", "L"),
+        Stage::Blend => ("blend", "B"),
+        Stage::WriteBack => ("write_back", "W"),
+    }
 }
 
 /// Keeps the events of some splats, and the write-backs of the tiles that they touch.

@@ -1,8 +1,8 @@
 //! Every stage of the kernel, run one after the other, with what crosses each boundary written down.
 
-use super::record::{Words, reason, record, stage};
+use super::record::{Words, reason, record};
 use super::{VectorStage, VectorSubject, functions, systems};
-use crate::fixed::{kernel_compositing, kernel_rules};
+use crate::fixed::{self, kernel_compositing, kernel_rules};
 use crate::rules::Compositing as Order;
 use splatline::blend::{Blend, Pixel};
 use splatline::draw::cutoff_in_lane;
@@ -10,7 +10,6 @@ use splatline::footprint::Footprint;
 use splatline::footprint::depth::{self, KEY_BITS};
 use splatline::footprint::packet::Layout;
 use splatline::format::{Design, Lane, Traversal, Widths};
-use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::math::shift_signed;
 use splatline::raster::{BoxSpans, EllipseSpans, Spans, Window};
 use splatline::rules::{Compositing, Rules};
@@ -51,22 +50,22 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
         visible.reverse();
     }
     let packets = packet_stage(&widths, subject.design.traversal, &visible);
-    let table = table_stage(&widths, rules.table_range);
-    let mut raster = RasterStages::new(design, subject, &rules);
+    let mut raster = RasterStages::new(design, subject, rules);
     for (number, (_, footprint)) in visible.iter().enumerate() {
         match subject.design.traversal {
             Traversal::Spans => {
-                raster.record(number, footprint, |d, w| EllipseSpans::new(d, footprint, w))
+                let rows = EllipseSpans::new(design, footprint, &raster.window);
+                raster.record(number, footprint, rows);
             }
             Traversal::Box => {
-                raster.record(number, footprint, |d, w| BoxSpans::new(d, footprint, w))
+                let rows = BoxSpans::new(design, footprint, &raster.window);
+                raster.record(number, footprint, rows);
             }
         }
     }
-    let tile = raster.tile();
     let [splats, camera, projected, columns, covariance, opacity] = setup;
     let [reciprocals, roots, logarithms] = functions::tables();
-    vec![
+    let before = [
         splats,
         reciprocals,
         roots,
@@ -78,16 +77,13 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
         covariance,
         opacity,
         packets,
-        table,
-        raster.runs,
-        raster.pixels,
-        tile,
-    ]
+    ];
+    before.into_iter().chain(raster.finish()).collect()
 }
 
 /// The inputs, whose fields are the same for every subject.
 pub(super) fn splats_stage() -> VectorStage {
-    stage(
+    VectorStage::new(
         "splats",
         "one input splat a record",
         "x:n y:n z:n axis_a_x:-32 axis_a_y:-32 axis_a_z:-32 axis_a_exponent:-32 axis_b_x:-32 axis_b_y:-32 axis_b_z:-32 axis_b_exponent:-32 \
@@ -101,29 +97,29 @@ fn setup_stages(widths: &Widths) -> [VectorStage; 6] {
     let centre = 28 + subpixel;
     [
         splats_stage(),
-        stage(
+        VectorStage::new(
             "camera",
             "t = W (u - e), one splat a record: three words with one exponent",
             "x:-64 y:-64 z:-64 exponent:-32",
         ),
-        stage(
+        VectorStage::new(
             "projected",
             "one splat a record; culled: 0 drawn, 1 near, 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside; zeros from 1 to 3",
             &format!(
                 "culled:4 depth:{KEY_BITS} centre_u:-{centre}.{subpixel} centre_v:-{centre}.{subpixel} ratio_x:n ratio_y:n gain_x:n gain_y:n"
             ),
         ),
-        stage(
+        VectorStage::new(
             "columns",
             "M = J W A, one splat a record; zeros if it was culled before",
             "a_x:n a_y:n b_x:n b_y:n c_x:n c_y:n",
         ),
-        stage(
+        VectorStage::new(
             "covariance",
             "V' + V^h and its determinant, one splat a record; zeros if it was culled before",
             "xx:n xy:n yy:n determinant:n",
         ),
-        stage(
+        VectorStage::new(
             "opacity",
             "opacity at the centre before it is rounded to the packet's, one splat a record; zeros if it was culled before",
             "peak:n",
@@ -176,7 +172,7 @@ fn packet_stage(
     }
     // Behind the packet proper, so that its bits keep their places.
     fields += &format!("depth:{KEY_BITS} splat");
-    let mut stage = stage(
+    let mut stage = VectorStage::new(
         "packets",
         "footprint packets in the order of drawing, then depth (the sort key) and the splat's number",
         &fields,
@@ -196,28 +192,18 @@ fn packet_stage(
     stage
 }
 
-fn table_stage(widths: &Widths, range: u8) -> VectorStage {
-    let fields = format!("entry:{}.{}", widths.weight + 1, widths.weight);
-    let mut stage = stage("table", "entries of the footprint table", &fields);
-    let mut memory = vec![0; entries(widths)];
-    fill_gaussian(&mut memory, widths, range);
-    stage.records = memory.iter().map(|entry| record![*entry]).collect();
-    stage
-}
-
 /// The fields of a pixel's word.
 fn pixel_fields(widths: &Widths) -> String {
     let (a, t) = (widths.accumulator, widths.transmittance);
     format!("red:32.{a} green:32.{a} blue:32.{a} transmittance:31.{t} finished:1")
 }
 
-/// Runs, pixels and the picture.
+/// The footprint table, runs, pixels and the picture.
 struct RasterStages<D> {
     design: D,
-    blend: Blend,
+    rules: Rules,
     compositing: Compositing,
     table: Vec<u32>,
-    range: u8,
     window: Window,
     picture: Vec<Pixel>,
     runs: VectorStage,
@@ -225,35 +211,31 @@ struct RasterStages<D> {
 }
 
 impl<D: Design> RasterStages<D> {
-    fn new(design: D, subject: &VectorSubject, rules: &Rules) -> Self {
+    fn new(design: D, subject: &VectorSubject, rules: Rules) -> Self {
         let widths = design.widths();
-        let mut table = vec![0; entries(&widths)];
-        fill_gaussian(&mut table, &widths, rules.table_range);
         let window = Window {
             first: [0; 2],
             end: subject.view.viewport,
         };
-        let count = window.end.iter().map(|side| usize::from(*side)).product();
         let (lane, fraction) = match subject.design.traversal {
             Traversal::Spans => (8 * size_of::<D::Lane>(), widths.radial),
             Traversal::Box => (64, 36),
         };
         RasterStages {
             design,
-            blend: Blend::new(&widths, rules),
             compositing: kernel_compositing(subject.compositing),
-            table,
-            range: rules.table_range,
+            table: fixed::table_entries(&widths, &rules),
+            rules,
             window,
-            picture: vec![Pixel::clear(&widths); count],
-            runs: stage(
+            picture: vec![Pixel::clear(&widths); window.pixels()],
+            runs: VectorStage::new(
                 "runs",
                 "runs of adjacent pixels: radial index at the first, its difference, the difference's difference",
                 &format!(
                     "packet row:16 column:16 length:16 radial:-{lane}.{fraction} first:-{lane}.{fraction} second:-{lane}.{fraction}"
                 ),
             ),
-            pixels: stage(
+            pixels: VectorStage::new(
                 "pixels",
                 "pixels inside a footprint: radial index, opacity (0: skipped), and the pixel's word afterwards",
                 &format!(
@@ -268,59 +250,54 @@ impl<D: Design> RasterStages<D> {
         }
     }
 
-    fn record<R: Spans>(
-        &mut self,
-        number: usize,
-        footprint: &Footprint,
-        start: impl Fn(D, &Window) -> R,
-    ) {
-        let mut rows = start(self.design, &self.window);
+    /// A footprint's rows, with the pixels that it covers composited one by one.
+    fn record(&mut self, number: usize, footprint: &Footprint, mut rows: impl Spans) {
         let widths = self.design.widths();
+        let (table, blend) = (
+            fixed::table(&self.table, &widths, &self.rules),
+            Blend::new(&widths, &self.rules),
+        );
         let drop = rows.fraction() as i32 - i32::from(widths.radial);
         let end = cutoff_in_lane(footprint.cutoff, widths.radial);
+        let (columns, colour) = (usize::from(self.window.end[0]), &footprint.colour);
         while let Some(run) = rows.next_span() {
             let lanes = [run.radial, run.first, run.second].map(Lane::to_wide);
-            self.runs
-                .add(record![number as i64; run.y; run.x; run.length; lanes]);
+            let record = record![number as i64; run.y; run.x; run.length; lanes];
+            self.runs.add(record);
             for (column, lane) in (run.x..).zip(run.radials()) {
                 let radial = shift_signed(lane.to_wide(), drop).max(0) as u64;
-                if radial < end {
-                    self.pixel(number, footprint, [column, run.y], radial);
+                if radial >= end {
+                    continue;
                 }
+                let pixel = &mut self.picture[usize::from(run.y) * columns + usize::from(column)];
+                let alpha = blend.opacity(footprint.opacity, table.weight(radial));
+                if alpha > 0 && !pixel.is_finished() {
+                    match self.compositing {
+                        Compositing::FrontToBack => blend.front_to_back(pixel, alpha, colour),
+                        Compositing::BackToFront => blend.back_to_front(pixel, alpha, colour),
+                        Compositing::XRay => blend.x_ray(pixel, alpha, colour),
+                    }
+                }
+                let record = record![number as i64; run.y; column; radial; alpha; *pixel];
+                self.pixels.add(record);
             }
         }
     }
 
-    fn pixel(&mut self, number: usize, footprint: &Footprint, [x, y]: [u16; 2], radial: u64) {
+    fn finish(self) -> [VectorStage; 4] {
         let widths = self.design.widths();
-        let at = usize::from(y) * usize::from(self.window.end[0]) + usize::from(x);
-        let table = FootprintTable::new(&self.table, &widths, self.range);
-        let (Ok(table), Some(pixel)) = (table, self.picture.get_mut(at)) else {
-            return;
-        };
-        let alpha = self.blend.opacity(footprint.opacity, table.weight(radial));
-        if alpha > 0 && !pixel.is_finished() {
-            match self.compositing {
-                Compositing::FrontToBack => {
-                    self.blend.front_to_back(pixel, alpha, &footprint.colour)
-                }
-                Compositing::BackToFront => {
-                    self.blend.back_to_front(pixel, alpha, &footprint.colour)
-                }
-                Compositing::XRay => self.blend.x_ray(pixel, alpha, &footprint.colour),
-            }
-        }
-        let record = record![number as i64; y; x; radial; alpha; *pixel];
-        self.pixels.add(record);
-    }
-
-    fn tile(&self) -> VectorStage {
-        let mut stage = stage(
+        let mut table = VectorStage::new(
+            "table",
+            "entries of the footprint table",
+            &format!("entry:{}.{}", widths.weight + 1, widths.weight),
+        );
+        table.records = self.table.iter().map(|entry| record![*entry]).collect();
+        let mut tile = VectorStage::new(
             "tile",
             "the finished picture, row by row",
-            &pixel_fields(&self.design.widths()),
+            &pixel_fields(&widths),
         );
-        stage.records = self.picture.iter().map(|pixel| record![pixel]).collect();
-        stage
+        tile.records = self.picture.iter().map(|pixel| record![pixel]).collect();
+        [table, self.runs, self.pixels, tile]
     }
 }

@@ -81,7 +81,6 @@ pub fn verify(folder: &Path) -> Result<Verified, Refused> {
         compare(&expected, stage, &got).map_err(|difference| refused(&file, difference))?;
         verified.stages.push((stage.name.to_owned(), got.len()));
     }
-    let file = folder.join("manifest.json");
     check_manifest(&text, &Manifest::new(&subject, &expected))
         .map_err(|problem| refused(&file, problem))?;
     Ok(verified)

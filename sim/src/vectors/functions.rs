@@ -2,7 +2,7 @@
 
 use super::VectorStage;
 use super::builtin::{BuiltinRandom, soft};
-use super::record::{Words, record, stage};
+use super::record::{Words, record};
 use splatline::math::{LOGARITHMS, RECIPROCALS, ROOTS, SoftFloat, ln, reciprocal, square_root};
 
 /// Bits of results.
@@ -32,7 +32,7 @@ const CASES: usize = 4096;
 /// Reciprocal, root and logarithm of numbers of all lengths, signs and exponents: to 16 bits, the most without the step behind the table, to 17
 /// and to 31. What has no result has zeros.
 pub fn cases() -> VectorStage {
-    let mut stage = stage(
+    let mut stage = VectorStage::new(
         "functions",
         "an argument; its reciprocal and root to 16, 17 and 31 bits, and its logarithm; zeros where there is none",
         "x:n reciprocal_16:n reciprocal_17:n reciprocal_31:n root_16:n root_17:n root_31:n logarithm:-64.32",
@@ -68,7 +68,7 @@ fn argument(random: &mut BuiltinRandom, case: usize) -> SoftFloat {
 /// The read-only memories of setup and rows, which do not depend on the design.
 pub fn tables() -> [VectorStage; 3] {
     let table = |name, about, fields, words: &[u32]| {
-        let mut stage = stage(name, about, fields);
+        let mut stage = VectorStage::new(name, about, fields);
         let records = words.chunks(stage.fields.len());
         stage.records = records.map(|record| record![record]).collect();
         stage

@@ -1,4 +1,4 @@
-//! What stages are made of: fields by a line of text, records of anything, operands of all lengths.
+//! What records are made of: words of anything, operands of all lengths.
 
 use super::VectorStage;
 use super::builtin::{BuiltinRandom, soft};
@@ -12,27 +12,6 @@ use splatline::footprint::surface::Attributes;
 use splatline::math::SoftFloat;
 use splatline::setup::Cull;
 use splatline::splat::{Axis, VolumeSplat};
-
-/// A stage of fields `name*count:-bits.fraction`; without `*` one, without `-` not signed, without `.` an integer. `name:n` is mantissa and exponent.
-pub(super) fn stage(name: &'static str, about: &'static str, fields: &str) -> VectorStage {
-    let fields = fields.split_whitespace().flat_map(|text| {
-        let (name, format) = text.split_once(':').unwrap_or((text, "32"));
-        let (name, count) = name.split_once('*').unwrap_or((name, "1"));
-        let (bits, fraction) = format.split_once('.').unwrap_or((format, "0"));
-        let number = |text: &str| text.trim_start_matches('-').parse().unwrap_or(1);
-        let names: Vec<String> = match (bits, number(count)) {
-            ("n", _) => vec![format!("{name}_mantissa"), format!("{name}_exponent")],
-            (_, 1) => vec![name.to_owned()],
-            (_, count) => (0..count).map(|place| format!("{name}_{place}")).collect(),
-        };
-        let bits = if bits == "n" { "-32" } else { bits };
-        let format = (number(bits), bits.starts_with('-'), number(fraction));
-        names
-            .into_iter()
-            .map(move |name| (name, format.0, format.1, format.2))
-    });
-    VectorStage::new(name, about, fields)
-}
 
 /// The `culled` field: 0, or the place of the reason in [`Cull::ALL`] counted from 1.
 pub(super) fn reason<T>(result: &Result<T, Cull>) -> i64 {

@@ -61,30 +61,37 @@ pub struct VectorStage {
 }
 
 impl VectorStage {
-    /// A stage without records; fields are `(name, bits, signed, fraction)` in order.
-    pub fn new(
-        name: &'static str,
-        about: &'static str,
-        fields: impl IntoIterator<Item = (String, usize, bool, usize)>,
-    ) -> Self {
-        let mut offset = 0;
-        let place = |(name, bits, signed, fraction)| {
-            let field = RecordField {
-                name,
-                offset,
-                bits,
-                signed,
-                fraction,
-            };
-            offset += bits;
-            field
-        };
-        VectorStage {
+    /// A stage without records, of fields `name*count:-bits.fraction`; without `*` one, without `-` not signed, without `.` an integer, without `:` a
+    /// word of 32 bits. `name:n` is mantissa and exponent.
+    pub(super) fn new(name: &'static str, about: &'static str, fields: &str) -> Self {
+        let mut stage = VectorStage {
             name,
             about,
-            fields: fields.into_iter().map(place).collect(),
+            fields: Vec::new(),
             records: Vec::new(),
+        };
+        for text in fields.split_whitespace() {
+            let (name, format) = text.split_once(':').unwrap_or((text, "32"));
+            let (name, count) = name.split_once('*').unwrap_or((name, "1"));
+            let (bits, fraction) = format.split_once('.').unwrap_or((format, "0"));
+            let number = |text: &str| text.trim_start_matches('-').parse().unwrap_or(1);
+            let names: Vec<String> = match (bits, number(count)) {
+                ("n", _) => vec![format!("{name}_mantissa"), format!("{name}_exponent")],
+                (_, 1) => vec![name.to_owned()],
+                (_, count) => (0..count).map(|place| format!("{name}_{place}")).collect(),
+            };
+            let bits = if bits == "n" { "-32" } else { bits };
+            for name in names {
+                stage.fields.push(RecordField {
+                    name,
+                    offset: stage.bits(),
+                    bits: number(bits),
+                    signed: bits.starts_with('-'),
+                    fraction: number(fraction),
+                });
+            }
         }
+        stage
     }
 
     /// One more record.
@@ -166,12 +173,7 @@ mod tests {
     use super::*;
 
     fn stage() -> VectorStage {
-        let fields = [("a", 3, true, 0), ("b", 64, true, 0), ("c", 5, false, 2)];
-        VectorStage::new(
-            "test",
-            "",
-            fields.map(|(n, b, s, f)| (n.to_owned(), b, s, f)),
-        )
+        VectorStage::new("test", "", "a:-3 b:-64 c:5.2")
     }
 
     #[test]
@@ -189,14 +191,13 @@ mod tests {
     /// Fields of every width at every place within a word, against one number of 128 bits.
     #[test]
     fn fields_are_the_bits_of_one_number() {
-        for (before, bits) in (1..64).flat_map(|before| (1..=64).map(move |bits| (before, bits))) {
+        for (before, bits) in
+            (1..64usize).flat_map(|before| (1..=64).map(move |bits| (before, bits)))
+        {
             for signed in [false, true] {
-                let fields = [("before", before, false, 0), ("field", bits, signed, 0)];
-                let mut stage = VectorStage::new(
-                    "test",
-                    "",
-                    fields.map(|(n, b, s, f)| (n.to_owned(), b, s, f)),
-                );
+                let sign = if signed { "-" } else { "" };
+                let fields = format!("before:{before} field:{sign}{bits}");
+                let mut stage = VectorStage::new("test", "", &fields);
                 let mask = u64::MAX >> (64 - bits);
                 for word in
                     [0, 1, u64::MAX, 1 << (bits - 1), 0x9e37_79b9_7f4a_7c15].map(|w| w & mask)

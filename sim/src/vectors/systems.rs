@@ -4,7 +4,7 @@
 //! the ends of their formats. A record has the operands, then the results.
 
 use super::builtin::{BuiltinRandom, soft};
-use super::record::{Words, push, record, stage};
+use super::record::{Words, push, record};
 use super::{VectorStage, VectorSubject};
 use crate::fixed::kernel_rules;
 use fixed::types::{I2F30, I4F28, I32F32, U4F28};
@@ -35,6 +35,12 @@ const ONE: u32 = 1 << 30;
 const PRINT: &str =
     "culled:4 depth:48 centre*2:-64 first*2:16 end*2:16 ldl*8:-32 cutoff:32.28 peak:32";
 
+/// The fields of a pixel's word.
+fn pixel_fields(widths: &Widths) -> String {
+    let (a, t) = (widths.accumulator, widths.transmittance);
+    format!("colour*3:32.{a} transmittance:31.{t} finished:1")
+}
+
 /// All of them, in the order of the specification.
 pub fn stages<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStage> {
     let rules = kernel_rules(&subject.rules);
@@ -55,7 +61,7 @@ pub fn stages<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStage>
 }
 
 fn colours(widths: &Widths, subject: &VectorSubject) -> VectorStage {
-    let mut stage = stage(
+    let mut stage = VectorStage::new(
         "colours",
         "view-dependent colour, one splat a record: the direction to it; that of the colour, base, coefficients, colour",
         "view*3:-32.30 direction*3:-32.30 base*3:-32.28 count:8 coefficient*72:-32.28 colour*3:32.28",
@@ -84,7 +90,7 @@ fn colours(widths: &Widths, subject: &VectorSubject) -> VectorStage {
 
 fn surfaces<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> VectorStage {
     let f = attribute_fraction(&design.widths());
-    let mut stage = stage(
+    let mut stage = VectorStage::new(
         "surfaces",
         "surface splats of the splats' first two axes and the third for a normal: print, plane, attributes, depth at the box's end",
         &format!(
@@ -124,12 +130,11 @@ fn surfaces<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vec
 
 fn samples(widths: &Widths) -> VectorStage {
     let (f, s) = (attribute_fraction(widths), sum_fraction(widths));
-    let (a, t) = (widths.accumulator, widths.transmittance);
+    let (a, pixel) = (widths.accumulator, pixel_fields(widths));
     let fragment = format!(
         "weight:32.{s} sum*4:32.{s} normal:-32.{s} normal_y:-32.{s} normal_z:-32.{s} near:32.23 far:32.23 of:8"
     );
-    let pixel = format!("colour*3:32.{a} transmittance:31.{t} finished:1");
-    let mut stage = stage(
+    let mut stage = VectorStage::new(
         "samples",
         "a sample; what it adds to a pixel of one fragment and to one of two layers; the first divided, covered, and both resolved",
         &format!(
@@ -196,7 +201,7 @@ fn samples(widths: &Widths) -> VectorStage {
 }
 
 fn octaves() -> VectorStage {
-    let mut stage = stage(
+    let mut stage = VectorStage::new(
         "octaves",
         "an opacity and its optical depth, an optical depth and what shines through it",
         "alpha:32.31 octaves:64.44 depth:32.28 through:32.31",
@@ -213,7 +218,7 @@ fn octaves() -> VectorStage {
 }
 
 fn deep() -> VectorStage {
-    let mut stage = stage(
+    let mut stage = VectorStage::new(
         "deep",
         "a layer over a pixel: opacity, transmittance or optical depth; to nearest, down or dithered; bits. What still shines through; \
          the pixel after it front to back, and back to front",
@@ -247,7 +252,7 @@ fn deep() -> VectorStage {
 }
 
 fn points<D: Design>(design: D, subject: &VectorSubject) -> VectorStage {
-    let mut stage = stage(
+    let mut stage = VectorStage::new(
         "points",
         "the splats as points by the rules ewa: is it one, has the filter an area, its footprint",
         &format!(
@@ -278,10 +283,9 @@ fn points<D: Design>(design: D, subject: &VectorSubject) -> VectorStage {
 }
 
 fn gathers(widths: &Widths, rules: &Rules) -> VectorStage {
-    let (c, a, t) = (widths.colour, widths.accumulator, widths.transmittance);
-    let alpha = widths.alpha;
-    let pixel = format!("colour*3:32.{a} transmittance:31.{t} finished:1");
-    let mut stage = stage(
+    let (c, a, alpha) = (widths.colour, widths.accumulator, widths.alpha);
+    let pixel = pixel_fields(widths);
+    let mut stage = VectorStage::new(
         "gathers",
         "points gathered by a pixel: pixel and slab after each, and the pixel if the slab is closed then",
         &format!(
@@ -312,16 +316,15 @@ fn gathers(widths: &Widths, rules: &Rules) -> VectorStage {
 }
 
 fn sheets(widths: &Widths, rules: &Rules) -> VectorStage {
-    let (a, t) = (widths.accumulator, widths.transmittance);
-    let pixel = format!("colour*3:32.{a} transmittance:31.{t} finished:1");
+    let pixel = pixel_fields(widths);
     let about =
         "a pixel, a sheet's pixel; the first with the sheet behind it, and with the sheet over it";
-    let mut stage = stage("sheets", about, &format!("{pixel} {pixel} {pixel} {pixel}"));
+    let mut stage = VectorStage::new("sheets", about, &format!("{pixel} {pixel} {pixel} {pixel}"));
     let (mut random, blend) = (BuiltinRandom(7), Blend::new(widths, rules));
     for _ in 0..STEPS {
         let [pixel, sheet] = [(); 2].map(|()| Pixel {
             colour: random.three(u32::MAX),
-            transmittance: random.up_to(1 << t),
+            transmittance: random.up_to(1 << widths.transmittance),
         });
         let (mut behind, mut over) = (pixel, pixel);
         blend.sheet_behind(&mut behind, &sheet);
@@ -332,7 +335,7 @@ fn sheets(widths: &Widths, rules: &Rules) -> VectorStage {
 }
 
 fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> VectorStage {
-    let mut stage = stage(
+    let mut stage = VectorStage::new(
         "spheres",
         "the splats as spheres: exact or approximate; affine, perspective or by rays; the footprint and what corrects its index",
         &format!(
@@ -393,7 +396,7 @@ fn perspective_entries() -> [u32; PERSPECTIVE_ENTRIES] {
 }
 
 fn perspective() -> VectorStage {
-    let mut stage = stage(
+    let mut stage = VectorStage::new(
         "perspective",
         "entries of the two-index table, row by row of the spread",
         "entry:32.28",
@@ -405,7 +408,7 @@ fn perspective() -> VectorStage {
 
 fn indices(widths: &Widths, subject: &VectorSubject) -> VectorStage {
     let bits = widths.radial;
-    let mut stage = stage(
+    let mut stage = VectorStage::new(
         "indices",
         "a sphere's radial index; a spread and what it makes of it; a pixel, L, the squared length of its ray and what they make of it",
         &format!(

@@ -62,7 +62,13 @@ impl Copy {
                 false => write(&tree.join(file), &bytes)?,
             }
         }
-        let (mut sources, mut mutants) = (Vec::new(), vec![nothing()]);
+        // Mutants count from 1: 0 is none.
+        let none = Mutant {
+            key: "none".into(),
+            dropped: true,
+            ..Mutant::default()
+        };
+        let (mut sources, mut mutants) = (Vec::new(), vec![none]);
         for (path, text) in texts {
             let found = match path.ends_with("/tests.rs") {
                 true => find(&path, "", mutants.len())?,
@@ -191,15 +197,6 @@ impl Copy {
             .stderr(Stdio::inherit())
             .output()?;
         Ok(output.stdout)
-    }
-}
-
-fn nothing() -> Mutant {
-    Mutant {
-        key: "none".into(),
-        line: 0,
-        constant: false,
-        dropped: true,
     }
 }
 

@@ -9,6 +9,7 @@ use syn::visit::{self, Visit};
 use syn::{Expr, Lit, UnOp};
 
 /// One change of the source.
+#[derive(Default)]
 pub struct Mutant {
     /// File, function, line of source and change: what names it in tables.
     pub key: String,
@@ -39,6 +40,7 @@ pub enum Kind {
 }
 
 /// What was found in one file.
+#[derive(Default)]
 pub struct Found {
     pub mutants: Vec<Mutant>,
     pub edits: Vec<Edit>,
@@ -55,10 +57,7 @@ pub fn find(path: &str, text: &str, first: usize) -> Result<Found, syn::Error> {
         function: String::new(),
         constant: false,
         deferred: Vec::new(),
-        found: Found {
-            mutants: Vec::new(),
-            edits: Vec::new(),
-        },
+        found: Found::default(),
     };
     finder.visit_file(&tree);
     finder.number_repetitions();

@@ -42,8 +42,7 @@ fn camera_from_file(path: &Path, options: &CameraArgs) -> Result<(Camera, Vec<St
     for note in &pose.notes {
         print_error(&format!("{}: {note}\n", pose.name));
     }
-    let warnings = correction(path, &pose);
-    sized(pose.camera, options, warnings)
+    of_pose(path, pose, options)
 }
 
 /// The first camera that a trainer's folder was trained with, where nothing is said about the view.
@@ -63,16 +62,19 @@ fn trained_camera(scene: &Path, options: &CameraArgs) -> Result<Option<(Camera, 
         first.name,
         scene.display()
     ))?;
-    let warnings = correction(&file, &first);
-    sized(first.camera, options, warnings).map(Some)
+    of_pose(&file, first, options).map(Some)
 }
 
-/// The camera with the picture's size that is asked for; what that stretches is told.
-fn sized(
-    camera: Camera,
-    options: &CameraArgs,
-    mut warnings: Vec<String>,
-) -> Result<(Camera, Vec<String>)> {
+/// A file's camera with the picture's size that is asked for; a rotation that was corrected, and what that size stretches, are told.
+fn of_pose(path: &Path, pose: CameraPose, options: &CameraArgs) -> Result<(Camera, Vec<String>)> {
+    let (camera, change, field) = (pose.camera, pose.correction, pose.rotation_field);
+    let mut warnings = Vec::new();
+    if change > NOTABLE_CORRECTION {
+        warnings.push(format!(
+            "camera file '{}': '{field}' is a rotation only nearly; the nearest one is used, which changes entries by up to {change:.1e}",
+            path.display()
+        ));
+    }
     let Some([width, height]) = options.size else {
         return Ok((camera, warnings));
     };
@@ -87,18 +89,6 @@ fn sized(
         ));
     }
     Ok((camera.resized(width, height)?, warnings))
-}
-
-/// What to say about a rotation that was corrected.
-fn correction(path: &Path, pose: &CameraPose) -> Vec<String> {
-    let (change, field) = (pose.correction, pose.rotation_field);
-    if change <= NOTABLE_CORRECTION {
-        return Vec::new();
-    }
-    let file = path.display();
-    vec![format!(
-        "camera file '{file}': '{field}' is a rotation only nearly; the nearest one is used, which changes entries by up to {change:.1e}"
-    )]
 }
 
 fn camera_from_eye(
@@ -120,10 +110,8 @@ fn camera_from_eye(
 
 /// An automatic camera, unless the scene's coordinates are so large that it cannot be placed: their squares overflow beyond 1e154.
 pub fn sound_camera(camera: Camera, scene: &str) -> Result<Camera> {
-    match camera.is_sound() {
-        true => Ok(camera),
-        false => Err(too_large(scene)),
-    }
+    let sound = camera.is_sound().then_some(camera);
+    sound.ok_or_else(|| too_large(scene))
 }
 
 fn too_large(scene: &str) -> Error {

@@ -66,7 +66,16 @@ impl PlanRequest<'_> {
                 return Err(usage(message));
             }
         }
-        refuse_height_field_options(path, options)?;
+        let of_height_fields = [
+            (options.texture.is_some(), "--texture"),
+            (options.spacing.is_some(), "--spacing"),
+        ];
+        if !is_height_field(path)
+            && let Some(option) = first_given(&of_height_fields)
+        {
+            let message = format!("{option} needs a height field: give a .csv file as scene");
+            return Err(usage(message));
+        }
         let depth_image = options.depth_image_from.as_deref().map(source_camera);
         let photograph = options.texture.clone();
         Ok(Contents::Surface {
@@ -250,23 +259,15 @@ fn for_surfaces(view: &ViewOptions) -> Vec<Given> {
 
 /// Refuses options that have no meaning beside another one.
 fn refuse(beside: &str, options: &[Given]) -> Result<()> {
-    match options.iter().find(|(given, _)| *given) {
-        Some((_, option)) => Err(usage(format!("{option} has no meaning with {beside}"))),
+    match first_given(options) {
+        Some(option) => Err(usage(format!("{option} has no meaning with {beside}"))),
         None => Ok(()),
     }
 }
 
-fn refuse_height_field_options(path: &Path, surface: &SurfaceArgs) -> Result<()> {
-    let options = [
-        (surface.texture.is_some(), "--texture"),
-        (surface.spacing.is_some(), "--spacing"),
-    ];
-    match options.iter().find(|(given, _)| *given) {
-        Some((_, option)) if !is_height_field(path) => Err(usage(format!(
-            "{option} needs a height field: give a .csv file as scene"
-        ))),
-        _ => Ok(()),
-    }
+fn first_given(options: &[Given]) -> Option<&'static str> {
+    let given = options.iter().find(|(given, _)| *given);
+    given.map(|(_, option)| *option)
 }
 
 /// The camera that takes a depth image.

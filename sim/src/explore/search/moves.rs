@@ -90,7 +90,9 @@ impl Search<'_> {
     ) -> Result<Vec<usize>> {
         self.until_it_stays(start, |search, mut point| {
             for axis in axes {
-                let others = others_of(search, &point, *axis);
+                let all = 0..search.space.axes[*axis].values.len();
+                let others = all.filter(|index| *index != point[*axis]);
+                let others: Vec<_> = others.map(|index| moved(&point, *axis, index)).collect();
                 point = search.best(&point, &others, judge)?;
             }
             Ok(point)
@@ -259,14 +261,6 @@ fn is_width(axis: &SpaceAxis) -> bool {
         .filter_map(toml::Value::as_integer)
         .collect();
     axis.part == SpacePart::Design && named && bits.is_sorted()
-}
-
-/// The point with every other value of a field.
-fn others_of(search: &Search, point: &[usize], axis: usize) -> Vec<Vec<usize>> {
-    let all = 0..search.space.axes[axis].values.len();
-    all.filter(|index| *index != point[axis])
-        .map(|index| moved(point, axis, index))
-        .collect()
 }
 
 /// A field one step up or down its axis.

@@ -265,12 +265,7 @@ pub(super) fn count(
         .par_iter()
         .map(|area| count_tile(reference, engines, order, *area))
         .collect();
-    let picture = PixelBox {
-        x0: 0,
-        y0: 0,
-        x1: camera.width,
-        y1: camera.height,
-    };
+    let picture = PixelBox::whole(camera);
     let mut joined = vec![Decisions::none(picture); engines.len()];
     for (area, tile) in areas.iter().zip(tiles) {
         for (joined, tile) in joined.iter_mut().zip(tile) {

@@ -115,13 +115,17 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
         clamped: 0,
         decisions: Box::new(double(&other.projected, rules)),
     }];
-    engines.extend(singles.iter().map(|(name, single)| DrawnClass {
-        name,
-        picture: &single.picture,
-        conics: single.conics().collect(),
-        drawn: single.projected.iter().map(Option::is_some).collect(),
-        clamped: 0,
-        decisions: Box::new(flips::single(&single.projected, camera, rules)),
+    engines.extend(singles.iter().map(|(name, single)| {
+        DrawnClass {
+            name,
+            picture: &single.picture,
+            conics: (single.projected.iter())
+                .map(|f| Some(f.as_ref()?.conic.map(f64::from)))
+                .collect(),
+            drawn: single.projected.iter().map(Option::is_some).collect(),
+            clamped: 0,
+            decisions: Box::new(flips::single(&single.projected, camera, rules)),
+        }
     }));
     let fixed = designs.iter().zip(&drawings);
     engines.extend(fixed.map(|(design, (drawing, footprints))| DrawnClass {
@@ -297,10 +301,5 @@ impl SingleDrawing {
         let colours = scene.colours(camera);
         let picture = single::picture(&projected, &colours, order, camera, &RULES);
         SingleDrawing { projected, picture }
-    }
-
-    fn conics(&self) -> impl Iterator<Item = Option<[f64; 3]>> {
-        let projected = self.projected.iter();
-        projected.map(|f| Some(f.as_ref()?.conic.map(f64::from)))
     }
 }
