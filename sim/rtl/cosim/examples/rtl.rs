@@ -116,7 +116,7 @@ fn write_packages() -> Result<()> {
         write_package(design, &rtl().join(design), &program(&[])?)?;
     }
     atomic::write(&rtl().join(tables::FILE), tables::text().as_bytes())?;
-    let (file, program) = (harmonics::text::FILE, harmonics::text::text()?);
+    let (file, program) = (harmonics::program::FILE, harmonics::program::text()?);
     Ok(atomic::write(&rtl().join(file), program.as_bytes())?)
 }
 

@@ -32,6 +32,17 @@ pub type Missing = Vec<&'static str>;
 /// Loads with their names. Those of one name in a row are parts of one.
 pub type Loads<L> = Vec<(String, L)>;
 
+/// A load's items as parts of so many, each with the load's name.
+pub(crate) fn in_parts<T, L>(
+    name: &str,
+    items: &[T],
+    count: usize,
+    load: impl Fn(&[T]) -> L,
+) -> Loads<L> {
+    let parts = items.chunks(count);
+    parts.map(|part| (name.to_owned(), load(part))).collect()
+}
+
 /// What a comparison found.
 #[derive(Clone, Debug, Default)]
 pub struct Findings {

@@ -35,8 +35,8 @@ fn committed_tables_are_the_generators() {
 
 #[test]
 fn the_committed_program_of_the_harmonics_unit_is_the_generators() {
-    let text = harmonics::text::text().unwrap();
-    assert_committed(&rtl().join(harmonics::text::FILE), &text);
+    let text = harmonics::program::text().unwrap();
+    assert_committed(&rtl().join(harmonics::program::FILE), &text);
 }
 
 #[cfg(has_rtl)]

@@ -1,12 +1,12 @@
 //! The harmonics unit against the kernel: every colour, with random pauses at all three ends and resets in between.
 
 use super::loads::{HarmonicsSplat, captured, of_degree, synthetic};
+use super::scene::colour;
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
 use crate::circuit::HARMONICS;
-use crate::harmonics::scene::colour;
-use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit, in_parts};
 use anyhow::Result;
-use fixed::types::{I2F30, I4F28};
+use fixed::types::I4F28;
 
 /// Numbers of multipliers for which there is a circuit.
 pub const MULTIPLIERS: [u32; 2] = [1, 2];
@@ -74,16 +74,11 @@ impl Unit for HarmonicsUnit {
             Extent::Quick => (240, 100),
             Extent::Full => (12_000, 1),
         };
-        let mut loads = synthetic(count, 1);
-        match captured(step)? {
-            Some(load) => loads.push(load),
-            None => missing.push("playbot"),
-        }
-        let parts = |(name, splats): (String, Vec<HarmonicsSplat>)| {
-            let parts = splats.chunks(PART).map(<[_]>::to_vec);
-            parts.map(|part| (name.clone(), part)).collect::<Vec<_>>()
-        };
-        Ok(loads.into_iter().flat_map(parts).collect())
+        let loads = [synthetic(count, 1), captured(step, missing)?].concat();
+        let parts = loads
+            .iter()
+            .map(|(name, splats)| in_parts(name, splats, PART, <[_]>::to_vec));
+        Ok(parts.flatten().collect())
     }
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
@@ -107,9 +102,10 @@ impl Unit for HarmonicsUnit {
 
 /// The splat in one lane, its words in the other.
 fn item(splat: &HarmonicsSplat) -> Item {
-    let bits = |vector: &[i32; 3]| vector.map(|axis| axis as u32).to_vec();
-    let first = vec![bits(&splat.direction), vec![splat.degree.into()]];
-    let words = splat.colours.iter().map(|word| (1, vec![bits(word)]));
+    let direction = splat.direction.map(|axis| axis.to_bits() as u32);
+    let first = vec![direction.to_vec(), vec![splat.degree.into()]];
+    let bits = |colour: &[I4F28; 3]| colour.map(|channel| channel.to_bits() as u32).to_vec();
+    let words = splat.colours.iter().map(|colour| (1, vec![bits(colour)]));
     Item {
         lanes: vec![vec![(0, first)], words.collect()],
         answers: 1,
@@ -121,9 +117,7 @@ struct HarmonicsChecker<'a>(&'a [HarmonicsSplat]);
 impl Checker for HarmonicsChecker<'_> {
     fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
         let splat = &self.0[number];
-        let bits = |colour: &[i32; 3]| colour.map(I4F28::from_bits);
-        let colours: Vec<_> = splat.colours.iter().map(bits).collect();
-        let wanted = colour(&colours, splat.direction.map(I2F30::from_bits));
+        let wanted = colour(&splat.colours, splat.direction);
         let (got, wanted) = (&answer[0], wanted.map(|channel| channel.to_bits()));
         let degree = splat.degree;
         (got[..] != wanted)

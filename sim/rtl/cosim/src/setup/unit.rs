@@ -10,7 +10,7 @@ use super::tables;
 use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
 use crate::circuit::SETUP;
 use crate::simulation::Port;
-use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit, in_parts};
 use anyhow::Result;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
@@ -72,30 +72,33 @@ impl Unit for SetupUnit {
     }
 
     fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<SetupLoad>> {
-        let (quick, kind) = (extent == Extent::Quick, self.0.program.kind);
-        match kind {
-            ProgramKind::Units => {
-                return Ok(tables::arguments(self.0.design.widths.mantissa, extent));
-            }
-            ProgramKind::DistanceScaling => {
-                let loads = distant(if quick { 300 } else { 4_000 }, 1);
-                return Ok(loads.into_iter().flat_map(parts).collect());
-            }
-            ProgramKind::Filter | ProgramKind::Compensation => {}
-        }
-        // The quickest to show a mutation first.
-        let [few, many] = if quick { [300, 400] } else { [12_000; 2] };
-        let captured = captured(if quick { 400 } else { 1 }, missing)?;
-        let mut loads = [
-            exact(&self.0.design.widths, few, 1),
-            synthetic(many, 1),
-            captured,
-        ]
-        .concat();
+        let (widths, kind) = (&self.0.design.widths, self.0.program.kind);
+        let (far, [few, many], step) = match extent {
+            Extent::Quick => (300, [300, 400], 400),
+            Extent::Full => (4_000, [12_000; 2], 1),
+        };
+        let mut loads = match kind {
+            ProgramKind::Units => return Ok(tables::arguments(widths.mantissa, extent)),
+            ProgramKind::DistanceScaling => distant(far, 1),
+            // The quickest to show a mutation first.
+            ProgramKind::Filter | ProgramKind::Compensation => [
+                exact(widths, few, 1),
+                synthetic(many, 1),
+                captured(step, missing)?,
+            ]
+            .concat(),
+        };
         for (_, load) in &mut loads {
             load.rules.compensated = kind == ProgramKind::Compensation;
         }
-        Ok(loads.into_iter().flat_map(parts).collect())
+        let parts = loads.iter().map(|(name, load)| {
+            let part = |splats: &[VolumeSplat]| SetupLoad {
+                splats: splats.to_vec(),
+                ..*load
+            };
+            in_parts(name, &load.splats, PART, part)
+        });
+        Ok(parts.flatten().collect())
     }
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
@@ -137,14 +140,6 @@ impl Unit for SetupUnit {
         }
         Ok(findings)
     }
-}
-
-fn parts((name, load): (String, SetupLoad)) -> Loads<SetupLoad> {
-    let part = |splats: &[VolumeSplat]| {
-        let splats = splats.to_vec();
-        (name.clone(), SetupLoad { splats, ..load })
-    };
-    load.splats.chunks(PART).map(part).collect()
 }
 
 /// Records in, packets or reasons out.
