@@ -2,7 +2,7 @@
 
 use super::loads::{HarmonicsSplat, captured, of_degree, synthetic};
 use super::scene::colour;
-use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
+use crate::bench::{Bench, Channels, Checker, Item, Pressure};
 use crate::circuit::HARMONICS;
 use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit, in_parts};
 use anyhow::Result;
@@ -83,14 +83,8 @@ impl Unit for HarmonicsUnit {
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
         let mut bench = Bench::new(circuit, 1)?;
-        let channels = Channels {
-            sources: vec![
-                Channel::new(&bench.circuit, "splat", &["direction", "degree"])?,
-                Channel::new(&bench.circuit, "word", &["word"])?,
-            ],
-            sink: Channel::new(&bench.circuit, "colour", &["colour"])?,
-            enable: None,
-        };
+        let sources: [(_, &[_]); 2] = [("splat", &["direction", "degree"]), ("word", &["word"])];
+        let channels = Channels::new(&bench.circuit, &sources, ("colour", &["colour"]))?;
         let items: Vec<Item> = load.iter().map(item).collect();
         let mut checker = HarmonicsChecker(load);
         let mut findings = bench.run(&channels, &items, &PRESSURES[pressure], &mut checker)?;

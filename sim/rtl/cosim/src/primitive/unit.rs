@@ -3,7 +3,7 @@
 use super::stamps::{HandshakePorts, Stamps};
 use super::words::{self, Roots};
 use super::workload::{self, BenchTile, BenchWorkload};
-use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
+use crate::bench::{Bench, Channels, Checker, Item, Pressure};
 use crate::circuit::PRIMITIVE;
 use crate::rules::write_rules;
 use crate::scenes::scenes;
@@ -139,7 +139,14 @@ impl Unit for PrimitiveUnit {
         let items = tiles.iter().map(|tile| item(&layout, tile, footprints));
         let items: Vec<Item> = items.collect();
         let (pixels, coverage) = draw(design, &load.rules, tiles, footprints)?;
-        let channels = channels(&bench.circuit)?;
+        let window: &[_] = &["first_column", "first_row", "end_column", "end_row"];
+        let pixel: &[_] = &["finished", "transmittance", "red", "green", "blue"];
+        // Tiles, packets and ends of tiles in, pixels out.
+        let sources: [(_, &[_]); 3] = [("tile", window), ("packet", &["packet"]), ("finish", &[])];
+        let channels = Channels {
+            enable: Some(bench.circuit.port("lanes_enable")?),
+            ..Channels::new(&bench.circuit, &sources, ("pixel", pixel))?
+        };
         let mut checker = PrimitiveChecker {
             design: design.in_fields(),
             shape: [self.lanes, self.interval],
@@ -186,21 +193,6 @@ fn shorten(workload: &mut BenchWorkload) {
     workload.tiles = tiles;
 }
 
-/// Tiles, packets and ends of tiles in, pixels out.
-fn channels(circuit: &Simulation) -> Result<Channels> {
-    let window = ["first_column", "first_row", "end_column", "end_row"];
-    let pixel = ["finished", "transmittance", "red", "green", "blue"];
-    Ok(Channels {
-        sources: vec![
-            Channel::new(circuit, "tile", &window)?,
-            Channel::new(circuit, "packet", &["packet"])?,
-            Channel::new(circuit, "finish", &[])?,
-        ],
-        sink: Channel::new(circuit, "pixel", &pixel)?,
-        enable: Some(circuit.port("lanes_enable")?),
-    })
-}
-
 /// A tile in one lane: its window, its packets, its end.
 fn item(layout: &Layout, tile: &BenchTile, footprints: &[Footprint]) -> Item {
     let [first, end] = [tile.window.first, tile.window.end];
@@ -213,7 +205,7 @@ fn item(layout: &Layout, tile: &BenchTile, footprints: &[Footprint]) -> Item {
     offers.push((2, Vec::new()));
     Item {
         lanes: vec![offers],
-        answers: tile.size().iter().product(),
+        answers: tile.size().iter().product::<usize>() as u64,
     }
 }
 

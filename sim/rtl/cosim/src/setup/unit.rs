@@ -7,7 +7,7 @@ use super::loads::{SetupLoad, captured, synthetic};
 use super::program::{ProgramKind, SetupProgram};
 use super::record::record;
 use super::tables;
-use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
+use crate::bench::{Bench, Channels, Checker, Item, Pressure};
 use crate::circuit::SETUP;
 use crate::simulation::Port;
 use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit, in_parts};
@@ -124,11 +124,16 @@ impl Unit for SetupUnit {
         for splat in &load.splats {
             // One whose exponents have no place in a record is not offered.
             if let Some(record) = record(splat) {
-                items.push(one_record(&record));
+                items.push(Item {
+                    lanes: vec![vec![(0, vec![record.to_vec()])]],
+                    answers: 1,
+                });
                 checker.offered.push(splat);
             }
         }
-        let channels = channels(&bench.circuit)?;
+        // Records in, packets or reasons out.
+        let sink: (_, &[_]) = ("packet", &["cull", "depth", "packet"]);
+        let channels = Channels::new(&bench.circuit, &[("record", &["record"])], sink)?;
         let mut findings = bench.run(&channels, &items, &PRESSURES[pressure], &mut checker)?;
         let directions = checker.directions;
         if checker.direction_ports.is_some() && directions != items.len() {
@@ -140,30 +145,6 @@ impl Unit for SetupUnit {
         }
         Ok(findings)
     }
-}
-
-/// Records in, packets or reasons out.
-fn channels(circuit: &Simulation) -> Result<Channels> {
-    Ok(Channels {
-        sources: vec![Channel::new(circuit, "record", &["record"])?],
-        sink: Channel::new(circuit, "packet", &["cull", "depth", "packet"])?,
-        enable: None,
-    })
-}
-
-/// A record and its answer.
-fn one_record(record: &[u32]) -> Item {
-    Item {
-        lanes: vec![vec![(0, vec![record.to_vec()])]],
-        answers: 1,
-    }
-}
-
-/// The words of a packet at the port.
-fn packet(words: &[u32]) -> Packet {
-    let mut packet = Packet::default();
-    packet[..words.len()].copy_from_slice(words);
-    packet
 }
 
 /// The constants that the circuit's program asks for, by their names.
@@ -221,7 +202,9 @@ impl Checker for SetupChecker<'_> {
 
     fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
         let SetupLoad { view, rules, .. } = self.load;
-        let (splat, got) = (self.offered[number], packet(&answer[2]));
+        let splat = self.offered[number];
+        let mut got = Packet::default();
+        got[..answer[2].len()].copy_from_slice(&answer[2]);
         if self.circuit.program.kind == ProgramKind::Units {
             let Ok(got) = self.layout.decode(&got) else {
                 return Some("a packet of another version".to_owned());
