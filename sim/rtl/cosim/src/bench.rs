@@ -125,7 +125,7 @@ pub(crate) trait Checker {
     fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String>;
 
     /// Looks at the circuit in every cycle, before its edge; gives a rule that it broke, in words.
-    fn observe(&mut self, _circuit: &Simulation, _cycle: u64) -> Option<String> {
+    fn observe(&mut self, _: &Simulation, _: &Channels, _cycle: u64) -> Option<String> {
         None
     }
 }
@@ -195,7 +195,7 @@ impl Bench {
             let resets = pressure.resets > 0 && self.random.next().is_multiple_of(pressure.resets);
             self.circuit.set(self.reset, resets.into());
             self.drive(channels, items, &mut lanes, pressure);
-            let mut difference = checker.observe(&self.circuit, self.cycles);
+            let mut difference = checker.observe(&self.circuit, channels, self.cycles);
             idle += u64::from(self.circuit.is(channels.sink.ready));
             if resets {
                 findings.count("resets", 1);

@@ -1,12 +1,13 @@
 //! Tiles through the primitive: the next one is drawn while the last is read out, with back-pressure at every interface.
 
-use super::stamps::{HandshakePorts, Stamps};
+use super::stamps::{INSIDE, Stamps};
 use super::words::{self, Roots};
 use super::workload::{self, BenchTile, BenchWorkload};
 use crate::bench::{Bench, Channels, Checker, Item, Pressure};
 use crate::circuit::PRIMITIVE;
 use crate::rules::write_rules;
 use crate::scenes::scenes;
+use crate::simulation::Port;
 use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
 use anyhow::{Context, Result};
 use splatline::blend::{FINISHED, Pixel};
@@ -157,7 +158,7 @@ impl Unit for PrimitiveUnit {
             stamps: Stamps::default(),
             raster_cycles: 0,
             roots: Roots::new(&bench.circuit)?,
-            ports: HandshakePorts::new(&bench.circuit)?,
+            inside: bench.circuit.ports(INSIDE)?,
             enabled: true,
         };
         let mut findings = bench.run(&channels, &items, pressure, &mut checker)?;
@@ -260,7 +261,7 @@ struct PrimitiveChecker<'a> {
     stamps: Stamps,
     raster_cycles: u64,
     roots: Roots,
-    ports: HandshakePorts,
+    inside: [Port; 4],
     /// Were the lanes allowed to move in the cycle before?
     enabled: bool,
 }
@@ -274,14 +275,16 @@ impl Checker for PrimitiveChecker<'_> {
         })
     }
 
-    fn observe(&mut self, circuit: &Simulation, cycle: u64) -> Option<String> {
+    fn observe(&mut self, circuit: &Simulation, channels: &Channels, cycle: u64) -> Option<String> {
         let mut difference = self.roots.note(circuit);
-        if !self.enabled && circuit.get(self.ports.lanes_popped) != 0 {
+        let inside = self.inside.map(|port| circuit.get(port));
+        if !self.enabled && inside[0] != 0 {
             let held = format!("a lane took a run in cycle {cycle}, while lanes were held");
             difference = Some(held);
         }
-        self.enabled = circuit.is(self.ports.lanes_enable);
-        if self.ports.tile.moves(circuit) {
+        self.enabled = channels.enable.is_some_and(|enable| circuit.is(enable));
+        let [tile, packet, finish] = [0, 1, 2].map(|source: usize| &channels.sources[source]);
+        if tile.moves(circuit) {
             self.stamps = Stamps::default();
             return difference;
         }
@@ -290,8 +293,8 @@ impl Checker for PrimitiveChecker<'_> {
             return difference;
         };
         let packets = tile.list.len();
-        self.stamps.note(&self.ports, circuit, cycle, packets);
-        if self.ports.finish.moves(circuit) {
+        self.stamps.note(circuit, packet, inside, cycle, packets);
+        if finish.moves(circuit) {
             self.raster_cycles += self.stamps.raster_cycles();
             if let Some(timed) = &mut self.timed {
                 *timed += packets as u64;

@@ -7,7 +7,6 @@ mod exact;
 mod loads;
 pub mod program;
 pub(crate) mod record;
-mod schedule;
 mod tables;
 pub mod text;
 pub mod unit;

@@ -181,7 +181,7 @@ struct SetupChecker<'a> {
 }
 
 impl Checker for SetupChecker<'_> {
-    fn observe(&mut self, circuit: &Simulation, _: u64) -> Option<String> {
+    fn observe(&mut self, circuit: &Simulation, _: &Channels, _: u64) -> Option<String> {
         let [valid, seen_port, port] = self.direction_ports?;
         if !circuit.is(valid) {
             return None;
