@@ -1,15 +1,16 @@
 //! What the harmonics unit is given: a scene's splats, random ones, and bits that round, clamp and wrap where others do not.
 
-use crate::harmonics::scene::SceneHarmonics;
 use crate::random::Random;
 use crate::scenes::scenes;
 use crate::unit::{Loads, Missing};
 use anyhow::{Context, Result};
-use fixed::types::{I2F30, I4F28};
-use splatline::format::Lean18;
-use splatline::setup::harmonics::direction;
+use fixed::types::{I2F30, I4F28, U4F28};
+use splatline::float::coefficient;
+use splatline::format::{Lean18, Widths};
+use splatline::setup::harmonics::{self, direction};
 use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::rules::Rules;
+use splatline_sim::scene::Harmonics;
 
 /// A splat's direction and colours.
 #[derive(Clone, Debug)]
@@ -31,6 +32,32 @@ impl HarmonicsSplat {
             colours: colours.map(|bits| bits.map(I4F28::from_bits)).collect(),
         }
     }
+
+    /// The kernel's colour.
+    pub fn colour(&self) -> [U4F28; 3] {
+        let (base, coefficients) = (self.colours[0], &self.colours[1..]);
+        harmonics::Harmonics { base, coefficients }.colour(self.direction)
+    }
+}
+
+/// The harmonics of a scene, whose splats are these, in the kernel's directions.
+pub fn of_scene(
+    harmonics: &Harmonics,
+    widths: &Widths,
+    scene: &QuantisedScene,
+) -> Vec<HarmonicsSplat> {
+    let each = colours(harmonics.degree) - 1;
+    let fixed = |colour: &[f32; 3]| colour.map(|channel| coefficient(channel.into()));
+    let splats = scene.splats.iter().zip(&harmonics.base).enumerate();
+    let splats = splats.map(|(number, (splat, base))| {
+        let coefficients = harmonics.coefficients[number * each..][..each].iter();
+        HarmonicsSplat {
+            direction: direction(widths, &scene.view, &splat.centre),
+            degree: harmonics.degree,
+            colours: [base].into_iter().chain(coefficients).map(fixed).collect(),
+        }
+    });
+    splats.collect()
 }
 
 /// A splat's base and coefficients of a degree as the port takes it.
@@ -218,16 +245,11 @@ pub fn captured(step: usize, missing: &mut Missing) -> Result<Loads<Vec<Harmonic
     let mut loads = Vec::new();
     for mut seen in scenes(&["playbot"], 480, missing)? {
         let harmonics = seen.scene.harmonics.take();
-        let harmonics = SceneHarmonics::new(&harmonics.context("a scene without harmonics")?);
+        let harmonics = harmonics.context("a scene without harmonics")?;
         let quantised = QuantisedScene::new(&seen.scene, &seen.camera, &Rules::EWA);
-        let splats = quantised.splats.iter().zip(harmonics.splats());
-        let splats = splats.step_by(step).map(|(splat, colours)| HarmonicsSplat {
-            direction: direction(&Lean18::WIDTHS, &quantised.view, &splat.centre),
-            degree: harmonics.degree,
-            colours: colours.to_vec(),
-        });
+        let splats = of_scene(&harmonics, &Lean18::WIDTHS, &quantised).into_iter();
         let name = format!("{}, degree {}", seen.name, harmonics.degree);
-        loads.push((name, splats.collect()));
+        loads.push((name, splats.step_by(step).collect()));
     }
     Ok(loads)
 }

@@ -3,7 +3,6 @@
 //! [`program`] is the basis as a list of sums, put in an order and written as a circuit reads it; `loads` makes splats and
 //! [`unit`](mod@unit) compares every colour.
 
-mod loads;
+pub(crate) mod loads;
 pub mod program;
-pub(crate) mod scene;
 pub mod unit;

@@ -1,7 +1,6 @@
 //! The harmonics unit against the kernel: every colour, with random pauses at all three ends and resets in between.
 
 use super::loads::{HarmonicsSplat, captured, of_degree, synthetic};
-use super::scene::colour;
 use crate::bench::{Bench, Channels, Checker, Item, Pressure};
 use crate::circuit::HARMONICS;
 use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit, in_parts};
@@ -111,8 +110,8 @@ struct HarmonicsChecker<'a>(&'a [HarmonicsSplat]);
 impl Checker for HarmonicsChecker<'_> {
     fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
         let splat = &self.0[number];
-        let wanted = colour(&splat.colours, splat.direction);
-        let (got, wanted) = (&answer[0], wanted.map(|channel| channel.to_bits()));
+        let wanted = splat.colour().map(|channel| channel.to_bits());
+        let got = &answer[0];
         let degree = splat.degree;
         (got[..] != wanted)
             .then(|| format!("splat {number}, degree {degree}: {got:08x?}, not {wanted:08x?}"))

@@ -1,6 +1,6 @@
 //! Frames that the machine draws: small ones that show what goes wrong between its units, and captured scenes.
 
-use crate::harmonics::scene::SceneHarmonics;
+use crate::harmonics::loads::{HarmonicsSplat, of_scene};
 use crate::order::loads::{OrderLoad, ordered};
 use crate::scenes::Seen;
 use splatline::rules::Rules;
@@ -22,8 +22,8 @@ pub struct MachineLoad {
     pub workload: Workload,
     /// The lists of its tiles.
     pub lists: OrderLoad,
-    /// Of a machine that makes the splats' colours.
-    pub harmonics: Option<SceneHarmonics>,
+    /// Those of the splats for a machine that makes their colours, all of one degree.
+    pub harmonics: Option<Vec<HarmonicsSplat>>,
     /// Cycles that model and circuit may be apart: what happens once in a frame is not modelled.
     pub apart: u64,
 }
@@ -48,13 +48,14 @@ impl MachineLoad {
         let rules = seen.scene.natural_rules;
         let (_, workload, lists) = ordered(&seen, design, &rules);
         let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
+        let harmonics = harmonics.map(|of| of_scene(&of, &design.widths, &scene));
         MachineLoad {
             rules: scene.rules(&rules),
             scene,
             seen,
             workload,
             lists,
-            harmonics: harmonics.as_ref().map(SceneHarmonics::new),
+            harmonics,
             apart,
         }
     }

@@ -81,8 +81,8 @@ impl MachineUnit {
             (&load.harmonics, self.option)
         {
             let cycles = HARMONICS_CYCLES[multipliers as usize - 1];
-            config.harmonics_bytes = harmonics.bytes();
-            config.harmonics_cycles = cycles[usize::from(harmonics.degree)];
+            config.harmonics_bytes = 16 * harmonics[0].colours.len() as u32;
+            config.harmonics_cycles = cycles[usize::from(harmonics[0].degree)];
             config.bin_fifo = WAITING_FOR_COLOURS;
         }
         let timing = simulate_alone(&load.workload, &config);

@@ -45,11 +45,7 @@ pub struct PrimitiveLoad {
 }
 
 /// The primitive of a design with some lanes.
-pub struct PrimitiveUnit {
-    circuit: Circuit,
-    lanes: u32,
-    interval: u32,
-}
+pub struct PrimitiveUnit(Circuit);
 
 impl PrimitiveUnit {
     /// As it usually is.
@@ -59,12 +55,8 @@ impl PrimitiveUnit {
 
     /// With other cycles between two packets.
     pub fn with_interval(design: &str, lanes: u32, interval: u32) -> Result<PrimitiveUnit> {
-        let circuit = Circuit::new(&PRIMITIVE, design, lanes)?.with("SETUP_INTERVAL", interval);
-        Ok(PrimitiveUnit {
-            circuit,
-            lanes,
-            interval,
-        })
+        let circuit = Circuit::new(&PRIMITIVE, design, lanes)?;
+        Ok(PrimitiveUnit(circuit.with("SETUP_INTERVAL", interval)))
     }
 }
 
@@ -72,7 +64,7 @@ impl Unit for PrimitiveUnit {
     type Load = PrimitiveLoad;
 
     fn circuit(&self) -> &Circuit {
-        &self.circuit
+        &self.0
     }
 
     fn pressures(&self) -> usize {
@@ -82,7 +74,7 @@ impl Unit for PrimitiveUnit {
     /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of scenes skip nothing there: `3dgs` ends a
     /// footprint where it becomes faint, and `ewa` draws what is there.
     fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<PrimitiveLoad>> {
-        let design = &self.circuit.design;
+        let design = &self.0.design;
         let widths = &design.widths;
         let quick = extent == Extent::Quick;
         let ([random, faint], [size, deep]) = match extent {
@@ -123,7 +115,7 @@ impl Unit for PrimitiveUnit {
     }
 
     fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
-        let design = &self.circuit.design;
+        let design = &self.0.design;
         let widths = &design.widths;
         let pressure = &PRESSURES[pressure];
         let mut bench = Bench::new(circuit, 1)?;
@@ -150,7 +142,7 @@ impl Unit for PrimitiveUnit {
         };
         let mut checker = PrimitiveChecker {
             design: design.in_fields(),
-            shape: [self.lanes, self.interval],
+            shape: [0, 1].map(|place: usize| self.0.parameters[place].1),
             timed: (pressure.inside == 0).then_some(0),
             load,
             pixels,
