@@ -7,7 +7,7 @@ use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
 use splatline_rtl::machine::MachineOption;
 use splatline_rtl::machine::unit::MachineUnit;
 use splatline_rtl::mutation::{Mutation, mutations};
-use splatline_rtl::order::unit::OrderUnit;
+use splatline_rtl::order::OrderUnit;
 use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
 use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
 use splatline_rtl::setup::unit::SetupUnit;

@@ -4,7 +4,7 @@ use crate::harmonics::unit::HarmonicsUnit;
 use crate::machine::MachineOption;
 use crate::machine::unit::MachineUnit;
 use crate::mutation::Mutation;
-use crate::order::unit::OrderUnit;
+use crate::order::OrderUnit;
 use crate::primitive::unit::PrimitiveUnit;
 use crate::setup::program::{ProgramKind, SetupProgram};
 use crate::setup::unit::SetupUnit;

@@ -49,9 +49,9 @@ mod with_verilator {
     use splatline_rtl::machine::MachineOption;
     use splatline_rtl::machine::unit::MachineUnit;
     use splatline_rtl::mutation::{Mutation, mutations};
-    use splatline_rtl::order::unit::OrderUnit;
+    use splatline_rtl::order::OrderUnit;
     use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
-    use splatline_rtl::setup::distant::enlarged;
+    use splatline_rtl::setup::enlarged;
     use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
     use splatline_rtl::setup::unit::SetupUnit;
     use splatline_rtl::simulation::Simulation;

@@ -145,30 +145,27 @@ pub fn synthetic(count: usize, seed: u64) -> Loads<Vec<HarmonicsSplat>> {
     let hard: Draw = |random| [(); 3].map(|()| random.hard());
     let bits: Draw = |random| [(); 3].map(|()| random.bits());
     let cube: Draw = |random| [(); 3].map(|()| near_one(random));
+    let drawn = |direction: Draw, degrees: u64, colour: Draw| {
+        move |random: &mut LoadRandom, _| {
+            let (direction, degree) = (direction(random), random.below(degrees) as u8);
+            random.splat(direction, degree, colour)
+        }
+    };
     type Make<'a> = &'a dyn Fn(&mut LoadRandom, usize) -> HarmonicsSplat;
     let kinds: [(&str, Make); 8] = [
-        ("unit directions", &|random, _| {
-            let (direction, degree) = (random.direction(), random.below(5) as u8);
-            random.splat(direction, degree, LoadRandom::usual)
-        }),
-        ("axes, corners, few bits", &|random, _| {
-            let (direction, degree) = (cube(random), random.below(5) as u8);
-            random.splat(direction, degree, hard)
-        }),
+        (
+            "unit directions",
+            &drawn(LoadRandom::direction, 5, LoadRandom::usual),
+        ),
+        ("axes, corners, few bits", &drawn(cube, 5, hard)),
         ("harmonics one by one", &|random, index| {
             one_harmonic(cube(random), index % 24)
         }),
         ("halves subtracted", &|random, _| {
             one_harmonic(halves(random), 23)
         }),
-        ("arbitrary words", &|random, _| {
-            let (direction, degree) = (hard(random), random.below(8) as u8);
-            random.splat(direction, degree, hard)
-        }),
-        ("arbitrary bits", &|random, _| {
-            let (direction, degree) = (bits(random), random.below(8) as u8);
-            random.splat(direction, degree, bits)
-        }),
+        ("arbitrary words", &drawn(hard, 8, hard)),
+        ("arbitrary bits", &drawn(bits, 8, bits)),
         ("colours near 0 and 16", &|random, _| {
             let (direction, degree) = (random.direction(), random.below(5) as u8);
             near_the_ends(random, direction, degree)

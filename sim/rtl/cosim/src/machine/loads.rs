@@ -1,7 +1,7 @@
 //! Frames that the machine draws: small ones that show what goes wrong between its units, and captured scenes.
 
 use crate::harmonics::loads::{HarmonicsSplat, of_scene};
-use crate::order::loads::{OrderLoad, ordered};
+use crate::order::{OrderLoad, ordered};
 use crate::scenes::Seen;
 use splatline::rules::Rules;
 use splatline_sim::camera::Camera;

@@ -7,7 +7,7 @@ use crate::circuit::MACHINE;
 use crate::memory::{Memory, MemoryTiming, timing};
 use crate::rules::write_rules;
 use crate::scenes::{SCENES, Seen, scenes};
-use crate::setup::distant::enlarged;
+use crate::setup::enlarged;
 use crate::setup::program::ProgramKind;
 use crate::setup::unit::{constant_words, write_constants};
 use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};

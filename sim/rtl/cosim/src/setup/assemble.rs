@@ -74,19 +74,14 @@ pub struct Term {
     pub fields: Fields,
 }
 
-/// A sum of terms.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A sum of terms, and where it stands.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Operation {
     pub name: String,
     /// One slot each, in a row.
     pub terms: Vec<Term>,
     /// Goes on with the sum of the operation before, right behind it.
     pub follows: bool,
-}
-
-/// Where an operation stands.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Place {
     /// Cycle of its first slot after the round in which its splat began.
     pub time: usize,
     /// First register of its result.
@@ -109,7 +104,6 @@ pub struct Exit {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Program {
     pub operations: Vec<Operation>,
-    pub places: Vec<Place>,
     /// All in one round, in their order.
     pub exits: Vec<Exit>,
     /// Cycles of a round.
@@ -131,7 +125,6 @@ impl Program {
         let slots: usize = operations.iter().map(|o| o.terms.len()).sum();
         let mut program = Program {
             operations,
-            places: Vec::new(),
             exits: Vec::new(),
             round: 0,
             constants,
@@ -156,13 +149,10 @@ impl Program {
     /// Places the operations in a round of so many cycles, of which these are the results; nothing if it is too short.
     fn place(&mut self, round: usize, seed: u64, results: &[(usize, Value)]) -> Option<()> {
         self.round = round;
-        let times = schedule(&self.operations, round, seed)?.into_iter();
-        let place = |time| Place {
-            time,
-            register: 0,
-            copies: 1,
-        };
-        self.places = times.map(place).collect();
+        let times = schedule(&self.operations, round, seed)?;
+        for (operation, time) in self.operations.iter_mut().zip(times) {
+            (operation.time, operation.copies) = (time, 1);
+        }
         self.exits = self.leaving(results)?;
         self.take_registers()
     }
@@ -172,20 +162,16 @@ impl Program {
         let mut slots = vec![None; self.round];
         for (index, operation) in self.operations.iter().enumerate() {
             for term in 0..operation.terms.len() {
-                slots[self.places[index].time % self.round + term] = Some((index, term));
+                slots[operation.time % self.round + term] = Some((index, term));
             }
         }
         slots
     }
 
-    fn last_slot(&self, index: usize) -> usize {
-        self.places[index].time + self.operations[index].terms.len() - 1
-    }
-
     /// When the results leave, all of them in one round: as soon as they are ready, in slots that spare the second factor, before that round ends.
     fn leaving(&self, results: &[(usize, Value)]) -> Option<Vec<Exit>> {
         let ready = |(word, value): &(usize, Value)| Exit {
-            time: self.last_slot(*value) + LATENCY,
+            time: self.operations[*value].last_slot() + LATENCY,
             value: *value,
             word: *word,
         };
@@ -209,43 +195,50 @@ impl Program {
 
     /// Registers for every result; nothing if there are too few.
     fn take_registers(&mut self) -> Option<()> {
-        let operations = self.operations.iter().enumerate();
-        let reads = operations.flat_map(|(index, operation)| {
-            let last = self.last_slot(index);
-            read(operation).map(move |value| (value, last))
+        let reads = self.operations.iter().flat_map(|operation| {
+            let last = operation.last_slot();
+            operation.reads().map(move |value| (value, last))
         });
         let exits = self.exits.iter().map(|exit| (exit.value, exit.time));
         let reads: Vec<(Value, usize)> = reads.chain(exits).collect();
         for (value, until) in reads {
-            let rounds = (until - self.last_slot(value)).div_ceil(self.round);
-            let copies = &mut self.places[value].copies;
-            *copies = rounds.next_power_of_two().max(*copies);
+            let operation = &mut self.operations[value];
+            let rounds = (until - operation.last_slot()).div_ceil(self.round);
+            operation.copies = rounds.next_power_of_two().max(operation.copies);
         }
-        let mut order: Vec<&mut Place> = self.places.iter_mut().collect();
+        let mut order: Vec<&mut Operation> = self.operations.iter_mut().collect();
         // The widest first, so that all stand at a multiple of their width.
-        order.sort_by_key(|place| REGISTERS - place.copies);
+        order.sort_by_key(|operation| REGISTERS - operation.copies);
         let mut free = 0;
-        for place in order {
-            place.register = free;
-            free += place.copies;
+        for operation in order {
+            operation.register = free;
+            free += operation.copies;
         }
         (free <= REGISTERS).then_some(())
     }
 }
 
-/// The results that an operation reads.
-fn read(operation: &Operation) -> impl Iterator<Item = Value> + '_ {
-    let terms = operation.terms.iter();
-    let factors = terms.flat_map(|term| [term.a, term.b, term.other]);
-    factors.filter_map(|factor| match factor {
-        Operand::Value(value) => Some(value),
-        _ => None,
-    })
-}
+impl Operation {
+    /// The results that it reads.
+    fn reads(&self) -> impl Iterator<Item = Value> {
+        let factors = self
+            .terms
+            .iter()
+            .flat_map(|term| [term.a, term.b, term.other]);
+        factors.filter_map(|factor| match factor {
+            Operand::Value(value) => Some(value),
+            _ => None,
+        })
+    }
 
-fn reads_input(operation: &Operation) -> bool {
-    let mut terms = operation.terms.iter();
-    terms.any(|term| matches!(term.a, Operand::Input(_)))
+    fn reads_input(&self) -> bool {
+        let mut terms = self.terms.iter();
+        terms.any(|term| matches!(term.a, Operand::Input(_)))
+    }
+
+    fn last_slot(&self) -> usize {
+        self.time + self.terms.len() - 1
+    }
 }
 
 /// Cycles of every operation's first slot; nothing if the round is too short.
@@ -262,7 +255,7 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
     for (index, operation) in operations.iter().enumerate().rev() {
         let length = rest[index] + operation.terms.len() - 1 + LATENCY;
         let before = operation.follows.then(|| index - 1);
-        for value in read(operation).chain(before) {
+        for value in operation.reads().chain(before) {
             rest[value] = rest[value].max(length);
         }
     }
@@ -271,16 +264,18 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
     while times.contains(&None) {
         // From which cycle on all that an operation reads can be read, if all of it has its time.
         let ready = |index: usize| {
-            read(&operations[index]).try_fold(0, |ready: usize, value| {
-                let last = times[value]? + operations[value].terms.len() - 1;
-                Some(ready.max(last + LATENCY))
-            })
+            operations[index]
+                .reads()
+                .try_fold(0, |ready: usize, value| {
+                    let last = times[value]? + operations[value].terms.len() - 1;
+                    Some(ready.max(last + LATENCY))
+                })
         };
         let can = (0..operations.len())
             .filter(|index| times[*index].is_none() && !operations[*index].follows)
             .filter_map(|index| Some((index, ready(index)?)));
         let (first, ready) = can.min_by_key(|(index, _)| {
-            let input = !reads_input(&operations[*index]);
+            let input = !operations[*index].reads_input();
             (input, usize::MAX - rest[*index] - stir[*index], *index)
         })?;
         let behind = operations[first + 1..].iter();
@@ -291,7 +286,7 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
             slot + length <= round && !taken[slot..slot + length].contains(&true)
         };
         let time = (ready..ready + round).find(fits)?;
-        if reads_input(&operations[first]) && time + length + LOAD_AHEAD > round
+        if operations[first].reads_input() && time + length + LOAD_AHEAD > round
             || time / round >= ROUNDS
         {
             return None;

@@ -2,7 +2,6 @@
 
 mod assemble;
 mod constants;
-pub mod distant;
 mod exact;
 mod loads;
 pub mod program;
@@ -10,3 +9,5 @@ pub(crate) mod record;
 mod tables;
 pub mod text;
 pub mod unit;
+
+pub use loads::enlarged;

@@ -233,6 +233,7 @@ impl Reader<'_> {
             name: name.to_owned(),
             terms,
             follows,
+            ..Operation::default()
         });
         Ok(())
     }

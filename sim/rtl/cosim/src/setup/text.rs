@@ -54,7 +54,7 @@ fn fields(program: &Program, index: usize, term: usize) -> Fields {
     let [a, a_turn] = factor(slot.a).unwrap_or_default();
     let [b, b_turn] = factor(slot.other).or(factor(slot.b)).unwrap_or_default();
     let [place, place_turn] = registers(program, index);
-    let round = program.places[index].time / program.round;
+    let round = program.operations[index].time / program.round;
     let is_constant = |factor| (factor == Operand::Constant).into();
     let mut fields = slot.fields.clone();
     fields.extend([
@@ -74,8 +74,8 @@ fn fields(program: &Program, index: usize, term: usize) -> Fields {
 
 /// A result's first register, and the highest number of those that splats take in turn.
 fn registers(program: &Program, value: Value) -> [i64; 2] {
-    let place = program.places[value];
-    [place.register as i64, place.copies as i64 - 1]
+    let operation = &program.operations[value];
+    [operation.register as i64, operation.copies as i64 - 1]
 }
 
 /// The types of a program.

@@ -1,9 +1,8 @@
 //! The setup unit against the kernel's `setup`: every packet and every reason of a cull, with back-pressure at both ends.
 
 use super::constants::{Constant, constants};
-use super::distant::distant;
 use super::exact::exact;
-use super::loads::{SetupLoad, captured, synthetic};
+use super::loads::{SetupLoad, captured, distant, synthetic};
 use super::program::{ProgramKind, SetupProgram};
 use super::record::record;
 use super::tables;
