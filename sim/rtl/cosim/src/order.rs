@@ -2,12 +2,11 @@
 //! that a sorter finds hard, through a memory; every place of the order and of every list.
 
 use crate::bench::Bench;
-use crate::circuit::ORDER;
 use crate::memory::{Memory, MemoryTiming, timing};
 use crate::package::TILE;
 use crate::random::{Random, noise};
 use crate::scenes::{SCENES, Seen, scenes};
-use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation};
 use anyhow::{Result, bail, ensure};
 use splatline::footprint::Footprint;
 use splatline::footprint::depth::KEY_BITS;
@@ -185,55 +184,39 @@ const TIMINGS: [(MemoryTiming, u64); 4] = [
 /// Cycles without an access to the memory after which the circuit hangs.
 const PATIENCE: u64 = 1 << 17;
 
-/// The unit with digits of some bits.
-pub struct OrderUnit(Circuit);
-
-impl OrderUnit {
-    /// With digits of so many bits.
-    pub fn new(digit: u32) -> Result<OrderUnit> {
-        Circuit::new(&ORDER, "lean18", digit).map(OrderUnit)
-    }
-}
-
-impl Unit for OrderUnit {
-    type Load = OrderLoad;
-
-    fn circuit(&self) -> &Circuit {
-        &self.0
-    }
-
-    fn pressures(&self) -> usize {
+impl Load for OrderLoad {
+    fn pressures(_: &Circuit) -> usize {
         TIMINGS.len()
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<OrderLoad>> {
+    fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<OrderLoad>> {
         let (names, size): (&[_], _) = match extent {
             Extent::Quick => (&["playbot"], 128),
             Extent::Full => (&SCENES, 512),
         };
         let mut loads = hard();
         for seen in scenes(names, size, missing)? {
-            let (.., load) = ordered(&seen, &self.0.design, &seen.scene.natural_rules);
+            let (.., load) = ordered(&seen, &circuit.design, &seen.scene.natural_rules);
             loads.push((seen.name.to_owned(), load));
         }
         Ok(loads)
     }
 
-    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
+    fn compare(&self, _: &Circuit, simulation: Simulation, pressure: usize) -> Result<Findings> {
         let (timing, interval) = TIMINGS[pressure];
-        if timing.full && load.entries() == 0 {
+        if timing.full && self.entries() == 0 {
             return Ok(Findings::default());
         }
-        let room = load.entries() - usize::from(timing.full);
-        let mut bench = Bench::new(circuit, 1)?;
-        let count = load.splats.len();
+        let room = self.entries() - usize::from(timing.full);
+        let mut bench = Bench::new(simulation, 1)?;
+        let count = self.splats.len();
         let lists = 7 + 2 * count;
         bench.set(&[
             ("base_a", 3),
             ("base_b", 5 + count as u64),
             ("base_lists", lists as u64),
-            ("tile_columns", load.size[0].into()),
-            ("tiles", load.lists.len() as u64),
+            ("tile_columns", self.size[0].into()),
+            ("tiles", self.lists.len() as u64),
             ("most", room as u64),
         ])?;
         // Bits of nothing in all places of the memory, a word or more between any two regions.
@@ -243,7 +226,7 @@ impl Unit for OrderUnit {
         let mut findings = Findings::default();
         // Twice or once: neither what a picture leaves behind nor what registers hold before the first must reach the one that is judged.
         for _ in 0..2 - pressure % 2 {
-            findings.cycles = order(&mut bench.circuit, &mut memory, load, interval)?;
+            findings.cycles = order(&mut bench.circuit, &mut memory, self, interval)?;
         }
         findings.compared = count as u64;
         findings.counts = vec![
@@ -252,7 +235,7 @@ impl Unit for OrderUnit {
             ("words written", memory.written),
         ];
         let mut ends = Vec::new();
-        for tile in 0..load.lists.len() {
+        for tile in 0..self.lists.len() {
             bench.set(&[("end_tile", tile as u64)])?;
             memory.cycle(&mut bench.circuit);
             ends.push(bench.circuit.read("end_place")? as usize);
@@ -266,8 +249,8 @@ impl Unit for OrderUnit {
                 .iter()
                 .skip(bench.circuit.read("sorted")? as usize);
             let lists = memory.words[lists..].as_flattened();
-            let order = order_difference(load, splats, sorted);
-            findings.first_difference = order.or_else(|| list_difference(load, lists, &ends));
+            let order = order_difference(self, splats, sorted);
+            findings.first_difference = order.or_else(|| list_difference(self, lists, &ends));
         }
         Ok(findings)
     }

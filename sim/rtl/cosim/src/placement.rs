@@ -5,6 +5,7 @@
 
 use crate::area::{cells, columns};
 use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
+use crate::machine::unit;
 use crate::netlist::{Netlist, NetlistPort};
 use crate::registers;
 use crate::tools::{first_that_runs, json, printed, run, yosys};
@@ -67,7 +68,7 @@ const PLACED_CORES: u32 = 9;
 
 /// The machine with four lanes and so many cores of setup.
 pub fn machine(cores: u32) -> Result<Circuit> {
-    Ok(Circuit::new(&MACHINE, DESIGNS[0], 4)?.with("CORES", cores))
+    unit::circuit(DESIGNS[0], cores, 4)
 }
 
 /// Places circuits with five seeds or with one, and prints lines of `placed.csv`.

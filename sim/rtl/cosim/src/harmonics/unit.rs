@@ -2,8 +2,7 @@
 
 use super::loads::{HarmonicsSplat, captured, of_degree, synthetic};
 use crate::bench::{Bench, Channels, Checker, Item, Pressure};
-use crate::circuit::HARMONICS;
-use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit, in_parts};
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation, in_parts};
 use anyhow::Result;
 use fixed::types::I4F28;
 
@@ -29,46 +28,33 @@ const fn pressure(ends: [u8; 3], stalls: u64, resets: u64) -> Pressure {
     }
 }
 
-/// The unit with some multipliers.
-pub struct HarmonicsUnit(Circuit);
-
-impl HarmonicsUnit {
-    /// With so many multipliers.
-    pub fn new(multipliers: u32) -> Result<HarmonicsUnit> {
-        Circuit::new(&HARMONICS, "lean18", multipliers).map(HarmonicsUnit)
+/// Prints the cycles that a splat of each degree takes at full speed.
+pub fn print_cycles(circuit: &Circuit) -> Result<()> {
+    const TIMED: usize = 2_000;
+    let library = circuit.library(Extent::Full)?;
+    println!("| cycles a splat | degree 0 | 1 | 2 | 3 | 4 |\n|---|---:|---:|---:|---:|---:|");
+    print!("| {circuit} |");
+    for degree in 0..=4 {
+        let load = of_degree(TIMED, degree, 1);
+        let found = load.compare(circuit, Simulation::new(&library, 1, 0)?, 0)?;
+        print!(" {:.1} |", found.cycles as f64 / TIMED as f64);
     }
-
-    /// Prints the cycles that a splat of each degree takes at full speed.
-    pub fn print_cycles(&self) -> Result<()> {
-        const TIMED: usize = 2_000;
-        let library = self.0.library(Extent::Full)?;
-        println!("| cycles a splat | degree 0 | 1 | 2 | 3 | 4 |\n|---|---:|---:|---:|---:|---:|");
-        print!("| {} |", self.0);
-        for degree in 0..=4 {
-            let load = of_degree(TIMED, degree, 1);
-            let found = self.compare(Simulation::new(&library, 1, 0)?, &load, 0)?;
-            print!(" {:.1} |", found.cycles as f64 / TIMED as f64);
-        }
-        println!();
-        Ok(())
-    }
+    println!();
+    Ok(())
 }
 
 /// Splats of one part of a load.
 const PART: usize = 1_000;
 
-impl Unit for HarmonicsUnit {
-    type Load = Vec<HarmonicsSplat>;
+/// What the unit is given.
+pub type HarmonicsLoad = Vec<HarmonicsSplat>;
 
-    fn circuit(&self) -> &Circuit {
-        &self.0
-    }
-
-    fn pressures(&self) -> usize {
+impl Load for HarmonicsLoad {
+    fn pressures(_: &Circuit) -> usize {
         PRESSURES.len()
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<Self::Load>> {
+    fn all(_: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<HarmonicsLoad>> {
         let (count, step) = match extent {
             Extent::Quick => (240, 100),
             Extent::Full => (12_000, 1),
@@ -80,12 +66,12 @@ impl Unit for HarmonicsUnit {
         Ok(parts.flatten().collect())
     }
 
-    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
-        let mut bench = Bench::new(circuit, 1)?;
+    fn compare(&self, _: &Circuit, simulation: Simulation, pressure: usize) -> Result<Findings> {
+        let mut bench = Bench::new(simulation, 1)?;
         let sources: [(_, &[_]); 2] = [("splat", &["direction", "degree"]), ("word", &["word"])];
         let channels = Channels::new(&bench.circuit, &sources, ("colour", &["colour"]))?;
-        let items: Vec<Item> = load.iter().map(item).collect();
-        let mut checker = HarmonicsChecker(load);
+        let items: Vec<Item> = self.iter().map(item).collect();
+        let mut checker = HarmonicsChecker(self);
         let mut findings = bench.run(&channels, &items, &PRESSURES[pressure], &mut checker)?;
         // A column of the report, also where there are none.
         findings.count("resets", 0);

@@ -8,7 +8,7 @@ use crate::circuit::PRIMITIVE;
 use crate::rules::write_rules;
 use crate::scenes::scenes;
 use crate::simulation::Port;
-use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation};
 use anyhow::{Context, Result};
 use splatline::blend::{FINISHED, Pixel};
 use splatline::draw::{Coverage, Painter};
@@ -19,7 +19,6 @@ use splatline::rules::{Compositing, Rules as KernelRules};
 use splatline::target::Target;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::{kernel_rules, table, table_entries};
-use splatline_sim::machine::primitive::SETUP_INTERVAL;
 use splatline_sim::rules::Rules;
 
 /// The numbers of lanes that tests draw with.
@@ -44,37 +43,20 @@ pub struct PrimitiveLoad {
     pub workload: BenchWorkload,
 }
 
-/// The primitive of a design with some lanes.
-pub struct PrimitiveUnit(Circuit);
-
-impl PrimitiveUnit {
-    /// As it usually is.
-    pub fn new(design: &str, lanes: u32) -> Result<PrimitiveUnit> {
-        Self::with_interval(design, lanes, SETUP_INTERVAL)
-    }
-
-    /// With other cycles between two packets.
-    pub fn with_interval(design: &str, lanes: u32, interval: u32) -> Result<PrimitiveUnit> {
-        let circuit = Circuit::new(&PRIMITIVE, design, lanes)?;
-        Ok(PrimitiveUnit(circuit.with("SETUP_INTERVAL", interval)))
-    }
+/// The primitive of a design with some lanes, and so many cycles between two packets.
+pub fn circuit(design: &str, lanes: u32, interval: u32) -> Result<Circuit> {
+    Ok(Circuit::new(&PRIMITIVE, design, lanes)?.with("SETUP_INTERVAL", interval))
 }
 
-impl Unit for PrimitiveUnit {
-    type Load = PrimitiveLoad;
-
-    fn circuit(&self) -> &Circuit {
-        &self.0
-    }
-
-    fn pressures(&self) -> usize {
+impl Load for PrimitiveLoad {
+    fn pressures(_: &Circuit) -> usize {
         PRESSURES.len()
     }
 
     /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of scenes skip nothing there: `3dgs` ends a
     /// footprint where it becomes faint, and `ewa` draws what is there.
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<PrimitiveLoad>> {
-        let design = &self.0.design;
+    fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<Self>> {
+        let design = &circuit.design;
         let widths = &design.widths;
         let quick = extent == Extent::Quick;
         let ([random, faint], [size, deep]) = match extent {
@@ -114,12 +96,17 @@ impl Unit for PrimitiveUnit {
         Ok(loads)
     }
 
-    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
-        let design = &self.0.design;
+    fn compare(
+        &self,
+        circuit: &Circuit,
+        simulation: Simulation,
+        pressure: usize,
+    ) -> Result<Findings> {
+        let design = &circuit.design;
         let widths = &design.widths;
         let pressure = &PRESSURES[pressure];
-        let mut bench = Bench::new(circuit, 1)?;
-        write_rules(&mut bench, widths, &load.rules)?;
+        let mut bench = Bench::new(simulation, 1)?;
+        write_rules(&mut bench, widths, &self.rules)?;
         let difference = words::first_difference(&mut bench, widths.mantissa)?;
         if difference.is_some() {
             return Ok(Findings {
@@ -128,10 +115,10 @@ impl Unit for PrimitiveUnit {
             });
         }
         let layout = Layout::new(widths, Traversal::Spans);
-        let (tiles, footprints) = (&load.workload.tiles, &load.workload.footprints);
+        let (tiles, footprints) = (&self.workload.tiles, &self.workload.footprints);
         let items = tiles.iter().map(|tile| item(&layout, tile, footprints));
         let items: Vec<Item> = items.collect();
-        let (pixels, coverage) = draw(design, &load.rules, tiles, footprints)?;
+        let (pixels, coverage) = draw(design, &self.rules, tiles, footprints)?;
         let window: &[_] = &["first_column", "first_row", "end_column", "end_row"];
         let pixel: &[_] = &["finished", "transmittance", "red", "green", "blue"];
         // Tiles, packets and ends of tiles in, pixels out.
@@ -142,9 +129,9 @@ impl Unit for PrimitiveUnit {
         };
         let mut checker = PrimitiveChecker {
             design: design.in_fields(),
-            shape: [0, 1].map(|place: usize| self.0.parameters[place].1),
+            shape: [0, 1].map(|place: usize| circuit.parameters[place].1),
             timed: (pressure.inside == 0).then_some(0),
-            load,
+            load: self,
             pixels,
             tile: 0,
             stamps: Stamps::default(),

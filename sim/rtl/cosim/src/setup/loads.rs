@@ -20,8 +20,11 @@ use splatline_sim::vectors::hard_cases;
 /// What is set up: splats seen by a camera under rules.
 #[derive(Clone, Debug)]
 pub struct SetupLoad {
+    /// The camera.
     pub view: View,
+    /// What its program is told.
     pub rules: KernelRules,
+    /// In the order in which they are given.
     pub splats: Vec<VolumeSplat>,
 }
 

@@ -10,4 +10,4 @@ mod tables;
 pub mod text;
 pub mod unit;
 
-pub use loads::enlarged;
+pub use loads::{SetupLoad, enlarged};

@@ -9,7 +9,7 @@ use super::tables;
 use crate::bench::{Bench, Channels, Checker, Item, Pressure};
 use crate::circuit::SETUP;
 use crate::simulation::Port;
-use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit, in_parts};
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation, in_parts};
 use anyhow::Result;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
@@ -41,37 +41,25 @@ const CULLS: [&str; Cull::ALL.len()] = [
     "outside",
 ];
 
-/// The unit of a design with some cores.
-pub struct SetupUnit(Circuit);
-
-impl SetupUnit {
-    /// With this program.
-    pub fn new(design: &str, cores: u32, program: SetupProgram) -> Result<SetupUnit> {
-        let circuit = Circuit::new(&SETUP, design, cores)?;
-        Ok(SetupUnit(circuit.with_program(program)))
-    }
+/// The unit of a design with some cores and this program.
+pub fn circuit(design: &str, cores: u32, program: SetupProgram) -> Result<Circuit> {
+    Ok(Circuit::new(&SETUP, design, cores)?.with_program(program))
 }
 
 /// Splats of one part of a load.
 const PART: usize = 10_000;
 
-impl Unit for SetupUnit {
-    type Load = SetupLoad;
-
-    fn circuit(&self) -> &Circuit {
-        &self.0
-    }
-
+impl Load for SetupLoad {
     /// What the units of the tables are given does not depend on when it comes.
-    fn pressures(&self) -> usize {
-        match self.0.program.kind {
+    fn pressures(circuit: &Circuit) -> usize {
+        match circuit.program.kind {
             ProgramKind::Units => 1,
             _ => PRESSURES.len(),
         }
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<SetupLoad>> {
-        let (widths, kind) = (&self.0.design.widths, self.0.program.kind);
+    fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<SetupLoad>> {
+        let (widths, kind) = (&circuit.design.widths, circuit.program.kind);
         let (far, [few, many], step) = match extent {
             Extent::Quick => (300, [300, 400], 400),
             Extent::Full => (4_000, [12_000; 2], 1),
@@ -100,27 +88,32 @@ impl Unit for SetupUnit {
         Ok(parts.flatten().collect())
     }
 
-    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
-        let mut bench = Bench::new(circuit, 7)?;
-        let words = constant_words(&self.0, &load.view, &load.rules)?;
+    fn compare(
+        &self,
+        circuit: &Circuit,
+        simulation: Simulation,
+        pressure: usize,
+    ) -> Result<Findings> {
+        let mut bench = Bench::new(simulation, 7)?;
+        let words = constant_words(circuit, &self.view, &self.rules)?;
         write_constants(&mut bench, &words)?;
-        let widths = &self.0.design.widths;
+        let widths = &circuit.design.widths;
         let mut checker = SetupChecker {
-            circuit: &self.0,
-            design: self.0.design.in_fields(),
+            circuit,
+            design: circuit.design.in_fields(),
             layout: Layout::new(widths, Traversal::Spans),
-            load,
+            load: self,
             offered: Vec::new(),
             direction_ports: None,
             directions: 0,
             culled: [0; 6],
         };
-        if self.0.program.directs {
+        if circuit.program.directs {
             let ports = ["direction_valid", "direction_seen", "direction"];
             checker.direction_ports = Some(bench.circuit.ports(ports)?);
         }
         let mut items = Vec::new();
-        for splat in &load.splats {
+        for splat in &self.splats {
             // One whose exponents have no place in a record is not offered.
             if let Some(record) = record(splat) {
                 items.push(Item {
@@ -139,7 +132,7 @@ impl Unit for SetupUnit {
             let few = || format!("{directions} directions");
             findings.first_difference.get_or_insert_with(few);
         }
-        if self.0.program.kind != ProgramKind::Units {
+        if circuit.program.kind != ProgramKind::Units {
             findings.counts = CULLS.into_iter().zip(checker.culled).collect();
         }
         Ok(findings)
