@@ -25,7 +25,7 @@ pub struct MachineLoad {
     pub workload: Workload,
     /// The lists of its tiles.
     pub lists: OrderLoad,
-    /// Those of the splats for a machine that makes their colours, all of one degree.
+    /// Harmonics of the splats for a machine that makes their colours, all of one degree.
     pub harmonics: Option<Vec<HarmonicsSplat>>,
     /// Cycles that model and circuit may be apart: what happens once in a frame is not modelled.
     pub apart: u64,
