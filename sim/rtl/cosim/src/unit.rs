@@ -96,25 +96,6 @@ pub trait Load: Sized + Sync {
     ) -> Result<Findings>;
 }
 
-/// The comparison under all pressures, or under one for each part of a divided load.
-fn compare_parts<L: Load>(
-    circuit: &Circuit,
-    library: &Path,
-    parts: &[(String, L)],
-) -> Result<Vec<Findings>> {
-    let pressures = L::pressures(circuit);
-    let jobs = match parts.len() {
-        1 => pressures,
-        count => count,
-    };
-    let compared = |job: usize| {
-        let (_, part) = &parts[job % parts.len()];
-        let simulation = Simulation::new(library, job as u32 + 1, 0)?;
-        part.compare(circuit, simulation, job % pressures)
-    };
-    (0..jobs).into_par_iter().map(compared).collect()
-}
-
 /// What a circuit's comparison says first, or nothing if it agrees everywhere.
 pub(crate) fn first_difference<L: Load>(
     circuit: &Circuit,
@@ -141,9 +122,21 @@ pub fn report<L: Load>(circuit: &Circuit) -> Result<()> {
     let mut missing = Vec::new();
     let loads = L::all(circuit, Extent::Full, &mut missing)?;
     println!("{circuit}; not at hand: {missing:?}\n");
-    let mut total = Findings::default();
+    let (pressures, mut total) = (L::pressures(circuit), Findings::default());
     for parts in loads.chunk_by(|one, next| one.0 == next.0) {
-        let found = compare_parts(circuit, &library, parts)?;
+        // Under all pressures, or under one for each part of a divided load.
+        let jobs = if parts.len() == 1 {
+            pressures
+        } else {
+            parts.len()
+        };
+        let compared = |job: usize| {
+            let (_, part) = &parts[job % parts.len()];
+            let simulation = Simulation::new(&library, job as u32 + 1, 0)?;
+            part.compare(circuit, simulation, job % pressures)
+        };
+        let found: Result<Vec<Findings>> = (0..jobs).into_par_iter().map(compared).collect();
+        let found = found?;
         let unhindered = found.first().map_or(0, |first| first.cycles);
         let mut sum = Findings::default();
         found.into_iter().for_each(|part| sum += part);

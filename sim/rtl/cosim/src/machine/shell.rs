@@ -5,7 +5,7 @@ use super::image::{MemoryImage, kernel_frame};
 use super::loads::MachineLoad;
 use super::unit::circuit;
 use crate::rules::rule_writes;
-use crate::setup::unit::constant_words;
+use crate::setup::constants::constants;
 use crate::unit::{Circuit, Extent, Load};
 use anyhow::{Context, Result};
 use serde::Serialize;
@@ -41,7 +41,7 @@ fn shell_frame(circuit: &Circuit, load: &MachineLoad) -> Result<ShellFrame> {
     let entries = load.lists.entries();
     let image = MemoryImage::new(&circuit.design.widths, load, entries)?;
     let mut writes = Vec::new();
-    for (index, value, exponent) in constant_words(circuit, &scene.view, rules)? {
+    for (index, value, exponent) in constants(circuit, &scene.view, rules)? {
         writes.extend([
             ("constant_index", index.into()),
             ("constant_low", value as u32),

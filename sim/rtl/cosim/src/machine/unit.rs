@@ -7,9 +7,10 @@ use crate::circuit::MACHINE;
 use crate::memory::{Memory, MemoryTiming, timing};
 use crate::rules::write_rules;
 use crate::scenes::{SCENES, Seen, scenes};
+use crate::setup::constants::constants;
 use crate::setup::enlarged;
 use crate::setup::program::{ProgramKind, SetupProgram};
-use crate::setup::unit::{constant_words, write_constants};
+use crate::setup::unit::write_constants;
 use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation};
 use anyhow::{Context, Result, bail, ensure};
 use splatline::blend::Pixel;
@@ -115,7 +116,7 @@ impl Load for MachineLoad {
         let design = &circuit.design;
         let widths = &design.widths;
         let mut bench = Bench::new(simulation, 1)?;
-        let constants = constant_words(circuit, &scene.view, rules)?;
+        let constants = constants(circuit, &scene.view, rules)?;
         write_constants(&mut bench, &constants)?;
         write_rules(&mut bench, widths, rules)?;
         // The tile buffers are cleared once.

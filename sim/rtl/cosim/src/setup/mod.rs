@@ -1,7 +1,7 @@
 //! The setup unit (`sim/rtl/setup_unit.sv`): its program, its constants, and its co-simulation with the kernel's `setup`.
 
 mod assemble;
-mod constants;
+pub(crate) mod constants;
 mod exact;
 mod loads;
 pub mod program;

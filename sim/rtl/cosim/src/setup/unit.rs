@@ -15,11 +15,9 @@ use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
 use splatline::format::{RuntimeWidths, Traversal};
 use splatline::math::SoftFloat;
-use splatline::rules::Rules;
 use splatline::setup::harmonics::direction;
 use splatline::setup::{Cull, setup};
 use splatline::splat::VolumeSplat;
-use splatline::view::View;
 
 /// At full speed; with packets that are not taken for thousands of cycles, until every queue is full; with pauses at both ends.
 const PRESSURES: [Pressure; 3] = [
@@ -95,7 +93,7 @@ impl Load for SetupLoad {
         pressure: usize,
     ) -> Result<Findings> {
         let mut bench = Bench::new(simulation, 7)?;
-        let words = constant_words(circuit, &self.view, &self.rules)?;
+        let words = constants(circuit, &self.view, &self.rules)?;
         write_constants(&mut bench, &words)?;
         let widths = &circuit.design.widths;
         let mut checker = SetupChecker {
@@ -137,12 +135,6 @@ impl Load for SetupLoad {
         }
         Ok(findings)
     }
-}
-
-/// The constants that the circuit's program asks for, by their names.
-pub fn constant_words(circuit: &Circuit, view: &View, rules: &Rules) -> Result<Vec<Constant>> {
-    let widths = &circuit.design.widths;
-    constants(&circuit.program.assembled(widths)?, widths, view, rules)
 }
 
 /// Writes constants for the cores and the registers beside them.
