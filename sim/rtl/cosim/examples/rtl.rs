@@ -3,21 +3,23 @@
 use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Traversal;
 use splatline_rtl::circuit::{Circuit, DESIGNS, HARMONICS, ORDER, PRIMITIVE, RtlUnit, packages};
-use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
-use splatline_rtl::machine::MachineOption;
-use splatline_rtl::machine::unit::MachineUnit;
+use splatline_rtl::harmonics::unit::{HarmonicsLoad, MULTIPLIERS, print_cycles};
+use splatline_rtl::machine::MachineLoad;
+use splatline_rtl::machine::unit::with_harmonics;
 use splatline_rtl::mutation::{Mutation, mutations};
-use splatline_rtl::order::unit::OrderUnit;
-use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
+use splatline_rtl::order::OrderLoad;
+use splatline_rtl::primitive::unit::{LANES, PrimitiveLoad};
+use splatline_rtl::setup::SetupLoad;
 use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
-use splatline_rtl::setup::unit::SetupUnit;
 use splatline_rtl::tools::rtl;
 use splatline_rtl::unit::report;
-use splatline_rtl::{area, asic, formal, harmonics, judges, machine, placement, rules, tables};
+use splatline_rtl::{area, asic, formal, harmonics, judges, machine, placement, primitive, rules};
+use splatline_rtl::{setup, tables};
 use splatline_sim::atomic;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{Family, raster_unit, synthesis};
+use splatline_sim::machine::primitive::SETUP_INTERVAL;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -116,7 +118,7 @@ fn write_packages() -> Result<()> {
         write_package(design, &rtl().join(design), &program(&[])?)?;
     }
     atomic::write(&rtl().join(tables::FILE), tables::text().as_bytes())?;
-    let (file, program) = (harmonics::text::FILE, harmonics::text::text()?);
+    let (file, program) = (harmonics::program::FILE, harmonics::program::text()?);
     Ok(atomic::write(&rtl().join(file), program.as_bytes())?)
 }
 
@@ -160,16 +162,17 @@ fn compare(unit: &str) -> Result<()> {
         "shapes" => SHAPES
             .into_iter()
             .try_for_each(|(design, lanes, interval)| {
-                let unit = |lanes: &u32| PrimitiveUnit::with_interval(design, *lanes, interval);
-                lanes.iter().try_for_each(|lanes| report(&unit(lanes)?))
+                let circuit = |lanes: &u32| primitive::unit::circuit(design, *lanes, interval);
+                let mut lanes = lanes.iter();
+                lanes.try_for_each(|lanes| report::<PrimitiveLoad>(&circuit(lanes)?))
             }),
         "order" => DIGITS
             .into_iter()
-            .try_for_each(|digit| report(&OrderUnit::new(digit)?)),
+            .try_for_each(|digit| report::<OrderLoad>(&Circuit::new(&ORDER, "lean18", digit)?)),
         "harmonics" => MULTIPLIERS.into_iter().try_for_each(|multipliers| {
-            let unit = HarmonicsUnit::new(multipliers)?;
-            report(&unit)?;
-            unit.print_cycles()
+            let circuit = Circuit::new(&HARMONICS, "lean18", multipliers)?;
+            report::<HarmonicsLoad>(&circuit)?;
+            print_cycles(&circuit)
         }),
         _ => DESIGNS
             .into_iter()
@@ -178,22 +181,26 @@ fn compare(unit: &str) -> Result<()> {
 }
 
 fn compare_design(unit: &str, design: &str) -> Result<()> {
-    let setup = |cores, program| report(&SetupUnit::new(design, cores, program)?);
-    let machine = |option| report(&MachineUnit::new(design, 8, 4, option)?);
+    let setup =
+        |cores, program| report::<SetupLoad>(&setup::unit::circuit(design, cores, program)?);
+    let machine = || machine::unit::circuit(design, 8, 4);
     match unit {
         "primitive" => {
             let mut lanes = LANES.into_iter();
-            lanes.try_for_each(|lanes| report(&PrimitiveUnit::new(design, lanes)?))
+            let circuit = |lanes| primitive::unit::circuit(design, lanes, SETUP_INTERVAL);
+            lanes.try_for_each(|lanes| report::<PrimitiveLoad>(&circuit(lanes)?))
         }
         // Of several cores a number that divides no round.
         "setup" => setup(7, program(&[])?),
         "compensation" | "distance" | "direction" => setup(7, program(&[unit])?),
         "tables" => setup(2, SetupProgram::new(ProgramKind::Units)),
-        "machine" => machine(MachineOption::None),
-        "frames-distance" => machine(MachineOption::DistanceScaling),
-        "frames-harmonics" => MULTIPLIERS
-            .into_iter()
-            .try_for_each(|multipliers| machine(MachineOption::Harmonics(multipliers))),
+        "machine" => report::<MachineLoad>(&machine()?),
+        "frames-distance" => {
+            report::<MachineLoad>(&machine()?.with_program(program(&["distance"])?))
+        }
+        "frames-harmonics" => MULTIPLIERS.into_iter().try_for_each(|multipliers| {
+            report::<MachineLoad>(&with_harmonics(machine()?, multipliers))
+        }),
         _ => bail!("no unit '{unit}'\n{USAGE}"),
     }
 }

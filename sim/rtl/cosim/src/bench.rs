@@ -53,14 +53,39 @@ pub(crate) struct Channels {
     pub enable: Option<Port>,
 }
 
+impl Channels {
+    /// By the names of the channels and of their words' ports.
+    pub fn new(
+        circuit: &Simulation,
+        sources: &[(&str, &[&str])],
+        (sink, answers): (&str, &[&str]),
+    ) -> Result<Channels> {
+        let sources = sources.iter();
+        let sources = sources.map(|(name, data)| Channel::new(circuit, name, data));
+        Ok(Channels {
+            sources: sources.collect::<Result<_>>()?,
+            sink: Channel::new(circuit, sink, answers)?,
+            enable: None,
+        })
+    }
+}
+
 /// One of the sources, and the words that are offered there, for each of its ports.
 pub(crate) type Offer = (usize, Vec<Vec<u32>>);
 
-/// Offers that belong together, in lanes, and how many answers they have.
+/// Offers that belong together, in lanes of one offer or more, and how many answers they have.
 #[derive(Clone, Debug)]
 pub(crate) struct Item {
     pub lanes: Vec<Vec<Offer>>,
-    pub answers: usize,
+    pub answers: u64,
+}
+
+/// What comes next of a lane of the items: an item, one of its offers, and whether it is offered in this cycle.
+#[derive(Clone, Default)]
+struct Lane {
+    item: usize,
+    offer: usize,
+    valid: bool,
 }
 
 /// Back-pressure, in 256ths of the cycles.
@@ -100,7 +125,7 @@ pub(crate) trait Checker {
     fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String>;
 
     /// Looks at the circuit in every cycle, before its edge; gives a rule that it broke, in words.
-    fn observe(&mut self, _circuit: &Simulation, _cycle: u64) -> Option<String> {
+    fn observe(&mut self, _: &Simulation, _: &Channels, _cycle: u64) -> Option<String> {
         None
     }
 }
@@ -162,24 +187,32 @@ impl Bench {
         checker: &mut impl Checker,
     ) -> Result<Findings> {
         let mut findings = Findings::default();
-        let mut feeder = Feeder::new(items);
+        let lanes = items.first().map_or(0, |item| item.lanes.len());
+        let mut lanes = vec![Lane::default(); lanes];
+        let total: u64 = items.iter().map(|item| item.answers).sum();
         let (start, mut idle) = (self.cycles, 0);
-        while findings.compared < feeder.total() {
+        while findings.compared < total {
             let resets = pressure.resets > 0 && self.random.next().is_multiple_of(pressure.resets);
             self.circuit.set(self.reset, resets.into());
-            self.drive(channels, &mut feeder, pressure);
-            let mut difference = checker.observe(&self.circuit, self.cycles);
+            self.drive(channels, items, &mut lanes, pressure);
+            let mut difference = checker.observe(&self.circuit, channels, self.cycles);
             idle += u64::from(self.circuit.is(channels.sink.ready));
             if resets {
                 findings.count("resets", 1);
-                findings.compared = feeder.restart(findings.compared);
+                let item;
+                (item, findings.compared) = unanswered(items, findings.compared);
+                lanes.fill(Lane {
+                    item,
+                    ..Lane::default()
+                });
             } else {
-                for lane in &mut feeder.lanes {
-                    let offer = lane.offers.get(lane.next).filter(|_| lane.valid);
-                    let source = offer.map(|(_, (source, _))| &channels.sources[*source]);
-                    if source.is_some_and(|source| source.moves(&self.circuit)) {
-                        (lane.next, lane.valid) = (lane.next + 1, false);
-                        idle = 0;
+                for (number, lane) in lanes.iter_mut().enumerate().filter(|(_, lane)| lane.valid) {
+                    let offers = &items[lane.item].lanes[number];
+                    if channels.sources[offers[lane.offer].0].moves(&self.circuit) {
+                        (lane.offer, lane.valid, idle) = (lane.offer + 1, false, 0);
+                        if lane.offer == offers.len() {
+                            (lane.item, lane.offer) = (lane.item + 1, 0);
+                        }
                     }
                 }
                 if channels.sink.moves(&self.circuit) {
@@ -209,18 +242,23 @@ impl Bench {
     }
 
     /// Offers what is to be offered in this cycle, and lets the outputs follow. What is not offered is noise.
-    fn drive(&mut self, channels: &Channels, feeder: &mut Feeder, pressure: &Pressure) {
+    fn drive(
+        &mut self,
+        channels: &Channels,
+        items: &[Item],
+        lanes: &mut [Lane],
+        pressure: &Pressure,
+    ) {
         for source in &channels.sources {
             self.circuit.set(source.valid, 0);
         }
-        for (number, lane) in feeder.lanes.iter_mut().enumerate() {
-            let share = pressure.offers[number.min(1)];
-            let stays = lane.valid && !pressure.retracts;
-            let next = lane.offers.get(lane.next);
-            lane.valid = next.is_some() && (stays || !self.chance(share));
-            let Some((_, (source, data))) = next else {
+        for (number, lane) in lanes.iter_mut().enumerate() {
+            let Some(item) = items.get(lane.item) else {
                 continue;
             };
+            let stays = lane.valid && !pressure.retracts;
+            lane.valid = stays || !self.chance(pressure.offers[number.min(1)]);
+            let (source, data) = &item.lanes[number][lane.offer];
             let source = &channels.sources[*source];
             for (port, words) in source.data.iter().zip(data) {
                 if lane.valid {
@@ -258,57 +296,12 @@ impl Bench {
     }
 }
 
-/// What is left of the items.
-struct Feeder<'a> {
-    lanes: Vec<Lane<'a>>,
-    /// Answers of each item and all before it.
-    answers: Vec<u64>,
-}
-
-struct Lane<'a> {
-    /// All offers, each with its item's number.
-    offers: Vec<(usize, &'a Offer)>,
-    /// The next one, and whether it is offered in this cycle.
-    next: usize,
-    valid: bool,
-}
-
-impl<'a> Feeder<'a> {
-    fn new(items: &'a [Item]) -> Feeder<'a> {
-        let count = items.first().map_or(0, |item| item.lanes.len());
-        let lane = |number: usize| {
-            let of_item = |(index, item): (usize, &'a Item)| {
-                let offers = item.lanes[number].iter();
-                offers.map(move |offer| (index, offer))
-            };
-            Lane {
-                offers: items.iter().enumerate().flat_map(of_item).collect(),
-                next: 0,
-                valid: false,
-            }
-        };
-        let answers = items.iter().scan(0, |sum, item| {
-            *sum += item.answers as u64;
-            Some(*sum)
-        });
-        Feeder {
-            lanes: (0..count).map(lane).collect(),
-            answers: answers.collect(),
-        }
+/// The first item of which not all answers are among so many, and the number of those before it.
+fn unanswered(items: &[Item], answers: u64) -> (usize, u64) {
+    let (mut item, mut before) = (0, 0);
+    while before + items[item].answers <= answers {
+        before += items[item].answers;
+        item += 1;
     }
-
-    /// How many answers there are.
-    fn total(&self) -> u64 {
-        self.answers.last().copied().unwrap_or(0)
-    }
-
-    /// Begins anew with the item whose answers were coming, so many in all; gives the number of those before it.
-    fn restart(&mut self, compared: u64) -> u64 {
-        let item = self.answers.partition_point(|last| *last <= compared);
-        for lane in &mut self.lanes {
-            lane.next = lane.offers.partition_point(|(other, _)| *other < item);
-            lane.valid = false;
-        }
-        item.checked_sub(1).map_or(0, |before| self.answers[before])
-    }
+    (item, before)
 }

@@ -125,6 +125,12 @@ impl Circuit {
         self
     }
 
+    /// The value of a parameter that it was given.
+    pub fn parameter(&self, name: &str) -> Option<u32> {
+        let known = self.parameters.iter().find(|known| known.0 == name);
+        known.map(|(_, value)| *value)
+    }
+
     /// The same with another program in its cores.
     pub fn with_program(mut self, program: SetupProgram) -> Circuit {
         self.program = program;

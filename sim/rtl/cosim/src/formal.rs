@@ -27,26 +27,27 @@ struct Proof {
     induction: Option<u32>,
 }
 
+/// Bits of a word and places of the queue that is proven.
+const FIFO: [Parameter; 2] = [("BITS", 4), ("PLACES", 4)];
+
 /// What is proven.
 const PROOFS: [Proof; 10] = [
-    inductive("fifo", &[("BITS", 4), ("PLACES", 4)], [7, 2]),
+    inductive("fifo", &FIFO, [7, 2]),
     Proof {
         judge: "fifo at rest",
-        ..inductive("fifo", &[("BITS", 4), ("PLACES", 4), ("RESTS", 1)], [7, 2])
+        parameters: &[FIFO[0], FIFO[1], ("RESTS", 1)],
+        ..inductive("fifo", &FIFO, [7, 2])
     },
     Proof {
         judge: "fifo of parts",
-        ..inductive(
-            "fifo",
-            &[
-                ("BITS", 4),
-                ("PLACES", 4),
-                ("PARTS", 2),
-                ("ENDS", 262_146),
-                ("SEEN", 2),
-            ],
-            [7, 2],
-        )
+        parameters: &[
+            FIFO[0],
+            FIFO[1],
+            ("PARTS", 2),
+            ("ENDS", 262_146),
+            ("SEEN", 2),
+        ],
+        ..inductive("fifo", &FIFO, [7, 2])
     },
     inductive("run_queue", &[("DEPTH", 2)], [6, 2]),
     inductive("visible_box", &[], [3, 4]),

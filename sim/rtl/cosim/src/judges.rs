@@ -1,16 +1,19 @@
 //! Which comparison judges which mutations of `mutations.tsv`.
 
-use crate::harmonics::unit::HarmonicsUnit;
-use crate::machine::MachineOption;
-use crate::machine::unit::MachineUnit;
+use crate::circuit::{HARMONICS, ORDER};
+use crate::harmonics::unit::HarmonicsLoad;
+use crate::machine::MachineLoad;
+use crate::machine::unit::{self as machine, with_harmonics};
 use crate::mutation::Mutation;
-use crate::order::unit::OrderUnit;
-use crate::primitive::unit::PrimitiveUnit;
+use crate::order::OrderLoad;
+use crate::primitive::unit::{self as primitive, PrimitiveLoad};
+use crate::setup::SetupLoad;
 use crate::setup::program::{ProgramKind, SetupProgram};
-use crate::setup::unit::SetupUnit;
-use crate::unit::{Extent, Judge, Unit, judge_of};
+use crate::setup::unit::circuit;
+use crate::unit::{Circuit, Extent, Judge, Load, first_difference, judge_of};
 use anyhow::{Result, bail, ensure};
 use splatline::format::Lean18;
+use splatline_sim::machine::primitive::SETUP_INTERVAL;
 
 /// Setup's programs with a mistake in distance scaling, compensation or directions.
 const PROGRAMS: &str = "programs";
@@ -58,50 +61,56 @@ pub fn judge(
 /// One judge or more, of which any may notice a mutation.
 fn judges(name: &str) -> Result<Vec<Judge>> {
     let quick = Extent::Quick;
-    let machine = |cores, option| MachineUnit::new("lean18", cores, 4, option);
+    let machine = |cores| machine::circuit("lean18", cores, 4);
     let program = SetupProgram::new;
     let tables = setup(2, program(ProgramKind::Units));
     // A program with directions.
     let directed = || program(ProgramKind::Filter).with_direction();
     Ok(match name {
-        "primitive" => vec![judge_of(PrimitiveUnit::new("lean18", 4), name, quick)?],
+        "primitive" => {
+            let circuit = primitive::circuit("lean18", 4, SETUP_INTERVAL);
+            vec![judge_of::<PrimitiveLoad>(circuit, name, quick)?]
+        }
         // What no packet shows, the units of the tables do.
         "setup" => vec![
-            judge_of(setup(2, program(ProgramKind::Filter)), name, quick)?,
-            judge_of(tables, name, quick)?,
+            judge_of::<SetupLoad>(setup(2, program(ProgramKind::Filter)), name, quick)?,
+            judge_of::<SetupLoad>(tables, name, quick)?,
         ],
-        WITHOUT_EFFECT => vec![judge_of(tables, name, Extent::Full)?],
+        WITHOUT_EFFECT => vec![judge_of::<SetupLoad>(tables, name, Extent::Full)?],
         PROGRAMS => vec![
             program_judge(program(ProgramKind::DistanceScaling))?,
             program_judge(program(ProgramKind::Compensation))?,
             program_judge(directed())?,
         ],
-        "order" => vec![judge_of(OrderUnit::new(8), name, quick)?],
+        "order" => {
+            let circuit = Circuit::new(&ORDER, "lean18", 8);
+            vec![judge_of::<OrderLoad>(circuit, name, quick)?]
+        }
         // What leads to the unit and away from it stands in setup and in the machine.
         "harmonics" => vec![
-            judge_of(HarmonicsUnit::new(1), name, quick)?,
-            judge_of(setup(2, directed()), name, quick)?,
-            judge_of(machine(6, MachineOption::Harmonics(1)), name, quick)?,
+            judge_of::<HarmonicsLoad>(Circuit::new(&HARMONICS, "lean18", 1), name, quick)?,
+            judge_of::<SetupLoad>(setup(2, directed()), name, quick)?,
+            judge_of::<MachineLoad>(Ok(with_harmonics(machine(6)?, 1)), name, quick)?,
         ],
-        "machine" => vec![judge_of(machine(2, MachineOption::None), name, quick)?],
+        "machine" => vec![judge_of::<MachineLoad>(machine(2), name, quick)?],
         _ => bail!("no judge '{name}'; there are {}", JUDGES.join(", ")),
     })
 }
 
-fn setup(cores: u32, program: SetupProgram) -> Result<SetupUnit> {
-    SetupUnit::new("lean18", cores, program)
+fn setup(cores: u32, program: SetupProgram) -> Result<Circuit> {
+    circuit("lean18", cores, program)
 }
 
 /// A setup unit of one core for each of a program's mistakes: a program is data of the circuit, in a package, and no choice can be made there. Without a
 /// mistake the circuit must agree.
 fn program_judge(right: SetupProgram) -> Result<Judge> {
-    let unit = setup(1, right.clone())?;
-    let loads = unit.loads(Extent::Quick, &mut Vec::new())?;
-    let first_difference = move |unit: &SetupUnit| -> Result<Option<String>> {
-        let library = unit.circuit().library(Extent::Quick)?;
-        Ok(unit.first_difference(&library, 0, &loads))
+    let circuit = setup(1, right.clone())?;
+    let loads = SetupLoad::all(&circuit, Extent::Quick, &mut Vec::new())?;
+    let first_difference = move |circuit: &Circuit| -> Result<Option<String>> {
+        let library = circuit.library(Extent::Quick)?;
+        Ok(first_difference(circuit, &library, 0, &loads))
     };
-    let difference = first_difference(&unit)?;
+    let difference = first_difference(&circuit)?;
     ensure!(difference.is_none(), "without a mutation: {difference:?}");
     Ok(Box::new(move |mutation| {
         let program = right.mutated(mutation)?;

@@ -1,11 +1,11 @@
 //! Co-simulation of the SystemVerilog circuits (`sim/rtl`) with the kernel and the machine's model, which define them.
 //!
 //! ```text
-//! package, tables, setup::text, harmonics::text: parameters, tables and programs, from the kernel's
+//! package, tables, setup::text, harmonics::program: parameters, tables and programs, from the kernel's
 //!   -> circuit: a unit of a design, verilated into a library (mutation: with small mistakes in it)
 //!   -> simulation: its ports and its clock, the only place with foreign code
 //!   -> bench, memory: what drives it; rules: what it is told first
-//!   -> unit: what all comparisons have in common, from which reports and judgements follow
+//!   -> unit: what is given to a circuit and compared, from which reports and judgements follow
 //!   -> primitive, setup, harmonics, order, machine: loads and golden words of each
 //! ```
 //! [`judges`] says which comparison judges which mutations, [`formal`] proves what units promise; [`area`] and [`asic`] count what circuits cost, [`placement`] how fast they are on a device.

@@ -31,18 +31,14 @@ pub const SCENES: [&str; 5] = ["guitar", "playbot", "lion", "aneurism", "deep st
 
 /// The named of [`SCENES`] in square pictures of so many pixels a side; the names of those whose data is not at hand go to `missing`.
 pub fn scenes(names: &[&'static str], size: usize, missing: &mut Missing) -> Result<Vec<Seen>> {
-    let mut seen = Vec::new();
+    let mut all = Vec::new();
     for name in names {
-        match scene(name, size)? {
-            Some((scene, camera)) => seen.push(Seen {
-                name,
-                scene,
-                camera: resized(camera, size),
-            }),
+        match seen(name, size)? {
+            Some(seen) => all.push(seen),
             None => missing.push(*name),
         }
     }
-    Ok(seen)
+    Ok(all)
 }
 
 /// The same view in a square picture of another size.
@@ -61,35 +57,34 @@ fn resized(camera: Camera, size: usize) -> Camera {
 }
 
 /// A scene with its camera for so many pixels a side, by a name of [`SCENES`]; nothing where its data is missing.
-pub fn scene(name: &str, size: usize) -> Result<Option<(Scene, Camera)>> {
+fn seen(name: &'static str, size: usize) -> Result<Option<Seen>> {
     let file = match name {
-        "guitar" => "gaussians/guitar.ply",
-        "playbot" => "gaussians/playbot_lod4.ply",
-        "lion" => "points/lion_takanawa.ply",
-        "aneurism" => "volumes/aneurism.nhdr",
-        _ => {
-            let scene = synthetic::deep_stack(1);
-            let camera = scene.default_camera(size, size);
-            return Ok(Some((scene, camera)));
-        }
+        "guitar" => Some("gaussians/guitar.ply"),
+        "playbot" => Some("gaussians/playbot_lod4.ply"),
+        "lion" => Some("points/lion_takanawa.ply"),
+        "aneurism" => Some("volumes/aneurism.nhdr"),
+        _ => None,
     };
     let shared = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data");
-    let file = Path::new(shared).join(file);
-    if !file.exists() {
-        return Ok(None);
-    }
-    let scene = match name {
-        "lion" => spheres::as_spheres(&points::load(&file)?, spheres::LION_DEVIATION),
-        _ => scene::load(&file, &Default::default())?,
+    let file = file.map(|file| Path::new(shared).join(file));
+    let scene = match (name, file) {
+        (_, None) => synthetic::deep_stack(1),
+        (_, Some(file)) if !file.exists() => return Ok(None),
+        ("lion", Some(file)) => spheres::as_spheres(&points::load(&file)?, spheres::LION_DEVIATION),
+        (_, Some(file)) => scene::load(&file, &Default::default())?,
     };
     let looking = |eye, target, up, degrees| Camera::look_at(eye, target, up, degrees, size, size);
     let camera = match name {
         // From close up.
         "guitar" => looking([2.2, -1.2, 0.5], [0.1, -1.2, 0.1], [0.0, -1.0, 0.0], 50.0),
         "lion" => looking([4.11, 3.88, -0.16], [-2.89, 3.88, -1.16], scene.up, 45.0),
-        "playbot" => Ok(scene.default_camera(640, 480)),
+        "playbot" => Ok(resized(scene.default_camera(640, 480), size)),
         _ => Ok(scene.default_camera(size, size)),
     };
     let camera = camera.with_context(|| format!("the camera of {name}"))?;
-    Ok(Some((scene, camera)))
+    Ok(Some(Seen {
+        name,
+        scene,
+        camera,
+    }))
 }

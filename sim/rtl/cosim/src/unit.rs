@@ -32,6 +32,17 @@ pub type Missing = Vec<&'static str>;
 /// Loads with their names. Those of one name in a row are parts of one.
 pub type Loads<L> = Vec<(String, L)>;
 
+/// A load's items as parts of so many, each with the load's name.
+pub(crate) fn in_parts<T, L>(
+    name: &str,
+    items: &[T],
+    count: usize,
+    load: impl Fn(&[T]) -> L,
+) -> Loads<L> {
+    let parts = items.chunks(count);
+    parts.map(|part| (name.to_owned(), load(part))).collect()
+}
+
 /// What a comparison found.
 #[derive(Clone, Debug, Default)]
 pub struct Findings {
@@ -68,72 +79,64 @@ impl AddAssign for Findings {
     }
 }
 
-/// A unit as it is compared with what defines it.
-pub trait Unit: Sync {
-    /// What one comparison is made of.
-    type Load: Sync;
+/// What one comparison of a unit with what defines it is made of.
+pub trait Load: Sized + Sync {
+    /// How many ways there are of feeding and emptying the circuit; the first is that at full speed.
+    fn pressures(circuit: &Circuit) -> usize;
 
-    /// The circuit.
-    fn circuit(&self) -> &Circuit;
+    /// All that the circuit is given. The names of scenes whose data is not at hand go to `missing`.
+    fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<Self>>;
 
-    /// How many ways there are of feeding and emptying the unit; the first is that at full speed.
-    fn pressures(&self) -> usize;
-
-    /// What it is given. The names of scenes whose data is not at hand go to `missing`.
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<Self::Load>>;
-
-    /// Gives a load to the circuit under one of the pressures. An error is a circuit that hangs.
-    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings>;
-
-    /// The comparison of all pressures, or of one for each part of a divided load.
-    fn compare_parts(
+    /// Gives the load to the circuit under one of the pressures. An error is a circuit that hangs.
+    fn compare(
         &self,
-        library: &Path,
-        parts: &[(String, Self::Load)],
-    ) -> Result<Vec<Findings>> {
-        let jobs = match parts.len() {
-            1 => self.pressures(),
-            count => count,
-        };
-        let compared = |job| {
-            let (_, part) = &parts[job % parts.len()];
-            let circuit = Simulation::new(library, job as u32 + 1, 0)?;
-            self.compare(circuit, part, job % self.pressures())
-        };
-        (0..jobs).into_par_iter().map(compared).collect()
-    }
+        circuit: &Circuit,
+        simulation: Simulation,
+        pressure: usize,
+    ) -> Result<Findings>;
+}
 
-    /// What a circuit's comparison says first, or nothing if it agrees everywhere.
-    fn first_difference(
-        &self,
-        library: &Path,
-        mutation: MutationNumber,
-        loads: &[(String, Self::Load)],
-    ) -> Option<String> {
-        let count = self.pressures();
-        let jobs = 0..loads.len() * count;
-        let difference = |job| {
-            let ((name, load), pressure) = (&loads[job / count], job % count);
-            let circuit = Simulation::new(library, pressure as u32 + 1, mutation);
-            let found = circuit.and_then(|circuit| self.compare(circuit, load, pressure));
-            let found = found.map(|findings| findings.first_difference);
-            let difference = found.unwrap_or_else(|error| Some(format!("{error:#}")))?;
-            Some(format!("{name}: {difference}"))
-        };
-        jobs.into_par_iter().find_map_first(difference)
-    }
+/// What a circuit's comparison says first, or nothing if it agrees everywhere.
+pub(crate) fn first_difference<L: Load>(
+    circuit: &Circuit,
+    library: &Path,
+    mutation: MutationNumber,
+    loads: &Loads<L>,
+) -> Option<String> {
+    let count = L::pressures(circuit);
+    let jobs = 0..loads.len() * count;
+    let difference = |job: usize| {
+        let ((name, load), pressure) = (&loads[job / count], job % count);
+        let simulation = Simulation::new(library, pressure as u32 + 1, mutation);
+        let found = simulation.and_then(|found| load.compare(circuit, found, pressure));
+        let found = found.map(|findings| findings.first_difference);
+        let difference = found.unwrap_or_else(|error| Some(format!("{error:#}")))?;
+        Some(format!("{name}: {difference}"))
+    };
+    jobs.into_par_iter().find_map_first(difference)
 }
 
 /// Compares everything and prints a line for each load.
-pub fn report<U: Unit>(unit: &U) -> Result<()> {
-    let circuit = unit.circuit();
+pub fn report<L: Load>(circuit: &Circuit) -> Result<()> {
     let library = circuit.library(Extent::Full)?;
     let mut missing = Vec::new();
-    let loads = unit.loads(Extent::Full, &mut missing)?;
+    let loads = L::all(circuit, Extent::Full, &mut missing)?;
     println!("{circuit}; not at hand: {missing:?}\n");
-    let mut total = Findings::default();
+    let (pressures, mut total) = (L::pressures(circuit), Findings::default());
     for parts in loads.chunk_by(|one, next| one.0 == next.0) {
-        let found = unit.compare_parts(&library, parts)?;
+        // Under all pressures, or under one for each part of a divided load.
+        let jobs = if parts.len() == 1 {
+            pressures
+        } else {
+            parts.len()
+        };
+        let compared = |job: usize| {
+            let (_, part) = &parts[job % parts.len()];
+            let simulation = Simulation::new(&library, job as u32 + 1, 0)?;
+            part.compare(circuit, simulation, job % pressures)
+        };
+        let found: Result<Vec<Findings>> = (0..jobs).into_par_iter().map(compared).collect();
+        let found = found?;
         let unhindered = found.first().map_or(0, |first| first.cycles);
         let mut sum = Findings::default();
         found.into_iter().for_each(|part| sum += part);
@@ -159,23 +162,32 @@ pub fn report<U: Unit>(unit: &U) -> Result<()> {
 /// What notices mutations: it says how one is noticed, or nothing if it survives.
 pub type Judge = Box<dyn Fn(&Mutation) -> Result<Option<String>>>;
 
-/// A unit's comparison as a judge. One circuit has all of its mutations that have a choice, and without one of them it must agree; circuits with the others
+/// A circuit's comparison as a judge. One circuit has all of its mutations that have a choice, and without one of them it must agree; circuits with the others
 /// are built when they are asked for.
-pub fn judge_of<U: Unit + 'static>(unit: Result<U>, judge: &str, extent: Extent) -> Result<Judge> {
-    let unit = unit?;
-    let (library, chosen) = unit.circuit().with_choices(&mutations(judge)?)?;
-    let loads = unit.loads(extent, &mut Vec::new())?;
-    let difference = unit.first_difference(&library, 0, &loads);
+pub fn judge_of<L: Load + 'static>(
+    circuit: Result<Circuit>,
+    judge: &str,
+    extent: Extent,
+) -> Result<Judge> {
+    let circuit = circuit?;
+    let (library, chosen) = circuit.with_choices(&mutations(judge)?)?;
+    let loads: Loads<L> = L::all(&circuit, extent, &mut Vec::new())?;
+    let difference = first_difference(&circuit, &library, 0, &loads);
     ensure!(difference.is_none(), "without a mutation: {difference:?}");
     Ok(Box::new(move |mutation| {
         if chosen.contains(&mutation.number) {
-            return Ok(unit.first_difference(&library, mutation.number, &loads));
+            return Ok(first_difference(
+                &circuit,
+                &library,
+                mutation.number,
+                &loads,
+            ));
         }
-        let circuit = unit.circuit();
         let sources = circuit.sources()?;
         if sources.iter().all(|(name, _)| *name != mutation.file) {
             return Ok(None);
         }
-        Ok(unit.first_difference(&circuit.mutated(mutation)?, 0, &loads))
+        let mutated = circuit.mutated(mutation)?;
+        Ok(first_difference(&circuit, &mutated, 0, &loads))
     }))
 }

@@ -35,42 +35,43 @@ fn committed_tables_are_the_generators() {
 
 #[test]
 fn the_committed_program_of_the_harmonics_unit_is_the_generators() {
-    let text = harmonics::text::text().unwrap();
-    assert_committed(&rtl().join(harmonics::text::FILE), &text);
+    let text = harmonics::program::text().unwrap();
+    assert_committed(&rtl().join(harmonics::program::FILE), &text);
 }
 
 #[cfg(has_rtl)]
 mod with_verilator {
     use splatline::format::Lean18;
     use splatline::setup::Cull;
-    use splatline_rtl::circuit::{Circuit, HARMONICS, MACHINE, PRIMITIVE};
-    use splatline_rtl::harmonics::unit::{HarmonicsUnit, MULTIPLIERS};
+    use splatline_rtl::circuit::{Circuit, HARMONICS, MACHINE, ORDER, PRIMITIVE};
+    use splatline_rtl::harmonics::unit::{HarmonicsLoad, MULTIPLIERS};
     use splatline_rtl::judges;
-    use splatline_rtl::machine::MachineOption;
-    use splatline_rtl::machine::unit::MachineUnit;
+    use splatline_rtl::machine::MachineLoad;
+    use splatline_rtl::machine::unit::{self as machine, with_harmonics};
     use splatline_rtl::mutation::{Mutation, mutations};
-    use splatline_rtl::order::unit::OrderUnit;
-    use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit};
-    use splatline_rtl::setup::distant::enlarged;
+    use splatline_rtl::order::OrderLoad;
+    use splatline_rtl::primitive::unit::{self as primitive, LANES, PrimitiveLoad};
     use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
-    use splatline_rtl::setup::unit::SetupUnit;
+    use splatline_rtl::setup::unit as setup;
+    use splatline_rtl::setup::{SetupLoad, enlarged};
     use splatline_rtl::simulation::Simulation;
     use splatline_rtl::tools::rtl;
-    use splatline_rtl::unit::{Extent, Findings, Unit};
+    use splatline_rtl::unit::{Extent, Findings, Load};
+    use splatline_sim::machine::primitive::SETUP_INTERVAL;
     use std::process::Command;
 
-    /// Compares a unit's quick loads under every pressure; gives what was found of each load.
-    fn agrees<U: Unit>(unit: &U) -> Vec<(U::Load, Findings)> {
-        let library = unit.circuit().library(Extent::Quick).unwrap();
+    /// Compares a circuit's quick loads under every pressure; gives what was found of each load.
+    fn agrees<L: Load>(circuit: &Circuit) -> Vec<(L, Findings)> {
+        let library = circuit.library(Extent::Quick).unwrap();
         let mut missing = Vec::new();
-        let loads = unit.loads(Extent::Quick, &mut missing).unwrap();
+        let loads = L::all(circuit, Extent::Quick, &mut missing).unwrap();
         println!("not at hand: {missing:?}");
         let mut all = Vec::new();
         for (seed, (name, load)) in (1..).zip(loads) {
             let mut sum = Findings::default();
-            for pressure in 0..unit.pressures() {
-                let circuit = Simulation::new(&library, seed, 0).unwrap();
-                let found = unit.compare(circuit, &load, pressure);
+            for pressure in 0..L::pressures(circuit) {
+                let simulation = Simulation::new(&library, seed, 0).unwrap();
+                let found = load.compare(circuit, simulation, pressure);
                 let found = found.unwrap_or_else(|error| panic!("{name}: {error:#}"));
                 assert_eq!(found.first_difference, None, "{name}, {pressure}");
                 sum += found;
@@ -96,7 +97,8 @@ mod with_verilator {
     /// Every word, and the cycle of every handshake where the lanes do not pause, for all rules.
     fn primitive_agrees(design: &str) {
         for lanes in LANES {
-            for (_, found) in agrees(&PrimitiveUnit::new(design, lanes).unwrap()) {
+            let circuit = primitive::circuit(design, lanes, SETUP_INTERVAL).unwrap();
+            for (_, found) in agrees::<PrimitiveLoad>(&circuit) {
                 let counted = |name| counted(&found, name);
                 assert!(
                     counted("visited") > 30_000,
@@ -121,13 +123,14 @@ mod with_verilator {
     /// Rounding, reciprocal, root and logarithm of the setup unit's cores, by a program that has nothing else.
     #[test]
     fn setup_units_equal_the_kernels() {
-        agrees(&SetupUnit::new("lean18", 2, SetupProgram::new(ProgramKind::Units)).unwrap());
+        let program = SetupProgram::new(ProgramKind::Units);
+        agrees::<SetupLoad>(&setup::circuit("lean18", 2, program).unwrap());
     }
 
     /// Scenes, hard cases and arbitrary bits, among them culls of every kind.
     fn packets_are_the_kernels(design: &str, cores: u32, kind: ProgramKind) {
-        let unit = SetupUnit::new(design, cores, SetupProgram::new(kind)).unwrap();
-        let found = total(&agrees(&unit));
+        let circuit = setup::circuit(design, cores, SetupProgram::new(kind)).unwrap();
+        let found = total(&agrees::<SetupLoad>(&circuit));
         assert!(found.compared >= 4_000, "{found:?}");
         assert_eq!(found.counts.len(), Cull::ALL.len());
         for (cull, count) in &found.counts {
@@ -157,17 +160,17 @@ mod with_verilator {
     fn setup_unit_gives_the_kernels_directions() {
         for design in ["lean18", "standard24"] {
             let program = SetupProgram::new(ProgramKind::Filter).with_direction();
-            agrees(&SetupUnit::new(design, 2, program).unwrap());
+            agrees::<SetupLoad>(&setup::circuit(design, 2, program).unwrap());
         }
     }
 
     /// The same with distance scaling, nearer than the distance k, there and beyond.
     #[test]
     fn setup_unit_enlarges_what_is_far() {
-        let unit =
-            SetupUnit::new("lean18", 3, SetupProgram::new(ProgramKind::DistanceScaling)).unwrap();
+        let program = SetupProgram::new(ProgramKind::DistanceScaling);
+        let circuit = setup::circuit("lean18", 3, program).unwrap();
         let (mut beyond, mut splats) = (0, 0);
-        for (load, _) in agrees(&unit) {
+        for (load, _) in agrees::<SetupLoad>(&circuit) {
             beyond += enlarged(&Lean18::WIDTHS, &load.view, &load.rules, &load.splats);
             splats += load.splats.len();
         }
@@ -182,7 +185,8 @@ mod with_verilator {
     #[test]
     fn harmonics_unit_gives_the_kernels_colours() {
         for multipliers in MULTIPLIERS {
-            let found = total(&agrees(&HarmonicsUnit::new(multipliers).unwrap()));
+            let circuit = Circuit::new(&HARMONICS, "lean18", multipliers).unwrap();
+            let found = total(&agrees::<HarmonicsLoad>(&circuit));
             assert!(counted(&found, "resets") > 100, "{found:?}");
         }
     }
@@ -190,14 +194,14 @@ mod with_verilator {
     /// Orders and lists with every memory, twice in one circuit, and without room for the lists.
     #[test]
     fn sorter_and_binning_give_the_kernels_order_and_the_models_lists() {
-        agrees(&OrderUnit::new(8).unwrap());
+        agrees::<OrderLoad>(&Circuit::new(&ORDER, "lean18", 8).unwrap());
     }
 
     /// Frames from records in memory by the whole machine, with every memory, twice in one machine, and their cycles by the model; and frames without room for
     /// their lists. Of tiles without splats there are some before, between and behind the others, in the last column and the last row.
     #[test]
     fn the_machine_draws_the_kernels_frame() {
-        let found = agrees(&MachineUnit::new("lean18", 2, 4, MachineOption::None).unwrap());
+        let found = agrees::<MachineLoad>(&machine::circuit("lean18", 2, 4).unwrap());
         for (load, found) in &found {
             // Of one frame; five are drawn.
             assert!(counted(found, "painted") > 200, "{found:?}");
@@ -218,10 +222,10 @@ mod with_verilator {
     #[test]
     #[ignore = "verilates and compiles a machine; also `cargo run -p splatline-rtl --example rtl -- compare frames-distance`"]
     fn the_machine_enlarges_what_is_far() {
-        let plain = MachineUnit::new("lean18", 2, 4, MachineOption::None).unwrap();
-        let plain = plain.loads(Extent::Quick, &mut Vec::new()).unwrap();
-        let found =
-            agrees(&MachineUnit::new("lean18", 2, 4, MachineOption::DistanceScaling).unwrap());
+        let circuit = machine::circuit("lean18", 2, 4).unwrap();
+        let plain = MachineLoad::all(&circuit, Extent::Quick, &mut Vec::new()).unwrap();
+        let program = SetupProgram::new(ProgramKind::DistanceScaling);
+        let found = agrees::<MachineLoad>(&circuit.with_program(program));
         let (crowd, counts) = &found[0];
         let (beyond, splats) = (counted(counts, "beyond k"), counted(counts, "splats"));
         assert!(
@@ -235,7 +239,8 @@ mod with_verilator {
     /// for many splats to be on their way behind one that waits for its colour.
     #[test]
     fn the_machine_draws_harmonics() {
-        agrees(&MachineUnit::new("lean18", 6, 4, MachineOption::Harmonics(1)).unwrap());
+        let circuit = machine::circuit("lean18", 6, 4).unwrap();
+        agrees::<MachineLoad>(&with_harmonics(circuit, 1));
     }
 
     /// The same by a unit with two multipliers, and in either design.
@@ -243,7 +248,8 @@ mod with_verilator {
     #[ignore = "verilates and compiles two machines; also `cargo run -p splatline-rtl --example rtl -- compare frames-harmonics`"]
     fn the_machine_draws_harmonics_by_two_multipliers() {
         for design in super::DESIGNS {
-            agrees(&MachineUnit::new(design, 6, 4, MachineOption::Harmonics(2)).unwrap());
+            let circuit = machine::circuit(design, 6, 4).unwrap();
+            agrees::<MachineLoad>(&with_harmonics(circuit, 2));
         }
     }
 
@@ -264,12 +270,11 @@ mod with_verilator {
         (output.status.success(), words)
     }
 
-    fn with_harmonics(design: &str) -> Circuit {
-        let unit = MachineUnit::new(design, 1, 1, MachineOption::Harmonics(1)).unwrap();
-        unit.circuit().clone()
+    fn small_with_harmonics(design: &str) -> Circuit {
+        with_harmonics(machine::circuit(design, 1, 1).unwrap(), 1)
     }
 
-    fn primitive(design: &str, lanes: u32, queue: u32) -> Circuit {
+    fn queued(design: &str, lanes: u32, queue: u32) -> Circuit {
         let circuit = Circuit::new(&PRIMITIVE, design, lanes).unwrap();
         circuit.with("QUEUE", queue)
     }
@@ -279,10 +284,10 @@ mod with_verilator {
         let mut circuits = Vec::new();
         for design in ["lean18", "standard24"] {
             for (lanes, queue) in [(1, 8), (2, 2), (4, 8), (8, 16), (16, 256)] {
-                circuits.push(primitive(design, lanes, queue));
+                circuits.push(queued(design, lanes, queue));
             }
             circuits.push(Circuit::new(&MACHINE, design, 1).unwrap());
-            circuits.push(with_harmonics(design));
+            circuits.push(small_with_harmonics(design));
         }
         for multipliers in MULTIPLIERS {
             circuits.push(Circuit::new(&HARMONICS, "lean18", multipliers).unwrap());
@@ -297,14 +302,14 @@ mod with_verilator {
     fn illegal_circuits_do_not_elaborate() {
         let harmonics = Circuit::new(&HARMONICS, "lean18", 3).unwrap();
         let undirected =
-            with_harmonics("lean18").with_program(SetupProgram::new(ProgramKind::Filter));
+            small_with_harmonics("lean18").with_program(SetupProgram::new(ProgramKind::Filter));
         for (circuit, words) in [
             (undirected, "needs a program of setup with directions"),
             (harmonics, "MULTIPLIERS must be 1 or 2"),
-            (primitive("lean18", 3, 8), "LANES must be 1, 2, 4, 8 or 16"),
-            (primitive("lean18", 32, 8), "LANES must be 1, 2, 4, 8 or 16"),
-            (primitive("lean18", 4, 6), "QUEUE must be a power of two"),
-            (primitive("lean18", 4, 1), "QUEUE must be a power of two"),
+            (queued("lean18", 3, 8), "LANES must be 1, 2, 4, 8 or 16"),
+            (queued("lean18", 32, 8), "LANES must be 1, 2, 4, 8 or 16"),
+            (queued("lean18", 4, 6), "QUEUE must be a power of two"),
+            (queued("lean18", 4, 1), "QUEUE must be a power of two"),
         ] {
             let (accepted, said) = lint(&circuit);
             assert!(!accepted && said.contains(words), "{circuit}: {said}");

@@ -10,13 +10,14 @@ use splatline::format::{Lean18, Traversal};
 use splatline::raster::Window;
 use splatline::rules::Rules;
 use splatline_rtl::bench::Bench;
-use splatline_rtl::primitive::unit::{LANES, PrimitiveUnit, draw, pixel};
+use splatline_rtl::primitive::unit::{LANES, circuit, draw, pixel};
 use splatline_rtl::primitive::workload::{self, BenchWorkload};
 use splatline_rtl::random::Random;
 use splatline_rtl::rules::write_rules;
 use splatline_rtl::simulation::Simulation;
-use splatline_rtl::unit::{Extent, Unit};
+use splatline_rtl::unit::Extent;
 use splatline_sim::design::DesignChoice;
+use splatline_sim::machine::primitive::SETUP_INTERVAL;
 
 /// Cycles within which anything must happen.
 const PATIENCE: usize = 20_000;
@@ -67,8 +68,8 @@ impl HandshakeScene {
         let expected = drawn.unwrap().0;
         let clear = Pixel::clear(&widths);
         assert!(expected.iter().any(|pixel| *pixel != clear));
-        let unit = PrimitiveUnit::new("lean18", lanes).unwrap();
-        let library = unit.circuit().library(Extent::Quick).unwrap();
+        let circuit = circuit("lean18", lanes, SETUP_INTERVAL).unwrap();
+        let library = circuit.library(Extent::Quick).unwrap();
         let circuit = Simulation::new(&library, 3, 0).unwrap();
         let mut bench = Bench::new(circuit, 3).unwrap();
         write_rules(&mut bench, &widths, &Rules::EWA).unwrap();

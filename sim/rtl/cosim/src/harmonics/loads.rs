@@ -1,25 +1,63 @@
 //! What the harmonics unit is given: a scene's splats, random ones, and bits that round, clamp and wrap where others do not.
 
-use crate::harmonics::scene::SceneHarmonics;
 use crate::random::Random;
-use crate::scenes::scene;
-use crate::unit::Loads;
-use anyhow::Result;
-use fixed::types::{I2F30, I4F28};
-use splatline::format::Lean18;
-use splatline::setup::harmonics::direction;
+use crate::scenes::scenes;
+use crate::unit::{Loads, Missing};
+use anyhow::{Context, Result};
+use fixed::types::{I2F30, I4F28, U4F28};
+use splatline::float::coefficient;
+use splatline::format::{Lean18, Widths};
+use splatline::setup::harmonics::{self, direction};
 use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::rules::Rules;
+use splatline_sim::scene::Harmonics;
 
-/// A splat's direction and colours, as bits.
+/// A splat's direction and colours.
 #[derive(Clone, Debug)]
 pub struct HarmonicsSplat {
-    /// Q1.30.
-    pub direction: [i32; 3],
+    pub direction: [I2F30; 3],
     /// As the port takes it: what is above 4 is 4.
     pub degree: u8,
-    /// Q3.28: its base, then as many coefficients as the degree has.
-    pub colours: Vec<[i32; 3]>,
+    /// Its base, then as many coefficients as the degree has.
+    pub colours: Vec<[I4F28; 3]>,
+}
+
+impl HarmonicsSplat {
+    /// By bits of its direction, Q1.30, and of its colours, Q3.28.
+    fn new(direction: [i32; 3], degree: u8, colours: Vec<[i32; 3]>) -> HarmonicsSplat {
+        let colours = colours.into_iter();
+        HarmonicsSplat {
+            direction: direction.map(I2F30::from_bits),
+            degree,
+            colours: colours.map(|bits| bits.map(I4F28::from_bits)).collect(),
+        }
+    }
+
+    /// The kernel's colour.
+    pub fn colour(&self) -> [U4F28; 3] {
+        let (base, coefficients) = (self.colours[0], &self.colours[1..]);
+        harmonics::Harmonics { base, coefficients }.colour(self.direction)
+    }
+}
+
+/// The harmonics of a scene, whose splats are these, in the kernel's directions.
+pub fn of_scene(
+    harmonics: &Harmonics,
+    widths: &Widths,
+    scene: &QuantisedScene,
+) -> Vec<HarmonicsSplat> {
+    let each = colours(harmonics.degree) - 1;
+    let fixed = |colour: &[f32; 3]| colour.map(|channel| coefficient(channel.into()));
+    let splats = scene.splats.iter().zip(&harmonics.base).enumerate();
+    let splats = splats.map(|(number, (splat, base))| {
+        let coefficients = harmonics.coefficients[number * each..][..each].iter();
+        HarmonicsSplat {
+            direction: direction(widths, &scene.view, &splat.centre),
+            degree: harmonics.degree,
+            colours: [base].into_iter().chain(coefficients).map(fixed).collect(),
+        }
+    });
+    splats.collect()
 }
 
 /// A splat's base and coefficients of a degree as the port takes it.
@@ -79,11 +117,8 @@ impl LoadRandom {
     }
 
     fn splat(&mut self, direction: [i32; 3], degree: u8, colour: Draw) -> HarmonicsSplat {
-        HarmonicsSplat {
-            direction,
-            degree,
-            colours: (0..colours(degree)).map(|_| colour(self)).collect(),
-        }
+        let colours = (0..colours(degree)).map(|_| colour(self)).collect();
+        HarmonicsSplat::new(direction, degree, colours)
     }
 }
 
@@ -110,30 +145,27 @@ pub fn synthetic(count: usize, seed: u64) -> Loads<Vec<HarmonicsSplat>> {
     let hard: Draw = |random| [(); 3].map(|()| random.hard());
     let bits: Draw = |random| [(); 3].map(|()| random.bits());
     let cube: Draw = |random| [(); 3].map(|()| near_one(random));
+    let drawn = |direction: Draw, degrees: u64, colour: Draw| {
+        move |random: &mut LoadRandom, _| {
+            let (direction, degree) = (direction(random), random.below(degrees) as u8);
+            random.splat(direction, degree, colour)
+        }
+    };
     type Make<'a> = &'a dyn Fn(&mut LoadRandom, usize) -> HarmonicsSplat;
     let kinds: [(&str, Make); 8] = [
-        ("unit directions", &|random, _| {
-            let (direction, degree) = (random.direction(), random.below(5) as u8);
-            random.splat(direction, degree, LoadRandom::usual)
-        }),
-        ("axes, corners, few bits", &|random, _| {
-            let (direction, degree) = (cube(random), random.below(5) as u8);
-            random.splat(direction, degree, hard)
-        }),
+        (
+            "unit directions",
+            &drawn(LoadRandom::direction, 5, LoadRandom::usual),
+        ),
+        ("axes, corners, few bits", &drawn(cube, 5, hard)),
         ("harmonics one by one", &|random, index| {
             one_harmonic(cube(random), index % 24)
         }),
         ("halves subtracted", &|random, _| {
             one_harmonic(halves(random), 23)
         }),
-        ("arbitrary words", &|random, _| {
-            let (direction, degree) = (hard(random), random.below(8) as u8);
-            random.splat(direction, degree, hard)
-        }),
-        ("arbitrary bits", &|random, _| {
-            let (direction, degree) = (bits(random), random.below(8) as u8);
-            random.splat(direction, degree, bits)
-        }),
+        ("arbitrary words", &drawn(hard, 8, hard)),
+        ("arbitrary bits", &drawn(bits, 8, bits)),
         ("colours near 0 and 16", &|random, _| {
             let (direction, degree) = (random.direction(), random.below(5) as u8);
             near_the_ends(random, direction, degree)
@@ -177,11 +209,7 @@ fn one_harmonic(direction: [i32; 3], which: usize) -> HarmonicsSplat {
     let mut colours = vec![[0; 3]; 25];
     colours[0] = [4 << 28; 3];
     colours[1 + which] = [1 << 28, 1 << 30, -(1 << 28)];
-    HarmonicsSplat {
-        direction,
-        degree: 4,
-        colours,
-    }
+    HarmonicsSplat::new(direction, 4, colours)
 }
 
 /// A splat whose colours are within a unit of 0 or of 16, or have no bit but the one that rounding to odd leaves.
@@ -195,11 +223,7 @@ fn near_the_ends(random: &mut LoadRandom, direction: [i32; 3], degree: u8) -> Ha
         colours[random.below(3) as usize] = [(); 3].map(|()| random.hard());
     }
     colours.insert(0, base);
-    HarmonicsSplat {
-        direction,
-        degree,
-        colours,
-    }
+    HarmonicsSplat::new(direction, degree, colours)
 }
 
 /// Directions for which a product of the kernel's polynomial of degree 4 and order 0 is so near below an odd multiple of 2^63 that its rounding leaves 64 bits:
@@ -213,25 +237,16 @@ const WRAPPING: [[i32; 3]; 6] = [
     [446_326_359, 576_139_655, 975_374_862],
 ];
 
-/// Every `step`-th splat of the scene with harmonics in the kernel's directions from its camera; nothing where its data is missing.
-pub fn captured(step: usize) -> Result<Option<(String, Vec<HarmonicsSplat>)>> {
-    let Some((mut scene, camera)) = scene("playbot", 480)? else {
-        return Ok(None);
-    };
-    let Some(harmonics) = scene.harmonics.take() else {
-        return Ok(None);
-    };
-    let harmonics = SceneHarmonics::new(&harmonics);
-    let quantised = QuantisedScene::new(&scene, &camera, &Rules::EWA);
-    let splats = quantised.splats.iter().zip(harmonics.splats());
-    let splats = splats.step_by(step).map(|(splat, colours)| HarmonicsSplat {
-        direction: direction(&Lean18::WIDTHS, &quantised.view, &splat.centre).map(I2F30::to_bits),
-        degree: harmonics.degree,
-        colours: colours
-            .iter()
-            .map(|colour| colour.map(I4F28::to_bits))
-            .collect(),
-    });
-    let name = format!("playbot, degree {}", harmonics.degree);
-    Ok(Some((name, splats.collect())))
+/// Every `step`-th splat of the scene with harmonics in the kernel's directions from its camera.
+pub fn captured(step: usize, missing: &mut Missing) -> Result<Loads<Vec<HarmonicsSplat>>> {
+    let mut loads = Vec::new();
+    for mut seen in scenes(&["playbot"], 480, missing)? {
+        let harmonics = seen.scene.harmonics.take();
+        let harmonics = harmonics.context("a scene without harmonics")?;
+        let quantised = QuantisedScene::new(&seen.scene, &seen.camera, &Rules::EWA);
+        let splats = of_scene(&harmonics, &Lean18::WIDTHS, &quantised).into_iter();
+        let name = format!("{}, degree {}", seen.name, harmonics.degree);
+        loads.push((name, splats.step_by(step).collect()));
+    }
+    Ok(loads)
 }

@@ -1,11 +1,8 @@
 //! The harmonics unit (`sim/rtl/harmonics_unit.sv`): its program, and its co-simulation with the kernel's `setup::harmonics`.
 //!
-//! `program` is the basis as a list of sums, `schedule` puts them in an order, [`text`] writes that as a circuit reads it; `loads` makes splats and
+//! [`program`] is the basis as a list of sums, put in an order and written as a circuit reads it; `loads` makes splats and
 //! [`unit`](mod@unit) compares every colour.
 
-mod loads;
-mod program;
-pub(crate) mod scene;
-mod schedule;
-pub mod text;
+pub(crate) mod loads;
+pub mod program;
 pub mod unit;

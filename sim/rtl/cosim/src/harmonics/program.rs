@@ -1,27 +1,60 @@
-//! The program of the harmonics unit's basis: `harmonics_program.txt`, read.
+//! The program of the harmonics unit's basis: `harmonics_program.txt` is read as a list of sums, every term gets a place,
+//! so that no operand is read before it is written, and `sim/rtl/harmonics_program.sv` is what a circuit reads.
 
-use RightFactor::{Axis, Halves, Register, Root};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use std::f64::consts::PI;
 
+/// The generated file in the folder of the RTL.
+pub const FILE: &str = "harmonics_program.sv";
+
 /// Harmonics of the highest degree.
-pub const HARMONICS: usize = 24;
+const HARMONICS: usize = 24;
+
+/// Places from a term to the first that can read its result; from harmonics_unit.sv: the register file's words, factors, clamps, magnitudes, product (2), quotient,
+/// sum, write.
+const LATENCY: usize = 9;
+
+/// What the first places load: the direction.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Channels of a word: cycles that the sum takes at least for a word.
+const CHANNELS: usize = 3;
+
+/// The unit's registers.
+const REGISTERS: usize = 64;
+
+/// Bits of a slot.
+const SLOT: usize = 56;
+
+const HEAD: &str = "\
+// Program of the harmonics unit's basis: written by `rtl -- package` from sim/rtl/cosim/harmonics_program.txt; do not edit.
+//
+// A slot, from its lowest bit: left register (6), right register (6), target (6), constant (31), and a bit each: right is a register, left is clamped to 4, quotient
+// by 2^16, subtracted, first of its sum, to a register, to a harmonic. `end_place` is a degree's last place; a `gap` has no term.
+module harmonics_program (
+    input logic clk,
+    input logic [6:0] place,
+    input logic [2:0] degree,
+    output logic [55:0] slot,
+    output logic [6:0] end_place,
+    output logic gap
+);
+";
 
 /// The right factor of a term; the left one is a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RightFactor {
+enum RightFactor {
     Register(&'static str),
-    /// A small number in halves: exact, no rounding but that of a half.
-    Halves(u32),
-    /// The root of numerator / (denominator pi) in Q2.29, for a polynomial clamped to 4.
-    Root(u32, u32),
-    /// None: the direction's axis is added to nothing.
-    Axis,
+    /// A small number with 16 fraction bits, for a quotient by 2^16: exact, no rounding but that of a half. The direction
+    /// of a load is added to nothing, its factor is 0.
+    Small(u32),
+    /// A root with 29 fraction bits, for a quotient by 2^31 and a polynomial clamped to 4.
+    Root(u32),
 }
 
 /// Where a sum goes after a term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Target {
+enum Target {
     /// Nowhere yet.
     Nothing,
     Register(&'static str),
@@ -30,29 +63,41 @@ pub enum Target {
 }
 
 /// One term of a sum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Term {
+#[derive(Clone, Debug)]
+struct Term {
     /// A register.
-    pub left: &'static str,
-    pub right: RightFactor,
+    left: &'static str,
+    right: RightFactor,
     /// Is it subtracted?
-    pub negated: bool,
+    negated: bool,
     /// Does its sum begin with it?
-    pub first: bool,
+    first: bool,
     /// Where the sum goes.
-    pub target: Target,
+    target: Target,
+    /// The term in words, as the slot's comment.
+    words: String,
 }
 
 /// A sum, whose terms stand one behind the other.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Sum {
+#[derive(Debug)]
+struct Sum {
     /// The lowest degree that needs it.
-    pub degree: usize,
-    pub terms: Vec<Term>,
+    degree: usize,
+    terms: Vec<Term>,
+}
+
+/// The whole program.
+struct Schedule {
+    /// By place; nothing where a place waits.
+    places: Vec<Option<Term>>,
+    /// The last place of each degree.
+    ends: [usize; 5],
+    /// Registers by their numbers.
+    registers: Vec<&'static str>,
 }
 
 /// All of it. The direction is in "x", "y" and "z" before.
-pub fn sums() -> Result<Vec<Sum>> {
+fn sums() -> Result<Vec<Sum>> {
     let lines = include_str!("../../harmonics_program.txt").lines();
     let lines = lines.filter(|line| !line.starts_with("//"));
     let sum = |line| sum(line).with_context(|| format!("harmonics_program.txt: '{line}'"));
@@ -61,69 +106,235 @@ pub fn sums() -> Result<Vec<Sum>> {
 
 fn sum(line: &'static str) -> Option<Sum> {
     let (degree, terms) = line.split_once(": ")?;
-    let mut terms: Vec<Term> = terms.split("; ").map(term).collect::<Option<_>>()?;
-    terms.first_mut()?.first = true;
-    let degree = degree.parse().ok()?;
-    Some(Sum { degree, terms })
+    let terms = terms.split("; ").enumerate();
+    let terms = terms.map(|(index, text)| term(text, index == 0));
+    Some(Sum {
+        degree: degree.parse().ok()?,
+        terms: terms.collect::<Option<_>>()?,
+    })
 }
 
-fn term(text: &'static str) -> Option<Term> {
-    let (product, target) = text.split_once(" = ").unwrap_or((text, ""));
-    let target = match target.strip_prefix('Y') {
-        Some(index) => Target::Harmonic(index.parse().ok()?),
-        None if target.is_empty() => Target::Nothing,
-        None => Target::Register(target),
+fn term(text: &'static str, first: bool) -> Option<Term> {
+    let (product, name) = text.split_once(" = ").unwrap_or((text, ""));
+    let (target, goes) = match name.strip_prefix('Y') {
+        Some(index) => (
+            Target::Harmonic(index.parse().ok()?),
+            format!(" = Y_{index}"),
+        ),
+        None if name.is_empty() => (Target::Nothing, String::new()),
+        None => (Target::Register(name), format!(" = {name}")),
     };
     let positive = product.strip_prefix("- ");
+    let negated = positive.is_some();
     let (left, right) = positive.unwrap_or(product).split_once(" * ")?;
-    let right = if let Some(quotient) = right.strip_prefix("root ") {
-        let (numerator, denominator) = quotient.split_once('/')?;
-        Root(numerator.parse().ok()?, denominator.parse().ok()?)
-    } else if right == "1/2" {
-        Halves(1)
-    } else {
-        let number = right.parse();
-        number.map_or(Register(right), |number: u32| Halves(2 * number))
+    let (right, factor) = right_factor(right)?;
+    let sign = match (first, negated) {
+        (true, false) => "",
+        (true, true) => "-",
+        (false, false) => "+ ",
+        (false, true) => "- ",
     };
     Some(Term {
         left,
         right,
-        negated: positive.is_some(),
-        first: false,
+        negated,
+        first,
         target,
+        words: format!("{sign}({left}) {factor}{goes}"),
+    })
+}
+
+/// A right factor, and itself in words.
+fn right_factor(text: &'static str) -> Option<(RightFactor, String)> {
+    if let Some(quotient) = text.strip_prefix("root ") {
+        let (above, below) = quotient.split_once('/')?;
+        let square = above.parse::<f64>().ok()? / (below.parse::<f64>().ok()? * PI);
+        let root = (square.sqrt() * 2f64.powi(29)).round() as u32;
+        return Some((
+            RightFactor::Root(root),
+            format!("root({above} / {below} pi)"),
+        ));
+    }
+    if text == "1/2" {
+        return Some((RightFactor::Small(1 << 15), "1 / 2".to_owned()));
+    }
+    Some(match text.parse::<u32>() {
+        Ok(number) => (RightFactor::Small(number << 16), text.to_owned()),
+        Err(_) => (RightFactor::Register(text), format!("({text})")),
     })
 }
 
 impl Term {
     /// What loads an axis of the direction: a sum of nothing, which begins with it.
-    pub fn load(axis: &'static str) -> Term {
+    fn load(axis: &'static str) -> Term {
         Term {
             left: "x",
-            right: Axis,
+            right: RightFactor::Small(0),
             negated: false,
             first: true,
             target: Target::Register(axis),
+            words: format!("{axis} = direction"),
         }
     }
 
     /// The registers that it reads.
-    pub fn reads(&self) -> Vec<&'static str> {
-        match self.right {
-            Register(right) => vec![self.left, right],
-            Halves(_) | Root(..) | Axis => vec![self.left],
-        }
+    fn reads(&self) -> impl Iterator<Item = &'static str> {
+        let right = match self.right {
+            RightFactor::Register(right) => Some(right),
+            RightFactor::Small(_) | RightFactor::Root(_) => None,
+        };
+        [self.left].into_iter().chain(right)
+    }
+
+    /// Its slot, by the registers' numbers.
+    fn slot(&self, registers: &[&str]) -> Result<u64> {
+        let number = |name| {
+            let number = registers.iter().position(|known| *known == name);
+            number.with_context(|| format!("no register {name}"))
+        };
+        let (right, constant, kind) = match self.right {
+            RightFactor::Register(name) => (number(name)?, 0, 0b001),
+            RightFactor::Root(root) => (0, root as usize, 0b010),
+            RightFactor::Small(factor) => (0, factor as usize, 0b100),
+        };
+        let (target, goes) = match self.target {
+            Target::Nothing => (0, 0b00),
+            Target::Register(name) => (number(name)?, 0b01),
+            Target::Harmonic(index) => (index, 0b10),
+        };
+        let fields = [
+            (number(self.left)?, 6),
+            (right, 6),
+            (target, 6),
+            (constant, 31),
+            (kind, 3),
+            (self.negated.into(), 1),
+            (self.first.into(), 1),
+            (goes, 2),
+        ];
+        let fields = fields.iter().rev();
+        Ok(fields.fold(0, |word, (value, bits)| word << bits | *value as u64))
     }
 }
 
-impl RightFactor {
-    /// The slot's constant: roots with 29 fraction bits for a quotient by 2^31, halves with 15 for one by 2^16.
-    pub fn constant(self) -> u32 {
-        match self {
-            Register(_) | Axis => 0,
-            Halves(number) => number << 15,
-            Root(numerator, denominator) => {
-                let square = f64::from(numerator) / (f64::from(denominator) * PI);
-                (square.sqrt() * 2f64.powi(29)).round() as u32
+/// Sums begin in the order of the program, each as soon as all that it reads has been written.
+fn schedule() -> Result<Schedule> {
+    let mut places = AXES.map(|axis| Some(Term::load(axis))).to_vec();
+    // Registers in the order of their first writing, and the places from which on they can be read.
+    let mut written: Vec<(&str, usize)> = AXES.into_iter().zip(LATENCY..).collect();
+    // The last place of each degree's terms, and the place of each harmonic.
+    let mut ends = [AXES.len() - 1; 5];
+    let mut harmonics = [0; HARMONICS + 1];
+    for sum in sums()? {
+        let ready = ready(&sum, &written);
+        let ready = ready.with_context(|| format!("{sum:?} reads what is not written before"))?;
+        places.resize(places.len().max(ready), None);
+        for term in sum.terms {
+            match term.target {
+                Target::Register(name) => written.push((name, places.len() + LATENCY)),
+                Target::Harmonic(index) => harmonics[index] = places.len(),
+                Target::Nothing => {}
+            }
+            places.push(Some(term));
+        }
+        for end in &mut ends[sum.degree..] {
+            *end = (*end).max(places.len() - 1);
+        }
+    }
+    // The sum begins in the cycle after the end, with the base, and reads a harmonic in every third cycle.
+    for (degree, end) in ends.iter_mut().enumerate() {
+        let of_degree = harmonics.iter().enumerate().take((degree + 1).pow(2));
+        for (index, place) in of_degree.skip(1) {
+            *end = (*end).max((place + LATENCY).saturating_sub(1 + CHANNELS * index));
+        }
+    }
+    places.resize(places.len().max(ends[4] + 1), None);
+    let registers: Vec<&str> = written.iter().map(|known| known.0).collect();
+    ensure!(registers.len() <= REGISTERS, "too many registers");
+    Ok(Schedule {
+        places,
+        ends,
+        registers,
+    })
+}
+
+/// The place from which on a sum can begin; nothing before all that it reads has been written.
+fn ready(sum: &Sum, written: &[(&str, usize)]) -> Option<usize> {
+    let mut ready = 0;
+    for (offset, term) in sum.terms.iter().enumerate() {
+        for name in term.reads() {
+            let (_, place) = written.iter().find(|known| known.0 == name)?;
+            ready = ready.max(place.saturating_sub(offset));
+        }
+    }
+    Some(ready)
+}
+
+/// The generated file's text.
+pub fn text() -> Result<String> {
+    let schedule = schedule()?;
+    let [lower @ .., highest] = schedule.ends;
+    let ends = lower.iter().enumerate();
+    let ends = ends.map(|(degree, end)| format!("      3'd{degree}: end_place = 7'd{end};\n"));
+    let (mut gaps, mut slots) = (Vec::new(), String::new());
+    for (place, term) in schedule.places.iter().enumerate() {
+        match term {
+            Some(term) => {
+                let (word, words) = (term.slot(&schedule.registers)?, &term.words);
+                slots += &format!("      7'd{place}: slot <= {SLOT}'h{word:014x};  // {words}\n");
+            }
+            None => gaps.push(format!("7'd{place}")),
+        }
+    }
+    Ok(format!(
+        "{HEAD}  always_comb begin
+    case (degree)
+{}      default: end_place = 7'd{highest};
+    endcase
+  end
+  always_comb begin
+    case (place)
+      {}: gap = 1;
+      default: gap = 0;
+    endcase
+  end
+  always_ff @(posedge clk) begin
+    case (place)
+{slots}      default: slot <= {SLOT}'d0;
+    endcase
+  end
+endmodule
+",
+        ends.collect::<String>(),
+        gaps.join(", ")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the unit takes for granted: nothing is read before it is written, neither a register by a term nor a harmonic by the sum of its degree.
+    #[test]
+    fn nothing_is_read_too_early() {
+        let schedule = schedule().unwrap();
+        let place_of = |wanted: Target| {
+            let of = |slot: &Option<Term>| slot.as_ref().is_some_and(|term| term.target == wanted);
+            schedule.places.iter().position(of).unwrap()
+        };
+        for (place, term) in schedule.places.iter().enumerate().skip(AXES.len()) {
+            for name in term.iter().flat_map(Term::reads) {
+                let written = place_of(Target::Register(name));
+                assert!(place >= written + LATENCY, "{term:?}");
+            }
+        }
+        for (degree, end) in schedule.ends.iter().enumerate() {
+            for index in 1..(degree + 1).pow(2) {
+                let place = place_of(Target::Harmonic(index));
+                assert!(
+                    place <= *end && place + LATENCY <= end + 1 + 3 * index,
+                    "{index}"
+                );
             }
         }
     }

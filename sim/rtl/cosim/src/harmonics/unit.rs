@@ -1,12 +1,10 @@
 //! The harmonics unit against the kernel: every colour, with random pauses at all three ends and resets in between.
 
 use super::loads::{HarmonicsSplat, captured, of_degree, synthetic};
-use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
-use crate::circuit::HARMONICS;
-use crate::harmonics::scene::colour;
-use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
+use crate::bench::{Bench, Channels, Checker, Item, Pressure};
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation, in_parts};
 use anyhow::Result;
-use fixed::types::{I2F30, I4F28};
+use fixed::types::I4F28;
 
 /// Numbers of multipliers for which there is a circuit.
 pub const MULTIPLIERS: [u32; 2] = [1, 2];
@@ -30,74 +28,50 @@ const fn pressure(ends: [u8; 3], stalls: u64, resets: u64) -> Pressure {
     }
 }
 
-/// The unit with some multipliers.
-pub struct HarmonicsUnit(Circuit);
-
-impl HarmonicsUnit {
-    /// With so many multipliers.
-    pub fn new(multipliers: u32) -> Result<HarmonicsUnit> {
-        Circuit::new(&HARMONICS, "lean18", multipliers).map(HarmonicsUnit)
+/// Prints the cycles that a splat of each degree takes at full speed.
+pub fn print_cycles(circuit: &Circuit) -> Result<()> {
+    const TIMED: usize = 2_000;
+    let library = circuit.library(Extent::Full)?;
+    println!("| cycles a splat | degree 0 | 1 | 2 | 3 | 4 |\n|---|---:|---:|---:|---:|---:|");
+    print!("| {circuit} |");
+    for degree in 0..=4 {
+        let load = of_degree(TIMED, degree, 1);
+        let found = load.compare(circuit, Simulation::new(&library, 1, 0)?, 0)?;
+        print!(" {:.1} |", found.cycles as f64 / TIMED as f64);
     }
-
-    /// Prints the cycles that a splat of each degree takes at full speed.
-    pub fn print_cycles(&self) -> Result<()> {
-        const TIMED: usize = 2_000;
-        let library = self.0.library(Extent::Full)?;
-        println!("| cycles a splat | degree 0 | 1 | 2 | 3 | 4 |\n|---|---:|---:|---:|---:|---:|");
-        print!("| {} |", self.0);
-        for degree in 0..=4 {
-            let load = of_degree(TIMED, degree, 1);
-            let found = self.compare(Simulation::new(&library, 1, 0)?, &load, 0)?;
-            print!(" {:.1} |", found.cycles as f64 / TIMED as f64);
-        }
-        println!();
-        Ok(())
-    }
+    println!();
+    Ok(())
 }
 
 /// Splats of one part of a load.
 const PART: usize = 1_000;
 
-impl Unit for HarmonicsUnit {
-    type Load = Vec<HarmonicsSplat>;
+/// What the unit is given.
+pub type HarmonicsLoad = Vec<HarmonicsSplat>;
 
-    fn circuit(&self) -> &Circuit {
-        &self.0
-    }
-
-    fn pressures(&self) -> usize {
+impl Load for HarmonicsLoad {
+    fn pressures(_: &Circuit) -> usize {
         PRESSURES.len()
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<Self::Load>> {
+    fn all(_: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<HarmonicsLoad>> {
         let (count, step) = match extent {
             Extent::Quick => (240, 100),
             Extent::Full => (12_000, 1),
         };
-        let mut loads = synthetic(count, 1);
-        match captured(step)? {
-            Some(load) => loads.push(load),
-            None => missing.push("playbot"),
-        }
-        let parts = |(name, splats): (String, Vec<HarmonicsSplat>)| {
-            let parts = splats.chunks(PART).map(<[_]>::to_vec);
-            parts.map(|part| (name.clone(), part)).collect::<Vec<_>>()
-        };
-        Ok(loads.into_iter().flat_map(parts).collect())
+        let loads = [synthetic(count, 1), captured(step, missing)?].concat();
+        let parts = loads
+            .iter()
+            .map(|(name, splats)| in_parts(name, splats, PART, <[_]>::to_vec));
+        Ok(parts.flatten().collect())
     }
 
-    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
-        let mut bench = Bench::new(circuit, 1)?;
-        let channels = Channels {
-            sources: vec![
-                Channel::new(&bench.circuit, "splat", &["direction", "degree"])?,
-                Channel::new(&bench.circuit, "word", &["word"])?,
-            ],
-            sink: Channel::new(&bench.circuit, "colour", &["colour"])?,
-            enable: None,
-        };
-        let items: Vec<Item> = load.iter().map(item).collect();
-        let mut checker = HarmonicsChecker(load);
+    fn compare(&self, _: &Circuit, simulation: Simulation, pressure: usize) -> Result<Findings> {
+        let mut bench = Bench::new(simulation, 1)?;
+        let sources: [(_, &[_]); 2] = [("splat", &["direction", "degree"]), ("word", &["word"])];
+        let channels = Channels::new(&bench.circuit, &sources, ("colour", &["colour"]))?;
+        let items: Vec<Item> = self.iter().map(item).collect();
+        let mut checker = HarmonicsChecker(self);
         let mut findings = bench.run(&channels, &items, &PRESSURES[pressure], &mut checker)?;
         // A column of the report, also where there are none.
         findings.count("resets", 0);
@@ -107,9 +81,10 @@ impl Unit for HarmonicsUnit {
 
 /// The splat in one lane, its words in the other.
 fn item(splat: &HarmonicsSplat) -> Item {
-    let bits = |vector: &[i32; 3]| vector.map(|axis| axis as u32).to_vec();
-    let first = vec![bits(&splat.direction), vec![splat.degree.into()]];
-    let words = splat.colours.iter().map(|word| (1, vec![bits(word)]));
+    let direction = splat.direction.map(|axis| axis.to_bits() as u32);
+    let first = vec![direction.to_vec(), vec![splat.degree.into()]];
+    let bits = |colour: &[I4F28; 3]| colour.map(|channel| channel.to_bits() as u32).to_vec();
+    let words = splat.colours.iter().map(|colour| (1, vec![bits(colour)]));
     Item {
         lanes: vec![vec![(0, first)], words.collect()],
         answers: 1,
@@ -121,10 +96,8 @@ struct HarmonicsChecker<'a>(&'a [HarmonicsSplat]);
 impl Checker for HarmonicsChecker<'_> {
     fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
         let splat = &self.0[number];
-        let bits = |colour: &[i32; 3]| colour.map(I4F28::from_bits);
-        let colours: Vec<_> = splat.colours.iter().map(bits).collect();
-        let wanted = colour(&colours, splat.direction.map(I2F30::from_bits));
-        let (got, wanted) = (&answer[0], wanted.map(|channel| channel.to_bits()));
+        let wanted = splat.colour().map(|channel| channel.to_bits());
+        let got = &answer[0];
         let degree = splat.degree;
         (got[..] != wanted)
             .then(|| format!("splat {number}, degree {degree}: {got:08x?}, not {wanted:08x?}"))

@@ -1,13 +1,11 @@
 //! Area of the whole machine and of each unit in it: `rtl -- area machine`.
 
-use super::loads::MachineOption;
-use super::unit::MachineUnit;
+use super::unit::with_harmonics;
 use crate::area::{columns, fabric};
 use crate::circuit::Circuit;
 use crate::netlist::{Netlist, NetlistCell};
 use crate::placement::{self, machine};
 use crate::tools::json;
-use crate::unit::Unit;
 use anyhow::{Context, Result};
 use splatline_sim::machine::area::Fabric;
 use std::collections::BTreeMap;
@@ -35,16 +33,14 @@ const CONTROL: &str = "control";
 
 /// The table, in lines of `sim/machine/src/area/machine.csv`, or that of a machine for harmonics: a splat in 16 cycles, and a multiplier for them. Each machine
 /// is shown on stderr as it comes.
-pub fn report(with_harmonics: bool) -> Result<String> {
+pub fn report(evaluates: bool) -> Result<String> {
     let mut text = "cores,unit,luts,flip_flops,dsps,memory_kbit\n".to_owned();
-    let cores: &[u32] = if with_harmonics { &[10] } else { &CORES };
+    let cores: &[u32] = if evaluates { &[10] } else { &CORES };
     for cores in cores {
-        let circuit = if with_harmonics {
-            let unit = MachineUnit::new("lean18", *cores, 4, MachineOption::Harmonics(1))?;
-            unit.circuit().clone()
-        } else {
-            machine(*cores)?
-        };
+        let mut circuit = machine(*cores)?;
+        if evaluates {
+            circuit = with_harmonics(circuit, 1);
+        }
         for (unit, fabric) in by_unit(&circuit)? {
             text += &format!("{cores},{unit},{}\n", columns(&fabric));
         }

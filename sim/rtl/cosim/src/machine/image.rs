@@ -53,8 +53,14 @@ impl MemoryImage {
         if let Some(harmonics) = &load.harmonics {
             words.push([!0; 4]);
             places.push(("base_harmonics", words.len() as u64));
-            places.push(("degree", harmonics.degree.into()));
-            words.extend(harmonics.words());
+            places.push(("degree", harmonics[0].degree.into()));
+            // The last quarter of each word is anything.
+            let mut random = Random(7);
+            let colours = harmonics.iter().flat_map(|splat| &splat.colours);
+            words.extend(colours.map(|colour| {
+                let [red, green, blue] = colour.map(|channel| channel.to_bits() as u32);
+                [red, green, blue, random.next() as u32]
+            }));
         }
         let mut next = words.len() + 1;
         for (base, size) in [
@@ -82,8 +88,8 @@ impl MemoryImage {
 pub fn kernel_frame(design: &DesignChoice, load: &MachineLoad) -> Result<Vec<[u32; 4]>> {
     let widths = &design.widths;
     let (view, mut splats) = (&load.scene.view, load.scene.splats.clone());
-    if let Some(harmonics) = &load.harmonics {
-        harmonics.shine(widths, view, &mut splats);
+    for (splat, harmonics) in splats.iter_mut().zip(load.harmonics.iter().flatten()) {
+        splat.colour = harmonics.colour();
     }
     let memory = table_entries(widths, &load.rules);
     let renderer = Renderer::with_table(design.in_fields(), load.rules, &memory);

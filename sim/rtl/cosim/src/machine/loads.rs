@@ -1,11 +1,12 @@
 //! Frames that the machine draws: small ones that show what goes wrong between its units, and captured scenes.
 
-use crate::harmonics::scene::SceneHarmonics;
-use crate::order::loads::{OrderLoad, ordered};
+use crate::circuit::Circuit;
+use crate::harmonics::loads::{HarmonicsSplat, of_scene};
+use crate::order::{OrderLoad, ordered};
 use crate::scenes::Seen;
+use crate::setup::program::ProgramKind;
 use splatline::rules::Rules;
 use splatline_sim::camera::Camera;
-use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::hybrid::spacing;
 use splatline_sim::machine::workload::Workload;
@@ -14,16 +15,18 @@ use splatline_sim::scene::synthetic;
 
 /// A scene, its work for the model, and its lists.
 pub struct MachineLoad {
+    /// The scene and its camera.
     pub seen: Seen,
     /// The scene and its rules in the kernel's formats.
     pub scene: QuantisedScene,
+    /// Those of the frame.
     pub rules: Rules,
     /// What the model clocks.
     pub workload: Workload,
     /// The lists of its tiles.
     pub lists: OrderLoad,
-    /// Of a machine that makes the splats' colours.
-    pub harmonics: Option<SceneHarmonics>,
+    /// Harmonics of the splats for a machine that makes their colours, all of one degree.
+    pub harmonics: Option<Vec<HarmonicsSplat>>,
     /// Cycles that model and circuit may be apart: what happens once in a frame is not modelled.
     pub apart: u64,
 }
@@ -31,44 +34,29 @@ pub struct MachineLoad {
 impl MachineLoad {
     /// Of a scene. With distance scaling it has the spacing of its samples; a machine for harmonics is given them apart from the splats, which keep colours
     /// that it must not use.
-    pub fn new(
-        mut seen: Seen,
-        design: &DesignChoice,
-        option: MachineOption,
-        apart: u64,
-    ) -> MachineLoad {
-        if option == MachineOption::DistanceScaling {
+    pub fn new(mut seen: Seen, circuit: &Circuit, apart: u64) -> MachineLoad {
+        let Circuit {
+            design, program, ..
+        } = circuit;
+        if program.kind == ProgramKind::DistanceScaling {
             let spacing = Antialias::Swan(spacing(&seen.scene));
             seen.scene.natural_rules = seen.scene.natural_rules.with_antialias(spacing);
         }
-        let harmonics = match option {
-            MachineOption::Harmonics(_) => seen.scene.harmonics.take(),
-            _ => None,
-        };
+        let harmonics = seen.scene.harmonics.take_if(|_| program.directs);
         let rules = seen.scene.natural_rules;
         let (_, workload, lists) = ordered(&seen, design, &rules);
         let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
+        let harmonics = harmonics.map(|of| of_scene(&of, &design.widths, &scene));
         MachineLoad {
             rules: scene.rules(&rules),
             scene,
             seen,
             workload,
             lists,
-            harmonics: harmonics.as_ref().map(SceneHarmonics::new),
+            harmonics,
             apart,
         }
     }
-}
-
-/// What a machine does beside what all do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MachineOption {
-    /// Nothing.
-    None,
-    /// Distance scaling.
-    DistanceScaling,
-    /// Colours of harmonics, by a unit with so many multipliers.
-    Harmonics(u32),
 }
 
 /// Random harmonics for a scene that has none.

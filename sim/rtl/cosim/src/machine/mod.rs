@@ -6,4 +6,4 @@ mod loads;
 pub mod shell;
 pub mod unit;
 
-pub use loads::MachineOption;
+pub use loads::MachineLoad;

@@ -2,11 +2,11 @@
 //! registers, the memory before, and the kernel's frame.
 
 use super::image::{MemoryImage, kernel_frame};
-use super::loads::{MachineLoad, MachineOption};
-use super::unit::MachineUnit;
+use super::loads::MachineLoad;
+use super::unit::circuit;
 use crate::rules::rule_writes;
-use crate::setup::unit::constant_words;
-use crate::unit::{Extent, Unit};
+use crate::setup::constants::constants;
+use crate::unit::{Circuit, Extent, Load};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use splatline_sim::atomic;
@@ -29,19 +29,19 @@ struct ShellFrame {
 /// Writes the first of the small frames, whose tiles are cut by the edge and of whose splats some are culled, for a
 /// machine of this design into a file.
 pub fn write_frame(design: &str, file: &Path) -> Result<()> {
-    let unit = MachineUnit::new(design, 2, 1, MachineOption::None)?;
-    let loads = unit.loads(Extent::Quick, &mut Vec::new())?;
+    let circuit = circuit(design, 2, 1)?;
+    let loads = MachineLoad::all(&circuit, Extent::Quick, &mut Vec::new())?;
     let (_, load) = loads.first().context("no frames")?;
-    let frame = serde_json::to_string(&shell_frame(&unit, load)?)?;
+    let frame = serde_json::to_string(&shell_frame(&circuit, load)?)?;
     Ok(atomic::write(file, frame.as_bytes())?)
 }
 
-fn shell_frame(unit: &MachineUnit, load: &MachineLoad) -> Result<ShellFrame> {
+fn shell_frame(circuit: &Circuit, load: &MachineLoad) -> Result<ShellFrame> {
     let MachineLoad { scene, rules, .. } = load;
-    let (circuit, entries) = (unit.circuit(), load.lists.entries());
+    let entries = load.lists.entries();
     let image = MemoryImage::new(&circuit.design.widths, load, entries)?;
     let mut writes = Vec::new();
-    for (index, value, exponent) in constant_words(circuit, &scene.view, rules)? {
+    for (index, value, exponent) in constants(circuit, &scene.view, rules)? {
         writes.extend([
             ("constant_index", index.into()),
             ("constant_low", value as u32),

@@ -1,16 +1,17 @@
 //! A scene's records in a memory image, through the machine, and the frame that it leaves there: every pixel against the kernel's, cycles against the model's.
 
 use super::image::{MemoryImage, kernel_frame, pixel_word, places};
-use super::loads::{MachineLoad, MachineOption, ROW, add_harmonics, gaps, small};
+use super::loads::{MachineLoad, ROW, add_harmonics, gaps, small};
 use crate::bench::Bench;
 use crate::circuit::MACHINE;
 use crate::memory::{Memory, MemoryTiming, timing};
 use crate::rules::write_rules;
 use crate::scenes::{SCENES, Seen, scenes};
-use crate::setup::distant::enlarged;
-use crate::setup::program::ProgramKind;
-use crate::setup::unit::{constant_words, write_constants};
-use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
+use crate::setup::constants::constants;
+use crate::setup::enlarged;
+use crate::setup::program::{ProgramKind, SetupProgram};
+use crate::setup::unit::write_constants;
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation};
 use anyhow::{Context, Result, bail, ensure};
 use splatline::blend::Pixel;
 use splatline_sim::machine::{Config, simulate_alone};
@@ -34,124 +35,107 @@ const TIMINGS: [(MemoryTiming, u32); 5] = [
     (timing([60, 0], 16, true), 1),
 ];
 
-/// A machine.
-pub struct MachineUnit {
-    circuit: Circuit,
-    option: MachineOption,
-    config: Config,
+/// The machine of a design with so many cores of setup and lanes.
+pub fn circuit(design: &str, cores: u32, lanes: u32) -> Result<Circuit> {
+    Ok(Circuit::new(&MACHINE, design, lanes)?.with("CORES", cores))
 }
 
-impl MachineUnit {
-    /// A design's with so many cores of setup and lanes.
-    pub fn new(design: &str, cores: u32, lanes: u32, option: MachineOption) -> Result<MachineUnit> {
-        let mut circuit = Circuit::new(&MACHINE, design, lanes)?.with("CORES", cores);
-        match option {
-            MachineOption::None => {}
-            MachineOption::DistanceScaling => circuit.program.kind = ProgramKind::DistanceScaling,
-            MachineOption::Harmonics(multipliers) => {
-                circuit = circuit.with("HARMONICS", multipliers);
-                circuit.program.directs = true;
-            }
-        }
-        let program = circuit.program.assembled(&circuit.design.widths)?;
-        // Every core of setup takes a splat in a round of the program, and each pair hands on a cycle later what it
-        // was told.
-        let config = Config {
-            setup_units: cores,
-            setup_interval: program.round as u32,
-            setup_latency: program.latency() as u32 + cores.div_ceil(2) - 1,
-            ..Config::machine(lanes)
-        };
-        Ok(MachineUnit {
-            circuit,
-            option,
-            config,
-        })
-    }
-
-    /// The model's cycles: all, geometry, raster.
-    fn modelled(&self, load: &MachineLoad, memory: &MemoryTiming) -> [u64; 3] {
-        let mut config = Config {
-            latency: memory.latency as u32,
-            read_bandwidth: memory.bytes,
-            write_bandwidth: memory.bytes,
-            ..self.config
-        };
-        if let (Some(harmonics), MachineOption::Harmonics(multipliers)) =
-            (&load.harmonics, self.option)
-        {
-            let cycles = HARMONICS_CYCLES[multipliers as usize - 1];
-            config.harmonics_bytes = harmonics.bytes();
-            config.harmonics_cycles = cycles[usize::from(harmonics.degree)];
-            config.bin_fifo = WAITING_FOR_COLOURS;
-        }
-        let timing = simulate_alone(&load.workload, &config);
-        [timing.total, timing.geometry, timing.raster]
-    }
+/// The machine with a unit of so many multipliers that makes its splats' colours.
+pub fn with_harmonics(machine: Circuit, multipliers: u32) -> Circuit {
+    let program = SetupProgram::new(ProgramKind::Filter).with_direction();
+    machine.with(HARMONICS, multipliers).with_program(program)
 }
 
-impl Unit for MachineUnit {
-    type Load = MachineLoad;
+/// The parameter that says how many multipliers make colours, if any do.
+const HARMONICS: &str = "HARMONICS";
 
-    fn circuit(&self) -> &Circuit {
-        &self.circuit
+/// The machine as the model clocks it.
+fn config(circuit: &Circuit) -> Result<Config> {
+    let program = circuit.program.assembled(&circuit.design.widths)?;
+    let [lanes, cores] = [0, 1].map(|place: usize| circuit.parameters[place].1);
+    // Every core of setup takes a splat in a round of the program, and each pair hands on a cycle later what it
+    // was told.
+    Ok(Config {
+        setup_units: cores,
+        setup_interval: program.round as u32,
+        setup_latency: program.latency() as u32 + cores.div_ceil(2) - 1,
+        ..Config::machine(lanes)
+    })
+}
+
+/// The model's cycles: all, geometry, raster.
+fn modelled(circuit: &Circuit, load: &MachineLoad, memory: &MemoryTiming) -> Result<[u64; 3]> {
+    let mut config = Config {
+        latency: memory.latency as u32,
+        read_bandwidth: memory.bytes,
+        write_bandwidth: memory.bytes,
+        ..config(circuit)?
+    };
+    if let (Some(harmonics), Some(multipliers)) = (&load.harmonics, circuit.parameter(HARMONICS)) {
+        let cycles = HARMONICS_CYCLES[multipliers as usize - 1];
+        config.harmonics_bytes = 16 * harmonics[0].colours.len() as u32;
+        config.harmonics_cycles = cycles[usize::from(harmonics[0].degree)];
+        config.bin_fifo = WAITING_FOR_COLOURS;
     }
+    let timing = simulate_alone(&load.workload, &config);
+    Ok([timing.total, timing.geometry, timing.raster])
+}
 
-    fn pressures(&self) -> usize {
+impl Load for MachineLoad {
+    fn pressures(_: &Circuit) -> usize {
         TIMINGS.len()
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<MachineLoad>> {
+    fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<MachineLoad>> {
         let (mut seen, apart) = match extent {
             Extent::Quick => (small(), 1_200),
             Extent::Full => (scenes(&SCENES, 128, missing)?, u64::MAX),
         };
-        if matches!(self.option, MachineOption::Harmonics(_)) {
+        if circuit.program.directs {
             seen.push(gaps());
             for (degree, seen) in (1..).zip(&mut seen) {
                 add_harmonics(seen, degree);
             }
         }
         // Distance scaling replaces the low-pass filter, without which no splat of the row is high enough to meet it.
-        if self.option == MachineOption::DistanceScaling {
+        if circuit.program.kind == ProgramKind::DistanceScaling {
             seen.retain(|seen| seen.name != ROW);
         }
-        let load = |seen: Seen| {
-            let name = seen.name.to_owned();
-            (
-                name,
-                MachineLoad::new(seen, &self.circuit.design, self.option, apart),
-            )
-        };
+        let load = |seen: Seen| (seen.name.to_owned(), MachineLoad::new(seen, circuit, apart));
         Ok(seen.into_iter().map(load).collect())
     }
 
-    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
+    fn compare(
+        &self,
+        circuit: &Circuit,
+        simulation: Simulation,
+        pressure: usize,
+    ) -> Result<Findings> {
         let (timing, frames) = TIMINGS[pressure];
-        let MachineLoad { scene, rules, .. } = load;
-        let design = &self.circuit.design;
+        let MachineLoad { scene, rules, .. } = self;
+        let design = &circuit.design;
         let widths = &design.widths;
-        let mut bench = Bench::new(circuit, 1)?;
-        let constants = constant_words(&self.circuit, &scene.view, rules)?;
+        let mut bench = Bench::new(simulation, 1)?;
+        let constants = constants(circuit, &scene.view, rules)?;
         write_constants(&mut bench, &constants)?;
         write_rules(&mut bench, widths, rules)?;
         // The tile buffers are cleared once.
         (0..1_100).for_each(|_| bench.cycle());
-        let room = load.lists.entries() - usize::from(timing.full);
-        let image = MemoryImage::new(widths, load, room)?;
+        let room = self.lists.entries() - usize::from(timing.full);
+        let image = MemoryImage::new(widths, self, room)?;
         bench.set(&image.places)?;
-        let mut circuit = bench.circuit;
-        let mut memory = Memory::new(&circuit, image.words, timing, 1)?;
+        let mut simulation = bench.circuit;
+        let mut memory = Memory::new(&simulation, image.words, timing, 1)?;
         let mut phases = [0; 4];
         for _ in 0..frames {
-            let drawn = draw(&mut circuit, &mut memory, load, &mut phases);
+            let drawn = draw(&mut simulation, &mut memory, self, &mut phases);
             drawn.with_context(|| format!("after {phases:?} cycles"))?;
         }
         // What was written last is on its way for a while.
-        (0..=timing.latency).for_each(|_| memory.cycle(&mut circuit));
-        let full = circuit.read("full")? == 1;
-        let expected = kernel_frame(design, load)?;
-        let [all, geometry, raster] = self.modelled(load, &timing);
+        (0..=timing.latency).for_each(|_| memory.cycle(&mut simulation));
+        let full = simulation.read("full")? == 1;
+        let expected = kernel_frame(design, self)?;
+        let [all, geometry, raster] = modelled(circuit, self, &timing)?;
         let mut findings = Findings {
             // Without room for the lists there is no frame.
             compared: if full { 0 } else { expected.len() as u64 },
@@ -165,10 +149,10 @@ impl Unit for MachineUnit {
             let beyond = enlarged(widths, &scene.view, rules, &scene.splats);
             findings.counts = vec![
                 ("splats", scene.splats.len() as u64),
-                ("seen", circuit.read("visible")?),
+                ("seen", simulation.read("visible")?),
                 ("beyond k", beyond as u64),
                 ("painted", painted as u64),
-                ("entries", circuit.read("entries")?),
+                ("entries", simulation.read("entries")?),
                 ("geometry", phases[0]),
                 ("geometry, model", geometry),
                 ("sort", phases[1]),
@@ -178,7 +162,7 @@ impl Unit for MachineUnit {
                 ("all, model", all),
             ];
         }
-        let timed = timing.pauses == 0 && all.abs_diff(findings.cycles) >= load.apart;
+        let timed = timing.pauses == 0 && all.abs_diff(findings.cycles) >= self.apart;
         let timed = timed.then(|| format!("{} cycles, {all} by the model", findings.cycles));
         findings.first_difference = memory.astray(full);
         if findings.first_difference.is_none() && !full {
@@ -238,10 +222,8 @@ mod tests {
     #[test]
     fn the_models_machine_has_the_programs_latency() {
         let preset = Config::machine(4);
-        let none = MachineOption::None;
-        let one = MachineUnit::new("lean18", 1, 4, none).unwrap().config;
-        let cores = one.setup_interval.div_ceil(preset.setup_interval);
-        let unit = MachineUnit::new("lean18", cores, 4, none).unwrap();
-        assert_eq!(unit.config.setup_latency, preset.setup_latency);
+        let of_cores = |cores| config(&circuit("lean18", cores, 4).unwrap()).unwrap();
+        let cores = of_cores(1).setup_interval.div_ceil(preset.setup_interval);
+        assert_eq!(of_cores(cores).setup_latency, preset.setup_latency);
     }
 }

@@ -2,8 +2,7 @@
 
 use super::workload::{BenchTile, BenchWorkload};
 use crate::bench::Channel;
-use crate::simulation::{Port, Simulation};
-use anyhow::Result;
+use crate::simulation::Simulation;
 use splatline::format::Design;
 use splatline_sim::machine::primitive::{LaneRun, PrimitiveClock, QUEUE, for_each_slot};
 
@@ -27,53 +26,34 @@ pub struct Stamps {
     pub idle_at: Option<u64>,
 }
 
-/// The ports that show the handshakes.
-pub struct HandshakePorts {
-    pub tile: Channel,
-    packet: Channel,
-    pub finish: Channel,
-    pub lanes_enable: Port,
-    /// Lanes that pop a run, a bit for each.
-    pub lanes_popped: Port,
-    /// A splat begun, a run left, and an idle raster.
-    others: [Port; 3],
-}
-
-impl HandshakePorts {
-    /// Of a circuit.
-    pub fn new(circuit: &Simulation) -> Result<HandshakePorts> {
-        Ok(HandshakePorts {
-            tile: Channel::new(circuit, "tile", &[])?,
-            packet: Channel::new(circuit, "packet", &[])?,
-            finish: Channel::new(circuit, "finish", &[])?,
-            lanes_enable: circuit.port("lanes_enable")?,
-            lanes_popped: circuit.port("lanes_popped")?,
-            others: circuit.ports(["splat_begun", "run_left", "raster_idle"])?,
-        })
-    }
-}
+/// The ports that show what happens inside: lanes that pop a run, a bit for each; a splat begun, a run left, and an idle
+/// raster.
+pub const INSIDE: [&str; 4] = ["lanes_popped", "splat_begun", "run_left", "raster_idle"];
 
 impl Stamps {
-    /// Notes what the circuit's ports say in a cycle, for a tile of so many packets.
-    pub fn note(&mut self, ports: &HandshakePorts, circuit: &Simulation, now: u64, packets: usize) {
-        let [begun, left, idle] = ports.others.map(|port| circuit.is(port));
-        let all_accepted = self.accepted.len() == packets;
-        if all_accepted && idle && self.idle_at.is_none() {
-            self.idle_at = Some(now);
+    /// Notes what the channel of packets and the ports of [`INSIDE`] say in a cycle, for a tile of so many packets.
+    pub fn note(
+        &mut self,
+        circuit: &Simulation,
+        packet: &Channel,
+        inside: [u64; 4],
+        now: u64,
+        packets: usize,
+    ) {
+        let [mut lanes, begun, left, idle] = inside;
+        if self.accepted.len() == packets && idle == 1 {
+            self.idle_at.get_or_insert(now);
         }
-        if circuit.is(ports.packet.valid) && self.offered.len() == self.accepted.len() {
+        if circuit.is(packet.valid) && self.offered.len() == self.accepted.len() {
             self.offered.push(now);
         }
-        if ports.packet.moves(circuit) {
-            self.accepted.push(now);
+        for (happens, stamps) in [
+            (packet.moves(circuit), &mut self.accepted),
+            (begun == 1, &mut self.begun),
+            (left == 1, &mut self.left),
+        ] {
+            stamps.extend(happens.then_some(now));
         }
-        if begun {
-            self.begun.push(now);
-        }
-        if left {
-            self.left.push(now);
-        }
-        let mut lanes = circuit.get(ports.lanes_popped);
         while lanes != 0 {
             self.popped[lanes.trailing_zeros() as usize].push(now);
             lanes &= lanes - 1;

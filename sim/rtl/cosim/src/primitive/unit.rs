@@ -1,13 +1,14 @@
 //! Tiles through the primitive: the next one is drawn while the last is read out, with back-pressure at every interface.
 
-use super::stamps::{HandshakePorts, Stamps};
+use super::stamps::{INSIDE, Stamps};
 use super::words::{self, Roots};
 use super::workload::{self, BenchTile, BenchWorkload};
-use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
+use crate::bench::{Bench, Channels, Checker, Item, Pressure};
 use crate::circuit::PRIMITIVE;
 use crate::rules::write_rules;
 use crate::scenes::scenes;
-use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
+use crate::simulation::Port;
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation};
 use anyhow::{Context, Result};
 use splatline::blend::{FINISHED, Pixel};
 use splatline::draw::{Coverage, Painter};
@@ -18,7 +19,6 @@ use splatline::rules::{Compositing, Rules as KernelRules};
 use splatline::target::Target;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::{kernel_rules, table, table_entries};
-use splatline_sim::machine::primitive::SETUP_INTERVAL;
 use splatline_sim::rules::Rules;
 
 /// The numbers of lanes that tests draw with.
@@ -43,45 +43,20 @@ pub struct PrimitiveLoad {
     pub workload: BenchWorkload,
 }
 
-/// The primitive of a design with some lanes.
-pub struct PrimitiveUnit {
-    circuit: Circuit,
-    lanes: u32,
-    interval: u32,
+/// The primitive of a design with some lanes, and so many cycles between two packets.
+pub fn circuit(design: &str, lanes: u32, interval: u32) -> Result<Circuit> {
+    Ok(Circuit::new(&PRIMITIVE, design, lanes)?.with("SETUP_INTERVAL", interval))
 }
 
-impl PrimitiveUnit {
-    /// As it usually is.
-    pub fn new(design: &str, lanes: u32) -> Result<PrimitiveUnit> {
-        Self::with_interval(design, lanes, SETUP_INTERVAL)
-    }
-
-    /// With other cycles between two packets.
-    pub fn with_interval(design: &str, lanes: u32, interval: u32) -> Result<PrimitiveUnit> {
-        let circuit = Circuit::new(&PRIMITIVE, design, lanes)?.with("SETUP_INTERVAL", interval);
-        Ok(PrimitiveUnit {
-            circuit,
-            lanes,
-            interval,
-        })
-    }
-}
-
-impl Unit for PrimitiveUnit {
-    type Load = PrimitiveLoad;
-
-    fn circuit(&self) -> &Circuit {
-        &self.circuit
-    }
-
-    fn pressures(&self) -> usize {
+impl Load for PrimitiveLoad {
+    fn pressures(_: &Circuit) -> usize {
         PRESSURES.len()
     }
 
     /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of scenes skip nothing there: `3dgs` ends a
     /// footprint where it becomes faint, and `ewa` draws what is there.
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<PrimitiveLoad>> {
-        let design = &self.circuit.design;
+    fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<Self>> {
+        let design = &circuit.design;
         let widths = &design.widths;
         let quick = extent == Extent::Quick;
         let ([random, faint], [size, deep]) = match extent {
@@ -121,12 +96,17 @@ impl Unit for PrimitiveUnit {
         Ok(loads)
     }
 
-    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
-        let design = &self.circuit.design;
+    fn compare(
+        &self,
+        circuit: &Circuit,
+        simulation: Simulation,
+        pressure: usize,
+    ) -> Result<Findings> {
+        let design = &circuit.design;
         let widths = &design.widths;
         let pressure = &PRESSURES[pressure];
-        let mut bench = Bench::new(circuit, 1)?;
-        write_rules(&mut bench, widths, &load.rules)?;
+        let mut bench = Bench::new(simulation, 1)?;
+        write_rules(&mut bench, widths, &self.rules)?;
         let difference = words::first_difference(&mut bench, widths.mantissa)?;
         if difference.is_some() {
             return Ok(Findings {
@@ -135,22 +115,29 @@ impl Unit for PrimitiveUnit {
             });
         }
         let layout = Layout::new(widths, Traversal::Spans);
-        let (tiles, footprints) = (&load.workload.tiles, &load.workload.footprints);
+        let (tiles, footprints) = (&self.workload.tiles, &self.workload.footprints);
         let items = tiles.iter().map(|tile| item(&layout, tile, footprints));
         let items: Vec<Item> = items.collect();
-        let (pixels, coverage) = draw(design, &load.rules, tiles, footprints)?;
-        let channels = channels(&bench.circuit)?;
+        let (pixels, coverage) = draw(design, &self.rules, tiles, footprints)?;
+        let window: &[_] = &["first_column", "first_row", "end_column", "end_row"];
+        let pixel: &[_] = &["finished", "transmittance", "red", "green", "blue"];
+        // Tiles, packets and ends of tiles in, pixels out.
+        let sources: [(_, &[_]); 3] = [("tile", window), ("packet", &["packet"]), ("finish", &[])];
+        let channels = Channels {
+            enable: Some(bench.circuit.port("lanes_enable")?),
+            ..Channels::new(&bench.circuit, &sources, ("pixel", pixel))?
+        };
         let mut checker = PrimitiveChecker {
             design: design.in_fields(),
-            shape: [self.lanes, self.interval],
+            shape: [0, 1].map(|place: usize| circuit.parameters[place].1),
             timed: (pressure.inside == 0).then_some(0),
-            load,
+            load: self,
             pixels,
             tile: 0,
             stamps: Stamps::default(),
             raster_cycles: 0,
             roots: Roots::new(&bench.circuit)?,
-            ports: HandshakePorts::new(&bench.circuit)?,
+            inside: bench.circuit.ports(INSIDE)?,
             enabled: true,
         };
         let mut findings = bench.run(&channels, &items, pressure, &mut checker)?;
@@ -186,21 +173,6 @@ fn shorten(workload: &mut BenchWorkload) {
     workload.tiles = tiles;
 }
 
-/// Tiles, packets and ends of tiles in, pixels out.
-fn channels(circuit: &Simulation) -> Result<Channels> {
-    let window = ["first_column", "first_row", "end_column", "end_row"];
-    let pixel = ["finished", "transmittance", "red", "green", "blue"];
-    Ok(Channels {
-        sources: vec![
-            Channel::new(circuit, "tile", &window)?,
-            Channel::new(circuit, "packet", &["packet"])?,
-            Channel::new(circuit, "finish", &[])?,
-        ],
-        sink: Channel::new(circuit, "pixel", &pixel)?,
-        enable: Some(circuit.port("lanes_enable")?),
-    })
-}
-
 /// A tile in one lane: its window, its packets, its end.
 fn item(layout: &Layout, tile: &BenchTile, footprints: &[Footprint]) -> Item {
     let [first, end] = [tile.window.first, tile.window.end];
@@ -213,7 +185,7 @@ fn item(layout: &Layout, tile: &BenchTile, footprints: &[Footprint]) -> Item {
     offers.push((2, Vec::new()));
     Item {
         lanes: vec![offers],
-        answers: tile.size().iter().product(),
+        answers: tile.size().iter().product::<usize>() as u64,
     }
 }
 
@@ -268,7 +240,7 @@ struct PrimitiveChecker<'a> {
     stamps: Stamps,
     raster_cycles: u64,
     roots: Roots,
-    ports: HandshakePorts,
+    inside: [Port; 4],
     /// Were the lanes allowed to move in the cycle before?
     enabled: bool,
 }
@@ -282,14 +254,16 @@ impl Checker for PrimitiveChecker<'_> {
         })
     }
 
-    fn observe(&mut self, circuit: &Simulation, cycle: u64) -> Option<String> {
+    fn observe(&mut self, circuit: &Simulation, channels: &Channels, cycle: u64) -> Option<String> {
         let mut difference = self.roots.note(circuit);
-        if !self.enabled && circuit.get(self.ports.lanes_popped) != 0 {
+        let inside = self.inside.map(|port| circuit.get(port));
+        if !self.enabled && inside[0] != 0 {
             let held = format!("a lane took a run in cycle {cycle}, while lanes were held");
             difference = Some(held);
         }
-        self.enabled = circuit.is(self.ports.lanes_enable);
-        if self.ports.tile.moves(circuit) {
+        self.enabled = channels.enable.is_some_and(|enable| circuit.is(enable));
+        let [tile, packet, finish] = [0, 1, 2].map(|source: usize| &channels.sources[source]);
+        if tile.moves(circuit) {
             self.stamps = Stamps::default();
             return difference;
         }
@@ -298,8 +272,8 @@ impl Checker for PrimitiveChecker<'_> {
             return difference;
         };
         let packets = tile.list.len();
-        self.stamps.note(&self.ports, circuit, cycle, packets);
-        if self.ports.finish.moves(circuit) {
+        self.stamps.note(circuit, packet, inside, cycle, packets);
+        if finish.moves(circuit) {
             self.raster_cycles += self.stamps.raster_cycles();
             if let Some(timed) = &mut self.timed {
                 *timed += packets as u64;

@@ -1,6 +1,6 @@
 //! What is drawn: tiles of footprints from scenes, and footprints made from random numbers.
 
-use crate::order::loads::{OrderLoad, ordered};
+use crate::order::{OrderLoad, ordered};
 use crate::package::TILE;
 use crate::random::Random;
 use crate::scenes::Seen;

@@ -1,6 +1,6 @@
 //! From a list of sums to a microprogram: every operation gets its slots in a round of fixed length, and its result a register.
 //!
-//! The cores of `setup_unit.sv` have one issue slot a cycle and a pipeline of [`LATENCY`](super::schedule::LATENCY)
+//! The cores of `setup_unit.sv` have one issue slot a cycle and a pipeline of [`LATENCY`]
 //! cycles. A splat's operations depend on each other over many such latencies, so a round starts the next splats long before the last ones are done: slot t of the list is issued in cycle t modulo the
 //! round's length, for the splats that came t / length rounds before (modulo scheduling). Nothing branches; a culled splat runs through.
 //!
@@ -9,6 +9,7 @@
 //!
 //! Results leave by the second factor's port in slots that have no use for it, so that they take no slots of their own.
 
+use crate::random::Random;
 use anyhow::{Result, ensure};
 use std::collections::BTreeMap;
 
@@ -20,6 +21,21 @@ const CYCLES: usize = 256;
 
 /// Orders of the operations that are tried before the round is made a cycle longer.
 const ATTEMPTS: u64 = 4_000;
+
+/// Cycles from the issue of a sum's last term until its result can be read.
+pub const LATENCY: usize = 24;
+
+/// Registers of a core.
+const REGISTERS: usize = 256;
+
+/// Rounds that a splat may take: as many splats of one core are in flight.
+const ROUNDS: usize = 16;
+
+/// So many cycles before a round ends the next splats' records may begin to come in.
+pub const LOAD_AHEAD: usize = 48;
+
+/// So many cycles after a splat's last result its round goes on at least.
+const OUT_AHEAD: usize = 4;
 
 /// Words of a splat that leave the core at most: two of them at a time, and beside these the direction's.
 const WORDS: usize = 24;
@@ -39,8 +55,8 @@ pub enum Operand {
     Value(Value),
     /// An item of the record; only as first factor.
     Input(u8),
-    /// The number at this address, which is the same for all splats of a picture.
-    Constant(usize),
+    /// The slot's constant, which is the same for all splats of a picture.
+    Constant,
 }
 
 /// Fields of a slot that are not 0, by their names in `setup_types.svh`.
@@ -51,28 +67,21 @@ pub type Fields = BTreeMap<&'static str, i64>;
 pub struct Term {
     pub a: Operand,
     pub b: Operand,
-    /// The constant that is picked by the sign.
-    pub picked: Option<usize>,
     /// What is taken without the flag of rules or view: a constant as first factor, or a result instead of a product with a constant, which is then not
     /// rounded to less than 31 bits.
     pub other: Operand,
-    /// What does not depend on where operations stand.
+    /// What does not depend on where operations stand, the constant's address among it.
     pub fields: Fields,
 }
 
-/// A sum of terms.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A sum of terms, and where it stands.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Operation {
     pub name: String,
     /// One slot each, in a row.
     pub terms: Vec<Term>,
     /// Goes on with the sum of the operation before, right behind it.
     pub follows: bool,
-}
-
-/// Where an operation stands.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Place {
     /// Cycle of its first slot after the round in which its splat began.
     pub time: usize,
     /// First register of its result.
@@ -95,7 +104,6 @@ pub struct Exit {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Program {
     pub operations: Vec<Operation>,
-    pub places: Vec<Place>,
     /// All in one round, in their order.
     pub exits: Vec<Exit>,
     /// Cycles of a round.
@@ -117,7 +125,6 @@ impl Program {
         let slots: usize = operations.iter().map(|o| o.terms.len()).sum();
         let mut program = Program {
             operations,
-            places: Vec::new(),
             exits: Vec::new(),
             round: 0,
             constants,
@@ -138,19 +145,164 @@ impl Program {
     pub fn directs(&self) -> bool {
         self.exits.iter().any(|exit| exit.word >= DIRECTION)
     }
+
+    /// Places the operations in a round of so many cycles, of which these are the results; nothing if it is too short.
+    fn place(&mut self, round: usize, seed: u64, results: &[(usize, Value)]) -> Option<()> {
+        self.round = round;
+        let times = schedule(&self.operations, round, seed)?;
+        for (operation, time) in self.operations.iter_mut().zip(times) {
+            (operation.time, operation.copies) = (time, 1);
+        }
+        self.exits = self.leaving(results)?;
+        self.take_registers()
+    }
+
+    /// The operation and the term of every cycle of a round.
+    pub fn slots(&self) -> Vec<Option<(usize, usize)>> {
+        let mut slots = vec![None; self.round];
+        for (index, operation) in self.operations.iter().enumerate() {
+            for term in 0..operation.terms.len() {
+                slots[operation.time % self.round + term] = Some((index, term));
+            }
+        }
+        slots
+    }
+
+    /// When the results leave, all of them in one round: as soon as they are ready, in slots that spare the second factor, before that round ends.
+    fn leaving(&self, results: &[(usize, Value)]) -> Option<Vec<Exit>> {
+        let ready = |(word, value): &(usize, Value)| Exit {
+            time: self.operations[*value].last_slot() + LATENCY,
+            value: *value,
+            word: *word,
+        };
+        let mut ready: Vec<Exit> = results.iter().map(ready).collect();
+        ready.sort_by_key(|exit| exit.time);
+        let first = ready.last()?.time / self.round;
+        let spares = |slot: Option<(usize, usize)>| {
+            slot.is_none_or(|(index, term)| spares_second(&self.operations[index].terms[term]))
+        };
+        let slots = self.slots();
+        (first..ROUNDS).find_map(|round| {
+            let free = (0..self.round - OUT_AHEAD).filter(|cycle| spares(slots[*cycle]));
+            let mut free = free.map(|cycle| round * self.round + cycle);
+            let mut exits = ready.clone();
+            for exit in &mut exits {
+                exit.time = free.find(|time| *time >= exit.time)?;
+            }
+            Some(exits)
+        })
+    }
+
+    /// Registers for every result; nothing if there are too few.
+    fn take_registers(&mut self) -> Option<()> {
+        let reads = self.operations.iter().flat_map(|operation| {
+            let last = operation.last_slot();
+            operation.reads().map(move |value| (value, last))
+        });
+        let exits = self.exits.iter().map(|exit| (exit.value, exit.time));
+        let reads: Vec<(Value, usize)> = reads.chain(exits).collect();
+        for (value, until) in reads {
+            let operation = &mut self.operations[value];
+            let rounds = (until - operation.last_slot()).div_ceil(self.round);
+            operation.copies = rounds.next_power_of_two().max(operation.copies);
+        }
+        let mut order: Vec<&mut Operation> = self.operations.iter_mut().collect();
+        // The widest first, so that all stand at a multiple of their width.
+        order.sort_by_key(|operation| REGISTERS - operation.copies);
+        let mut free = 0;
+        for operation in order {
+            operation.register = free;
+            free += operation.copies;
+        }
+        (free <= REGISTERS).then_some(())
+    }
 }
 
-/// The constant that a slot's factors read; an error if it were two. What is added has a memory of its own.
-pub fn constant(operation: &Operation, term: usize) -> Result<Option<usize>> {
-    let (name, term) = (&operation.name, &operation.terms[term]);
-    let factors = [term.a, term.b, term.other].into_iter();
-    let mut all = factors.filter_map(|factor| match factor {
-        Operand::Constant(address) => Some(address),
-        _ => None,
-    });
-    let first = all.next().or(term.picked);
-    let mut others = all.chain(term.picked);
-    let same = others.all(|other| Some(other) == first);
-    ensure!(same, "{name}: a slot has one constant");
-    Ok(first)
+impl Operation {
+    /// The results that it reads.
+    fn reads(&self) -> impl Iterator<Item = Value> {
+        let factors = self
+            .terms
+            .iter()
+            .flat_map(|term| [term.a, term.b, term.other]);
+        factors.filter_map(|factor| match factor {
+            Operand::Value(value) => Some(value),
+            _ => None,
+        })
+    }
+
+    fn reads_input(&self) -> bool {
+        let mut terms = self.terms.iter();
+        terms.any(|term| matches!(term.a, Operand::Input(_)))
+    }
+
+    fn last_slot(&self) -> usize {
+        self.time + self.terms.len() - 1
+    }
+}
+
+/// Cycles of every operation's first slot; nothing if the round is too short.
+///
+/// What has the most behind it comes first; the seed stirs that order by a latency, since not every order fills a round without gaps.
+fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usize>> {
+    let mut random = Random(seed);
+    let mut stir = vec![0; operations.len()];
+    if seed > 0 {
+        stir.fill_with(|| random.next() as usize % (LATENCY << (seed % 4)));
+    }
+    // Cycles from an operation's issue to the end of everything that follows from it.
+    let mut rest = vec![0; operations.len()];
+    for (index, operation) in operations.iter().enumerate().rev() {
+        let length = rest[index] + operation.terms.len() - 1 + LATENCY;
+        let before = operation.follows.then(|| index - 1);
+        for value in operation.reads().chain(before) {
+            rest[value] = rest[value].max(length);
+        }
+    }
+    let mut taken = vec![false; round];
+    let mut times: Vec<Option<usize>> = vec![None; operations.len()];
+    while times.contains(&None) {
+        // From which cycle on all that an operation reads can be read, if all of it has its time.
+        let ready = |index: usize| {
+            operations[index]
+                .reads()
+                .try_fold(0, |ready: usize, value| {
+                    let last = times[value]? + operations[value].terms.len() - 1;
+                    Some(ready.max(last + LATENCY))
+                })
+        };
+        let can = (0..operations.len())
+            .filter(|index| times[*index].is_none() && !operations[*index].follows)
+            .filter_map(|index| Some((index, ready(index)?)));
+        let (first, ready) = can.min_by_key(|(index, _)| {
+            let input = !operations[*index].reads_input();
+            (input, usize::MAX - rest[*index] - stir[*index], *index)
+        })?;
+        let behind = operations[first + 1..].iter();
+        let last = first + behind.take_while(|operation| operation.follows).count();
+        let length: usize = operations[first..=last].iter().map(|o| o.terms.len()).sum();
+        let fits = |time: &usize| {
+            let slot = time % round;
+            slot + length <= round && !taken[slot..slot + length].contains(&true)
+        };
+        let time = (ready..ready + round).find(fits)?;
+        if operations[first].reads_input() && time + length + LOAD_AHEAD > round
+            || time / round >= ROUNDS
+        {
+            return None;
+        }
+        taken[time % round..time % round + length].fill(true);
+        let mut next = time;
+        for index in first..=last {
+            times[index] = Some(next);
+            next += operations[index].terms.len();
+        }
+    }
+    times.into_iter().collect()
+}
+
+/// Has a slot no use for a register as second factor?
+fn spares_second(term: &Term) -> bool {
+    let used = [term.b, term.other].map(|factor| matches!(factor, Operand::Value(_)));
+    used == [false; 2] && !term.fields.contains_key("pick")
 }

@@ -3,9 +3,9 @@
 //! Nothing here is computed for a splat. As `Blend::new` does for the pixels, thresholds and limits are brought into the form in which the circuit
 //! compares them; every one is exact, or the kernel's own value.
 
-use super::assemble::Program;
 use super::program::low_bits;
 use super::text;
+use crate::circuit::Circuit;
 use anyhow::{Context, Result, bail, ensure};
 use splatline::format::Widths;
 use splatline::kernel::Kernel;
@@ -17,13 +17,10 @@ use splatline::view::{Projection, View, round_entry};
 /// An address, a value, an exponent.
 pub type Constant = (u8, i64, i32);
 
-/// The picture's constants for a program, at the addresses at which it reads them.
-pub fn constants(
-    program: &Program,
-    widths: &Widths,
-    view: &View,
-    rules: &Rules,
-) -> Result<Vec<Constant>> {
+/// The picture's constants for a circuit's program, at the addresses at which it reads them.
+pub fn constants(circuit: &Circuit, view: &View, rules: &Rules) -> Result<Vec<Constant>> {
+    let widths = &circuit.design.widths;
+    let program = circuit.program.assembled(widths)?;
     let names = &program.constants;
     let known = [
         turn(widths, view),
@@ -37,7 +34,7 @@ pub fn constants(
     .concat();
     let mut words = Vec::new();
     let names = (0..).zip(names.iter().map(String::as_str));
-    for (address, name) in names.chain(text::registers_of(program)) {
+    for (address, name) in names.chain(text::registers_of(&program)) {
         let found = known.iter().find(|(known, ..)| known == name);
         let found = found.with_context(|| format!("there is no constant '{name}'"))?;
         words.push((address, found.1, found.2));

@@ -165,7 +165,7 @@ impl Reader<'_> {
 
     fn out(&mut self, first: usize, values: &str) -> Result<()> {
         for (word, value) in (first..).zip(values.split(" + ")) {
-            match self.operand(value)? {
+            match self.operand(value, &mut Fields::new())? {
                 Operand::Value(value) => self.results.push((word, value)),
                 _ => bail!("{value} is no result"),
             }
@@ -233,6 +233,7 @@ impl Reader<'_> {
             name: name.to_owned(),
             terms,
             follows,
+            ..Operation::default()
         });
         Ok(())
     }
@@ -256,7 +257,8 @@ impl Reader<'_> {
         })
     }
 
-    fn operand(&mut self, word: &str) -> Result<Operand> {
+    /// A factor of a slot, whose fields are told its constant.
+    fn operand(&mut self, word: &str, fields: &mut Fields) -> Result<Operand> {
         if let Some(name) = word.strip_prefix('[') {
             let name = name.trim_end_matches(']');
             let found = self.operations.iter().rposition(|known| known.name == name);
@@ -268,7 +270,13 @@ impl Reader<'_> {
             let place = place.with_context(|| format!("no item '{name}'"))?;
             return Ok(Operand::Input(place as u8));
         }
-        Ok(Operand::Constant(self.constant(word)))
+        let address = self.constant(word) as i64;
+        let other = fields.insert("constant", address);
+        ensure!(
+            other.is_none_or(|other| other == address),
+            "a slot has one constant"
+        );
+        Ok(Operand::Constant)
     }
 
     fn pick(&mut self, condition: &str, parts: &str) -> Result<Term> {
@@ -281,11 +289,15 @@ impl Reader<'_> {
             "not negative" => 2,
             _ => bail!("no condition '{condition}'"),
         };
+        let mut fields = Fields::from([("plain", 1), ("again", 0), ("pick", pick)]);
+        let (a, b) = (self.operand(a, &mut fields)?, self.operand(b, &mut fields)?);
+        if let Some(name) = picked.first() {
+            self.operand(name, &mut fields)?;
+        }
         Ok(Term {
-            a: self.operand(a)?,
-            b: self.operand(b)?,
-            picked: picked.first().map(|name| self.constant(name)),
-            fields: Fields::from([("plain", 1), ("again", 0), ("pick", pick)]),
+            a,
+            b,
+            fields,
             ..Term::default()
         })
     }
@@ -326,9 +338,14 @@ impl Reader<'_> {
                 "perspective" => term.fields.extend([("by_flag", 1), ("flag", 0)]),
                 "normalised" => term.fields.extend([("by_flag", 1), ("flag", 1)]),
                 "else" => is_other = true,
-                _ if is_other => (term.other, is_other) = (self.operand(word)?, false),
-                _ if term.a == Operand::None => term.a = self.operand(word)?,
-                _ => term.b = self.operand(word)?,
+                _ => {
+                    let operand = self.operand(word, &mut term.fields)?;
+                    match term.a {
+                        _ if is_other => (term.other, is_other) = (operand, false),
+                        Operand::None => term.a = operand,
+                        _ => term.b = operand,
+                    }
+                }
             }
         }
         terms.push(term);

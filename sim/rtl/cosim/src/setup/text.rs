@@ -2,9 +2,8 @@
 //!
 //! `sim/rtl/<design>/splatline_setup_pkg.sv` is this module's output; a test compares the committed files with it.
 
-use super::assemble::{Fields, Operand, Program, Value, constant};
+use super::assemble::{Fields, LATENCY, LOAD_AHEAD, Operand, Program, Value};
 use super::program::{SetupProgram, faint_bits, low_bits};
-use super::schedule::{LATENCY, LOAD_AHEAD};
 use crate::tables::function;
 use anyhow::{Context, Result, ensure};
 use splatline::format::Widths;
@@ -45,19 +44,18 @@ fn layout(types: &str) -> Result<Vec<(&str, u32)>> {
 }
 
 /// The fields of a term's slot.
-fn fields(program: &Program, index: usize, term: usize) -> Result<Fields> {
-    let operation = &program.operations[index];
-    let slot = &operation.terms[term];
+fn fields(program: &Program, index: usize, term: usize) -> Fields {
+    let slot = &program.operations[index].terms[term];
     let factor = |factor| match factor {
         Operand::Value(value) => Some(registers(program, value)),
         Operand::Input(item) => Some([item.into(), 0]),
-        Operand::Constant(_) | Operand::None => None,
+        Operand::Constant | Operand::None => None,
     };
     let [a, a_turn] = factor(slot.a).unwrap_or_default();
     let [b, b_turn] = factor(slot.other).or(factor(slot.b)).unwrap_or_default();
     let [place, place_turn] = registers(program, index);
-    let round = program.places[index].time / program.round;
-    let is_constant = |factor| matches!(factor, Operand::Constant(_)).into();
+    let round = program.operations[index].time / program.round;
+    let is_constant = |factor| (factor == Operand::Constant).into();
     let mut fields = slot.fields.clone();
     fields.extend([
         ("round", round as i64),
@@ -68,17 +66,16 @@ fn fields(program: &Program, index: usize, term: usize) -> Result<Fields> {
         ("b_constant", is_constant(slot.b)),
         ("b", b),
         ("b_turn", b_turn),
-        ("constant", constant(operation, term)?.unwrap_or(0) as i64),
         ("place", place),
         ("place_turn", place_turn),
     ]);
-    Ok(fields)
+    fields
 }
 
 /// A result's first register, and the highest number of those that splats take in turn.
 fn registers(program: &Program, value: Value) -> [i64; 2] {
-    let place = program.places[value];
-    [place.register as i64, place.copies as i64 - 1]
+    let operation = &program.operations[value];
+    [operation.register as i64, operation.copies as i64 - 1]
 }
 
 /// The types of a program.
@@ -157,7 +154,7 @@ fn microcode(program: &Program, layout: &[(&str, u32)], slot_bits: u32) -> Resul
     for (cycle, slot) in program.slots().into_iter().enumerate() {
         let (mut slot_fields, mut names) = (Fields::new(), Vec::new());
         if let Some((index, term)) = slot {
-            slot_fields = fields(program, index, term)?;
+            slot_fields = fields(program, index, term);
             names.push(program.operations[index].name.clone());
         }
         if let Some(exit) = program

@@ -1,26 +1,23 @@
 //! The setup unit against the kernel's `setup`: every packet and every reason of a cull, with back-pressure at both ends.
 
 use super::constants::{Constant, constants};
-use super::distant::distant;
 use super::exact::exact;
-use super::loads::{SetupLoad, captured, synthetic};
+use super::loads::{SetupLoad, captured, distant, synthetic};
 use super::program::{ProgramKind, SetupProgram};
 use super::record::record;
 use super::tables;
-use crate::bench::{Bench, Channel, Channels, Checker, Item, Pressure};
+use crate::bench::{Bench, Channels, Checker, Item, Pressure};
 use crate::circuit::SETUP;
 use crate::simulation::Port;
-use crate::unit::{Circuit, Extent, Findings, Loads, Missing, Simulation, Unit};
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation, in_parts};
 use anyhow::Result;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
 use splatline::format::{RuntimeWidths, Traversal};
 use splatline::math::SoftFloat;
-use splatline::rules::Rules;
 use splatline::setup::harmonics::direction;
 use splatline::setup::{Cull, setup};
 use splatline::splat::VolumeSplat;
-use splatline::view::View;
 
 /// At full speed; with packets that are not taken for thousands of cycles, until every queue is full; with pauses at both ends.
 const PRESSURES: [Pressure; 3] = [
@@ -42,139 +39,102 @@ const CULLS: [&str; Cull::ALL.len()] = [
     "outside",
 ];
 
-/// The unit of a design with some cores.
-pub struct SetupUnit(Circuit);
-
-impl SetupUnit {
-    /// With this program.
-    pub fn new(design: &str, cores: u32, program: SetupProgram) -> Result<SetupUnit> {
-        let circuit = Circuit::new(&SETUP, design, cores)?;
-        Ok(SetupUnit(circuit.with_program(program)))
-    }
+/// The unit of a design with some cores and this program.
+pub fn circuit(design: &str, cores: u32, program: SetupProgram) -> Result<Circuit> {
+    Ok(Circuit::new(&SETUP, design, cores)?.with_program(program))
 }
 
 /// Splats of one part of a load.
 const PART: usize = 10_000;
 
-impl Unit for SetupUnit {
-    type Load = SetupLoad;
-
-    fn circuit(&self) -> &Circuit {
-        &self.0
-    }
-
+impl Load for SetupLoad {
     /// What the units of the tables are given does not depend on when it comes.
-    fn pressures(&self) -> usize {
-        match self.0.program.kind {
+    fn pressures(circuit: &Circuit) -> usize {
+        match circuit.program.kind {
             ProgramKind::Units => 1,
             _ => PRESSURES.len(),
         }
     }
 
-    fn loads(&self, extent: Extent, missing: &mut Missing) -> Result<Loads<SetupLoad>> {
-        let (quick, kind) = (extent == Extent::Quick, self.0.program.kind);
-        match kind {
-            ProgramKind::Units => {
-                return Ok(tables::arguments(self.0.design.widths.mantissa, extent));
-            }
-            ProgramKind::DistanceScaling => {
-                let loads = distant(if quick { 300 } else { 4_000 }, 1);
-                return Ok(loads.into_iter().flat_map(parts).collect());
-            }
-            ProgramKind::Filter | ProgramKind::Compensation => {}
-        }
-        // The quickest to show a mutation first.
-        let [few, many] = if quick { [300, 400] } else { [12_000; 2] };
-        let captured = captured(if quick { 400 } else { 1 }, missing)?;
-        let mut loads = [
-            exact(&self.0.design.widths, few, 1),
-            synthetic(many, 1),
-            captured,
-        ]
-        .concat();
+    fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<SetupLoad>> {
+        let (widths, kind) = (&circuit.design.widths, circuit.program.kind);
+        let (far, [few, many], step) = match extent {
+            Extent::Quick => (300, [300, 400], 400),
+            Extent::Full => (4_000, [12_000; 2], 1),
+        };
+        let mut loads = match kind {
+            ProgramKind::Units => return Ok(tables::arguments(widths.mantissa, extent)),
+            ProgramKind::DistanceScaling => distant(far, 1),
+            // The quickest to show a mutation first.
+            ProgramKind::Filter | ProgramKind::Compensation => [
+                exact(widths, few, 1),
+                synthetic(many, 1),
+                captured(step, missing)?,
+            ]
+            .concat(),
+        };
         for (_, load) in &mut loads {
             load.rules.compensated = kind == ProgramKind::Compensation;
         }
-        Ok(loads.into_iter().flat_map(parts).collect())
+        let parts = loads.iter().map(|(name, load)| {
+            let part = |splats: &[VolumeSplat]| SetupLoad {
+                splats: splats.to_vec(),
+                ..*load
+            };
+            in_parts(name, &load.splats, PART, part)
+        });
+        Ok(parts.flatten().collect())
     }
 
-    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings> {
-        let mut bench = Bench::new(circuit, 7)?;
-        let words = constant_words(&self.0, &load.view, &load.rules)?;
+    fn compare(
+        &self,
+        circuit: &Circuit,
+        simulation: Simulation,
+        pressure: usize,
+    ) -> Result<Findings> {
+        let mut bench = Bench::new(simulation, 7)?;
+        let words = constants(circuit, &self.view, &self.rules)?;
         write_constants(&mut bench, &words)?;
-        let widths = &self.0.design.widths;
+        let widths = &circuit.design.widths;
         let mut checker = SetupChecker {
-            circuit: &self.0,
-            design: self.0.design.in_fields(),
+            circuit,
+            design: circuit.design.in_fields(),
             layout: Layout::new(widths, Traversal::Spans),
-            load,
+            load: self,
             offered: Vec::new(),
             direction_ports: None,
             directions: 0,
             culled: [0; 6],
         };
-        if self.0.program.directs {
+        if circuit.program.directs {
             let ports = ["direction_valid", "direction_seen", "direction"];
             checker.direction_ports = Some(bench.circuit.ports(ports)?);
         }
         let mut items = Vec::new();
-        for splat in &load.splats {
+        for splat in &self.splats {
             // One whose exponents have no place in a record is not offered.
             if let Some(record) = record(splat) {
-                items.push(one_record(&record));
+                items.push(Item {
+                    lanes: vec![vec![(0, vec![record.to_vec()])]],
+                    answers: 1,
+                });
                 checker.offered.push(splat);
             }
         }
-        let channels = channels(&bench.circuit)?;
+        // Records in, packets or reasons out.
+        let sink: (_, &[_]) = ("packet", &["cull", "depth", "packet"]);
+        let channels = Channels::new(&bench.circuit, &[("record", &["record"])], sink)?;
         let mut findings = bench.run(&channels, &items, &PRESSURES[pressure], &mut checker)?;
         let directions = checker.directions;
         if checker.direction_ports.is_some() && directions != items.len() {
             let few = || format!("{directions} directions");
             findings.first_difference.get_or_insert_with(few);
         }
-        if self.0.program.kind != ProgramKind::Units {
+        if circuit.program.kind != ProgramKind::Units {
             findings.counts = CULLS.into_iter().zip(checker.culled).collect();
         }
         Ok(findings)
     }
-}
-
-fn parts((name, load): (String, SetupLoad)) -> Loads<SetupLoad> {
-    let part = |splats: &[VolumeSplat]| {
-        let splats = splats.to_vec();
-        (name.clone(), SetupLoad { splats, ..load })
-    };
-    load.splats.chunks(PART).map(part).collect()
-}
-
-/// Records in, packets or reasons out.
-fn channels(circuit: &Simulation) -> Result<Channels> {
-    Ok(Channels {
-        sources: vec![Channel::new(circuit, "record", &["record"])?],
-        sink: Channel::new(circuit, "packet", &["cull", "depth", "packet"])?,
-        enable: None,
-    })
-}
-
-/// A record and its answer.
-fn one_record(record: &[u32]) -> Item {
-    Item {
-        lanes: vec![vec![(0, vec![record.to_vec()])]],
-        answers: 1,
-    }
-}
-
-/// The words of a packet at the port.
-fn packet(words: &[u32]) -> Packet {
-    let mut packet = Packet::default();
-    packet[..words.len()].copy_from_slice(words);
-    packet
-}
-
-/// The constants that the circuit's program asks for, by their names.
-pub fn constant_words(circuit: &Circuit, view: &View, rules: &Rules) -> Result<Vec<Constant>> {
-    let widths = &circuit.design.widths;
-    constants(&circuit.program.assembled(widths)?, widths, view, rules)
 }
 
 /// Writes constants for the cores and the registers beside them.
@@ -205,7 +165,7 @@ struct SetupChecker<'a> {
 }
 
 impl Checker for SetupChecker<'_> {
-    fn observe(&mut self, circuit: &Simulation, _: u64) -> Option<String> {
+    fn observe(&mut self, circuit: &Simulation, _: &Channels, _: u64) -> Option<String> {
         let [valid, seen_port, port] = self.direction_ports?;
         if !circuit.is(valid) {
             return None;
@@ -226,7 +186,9 @@ impl Checker for SetupChecker<'_> {
 
     fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
         let SetupLoad { view, rules, .. } = self.load;
-        let (splat, got) = (self.offered[number], packet(&answer[2]));
+        let splat = self.offered[number];
+        let mut got = Packet::default();
+        got[..answer[2].len()].copy_from_slice(&answer[2]);
         if self.circuit.program.kind == ProgramKind::Units {
             let Ok(got) = self.layout.decode(&got) else {
                 return Some("a packet of another version".to_owned());
