@@ -24,7 +24,6 @@ use crate::plan::{self, DesignVariant, Engine, Prepared};
 use anyhow::Result;
 use rayon::prelude::*;
 use serde::Serialize;
-use splatline::format::Rounding;
 use splatline::raster::Window;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -80,16 +79,20 @@ impl Reached {
     }
 }
 
-/// What a design's pictures depend on: widths in their order, rounding to nearest, traversal.
-type DesignKey = ([u8; 13], bool, &'static str);
+/// What a design's pictures depend on: widths in their order, the number of its rounding, traversal.
+type DesignKey = ([u8; 13], u8, &'static str);
 
 /// What rows depend on: the design and the tile.
 type WorkKey = (DesignKey, [u16; 2]);
 
 fn design_key(variant: &DesignVariant) -> DesignKey {
     let widths = &variant.design.widths;
-    let nearest = widths.rounding == Rounding::Nearest;
-    (widths.numbers(), nearest, traversal_name(variant.traversal))
+    let rounding = widths.rounding as u8;
+    (
+        widths.numbers(),
+        rounding,
+        traversal_name(variant.traversal),
+    )
 }
 
 /// What a choice's rows depend on, in an order in which equal ones are neighbours.

@@ -4,9 +4,9 @@
 //! (`sim/machine/src/area/synthesised.csv` and `setup.csv`); `rtl -- area UNIT` counts the cells of another unit.
 
 use crate::circuit::{Circuit, PRIMITIVE, Parameter, RtlUnit, SETUP, set};
+use crate::netlist::Statistics;
 use crate::tools::{json, yosys};
-use anyhow::{Context, Result, ensure};
-use serde_json::Value;
+use anyhow::{Result, ensure};
 use splatline_sim::machine::area::setup::{self, FITTED_CORES, SetupUnit};
 use splatline_sim::machine::area::synthesis::{self, Subject, Synthesised, SynthesisedPart};
 use splatline_sim::machine::area::{Fabric, Family};
@@ -18,11 +18,9 @@ pub fn cells(script: &str, folder: &Path) -> Result<Fabric> {
     let counts = folder.join("stat.json");
     let count = format!("tee -q -o {} stat -json", counts.display());
     yosys(&format!("{script}; {count}"))?;
-    let statistics: Value = json(&counts)?;
-    let kinds = statistics["design"]["num_cells_by_type"].as_object();
-    let kinds = kinds.context("yosys' statistics count no cells")?.iter();
-    let number = |number: &Value| number.as_u64().unwrap_or(0);
-    let fabric = fabric(kinds.map(|(kind, count)| (kind.as_str(), number(count))));
+    let statistics: Statistics = json(&counts)?;
+    let kinds = statistics.design.num_cells_by_type;
+    let fabric = fabric(kinds.iter().map(|(kind, number)| (kind.as_str(), *number)));
     ensure!(fabric.luts > 0, "yosys counts no look-up tables");
     Ok(fabric)
 }

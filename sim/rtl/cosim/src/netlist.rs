@@ -1,10 +1,10 @@
-//! Yosys' netlist of a circuit, as far as it is read here.
+//! What Yosys and nextpnr write about a circuit, as far as it is read here.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// What is not read here is written as it was.
+/// Yosys' netlist; what is not read here is written as it was.
 #[derive(Deserialize, Serialize)]
 pub struct Netlist {
     pub modules: BTreeMap<String, NetlistModule>,
@@ -109,4 +109,48 @@ impl NetlistCell {
         let pins = pins.filter(move |(name, _)| is_input(name.as_str()));
         pins.flat_map(|(_, bits)| bits.iter().filter_map(Bit::net))
     }
+}
+
+/// Yosys' `stat -json`.
+#[derive(Deserialize)]
+pub struct Statistics {
+    pub design: DesignStatistics,
+}
+
+#[derive(Deserialize)]
+pub struct DesignStatistics {
+    pub num_cells_by_type: BTreeMap<String, u64>,
+}
+
+/// nextpnr's report.
+#[derive(Deserialize)]
+pub struct PlacerReport {
+    pub fmax: BTreeMap<String, ClockReport>,
+    pub critical_paths: Vec<PathReport>,
+}
+
+#[derive(Deserialize)]
+pub struct ClockReport {
+    pub achieved: f64,
+}
+
+#[derive(Deserialize)]
+pub struct PathReport {
+    pub from: String,
+    pub to: String,
+    pub path: Vec<StepReport>,
+}
+
+#[derive(Deserialize)]
+pub struct StepReport {
+    pub delay: f64,
+    #[serde(rename = "type")]
+    pub kind: String,
+    pub from: EndReport,
+    pub to: EndReport,
+}
+
+#[derive(Deserialize)]
+pub struct EndReport {
+    pub cell: String,
 }

@@ -6,11 +6,10 @@
 use crate::area::{cells, columns};
 use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
 use crate::machine::unit;
-use crate::netlist::{Netlist, NetlistPort};
+use crate::netlist::{Netlist, NetlistPort, PathReport, PlacerReport};
 use crate::registers;
 use crate::tools::{first_that_runs, json, printed, run, yosys};
 use anyhow::{Context, Result};
-use serde_json::Value;
 use splatline_sim::atomic;
 use splatline_sim::machine::area::Fabric;
 use std::collections::BTreeMap;
@@ -217,29 +216,25 @@ endmodule
 }
 
 /// Fmax of the only clock in nextpnr's report, and its slowest path: from and to which cells it leads, and its nanoseconds.
-fn timing(report: &Value) -> Option<(f64, String)> {
-    let begins =
-        |text: &Value, with: &str| text.as_str().is_some_and(|text| text.starts_with(with));
-    let inner = |path: &&Value| {
-        ["from", "to"]
-            .iter()
-            .all(|end| begins(&path[end], "posedge"))
+fn timing(report: &PlacerReport) -> Option<(f64, String)> {
+    let inner = |path: &&PathReport| {
+        let ends = [&path.from, &path.to];
+        ends.iter().all(|end| end.starts_with("posedge"))
     };
-    let path = report["critical_paths"].as_array()?.iter().find(inner)?;
-    let steps = path["path"].as_array()?;
+    let steps = &report.critical_paths.iter().find(inner)?.path;
+    let (from, to) = (&steps.first()?.from.cell, &steps.last()?.to.cell);
     let sum = |kind: &str| -> f64 {
-        let of_kind = steps.iter().filter(|step| begins(&step["type"], kind));
-        of_kind.filter_map(|step| step["delay"].as_f64()).sum()
+        let of_kind = steps.iter().filter(|step| step.kind.starts_with(kind));
+        of_kind.map(|step| step.delay).sum()
     };
     let path = format!(
         "{} to {}: {:.1} ns (wires {:.1})",
-        readable(steps.first()?["from"]["cell"].as_str()?),
-        readable(steps.last()?["to"]["cell"].as_str()?),
+        readable(from),
+        readable(to),
         sum(""),
         sum("routing")
     );
-    let clock = report["fmax"].as_object()?.values().next()?;
-    Some((clock["achieved"].as_f64()?, path))
+    Some((report.fmax.values().next()?.achieved, path))
 }
 
 /// A cell's name without what tools appended: `placed.over.depth_word_TRELLIS_FF_DI_3` is `over.depth_word`.

@@ -73,6 +73,25 @@ fn a_sweep_over_frames_has_worst_percentile_and_mean() {
     holds(&refused, &["more_frames"]);
 }
 
+/// Designs that differ in their rounding alone have errors of their own: of three roundings no two are one design.
+#[test]
+fn a_sweep_tells_roundings_apart() {
+    let shell = Shell::new();
+    let roundings = "rounding = [\"nearest\", \"nearest-even\", \"truncate\"]";
+    let space = format!("[design]\nbase = [\"lean18\"]\n{roundings}\n[machine]\nlanes = [1]\n");
+    shell.write("s.toml", space);
+    let sweep = "sweep random:300:1 --size 32x24 --space s.toml -o out";
+    holds(&shell.results(sweep), &["3 points, 3 of them new"]);
+    let table = shell.read("out/points.csv");
+    let mut lines = table.lines().map(|line| line.split(','));
+    let heading = lines.next().unwrap();
+    let place = heading.clone().position(|column| column == "psnr_db");
+    let mut errors: Vec<_> = lines.filter_map(|mut line| line.nth(place?)).collect();
+    errors.sort_unstable();
+    errors.dedup();
+    assert_eq!(errors.len(), 3, "{table}");
+}
+
 /// A scene of three splats in a file, so that it can be edited under its name.
 fn scene(weight: f32) -> Vec<u8> {
     let record = |x: f32| {
