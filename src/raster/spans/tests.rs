@@ -2,7 +2,7 @@ extern crate std;
 use super::super::seeds::{Balance, GUARD, in_q32, rounded_to_word};
 use super::*;
 use crate::footprint::Ldl;
-use crate::format::{Lean18, Micro16, RuntimeWidths, Standard24};
+use crate::format::{Lane, Lean18, Micro16, RuntimeWidths, Standard24};
 use crate::math::shift_round;
 use proptest::prelude::*;
 
