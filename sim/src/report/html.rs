@@ -273,7 +273,7 @@ fn plots(report: &Report) -> String {
          best corner is the upper left. A colour is a design, a shape is a traversal, and a line joins the two traversals \
          of one design. Time is that of the bit-exact model on this machine ({repeat}, {threads}); it orders the designs' \
          work, it is not the time of a chip. Point at a mark for its row.</p>\n{time}{cycles}</section>\n",
-        repeat = plural(report.host.repeat, "run", "median of "),
+        repeat = runs(report),
         threads = plural(report.host.threads, "thread", ""),
         time = in_both_sizes(report, Across::HostTime),
         cycles = cycles_plot(report),
@@ -334,6 +334,15 @@ fn machine_section(report: &Report) -> String {
         count(cycles.sort),
         count(cycles.raster),
     )
+}
+
+/// How often the designs were drawn.
+fn runs(report: &Report) -> String {
+    let runs = || report.table.iter().map(|row| row.host.repeat);
+    match (runs().min(), runs().max()) {
+        (Some(least), Some(most)) if least < most => format!("medians of {least} to {most} runs"),
+        _ => plural(report.host.repeat, "run", "median of "),
+    }
 }
 
 /// `1 run`, `median of 5 runs`.
