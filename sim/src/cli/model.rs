@@ -25,7 +25,6 @@ use crate::report::machine::{page, watch};
 use anyhow::{Result, anyhow};
 use serde::Serialize;
 use splatline::format::Traversal;
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
@@ -72,7 +71,12 @@ struct FramesRecord {
     frames: Vec<FrameRecord>,
     over_frames: OverFrames,
     area: AreaRecord,
-    host: BTreeMap<&'static str, f64>,
+    host: AllSeconds,
+}
+
+#[derive(Serialize)]
+struct AllSeconds {
+    all_s: f64,
 }
 
 /// Machines of others on a scene.
@@ -225,7 +229,7 @@ fn several(frames: Vec<PlannedFrame>, prices: &Prices, options: &ModelOptions) -
         frames: records,
         over_frames,
         area,
-        host: BTreeMap::from([("all_s", all_s)]),
+        host: AllSeconds { all_s },
     };
     write_timing(folder, record)
 }

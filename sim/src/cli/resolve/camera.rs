@@ -110,8 +110,11 @@ fn camera_from_eye(
 
 /// An automatic camera, unless the scene's coordinates are so large that it cannot be placed: their squares overflow beyond 1e154.
 pub fn sound_camera(camera: Camera, scene: &str) -> Result<Camera> {
-    let sound = camera.is_sound().then_some(camera);
-    sound.ok_or_else(|| too_large(scene))
+    if camera.is_sound() {
+        Ok(camera)
+    } else {
+        Err(too_large(scene))
+    }
 }
 
 fn too_large(scene: &str) -> Error {

@@ -2,8 +2,8 @@
 
 use super::avx2::Avx2;
 
-/// Proof that the processor has AVX-512 F, BW, DQ, VL, CD and IFMA and all that AVX2 processors have. Nothing here needs
-/// IFMA: without it are the older processors, which lower their clock for 512 bits and on which nothing was measured.
+/// Proof that the processor has AVX-512 F, BW, DQ, VL, CD and IFMA and all that AVX2 processors have. No
+/// vector needs IFMA: it tells apart older processors, which lower their clock for 512 bits and were not measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx512(Avx2);
 

@@ -11,7 +11,6 @@ use super::lanes::{VectorLevel, words::PixelWords};
 use super::lanes::{VectorTask, dispatch_pixels};
 use super::rows::{Pixels, RowBatch, RuntimeRows};
 use super::setup::SurfaceOutcome;
-use super::words::AHEAD;
 use super::words::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
 use splatline::blend::surface::{Cell, Sample, WeightedSum, sum_fraction};
 use splatline::draw::Coverage;
@@ -24,6 +23,9 @@ use splatline::raster::Window;
 use splatline::rules::Rules;
 use tile::{AttributeWords, SampleWords};
 pub use tile::{SumCell, SumTile};
+
+/// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
+const AHEAD: usize = 4;
 
 /// Footprints between two looks at what a tile's blocks hide: four times as many looks hid one footprint in a thousand more and cost more than that saved.
 const LOOK_INTERVAL: usize = 256;

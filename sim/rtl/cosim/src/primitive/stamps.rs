@@ -52,7 +52,9 @@ impl Stamps {
             (begun == 1, &mut self.begun),
             (left == 1, &mut self.left),
         ] {
-            stamps.extend(happens.then_some(now));
+            if happens {
+                stamps.push(now);
+            }
         }
         while lanes != 0 {
             self.popped[lanes.trailing_zeros() as usize].push(now);

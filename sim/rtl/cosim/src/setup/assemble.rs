@@ -214,7 +214,10 @@ impl Program {
             operation.register = free;
             free += operation.copies;
         }
-        (free <= REGISTERS).then_some(())
+        if free > REGISTERS {
+            return None;
+        }
+        Some(())
     }
 }
 
