@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# How long a stranger waits, and for how much: a fresh clone's time to the first picture and through all tests, the binary's size, the package.
-# Prints a table beside the bars and fails where one is missed (.ci/weight.py does so for lines and words). Sources of dependencies are fetched
-# before the clock starts.
+# How long a stranger waits, and for how much: a fresh clone's time to the first picture and through all tests, the
+# binary's size, the package. Prints a table beside the bars and fails where one is missed (.ci/weight.py does so for
+# lines and words). Sources of dependencies are fetched before the clock starts.
 #
 #   .ci/bars.sh [FOLDER]     clones into FOLDER (default: a new one below the system's temporary folder) and removes it
 set -euo pipefail

@@ -1,5 +1,5 @@
-//! Digests the sources, so that a sweep knows which program its results are of: the version's number alone stays the same over many
-//! changes. Also tells the tests whether the shared data and the tools are there that some of them need.
+//! Digests the sources, so that a sweep knows which program its results are of: the version's number alone stays the
+//! same over many changes. Also tells the tests whether the shared data and the tools are there that some of them need.
 
 mod build_tools;
 #[path = "src/digest.rs"]

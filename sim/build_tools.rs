@@ -1,7 +1,9 @@
-// For the build scripts of this folder's crates: is a tool there, and if it is not, look again as soon as it may have come.
+// For the build scripts of this folder's crates: is a tool there, and if it is not, look again as soon as it may have
+// come.
 //
-// Cargo runs a build script again only when what it named has changed. A script that found no Verilator and named nothing kept its answer
-// for ever; so what is named is the tool itself where there is one, and else all folders that it could be installed into.
+// Cargo runs a build script again only when what it named has changed. A script that found no Verilator and named
+// nothing kept its answer for ever; so what is named is the tool itself where there is one, and else all folders that
+// it could be installed into.
 
 /// Whether a program of this name is on the path (or is a path itself).
 #[allow(dead_code)]

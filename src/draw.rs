@@ -186,7 +186,8 @@ impl<'a, D: Design> Painter<'a, D> {
     }
 }
 
-/// The radial index (UQ4.radial) of a lane word, if it lies inside the footprint; negative ones are rounding noise around 0.
+/// The radial index (UQ4.radial) of a lane word, if it lies inside the footprint; negative ones are rounding noise
+/// around 0.
 #[inline(always)]
 fn inside<L: Lane>(lane: L, drop: i32, end: u64) -> Option<u64> {
     let radial = match drop {

@@ -8,9 +8,9 @@
 //! # Conventions
 //!
 //! `Qm.n` is two's complement with `m` integer bits (sign not counted) and `n` fraction bits; `UQm.n` has no sign.
-//! Results that are kept are rounded to nearest, halves towards positive infinity. In the pixel path (opacity, transmittance,
-//! colour) [`Widths::rounding`] says how; truncation there shows as a darkening of deep stacks. Setup and the interpolation of the
-//! footprint table always round to nearest, halves up.
+//! Results that are kept are rounded to nearest, halves towards positive infinity. In the pixel path (opacity,
+//! transmittance, colour) [`Widths::rounding`] says how; truncation there shows as a darkening of deep stacks. Setup
+//! and the interpolation of the footprint table always round to nearest, halves up.
 
 use crate::blend::Blend;
 use crate::rules::Rules;
@@ -20,8 +20,8 @@ use crate::rules::Rules;
 pub enum Rounding {
     /// To nearest, halves up: no bias beyond half-way cases.
     Nearest,
-    /// To nearest, halves to even: what a fused multiply-add of single precision does ([`blend`](crate::blend)). Sums have at most the 23 bits
-    /// that one can add to ([`Widths::colour_range`]).
+    /// To nearest, halves to even: what a fused multiply-add of single precision does ([`blend`](crate::blend)). Sums
+    /// have at most the 23 bits that one can add to ([`Widths::colour_range`]).
     NearestEven,
     /// Towards negative infinity: cheapest, with a bias of half a unit in the last place per operation.
     Truncate,
@@ -42,18 +42,20 @@ pub enum Traversal {
 /// that, and widths out of their ranges may end in an overflow. All other arguments may have any bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Widths {
-    /// Magnitude bits of a splat's difference to the eye, and of the rotation by which it gets to camera space (8 to 60; above 30
-    /// both have two parts). Splats in fixed point do without ([`Translation`](crate::view::Translation)).
+    /// Magnitude bits of a splat's difference to the eye, and of the rotation by which it gets to camera space (8 to
+    /// 60; above 30 both have two parts). Splats in fixed point do without ([`Translation`](crate::view::Translation)).
     pub position: u8,
-    /// Magnitude bits of the mantissas that lead from camera space to a footprint's centre, and of centres in fixed point fraction bits of
-    /// the rotation's entries (8 to 31; the rotation has at most 30).
+    /// Magnitude bits of the mantissas that lead from camera space to a footprint's centre, and of centres in fixed
+    /// point fraction bits of the rotation's entries (8 to 31; the rotation has at most 30).
     pub view: u8,
-    /// Magnitude bits of every normalised mantissa of setup and of the row seeds (8 to 31). Sums keep [`GUARD`](crate::math::GUARD) bits more until
-    /// they are rounded; axes and the rotation that turns them have [`axis_bits`](crate::setup::axis_bits).
+    /// Magnitude bits of every normalised mantissa of setup and of the row seeds (8 to 31). Sums keep
+    /// [`GUARD`](crate::math::GUARD) bits more until they are rounded; axes and the rotation that turns them have
+    /// [`axis_bits`](crate::setup::axis_bits).
     pub mantissa: u8,
     /// Fraction bits of a footprint's centre, in pixels (2 to 24).
     pub subpixel: u8,
-    /// Fraction bits of the radial index in the pixel lanes (8 to 44; at most 27 for 32-bit lanes: [`check_for`](Widths::check_for)).
+    /// Fraction bits of the radial index in the pixel lanes (8 to 44; at most 27 for 32-bit lanes:
+    /// [`check_for`](Widths::check_for)).
     pub radial: u8,
     /// Base-2 logarithm of the number of intervals of the footprint table (2 to 14, and at most `radial + 2`).
     pub table: u8,
@@ -105,7 +107,8 @@ pub const WIDTH_RANGES: [(&str, u8, u8); 13] = [
 ];
 
 impl Widths {
-    /// The widths whose numeric fields are `numbers`, in the order of [`WIDTH_RANGES`]. They are not checked: see [`check`](Self::check).
+    /// The widths whose numeric fields are `numbers`, in the order of [`WIDTH_RANGES`]. They are not checked: see
+    /// [`check`](Self::check).
     pub const fn from_numbers(numbers: [u8; 13], rounding: Rounding) -> Self {
         let [
             position,
@@ -155,8 +158,8 @@ impl Widths {
         ]
     }
 
-    /// Integer bits of colours and of their sums: 4, or what [`Rounding::NearestEven`] leaves of 23 bits for them. Brighter colours are
-    /// cut to the largest below `2^colour_range`.
+    /// Integer bits of colours and of their sums: 4, or what [`Rounding::NearestEven`] leaves of 23 bits for them.
+    /// Brighter colours are cut to the largest below `2^colour_range`.
     pub const fn colour_range(&self) -> u8 {
         match self.rounding {
             Rounding::NearestEven if self.accumulator > 19 => 23u8.saturating_sub(self.accumulator),
@@ -164,8 +167,9 @@ impl Widths {
         }
     }
 
-    /// [`WIDTH_RANGES`] as the other widths and the rounding leave them: a table's interval is at least one step of the radial index, also
-    /// where the table ends at 4; and single precision adds to [at most 23 bits](Rounding::NearestEven).
+    /// [`WIDTH_RANGES`] as the other widths and the rounding leave them: a table's interval is at least one step of the
+    /// radial index, also where the table ends at 4; and single precision adds to [at most 23
+    /// bits](Rounding::NearestEven).
     pub const fn ranges(&self) -> [(&'static str, u8, u8); 13] {
         let mut ranges = WIDTH_RANGES;
         if self.radial < ranges[TABLE].2 - 2 {
@@ -182,7 +186,8 @@ impl Widths {
         self.check_within(self.ranges())
     }
 
-    /// The same, and does the radial index fit lanes of `L`? Four integer bits, the sign and [`radial`](Self::radial) fraction bits must.
+    /// The same, and does the radial index fit lanes of `L`? Four integer bits, the sign and [`radial`](Self::radial)
+    /// fraction bits must.
     pub const fn check_for<L: Lane>(&self) -> Result<(), WidthError> {
         let mut ranges = self.ranges();
         let most = L::BITS.saturating_sub(5);
@@ -275,7 +280,8 @@ impl Lane for i64 {
 
 /// A complete choice of widths; the bounds of the whole datapath rest on their check.
 ///
-/// A design of one's own states its lanes and its widths. Widths out of range, or lanes too narrow for them, do not compile:
+/// A design of one's own states its lanes and its widths. Widths out of range, or lanes too narrow for them, do not
+/// compile:
 ///
 /// ```compile_fail
 /// use splatline::format::{Design, Standard24, Widths};
@@ -289,7 +295,8 @@ impl Lane for i64 {
 /// let widths = Mine.widths();
 /// ```
 ///
-/// With `radial: 27` it does. Neither does `Widths { radial: 8, table: 12, .. }`, nor an accumulator that its rounding cannot have:
+/// With `radial: 27` it does. Neither does `Widths { radial: 8, table: 12, .. }`, nor an accumulator that its rounding
+/// cannot have:
 ///
 /// ```compile_fail
 /// use splatline::format::{Design, Lean18, Widths};
@@ -364,9 +371,9 @@ impl<L: Lane> Design for RuntimeWidths<L> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Classic8;
 
-/// For microcontrollers: every product and sum of the pixel path, and every product of a row's seed, fits one word of 32 bits, so that a
-/// processor without 64-bit multiplication (Cortex-M0+) needs one instruction for it. A [`Renderer`](crate::Renderer) takes the loop of 32-bit
-/// words ([`Painter32`](crate::draw::Painter32)) by itself.
+/// For microcontrollers: every product and sum of the pixel path, and every product of a row's seed, fits one word of
+/// 32 bits, so that a processor without 64-bit multiplication (Cortex-M0+) needs one instruction for it. A
+/// [`Renderer`](crate::Renderer) takes the loop of 32-bit words ([`Painter32`](crate::draw::Painter32)) by itself.
 ///
 /// | product | bits |
 /// |---|---|
@@ -376,18 +383,19 @@ pub struct Classic8;
 /// | table step UQ0.11 x position 17 | 28 |
 /// | row seed: 15-bit mantissas | 31 |
 ///
-/// The accumulated colour has as many fraction bits as share and colour together: nothing is rounded there, and nothing shifted. 17
-/// bits of position leave a half-word for the table's slope. Lanes end where the position ends (20 + 4 = 7 + 17 bits), so that nothing is
-/// shifted there either.
+/// The accumulated colour has as many fraction bits as share and colour together: nothing is rounded there, and nothing
+/// shifted. 17 bits of position leave a half-word for the table's slope. Lanes end where the position ends (20 + 4 = 7
+/// + 17 bits), so that nothing is shifted there either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Micro16;
 
-/// 18-bit multipliers (one operand of 18, the other of at most 27 bits: one DSP slice of today's FPGAs). Every product of its pixels is also
-/// one fused multiply-add of single precision, bit for bit ([`blend`](crate::blend)).
+/// 18-bit multipliers (one operand of 18, the other of at most 27 bits: one DSP slice of today's FPGAs). Every product
+/// of its pixels is also one fused multiply-add of single precision, bit for bit ([`blend`](crate::blend)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lean18;
 
-/// At least as accurate as single precision on hard cases, but for three ends of formats (docs/error-analysis.md); 32-bit pixel lanes.
+/// At least as accurate as single precision on hard cases, but for three ends of formats (docs/error-analysis.md);
+/// 32-bit pixel lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Standard24;
 
@@ -542,7 +550,8 @@ impl Design for Deep32 {
 mod tests {
     use super::*;
 
-    /// The longest table is as long as the radial index' two integer bits and its fraction, and never longer than all tables.
+    /// The longest table is as long as the radial index' two integer bits and its fraction, and never longer than all
+    /// tables.
     #[test]
     fn tables_end_where_the_radial_index_does() {
         for radial in WIDTH_RANGES[RADIAL].1..=WIDTH_RANGES[RADIAL].2 {

@@ -1,4 +1,5 @@
-//! Fixed-point splatting kernel: firmware, golden model of a hardware splat primitive, and the thing explored, in one copy of the arithmetic.
+//! Fixed-point splatting kernel: firmware, golden model of a hardware splat primitive, and the thing explored, in one
+//! copy of the arithmetic.
 //!
 //! ```
 //! use splatline::{BoundedList, Camera, Gaussian, Pixel, Renderer, Standard24};
@@ -14,9 +15,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`front`] is the way in: a `Camera` and splats in ordinary numbers, a [`Renderer`] that culls, sets up, sorts and draws them, whole frames
-//! or strips, in memory that the caller lends. Without the feature `float` (on by default) a scene is in the kernel's own types
-//! ([`splat::VolumeSplat`], [`View`]) and nothing of floating point is linked.
+//! [`front`] is the way in: a `Camera` and splats in ordinary numbers, a [`Renderer`] that culls, sets up, sorts and
+//! draws them, whole frames or strips, in memory that the caller lends. Without the feature `float` (on by default) a
+//! scene is in the kernel's own types ([`splat::VolumeSplat`], [`View`]) and nothing of floating point is linked.
 //!
 //! The modules are the units of the block diagram; data flows down this list and never back.
 //!
@@ -33,11 +34,12 @@
 //! format, math                widths and integer arithmetic that all of them share
 //! ```
 //!
-//! Everything is generic over [`format::Design`], which answers how many bits a quantity has. Nothing allocates, panics or writes outside the
-//! memory it was lent, whatever the bits of its inputs.
+//! Everything is generic over [`format::Design`], which answers how many bits a quantity has. Nothing allocates, panics
+//! or writes outside the memory it was lent, whatever the bits of its inputs.
 //!
-//! Equations are cited as \[EWA\] (Zwicker et al., EWA Splatting, 2002), \[SURF\] (Zwicker et al., Surface Splatting, 2001), \[SWAN\] (Swan et al., An
-//! Anti-Aliasing Technique for Splatting, 1997) and \[HYBRID\] (Yuan et al., Hybrid Forward Resampling and Volume Rendering, 2003).
+//! Equations are cited as \[EWA\] (Zwicker et al., EWA Splatting, 2002), \[SURF\] (Zwicker et al., Surface Splatting,
+//! 2001), \[SWAN\] (Swan et al., An Anti-Aliasing Technique for Splatting, 1997) and \[HYBRID\] (Yuan et al., Hybrid
+//! Forward Resampling and Volume Rendering, 2003).
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(docsrs, feature(doc_cfg))]

@@ -20,10 +20,12 @@ pub struct Rules {
     pub normalised: bool,
     /// Variance of the low-pass filter V^h = h I in square pixels; 0 switches it off.
     pub low_pass: SoftFloat,
-    /// The peak opacity is multiplied by sqrt(det V' / det(V' + V^h)), so that the low-pass filter adds no opacity: what Mip-Splatting and
-    /// the antialiased mode of gsplat train with. Not for normalised kernels, which keep their volume by themselves.
+    /// The peak opacity is multiplied by sqrt(det V' / det(V' + V^h)), so that the low-pass filter adds no opacity:
+    /// what Mip-Splatting and the antialiased mode of gsplat train with. Not for normalised kernels, which keep their
+    /// volume by themselves.
     pub compensated: bool,
-    /// Distance scaling (\[SWAN\] 4.3): spacing of the samples in scene units; 0 switches it off. Usually instead of a low-pass.
+    /// Distance scaling (\[SWAN\] 4.3): spacing of the samples in scene units; 0 switches it off. Usually instead of a
+    /// low-pass.
     pub spacing: SoftFloat,
     /// Shape of all footprints.
     pub kernel: Kernel,
@@ -72,8 +74,8 @@ impl Rules {
         table_range: 2,
     };
 
-    /// Surface splatting: identity low-pass, cut-off 1 on r/2 (SURF 4). The weights of a pixel are divided by their sum, so
-    /// nothing is clamped, skipped or finished.
+    /// Surface splatting: identity low-pass, cut-off 1 on r/2 (SURF 4). The weights of a pixel are divided by their
+    /// sum, so nothing is clamped, skipped or finished.
     pub const SURFACE: Rules = Rules {
         normalised: false,
         cutoff: Cutoff::Radial(2 << 28),
@@ -81,8 +83,8 @@ impl Rules {
         ..Rules::EWA
     };
 
-    /// 3D Gaussian splatting: peak opacity, low-pass 0.3, opacity at least 1/255, stop before adding; at most 0.999, as gsplat has it (the
-    /// authors' own rasterizer has 0.99).
+    /// 3D Gaussian splatting: peak opacity, low-pass 0.3, opacity at least 1/255, stop before adding; at most 0.999, as
+    /// gsplat has it (the authors' own rasterizer has 0.99).
     pub const GAUSSIAN_3D: Rules = Rules {
         normalised: false,
         low_pass: SoftFloat {

@@ -6,7 +6,8 @@ use crate::math::{SoftFloat, square_root, sum_of_products};
 use crate::view::{Eye, Pose};
 use fixed::types::U4F28;
 
-/// A centre as a file has it: a mantissa of at most 31 bits and an exponent for each coordinate, scene units. Exact for any f32.
+/// A centre as a file has it: a mantissa of at most 31 bits and an exponent for each coordinate, scene units. Exact for
+/// any f32.
 pub type Position = <Eye as Pose>::Centre;
 
 /// A centre in Q7.24, scene units, for firmware that knows the range of its scene.
@@ -92,8 +93,9 @@ impl Axis {
 
     /// Axes of a covariance (xx, xy, xz, yy, yz, zz) in square scene units: the columns of its Cholesky factor.
     ///
-    /// A semidefinite covariance gives axes of length 0. A pivot that is negative by no more than rounding (2^-24 of its variance)
-    /// counts as 0; a clearly negative one is an error. Relative error 2^-28 of the largest entry per column.
+    /// A semidefinite covariance gives axes of length 0. A pivot that is negative by no more than rounding (2^-24 of
+    /// its variance) counts as 0; a clearly negative one is an error. Relative error 2^-28 of the largest entry per
+    /// column.
     pub fn from_covariance(covariance: [SoftFloat; 6]) -> Result<[Axis; 3], CovarianceError> {
         const BITS: u32 = 31;
         let [xx, xy, xz, yy, yz, zz] = covariance;
@@ -180,7 +182,8 @@ mod tests {
         fn axes_reproduce_the_covariance(rows in proptest::array::uniform3(proptest::array::uniform3(-8.0f64..8.0))) {
             let entry = |i: usize, j: usize| rows.iter().map(|r| r[i] * r[j]).sum::<f64>();
             let exact = [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)];
-            // Next to singular, rounding may make it indefinite: those are replaced by others, and the test fails if that is more than rare.
+            // Next to singular, rounding may make it indefinite: those are replaced by others, and the test fails if
+            // that is more than rare.
             let Ok(axes) = Axis::from_covariance(exact.map(scaled)) else {
                 return Err(TestCaseError::reject("indefinite"));
             };

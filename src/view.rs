@@ -4,10 +4,11 @@
 //!
 //! There are two ways from a splat's centre to camera space, a choice of the type [`Pose`]:
 //!
-//! - [`Eye`]: centres are mantissas with exponents, as files have them. The difference to the eye comes first and is exact; it is then
-//!   rounded once, to a block exponent of the splat's own, and rotated. Every error is relative to the splat's distance from the eye,
-//!   whatever the offset or the extent of the scene.
-//! - [`Translation`]: centres are Q7.24, 32 bits a coordinate, for firmware that knows the range of its scene. t = W u + d is exact to Q9.54.
+//! - [`Eye`]: centres are mantissas with exponents, as files have them. The difference to the eye comes first and is
+//!   exact; it is then rounded once, to a block exponent of the splat's own, and rotated. Every error is relative to
+//!   the splat's distance from the eye, whatever the offset or the extent of the scene.
+//! - [`Translation`]: centres are Q7.24, 32 bits a coordinate, for firmware that knows the range of its scene. t = W u
+//!   + d is exact to Q9.54.
 
 use crate::format::Widths;
 use crate::math::words::{leading_zeros_wide, product, shift_word};
@@ -92,8 +93,8 @@ pub struct Translation(pub [I10F54; 3]);
 
 /// Everything setup needs to know of the camera. Constant for a picture.
 ///
-/// `Camera::view` makes one of ordinary numbers; an image without floating point states it, for instance with an eye 4 units before the
-/// origin that looks along z:
+/// `Camera::view` makes one of ordinary numbers; an image without floating point states it, for instance with an eye 4
+/// units before the origin that looks along z:
 ///
 /// ```
 /// use splatline::fixed::types::{I2F30, I32F32};
@@ -160,9 +161,10 @@ const TOP: i32 = 60;
 impl Pose for Eye {
     type Centre = [SoftFloat; 3];
 
-    /// The difference u - e is exact where a coordinate cancels, and otherwise rounded `2^-61` below the largest coordinate of u and e; then
-    /// rounded to nearest to `position` bits of its largest coordinate. With `position` above 30 both the difference and W have two
-    /// parts; the product of the low parts, less than the last bit, is left out. Error of t: `2^-(position - 2)` of the distance.
+    /// The difference u - e is exact where a coordinate cancels, and otherwise rounded `2^-61` below the largest
+    /// coordinate of u and e; then rounded to nearest to `position` bits of its largest coordinate. With `position`
+    /// above 30 both the difference and W have two parts; the product of the low parts, less than the last bit, is left
+    /// out. Error of t: `2^-(position - 2)` of the distance.
     #[cfg_attr(not(target_pointer_width = "32"), inline)]
     fn to_camera(
         &self,
@@ -257,8 +259,8 @@ impl Eye {
 impl Pose for Translation {
     type Centre = [I8F24; 3];
 
-    /// The three products are exact (Q8.54); entries of W are first rounded to the design's `view` fraction bits. The sum wraps
-    /// only when |d| exceeds its range; with |d| <= 256 and |u| < 128 it fits: 3 * 128 + 256 > 512 is
+    /// The three products are exact (Q8.54); entries of W are first rounded to the design's `view` fraction bits. The
+    /// sum wraps only when |d| exceeds its range; with |d| <= 256 and |u| < 128 it fits: 3 * 128 + 256 > 512 is
     /// excluded because W is a rotation, so that |W u| <= 128 sqrt(3).
     #[inline]
     fn to_camera(&self, rotation: &Rotation, centre: &[I8F24; 3], widths: &Widths) -> CameraPoint {
@@ -291,8 +293,8 @@ mod tests {
     use super::*;
     use crate::format::Standard24;
 
-    /// A difference is rounded once it has been taken, by half a unit of the 60 bits that the larger of u and e leaves; one that is all
-    /// cancelled but for a bit keeps that bit.
+    /// A difference is rounded once it has been taken, by half a unit of the 60 bits that the larger of u and e leaves;
+    /// one that is all cancelled but for a bit keeps that bit.
     #[test]
     fn differences_keep_what_cancels() {
         let eye = |x: i64| Eye {

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Links the example in C with the static library for a Cortex-M0+ without an operating system, and proves that no panic path is left:
-# the library's panic handler calls an undefined symbol, so the link fails exactly when one survived.
+# Links the example in C with the static library for a Cortex-M0+ without an operating system, and proves that no panic
+# path is left: the library's panic handler calls an undefined symbol, so the link fails exactly when one survived.
 #
 #   sim/capi/link_arm.sh        prints the sizes of the image
 set -eu

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The engine on a processor that is not x86-64: its vectors are arrays there, and setup, pixels and surfaces must still be the kernel's bit for bit.
-# A short set of the tests, of arbitrary words among them, built for aarch64 (without a C compiler or system libraries: musl) and run under QEMU.
+# The engine on a processor that is not x86-64: its vectors are arrays there, and setup, pixels and surfaces must still
+# be the kernel's bit for bit. A short set of the tests, of arbitrary words among them, built for aarch64 (without a C
+# compiler or system libraries: musl) and run under QEMU.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 command -v qemu-aarch64 >/dev/null || { echo "qemu-aarch64 is missing (package qemu-user)" >&2; exit 1; }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Accuracy of the firmware's design, with and without interpolation, and of lean18 beside it: fixed point against the f64 reference on real
-# scenes, the worse of the colour channels and of alpha. Prints a table.
+# Accuracy of the firmware's design, with and without interpolation, and of lean18 beside it: fixed point against the
+# f64 reference on real scenes, the worse of the colour channels and of alpha. Prints a table.
 #
 #   sim/firmware/accuracy.sh DATA       DATA holds gaussians/ and golden/; SPLATLINE may name a built program
 set -eu

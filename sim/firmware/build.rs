@@ -1,4 +1,5 @@
-//! Tells the architecture: Rust's own settings do not distinguish Armv6-M (Cortex-M0, M0+), Armv7-M and Armv7E-M (Cortex-M4).
+//! Tells the architecture: Rust's own settings do not distinguish Armv6-M (Cortex-M0, M0+), Armv7-M and Armv7E-M
+//! (Cortex-M4).
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

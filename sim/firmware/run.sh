@@ -1,6 +1,6 @@
 #!/bin/sh
-# Builds the example images for every target, runs them under QEMU, compares checksums with the host and prints a table of
-# executed instructions, code, tables, RAM and stack. Counts are exact and repeatable (QEMU plugin in counter/).
+# Builds the example images for every target, runs them under QEMU, compares checksums with the host and prints a table
+# of executed instructions, code, tables, RAM and stack. Counts are exact and repeatable (QEMU plugin in counter/).
 #
 #   sim/firmware/run.sh             the images built for speed (profile release, opt-level 2)
 #   sim/firmware/run.sh small       built for size (opt-level s)
@@ -57,7 +57,8 @@ emulator() {
     esac
 }
 
-# run TARGET IMAGE: output (QEMU sends it to stderr) in $work/TARGET.IMAGE.out, counts in .count, addresses in .addresses
+# run TARGET IMAGE: output (QEMU sends it to stderr) in $work/TARGET.IMAGE.out, counts in .count, addresses in
+# .addresses
 run() {
     elf=$CARGO_TARGET_DIR/$1/$profile/$2
     base=$work/$1.$2
@@ -72,8 +73,8 @@ phase() { awk -v p="$2" '$1 == "phase" && $2 == p { print $6 }' "$1"; }
 section() { "$tools/llvm-size" -A "$1" | awk -v s="$2" '$1 == s { print $2 }'; }
 symbols() { awk -v p="$2" '$4 ~ p { print $2 }' "$1" | while read -r size; do echo $((0x$size)); done | awk '{ s += $1 } END { print s + 0 }'; }
 
-# Instructions of the functions with the pixel loop that are executed for most covered pixels, or, where the loop draws two in turn, for
-# most pairs; what runs once per row is executed for an eighth.
+# Instructions of the functions with the pixel loop that are executed for most covered pixels, or, where the loop draws
+# two in turn, for most pairs; what runs once per row is executed for an eighth.
 pixel_loop() {
     awk '$4 ~ /Painter32.*paint|pixel_loop.*paint/ { print $1, $2 }' "$1.symbols" | while read -r first size; do
         first=$((0x$first & ~1)); last=$((first + 0x$size))
@@ -99,7 +100,8 @@ for target in $targets; do
     [ "$loop" != 0.0 ] || { echo "run.sh: $target: no function of the image is known as the pixel loop" >&2; failed=1; }
     got=$(grep -E '^(checksum|visible)=' "$fixed.out")
     [ "$(echo $got)" = "$(echo $host | cut -d ' ' -f 1-2)" ] || { echo "run.sh: $target differs from the host:" $got >&2; failed=1; }
-    # The image links only without panic paths (board.rs); divisions of 64 bits and float would show as library functions.
+    # The image links only without panic paths (board.rs); divisions of 64 bits and float would show as library
+    # functions.
     if grep -E 'panicking|__(aeabi_u?ldivmod|u?divdi3|u?moddi3|aeabi_[fd]|addsf3|mulsf3)' "$fixed.symbols" >&2; then
         echo "run.sh: $target: unwanted functions are linked (above)" >&2; failed=1
     fi

@@ -4,8 +4,9 @@
 #
 #   sim/firmware/stack.sh [TARGET [FUNCTION]]        e.g. thumbv6m-none-eabi set_up
 #
-# Frame sizes are an unstable compiler flag, hence RUSTC_BOOTSTRAP. Functions without a recorded frame (assembly, integer helpers,
-# memcpy) count what they push, and 24 bytes at least. Indirect calls and recursion are errors; the images have neither.
+# Frame sizes are an unstable compiler flag, hence RUSTC_BOOTSTRAP. Functions without a recorded frame (assembly,
+# integer helpers, memcpy) count what they push, and 24 bytes at least. Indirect calls and recursion are errors; the
+# images have neither.
 set -eu
 cd "$(dirname "$0")"
 target=${1:-thumbv6m-none-eabi}

@@ -1,10 +1,10 @@
 #!/bin/sh
-# Runs every fuzz target for a few seconds (first argument, default 5) from the seeds beside it, with memory limited to 512 MB.
-# FUZZ_TARGETS="ply spz" runs these only. A crash is kept in artifacts/, and the exit code is 1.
+# Runs every fuzz target for a few seconds (first argument, default 5) from the seeds beside it, with memory limited to
+# 512 MB. FUZZ_TARGETS="ply spz" runs these only. A crash is kept in artifacts/, and the exit code is 1.
 #
-# Debug assertions and overflow checks are on. The address sanitizer is off: the core holds no unsafe code, the host's lies in one
-# folder (sim/engine/src/fast/lanes) that no target reaches, and with it the host crate's
-# dependencies take several times as long to build. FUZZ_SANITIZER=address turns it on.
+# Debug assertions and overflow checks are on. The address sanitizer is off: the core holds no unsafe code, the host's
+# lies in one folder (sim/engine/src/fast/lanes) that no target reaches, and with it the host crate's dependencies take
+# several times as long to build. FUZZ_SANITIZER=address turns it on.
 cd "$(dirname "$0")" || exit 1
 cargo +nightly --version >/dev/null 2>&1 || { echo "no nightly toolchain: rustup toolchain install nightly" >&2; exit 1; }
 cargo +nightly fuzz --version >/dev/null 2>&1 || { echo "no cargo-fuzz: cargo install --locked cargo-fuzz" >&2; exit 1; }

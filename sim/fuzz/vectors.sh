@@ -1,10 +1,12 @@
 #!/bin/sh
 # The engine's vector code, the only unsafe code of the host, under two checkers:
 #
-#   sim/fuzz/vectors.sh address    its property tests with AddressSanitizer: every load, store and gather of tiles and tables is watched
+#   sim/fuzz/vectors.sh address    its property tests with AddressSanitizer: every load, store and gather of tiles and
+#                                  tables is watched
 #   sim/fuzz/vectors.sh miri       its operations interpreted: undefined behaviour of every intrinsic that Miri knows
 #
-# PROPTEST_CASES says how many random cases each property gets. What Miri does not know (AVX-512) is drawn on arrays and AVX2 there.
+# PROPTEST_CASES says how many random cases each property gets. What Miri does not know (AVX-512) is drawn on arrays and
+# AVX2 there.
 cd "$(dirname "$0")/../.." || exit 1
 cargo +nightly --version >/dev/null 2>&1 || { echo "no nightly toolchain: rustup toolchain install nightly" >&2; exit 1; }
 # A target folder of its own: the flags differ from every other build's.

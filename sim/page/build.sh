@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Builds the live page's wasm. Without an argument it becomes sim/src/page/page.wasm; with `--check` it is compared with that file.
+# Builds the live page's wasm. Without an argument it becomes sim/src/page/page.wasm; with `--check` it is compared with
+# that file.
 #
-# The bytes depend on the sources and the compiler's version, and not on where either lies: paths are mapped to fixed names. With
-# another compiler than the one that page.wasm.rustc beside it names, --check says so and builds only: the browser's tests then show
-# whether the module that is in the tree draws the host's bits.
+# The bytes depend on the sources and the compiler's version, and not on where either lies: paths are mapped to fixed
+# names. With another compiler than the one that page.wasm.rustc beside it names, --check says so and builds only: the
+# browser's tests then show whether the module that is in the tree draws the host's bits.
 set -euo pipefail
 cd "$(dirname "$0")"
 root=$(cd ../.. && pwd)

@@ -1,4 +1,5 @@
-//! Tells the tests whether the shared data are there that some of them need; without them these tests are ignored and say so.
+//! Tells the tests whether the shared data are there that some of them need; without them these tests are ignored and
+//! say so.
 
 use std::path::Path;
 

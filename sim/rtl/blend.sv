@@ -1,15 +1,17 @@
 // Opacity and deep-alpha "over", nearest splat first, of one lane (`opacity` and `front_to_back` of src/blend/mod.rs).
 //
-//   4-6 product of peak and weight | 7 skip, rounding | 8 opacity | 9-10 share of the transmittance | 11 its new value |
-//   12-13 what the splat adds to each colour | 14 the sums
+//   4-6 product of peak and weight | 7 skip, rounding | 8 opacity | 9-10 share of the transmittance |
+//   11 its new value | 12-13 what the splat adds to each colour | 14 the sums
 //
-// A name's number is the stage; the weight arrives in stage 4. A pixel's transmittance is read from stage 5 on and written in stage 11, its colour
-// from 10 on and in 14. So a pixel may come again INTERVAL = 7 cycles later and not before,
-// which the lane sees to (lane.sv). The words that are written have their registers in the buffer's banks (tile_buffer.sv), of which there are two.
+// A name's number is the stage; the weight arrives in stage 4. A pixel's transmittance is read from stage 5 on and
+// written in stage 11, its colour from 10 on and in 14. So a pixel may come again INTERVAL = 7 cycles later and not
+// before, which the lane sees to (lane.sv). The words that are written have their registers in the buffer's banks
+// (tile_buffer.sv), of which there are two.
 //
-// Where a product is rounded and then added to something, its half rides on that addition: the bit below the result is a carry. With ties to even a
-// product in the middle carries only from an odd number on; of a colour, where the sum is what is rounded, an odd sum loses its last bit again. Most of the
-// bits below a half are there a stage before the product, and are asked then.
+// Where a product is rounded and then added to something, its half rides on that addition: the bit below the result is
+// a carry. With ties to even a product in the middle carries only from an odd number on; of a colour, where the sum is
+// what is rounded, an odd sum loses its last bit again. Most of the bits below a half are there a stage before the
+// product, and are asked then.
 module blend #(
     parameter ADDRESS = 10,
     parameter SLOT_BITS = 4
@@ -112,8 +114,8 @@ module blend #(
   assign share10 = product10[T+ALPHA:ALPHA];
   assign half10 = product10[ALPHA-1] && (!EVEN || product10[ALPHA] || below10 || |((product10 & BELOW_SHARE) >> 18));
 
-  // Stage 10: what is left, and beside it, not behind it, whether that is too little: rest <= minimum_transmittance, or rest - minimum_transmittance - 1 < 0.
-  // a - b - c = a + ~b + !c.
+  // Stage 10: what is left, and beside it, not behind it, whether that is too little: rest <= minimum_transmittance, or
+  // rest - minimum_transmittance - 1 < 0. a - b - c = a + ~b + !c.
   logic [T+2:0] beyond9, beyond10, under10;
   logic stop10;
   logic carry_rest, carry_under, carry_share;
@@ -147,7 +149,8 @@ module blend #(
       whole12 <= whole11;
     end
 
-  // Stages 11 to 14: the sums. Shares of 1 in all and colours below 2^n make at most 2^n, rounded or not (src/blend/mod.rs).
+  // Stages 11 to 14: the sums. Shares of 1 in all and colours below 2^n make at most 2^n, rounded or not
+  // (src/blend/mod.rs).
   logic coloured11;
   localparam logic [T+C:0] BELOW_COLOUR = ((T + C + 1)'(1) << (COLOUR_SHIFT - 1)) - 1'b1;
   logic [3*SUM-1:0] colour13;

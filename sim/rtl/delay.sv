@@ -1,8 +1,9 @@
 // BITS bits, STAGES cycles later: what a value has to wait for while its pipeline computes something else from it.
 //
-// A few stages are registers. Longer ones are a ring, since registers for every stage of every field would outnumber the arithmetic: up to 17 stages in
-// look-up tables, and from there on in block RAM (a read, then a register). Block RAM stands in a few lines across the device, and a circuit that takes
-// much of it is drawn apart along them: all its wires become longer.
+// A few stages are registers. Longer ones are a ring, since registers for every stage of every field would outnumber
+// the arithmetic: up to 17 stages in look-up tables, and from there on in block RAM (a read, then a register). Block
+// RAM stands in a few lines across the device, and a circuit that takes much of it is drawn apart along them: all its
+// wires become longer.
 module delay #(
     parameter BITS = 8,
     parameter STAGES = 1
@@ -26,10 +27,11 @@ module delay #(
     end else if (RING) begin : gen_ring
       // Cycles that pass behind the memory: in `out`, and in block RAM's `word` before it.
       localparam BEHIND = SHORT ? 1 : 2;
-      // A look-up table's word is read before it is written again in the same cycle; block RAM has a word more, so that both never meet.
+      // A look-up table's word is read before it is written again in the same cycle; block RAM has a word more, so that
+      // both never meet.
       localparam PLACE = $clog2(SHORT ? STAGES - 1 : STAGES);
-      // Where to write, and where what came STAGES - BEHIND cycles ago lies. Each ring keeps counters of its own beside its memory, although those of
-      // all rings of a size say the same.
+      // Where to write, and where what came STAGES - BEHIND cycles ago lies. Each ring keeps counters of its own beside
+      // its memory, although those of all rings of a size say the same.
       logic [PLACE-1:0] place, from;
       (* keep *)
       always_ff @(posedge clk) begin

@@ -1,12 +1,13 @@
-// Splats by the depth of their keys, nearest first; equal keys stay in the order in which they came, which is that of their numbers
-// (src/footprint/depth.rs, and the stable order of src/front/order.rs).
+// Splats by the depth of their keys, nearest first; equal keys stay in the order in which they came, which is that of
+// their numbers (src/footprint/depth.rs, and the stable order of src/front/order.rs).
 //
-//   taken one by one -> memory, region A, and counted by every digit -> for each digit: sums of its counts, then all splats to their places in the
-//   other region
+//   taken one by one -> memory, region A, and counted by every digit -> for each digit:
+//   sums of its counts, then all splats to their places in the other region
 //
-// A radix sort from the last digit to the first, over memory: what stays on the chip is a counter for every value of every digit. All digits are
-// counted while the splats come, which is rarely enough that one memory takes the counts in turn. A digit that is the same in all keys moves
-// nothing and gets no pass: in most scenes the first ones, since depths have few exponents. Why no merging network: docs/decisions/depth-order.md.
+// A radix sort from the last digit to the first, over memory: what stays on the chip is a counter for every value of
+// every digit. All digits are counted while the splats come, which is rarely enough that one memory takes the counts in
+// turn. A digit that is the same in all keys moves nothing and gets no pass: in most scenes the first ones, since
+// depths have few exponents. Why no merging network: docs/decisions/depth-order.md.
 module depth_sort #(
     parameter DIGIT = 8,
     parameter COUNT_BITS = 24
@@ -64,7 +65,8 @@ module depth_sort #(
     digit = DIGIT'({{DIGIT{1'b0}}, key} >> (number * DIGIT));
   endfunction
 
-  // Counters of all digits' values, which become places. What is read goes into a register before anything is made of it: block RAM is slow.
+  // Counters of all digits' values, which become places. What is read goes into a register before anything is made of
+  // it: block RAM is slow.
   (* ram_style = "block", no_rw_check *) logic [COUNT_BITS-1:0] counters[0:(1<<PLACE)-1];
   logic [PLACE-1:0] read_place, changed_place;
   logic [COUNT_BITS-1:0] counter_read, counter, changed, after, moved_after;
@@ -92,8 +94,9 @@ module depth_sort #(
   logic [COUNT_BITS-1:0] sum;
   logic same_for_all;
 
-  // Splats on their way to their places: one waits for its counter, the next one moves, the last one has moved. A counter that either of the latter
-  // two changes is read too early by the first, which takes the place after theirs. Counting and summing, none moves.
+  // Splats on their way to their places: one waits for its counter, the next one moves, the last one has moved. A
+  // counter that either of the latter two changes is read too early by the first, which takes the place after theirs.
+  // Counting and summing, none moves.
   logic waiting, moving, moved, moves;
   logic [127:0] waiting_splat, moving_splat;
   logic [COUNT_BITS-1:0] left;

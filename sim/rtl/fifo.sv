@@ -1,19 +1,20 @@
 // A queue in block RAM behind a pipeline that never stands still: whoever feeds it counts its places (`free`) and lets
 // no more in than there are, so that nothing has to be stopped half way.
 //
-// An entry comes out three cycles after it went in at the earliest: written, read, registered. A place is taken by `claim`, when something
-// enters the pipeline before the queue, and given back when the entry leaves the queue.
+// An entry comes out three cycles after it went in at the earliest: written, read, registered. A place is taken by
+// `claim`, when something enters the pipeline before the queue, and given back when the entry leaves the queue.
 //
 // A pipeline knows some parts of an entry long before the last. They need not wait in registers beside it: each part
 // has a memory of its own, into which it goes as soon as it is there, all parts of all entries in the same order. The
 // entry is in when its last part is, the one of the highest bits. ENDS says where parts end in `in`, 16 bits for each,
 // the first part's lowest.
 //
-// Parts of SEEN lie in look-up tables, and `next` has what will be in `out` in the next cycle: whoever takes entries by what they say can decide
-// a cycle before, into a register. Block RAM would show it too late.
+// Parts of SEEN lie in look-up tables, and `next` has what will be in `out` in the next cycle: whoever takes entries by
+// what they say can decide a cycle before, into a register. Block RAM would show it too late.
 //
-// With RESTS, entries leave in every other cycle at most. Then no memory has to know within a cycle whether its entry is taken, which for the queue of
-// splats reached the enables of some twenty block RAMs and was the circuit's longest path.
+// With RESTS, entries leave in every other cycle at most. Then no memory has to know within a cycle whether its entry
+// is taken, which for the queue of splats reached the enables of some twenty block RAMs and was the circuit's longest
+// path.
 module fifo #(
     parameter BITS = 8,
     parameter PLACES = 32,

@@ -1,8 +1,8 @@
 // The footprint table with interpolation (src/kernel/mod.rs): radial index in, kernel weight out, five cycles later.
 //
 // An entry holds the kernel at the start of its interval and the step down to its end, so that one read serves the
-// interpolator. Entries are written from outside: another kernel or range is another table, not another circuit. The entry at the
-// table's end, whose step leads to 0, is a register, which leaves 2^TABLE entries for the memory.
+// interpolator. Entries are written from outside: another kernel or range is another table, not another circuit. The
+// entry at the table's end, whose step leads to 0, is a register, which leaves 2^TABLE entries for the memory.
 module footprint_table (
     input logic clk,
     input logic advance,
@@ -30,7 +30,8 @@ module footprint_table (
   assign index = wide_table ? {2'b00, radial[RADIAL+3:RADIAL+4-TABLE]} : radial[RADIAL+3:RADIAL+2-TABLE];
   assign aligned = wide_table ? radial : radial << 2;
 
-  // Stages 1 and 2: memory, and a register, since block RAM is slow. Stage 3: what the table says. Stage 4: the product.
+  // Stages 1 and 2: memory, and a register, since block RAM is slow. Stage 3: what the table says. Stage 4: the
+  // product.
   logic [STEP+WEIGHT:0] entry1, entry2;
   logic at_end1, at_end2, beyond1, beyond2;
   logic [KEPT-1:0] fraction1, fraction2, fraction3;

@@ -1,10 +1,12 @@
-// Colours of splats with harmonics: from directions, which setup gives long before it gives their packets, and from coefficients in memory.
+// Colours of splats with harmonics: from directions, which setup gives long before it gives their packets, and from
+// coefficients in memory.
 //
 //   direction -> fifo -------------------------> harmonics_unit -> colour, rounded
 //            `-> fifo -> addresses -> memory -> fifo -^
 //
-// A splat has a word for its base and one for each coefficient, one splat after the other in the scene's order. Those of culled splats are not read.
-// Whoever gives directions holds as many packets as there are places for them, so that there is always one.
+// A splat has a word for its base and one for each coefficient, one splat after the other in the scene's order. Those
+// of culled splats are not read. Whoever gives directions holds as many packets as there are places for them, so that
+// there is always one.
 module harmonics_colours #(
     parameter MULTIPLIERS = 1,
     parameter PLACES = 32,

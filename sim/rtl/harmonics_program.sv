@@ -1,7 +1,9 @@
-// Program of the harmonics unit's basis: written by `rtl -- package` from sim/rtl/cosim/harmonics_program.txt; do not edit.
+// Program of the harmonics unit's basis: written by `rtl -- package` from sim/rtl/cosim/harmonics_program.txt; do not
+// edit.
 //
-// A slot, from its lowest bit: left register (6), right register (6), target (6), constant (31), and a bit each: right is a register, left is clamped to 4, quotient
-// by 2^16, subtracted, first of its sum, to a register, to a harmonic. `end_place` is a degree's last place; a `gap` has no term.
+// A slot, from its lowest bit: left register (6), right register (6), target (6), constant (31), and a bit each: right
+// is a register, left is clamped to 4, quotient by 2^16, subtracted, first of its sum, to a register, to a harmonic.
+// `end_place` is a degree's last place; a `gap` has no term.
 module harmonics_program (
     input logic clk,
     input logic [6:0] place,

@@ -1,12 +1,14 @@
-// One term of a sum: left * right, divided by 2^31 or, if `wide`, by 2^16, rounded to nearest with halves up, and added to what stood before.
+// One term of a sum: left * right, divided by 2^31 or, if `wide`, by 2^16, rounded to nearest with halves up, and added
+// to what stood before.
 //
 //   factors | magnitudes | product (2) | quotient | sum
 //
-// It is the kernel's `shift_round` (src/math/shift.rs) and the addition behind it in one adder: the quotient of a negative term enters as its ones' complement,
-// and one carry is both the rounding and the rest of the negation. With a magnitude of 2^s q + r:
+// It is the kernel's `shift_round` (src/math/shift.rs) and the addition behind it in one adder: the quotient of a
+// negative term enters as its ones' complement, and one carry is both the rounding and the rest of the negation. With a
+// magnitude of 2^s q + r:
 //
 //   (m + 2^(s-1)) >> s = q + h               h: r is half of 2^s or more
-//   (-m + 2^(s-1)) >> s = -(q + g) = ~q + !g   g: r is more than half, since the halves of negative numbers go up as well
+//   (-m + 2^(s-1)) >> s = -(q + g) = ~q + !g   g: r is more than half, since halves of negative numbers go up, too
 module harmonics_term #(
     parameter LEFT = 36,
     parameter RIGHT = 35

@@ -1,22 +1,27 @@
-// Colour of a splat in its direction: real spherical harmonics of degree 0 to 4, as `Harmonics::colour` of src/setup/harmonics.rs, bit for bit, for
-// every direction, colour and coefficient.
+// Colour of a splat in its direction: real spherical harmonics of degree 0 to 4, as `Harmonics::colour` of
+// src/setup/harmonics.rs, bit for bit, for every direction, colour and coefficient.
 //
-//   direction, degree -> basis: harmonics Y_1 .. Y_24 (Q2.28) -> memory of two banks -> sum: base + Y_1 c_1 + ... -> to odd, clamped -> colour
-//                                                                                 base, c_1, c_2, ... -^
+//   direction, degree -> basis: harmonics Y_1 .. Y_24 (Q2.28) -> memory of two banks
+//     -> sum: base + Y_1 c_1 + ... -> to odd, clamped -> colour
+//               ^- base, c_1, c_2, ...
 //
-// All in it is sums of products, as in the setup unit. The basis is a program of such terms (harmonics_program, generated), one in a cycle: products of registers,
-// rounded to Q.30 and wrapped at 64 bits as the kernel's; small multiples; constants, whose results are the harmonics. The sum takes one channel of one word
-// in a cycle. The base is the coefficient of a harmonic that is 1. While the sum takes one splat's words the basis works on the next splat.
+// All in it is sums of products, as in the setup unit. The basis is a program of such terms (harmonics_program,
+// generated), one in a cycle: products of registers, rounded to Q.30 and wrapped at 64 bits as the kernel's; small
+// multiples; constants, whose results are the harmonics. The sum takes one channel of one word in a cycle. The base is
+// the coefficient of a harmonic that is 1. While the sum takes one splat's words the basis works on the next splat.
 //
-// MULTIPLIERS = 1: both use one multiplier (four of 18 bits); the basis goes first, and the sum takes the cycles in which it waits for results, for a splat
-// or for a bank. MULTIPLIERS = 2: one each, which
-// are busy for as many cycles: 75 terms each for degree 4. More would wait for the basis. Units side by side share nothing but need nothing of each other.
+// MULTIPLIERS = 1: both use one multiplier (four of 18 bits); the basis goes first, and the sum takes the cycles in
+// which it waits for results, for a splat or for a bank. MULTIPLIERS = 2: one each, which
+// are busy for as many cycles: 75 terms each for degree 4. More would wait for the basis. Units side by side share
+// nothing but need nothing of each other.
 //
-// Formats: direction 3 x Q1.30, clamped to +-1; base and coefficients 3 x Q3.28, the base first and then 3, 8, 15 or 24 words in the kernel's order; colour 3 x UQ4.28;
-// the first channel in the lowest bits. A degree above 4 is 4. The splat is taken when its direction has been read, before its words.
+// Formats: direction 3 x Q1.30, clamped to +-1; base and coefficients 3 x Q3.28, the base first and then 3, 8, 15 or 24
+// words in the kernel's order; colour 3 x UQ4.28; the first channel in the lowest bits. A degree above 4 is 4. The
+// splat is taken when its direction has been read, before its words.
 //
-// A direction's polynomials stay within 4 or are clamped to it. For no direction does any harmonic leave Q2.28 (the kernel's last clamp of them changes
-// nothing): constants of 2 and above belong to polynomials within 1, and 4 times any other is less than 8. 24 products of 2^46 and a base of 2^43 stay within 52 bits.
+// A direction's polynomials stay within 4 or are clamped to it. For no direction does any harmonic leave Q2.28 (the
+// kernel's last clamp of them changes nothing): constants of 2 and above belong to polynomials within 1, and 4 times
+// any other is less than 8. 24 products of 2^46 and a base of 2^43 stay within 52 bits.
 module harmonics_unit #(
     parameter MULTIPLIERS = 1
 ) (
@@ -39,8 +44,8 @@ module harmonics_unit #(
     end
   endgenerate
 
-  // 0, the basis: which place of the program it is at, and which bank its harmonics go to. Places 0 to 2 load the direction; those of a gap wait for
-  // results and do not need the multiplier.
+  // 0, the basis: which place of the program it is at, and which bank its harmonics go to. Places 0 to 2 load the
+  // direction; those of a gap wait for results and do not need the multiplier.
   localparam [6:0] LOADS = 7'd3;
   logic [6:0] place, end_place;
   logic [2:0] splat_degree;
@@ -52,7 +57,8 @@ module harmonics_unit #(
   assign basis_issues = basis_moves && !gap;
   assign splat_ready = place == LOADS - 7'd1 && !full[bank];
 
-  // 0, the sum: which channel of which word, and the bank of its harmonics. A colour's last word waits until the colour before has been taken.
+  // 0, the sum: which channel of which word, and the bank of its harmonics. A colour's last word waits until the colour
+  // before has been taken.
   logic [4:0] index, count, count0, count1;
   logic [1:0] channel;
   logic read_bank, last_word, pending, colour_may, colour_issues;
@@ -124,7 +130,8 @@ module harmonics_unit #(
     if (rst) {basis, sums} <= 0;
   end
 
-  // 2 and 3: registers and harmonics are read. What does not belong to the slot is 0, so that factors are the or of all that they may be.
+  // 2 and 3: registers and harmonics are read. What does not belong to the slot is 0, so that factors are the or of all
+  // that they may be.
   (* ram_style = "block", no_rw_check *) logic [35:0] registers_a[0:63];
   (* ram_style = "block", no_rw_check *) logic [33:0] registers_b[0:63];
   (* ram_style = "block", no_rw_check *) logic [31:0] harmonics[0:63];
@@ -154,7 +161,8 @@ module harmonics_unit #(
     {clamped4, negated4, negated5, wide4, wide5} <= {clamped3, negated3, negated4, wide3, wide4};
   end
 
-  // 3 and 4: factors. A direction is loaded as a product with 2^16 and a quotient by it, the base as the coefficient of a harmonic of 1.
+  // 3 and 4: factors. A direction is loaded as a product with 2^16 and a quotient by it, the base as the coefficient of
+  // a harmonic of 1.
   logic signed [35:0] basis_left3, left4, left5;
   logic signed [34:0] basis_right3, right4, right5;
   logic signed [31:0] outside3;

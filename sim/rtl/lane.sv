@@ -1,10 +1,12 @@
-// One pixel lane: takes a run and yields one pixel a cycle, its radial index by two additions (`Run::radials`, `paint_run`).
+// One pixel lane: takes a run and yields one pixel a cycle, its radial index by two additions (`Run::radials`,
+// `paint_run`).
 //
-// Only pixels inside the footprint, r < c, leave the lane; the others cost their cycle and nothing more. A lane takes its
-// next run in the cycle of the last pixel of the one before, unless a pixel of it would come to a place that it has been at less than
-// INTERVAL cycles before, whose new value is still on its way: then it waits in front of the run. Within a run all pixels differ,
-// so that nothing has to be compared but the last pixels of the runs before with the columns of the run to come. A run waits for
-// that comparison in the cycle after it came to the queue's front, so that runs of a single pixel take two cycles.
+// Only pixels inside the footprint, r < c, leave the lane; the others cost their cycle and nothing more. A lane takes
+// its next run in the cycle of the last pixel of the one before, unless a pixel of it would come to a place that it has
+// been at less than INTERVAL cycles before, whose new value is still on its way: then it waits in front of the run.
+// Within a run all pixels differ, so that nothing has to be compared but the last pixels of the runs before with the
+// columns of the run to come. A run waits for that comparison in the cycle after it came to the queue's front, so that
+// runs of a single pixel take two cycles.
 module lane #(
     parameter INTERVAL = 7,
     parameter SLOT_BITS = 4
@@ -29,7 +31,8 @@ module lane #(
   logic active, final_pixel, last;
   splatline_pkg::run_t at;
 
-  // Places of the last pixels, as they will be after this cycle: the lowest is the one that leaves then, place i will have left i cycles before.
+  // Places of the last pixels, as they will be after this cycle: the lowest is the one that leaves then, place i will
+  // have left i cycles before.
   localparam LEFT = INTERVAL - 3;
   logic [LEFT-1:0] left_valid;
   logic [PLACE*LEFT-1:0] left;
@@ -52,9 +55,9 @@ module lane #(
       assign reaches[i] = run.count > (COLUMN_BITS + 1)'(i);
     end
     for (i = 0; i <= LEFT + 1; i = i + 1) begin : gen_been
-      // The run comes to that column `ahead` cycles after its first pixel, which would be i + 1 cycles after the place was left. The pixel
-      // that leaves next is a column further than the one that leaves now. Few distances matter: they are compared one by one, beside the run's
-      // length and not behind another subtraction.
+      // The run comes to that column `ahead` cycles after its first pixel, which would be i + 1 cycles after the place
+      // was left. The pixel that leaves next is a column further than the one that leaves now. Few distances matter:
+      // they are compared one by one, beside the run's length and not behind another subtraction.
       localparam NEXT = i == 0 ? 1 : 0;
       logic [COLUMN_BITS:0] ahead;
       logic too_early;
@@ -67,7 +70,8 @@ module lane #(
     end
   endgenerate
 
-  // Whether the run may begin is known in the cycle after it came, so that the comparison and what hangs on it have a cycle each.
+  // Whether the run may begin is known in the cycle after it came, so that the comparison and what hangs on it have a
+  // cycle each.
   logic apart;
   assign run_ready = advance && last && apart;
   assign idle = !active;
@@ -77,7 +81,8 @@ module lane #(
     else if (advance) apart <= run_valid && !run_ready && meets == 0;
     if (rst) active <= 0;
     else if (advance && last) active <= apart;
-    // `last` is `!active || final_pixel`, with a register of its own, since all that a run's beginning moves hangs on it.
+    // `last` is `!active || final_pixel`, with a register of its own, since all that a run's beginning moves hangs on
+    // it.
     if (rst) last <= 1;
     else if (advance) last <= last ? !apart || run.count == (COLUMN_BITS + 1)'(1) : at.count == (COLUMN_BITS + 1)'(2);
     if (advance) begin

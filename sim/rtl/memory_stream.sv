@@ -1,7 +1,8 @@
-// Words of the memory, one after the other from an address on: what reads records, splats to be sorted, lists and harmonics.
+// Words of the memory, one after the other from an address on: what reads records, splats to be sorted, lists and
+// harmonics.
 //
-// A word is asked for only if the queue behind has a place, so that the memory never has to wait for whoever takes the words. `begins` starts anew
-// once all words of the run before have been asked for.
+// A word is asked for only if the queue behind has a place, so that the memory never has to wait for whoever takes the
+// words. `begins` starts anew once all words of the run before have been asked for.
 module memory_stream #(
     parameter BITS = 128,
     parameter PLACES = 128

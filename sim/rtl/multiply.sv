@@ -1,13 +1,14 @@
 // left * right, two cycles later, unsigned: products of 18-bit parts in the first, their sum in the second.
 //
-// A multiplier of a board has some 18 bits; a wider product in one cycle would chain several of them and an adder. The lowest part of a product
-// needs no adder, and of the others never more than three are added, two where a factor fits one multiplier.
-// A part of four bits has a multiplier, too: with 18 bits it would be 132 look-up tables.
+// A multiplier of a board has some 18 bits; a wider product in one cycle would chain several of them and an adder. The
+// lowest part of a product needs no adder, and of the others never more than three are added, two where a factor fits
+// one multiplier. A part of four bits has a multiplier, too: with 18 bits it would be 132 look-up tables.
 //
-// The product's lowest 18 bits are there a cycle before it: a rounding that asks whether any of them is set need not stand before an addition.
+// The product's lowest 18 bits are there a cycle before it: a rounding that asks whether any of them is set need not
+// stand before an addition.
 //
-// A fraction whose 1.0 is a value has a bit more than its multiplier. With UNIT, `right` is at most 1.0 = 2^(RIGHT-1): then its other bits are 0 where
-// the first is set, and that bit's product stands beside the others', not in their sum.
+// A fraction whose 1.0 is a value has a bit more than its multiplier. With UNIT, `right` is at most 1.0 = 2^(RIGHT-1):
+// then its other bits are 0 where the first is set, and that bit's product stands beside the others', not in their sum.
 module multiply #(
     parameter LEFT = 18,
     parameter RIGHT = 18,

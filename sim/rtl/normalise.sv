@@ -1,10 +1,11 @@
-// A magnitude with sign rounded to MANTISSA bits, three cycles later (`Scaled::from_wide`): halves away from minus infinity, as the
-// two's complement rounds. That of 0 is 0, with any exponent.
+// A magnitude with sign rounded to MANTISSA bits, three cycles later (`Scaled::from_wide`): halves away from minus
+// infinity, as the two's complement rounds. That of 0 is 0, with any exponent.
 //
 //   left by sixteens | by fours | by what is left; rounding and its overflow
 //
-// Zeros are not counted first: each stage sees by itself how far the leading one is from the left; the second finds both of its own and the third's
-// distance. Whether rounding overflows is seen beside its addition, not behind it: what overflows is nothing but ones.
+// Zeros are not counted first: each stage sees by itself how far the leading one is from the left; the second finds
+// both of its own and the third's distance. Whether rounding overflows is seen beside its addition, not behind it: what
+// overflows is nothing but ones.
 module normalise #(
     parameter BITS = 36
 ) (
@@ -43,8 +44,8 @@ module normalise #(
   assign {sixteens, fours1, ones1} = ~{sixteenth, fourth1, one1};
   assign moved1 = left1 << {fours1, 2'd0};
   assign moved2 = (M + 1)'((top2 << ones2) >> 3);
-  // Of what is cut off, a half is rounded up, of a negative number what is more than a half. What lies below in any case is
-  // known a cycle before.
+  // Of what is cut off, a half is rounded up, of a negative number what is more than a half. What lies below in any
+  // case is known a cycle before.
   assign up2 = moved2[0] && (below2 || 3'(top2 << ones2) != 0 || !negative2);
   assign whole2 = moved2[M:1] + {{(M - 1) {1'b0}}, up2};
   assign over2 = up2 && (&moved2[M:1]);

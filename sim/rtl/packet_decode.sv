@@ -1,5 +1,5 @@
-// Packet in, footprint out. The packed struct of the generated package is the packet's layout (src/footprint/packet.rs), so that
-// decoding is wiring; a packet of another version is taken and dropped, and counted.
+// Packet in, footprint out. The packed struct of the generated package is the packet's layout
+// (src/footprint/packet.rs), so that decoding is wiring; a packet of another version is taken and dropped, and counted.
 module packet_decode (
     input logic clk,
     input logic rst,

@@ -1,7 +1,8 @@
-// Entries of the lists to packets: the numbers in the words of the lists, and the words of the packets that they name, in their order.
+// Entries of the lists to packets: the numbers in the words of the lists, and the words of the packets that they name,
+// in their order.
 //
-// Lists of all tiles follow each other in memory and tiles are drawn in that order, so that packets run ahead across the ends of tiles, as
-// many as the queue has places for.
+// Lists of all tiles follow each other in memory and tiles are drawn in that order, so that packets run ahead across
+// the ends of tiles, as many as the queue has places for.
 module packet_fetch #(
     parameter WORDS = 4,  // of a packet
     parameter PLACES = 256

@@ -1,6 +1,8 @@
-// Who reads next, and whose word comes: units in fixed order at one port, whose words come in the order in which they were asked for.
+// Who reads next, and whose word comes: units in fixed order at one port, whose words come in the order in which they
+// were asked for.
 //
-// A unit asks only for what it has a place for, so that words are never held; together they may ask for 2^DEPTH words at most.
+// A unit asks only for what it has a place for, so that words are never held; together they may ask for 2^DEPTH words
+// at most.
 module read_arbiter #(
     parameter UNITS = 3,
     parameter DEPTH = 9

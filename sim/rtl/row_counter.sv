@@ -1,4 +1,5 @@
-// The rows of one splat after the other, one for each `issue`; a splat without rows issues one that is none (`some` is not set).
+// The rows of one splat after the other, one for each `issue`; a splat without rows issues one that is none (`some` is
+// not set).
 //
 // Every row of a splat is issued once, in order, and no other (proven, `formal/row_counter_properties.svh`).
 module row_counter (

@@ -1,12 +1,13 @@
 // From splats to runs of pixels: one row of a splat a cycle (`next_row` and `next_block` of src/raster/spans.rs).
 //
-// Down the rows, xc and C dy^2 are differenced; then 32 stages compute the row's span by the root table and the lanes' seed by two
-// multiplications. The window must lie within one block of columns, so that a row is one run, and begin with a block's first column and
-// row, so that a run begins with its seed. A row without pixels travels as a bubble, and so does a splat without rows, so that cycles
-// depend on the number of rows and on the lengths of the runs alone.
+// Down the rows, xc and C dy^2 are differenced; then 32 stages compute the row's span by the root table and the lanes'
+// seed by two multiplications. The window must lie within one block of columns, so that a row is one run, and begin
+// with a block's first column and row, so that a run begins with its seed. A row without pixels travels as a bubble,
+// and so does a splat without rows, so that cycles depend on the number of rows and on the lengths of the runs alone.
 //
-// Stages never stand still. A row is only issued if the queue behind the stages has a place for it (`slot_valid`: a row, with or without
-// a run), so that nothing is stopped half way. A name's number is the stage: 0 while the row is being issued.
+// Stages never stand still. A row is only issued if the queue behind the stages has a place for it (`slot_valid`: a
+// row, with or without a run), so that nothing is stopped half way. A name's number is the stage: 0 while the row is
+// being issued.
 module row_generator #(
     parameter LANE_BITS = 0  // of a row's number, which say the lane that it goes to
 ) (
@@ -19,7 +20,8 @@ module row_generator #(
     output logic slot_valid,
     input logic slot_ready,
     output logic slot_has_run,
-    // What will be said of the slot in the next cycle: whether it has a run, and of its row the lane's bits (above them 0).
+    // What will be said of the slot in the next cycle: whether it has a run, and of its row the lane's bits (above them
+    // 0).
     output logic next_has_run,
     output logic [splatline_pkg::TILE_ROW_BITS-1:0] next_lane,
     output splatline_pkg::run_t run,
@@ -111,8 +113,8 @@ module row_generator #(
   assign positive1 = !rest1[ROW-1] && rest1 != 0;
   delay #(.BITS(E), .STAGES(7)) hold_power (.clk, .rst, .advance(1'b1), .in(squared_width_power1), .out(squared_width_power8));
 
-  // Stage 4: the squared half-width, Q.24 before the exponent, from factors that multipliers hold in registers of their own. Stage 6: brought
-  // to [1/4, 1) by an even shift.
+  // Stage 4: the squared half-width, Q.24 before the exponent, from factors that multipliers hold in registers of their
+  // own. Stage 6: brought to [1/4, 1) by an even shift.
   logic [29:0] doubled2;
   logic [M+29:0] product4;
   logic [63:0] squared4, squared5, normal5;
@@ -143,7 +145,8 @@ module row_generator #(
     pairs6 <= {sixteens5, pairs5};
   end
 
-  // Stages 7 and 8: the root table's entry and the step to the next. Stage 10: the root, UQ0.24, and its left shift to Q.32 pixels.
+  // Stages 7 and 8: the root table's entry and the step to the next. Stage 10: the root, UQ0.24, and its left shift to
+  // Q.32 pixels.
   logic [40:0] entry7, entry8;
   logic [15:0] fraction7, fraction8;
   logic [4:0] pairs7, pairs8;
@@ -166,7 +169,8 @@ module row_generator #(
     power10 <= power9;
   end
 
-  // Stage 15: the half-width, rounded to Q.32, without the bits that xc does not have. Stage 17: where the span begins and ends.
+  // Stage 15: the half-width, rounded to Q.32, without the bits that xc does not have. Stage 17: where the span begins
+  // and ends.
   logic signed [63:0] half14;
   logic signed [CENTRE:0] half15, low16, high16;
   logic signed [CENTRE-1:0] centre15, centre19;
@@ -253,7 +257,8 @@ module row_generator #(
   end
   delay #(.BITS(32), .STAGES(28)) hold_base (.clk, .rst, .advance(1'b1), .in(base3), .out(base31));
 
-  // The slot's run, in parts as they are ready: in stages 1, 20, 29 and 32. Whoever takes it asks for lane and run a cycle before.
+  // The slot's run, in parts as they are ready: in stages 1, 20, 29 and 32. Whoever takes it asks for lane and run a
+  // cycle before.
   localparam PART_1 = ROW_BITS + 32 + $bits(cutoff1) + $bits(paint1);
   localparam PART_20 = PART_1 + 2 * COLUMN_BITS + 1;
   localparam PART_29 = PART_20 + 32;

@@ -1,4 +1,5 @@
-// A row's span cut to the window: from where it begins and ends (any number of columns away) to the run's first column and length.
+// A row's span cut to the window: from where it begins and ends (any number of columns away) to the run's first column
+// and length.
 //
 // Whatever the arithmetic before it gives, no run leaves this unit that has a pixel outside the window or no pixel at
 // all (proven, `formal/row_window_properties.svh`). The window must lie within one block of columns, and of what lies

@@ -1,5 +1,5 @@
-// A queue of runs before a lane, so that lanes with long rows and lanes with short ones need not wait for each other. The lane sees a
-// register, not the memory: a run can be taken two cycles after it came.
+// A queue of runs before a lane, so that lanes with long rows and lanes with short ones need not wait for each other.
+// The lane sees a register, not the memory: a run can be taken two cycles after it came.
 //
 // Runs are numbered as they come, modulo SLOTS: by its number the lane's pipeline finds what it needs of a run later
 // (run_paint.sv).

@@ -1,5 +1,5 @@
-// `Balance::new` of src/raster/seeds.rs, four cycles: the second difference of a quadratic sequence, and what meets its rounding in the seed of a
-// block. Arithmetic modulo 2^BITS; what the rounding leaves is less than a unit.
+// `Balance::new` of src/raster/seeds.rs, four cycles: the second difference of a quadratic sequence, and what meets its
+// rounding in the seed of a block. Arithmetic modulo 2^BITS; what the rounding leaves is less than a unit.
 module seed_balance #(
     parameter BITS = 32
 ) (

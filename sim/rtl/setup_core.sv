@@ -1,18 +1,21 @@
 // A core of the setup unit: one pipeline, through which goes every sum of products of setup, one term a cycle. Its
 // registers and tables stand in setup_memory.sv.
 //
-//   registers | factors | rest, exponents | signs, choice | product (2) | term | largest (6) | distance | shift (2) | sign | sum |
-//   normalisation (3) | rounding | carry, write
+//   registers | factors | rest, exponents | signs, choice | product (2) | term | largest (6) | distance | shift (2) |
+//   sign | sum | normalisation (3) | rounding | carry, write
 //
-// It is `sum_of_products`, `sum_below` and `SoftFloat::from_wide` of src/math/soft_float.rs, and all else in setup is written as such sums: a multiplication has one
-// term, a fixed-point number a unit that is given, a table's interpolation two terms. Results are mantissas of 31 bits of which the last
-// are 0, or 33 bits of the sum, from a place on that the slot says. So one aligner and one normaliser do for the whole of setup, and several cores side by
+// It is `sum_of_products`, `sum_below` and `SoftFloat::from_wide` of src/math/soft_float.rs, and all else in setup is
+// written as such sums: a multiplication has one term, a fixed-point number a unit that is given, a table's
+// interpolation two terms. Results are mantissas of 31 bits of which the last are 0, or 33 bits of the sum, from a
+// place on that the slot says. So one aligner and one normaliser do for the whole of setup, and several cores side by
 // side, which obey the same slots, for any speed.
 //
-// Terms are products of two factors of 31 bits; a plain one stands as high as its product with 2^31 would. So they are only ever moved right. What ought to be moved left
-// is beyond every fixed-point number in use, and stays where it is, which is as far beyond.
+// Terms are products of two factors of 31 bits; a plain one stands as high as its product with 2^31 would. So they are
+// only ever moved right. What ought to be moved left is beyond every fixed-point number in use, and stays where it is,
+// which is as far beyond.
 //
-// The unit of a sum is known once the exponent of its last term is; until then its terms wait three cycles, so that up to four can be aligned to the largest.
+// The unit of a sum is known once the exponent of its last term is; until then its terms wait three cycles, so that up
+// to four can be aligned to the largest.
 module setup_core (
     input logic clk,
     // Slots by stage: slots[i] was issued i cycles ago.
@@ -24,9 +27,9 @@ module setup_core (
     // What a table is asked for two cycles after, and its answer.
     output logic [8:0] index2,
     input logic [31:0] table3,
-    // The slot's constant as first factor one cycle after its issue and as what is picked three cycles after, 0 where it is neither; the right factor's share
-    // that is the same for all cores: the constant, or 2^31 beside a plain term, with what the slot adds to the exponents. Where a sum begins, seventeen
-    // cycles after.
+    // The slot's constant as first factor one cycle after its issue and as what is picked three cycles after, 0 where
+    // it is neither; the right factor's share that is the same for all cores: the constant, or 2^31 beside a plain
+    // term, with what the slot adds to the exponents. Where a sum begins, seventeen cycles after.
     input logic [50:0] constant1,
     input logic [32:0] picked3,
     input logic [50:0] right3,
@@ -105,8 +108,9 @@ module setup_core (
     even3 <= even2 && slot2.lookup == 2'd2 && !slot2.entry;
   end
 
-  // 2: the left factor: the first one, or of a table's argument the rest, whose place the slot's own exponent knows; beside an entry 2^31. What the first factor
-  // gives the exponent: a reciprocal's is its negative but for the one that the slot's own part adds; where it counts for nothing, -31.
+  // 2: the left factor: the first one, or of a table's argument the rest, whose place the slot's own exponent knows;
+  // beside an entry 2^31. What the first factor gives the exponent: a reciprocal's is its negative but for the one that
+  // the slot's own part adds; where it counts for nothing, -31.
   logic signed [32:0] left2, left3, picked3_or_left, left4, right4;
   logic [32:0] mask2;
   logic [17:0] power2;
@@ -172,7 +176,8 @@ module setup_core (
     unit13 <= slot12.last ? unit12 : slot11.last ? unit11 : slot10.last ? unit10 : unit9;
   end
 
-  // 13 to 17: the term moved to the unit, by sixteens, fours and ones; the last bit moved out rounds. From 63 on all bits are the sign.
+  // 13 to 17: the term moved to the unit, by sixteens, fours and ones; the last bit moved out rounds. From 63 on all
+  // bits are the sign.
   logic signed [18:0] shift13;
   logic [5:0] distance14;
   logic [3:0] distance15;
@@ -221,7 +226,8 @@ module setup_core (
     unit19 <= FAINT > 0 && slot18.extended ? around18 : unit18;
   end
 
-  // 18 to 21: moved left until the leading bit stands below the sign, or as far as the slot says; 22: rounded; 23: carried.
+  // 18 to 21: moved left until the leading bit stands below the sign, or as far as the slot says; 22: rounded; 23:
+  // carried.
   logic [64:0] sum19;
   logic [64:0] thirties19;
   logic [48:0] sixteens19;

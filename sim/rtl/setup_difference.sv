@@ -1,12 +1,15 @@
-// The first step of setup: a splat's centre relative to the eye (`Eye::difference` of src/view.rs), and the record in the beats in which the cores
-// read it. A record comes in every eighth cycle at best.
+// The first step of setup: a splat's centre relative to the eye (`Eye::difference` of src/view.rs), and the record in
+// the beats in which the cores read it. A record comes in every eighth cycle at best.
 //
-//   record | magnitude | length | unit (3) | choice | alignment of centre and eye (4) | difference (3) | their length | choice | alignment (4) | parts | beats (8)
+//   record | magnitude | length | unit (3) | choice | alignment of centre and eye (4) |
+//   difference (3) | their length | choice | alignment (4) | parts | beats (8)
 //
-// Where a core's words have room for them (TURNED), the axes are turned on the way (setup_turn.sv), and their sums are the cores' items.
+// Where a core's words have room for them (TURNED), the axes are turned on the way (setup_turn.sv), and their sums are
+// the cores' items.
 //
-// The difference is exact where coordinates cancel, whatever the offset of the scene, which is why it stands before the cores with their factors of 32 bits:
-// it takes 64 bits. Both alignments of 64 bits, the eye's and the difference's, take turns at one aligner.
+// The difference is exact where coordinates cancel, whatever the offset of the scene, which is why it stands before the
+// cores with their factors of 32 bits: it takes 64 bits. Both alignments of 64 bits, the eye's and the difference's,
+// take turns at one aligner.
 module setup_difference (
     input logic clk,
     input logic rst,
@@ -71,7 +74,8 @@ module setup_difference (
     if (rst) valids <= 0;
   end
 
-  // Phases 1 to 5: the coordinates' leading bits, one after the other, and the largest of them and the eye's. The unit is 60 bits below.
+  // Phases 1 to 5: the coordinates' leading bits, one after the other, and the largest of them and the eye's. The unit
+  // is 60 bits below.
   logic signed [31:0] coordinate;
   logic [31:0] coordinate_magnitude;
   logic signed [9:0] coordinate_exponent;
@@ -88,8 +92,8 @@ module setup_difference (
     else if ((phase == 3 || phase == 4 || phase == 5) && leading > top) top <= leading;
   end
 
-  // Phases 6, 7 and 0: centre and eye are chosen; phases 1 to 3: the difference, from eleven cycles before. What turn it is has a register for each
-  // choice, and what is chosen has one before the aligners, which count its leading bits.
+  // Phases 6, 7 and 0: centre and eye are chosen; phases 1 to 3: the difference, from eleven cycles before. What turn
+  // it is has a register for each choice, and what is chosen has one before the aligners, which count its leading bits.
   logic turn_x, turn_y, turn_eye, turn_eye_x, turn_eye_y;
   logic signed [31:0] centre_in;
   logic [9:0] exponent_in;
@@ -113,7 +117,8 @@ module setup_difference (
   align #(.BITS(64), .SIGNED(1), .SATURATES(0)) align_wide (.clk, .negative(wide_in[63]), .magnitude(wide_in), .shift(wide_shift), .result(wide_out));
   assign difference = centre_out - wide_out;
 
-  // Phases 3 to 5: differences, which come to the aligner six cycles later; 4 to 6: their magnitudes together; 7 and 0: how far they are to be moved.
+  // Phases 3 to 5: differences, which come to the aligner six cycles later; 4 to 6: their magnitudes together; 7 and 0:
+  // how far they are to be moved.
   logic [63:0] together;
   logic [6:0] together_length;
   logic signed [15:0] exponent;

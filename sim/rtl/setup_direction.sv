@@ -1,11 +1,13 @@
-// A splat's direction in the scene's axes: the unit vector that a core gives in the camera's, turned back by the transposed rotation in exact
-// Q.30 (`direction` of src/setup/harmonics.rs), a splat in eight cycles. In parallel projection that vector is the third axis. The
-// kernel does not clamp what comes of it, a row of the rotation; the harmonics of both do.
+// A splat's direction in the scene's axes: the unit vector that a core gives in the camera's, turned back by the
+// transposed rotation in exact Q.30 (`direction` of src/setup/harmonics.rs), a splat in eight cycles. In parallel
+// projection that vector is the third axis. The kernel does not clamp what comes of it, a row of the rotation; the
+// harmonics of both do.
 //
-//   words, clamped | halves, entries | parts of products | products | two terms and one | sum | both halves | clamped | kept
+//   words, clamped | halves, entries | parts of products | products | two terms and one | sum |
+//   both halves | clamped | kept
 //
-// Three products for each of three axes are nine, one too many for one multiplier and eight cycles. So each row has one for half
-// a word, which takes an axis in two cycles, the lower half first.
+// Three products for each of three axes are nine, one too many for one multiplier and eight cycles. So each row has one
+// for half a word, which takes an axis in two cycles, the lower half first.
 module setup_direction (
     input logic clk,
     input logic [2:0] phase,

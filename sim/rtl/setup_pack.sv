@@ -1,8 +1,9 @@
 // The last step of setup: a core's results become a packet, or the reason why there is none.
 //
-// Its words come in eight cycles, from phase 0 on; two rounds of eight phases later the packet leaves. What needs 64 bits once for a splat stands
-// here and not in the cores: the comparison with the planes of depth (`Extended::exceeds`), the sort key (`depth::key`), the box
-// (`bounding_box`), the fixed-point opacity. Of the conic only its exponent counts, since splats without a place for it are culled. The order of the reasons is the kernel's.
+// Its words come in eight cycles, from phase 0 on; two rounds of eight phases later the packet leaves. What needs 64
+// bits once for a splat stands here and not in the cores: the comparison with the planes of depth
+// (`Extended::exceeds`), the sort key (`depth::key`), the box (`bounding_box`), the fixed-point opacity. Of the conic
+// only its exponent counts, since splats without a place for it are culled. The order of the reasons is the kernel's.
 //
 //   words | depth, opacity, extents | box, reason, packet
 module setup_pack (
@@ -79,7 +80,8 @@ module setup_pack (
     end
   end
 
-  // The second round of phases: all of a splat's words stand still, and what is computed from them runs through registers.
+  // The second round of phases: all of a splat's words stand still, and what is computed from them runs through
+  // registers.
   logic signed [63:0] u1, v1;
   logic signed [31:0] peak1, root_u1, root_v1, horizontal1, squared_width1, shear1, vertical1;
   logic signed [17:0] peak_exponent1, root_u_exponent1, root_v_exponent1, horizontal_exponent1, squared_width_exponent1;
@@ -98,9 +100,9 @@ module setup_pack (
     end
   end
 
-  // Depth: leading bit at bit 62, comparisons, key. Its word comes first, so that a register has eight cycles to move it
-  // by bytes, from phase 2 to phase 2 of the second round, and another one as many to move it by bits: one choice for a
-  // bit and not six.
+  // Depth: leading bit at bit 62, comparisons, key. Its word comes first, so that a register has eight cycles to move
+  // it by bytes, from phase 2 to phase 2 of the second round, and another one as many to move it by bits: one choice
+  // for a bit and not six.
   logic [62:0] depth_magnitude, depth_coarse, depth_fine, depth_normal;
   logic [2:0] bytes, kept_bytes, ones;
   logic depth_negative1, depth_negative2, depth_negative;
@@ -109,7 +111,8 @@ module setup_pack (
   logic [47:0] key;
   logic [46:0] key_magnitude;
 
-  // Is the first number greater than the second? Both have their leading bit at bit 62, or are 0. Among negative numbers an equal one counts as farther.
+  // Is the first number greater than the second? Both have their leading bit at bit 62, or are 0. Among negative
+  // numbers an equal one counts as farther.
   function automatic logic exceeds(input logic a_negative, input logic [62:0] a, input logic signed [17:0] a_leading, input logic b_negative,
                                    input logic [62:0] b, input logic signed [17:0] b_leading);
     logic farther;
@@ -142,8 +145,8 @@ module setup_pack (
     key <= !depth_normal[62] ? {1'b1, 47'd0} : depth_negative ? {1'b0, ~key_magnitude} : {1'b1, key_magnitude};
   end
 
-  // Extents and opacity in fixed point: chosen in phases 0 to 2, and in phase 3 the opacity less its last bit; there five
-  // cycles after that.
+  // Extents and opacity in fixed point: chosen in phases 0 to 2, and in phase 3 the opacity less its last bit; there
+  // five cycles after that.
   logic signed [31:0] fixed_in, fixed_value;
   logic signed [17:0] fixed_exponent;
   logic signed [17:0] largest0, largest1;

@@ -1,5 +1,6 @@
-// The axes of a splat turned by the camera (`rotate_axis` of src/setup/jacobian.rs), a splat in eight cycles: nine sums of three products, each
-// cut to the window of a sum, not yet rounded. All terms of a sum have one exponent, so that nothing is aligned and a core's slots are not needed.
+// The axes of a splat turned by the camera (`rotate_axis` of src/setup/jacobian.rs), a splat in eight cycles: nine sums
+// of three products, each cut to the window of a sum, not yet rounded. All terms of a sum have one exponent, so that
+// nothing is aligned and a core's slots are not needed.
 //
 //   choice | parts of products | their sums | products, cut | two terms and one | sum | kept
 //
@@ -16,7 +17,8 @@ module setup_turn #(
     input logic [9*PART-1:0] parts,
     // The rotation, row by row.
     input logic [9*ENTRY-1:0] entries,
-    // The sums of the first axis' rows, then of the others: number k from phase k on for eight cycles, the last from phase 4 on for six.
+    // The sums of the first axis' rows, then of the others: number k from phase k on for eight cycles, the last from
+    // phase 4 on for six.
     output logic [9*SUM-1:0] sums
 );
   // A cut product, three cycles later: parts of 17 bits and a sign.

@@ -1,20 +1,24 @@
-// Splat setup: records of volume splats in, footprint packets out, in the same order, each with the reason for which it is culled (0: none; 1 near,
-// 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside). Packet and reason equal those of the kernel's `setup` (src/setup).
+// Splat setup: records of volume splats in, footprint packets out, in the same order, each with the reason for which it
+// is culled (0: none; 1 near, 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside). Packet and reason equal those of
+// the kernel's `setup` (src/setup).
 //
 //   record -> setup_difference -> CORES x setup_core -> setup_pack -> fifo; cores stand in pairs (setup_pair.sv)
 //                                                  `-> setup_direction -> direction
 //
-// A program with directions gives the direction of each splat as well (`direction` of src/setup/harmonics.rs), before its packet leaves the queue.
-// Whoever takes it must have a place for each of the queue's packets.
+// A program with directions gives the direction of each splat as well (`direction` of src/setup/harmonics.rs), before
+// its packet leaves the queue. Whoever takes it must have a place for each of the queue's packets.
 //
-// The program of a splat has ROUND slots (splatline_setup_pkg, generated). All cores obey the same slot, pair after pair, each for its own splat, so that
-// a round takes up to CORES splats in: one in ROUND / CORES cycles, in eight at best. That is the trade of multipliers for speed: a core has
-// four multipliers of 18 bits. What needs 64 bits once for a splat stands before and behind the cores, once for all of them.
+// The program of a splat has ROUND slots (splatline_setup_pkg, generated). All cores obey the same slot, pair after
+// pair, each for its own splat, so that a round takes up to CORES splats in: one in ROUND / CORES cycles, in eight at
+// best. That is the trade of multipliers for speed: a core has four multipliers of 18 bits. What needs 64 bits once for
+// a splat stands before and behind the cores, once for all of them.
 //
-// Nothing branches: a culled splat takes as long as another. A round begins as soon as the one before has ended, whether records wait or not; only if the results
-// of the round before the last are still on their way out, no slot is issued. So nothing in flight ever has to stop.
+// Nothing branches: a culled splat takes as long as another. A round begins as soon as the one before has ended,
+// whether records wait or not; only if the results of the round before the last are still on their way out, no slot is
+// issued. So nothing in flight ever has to stop.
 //
-// Camera and rules are constants that `constant_*` writes before the first record; addresses are those of the package's constants.
+// Camera and rules are constants that `constant_*` writes before the first record; addresses are those of the package's
+// constants.
 module setup_unit #(
     parameter CORES = 4
 ) (
@@ -170,7 +174,8 @@ module setup_unit #(
   // Results are those of an older splat than the slot's, in whose shadow they leave.
   assign leaving = place_round - 4'(OUT_ROUND);
   assign second_splat = fetched.out ? leaving : splat;
-  // The program's memory is read a cycle ahead, since block RAM is slow, and has its register to itself; a pause is a slot without effect.
+  // The program's memory is read a cycle ahead, since block RAM is slow, and has its register to itself; a pause is a
+  // slot without effect.
   assign fetched = issued ? stored : {BITS{1'b0}};
   // Flags are the same for all splats.
   assign rule_flags = flags[3:0];

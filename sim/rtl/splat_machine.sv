@@ -5,18 +5,20 @@
 //   lists -> packet_fetch <- packets; -> splat_primitive -> frame <- tile_background
 //
 // With HARMONICS, the number of multipliers of their unit, splats have colours of harmonics instead of their records'.
-// The program of setup then is one with directions, and the harmonics of splats that are seen are read in the first phase:
+// The program of setup then is one with directions, and the harmonics of splats that are seen are read in the first
+// phase:
 //
 //   directions of setup_unit, harmonics -> harmonics_colours -> packets
 //
-// Camera and rules are written beforehand (`constant_*`, `rules`, `table_*`), and where everything lies is held steady while a frame is drawn. Three
-// phases, one after the other: no tile can be drawn in the order of depths before the last splat is binned. One port to memory, which reads and writes
-// words of 16 bytes at the same time; words that are read come in the order in which they were asked for, and `settled` says that none
-// that was written is still on its way.
+// Camera and rules are written beforehand (`constant_*`, `rules`, `table_*`), and where everything lies is held steady
+// while a frame is drawn. Three phases, one after the other: no tile can be drawn in the order of depths before the
+// last splat is binned. One port to memory, which reads and writes words of 16 bytes at the same time; words that are
+// read come in the order in which they were asked for, and `settled` says that none that was written is still on its
+// way.
 //
-// A record has 5 words, a splat's harmonics one for the base and one for each coefficient (3 x Q3.28, red lowest), a packet
-// as many as its bits need, a splat to be sorted one, four list entries one, a pixel one (transmittance with
-// the flag of finished pixels, red, green, blue, 32 bits each). Pixels follow each other tile by tile, each row by row.
+// A record has 5 words, a splat's harmonics one for the base and one for each coefficient (3 x Q3.28, red lowest), a
+// packet as many as its bits need, a splat to be sorted one, four list entries one, a pixel one (transmittance with the
+// flag of finished pixels, red, green, blue, 32 bits each). Pixels follow each other tile by tile, each row by row.
 module splat_machine #(
     parameter CORES = 4,
     parameter LANES = 1,
@@ -203,7 +205,8 @@ module splat_machine #(
     end
   endgenerate
 
-  // Packets to memory, word by word, and what is sorted of them to the sorter. A packet's place is its number's, so that culled ones leave theirs free.
+  // Packets to memory, word by word, and what is sorted of them to the sorter. A packet's place is its number's, so
+  // that culled ones leave theirs free.
   logic [31:0] number, packet_address;
   logic [3:0] step;
   logic stores, sorts, sort_ready, store_ready;
@@ -309,7 +312,8 @@ module splat_machine #(
       .packet
   );
 
-  // Tile after tile of those that have splats. The next one is looked for while one is drawn, the others' background is written meanwhile.
+  // Tile after tile of those that have splats. The next one is looked for while one is drawn, the others' background is
+  // written meanwhile.
   logic found, finder_request, background_valid, background_ready;
   logic [TILE_BITS:0] found_tile, turn, drawn_tile;
   logic [TILE_BITS-1:0] background_tile;

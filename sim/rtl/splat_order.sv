@@ -3,7 +3,8 @@
 //   splat -> depth_sort <-> memory_stream -> tile_binning -> lists
 //        `-> tile_binning (counts)
 //
-// A splat is a word: the box of its tiles, its number, its key. Both units take it; when no more will come, it is sorted, and then listed.
+// A splat is a word: the box of its tiles, its number, its key. Both units take it; when no more will come, it is
+// sorted, and then listed.
 module splat_order #(
     parameter DIGIT = 8,
     parameter TILE_BITS = 12,

@@ -3,12 +3,13 @@
 //   packet_decode -> splat_setup -> row_generator -> run_queue -> lane -> footprint_table -> blend <-> tile_buffer
 //                                                    `------------- once for every lane -------------'
 //
-// Lane l owns the tile's rows y with y mod LANES = l and the bank that holds them. So a pixel only ever meets one lane, splats
-// keep their order at every pixel, and lanes work on different rows, where short runs leave none idle.
+// Lane l owns the tile's rows y with y mod LANES = l and the bank that holds them. So a pixel only ever meets one lane,
+// splats keep their order at every pixel, and lanes work on different rows, where short runs leave none idle.
 //
-// A tile: `tile` (the window, within one aligned block of a tile's size and from its first column and row on) begins it; packets follow, nearest first;
-// `finish` waits for the last pixel and for the read-out of the tile before. Then this tile is read out, row by row, and cleared behind, while the next one is drawn into
-// the other buffer. After a reset both are cleared once.
+// A tile: `tile` (the window, within one aligned block of a tile's size and from its first column and row on) begins
+// it; packets follow, nearest first; `finish` waits for the last pixel and for the read-out of the tile before. Then
+// this tile is read out, row by row, and cleared behind, while the next one is drawn into the other buffer. After a
+// reset both are cleared once.
 module splat_primitive #(
     parameter LANES = 1,
     parameter QUEUE = 8,
@@ -53,7 +54,8 @@ module splat_primitive #(
   localparam SLOTS = QUEUE < 8 ? 16 : 2 * QUEUE;
   localparam SLOT_BITS = $clog2(SLOTS);
 
-  // What the circuit is not built for fails here, not in the picture. The generator of packages refuses the same widths by name.
+  // What the circuit is not built for fails here, not in the picture. The generator of packages refuses the same widths
+  // by name.
   generate
     if (LANES < 1 || LANES > 16 || (LANES & (LANES - 1)) != 0 || LANES >= (1 << ROW_BITS)) begin : gen_illegal_lanes
       $error("LANES must be 1, 2, 4, 8 or 16, and fewer than a tile has rows");
@@ -64,7 +66,8 @@ module splat_primitive #(
     if (COLUMN_BITS < 1 || COLUMN_BITS != splatline_pkg::BLOCK_BITS) begin : gen_illegal_columns
       $error("a tile must have as many columns as a seed's block, and 2 or more");
     end
-    // A packet's exponent, those of two products with a distance of at most 64 bits and their roundings, a shift of at most 63, a unit.
+    // A packet's exponent, those of two products with a distance of at most 64 bits and their roundings, a shift of at
+    // most 63, a unit.
     if ((1 << (splatline_pkg::EXPONENT - 1)) < 512 + 4 * 64 + 63 + splatline_pkg::VERTICAL + splatline_pkg::GUARD) begin : gen_illegal_exponents
       $error("EXPONENT is too short for the exponents of setup and rows");
     end
@@ -91,7 +94,8 @@ module splat_primitive #(
   splatline_pkg::window_t window;
   // The buffer that is drawn into; the other one is read out, or clear.
   logic side, side_next, reading;
-  // Buffers that belong to the scan: the one that is not drawn into, or both. Each lane has registers of its own for its banks.
+  // Buffers that belong to the scan: the one that is not drawn into, or both. Each lane has registers of its own for
+  // its banks.
   logic [1:0] scanned, scanned_next;
   // The lanes may move in the next cycle.
   logic may_move;
@@ -242,7 +246,8 @@ module splat_primitive #(
   generate
     for (l = 0; l < LANES; l = l + 1) begin : gen_lane
       logic mine, queued, taken, empty, inside0, inside1, inside2, inside3, inside4, inside5, lane_quiet, blend_quiet;
-      // A register for each part of each lane, kept although all say the same: one alone would have to reach thousands of others.
+      // A register for each part of each lane, kept although all say the same: one alone would have to reach thousands
+      // of others.
       logic moves, table_moves, blend_moves, bank_moves, drawn;
       logic [1:0] banks_scanned;
       splatline_pkg::run_t queued_run;

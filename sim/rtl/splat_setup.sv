@@ -1,14 +1,17 @@
-// From a footprint to its first visible row: `EllipseSpans::new` of src/raster/spans.rs as a pipeline of 24 stages, one splat in INTERVAL cycles.
+// From a footprint to its first visible row: `EllipseSpans::new` of src/raster/spans.rs as a pipeline of 24 stages, one
+// splat in INTERVAL cycles.
 //
-// With an interval of 4 stages take turns at three products, two alignments and a normalisation (turn.sv), which costs nothing where splats have
-// four rows and more. Then packets are taken in every fourth cycle since the reset and in no other, so that no two stages ever want the same turn.
+// With an interval of 4 stages take turns at three products, two alignments and a normalisation (turn.sv), which costs
+// nothing where splats have four rows and more. Then packets are taken in every fourth cycle since the reset and in no
+// other, so that no two stages ever want the same turn.
 //
 // Stages never stand still. What is ready waits in a queue, and a packet is only taken if there is a place for it, so
 // that no signal has to reach every register of the unit within a cycle. Nor does what is ready early travel along: it
 // goes into its place of the queue in five parts. A name's number is the stage: the cycle after the packet's handshake
 // is 1.
 //
-// The rows' seed is that of their block, as the columns' is, so a window begins with the first row and column of one (`RowSeeds::at`).
+// The rows' seed is that of their block, as the columns' is, so a window begins with the first row and column of one
+// (`RowSeeds::at`).
 module splat_setup #(
     parameter INTERVAL = 4
 ) (
@@ -33,7 +36,8 @@ module splat_setup #(
   localparam PEAK = splatline_pkg::PEAK + 4;
   localparam COLOUR = 3 * splatline_pkg::COLOUR_BITS;
   localparam STAGES = 24;
-  // Splats from packet to row generator: more than the stages and the queue's own hold, so that a splat a cycle goes through.
+  // Splats from packet to row generator: more than the stages and the queue's own hold, so that a splat a cycle goes
+  // through.
   localparam PLACES = 32;
   // Bits of C dy^2, and the slack on the cut-off that makes spans conservative: 2^-10.
   localparam ROW = VERTICAL + 6;
@@ -73,7 +77,8 @@ module splat_setup #(
   splatline_pkg::footprint_t f1;
   always_ff @(posedge clk) f1 <= footprint;
 
-  // Stage 1: the first row of the block, or of the box. Stage 2: the distance of its sample points from the centre, Q.subpixel. Stage 3: that as a magnitude.
+  // Stage 1: the first row of the block, or of the box. Stage 2: the distance of its sample points from the centre,
+  // Q.subpixel. Stage 3: that as a magnitude.
   logic [15:0] row1;
   logic signed [DY-1:0] dy2;
   logic dy_negative3;
@@ -110,7 +115,8 @@ module splat_setup #(
   delay #(.BITS(1), .STAGES(5)) hold_coarse12 (.clk, .rst, .advance(1'b1), .in(coarse7), .out(coarse12));
   always_ff @(posedge clk) coarse13 <= coarse12;
 
-  // Alignments: to A at RADIAL + GUARD bits for the seeds (from stage 3), S (5), C with GUARD bits (8) and S dy (10) in fixed point; and to C dy, doubled (14), and C dy^2 (17).
+  // Alignments: to A at RADIAL + GUARD bits for the seeds (from stage 3), S (5), C with GUARD bits (8) and S dy (10) in
+  // fixed point; and to C dy, doubled (14), and C dy^2 (17).
   logic [M-1:0] horizontal3, vertical7, vertical8, along14;
   logic signed [E-1:0] horizontal_exponent3, vertical_exponent7, vertical_exponent8, moved_shift10, along_exponent14, square_shift17;
   logic [2*M-1:0] moved10, square17;
@@ -210,7 +216,8 @@ module splat_setup #(
     square_shift17 <= square_shift16;
   end
 
-  // Stage 16: xc - 1/2 of the first row. Stage 17: cut to its word, of which no row that meets the window gets near the ends.
+  // Stage 16: xc - 1/2 of the first row. Stage 17: cut to its word, of which no row that meets the window gets near the
+  // ends.
   logic signed [WIDE-1:0] base14, base15, sum16, centre_u13;
   logic signed [CENTRE-1:0] centre17, shear12;
   logic [CENTRE-1:0] centre_u12;

@@ -1,9 +1,10 @@
-// Arithmetic of the kernel's `math` module, defined for every bit pattern: shifts that round to nearest (halves up) or saturate,
-// and the position of the leading bit. One function per function of src/math/shift.rs, so that both can be read side by side.
+// Arithmetic of the kernel's `math` module, defined for every bit pattern: shifts that round to nearest (halves up) or
+// saturate, and the position of the leading bit. One function per function of src/math/shift.rs, so that both can be
+// read side by side.
 package splatline_math;
 
-  // value / 2^shift, rounded to nearest, halves up; 0 from 64 on. The last bit shifted out is the one that rounds, so that one shifter
-  // and an increment do.
+  // value / 2^shift, rounded to nearest, halves up; 0 from 64 on. The last bit shifted out is the one that rounds, so
+  // that one shifter and an increment do.
   function automatic logic signed [63:0] shift_round(input logic signed [63:0] value, input logic [6:0] shift);
     logic [5:0] but_one;
     logic signed [63:0] doubled;
@@ -14,8 +15,8 @@ package splatline_math;
     else shift_round = (doubled >>> 1) + $signed({63'd0, doubled[0]});
   endfunction
 
-  // value * 2^-shift: rounds to the right, saturates to the left. The length of the ones' complement is that of the magnitude, but for
-  // negative powers of two, one less; there the exact result and the saturated one are the same.
+  // value * 2^-shift: rounds to the right, saturates to the left. The length of the ones' complement is that of the
+  // magnitude, but for negative powers of two, one less; there the exact result and the saturated one are the same.
   function automatic logic signed [63:0] shift_signed(input logic signed [63:0] value, input logic signed [15:0] shift);
     logic [15:0] left;
     logic overflow;
@@ -26,8 +27,8 @@ package splatline_math;
     else shift_signed = value <<< left[5:0];
   endfunction
 
-  // Bits that a magnitude needs: 64 minus the leading zeros, which is the place of the leading one if another one is appended. A tree of fours, since
-  // a chain through all bits would be a long way.
+  // Bits that a magnitude needs: 64 minus the leading zeros, which is the place of the leading one if another one is
+  // appended. A tree of fours, since a chain through all bits would be a long way.
   function automatic logic [6:0] length(input logic [63:0] magnitude);
     logic [63:0] word;
     logic [15:0] fours;
@@ -61,8 +62,8 @@ package splatline_math;
     pick = place[1] ? (place[0] ? pairs[7:6] : pairs[5:4]) : (place[0] ? pairs[3:2] : pairs[1:0]);
   endfunction
 
-  // A colour of 28 fraction bits without the last `drop`, in `bits` of them: halves go to the even neighbour; what is beyond the range becomes
-  // its largest number.
+  // A colour of 28 fraction bits without the last `drop`, in `bits` of them: halves go to the even neighbour; what is
+  // beyond the range becomes its largest number.
   function automatic logic [31:0] shaded(input logic [31:0] value, input logic [4:0] drop, input logic [5:0] bits);
     logic [32:0] nearest;
     logic [31:0] lost;

@@ -1,7 +1,9 @@
-// Pixels of the tiles that have no splats, tile by tile: where in the frame the next one belongs. All are the same word.
+// Pixels of the tiles that have no splats, tile by tile: where in the frame the next one belongs. All are the same
+// word.
 //
-// The primitive never sees such a tile, since reading one out would keep it for a cycle a pixel. Whoever takes these pixels takes them when he has
-// nothing else to do; nobody waits for them. Tiles keep their turn: those up to the tile that is drawn, as in the model (`RasterUnit::write_background`).
+// The primitive never sees such a tile, since reading one out would keep it for a cycle a pixel. Whoever takes these
+// pixels takes them when he has nothing else to do; nobody waits for them. Tiles keep their turn: those up to the tile
+// that is drawn, as in the model (`RasterUnit::write_background`).
 module tile_background #(
     parameter TILE_BITS = 12,
     parameter COUNT_BITS = 24

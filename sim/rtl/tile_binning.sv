@@ -1,9 +1,12 @@
-// Lists of the splats of each tile: those whose box meets it, in the order in which the splats come (`Bins` of sim/machine/src/workload).
+// Lists of the splats of each tile: those whose box meets it, in the order in which the splats come (`Bins` of
+// sim/machine/src/workload).
 //
-//   every splat once, in any order: its tiles are counted -> sums -> every splat again, nearest first: its number goes to the end of its tiles' lists
+//   every splat once, in any order: its tiles are counted -> sums -> every splat again, nearest first:
+//   its number goes to the end of its tiles' lists
 //
-// Lists follow each other without a gap, tile by tile, four numbers in a word of the memory. A splat takes a cycle, and one for each of its tiles, both times.
-// Where a tile's list ends can be read when all is done; it begins where that of the tile before ends.
+// Lists follow each other without a gap, tile by tile, four numbers in a word of the memory. A splat takes a cycle, and
+// one for each of its tiles, both times. Where a tile's list ends can be read when all is done; it begins where that of
+// the tile before ends.
 module tile_binning #(
     parameter TILE_BITS = 12,
     parameter COUNT_BITS = 24
@@ -50,7 +53,8 @@ module tile_binning #(
   } state_t;
   state_t state;
 
-  // Entries of each tile; then where its next one goes. What is read goes into a register before anything is made of it: block RAM is slow.
+  // Entries of each tile; then where its next one goes. What is read goes into a register before anything is made of
+  // it: block RAM is slow.
   (* ram_style = "block", no_rw_check *) logic [COUNT_BITS-1:0] counters[0:(1<<TILE_BITS)-1];
   logic [TILE_BITS-1:0] read_tile, changed_tile;
   logic [COUNT_BITS-1:0] counter_read, counter, after, after_last, changed;
@@ -66,8 +70,9 @@ module tile_binning #(
   assign after = counter + 1'b1;
   assign end_place = counter_read;
 
-  // Tiles on their way: one is asked for its counter, the next one enters, the last one has. Between two splats there is a cycle, so that only the last
-  // one's counter may be read while it changes. Nothing moves while an entry waits to be written.
+  // Tiles on their way: one is asked for its counter, the next one enters, the last one has. Between two splats there
+  // is a cycle, so that only the last one's counter may be read while it changes. Nothing moves while an entry waits to
+  // be written.
   logic requested, enters, entered;
   logic [TILE_BITS-1:0] requested_tile, entering_tile, entered_tile;
   assign follows = entered && requested_tile == entered_tile;
@@ -75,7 +80,8 @@ module tile_binning #(
   // The walk over a splat's tiles.
   logic walking, counts, coming, last_column, last_row;
   logic [11:0] column, row, first, last, last_of_rows;
-  // A row's first tile stands in a register, and the column is added behind it: behind the product it would be the longest way of the sorter.
+  // A row's first tile stands in a register, and the column is added behind it: behind the product it would be the
+  // longest way of the sorter.
   logic [TILE_BITS-1:0] tile, tile_of_row;
   logic [47:0] coming_box;
   logic [31:0] number, entry;

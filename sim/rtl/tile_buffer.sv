@@ -2,11 +2,13 @@
 // two, one that is drawn into while the other is read out. The read-out clears behind itself, so that a bank is clear
 // whenever a tile begins; then nobody looks at colours (tile_colours.sv).
 //
-// A word comes two cycles after its address: block RAM is slow, so that its word goes into a register before anything chooses between two buffers.
+// A word comes two cycles after its address: block RAM is slow, so that its word goes into a register before anything
+// chooses between two buffers.
 //
-// The word to be written has its register here, so that clearing is that register's reset and costs no gate for each bit. What a read in the
-// cycle of a write to the same word gives is left open: the lane holds a pixel back until its last value is written, the read-out clears a
-// cycle after it has read, and memories that promise more cost a register and a gate for each bit.
+// The word to be written has its register here, so that clearing is that register's reset and costs no gate for each
+// bit. What a read in the cycle of a write to the same word gives is left open: the lane holds a pixel back until its
+// last value is written, the read-out clears a cycle after it has read, and memories that promise more cost a register
+// and a gate for each bit.
 module tile_buffer #(
     parameter BITS = 32,
     parameter ADDRESS = 10,

@@ -1,11 +1,13 @@
-// The next tile that has splats, or with EMPTY the next that has none: what hands tiles to the primitive, and what writes the background of the others.
+// The next tile that has splats, or with EMPTY the next that has none: what hands tiles to the primitive, and what
+// writes the background of the others.
 //
-// Lists follow each other without a gap, tile by tile, so that a tile whose list ends where that of the tile before does is empty. Ends are looked
-// up one by one, in three cycles a tile: `request` holds `tile` out, the end is there in the cycle after `granted`, and is judged in the next,
-// since it comes out of block RAM late.
+// Lists follow each other without a gap, tile by tile, so that a tile whose list ends where that of the tile before
+// does is empty. Ends are looked up one by one, in three cycles a tile: `request` holds `tile` out, the end is there in
+// the cycle after `granted`, and is judged in the next, since it comes out of block RAM late.
 //
-// Pixels of a tile begin behind those of all tiles before it. All but the last row of tiles have the same height, and all but the last column the same
-// width, so that this place needs shifts and a sum alone, however many tiles are passed over.
+// Pixels of a tile begin behind those of all tiles before it. All but the last row of tiles have the same height, and
+// all but the last column the same width, so that this place needs shifts and a sum alone, however many tiles are
+// passed over.
 module tile_finder #(
     parameter EMPTY = 0,
     parameter TILE_BITS = 12,
@@ -48,7 +50,8 @@ module tile_finder #(
     place = 28'({16'd0, number} + 28'd1) << bits;
     edge_of = place > 28'(limit) ? limit : place[15:0];
   endfunction
-  // A tile is asked for before it is found: its window is there a cycle behind its number, with nothing but sums after it.
+  // A tile is asked for before it is found: its window is there a cycle behind its number, with nothing but sums after
+  // it.
   always_ff @(posedge clk) begin
     window.first_column <= 16'(column) << COLUMN_BITS;
     window.first_row <= 16'(row) << ROW_BITS;

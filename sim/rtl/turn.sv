@@ -1,8 +1,10 @@
-// Units of splat setup that up to four of its stages take in turn: alignment, normalisation, product. Splats come INTERVAL cycles apart at least;
-// with 4, a stage needs its unit in every fourth cycle alone, so that four stages do with one. With 1 each stage has a unit of its own.
+// Units of splat setup that up to four of its stages take in turn: alignment, normalisation, product. Splats come
+// INTERVAL cycles apart at least; with 4, a stage needs its unit in every fourth cycle alone, so that four stages do
+// with one. With 1 each stage has a unit of its own.
 //
-// A stage's place is its cycle modulo 4, and `phase` says whose turn it is: inputs of all stages come in, and the result, a cycle later than the
-// unit itself gives it, is of use to the stage whose inputs were taken. So what stands around these units is the same for both intervals.
+// A stage's place is its cycle modulo 4, and `phase` says whose turn it is: inputs of all stages come in, and the
+// result, a cycle later than the unit itself gives it, is of use to the stage whose inputs were taken. So what stands
+// around these units is the same for both intervals.
 //
 // The phase's part of four parts of BITS bits, registered; with INTERVAL = 1 all four.
 module turn #(

@@ -1,7 +1,9 @@
-  // What the units hand to each other; formats are those of the kernel's structs of the same names (src/raster/spans.rs,
-  // src/raster/mod.rs). Kept in types.svh, which the generator copies in here: Yosys knows no types across packages.
+  // What the units hand to each other; formats are those of the kernel's structs of the same names
+  // (src/raster/spans.rs, src/raster/mod.rs). Kept in types.svh, which the generator copies in here: Yosys knows no
+  // types across packages.
 
-  // Bits of an exponent and of a shift: those of a packet have 10. splat_primitive.sv checks that sums of them have room.
+  // Bits of an exponent and of a shift: those of a packet have 10. splat_primitive.sv checks that sums of them have
+  // room.
   localparam int EXPONENT = 12;
 
   // The part of the screen that the tile buffer holds: columns and rows first .. end.

@@ -1,8 +1,8 @@
 //! Scenes for firmware: pruned to the splats that given views show most of, in the 24 bytes of a [`CompactScene`].
 //!
-//! A splat contributes `sum T alpha` over the pixels of all views, T the transmittance before it: the share of the light that is its own. The
-//! covariance goes into flash as its Cholesky factor, from the axes by Gram-Schmidt (V = A A^T, A^T = Q R, V = R^T R), which keeps the thin axis
-//! of a needle where squaring would lose it.
+//! A splat contributes `sum T alpha` over the pixels of all views, T the transmittance before it: the share of the
+//! light that is its own. The covariance goes into flash as its Cholesky factor, from the axes by Gram-Schmidt (V = A
+//! A^T, A^T = Q R, V = R^T R), which keeps the thin axis of a needle where squaring would lose it.
 
 use crate::camera::Camera;
 use crate::design::DesignChoice;
@@ -63,7 +63,8 @@ pub fn contributions(scene: &Scene, cameras: &[Camera], rules: &Rules) -> Vec<f6
     sums
 }
 
-/// Numbers of the `keep` splats that contribute most, in the scene's order; splats that contribute nothing are never among them.
+/// Numbers of the `keep` splats that contribute most, in the scene's order; splats that contribute nothing are never
+/// among them.
 pub fn most_visible(contributions: &[f64], keep: usize) -> Vec<usize> {
     let mut numbers: Vec<usize> = (0..contributions.len()).collect();
     numbers.retain(|number| contributions[*number] > 0.0);

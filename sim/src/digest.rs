@@ -1,4 +1,5 @@
-//! SHA-256: tells whether two things are the same without keeping either. The build script digests the sources by it as well.
+//! SHA-256: tells whether two things are the same without keeping either. The build script digests the sources by it as
+//! well.
 
 use sha2::{Digest as _, Sha256};
 

@@ -1,10 +1,12 @@
-//! The simulator around splatline's fixed-point kernel: scenes are drawn bit for bit as the hardware would, its cycles are counted, and both
-//! are held against a float reference.
+//! The simulator around splatline's fixed-point kernel: scenes are drawn bit for bit as the hardware would, its cycles
+//! are counted, and both are held against a float reference.
 //!
-//! Data flows down this list and never back: what comes in is read by the reference's crate (a [`scene`] of splats is seen by a [`camera`]
-//! under [`rules`]); the engine's crate draws it through the kernel ([`fixed`], a [`Renderer`] many frames of it), and [`reference`](mod@reference) in double precision, both into a [`picture`];
-//! [`metrics`] compares two pictures; the crate of the [`machine`] counts cycles, [`explore`] searches designs and machines, [`trace`] and [`vectors`] write
-//! what other tools read, and [`report`] and the live [`page`] tell people about it. [`cli`] is the command line over all of them.
+//! Data flows down this list and never back: what comes in is read by the reference's crate (a [`scene`] of splats is
+//! seen by a [`camera`] under [`rules`]); the engine's crate draws it through the kernel ([`fixed`], a [`Renderer`]
+//! many frames of it), and [`reference`](mod@reference) in double precision, both into a [`picture`]; [`metrics`]
+//! compares two pictures; the crate of the [`machine`] counts cycles, [`explore`] searches designs and machines,
+//! [`trace`] and [`vectors`] write what other tools read, and [`report`] and the live [`page`] tell people about it.
+//! [`cli`] is the command line over all of them.
 
 pub use splatline_engine::{Renderer, design, fast, fixed, renderer, threads};
 pub use splatline_machine as machine;

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Links every feature set alone for a Cortex-M0+ and prints what it costs: a Markdown table of code, constant tables, bytes of state per pixel,
-# and which units' symbols the image holds. Fails if the volume image holds a symbol of a unit that it does not use.
+# Links every feature set alone for a Cortex-M0+ and prints what it costs: a Markdown table of code, constant tables,
+# bytes of state per pixel, and which units' symbols the image holds. Fails if the volume image holds a symbol of a unit
+# that it does not use.
 #
 #   sim/units/sizes.sh > docs/results/sizes.md
 set -euo pipefail

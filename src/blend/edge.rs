@@ -1,8 +1,8 @@
 //! Edge antialiasing (SURF 7): the weight sum of a pixel as its coverage.
 //!
-//! Inside a surface the weights of a pixel sum to about 1; toward an edge the sum falls to 0 within a splat's radius. Below
-//! a threshold tau it is taken for coverage, q' = min(1, q / tau), by which colour and opacity of the fragment are scaled.
-//! SURF uses tau = 0.4. Without the filter every pixel that any splat touches is fully covered.
+//! Inside a surface the weights of a pixel sum to about 1; toward an edge the sum falls to 0 within a splat's radius.
+//! Below a threshold tau it is taken for coverage, q' = min(1, q / tau), by which colour and opacity of the fragment
+//! are scaled. SURF uses tau = 0.4. Without the filter every pixel that any splat touches is fully covered.
 
 use crate::math::{Product, SoftFloat, reciprocal};
 

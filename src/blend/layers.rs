@@ -1,9 +1,10 @@
 //! The layered A-buffer (SURF 6): L fragments per pixel, transparency in one pass and any order of drawing.
 //!
-//! A sample whose depth lies within the threshold of a fragment's depth range is accumulated into it, otherwise it opens a
-//! fragment of its own; fragments whose ranges have grown together are added up. That is single-linkage
-//! clustering of the depths: its clusters do not depend on the order of the samples, and neither do integer sums. As long as no more than L
-//! clusters are open at a time the picture is therefore the same, bit for bit, for every order of drawing.
+//! A sample whose depth lies within the threshold of a fragment's depth range is accumulated into it, otherwise it
+//! opens a fragment of its own; fragments whose ranges have grown together are added up. That is single-linkage
+//! clustering of the depths: its clusters do not depend on the order of the samples, and neither do integer sums. As
+//! long as no more than L clusters are open at a time the picture is therefore the same, bit for bit, for every order
+//! of drawing.
 //!
 //! The L+1st fragment makes the nearest pair merge (SURF eq. 12), in premultiplied form
 //!
@@ -11,8 +12,8 @@
 //! c = c_f + (1 - a_f) c_b,   a = a_f + (1 - a_f) a_b
 //! ```
 //!
-//! on the divided attributes. The merged fragment keeps the larger of both weight sums and both depth ranges: later samples
-//! of either surface are averaged with it, which is the approximation that L bounds.
+//! on the divided attributes. The merged fragment keeps the larger of both weight sums and both depth ranges: later
+//! samples of either surface are averaged with it, which is the approximation that L bounds.
 
 use super::surface::{Cell, Filtered, Fragment, Sample, WeightedSum};
 
@@ -29,7 +30,8 @@ impl<const L: usize> Layers<L> {
         self.merges
     }
 
-    /// Accumulates into the first fragment within the threshold and joins it with the next if the sample closed the gap.
+    /// Accumulates into the first fragment within the threshold and joins it with the next if the sample closed the
+    /// gap.
     #[inline(always)]
     fn accumulate(&mut self, gather: &WeightedSum, sample: &Sample) -> bool {
         let near_enough = |fragment: &Fragment| {
@@ -86,7 +88,8 @@ impl<const L: usize> Layers<L> {
         self.merges = self.merges.saturating_add(1);
     }
 
-    /// Index of the front one of the two neighbours with the smallest gap, among all `L` fragments and the one behind them.
+    /// Index of the front one of the two neighbours with the smallest gap, among all `L` fragments and the one behind
+    /// them.
     fn nearest_pair(&self, last: &Fragment) -> usize {
         let behind = self.fragments.iter().skip(1).chain(core::iter::once(last));
         let gaps = (self.fragments.iter())
@@ -97,7 +100,8 @@ impl<const L: usize> Layers<L> {
             .map_or(0, |(index, _)| index)
     }
 
-    /// Takes fragment `index` out; those behind it move up and `last` fills the end. Behind all of them it takes `last` itself.
+    /// Takes fragment `index` out; those behind it move up and `last` fills the end. Behind all of them it takes `last`
+    /// itself.
     fn remove(&mut self, index: usize, last: Fragment) -> Fragment {
         let mut carried = last;
         for slot in self.fragments.iter_mut().skip(index).rev() {
@@ -128,7 +132,8 @@ impl<const L: usize> Cell for Layers<L> {
     }
 }
 
-/// Sums of both; where the weight sum would exceed its format both are halved first. The material is that of the nearer.
+/// Sums of both; where the weight sum would exceed its format both are halved first. The material is that of the
+/// nearer.
 fn add(front: &Fragment, back: &Fragment) -> Fragment {
     let full = u64::from(front.weight) + u64::from(back.weight) >= 1 << 31;
     let half = u32::from(full);
@@ -227,7 +232,8 @@ mod tests {
     }
 
     proptest! {
-        /// Three surfaces in a buffer of two layers, in any order: of the pair with the smaller gap the front is over the back.
+        /// Three surfaces in a buffer of two layers, in any order: of the pair with the smaller gap the front is over
+        /// the back.
         #[test]
         fn the_nearest_pair_merges(all in [surfaces(), surfaces(), surfaces()], gaps in [1000u32..4000, 1000u32..4000], order in 0usize..6) {
             let widths = Standard24.widths();
@@ -318,7 +324,8 @@ mod tests {
         );
     }
 
-    /// Two surfaces that a sample between them joins: sums as long as these fit, their halves otherwise, and always the average.
+    /// Two surfaces that a sample between them joins: sums as long as these fit, their halves otherwise, and always the
+    /// average.
     #[test]
     fn joined_layers_are_averaged() {
         let widths = Standard24.widths();

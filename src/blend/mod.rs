@@ -1,21 +1,22 @@
 //! Compositing of one splat into one pixel, with a deep alpha channel.
 //!
-//! The pixel keeps its transmittance T in UQ1.transmittance and its colour, premultiplied, in UQ4.accumulator. Front to back
-//! (\[EWA\] eq. 5, \[HYBRID\] 4.1) the contribution g = T alpha is computed once and both T' = T - g and C' = C + g c use it, so
-//! that the shares and the last T sum to 1 without any rounding error, however many layers there are. \[SWAN\] 6 asks
-//! for a channel deep enough that very transparent splats still move it: that is the width of T.
+//! The pixel keeps its transmittance T in UQ1.transmittance and its colour, premultiplied, in UQ4.accumulator. Front to
+//! back (\[EWA\] eq. 5, \[HYBRID\] 4.1) the contribution g = T alpha is computed once and both T' = T - g and C' = C +
+//! g c use it, so that the shares and the last T sum to 1 without any rounding error, however many layers there are.
+//! \[SWAN\] 6 asks for a channel deep enough that very transparent splats still move it: that is the width of T.
 //!
-//! Decisions have no side. Where a footprint ends by its opacity, its cut-off is computed from the unrounded peak, and the comparison of the
-//! radial index with it decides ([`cutoff`](crate::setup::cutoff)). Elsewhere a splat is skipped by its opacity before rounding, the product
-//! of peak and kernel, against a threshold with [`GUARD`] bits below opacity's last: compared after rounding, all opacities within half a unit
-//! below the threshold would be drawn, and a deep stack would come out too opaque. A pixel stops at the transmittance whose rounding interval ends nearest to the threshold, so that
-//! stopping early and late are as likely.
+//! Decisions have no side. Where a footprint ends by its opacity, its cut-off is computed from the unrounded peak, and
+//! the comparison of the radial index with it decides ([`cutoff`](crate::setup::cutoff)). Elsewhere a splat is skipped
+//! by its opacity before rounding, the product of peak and kernel, against a threshold with [`GUARD`] bits below
+//! opacity's last: compared after rounding, all opacities within half a unit below the threshold would be drawn, and a
+//! deep stack would come out too opaque. A pixel stops at the transmittance whose rounding interval ends nearest to the
+//! threshold, so that stopping early and late are as likely.
 //!
 //! # One product, one multiply-add
 //!
-//! Let p, w, a, t, c and s be the fraction bits of peak, kernel, opacity, transmittance, colour and sum, n the integer bits of the last two
-//! ([`Widths::colour_range`]), and \[x\] the integer nearest to x, halves to even ([`Rounding::NearestEven`]). All words are integers, and one
-//! pixel of "over" is
+//! Let p, w, a, t, c and s be the fraction bits of peak, kernel, opacity, transmittance, colour and sum, n the integer
+//! bits of the last two ([`Widths::colour_range`]), and \[x\] the integer nearest to x, halves to even
+//! ([`Rounding::NearestEven`]). All words are integers, and one pixel of "over" is
 //!
 //! ```text
 //! A  = min([P W 2^-(p+w-a)], A_max)         opacity        P < 2^(4+p), W <= 2^w
@@ -24,18 +25,19 @@
 //! C' = [C + G K 2^-(t+c-s)]                 each colour    K < 2^(n+c)
 //! ```
 //!
-//! The sum is what is rounded, so that its ties go to even sums; without ties to even that is C + \[G K 2^-(t+c-s)\]. Two facts hold for every
-//! rounding:
+//! The sum is what is rounded, so that its ties go to even sums; without ties to even that is C + \[G K 2^-(t+c-s)\].
+//! Two facts hold for every rounding:
 //!
 //! - G <= T, because A 2^-a <= 1 and rounding does not pass an integer. T never rises and never falls below 0.
-//! - Where s + n >= t, C <= 2^(n+s) (1 - T 2^-t): the product is at most G 2^(n+s-t), an integer, which rounding does not pass. So sums never
-//!   leave UQn.s, whatever the number of layers, and nothing saturates.
+//! - Where s + n >= t, C <= 2^(n+s) (1 - T 2^-t): the product is at most G 2^(n+s-t), an integer, which rounding does
+//!   not pass. So sums never leave UQn.s, whatever the number of layers, and nothing saturates.
 //!
-//! A fused multiply-add of single precision is exact before it rounds, once, to 24 bits, halves to even. From 2^23 to 2^24 its unit is 1. So
-//! with M = 2^23 each line above is one of them, `fma(P 2^-(p+w-a), W, M)`, `fma(T 2^-a, A, M)` and `fma(G, K 2^-(t+c-s), M + C)`, where
-//! factors have at most 24 bits (4 + p, w, t + 1, a + 1, n + c + 1) and results at most 2^23 (4 + a, t and n + s bits).
-//! [`Blend::is_single`] is that condition; [`Lean18`](crate::format::Lean18) is the named design that meets it. Its kernel, opacity and colour
-//! have 18 bits, so that one operand of every product also fits a multiplier of 18 bits, the other one has 22.
+//! A fused multiply-add of single precision is exact before it rounds, once, to 24 bits, halves to even. From 2^23 to
+//! 2^24 its unit is 1. So with M = 2^23 each line above is one of them, `fma(P 2^-(p+w-a), W, M)`, `fma(T 2^-a, A, M)`
+//! and `fma(G, K 2^-(t+c-s), M + C)`, where factors have at most 24 bits (4 + p, w, t + 1, a + 1, n + c + 1) and
+//! results at most 2^23 (4 + a, t and n + s bits). [`Blend::is_single`] is that condition;
+//! [`Lean18`](crate::format::Lean18) is the named design that meets it. Its kernel, opacity and colour have 18 bits, so
+//! that one operand of every product also fits a multiplier of 18 bits, the other one has 22.
 
 pub mod deep;
 pub mod edge;
@@ -65,15 +67,16 @@ pub struct Pixel {
 
 /// Bits below opacity's last one with which opacities are compared before they are rounded.
 ///
-/// The offset that is left is at most `2^-8` of the unit instead of half of it; with 7 bits a multiplication of 32 bits still suffices wherever
-/// the product does.
+/// The offset that is left is at most `2^-8` of the unit instead of half of it; with 7 bits a multiplication of 32 bits
+/// still suffices wherever the product does.
 pub const GUARD: i32 = 7;
 
 /// Flag in [`Pixel::transmittance`].
 pub const FINISHED: u32 = 1 << 31;
 
 impl Pixel {
-    /// Opaque black: what memory lent for pixels can be filled with; all bits are 0, so that a static of it takes no flash.
+    /// Opaque black: what memory lent for pixels can be filled with; all bits are 0, so that a static of it takes no
+    /// flash.
     pub const EMPTY: Pixel = Pixel {
         colour: [0; 3],
         transmittance: 0,
@@ -121,13 +124,14 @@ pub struct Blend {
     single: bool,
 }
 
-/// The constants of front-to-back compositing, for implementations that blend many pixels at once: [`Blend`] stays their definition.
+/// The constants of front-to-back compositing, for implementations that blend many pixels at once: [`Blend`] stays
+/// their definition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlendConstants {
     /// Largest opacity, UQ1.alpha, at most 1.
     pub alpha_max: u32,
-    /// Splats are skipped where peak (UQ4.peak) times kernel (UQ1.weight) is less: UQ4.(peak + weight), at least what rounds to one unit
-    /// of alpha. All but [`GUARD`] of the bits that rounding drops are 0.
+    /// Splats are skipped where peak (UQ4.peak) times kernel (UQ1.weight) is less: UQ4.(peak + weight), at least what
+    /// rounds to one unit of alpha. All but [`GUARD`] of the bits that rounding drops are 0.
     pub opacity_min: u64,
     /// A pixel is finished when its transmittance is at most this, UQ1.transmittance.
     pub minimum_transmittance: u32,
@@ -213,7 +217,8 @@ impl Blend {
         }
     }
 
-    /// Do all products of "over" need no more than multiplications of 32 bits by 32 to 32, and its sums stay below the word's end?
+    /// Do all products of "over" need no more than multiplications of 32 bits by 32 to 32, and its sums stay below the
+    /// word's end?
     pub const fn is_narrow(&self) -> bool {
         self.sums_fit
             && !matches!(self.opacity.words, Words::Wide)
@@ -221,7 +226,8 @@ impl Blend {
             && !matches!(self.colour.words, Words::Wide)
     }
 
-    /// Is every product of "over", with its rounding and its addition, one fused multiply-add of single precision ([above](self))?
+    /// Is every product of "over", with its rounding and its addition, one fused multiply-add of single precision
+    /// ([above](self))?
     pub const fn is_single(&self) -> bool {
         self.single
     }
@@ -231,7 +237,8 @@ impl Blend {
         self.all_visible
     }
 
-    /// Opacity of a splat at a pixel, UQ1.alpha: peak (UQ4.peak) times kernel (UQ1.weight), clamped; 0 if the rules skip it.
+    /// Opacity of a splat at a pixel, UQ1.alpha: peak (UQ4.peak) times kernel (UQ1.weight), clamped; 0 if the rules
+    /// skip it.
     #[inline(always)]
     pub fn opacity(&self, peak: u32, weight: u32) -> u32 {
         if self.is_skipped(peak, weight) {
@@ -270,14 +277,15 @@ impl Blend {
         self.opacity.of(peak, weight) as u32
     }
 
-    /// "Over", nearest splat first. Alpha in UQ1.alpha and at most 1, colour in UQ4.colour. A finished pixel must not be passed.
+    /// "Over", nearest splat first. Alpha in UQ1.alpha and at most 1, colour in UQ4.colour. A finished pixel must not
+    /// be passed.
     #[inline(always)]
     pub fn front_to_back(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
         self.over(pixel, alpha, colour, u32::saturating_sub);
     }
 
-    /// The same where alpha comes from [`Blend::opacity`] and the pixel from [`Pixel::clear`]: alpha and T are at most 1, so that the
-    /// contribution never exceeds T and nothing needs to saturate.
+    /// The same where alpha comes from [`Blend::opacity`] and the pixel from [`Pixel::clear`]: alpha and T are at most
+    /// 1, so that the contribution never exceeds T and nothing needs to saturate.
     #[inline(always)]
     pub fn front_to_back_of_opacity(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
         self.over(pixel, alpha, colour, u32::wrapping_sub);
@@ -305,8 +313,9 @@ impl Blend {
         pixel.transmittance = after;
     }
 
-    /// The contribution g = T alpha that a layer takes of the light, and the transmittance word after it. `None` where the rules leave out
-    /// the layer that would finish the pixel; the pixel is then marked. `without` subtracts the contribution from T.
+    /// The contribution g = T alpha that a layer takes of the light, and the transmittance word after it. `None` where
+    /// the rules leave out the layer that would finish the pixel; the pixel is then marked. `without` subtracts the
+    /// contribution from T.
     #[inline(always)]
     fn contribution(
         &self,
@@ -359,7 +368,8 @@ impl Blend {
         self.shift(alpha.into(), self.layer_shift - self.colour.by()) as u32
     }
 
-    /// Fraction bits of the transmittance, from the shifts: those of colour and layer differ by transmittance - alpha, the contribution's is alpha.
+    /// Fraction bits of the transmittance, from the shifts: those of colour and layer differ by transmittance - alpha,
+    /// the contribution's is alpha.
     #[inline(always)]
     fn transmittance_bits(&self) -> i32 {
         (self.colour.by() - self.layer_shift + self.contribution.by()) & 31
@@ -380,7 +390,8 @@ const fn at_most(value: u32, limit: u32) -> u32 {
     if value > limit { limit } else { value }
 }
 
-/// The smallest product, with `fraction` fraction bits, that is not skipped: not below the threshold, and not 0 after rounding to `alpha` bits.
+/// The smallest product, with `fraction` fraction bits, that is not skipped: not below the threshold, and not 0 after
+/// rounding to `alpha` bits.
 const fn smallest_product(threshold: u64, fraction: i32, alpha: i32, rounding: Rounding) -> u64 {
     let dropped = fraction - alpha;
     // The bits of the product that are not looked at.
@@ -397,8 +408,9 @@ const fn smallest_product(threshold: u64, fraction: i32, alpha: i32, rounding: R
     if least < visible { visible } else { least }
 }
 
-/// The largest transmittance (`fraction` fraction bits) that stops a pixel: the largest integer below the threshold. Words are rounded, so
-/// that it stands for all transmittances up to half a unit more, and no other integer has its end nearer to the threshold.
+/// The largest transmittance (`fraction` fraction bits) that stops a pixel: the largest integer below the threshold.
+/// Words are rounded, so that it stands for all transmittances up to half a unit more, and no other integer has its end
+/// nearer to the threshold.
 const fn centred_minimum(threshold: u64, fraction: i32) -> u32 {
     let drop = (THRESHOLD as i32 - fraction) as u32;
     let above = threshold.saturating_add((1 << drop) - 1) >> drop;

@@ -3,8 +3,8 @@
 //! Samples closer together than pixels become points. Every pixel gathers the points that its circular filter reaches;
 //! the filter is the same for all points and pixels, so a gather is a footprint of constant shape and runs through the
 //! same traversals (`spans`, or `stamp`) as splats do. Points within one depth range are *summed*, not composited: they
-//! are parts of the same piece of matter, and their order within the range does not matter. The sum is composited as one
-//! layer when the next fragment lies beyond the range, or belongs to a splat, or the picture ends:
+//! are parts of the same piece of matter, and their order within the range does not matter. The sum is composited as
+//! one layer when the next fragment lies beyond the range, or belongs to a splat, or the picture ends:
 //!
 //! ```text
 //! a = sum a_i,  A = sum a_i c_i        while depth - first depth <= range

@@ -1,7 +1,7 @@
 //! Products of the pixel path: two words multiplied, brought to a result's format and rounded once.
 //!
-//! Small processors multiply 32 bits by 32 to 32. Where the whole product does not fit, but either half of one factor times the other does,
-//! two such multiplications replace one of 64 bits: with b = b1 2^k + b0,
+//! Small processors multiply 32 bits by 32 to 32. Where the whole product does not fit, but either half of one factor
+//! times the other does, two such multiplications replace one of 64 bits: with b = b1 2^k + b0,
 //!
 //! ```text
 //! floor(a b 2^-k) = a b1 + floor(a b0 2^-k)
@@ -111,7 +111,8 @@ impl Product {
     }
 }
 
-/// What was rounded up from a half, or, with more below it, from beyond. One product in hundreds comes here, so that all others look at one word.
+/// What was rounded up from a half, or, with more below it, from beyond. One product in hundreds comes here, so that
+/// all others look at one word.
 #[cold]
 #[inline(never)]
 fn tied(result: u32, cut: u32, sum: u32) -> u32 {
@@ -148,7 +149,8 @@ mod tests {
             }
         }
     }
-    /// Products of the widths of `Lean18` in two words: ties, what lies a unit of either factor beside them, and any others.
+    /// Products of the widths of `Lean18` in two words: ties, what lies a unit of either factor beside them, and any
+    /// others.
     #[test]
     fn two_words_round_as_one_does() {
         let mut next = crate::random();

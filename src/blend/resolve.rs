@@ -1,7 +1,7 @@
 //! From a pixel's fragments to its colour: divide, shade, cover, composite (SURF 4, 6 and 7).
 //!
-//! Once per pixel after all splats: every fragment is divided by its weight sum, shaded if there is a light, scaled by its
-//! coverage if edges are antialiased, and composited front to back in premultiplied form: C += T q c, T -= T q a.
+//! Once per pixel after all splats: every fragment is divided by its weight sum, shaded if there is a light, scaled by
+//! its coverage if edges are antialiased, and composited front to back in premultiplied form: C += T q c, T -= T q a.
 
 use super::Pixel;
 use super::edge::EdgeFilter;

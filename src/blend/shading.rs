@@ -4,9 +4,9 @@
 //! I = (ka + kd max(0, n.l)) c + ks max(0, r.v)^s a,   r = 2 (n.l) n - l
 //! ```
 //!
-//! with c premultiplied, so that the highlight is weighted by the opacity a. All vectors are unit vectors in camera space in
-//! Q1.30; n and v are normalised by the root and the reciprocal unit. The light is directional, the viewer is at
-//! the eye: v is the pixel's own ray. Surfaces are two-sided: setup turns
+//! with c premultiplied, so that the highlight is weighted by the opacity a. All vectors are unit vectors in camera
+//! space in Q1.30; n and v are normalised by the root and the reciprocal unit. The light is directional, the viewer is
+//! at the eye: v is the pixel's own ray. Surfaces are two-sided: setup turns
 //! every splat's normal towards the eye before they are averaged.
 
 use super::surface::Filtered;
@@ -17,8 +17,8 @@ use crate::view::{Projection, View};
 /// 1.0 in the vectors' Q1.30.
 const ONE: i64 = 1 << 30;
 
-/// Fraction bits of a material's coefficients: like a colour's rounding theirs would put all pixels of a surface on one side, so they are finer
-/// than the pixels.
+/// Fraction bits of a material's coefficients: like a colour's rounding theirs would put all pixels of a surface on one
+/// side, so they are finer than the pixels.
 pub const COEFFICIENT: u32 = 27;
 
 /// One row of the material table; coefficients are UQ5.27.
@@ -59,8 +59,8 @@ pub struct Shading<'a> {
 }
 
 impl<'a> Shading<'a> {
-    /// Shading with a material table, a direction towards the light in camera space (Q1.30; its length is the light's intensity)
-    /// and the view that the rays belong to. Materials beyond the table are [`Material::UNLIT`].
+    /// Shading with a material table, a direction towards the light in camera space (Q1.30; its length is the light's
+    /// intensity) and the view that the rays belong to. Materials beyond the table are [`Material::UNLIT`].
     pub fn new(
         widths: &Widths,
         materials: &'a [Material],
@@ -275,7 +275,8 @@ mod tests {
         }
     }
 
-    /// What is exactly known: no light from behind, or without a normal; a mirror's image at an angle; and black that stays black.
+    /// What is exactly known: no light from behind, or without a normal; a mirror's image at an angle; and black that
+    /// stays black.
     #[test]
     fn light_at_its_ends() {
         const UNIT: u32 = 1 << 27;

@@ -1,4 +1,5 @@
-//! Sheet buffers: splats of one slab of space are added, then the sheet is composited as one layer (\[EWA\] 4.1, \[SWAN\] 3).
+//! Sheet buffers: splats of one slab of space are added, then the sheet is composited as one layer (\[EWA\] 4.1,
+//! \[SWAN\] 3).
 //!
 //! Every-sample compositing puts overlapping kernels one behind the other, although they are samples of one function;
 //! a sheet adds them first, as reconstruction asks. A sheet is a [`Target`] drawn with
@@ -7,8 +8,8 @@
 //!
 //! - axis-aligned ([`AxisSlabs`]): the slices of the volume most perpendicular to the view. All sheets change at once
 //!   when another axis takes over at 45 degrees: the picture pops; or
-//! - image-aligned ([`DepthSlabs`]): parallel to the image plane, by depth. Nothing switches, and a kernel may be cut into the
-//!   slabs that it reaches ([`DepthSlabs::fraction_in`]), so that a splat changes slabs smoothly.
+//! - image-aligned ([`DepthSlabs`]): parallel to the image plane, by depth. Nothing switches, and a kernel may be cut
+//!   into the slabs that it reaches ([`DepthSlabs::fraction_in`]), so that a splat changes slabs smoothly.
 //!
 //! All memory is the caller's: one sheet of the target's size.
 
@@ -54,7 +55,8 @@ impl<'a> SheetBuffer<'a> {
         })
     }
 
-    /// Where to draw the slab's splats, by a painter that adds ([`Compositing::XRay`](crate::rules::Compositing::XRay)).
+    /// Where to draw the slab's splats, by a painter that adds
+    /// ([`Compositing::XRay`](crate::rules::Compositing::XRay)).
     ///
     /// Opacity saturates at 1 where a slab is denser than that; colour at its format's end.
     pub fn target(&mut self) -> &mut Target<'a> {

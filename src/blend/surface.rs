@@ -1,13 +1,15 @@
-//! The accumulation buffer with normalisation (SURF 4, eq. 9): weighted sums per pixel, divided by the weight sum at the end.
+//! The accumulation buffer with normalisation (SURF 4, eq. 9): weighted sums per pixel, divided by the weight sum at
+//! the end.
 //!
-//! A pixel of a surface is sum w_k a_k / sum w_k for every attribute a (premultiplied colour, opacity, normal). Sums are integers, so
-//! they are the same in any order of drawing, to the last bit. Whether a splat belongs to the same surface as the
-//! pixel's sums is decided by the depth of its tangent plane and a threshold (SURF 4): near enough, it is
-//! accumulated; nearer than that, it replaces them; farther, it is discarded.
+//! A pixel of a surface is sum w_k a_k / sum w_k for every attribute a (premultiplied colour, opacity, normal). Sums
+//! are integers, so they are the same in any order of drawing, to the last bit. Whether a splat belongs to the same
+//! surface as the pixel's sums is decided by the depth of its tangent plane and a threshold (SURF 4): near enough, it
+//! is accumulated; nearer than that, it replaces them; farther, it is discarded.
 //!
-//! Formats: the weight sum is UQ7.f and the normal sum Q7.f with f = min(accumulator, 24), colour and opacity sums UQ7.f.
-//! Weights are rounded to f bits first and the rounded weight multiplies all attributes, so that a constant
-//! attribute is reproduced to half a unit. A fragment whose weight sum would reach 128 takes no more: its average stays what it is.
+//! Formats: the weight sum is UQ7.f and the normal sum Q7.f with f = min(accumulator, 24), colour and opacity sums
+//! UQ7.f. Weights are rounded to f bits first and the rounded weight multiplies all attributes, so that a constant
+//! attribute is reproduced to half a unit. A fragment whose weight sum would reach 128 takes no more: its average stays
+//! what it is.
 
 use crate::footprint::surface::{Attributes, attribute_fraction};
 use crate::format::{Rounding, Widths};

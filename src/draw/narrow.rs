@@ -1,8 +1,9 @@
 //! "Over" by spans for designs whose pixel path fits 32-bit words: the loop of a processor without 64-bit arithmetic.
 //!
-//! The same arithmetic as [`Painter::draw`](super::Painter::draw) with [`Traversal::Spans`](crate::format::Traversal) and
-//! [`Compositing::FrontToBack`](crate::rules::Compositing), bit for bit (`tests/all/narrow.rs`): the same rows, the same opacity and compositing.
-//! What is left out is what such a loop cannot afford: counters, a choice of operator, and look-ups that could miss the table.
+//! The same arithmetic as [`Painter::draw`](super::Painter::draw) with [`Traversal::Spans`](crate::format::Traversal)
+//! and [`Compositing::FrontToBack`](crate::rules::Compositing), bit for bit (`tests/all/narrow.rs`): the same rows, the
+//! same opacity and compositing. What is left out is what such a loop cannot afford: counters, a choice of operator,
+//! and look-ups that could miss the table.
 
 use crate::blend::{Blend, Pixel};
 use crate::draw::cutoff_in_lane;
@@ -15,7 +16,8 @@ use crate::target::Target;
 
 /// A painter with 32-bit lanes and a packed table.
 ///
-/// A [`Renderer`](crate::Renderer) takes it by itself; this is how to drive it, and a pixel loop of one's own, stage by stage:
+/// A [`Renderer`](crate::Renderer) takes it by itself; this is how to drive it, and a pixel loop of one's own, stage by
+/// stage:
 ///
 /// ```
 /// use splatline::draw::Painter32;
@@ -48,7 +50,8 @@ pub struct Painter32<'a, D> {
     design: D,
     rules: &'a Rules,
     table: PackedTable<'a>,
-    /// Does it draw pixels as [`Rules::GAUSSIAN_3D`] do? Those have a loop of their own, in which all constants of blending are known.
+    /// Does it draw pixels as [`Rules::GAUSSIAN_3D`] do? Those have a loop of their own, in which all constants of
+    /// blending are known.
     usual: bool,
 }
 
@@ -57,11 +60,13 @@ pub struct Painter32<'a, D> {
 pub enum NarrowError {
     /// A product of the pixel path does not fit 32 bits, a sum may leave its word, or lanes have 64 bits.
     Products,
-    /// The table was packed for other widths, or the rules' footprints reach its last interval, whose place the level one has.
+    /// The table was packed for other widths, or the rules' footprints reach its last interval, whose place the level
+    /// one has.
     Table,
 }
 
-/// The radial indices of a run: three words of forward differencing that lead by [`PackedTable::lead`], and where the footprint ends.
+/// The radial indices of a run: three words of forward differencing that lead by [`PackedTable::lead`], and where the
+/// footprint ends.
 ///
 /// In this order in memory. Footprints of setup keep the indices of a run at 0 or above and within the word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,7 +114,8 @@ impl<'f, D: Design> NarrowRuns<'f, D> {
 
     /// A run with its pixels of the target: what the pixel loop gets.
     ///
-    /// Not joined with [`next_span`](NarrowRuns::next_span): an `Option` of all this costs Cortex-M five instructions a run.
+    /// Not joined with [`next_span`](NarrowRuns::next_span): an `Option` of all this costs Cortex-M five instructions a
+    /// run.
     #[inline(always)]
     pub fn with_pixels<'t>(&self, run: Span<D::Lane>, target: &'t mut Target) -> NarrowRun<'t, 'f> {
         self.of_pixels(run, target.row(run.y, run.x, run.length))
@@ -153,7 +159,8 @@ impl<'a, D: Design> Painter32<'a, D> {
         })
     }
 
-    /// Draws one footprint of [`setup`](crate::setup::setup) into the target's window. Footprints must come nearest first.
+    /// Draws one footprint of [`setup`](crate::setup::setup) into the target's window. Footprints must come nearest
+    /// first.
     ///
     /// At most as many steps as the window has pixels, plus one per row, whatever the footprint's bits.
     #[inline(always)]
@@ -229,7 +236,8 @@ impl<'a, D: Design> Painter32<'a, D> {
         }
     }
 
-    /// A function of its own, so that the loop has all registers, one for each way of clamping, and one for usual rules.
+    /// A function of its own, so that the loop has all registers, one for each way of clamping, and one for usual
+    /// rules.
     #[inline(never)]
     fn paint_as<const USUAL: bool, const CLAMPED: bool>(
         self,
@@ -269,7 +277,8 @@ impl<'a, D: Design> Painter32<'a, D> {
             } else {
                 blend.opacity_unclamped(peak, weight)
             };
-            // Under usual rules an opacity of 0 takes nothing: a pixel that has not finished has more than the least transmittance.
+            // Under usual rules an opacity of 0 takes nothing: a pixel that has not finished has more than the least
+            // transmittance.
             if USUAL || alpha > 0 {
                 blend.front_to_back_of_opacity(pixel, alpha, &colour);
             }

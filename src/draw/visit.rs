@@ -7,7 +7,8 @@ use crate::format::{Design, Traversal};
 use crate::raster::{BoxSpans, EllipseSpans, Spans, Window};
 
 impl<D: Design> Painter<'_, D> {
-    /// Calls `composite(x, y, alpha)` for every pixel of `window` at which the footprint is not transparent; alpha in UQ1.alpha.
+    /// Calls `composite(x, y, alpha)` for every pixel of `window` at which the footprint is not transparent; alpha in
+    /// UQ1.alpha.
     ///
     /// The same radial indices and opacities as [`draw`](Self::draw), bit for bit; nothing counts as finished.
     pub fn visit(

@@ -1,7 +1,7 @@
 //! The camera in ordinary numbers, and its way to the kernel's [`View`].
 //!
-//! A point `u` of the scene lies at `t = W u + d` in camera space (\[EWA\] eq. 22), x right, y down, z forward, and at `fx t0 / t2 + cx` in the
-//! picture (orthographic: `fx t0 + cx`); pixel (i, j) is sampled at (i + 0.5, j + 0.5).
+//! A point `u` of the scene lies at `t = W u + d` in camera space (\[EWA\] eq. 22), x right, y down, z forward, and at
+//! `fx t0 / t2 + cx` in the picture (orthographic: `fx t0 + cx`); pixel (i, j) is sampled at (i + 0.5, j + 0.5).
 
 use super::{exp2, extended, eye, pixels, rotation, scaled};
 use crate::math::Extended;
@@ -74,8 +74,8 @@ pub enum CameraError {
 }
 
 impl Camera {
-    /// A perspective camera at `eye` that looks at `target`, `up` pointing up in the picture. Pixels are square, the principal point is the
-    /// picture's centre, near 0.01, far unlimited.
+    /// A perspective camera at `eye` that looks at `target`, `up` pointing up in the picture. Pixels are square, the
+    /// principal point is the picture's centre, near 0.01, far unlimited.
     ///
     /// The rotation's rows are right = forward x up, down = forward x right, and forward.
     pub fn look_at(
@@ -105,8 +105,8 @@ impl Camera {
         .checked()
     }
 
-    /// A perspective camera from its 4x4 world-to-camera matrix, row-major, and its intrinsics, as calibrations state them. Near 0.01, far
-    /// unlimited.
+    /// A perspective camera from its 4x4 world-to-camera matrix, row-major, and its intrinsics, as calibrations state
+    /// them. Near 0.01, far unlimited.
     ///
     /// Files round matrices to a few digits: the camera gets the nearest rotation, seen from the same eye.
     pub fn from_matrix(
@@ -154,7 +154,8 @@ impl Camera {
         self
     }
 
-    /// Where the camera stands: e = -W^-1 d, by the inverse and not the transpose, so that W (u - e) is W u + d for any W.
+    /// Where the camera stands: e = -W^-1 d, by the inverse and not the transpose, so that W (u - e) is W u + d for any
+    /// W.
     pub fn eye(&self) -> [f64; 3] {
         let [a, b, c] = self.rotation;
         // Columns of the inverse are the rows' cross products over the determinant.
@@ -171,7 +172,8 @@ impl Camera {
         Ok(self.checked()?.quantised(0))
     }
 
-    /// The kernel's view in units of `2^-scale_log2` scene units, without a check: numbers that are not finite count as 0, others saturate.
+    /// The kernel's view in units of `2^-scale_log2` scene units, without a check: numbers that are not finite count as
+    /// 0, others saturate.
     ///
     /// Depths of surfaces, sheets and gathered points are kept in UQ9.23; a scene in the right unit fills that range.
     pub fn quantised(&self, scale_log2: i32) -> View {
@@ -293,10 +295,11 @@ fn is_rotation(rows: &[[f64; 3]; 3]) -> bool {
         && dot(a, cross(b, c)) > 0.0
 }
 
-/// The rotation nearest to one that is nearly a rotation, in the sum of squares: the orthogonal factor of the polar decomposition.
+/// The rotation nearest to one that is nearly a rotation, in the sum of squares: the orthogonal factor of the polar
+/// decomposition.
 ///
-/// Newton's iteration `X' = (X + X^-T) / 2` squares the deviation, so that three steps reach the doubles' end from 1e-4; X^-T has the cross
-/// products of the rows over the determinant as rows.
+/// Newton's iteration `X' = (X + X^-T) / 2` squares the deviation, so that three steps reach the doubles' end from
+/// 1e-4; X^-T has the cross products of the rows over the determinant as rows.
 fn nearest_rotation(rows: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let mut rotation = rows;
     for _ in 0..4 {

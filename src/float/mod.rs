@@ -1,11 +1,12 @@
 //! Ordinary numbers to the kernel's: the one place where floating point is converted. Feature `float`, on by default.
 //!
-//! Everything that has an exponent of its own keeps 31 bits or more, so that an f32 of a file arrives as it is, wherever in the scene it
-//! lies; what the kernel keeps in fixed point is rounded once, as each function says. All functions are defined for every number: NaN counts
-//! as 0, what is too large saturates. The front door's types ([`Camera`], [`Gaussian`], [`Point`], [`Surfel`]) refuse such numbers instead.
+//! Everything that has an exponent of its own keeps 31 bits or more, so that an f32 of a file arrives as it is,
+//! wherever in the scene it lies; what the kernel keeps in fixed point is rounded once, as each function says. All
+//! functions are defined for every number: NaN counts as 0, what is too large saturates. The front door's types
+//! ([`Camera`], [`Gaussian`], [`Point`], [`Surfel`]) refuse such numbers instead.
 //!
-//! On a processor without floating point these are library calls, made once per splat and camera; an image that holds its scene in the
-//! kernel's types (`default-features = false`) links none of them.
+//! On a processor without floating point these are library calls, made once per splat and camera; an image that holds
+//! its scene in the kernel's types (`default-features = false`) links none of them.
 
 mod camera;
 mod primitives;
@@ -47,7 +48,8 @@ pub const fn extended(value: f64) -> Extended {
     }
 }
 
-/// A double as mantissa and exponent, rounded to nearest to 31 bits: exact for an f32. Numbers that are not finite count as 0.
+/// A double as mantissa and exponent, rounded to nearest to 31 bits: exact for an f32. Numbers that are not finite
+/// count as 0.
 pub const fn scaled(value: f64) -> SoftFloat {
     let Extended { value, exponent } = extended(value);
     SoftFloat::from_wide(value, exponent, 31)
@@ -63,10 +65,11 @@ pub fn axis(components: [f64; 3]) -> Axis {
     Axis::from_components(components.map(scaled))
 }
 
-/// A colour channel in UQ4.28, saturated to 0 and 16 - 2^-28; rounded to odd, that is, with the last bit set where bits below it are lost.
+/// A colour channel in UQ4.28, saturated to 0 and 16 - 2^-28; rounded to odd, that is, with the last bit set where bits
+/// below it are lost.
 ///
-/// The design rounds once more, to fewer bits. Rounded to nearest here, one colour in sixteen would lie in the middle between two numbers of
-/// 24 bits there and go up: a bias of `2^-29` in every picture.
+/// The design rounds once more, to fewer bits. Rounded to nearest here, one colour in sixteen would lie in the middle
+/// between two numbers of 24 bits there and go up: a bias of `2^-29` in every picture.
 pub fn colour(value: f64) -> U4F28 {
     let bits = value * exp2(28);
     if bits.is_nan() {
@@ -76,7 +79,8 @@ pub fn colour(value: f64) -> U4F28 {
     U4F28::from_bits(whole as u32 | u32::from(whole < bits))
 }
 
-/// A coefficient of the colour's spherical harmonics, or their base, in Q3.28: rounded to nearest, halves to even, saturated. NaN counts as 0.
+/// A coefficient of the colour's spherical harmonics, or their base, in Q3.28: rounded to nearest, halves to even,
+/// saturated. NaN counts as 0.
 pub fn coefficient(value: f64) -> I4F28 {
     I4F28::from_bits(libm::rint(value * exp2(28)) as i32)
 }
@@ -124,8 +128,9 @@ fn fine_entry(entry: f64) -> i64 {
     libm::round(entry.clamp(-1.0, 1.0) * exp2(60)) as i64
 }
 
-/// The eye, scene units, with what W has beyond 30 bits ([`rotation`]): three doubles with one exponent. Of the smaller coordinates the bits
-/// beyond 59 below the largest one's leading bit are rounded away. Coordinates that are not finite put it at the origin.
+/// The eye, scene units, with what W has beyond 30 bits ([`rotation`]): three doubles with one exponent. Of the smaller
+/// coordinates the bits beyond 59 below the largest one's leading bit are rounded away. Coordinates that are not finite
+/// put it at the origin.
 pub fn eye(position: [f64; 3], rotation_rest: [[i32; 3]; 3]) -> Eye {
     let largest = position.iter().fold(0.0f64, |m, value| m.max(value.abs()));
     if largest == 0.0 || !largest.is_finite() {

@@ -1,7 +1,7 @@
 //! Splats in ordinary numbers, and their way to the kernel's types.
 //!
-//! Fields are f32, as files hold them: a centre keeps all of its 24 bits. A rotation's matrix and the axes are computed in f64 and rounded
-//! once, to 31 bits of an axis' largest component.
+//! Fields are f32, as files hold them: a centre keeps all of its 24 bits. A rotation's matrix and the axes are computed
+//! in f64 and rounded once, to 31 bits of an axis' largest component.
 
 use super::{axis, colour, position, scaled};
 use crate::footprint::Footprint;
@@ -25,8 +25,8 @@ pub struct Gaussian {
     pub rotation: [f32; 4],
     /// Standard deviations along the rotated axes, scene units; 0 is a flat one, the sign does not count.
     pub scales: [f32; 3],
-    /// Opacity at the centre, 0 to 1 (rules `3dgs`; above 1 it acts where the Gaussian has fallen below 1, negative is 0), or extinction times
-    /// volume in square scene units (normalised kernels, rules `ewa`).
+    /// Opacity at the centre, 0 to 1 (rules `3dgs`; above 1 it acts where the Gaussian has fallen below 1, negative is
+    /// 0), or extinction times volume in square scene units (normalised kernels, rules `ewa`).
     pub opacity: f32,
     /// Linear red, green, blue: 0 to 16, 1 is white; what lies beyond saturates.
     pub colour: [f32; 3],
@@ -68,9 +68,11 @@ pub struct Point {
 pub struct Surfel {
     /// Centre, scene units.
     pub position: [f32; 3],
-    /// The two axes in the tangent plane, each one standard deviation long, scene units; the normal is that of their plane.
+    /// The two axes in the tangent plane, each one standard deviation long, scene units; the normal is that of their
+    /// plane.
     pub tangents: [[f32; 3]; 2],
-    /// Height of the basis function at its centre. Where neighbours' functions sum to about 1, a pixel's weight sum is its coverage.
+    /// Height of the basis function at its centre. Where neighbours' functions sum to about 1, a pixel's weight sum is
+    /// its coverage.
     pub weight: f32,
     /// Linear red, green, blue, not premultiplied, 0 to 1.
     pub colour: [f32; 3],
@@ -90,8 +92,9 @@ impl Gaussian {
         colour: [1.0; 3],
     };
 
-    /// From the numbers that trainers store: logarithms of the scales, the logit of the opacity (infinite is opacity 0 or 1 exactly) and the
-    /// constant coefficient of the colour's spherical harmonics, colour = 0.5 + f_dc / (2 sqrt(pi)), not below 0.
+    /// From the numbers that trainers store: logarithms of the scales, the logit of the opacity (infinite is opacity 0
+    /// or 1 exactly) and the constant coefficient of the colour's spherical harmonics, colour = 0.5 + f_dc / (2
+    /// sqrt(pi)), not below 0.
     ///
     /// ```
     /// use splatline::Gaussian;
@@ -164,7 +167,8 @@ impl Point {
         })
     }
 
-    /// The kernel's spherical splat, for which perspective can be exact (\[HYBRID\] 4.2). `None` if a number is not finite.
+    /// The kernel's spherical splat, for which perspective can be exact (\[HYBRID\] 4.2). `None` if a number is not
+    /// finite.
     pub fn sphere(&self) -> Option<SphereSplat> {
         let sound = is_finite(&self.position)
             && is_finite(&self.colour)

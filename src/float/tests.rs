@@ -1,4 +1,5 @@
-//! The oracle is the same conversions by the standard library's functions, each number by itself, as the host had them before.
+//! The oracle is the same conversions by the standard library's functions, each number by itself, as the host had them
+//! before.
 
 extern crate std;
 

@@ -1,8 +1,10 @@
-//! The depth of a footprint as a sort key: a number with an exponent, so that no scene is too deep or too shallow for it.
+//! The depth of a footprint as a sort key: a number with an exponent, so that no scene is too deep or too shallow for
+//! it.
 //!
-//! 48 bits, compared as an unsigned integer: sign (1 for positive), 9 bits of exponent, 38 bits of mantissa below the leading
-//! bit. Depths that differ by more than `2^-38` of themselves get different keys, in their order; equal keys are drawn in
-//! the order of the splats. With a fixed grid, a sky of 10^4 units left the object before it a few hundred depths.
+//! 48 bits, compared as an unsigned integer: sign (1 for positive), 9 bits of exponent, 38 bits of mantissa below the
+//! leading bit. Depths that differ by more than `2^-38` of themselves get different keys, in their order; equal keys
+//! are drawn in the order of the splats. With a fixed grid, a sky of 10^4 units left the object before it a few hundred
+//! depths.
 
 use crate::math::words::leading_zeros_wide;
 use crate::math::{Extended, shift_signed};

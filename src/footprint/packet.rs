@@ -9,10 +9,11 @@
 //! | conic | the traversal `box` |
 //! | cutoff, peak, red, green, blue | the pixels |
 //!
-//! Fields that a traversal does not read have width 0 and come back as 0 (mantissas, exponents and the key). The others follow each other without
-//! padding, least significant bit first, in 32-bit words, in the order of [`Layout::fields`]; unused bits of the last word are 0. Mantissas of
-//! variances are unsigned, of the shear and the mixed conic coefficient signed; exponents are signed 10-bit; centres are signed.
-//! `docs/results/packet.md` is this table, printed.
+//! Fields that a traversal does not read have width 0 and come back as 0 (mantissas, exponents and the key). The others
+//! follow each other without padding, least significant bit first, in 32-bit words, in the order of [`Layout::fields`];
+//! unused bits of the last word are 0. Mantissas of variances are unsigned, of the shear and the mixed conic
+//! coefficient signed; exponents are signed 10-bit; centres are signed. `docs/results/packet.md` is this table,
+//! printed.
 //!
 //! The format is versioned by [`VERSION`], which is the packet's first field.
 
@@ -143,7 +144,8 @@ impl Layout {
         self.bits().div_ceil(32)
     }
 
-    /// Serialises what the packet has of a footprint. A value too wide for its field is cut to its low bits; setup produces none.
+    /// Serialises what the packet has of a footprint. A value too wide for its field is cut to its low bits; setup
+    /// produces none.
     pub fn encode(&self, footprint: &Footprint) -> Packet {
         let mut packet = [0; WORDS];
         for (field, value) in self.fields.iter().zip(values(footprint)) {

@@ -12,8 +12,9 @@ pub const DEPTH_FRACTION: u32 = 32;
 
 /// Fraction bits of [`Attributes`]: those of a colour and four more, as far as the inputs have them.
 ///
-/// Surfaces of one colour are the rule. What its rounding does it does to every pixel alike, where a volume's many colours would average
-/// out: with a colour's own bits the whole of a surface came out on one side, by more than the pixels' own rounding.
+/// Surfaces of one colour are the rule. What its rounding does it does to every pixel alike, where a volume's many
+/// colours would average out: with a colour's own bits the whole of a surface came out on one side, by more than the
+/// pixels' own rounding.
 pub const fn attribute_fraction(widths: &Widths) -> u8 {
     if widths.colour < 24 {
         widths.colour + 4
@@ -31,7 +32,8 @@ pub struct SurfaceFootprint {
     pub plane: Plane,
     /// What a pixel filters.
     pub attributes: Attributes,
-    /// The splat shows its back: its normal pointed away from the eye and was turned. Whoever draws closed surfaces leaves these out.
+    /// The splat shows its back: its normal pointed away from the eye and was turned. Whoever draws closed surfaces
+    /// leaves these out.
     pub back: bool,
 }
 

@@ -1,7 +1,8 @@
 //! Pixels as a display takes them: RGB8 or RGB565, over a background.
 //!
-//! A channel with L levels above 0 is `round(L (C + T b))`, halves up, at most L: C the accumulated colour, T the transmittance and b the
-//! background (\[EWA\] eq. 5 with the background as the last layer). The background is given in the same levels, B = L b, so that the value is
+//! A channel with L levels above 0 is `round(L (C + T b))`, halves up, at most L: C the accumulated colour, T the
+//! transmittance and b the background (\[EWA\] eq. 5 with the background as the last layer). The background is given in
+//! the same levels, B = L b, so that the value is
 //!
 //! ```text
 //! floor((L C 2^(f - accumulator) + T B 2^(f - transmittance)) / 2^f + 1/2),   f = the larger of both widths
@@ -38,7 +39,8 @@ impl PixelReader {
         PixelReader { bounded, ..self }
     }
 
-    /// One channel in levels of `1 / top`: colour UQ4.accumulator, transmittance UQ1.transmittance, background in the same levels. Saturates.
+    /// One channel in levels of `1 / top`: colour UQ4.accumulator, transmittance UQ1.transmittance, background in the
+    /// same levels. Saturates.
     #[inline]
     pub const fn level(&self, colour: u32, transmittance: u32, background: u8, top: u8) -> u8 {
         let (a, t) = (self.accumulator as u32, self.transmittance as u32);
@@ -67,7 +69,8 @@ impl PixelReader {
         ]
     }
 
-    /// Red, green, blue in 5, 6 and 5 bits, red highest; the background in the same format. [`Frame::write_rgb565`] is quicker.
+    /// Red, green, blue in 5, 6 and 5 bits, red highest; the background in the same format. [`Frame::write_rgb565`] is
+    /// quicker.
     pub fn rgb565(&self, pixel: &Pixel, background: u16) -> u16 {
         let [red, green, blue] = pixel.colour;
         let transmittance = pixel.transmittance();
@@ -78,8 +81,9 @@ impl PixelReader {
         level(red, 11, 31) | level(green, 5, 63) | level(blue, 0, 31)
     }
 
-    /// The same of [bounded](PixelReader::where_bounded) pixels, in a function of its own: a pixel then costs Cortex-M0+ 30 instructions less.
-    /// Widths of at most 26 bits, to which light and background are scaled: six bits of levels fit the word above them.
+    /// The same of [bounded](PixelReader::where_bounded) pixels, in a function of its own: a pixel then costs
+    /// Cortex-M0+ 30 instructions less. Widths of at most 26 bits, to which light and background are scaled: six bits
+    /// of levels fit the word above them.
     #[inline(never)]
     fn write_bounded_565(&self, pixels: &[Pixel], background: u16, sent: &mut [u16]) {
         const HALF: u32 = 1 << 25;
@@ -100,8 +104,8 @@ impl PixelReader {
     }
 }
 
-/// [`PixelReader::level`] in words of 32 bits, for levels and fraction bits that fit one together: each term is at most 1, and a sum that
-/// leaves the word is above 1, too.
+/// [`PixelReader::level`] in words of 32 bits, for levels and fraction bits that fit one together: each term is at most
+/// 1, and a sum that leaves the word is above 1, too.
 #[inline(always)]
 const fn narrow_level(
     [colour, transmittance]: [u32; 2],
@@ -141,7 +145,8 @@ pub struct Frame<'p> {
     pub pixels: &'p [Pixel],
     /// Which part of the screen they are.
     pub window: Window,
-    /// Pixels visited and covered by footprints; `None` where the loop of 32-bit words drew them, which has no counters.
+    /// Pixels visited and covered by footprints; `None` where the loop of 32-bit words drew them, which has no
+    /// counters.
     pub coverage: Option<Coverage>,
     /// How to read the pixels.
     pub reader: PixelReader,
@@ -155,15 +160,17 @@ impl<'p> Frame<'p> {
         pixels.map(move |pixel| reader.rgb8(pixel, background))
     }
 
-    /// The pixels in 16 bits (red 5, green 6, blue 5), row by row, over a background in the same format: what a display on a serial bus takes.
+    /// The pixels in 16 bits (red 5, green 6, blue 5), row by row, over a background in the same format: what a display
+    /// on a serial bus takes.
     pub fn rgb565(&self, background: u16) -> impl Iterator<Item = u16> + use<'p> {
         let reader = self.reader;
         let pixels = self.pixels.iter();
         pixels.map(move |pixel| reader.rgb565(pixel, background))
     }
 
-    /// The same into memory, as many as there is room for: what a DMA channel sends. Faster where the loop of 32-bit words drew colours of at
-    /// most 1; of footprints that no setup made, levels may then wrap where [`rgb565`](Frame::rgb565) saturates.
+    /// The same into memory, as many as there is room for: what a DMA channel sends. Faster where the loop of 32-bit
+    /// words drew colours of at most 1; of footprints that no setup made, levels may then wrap where
+    /// [`rgb565`](Frame::rgb565) saturates.
     pub fn write_rgb565(&self, background: u16, sent: &mut [u16]) {
         let Frame { pixels, reader, .. } = self;
         if reader.bounded && reader.accumulator <= 26 {
@@ -255,7 +262,8 @@ mod tests {
         );
     }
 
-    /// A window whose columns and rows begin at different numbers: every pixel of the screen is the window's own or none.
+    /// A window whose columns and rows begin at different numbers: every pixel of the screen is the window's own or
+    /// none.
     #[test]
     fn pixels_are_found_by_their_place_on_the_screen() {
         let pixels: [Pixel; 16] = core::array::from_fn(|index| Pixel {
@@ -278,7 +286,8 @@ mod tests {
             assert_eq!(found, expected, "{x} {y}");
         }
     }
-    /// Longer words than the quick way has room for, and channels above 1 of pixels that nobody called bounded, are read one by one.
+    /// Longer words than the quick way has room for, and channels above 1 of pixels that nobody called bounded, are
+    /// read one by one.
     #[test]
     fn words_are_written_quickly_where_they_have_room() {
         let written = |widths: &Widths, bounded: bool, colour: u32| {

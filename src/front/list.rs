@@ -1,8 +1,9 @@
 //! The display list: the footprints of a picture and the order in which they are drawn.
 //!
-//! A picture is set up once and drawn as often as it has strips, so that its footprints have to stay somewhere. Either in a list of
-//! fixed room ([`BoundedList`]: a static, or a local variable), or in memory lent at run time ([`LentList`]). A list that is full is an error
-//! that says how much room the picture needs; no splat is dropped for want of it.
+//! A picture is set up once and drawn as often as it has strips, so that its footprints have to stay somewhere. Either
+//! in a list of fixed room ([`BoundedList`]: a static, or a local variable), or in memory lent at run time
+//! ([`LentList`]). A list that is full is an error that says how much room the picture needs; no splat is dropped for
+//! want of it.
 
 use super::order::sort_by_key;
 use crate::footprint::Footprint;
@@ -15,7 +16,8 @@ use crate::rules::Compositing;
 pub struct ListFull {
     /// Footprints for which the list has room.
     pub capacity: usize,
-    /// Footprints that the picture has: all of them from a renderer, one more than there is room for from [`DisplayList::push`].
+    /// Footprints that the picture has: all of them from a renderer, one more than there is room for from
+    /// [`DisplayList::push`].
     pub needed: usize,
 }
 
@@ -36,7 +38,8 @@ pub trait Footprints {
     /// Do its footprints have a conic? Without, they are drawn by spans alone.
     const CONIC: bool = true;
 
-    /// Calls `draw` with every footprint that has rows in `window`: nearest first, or farthest first for [`Compositing::BackToFront`].
+    /// Calls `draw` with every footprint that has rows in `window`: nearest first, or farthest first for
+    /// [`Compositing::BackToFront`].
     fn visit(&self, window: &Window, compositing: Compositing, draw: impl FnMut(&Footprint));
 }
 
@@ -69,7 +72,8 @@ pub trait DisplayList {
     /// Footprints, and their numbers to be put in order.
     fn parts(&mut self) -> (&[Footprint], &mut [u32]);
 
-    /// Sorts by depth, nearest first, ties by the order in which footprints came: the order of the kernel's other front ends.
+    /// Sorts by depth, nearest first, ties by the order in which footprints came: the order of the kernel's other front
+    /// ends.
     fn sort(&mut self) {
         let (footprints, order) = self.parts();
         sort_by_key(order, |number| {
@@ -151,8 +155,8 @@ pub struct LentList<'a> {
 }
 
 impl<'a> LentList<'a> {
-    /// An empty list with room for as many footprints as the shorter of both has entries, at most `u32::MAX`. What the memory holds is of no
-    /// account; [`Footprint::EMPTY`] fills it.
+    /// An empty list with room for as many footprints as the shorter of both has entries, at most `u32::MAX`. What the
+    /// memory holds is of no account; [`Footprint::EMPTY`] fills it.
     pub fn new(footprints: &'a mut [Footprint], order: &'a mut [u32]) -> Self {
         LentList {
             footprints,

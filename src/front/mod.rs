@@ -1,7 +1,7 @@
 //! The front door: a scene in, pixels out, in memory that the caller lends.
 //!
-//! What an embedder needs and no more. Every step here calls the units of the other modules and adds no arithmetic of its own, so that a
-//! picture drawn through it has the bits of one drawn stage by stage (`tests/all/front.rs`).
+//! What an embedder needs and no more. Every step here calls the units of the other modules and adds no arithmetic of
+//! its own, so that a picture drawn through it has the bits of one drawn stage by stage (`tests/all/front.rs`).
 //!
 //! ```text
 //! Camera, Gaussian, Point   ordinary numbers (module float)

@@ -1,12 +1,13 @@
 //! Depth order of a display list.
 //!
-//! Numbers or keys are moved, not footprints: a footprint has a hundred bytes. Heap sort, because it needs no memory, never more than
-//! 2 n log2 n comparisons, and on a Cortex-M0 590 bytes of code. The standard library's unstable sort is faster on long lists, but takes 13,562
-//! bytes there and a panic path, for orders that contradict themselves.
+//! Numbers or keys are moved, not footprints: a footprint has a hundred bytes. Heap sort, because it needs no memory,
+//! never more than 2 n log2 n comparisons, and on a Cortex-M0 590 bytes of code. The standard library's unstable sort
+//! is faster on long lists, but takes 13,562 bytes there and a panic path, for orders that contradict themselves.
 
 use core::cell::Cell;
 
-/// Sorts `items` by ascending key, in place, without allocation or panic. Not stable: keys that must keep an order have to differ.
+/// Sorts `items` by ascending key, in place, without allocation or panic. Not stable: keys that must keep an order have
+/// to differ.
 ///
 /// At most `2 n log2(n) + 2 n` comparisons, whatever the keys; a key that contradicts itself gives some order.
 pub fn sort_by_key<T: Copy, K: Ord>(items: &mut [T], key: impl Fn(T) -> K) {

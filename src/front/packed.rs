@@ -1,8 +1,9 @@
 //! A display list of packed footprints: what spans read, bit by bit, in drawing order.
 //!
-//! A [`Footprint`] has 104 bytes, and a list of them a number each for the order. Here an entry has neither conic nor depth and no bit that
-//! follows from others: 36 bytes for [`Micro16`](crate::Micro16). There is no order beside it, because splats are sorted before they are
-//! set up: the keys of that sort lie at the end of the same memory, and the footprints take their place as they come.
+//! A [`Footprint`] has 104 bytes, and a list of them a number each for the order. Here an entry has neither conic nor
+//! depth and no bit that follows from others: 36 bytes for [`Micro16`](crate::Micro16). There is no order beside it,
+//! because splats are sorted before they are set up: the keys of that sort lie at the end of the same memory, and the
+//! footprints take their place as they come.
 //!
 //! | field | bits |
 //! |---|---|
@@ -14,8 +15,8 @@
 //! | S | *mantissa* + 1 + 8 |
 //! | peak, colours | 4 + *peak* + 3 x (range + *colour*) |
 //!
-//! The first two words say which rows an entry has, so that a strip passes over footprints of other strips without unpacking them. Lists by
-//! strip would save these for two bytes more per footprint and strip.
+//! The first two words say which rows an entry has, so that a strip passes over footprints of other strips without
+//! unpacking them. Lists by strip would save these for two bytes more per footprint and strip.
 
 use super::list::Footprints;
 use crate::footprint::{Conic, Footprint, Ldl};
@@ -70,7 +71,8 @@ pub struct PackedList<'a, D> {
 }
 
 impl<'a, D: Design> PackedList<'a, D> {
-    /// An empty list with room for one footprint of the design per [`packed_words`] words. What they hold is of no account.
+    /// An empty list with room for one footprint of the design per [`packed_words`] words. What they hold is of no
+    /// account.
     pub fn new(design: D, words: &'a mut [u32]) -> Self {
         PackedList {
             design,
@@ -80,8 +82,8 @@ impl<'a, D: Design> PackedList<'a, D> {
         }
     }
 
-    /// A list of `used` footprints that [`into_words`](PackedList::into_words) left in these words, of a picture with this viewport; `None` if
-    /// they have no room for as many.
+    /// A list of `used` footprints that [`into_words`](PackedList::into_words) left in these words, of a picture with
+    /// this viewport; `None` if they have no room for as many.
     pub fn filled(
         design: D,
         words: &'a mut [u32],
@@ -166,8 +168,8 @@ impl<'a, D: Design> PackedList<'a, D> {
         entry.footprint(&widths, self.viewport)
     }
 
-    /// Adds a footprint of setup that [fits](fits) behind all others, which must leave the words from `end` on alone. Where there is no room
-    /// the list stays as it is.
+    /// Adds a footprint of setup that [fits](fits) behind all others, which must leave the words from `end` on alone.
+    /// Where there is no room the list stays as it is.
     #[inline(never)]
     pub(super) fn push(&mut self, footprint: &Footprint, end: usize) -> Option<()> {
         let start = self.used.checked_mul(self.entry())?;
@@ -225,7 +227,8 @@ impl<D: Design> Footprints for PackedList<'_, D> {
     }
 }
 
-/// Can an entry hold this footprint of setup? Rules with a low-pass filter make no other, but for a centre that is rounded to 2^26 pixels.
+/// Can an entry hold this footprint of setup? Rules with a low-pass filter make no other, but for a centre that is
+/// rounded to 2^26 pixels.
 pub(super) fn fits(widths: &Widths, footprint: &Footprint) -> bool {
     let ldl = &footprint.ldl;
     let leading = i32::from(widths.mantissa) - 1;
@@ -245,9 +248,9 @@ fn is_power(power: i32) -> bool {
 
 /// First and end of a footprint's box on an axis.
 ///
-/// Sample points from c - 1/2 - e to c - 1/2 + e are the pixels from `first` to `last`, and `first + last` is floor(2 c) - 1 or floor(2 c): `how`
-/// is 0 or 1, `bound` the first pixel, and the end is cut to the viewport. Where the box begins with pixel 0 `bound` is the end: `how` is 2, or 3 of
-/// a negative centre.
+/// Sample points from c - 1/2 - e to c - 1/2 + e are the pixels from `first` to `last`, and `first + last` is floor(2
+/// c) - 1 or floor(2 c): `how` is 0 or 1, `bound` the first pixel, and the end is cut to the viewport. Where the box
+/// begins with pixel 0 `bound` is the end: `how` is 2, or 3 of a negative centre.
 #[inline(always)]
 fn side(bound: u32, how: u32, twice: u32, limit: u16) -> (u16, u16) {
     if how > 1 {
@@ -340,8 +343,8 @@ impl Entry {
         }
     }
 
-    /// Every field in the order of the entry: `field` gets a value and its bits, and returns the value that is kept. Written once for both
-    /// directions. What is above a field is not packed.
+    /// Every field in the order of the entry: `field` gets a value and its bits, and returns the value that is kept.
+    /// Written once for both directions. What is above a field is not packed.
     #[inline(always)]
     fn fields(&mut self, widths: &Widths, mut field: impl FnMut(u32, u32) -> u32) {
         let mantissa = u32::from(widths.mantissa);

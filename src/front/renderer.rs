@@ -20,8 +20,8 @@ use crate::view::{Pose, View};
 
 /// Everything that is constant for a picture. Draws nearest first by spans unless told otherwise.
 ///
-/// Where the design's words allow it ([`Micro16`](crate::Micro16)), spans are drawn nearest first by a loop of 32-bit words
-/// ([`Painter32`]): the same bits from footprints of setup.
+/// Where the design's words allow it ([`Micro16`](crate::Micro16)), spans are drawn nearest first by a loop of 32-bit
+/// words ([`Painter32`]): the same bits from footprints of setup.
 ///
 /// ```
 /// use splatline::{BoundedList, Camera, Gaussian, Pixel, Renderer, Standard24};
@@ -119,8 +119,8 @@ impl<'t, D: Design> Renderer<'t, D> {
         Renderer { packed, ..self }
     }
 
-    /// Any design and rules with a table in memory of the caller's, [`entries`](crate::kernel::entries) of the widths long and filled for the
-    /// same widths, kernel and `table_range` by [`fill`](crate::kernel::fill).
+    /// Any design and rules with a table in memory of the caller's, [`entries`](crate::kernel::entries) of the widths
+    /// long and filled for the same widths, kernel and `table_range` by [`fill`](crate::kernel::fill).
     pub fn with_table(design: D, rules: Rules, entries: &'t [u32]) -> Result<Self, TableSizeError> {
         let table = FootprintTable::new(entries, &design.widths(), rules.table_range)?;
         Ok(Renderer::of(design, rules, table))
@@ -160,8 +160,8 @@ impl<'t, D: Design> Renderer<'t, D> {
         Ok(counts)
     }
 
-    /// The same for a scene of several kinds of primitives: adds to what the list holds; [`DisplayList::sort`] is the caller's to call when
-    /// all are added. A list that is full is left empty.
+    /// The same for a scene of several kinds of primitives: adds to what the list holds; [`DisplayList::sort`] is the
+    /// caller's to call when all are added. A list that is full is left empty.
     pub fn add<P: Pose, S: Primitive<P, Footprint = Footprint>>(
         &self,
         view: &View<P>,
@@ -191,13 +191,14 @@ impl<'t, D: Design> Renderer<'t, D> {
         }
     }
 
-    /// Culls, sorts and sets up a scene that was converted before: `list` afterwards holds its footprints, and only them, in drawing order;
-    /// ties are drawn in the order of the scene. For traversal by spans: a splat whose conic has no place in a packet is not culled for it. One that
-    /// an entry has no bits for, thinner than 2^-64 pixels or centred at 2^26, is culled as out of [range](crate::setup::Cull::Range).
+    /// Culls, sorts and sets up a scene that was converted before: `list` afterwards holds its footprints, and only
+    /// them, in drawing order; ties are drawn in the order of the scene. For traversal by spans: a splat whose conic
+    /// has no place in a packet is not culled for it. One that an entry has no bits for, thinner than 2^-64 pixels or
+    /// centred at 2^26, is culled as out of [range](crate::setup::Cull::Range).
     ///
-    /// A key of 12 bytes for every splat between near and far has to fit the list's memory before the footprints take its place. If either
-    /// does not fit, the list is left empty, and the error says how many footprints long a list is that has room for it: first for the keys, then
-    /// for both.
+    /// A key of 12 bytes for every splat between near and far has to fit the list's memory before the footprints take
+    /// its place. If either does not fit, the list is left empty, and the error says how many footprints long a list is
+    /// that has room for it: first for the keys, then for both.
     pub fn set_up_scene<P: Pose>(
         &self,
         view: &View<P>,
@@ -242,8 +243,8 @@ impl<'t, D: Design> Renderer<'t, D> {
         Ok(counts)
     }
 
-    /// Depth and number of every splat between near and far, nearest first, at the end of the list's memory; how many there are, as an error
-    /// if they do not fit.
+    /// Depth and number of every splat between near and far, nearest first, at the end of the list's memory; how many
+    /// there are, as an error if they do not fit.
     fn sort_keys<P: Pose>(
         &self,
         view: &View<P>,
@@ -286,8 +287,8 @@ impl<'t, D: Design> Renderer<'t, D> {
         Ok(used)
     }
 
-    /// Draws the part of the picture that `window` selects into `pixels`, which need not be cleared and hold its rows without gaps
-    /// afterwards. A picture is the same, bit for bit, however it is cut into windows.
+    /// Draws the part of the picture that `window` selects into `pixels`, which need not be cleared and hold its rows
+    /// without gaps afterwards. A picture is the same, bit for bit, however it is cut into windows.
     pub fn draw<'p, L: Footprints>(
         &self,
         list: &L,
@@ -297,8 +298,8 @@ impl<'t, D: Design> Renderer<'t, D> {
         self.draw_with(list, window, pixels, |painter, run| painter.paint(run))
     }
 
-    /// [`draw`](Renderer::draw) with a pixel loop of one's own, which does with a run what [`Painter32::paint`] does, where runs of 32-bit words
-    /// are drawn; elsewhere it is not called.
+    /// [`draw`](Renderer::draw) with a pixel loop of one's own, which does with a run what [`Painter32::paint`] does,
+    /// where runs of 32-bit words are drawn; elsewhere it is not called.
     pub fn draw_with<'p, L: Footprints>(
         &self,
         list: &L,
@@ -443,8 +444,8 @@ impl Drawn {
     }
 }
 
-/// Layers of colours up to 1 after which a channel is above 1 - T by less than half of a display's 63rd: each rounds a sum up by half a unit at
-/// most, and by nothing where sums have the bits of their products.
+/// Layers of colours up to 1 after which a channel is above 1 - T by less than half of a display's 63rd: each rounds a
+/// sum up by half a unit at most, and by nothing where sums have the bits of their products.
 fn bounded_layers(widths: &Widths) -> u32 {
     if widths.accumulator == widths.transmittance + widths.colour {
         return u32::MAX;

@@ -1,9 +1,9 @@
 //! Scenes that were converted once: splats in the kernel's own types, in lent memory or in flash.
 //!
-//! A [`Gaussian`](crate::Gaussian) given to a renderer is converted for every picture: rotation matrix, axes and exponents in soft float,
-//! more than setup itself on a processor without floating point. A scene that moves its camera and not its splats converts them once,
-//! in memory of 92 bytes a splat ([`Scene`]), or comes converted: 24 bytes a splat, constants in flash ([`CompactScene`], written by
-//! `splatline bake`).
+//! A [`Gaussian`](crate::Gaussian) given to a renderer is converted for every picture: rotation matrix, axes and
+//! exponents in soft float, more than setup itself on a processor without floating point. A scene that moves its camera
+//! and not its splats converts them once, in memory of 92 bytes a splat ([`Scene`]), or comes converted: 24 bytes a
+//! splat, constants in flash ([`CompactScene`], written by `splatline bake`).
 
 use crate::math::SoftFloat;
 use crate::splat::{Axis, Position, VolumeSplat};
@@ -171,9 +171,9 @@ pub struct CompactScene<'a> {
 /// The first bytes of a file of a [`CompactScene`], with its version.
 pub const COMPACT_MAGIC: [u8; 8] = *b"splat24\x01";
 
-/// Bytes before the splats in a file of a [`CompactScene`]: [`COMPACT_MAGIC`], then seven little-endian words of 32 bits: the three of
-/// [`origin`](CompactScene::origin), [`exponent`](CompactScene::exponent), [`axis_exponent`](CompactScene::axis_exponent),
-/// [`colour_unit`](CompactScene::colour_unit) and the number of splats.
+/// Bytes before the splats in a file of a [`CompactScene`]: [`COMPACT_MAGIC`], then seven little-endian words of 32
+/// bits: the three of [`origin`](CompactScene::origin), [`exponent`](CompactScene::exponent),
+/// [`axis_exponent`](CompactScene::axis_exponent), [`colour_unit`](CompactScene::colour_unit) and the number of splats.
 pub const COMPACT_HEADER: usize = 36;
 
 impl<'a> CompactScene<'a> {

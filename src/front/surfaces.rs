@@ -1,7 +1,8 @@
 //! The renderer of surfaces: set up, gather, resolve; no sorting, no display list.
 //!
-//! Surfaces need no order: the accumulation buffer decides by depth, the A-buffer by ranges of depths (\[SURF\] 4 and 6). Each splat is set up and
-//! drawn at once, so that a picture in strips sets a scene up once per strip: memory against time.
+//! Surfaces need no order: the accumulation buffer decides by depth, the A-buffer by ranges of depths (\[SURF\] 4 and
+//! 6). Each splat is set up and drawn at once, so that a picture in strips sets a scene up once per strip: memory
+//! against time.
 
 use super::{Counts, Frame, PixelReader, Primitive};
 use crate::blend::Pixel;
@@ -18,11 +19,11 @@ use crate::target::TargetError;
 use crate::target::cells::CellTarget;
 use crate::view::{Pose, View};
 
-/// Everything that is constant for a picture of surfaces, under [`Rules::SURFACE`]. By spans, unshaded and without antialiased edges unless told
-/// otherwise.
+/// Everything that is constant for a picture of surfaces, under [`Rules::SURFACE`]. By spans, unshaded and without
+/// antialiased edges unless told otherwise.
 ///
-/// Depths are compared in UQ9.23: a scene must lie within 512 scene units of the eye, and fill that range for the finest threshold
-/// (`Camera::quantised`).
+/// Depths are compared in UQ9.23: a scene must lie within 512 scene units of the eye, and fill that range for the
+/// finest threshold (`Camera::quantised`).
 ///
 /// ```
 /// use splatline::blend::surface::{Accumulation, Cell};
@@ -52,7 +53,8 @@ pub struct SurfaceRenderer<'r, D> {
 }
 
 impl<'r, D: Tabled> SurfaceRenderer<'r, D> {
-    /// Splats whose depths at a pixel differ by at most `threshold` (UQ9.23 scene units, [`depth`](crate::footprint::depth)) are one surface.
+    /// Splats whose depths at a pixel differ by at most `threshold` (UQ9.23 scene units,
+    /// [`depth`](crate::footprint::depth)) are one surface.
     pub fn new(design: D, threshold: u32) -> Self {
         let gather = WeightedSum::new(&D::WIDTHS, threshold);
         SurfaceRenderer {
@@ -75,8 +77,9 @@ impl<'r, D: Tabled> SurfaceRenderer<'r, D> {
         self
     }
 
-    /// Draws the part of the picture that `window` selects: gathers the scene in `cells` and resolves them into `pixels`, both of at least the
-    /// window's size; neither needs to be cleared. [`Accumulation`](crate::blend::surface::Accumulation) is the cell of opaque scenes,
+    /// Draws the part of the picture that `window` selects: gathers the scene in `cells` and resolves them into
+    /// `pixels`, both of at least the window's size; neither needs to be cleared.
+    /// [`Accumulation`](crate::blend::surface::Accumulation) is the cell of opaque scenes,
     /// [`Layers`](crate::blend::layers::Layers) of transparent ones.
     pub fn draw<'p, P: Pose, S: Primitive<P, Footprint = SurfaceFootprint>, C: Cell>(
         &self,

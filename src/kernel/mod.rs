@@ -4,9 +4,9 @@
 //! `2^table` intervals; entries are UQ1.weight, the kernel's peak is 1. The Gaussian is exp(-r/2).
 //!
 //! With interpolation, the chord of a convex function lies above it by `h^2/12 f''` on average; for the Gaussian
-//! `f'' = f/4`, so entries are lowered by the factor `1 - h^2/48` and the mean error is 0. The position within an interval is truncated, by d
-//! of the radial index on average, which the factor `1 - d/2` makes up for. Without interpolation an entry is the kernel at the middle of
-//! its interval.
+//! `f'' = f/4`, so entries are lowered by the factor `1 - h^2/48` and the mean error is 0. The position within an
+//! interval is truncated, by d of the radial index on average, which the factor `1 - d/2` makes up for. Without
+//! interpolation an entry is the kernel at the middle of its interval.
 
 mod packed;
 mod perspective;
@@ -155,7 +155,8 @@ pub const fn fill_gaussian(table: &mut [u32], widths: &Widths, range: u8) {
     }
 }
 
-/// Fills a table with any profile (Q.40 in and out); entry positions as for the Gaussian, without its centring of the mean.
+/// Fills a table with any profile (Q.40 in and out); entry positions as for the Gaussian, without its centring of the
+/// mean.
 fn shape_entries(table: &mut [u32], widths: &Widths, range: u8, profile: impl Fn(i64) -> i64) {
     let half = u32::from(widths.interpolation == 0);
     let half_step = 1i64 << (39 + u32::from(range.min(4)) - u32::from(widths.table));
@@ -250,7 +251,8 @@ mod tests {
         assert_eq!(gaussian(&Standard24::WIDTHS, 4), TABLE);
     }
 
-    /// Where entries lie: at the middle of intervals without interpolation, and with it where they begin, lowered by what a chord is too high.
+    /// Where entries lie: at the middle of intervals without interpolation, and with it where they begin, lowered by
+    /// what a chord is too high.
     #[test]
     fn entries_lie_where_they_are_read() {
         let widths = |interpolation| Widths {
@@ -265,7 +267,8 @@ mod tests {
             fill_gaussian(&mut memory, &widths, 4);
             let rest = 0.5f64.powi(interpolation.into()) / 4.0;
             for (entry, index) in memory.iter().zip(0..) {
-                // An interval is 1; what is cut off a position is half its last bit in the mean, half of which the slope takes.
+                // An interval is 1; what is cut off a position is half its last bit in the mean, half of which the
+                // slope takes.
                 let exact = match interpolation {
                     0 => (-0.25 - 0.5 * f64::from(index)).exp(),
                     _ => (1.0 - 1.0 / 48.0 - rest) * (-0.5 * f64::from(index)).exp(),

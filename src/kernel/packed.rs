@@ -7,26 +7,28 @@
 //! word = 2^k a + 2^(k-1) + (a - b)
 //! ```
 //!
-//! so that one word holds all that a pixel needs: one load, one multiplication, one subtraction, one shift. The slope a - b lies in
-//! the word's low bits, where it also pays for the unit too much in f + 1; and f + 1 is what a lane yields that runs one
-//! position ahead. Where that carries into the next interval, f + 1 is 0 and w is b, as it must be. Same bits as
-//! [`FootprintTable`](super::FootprintTable).
+//! so that one word holds all that a pixel needs: one load, one multiplication, one subtraction, one shift. The slope a
+//! - b lies in the word's low bits, where it also pays for the unit too much in f + 1; and f + 1 is what a lane yields
+//! that runs one position ahead. Where that carries into the next interval, f + 1 is 0 and w is b, as it must be. Same
+//! bits as [`FootprintTable`](super::FootprintTable).
 //!
-//! The position is not cut out of the lane: what stands above it is the interval's number i, and the word holds (a - b) 2^k i more, which
-//! is 0 again after the multiplication, modulo 2^32.
+//! The position is not cut out of the lane: what stands above it is the interval's number i, and the word holds (a - b)
+//! 2^k i more, which is 0 again after the multiplication, modulo 2^32.
 //!
-//! Two more instructions are saved by what lies before and behind the table. Radial indices below 0 are rounding noise and
-//! count as 0: lanes run one *interval* ahead too, and the first word is a level one, so that no pixel clamps. And an index is as many bits
-//! of the lane as the table has, which cannot miss it. The last interval gives its place to the level one; cut-offs by opacity end at 15, one
-//! unit before the table. A host whose footprints reach the table's end packs two words more ([`pack_into`]). Lanes whose lowest bit is the
-//! position's (`radial + range == table + interpolation`) need no shift.
+//! Two more instructions are saved by what lies before and behind the table. Radial indices below 0 are rounding noise
+//! and count as 0: lanes run one *interval* ahead too, and the first word is a level one, so that no pixel clamps. And
+//! an index is as many bits of the lane as the table has, which cannot miss it. The last interval gives its place to
+//! the level one; cut-offs by opacity end at 15, one unit before the table. A host whose footprints reach the table's
+//! end packs two words more ([`pack_into`]). Lanes whose lowest bit is the position's
+//! (`radial + range == table + interpolation`) need no shift.
 
 use crate::format::Widths;
 
 /// Bits of a radial index that a lane word has.
 const LANE: u32 = 31;
 
-/// Base-2 logarithm of the rounding noise of a run's radial indices in the lanes' unit: `BLOCK^2/32 + BLOCK` and a few roundings.
+/// Base-2 logarithm of the rounding noise of a run's radial indices in the lanes' unit: `BLOCK^2/32 + BLOCK` and a few
+/// roundings.
 const LANE_NOISE: u32 = 7;
 
 /// A packed table: one word for each of `2^table` intervals, made by [`pack`].
@@ -44,17 +46,19 @@ pub struct PackedTable<'a> {
 pub enum PackedError {
     /// The words are not as many as the intervals, `2^table`.
     Intervals,
-    /// The largest radial index leaves the lane: `radial + range` must be at most 31, and at least `table + interpolation`.
+    /// The largest radial index leaves the lane: `radial + range` must be at most 31, and at least
+    /// `table + interpolation`.
     Alignment,
-    /// Values rise, or value and slope have no room in one word: `2^k a + 2^(k-1)` must be below 2^32 and a - b below `2^(k-1)`.
+    /// Values rise, or value and slope have no room in one word: `2^k a + 2^(k-1)` must be below 2^32 and a - b below
+    /// `2^(k-1)`.
     Room,
-    /// Intervals are so narrow that the rounding noise of the row seeds exceeds one: `mantissa` must be at least `table + 4`, and
-    /// `radial + range` at least `table + 7`.
+    /// Intervals are so narrow that the rounding noise of the row seeds exceeds one: `mantissa` must be at least
+    /// `table + 4`, and `radial + range` at least `table + 7`.
     Noise,
 }
 
-/// Packs the entries of a footprint table that was filled for the same widths and range ([`super::gaussian`], [`super::fill`]); at compile
-/// time for firmware.
+/// Packs the entries of a footprint table that was filled for the same widths and range ([`super::gaussian`],
+/// [`super::fill`]); at compile time for firmware.
 pub const fn pack<const N: usize>(
     entries: &[u32],
     widths: &Widths,
@@ -67,9 +71,9 @@ pub const fn pack<const N: usize>(
     }
 }
 
-/// The same into memory that the caller lends: one word less than there are entries, or one more, of which the last two are the last interval's
-/// and its end's, which [`PackedTable`] has no place for. Radial indices far below 0, which no run of setup has, must
-/// be raised to 0 before they [lead](PackedTable::lead).
+/// The same into memory that the caller lends: one word less than there are entries, or one more, of which the last two
+/// are the last interval's and its end's, which [`PackedTable`] has no place for. Radial indices far below 0, which no
+/// run of setup has, must be raised to 0 before they [lead](PackedTable::lead).
 pub const fn pack_into(
     words: &mut [u32],
     entries: &[u32],
@@ -86,7 +90,8 @@ pub const fn pack_into(
     if lane > LANE || lane < widths.table as u32 + position {
         return Err(PackedError::Alignment);
     }
-    // A seed's product is rounded to the mantissa: 16 * 2^-mantissa at most, with room for its two roundings and the steps'.
+    // A seed's product is rounded to the mantissa: 16 * 2^-mantissa at most, with room for its two roundings and the
+    // steps'.
     if widths.mantissa < widths.table + 4 || lane < widths.table as u32 + LANE_NOISE {
         return Err(PackedError::Noise);
     }
@@ -139,14 +144,16 @@ impl<'a> PackedTable<'a> {
             && self.range == range
     }
 
-    /// The same table with as many words as the widths say: where those are a constant, so is their number, and no pixel compares with it.
+    /// The same table with as many words as the widths say: where those are a constant, so is their number, and no
+    /// pixel compares with it.
     #[inline(always)]
     pub(crate) fn of_length(self, widths: &Widths) -> Option<Self> {
         let words = self.words.get(..1usize.wrapping_shl(widths.table.into()))?;
         Some(PackedTable { words, ..self })
     }
 
-    /// How far lanes must run ahead of the radial index, UQ4.radial: one interval and one unit of the position within it.
+    /// How far lanes must run ahead of the radial index, UQ4.radial: one interval and one unit of the position within
+    /// it.
     #[inline(always)]
     pub const fn lead(widths: &Widths, range: u8) -> u32 {
         let below = below_index(widths, range);
@@ -157,8 +164,8 @@ impl<'a> PackedTable<'a> {
         1u32.wrapping_shl(below) + position
     }
 
-    /// Kernel at the radial index `ahead - lead` (UQ4.radial, below `2^range`), UQ1.weight, rounded to nearest; for `ahead` below the lead
-    /// the kernel at 0. For the widths and the range that the table was packed for.
+    /// Kernel at the radial index `ahead - lead` (UQ4.radial, below `2^range`), UQ1.weight, rounded to nearest; for
+    /// `ahead` below the lead the kernel at 0. For the widths and the range that the table was packed for.
     #[inline(always)]
     pub fn weight(&self, ahead: u32, widths: &Widths, range: u8) -> u32 {
         let below = below_index(widths, range);

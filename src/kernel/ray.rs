@@ -1,16 +1,16 @@
 //! The radial index of a sphere along each pixel's own ray: exact anywhere in the picture.
 //!
-//! The table of \[HYBRID\] 4.2 ([`super::PerspectiveTable`]) is exact for a sphere in the middle of the picture. Aside, the
-//! outlines for different radii are ellipses with different centres, and no index within one ellipse can follow them. What
-//! the kernel depends on is the distance of the ray v = (X, Y, 1) from the centre C, and
+//! The table of \[HYBRID\] 4.2 ([`super::PerspectiveTable`]) is exact for a sphere in the middle of the picture. Aside,
+//! the outlines for different radii are ellipses with different centres, and no index within one ellipse can follow
+//! them. What the kernel depends on is the distance of the ray v = (X, Y, 1) from the centre C, and
 //!
 //! ```text
 //! r' = |C x v|^2 / (|v|^2 s^2) = r L / |v|^2,    L = |C|^2/z^2,  |v|^2 = 1 + X^2 + Y^2
 //! ```
 //!
-//! where r is nothing but the affine radial index that the lanes have already: |C x v|^2 / s^2 is L times \[EWA\]'s conic
-//! around the projected centre. In the middle this is the paper's r / (1 + r s^2/z^2). It costs two squares, a reciprocal and
-//! a product per pixel; |v|^2 does not depend on the splat and may be kept per row and column.
+//! where r is nothing but the affine radial index that the lanes have already: |C x v|^2 / s^2 is L times \[EWA\]'s
+//! conic around the projected centre. In the middle this is the paper's r / (1 + r s^2/z^2). It costs two squares, a
+//! reciprocal and a product per pixel; |v|^2 does not depend on the splat and may be kept per row and column.
 
 use crate::math::{SoftFloat, reciprocal, shift_signed, sum_of_products};
 use crate::view::View;
@@ -67,8 +67,8 @@ impl Rays {
 
 /// Cut-off of the affine index that covers the whole outline of index `end` (UQ4.28): c (1 + T^2) / L, at most 15.
 ///
-/// T = (sqrt(L - 1) + sqrt(e (L - e))) / g is the slope of the outline's point farthest from the principal point; `aside` is
-/// L - 1, `limit` e and `rest` g of [`setup_sphere`](crate::setup::setup_sphere).
+/// T = (sqrt(L - 1) + sqrt(e (L - e))) / g is the slope of the outline's point farthest from the principal point;
+/// `aside` is L - 1, `limit` e and `rest` g of [`setup_sphere`](crate::setup::setup_sphere).
 pub fn covering_cutoff(
     end: u32,
     aside: SoftFloat,

@@ -13,17 +13,17 @@
 //!
 //! A normalised footprint has the peak 1 / (pi I sqrt(det)) with I the integral, because dA = pi sqrt(det) dr.
 //!
-//! **The cubic spline.** Crawfis and Max (Texture Splats, IEEE Visualization 1993) fit a piecewise cubic in the distance
-//! d from the sample, in sample spacings, that reconstructs a constant field with the least ripple:
+//! **The cubic spline.** Crawfis and Max (Texture Splats, IEEE Visualization 1993) fit a piecewise cubic in the
+//! distance d from the sample, in sample spacings, that reconstructs a constant field with the least ripple:
 //!
 //! ```text
 //! h(d) = 0.557526 - 1.157743 d^2 + 0.671033 d^3             d < 0.88175584
 //! h(d) = a + b t + c t^2 + e t^3, t = d - 0.88175584        up to 1.5556228
 //! ```
 //!
-//! The second piece follows from the first: value and slope are continuous and vanish at the end. Checks that the constants are
-//! right: the volume integral is 1.00004 and the second derivative is continuous to 4 %. Its footprint is the integral
-//! along the ray, its variance 0.19941 square spacings.
+//! The second piece follows from the first: value and slope are continuous and vanish at the end. Checks that the
+//! constants are right: the volume integral is 1.00004 and the second derivative is continuous to 4 %. Its footprint is
+//! the integral along the ray, its variance 0.19941 square spacings.
 
 use super::{fill_gaussian, shape_entries};
 use crate::format::Widths;
@@ -233,7 +233,8 @@ mod tests {
         }
     }
 
-    /// The arithmetic of profiles at the ends of its ranges, and digests of whole profiles and of the numbers beside them.
+    /// The arithmetic of profiles at the ends of its ranges, and digests of whole profiles and of the numbers beside
+    /// them.
     #[test]
     fn profiles_are_these_words() {
         assert_eq!([quadratic(2), quadratic(3)], [ONE, ONE - 1]);

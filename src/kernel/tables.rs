@@ -1,14 +1,15 @@
 //! The footprint tables of the named designs, made by the compiler: a table belongs to its design.
 //!
-//! A static takes room in an image only if something refers to it, so that a renderer under one set of rules costs one table.
+//! A static takes room in an image only if something refers to it, so that a renderer under one set of rules costs one
+//! table.
 
 use super::{FootprintTable, PackedTable, entries, gaussian, pack};
 use crate::format::{Classic8, Deep32, Design, Lean18, Micro16, Standard24, Widths};
 
 /// A design whose widths are constants and whose tables of the Gaussian exp(-r/2) therefore are, too.
 ///
-/// A design of one's own states its widths and two statics; a length that is not [`entries`] of the widths does not compile where a
-/// [`Renderer`](crate::Renderer) is made of it:
+/// A design of one's own states its widths and two statics; a length that is not [`entries`] of the widths does not
+/// compile where a [`Renderer`](crate::Renderer) is made of it:
 ///
 /// ```
 /// use splatline::format::{Design, Standard24, Widths};
@@ -41,8 +42,8 @@ pub trait Tabled: Design {
     /// The Gaussian on radial indices 0 to 16, UQ1.weight: `table_range` 4, for all other cut-offs
     /// ([`Rules::GAUSSIAN_3D`](crate::rules::Rules::GAUSSIAN_3D)).
     const GAUSSIAN_16: &'static [u32];
-    /// The same packed for the loop of 32-bit words ([`Painter32`](crate::draw::Painter32)); `None` where the design's products or its table
-    /// have no room there.
+    /// The same packed for the loop of 32-bit words ([`Painter32`](crate::draw::Painter32)); `None` where the design's
+    /// products or its table have no room there.
     const PACKED_16: Option<PackedTable<'static>> = None;
 }
 

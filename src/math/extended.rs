@@ -1,4 +1,5 @@
-//! Numbers wider than a mantissa of setup: where the eye is, how far a splat is away from it, where the picture's depths end.
+//! Numbers wider than a mantissa of setup: where the eye is, how far a splat is away from it, where the picture's
+//! depths end.
 
 use super::words::{leading_zeros_wide, shifted_up};
 

@@ -1,6 +1,7 @@
 //! Natural logarithm, exact enough to decide: where a footprint's opacity falls below a threshold.
 //!
-//! With x in [1, 2) in the middle of 32 intervals, a table has a = 1/middle in 16 bits and -ln a. So x a = 1 + d exactly, |d| <= 2^-6, and
+//! With x in [1, 2) in the middle of 32 intervals, a table has a = 1/middle in 16 bits and -ln a. So x a = 1 + d
+//! exactly, |d| <= 2^-6, and
 //!
 //! ```text
 //! ln(m 2^e) = e ln 2 - ln a + d - d^2 (1/2 - d (1/3 - d (1/4 - d/5)))

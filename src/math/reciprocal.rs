@@ -1,8 +1,8 @@
 //! Reciprocal of a normalised number: a table with linear interpolation, then one Newton step.
 //!
 //! With x in [1, 2) split into i/256 and a rest, the chord through 1/(1 + i/256) and its neighbour is at most
-//! `h^2/8 * max f'' = 2^-16 / 8 * 2 = 2^-18` too large. Lowering each entry by half of the mean excess would centre it, but the
-//! Newton step `y' = y + y (1 - x y)` squares the error to 2^-36 anyway, below every mantissa in use, and is
+//! `h^2/8 * max f'' = 2^-16 / 8 * 2 = 2^-18` too large. Lowering each entry by half of the mean excess would centre it,
+//! but the Newton step `y' = y + y (1 - x y)` squares the error to 2^-36 anyway, below every mantissa in use, and is
 //! exact enough without. Designs of at most 16 bits skip the step.
 
 use super::shift::shift_round;
@@ -25,7 +25,8 @@ pub static RECIPROCALS: [u32; INTERVALS + 1] = {
 
 /// `1 / value` rounded to `bits`. The sign is kept; 0 gives `None`.
 ///
-/// Relative error: at most `2^-bits + 2^-29` for `bits > 16`, `2^-bits + 2^-17.9` below (tested exhaustively at 16 bits).
+/// Relative error: at most `2^-bits + 2^-29` for `bits > 16`, `2^-bits + 2^-17.9` below (tested exhaustively at 16
+/// bits).
 #[cfg_attr(target_pointer_width = "32", inline(never))]
 pub fn reciprocal(value: SoftFloat, bits: u32) -> Option<SoftFloat> {
     if value.mantissa == 0 {

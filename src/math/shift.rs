@@ -3,8 +3,8 @@
 //! A shift by `s` divides by `2^s`. Rounding to nearest adds half of `2^s` first, so halves go up; the sum
 //! wraps only for values within half of `2^s` of the type's end, which no caller produces (all keep a spare bit).
 //!
-//! Where 64-bit shifts are library calls (32-bit processors) the saturating shift is a function of its own: half of the code of setup
-//! would otherwise be copies of it. Shifts by constants still fold.
+//! Where 64-bit shifts are library calls (32-bit processors) the saturating shift is a function of its own: half of the
+//! code of setup would otherwise be copies of it. Shifts by constants still fold.
 
 use super::words::{leading_zeros_wide, rounded_down, shifted_up};
 use crate::format::Rounding;

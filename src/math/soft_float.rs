@@ -1,18 +1,20 @@
 //! Normalised numbers: an integer mantissa and a power of two.
 //!
-//! Setup works in block floating point: mantissas of [`mantissa`](crate::format::Widths::mantissa) bits, exponents that are
-//! aligned once per sum. Nothing is lost by range, so the relative error of every product is at most
-//! `2^-mantissa`, whatever the scene's scale.
+//! Setup works in block floating point: mantissas of [`mantissa`](crate::format::Widths::mantissa) bits, exponents that
+//! are aligned once per sum. Nothing is lost by range, so the relative error of every product is at most `2^-mantissa`,
+//! whatever the scene's scale.
 //!
-//! A sum of products needs no more bits than its result has, and a few to guard them: each product is cut to a window of
-//! `mantissa + GUARD` bits, aligned to the largest, and only the sum is rounded. Where the window lies follows from exponents and the formats'
-//! lengths alone, so that no leading zeros are counted before the sum. A cut rounds down, because a floor of a floor is one floor: it may be
-//! done before or after the alignment, and costs nothing in hardware.
+//! A sum of products needs no more bits than its result has, and a few to guard them: each product is cut to a window
+//! of `mantissa + GUARD` bits, aligned to the largest, and only the sum is rounded. Where the window lies follows from
+//! exponents and the formats' lengths alone, so that no leading zeros are counted before the sum. A cut rounds down,
+//! because a floor of a floor is one floor: it may be done before or after the alignment, and costs nothing in
+//! hardware.
 //!
 //! `bits` is 1 to 31 wherever a result is rounded to it. Other numbers of bits are no width: what they give has no
 //! meaning, but nothing panics.
 //!
-//! On 32-bit processors normalisation is a function of its own and not inlined, for the sake of code size (docs/firmware.md).
+//! On 32-bit processors normalisation is a function of its own and not inlined, for the sake of code size
+//! (docs/firmware.md).
 
 use super::shift::{shift_left, shift_signed};
 use super::words::{
@@ -29,7 +31,8 @@ pub struct SoftFloat {
     pub exponent: i32,
 }
 
-/// Calls a function by the copy that knows its mantissa, which shifts by constants, where a small processor has a narrow design.
+/// Calls a function by the copy that knows its mantissa, which shifts by constants, where a small processor has a
+/// narrow design.
 macro_rules! by_mantissa {
     ($bits:expr, $name:ident($($argument:expr),*)) => {
         match $bits {
@@ -99,14 +102,15 @@ impl SoftFloat {
         SoftFloat::rounded(normal, 0, exponent, 32 - zeros as i32, bits)
     }
 
-    /// The same of a sum in a window ([`fits_words`]), which ends two bits below the sum's own end: there its leading bit is looked for first.
+    /// The same of a sum in a window ([`fits_words`]), which ends two bits below the sum's own end: there its leading
+    /// bit is looked for first.
     #[inline(always)]
     pub(crate) fn from_sum(value: i32, exponent: i32, bits: u32) -> SoftFloat {
         by_mantissa!(bits, rounded_sum(value, exponent))
     }
 
-    /// A number whose first bit unlike its sign is bit 30 of `normal` and stands for `2^(exponent + length - 1)`, rounded to `bits`, halves up;
-    /// `below` is the bit after the word.
+    /// A number whose first bit unlike its sign is bit 30 of `normal` and stands for `2^(exponent + length - 1)`,
+    /// rounded to `bits`, halves up; `below` is the bit after the word.
     #[inline(always)]
     const fn rounded(normal: i32, below: u32, exponent: i32, length: i32, bits: u32) -> SoftFloat {
         let exponent = exponent.saturating_add(length.wrapping_sub(bits as i32));
@@ -292,10 +296,12 @@ const fn shift_down(value: i64, shift: i32) -> i64 {
     }
 }
 
-/// Sum of up to four terms, cut to `bits + GUARD` bits below the largest format's end and rounded once to `bits`, halves up.
+/// Sum of up to four terms, cut to `bits + GUARD` bits below the largest format's end and rounded once to `bits`,
+/// halves up.
 ///
-/// The window ends at the largest `exponent + length` of all terms that are not 0 in it. Every cut takes less than `2^-(bits + GUARD)` of that;
-/// of two normalised mantissas the first bit may be 0, so that is less than `2^-(bits + GUARD - 2)` of the largest term.
+/// The window ends at the largest `exponent + length` of all terms that are not 0 in it. Every cut takes less than
+/// `2^-(bits + GUARD)` of that; of two normalised mantissas the first bit may be 0, so that is less than
+/// `2^-(bits + GUARD - 2)` of the largest term.
 #[cfg_attr(not(target_pointer_width = "32"), inline)]
 #[cfg_attr(target_pointer_width = "32", inline(always))]
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> SoftFloat {

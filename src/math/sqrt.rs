@@ -1,8 +1,8 @@
 //! Square root: a table with linear interpolation, then one Heron step through the reciprocal unit.
 //!
 //! The argument is brought to [1/4, 1) by an even shift. The chord between entries at i/256 is at most
-//! `h^2/8 * max |f''| = 2^-19 * 2 = 2^-18` too small at 1/4, a relative error of 2^-17. The row unit uses that seed as it is
-//! (its spans are made conservative by far more); setup adds `s' = (s + x/s)/2`, which leaves `e^2/2 = 2^-35`.
+//! `h^2/8 * max |f''| = 2^-19 * 2 = 2^-18` too small at 1/4, a relative error of 2^-17. The row unit uses that seed as
+//! it is (its spans are made conservative by far more); setup adds `s' = (s + x/s)/2`, which leaves `e^2/2 = 2^-35`.
 
 use super::reciprocal::reciprocal;
 use super::soft_float::{SoftFloat, sum_below};
@@ -23,7 +23,8 @@ pub static ROOTS: [u32; LAST - FIRST + 1] = {
     table
 };
 
-/// Square root of a 64-bit integer as `(root, shift)`: `sqrt(value) = root * 2^shift`, `root` in UQ0.24 of the range [1/2, 1).
+/// Square root of a 64-bit integer as `(root, shift)`: `sqrt(value) = root * 2^shift`, `root` in UQ0.24 of the range
+/// [1/2, 1).
 ///
 /// Relative error below 2^-16.9 (tested). 0 gives `(0, 0)`. The shift lies in -23 ..= 8.
 #[inline]

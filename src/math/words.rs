@@ -1,6 +1,8 @@
-//! 64-bit numbers by 32-bit words: what a small processor does in a few instructions where shifts of 64 bits are library calls.
+//! 64-bit numbers by 32-bit words: what a small processor does in a few instructions where shifts of 64 bits are
+//! library calls.
 //!
-//! Every function exists twice, plainly in 64 bits and by words, with the same bits for all inputs (tested); the target's width chooses.
+//! Every function exists twice, plainly in 64 bits and by words, with the same bits for all inputs (tested); the
+//! target's width chooses.
 
 #[cfg(target_pointer_width = "32")]
 pub use by_words::{
@@ -13,7 +15,8 @@ pub use plain::{
     shifted_up, signed_normal,
 };
 
-/// `value * 2^-shift` in a word, rounded to nearest, halves up; the low word of the result for negative shifts. Any `shift`.
+/// `value * 2^-shift` in a word, rounded to nearest, halves up; the low word of the result for negative shifts. Any
+/// `shift`.
 #[inline(always)]
 pub const fn shift_word(value: i32, shift: i32) -> i32 {
     match shift {
@@ -31,7 +34,8 @@ mod plain {
         value.leading_zeros()
     }
 
-    /// Leading zeros of a word that is likely to have its leading bit among the eight below `2^end` (8 to 32), and none above.
+    /// Leading zeros of a word that is likely to have its leading bit among the eight below `2^end` (8 to 32), and none
+    /// above.
     #[inline(always)]
     pub const fn leading_zeros_below(value: u32, _end: u32) -> u32 {
         value.leading_zeros()
@@ -49,8 +53,8 @@ mod plain {
         value.wrapping_shl(zeros)
     }
 
-    /// The upper word of a number moved up until its first bit unlike the sign is bit 62, the bit after that word, and the number's leading zeros
-    /// (ones, if negative): 1 to 64.
+    /// The upper word of a number moved up until its first bit unlike the sign is bit 62, the bit after that word, and
+    /// the number's leading zeros (ones, if negative): 1 to 64.
     #[inline(always)]
     pub const fn signed_normal(value: i64) -> (i32, u32, u32) {
         let zeros = (value ^ value >> 63).leading_zeros();
@@ -93,7 +97,8 @@ mod plain {
     }
 }
 
-/// The same by words. Armv6-M is the Arm profile without compare-and-swap: it neither counts zeros nor multiplies to 64 bits.
+/// The same by words. Armv6-M is the Arm profile without compare-and-swap: it neither counts zeros nor multiplies to 64
+/// bits.
 #[cfg(any(test, target_pointer_width = "32"))]
 mod by_words {
     /// Two words as one number.
@@ -179,7 +184,8 @@ mod by_words {
         zeros - if top > 2 { 2 } else { top }
     }
 
-    /// Leading zeros of a word that is likely to have its leading bit among the eight below `2^end` (8 to 32), and none above.
+    /// Leading zeros of a word that is likely to have its leading bit among the eight below `2^end` (8 to 32), and none
+    /// above.
     #[inline(always)]
     pub const fn leading_zeros_below(value: u32, end: u32) -> u32 {
         if !ARMV6M && !cfg!(target_arch = "riscv32") {
@@ -221,8 +227,8 @@ mod by_words {
         joined(high.wrapping_shl(zeros) | carried, low.wrapping_shl(zeros))
     }
 
-    /// The upper word of a number moved up until its first bit unlike the sign is bit 62, the bit after that word, and the number's leading zeros
-    /// (ones, if negative): 1 to 64.
+    /// The upper word of a number moved up until its first bit unlike the sign is bit 62, the bit after that word, and
+    /// the number's leading zeros (ones, if negative): 1 to 64.
     #[inline(always)]
     pub const fn signed_normal(value: i64) -> (i32, u32, u32) {
         let sign = value >> 63;
@@ -282,7 +288,8 @@ mod by_words {
     #[derive(Clone, Copy)]
     pub struct Digits([i32; 3]);
 
-    /// Bits that a factor in digits may have, its sign left out: of 21 the upper digit has 8, so that no product leaves a word.
+    /// Bits that a factor in digits may have, its sign left out: of 21 the upper digit has 8, so that no product leaves
+    /// a word.
     const SHORT: u32 = 21;
 
     impl Digits {

@@ -1,11 +1,12 @@
-//! Traversal `box`: every pixel of the bounding box by conic forward differencing, as in the papers (\[EWA\] 7.1.2, \[SURF\] 4).
+//! Traversal `box`: every pixel of the bounding box by conic forward differencing, as in the papers (\[EWA\] 7.1.2,
+//! \[SURF\] 4).
 //!
 //! r = a dx^2 + 2 b dx dy + c dy^2 from the corner of the box: two additions per pixel and three per row. It is the
 //! baseline of the speed-against-error report: most visited pixels lie outside the ellipse, and the corner's huge terms
 //! cancel on the way to the ellipse, so that a thin splat inherits their rounding.
 //!
-//! Accumulators are 64-bit integers in Q27.36. Where the conic at a corner exceeds that range, values wrap modulo 2^27; such
-//! footprints are thinner than one part in 10^3 and their pictures under `box` are undefined, though bounded.
+//! Accumulators are 64-bit integers in Q27.36. Where the conic at a corner exceeds that range, values wrap modulo 2^27;
+//! such footprints are thinner than one part in 10^3 and their pictures under `box` are undefined, though bounded.
 
 use super::{Quadratic, Span, Spans, Window};
 use crate::footprint::Footprint;

@@ -1,8 +1,8 @@
 //! The rasterizer: a footprint becomes spans of adjacent pixels with their radial index by forward differencing.
 //!
-//! Both traversals yield the same thing, a [`Span`]: where it starts, how long it is, and three lane words. From
-//! pixel to pixel the radial index costs two additions (\[EWA\] 7.1.2). What a traversal yields depends on the footprint
-//! and the viewport alone: a [`Window`] only selects pixels, so a picture is the same whatever its tiles.
+//! Both traversals yield the same thing, a [`Span`]: where it starts, how long it is, and three lane words. From pixel
+//! to pixel the radial index costs two additions (\[EWA\] 7.1.2). What a traversal yields depends on the footprint and
+//! the viewport alone: a [`Window`] only selects pixels, so a picture is the same whatever its tiles.
 
 mod conic;
 mod seeds;

@@ -1,7 +1,9 @@
-//! Seeds of `spans`: where the sequences of a block of rows, and of the lanes along a row, begin, from a footprint's LDL form.
+//! Seeds of `spans`: where the sequences of a block of rows, and of the lanes along a row, begin, from a footprint's
+//! LDL form.
 //!
-//! A sequence of second order is differenced from a seed at every multiple of [`BLOCK`] rows or columns, in formats that the head of
-//! `spans.rs` lists. Both kinds of seeds are two products each and balanced alike, which bounds what a block's steps add up to.
+//! A sequence of second order is differenced from a seed at every multiple of [`BLOCK`] rows or columns, in formats
+//! that the head of `spans.rs` lists. Both kinds of seeds are two products each and balanced alike, which bounds what a
+//! block's steps add up to.
 
 use super::Quadratic;
 use crate::footprint::{Footprint, Ldl};
@@ -111,8 +113,8 @@ pub(super) const fn rounded_to_word(value: i64, shift: u32) -> i32 {
     (halves as i32).wrapping_add(1) >> 1
 }
 
-/// `a b 2^-cut` rounded down, for numbers of at most 18 bits and a sign: two products of words. What is cut off does not matter to a rounding
-/// of more bits, halves up.
+/// `a b 2^-cut` rounded down, for numbers of at most 18 bits and a sign: two products of words. What is cut off does
+/// not matter to a rounding of more bits, halves up.
 #[inline(always)]
 const fn product_above(a: i32, b: i32, cut: u32) -> i32 {
     let below = (a & ((1 << cut) - 1)).wrapping_mul(b) >> cut;
@@ -140,10 +142,12 @@ pub(super) struct Seed<D: Design> {
     pub(super) second: D::Lane,
 }
 
-/// The constants of a footprint's seeds along rows (of A) or down them (of C): what is added up stays within `BLOCK^2 / 32` units of A dx^2.
+/// The constants of a footprint's seeds along rows (of A) or down them (of C): what is added up stays within
+/// `BLOCK^2 / 32` units of A dx^2.
 ///
-/// With the lanes' horizontal factor second/2 = A + e, the sum n first + n (n - 1) second/2 exceeds the truth by e n^2 if first is
-/// 2 A dx + second/2. Here first is smaller by e BLOCK and the start larger by e BLOCK^2/8, which leaves e (n^2 - n BLOCK + BLOCK^2/8).
+/// With the lanes' horizontal factor second/2 = A + e, the sum n first + n (n - 1) second/2 exceeds the truth by e n^2
+/// if first is 2 A dx + second/2. Here first is smaller by e BLOCK and the start larger by e BLOCK^2/8, which leaves e
+/// (n^2 - n BLOCK + BLOCK^2/8).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Balance {
     /// 2 A to the nearest unit of the sequence.
@@ -155,7 +159,8 @@ pub(super) struct Balance {
 }
 
 impl Balance {
-    /// `fine` is A with [`GUARD`] bits below the sequence's unit; wraps where A saturates, beyond any footprint of two adjacent pixels.
+    /// `fine` is A with [`GUARD`] bits below the sequence's unit; wraps where A saturates, beyond any footprint of two
+    /// adjacent pixels.
     pub(super) fn new(fine: i64) -> Self {
         let block = i32::from(BLOCK);
         let second = shift_round(fine, GUARD - 1);
@@ -197,8 +202,8 @@ impl<D: Design> Seed<D> {
         }
     }
 
-    /// Do the lanes fit a word, and the products of a seed one or [two](product_above) words? Then they are 32-bit products, with the same bits for
-    /// every footprint of setup: |dx| is below `2^bits` within its rows.
+    /// Do the lanes fit a word, and the products of a seed one or [two](product_above) words? Then they are 32-bit
+    /// products, with the same bits for every footprint of setup: |dx| is below `2^bits` within its rows.
     #[inline(always)]
     pub(super) fn is_narrow(&self) -> bool {
         self.design.widths().mantissa <= 18 && D::Lane::BITS == 32
@@ -231,8 +236,8 @@ impl<D: Design> Seed<D> {
         self.balance.start.wrapping_add(shift_round(vertical, drop))
     }
 
-    /// r = A dx^2 + C dy^2, its difference A (2 dx + 1) and 2 A at column `x`, balanced; `centre` is xc - 1/2 in Q.32, `down` the row's
-    /// [`Seed::down`].
+    /// r = A dx^2 + C dy^2, its difference A (2 dx + 1) and 2 A at column `x`, balanced; `centre` is xc - 1/2 in Q.32,
+    /// `down` the row's [`Seed::down`].
     #[inline(always)]
     pub(super) fn at(&self, x: u16, centre: i64, down: i64) -> (D::Lane, D::Lane, D::Lane) {
         let dx = (i64::from(x) << 32).wrapping_sub(centre);

@@ -1,11 +1,13 @@
 //! Traversal `spans`: only the pixels of each row that lie in the ellipse, by LDL forward differencing.
 //!
-//! r(x, y) = A (x - xc(y))^2 + C dy^2, xc(y) = u + S dy. Both ways are differenced alike, from seeds on absolute blocks: down the rows, xc is a
-//! linear and C dy^2 a quadratic sequence with a seed at every multiple of [`BLOCK`] rows; along a row, r is a quadratic sequence with a seed at
-//! every multiple of [`BLOCK`] columns. A row's half-width is sqrt((c - C dy^2) / A) from the root table. What a window leaves out is stepped over,
-//! at most a block less one row, so that pictures do not depend on tiles, and nothing is jumped over by products.
+//! r(x, y) = A (x - xc(y))^2 + C dy^2, xc(y) = u + S dy. Both ways are differenced alike, from seeds on absolute
+//! blocks: down the rows, xc is a linear and C dy^2 a quadratic sequence with a seed at every multiple of [`BLOCK`]
+//! rows; along a row, r is a quadratic sequence with a seed at every multiple of [`BLOCK`] columns. A row's half-width
+//! is sqrt((c - C dy^2) / A) from the root table. What a window leaves out is stepped over, at most a block less one
+//! row, so that pictures do not depend on tiles, and nothing is jumped over by products.
 //!
-//! **Row seeds.** The block of row y begins at `y0 = max(y - y mod BLOCK, first row of the box)`. With M = mantissa and round() to nearest, halves up:
+//! **Row seeds.** The block of row y begins at `y0 = max(y - y mod BLOCK, first row of the box)`. With M = mantissa and
+//! round() to nearest, halves up:
 //!
 //! | word | format | at row y0 | per row |
 //! |---|---|---|---|
@@ -14,19 +16,21 @@
 //! | C dy^2 | Q.g | round(round_M(C dy) dy) + start, the product with dy exact | first |
 //! | first | Q.g | round(2 round_M(C dy)) + unit | second |
 //!
-//! f = subpixel + 8: what 31 steps of half a unit add up to is an eighth of the centre's own rounding. Words of 28 + subpixel bits hold that
-//! (40 for lean18), since a span that meets the screen within a block then begins within 2^19 pixels of it. Where half-widths may reach 2^13 pixels or
-//! rows are 2^12 apart (2^half > 2^13 below, or |S| >= 2^13) f = subpixel - 2, in as many bits. Here xc is kept in Q.32, its lower bits 0.
+//! f = subpixel + 8: what 31 steps of half a unit add up to is an eighth of the centre's own rounding. Words of 28 +
+//! subpixel bits hold that (40 for lean18), since a span that meets the screen within a block then begins within 2^19
+//! pixels of it. Where half-widths may reach 2^13 pixels or rows are 2^12 apart (2^half > 2^13 below, or |S| >= 2^13) f
+//! = subpixel - 2, in as many bits. Here xc is kept in Q.32, its lower bits 0.
 //!
-//! g = max(radial, 22) + 4, and C dy^2 is below 32 within the box of a footprint of setup: g + 6 bits, 32 for radial indices of up to 22 and 37 for
-//! standard24. start, unit and second are the balance of C, as those of the columns are of A:
+//! g = max(radial, 22) + 4, and C dy^2 is below 32 within the box of a footprint of setup: g + 6 bits, 32 for radial
+//! indices of up to 22 and 37 for standard24. start, unit and second are the balance of C, as those of the columns are
+//! of A:
 //!
-//! **Balance.** A second difference is 2 A (2 C) rounded, and the error e n^2 that this makes n steps from a block's start is met by the line
-//! e (n BLOCK - BLOCK^2/8), which is folded into the constants of the seed, so that an eighth of e BLOCK^2 is left at most (e is up to a quarter of
-//! the sequence's unit; [`BLOCK`]^2/32 units).
+//! **Balance.** A second difference is 2 A (2 C) rounded, and the error e n^2 that this makes n steps from a block's
+//! start is met by the line e (n BLOCK - BLOCK^2/8), which is folded into the constants of the seed, so that an eighth
+//! of e BLOCK^2 is left at most (e is up to a quarter of the sequence's unit; [`BLOCK`]^2/32 units).
 //!
-//! The slack added to c makes spans include every pixel with r < c for any design, at the price of a few pixels with c <= r < c + 2^-10, which the
-//! lane's own comparison rejects.
+//! The slack added to c makes spans include every pixel with r < c for any design, at the price of a few pixels with c
+//! <= r < c + 2^-10, which the lane's own comparison rejects.
 
 use super::seeds::{BLOCK, RowSeeds, Seed, centre_fraction, reach_of_rows, vertical_fraction};
 use super::{Quadratic, Span, Spans, Window};
@@ -35,7 +39,8 @@ use crate::format::{Design, Widths};
 use crate::math::words::shifted_up;
 use crate::math::{SoftFloat, root_of, root_seed, shift_signed};
 
-/// Fraction bits of what a row leaves of the cut-off, from which its half-width follows: with 18 bits of 1 / A two products of words.
+/// Fraction bits of what a row leaves of the cut-off, from which its half-width follows: with 18 bits of 1 / A two
+/// products of words.
 pub const REST: u32 = 24;
 
 /// Added to the cut-off before the span is computed: 2^-10.
@@ -80,8 +85,8 @@ pub struct RowBlock {
     pub vertical: [i64; 2],
 }
 
-/// What the rows of one footprint are computed from, for implementations that compute several at once: [`EllipseSpans`] stays their
-/// definition.
+/// What the rows of one footprint are computed from, for implementations that compute several at once: [`EllipseSpans`]
+/// stays their definition.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RowConstants<L> {
     /// First row, and one past the last of those whose seeds are here.
@@ -136,8 +141,8 @@ impl<D: Design> EllipseSpans<D> {
         rows
     }
 
-    /// The same without the first row's words, which [`place`](EllipseSpans::place) adds: small processors would copy what is changed before
-    /// it is returned.
+    /// The same without the first row's words, which [`place`](EllipseSpans::place) adds: small processors would copy
+    /// what is changed before it is returned.
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline)]
     pub(crate) fn unplaced(design: D, footprint: &Footprint, window: &Window) -> Self {
@@ -259,7 +264,8 @@ impl<D: Design> EllipseSpans<D> {
         row
     }
 
-    /// The next part of the row, or of the next row. Not a loop, before which small processors would load all that any turn may need.
+    /// The next part of the row, or of the next row. Not a loop, before which small processors would load all that any
+    /// turn may need.
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline(never))]
     fn next_part(&mut self) -> Option<Span<D::Lane>> {
@@ -394,7 +400,8 @@ impl HalfWidth {
         }
     }
 
-    /// [`root_seed`] of the product of 16 bits with 29 in words, where it is not small: what lies 14 bits up in it has the 24 bits that count.
+    /// [`root_seed`] of the product of 16 bits with 29 in words, where it is not small: what lies 14 bits up in it has
+    /// the 24 bits that count.
     #[inline(always)]
     fn short_root(&self, rest: u32) -> Option<(u32, i32)> {
         let (low, high) = (rest & 0x3fff, rest >> 14);
@@ -417,7 +424,8 @@ impl HalfWidth {
     }
 }
 
-/// Root and shift of a product's upper bits, unless they are fewer than count; `shift` if both of the highest bits are taken.
+/// Root and shift of a product's upper bits, unless they are fewer than count; `shift` if both of the highest bits are
+/// taken.
 #[inline(always)]
 fn root_of_bits(mut normal: u32, mut shift: i32) -> Option<(u32, i32)> {
     if normal >> 22 == 0 {

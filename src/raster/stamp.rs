@@ -1,9 +1,9 @@
 //! Traversal `stamp`: footprints of one size and shape, drawn by table copy (\[SWAN\] 6: a sub-pixel-centred bitblt).
 //!
-//! Beyond the distance k, and for points and spheres in a parallel view, all footprints of a picture have one size on the
-//! screen (\[SWAN\] 4.3). Their kernel values are computed once for `2^n x 2^n` positions of the centre within a pixel
-//! (a glyph cache for splats); drawing then rounds the centre to the nearest phase, copies rows and composites. There is no
-//! radial index, no table lookup and no multiplication but the opacity's own.
+//! Beyond the distance k, and for points and spheres in a parallel view, all footprints of a picture have one size on
+//! the screen (\[SWAN\] 4.3). Their kernel values are computed once for `2^n x 2^n` positions of the centre within a
+//! pixel (a glyph cache for splats); drawing then rounds the centre to the nearest phase, copies rows and composites.
+//! There is no radial index, no table lookup and no multiplication but the opacity's own.
 //!
 //! The centre moves by at most half a phase: 2^-(n+1) pixels. Its error falls by two with every bit of n and its memory
 //! grows by four (docs/systems.md has the measurement).
@@ -149,7 +149,8 @@ const ONE: SoftFloat = SoftFloat {
     exponent: -30,
 };
 
-/// Computes the stamps of `footprint`'s shape through the traversal `spans`; false if `memory` has not [`StampShape::words`] words.
+/// Computes the stamps of `footprint`'s shape through the traversal `spans`; false if `memory` has not
+/// [`StampShape::words`] words.
 pub fn fill_stamps<D: Design>(
     memory: &mut [u32],
     design: D,
@@ -272,7 +273,8 @@ mod tests {
     use super::*;
     use crate::digest;
 
-    /// In a window that begins at different columns and rows, what is left of a stamp is what the whole screen shows there.
+    /// In a window that begins at different columns and rows, what is left of a stamp is what the whole screen shows
+    /// there.
     #[test]
     fn rows_are_cut_to_the_window() {
         let shape = StampShape {
@@ -340,7 +342,8 @@ mod tests {
         }
     }
 
-    /// An upright or sheared ellipse with these half-axes in pixels, in units of 2^-8, sheared by units of 2^-16, up to `cutoff`, UQ4.28.
+    /// An upright or sheared ellipse with these half-axes in pixels, in units of 2^-8, sheared by units of 2^-16, up to
+    /// `cutoff`, UQ4.28.
     fn ellipse([a, b]: [i64; 2], shear: i64, cutoff: u32) -> Footprint {
         let squared = |half: i64| SoftFloat::from_wide(half * half, -16, 24);
         Footprint {

@@ -1,13 +1,14 @@
 //! A splat's colour in the design's width.
 //!
-//! The one place where halves go to the even neighbour. Files have colours of few bits: a quarter of all single-precision numbers below
-//! 1/2 lies in the middle between two numbers of 24 fraction bits, and upwards all pictures would be too bright by `2^-28`.
+//! The one place where halves go to the even neighbour. Files have colours of few bits: a quarter of all
+//! single-precision numbers below 1/2 lies in the middle between two numbers of 24 fraction bits, and upwards all
+//! pictures would be too bright by `2^-28`.
 
 use crate::format::{Rounding, Widths};
 use fixed::types::U4F28;
 
-/// Red, green, blue in UQ(range).colour, with the design's [range](Widths::colour_range): rounded to nearest, halves to even, saturated below the
-/// format's end, or truncated as the design's pixel path is.
+/// Red, green, blue in UQ(range).colour, with the design's [range](Widths::colour_range): rounded to nearest, halves to
+/// even, saturated below the format's end, or truncated as the design's pixel path is.
 #[inline]
 pub fn colour(widths: &Widths, colour: [U4F28; 3]) -> [u32; 3] {
     let drop = 28u32.saturating_sub(widths.colour.into());

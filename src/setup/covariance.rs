@@ -27,8 +27,8 @@ pub struct Covariance2d {
 
 /// Covariance2d and determinant from the columns of M and the low-pass variance h (square pixels, not negative).
 ///
-/// Each result is rounded once to the design's mantissa, the determinant's minors and the trace once more. In line where small processors are to
-/// know the mantissa: each of its nine sums would else be there for every one.
+/// Each result is rounded once to the design's mantissa, the determinant's minors and the trace once more. In line
+/// where small processors are to know the mantissa: each of its nine sums would else be there for every one.
 #[cfg_attr(target_pointer_width = "32", inline(always))]
 pub fn covariance(widths: &Widths, low_pass: SoftFloat, columns: &[ScreenAxis; 3]) -> Covariance2d {
     let bits = u32::from(widths.mantissa);
@@ -58,7 +58,8 @@ pub fn covariance(widths: &Widths, low_pass: SoftFloat, columns: &[ScreenAxis; 3
     }
 }
 
-/// det V' = sum_{j<k} (m_j x m_k)^2, without the low-pass filter: the same minors as in [`covariance`], rounded to the design's mantissa.
+/// det V' = sum_{j<k} (m_j x m_k)^2, without the low-pass filter: the same minors as in [`covariance`], rounded to the
+/// design's mantissa.
 pub fn sharp_determinant(widths: &Widths, [a, b, c]: &[ScreenAxis; 3]) -> SoftFloat {
     let bits = u32::from(widths.mantissa);
     let squares = [(a, b), (a, c), (b, c)].map(|(j, k)| {

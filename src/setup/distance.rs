@@ -1,11 +1,11 @@
 //! Antialiasing by distance (\[SWAN\] 4.3), the alternative to the low-pass filter of \[EWA\].
 //!
-//! Samples s apart are seen at distance d through an image plane at distance D with pixels of extent p. From
-//! k = s D / p on, samples lie closer together than pixels. Beyond k radii grow by d/k and the footprint's height falls by
+//! Samples s apart are seen at distance d through an image plane at distance D with pixels of extent p. From k = s D /
+//! p on, samples lie closer together than pixels. Beyond k radii grow by d/k and the footprint's height falls by
 //! (k/d)^2, so that on the screen a footprint keeps the size it has at k, and its energy is the sample's.
 //!
-//! In terms of the gain g, pixels per scene unit at the splat's depth (fx/z, orthographic fx), all of that is one factor
-//! for both projections:
+//! In terms of the gain g, pixels per scene unit at the splat's depth (fx/z, orthographic fx), all of that is one
+//! factor for both projections:
 //!
 //! ```text
 //! d/k = 1 / (s g)       if s g < 1, else 1
@@ -13,8 +13,8 @@
 //!
 //! With pixels that are not square the smaller gain decides. The factor enlarges all three axes of a splat. Under
 //! normalised rules the peak falls by itself, because the footprint keeps unit volume; under the others the weight is
-//! divided by the factor's square. Unlike the low-pass filter, which widens a footprint only where it is thin, the factor
-//! widens an anisotropic footprint in all directions.
+//! divided by the factor's square. Unlike the low-pass filter, which widens a footprint only where it is thin, the
+//! factor widens an anisotropic footprint in all directions.
 
 use super::jacobian::ScreenAxis;
 use super::project::Projected;

@@ -1,16 +1,19 @@
-//! View-dependent colour: real spherical harmonics of degree 0 to 4, an optional unit before [`colour`](super::colour()).
+//! View-dependent colour: real spherical harmonics of degree 0 to 4, an optional unit before
+//! [`colour`](super::colour()).
 //!
 //! A splat's colour in the direction d from the eye is
 //!
 //! ```text
-//! max(0, base + sum over k of Y_k(d) c_k),   k = 1 .. 24 in the trainers' order: degree 1, -1 0 1; degree 2, -2 .. 2; ...
+//! max(0, base + sum over k of Y_k(d) c_k)
+//! k = 1 .. 24 in the trainers' order: degree 1, -1 0 1; degree 2, -2 .. 2; ...
 //! ```
 //!
-//! with Y_k the orthonormal real harmonics under the sign (-1)^m, as polynomials in d. The direction is the camera-space centre that
-//! [`project`](super::project()) computes, normalised (mantissas of the design's width) and turned back into the scene; parallel projection has
-//! one direction for all. From there on all is fixed point with places that no input can leave: directions Q1.30, polynomials Q3.30, harmonics
-//! Q2.28, coefficients Q3.28, their products rounded to 40 fraction bits, and the sum to odd at 28. In hardware the 24 harmonics are 40
-//! products and 24 by constants once per splat, and 72 products with coefficients.
+//! with Y_k the orthonormal real harmonics under the sign (-1)^m, as polynomials in d. The direction is the
+//! camera-space centre that [`project`](super::project()) computes, normalised (mantissas of the design's width) and
+//! turned back into the scene; parallel projection has one direction for all. From there on all is fixed point with
+//! places that no input can leave: directions Q1.30, polynomials Q3.30, harmonics Q2.28, coefficients Q3.28, their
+//! products rounded to 40 fraction bits, and the sum to odd at 28. In hardware the 24 harmonics are 40 products and 24
+//! by constants once per splat, and 72 products with coefficients.
 
 use crate::format::Widths;
 use crate::math::{SoftFloat, reciprocal, shift_round, square_root, sum_of_products};
@@ -51,13 +54,14 @@ const D4_FOUR: i64 = 335_993_002;
 pub struct Harmonics<'a> {
     /// Colour of degree 0, Q3.28: 1/2 + c_0 / (2 sqrt(pi)) of the trainers, not clamped.
     pub base: [I4F28; 3],
-    /// c_1 ..., Q3.28: 3 for degree 1, 8, 15 or 24 for degree 4. Fewer leave a sum short; what is beyond 24 is not looked at.
+    /// c_1 ..., Q3.28: 3 for degree 1, 8, 15 or 24 for degree 4. Fewer leave a sum short; what is beyond 24 is not
+    /// looked at.
     pub coefficients: &'a [[I4F28; 3]],
 }
 
 impl Harmonics<'_> {
-    /// The colour in a direction, UQ4.28: clamped at 0, saturated below 16. Each product is rounded to 2^-40 and the sum to odd, so that the
-    /// design's own rounding has no ties to favour.
+    /// The colour in a direction, UQ4.28: clamped at 0, saturated below 16. Each product is rounded to 2^-40 and the
+    /// sum to odd, so that the design's own rounding has no ties to favour.
     ///
     /// Total: every direction and coefficient has a colour. A direction of 0 leaves the base alone.
     pub fn colour(&self, direction: [I2F30; 3]) -> [U4F28; 3] {
@@ -77,7 +81,8 @@ impl Harmonics<'_> {
     }
 }
 
-/// The unit vector from the eye to a centre in the scene's axes, Q1.30; 0 at the eye itself. In parallel projection the direction of view.
+/// The unit vector from the eye to a centre in the scene's axes, Q1.30; 0 at the eye itself. In parallel projection the
+/// direction of view.
 ///
 /// Mantissas of [`mantissa`](Widths::mantissa) bits: the error is a few `2^-mantissa`. Total.
 pub fn direction<P: Pose>(widths: &Widths, view: &View<P>, centre: &P::Centre) -> [I2F30; 3] {
@@ -111,7 +116,8 @@ const fn times(a: i64, b: i64) -> i64 {
     shift_round(a.wrapping_mul(b), 30)
 }
 
-/// The harmonics of degree 1 to 4, Q2.28, of a unit vector, whose polynomials stay within 4. Those of any other vector are defined, and no more.
+/// The harmonics of degree 1 to 4, Q2.28, of a unit vector, whose polynomials stay within 4. Those of any other vector
+/// are defined, and no more.
 fn basis(direction: [I2F30; 3]) -> [i32; COEFFICIENTS] {
     let [x, y, z] = direction.map(|part| i64::from(part.to_bits()).clamp(-ONE, ONE));
     let (xx, yy, zz) = (times(x, x), times(y, y), times(z, z));
@@ -203,7 +209,8 @@ mod tests {
         basis(fixed(direction)).map(|y| f64::from(y) / 2f64.powi(28))
     }
 
-    /// The addition theorem: the squares of a degree's harmonics sum to (2 l + 1) / 4 pi in every direction. No formula of the unit is in it.
+    /// The addition theorem: the squares of a degree's harmonics sum to (2 l + 1) / 4 pi in every direction. No formula
+    /// of the unit is in it.
     #[test]
     fn squares_of_a_degree_sum_to_its_share_of_the_sphere() {
         for step in 0..400 {
@@ -222,7 +229,8 @@ mod tests {
         }
     }
 
-    /// A share of a component that rounds down does, and what leaves a polynomial's word for no unit vector ends with the word.
+    /// A share of a component that rounds down does, and what leaves a polynomial's word for no unit vector ends with
+    /// the word.
     #[test]
     fn ends_of_the_words() {
         use crate::format::{RuntimeWidths, Standard24};

@@ -68,8 +68,8 @@ fn sheared(
 
 /// Bits that axes, and the rotation that turns them, have beyond the mantissa.
 ///
-/// Two axes of a needle differ in their directions' last bits: with 18-bit mantissas, axes of 18 bits cost 2 dB, rotations of 18 bits 5 dB,
-/// and of either 24 bits nothing.
+/// Two axes of a needle differ in their directions' last bits: with 18-bit mantissas, axes of 18 bits cost 2 dB,
+/// rotations of 18 bits 5 dB, and of either 24 bits nothing.
 pub const AXIS_GUARD: u32 = 6;
 
 /// Bits of an axis' components, and fraction bits of the rotation that turns it; of this the format has 30.
@@ -92,9 +92,9 @@ pub(super) fn rotate_axis(widths: &Widths, rotation: &Rotation, axis: Axis) -> [
 
 /// W as axes are turned by it.
 ///
-/// The axis, Q31 by its block's exponent, is rounded down and the rotation to nearest to [`axis_bits`]. Each product is cut to the
-/// window of a sum ([`GUARD`]), which ends at twice the axis' largest component: nothing overflows, and the error is that of axis and rotation,
-/// `2^-axis_bits`.
+/// The axis, Q31 by its block's exponent, is rounded down and the rotation to nearest to [`axis_bits`]. Each product is
+/// cut to the window of a sum ([`GUARD`]), which ends at twice the axis' largest component: nothing overflows, and the
+/// error is that of axis and rotation, `2^-axis_bits`.
 struct Turn {
     entries: [[Digits; 3]; 3],
     bits: u32,

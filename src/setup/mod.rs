@@ -150,7 +150,8 @@ fn footprint<D: Design, P: Pose>(
     })
 }
 
-/// Half-extents sqrt(c Vxx), sqrt(c Vyy) around the centre: the pixels whose sample points lie within, clipped to the viewport.
+/// Half-extents sqrt(c Vxx), sqrt(c Vyy) around the centre: the pixels whose sample points lie within, clipped to the
+/// viewport.
 ///
 /// Extents are taken 2^-10 larger, relatively, than the root unit's 16-bit result, so that no pixel is missed.
 fn bounding_box<P>(
@@ -167,7 +168,8 @@ fn bounding_box<P>(
     for (axis, spread) in [covariance.xx, covariance.yy].into_iter().enumerate() {
         let squared = cutoff.times_within(spread, 16 + bits).normalise(16);
         let extent = square_root(squared, 16).to_fixed(32);
-        // What leaves the word is negative, and so out of range too. What remains is far from the word's ends, and upper words say it all.
+        // What leaves the word is negative, and so out of range too. What remains is far from the word's ends, and
+        // upper words say it all.
         let extent = extent.wrapping_add(extent >> 10);
         if extent >> (32 + 28) != 0 {
             return Err(Cull::Range);

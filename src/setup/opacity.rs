@@ -6,8 +6,9 @@
 //! g |J W| / (pi I sqrt(det)),   |J| = fx/z fy/z |t|/z = gain_x gain_y sqrt(1 + (x/z)^2 + (y/z)^2)
 //! ```
 //!
-//! with J in pixels, |W| = 1 and I the integral of the kernel's profile (2 for the Gaussian). Orthographic views have |t|/z = 1. All other rules take the weight itself,
-//! or what is left of it where the low-pass filter is compensated (Mip-Splatting, Yu et al., CVPR 2024, eq. 9): `weight sqrt(det V' / det(V' + V^h))`.
+//! with J in pixels, |W| = 1 and I the integral of the kernel's profile (2 for the Gaussian). Orthographic views have
+//! |t|/z = 1. All other rules take the weight itself, or what is left of it where the low-pass filter is compensated
+//! (Mip-Splatting, Yu et al., CVPR 2024, eq. 9): `weight sqrt(det V' / det(V' + V^h))`.
 
 use super::covariance::{Covariance2d, sharp_determinant};
 use super::jacobian::ScreenAxis;
@@ -46,8 +47,9 @@ pub fn centre_opacity(
         .multiply(rules.kernel.inverse_integral(), bits)
 }
 
-/// The weight times sqrt(det V' / det(V' + V^h)), at most the weight but for rounding, with the design's mantissa; 0 of a splat without area.
-/// Three products and a root, each rounded once; where the variance has no inverse the splat is culled before.
+/// The weight times sqrt(det V' / det(V' + V^h)), at most the weight but for rounding, with the design's mantissa; 0 of
+/// a splat without area. Three products and a root, each rounded once; where the variance has no inverse the splat is
+/// culled before.
 pub fn compensate(
     widths: &Widths,
     weight: SoftFloat,
@@ -64,11 +66,11 @@ pub fn compensate(
 
 /// The peak in UQ4.peak, saturated; `None` if it rounds to 0.
 ///
-/// Saturation below 16 changes no pixel of a footprint with cut-off 4: the kernel there is at least exp(-2) > 1/16, so the
-/// opacity is clamped to 1 either way.
+/// Saturation below 16 changes no pixel of a footprint with cut-off 4: the kernel there is at least exp(-2) > 1/16, so
+/// the opacity is clamped to 1 either way.
 ///
-/// Halves go to even, as those of colours do: a faint opacity of single precision has a few bits more than the format, and one in four of them
-/// lies in the middle.
+/// Halves go to even, as those of colours do: a faint opacity of single precision has a few bits more than the format,
+/// and one in four of them lies in the middle.
 pub fn opacity_fixed(peak: SoftFloat, fraction: u32) -> Option<u32> {
     let fixed = peak.to_fixed(fraction);
     let odd_half = fixed & 1 != 0 && is_half(peak, fraction);
@@ -91,8 +93,9 @@ fn is_half(number: SoftFloat, fraction: u32) -> bool {
 
 /// Radial index at which the footprint ends, UQ4.28, at most 15; `None` if it is nowhere visible.
 ///
-/// Where the opacity decides, c = 2 ln(peak / alpha_min), rounded to nearest. The comparison r < c in the lanes is then the decision itself:
-/// it sees the unrounded peak, and no rounding of table or opacity, whose errors are ten times those of r.
+/// Where the opacity decides, c = 2 ln(peak / alpha_min), rounded to nearest. The comparison r < c in the lanes is then
+/// the decision itself: it sees the unrounded peak, and no rounding of table or opacity, whose errors are ten times
+/// those of r.
 pub fn cutoff(rules: &Rules, peak: SoftFloat) -> Option<u32> {
     if rules.cutoff != Cutoff::Opacity || rules.kernel != Kernel::Gaussian {
         return Some(rules.end());

@@ -1,7 +1,8 @@
 //! Point or splat, and setup of points (\[HYBRID\] 2 and 4).
 //!
-//! A sample whose neighbours lie less than a pixel away (s g < 1, the condition of \[SWAN\] 4.3) is minified: it becomes a
-//! point and is gathered by a circular filter, the same for all points. The others are magnified and stay splats.
+//! A sample whose neighbours lie less than a pixel away (s g < 1, the condition of \[SWAN\] 4.3) is minified: it
+//! becomes a point and is gathered by a circular filter, the same for all points. The others are magnified and stay
+//! splats.
 //!
 //! The filter is the footprint that a spherical splat has at the distance k where the choice changes, so that nothing
 //! pops there: its variance is (deviation / s)^2 square pixels. A point costs a projection and three multiplications:

@@ -1,9 +1,10 @@
 //! Projection of the centre: view transform, reciprocal of the depth, perspective division (\[EWA\] eq. 22-24).
 //!
-//! The difference to the eye is exact before it is rounded ([`Pose`]), so that a splat just behind the near plane loses nothing to
-//! cancellation, however far from the origin it stands. From camera space on mantissas of the design's `view` bits: 1/z once, then x/z and y/z, then u = fx x/z + cx rounded
-//! once to the design's sub-pixel bits. The centre deserves more bits than the shape: 8 sub-pixel bits
-//! cost more accuracy than everything else together (docs/specification.md).
+//! The difference to the eye is exact before it is rounded ([`Pose`]), so that a splat just behind the near plane loses
+//! nothing to cancellation, however far from the origin it stands. From camera space on mantissas of the design's
+//! `view` bits: 1/z once, then x/z and y/z, then u = fx x/z + cx rounded once to the design's sub-pixel bits. The
+//! centre deserves more bits than the shape: 8 sub-pixel bits cost more accuracy than everything else together
+//! (docs/specification.md).
 
 use super::Cull;
 use crate::format::Widths;

@@ -17,8 +17,9 @@
 //! ```
 //!
 //! where nothing cancels but 1 - e. The perspective-correct index ([`kernel`](crate::kernel), spread s^2/|C|^2) brings
-//! r back to c there and is exact along both axes' directions for a sphere in the middle of the picture. The approximate ellipse
-//! is the limit e -> 0, V = (s/z)^2 (I + (u, v)^T (u, v)) around the projected centre: \[EWA\]'s affine footprint.
+//! r back to c there and is exact along both axes' directions for a sphere in the middle of the picture. The
+//! approximate ellipse is the limit e -> 0, V = (s/z)^2 (I + (u, v)^T (u, v)) around the projected centre: \[EWA\]'s
+//! affine footprint.
 //!
 //! Through a Gaussian ball the integral along a ray is weight / (2 pi s^2) exp(-d^2 / 2 s^2), whatever the ray's
 //! direction: normalised kernels need no Jacobian's determinant here.
@@ -50,7 +51,8 @@ pub enum Index {
     Affine,
     /// By the distance of the ray from the centre, as in the middle of the picture (\[HYBRID\] 4.2).
     Perspective,
-    /// By the distance of the pixel's own ray from the centre: exact anywhere, whatever the ellipse ([`Rays`](crate::kernel::Rays)).
+    /// By the distance of the pixel's own ray from the centre: exact anywhere, whatever the ellipse
+    /// ([`Rays`](crate::kernel::Rays)).
     Ray,
 }
 

@@ -1,8 +1,8 @@
 //! Setup of surface splats (SURF 3.3 and 4, EWA 6.3): M = J W S, V' = M M^T, and the tangent plane's depth.
 //!
-//! A surface splat is a volume splat whose third axis has length 0 (EWA 6.4), so the units of volume setup serve as they
-//! are: `columns` with a zero third column, `variance` whose Cauchy-Binet sum then is (m1 x m2)^2 + h trace + h^2. Two
-//! things are new.
+//! A surface splat is a volume splat whose third axis has length 0 (EWA 6.4), so the units of volume setup serve as
+//! they are: `columns` with a zero third column, `variance` whose Cauchy-Binet sum then is (m1 x m2)^2 + h trace + h^2.
+//! Two things are new.
 //!
 //! **Weight.** SURF eq. 8 normalises by |J| = |m1 x m2|: the screen-space basis function at its centre is
 //!
@@ -13,19 +13,20 @@
 //! w when magnified, falling with the projected area when minified. It is the flattened volume kernel's peak (`peak`)
 //! times the cosine between normal and ray: a thin sheet gets denser along an oblique ray, a surface does not.
 //!
-//! **Depth.** The plane's depth is affine in the pixel, z = z0 + g . (x - u). SURF takes g from the tangent plane, which
-//! is infinitely steep when seen edge-on, while the low-pass filter keeps the footprint at least a pixel wide. Here
-//! g is the depth that the *filtered* kernel has at a pixel, the regression of z on the screen position:
+//! **Depth.** The plane's depth is affine in the pixel, z = z0 + g . (x - u). SURF takes g from the tangent plane,
+//! which is infinitely steep when seen edge-on, while the low-pass filter keeps the footprint at least a pixel wide.
+//! Here g is the depth that the *filtered* kernel has at a pixel, the regression of z on the screen position:
 //!
 //! ```text
 //! g = (V' + h I)^-1 M z,   z = (depth components of the two axes)
 //!   = ( D (m2y z1 - m1y z2) + h (m1x z1 + m2x z2),  D (m1x z2 - m2x z1) + h (m1y z1 + m2y z2) ) / det,   D = m1 x m2
 //! ```
 //!
-//! With h = 0 this is the tangent plane's slope, and by Cauchy-Schwarz |g . (x - u)| <= sqrt(r) |z|: no depth inside a footprint
-//! leaves the splat's own depth range, so nothing needs to be clamped. The second form never subtracts variances.
-//! Perspective: 1/z, not z, is affine on the screen; z0 + g . x is its first-order expansion, the approximation that the
-//! Jacobian makes of the position. The error is below (sqrt(c) |z| / z0)^2 z0 and exact in orthographic views.
+//! With h = 0 this is the tangent plane's slope, and by Cauchy-Schwarz |g . (x - u)| <= sqrt(r) |z|: no depth inside a
+//! footprint leaves the splat's own depth range, so nothing needs to be clamped. The second form never subtracts
+//! variances. Perspective: 1/z, not z, is affine on the screen; z0 + g . x is its first-order expansion, the
+//! approximation that the Jacobian makes of the position. The error is below (sqrt(c) |z| / z0)^2 z0 and exact in
+//! orthographic views.
 
 use super::covariance::{Covariance2d, covariance, minor};
 use super::jacobian::{ScreenAxis, project_axes, rotate_axis};
@@ -180,7 +181,8 @@ fn plane(
     }
 }
 
-/// Colour and opacity clamped to 1, the normal turned into camera space and towards the eye; and whether that turned it around.
+/// Colour and opacity clamped to 1, the normal turned into camera space and towards the eye; and whether that turned it
+/// around.
 fn attributes<C>(
     widths: &Widths,
     rotation: &Rotation,
@@ -206,11 +208,11 @@ fn attributes<C>(
 
 /// The normal in camera space, Q1 with the attributes' fraction, turned so that it does not point away from the eye.
 ///
-/// Surfaces are two-sided and normals of scans often are not oriented; averaged as they are, opposite ones would cancel. The turn
-/// leaves no seam: where n . t changes its sign the plane is seen edge-on and the splat's weight is 0.
+/// Surfaces are two-sided and normals of scans often are not oriented; averaged as they are, opposite ones would
+/// cancel. The turn leaves no seam: where n . t changes its sign the plane is seen edge-on and the splat's weight is 0.
 ///
-/// On closed surfaces whose normals are oriented it leaves a fringe instead: next to the silhouette the back's splats reach over it and are
-/// lit as if they were in front. There the ones that were turned are left out.
+/// On closed surfaces whose normals are oriented it leaves a fringe instead: next to the silhouette the back's splats
+/// reach over it and are lit as if they were in front. There the ones that were turned are left out.
 fn facing_normal(
     widths: &Widths,
     rotation: &Rotation,

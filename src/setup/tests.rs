@@ -130,7 +130,8 @@ fn long_products_of_short_mantissas() {
     assert_eq!(axis_bits(&Lean18::WIDTHS), 24);
 }
 
-/// Focal lengths of the two directions are not mixed up: samples are spaced by the smaller, a point's area has both, a ball's radii one each.
+/// Focal lengths of the two directions are not mixed up: samples are spaced by the smaller, a point's area has both, a
+/// ball's radii one each.
 #[test]
 fn unequal_focal_lengths() {
     let rules = Rules {
@@ -194,7 +195,8 @@ fn unequal_focal_lengths() {
     assert_eq!([[16, 64], [64, 16]].map(spread), [1 << 22; 2]);
 }
 
-/// A ball that ends where it begins ends at 0, one without a size has no spread, and one that reaches the eye's plane is too near.
+/// A ball that ends where it begins ends at 0, one without a size has no spread, and one that reaches the eye's plane
+/// is too near.
 #[test]
 fn a_ball_may_have_no_extent() {
     let rules = Rules {

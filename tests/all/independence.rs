@@ -284,7 +284,8 @@ fn at_400(value: &BigInt, exponent: i32) -> BigInt {
     value << (exponent + 400) as u32
 }
 
-/// The camera space of the kernel against exact numbers: the error is relative to the distance from the eye, wherever both are.
+/// The camera space of the kernel against exact numbers: the error is relative to the distance from the eye, wherever
+/// both are.
 fn camera_space_is_relative_to_the_eye(source: &mut Source, design: RuntimeWidths) {
     let widths = design.widths();
     let mut view = source.sound_view();
@@ -399,7 +400,8 @@ proptest! {
         let got = math::sum_of_products(terms, bits);
         let got = if got.mantissa == 0 { BigInt::from(0) } else { BigInt::from(got.mantissa) << (got.exponent + 300) as u32 };
         let error: BigInt = got - (&exact << 100u32);
-        // Half a unit of the result, and for each of four terms a unit of the window, which begins at the largest term's leading bit.
+        // Half a unit of the result, and for each of four terms a unit of the window, which begins at the largest
+        // term's leading bit.
         let cuts: BigUint = (largest.unwrap_or_default() << 100u32) >> (bits + math::GUARD - 3);
         let bound = (((exact.magnitude() << 100u32) + &cuts) >> bits) + cuts;
         prop_assert!(*error.magnitude() <= bound);

@@ -1,5 +1,6 @@
-//! Independence of the pixel path: opacity, transmittance and colour at any widths and in both roundings, against integers of 128 bits
-//! and the definition of rounding. And the walks through whole 24-bit domains, which take minutes without the optimiser.
+//! Independence of the pixel path: opacity, transmittance and colour at any widths and in both roundings, against
+//! integers of 128 bits and the definition of rounding. And the walks through whole 24-bit domains, which take minutes
+//! without the optimiser.
 //!
 //! `cargo test --release -p splatline --test all independence_pixels -- --ignored` walks them.
 

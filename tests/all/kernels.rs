@@ -77,8 +77,8 @@ fn point(centre: [f64; 3], rules: &Rules) -> Footprint {
     setup_point(Standard24, &view, rules, &ball(centre), &filter).unwrap()
 }
 
-/// Points with splats between them, drawn window by window: each has its part of the whole picture, by spans and by stamps. The first
-/// point's counts are those of its pixels.
+/// Points with splats between them, drawn window by window: each has its part of the whole picture, by spans and by
+/// stamps. The first point's counts are those of its pixels.
 #[test]
 fn points_are_the_same_in_every_window() {
     let rules = rules(0.03);
@@ -179,7 +179,8 @@ fn a_stamp_is_the_footprint_at_its_phase() {
                 painter.draw_stamp(&stamp, &placed, &mut target);
                 for (a, b) in by_spans.iter().zip(&by_stamp) {
                     let apart = a.transmittance.abs_diff(b.transmittance);
-                    // Two units of the kernel value, UQ1.26, in a transmittance of 30 bits: the lanes differ in their last bits.
+                    // Two units of the kernel value, UQ1.26, in a transmittance of 30 bits: the lanes differ in their
+                    // last bits.
                     assert!(apart <= 128, "{bits} bits at {at:?}, step {step}: {apart}");
                 }
             }

@@ -154,7 +154,8 @@ proptest! {
         check::<1024>(Lean18::WIDTHS, &rules, &list)?;
     }
 
-    /// What is written for a display is what its iterator gives, of colours up to 1 and beyond, and of designs that round their sums.
+    /// What is written for a display is what its iterator gives, of colours up to 1 and beyond, and of designs that
+    /// round their sums.
     #[test]
     fn display_words_are_written_as_they_are_read(
         list in prop::collection::vec(splats(), 1..16), beyond in prop_oneof![Just(0u32), Just(1), Just(1 << 12)], background: u16,
@@ -205,7 +206,8 @@ fn written_as_read<D: Tabled>(
 }
 
 /// Every position of every interval, and the level before 0.
-/// Footprints that end at a pixel's own index, under usual rules, with a shorter table, and of opacities down to the smallest.
+/// Footprints that end at a pixel's own index, under usual rules, with a shorter table, and of opacities down to the
+/// smallest.
 #[test]
 fn ends_and_smallest_opacities_are_the_same() {
     const USUAL: &Rules = &Rules::GAUSSIAN_3D;

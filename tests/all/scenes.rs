@@ -54,7 +54,8 @@ fn set_up<'w, D: Tabled>(
     (renderer, list)
 }
 
-/// The memory that the error asks for suffices, and one footprint less does not, however many splats need a key and no place.
+/// The memory that the error asks for suffices, and one footprint less does not, however many splats need a key and no
+/// place.
 #[test]
 fn a_packed_list_that_is_full_says_how_much_it_lacks() {
     let view = camera().view().unwrap();
@@ -151,7 +152,8 @@ fn keys_sort_as_footprints_do() {
     }
 }
 
-/// Keys that differ in their last bit alone, the nearest splat last in the scene; and a splat behind the eye of a parallel projection.
+/// Keys that differ in their last bit alone, the nearest splat last in the scene; and a splat behind the eye of a
+/// parallel projection.
 #[test]
 fn keys_keep_their_first_and_last_bits() {
     let mut view = camera().view().unwrap();
@@ -220,7 +222,8 @@ fn bright_colours_saturate() {
     check(Standard24, &view, &scene);
 }
 
-/// A scene of whose two splats one has no centre and one no numbers: both count, neither is drawn; a list that is full is empty afterwards.
+/// A scene of whose two splats one has no centre and one no numbers: both count, neither is drawn; a list that is full
+/// is empty afterwards.
 #[test]
 fn splats_that_are_none_are_counted() {
     struct Without(Vec<VolumeSplat>);
@@ -413,8 +416,8 @@ fn negative_depths_come_first() {
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
-    /// What setup makes of any splat for any design comes back from a packed list field by field, but for a shear that moves no pixel. Only what
-    /// no low-pass filter has widened can be too thin for it.
+    /// What setup makes of any splat for any design comes back from a packed list field by field, but for a shear that
+    /// moves no pixel. Only what no low-pass filter has widened can be too thin for it.
     #[test]
     fn packed_footprints_are_those_of_setup(bytes in prop::collection::vec(any::<u8>(), 500), seen: bool, thin in 0i32..700) {
         let mut source = Source::new(&bytes);

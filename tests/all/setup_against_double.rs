@@ -52,8 +52,8 @@ impl InputBounds {
                     0.0
                 };
                 let terms = (6.0 * u + 2.0 * w + 2.0 * near) * (across + slant * z);
-                // Axis, rotation and their products are cut to 6 bits more than the mantissa, the rotation at 30 bits: an error of the axis' length,
-                // however little of it lies across.
+                // Axis, rotation and their products are cut to 6 bits more than the mantissa, the rotation at 30 bits:
+                // an error of the axis' length, however little of it lies across.
                 let turned = 6.0 * unit(widths.mantissa + 6) + unit(30);
                 let turned = turned * (1.0 + slant) * length(&axis);
                 double(view.focal[i]) / depth * (terms + turned)
@@ -151,7 +151,8 @@ fn check<D: Design>(
         "{name} determinant: {error:e} > {:e}",
         bounds.determinant()
     );
-    // What the low-pass filter leaves of an opacity, squared: the minors' errors are to be seen against the whole determinant.
+    // What the low-pass filter leaves of an opacity, squared: the minors' errors are to be seen against the whole
+    // determinant.
     let kept = double(sharp_determinant(&widths, &m)) / double(v.determinant);
     let error = (kept - exact.kept * exact.kept).abs();
     prop_assert!(

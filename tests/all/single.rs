@@ -1,5 +1,6 @@
-//! The blend of `lean18` as single precision has it, one fused multiply-add a product, as the head of `src/blend/mod.rs` states it: every pixel
-//! word equal to the kernel's. Numbers are in the ordinary `f32` of this machine and share nothing with the kernel's integers.
+//! The blend of `lean18` as single precision has it, one fused multiply-add a product, as the head of
+//! `src/blend/mod.rs` states it: every pixel word equal to the kernel's. Numbers are in the ordinary `f32` of this
+//! machine and share nothing with the kernel's integers.
 
 use proptest::prelude::*;
 use splatline::blend::{Blend, FINISHED, Pixel};

@@ -1,4 +1,5 @@
-//! Surface setup against double precision: the ellipse by the inverse Jacobian, the plane's depth by the tangent plane, and every bit pattern.
+//! Surface setup against double precision: the ellipse by the inverse Jacobian, the plane's depth by the tangent plane,
+//! and every bit pattern.
 
 use fixed::types::{I2F30, I32F32, U4F28};
 use proptest::prelude::*;
@@ -10,7 +11,8 @@ use splatline::splat::surface::SurfaceSplat;
 use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Eye, Projection, RatioLimits, View};
 
-/// Largest error of the conic relative to its trace, and of the depth lane relative to the splat's radius, in `standard24`.
+/// Largest error of the conic relative to its trace, and of the depth lane relative to the splat's radius, in
+/// `standard24`.
 const CONIC_TOLERANCE: f64 = 3e-5;
 const DEPTH_TOLERANCE: f64 = 1e-5;
 
@@ -80,7 +82,8 @@ fn splat(centre: [f64; 3], frame: [[f64; 3]; 2]) -> SurfaceSplat {
     }
 }
 
-/// Conic of r = |coordinates in the plane|^2 from d(coordinates)/d(pixel): rays through pixels cut with the tangent plane.
+/// Conic of r = |coordinates in the plane|^2 from d(coordinates)/d(pixel): rays through pixels cut with the tangent
+/// plane.
 fn conic_by_rays(centre: [f64; 3], [s1, s2]: [[f64; 3]; 2]) -> [f64; 3] {
     let normal = cross(s1, s2);
     let gram = [dot(s1, s1), dot(s1, s2), dot(s2, s2)];
@@ -142,8 +145,8 @@ proptest! {
         prop_assert!((peak - 1.0).abs() < 1e-4, "{peak}");
     }
 
-    /// A 2D Gaussian is a volume splat whose third axis is 0. Its footprint is the surface splat's, bit for bit; its peak is the opacity, and
-    /// compensated for the filter it is SURF's weight.
+    /// A 2D Gaussian is a volume splat whose third axis is 0. Its footprint is the surface splat's, bit for bit; its
+    /// peak is the opacity, and compensated for the filter it is SURF's weight.
     #[test]
     fn a_flat_volume_splat_has_the_footprint_of_a_surface_splat(
         x in -1.5f64..1.5, y in -1.5f64..1.5, z in 1.0f64..40.0,
@@ -173,7 +176,8 @@ proptest! {
         prop_assert!((peak / expected - 1.0).abs() < 1e-6, "{peak} {expected}");
     }
 
-    /// The lane's slope is the regression of depth on the filtered position, in double precision by the textbook formula.
+    /// The lane's slope is the regression of depth on the filtered position, in double precision by the textbook
+    /// formula.
     #[test]
     fn the_depth_lane_is_the_filtered_plane(
         x in -1.5f64..1.5, y in -1.5f64..1.5, z in 4.0f64..40.0, h in 0.1f64..2.0,

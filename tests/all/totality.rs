@@ -1,8 +1,8 @@
 //! Totality: the kernel on arbitrary bit patterns of every public input.
 //!
-//! Built with overflow checks, so that an overflow is a panic and a panic is a failure. Beyond that each property states
-//! what must hold of any result: nothing is written outside the window of the lent memory, and the work
-//! is bounded by the window's size. The same bodies run under cargo-fuzz (`sim/fuzz`).
+//! Built with overflow checks, so that an overflow is a panic and a panic is a failure. Beyond that each property
+//! states what must hold of any result: nothing is written outside the window of the lent memory, and the work is
+//! bounded by the window's size. The same bodies run under cargo-fuzz (`sim/fuzz`).
 
 use crate::arbitrary::Source;
 use proptest::prelude::*;

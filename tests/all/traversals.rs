@@ -141,7 +141,8 @@ fn check<D: Design>(
     let thinness =
         1.0 + (double(footprint.ldl.shear) * rows).abs() * double(footprint.ldl.horizontal).sqrt();
     let cutoff = f64::from(footprint.cutoff) / 28f64.exp2();
-    // Down the rows of a block xc is a sum of steps, each of them half a unit off, as is its seed (2 sqrt(r A) of r for a pixel of xc).
+    // Down the rows of a block xc is a sum of steps, each of them half a unit off, as is its seed (2 sqrt(r A) of r for
+    // a pixel of xc).
     let drift = (4.0 - f64::from(widths.subpixel + 8)).exp2();
     let drifted = 2.0 * (cutoff * double(footprint.ldl.horizontal)).sqrt() * drift;
     let bound = tolerances::of(&widths).radial * thinness + drifted;
@@ -230,8 +231,8 @@ proptest! {
     }
 }
 
-/// A needle of 90 rows that is two pixels thin, found by the property above: its radial index is off by 137 units of the mantissa, nearly all of it
-/// from the rows' drift.
+/// A needle of 90 rows that is two pixels thin, found by the property above: its radial index is off by 137 units of
+/// the mantissa, nearly all of it from the rows' drift.
 #[test]
 fn rows_of_a_tall_needle_drift() {
     let axis = |mantissa, exponent| Axis { mantissa, exponent };
@@ -254,7 +255,8 @@ fn rows_of_a_tall_needle_drift() {
     check("deep32", Deep32, &splat, &Rules::GAUSSIAN_3D, yaw).unwrap();
 }
 
-/// Ordinary splats: `box` agrees with the naive loop as well (needles are its known weakness, reported and not tested away).
+/// Ordinary splats: `box` agrees with the naive loop as well (needles are its known weakness, reported and not tested
+/// away).
 #[test]
 fn box_agrees_on_round_splats() {
     use fixed::types::U4F28;

@@ -119,7 +119,8 @@ fn widths_that_the_arithmetic_cannot_have_are_refused() {
     assert_eq!(refused::<i64>(short(28, 12)), None);
 }
 
-/// What other widths leave of a range is never more than the range itself, and exactly what the rules of the format say.
+/// What other widths leave of a range is never more than the range itself, and exactly what the rules of the format
+/// say.
 #[test]
 fn ranges_shrink_as_stated() {
     for (radial, accumulator) in (8..=44u8).flat_map(|r| (4..=27u8).map(move |a| (r, a))) {

@@ -1,7 +1,8 @@
 //! Chromium without a window, over its debugging protocol.
 //!
-//! The protocol is spoken over two pipes (`--remote-debugging-pipe`: messages in JSON, each ended by a zero byte), which takes no port, no
-//! WebSocket and no library. The browser expects them as descriptors 3 and 4; a shell puts them there.
+//! The protocol is spoken over two pipes (`--remote-debugging-pipe`: messages in JSON, each ended by a zero byte),
+//! which takes no port, no WebSocket and no library. The browser expects them as descriptors 3 and 4; a shell puts them
+//! there.
 
 use anyhow::{Context, Result, anyhow, bail};
 use base64::Engine;
@@ -13,7 +14,8 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-/// How long an answer may take. A page of a large scene needs seconds for its first picture where others are at work as well.
+/// How long an answer may take. A page of a large scene needs seconds for its first picture where others are at work as
+/// well.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Puts the pipes where the browser expects them.

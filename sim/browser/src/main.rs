@@ -1,4 +1,5 @@
-//! Opens a page and keeps screenshots of it: `splatline-browser PAGE.html PREFIX [WIDTHxHEIGHT[d]...] [--eval EXPRESSION]`.
+//! Opens a page and keeps screenshots of it:
+//! `splatline-browser PAGE.html PREFIX [WIDTHxHEIGHT[d]...] [--eval EXPRESSION]`.
 
 use anyhow::{Context, Result};
 use splatline_browser::Browser;

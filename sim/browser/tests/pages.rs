@@ -1,7 +1,8 @@
-//! The live page, the report and the sweep's page in Chromium: they are used as a reader uses them, and must complain of nothing and load nothing.
+//! The live page, the report and the sweep's page in Chromium: they are used as a reader uses them, and must complain
+//! of nothing and load nothing.
 //!
-//! Pages are written by the `splatline` that lies beside the tests (`cargo build -p splatline-sim` makes it). Screenshots of all of them, wide
-//! and narrow, light and dark, are left in `target/tmp/pages` for people to look at.
+//! Pages are written by the `splatline` that lies beside the tests (`cargo build -p splatline-sim` makes it).
+//! Screenshots of all of them, wide and narrow, light and dark, are left in `target/tmp/pages` for people to look at.
 
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
@@ -273,8 +274,8 @@ fn the_report_answers() -> Result<()> {
         "{said}: {counted}"
     );
 
-    // Every point of both plots and its row: the nearest point is meant where places overlap, as they do where two designs take the same time
-    // and here in any case.
+    // Every point of both plots and its row: the nearest point is meant where places overlap, as they do where two
+    // designs take the same time and here in any case.
     browser.evaluate("(() => { const [a, b] = document.querySelectorAll('.wide .place'); b.setAttribute('cx', a.cx.baseVal.value + 4); b.setAttribute('cy', a.cy.baseVal.value); })()")?;
     browser.evaluate("document.querySelectorAll('.wide .place').forEach((place, number) => { place.dataset.number = number; })")?;
     let places = browser.number("document.querySelectorAll('.wide .place').length")?;
@@ -380,8 +381,9 @@ fn the_sweeps_page_answers() -> Result<()> {
     no_complaints(&browser)
 }
 
-/// Prints frames a second of the live page; the bar is 10 for 20,000 splats at 512x512 on one core. Not asserted, because other work on the
-/// machine decides too: the processor's own time, which it changes less, is printed beside the clock's.
+/// Prints frames a second of the live page; the bar is 10 for 20,000 splats at 512x512 on one core. Not asserted,
+/// because other work on the machine decides too: the processor's own time, which it changes less, is printed beside
+/// the clock's.
 #[test]
 #[cfg_attr(
     not(has_chromium),

@@ -1,5 +1,5 @@
-// C++ bench: the verilated splat primitive (design standard24) against the kernel, every word of the example picture's tiles.
-// Your own rasterizer takes its place: feed it what `tiles.h` offers and compare what it has drawn.
+// C++ bench: the verilated splat primitive (design standard24) against the kernel, every word of the example picture's
+// tiles. Your own rasterizer takes its place: feed it what `tiles.h` offers and compare what it has drawn.
 #include "Vflat_primitive.h"
 #include "tiles.h"
 #include <cstdio>

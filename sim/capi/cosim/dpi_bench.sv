@@ -1,5 +1,5 @@
-// SystemVerilog bench: the splat primitive (design standard24) against the kernel by DPI-C, every word of the example picture's tiles.
-// Your own rasterizer takes the primitive's place.
+// SystemVerilog bench: the splat primitive (design standard24) against the kernel by DPI-C, every word of the example
+// picture's tiles. Your own rasterizer takes the primitive's place.
 module dpi_bench;
     import "DPI-C" function int model_begin();
     import "DPI-C" function void model_rules(output int alpha_max, output longint least, output int minimum_transmittance, output int omit_finishing, output int wide_table);

@@ -1,4 +1,5 @@
-// DPI-C: the kernel as functions that a SystemVerilog bench imports. The state lives here because SystemVerilog has no pointers.
+// DPI-C: the kernel as functions that a SystemVerilog bench imports. The state lives here because SystemVerilog has no
+// pointers.
 #include "tiles.h"
 #include <svdpi.h>
 

@@ -1,5 +1,5 @@
-// The design under test of the co-simulation guide: one pixel lane, second-order forward differencing along a run ([EWA] 7.1.2).
-// Replace it by your own rasterizer: the benches only need a run in and one radial index per pixel out.
+// The design under test of the co-simulation guide: one pixel lane, second-order forward differencing along a run
+// ([EWA] 7.1.2). Replace it by your own rasterizer: the benches only need a run in and one radial index per pixel out.
 //
 // `load` takes a run's seed; in every cycle with `step` the lane moves on to the next pixel.
 module run_lane #(

@@ -1,5 +1,5 @@
-// SystemVerilog bench without any foreign code: the lane against exported vectors, in any simulator that reads $readmemh.
-// The fields of runs.hex are those of manifest.json for lanes of 32 bits; `count` is its number of records.
+// SystemVerilog bench without any foreign code: the lane against exported vectors, in any simulator that reads
+// $readmemh. The fields of runs.hex are those of manifest.json for lanes of 32 bits; `count` is its number of records.
 //
 // The bench writes what the lane computed as its own tile of results: one radial index per pixel and line, for `diff`.
 module vectors_bench;

@@ -1,4 +1,5 @@
-// Firmware in 40 lines: Gaussians in ordinary numbers, drawn in strips of eight rows and sent to a display. Here the display is a file.
+// Firmware in 40 lines: Gaussians in ordinary numbers, drawn in strips of eight rows and sent to a display. Here the
+// display is a file.
 #include "splatline.h"
 #include <stdio.h>
 

@@ -1,4 +1,5 @@
-// PC: draws with every design, both traversals and all three ways, and writes the pixels to the file named on the command line.
+// PC: draws with every design, both traversals and all three ways, and writes the pixels to the file named on the
+// command line.
 #include "picture.h"
 #include <stdio.h>
 #include <string.h>

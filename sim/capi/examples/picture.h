@@ -22,7 +22,8 @@ typedef struct {
     uint32_t table[LARGEST_TABLE];
 } Memory;
 
-// The painter, and in `memory` the footprints with the order in which the `visible` ones are drawn. Returns an error below 0.
+// The painter, and in `memory` the footprints with the order in which the `visible` ones are drawn. Returns an error
+// below 0.
 int32_t prepare_picture(Memory *memory, uint32_t design, uint32_t traversal, SplatlinePainter *painter, int *visible);
 
 // Draws into ROWS rows of COLUMNS pixels, `stride` pixels apart. Returns 0, or the first error of the library.

@@ -32,7 +32,8 @@
 // A width is outside its range.
 #define SPLATLINE_ERROR_WIDTHS -5
 
-// A choice (design, rules, traversal, compositing, projection) has no such value, or a number is outside its documented range.
+// A choice (design, rules, traversal, compositing, projection) has no such value, or a number is outside its
+// documented range.
 #define SPLATLINE_ERROR_VALUE -6
 
 // The packet has another version.
@@ -175,7 +176,8 @@ typedef struct {
   uint32_t clamp_jacobian;
   // Base-2 logarithm of the end of the footprint table: 2 for cut-offs up to 4, 4 for others.
   uint32_t table_range;
-  // 1: the peak opacity is multiplied by sqrt(det V' / det(V' + V^h)), as antialiased models of 3D Gaussians are trained.
+  // 1: the peak opacity is multiplied by sqrt(det V' / det(V' + V^h)), as antialiased models of 3D Gaussians are
+  // trained.
   uint32_t compensated;
 } SplatlineRules;
 
@@ -299,7 +301,8 @@ typedef struct {
   uint16_t end[2];
 } SplatlineWindow;
 
-// The rows of one footprint being stepped through. Prepared by splatline_spans_begin; the content is private and may be copied.
+// The rows of one footprint being stepped through. Prepared by splatline_spans_begin; the content is private and may
+// be copied.
 typedef struct {
   uint32_t prepared;
   uint32_t traversal;
@@ -380,7 +383,8 @@ const char *splatline_error_text(int32_t code);
 // Pointers are null or lead to what their types say.
 int32_t splatline_design(uint32_t name, SplatlineWidths *widths);
 
-// Are all widths within their ranges? SPLATLINE_OK, SPLATLINE_ERROR_WIDTHS, or SPLATLINE_ERROR_VALUE of a rounding that there is not.
+// Are all widths within their ranges? SPLATLINE_OK, SPLATLINE_ERROR_WIDTHS, or SPLATLINE_ERROR_VALUE of a rounding
+// that there is not.
 //
 // Memory:
 // Pointers are null or lead to what their types say.
@@ -404,8 +408,8 @@ int32_t splatline_blend_constants(const SplatlineWidths *widths, const Splatline
 // Pointers are null or lead to what their types say.
 int32_t splatline_table_entries(const SplatlineWidths *widths, size_t *count);
 
-// Fills a footprint table with the Gaussian exp(-r/2), entries in UQ1.weight, for `table_range` of the rules (0 to 4, at most
-// the design's `table`). `count` must be what splatline_table_entries says.
+// Fills a footprint table with the Gaussian exp(-r/2), entries in UQ1.weight, for `table_range` of the rules (0 to 4,
+// at most the design's `table`). `count` must be what splatline_table_entries says.
 //
 // Memory:
 // Pointers are null or lead to what their types say; `table` to `count` numbers.
@@ -433,8 +437,9 @@ int32_t splatline_setup(const SplatlineWidths *widths,
                         SplatlineFootprint *footprint);
 
 // The footprints of `count` splats. `splat_stride` and `footprint_stride` are the bytes from one element to the next.
-// `reasons[i]` is SPLATLINE_OK or why splat i has no footprint; its place in `footprints` is then left as it was. Returns the
-// number of footprints written (at most INT32_MAX splats), or an error, in which case nothing has been written.
+// `reasons[i]` is SPLATLINE_OK or why splat i has no footprint; its place in `footprints` is then left as it was.
+// Returns the number of footprints written (at most INT32_MAX splats), or an error, in which case nothing has been
+// written.
 //
 // Memory:
 // Pointers are null or lead to what their types, strides and `count` say.
@@ -448,14 +453,12 @@ int32_t splatline_setup_many(const SplatlineWidths *widths,
                              int32_t *reasons,
                              size_t count);
 
-// Writes the number of 32-bit words of a design's packet, which has what `traversal` (SPLATLINE_TRAVERSAL_...) reads: no depth, which whoever
-// sorts has already, and the coefficients of that traversal alone.
+// Writes the number of 32-bit words of a design's packet, which has what `traversal` (SPLATLINE_TRAVERSAL_...) reads:
+// no depth, which whoever sorts has already, and the coefficients of that traversal alone.
 //
 // Memory:
 // Pointers are null or lead to what their types say.
-int32_t splatline_packet_words(const SplatlineWidths *widths,
-                               uint32_t traversal,
-                               size_t *words);
+int32_t splatline_packet_words(const SplatlineWidths *widths, uint32_t traversal, size_t *words);
 
 // Describes field `index` (below SPLATLINE_PACKET_FIELDS) of a design's packet.
 //
@@ -463,7 +466,8 @@ int32_t splatline_packet_words(const SplatlineWidths *widths,
 // Pointers are null or lead to what their types say.
 int32_t splatline_packet_field(const SplatlineWidths *widths, uint32_t traversal, size_t index, SplatlineField *field);
 
-// Serialises a footprint into exactly `count` words (see splatline_packet_words). Values too wide for their field are cut.
+// Serialises a footprint into exactly `count` words (see splatline_packet_words). Values too wide for their field are
+// cut.
 //
 // Memory:
 // Pointers are null or lead to what their types say; `words` to `count` numbers.
@@ -499,14 +503,15 @@ int32_t splatline_spans_begin(const SplatlineWidths *widths,
 // Pointers are null or lead to what their types say; `rows` was prepared by splatline_spans_begin.
 int32_t splatline_spans_next(SplatlineSpans *rows, SplatlineSpan *run);
 
-// Moves a run on by one pixel: two additions. Returns 1 if the run still has a pixel, SPLATLINE_OK if it is at its end.
+// Moves a run on by one pixel: two additions. Returns 1 if the run still has a pixel, SPLATLINE_OK if it is at its
+// end.
 //
 // Memory:
 // Pointers are null or lead to what their types say.
 int32_t splatline_span_step(SplatlineSpan *run);
 
-// The opacity of a footprint at a run's present pixel, UQ1.alpha: 0 outside the footprint and where the rules skip it. Writes the
-// opacity and returns 1 inside the footprint, SPLATLINE_OK outside.
+// The opacity of a footprint at a run's present pixel, UQ1.alpha: 0 outside the footprint and where the rules skip it.
+// Writes the opacity and returns 1 inside the footprint, SPLATLINE_OK outside.
 //
 // Memory:
 // Pointers are null or lead to what their types say.
@@ -515,8 +520,8 @@ int32_t splatline_pixel_opacity(const SplatlinePainter *painter,
                                 const SplatlineSpan *run,
                                 uint32_t *opacity);
 
-// Composites a splat of an opacity (UQ1.alpha, at most 1) and colour (UQ4.colour, three numbers) into a pixel by the painter's operator.
-// Opacity 0 and, front to back, a finished pixel leave the pixel as it is.
+// Composites a splat of an opacity (UQ1.alpha, at most 1) and colour (UQ4.colour, three numbers) into a pixel by the
+// painter's operator. Opacity 0 and, front to back, a finished pixel leave the pixel as it is.
 //
 // Memory:
 // Pointers are null or lead to what their types say; `colour` to three numbers.
@@ -528,9 +533,9 @@ int32_t splatline_pixel_composite(const SplatlinePainter *painter, uint32_t opac
 // Pointers are null or lead to what their types say; `pixels` to `count` pixels.
 int32_t splatline_clear(const SplatlineWidths *widths, SplatlinePixel *pixels, size_t count);
 
-// Draws one footprint into `window`. Row y of the window begins at pixel `(y - window.first[1]) * stride`; `stride` counts pixels and is at
-// least the window's width; `count` pixels are lent. Footprints must come in the compositing's order. `coverage` may be null;
-// otherwise it is written.
+// Draws one footprint into `window`. Row y of the window begins at pixel `(y - window.first[1]) * stride`; `stride`
+// counts pixels and is at least the window's width; `count` pixels are lent. Footprints must come in the compositing's
+// order. `coverage` may be null; otherwise it is written.
 //
 // Memory:
 // Pointers are null or lead to what their types say; `pixels` to `count` pixels.
@@ -542,8 +547,8 @@ int32_t splatline_draw(const SplatlinePainter *painter,
                        size_t stride,
                        SplatlineCoverage *coverage);
 
-// The view from `eye` towards `target`, `up` upwards, with a vertical field of view in degrees. SPLATLINE_ERROR_VALUE if a number is not finite,
-// the directions are none, or the size is 0 or above SPLATLINE_LARGEST_VIEWPORT.
+// The view from `eye` towards `target`, `up` upwards, with a vertical field of view in degrees. SPLATLINE_ERROR_VALUE
+// if a number is not finite, the directions are none, or the size is 0 or above SPLATLINE_LARGEST_VIEWPORT.
 //
 // Memory:
 // Pointers are null or lead to what their types say; `eye`, `target` and `up` to three numbers each.
@@ -555,12 +560,13 @@ int32_t splatline_look_at(const float *eye,
                           uint16_t rows,
                           SplatlineView *view);
 
-// A splat from ordinary numbers: mean (scene units), rotation as a quaternion w, x, y, z of any length but 0, standard deviations along the
-// turned axes (scene units), opacity at the centre (0 to 1), linear red, green, blue. SPLATLINE_ERROR_VALUE if a number is not finite or the
-// quaternion has length 0.
+// A splat from ordinary numbers: mean (scene units), rotation as a quaternion w, x, y, z of any length but 0, standard
+// deviations along the turned axes (scene units), opacity at the centre (0 to 1), linear red, green, blue.
+// SPLATLINE_ERROR_VALUE if a number is not finite or the quaternion has length 0.
 //
 // Memory:
-// Pointers are null or lead to what their types say; `mean`, `scales` and `colour` to three numbers each, `rotation` to four.
+// Pointers are null or lead to what their types say; `mean`, `scales` and `colour` to three numbers each, `rotation`
+// to four.
 int32_t splatline_gaussian(const float *mean,
                            const float *rotation,
                            const float *scales,
@@ -571,9 +577,9 @@ int32_t splatline_gaussian(const float *mean,
 // Words of 32 bits that a list of `footprints` takes; the last is the picture's viewport.
 size_t splatline_list_words(size_t footprints);
 
-// Sorts a scene by depth, nearest first, and sets it up into a list. Returns the number of footprints on the list, or an error;
-// SPLATLINE_ERROR_SIZE if the list has too few words, and then `needed_words`, unless null, is how many it takes: of what is sorted, if even
-// that has no room, so that a second call may ask for more, but no third.
+// Sorts a scene by depth, nearest first, and sets it up into a list. Returns the number of footprints on the list, or
+// an error; SPLATLINE_ERROR_SIZE if the list has too few words, and then `needed_words`, unless null, is how many it
+// takes: of what is sorted, if even that has no room, so that a second call may ask for more, but no third.
 //
 // Memory:
 // Pointers are null or lead to what their types say; `splats` to `count` splats, `words` to `word_count` words.
@@ -584,7 +590,8 @@ int32_t splatline_set_up_scene(const SplatlineView *view,
                                size_t word_count,
                                size_t *needed_words);
 
-// The same for a scene as `splatline bake -o scene.bin` writes it, `count` bytes; SPLATLINE_ERROR_VALUE if they are not one, whole.
+// The same for a scene as `splatline bake -o scene.bin` writes it, `count` bytes; SPLATLINE_ERROR_VALUE if they are
+// not one, whole.
 //
 // Memory:
 // Pointers are null or lead to what their types say; `bytes` to `count` bytes, `words` to `word_count` words.
@@ -595,11 +602,13 @@ int32_t splatline_set_up_compact(const SplatlineView *view,
                                  size_t word_count,
                                  size_t *needed_words);
 
-// Draws the part of the picture in `window` and brings it to 16 bits a pixel (red 5, green 6, blue 5) over a background in the same
-// format, row by row without gaps. `pixels` and `sent` have room for `count` pixels, at least the window's.
+// Draws the part of the picture in `window` and brings it to 16 bits a pixel (red 5, green 6, blue 5) over a
+// background in the same format, row by row without gaps. `pixels` and `sent` have room for `count` pixels, at least
+// the window's.
 //
 // Memory:
-// Pointers are null or lead to what their types say; `words` to `word_count` words, `pixels` and `sent` to `count` pixels.
+// Pointers are null or lead to what their types say; `words` to `word_count` words, `pixels` and `sent` to `count`
+// pixels.
 int32_t splatline_draw_rgb565(uint32_t *words,
                               size_t word_count,
                               size_t footprints,
@@ -609,7 +618,8 @@ int32_t splatline_draw_rgb565(uint32_t *words,
                               uint16_t *sent,
                               size_t count);
 
-// Numbers of `count` footprints in `order` by depth, nearest first, ties by number: what drawing front to back asks for.
+// Numbers of `count` footprints in `order` by depth, nearest first, ties by number: what drawing front to back asks
+// for.
 //
 // Memory:
 // Pointers are null or lead to what their types say; `footprints` to `count` footprints, `order` to as many numbers.

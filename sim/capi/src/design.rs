@@ -42,7 +42,8 @@ pub unsafe extern "C" fn splatline_design(name: u32, widths: *mut SplatlineWidth
     code(|| unsafe { write(widths, named.into()) })
 }
 
-/// Are all widths within their ranges? SPLATLINE_OK, SPLATLINE_ERROR_WIDTHS, or SPLATLINE_ERROR_VALUE of a rounding that there is not.
+/// Are all widths within their ranges? SPLATLINE_OK, SPLATLINE_ERROR_WIDTHS, or SPLATLINE_ERROR_VALUE of a rounding
+/// that there is not.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say.
@@ -98,8 +99,8 @@ pub unsafe extern "C" fn splatline_table_entries(
     code(|| unsafe { write(count, entries(&read(widths)?.widths()?)) })
 }
 
-/// Fills a footprint table with the Gaussian exp(-r/2), entries in UQ1.weight, for `table_range` of the rules (0 to 4, at most
-/// the design's `table`). `count` must be what splatline_table_entries says.
+/// Fills a footprint table with the Gaussian exp(-r/2), entries in UQ1.weight, for `table_range` of the rules (0 to 4,
+/// at most the design's `table`). `count` must be what splatline_table_entries says.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say; `table` to `count` numbers.

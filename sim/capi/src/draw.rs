@@ -78,9 +78,9 @@ pub unsafe extern "C" fn splatline_clear(
     })
 }
 
-/// Draws one footprint into `window`. Row y of the window begins at pixel `(y - window.first[1]) * stride`; `stride` counts pixels and is at
-/// least the window's width; `count` pixels are lent. Footprints must come in the compositing's order. `coverage` may be null;
-/// otherwise it is written.
+/// Draws one footprint into `window`. Row y of the window begins at pixel `(y - window.first[1]) * stride`; `stride`
+/// counts pixels and is at least the window's width; `count` pixels are lent. Footprints must come in the compositing's
+/// order. `coverage` may be null; otherwise it is written.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say; `pixels` to `count` pixels.

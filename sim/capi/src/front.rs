@@ -1,7 +1,9 @@
-//! The front door for firmware in C: a camera and splats from ordinary numbers, a scene sorted and set up, strips as RGB565.
+//! The front door for firmware in C: a camera and splats from ordinary numbers, a scene sorted and set up, strips as
+//! RGB565.
 //!
-//! By the design SPLATLINE_MICRO16 under SPLATLINE_RULES_3DGS: one design, so that a small image links one painter. All bits are those of the
-//! same calls in Rust. A list is `splatline_list_words` words of the caller's, and the number of footprints that the set-up returns.
+//! By the design SPLATLINE_MICRO16 under SPLATLINE_RULES_3DGS: one design, so that a small image links one painter. All
+//! bits are those of the same calls in Rust. A list is `splatline_list_words` words of the caller's, and the number of
+//! footprints that the set-up returns.
 
 use crate::memory::{read, slice, slice_mut, write};
 use crate::status::{Error, SPLATLINE_OK, code};
@@ -14,8 +16,8 @@ use splatline::splat::{Position, VolumeSplat};
 use splatline::view::{Eye, View};
 use splatline::{Camera, Gaussian, Micro16, Renderer};
 
-/// The view from `eye` towards `target`, `up` upwards, with a vertical field of view in degrees. SPLATLINE_ERROR_VALUE if a number is not finite,
-/// the directions are none, or the size is 0 or above SPLATLINE_LARGEST_VIEWPORT.
+/// The view from `eye` towards `target`, `up` upwards, with a vertical field of view in degrees. SPLATLINE_ERROR_VALUE
+/// if a number is not finite, the directions are none, or the size is 0 or above SPLATLINE_LARGEST_VIEWPORT.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say; `eye`, `target` and `up` to three numbers each.
@@ -40,12 +42,13 @@ pub unsafe extern "C" fn splatline_look_at(
     })
 }
 
-/// A splat from ordinary numbers: mean (scene units), rotation as a quaternion w, x, y, z of any length but 0, standard deviations along the
-/// turned axes (scene units), opacity at the centre (0 to 1), linear red, green, blue. SPLATLINE_ERROR_VALUE if a number is not finite or the
-/// quaternion has length 0.
+/// A splat from ordinary numbers: mean (scene units), rotation as a quaternion w, x, y, z of any length but 0, standard
+/// deviations along the turned axes (scene units), opacity at the centre (0 to 1), linear red, green, blue.
+/// SPLATLINE_ERROR_VALUE if a number is not finite or the quaternion has length 0.
 ///
 /// # Safety
-/// Pointers are null or lead to what their types say; `mean`, `scales` and `colour` to three numbers each, `rotation` to four.
+/// Pointers are null or lead to what their types say; `mean`, `scales` and `colour` to three numbers each, `rotation`
+/// to four.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splatline_gaussian(
     mean: *const f32,
@@ -76,9 +79,9 @@ pub extern "C" fn splatline_list_words(footprints: usize) -> usize {
         .saturating_add(1)
 }
 
-/// Sorts a scene by depth, nearest first, and sets it up into a list. Returns the number of footprints on the list, or an error;
-/// SPLATLINE_ERROR_SIZE if the list has too few words, and then `needed_words`, unless null, is how many it takes: of what is sorted, if even
-/// that has no room, so that a second call may ask for more, but no third.
+/// Sorts a scene by depth, nearest first, and sets it up into a list. Returns the number of footprints on the list, or
+/// an error; SPLATLINE_ERROR_SIZE if the list has too few words, and then `needed_words`, unless null, is how many it
+/// takes: of what is sorted, if even that has no room, so that a second call may ask for more, but no third.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say; `splats` to `count` splats, `words` to `word_count` words.
@@ -98,7 +101,8 @@ pub unsafe extern "C" fn splatline_set_up_scene(
     })
 }
 
-/// The same for a scene as `splatline bake -o scene.bin` writes it, `count` bytes; SPLATLINE_ERROR_VALUE if they are not one, whole.
+/// The same for a scene as `splatline bake -o scene.bin` writes it, `count` bytes; SPLATLINE_ERROR_VALUE if they are
+/// not one, whole.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say; `bytes` to `count` bytes, `words` to `word_count` words.
@@ -119,11 +123,13 @@ pub unsafe extern "C" fn splatline_set_up_compact(
     })
 }
 
-/// Draws the part of the picture in `window` and brings it to 16 bits a pixel (red 5, green 6, blue 5) over a background in the same
-/// format, row by row without gaps. `pixels` and `sent` have room for `count` pixels, at least the window's.
+/// Draws the part of the picture in `window` and brings it to 16 bits a pixel (red 5, green 6, blue 5) over a
+/// background in the same format, row by row without gaps. `pixels` and `sent` have room for `count` pixels, at least
+/// the window's.
 ///
 /// # Safety
-/// Pointers are null or lead to what their types say; `words` to `word_count` words, `pixels` and `sent` to `count` pixels.
+/// Pointers are null or lead to what their types say; `words` to `word_count` words, `pixels` and `sent` to `count`
+/// pixels.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splatline_draw_rgb565(
     words: *mut u32,
@@ -150,7 +156,8 @@ pub unsafe extern "C" fn splatline_draw_rgb565(
     })
 }
 
-/// Numbers of `count` footprints in `order` by depth, nearest first, ties by number: what drawing front to back asks for.
+/// Numbers of `count` footprints in `order` by depth, nearest first, ties by number: what drawing front to back asks
+/// for.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say; `footprints` to `count` footprints, `order` to as many numbers.

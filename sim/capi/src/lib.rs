@@ -1,8 +1,8 @@
 //! C ABI of the kernel: what firmware in C and Verilator benches link.
 //!
-//! The functions are thin: they check pointers, sizes and choices, convert plain structs to the kernel's types and call the kernel.
-//! No arithmetic happens here. A design is a struct of widths and not a type, so one library serves every design; the
-//! kernel's own tests prove that widths held in fields give the same bits as the named designs.
+//! The functions are thin: they check pointers, sizes and choices, convert plain structs to the kernel's types and call
+//! the kernel. No arithmetic happens here. A design is a struct of widths and not a type, so one library serves every
+//! design; the kernel's own tests prove that widths held in fields give the same bits as the named designs.
 //!
 //! | file | functions |
 //! |---|---|

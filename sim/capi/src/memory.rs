@@ -1,8 +1,8 @@
-//! Pointers from C, turned into references after checking what can be checked. (The state of `rows`, memory of our own type that C only
-//! carries about, is cast there.)
+//! Pointers from C, turned into references after checking what can be checked. (The state of `rows`, memory of our own
+//! type that C only carries about, is cast there.)
 //!
-//! Null and misaligned pointers are errors. That a pointer leads to as much memory as the caller says, and that nobody else writes
-//! it meanwhile, cannot be checked: it is the contract of every function of this library.
+//! Null and misaligned pointers are errors. That a pointer leads to as much memory as the caller says, and that nobody
+//! else writes it meanwhile, cannot be checked: it is the contract of every function of this library.
 
 use crate::status::{Error, SPLATLINE_OK};
 

@@ -32,8 +32,8 @@ pub struct SplatlineField {
     pub fraction: u8,
 }
 
-/// Writes the number of 32-bit words of a design's packet, which has what `traversal` (SPLATLINE_TRAVERSAL_...) reads: no depth, which whoever
-/// sorts has already, and the coefficients of that traversal alone.
+/// Writes the number of 32-bit words of a design's packet, which has what `traversal` (SPLATLINE_TRAVERSAL_...) reads:
+/// no depth, which whoever sorts has already, and the coefficients of that traversal alone.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say.
@@ -78,7 +78,8 @@ pub unsafe extern "C" fn splatline_packet_field(
     })
 }
 
-/// Serialises a footprint into exactly `count` words (see splatline_packet_words). Values too wide for their field are cut.
+/// Serialises a footprint into exactly `count` words (see splatline_packet_words). Values too wide for their field are
+/// cut.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say; `words` to `count` numbers.

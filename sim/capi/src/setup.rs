@@ -51,8 +51,9 @@ pub unsafe extern "C" fn splatline_setup(
 }
 
 /// The footprints of `count` splats. `splat_stride` and `footprint_stride` are the bytes from one element to the next.
-/// `reasons[i]` is SPLATLINE_OK or why splat i has no footprint; its place in `footprints` is then left as it was. Returns the
-/// number of footprints written (at most INT32_MAX splats), or an error, in which case nothing has been written.
+/// `reasons[i]` is SPLATLINE_OK or why splat i has no footprint; its place in `footprints` is then left as it was.
+/// Returns the number of footprints written (at most INT32_MAX splats), or an error, in which case nothing has been
+/// written.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types, strides and `count` say.
@@ -77,7 +78,8 @@ pub unsafe extern "C" fn splatline_setup_many(
             return Err(Error::Size);
         }
         if count > 0 {
-            // SAFETY: the function's own contract. Read here, before anything is written, to report null and misalignment.
+            // SAFETY: the function's own contract. Read here, before anything is written, to report null and
+            // misalignment.
             unsafe { read(splats) }?;
             check(footprints)?;
         }

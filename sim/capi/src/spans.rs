@@ -1,6 +1,7 @@
 //! Stepping: the runs of a footprint, the pixels of a run, and one pixel's opacity and compositing.
 //!
-//! What an RTL bench compares step by step. Lane words come as 64-bit integers; a design with 32-bit lanes holds their low 32 bits.
+//! What an RTL bench compares step by step. Lane words come as 64-bit integers; a design with 32-bit lanes holds their
+//! low 32 bits.
 
 use crate::draw::{SplatlinePainter, composite};
 use crate::memory::{modify, read, write};
@@ -18,7 +19,8 @@ pub const SPLATLINE_ROWS_STATE: usize = 32;
 /// Tells prepared rows from memory that never was.
 const PREPARED: u32 = 0x5350_4c31;
 
-/// The rows of one footprint being stepped through. Prepared by splatline_spans_begin; the content is private and may be copied.
+/// The rows of one footprint being stepped through. Prepared by splatline_spans_begin; the content is private and may
+/// be copied.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SplatlineSpans {
@@ -149,7 +151,8 @@ fn next_of<R: Spans<Lane = i64>>(rows: &mut R) -> Option<SplatlineSpan> {
     })
 }
 
-/// Moves a run on by one pixel: two additions. Returns 1 if the run still has a pixel, SPLATLINE_OK if it is at its end.
+/// Moves a run on by one pixel: two additions. Returns 1 if the run still has a pixel, SPLATLINE_OK if it is at its
+/// end.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say.
@@ -166,8 +169,8 @@ pub unsafe extern "C" fn splatline_span_step(run: *mut SplatlineSpan) -> i32 {
     })
 }
 
-/// The opacity of a footprint at a run's present pixel, UQ1.alpha: 0 outside the footprint and where the rules skip it. Writes the
-/// opacity and returns 1 inside the footprint, SPLATLINE_OK outside.
+/// The opacity of a footprint at a run's present pixel, UQ1.alpha: 0 outside the footprint and where the rules skip it.
+/// Writes the opacity and returns 1 inside the footprint, SPLATLINE_OK outside.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say.
@@ -195,8 +198,8 @@ pub unsafe extern "C" fn splatline_pixel_opacity(
     })
 }
 
-/// Composites a splat of an opacity (UQ1.alpha, at most 1) and colour (UQ4.colour, three numbers) into a pixel by the painter's operator.
-/// Opacity 0 and, front to back, a finished pixel leave the pixel as it is.
+/// Composites a splat of an opacity (UQ1.alpha, at most 1) and colour (UQ4.colour, three numbers) into a pixel by the
+/// painter's operator. Opacity 0 and, front to back, a finished pixel leave the pixel as it is.
 ///
 /// # Safety
 /// Pointers are null or lead to what their types say; `colour` to three numbers.

@@ -12,7 +12,8 @@ pub const SPLATLINE_ERROR_SIZE: i32 = -3;
 pub const SPLATLINE_ERROR_STRIDE: i32 = -4;
 /// A width is outside its range.
 pub const SPLATLINE_ERROR_WIDTHS: i32 = -5;
-/// A choice (design, rules, traversal, compositing, projection) has no such value, or a number is outside its documented range.
+/// A choice (design, rules, traversal, compositing, projection) has no such value, or a number is outside its
+/// documented range.
 pub const SPLATLINE_ERROR_VALUE: i32 = -6;
 /// The packet has another version.
 pub const SPLATLINE_ERROR_PACKET_VERSION: i32 = -7;

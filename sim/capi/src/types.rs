@@ -159,7 +159,8 @@ pub struct SplatlineRules {
     pub clamp_jacobian: u32,
     /// Base-2 logarithm of the end of the footprint table: 2 for cut-offs up to 4, 4 for others.
     pub table_range: u32,
-    /// 1: the peak opacity is multiplied by sqrt(det V' / det(V' + V^h)), as antialiased models of 3D Gaussians are trained.
+    /// 1: the peak opacity is multiplied by sqrt(det V' / det(V' + V^h)), as antialiased models of 3D Gaussians are
+    /// trained.
     pub compensated: u32,
 }
 

@@ -1,7 +1,8 @@
-//! The gallery: every plan of a folder as a picture, its reference and the map of their differences, with the record's figures.
+//! The gallery: every plan of a folder as a picture, its reference and the map of their differences, with the record's
+//! figures.
 //!
-//! What the command line cannot draw is not shown: a plan is drawn by the library functions that `splatline compare --plan` runs. A plan's
-//! first line of comment is its heading, the lines after it say what to see.
+//! What the command line cannot draw is not shown: a plan is drawn by the library functions that
+//! `splatline compare --plan` runs. A plan's first line of comment is its heading, the lines after it say what to see.
 
 use crate::pages::picture::beside;
 use anyhow::{Context, Result};

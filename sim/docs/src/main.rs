@@ -134,7 +134,8 @@ fn print(name: PageName, options: &ResultsOptions) -> Result<Page> {
     }
 }
 
-/// The levels asked for; else what most people's processors have and what this one has beyond it, arrays only where there is nothing else.
+/// The levels asked for; else what most people's processors have and what this one has beyond it, arrays only where
+/// there is nothing else.
 fn levels(options: &ResultsOptions) -> Vec<VectorLevel> {
     if !options.vectors.is_empty() {
         return options.vectors.clone();

@@ -1,9 +1,10 @@
 //! The single-precision rasterizer that the kernel's speed is held against: the best that open CPU rasterizers do.
 //!
-//! Setup by the usual formulas (\[EWA\] 6.2, 7.1), the box of the cut-off, 16 x 16 tiles, splats binned by counting and sorted by integer keys
-//! tile by tile, a row's constant terms computed once, pixels eight at a time in loops that the compiler turns into vectors of the level
-//! asked for, an exponential no more accurate than eight bits of colour need, and tiles left when they have finished. It draws front to
-//! back by the kernel's [`Rules`]. What makes the kernel's engine fast is not in it: spans, large tiles, rows in vectors.
+//! Setup by the usual formulas (\[EWA\] 6.2, 7.1), the box of the cut-off, 16 x 16 tiles, splats binned by counting and
+//! sorted by integer keys tile by tile, a row's constant terms computed once, pixels eight at a time in loops that the
+//! compiler turns into vectors of the level asked for, an exponential no more accurate than eight bits of colour need,
+//! and tiles left when they have finished. It draws front to back by the kernel's [`Rules`]. What makes the kernel's
+//! engine fast is not in it: spans, large tiles, rows in vectors.
 
 use rayon::prelude::*;
 use splatline::raster::Window;
@@ -56,8 +57,8 @@ struct FloatFootprint {
     bounds: Window,
 }
 
-/// Splats, camera and rules in single precision. Covariances and colours are made when the scene is loaded; what depends on the camera's
-/// place otherwise is computed for every frame.
+/// Splats, camera and rules in single precision. Covariances and colours are made when the scene is loaded; what
+/// depends on the camera's place otherwise is computed for every frame.
 #[derive(Clone, Debug)]
 pub struct FloatScene {
     splats: Vec<FloatSplat>,
@@ -263,7 +264,8 @@ fn apply([xx, xy, xz, yy, yz, zz]: &[f32; 6], v: [f32; 3]) -> [f32; 3] {
     ]
 }
 
-/// What orders the splats that are seen, numbered from `start`. The bits of positive numbers are ordered as the numbers are.
+/// What orders the splats that are seen, numbered from `start`. The bits of positive numbers are ordered as the numbers
+/// are.
 fn keys(footprints: &[Option<FloatFootprint>], start: usize) -> Vec<Key> {
     let numbered = footprints.iter().zip(start as u32..);
     let seen = numbered.filter_map(|(footprint, index)| Some((footprint.as_ref()?, index)));
@@ -380,7 +382,8 @@ fn blend<const FUSED: bool>(
     row: &mut TileRow,
 ) {
     let before: [f32; WIDTH] = from_fn(|k| row[0][x + k]);
-    // A word of ones where the pixel is inside and has not finished: words, not truth values, are what the compiler turns into vectors.
+    // A word of ones where the pixel is inside and has not finished: words, not truth values, are what the compiler
+    // turns into vectors.
     let live: [u32; WIDTH] = from_fn(|k| {
         if (radial[k] < splat.cutoff) & (before[k] > 0.0) {
             u32::MAX
@@ -421,8 +424,8 @@ fn sum<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
 /// Set in the transmittance of a pixel that has finished.
 const SIGN: u32 = 1 << 31;
 
-/// exp(-r/2) to three hundredths: the exponent's integer part becomes a number's exponent, and its fraction the mantissa as it is. The sum
-/// with `MAGIC` leaves the exponent in steps of 2^-15 in the low bits of a number.
+/// exp(-r/2) to three hundredths: the exponent's integer part becomes a number's exponent, and its fraction the
+/// mantissa as it is. The sum with `MAGIC` leaves the exponent in steps of 2^-15 in the low bits of a number.
 #[inline(always)]
 fn exponential<const FUSED: bool>(radial: f32) -> f32 {
     const STEPS: f32 = (1u32 << 15) as f32;

@@ -1,4 +1,5 @@
-//! Frames of deep scenes on one thread: time by stage, memory, splats left out, and a digest by which two builds can be compared.
+//! Frames of deep scenes on one thread: time by stage, memory, splats left out, and a digest by which two builds can be
+//! compared.
 //!
 //! ```text
 //! cargo run --release -p splatline-engine --example frames [avx2|avx512|portable]

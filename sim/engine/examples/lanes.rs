@@ -1,4 +1,5 @@
-//! Frames of lean18 in single precision beside the same widths on 64-bit words: time on one thread, and whether a pixel differs.
+//! Frames of lean18 in single precision beside the same widths on 64-bit words: time on one thread, and whether a pixel
+//! differs.
 //!
 //! ```text
 //! cargo run --release -p splatline-engine --example lanes [GUITAR.ply]

@@ -32,7 +32,8 @@ pub struct DesignChoice {
     pub widths: Widths,
     /// Its own traversal, used unless the command line asks for another.
     pub traversal: Traversal,
-    /// Bits of its lanes, in which the radial indices of setup's footprints are the same: vectors draw 32 sooner than 64.
+    /// Bits of its lanes, in which the radial indices of setup's footprints are the same: vectors draw 32 sooner than
+    /// 64.
     lane_bits: u32,
 }
 
@@ -87,8 +88,8 @@ impl DesignChoice {
         }
     }
 
-    /// What the host draws by: widths in fields. The bits are those of a type with constant widths, one compiled copy serves all designs, and
-    /// beside vectors constants gain nothing that can be measured.
+    /// What the host draws by: widths in fields. The bits are those of a type with constant widths, one compiled copy
+    /// serves all designs, and beside vectors constants gain nothing that can be measured.
     pub fn in_fields(&self) -> RuntimeWidths {
         RuntimeWidths::new(self.widths).expect("widths are checked when a choice is made")
     }
@@ -201,8 +202,8 @@ impl From<DesignChoice> for ResolvedDesign {
     }
 }
 
-/// A named design with its constants if it has the widths of that name; otherwise one with the widths in fields, through the text of a
-/// design file, which checks all ranges.
+/// A named design with its constants if it has the widths of that name; otherwise one with the widths in fields,
+/// through the text of a design file, which checks all ranges.
 impl TryFrom<ResolvedDesign> for DesignChoice {
     type Error = Refused;
 

@@ -18,8 +18,9 @@
 //! }
 //! ```
 //!
-//! What depends on the scene alone is computed when the renderer is made, what depends on the camera when one is set, and a frame allocates
-//! nothing once the first one has been drawn. Frames are the kernel's, bit for bit, whatever the vectors and threads.
+//! What depends on the scene alone is computed when the renderer is made, what depends on the camera when one is set,
+//! and a frame allocates nothing once the first one has been drawn. Frames are the kernel's, bit for bit, whatever the
+//! vectors and threads.
 
 use crate::camera::Camera;
 use crate::design::DesignChoice;
@@ -57,8 +58,8 @@ pub struct Settings {
     pub traversal: Traversal,
     /// Which implementation draws; all give the same bits.
     pub engine: PaintEngine,
-    /// Are visited and covered pixels counted? If not, finished ones may be left out, and splats behind them are not set up: the picture is the same,
-    /// the counts are anything, and culls and outcomes lack these splats.
+    /// Are visited and covered pixels counted? If not, finished ones may be left out, and splats behind them are not
+    /// set up: the picture is the same, the counts are anything, and culls and outcomes lack these splats.
     pub counts: bool,
 }
 
@@ -144,14 +145,15 @@ impl Renderer<Scene> {
 }
 
 impl<S: Borrow<Scene>> Renderer<S> {
-    /// A scene seen by `camera`. Frames are drawn by the rayon pool that they are asked for in, unless the renderer is given threads of its own.
+    /// A scene seen by `camera`. Frames are drawn by the rayon pool that they are asked for in, unless the renderer is
+    /// given threads of its own.
     pub fn new(scene: S, camera: &Camera, settings: Settings) -> Self {
         let quantised = QuantisedScene::new(scene.borrow(), camera, &settings.rules);
         Renderer::of_quantised(scene, quantised, camera, settings)
     }
 
-    /// The same of a scene that has been quantised already under these settings' rules. Where colours do not depend on the
-    /// view its splats may be [released](QuantisedScene::releasing).
+    /// The same of a scene that has been quantised already under these settings' rules. Where colours do not depend on
+    /// the view its splats may be [released](QuantisedScene::releasing).
     pub fn of_quantised(
         scene: S,
         quantised: QuantisedScene,
@@ -284,7 +286,8 @@ impl<S: Borrow<Scene>> Renderer<S> {
     }
 }
 
-/// A frame in the renderer's memory. It does not know how the scene is held, and is therefore compiled here and not again by whoever draws.
+/// A frame in the renderer's memory. It does not know how the scene is held, and is therefore compiled here and not
+/// again by whoever draws.
 fn draw_frame(
     settings: &Settings,
     quantised: &QuantisedScene,

@@ -1,7 +1,8 @@
 #!/bin/sh
-# Builds the images of real boards, fails where one takes more flash or RAM than its budget (scenes included), and estimates frames a second. Nothing
-# is run: the emulated image of sim/firmware/frame draws the same bits. To measure a board, let a free pin change its level at every first strip
-# (`send` of `splatline_frame::show` gets its row) and look at its frequency: a period is two frames, with what it takes to send them.
+# Builds the images of real boards, fails where one takes more flash or RAM than its budget (scenes included), and
+# estimates frames a second. Nothing is run: the emulated image of sim/firmware/frame draws the same bits. To measure a
+# board, let a free pin change its level at every first strip (`send` of `splatline_frame::show` gets its row) and look
+# at its frequency: a period is two frames, with what it takes to send them.
 #
 #   sim/firmware/boards/build.sh
 set -eu

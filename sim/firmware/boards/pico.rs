@@ -1,10 +1,12 @@
-//! Splats on a Raspberry Pi Pico or Pico 2: a frame of 240x240 in strips of eight rows, to an ST7789 at SPI1 (clock GP10, data GP11, select
-//! GP9, data or command GP8, reset GP12).
+//! Splats on a Raspberry Pi Pico or Pico 2: a frame of 240x240 in strips of eight rows, to an ST7789 at SPI1 (clock
+//! GP10, data GP11, select GP9, data or command GP8, reset GP12).
 //!
-//! Both cores draw: core 0 the even strips, core 1 the odd ones, each into memory of its own, from a list that neither changes meanwhile.
-//! Core 0 sends all of them. The same scene and bits as the emulated image next door, whose checksum is checked there.
+//! Both cores draw: core 0 the even strips, core 1 the odd ones, each into memory of its own, from a list that neither
+//! changes meanwhile. Core 0 sends all of them. The same scene and bits as the emulated image next door, whose checksum
+//! is checked there.
 //!
-//! Two programs include this file, since their HALs are crates of their own that look alike: `crate::hal` is the board's.
+//! Two programs include this file, since their HALs are crates of their own that look alike: `crate::hal` is the
+//! board's.
 
 use crate::hal;
 use core::cell::UnsafeCell;

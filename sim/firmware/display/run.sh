@@ -1,6 +1,7 @@
 #!/bin/sh
-# Builds the display example for a Cortex-M0, a Cortex-M4 and an RV32, runs it under QEMU, compares what the display was sent with the host's and
-# prints what it costs: instructions, code, tables, RAM and stack. Writes the picture on the host.
+# Builds the display example for a Cortex-M0, a Cortex-M4 and an RV32, runs it under QEMU, compares what the display was
+# sent with the host's and prints what it costs: instructions, code, tables, RAM and stack. Writes the picture on the
+# host.
 #
 #   sim/firmware/display/run.sh [picture.png]        default: target/measured/display.png
 #

@@ -1,4 +1,5 @@
-//! The linker scripts of this folder: boards with 256 KiB of RAM; and for which processors there is a pixel loop in assembly (of `Micro16`).
+//! The linker scripts of this folder: boards with 256 KiB of RAM; and for which processors there is a pixel loop in
+//! assembly (of `Micro16`).
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,12 +1,14 @@
 #!/bin/sh
-# Builds the frame for a Cortex-M0+, a Cortex-M4 and an RV32, runs it under QEMU, compares what the display is sent with the host's and prints what
-# it costs: instructions for 200, 1000 and 3000 splats, code, tables, RAM and stack. Fails where a frame costs 3 % more than it did; says which
-# bars it misses.
+# Builds the frame for a Cortex-M0+, a Cortex-M4 and an RV32, runs it under QEMU, compares what the display is sent with
+# the host's and prints what it costs: instructions for 200, 1000 and 3000 splats, code, tables, RAM and stack. Fails
+# where a frame costs 3 % more than it did; says which bars it misses.
 #
-#   sim/firmware/frame/run.sh [lean18] [small] [profile]        lean18: by that design and the kernel's own pixel loop; small: built for size;
-#                                                               profile: also the ten costliest functions of each phase
+#   sim/firmware/frame/run.sh [lean18] [small] [profile]
+#     lean18: by that design and the kernel's own pixel loop; small: built for size; profile: also the ten costliest
+#     functions of each phase
 #
-# The M0+ image runs on a board with an M3, which executes the same instructions, because the M0 that QEMU has is one with 16 KiB of RAM.
+# The M0+ image runs on a board with an M3, which executes the same instructions, because the M0 that QEMU has is one
+# with 16 KiB of RAM.
 set -eu
 cd "$(dirname "$0")"
 profile=release; functions=; design=micro16; features=
@@ -41,7 +43,8 @@ emulator() {
     riscv32*) echo "qemu-system-riscv32 -M virt -bios none" ;;
     esac
 }
-# What a frame cost when this was written and what it is to cost, in millions of instructions, for 200, 1000 and 3000 splats; - without a bar.
+# What a frame cost when this was written and what it is to cost, in millions of instructions, for 200, 1000 and 3000
+# splats; - without a bar.
 costs() {
     case $design.$1 in
     lean18.thumbv6m-*) echo "26.6:- 42.4:- 77.3:-" ;;

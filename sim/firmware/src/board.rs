@@ -53,8 +53,8 @@ extern "C" fn reset() -> ! {
     unsafe extern "Rust" {
         safe fn image_main();
     }
-    // SAFETY: the symbols are the linker script's; nothing lives between the end of the variables and the stack pointer but what this
-    // function has itself, for which 128 bytes are left alone.
+    // SAFETY: the symbols are the linker script's; nothing lives between the end of the variables and the stack pointer
+    // but what this function has itself, for which 128 bytes are left alone.
     unsafe {
         let mut word = &raw mut bss_start;
         while word < &raw mut bss_end {

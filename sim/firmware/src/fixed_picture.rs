@@ -43,8 +43,8 @@ pub struct FixedOutcome {
     pub visible: u32,
 }
 
-/// Draws the scene; `send` gets the memory when a strip is done, and the strip's first row. A splat without a place in the depth order is an
-/// error, and nothing is drawn.
+/// Draws the scene; `send` gets the memory when a strip is done, and the strip's first row. A splat without a place in
+/// the depth order is an error, and nothing is drawn.
 pub fn draw(
     memory: &mut FixedMemory,
     mut send: impl FnMut(&FixedMemory, u16),

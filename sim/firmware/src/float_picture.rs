@@ -1,8 +1,8 @@
 //! The same drawing in `f32`, for comparison: soft float on these targets.
 //!
-//! Drawn twice: `draw_box` as splatting is usually written (bounding box, conic evaluated at every pixel, `expf`), and `draw_spans` by
-//! the kernel's own algorithm (spans, forward differencing, table), so that what the algorithm and what the arithmetic gains are told
-//! apart. Accumulators are f32; pixels finish as in the kernel.
+//! Drawn twice: `draw_box` as splatting is usually written (bounding box, conic evaluated at every pixel, `expf`), and
+//! `draw_spans` by the kernel's own algorithm (spans, forward differencing, table), so that what the algorithm and what
+//! the arithmetic gains are told apart. Accumulators are f32; pixels finish as in the kernel.
 
 use crate::order::{Full, Order};
 use crate::phase::{phase_draw, phase_draw_again, phase_rest, phase_setup};

@@ -1,4 +1,5 @@
-//! A strip by the kernel's general painter with widths in fields and 64-bit lanes: what the image's own must equal. Host only.
+//! A strip by the kernel's general painter with widths in fields and 64-bit lanes: what the image's own must equal.
+//! Host only.
 
 use crate::design::Firmware16;
 use crate::fixed_picture::FixedMemory;

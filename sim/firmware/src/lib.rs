@@ -1,4 +1,5 @@
-//! Splats on a microcontroller without an FPU: one scene, drawn in fixed point by the kernel and in soft float beside it.
+//! Splats on a microcontroller without an FPU: one scene, drawn in fixed point by the kernel and in soft float beside
+//! it.
 //!
 //! | file | what |
 //! |---|---|

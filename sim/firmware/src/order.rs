@@ -5,7 +5,8 @@
 use crate::scene::SPLATS;
 use heapless::Vec;
 
-/// Depths and numbers of the splats inserted so far. A number of full width costs no byte more than a short one: depths are aligned.
+/// Depths and numbers of the splats inserted so far. A number of full width costs no byte more than a short one: depths
+/// are aligned.
 #[derive(Clone, Debug)]
 pub struct Order<K> {
     entries: Vec<(K, usize), SPLATS>,
@@ -26,7 +27,8 @@ impl<K: Copy + PartialOrd> Order<K> {
         self.entries.clear();
     }
 
-    /// Inserts a splat's number after all that are not farther. A full list has lost its farthest one then, and is of no use.
+    /// Inserts a splat's number after all that are not farther. A full list has lost its farthest one then, and is of
+    /// no use.
     pub fn insert(&mut self, number: usize, depth: K) -> Result<(), Full> {
         let mut carried = (depth, number);
         let mut shifting = false;

@@ -1,7 +1,8 @@
-//! Pixel loops in assembly: the same bits as [`Painter32::paint`](splatline::draw::Painter32::paint), which stays their definition
-//! (`bin/loops.rs` compares the two run by run, `run.sh` the checksum of the picture with the host's).
+//! Pixel loops in assembly: the same bits as [`Painter32::paint`](splatline::draw::Painter32::paint), which stays their
+//! definition (`bin/loops.rs` compares the two run by run, `run.sh` the checksum of the picture with the host's).
 //!
-//! None looks whether an opacity is 0: such a layer takes nothing, and a pixel that has not finished has more than the least transmittance.
+//! None looks whether an opacity is 0: such a layer takes nothing, and a pixel that has not finished has more than the
+//! least transmittance.
 
 #[cfg(armv6m)]
 mod armv6m;
@@ -43,7 +44,8 @@ const _: () = {
     assert!(BLEND.opacity_min == 1 << (BLEND.opacity_shift - 1));
     assert!(BLEND.minimum_transmittance < 256);
     assert!(BLEND.contribution_shift > 0 && BLEND.opacity_shift > 0 && BLEND.colour_shift == 0);
-    // The peak of a splat that is not clamped, scaled so that opacity and share are rounded at the same bit, fits a word with the kernel.
+    // The peak of a splat that is not clamped, scaled so that opacity and share are rounded at the same bit, fits a
+    // word with the kernel.
     let widths = Firmware16::WIDTHS;
     assert!(SCALE >= 0 && widths.peak as i32 + SCALE + (widths.weight as i32) < 32);
     // The position ends where the lane ends.

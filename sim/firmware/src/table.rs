@@ -1,4 +1,5 @@
-//! The footprint table of the images, made by the compiler: entries in the kernel's own form, and packed for the pixel loops.
+//! The footprint table of the images, made by the compiler: entries in the kernel's own form, and packed for the pixel
+//! loops.
 
 use crate::design::Firmware16;
 use crate::scene::RULES;

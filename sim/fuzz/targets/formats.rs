@@ -1,4 +1,5 @@
-//! Any bytes as each of the formats that other tools write, features included: a scene, a cloud or an error, never a panic.
+//! Any bytes as each of the formats that other tools write, features included: a scene, a cloud or an error, never a
+//! panic.
 #![no_main]
 
 mod loader;

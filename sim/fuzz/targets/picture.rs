@@ -1,4 +1,5 @@
-//! Any bytes as a scene, point cloud or height field, the whole way: loaded, framed and drawn at 16 x 16 by both engines.
+//! Any bytes as a scene, point cloud or height field, the whole way: loaded, framed and drawn at 16 x 16 by both
+//! engines.
 #![no_main]
 
 mod readers;

@@ -1,4 +1,5 @@
-//! Any bytes as a camera, cameras of other tools, a camera path, transfer function, design, machine, prices or space: an answer and its use, never a panic.
+//! Any bytes as a camera, cameras of other tools, a camera path, transfer function, design, machine, prices or space:
+//! an answer and its use, never a panic.
 #![no_main]
 
 mod readers;

@@ -1,7 +1,7 @@
 //! Accounts of time: for every unit, busy + stalled (by cause) + idle = total, by construction and asserted.
 //!
-//! A unit's account is a cursor on its own time axis. Every interval is entered once, by moving the cursor to the interval's end;
-//! the cursor never moves back, so no counter can become negative and no cycle can be counted twice.
+//! A unit's account is a cursor on its own time axis. Every interval is entered once, by moving the cursor to the
+//! interval's end; the cursor never moves back, so no counter can become negative and no cycle can be counted twice.
 
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -126,8 +126,8 @@ impl UnitTime {
 
 /// A FIFO's places by the time at which each became free again, and the most that was ever in it.
 ///
-/// Entry `k` may enter when entry `k - depth` has left. Departures are noted in the order of entry, in a ring whose size is
-/// a power of two, because a remainder by a variable would be the slowest step of the whole model.
+/// Entry `k` may enter when entry `k - depth` has left. Departures are noted in the order of entry, in a ring whose
+/// size is a power of two, because a remainder by a variable would be the slowest step of the whole model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fifo {
     left: Vec<u64>,
@@ -158,10 +158,11 @@ impl Fifo {
         self.left[self.entered.wrapping_sub(self.depth) & self.mask]
     }
 
-    /// An entry comes in at `enter`, not before [`Fifo::free_at`], and goes out at `leave`. Neither goes back from entry to entry.
+    /// An entry comes in at `enter`, not before [`Fifo::free_at`], and goes out at `leave`. Neither goes back from
+    /// entry to entry.
     ///
-    /// An entry finds at most one more inside than the one before it found, so the mark can only rise by one: when the entry
-    /// that came `high_water` before is still there. That is one comparison, and it almost never holds.
+    /// An entry finds at most one more inside than the one before it found, so the mark can only rise by one: when the
+    /// entry that came `high_water` before is still there. That is one comparison, and it almost never holds.
     #[inline(always)]
     pub fn pass(&mut self, enter: u64, leave: u64) {
         let before = self.left[self.entered.wrapping_sub(self.high_water) & self.mask];

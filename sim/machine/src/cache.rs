@@ -1,8 +1,8 @@
 //! A raster unit's packet cache: four ways, the least recently used packet leaves.
 //!
-//! A splat over several tiles is fetched once for each of them. Neighbouring tiles share most of their splats, so that a cache in front of the
-//! read channel saves the packet, though not the list's entry, if it holds the splats of a tile until the next one comes: how many that is depends on
-//! the order of the tiles.
+//! A splat over several tiles is fetched once for each of them. Neighbouring tiles share most of their splats, so that
+//! a cache in front of the read channel saves the packet, though not the list's entry, if it holds the splats of a tile
+//! until the next one comes: how many that is depends on the order of the tiles.
 
 /// Ways of a set.
 const WAYS: usize = 4;

@@ -1,9 +1,10 @@
 //! From cycles to time: the clock, pictures a second, and bytes a second.
 //!
-//! A count of cycles is no answer to "does it run at 60 frames a second". The machine's `clock_mhz` is what its maker promises. Where nobody does,
-//! the clock is that of the nearest circuit of the same family that was placed and routed, and says so wherever it is shown: one placement of another
-//! width or number of lanes is a hint of the order of magnitude and no promise. Where no raster unit of a family was placed, it is the ECP5's by a
-//! stated factor (`area/families.toml`): what both families reach with the same circuit.
+//! A count of cycles is no answer to "does it run at 60 frames a second". The machine's `clock_mhz` is what its maker
+//! promises. Where nobody does, the clock is that of the nearest circuit of the same family that was placed and routed,
+//! and says so wherever it is shown: one placement of another width or number of lanes is a hint of the order of
+//! magnitude and no promise. Where no raster unit of a family was placed, it is the ECP5's by a stated factor
+//! (`area/families.toml`): what both families reach with the same circuit.
 
 use super::area::{Family, lines_of};
 use super::config::Config;
@@ -101,7 +102,8 @@ impl RoutedCircuit {
 }
 
 impl Clock {
-    /// The machine's own clock, or that of the nearest circuit of the family that was placed, or else the ECP5's by the family's factor.
+    /// The machine's own clock, or that of the nearest circuit of the family that was placed, or else the ECP5's by the
+    /// family's factor.
     pub fn of(config: &Config, widths: &Widths, family: Family) -> Clock {
         if config.clock_mhz > 0 {
             return Clock {
@@ -190,8 +192,8 @@ impl Throughput {
 
 /// Cycles from one picture to the next, and what sets them.
 ///
-/// Phases of different pictures run side by side where their packets have buffers of their own in memory. They share the channels: a channel that
-/// is asked for more bytes than it moves sets the rate.
+/// Phases of different pictures run side by side where their packets have buffers of their own in memory. They share
+/// the channels: a channel that is asked for more bytes than it moves sets the rate.
 fn interval(timing: &Timing, config: &Config) -> (u64, &'static str) {
     let [geometry, sort, raster] = [timing.geometry, timing.sort, timing.raster];
     let total = timing.total;

@@ -1,7 +1,8 @@
 //! The machine's configuration: its settings, what they may be, named machines, and what follows from several settings.
 //!
 //! ```text
-//! settings.toml -> settings: unit, range, default, meaning -> file: reading, checks one by one, printing -> check: settings together
+//! settings.toml -> settings: unit, range, default, meaning -> file: reading, checks one by one, printing
+//!     -> check: settings together
 //! ```
 
 mod check;
@@ -38,7 +39,8 @@ pub enum Overlap {
     Serial,
     /// They work at the same time, with FIFOs between them.
     Pipelined,
-    /// They are the circuit of `sim/rtl`, cycle by cycle: pipelines that never stand still, and queues with counted places behind them.
+    /// They are the circuit of `sim/rtl`, cycle by cycle: pipelines that never stand still, and queues with counted
+    /// places behind them.
     Primitive,
 }
 
@@ -224,8 +226,9 @@ impl Config {
         }
     }
 
-    /// The whole machine of `sim/rtl` (`splat_machine.sv`) with so many lanes: words of 16 bytes in either direction, splats sorted before they
-    /// are binned. Setup takes a splat in 16 cycles, which is nine cores of lean18, in five pairs, whose round has 135.
+    /// The whole machine of `sim/rtl` (`splat_machine.sv`) with so many lanes: words of 16 bytes in either direction,
+    /// splats sorted before they are binned. Setup takes a splat in 16 cycles, which is nine cores of lean18, in five
+    /// pairs, whose round has 135.
     pub fn machine(lanes: u32) -> Config {
         Config {
             splat_bytes: 80,
@@ -239,7 +242,8 @@ impl Config {
         }
     }
 
-    /// A machine by its name: `primitive-1` to `primitive-16`, and `machine-1` to `machine-16` with what stands before it.
+    /// A machine by its name: `primitive-1` to `primitive-16`, and `machine-1` to `machine-16` with what stands before
+    /// it.
     pub fn named(name: &str) -> Option<Config> {
         let (kind, lanes) = name.rsplit_once('-')?;
         let lanes: u32 = lanes.parse().ok()?;
@@ -257,7 +261,8 @@ impl Config {
         PARTS.get(index)
     }
 
-    /// Bytes that the memory could move in a cycle of so many megahertz: both channels together, or the part at its peak.
+    /// Bytes that the memory could move in a cycle of so many megahertz: both channels together, or the part at its
+    /// peak.
     pub fn channel_bytes_per_cycle(&self, mhz: f64) -> f64 {
         match self.memory_part() {
             Some(part) => part.peak_bytes_per_s() as f64 / (1e6 * mhz),
@@ -309,7 +314,8 @@ impl Config {
         self.blend_interval.max(shared)
     }
 
-    /// Bytes of the queues that simulating it takes: a time per place, in rings of a power of two, and the primitive's own per lane.
+    /// Bytes of the queues that simulating it takes: a time per place, in rings of a power of two, and the primitive's
+    /// own per lane.
     pub fn simulator_bytes(&self) -> u64 {
         let ring = |depth: u32| u64::from(depth.next_power_of_two());
         let lanes = u64::from(self.lanes);

@@ -4,10 +4,10 @@
 //! memory -> [setup_fifo] -> setup units -> [bin_fifo] -> harmonics -> binning -> write channel
 //! ```
 //!
-//! Splats keep their order. The setup units take them in turn, each accepts one every `setup_interval` cycles and works in a
-//! pipeline of `setup_latency`; a full FIFO behind holds the splat in its unit. Colours of harmonics, if there are any, are made
-//! splat after splat of those that are seen. A culled splat takes as long as another until it is known to be culled, so that
-//! the phase does not end before the last one has come out, seen or not.
+//! Splats keep their order. The setup units take them in turn, each accepts one every `setup_interval` cycles and works
+//! in a pipeline of `setup_latency`; a full FIFO behind holds the splat in its unit. Colours of harmonics, if there are
+//! any, are made splat after splat of those that are seen. A culled splat takes as long as another until it is known to
+//! be culled, so that the phase does not end before the last one has come out, seen or not.
 
 use super::accounts::{Account, Cause, Fifo};
 use super::config::{Binning, Config};

@@ -1,7 +1,7 @@
 //! Lane work: what the lanes do for every row, given their number and layout. Depends on nothing else of the machine.
 //!
-//! The definitions of the layouts are in `docs/hardware-model.md`, section 1. One [`Band`] is what the lanes take from their FIFO
-//! in one piece: a row, or the two rows of a quad.
+//! The definitions of the layouts are in `docs/hardware-model.md`, section 1. One [`Band`] is what the lanes take from
+//! their FIFO in one piece: a row, or the two rows of a quad.
 
 use super::config::{Binning, Config, LaneLayout, Termination};
 use super::workload::{Mask, Pair, Tile, Workload, WorkloadRow, mask, part_of};

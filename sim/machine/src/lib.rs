@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The model is cycle-approximate: every unit is a server with a service time, every FIFO has a depth, and departure
-//! times follow from the max-plus recurrences of such networks, row by row. A cycle in which nothing begins or ends costs the
-//! host nothing. The definitions of all units are in `docs/hardware-model.md`.
+//! times follow from the max-plus recurrences of such networks, row by row. A cycle in which nothing begins or ends
+//! costs the host nothing. The definitions of all units are in `docs/hardware-model.md`.
 //!
 //! A [`Workload`](workload::Workload) is extracted once per scene, design, traversal and tile size;
 //! [`LaneWork`](lanes::LaneWork) once per lane layout; every further machine configuration reuses both.

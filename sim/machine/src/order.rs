@@ -1,8 +1,10 @@
-//! What brings splats into the order of their depths: which passes over how many of them, and what each pass costs before its first splat.
+//! What brings splats into the order of their depths: which passes over how many of them, and what each pass costs
+//! before its first splat.
 //!
-//! Entries of tile lists may be sorted (`passes`), which sorts a splat once for every tile that it meets; or splats before they are binned
-//! (`radix`, `merge`), so that every list is filled in order. Then the geometry phase writes one word of key, number and tiles for a splat instead of its
-//! list entries, and after the sort a pass over those words fills the lists (`tile_binning.sv`).
+//! Entries of tile lists may be sorted (`passes`), which sorts a splat once for every tile that it meets; or splats
+//! before they are binned (`radix`, `merge`), so that every list is filled in order. Then the geometry phase writes one
+//! word of key, number and tiles for a splat instead of its list entries, and after the sort a pass over those words
+//! fills the lists (`tile_binning.sv`).
 
 use super::config::{Config, Sorter};
 use super::workload::{OrderChanges, Workload};
@@ -17,7 +19,8 @@ pub(super) struct SortStep {
     pub places: u64,
     /// Cycles of a pass before its first entry: the sums of the counts of a digit's values.
     pub begins: u64,
-    /// Cycles of a pass in which nothing moves: the first entry is on its way from memory, and then the last one to it, where the next pass reads it.
+    /// Cycles of a pass in which nothing moves: the first entry is on its way from memory, and then the last one to it,
+    /// where the next pass reads it.
     pub waits: u64,
 }
 
@@ -56,7 +59,8 @@ impl SortStep {
     }
 }
 
-/// From the end of a pass to the first entry of the next one: words that are written take as long as words that are read.
+/// From the end of a pass to the first entry of the next one: words that are written take as long as words that are
+/// read.
 pub(super) fn waits(config: &Config) -> u64 {
     2 * u64::from(config.latency)
 }
@@ -81,7 +85,8 @@ fn over_entries(config: &Config, entries: u64, changes: Option<OrderChanges>) ->
     vec![anew(changes.came), merge]
 }
 
-/// A pass for every digit of `bits` bits. Its counts are summed first; where that shows that all keys share the digit, nothing is moved.
+/// A pass for every digit of `bits` bits. Its counts are summed first; where that shows that all keys share the digit,
+/// nothing is moved.
 fn by_digits(config: &Config, varying: u64, visible: u64) -> Vec<SortStep> {
     let bits = config.sort_digit;
     let all = u64::from(KEY_BITS.div_ceil(bits));

@@ -1,7 +1,8 @@
 //! Named parts: what an FPGA holds and what the memory beside it moves.
 //!
-//! A question about a machine is asked of a part that one can buy. The parts that ship lie in `parts/parts.toml`; a file of the same form adds
-//! others. The memory is a board's, not the FPGA's: each part names the one that its figure is of, and `--bandwidth` says another.
+//! A question about a machine is asked of a part that one can buy. The parts that ship lie in `parts/parts.toml`; a
+//! file of the same form adds others. The memory is a board's, not the FPGA's: each part names the one that its figure
+//! is of, and `--bandwidth` says another.
 
 use super::area::{Fabric, Family};
 use crate::input::line_of;
@@ -87,7 +88,8 @@ const COUNTS: [(&str, i64); 5] = [
 /// The most that a count may be.
 const MOST: i64 = 100_000_000;
 
-/// Key, value and what is allowed in place of a value that cannot be; keys that lack or are unknown are told by the reader of the file.
+/// Key, value and what is allowed in place of a value that cannot be; keys that lack or are unknown are told by the
+/// reader of the file.
 fn check(part: &toml::Value) -> Result<(), (&'static str, String, String)> {
     for (key, low) in COUNTS {
         let Some(value) = part.get(key) else { continue };

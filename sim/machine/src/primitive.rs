@@ -1,26 +1,33 @@
-//! The clock of the splat primitive in `sim/rtl`, handshake by handshake: in which cycle each packet, row and run moves on.
+//! The clock of the splat primitive in `sim/rtl`, handshake by handshake: in which cycle each packet, row and run moves
+//! on.
 //!
 //! ```text
 //! packet -> setup, 24 stages -> queue -> rows, 32 stages -> queue -> queue of each lane -> lane, one pixel a cycle
 //! ```
 //!
-//! Stages of setup take turns at some units, so that packets are taken in every [`SETUP_INTERVAL`]th cycle since the reset alone. A splat fills one slot of the row pipeline for each row of its box in the tile, or one if there is none. Pipelines never stand still: a packet is
-//! only taken, and a row only issued, if the queue behind the pipeline has a place for it. Queues are registered: a place is free in the
-//! cycle after its entry left. The queue of splats rests for a cycle after each. A lane holds a run back while a pixel of it would come to a place less than [`INTERVAL`] cycles after an earlier one
-//! did. With t(s) the cycle in which packet s is taken, b(s) the one in which its rows are begun, q(i) the one in which
-//! slot i is issued, e(i) the one in which it leaves for its lane, m(i) the one in which its run comes to the front of that lane's queue and p(i)
-//! the one in which it is popped, packets never running out, this is
+//! Stages of setup take turns at some units, so that packets are taken in every [`SETUP_INTERVAL`]th cycle since the
+//! reset alone. A splat fills one slot of the row pipeline for each row of its box in the tile, or one if there is
+//! none. Pipelines never stand still: a packet is only taken, and a row only issued, if the queue behind the pipeline
+//! has a place for it. Queues are registered: a place is free in the cycle after its entry left. The queue of splats
+//! rests for a cycle after each. A lane holds a run back while a pixel of it would come to a place less than
+//! [`INTERVAL`] cycles after an earlier one did. With t(s) the cycle in which packet s is taken, b(s) the one in which
+//! its rows are begun, q(i) the one in which slot i is issued, e(i) the one in which it leaves for its lane, m(i) the
+//! one in which its run comes to the front of that lane's queue and p(i) the one in which it is popped, packets never
+//! running out, this is
 //!
 //! ```text
 //! t(s) = max(t(s-1) + 1, b(s - SPLATS) + 1), put off to a multiple of the interval
 //! b(s) = max(t(s) + 27, b(s-1) + 2, q(last slot of s-1))
 //! q(i) = max(q(i-1) + 1, b(s) + 1, e(i - SLOTS) + 1)
-//! e(i) = max(q(i) + 35, e(i-1) + 1, m(j) + 1)           j: the run `queue` places before in the same lane, if slot i has a run
+//! e(i) = max(q(i) + 35, e(i-1) + 1, m(j) + 1)           j: where slot i has a run, the one `queue` places
+//!                                                          before it in the same lane
 //! m(i) = max(e(i) + 1, p(k))                            k: the run before in the same lane
-//! p(i) = max(m(i) + 2, p(k) + length(k), p(h) + INTERVAL + column(i) - column(h))    h: runs before that meet it in a pixel
+//! p(i) = max(m(i) + 2, p(k) + length(k), p(h) + INTERVAL + column(i) - column(h))
+//!                                                       h: runs before that meet it in a pixel
 //! ```
 //!
-//! It is the machine's raster unit where `overlap = "primitive"`, and the co-simulation compares it with the circuit cycle by cycle.
+//! It is the machine's raster unit where `overlap = "primitive"`, and the co-simulation compares it with the circuit
+//! cycle by cycle.
 
 use splatline::footprint::Footprint;
 use splatline::format::Design;
@@ -35,13 +42,15 @@ pub const TILE: [u16; 2] = [BLOCK, 32];
 /// Cycles between two visits of a pixel by its lane, at least; `INTERVAL` of lane.sv.
 pub const INTERVAL: u64 = 7;
 
-/// From a run's coming to the front of its lane's queue until it may be popped: meanwhile its pixels are compared with those in flight.
+/// From a run's coming to the front of its lane's queue until it may be popped: meanwhile its pixels are compared with
+/// those in flight.
 const FRONT: u64 = 2;
 
 /// Splats between packet and rows; `PLACES` of splat_setup.sv.
 const SPLATS: usize = 32;
 
-/// Cycles between two packets, at least; `SETUP_INTERVAL` of splat_primitive.sv. The circuit is built with 1 as well, if a machine says so (`splat_cycles`).
+/// Cycles between two packets, at least; `SETUP_INTERVAL` of splat_primitive.sv. The circuit is built with 1 as well,
+/// if a machine says so (`splat_cycles`).
 pub const SETUP_INTERVAL: u32 = 4;
 
 /// Cycles between two splats that leave their queue, at least; `RESTS` of fifo.sv.
@@ -226,8 +235,8 @@ impl Flights {
 }
 
 impl PrimitiveClock {
-    /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on, that takes a packet
-    /// in every `interval`th cycle from `phase` on; [`SETUP_INTERVAL`] is how the circuit is usually built.
+    /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on, that takes a
+    /// packet in every `interval`th cycle from `phase` on; [`SETUP_INTERVAL`] is how the circuit is usually built.
     pub fn new(lanes: usize, queue: u32, interval: u32, phase: u64) -> Self {
         let lane = LaneClock {
             moves: vec![0; queue.max(1) as usize],
@@ -296,8 +305,9 @@ impl PrimitiveClock {
     }
 }
 
-/// The slots that a footprint fills in a window: what [`PrimitiveClock::slot`] takes, row by row. `lanes` must be a power of two. In a window
-/// wider than a seed's block (the circuit takes none) every further seed of a row is a further slot.
+/// The slots that a footprint fills in a window: what [`PrimitiveClock::slot`] takes, row by row. `lanes` must be a
+/// power of two. In a window wider than a seed's block (the circuit takes none) every further seed of a row is a
+/// further slot.
 #[inline]
 pub fn for_each_slot<D: Design>(
     design: D,
@@ -350,7 +360,8 @@ mod tests {
         clock.idle_at()
     }
 
-    /// Slots leave in cycles 63, 64, 65; the first run is popped in 66 and keeps its lane until 71, the second until 73.
+    /// Slots leave in cycles 63, 64, 65; the first run is popped in 66 and keeps its lane until 71, the second until
+    /// 73.
     #[test]
     fn three_rows_of_which_one_is_empty() {
         assert_eq!(LATENCY, 63);
@@ -366,7 +377,8 @@ mod tests {
         );
     }
 
-    /// One run waits for the lane at the queue's front, one behind it; the next one leaves in the cycle after these have moved up.
+    /// One run waits for the lane at the queue's front, one behind it; the next one leaves in the cycle after these
+    /// have moved up.
     #[test]
     fn a_full_queue_stops_the_rows() {
         let mut clock = PrimitiveClock::new(1, 1, SETUP_INTERVAL, 0);

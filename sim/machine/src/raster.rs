@@ -7,8 +7,8 @@
 //! D[k] = max(S[k] + service, the time at which the FIFO behind has a place)
 //! ```
 //!
-//! so that a result that finds no place blocks its unit. All operations are maxima and sums of non-negative numbers: no time
-//! can decrease when a service time or latency grows.
+//! so that a result that finds no place blocks its unit. All operations are maxima and sums of non-negative numbers: no
+//! time can decrease when a service time or latency grows.
 
 use super::accounts::{Account, Cause, Fifo};
 use super::area::surface::RESOLVE_LATENCY;
@@ -42,8 +42,8 @@ pub(super) struct RasterUnit {
     buffers: VecDeque<TileBuffer>,
     /// Cycles for which backgrounds that are not written yet will keep the write channel.
     owed: u64,
-    /// When the circuit takes a tile's first packet at the earliest: it draws one tile after the other, whatever the number of buffers. The first tile's
-    /// own handshake takes a cycle.
+    /// When the circuit takes a tile's first packet at the earliest: it draws one tile after the other, whatever the
+    /// number of buffers. The first tile's own handshake takes a cycle.
     handed_over: u64,
     pub prefetched_discarded: u64,
     pub cache: PacketCache,
@@ -154,8 +154,8 @@ impl RasterUnit {
         self.end(job, &drawing, observer, memory);
     }
 
-    /// Does nobody draw this tile? Whoever hands out tiles to the circuit writes the background of those without splats himself: their read-out would
-    /// keep the circuit for a cycle a pixel.
+    /// Does nobody draw this tile? Whoever hands out tiles to the circuit writes the background of those without splats
+    /// himself: their read-out would keep the circuit for a cycle a pixel.
     pub fn is_background(&self, job: &TileJob) -> bool {
         let empty = job.pairs.is_empty() && job.left_out.is_empty();
         empty && self.config.overlap == Overlap::Primitive
@@ -280,7 +280,8 @@ impl RasterUnit {
         }
     }
 
-    /// From the row generator through the FIFO into the lanes; the splat's packet arrived and was set up at these times.
+    /// From the row generator through the FIFO into the lanes; the splat's packet arrived and was set up at these
+    /// times.
     #[inline(always)]
     fn hand_over<O: Observer, M: Memory>(
         &mut self,

@@ -1,4 +1,5 @@
-//! What a picture takes on a machine that carries a design, as one record: cycles, throughput, area, energy, and how the work is spread.
+//! What a picture takes on a machine that carries a design, as one record: cycles, throughput, area, energy, and how
+//! the work is spread.
 //!
 //! ```text
 //! workload, machine -> timing -> throughput, energy \
@@ -116,7 +117,8 @@ impl CostedMachine<'_> {
         energy::estimate(None, self.widths, self.traversal, config, timing, table)
     }
 
-    /// The area in words, and how much of the part it takes if there is one; the memory's channels could move so many bytes a second.
+    /// The area in words, and how much of the part it takes if there is one; the memory's channels could move so many
+    /// bytes a second.
     pub fn area_text(&self, record: &AreaRecord, channel_bytes_per_s: f64) -> String {
         let (raster, around, of) = (record.raster, record.around, &record.of);
         let part = self.prices.part.as_ref();

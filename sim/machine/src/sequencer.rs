@@ -1,5 +1,5 @@
-//! Lanes that advance together over the bands of a tile, and the interlock that keeps a pixel from being read before it is written
-//! (`docs/hardware-model.md` section 2); the row generator's steps beside them.
+//! Lanes that advance together over the bands of a tile, and the interlock that keeps a pixel from being read before it
+//! is written (`docs/hardware-model.md` section 2); the row generator's steps beside them.
 
 use super::accounts::{Account, Cause, Fifo};
 use super::lanes::Band;

@@ -1,8 +1,8 @@
 //! A whole picture on a machine: geometry phase, sort, raster phase, and what reports show of it.
 //!
-//! The phases follow each other, because the first tile can be drawn in depth order only when the last splat has been binned.
-//! With pictures in sequence a machine may overlap one picture's geometry with another's raster phase; the slower phase
-//! then sets the rate, which is why phases are reported one by one.
+//! The phases follow each other, because the first tile can be drawn in depth order only when the last splat has been
+//! binned. With pictures in sequence a machine may overlap one picture's geometry with another's raster phase; the
+//! slower phase then sets the rate, which is why phases are reported one by one.
 
 use super::accounts::{Account, Cause, Fifo, UnitTime};
 use super::config::{Assignment, Config, Sorter};
@@ -263,7 +263,8 @@ fn phases<O: Observer, M: Memory>(
     timing
 }
 
-/// Sorted splats go into the lists of their tiles, as binning counted them; nothing where the lists were there before they were sorted.
+/// Sorted splats go into the lists of their tiles, as binning counted them; nothing where the lists were there before
+/// they were sorted.
 fn filled<M: Memory>(geometry: &Geometry, config: &Config, memory: &mut M) -> Option<Account> {
     if config.sorter == Sorter::Passes {
         return None;
@@ -299,7 +300,8 @@ impl Raster {
         self.units.iter_mut().for_each(|unit| unit.settle(memory));
     }
 
-    /// Draws pair by pair, always by the unit whose next request is the earliest: the port that they share sees requests in the order of time.
+    /// Draws pair by pair, always by the unit whose next request is the earliest: the port that they share sees
+    /// requests in the order of time.
     fn draw_in_turn<O: Observer, M: Memory>(
         &mut self,
         tiles: &Tiles,

@@ -1,7 +1,8 @@
 //! Both engines' pictures of a view.
 //!
-//! The kernel paints tiles as the host does: the same tiles, the same order, and the same checks whether a tile has finished. A pixel's value
-//! does not depend on them under `spans`, but the counts of visited pixels do, and under `box` the corner that differencing starts from.
+//! The kernel paints tiles as the host does: the same tiles, the same order, and the same checks whether a tile has
+//! finished. A pixel's value does not depend on them under `spans`, but the counts of visited pixels do, and under
+//! `box` the corner that differencing starts from.
 
 use crate::bytes;
 use crate::camera::Camera;

@@ -1,7 +1,7 @@
 //! How far the kernel's picture is from the reference: figures, colours and the histogram of the signed error.
 //!
-//! The figures are those of the host's `metrics` without SSIM, which takes longer than drawing. The host's are not called because they come
-//! with it.
+//! The figures are those of the host's `metrics` without SSIM, which takes longer than drawing. The host's are not
+//! called because they come with it.
 
 use crate::draw::{FixedPicture, FloatPicture};
 use crate::scale::{ErrorScale, colour};
@@ -108,7 +108,8 @@ impl Compared {
     }
 }
 
-/// Per pixel the difference of the colour channel that differs most; then PSNR, largest, bias, its place, PSNR and bias over covered pixels.
+/// Per pixel the difference of the colour channel that differs most; then PSNR, largest, bias, its place, PSNR and bias
+/// over covered pixels.
 fn errors(fixed: &FixedPicture, float: &FloatPicture) -> (Vec<f64>, [f64; 7]) {
     let (mut whole, mut covered) = (ErrorSums::default(), ErrorSums::default());
     let mut at = 0;

@@ -19,7 +19,8 @@ pub struct Picked {
     centre: [f64; 3],
 }
 
-/// The splat that takes the largest share of the pixel's transmittance, found by drawing the pixel's splats once more, into that pixel alone.
+/// The splat that takes the largest share of the pixel's transmittance, found by drawing the pixel's splats once more,
+/// into that pixel alone.
 pub fn heaviest(fixed: &FixedPicture, loaded: &LoadedScene, x: u32, y: u32) -> Option<Picked> {
     let (width, height) = (fixed.picture.width, fixed.picture.height);
     let (column, row) = (x as usize, y as usize);

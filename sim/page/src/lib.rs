@@ -1,12 +1,14 @@
 //! The live page's engine room: the kernel and the float reference behind plain functions over linear memory.
 //!
-//! The page's script writes a scene, a camera and widths into memory that it asks for here, calls [`draw`], and reads pictures and figures from
-//! memory. Nothing is bound by a generator, so that the whole interface is what this file shows. The arithmetic is the kernel's own at
-//! run-time widths, the way into its formats is the host's file, and the reference is the host's crate; what is this crate's own is the loop
-//! over tiles, which walks as the host's does, so that pixels and counts are the same. The page shows whether they are: it compares its
-//! checksum with the one that the host wrote beside the scene.
+//! The page's script writes a scene, a camera and widths into memory that it asks for here, calls [`draw`], and reads
+//! pictures and figures from memory. Nothing is bound by a generator, so that the whole interface is what this file
+//! shows. The arithmetic is the kernel's own at run-time widths, the way into its formats is the host's file, and the
+//! reference is the host's crate; what is this crate's own is the loop over tiles, which walks as the host's does, so
+//! that pixels and counts are the same. The page shows whether they are: it compares its checksum with the one that the
+//! host wrote beside the scene.
 
-// Exported names are attributes that count as unsafe, because two crates might export the same; there is no unsafe block here.
+// Exported names are attributes that count as unsafe, because two crates might export the same; there is no unsafe
+// block here.
 #![allow(unsafe_code)]
 
 mod draw;
@@ -82,13 +84,15 @@ pub extern "C" fn camera_numbers() -> *mut f64 {
     with(|page| page.camera.as_mut_ptr())
 }
 
-/// Where the design's bytes go: the widths in the kernel's order, rounding (0 nearest, 1 truncate, 2 nearest with ties to even), traversal (0 box, 1 spans).
+/// Where the design's bytes go: the widths in the kernel's order, rounding (0 nearest, 1 truncate, 2 nearest with ties
+/// to even), traversal (0 box, 1 spans).
 #[unsafe(no_mangle)]
 pub extern "C" fn design_bytes() -> *mut u8 {
     with(|page| page.design.as_mut_ptr())
 }
 
-/// Draws: bit 0 the kernel, bit 1 the reference. 0, or what was wrong: 1 no scene, 2 a camera that is none, 3 a width out of its range.
+/// Draws: bit 0 the kernel, bit 1 the reference. 0, or what was wrong: 1 no scene, 2 a camera that is none, 3 a width
+/// out of its range.
 #[unsafe(no_mangle)]
 pub extern "C" fn draw(what: u32) -> u32 {
     with(|page| match page.draw(what) {
@@ -112,7 +116,8 @@ impl Page {
     }
 }
 
-/// Compares the two pictures; 1 if there are not two of one size. `percentile` of the errors end the colour scale, unless `limit` (above 0) does.
+/// Compares the two pictures; 1 if there are not two of one size. `percentile` of the errors end the colour scale,
+/// unless `limit` (above 0) does.
 #[unsafe(no_mangle)]
 pub extern "C" fn compare(percentile: f64, limit: f64) -> u32 {
     with(|page| match (&page.fixed, &page.float) {

@@ -9,16 +9,19 @@ use splatline_sim::cameras;
 use splatline_sim::framing::USUAL_FOV;
 use std::path::PathBuf;
 
-/// Pinhole or orthographic camera in double precision: x right, y down, z forward; pixel (i, j) is sampled at (i + 0.5, j + 0.5).
+/// Pinhole or orthographic camera in double precision: x right, y down, z forward; pixel (i, j) is sampled at (i + 0.5,
+/// j + 0.5).
 ///
-/// Made by `look_at`, `load`, `load_all`, `framing` or `from_json`; sizes are (width, height) in pixels, angles in degrees.
+/// Made by `look_at`, `load`, `load_all`, `framing` or `from_json`; sizes are (width, height) in pixels, angles in
+/// degrees.
 #[pyclass(frozen, eq, skip_from_py_object, module = "splatline")]
 #[derive(Clone, PartialEq)]
 pub struct Camera(pub camera::Camera);
 
 #[pymethods]
 impl Camera {
-    /// A perspective camera at `eye` that looks at `target`, with `up` pointing up; `fov` is the vertical field of view in degrees.
+    /// A perspective camera at `eye` that looks at `target`, with `up` pointing up; `fov` is the vertical field of view
+    /// in degrees.
     #[staticmethod]
     #[pyo3(signature = (eye, target, up, fov=USUAL_FOV, size=(512, 512)), text_signature = "(eye, target, up, fov=45.0, size=(512, 512))")]
     fn look_at(
@@ -49,7 +52,8 @@ impl Camera {
         }))
     }
 
-    /// The camera of a file, or the one of this name: our JSON, a report.json, a COLMAP folder, transforms.json, cameras.json.
+    /// The camera of a file, or the one of this name: our JSON, a report.json, a COLMAP folder, transforms.json,
+    /// cameras.json.
     #[staticmethod]
     #[pyo3(signature = (path, name=None, size=None))]
     fn load(path: PathBuf, name: Option<&str>, size: Option<(usize, usize)>) -> PyResult<Camera> {

@@ -18,8 +18,9 @@ fn toml_of(settings: Option<&Bound<'_, PyDict>>) -> PyResult<toml::Table> {
 
 /// Widths and rounding of a datapath, and how it walks a footprint.
 ///
-/// `Design("lean18")`, `Design("mine.toml")`, `Design("standard24", mantissa=20, rounding="truncate", traversal="box")`. The names are
-/// classic8, micro16, lean18, standard24 and deep32; keys and ranges are those of a design file.
+/// `Design("lean18")`, `Design("mine.toml")`,
+/// `Design("standard24", mantissa=20, rounding="truncate", traversal="box")`. The names are classic8, micro16, lean18,
+/// standard24 and deep32; keys and ranges are those of a design file.
 #[pyclass(frozen, eq, skip_from_py_object, module = "splatline")]
 #[derive(Clone, PartialEq)]
 pub struct Design(pub DesignChoice);
@@ -102,7 +103,8 @@ impl Design {
 
 /// A machine around the datapath: lanes, tiles, FIFOs, sorter, memory, clock.
 ///
-/// `Machine()`, `Machine("primitive16")`, `Machine("mine.toml", lanes=8, layout="rows")`; keys and ranges are those of a machine file.
+/// `Machine()`, `Machine("primitive16")`, `Machine("mine.toml", lanes=8, layout="rows")`; keys and ranges are those of
+/// a machine file.
 #[pyclass(frozen, eq, skip_from_py_object, module = "splatline")]
 #[derive(Clone, PartialEq)]
 pub struct Machine(pub Config);

@@ -23,7 +23,8 @@ use splatline_sim::fixed::{self, QuantisedScene, kernel_compositing};
 use splatline_sim::plan::draw::cull_name;
 use splatline_sim::vectors::{self, VectorSubject};
 
-/// The stages of a plan of composited splats. All values are the kernel's integers; `layout` and `formats` say what they are.
+/// The stages of a plan of composited splats. All values are the kernel's integers; `layout` and `formats` say what
+/// they are.
 #[pyclass(frozen, skip_from_py_object, module = "splatline._native")]
 pub struct Kernel {
     design: RuntimeWidths,
@@ -169,8 +170,8 @@ impl Kernel {
         Ok(rules)
     }
 
-    /// Setup of these splats (all of them): packets, uint32 of shape (n, words), the keys that they are sorted by, int64, and why a splat has
-    /// none, `None` where it has one.
+    /// Setup of these splats (all of them): packets, uint32 of shape (n, words), the keys that they are sorted by,
+    /// int64, and why a splat has none, `None` where it has one.
     #[pyo3(signature = (indices=None))]
     fn setup<'py>(
         &self,
@@ -209,8 +210,8 @@ impl Kernel {
         Ok((array, PyArray1::from_vec(py, keys), reasons))
     }
 
-    /// Spans of a packet in a window (x0, y0, x1, y1), int64 of shape (n, 6): row, column, pixels, radial index, first and second
-    /// difference; and the fraction bits of the last three.
+    /// Spans of a packet in a window (x0, y0, x1, y1), int64 of shape (n, 6): row, column, pixels, radial index, first
+    /// and second difference; and the fraction bits of the last three.
     #[pyo3(signature = (packet, window=None))]
     fn spans_of<'py>(
         &self,
@@ -227,7 +228,8 @@ impl Kernel {
         Ok((rows(py, spans.iter().map(row).collect())?, fraction))
     }
 
-    /// Pixels of a packet in a window that lie inside its footprint, int64 of shape (n, 3): row, column, radial index UQ4.radial.
+    /// Pixels of a packet in a window that lie inside its footprint, int64 of shape (n, 3): row, column, radial index
+    /// UQ4.radial.
     #[pyo3(signature = (packet, window=None))]
     fn radial_indices<'py>(
         &self,
@@ -282,8 +284,9 @@ impl Kernel {
         PyArray1::from_vec(py, weights.as_array().iter().map(opacity).collect())
     }
 
-    /// Pixels, uint32 of shape (n, 4): red, green, blue UQ4.accumulator and transmittance as the kernel keeps it, each with its opacity
-    /// UQ1.alpha of a colour UQ4.colour composited into it. A new array; transparent pixels are `clear`.
+    /// Pixels, uint32 of shape (n, 4): red, green, blue UQ4.accumulator and transmittance as the kernel keeps it, each
+    /// with its opacity UQ1.alpha of a colour UQ4.colour composited into it. A new array; transparent pixels are
+    /// `clear`.
     fn blend<'py>(
         &self,
         py: Python<'py>,
@@ -357,8 +360,8 @@ impl Kernel {
         PyArray1::from_vec(py, words.into_flattened()).reshape([rows, columns, 4])
     }
 
-    /// All stages of the first `splats` splats as `splatline vectors` writes them, in the order of the data flow: name, what a record is,
-    /// fields (name, offset, bits, signed, fraction), and records, int64 of shape (n, fields).
+    /// All stages of the first `splats` splats as `splatline vectors` writes them, in the order of the data flow: name,
+    /// what a record is, fields (name, offset, bits, signed, fraction), and records, int64 of shape (n, fields).
     fn vectors<'py>(
         &self,
         py: Python<'py>,

@@ -1,8 +1,10 @@
-//! The package `splatline` for Python: scenes, cameras, designs and machines as classes, pictures as NumPy arrays, records as dictionaries.
+//! The package `splatline` for Python: scenes, cameras, designs and machines as classes, pictures as NumPy arrays,
+//! records as dictionaries.
 //!
-//! Nothing is computed here. A [`plan::Plan`] is a [`splatline_sim::plan::Prepared`] that Python holds; what its methods return are the
-//! records that the command line writes, by the same serde. Pictures are handed over, not copied, and Python's lock is released while
-//! anything is drawn, simulated or searched. What is more convenient to say in Python is said there: `splatline/*.py`.
+//! Nothing is computed here. A [`plan::Plan`] is a [`splatline_sim::plan::Prepared`] that Python holds; what its
+//! methods return are the records that the command line writes, by the same serde. Pictures are handed over, not
+//! copied, and Python's lock is released while anything is drawn, simulated or searched. What is more convenient to say
+//! in Python is said there: `splatline/*.py`.
 
 mod camera;
 mod convert;

@@ -27,7 +27,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A scene, from where it is seen, how and by whom it is drawn, and the machine whose cycles are counted: a plan file with its scene loaded.
+/// A scene, from where it is seen, how and by whom it is drawn, and the machine whose cycles are counted: a plan file
+/// with its scene loaded.
 #[pyclass(frozen, skip_from_py_object, module = "splatline")]
 #[derive(Clone)]
 pub struct Plan {
@@ -196,7 +197,8 @@ impl Plan {
         Machine(self.prepared.plan.machine)
     }
 
-    /// The picture's pixels, float64 of shape (height, width, 4), premultiplied red, green, blue and alpha, and its report.
+    /// The picture's pixels, float64 of shape (height, width, 4), premultiplied red, green, blue and alpha, and its
+    /// report.
     #[pyo3(signature = (threads=None, repeat=1, vectors=None))]
     fn draw<'py>(
         &self,
@@ -211,8 +213,8 @@ impl Plan {
         Ok((array(py, measured.picture)?, record(py, &report)?))
     }
 
-    /// The pixels by the kernel and by the reference, and the record that `splatline compare` writes; `all_designs` adds the table of
-    /// named designs, `formats` that of floating-point datapaths.
+    /// The pixels by the kernel and by the reference, and the record that `splatline compare` writes; `all_designs`
+    /// adds the table of named designs, `formats` that of floating-point datapaths.
     #[pyo3(signature = (threads=None, repeat=1, all_designs=false, formats=false))]
     fn compare<'py>(
         &self,
@@ -241,7 +243,8 @@ impl Plan {
         Ok((fixed, float, report))
     }
 
-    /// Where every splat lands, float64 of shape (n, 12): u, v, depth, conic a, b, c, x0, y0, x1, y1, cutoff, opacity; NaN where it is culled.
+    /// Where every splat lands, float64 of shape (n, 12): u, v, depth, conic a, b, c, x0, y0, x1, y1, cutoff, opacity;
+    /// NaN where it is culled.
     #[pyo3(signature = (engine="fixed"))]
     fn footprints<'py>(
         &self,
@@ -308,7 +311,8 @@ pub fn frames(plans: &[Bound<'_, Plan>]) -> Vec<Arc<Prepared>> {
     plans.iter().map(prepared).collect()
 }
 
-/// The smallest design within limits on its errors: the record of `splatline fit`; its start is the first plan's design.
+/// The smallest design within limits on its errors: the record of `splatline fit`; its start is the first plan's
+/// design.
 #[pyfunction]
 pub fn fit_widths<'py>(
     py: Python<'py>,
@@ -330,7 +334,8 @@ pub fn fit_widths<'py>(
     record(py, &raise(found)?)
 }
 
-/// The cheapest design and machine that hold all limits: the answer of `splatline optimize`. `space` is the text of a space file.
+/// The cheapest design and machine that hold all limits: the answer of `splatline optimize`. `space` is the text of a
+/// space file.
 #[pyfunction]
 #[pyo3(signature = (plans, limit, part=None, space=None))]
 pub fn search_cheapest<'py>(

@@ -16,7 +16,8 @@ use std::sync::Arc;
 
 /// Splats, or points of a surface.
 ///
-/// Made by `splatline.load` (any format that the command line reads) or by `splatline.Scene.from_arrays`; arrays come out again, as copies.
+/// Made by `splatline.load` (any format that the command line reads) or by `splatline.Scene.from_arrays`; arrays come
+/// out again, as copies.
 #[pyclass(frozen, skip_from_py_object, module = "splatline")]
 #[derive(Clone)]
 pub struct Scene {
@@ -145,7 +146,8 @@ impl Scene {
 impl Scene {
     /// Any file that the command line reads, or one of its scenes by name (demo, random:COUNT[:SEED], deep-stack).
     ///
-    /// `contents` says what is in the file where that is not what it looks like: the `contents` of a plan file's source.
+    /// `contents` says what is in the file where that is not what it looks like: the `contents` of a plan file's
+    /// source.
     #[staticmethod]
     #[pyo3(signature = (path, transfer=None, contents=None))]
     fn load(
@@ -324,8 +326,8 @@ impl Scene {
         Ok(PyArray1::from_iter(py, weights))
     }
 
-    /// View-dependent colour: its constant part before clamping, float32 of shape (n, 3), and the coefficients of degree 1 and up in the
-    /// trainers' order, float32 of shape (n, k, 3); none if colours do not depend on the view.
+    /// View-dependent colour: its constant part before clamping, float32 of shape (n, 3), and the coefficients of
+    /// degree 1 and up in the trainers' order, float32 of shape (n, k, 3); none if colours do not depend on the view.
     #[getter]
     fn harmonics<'py>(
         &self,

@@ -111,7 +111,8 @@ struct Job {
     answer: Sender<Result<Vec<Vec<String>>>>,
 }
 
-/// Frames with their references, kept by a thread that evaluates points on them: the evaluator, which knows what was drawn before, borrows from both.
+/// Frames with their references, kept by a thread that evaluates points on them: the evaluator, which knows what was
+/// drawn before, borrows from both.
 #[pyclass(frozen, skip_from_py_object, module = "splatline._native")]
 pub struct Evaluation {
     jobs: Mutex<Sender<Job>>,

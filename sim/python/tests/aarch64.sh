@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Tests of the aarch64 wheel on a Python for aarch64, both by qemu: sim/python/tests/aarch64.sh WHEEL
 #
-# Debian's Python is unpacked into a folder of its own, beside the packages that PyPI has for that processor; nothing is installed. Left out are
-# tests that start another Python, which only a kernel that knows qemu could run, and the one that takes the time.
+# Debian's Python is unpacked into a folder of its own, beside the packages that PyPI has for that processor; nothing is
+# installed. Left out are tests that start another Python, which only a kernel that knows qemu could run, and the one
+# that takes the time.
 set -euo pipefail
 version=3.11 # Of bookworm.
 packages="python$version-minimal libpython$version-minimal libpython$version-stdlib libc6 libgcc-s1 libstdc++6 zlib1g libexpat1 libffi8 libssl3

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A Slurm of one machine on loopback, for the tests: Debian's slurm-wlm and munge, as root. Configuration and state lie in /etc/slurm and in
-# the folder that is named (a temporary one). `slurm.sh stop` ends what it started.
+# A Slurm of one machine on loopback, for the tests: Debian's slurm-wlm and munge, as root. Configuration and state lie
+# in /etc/slurm and in the folder that is named (a temporary one). `slurm.sh stop` ends what it started.
 set -euo pipefail
 state=${SLURM_STATE:-/tmp/splatline-slurm}
 if [ "${1:-}" = stop ]; then

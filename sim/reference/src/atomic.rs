@@ -1,8 +1,8 @@
 //! Atomic file writing: a reader sees the old file or the whole new one, never half of it.
 //!
-//! The bytes go to a temporary file beside the target, are flushed to the disk and renamed over it, because a
-//! rename within one folder is atomic. Devices and pipes (`/dev/stdout`) are written directly: renaming over
-//! them would replace them by a plain file. A file that was read on this thread is what the bytes come from: it is refused.
+//! The bytes go to a temporary file beside the target, are flushed to the disk and renamed over it, because a rename
+//! within one folder is atomic. Devices and pipes (`/dev/stdout`) are written directly: renaming over them would
+//! replace them by a plain file. A file that was read on this thread is what the bytes come from: it is refused.
 
 use crate::input;
 use std::fs::{self, OpenOptions};
@@ -11,7 +11,8 @@ use std::io::{self, Write};
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
-/// Writes `bytes` to `path`, replacing what was there only once everything is on the disk; what was there keeps its permissions.
+/// Writes `bytes` to `path`, replacing what was there only once everything is on the disk; what was there keeps its
+/// permissions.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     refuse_input(path)?;
     // A symbolic link keeps pointing to its file: the file is replaced, not the link.

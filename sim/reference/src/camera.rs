@@ -255,8 +255,9 @@ impl Camera {
 
     /// Reads a camera from such a text and tells by how much an entry of its rotation was corrected.
     ///
-    /// Files round rotations to a few digits. The engines take W for a rotation, one by its rows and another by its inverse, so that one that
-    /// is a rotation only nearly would make them draw different views. What they get is the nearest rotation, seen from the same eye.
+    /// Files round rotations to a few digits. The engines take W for a rotation, one by its rows and another by its
+    /// inverse, so that one that is a rotation only nearly would make them draw different views. What they get is the
+    /// nearest rotation, seen from the same eye.
     pub fn corrected_from_json_str(text: &str) -> Result<(Camera, f64), CameraError> {
         let wrong =
             |error: serde_json::Error| CameraError::whole(format!("not a camera in JSON: {error}"));
@@ -353,9 +354,9 @@ impl Camera {
 
     /// A world point in camera space: `t = W u + d`, taken as `W (u - eye)`.
     ///
-    /// Far from the world's origin W u and d are large and nearly opposite: their sum rounds every splat's depth by itself, and neighbours
-    /// change places (`splatline stability --only scenes` shows by how much). The difference to the eye loses nothing that matters, and
-    /// what the eye itself loses moves all splats together.
+    /// Far from the world's origin W u and d are large and nearly opposite: their sum rounds every splat's depth by
+    /// itself, and neighbours change places (`splatline stability --only scenes` shows by how much). The difference to
+    /// the eye loses nothing that matters, and what the eye itself loses moves all splats together.
     pub fn to_camera(&self, point: [f64; 3]) -> [f64; 3] {
         vector::transform(&self.rotation, vector::subtract(point, self.eye()))
     }
@@ -391,8 +392,8 @@ impl Camera {
         .checked()
     }
 
-    /// Whether every number is finite (`far` may be infinite) and the rotation is one. A camera that was placed by coordinates whose
-    /// squares or differences overflow is not.
+    /// Whether every number is finite (`far` may be infinite) and the rotation is one. A camera that was placed by
+    /// coordinates whose squares or differences overflow is not.
     pub fn is_sound(&self) -> bool {
         let far = self.far.min(f64::MAX);
         let sound = Camera {
@@ -456,9 +457,11 @@ fn orthonormal_deviation(rows: &[Vector; 3]) -> f64 {
     deviations.fold(0.0, f64::max)
 }
 
-/// The rotation nearest to one that is nearly a rotation, in the sum of squares: the orthogonal factor of the polar decomposition.
+/// The rotation nearest to one that is nearly a rotation, in the sum of squares: the orthogonal factor of the polar
+/// decomposition.
 ///
-/// Newton's iteration `X' = (X + X^-T) / 2` squares the deviation; X^-T has the cross products of the rows over the determinant as rows.
+/// Newton's iteration `X' = (X + X^-T) / 2` squares the deviation; X^-T has the cross products of the rows over the
+/// determinant as rows.
 fn nearest_rotation(rows: &[Vector; 3]) -> [Vector; 3] {
     let mut rotation = *rows;
     for _ in 0..4 {

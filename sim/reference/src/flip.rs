@@ -1,16 +1,19 @@
 //! FLIP: how different two pictures look to someone who flips between them, 0 to 1 per pixel.
 //!
-//! Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", HPG 2020, for pictures of low dynamic range:
+//! Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", HPG 2020, for pictures of low dynamic
+//! range:
 //!
 //! ```text
-//! sRGB -> opponent space -> filtered by the eye's contrast sensitivity -> L*a*b*, chroma times L* -> HyAB distance^0.7, remapped = colour
-//! lightness -> first and second derivatives of a Gaussian -> largest difference of edges and points, (difference / sqrt 2)^0.5    = feature
+//! colour = sRGB -> opponent space -> filtered by the eye's contrast sensitivity -> L*a*b*, chroma times L*
+//!     -> HyAB distance^0.7, remapped
+//! feature = lightness -> first and second derivatives of a Gaussian
+//!     -> largest difference of edges and points, (difference / sqrt 2)^0.5
 //! FLIP = colour^(1 - feature)
 //! ```
 //!
-//! What a [`Picture`] holds is what its file shows, so its values count as sRGB. Both filters reach as far as the eye resolves, which is stated in
-//! pixels per degree of the visual field. All filters are products of one along the rows and one along the columns.
-//! The tests hold it to the values of the authors' package.
+//! What a [`Picture`] holds is what its file shows, so its values count as sRGB. Both filters reach as far as the eye
+//! resolves, which is stated in pixels per degree of the visual field. All filters are products of one along the rows
+//! and one along the columns. The tests hold it to the values of the authors' package.
 
 use crate::metrics::stored;
 use crate::picture::Picture;
@@ -20,7 +23,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 /// The authors' setting: a picture of 3840 pixels, 0.7 m wide, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 0.7 * 3840.0 / 0.7 * PI / 180.0;
 
-/// Contrast sensitivity of a channel of the opponent space: Gaussians `a sqrt(pi / b) exp(-(pi x)^2 / b)`, x in degrees, as (a, b).
+/// Contrast sensitivity of a channel of the opponent space: Gaussians `a sqrt(pi / b) exp(-(pi x)^2 / b)`, x in
+/// degrees, as (a, b).
 const ACHROMATIC: [(f64, f64); 1] = [(1.0, 0.0047)];
 const RED_GREEN: [(f64, f64); 1] = [(1.0, 0.0053)];
 const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];

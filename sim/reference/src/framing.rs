@@ -1,9 +1,10 @@
 //! The camera where nobody names one: far enough away that a ball around the scene fits the picture.
 //!
-//! The rule, for every kind of scene: the ball holds every centre but strays (farther from the middle than `STRAY_DISTANCE` times
-//! the distance that holds 95 % of the centres; captures have a few such splats kilometres away, and framing them would show
-//! nothing else). The eye lies on the scene's front, at the distance where the ball touches the narrower side of the picture.
-//! Up and front are conventions of the kind of scene ([`FramingInput`]); neither can be read off a file, so both are printed.
+//! The rule, for every kind of scene: the ball holds every centre but strays (farther from the middle than
+//! `STRAY_DISTANCE` times the distance that holds 95 % of the centres; captures have a few such splats kilometres away,
+//! and framing them would show nothing else). The eye lies on the scene's front, at the distance where the ball touches
+//! the narrower side of the picture. Up and front are conventions of the kind of scene ([`FramingInput`]); neither can
+//! be read off a file, so both are printed.
 
 mod fill;
 
@@ -128,7 +129,8 @@ impl FramingInput {
         }
     }
 
-    /// How points of a surface are framed: clouds across their thinner horizontal side, height fields from the south and above.
+    /// How points of a surface are framed: clouds across their thinner horizontal side, height fields from the south
+    /// and above.
     pub fn of_surface(
         scene: &SurfaceScene,
         is_height_field: bool,
@@ -191,7 +193,8 @@ impl FramingInput {
         })
     }
 
-    /// Such a camera moved so that a capture fills the picture, and how many outlying splats it leaves outside; other scenes keep theirs.
+    /// Such a camera moved so that a capture fills the picture, and how many outlying splats it leaves outside; other
+    /// scenes keep theirs.
     pub fn filled(&self, camera: Camera, scene: &Scene) -> (Camera, usize) {
         match scene.is_capture() {
             true => fill::filled(camera, scene, self.ball.centre),

@@ -1,4 +1,5 @@
-//! Tests of the automatic camera: everything framed is in the picture, whatever the kind, the picture's shape and the field of view.
+//! Tests of the automatic camera: everything framed is in the picture, whatever the kind, the picture's shape and the
+//! field of view.
 
 use super::*;
 use crate::scene::synthetic::random_gaussians;
@@ -82,7 +83,8 @@ fn strays_are_counted_and_do_not_push_the_camera_away() {
     assert!((after.radius / before.radius - 1.0).abs() < 0.05);
 }
 
-/// A capture reaches both sides of its picture's narrower extent, all of it is seen, and faint floaters around it change nothing.
+/// A capture reaches both sides of its picture's narrower extent, all of it is seen, and faint floaters around it
+/// change nothing.
 #[test]
 fn a_capture_fills_its_picture_whatever_floats_around_it() {
     let mut scene = random_gaussians(2000, 3, 1.0);
@@ -230,7 +232,8 @@ fn captured_scenes_are_shown_whole() {
     assert!(all_in_view(&places, &camera));
 }
 
-/// The two automatic cameras differ in distance and field of view, never in the way they look; what the older one shows, a frame shows as well.
+/// The two automatic cameras differ in distance and field of view, never in the way they look; what the older one
+/// shows, a frame shows as well.
 #[test]
 fn a_frame_looks_the_way_of_the_default_camera_and_shows_no_less() {
     let mut capture = random_gaussians(2000, 3, 1.0);

@@ -32,7 +32,8 @@ pub struct Hybrid {
 /// Standard deviation of a volume's kernels, in voxels, by which a spacing follows from a deviation.
 pub(crate) const DEVIATION_PER_SPACING: f64 = 0.82;
 
-/// The standard deviation of a scene's kernels taken as spheres: the median over the splats of their volume's cube root.
+/// The standard deviation of a scene's kernels taken as spheres: the median over the splats of their volume's cube
+/// root.
 ///
 /// 0 for a scene without splats.
 pub fn deviation(scene: &Scene) -> f64 {

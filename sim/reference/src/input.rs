@@ -1,10 +1,10 @@
 //! Texts from strangers: TOML, JSON and CSV files, read whole if they are files and not absurdly long.
 //!
-//! A pipe may never end and `/dev/zero` never does; a file of gigabytes under a name that promises a page of settings is a mistake
-//! of the caller's. Both are refused with the number and the limit, before anything is read.
+//! A pipe may never end and `/dev/zero` never does; a file of gigabytes under a name that promises a page of settings
+//! is a mistake of the caller's. Both are refused with the number and the limit, before anything is read.
 //!
-//! What a command has read is remembered, so that none of its outputs replaces it: a scene may consist of many files, which only its
-//! reader knows. Every reader reads on its command's thread, so each thread has a list of its own.
+//! What a command has read is remembered, so that none of its outputs replaces it: a scene may consist of many files,
+//! which only its reader knows. Every reader reads on its command's thread, so each thread has a list of its own.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -42,7 +42,8 @@ pub const SETTINGS: u64 = 1 << 20;
 /// Most bytes of a file that programs write: tables of footprints and of sweeps, test vectors.
 pub const TABLE: u64 = 1 << 30;
 
-/// What is wrong with a file of settings, a table or one value of either: a sentence that names file, place, value and what is allowed.
+/// What is wrong with a file of settings, a table or one value of either: a sentence that names file, place, value and
+/// what is allowed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Refused(pub String);
@@ -53,7 +54,8 @@ pub fn line_at(text: &str, byte: usize) -> usize {
     1 + before.filter(|byte| *byte == b'\n').count()
 }
 
-/// Line, counted from 1, on which a text of TOML sets a key, which is named by its tables, its place in lists, and itself; 1 if none does.
+/// Line, counted from 1, on which a text of TOML sets a key, which is named by its tables, its place in lists, and
+/// itself; 1 if none does.
 pub fn line_of(text: &str, keys: &[&str]) -> usize {
     let document = DeTable::parse(text).map(Spanned::into_inner);
     document.map_or(1, |table| line_in(&DeValue::Table(table), keys, text, 1))

@@ -1,16 +1,17 @@
-//! What a picture is and what it should look like, in double precision: scenes and cameras of all formats, the rules of blending, pictures
-//! and their differences, and the float reference.
+//! What a picture is and what it should look like, in double precision: scenes and cameras of all formats, the rules of
+//! blending, pictures and their differences, and the float reference.
 //!
-//! A crate of its own, so that the reference cannot share a line with the fixed-point kernel that is measured against it: it does not depend
-//! on that kernel. Data flows down this list:
+//! A crate of its own, so that the reference cannot share a line with the fixed-point kernel that is measured against
+//! it: it does not depend on that kernel. Data flows down this list:
 //!
 //! ```text
-//! vector, memory, input, atomic     small tools: vectors, room in memory, files read within limits, files written whole
-//! rules, camera, cameras, framing   how splats blend; one camera, other people's cameras, a camera for a scene without one
+//! vector, memory, input, atomic     small tools: vectors, room in memory, files read within limits or written whole
+//! rules, camera, cameras, framing   how splats blend; one camera, other people's, one for a scene without any
 //! scene, texture                    what is drawn: readers of every format, colours of textured points
 //! surface, sheets, hybrid           settings of those systems
 //! picture, metrics                  pictures, their files, and how two of them differ
-//! engines                           the float reference and the exact integral; exact rationals and single precision for comparison
+//! engines                           the float reference and the exact integral; exact rationals and single precision
+//!                                   for comparison
 //! hard                              scenes and splats that break arithmetic
 //! ```
 

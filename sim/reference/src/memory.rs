@@ -1,9 +1,9 @@
 //! How much memory there is, so that work that cannot fit is refused with a number instead of ending in an abort.
 //!
-//! An allocation that fails ends the process without a message, and one that the system grants without having the memory ends in its
-//! killing something. Whoever asks for much therefore estimates first. The limit is the least of what the system says is available, what
-//! the process may still take (`ulimit -v`), what its control group leaves, and what the user grants ([`limit_to`]); where none of them is
-//! known nothing is refused.
+//! An allocation that fails ends the process without a message, and one that the system grants without having the
+//! memory ends in its killing something. Whoever asks for much therefore estimates first. The limit is the least of
+//! what the system says is available, what the process may still take (`ulimit -v`), what its control group leaves, and
+//! what the user grants ([`limit_to`]); where none of them is known nothing is refused.
 
 use std::fs;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -1,4 +1,5 @@
-//! How far one picture is from another: PSNR, largest difference, percentiles, signed bias and SSIM; [`crate::flip`] how far it looks.
+//! How far one picture is from another: PSNR, largest difference, percentiles, signed bias and SSIM; [`crate::flip`]
+//! how far it looks.
 //!
 //! All figures are in units of 1.0, on pictures clamped to 0..1 as they would be stored but not quantised: what is
 //! measured is the arithmetic, not the file format. Red, green and blue are one channel group, alpha is another.
@@ -6,9 +7,10 @@
 //! - PSNR is `-10 log10(mean squared difference)`, +infinity for identical pictures.
 //! - Bias is the mean of fixed minus float. It is reported beside PSNR because truncating blends darken deep stacks
 //!   by an amount that PSNR hides.
-//! - The 95th and the 99th percentile are of the absolute differences of single samples: of `n` sorted ones the one numbered `ceil(n p / 100)`.
-//! - All but the largest difference are given twice: over the whole picture, and over the covered pixels alone, those that are not transparent in both
-//!   pictures. Empty background is drawn without an error and dilutes them all.
+//! - The 95th and the 99th percentile are of the absolute differences of single samples: of `n` sorted ones the one
+//!   numbered `ceil(n p / 100)`.
+//! - All but the largest difference are given twice: over the whole picture, and over the covered pixels alone, those
+//!   that are not transparent in both pictures. Empty background is drawn without an error and dilutes them all.
 //! - SSIM follows Wang, Bovik, Sheikh and Simoncelli (IEEE TIP 2004): an 11x11 Gaussian window of sigma 1.5,
 //!   K1 = 0.01, K2 = 0.03, averaged over the positions where the window lies inside the picture. A picture narrower or
 //!   lower than the window shrinks the window to its size. Colour is compared by its luminance, alpha by itself.
@@ -155,7 +157,8 @@ pub fn compare_and_look(fixed: &Picture, float: &Picture) -> Result<(Errors, f64
 pub struct PhotoError {
     /// Peak signal-to-noise ratio of red, green and blue, decibels; +infinity if no sample differs.
     pub psnr_db: f64,
-    /// Structural similarity as the trainers measure it: of each colour, in whole windows at every pixel, with zeros around the picture.
+    /// Structural similarity as the trainers measure it: of each colour, in whole windows at every pixel, with zeros
+    /// around the picture.
     pub ssim: f64,
     /// Mean FLIP at [`flip::PIXELS_PER_DEGREE`].
     pub flip: f64,
@@ -311,8 +314,8 @@ fn psnr(max_abs: f64, mean_square: f64) -> f64 {
 /// Window-weighted means of a, b, a^2, b^2 and ab.
 type Moments = [f64; 5];
 
-/// Mean SSIM over all positions of the window, and over those with a covered pixel in their middle. The Gaussian is separable: rows are filtered first, and only as many
-/// filtered rows are kept as the window is high.
+/// Mean SSIM over all positions of the window, and over those with a covered pixel in their middle. The Gaussian is
+/// separable: rows are filtered first, and only as many filtered rows are kept as the window is high.
 fn ssim(fixed: &Picture, float: &Picture, brightness: impl Fn(&[f64; 4]) -> f64) -> (f64, f64) {
     let across = window(fixed.width);
     let down = window(fixed.height);

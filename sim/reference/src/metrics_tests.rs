@@ -69,7 +69,8 @@ fn a_constant_offset_gives_its_textbook_figures() {
 
 #[test]
 fn empty_background_does_not_dilute_the_covered_figures() {
-    // A covered square of 24 x 18 in pictures of growing size: the same figures over covered pixels, growing ones over the whole.
+    // A covered square of 24 x 18 in pictures of growing size: the same figures over covered pixels, growing ones over
+    // the whole.
     let drawn = |size: usize, lift: f64| {
         picture(size, size, |x, y, c| {
             let inside = (4..28).contains(&x) && (6..24).contains(&y);
@@ -262,8 +263,8 @@ fn percentiles_are_those_of_the_sorted_samples() {
     assert_eq!((colour.percentiles.p95, colour.percentiles.p99), (0.0, 0.5));
 }
 
-/// By numpy and scipy (`scipy.ndimage.gaussian_filter(mode="constant", sigma=1.5, truncate=3.5)` of each channel), whose window of 11 and zeros
-/// beyond the edge are the trainers'.
+/// By numpy and scipy (`scipy.ndimage.gaussian_filter(mode="constant", sigma=1.5, truncate=3.5)` of each channel),
+/// whose window of 11 and zeros beyond the edge are the trainers'.
 #[test]
 fn similarity_to_a_photograph_is_the_trainers() {
     let photograph = picture(24, 17, |x, y, c| {
@@ -275,7 +276,8 @@ fn similarity_to_a_photograph_is_the_trainers() {
     let found = photo_error(&drawn, &photograph).unwrap();
     assert!(close(found.ssim, EXPECTED_SSIM, 1e-9), "{found:?}");
     assert!(close(found.psnr_db, EXPECTED_PSNR, 1e-9), "{found:?}");
-    // Without zeros around and of one channel alone: what scikit-image calls structural similarity with Gaussian weights.
+    // Without zeros around and of one channel alone: what scikit-image calls structural similarity with Gaussian
+    // weights.
     let grey = |p: &Picture| picture(24, 17, |x, y, _| p.pixels[24 * y + x][0]);
     let inside = compare(&grey(&drawn), &grey(&photograph))
         .unwrap()

@@ -1,7 +1,8 @@
 //! A picture in double precision: RGBA, premultiplied on black, linear as stored.
 //!
-//! Files: PNG with values clamped to 0..1 and rounded to the nearest of 255 or 65535 steps, without gamma, either opaque on a
-//! [`Backdrop`] or with straight (not premultiplied) alpha, as PNG demands; `.npy` and `.exr` for measuring, see `floats`.
+//! Files: PNG with values clamped to 0..1 and rounded to the nearest of 255 or 65535 steps, without gamma, either
+//! opaque on a [`Backdrop`] or with straight (not premultiplied) alpha, as PNG demands; `.npy` and `.exr` for
+//! measuring, see `floats`.
 
 mod floats;
 pub mod png;

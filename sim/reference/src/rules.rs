@@ -22,15 +22,16 @@ pub struct Rules {
     pub normalised: bool,
     /// Variance of the isotropic low-pass filter, in square pixels.
     pub low_pass: f64,
-    /// The peak is multiplied by sqrt(det V' / det(V' + V^h)), so that the filter adds no opacity (Mip-Splatting, eq. 9; gsplat's antialiased
-    /// mode). Not for normalised kernels, which keep their volume.
+    /// The peak is multiplied by sqrt(det V' / det(V' + V^h)), so that the filter adds no opacity (Mip-Splatting, eq.
+    /// 9; gsplat's antialiased mode). Not for normalised kernels, which keep their volume.
     #[serde(default)]
     pub compensated: bool,
     /// Distance scaling (\[SWAN\] 4.3): spacing of the samples in scene units; 0 switches it off.
     pub spacing: f64,
     /// Shape of all footprints.
     pub kernel: Kernel,
-    /// The footprint ends where the radial index reaches this value (`r < cutoff`); infinite, null in JSON, if only `alpha_min` ends it.
+    /// The footprint ends where the radial index reaches this value (`r < cutoff`); infinite, null in JSON, if only
+    /// `alpha_min` ends it.
     #[serde(deserialize_with = "finite_or_null::deserialize")]
     pub cutoff: f64,
     /// Opacity of one splat at one pixel is clamped to this.
@@ -72,7 +73,8 @@ impl Rules {
         clamp_jacobian: false,
     };
 
-    /// 3D Gaussian splatting as gsplat releases it: peak opacity, low-pass 0.3, opacity clamped and skipped, stop before adding.
+    /// 3D Gaussian splatting as gsplat releases it: peak opacity, low-pass 0.3, opacity clamped and skipped, stop
+    /// before adding.
     pub const GAUSSIAN_3D: Rules = Rules {
         name: "3dgs",
         normalised: false,

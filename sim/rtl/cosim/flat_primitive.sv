@@ -1,5 +1,5 @@
-// The splat primitive with one C integer for each port, for simulation; the handshakes inside it whose cycles are compared; and the
-// row unit's root, whose last bit no pixel shows.
+// The splat primitive with one C integer for each port, for simulation; the handshakes inside it whose cycles are
+// compared; and the row unit's root, whose last bit no pixel shows.
 module flat_primitive #(
     parameter LANES = 1,
     parameter SETUP_INTERVAL = 4

@@ -16,7 +16,8 @@ struct Simulation {
     Circuit model;
     Simulation(uint32_t seed, uint32_t mutation) : model{prepared(seed, mutation), "top"} {}
 
-    // Registers start with random bits: nothing may depend on a value before reset. Circuits without mutations do not ask for one.
+    // Registers start with random bits: nothing may depend on a value before reset. Circuits without mutations do not
+    // ask for one.
     VerilatedContext* prepared(uint32_t seed, uint32_t mutation) {
         const std::string argument = "+mutation=" + std::to_string(mutation);
         const char* arguments[] = {"circuit", argument.c_str()};

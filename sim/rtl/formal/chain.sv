@@ -1,13 +1,14 @@
-// Liveness of a small chain of the primitive's units, for `rtl -- formal`: queue of rows, queue of a lane, lane. Whatever runs come and
-// whenever they come, a run is begun within a bounded number of cycles while there is one, and the lane comes to rest.
+// Liveness of a small chain of the primitive's units, for `rtl -- formal`: queue of rows, queue of a lane, lane.
+// Whatever runs come and whenever they come, a run is begun within a bounded number of cycles while there is one, and
+// the lane comes to rest.
 module chain (
     input logic clk,
     input logic rst,
     input logic claim,
     input splatline_pkg::run_t in
 );
-  // The longest run, and the bound on the cycles without a run that begins: the pipeline before the queue, its registers, those of the lane's queue, the run
-  // before and the distance from it.
+  // The longest run, and the bound on the cycles without a run that begins: the pipeline before the queue, its
+  // registers, those of the lane's queue, the run before and the distance from it.
   localparam PIXELS = 2;
   localparam BOUND = 16;
 

@@ -1,5 +1,6 @@
-// What `move_in` of sim/rtl/cosim/src/registers.rs is tried with: a circuit, and an ECP5's multiplier and block RAM with their registers, as Lattice's
-// TN1267 and TN1264 describe them (with one clock, without resets, and 36 bits wide).
+// What `move_in` of sim/rtl/cosim/src/registers.rs is tried with: a circuit, and an ECP5's multiplier and block RAM
+// with their registers, as Lattice's TN1267 and TN1264 describe them (with one clock, without resets, and 36 bits
+// wide).
 
 `ifndef SIMULATED
 module registers_subject (

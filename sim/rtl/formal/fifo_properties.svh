@@ -1,5 +1,6 @@
-// What fifo.sv promises, for every sequence of claims, arrivals and takers: nothing is lost, doubled, overwritten or changed, entries keep
-// their order, an entry that waits stays, a place is claimed if and only if there is one, and `next` is what comes.
+// What fifo.sv promises, for every sequence of claims, arrivals and takers: nothing is lost, doubled, overwritten or
+// changed, entries keep their order, an entry that waits stays, a place is claimed if and only if there is one, and
+// `next` is what comes.
 //
 // Its user's side of the bargain is assumed: a claim only where `free` is set, each part of an entry only for a place
 // claimed before, and the last part not before the others. One entry, chosen freely, is followed on its way from its

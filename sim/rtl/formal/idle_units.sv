@@ -1,5 +1,6 @@
-// The primitive's units as what the end of a tile needs to know of them: what came in and did not leave yet, and `idle`, which says that nothing is. All else is
-// free: when they take, what they give, and how long it takes. For `rtl -- formal`, in place of the units of the same names.
+// The primitive's units as what the end of a tile needs to know of them: what came in and did not leave yet, and
+// `idle`, which says that nothing is. All else is free: when they take, what they give, and how long it takes. For
+// `rtl -- formal`, in place of the units of the same names.
 
 module splat_setup #(
     parameter INTERVAL = 4

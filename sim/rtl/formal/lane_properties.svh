@@ -44,7 +44,8 @@
   assign at_rest = active && at.row == watched[PLACE-1:COLUMN_BITS] && watched[COLUMN_BITS-1:0] >= at.column && {1'b0, rest_ahead} < at.count;
   assign in_run = run.row == watched[PLACE-1:COLUMN_BITS] && watched[COLUMN_BITS-1:0] >= run.column && {1'b0, run_ahead} < run.count;
 
-  // What induction has to know of the places that were left: each of them is the watched one if and only if that was left so long ago.
+  // What induction has to know of the places that were left: each of them is the watched one if and only if that was
+  // left so long ago.
   genvar age;
   generate
     for (age = 0; age < LEFT; age = age + 1) begin : gen_age

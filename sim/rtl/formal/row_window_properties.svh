@@ -1,6 +1,6 @@
 // What row_window.sv promises, whatever span comes: a run has a pixel at least, and all of them lie in the window. Its
-// user's side of the bargain is assumed: columns of the box that lie in the window, at least one, within one tile. Included in the module
-// where FORMAL is defined (`rtl -- formal`).
+// user's side of the bargain is assumed: columns of the box that lie in the window, at least one, within one tile.
+// Included in the module where FORMAL is defined (`rtl -- formal`).
 
   logic [2:0] passed;
   logic [COLUMN_BITS-1:0] first18, first19, first20;

@@ -1,6 +1,6 @@
-// What run_queue.sv promises, for every sequence of runs and takers: nothing is lost, doubled, overwritten or changed, runs keep their order,
-// and a run that waits stays. One run, chosen freely, is followed on its way; what holds for it holds for all. Included in the module where
-// FORMAL is defined (`rtl -- formal`).
+// What run_queue.sv promises, for every sequence of runs and takers: nothing is lost, doubled, overwritten or changed,
+// runs keep their order, and a run that waits stays. One run, chosen freely, is followed on its way; what holds for it
+// holds for all. Included in the module where FORMAL is defined (`rtl -- formal`).
 
   (* anyseq *) logic follow;
 

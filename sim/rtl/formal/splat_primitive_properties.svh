@@ -1,6 +1,7 @@
-// What splat_primitive.sv promises of a tile's end, whatever its units do (formal/idle_units.sv): it comes only when nothing of the tile is on its way any more, no
-// packet is taken in its cycle or between two tiles, and the tile's window stays as it is in between; so no packet is lost from its tile or drawn into the
-// next. And what lanes write goes into a bank that is not being read out. Included in the module where FORMAL is defined (`rtl -- formal`).
+// What splat_primitive.sv promises of a tile's end, whatever its units do (formal/idle_units.sv): it comes only when
+// nothing of the tile is on its way any more, no packet is taken in its cycle or between two tiles, and the tile's
+// window stays as it is in between; so no packet is lost from its tile or drawn into the next. And what lanes write
+// goes into a bank that is not being read out. Included in the module where FORMAL is defined (`rtl -- formal`).
 
   logic started, drew;
   splatline_pkg::window_t window_before;

@@ -1,13 +1,17 @@
-// The splat primitive behind the buses of a board: packets come in and pixels go out by AXI4-Stream, everything else by AXI4-Lite.
+// The splat primitive behind the buses of a board: packets come in and pixels go out by AXI4-Stream, everything else by
+// AXI4-Lite.
 //
-//   packets  words as `splatline_packet_encode` gives them, the first field in the lowest bits, one in each beat of 32 bits;
-//            with a STREAM of 64 or 128 bits two or four of them, the first lowest; `tlast` with a packet's last beat
-//   pixels   128 bits, row by row: red, green, blue, and the transmittance with the finished flag in bit 127; `tlast` with a tile's last pixel
+//   packets  words as `splatline_packet_encode` gives them, the first field in the lowest bits, one in each beat of 32
+//            bits; with a STREAM of 64 or 128 bits two or four of them, the first lowest; `tlast` with a packet's last
+//            beat
+//   pixels   128 bits, row by row: red, green, blue, and the transmittance with the finished flag in bit 127; `tlast`
+//            with a tile's last pixel
 //
 // Registers are listed in registers.json, from which `registers.py` writes splat_axi.svd and splat_axi.h.
 //
-// A begin waits until the tile before has ended, and packets wait until their tile has begun. An end waits until every packet whose first beat came
-// before it has been drawn, and until the tile before has been read out. Without a tile that it could end it does nothing.
+// A begin waits until the tile before has ended, and packets wait until their tile has begun. An end waits until every
+// packet whose first beat came before it has been drawn, and until the tile before has been read out. Without a tile
+// that it could end it does nothing.
 module splat_axi #(
     parameter LANES = 1,
     parameter QUEUE = 8,
@@ -59,8 +63,8 @@ module splat_axi #(
   logic rst;
   always_ff @(posedge aclk) rst <= !aresetn;
 
-  // Packets: beats are shifted in from above, so that the first one comes to lie lowest. The next packet's first beat may
-  // come in the cycle in which a packet is taken, so that four beats fit between two packets.
+  // Packets: beats are shifted in from above, so that the first one comes to lie lowest. The next packet's first beat
+  // may come in the cycle in which a packet is taken, so that four beats fit between two packets.
   logic [STREAM*BEATS-1:0] beats;
   logic [COUNT-1:0] received, place;
   logic whole, beat_moves, packet_moves, ends, wrong, skips, packet_ready, packet_valid;

@@ -83,8 +83,8 @@ async def a_frame(dut):
     assert shape == 32 | 1 << 8 | 2 << 16, f"{shape:#x}"
     await board.write_all(load["writes"])
 
-    # Without room for the last entry there is no frame. Packets beyond the memory are answered with an error, which is told.
-    # The next frame is drawn all the same.
+    # Without room for the last entry there is no frame. Packets beyond the memory are answered with an error, which is
+    # told. The next frame is drawn all the same.
     await board.write_all([("most", entries - 1), ("base_packets", len(load["memory"]))])
     before = bytes(board.memory.bytes[WORD * first :])
     assert await board.draw() == FULL | FAILED

@@ -118,7 +118,8 @@ async def tiles_of_the_example_picture(dut):
     await board.reset()
     await board.load(kernel)
 
-    # Nor does a packet without its last beats, or with beats behind them, were they a packet again. Each is counted once.
+    # Nor does a packet without its last beats, or with beats behind them, were they a packet again. Each is counted
+    # once.
     packet = kernel.packet(0)
     whole = packet + [0] * (-words % beat)
     for broken in (packet[: 3 * beat], packet[:-beat], whole + packet[:1], whole + packet, packet[:1]):

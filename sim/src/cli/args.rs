@@ -81,8 +81,8 @@ Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,opacity,cutoff; emp
 pub struct Cli {
     #[command(subcommand)]
     pub command: Option<Command>,
-    /// Most memory to take; what would take more is refused before it begins [default: what the machine, the process's limits and its
-    /// control group leave]
+    /// Most memory to take; what would take more is refused before it begins [default: what the machine, the process's
+    /// limits and its control group leave]
     #[arg(long, global = true, value_name = "MB", help_heading = "Limits", value_parser = clap::value_parser!(u64).range(1..))]
     pub memory: Option<u64>,
 }
@@ -150,7 +150,8 @@ pub struct RenderOptions {
     pub path: PathOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
-    /// Picture to write: .png, or .npy (height x width x 4 doubles) or .exr, both premultiplied; - writes a PNG to stdout
+    /// Picture to write: .png, or .npy (height x width x 4 doubles) or .exr, both premultiplied; - writes a PNG to
+    /// stdout
     #[arg(short, long, value_name = "x.png", help_heading = "Output")]
     pub output: PathBuf,
     /// Also write maps beside the picture, in its format, in double precision: depth, alpha, normal, count, first, id
@@ -188,7 +189,8 @@ pub struct CompareOptions {
     /// Draw the chosen design only, instead of all named designs by both traversals
     #[arg(long)]
     pub only: bool,
-    /// Also draw in fp32, fp16, bfloat16, fp8 and mixes of fp8 and fp16, every operation rounded, and report how far each is from the reference
+    /// Also draw in fp32, fp16, bfloat16, fp8 and mixes of fp8 and fp16, every operation rounded, and report how far
+    /// each is from the reference
     #[arg(long)]
     pub formats: bool,
     #[command(flatten)]

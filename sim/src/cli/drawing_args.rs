@@ -121,7 +121,8 @@ pub struct DrawingOptions {
     /// Threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
-    /// Vectors of the engine fixed: avx2, avx512 or portable; the picture is the same [default: the best of this processor]
+    /// Vectors of the engine fixed: avx2, avx512 or portable; the picture is the same [default: the best of this
+    /// processor]
     #[arg(long, value_name = "LEVEL", value_parser = <VectorLevel as FromStr>::from_str)]
     pub vectors: Option<VectorLevel>,
     /// Draw N times and report median times

@@ -128,7 +128,8 @@ pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<()> {
 /// Speed of animations.
 const FRAMES_PER_SECOND: u16 = 15;
 
-/// The pictures of frames: called after the photographs of their cameras if those have names of their own, numbered otherwise.
+/// The pictures of frames: called after the photographs of their cameras if those have names of their own, numbered
+/// otherwise.
 fn files(output: &Path, frames: &[PlannedFrame]) -> Vec<PathBuf> {
     let named = frames
         .iter()

@@ -29,7 +29,8 @@ With -o: timing.json; timing.html with its plots; machine.toml, the resolved con
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Machine")]
 pub struct MachineOptions {
-    /// Machine: primitive-1 to primitive-16 (the circuit of sim/rtl), machine-1 to machine-16 (with setup, sorter and binning before it), or a TOML file; what that leaves out keeps its default
+    /// Machine: primitive-1 to primitive-16 (the circuit of sim/rtl), machine-1 to machine-16 (with setup, sorter and
+    /// binning before it), or a TOML file; what that leaves out keeps its default
     #[arg(long, value_name = "NAME|file.toml")]
     pub machine: Option<PathBuf>,
     /// Change one field of the machine; may be given more than once
@@ -47,7 +48,8 @@ pub struct AreaOptions {
     /// Prices of your own (TOML); what the file leaves out is that of its `family`
     #[arg(long, value_name = "file.toml", conflicts_with = "family")]
     pub calibration: Option<PathBuf>,
-    /// A part by name, for example xc7a100t: its family, what it holds and what its memory moves; docs/files.md lists them
+    /// A part by name, for example xc7a100t: its family, what it holds and what its memory moves; docs/files.md lists
+    /// them
     #[arg(long, value_name = "NAME", conflicts_with = "family")]
     pub part: Option<String>,
     /// Parts of your own (TOML, as docs/files.md shows), beside those that ship
@@ -59,7 +61,8 @@ pub struct AreaOptions {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Energy")]
 pub struct EnergyOptions {
-    /// Picojoules of every action (TOML) instead of the 45 nm figures that ship; energy is an estimate, and the report says what it leaves out
+    /// Picojoules of every action (TOML) instead of the 45 nm figures that ship; energy is an estimate, and the report
+    /// says what it leaves out
     #[arg(long, value_name = "file.toml")]
     pub energy: Option<PathBuf>,
 }
@@ -100,7 +103,8 @@ pub struct ModelOptions {
     /// With --footprints: radial index at which footprints end that have no cut-off in the table
     #[arg(long, help_heading = "Surfaces", value_name = "r", requires = "footprints", value_parser = positive)]
     pub cutoff: Option<f64>,
-    /// Compare with machines of others, reimplemented from their papers, on the same splats: pixels tested, products, cycles, bytes, energy
+    /// Compare with machines of others, reimplemented from their papers, on the same splats: pixels tested, products,
+    /// cycles, bytes, energy
     #[arg(long, conflicts_with_all = ["footprints", "machine", "set", "design", "traversal"])]
     pub machines: bool,
     /// Simulate N times and report the median speed

@@ -1,5 +1,5 @@
-//! `render --maps`: what lies behind the picture's pixels, in files beside it. The kernel's words make them with `--engine fixed`, else the
-//! reference's double precision.
+//! `render --maps`: what lies behind the picture's pixels, in files beside it. The kernel's words make them with
+//! `--engine fixed`, else the reference's double precision.
 
 use super::output::write;
 use super::say::print_result;

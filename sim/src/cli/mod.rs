@@ -1,5 +1,5 @@
-//! The command line: one file per command. Options are parsed in `args` and resolved to a [`crate::plan::Plan`] once, in `resolve`; from
-//! there on no command sees them.
+//! The command line: one file per command. Options are parsed in `args` and resolved to a [`crate::plan::Plan`] once,
+//! in `resolve`; from there on no command sees them.
 //!
 //! Exit codes: 0, 1 for bad input (a file that cannot be read, drawn or written), 2 for bad usage (an option that is
 //! missing, malformed or contradictory). Errors go to stderr, results to stdout or to the named files.
@@ -86,7 +86,8 @@ fn parsed<T: Into<OsString> + Clone>(
     Cli::from_arg_matches(&command.try_get_matches_from(words)?)
 }
 
-/// `explore` is the earlier name of two commands: a limit asks for the cheapest point, and without one the whole space is swept.
+/// `explore` is the earlier name of two commands: a limit asks for the cheapest point, and without one the whole space
+/// is swept.
 fn take_earlier_name(words: &mut [OsString], command: &clap::Command) {
     // Behind the one option of all commands.
     let place = match words.get(1).map(|word| word.to_string_lossy()) {
@@ -115,7 +116,8 @@ fn take_earlier_name(words: &mut [OsString], command: &clap::Command) {
     words[place] = if asks { "optimize" } else { "sweep" }.into();
 }
 
-/// A negative number after an option is its value, of which the range can be said, and not an option of that name; so are several.
+/// A negative number after an option is its value, of which the range can be said, and not an option of that name; so
+/// are several.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let command = command.mut_args(|arg| {
         let is_option = !arg.is_positional() && arg.get_action().takes_values();

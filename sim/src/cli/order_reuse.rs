@@ -1,6 +1,8 @@
-//! `simulate` along a camera path with `sort_every`: what keeping the order of the picture before saves, and what it does to the picture.
+//! `simulate` along a camera path with `sort_every`: what keeping the order of the picture before saves, and what it
+//! does to the picture.
 //!
-//! Each picture whose order is kept is drawn and simulated twice, in the kept order and sorted anew, so that gain and error are of the same picture.
+//! Each picture whose order is kept is drawn and simulated twice, in the kept order and sorted anew, so that gain and
+//! error are of the same picture.
 
 use super::resolve::NamedFrame;
 use crate::explore::evaluator::DesignError;

@@ -1,5 +1,5 @@
-//! Where results go: checked before the work, so that no run of an hour ends in a refused name, and no file that was read is
-//! overwritten. `atomic::write`, through which every file goes, refuses the latter once more.
+//! Where results go: checked before the work, so that no run of an hour ends in a refused name, and no file that was
+//! read is overwritten. `atomic::write`, through which every file goes, refuses the latter once more.
 //!
 //! `-` is stdout. What would have been said there goes to stderr then, so that a pipe holds the result alone.
 

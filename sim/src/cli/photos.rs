@@ -1,7 +1,8 @@
 //! `compare --photos`: what is drawn against photographs, view by view, as trained scenes are judged.
 //!
-//! Views are held out as the trainers do: sorted by name, every eighth one. A lens' distortion is taken out of the photograph. One of another size than its camera's decides: the camera is
-//! scaled to it (the trainers' `images_4`). Its alpha channel puts it on the background; a mask multiplies photograph and pictures.
+//! Views are held out as the trainers do: sorted by name, every eighth one. A lens' distortion is taken out of the
+//! photograph. One of another size than its camera's decides: the camera is scaled to it (the trainers' `images_4`).
+//! Its alpha channel puts it on the background; a mask multiplies photograph and pictures.
 
 use super::args::CompareOptions;
 use super::compare::against_reference;

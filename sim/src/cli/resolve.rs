@@ -1,7 +1,7 @@
 //! From options to a [`Prepared`] plan: the entrance through which every command about a scene comes.
 //!
-//! Names are resolved, files of settings read and what contradicts itself is refused; then the scene is loaded, and what the options leave
-//! open follows from it: camera, rules, thresholds.
+//! Names are resolved, files of settings read and what contradicts itself is refused; then the scene is loaded, and
+//! what the options leave open follows from it: camera, rules, thresholds.
 
 mod camera;
 mod machine;
@@ -353,6 +353,6 @@ pub const HELD_PIXEL_BYTES: u64 = 32;
 
 /// Bytes of a pixel while a picture is drawn and written: 47 were measured, 53 for a surface.
 pub const DRAWN: u64 = 64;
-/// While two are compared: both, the error map and their files; 79 were measured, 138 for a surface in eight layers, whose reference
-/// keeps every fragment.
+/// While two are compared: both, the error map and their files; 79 were measured, 138 for a surface in eight layers,
+/// whose reference keeps every fragment.
 pub const COMPARED: u64 = 192;

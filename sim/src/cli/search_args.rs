@@ -137,7 +137,8 @@ pub struct OptimizeOptions {
 /// What stands beside the answer.
 #[derive(Debug, Default, Args)]
 pub struct FormatOptions {
-    /// Floating-point formats beside the fixed design, with error, area and energy: fp32, fp16, bfloat16, fp8-fp16, e5m2-fp16, fp8
+    /// Floating-point formats beside the fixed design, with error, area and energy: fp32, fp16, bfloat16, fp8-fp16,
+    /// e5m2-fp16, fp8
     #[arg(long, value_name = "A,B,...", value_delimiter = ',', value_parser = format())]
     pub formats: Vec<Engine>,
 }

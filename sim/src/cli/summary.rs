@@ -8,9 +8,11 @@ use crate::report::formats::formats_text;
 use crate::report::table::{flip_text, psnr_text, scientific, signed, throughput_text};
 use std::path::Path;
 
-/// Why a picture shows nothing, for the standard error: an empty picture and exit code 0 look like success. Nothing if it shows something.
+/// Why a picture shows nothing, for the standard error: an empty picture and exit code 0 look like success. Nothing if
+/// it shows something.
 ///
-/// `steps` are those of a channel in the file, none if it holds numbers, and `backdrop` is what the file has behind the picture.
+/// `steps` are those of a channel in the file, none if it holds numbers, and `backdrop` is what the file has behind the
+/// picture.
 pub fn if_nothing_is_seen(
     picture: &Picture,
     report: &Report,

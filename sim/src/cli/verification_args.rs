@@ -58,7 +58,8 @@ pub struct VectorsExportOptions {
     /// Stages of the other systems instead: view-dependent colour, surfaces, deep channel, points, sheets, spheres
     #[arg(long)]
     pub systems: bool,
-    /// Protection against samples closer together than pixels, for the built-in splats [default: the rules' low-pass filter]
+    /// Protection against samples closer together than pixels, for the built-in splats [default: the rules' low-pass
+    /// filter]
     #[arg(long, value_enum, conflicts_with = "scene")]
     pub antialias: Option<AntialiasChoice>,
     /// Rules of blending: ewa or 3dgs [default: the scene's, 3dgs for the built-in splats]

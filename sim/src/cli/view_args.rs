@@ -15,8 +15,8 @@ use std::str::FromStr;
 /// What is looked at and from where.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
-    /// Scene: 3D Gaussians, a volume or one of demo, random:COUNT[:SEED], deep-stack; - reads stdin. With --as surface also sphere, glass and
-    /// hills, with --as texture checkerboard. docs/formats.md lists the formats
+    /// Scene: 3D Gaussians, a volume or one of demo, random:COUNT[:SEED], deep-stack; - reads stdin. With --as surface
+    /// also sphere, glass and hills, with --as texture checkerboard. docs/formats.md lists the formats
     #[arg(value_name = "SCENE")]
     pub scene: Option<PathBuf>,
     /// Draw what a plan (TOML) or a report.json states: its scene, camera, technique, design and machine
@@ -35,7 +35,8 @@ pub struct ViewOptions {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArgs {
-    /// Camera: our JSON file or a report.json, a COLMAP folder, transforms.json or cameras.json; without it and without --eye the whole scene is shown
+    /// Camera: our JSON file or a report.json, a COLMAP folder, transforms.json or cameras.json; without it and without
+    /// --eye the whole scene is shown
     #[arg(id = "camera", long = "camera", value_name = "FILE", conflicts_with_all = ["eye", "target", "up", "fov", "orbit"])]
     pub file: Option<PathBuf>,
     /// Which camera of a file that holds several, by its picture's name
@@ -68,7 +69,8 @@ pub struct CameraArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Splats")]
 pub struct SplatArgs {
-    /// Rules of blending: ewa; 3dgs as gsplat draws; inria, whose opacities end at 0.99 [default: what the kind of scene is meant for]
+    /// Rules of blending: ewa; 3dgs as gsplat draws; inria, whose opacities end at 0.99 [default: what the kind of
+    /// scene is meant for]
     #[arg(long, value_name = "ewa|3dgs|inria", value_parser = Rules::from_str)]
     pub rules: Option<Rules>,
     /// Protection against samples closer together than pixels [default: the rules' low-pass filter]
@@ -94,7 +96,8 @@ pub struct SplatArgs {
 /// Many views in one command.
 #[derive(Debug, Default, Args)]
 pub struct PathOptions {
-    /// Many cameras, a frame each: a COLMAP folder, transforms.json, cameras.json, or key frames (TOML, as docs/files.md shows)
+    /// Many cameras, a frame each: a COLMAP folder, transforms.json, cameras.json, or key frames (TOML, as
+    /// docs/files.md shows)
     #[arg(long, value_name = "FILE", help_heading = "Camera",
         conflicts_with_all = ["from", "camera", "image", "eye", "target", "up", "fov", "orbit", "zoom"])]
     pub camera_path: Option<PathBuf>,
@@ -151,11 +154,12 @@ pub fn of_volumes(arg: Arg) -> Arg {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Surfaces")]
 pub struct SurfaceArgs {
-    /// What the scene is: `surface` draws a .ply, .xyz, .obj, .las or .laz cloud or a height field (.csv) as surface splats, `texture` the
-    /// texels of a picture (.png, .jpg) as samples on the ground
+    /// What the scene is: `surface` draws a .ply, .xyz, .obj, .las or .laz cloud or a height field (.csv) as surface
+    /// splats, `texture` the texels of a picture (.png, .jpg) as samples on the ground
     #[arg(long = "as", value_name = "surface|texture", value_enum)]
     pub kind: Option<SceneKind>,
-    /// Layers of a pixel (1, 2, 3, 4 or 8), for semi-transparent surfaces and antialiased edges [default: one opaque surface]
+    /// Layers of a pixel (1, 2, 3, 4 or 8), for semi-transparent surfaces and antialiased edges [default: one opaque
+    /// surface]
     #[arg(long, value_name = "N", value_parser = layers, requires = "kind")]
     pub layers: Option<usize>,
     /// Depths closer than this are one surface, scene units [default: three radii]

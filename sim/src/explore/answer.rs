@@ -4,8 +4,9 @@
 //! limits, frames -> space of designs and machines -> search over what points reach -> answer
 //! ```
 //!
-//! With many frames the search runs on those that are heaviest; what it finds is evaluated on all of them, and a frame that misses a limit joins the
-//! search, which begins again. So the answer holds for every frame, and most frames are looked at once.
+//! With many frames the search runs on those that are heaviest; what it finds is evaluated on all of them, and a frame
+//! that misses a limit joins the search, which begins again. So the answer holds for every frame, and most frames are
+//! looked at once.
 
 use super::evaluator::{Evaluator, Reached};
 use super::formats::{self, FormatRow};
@@ -57,9 +58,11 @@ pub struct Standing {
     pub value: f64,
     /// Which part of the bound is left; below 0 it is missed.
     pub slack: f64,
-    /// The cheapest point looked at that holds all other limits, in look-up tables: what the limit costs at least is the difference to it.
+    /// The cheapest point looked at that holds all other limits, in look-up tables: what the limit costs at least is
+    /// the difference to it.
     pub cost_without: Option<f64>,
-    /// Where not all limits can be held together: by which part of its bound this one is missed at least while all others hold.
+    /// Where not all limits can be held together: by which part of its bound this one is missed at least while all
+    /// others hold.
     pub missed_alone: Option<f64>,
 }
 
@@ -104,7 +107,8 @@ pub struct Answer {
     pub fixed_lanes: Vec<[f64; 2]>,
 }
 
-/// The space that is searched where none is given: every width where errors are limited, and the usual machines, with what the search starts from.
+/// The space that is searched where none is given: every width where errors are limited, and the usual machines, with
+/// what the search starts from.
 pub fn usual_space(
     design: &DesignChoice,
     machine: &Config,
@@ -145,7 +149,8 @@ pub(super) fn value_of(axis: &SpaceAxis, design: &DesignChoice, machine: &Config
     bits.map(|(_, bits)| Value::Integer(bits.into()))
 }
 
-/// Where the search starts: at the design and the machine given, and otherwise at the widest value of a width and the first of all else.
+/// Where the search starts: at the design and the machine given, and otherwise at the widest value of a width and the
+/// first of all else.
 pub(super) fn start(subject: &Subject, space: &Space) -> Vec<usize> {
     let index = |axis: &SpaceAxis| {
         let value = value_of(axis, &subject.design, &subject.machine);
@@ -161,7 +166,8 @@ fn score(limits: &[Limit], reached: &Reached) -> Score {
     [missed(limits, None, reached), reached.cost(), cycles]
 }
 
-/// Refuses what no machine of the space can hold, without a drawing or a simulation; nothing if bounds do not rule it out.
+/// Refuses what no machine of the space can hold, without a drawing or a simulation; nothing if bounds do not rule it
+/// out.
 pub fn refusal(
     subject: &Subject,
     limits: &[Limit],

@@ -1,5 +1,6 @@
-//! answer.html: an answer as a page in the report's style. Limits and margins, what was looked at, the machine as a block diagram with the bytes that
-//! each unit moves, where cycles go, energy and traffic by unit, and what a change of each knob would do.
+//! answer.html: an answer as a page in the report's style. Limits and margins, what was looked at, the machine as a
+//! block diagram with the bytes that each unit moves, where cycles go, energy and traffic by unit, and what a change of
+//! each knob would do.
 
 use super::answer::{Answer, Found, Standing};
 use super::answer_text::units_of;

@@ -59,7 +59,8 @@ fn limit(quantity: Quantity, bound: f64) -> Limit {
     Limit::new(quantity, bound, "test")
 }
 
-/// For a mesh of limits, some of which nothing holds: the search ends at the cost of the cheapest point that the sweep knows.
+/// For a mesh of limits, some of which nothing holds: the search ends at the cost of the cheapest point that the sweep
+/// knows.
 #[test]
 fn the_search_finds_what_the_exhaustive_sweep_finds() {
     let frames = frames(&[1.0]);
@@ -100,7 +101,8 @@ fn the_search_finds_what_the_exhaustive_sweep_finds() {
     assert!(held >= 8, "{held}");
 }
 
-/// Limits that exclude each other: the one that misses least with all others held is told first, by what the sweep says of it.
+/// Limits that exclude each other: the one that misses least with all others held is told first, by what the sweep says
+/// of it.
 #[test]
 fn the_limit_that_fails_first_is_named_by_how_much() {
     let frames = frames(&[1.0]);
@@ -135,7 +137,8 @@ fn the_limit_that_fails_first_is_named_by_how_much() {
     );
 }
 
-/// Bounds are never above what the sweep simulates, whatever the point; and what they rule out is named, alone or with the rate.
+/// Bounds are never above what the sweep simulates, whatever the point; and what they rule out is named, alone or with
+/// the rate.
 #[test]
 fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
     let frames = frames(&[1.0]);
@@ -198,7 +201,8 @@ fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
     assert!(text.contains("refused before any simulation") && text.contains("by area alone"));
 }
 
-/// The page's arrows carry every byte, its units all of the energy, and each change of a setting is what the machine so changed reaches.
+/// The page's arrows carry every byte, its units all of the energy, and each change of a setting is what the machine so
+/// changed reaches.
 #[test]
 fn the_page_shows_all_bytes_and_all_energy() {
     shows_all(&subject(&frames(&[1.0, 1.3])));
@@ -343,7 +347,8 @@ fn of_two_limits_the_tighter_holds() {
     assert_eq!(bounds, [50.0, 60.0]);
 }
 
-/// A table with 12 bits needs a radial index with 10: the search goes around designs that are none, and a sweep says which point is none.
+/// A table with 12 bits needs a radial index with 10: the search goes around designs that are none, and a sweep says
+/// which point is none.
 #[test]
 fn widths_that_exclude_each_other_end_no_search() {
     let frames = frames(&[1.0]);

@@ -1,13 +1,15 @@
-//! What no machine goes below on a frame, from counts alone: cycles by splats and pixels, bytes by what must be read and written once.
+//! What no machine goes below on a frame, from counts alone: cycles by splats and pixels, bytes by what must be read
+//! and written once.
 //!
-//! A search asks here before it simulates: what cannot hold the limits even so is left out, and a question that no machine of the space can hold is
-//! refused in a second instead of after a search.
+//! A search asks here before it simulates: what cannot hold the limits even so is left out, and a question that no
+//! machine of the space can hold is refused in a second instead of after a search.
 
 use crate::machine::timing::{Bytes, PixelWork, SplatCounts};
 use crate::machine::workload::{SurfaceCounts, Workload};
 use crate::machine::{Config, Timing};
 
-/// Counts are those of the design that a search starts from. Another one may blend fewer pixels, where its opacities round to 0: this part is counted.
+/// Counts are those of the design that a search starts from. Another one may blend fewer pixels, where its opacities
+/// round to 0: this part is counted.
 const SAME_WHATEVER_THE_DESIGN: f64 = 0.9;
 
 /// What a frame has.
@@ -36,8 +38,8 @@ impl FrameCounts {
         }
     }
 
-    /// Cycles, bytes and work that a machine cannot do with less of: every splat through setup, every blended pixel through a lane, every byte over its
-    /// channel.
+    /// Cycles, bytes and work that a machine cannot do with less of: every splat through setup, every blended pixel
+    /// through a lane, every byte over its channel.
     pub fn least_timing(&self, machine: &Config) -> Timing {
         let (splats, blended, pixels) = (self.splats, self.blended, self.pixels);
         let bytes = Bytes {

@@ -1,4 +1,5 @@
-//! What has been made once and is asked for again, by what it depends on. Threads share it; what two of them miss at a time both make.
+//! What has been made once and is asked for again, by what it depends on. Threads share it; what two of them miss at a
+//! time both make.
 
 use anyhow::Result;
 use std::collections::{HashMap, VecDeque};

@@ -1,4 +1,5 @@
-//! What a page shows of an answer's first machine beside the answer: its slowest frame in full, and what a change of one setting would do.
+//! What a page shows of an answer's first machine beside the answer: its slowest frame in full, and what a change of
+//! one setting would do.
 
 use super::answer::{Answer, Found, value_of};
 use super::evaluator::Evaluator;

@@ -46,7 +46,8 @@ impl DesignError {
         }
     }
 
-    /// How far the colours of a picture are from the reference's: what [`metrics::compare`] says of them, without detail.
+    /// How far the colours of a picture are from the reference's: what [`metrics::compare`] says of them, without
+    /// detail.
     pub fn of(picture: &Picture, reference: &Picture) -> Result<DesignError> {
         let size = |picture: &Picture| (picture.width, picture.height, picture.pixels.len());
         if size(picture) != size(reference) || picture.pixels.is_empty() {
@@ -88,7 +89,8 @@ impl DesignError {
         })
     }
 
-    /// Over several pictures: the largest error, percentile and FLIP of any, the root of the mean square, and the means of bias and similarity.
+    /// Over several pictures: the largest error, percentile and FLIP of any, the root of the mean square, and the means
+    /// of bias and similarity.
     pub fn over(all: &[DesignError]) -> DesignError {
         let [one] = all else {
             let count = all.len().max(1) as f64;
@@ -163,7 +165,8 @@ pub fn errors_inside(picture: &Picture, reference: &Picture, windows: &[Window])
     }
 }
 
-/// Largest, sum of squares and signed sum of the differences of red, green and blue; not a number counts as an infinite error.
+/// Largest, sum of squares and signed sum of the differences of red, green and blue; not a number counts as an infinite
+/// error.
 fn differences(fixed: &[[f64; 4]], float: &[[f64; 4]]) -> [f64; 3] {
     let mut sums = [0.0; 3];
     for (fixed, float) in fixed.iter().zip(float) {

@@ -1,8 +1,10 @@
-//! What a design and a machine reach on the frames of a question: errors, cycles, bytes, area and energy. Sweep, optimisation and fit all ask here.
+//! What a design and a machine reach on the frames of a question: errors, cycles, bytes, area and energy. Sweep,
+//! optimisation and fit all ask here.
 //!
-//! Nothing is estimated on the way: every picture is drawn at its full size, every machine runs on the rows of its own design. Work that choices
-//! share is done once: a design's errors, its rows for a tile size, their grouping for a shape of lanes. A search comes back to old rows, so it keeps
-//! some; a sweep does not, so it keeps none and holds the rows of one frame alone in memory.
+//! Nothing is estimated on the way: every picture is drawn at its full size, every machine runs on the rows of its own
+//! design. Work that choices share is done once: a design's errors, its rows for a tile size, their grouping for a
+//! shape of lanes. A search comes back to old rows, so it keeps some; a sweep does not, so it keeps none and holds the
+//! rows of one frame alone in memory.
 
 use super::bounds::FrameCounts;
 use super::cache::{Cache, locked};
@@ -193,7 +195,8 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// What a design errs at least on these frames, from the few tiles in which others erred most; nothing if the detail of errors counts.
+    /// What a design errs at least on these frames, from the few tiles in which others erred most; nothing if the
+    /// detail of errors counts.
     pub fn least_error(
         &self,
         variant: &DesignVariant,
@@ -250,8 +253,8 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Runs choices that share rows, one frame after the other. Who comes back to these rows keeps them; who does not has those of one frame alone in
-    /// memory.
+    /// Runs choices that share rows, one frame after the other. Who comes back to these rows keeps them; who does not
+    /// has those of one frame alone in memory.
     pub fn run(&self, choices: &[Choice], frames: &[usize], keep: bool, sink: Sink) -> Result<()> {
         let Some(first) = choices.first() else {
             return Ok(());
@@ -399,8 +402,8 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// What a choice could reach at best on these frames: its area, no error, and the cycles and bytes that no machine goes below. It scores no worse
-    /// than the choice does.
+    /// What a choice could reach at best on these frames: its area, no error, and the cycles and bytes that no machine
+    /// goes below. It scores no worse than the choice does.
     pub fn at_best(&self, choice: &Choice, frames: &[usize]) -> Result<Reached> {
         let mut costs = Vec::with_capacity(frames.len());
         for frame in frames {

@@ -1,9 +1,10 @@
 //! The smallest design within a limit on its error, and which width was the binding one: a search over widths alone.
 //!
-//! The result is minimal in the sense that no single width can lose a bit; that is checked, and what each lost bit would cost is reported.
+//! The result is minimal in the sense that no single width can lose a bit; that is checked, and what each lost bit
+//! would cost is reported.
 //!
-//! Tried and dropped: all widths lowered in step (ends at the one that needs most), and coordinate search by area per error (twice the
-//! drawings for designs of the same area).
+//! Tried and dropped: all widths lowered in step (ends at the one that needs most), and coordinate search by area per
+//! error (twice the drawings for designs of the same area).
 
 use super::evaluator::{DesignError, Evaluator};
 use super::formats::{FormatRow, beside_design};
@@ -35,7 +36,8 @@ pub struct Fit {
     pub formats: Vec<FormatRow>,
 }
 
-/// Fits a design, starting from the subject's. Nothing if that itself misses a limit; then its error is the second part.
+/// Fits a design, starting from the subject's. Nothing if that itself misses a limit; then its error is the second
+/// part.
 pub fn fit(
     subject: &Subject,
     limits: &[Limit],

@@ -1,5 +1,5 @@
-//! A sweep's folder on the disk: its identity and its table. One process at a time writes there; two would leave points that come twice, which reading
-//! refuses. Many machines share a study's file instead (`splatline.study`, in Python).
+//! A sweep's folder on the disk: its identity and its table. One process at a time writes there; two would leave points
+//! that come twice, which reading refuses. Many machines share a study's file instead (`splatline.study`, in Python).
 
 use super::cache::locked;
 use super::identity::Identity;
@@ -71,7 +71,8 @@ fn open(path: &Path) -> io::Result<File> {
 pub struct Appender(Mutex<File>);
 
 impl Appender {
-    /// Opens the file, which is made with its heading if need be, and cuts off a broken last line. Also the text that it holds.
+    /// Opens the file, which is made with its heading if need be, and cuts off a broken last line. Also the text that
+    /// it holds.
     pub fn open(path: &Path, heading: &[String]) -> io::Result<(Appender, String)> {
         let mut file = open(path)?;
         let mut text = String::new();
@@ -138,7 +139,8 @@ mod tests {
         );
     }
 
-    /// Whatever byte an interruption cuts the table at, the sweep goes on with the whole lines, and ends with the same table.
+    /// Whatever byte an interruption cuts the table at, the sweep goes on with the whole lines, and ends with the same
+    /// table.
     #[test]
     fn a_table_cut_anywhere_is_continued() {
         let folder = tempfile::tempdir().unwrap();

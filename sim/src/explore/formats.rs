@@ -1,8 +1,8 @@
-//! Floating-point formats beside the fixed design that a search found: what each errs on the same frames, what its lane takes, and the cheapest
-//! machine with such lanes.
+//! Floating-point formats beside the fixed design that a search found: what each errs on the same frames, what its lane
+//! takes, and the cheapest machine with such lanes.
 //!
-//! Pictures are drawn with every operation rounded. Area is that of [`crate::machine::area::lane`]. A machine in a format has the rows and the cycles
-//! of the fixed design, whose lanes also take a pixel a cycle.
+//! Pictures are drawn with every operation rounded. Area is that of [`crate::machine::area::lane`]. A machine in a
+//! format has the rows and the cycles of the fixed design, whose lanes also take a pixel a cycle.
 
 use super::evaluator::{DesignError, Evaluator};
 use super::limits::{Limit, missed};
@@ -37,7 +37,8 @@ pub struct FormatRow {
     pub pj_per_pixel: f64,
     /// Are all limits held, of which a lane alone knows those on errors?
     pub holds: bool,
-    /// The cheapest machine found with such lanes; where errors are too large, the fixed design's own with lanes exchanged.
+    /// The cheapest machine found with such lanes; where errors are too large, the fixed design's own with lanes
+    /// exchanged.
     pub machine: Option<MachineInFormat>,
 }
 
@@ -79,7 +80,8 @@ fn row(
     }
 }
 
-/// A row of each of the formats asked for, the fixed design first; `row` is given the evaluator that draws in it, and all frames.
+/// A row of each of the formats asked for, the fixed design first; `row` is given the evaluator that draws in it, and
+/// all frames.
 fn rows(
     evaluator: &mut Evaluator,
     row: impl Fn(&Evaluator, &[usize]) -> Result<FormatRow>,

@@ -1,9 +1,10 @@
 //! What a sweep is of: everything that decides its results, kept in `sweep.json` beside its tables.
 //!
-//! A name and a count do not tell two scenes apart: the file may have been edited since, or another node may have another one of that
-//! name. So the scene is known by a digest of what was loaded from it (which takes in transfer function and light), the program by a
-//! digest of its sources, every settings file by a digest of its text, and camera, rules, design, machine and prices by all their
-//! values. Results may share a table only if all of it is equal, and where it is not, the message says what differs.
+//! A name and a count do not tell two scenes apart: the file may have been edited since, or another node may have
+//! another one of that name. So the scene is known by a digest of what was loaded from it (which takes in transfer
+//! function and light), the program by a digest of its sources, every settings file by a digest of its text, and
+//! camera, rules, design, machine and prices by all their values. Results may share a table only if all of it is equal,
+//! and where it is not, the message says what differs.
 
 use super::space::Space;
 use super::subject::Subject;
@@ -28,7 +29,8 @@ const FEW: usize = 6;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identity(Value);
 
-/// A settings file that took part: what it was for (`transfer`, `design`, `machine`, `calibration`, `camera`), and its text.
+/// A settings file that took part: what it was for (`transfer`, `design`, `machine`, `calibration`, `camera`), and its
+/// text.
 pub type SettingsText = (&'static str, String);
 
 impl Identity {

@@ -1,4 +1,5 @@
-//! Two sweeps that differ in anything are two sweeps: every fact is changed, one at a time, and must be noticed and named.
+//! Two sweeps that differ in anything are two sweeps: every fact is changed, one at a time, and must be noticed and
+//! named.
 
 use super::*;
 use crate::camera::Camera;

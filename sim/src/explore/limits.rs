@@ -17,7 +17,8 @@ pub enum Quantity {
     Dsps,
     /// Kilobits of block memory.
     MemoryKbit,
-    /// Bytes a second that the machine's channels could move: a channel wider than the memory behind it would be a promise of the model alone.
+    /// Bytes a second that the machine's channels could move: a channel wider than the memory behind it would be a
+    /// promise of the model alone.
     BytesPerSecond,
     /// PSNR of the colours over all frames, decibels.
     PsnrDb,

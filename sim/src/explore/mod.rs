@@ -1,4 +1,5 @@
-//! Exploration: sweeps over designs and machines, the Pareto front, the smallest design within a budget, and what a scene needs.
+//! Exploration: sweeps over designs and machines, the Pareto front, the smallest design within a budget, and what a
+//! scene needs.
 //!
 //! ```text
 //! frames, a design, a machine -> subject -> evaluator (errors, cycles, area, energy of any choice)

@@ -1,8 +1,8 @@
-//! The sweep as one HTML file: cycles against error and cycles against area, every point labelled under the pointer, and by a script a table to
-//! sort, filters, a scatter of any two columns and parallel axes.
+//! The sweep as one HTML file: cycles against error and cycles against area, every point labelled under the pointer,
+//! and by a script a table to sort, filters, a scatter of any two columns and parallel axes.
 //!
-//! Nothing comes from the network. The two charts and the list of the front stand without the script; labels are SVG titles. Axes lie as in
-//! the report: faster is left and better is up, so that less error and less area are up.
+//! Nothing comes from the network. The two charts and the list of the front stand without the script; labels are SVG
+//! titles. Axes lie as in the report: faster is left and better is up, so that less error and less area are up.
 
 use super::front::{Candidate, front};
 use super::table::{RESULTS, ResultTable};

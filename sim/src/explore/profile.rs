@@ -1,7 +1,7 @@
 //! What a scene really uses: units, layers, ranges and FIFO depths.
 //!
-//! Depths are found by a run with FIFOs so deep that none is ever full, and then by halving each one, with the others deep, for as
-//! long as the picture takes at most [`SLACK`] more cycles.
+//! Depths are found by a run with FIFOs so deep that none is ever full, and then by halving each one, with the others
+//! deep, for as long as the picture takes at most [`SLACK`] more cycles.
 
 use super::statistics::Statistics;
 use crate::machine::config::Config;
@@ -55,8 +55,8 @@ pub struct Needs {
     pub empty_pairs_part: f64,
 }
 
-/// Examines a workload, its statistics and the footprints that it came from. `peak_bits` are the fraction bits of a peak,
-/// `alpha_max` is what the rules clamp a pixel's opacity to.
+/// Examines a workload, its statistics and the footprints that it came from. `peak_bits` are the fraction bits of a
+/// peak, `alpha_max` is what the rules clamp a pixel's opacity to.
 pub fn needs(
     (workload, statistics): (&Workload, &Statistics),
     footprints: &[Footprint],

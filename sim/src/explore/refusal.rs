@@ -1,7 +1,8 @@
-//! Questions that no machine of a space can hold, refused before anything is drawn or simulated, with the limit that rules them out.
+//! Questions that no machine of a space can hold, refused before anything is drawn or simulated, with the limit that
+//! rules them out.
 //!
-//! A search over what machines could reach at best (`bounds`) costs a second. If even so a limit is missed, no machine of the space holds it: by its
-//! area, by its channels, or by the cycles that counts of splats and pixels alone take.
+//! A search over what machines could reach at best (`bounds`) costs a second. If even so a limit is missed, no machine
+//! of the space holds it: by its area, by its channels, or by the cycles that counts of splats and pixels alone take.
 
 use super::answer::start;
 use super::evaluator::Reached;
@@ -10,8 +11,8 @@ use super::search::Search;
 use anyhow::Result;
 use serde::Serialize;
 
-/// By which part of their bounds limits must be missed together before a question is refused for it: what follows from several fields at once is found
-/// by descent, which may end a step short of the best.
+/// By which part of their bounds limits must be missed together before a question is refused for it: what follows from
+/// several fields at once is found by descent, which may end a step short of the best.
 const MISSED_TOGETHER: f64 = 0.05;
 
 /// A limit that no machine of the space holds.

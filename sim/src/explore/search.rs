@@ -85,7 +85,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The same search over what points could reach at best: it draws and simulates nothing, and ends where no point of the space can be better.
+    /// The same search over what points could reach at best: it draws and simulates nothing, and ends where no point of
+    /// the space can be better.
     pub fn of_bounds<'b>(&self, limits: &'b [Limit]) -> Search<'b>
     where
         'a: 'b,
@@ -216,8 +217,8 @@ impl<'a> Search<'a> {
         errors.map(|limit| limit.excess_of_error(error)).sum()
     }
 
-    /// The least cost of a design that was drawn, on this machine, if one of the limits on errors did not hold: such designs are drawn and not
-    /// simulated.
+    /// The least cost of a design that was drawn, on this machine, if one of the limits on errors did not hold: such
+    /// designs are drawn and not simulated.
     pub fn cost_without_error(&self, machine: &crate::machine::Config, but: usize) -> Option<f64> {
         let all = self.limits.iter().enumerate();
         let errors = all.filter(|(_, limit)| limit.quantity.is_error());
@@ -298,8 +299,8 @@ impl<'a> Search<'a> {
 
     /// The best of these points and of the one at hand, which stays if none is better.
     ///
-    /// Points are looked at in the order of what they could be at best, and those that cannot be better than what was found meanwhile are left out: of
-    /// machines that hold the limits, all that are dearer than the first one.
+    /// Points are looked at in the order of what they could be at best, and those that cannot be better than what was
+    /// found meanwhile are left out: of machines that hold the limits, all that are dearer than the first one.
     fn best(&mut self, at: &[usize], points: &[Vec<usize>], judge: Judge) -> Result<Vec<usize>> {
         let mut score = self.score(at, judge)?;
         let mut best = at.to_vec();

@@ -1,7 +1,8 @@
 //! Workload statistics of a picture: what an RTL designer schedules from.
 //!
-//! All are counted over the rows that the machine draws: splats a tile and pairs a splat, layers until a pixel stops to blend, pairs until a tile has
-//! finished, how much of each splat still meets open pixels, the bits in which sort keys differ, and what a frame has in common with the one before.
+//! All are counted over the rows that the machine draws: splats a tile and pairs a splat, layers until a pixel stops to
+//! blend, pairs until a tile has finished, how much of each splat still meets open pixels, the bits in which sort keys
+//! differ, and what a frame has in common with the one before.
 
 use crate::machine::config::Config;
 use crate::machine::histogram::{Histogram, Histograms};

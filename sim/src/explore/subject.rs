@@ -1,4 +1,5 @@
-//! What is explored: frames, the design and the machine that all starts from, and what a point of a space makes of these two.
+//! What is explored: frames, the design and the machine that all starts from, and what a point of a space makes of
+//! these two.
 
 use super::space::{Space, SpacePart};
 use crate::design::{DesignChoice, out_of_range};

@@ -1,6 +1,6 @@
-//! Evaluates all points of a space. Points are sorted so that work is shared: a picture per design, a workload per design and tile, lane work per
-//! lane shape. Of several frames one after the other is walked, so that the rows of one alone lie in memory; a point's line has its slowest frame, and
-//! the spread of its time over all.
+//! Evaluates all points of a space. Points are sorted so that work is shared: a picture per design, a workload per
+//! design and tile, lane work per lane shape. Of several frames one after the other is walked, so that the rows of one
+//! alone lie in memory; a point's line has its slowest frame, and the spread of its time over all.
 
 use super::evaluator::{DesignError, Evaluator, Reached, work_key};
 use super::folder::Appender;

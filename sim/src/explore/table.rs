@@ -1,10 +1,12 @@
 //! The sweep's table: one CSV line per finished point, written as soon as it is known.
 //!
-//! A line is appended in one write ([`super::folder`]), so an interrupted sweep leaves at most one broken last line, which reading drops and
-//! going on cuts off. What is read is checked against the space and against each row's digest: a point that is not there, an axis with another value,
-//! a result that is no number or that was edited were not written by this sweep, and would be drawn as if they were.
+//! A line is appended in one write ([`super::folder`]), so an interrupted sweep leaves at most one broken last line,
+//! which reading drops and going on cuts off. What is read is checked against the space and against each row's digest:
+//! a point that is not there, an axis with another value, a result that is no number or that was edited were not
+//! written by this sweep, and would be drawn as if they were.
 //!
-//! Fields are quoted as RFC 4180 has it, since an axis may name a file; one that a spreadsheet would take for a formula has a `'` before it.
+//! Fields are quoted as RFC 4180 has it, since an axis may name a file; one that a spreadsheet would take for a formula
+//! has a `'` before it.
 
 use super::space::Space;
 use crate::digest::Digest;
@@ -17,8 +19,9 @@ pub const ROW_DIGEST: &str = "row_digest";
 /// Hexadecimal digits of a row's digest.
 const DIGEST_DIGITS: usize = 16;
 
-/// Columns behind the axes. Of several frames cycles, pace and bytes are those of the slowest, energy is that of the dearest, errors are over all. Area is that of the raster units, of what is around them, and all of it in look-up tables; energy is that of a picture.
-/// `clock_assumed` is 1 where nobody gave the clock (`crate::machine::clock`).
+/// Columns behind the axes. Of several frames cycles, pace and bytes are those of the slowest, energy is that of the
+/// dearest, errors are over all. Area is that of the raster units, of what is around them, and all of it in look-up
+/// tables; energy is that of a picture. `clock_assumed` is 1 where nobody gave the clock (`crate::machine::clock`).
 pub const RESULTS: [(&str, ColumnKind); 36] = [
     ("psnr_db", NumberOrNothing),
     ("rms", Positive),
@@ -83,7 +86,8 @@ pub fn to_line(fields: &[String]) -> String {
     fields.join(",") + "\n"
 }
 
-/// Would a spreadsheet calculate this? What begins with the mark itself counts too, so that reading takes off no other one.
+/// Would a spreadsheet calculate this? What begins with the mark itself counts too, so that reading takes off no other
+/// one.
 fn is_formula(field: &str) -> bool {
     field.starts_with(['=', '+', '-', '@', '\'', '\t']) && field.parse::<f64>().is_err()
 }
@@ -131,8 +135,8 @@ impl ResultTable {
             .filter(|reason| !reason.is_empty())
     }
 
-    /// Reads the text of a table; a last line without its end is dropped. Without a whole line it is the table of a sweep that was
-    /// interrupted before it began, which has no heading and no points.
+    /// Reads the text of a table; a last line without its end is dropped. Without a whole line it is the table of a
+    /// sweep that was interrupted before it began, which has no heading and no points.
     pub fn from_csv(text: &str) -> Result<ResultTable, String> {
         let whole = &text[..whole_lines(text)];
         let mut reader = csv::ReaderBuilder::new();

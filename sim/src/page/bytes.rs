@@ -1,8 +1,9 @@
-//! A scene as the live page holds it: the bytes that the host writes into the page and that the page's wasm reads. Compiled into both.
+//! A scene as the live page holds it: the bytes that the host writes into the page and that the page's wasm reads.
+//! Compiled into both.
 //!
-//! Numbers of splats are single precision, which is what files hold: a page stays small, and what the page shows is drawn by kernel and
-//! reference alike from the numbers after that rounding. Each number is a column of the scene, and each column four planes of one byte, because
-//! columns of like bytes compress to a part of what interleaved splats do.
+//! Numbers of splats are single precision, which is what files hold: a page stays small, and what the page shows is
+//! drawn by kernel and reference alike from the numbers after that rounding. Each number is a column of the scene, and
+//! each column four planes of one byte, because columns of like bytes compress to a part of what interleaved splats do.
 
 use crate::rules::{Kernel, Rules};
 use crate::scene::{Harmonics, Scene, SortOrder, Splat};

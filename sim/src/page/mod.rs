@@ -1,8 +1,8 @@
 //! The live page: one HTML file in which the kernel draws a scene, compiled to WebAssembly, with its widths on sliders.
 //!
-//! The module's bytes ([`WASM`]) are built from `sim/page` by `sim/page/build.sh`, which `.ci/run` repeats to see that they are what the sources
-//! give. The page holds them, the scene ([`bytes`]), and the checksum of the picture that the host's kernel draws of it: the page draws the
-//! same picture first and says whether its bits are the same.
+//! The module's bytes ([`WASM`]) are built from `sim/page` by `sim/page/build.sh`, which `.ci/run` repeats to see that
+//! they are what the sources give. The page holds them, the scene ([`bytes`]), and the checksum of the picture that the
+//! host's kernel draws of it: the page draws the same picture first and says whether its bits are the same.
 
 pub mod bytes;
 
@@ -23,7 +23,8 @@ use std::collections::BTreeMap;
 /// The kernel and the reference, compiled from `sim/page`.
 pub const WASM: &[u8] = include_bytes!("page.wasm");
 
-/// The most splats that a page takes: beyond, a browser needs seconds for a picture and the file is larger than mail carries.
+/// The most splats that a page takes: beyond, a browser needs seconds for a picture and the file is larger than mail
+/// carries.
 pub const MOST_SPLATS: usize = 500_000;
 
 /// What each width is of, in the order of [`WIDTH_RANGES`].
@@ -201,7 +202,8 @@ fn settings<'a>(shown: &'a Shown, checksum: u64) -> LiveSettings<'a> {
     }
 }
 
-/// The camera as the page's wasm takes it. JSON writes an infinite far plane as null, and every other double so that it is read back the same.
+/// The camera as the page's wasm takes it. JSON writes an infinite far plane as null, and every other double so that it
+/// is read back the same.
 fn camera_numbers(camera: &Camera) -> [f64; bytes::CAMERA] {
     let Camera {
         width,

@@ -1,5 +1,6 @@
 "use strict";
-// The live page: a camera to turn, widths to change, and what both do to the picture. The wasm draws; this script moves bytes and listens.
+// The live page: a camera to turn, widths to change, and what both do to the picture. The wasm draws; this script moves
+// bytes and listens.
 
 const settings = JSON.parse(document.getElementById("settings").textContent);
 const el = (id) => document.getElementById(id);

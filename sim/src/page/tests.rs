@@ -139,7 +139,8 @@ fn a_scene_too_large_is_refused_with_its_count() {
     assert!(error.to_string().contains("500001 splats"), "{error}");
 }
 
-/// A module that imported something would need a host that gives it: a generator's glue, or a library that binds JavaScript.
+/// A module that imported something would need a host that gives it: a generator's glue, or a library that binds
+/// JavaScript.
 #[test]
 fn the_module_asks_its_host_for_nothing() {
     assert_eq!(&WASM[..8], b"\0asm\x01\0\0\0");

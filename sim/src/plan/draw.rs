@@ -46,8 +46,8 @@ pub struct Drawing {
     /// Seconds of this run, as the engine divides them; an engine that does not tell stages apart leaves them 0. The
     /// total is measured around the engine by [`super::measure`], which puts the medians of all runs here.
     pub host: HostTimes,
-    /// Setup's results in the scene's order, for a machine to be timed on; empty for engines that no machine is modelled for, and partial where
-    /// nobody counts.
+    /// Setup's results in the scene's order, for a machine to be timed on; empty for engines that no machine is
+    /// modelled for, and partial where nobody counts.
     pub footprints: Vec<Result<Footprint, Cull>>,
 }
 
@@ -76,8 +76,8 @@ impl Prepared {
         Ok(drawing)
     }
 
-    /// The splats in the kernel's formats, and no longer in double precision: for a plan that is drawn once. `None` where
-    /// these are needed.
+    /// The splats in the kernel's formats, and no longer in double precision: for a plan that is drawn once. `None`
+    /// where these are needed.
     pub fn release(&mut self) -> Option<QuantisedScene> {
         let Technique::Splats {
             rules,
@@ -95,8 +95,8 @@ impl Prepared {
         }
     }
 
-    /// What draws through the kernel again and again: the scene in its formats, of splats those that were [released](Prepared::release) if they
-    /// were. Pixels are counted if `counts` asks for it.
+    /// What draws through the kernel again and again: the scene in its formats, of splats those that were
+    /// [released](Prepared::release) if they were. Pixels are counted if `counts` asks for it.
     pub fn kernel<'a>(
         &'a self,
         released: Option<QuantisedScene>,
@@ -129,7 +129,8 @@ impl Prepared {
         Ok(KernelDrawing { drawer, picture })
     }
 
-    /// What the kernel cannot take as it is given, for commands that make no report: the plan's own warnings and those of a setup.
+    /// What the kernel cannot take as it is given, for commands that make no report: the plan's own warnings and those
+    /// of a setup.
     pub fn setup_warnings(&self) -> Result<Vec<String>> {
         let Subject::Splats(splats) = self.subject()? else {
             // A surface's setup clamps and culls nothing that drawing it does not tell.
@@ -197,7 +198,8 @@ impl Prepared {
         )?)
     }
 
-    /// Cycles on the plan's machine of the picture that was drawn; nothing for what the machine has no units for: it composites affine footprints one by one.
+    /// Cycles on the plan's machine of the picture that was drawn; nothing for what the machine has no units for: it
+    /// composites affine footprints one by one.
     pub fn cycles(&self, entry: &DesignVariant, drawing: &Drawing) -> Result<Option<Timing>> {
         let Subject::Splats(splats) = self.subject()? else {
             return Ok(None);

@@ -1,7 +1,7 @@
 //! The golden table: one small plan for each of the papers' systems, with the figures and the bits of its picture.
 //!
-//! Every change is held against it: errors against the reference, what was drawn and culled, pixels walked, and a checksum of the picture,
-//! into which the kernel's words go without further rounding.
+//! Every change is held against it: errors against the reference, what was drawn and culled, pixels walked, and a
+//! checksum of the picture, into which the kernel's words go without further rounding.
 
 use super::{Engine, Prepared};
 use crate::metrics::{Errors, compare};

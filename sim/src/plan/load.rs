@@ -219,7 +219,8 @@ fn load_heights(path: &Path, spacing: Option<f64>) -> Result<(HeightField, Strin
     Ok((field, name.into_owned()))
 }
 
-/// A height field by its name, else splats, else points of a surface; the message of the splats' reader if it is neither.
+/// A height field by its name, else splats, else points of a surface; the message of the splats' reader if it is
+/// neither.
 pub fn recognise(path: &Path, transfer: Option<PathBuf>) -> Result<LoadedScene> {
     let surface = |scene: SurfaceScene, is_height_field| LoadedScene {
         notes: scene.notes.clone(),

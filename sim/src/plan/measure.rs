@@ -42,7 +42,8 @@ pub struct Effort {
     pub limit: Duration,
     /// Vectors of the engine `fixed`; the processor's best if none are named.
     pub vectors: Option<VectorLevel>,
-    /// Are culled splats and pixels counted? If not, the engine `fixed` sets up no splat that finished pixels alone would see.
+    /// Are culled splats and pixels counted? If not, the engine `fixed` sets up no splat that finished pixels alone
+    /// would see.
     pub counts: bool,
 }
 
@@ -101,7 +102,8 @@ fn measure(
     })?
 }
 
-/// Draws the plan by its own engine, with a report that compares it with nothing; of a scene that is not needed afterwards, so that it need not be in memory twice.
+/// Draws the plan by its own engine, with a report that compares it with nothing; of a scene that is not needed
+/// afterwards, so that it need not be in memory twice.
 pub fn draw_last(
     prepared: &mut Prepared,
     effort: &Effort,

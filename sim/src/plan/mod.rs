@@ -1,14 +1,16 @@
-//! One way through: what is drawn, from where, by which rules, which design and which machine, resolved once at the entrance.
+//! One way through: what is drawn, from where, by which rules, which design and which machine, resolved once at the
+//! entrance.
 //!
 //! ```text
 //! Source -> load -> AnyScene -> Plan -> draw -> measure -> Report
 //! ```
 //!
-//! A [`Plan`] is data, without a command line and without a scene: `report.json` records it, a plan file (TOML) states it, and
-//! [`Prepared::from_file`] reads either and loads its scene, so that what a report shows can be drawn again bit for bit. Its [`Technique`]
-//! is which of the papers' systems draw it. Each step sees only what the step before gave it: [`load`] turns a [`Source`] into a scene of
-//! any kind, [`draw`] (the kernel) and `reference` a [`Prepared`] plan into a [`Drawing`], [`measure`] repeats and compares drawings, [`record`] states them as a report,
-//! and [`golden`] as a line of the table that every change is held against.
+//! A [`Plan`] is data, without a command line and without a scene: `report.json` records it, a plan file (TOML) states
+//! it, and [`Prepared::from_file`] reads either and loads its scene, so that what a report shows can be drawn again bit
+//! for bit. Its [`Technique`] is which of the papers' systems draw it. Each step sees only what the step before gave
+//! it: [`load`] turns a [`Source`] into a scene of any kind, [`draw`] (the kernel) and `reference` a [`Prepared`] plan
+//! into a [`Drawing`], [`measure`] repeats and compares drawings, [`record`] states them as a report, and [`golden`] as
+//! a line of the table that every change is held against.
 
 pub mod draw;
 mod footprints;
@@ -55,7 +57,8 @@ pub const COMPOSITED_ALONE: &str = "the machine has units for footprints that ar
 pub const VOLUMES_ALONE: &str = "points of a surface are gathered by depth, in the scene's order: machines of others, lists that keep their order (sort_every) \
      and maps are of volume splats";
 
-/// Bytes of a factor of a harmonic in the machine's memory: 16 bits, of which a reader makes the words of `harmonics_unit.sv`.
+/// Bytes of a factor of a harmonic in the machine's memory: 16 bits, of which a reader makes the words of
+/// `harmonics_unit.sv`.
 const BYTES_OF_HARMONIC: u32 = 2;
 
 /// Who draws.
@@ -269,7 +272,8 @@ impl Plan {
 }
 
 impl Prepared {
-    /// A plan with its scene; `seconds` is what loading took. A machine of which nobody said how many bytes of harmonics it reads reads the scene's.
+    /// A plan with its scene; `seconds` is what loading took. A machine of which nobody said how many bytes of
+    /// harmonics it reads reads the scene's.
     pub fn new(
         mut plan: Plan,
         scene: Arc<AnyScene>,

@@ -1,7 +1,8 @@
 //! A camera path: many cameras, one frame each.
 //!
-//! Cameras come from whatever file holds several (COLMAP, transforms.json, cameras.json), in its order, or from key frames in TOML, between which eye,
-//! target and field of view follow a Catmull-Rom spline, which passes through every key and turns no corners:
+//! Cameras come from whatever file holds several (COLMAP, transforms.json, cameras.json), in its order, or from key
+//! frames in TOML, between which eye, target and field of view follow a Catmull-Rom spline, which passes through every
+//! key and turns no corners:
 //!
 //! ```toml
 //! frames = 100            # 1 to 100000, spread evenly over the keys

@@ -1,7 +1,7 @@
 //! What all charts are drawn with: axes with round numbers, and lines, marks and words as SVG.
 //!
-//! Colours are classes, to which [`style`] gives a tone for light and for dark pages; a page includes it once, and a picture that stands
-//! alone carries it with it ([`alone`]). Sizes are in pixels, y points down.
+//! Colours are classes, to which [`style`] gives a tone for light and for dark pages; a page includes it once, and a
+//! picture that stands alone carries it with it ([`alone`]). Sizes are in pixels, y points down.
 
 use super::html::escape;
 use super::labels::Rectangle;
@@ -128,8 +128,8 @@ impl Axis {
 
     /// Round numbers among the values, at most about so many.
     ///
-    /// On a logarithmic axis 1, 2 and 5 times powers of ten, the powers alone if that is too many, all digits if it is too few, and even
-    /// steps where the range is so narrow that no round number lies in it.
+    /// On a logarithmic axis 1, 2 and 5 times powers of ten, the powers alone if that is too many, all digits if it is
+    /// too few, and even steps where the range is so narrow that no round number lies in it.
     pub fn ticks(&self, room: usize) -> Vec<f64> {
         if !self.logarithmic {
             return even_steps(self.low, self.high, room);

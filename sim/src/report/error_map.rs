@@ -1,6 +1,7 @@
 //! The signed error map: where fixed point is brighter than the reference (warm) and where it is darker (cool).
 //!
-//! Each pixel shows the one colour channel that differs most, with its sign. The colours are those of a [`ErrorScale`] that is chosen from the errors.
+//! Each pixel shows the one colour channel that differs most, with its sign. The colours are those of a [`ErrorScale`]
+//! that is chosen from the errors.
 
 use super::png::Rgb;
 pub use super::scale::colour;

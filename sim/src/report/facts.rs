@@ -27,7 +27,8 @@ pub struct SceneFacts {
     pub culled: ReasonCounts,
     /// Splats of which a coordinate or colour is not finite and counts as 0; they are drawn.
     pub clamped: u64,
-    /// Unit of the kernel's colours as a power of two: colours beyond its format were divided by it, and the picture was multiplied by it.
+    /// Unit of the kernel's colours as a power of two: colours beyond its format were divided by it, and the picture
+    /// was multiplied by it.
     #[serde(default)]
     pub colour_log2: i32,
     /// What its splats were sorted by; not written if it is the usual, the depth.
@@ -102,8 +103,8 @@ impl SceneFacts {
         format!("{}: the picture is empty: {why}", self.name)
     }
 
-    /// What was not drawn as it was given, in one line after those that are known already: what was clamped, rescaled, and culled
-    /// for range.
+    /// What was not drawn as it was given, in one line after those that are known already: what was clamped, rescaled,
+    /// and culled for range.
     /// Splats that the view simply does not show are no matter for a warning.
     pub fn warnings(&self, known: &[String]) -> Vec<String> {
         let clamped = (

@@ -1,8 +1,9 @@
 //! report.html: one file that a reader can open anywhere, with nothing fetched from elsewhere.
 //!
-//! The page holds its style, its pictures (PNG as data addresses), its plot (inline SVG) and a script (`viewer`) that lays the pictures over each
-//! other and reads their pixels; without the script it still says all that it says. Its policy forbids it to load anything.
-//! Every number is taken from the [`Report`], so the page never says anything that report.json does not.
+//! The page holds its style, its pictures (PNG as data addresses), its plot (inline SVG) and a script (`viewer`) that
+//! lays the pictures over each other and reads their pixels; without the script it still says all that it says. Its
+//! policy forbids it to load anything. Every number is taken from the [`Report`], so the page never says anything that
+//! report.json does not.
 
 use super::error_map::{self, ErrorMap};
 use super::facts::ReasonCounts;

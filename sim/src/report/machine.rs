@@ -1,8 +1,8 @@
-//! timing.html: where a machine's cycles go, as pictures: a bar per unit with its stalls by cause, lanes and rows over time, cycles per tile over the
-//! screen, and the machine's roofline.
+//! timing.html: where a machine's cycles go, as pictures: a bar per unit with its stalls by cause, lanes and rows over
+//! time, cycles per tile over the screen, and the machine's roofline.
 //!
-//! A page without a script; every mark has its number as a title. What is drawn is watched in a simulation of its own, so that the timing that is
-//! reported is never slowed by it.
+//! A page without a script; every mark has its number as a title. What is drawn is watched in a simulation of its own,
+//! so that the timing that is reported is never slowed by it.
 
 use super::chart::{Anchor, Axis, Chart};
 use super::labels::Rectangle;

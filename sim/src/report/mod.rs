@@ -1,9 +1,9 @@
 //! What a run tells people: report.json for scripts, report.html for eyes, the same table as text.
 //!
-//! [`Report`] is the whole of report.json and the only source of the other forms, so that no number can differ
-//! between them. It is read back for its plan, which stays JSON here because plans are made of what comes later in the data flow; what a
-//! machine counted is counted again rather than believed. Errors are in units of 1.0, times in seconds, pixels are counted once per splat
-//! that visits them.
+//! [`Report`] is the whole of report.json and the only source of the other forms, so that no number can differ between
+//! them. It is read back for its plan, which stays JSON here because plans are made of what comes later in the data
+//! flow; what a machine counted is counted again rather than believed. Errors are in units of 1.0, times in seconds,
+//! pixels are counted once per splat that visits them.
 //! JSON knows neither infinity nor NaN: the PSNR of identical pictures is `null` beside `"identical": true`.
 
 pub mod chart;
@@ -71,7 +71,8 @@ pub struct Report {
     /// Cycles of the hardware model (total, phases, accounts per unit); null if it was not run, and for a float engine.
     #[serde(skip_deserializing)]
     pub cycles: Option<Timing>,
-    /// What those cycles are by the machine's clock: frames a second, milliseconds a frame, bytes a second; null without cycles.
+    /// What those cycles are by the machine's clock: frames a second, milliseconds a frame, bytes a second; null
+    /// without cycles.
     #[serde(skip_deserializing)]
     pub pace: Option<Throughput>,
     /// Work of the rasterizer; null for a float engine, which counts no visits.
@@ -103,8 +104,8 @@ pub struct ErrorFacts {
     pub flip_pixels_per_degree: f64,
 }
 
-/// The colour scale of error.png: position `asinh(error / knee) / asinh(limit / knee)`, dark at 0, cool towards -1 (fixed
-/// is darker), warm towards 1 (fixed is brighter). See [`error_map`].
+/// The colour scale of error.png: position `asinh(error / knee) / asinh(limit / knee)`, dark at 0, cool towards -1
+/// (fixed is darker), warm towards 1 (fixed is brighter). See [`error_map`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScaleFacts {
     /// The error of full colour; 0 for identical pictures.
@@ -133,8 +134,8 @@ pub struct PixelCounts {
     pub visited: u64,
 }
 
-/// Seconds on this machine, medians over `repeat` runs, taken field by field; `convert_s` is what the total has beyond the other
-/// stages, so that they add up to it.
+/// Seconds on this machine, medians over `repeat` runs, taken field by field; `convert_s` is what the total has beyond
+/// the other stages, so that they add up to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HostTimes {
     /// Projection and footprint set-up.
@@ -143,8 +144,8 @@ pub struct HostTimes {
     pub sort_s: f64,
     /// Rasterizing and blending.
     pub raster_s: f64,
-    /// Bringing the scene into the kernel's formats and the pixels into a picture; all of it for an engine that does not tell its
-    /// stages apart.
+    /// Bringing the scene into the kernel's formats and the pixels into a picture; all of it for an engine that does
+    /// not tell its stages apart.
     #[serde(default)]
     pub convert_s: f64,
     /// Loading, classifying and texturing the scene before it was drawn; done once, and no part of the total.

@@ -1,4 +1,5 @@
-//! Pictures against photographs: a table by engine, what each costs beside double precision, and the views side by side.
+//! Pictures against photographs: a table by engine, what each costs beside double precision, and the views side by
+//! side.
 
 use super::chart::{Anchor, Axis, Chart};
 use super::error_map::ErrorMap;

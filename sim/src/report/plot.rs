@@ -62,7 +62,8 @@ pub fn svg(rows: &[ReportRow], across: Across, width: f64, height: f64) -> Strin
         places.push(points);
     }
     draw_labels(&mut chart, &designs, &places, &axes.frame);
-    // Over every marker a circle that tells its row, for the pointer and for the page's script, which lights row and marker together.
+    // Over every marker a circle that tells its row, for the pointer and for the page's script, which lights row and
+    // marker together.
     for (index, row) in rows.iter().enumerate() {
         let attributes = format!("class=\"place\" data-row=\"{index}\" fill=\"none\"");
         let words = format!(

@@ -1,10 +1,10 @@
-//! The colours of signed errors: cool where fixed point is darker than the reference, warm where it is brighter. The live page compiles this
-//! file as well, so that a colour means the same in both.
+//! The colours of signed errors: cool where fixed point is darker than the reference, warm where it is brighter. The
+//! live page compiles this file as well, so that a colour means the same in both.
 //!
-//! The scale ends at a percentile of the errors that are not zero, and what lies beyond is counted: one stray pixel at a footprint's edge may
-//! err a thousand times as much as all others and must not decide alone what is seen of them. Between its end and zero the scale follows
-//! `asinh(error / knee)`: linear for errors below the knee, logarithmic above. The knee is a quarter of the median error. Where all errors are
-//! alike the scale is nearly linear.
+//! The scale ends at a percentile of the errors that are not zero, and what lies beyond is counted: one stray pixel at
+//! a footprint's edge may err a thousand times as much as all others and must not decide alone what is seen of them.
+//! Between its end and zero the scale follows `asinh(error / knee)`: linear for errors below the knee, logarithmic
+//! above. The knee is a quarter of the median error. Where all errors are alike the scale is nearly linear.
 
 /// Percentile of the errors at which the scale ends unless a reader chooses another.
 pub const PERCENTILE: f64 = 99.9;

@@ -1,6 +1,7 @@
 //! What all pages have in common: one file that opens anywhere, with nothing fetched from elsewhere.
 //!
-//! The style is written into the page, and the policy forbids it to load anything. Without a script a page still says all that it says.
+//! The style is written into the page, and the policy forbids it to load anything. Without a script a page still says
+//! all that it says.
 
 use super::chart;
 use super::html::escape;

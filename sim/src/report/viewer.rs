@@ -1,7 +1,9 @@
-//! What the report's script works on: the numbers behind the pictures' pixels, the colours of the error scale, and the controls around them.
+//! What the report's script works on: the numbers behind the pictures' pixels, the colours of the error scale, and the
+//! controls around them.
 //!
-//! A picture of eight bits shows no error of 1e-7. For every pixel and channel the page holds the kernel's value in 16 bits and the error as the
-//! upper half of a single-precision number, which keeps two digits of it at any size. Each half is a plane of bytes, which packs well.
+//! A picture of eight bits shows no error of 1e-7. For every pixel and channel the page holds the kernel's value in 16
+//! bits and the error as the upper half of a single-precision number, which keeps two digits of it at any size. Each
+//! half is a plane of bytes, which packs well.
 
 use super::error_map::{ErrorMap, colour};
 use super::scale::{ErrorScale, PERCENTILE};
@@ -74,7 +76,8 @@ pub fn script(
     ))
 }
 
-/// Per channel four planes: the kernel's value (low byte, high byte) and the error (third byte of a single, highest byte).
+/// Per channel four planes: the kernel's value (low byte, high byte) and the error (third byte of a single, highest
+/// byte).
 fn planes(fixed: &Picture, float: &Picture) -> Vec<u8> {
     let pairs = || fixed.pixels.iter().zip(&float.pixels);
     let mut bytes = Vec::with_capacity(fixed.pixels.len() * 16);

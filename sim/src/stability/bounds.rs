@@ -1,8 +1,8 @@
 //! What each step of the datapath may lose at most, derived in `docs/error-analysis.md`, for one splat and one design.
 //!
-//! u is one rounding to the mantissa, q the rounding of a difference to the eye, relative to its length. G = 1 / sqrt(1 - rho^2) grows with a needle's
-//! axis ratio on the screen's diagonals; K >= 1 says how much of the columns of M cancels (`RationalFootprint::cancellation`).
-//! The bounds hold for designs that scan rows by LDL and round to nearest.
+//! u is one rounding to the mantissa, q the rounding of a difference to the eye, relative to its length. G = 1 / sqrt(1
+//! - rho^2) grows with a needle's axis ratio on the screen's diagonals; K >= 1 says how much of the columns of M
+//! cancels (`RationalFootprint::cancellation`). The bounds hold for designs that scan rows by LDL and round to nearest.
 
 use super::exact::RationalFootprint;
 use super::pictures::Edge;
@@ -75,8 +75,9 @@ impl ErrorBounds {
         let of = &self.footprint;
         let (horizontal, shear, vertical) = (of.horizontal, of.shear, of.vertical);
         let u = 2.0 * half(self.widths.mantissa);
-        // Moving the centre by d changes r by at most 2 sqrt(r k) d + k d^2, k the largest eigenvalue of Q. The distance of a block's first row is
-        // rounded to a mantissa, and the rows' sums drift by 16 units of theirs, or 17 where rows are long or far apart.
+        // Moving the centre by d changes r by at most 2 sqrt(r k) d + k d^2, k the largest eigenvalue of Q. The
+        // distance of a block's first row is rounded to a mantissa, and the rows' sums drift by 16 units of theirs, or
+        // 17 where rows are long or far apart.
         let steepest = horizontal * (1.0 + shear * shear) + vertical;
         let reach = (self.footprint.cutoff * self.footprint.variance[2]).sqrt() + 1.0;
         let first_row = reach.min(self.footprint.centre[1].abs() + 0.5);
@@ -101,7 +102,8 @@ impl ErrorBounds {
             + lanes
     }
 
-    /// How far from its cut-off a pixel may be decided otherwise, and how close in depth another splat may change places with this one.
+    /// How far from its cut-off a pixel may be decided otherwise, and how close in depth another splat may change
+    /// places with this one.
     pub fn edge(&self, range: u8) -> Edge {
         let end = self.footprint.cutoff;
         let faintest = self.footprint.peak * (-0.5 * end).exp();

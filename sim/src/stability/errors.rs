@@ -6,7 +6,8 @@ use super::table::STAGES;
 use splatline::footprint::Footprint;
 use splatline::math::SoftFloat;
 
-/// Peaks from here on count as this one: the opacity is 1 within any cut-off of normalised kernels (at most 4), and the packet saturates.
+/// Peaks from here on count as this one: the opacity is 1 within any cut-off of normalised kernels (at most 4), and the
+/// packet saturates.
 const LARGEST_PEAK: f64 = 15.0;
 
 /// Worst errors of one engine in one case.
@@ -34,11 +35,13 @@ pub struct StageErrors {
     pub psnr_db: Option<f64>,
     /// Splats that this engine culls although they are visible, or draws although they are not.
     pub culled_wrongly: usize,
-    /// Pixels on an edge of the rules, where the picture is discontinuous; they are left out of the three numbers above.
+    /// Pixels on an edge of the rules, where the picture is discontinuous; they are left out of the three numbers
+    /// above.
     pub edges: usize,
     /// Pixels on an edge that this engine decides otherwise.
     pub decided_wrongly: usize,
-    /// The largest share of each step's derived bound that is used, in the order of [`STAGES`]; 0 for engines without bounds.
+    /// The largest share of each step's derived bound that is used, in the order of [`STAGES`]; 0 for engines without
+    /// bounds.
     pub shares: [f64; STAGES.len()],
 }
 
@@ -75,7 +78,8 @@ impl StageErrors {
         };
     }
 
-    /// By what setup made of one splat: centre, depth and peak, xx, xy, yy and determinant of its variance, and the error of its form.
+    /// By what setup made of one splat: centre, depth and peak, xx, xy, yy and determinant of its variance, and the
+    /// error of its form.
     pub(super) fn worsen_setup(
         &mut self,
         centre: [f64; 2],

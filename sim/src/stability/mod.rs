@@ -1,4 +1,5 @@
-//! The hard-case suite: every stage of every named design against exact arithmetic, beside the same in single precision.
+//! The hard-case suite: every stage of every named design against exact arithmetic, beside the same in single
+//! precision.
 //!
 //! [`cases`] makes the scenes, [`exact`] the truth in rationals, [`single`] the yardstick in f32, [`table`] the text,
 //! [`steps`] what each width of `standard24` buys. [`scenes`] are whole scenes of the kinds that people have.
@@ -52,8 +53,8 @@ pub struct StabilityLine {
     pub errors: StageErrors,
 }
 
-/// Samples of sixteen splats that a case is measured on. Single precision is exact on some splats by luck, since their numbers are
-/// its own; over many the luck averages out, and no comparison needs a tolerance.
+/// Samples of sixteen splats that a case is measured on. Single precision is exact on some splats by luck, since their
+/// numbers are its own; over many the luck averages out, and no comparison needs a tolerance.
 pub const SAMPLES: u64 = 16;
 
 /// How much to measure.

@@ -1,8 +1,9 @@
 //! The pictures of a case: the truth's in double precision, single precision's in single precision.
 //!
-//! The rules have thresholds: a pixel is drawn or not at r = c, and is finished or not at the smallest transmittance. There the picture
-//! is discontinuous, and any error at all, however small, can decide otherwise. Which pixels lie on such an edge follows from
-//! the truth alone; at those the wrong decisions are counted, and the largest difference is taken over all others.
+//! The rules have thresholds: a pixel is drawn or not at r = c, and is finished or not at the smallest transmittance.
+//! There the picture is discontinuous, and any error at all, however small, can decide otherwise. Which pixels lie on
+//! such an edge follows from the truth alone; at those the wrong decisions are counted, and the largest difference is
+//! taken over all others.
 
 use super::bounds::ErrorBounds;
 use super::cases::Case;
@@ -15,8 +16,8 @@ use crate::metrics;
 use crate::picture::Picture;
 use crate::rules::Rules;
 
-/// Half-width of an edge, in the radial index and relative to the smallest transmittance: more than any engine of 24 bits or more is
-/// wrong by on ordinary splats.
+/// Half-width of an edge, in the radial index and relative to the smallest transmittance: more than any engine of 24
+/// bits or more is wrong by on ordinary splats.
 const EDGE: Edge = Edge {
     radial: 1.0 / 16_384.0,
     depth: 0.0,
@@ -85,7 +86,8 @@ pub(super) struct Edge {
     pub depth: f64,
 }
 
-/// Composites the splats in `order` at a point: every layer that is drawn, the light that is left, and whether the point lies on an edge.
+/// Composites the splats in `order` at a point: every layer that is drawn, the light that is left, and whether the
+/// point lies on an edge.
 fn composite(
     rules: &Rules,
     order: &[(usize, &RationalFootprint)],
@@ -145,11 +147,11 @@ pub(super) fn exact(case: &Case, projected: &[Option<RationalFootprint>]) -> Tru
     TruePictures { picture, edges }
 }
 
-/// The largest share of its bound that a pixel's error takes, but for pixels on an edge as wide as the design's own bounds; 0 for a design
-/// without bounds.
+/// The largest share of its bound that a pixel's error takes, but for pixels on an edge as wide as the design's own
+/// bounds; 0 for a design without bounds.
 ///
-/// An opacity's error moves a pixel by at most the light that reaches the layer (colours are at most 1); each layer rounds its share and
-/// its colour once, and colours themselves are rounded.
+/// An opacity's error moves a pixel by at most the light that reaches the layer (colours are at most 1); each layer
+/// rounds its share and its colour once, and colours themselves are rounded.
 pub(super) fn share_of_bound(
     case: &Case,
     picture: &Picture,

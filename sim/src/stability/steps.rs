@@ -1,7 +1,7 @@
 //! What each width of `standard24` buys: the suite with its widths taken back, one after the other and one at a time.
 //!
-//! The design began with 24-bit mantissas and a table of 2^10 intervals, chosen by scenes. Each step from there to today's widths is
-//! measured by the number of cases that are worse than single precision, stage by stage, and priced.
+//! The design began with 24-bit mantissas and a table of 2^10 intervals, chosen by scenes. Each step from there to
+//! today's widths is measured by the number of cases that are worse than single precision, stage by stage, and priced.
 
 use super::table::{JUDGED, STAGES, engine_pairs, needle_gain};
 use super::{StabilityExtent, StabilityLine, measure};

@@ -1,8 +1,8 @@
 //! Kanata 0004, the log format of Konata: one "instruction" per splat-tile pair.
 //!
-//! Stages of a pair overlap (its first row is in the lanes while its last is being generated), so each stage is drawn in a lane of
-//! its own, from the first cycle of the pair's first item to the end of its last. A pair retires when its last pixel is blended. The
-//! thread of a pair is its raster unit.
+//! Stages of a pair overlap (its first row is in the lanes while its last is being generated), so each stage is drawn
+//! in a lane of its own, from the first cycle of the pair's first item to the end of its last. A pair retires when its
+//! last pixel is blended. The thread of a pair is its raster unit.
 
 use super::name_of;
 use crate::machine::observe::{Event, Stage};

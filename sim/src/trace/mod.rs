@@ -8,8 +8,9 @@
 //!
 //! Requests to a memory part go to the simulators of DRAM instead ([`requests`]).
 //!
-//! One cycle is one time unit: a cycle in Kanata, 1 ns in VCD, 1 microsecond in Perfetto. Only splats from a first to a last
-//! number are recorded; the machine is simulated whole, so that what is recorded is what happens in the whole picture.
+//! One cycle is one time unit: a cycle in Kanata, 1 ns in VCD, 1 microsecond in Perfetto. Only splats from a first to a
+//! last number are recorded; the machine is simulated whole, so that what is recorded is what happens in the whole
+//! picture.
 
 pub mod kanata;
 pub mod perfetto;

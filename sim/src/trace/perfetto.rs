@@ -1,6 +1,7 @@
 //! Trace events in JSON, as Perfetto and Chrome read them: a process per raster unit, a track per stage and lane.
 //!
-//! Fetches overlap in flight, as do blends; they are asynchronous slices with an identifier each, all others are complete slices.
+//! Fetches overlap in flight, as do blends; they are asynchronous slices with an identifier each, all others are
+//! complete slices.
 
 use super::name_of;
 use crate::machine::observe::{Event, Stage};

@@ -1,11 +1,13 @@
-//! Requests to a memory part for the simulators of DRAM: every burst in the order of the cycles in which it was asked for.
+//! Requests to a memory part for the simulators of DRAM: every burst in the order of the cycles in which it was asked
+//! for.
 //!
 //! | format | a line |
 //! |---|---|
 //! | Ramulator 2, front end `LoadStoreTrace` | `LD 0x1c0` or `ST 0x1c0` |
 //! | DRAMsim3, trace CPU | `0x1c0 READ 1234`, the cycle in clocks of the part |
 //!
-//! The three phases of a picture follow each other. Ramulator's format has no cycles: it is asked as fast as it takes requests.
+//! The three phases of a picture follow each other. Ramulator's format has no cycles: it is asked as fast as it takes
+//! requests.
 
 use crate::machine::memory::Access;
 use crate::machine::memory::parts::DramPart;

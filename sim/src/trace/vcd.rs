@@ -1,4 +1,5 @@
-//! Value change dump (IEEE 1364): for every raster unit, stage and lane, how many items are in it and which splat entered last.
+//! Value change dump (IEEE 1364): for every raster unit, stage and lane, how many items are in it and which splat
+//! entered last.
 
 use super::name_of;
 use crate::machine::observe::{Event, Stage};

@@ -16,15 +16,16 @@ impl BuiltinRandom {
     }
 }
 
-/// `count` splats before a camera of `size` pixels: in turn ordinary, needle, disc, huge, tiny, at the eye, beside the picture,
-/// saturated and almost transparent.
+/// `count` splats before a camera of `size` pixels: in turn ordinary, needle, disc, huge, tiny, at the eye, beside the
+/// picture, saturated and almost transparent.
 pub fn hard_cases(count: usize, size: [u16; 2], seed: u32) -> (View, Vec<VolumeSplat>) {
     let mut random = BuiltinRandom(seed);
     let splats = (0..count).map(|index| splat(&mut random, index)).collect();
     (view(size), splats)
 }
 
-/// Splats at the ends of formats, of ranges and of roundings, one property each: what random splats meet once in a billion.
+/// Splats at the ends of formats, of ranges and of roundings, one property each: what random splats meet once in a
+/// billion.
 pub fn stress_cases() -> Vec<VolumeSplat> {
     const FAR: [i32; 8] = [
         i32::MIN,
@@ -54,7 +55,8 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
         add(&|splat| splat.axes = [axis([mantissa, 0, 0], -31); 3]);
         add(&|splat| splat.weight.mantissa = mantissa);
     }
-    // At the eye, and as deep as each other; then the eye of `stress_view` to the last bit, and small differences from it.
+    // At the eye, and as deep as each other; then the eye of `stress_view` to the last bit, and small differences from
+    // it.
     add(&|splat| splat.centre = world([0.0; 3]));
     add(&|splat| {
         splat.centre = world([0.0; 3]);
@@ -132,7 +134,8 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
             splat.axes[1].exponent = -40;
         });
     }
-    // Cut-offs whose slack ends in the last bit at a row's sample point, where `lean18` has the centre between two pixels.
+    // Cut-offs whose slack ends in the last bit at a row's sample point, where `lean18` has the centre between two
+    // pixels.
     for mantissa in [1_431_683_088, 1_431_683_090, 1_431_683_096] {
         add(&|splat| {
             *splat = small(world([0.015_625, 0.0, 3.0]), 0.0);
@@ -161,8 +164,8 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
     splats
 }
 
-/// Hardly any height: where there is no low-pass filter, the inverse's exponent ends, in the one form of a footprint or the other, and rows lie
-/// so far apart that centres have fewer bits.
+/// Hardly any height: where there is no low-pass filter, the inverse's exponent ends, in the one form of a footprint or
+/// the other, and rows lie so far apart that centres have fewer bits.
 fn flat_cases() -> impl Iterator<Item = VolumeSplat> {
     /// An axis along the picture's rows and its exponent, and a height and its exponent.
     const ENDS: [([i32; 3], i32, i32, i32); 5] = [
@@ -250,8 +253,8 @@ fn slants() -> impl Iterator<Item = VolumeSplat> {
     })
 }
 
-/// Gives the eye all its bits and the rotation its rests, and puts near and far plane where [`stress_cases`] has a centre each, to the last bit
-/// of the design's camera space.
+/// Gives the eye all its bits and the rotation its rests, and puts near and far plane where [`stress_cases`] has a
+/// centre each, to the last bit of the design's camera space.
 pub fn stress_view(view: &mut View, widths: &Widths) {
     let (sine, cosine) = (REST_OF_SINE, REST_OF_COSINE);
     view.pose = Eye {
@@ -281,8 +284,8 @@ fn between(view: &mut View, widths: &Widths, near: VolumeSplat, far: VolumeSplat
     (view.near, view.far) = (depth(near), depth(far));
 }
 
-/// The same camera without perspective and at the origin, from `-2^329` to `2^329`, and splats on its axis at the ends of these depths and of
-/// sort keys, on both sides of the eye, and as close to it as words allow.
+/// The same camera without perspective and at the origin, from `-2^329` to `2^329`, and splats on its axis at the ends
+/// of these depths and of sort keys, on both sides of the eye, and as close to it as words allow.
 pub fn stress_orthographic(view: &mut View, splats: &mut Vec<VolumeSplat>, widths: &Widths) {
     /// The rotation's entries: what lies along them has x = 0 exactly.
     const SINE: i32 = 644_245_094;

@@ -91,7 +91,8 @@ pub(super) fn splats_stage() -> VectorStage {
     )
 }
 
-/// The stages of setup, with a record for each splat: the splat itself, camera, projection, columns, covariance, opacity.
+/// The stages of setup, with a record for each splat: the splat itself, camera, projection, columns, covariance,
+/// opacity.
 fn setup_stages(widths: &Widths) -> [VectorStage; 6] {
     let subpixel = widths.subpixel;
     let centre = 28 + subpixel;

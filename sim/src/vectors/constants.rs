@@ -1,4 +1,5 @@
-//! The constants of a subject's datapath as integers, for readers that know the formulas of docs/specification.md and nothing else.
+//! The constants of a subject's datapath as integers, for readers that know the formulas of docs/specification.md and
+//! nothing else.
 
 use super::VectorSubject;
 use crate::fixed::kernel_rules;

@@ -1,6 +1,7 @@
 //! One record's way through all formulas, told by the Python model of `sim/golden`, which is part of this program.
 //!
-//! The model and not the kernel: it has a function for every formula of docs/specification.md and can name each of them.
+//! The model and not the kernel: it has a function for every formula of docs/specification.md and can name each of
+//! them.
 
 use super::files::refused;
 use crate::input::Refused;

@@ -50,8 +50,8 @@ pub fn export(folder: &Path, subject: &VectorSubject) -> Result<Manifest, Refuse
     Ok(manifest)
 }
 
-/// Computes all stages anew from the manifest and the splats in `folder` and compares every file that is there, in the order of the
-/// data flow. The first difference is the error.
+/// Computes all stages anew from the manifest and the splats in `folder` and compares every file that is there, in the
+/// order of the data flow. The first difference is the error.
 pub fn verify(folder: &Path) -> Result<Verified, Refused> {
     let file = folder.join("manifest.json");
     let text = input::text(&file, MANIFEST_BYTES).map_err(|error| refused(&file, error))?;
@@ -105,7 +105,8 @@ fn check_manifest(text: &str, expected: &Manifest) -> Result<(), String> {
     }
 }
 
-/// Memory is bounded by the folder's size: a large viewport must come with a picture that has a line for each of its pixels.
+/// Memory is bounded by the folder's size: a large viewport must come with a picture that has a line for each of its
+/// pixels.
 fn refuse_absurd_picture(
     folder: &Path,
     manifest: &Path,
@@ -161,7 +162,8 @@ fn splat(record: &[i64]) -> VolumeSplat {
     }
 }
 
-/// Which splat a record of a stage belongs to, in words; runs and pixels name their packet, whose last field is its splat.
+/// Which splat a record of a stage belongs to, in words; runs and pixels name their packet, whose last field is its
+/// splat.
 fn owner(stages: &[VectorStage], stage: &VectorStage, index: usize) -> String {
     let record = |index: usize| stage.records.get(index);
     let splat = match stage.name {

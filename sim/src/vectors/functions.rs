@@ -1,4 +1,5 @@
-//! Stages of the functions that have a table, which do not depend on the subject: the tables, and what the functions give.
+//! Stages of the functions that have a table, which do not depend on the subject: the tables, and what the functions
+//! give.
 
 use super::VectorStage;
 use super::builtin::{BuiltinRandom, soft};
@@ -8,7 +9,8 @@ use splatline::math::{LOGARITHMS, RECIPROCALS, ROOTS, SoftFloat, ln, reciprocal,
 /// Bits of results.
 const BITS: [u32; 3] = [16, 17, 31];
 
-/// Mantissas whose results hang on a single rounding within: two of each in reciprocal and logarithm, from a walk through all of 31 bits.
+/// Mantissas whose results hang on a single rounding within: two of each in reciprocal and logarithm, from a walk
+/// through all of 31 bits.
 const EDGES: [i32; 14] = [
     1_073_750_048, // the chord of the reciprocal's seed
     1_073_766_496,
@@ -29,8 +31,8 @@ const EDGES: [i32; 14] = [
 /// Arguments of which [`cases`] has the results.
 const CASES: usize = 4096;
 
-/// Reciprocal, root and logarithm of numbers of all lengths, signs and exponents: to 16 bits, the most without the step behind the table, to 17
-/// and to 31. What has no result has zeros.
+/// Reciprocal, root and logarithm of numbers of all lengths, signs and exponents: to 16 bits, the most without the step
+/// behind the table, to 17 and to 31. What has no result has zeros.
 pub fn cases() -> VectorStage {
     let mut stage = VectorStage::new(
         "functions",

@@ -11,8 +11,8 @@ use std::str::FromStr;
 
 /// Version of the folder's format; another version is refused.
 ///
-/// 1 had positions and depths in fixed point; 2 has them with exponents; 3 has a digest of the inputs; 4 has packets of version 3;
-/// 5 has all constants as integers, the functions and their tables, camera space and the centres' opacities.
+/// 1 had positions and depths in fixed point; 2 has them with exponents; 3 has a digest of the inputs; 4 has packets of
+/// version 3; 5 has all constants as integers, the functions and their tables, camera space and the centres' opacities.
 /// 6 has what the rules filter by, and functions to 17 bits.
 pub const FORMAT_VERSION: u32 = 6;
 
@@ -29,7 +29,8 @@ pub struct Manifest {
     pub constants: Vec<super::ConstantRecord>,
     /// `ewa` or `3dgs`.
     pub rules: String,
-    /// Variance of the low-pass filter, whether opacities are compensated for it, and the samples' spacing: the rules' own, or others.
+    /// Variance of the low-pass filter, whether opacities are compensated for it, and the samples' spacing: the rules'
+    /// own, or others.
     pub filter: (f64, bool, f64),
     /// `front-to-back`, `back-to-front` or `x-ray`.
     pub compositing: Compositing,

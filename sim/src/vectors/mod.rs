@@ -4,11 +4,12 @@
 //! splats -> camera -> projected -> columns -> covariance -> opacity -> packets -> runs -> pixels -> tile
 //! ```
 //!
-//! A stage is a table: one record a line, its fields side by side without padding, least significant first, printed as one hexadecimal
-//! number (`$readmemh` into a memory as wide as the record). The manifest says where every field lies. All of it comes
-//! from the kernel; the only arithmetic here is placing bits.
+//! A stage is a table: one record a line, its fields side by side without padding, least significant first, printed as
+//! one hexadecimal number (`$readmemh` into a memory as wide as the record). The manifest says where every field lies.
+//! All of it comes from the kernel; the only arithmetic here is placing bits.
 //!
-//! [`export`] writes a folder, [`verify`] computes everything anew from the folder's splats and finds the first difference.
+//! [`export`] writes a folder, [`verify`] computes everything anew from the folder's splats and finds the first
+//! difference.
 
 mod builtin;
 mod compute;

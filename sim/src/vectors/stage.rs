@@ -23,7 +23,8 @@ impl RecordField {
         64 - self.bits as u32
     }
 
-    /// What the field holds in a record of these words, the least significant first; bits behind the last word are zeros.
+    /// What the field holds in a record of these words, the least significant first; bits behind the last word are
+    /// zeros.
     pub(super) fn value(&self, words: &[u64]) -> i64 {
         let word = |index: usize| words.get(index).copied().unwrap_or(0);
         let (index, shift) = (self.offset / 64, self.offset % 64);
@@ -61,8 +62,8 @@ pub struct VectorStage {
 }
 
 impl VectorStage {
-    /// A stage without records, of fields `name*count:-bits.fraction`; without `*` one, without `-` not signed, without `.` an integer, without `:` a
-    /// word of 32 bits. `name:n` is mantissa and exponent.
+    /// A stage without records, of fields `name*count:-bits.fraction`; without `*` one, without `-` not signed, without
+    /// `.` an integer, without `:` a word of 32 bits. `name:n` is mantissa and exponent.
     pub(super) fn new(name: &'static str, about: &'static str, fields: &str) -> Self {
         let mut stage = VectorStage {
             name,

@@ -1,7 +1,7 @@
 //! Stages of the other systems: view-dependent colour, surfaces, the deep channel, points, sheets and spheres.
 //!
-//! Each takes the subject's splats through a system's own setup, or pixels through its own blending, with operands of all lengths up to
-//! the ends of their formats. A record has the operands, then the results.
+//! Each takes the subject's splats through a system's own setup, or pixels through its own blending, with operands of
+//! all lengths up to the ends of their formats. A record has the operands, then the results.
 
 use super::builtin::{BuiltinRandom, soft};
 use super::record::{Words, push, record};

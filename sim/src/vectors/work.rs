@@ -1,4 +1,5 @@
-//! How much the vectors of a subject will take, counted before any of it is made: a line of a few words can ask for terabytes.
+//! How much the vectors of a subject will take, counted before any of it is made: a line of a few words can ask for
+//! terabytes.
 //!
 //! Setup is run once for its boxes, which bound the pixels of runs and records from above; nothing is kept of it.
 

@@ -140,7 +140,8 @@ fn an_empty_picture_says_why() {
     shell.results("render random:9 --size 16x16 -o a.png");
 }
 
-/// What is found on an empty picture holds for no other one: every command that measures says that it is empty, and equal pictures have no decibels.
+/// What is found on an empty picture holds for no other one: every command that measures says that it is empty, and
+/// equal pictures have no decibels.
 #[test]
 fn measures_of_an_empty_picture_say_so() {
     let shell = Shell::new();
@@ -309,8 +310,8 @@ fn first_contact_is_one_command() {
     }
 }
 
-/// A scene of glTF that is sorted by distance, the extension's own default, against the same one sorted by depth: what sorts it honours
-/// that, and what cannot says so.
+/// A scene of glTF that is sorted by distance, the extension's own default, against the same one sorted by depth: what
+/// sorts it honours that, and what cannot says so.
 #[test]
 fn a_files_order_is_honoured_or_refused() {
     let shell = Shell::new();

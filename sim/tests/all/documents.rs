@@ -52,7 +52,8 @@ fn marked(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
-/// The rows of a section's table in docs/files.md, as their first column's keys and all their words, bare of brackets and of the table that they lie in.
+/// The rows of a section's table in docs/files.md, as their first column's keys and all their words, bare of brackets
+/// and of the table that they lie in.
 fn rows_of(section: &str) -> Vec<[BTreeSet<&'static str>; 2]> {
     let text = include_str!("../../../docs/files.md");
     let (_, rest) = text.split_once(&format!("\n## {section}")).unwrap();

@@ -191,8 +191,8 @@ fn captured_scenes() {
     }
 }
 
-/// A wall that faces the camera in the middle of the view and one at its edge, which is less deep but farther away: which covers which
-/// depends on the order. Among them some of random depth and place.
+/// A wall that faces the camera in the middle of the view and one at its edge, which is less deep but farther away:
+/// which covers which depends on the order. Among them some of random depth and place.
 fn two_walls() -> (Scene, Camera) {
     let camera = Camera::look_at([0.0; 3], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], 100.0, 96, 64);
     let mut scene = synthetic::random_gaussians(300, 5, 2.0);
@@ -228,8 +228,8 @@ fn psnr(a: &Picture, b: &Picture) -> f64 {
     compare(a, b).unwrap().colour.psnr_db
 }
 
-/// Both orders: all engines draw the same bits, near the reference's picture in that order and far from the one in the other; the machine
-/// meets the splats in that order as well.
+/// Both orders: all engines draw the same bits, near the reference's picture in that order and far from the one in the
+/// other; the machine meets the splats in that order as well.
 #[test]
 fn every_engine_sorts_as_the_scene_asks() {
     let (mut scene, camera) = two_walls();

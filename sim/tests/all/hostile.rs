@@ -1,5 +1,6 @@
-//! Damaged files of every format: cut at every byte, or claiming more than any file holds. The answer is a message or, where the
-//! format cannot tell (a text cut between two lines), a shorter content; never a panic and never memory beyond the file's size.
+//! Damaged files of every format: cut at every byte, or claiming more than any file holds. The answer is a message or,
+//! where the format cannot tell (a text cut between two lines), a shorter content; never a panic and never memory
+//! beyond the file's size.
 //!
 //! The readers' own tests look closer; this one goes through the same entrances as the command line.
 
@@ -17,7 +18,8 @@ use splatline_sim::scene::{self, LoadOptions, points};
 use splatline_sim::vectors::{export, verify};
 use std::path::Path;
 
-/// Calls `read` with a file of each proper prefix of `whole`; its answer is "did that succeed?". Lengths that succeeded.
+/// Calls `read` with a file of each proper prefix of `whole`; its answer is "did that succeed?". Lengths that
+/// succeeded.
 fn lengths_read(name: &str, whole: &[u8], read: impl Fn(&Path) -> bool) -> Vec<usize> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
@@ -58,7 +60,8 @@ fn a_point_cloud_cut_anywhere_is_refused() {
     assert_eq!(lengths_read("cloud.ply", text.as_bytes(), is_cloud), [0; 0]);
 }
 
-/// Lines have no count before them, so a cut after the third line leaves a smaller cloud; a cut within a number is a number too.
+/// Lines have no count before them, so a cut after the third line leaves a smaller cloud; a cut within a number is a
+/// number too.
 #[test]
 fn lines_of_numbers_cut_anywhere_are_refused_or_a_smaller_cloud() {
     let lines = [
@@ -166,7 +169,8 @@ fn every_field_of_a_manifest_is_checked() {
     let mut places = Vec::new();
     leaves(&sound, "", &mut places);
     assert!(places.len() > 500, "{}", places.len());
-    // No field changes the tables, and reading them anew for each field is most of the time. Their digests are compared all the same.
+    // No field changes the tables, and reading them anew for each field is most of the time. Their digests are compared
+    // all the same.
     for table in ["reciprocals", "roots", "logarithms", "functions"] {
         std::fs::remove_file(folder.path().join(table).with_extension("hex")).unwrap();
     }

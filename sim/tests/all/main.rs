@@ -1,5 +1,5 @@
-//! All integration tests of the simulator in one binary, which compiles and links once. `cargo test -p splatline-sim --test all hostile`
-//! runs one module of them.
+//! All integration tests of the simulator in one binary, which compiles and links once.
+//! `cargo test -p splatline-sim --test all hostile` runs one module of them.
 
 mod command_line;
 mod documents;

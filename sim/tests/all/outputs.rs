@@ -1,4 +1,5 @@
-//! No output of any command replaces a file that the command has read, whatever that file is called and however it came to be read.
+//! No output of any command replaces a file that the command has read, whatever that file is called and however it came
+//! to be read.
 
 use super::hostile::seeds::seed;
 use super::shell::{Shell, said};
@@ -58,7 +59,8 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     all
 }
 
-/// A command, and the name by which its output would meet a file that it reads: a link where the format wants another extension.
+/// A command, and the name by which its output would meet a file that it reads: a link where the format wants another
+/// extension.
 const CASES: &[(&str, Option<(&str, &str)>)] = &[
     ("render sg -o x.png --json sg/meta.json", None),
     ("render sg -o link.png", Some(("sg/ml.webp", "link.png"))),

@@ -1,4 +1,5 @@
-//! Photographs: a COLMAP model of which `exact` takes the pictures, compared with what is drawn; and a trainer's folder.
+//! Photographs: a COLMAP model of which `exact` takes the pictures, compared with what is drawn; and a trainer's
+//! folder.
 
 use super::shell::{Shell, holds};
 use std::fs;
@@ -136,7 +137,8 @@ fn photographs_of_half_the_size_decide_and_missing_ones_are_named() {
     shell.refused(1, command, expected);
 }
 
-/// Maps have the picture's size and say which splats it is made of; no other image library reads our numbers, so bytes are looked at.
+/// Maps have the picture's size and say which splats it is made of; no other image library reads our numbers, so bytes
+/// are looked at.
 #[test]
 fn maps_lie_beside_the_picture() {
     let shell = Shell::new();
@@ -190,13 +192,14 @@ fn a_trainers_folder_is_a_scene_with_its_camera() {
     holds(&stretched.stderr, &["stretched by 2.000"]);
 }
 
-/// A small splat that is drawn through a lens lies where COLMAP's own code sees it (the second row of OPENCV in `reference/assets/lenses.tsv`).
+/// A small splat that is drawn through a lens lies where COLMAP's own code sees it (the second row of OPENCV in
+/// `reference/assets/lenses.tsv`).
 #[test]
 fn a_lens_bends_the_picture_as_colmap_does() {
     let shell = Shell::new();
     let table = include_str!("../../reference/assets/lenses.tsv");
-    // Logarithms of scales: a spot much narrower than a pixel of the picture is sampled beside its middle (the fisheye's at -5 by 0.047 pixels), and
-    // a wide one is bent (that of OPENCV at -4 by 0.018).
+    // Logarithms of scales: a spot much narrower than a pixel of the picture is sampled beside its middle (the
+    // fisheye's at -5 by 0.047 pixels), and a wide one is bent (that of OPENCV at -4 by 0.018).
     for (model, scale) in [("OPENCV", -5.0), ("OPENCV_FISHEYE", -4.25)] {
         let line = table
             .lines()

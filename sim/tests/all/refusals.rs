@@ -1,4 +1,5 @@
-//! What the binary refuses with a message, before it draws or allocates: numbers without a picture, pictures without memory, files that never end.
+//! What the binary refuses with a message, before it draws or allocates: numbers without a picture, pictures without
+//! memory, files that never end.
 
 use super::shell::{Shell, said};
 use std::process::Command;
@@ -28,7 +29,8 @@ fn absurd_coordinates_are_refused() {
     assert!(!printed.contains("inf"), "{printed}");
 }
 
-/// Allowed numbers whose product no machine holds: refused with the estimate and the limit before anything is allocated.
+/// Allowed numbers whose product no machine holds: refused with the estimate and the limit before anything is
+/// allocated.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_does_not_fit_into_memory_is_refused() {

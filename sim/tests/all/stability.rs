@@ -19,7 +19,8 @@ fn needles_are_ten_times_better_than_single_precision() {
     }
 }
 
-/// Formats with a fixed point are coarser than a float near 0: a small opacity, and radial indices far below 1. No picture shows it.
+/// Formats with a fixed point are coarser than a float near 0: a small opacity, and radial indices far below 1. No
+/// picture shows it.
 const COARSER: [(&str, &str); 3] = [
     ("peak", "opacity 1/255"),
     ("r", "larger than the screen by 1000"),
@@ -95,14 +96,16 @@ fn scenes_hold_what_a_file_would() {
     assert_ne!(made[0].scene, classes::all(Size::QUICK, 6)[0].scene);
 }
 
-/// The yardstick has to be far more exact than what it measures: centres by W u + d and by W (u - eye) give the same picture.
+/// The yardstick has to be far more exact than what it measures: centres by W u + d and by W (u - eye) give the same
+/// picture.
 #[test]
 fn double_precision_is_good_enough_in_every_class() {
     for line in of_engine(scenes::FROM_ORIGIN) {
         let psnr = line.psnr_db.unwrap_or(f64::INFINITY);
         assert!(psnr >= 190.0, "{}: {psnr:.1} dB", line.class);
         assert_eq!(line.flips, Default::default(), "{}", line.class);
-        // Opacities at the threshold are seen where a pixel's centre is met, which chance alone hardly does in a small picture.
+        // Opacities at the threshold are seen where a pixel's centre is met, which chance alone hardly does in a small
+        // picture.
         let least = if line.class == "opacities at 1/255" {
             0
         } else {
@@ -125,7 +128,8 @@ fn world_coordinates_are_too_much_for_single_precision() {
     }
 }
 
-/// In a small picture one flip weighs too much to be measured: the bars are held where nothing flips, and no splat is clamped or lost.
+/// In a small picture one flip weighs too much to be measured: the bars are held where nothing flips, and no splat is
+/// clamped or lost.
 #[test]
 fn scenes_meet_their_bars() {
     let lines = scene_lines();

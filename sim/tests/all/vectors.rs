@@ -1,4 +1,5 @@
-//! Vectors: a round trip, the first difference in words, and agreement of the stepped picture with the kernel's painter.
+//! Vectors: a round trip, the first difference in words, and agreement of the stepped picture with the kernel's
+//! painter.
 
 use splatline::blend::Pixel;
 use splatline::draw::Painter;

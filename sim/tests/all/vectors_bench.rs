@@ -1,5 +1,5 @@
-//! The vector bench of the co-simulation guide: a simulator reads exported runs, and what its lane computes is compared with
-//! the kernel. Without Icarus Verilog it is ignored.
+//! The vector bench of the co-simulation guide: a simulator reads exported runs, and what its lane computes is compared
+//! with the kernel. Without Icarus Verilog it is ignored.
 
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;

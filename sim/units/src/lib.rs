@@ -1,7 +1,9 @@
-//! One entry point per set of systems, linked alone by `sizes.sh`: what a scene does not need costs no code, no table and no state.
+//! One entry point per set of systems, linked alone by `sizes.sh`: what a scene does not need costs no code, no table
+//! and no state.
 //!
-//! Each entry sets up one splat, draws it and resolves what it drew, in `standard24` under the rules its systems are meant for. Tables that are
-//! needed are constants of the image; the state of a pixel is a static of its type, so that both appear in the image's size.
+//! Each entry sets up one splat, draws it and resolves what it drew, in `standard24` under the rules its systems are
+//! meant for. Tables that are needed are constants of the image; the state of a pixel is a static of its type, so that
+//! both appear in the image's size.
 #![no_std]
 
 use core::panic::PanicInfo;

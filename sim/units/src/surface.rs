@@ -1,4 +1,5 @@
-//! Surface splats: systems 2, 4 and 9 with the accumulation buffer, and with layers, shading and edges systems 10 to 12.
+//! Surface splats: systems 2, 4 and 9 with the accumulation buffer, and with layers, shading and edges systems 10 to
+//! 12.
 
 use crate::common::{TABLE, WIDTHS};
 use splatline::blend::Pixel;

@@ -9,9 +9,9 @@
 //! | transmittance T = 1 - A | UQ1.(width - 1) | T' = round(T (1 - alpha)) |
 //! | optical depth D = -log2 T | UQ4.(width - 4) | D' = D + round(-log2(1 - alpha)) |
 //!
-//! Optical depth turns "over" into an addition (\[EWA\] eq. 4: the exponent is an integral) and makes it independent of the
-//! order; base 2 instead of e is a constant factor and lets the exponential's integer part be a shift.
-//! Its tables are in [`octaves`](mod@octaves). Rounding is to nearest, truncation, or dithered by a [`noise`] without state.
+//! Optical depth turns "over" into an addition (\[EWA\] eq. 4: the exponent is an integral) and makes it independent of
+//! the order; base 2 instead of e is a constant factor and lets the exponential's integer part be a shift. Its tables
+//! are in [`octaves`](mod@octaves). Rounding is to nearest, truncation, or dithered by a [`noise`] without state.
 //! docs/systems.md derives how the error grows with the number of layers and which width follows.
 //!
 //! Opacity and transmittance under rounding to nearest hold the same number up to ties; under truncation the first errs
@@ -161,7 +161,8 @@ impl Channel {
         (1 << self.width) - 1
     }
 
-    /// `value / 2^shift` by the channel's rounding; `shift` 1 to 63, and the sum with the noise fits by the callers' ranges.
+    /// `value / 2^shift` by the channel's rounding; `shift` 1 to 63, and the sum with the noise fits by the callers'
+    /// ranges.
     #[inline(always)]
     fn round(&self, value: u64, shift: u32, noise: u32) -> u64 {
         let addend = match self.rounding {

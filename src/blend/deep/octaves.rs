@@ -1,10 +1,10 @@
 //! Logarithm and exponential of the optical depth, base 2, by a table of 128 intervals and a short series.
 //!
 //! `-log2 q` for q in (0, 1]: q = m 2^-k with m in (1/2, 1]; the nearest i/128 to m has the tabled reciprocal
-//! `s = 128/i`, so `m s = 1 + e` with |e| <= 2^-7, and `log2 m = log2(1/s) + log2(1 + e)` with four terms of the series. For q
-//! near 1 the table gives s = 1 exactly and e = -alpha, so the smallest opacities keep their relative accuracy: they are
-//! what a deep stack consists of. `2^-D`: the integer part shifts, seven bits index `2^-(i/128)`, the rest is a
-//! cubic. A plain linearly interpolated table would need 2^14 entries for the same accuracy.
+//! `s = 128/i`, so `m s = 1 + e` with |e| <= 2^-7, and `log2 m = log2(1/s) + log2(1 + e)` with four terms of the
+//! series. For q near 1 the table gives s = 1 exactly and e = -alpha, so the smallest opacities keep their relative
+//! accuracy: they are what a deep stack consists of. `2^-D`: the integer part shifts, seven bits index `2^-(i/128)`,
+//! the rest is a cubic. A plain linearly interpolated table would need 2^14 entries for the same accuracy.
 
 /// Fraction bits of [`of_opacity`]'s result.
 pub const FRACTION: u32 = 44;

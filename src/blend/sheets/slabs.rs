@@ -17,8 +17,8 @@ pub struct Facing {
 impl Facing {
     /// The axis most parallel to `direction` (from the eye into the volume, Q1.30, any length); the first of equals.
     ///
-    /// For a parallel projection that is the third row of the view's rotation, otherwise the direction from the eye to the
-    /// volume's centre.
+    /// For a parallel projection that is the third row of the view's rotation, otherwise the direction from the eye to
+    /// the volume's centre.
     pub fn new(direction: [I2F30; 3]) -> Facing {
         let mut axis = 0;
         for other in 1..3 {
@@ -84,7 +84,8 @@ impl DepthSlabs {
         (self.place(depth) >> 16).min(u32::MAX.into()) as u32
     }
 
-    /// First and last slab that a kernel at `depth` with a standard deviation of `spread` scene units along the view reaches.
+    /// First and last slab that a kernel at `depth` with a standard deviation of `spread` scene units along the view
+    /// reaches.
     pub fn reach(&self, depth: u32, spread: SoftFloat) -> (u32, u32) {
         let half = REACH.saturating_mul(self.in_slabs(spread));
         let place = self.place(depth) as i64;
@@ -122,8 +123,8 @@ impl DepthSlabs {
     }
 }
 
-/// Standard deviation of a splat along the view: sqrt(sum_k (w . a_k)^2) with the third row w of the view's rotation, scene
-/// units, 24 bits rounded to nearest; sums are aligned to their largest term.
+/// Standard deviation of a splat along the view: sqrt(sum_k (w . a_k)^2) with the third row w of the view's rotation,
+/// scene units, 24 bits rounded to nearest; sums are aligned to their largest term.
 pub fn depth_spread<P>(view: &View<P>, axes: &[Axis; 3]) -> SoftFloat {
     let parts = axes.map(|axis| {
         let terms = [0, 1, 2].map(|i| Product {
@@ -140,8 +141,8 @@ pub fn depth_spread<P>(view: &View<P>, axes: &[Axis; 3]) -> SoftFloat {
 /// Values of the normal distribution's integral on [-4, 4].
 const STEPS: usize = 256;
 
-/// The normal distribution's integral up to t (Q.12), UQ1.16; linear between the entries of a table. Error below 3 units of the
-/// last place: at most 1.94 of the chord, and half a unit each where entry and result are rounded.
+/// The normal distribution's integral up to t (Q.12), UQ1.16; linear between the entries of a table. Error below 3
+/// units of the last place: at most 1.94 of the chord, and half a unit each where entry and result are rounded.
 fn normal_integral(t: i64) -> i64 {
     let place = t.saturating_add(4 << 12).clamp(0, 8 << 12);
     let index = (place >> 7) as usize;
@@ -195,7 +196,8 @@ mod tests {
     use super::*;
     use fixed::types::I2F30;
 
-    /// The integral by the trapezoidal rule in double precision, normalised to [-4, 4] as the table is. Between entries as well.
+    /// The integral by the trapezoidal rule in double precision, normalised to [-4, 4] as the table is. Between entries
+    /// as well.
     #[test]
     fn the_normal_integral_is_close_everywhere() {
         let density = |t: f64| (-t * t / 2.0).exp();

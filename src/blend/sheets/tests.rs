@@ -225,7 +225,8 @@ fn slabs_begin_at_the_nearest_depth() {
     assert_eq!(last(1 << 16, one.scaled_by(60)), 3 << 24);
 }
 
-/// The root of the squared depths of the axes, in double precision; exponents end where the format's do, and the least mantissa is the greatest's negative.
+/// The root of the squared depths of the axes, in double precision; exponents end where the format's do, and the least
+/// mantissa is the greatest's negative.
 #[test]
 fn spreads_are_lengths_along_the_view() {
     let end = |value| crate::math::Extended { value, exponent: 0 };

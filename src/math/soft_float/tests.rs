@@ -27,7 +27,8 @@ proptest! {
         let exact: f64 = terms.iter().map(number).sum();
         let largest = terms.iter().map(number).fold(0.0, |most: f64, term| most.max(term.abs()));
         let error = (value(sum_of_products(terms, bits)) - exact).abs();
-        // Of four terms each loses less than a unit, and the largest has its leading bit at the window's first or second bit.
+        // Of four terms each loses less than a unit, and the largest has its leading bit at the window's first or
+        // second bit.
         let cuts = 4.0 * 4.0 * largest * (-f64::from(bits + GUARD)).exp2();
         prop_assert!(error <= (exact.abs() + cuts) * (-f64::from(bits)).exp2() * 1.0001 + cuts, "{error} {exact}");
     }

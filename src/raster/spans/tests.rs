@@ -182,7 +182,8 @@ fn nothing_is_seen_beside_the_box() {
     }
 }
 
-/// Mantissas are handed on as they are, whether their root needs twice as much or not; the narrowest half-widths are in place.
+/// Mantissas are handed on as they are, whether their root needs twice as much or not; the narrowest half-widths are in
+/// place.
 #[test]
 fn half_widths_of_both_parities() {
     let window = Window {
@@ -208,7 +209,8 @@ fn half_widths_of_both_parities() {
     assert!(half.abs_diff(1 << 17) <= 1, "{half}");
 }
 
-/// Ends beyond the word are its ends, where widths allow them; designs of short mantissas and short lanes take short words.
+/// Ends beyond the word are its ends, where widths allow them; designs of short mantissas and short lanes take short
+/// words.
 #[test]
 fn short_words_are_taken_where_they_suffice() {
     assert_eq!(ends(i64::MAX, i64::MAX, false), (0, i32::MAX));
@@ -259,8 +261,9 @@ proptest! {
         }
     }
 
-    /// What hardware holds of xc (28 + subpixel bits, a seed saturated) and of C dy^2 (g + 6 bits) gives the same spans, for low-passed
-    /// splats of any size that meet the screen or not. Variances and box come from double precision.
+    /// What hardware holds of xc (28 + subpixel bits, a seed saturated) and of C dy^2 (g + 6 bits) gives the same
+    /// spans, for low-passed splats of any size that meet the screen or not. Variances and box come from double
+    /// precision.
     #[test]
     fn short_row_words_give_the_same_spans(
         [length, thickness] in [-1.0f64..25.0, -0.85..20.0], angle in prop_oneof![-1.6..1.6f64, -1e-3..1e-3f64, -1e-6..1e-6f64],

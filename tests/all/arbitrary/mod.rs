@@ -1,8 +1,8 @@
 //! Any value of any public input of the kernel, drawn from bytes: shared by the property tests and the fuzz targets.
 //!
-//! A value costs one byte that picks a pattern and up to eight bytes of payload. Patterns are weighted towards
-//! where integer arithmetic breaks: the ends of the type, powers of two and their neighbours, small numbers. When the bytes run out,
-//! zeros follow, so that every byte string is a complete input and short ones stay readable.
+//! A value costs one byte that picks a pattern and up to eight bytes of payload. Patterns are weighted towards where
+//! integer arithmetic breaks: the ends of the type, powers of two and their neighbours, small numbers. When the bytes
+//! run out, zeros follow, so that every byte string is a complete input and short ones stay readable.
 
 #![allow(dead_code)] // Each test and fuzz target uses a part of it.
 

@@ -1,7 +1,8 @@
 //! Pictures that a reviewer opens: PNG files under tests/pictures, compared bit for bit.
 //!
-//! Where one differs, what was drawn and the difference (white where it is largest) are written into target/tmp, and the message names them.
-//! `SPLATLINE_BLESS=1 cargo test -p splatline --test all front` writes the pictures anew, for a change that is meant.
+//! Where one differs, what was drawn and the difference (white where it is largest) are written into target/tmp, and
+//! the message names them. `SPLATLINE_BLESS=1 cargo test -p splatline --test all front` writes the pictures anew, for a
+//! change that is meant.
 
 use image::{Rgb, RgbImage};
 use splatline::{Frame, Window};

@@ -1,5 +1,5 @@
-//! The page of accuracy: every design against the float reference on scenes, both engines against data of independent origin, view-dependent
-//! colours against double precision, and one scene in several formats.
+//! The page of accuracy: every design against the float reference on scenes, both engines against data of independent
+//! origin, view-dependent colours against double precision, and one scene in several formats.
 
 use super::{Page, colour, formats, golden};
 use crate::bars::{BARS, Measurement, verdict};

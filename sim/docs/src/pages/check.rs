@@ -1,4 +1,5 @@
-//! Are the printed pages still true? A page is printed again and compared with the files in the tree, to the last digit.
+//! Are the printed pages still true? A page is printed again and compared with the files in the tree, to the last
+//! digit.
 
 use super::Page;
 use std::path::Path;

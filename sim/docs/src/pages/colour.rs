@@ -1,4 +1,5 @@
-//! View-dependent colour in fixed point: spherical harmonics by the kernel's unit against double precision, splat by splat and in pictures.
+//! View-dependent colour in fixed point: spherical harmonics by the kernel's unit against double precision, splat by
+//! splat and in pictures.
 
 use super::Page;
 use crate::table::Table;

@@ -1,5 +1,5 @@
-//! The page of machines: throughput of the raster unit, machines of others beside ours, where bytes and energy go, and what memory parts make of
-//! the same picture. The page shows the guitar; the CSV files have every scene.
+//! The page of machines: throughput of the raster unit, machines of others beside ours, where bytes and energy go, and
+//! what memory parts make of the same picture. The page shows the guitar; the CSV files have every scene.
 
 use super::Page;
 use crate::table::Table;

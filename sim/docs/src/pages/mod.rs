@@ -1,7 +1,8 @@
-//! The pages of `docs/results`: each is computed afresh from the scenes by the functions that the commands run, and laid out.
+//! The pages of `docs/results`: each is computed afresh from the scenes by the functions that the commands run, and
+//! laid out.
 //!
-//! A page shows the rows that matter and has all of them as CSV beside it. No figure is copied by hand, except on the page of times, which need
-//! a quiet machine.
+//! A page shows the rows that matter and has all of them as CSV beside it. No figure is copied by hand, except on the
+//! page of times, which need a quiet machine.
 
 pub mod accuracy;
 pub mod check;

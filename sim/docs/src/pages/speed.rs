@@ -1,7 +1,9 @@
-//! The page of times: how fast the kernel draws on this machine, held against the single-precision [`rasterizer`](crate::rasterizer).
+//! The page of times: how fast the kernel draws on this machine, held against the single-precision
+//! [`rasterizer`](crate::rasterizer).
 //!
-//! Ratios are medians over rounds in which every engine draws once, one after the other: what else the machine does meets all of them. A frame
-//! is everything from a scene that has been loaded to single-precision pixels in memory, by the wall clock.
+//! Ratios are medians over rounds in which every engine draws once, one after the other: what else the machine does
+//! meets all of them. A frame is everything from a scene that has been loaded to single-precision pixels in memory, by
+//! the wall clock.
 
 use super::Page;
 use crate::rasterizer::FloatScene;

@@ -1,7 +1,8 @@
-//! Error against width, stage by stage and all together: the kernel's integers, and the floating-point formats that others use.
+//! Error against width, stage by stage and all together: the kernel's integers, and the floating-point formats that
+//! others use.
 //!
-//! One stage at a time is as narrow as the row says while all others keep deep32's widths (or single precision), so that a column tells what its
-//! stage alone costs; the last column has all of them narrow at once.
+//! One stage at a time is as narrow as the row says while all others keep deep32's widths (or single precision), so
+//! that a column tells what its stage alone costs; the last column has all of them narrow at once.
 
 use super::Page;
 use crate::table::Table;
@@ -65,7 +66,8 @@ fn bit_by_bit(views: &[(View, Picture)]) -> Result<Table> {
     Ok(table)
 }
 
-/// deep32 with these widths, each at most so many bits and within its range. A table has no more intervals than there are radial indices.
+/// deep32 with these widths, each at most so many bits and within its range. A table has no more intervals than there
+/// are radial indices.
 fn narrowed(keys: &[&str], bits: u8) -> Result<DesignChoice> {
     let mut text = String::from("base = \"deep32\"\n");
     let deep = splatline::format::Deep32::WIDTHS.numbers();

@@ -6,9 +6,10 @@
 //!
 //! A deep scene takes this way slice by slice ([`depth_first`](super::depth_first)), and tiles are then resumed.
 //!
-//! Fresh memory costs as much as drawing: its first touch is a trap for every 4 KB. So nothing is allocated once a frame has been drawn, and setup
-//! notes what ordering needs while the footprints are still in the cache. Tiles are painted one after the other in memory and brought into the frame's
-//! rows afterwards, because the caller's pixels are converted there anyway.
+//! Fresh memory costs as much as drawing: its first touch is a trap for every 4 KB. So nothing is allocated once a
+//! frame has been drawn, and setup notes what ordering needs while the footprints are still in the cache. Tiles are
+//! painted one after the other in memory and brought into the frame's rows afterwards, because the caller's pixels are
+//! converted there anyway.
 
 use super::TILE;
 use super::depth_first::{DepthFirst, LiveBlocks, Slices, live_blocks};
@@ -82,7 +83,8 @@ pub struct FramePlan<'a> {
     pub viewport: [u16; 2],
     /// Are the farthest splats painted first?
     pub back_to_front: bool,
-    /// Are splats left out that finished pixels alone would see? They have no outcome, and setup gets the others by other numbers than the scene's.
+    /// Are splats left out that finished pixels alone would see? They have no outcome, and setup gets the others by
+    /// other numbers than the scene's.
     pub depth_first: Option<DepthFirst<'a>>,
     /// Setup of some splats, numbered from the first, into as many places.
     pub set_up: &'a SetUpPart<'a>,
@@ -136,7 +138,8 @@ impl FrameSteps<'_> {
 }
 
 impl FrameMemory {
-    /// Draws a frame of the splats, which [`copy`](FrameMemory::copy) hands out. The caller's rayon pool decides the number of threads.
+    /// Draws a frame of the splats, which [`copy`](FrameMemory::copy) hands out. The caller's rayon pool decides the
+    /// number of threads.
     pub fn draw(
         &mut self,
         splats: &[VolumeSplat],
@@ -240,7 +243,8 @@ impl FrameMemory {
         steps.check()
     }
 
-    /// What setup made of every splat of the last frame, in the scene's order; of its last slice alone if splats were left out.
+    /// What setup made of every splat of the last frame, in the scene's order; of its last slice alone if splats were
+    /// left out.
     pub fn outcomes(&self) -> &Results {
         &self.outcomes
     }
@@ -340,13 +344,15 @@ impl FrameMemory {
         pixels
     }
 
-    /// The last frame's pixels, row by row, as the caller wants them. A frame of another size is filled as far as it goes.
+    /// The last frame's pixels, row by row, as the caller wants them. A frame of another size is filled as far as it
+    /// goes.
     pub fn copy<T: Send>(&self, frame: &mut [T], convert: impl Fn(&Pixel) -> T + Sync) {
         copy_tiles(&self.pixels, self.viewport, frame, convert);
     }
 }
 
-/// Tiles one after the other, each row by row in a place of its own, as a frame's rows. A frame of another size is filled as far as it goes.
+/// Tiles one after the other, each row by row in a place of its own, as a frame's rows. A frame of another size is
+/// filled as far as it goes.
 pub(crate) fn copy_tiles<P: Sync, T: Send>(
     tiles: &[P],
     viewport: [u16; 2],

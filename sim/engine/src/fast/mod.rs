@@ -1,12 +1,13 @@
 //! The fast engine: the kernel's pictures, bit for bit, on vectors and all cores.
 //!
 //! ```text
-//! depth_first (what is hidden) -> setup -> order (radix sort, tile lists) -> recurrence -> rows -> pixels of runs -> tile -> frame
+//! depth_first (what is hidden) -> setup -> order (radix sort, tile lists) -> recurrence -> rows
+//!     -> pixels of runs -> tile -> frame
 //! ```
 //!
-//! The scalar painter ([`Painter`](splatline::draw::Painter)) stays the definition. What is fast here is tested against it word for word,
-//! pixels and counts, and what the vectors cannot do is left to it: other traversals, and footprints whose words lie outside their
-//! formats.
+//! The scalar painter ([`Painter`](splatline::draw::Painter)) stays the definition. What is fast here is tested against
+//! it word for word, pixels and counts, and what the vectors cannot do is left to it: other traversals, and footprints
+//! whose words lie outside their formats.
 
 pub mod depth_first;
 pub mod frame;

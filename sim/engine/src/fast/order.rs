@@ -1,12 +1,12 @@
 //! Depth order per tile: splats are binned by counting, then each tile's list is sorted by itself.
 //!
-//! Sorting the tiles apart costs a little more work than one sort of all splats, because a splat on a tile's edge is sorted twice;
-//! but every list fits the cache and all of it runs on all cores. A list's entry is (depth, index), so no two are equal, and order is
-//! by depth, ties by index, whatever sorts it.
+//! Sorting the tiles apart costs a little more work than one sort of all splats, because a splat on a tile's edge is
+//! sorted twice; but every list fits the cache and all of it runs on all cores. A list's entry is (depth, index), so no
+//! two are equal, and order is by depth, ties by index, whatever sorts it.
 //!
-//! A footprint's sort key has 48 bits. An entry holds its difference to the nearest splat's key above the index, in as many bits as the indices
-//! leave, which is all of it but for scenes of extreme depth and count. The radix sort looks at the 16 leading ones; the few entries that are
-//! equal there and out of order are sorted once more.
+//! A footprint's sort key has 48 bits. An entry holds its difference to the nearest splat's key above the index, in as
+//! many bits as the indices leave, which is all of it but for scenes of extreme depth and count. The radix sort looks
+//! at the 16 leading ones; the few entries that are equal there and out of order are sorted once more.
 
 use rayon::prelude::*;
 use splatline::raster::Window;
@@ -34,7 +34,8 @@ pub fn part_length(splats: usize) -> usize {
     splats.div_ceil(parts).max(BATCH)
 }
 
-/// Sets up some splats into their outcomes, lists the keys of those that are drawn, numbered from the index, and counts the others.
+/// Sets up some splats into their outcomes, lists the keys of those that are drawn, numbered from the index, and counts
+/// the others.
 pub type SetUpBatch<'a, S, O, F> = dyn Fn(&[S], &mut [O], usize, &mut Vec<Key>) -> F + Sync + 'a;
 
 /// How the screen is divided into tiles.
@@ -256,7 +257,8 @@ pub struct TileOrder {
 }
 
 impl TileOrder {
-    /// Sets up all splats, a part of [`part_length`] after the other on every core, each in one `step` and batch by batch; `add` sums the counts.
+    /// Sets up all splats, a part of [`part_length`] after the other on every core, each in one `step` and batch by
+    /// batch; `add` sums the counts.
     pub fn fill<S: Sync, O: Send, F: Default + Send>(
         &mut self,
         splats: &[S],
@@ -289,7 +291,8 @@ impl TileOrder {
         counted.reduce(F::default, add)
     }
 
-    /// Puts the splats of all parts into their tiles' lists, nearest first. Parts are binned side by side, and tiles sorted.
+    /// Puts the splats of all parts into their tiles' lists, nearest first. Parts are binned side by side, and tiles
+    /// sorted.
     pub fn sort(&mut self, grid: &Grid) {
         let TileOrder { parts, lists } = self;
         let packing = Packing::new(parts);
@@ -364,7 +367,8 @@ const SHORT: usize = 96;
 /// Bytes that the radix sort looks at: of a tile's thousands of splats, few are as near as others in more.
 const DIGITS: usize = 2;
 
-/// Sorts entries whose indices ascend by the leading bits, from `first` on: radix sort on bytes, which keeps equal ones in order.
+/// Sorts entries whose indices ascend by the leading bits, from `first` on: radix sort on bytes, which keeps equal ones
+/// in order.
 fn sort_by_depth(entries: &mut Vec<u64>, spare: &mut Vec<u64>, first: u32) {
     if entries.len() < SHORT {
         entries.sort_unstable();

@@ -8,7 +8,8 @@ use splatline::rules::{Compositing, Rules};
 
 /// The fastest painter for a design and rules on such vectors: the kernel's own where vectors cannot draw.
 ///
-/// Only where `counts` asks for it are all pixels counted; a painter that need not may leave out those that have finished.
+/// Only where `counts` asks for it are all pixels counted; a painter that need not may leave out those that have
+/// finished.
 pub fn tile_painter<D: Design + Send + Sync + 'static>(
     design: D,
     rules: &Rules,

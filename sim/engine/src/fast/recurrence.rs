@@ -1,7 +1,8 @@
 //! The recurrences down a footprint's rows, as many rows at once as a vector has words.
 //!
-//! Both sequences are polynomials in integers that wrap: row k has `centre + k slope` and `vertical + k change + k (k - 1) / 2 second`,
-//! without an order of summation. Root, span and seeds of a row follow from its words ([`rows`](super::rows)).
+//! Both sequences are polynomials in integers that wrap: row k has `centre + k slope` and
+//! `vertical + k change + k (k - 1) / 2 second`, without an order of summation. Root, span and seeds of a row follow
+//! from its words ([`rows`](super::rows)).
 
 use super::lanes::Wide;
 use super::row_words::longest_rest;

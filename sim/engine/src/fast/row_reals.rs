@@ -1,9 +1,10 @@
 //! Spans of many rows at once in double precision, bit for bit those of [`rows`](super::rows).
 //!
-//! A double holds an integer of 53 bits, and a right shift that rounds, `(v + 2^(s-1)) >> s`, is `floor(v 2^-s + 1/2)`: two instructions for
-//! words with a sign, where AVX2 has no such shift. So the rows' sequences are the kernel's integers in doubles. The root is not the kernel's
-//! but the processor's, of which the table's differs by at most [`ERROR`]. Where both ends of that interval give the same column, so does the
-//! kernel's; elsewhere, in one row of some thousand, its table is looked up.
+//! A double holds an integer of 53 bits, and a right shift that rounds, `(v + 2^(s-1)) >> s`, is `floor(v 2^-s + 1/2)`:
+//! two instructions for words with a sign, where AVX2 has no such shift. So the rows' sequences are the kernel's
+//! integers in doubles. The root is not the kernel's but the processor's, of which the table's differs by at most
+//! [`ERROR`]. Where both ends of that interval give the same column, so does the kernel's; elsewhere, in one row of
+//! some thousand, its table is looked up.
 //!
 //! Columns are in pixels, what is left of the cut-off in units of 2^-[`REST`].
 
@@ -68,7 +69,8 @@ pub struct RowReals<L: Doubles> {
     seeds: SeedWords<L>,
     pub line: RowLine,
     reach: L::Word,
-    /// One past the longest rest that the table takes, and past the longest square of a half-width whose distances fit the seeds.
+    /// One past the longest rest that the table takes, and past the longest square of a half-width whose distances fit
+    /// the seeds.
     longest: [L::Word; 2],
     /// The square of a half-width for a unit of the rest.
     squared_width: L::Word,

@@ -1,8 +1,8 @@
 //! A footprint's rows in words of 64 bits, a row in each: root, span and seeds, as the kernel's
 //! [`EllipseSpans`](splatline::raster::EllipseSpans) have them.
 //!
-//! [`row_reals`](super::row_reals) takes the seeds and the root's table from here and computes the rest in doubles. What words could not
-//! hold is told by [`is_tame`] beforehand and by [`excess`] afterwards.
+//! [`row_reals`](super::row_reals) takes the seeds and the root's table from here and computes the rest in doubles.
+//! What words could not hold is told by [`is_tame`] beforehand and by [`excess`] afterwards.
 
 use super::lanes::Wide;
 use super::recurrence::has_short_squared_width;
@@ -152,8 +152,8 @@ impl<L: Wide> SeedWords<L> {
     }
 }
 
-/// The runs between two columns, the first of which begins a block, of rows with these centres and radial indices at the centre. `large`
-/// becomes the largest distance from the centre.
+/// The runs between two columns, the first of which begins a block, of rows with these centres and radial indices at
+/// the centre. `large` becomes the largest distance from the centre.
 #[inline(always)]
 pub fn runs<L: Wide>(
     math: Arithmetic<L>,
@@ -181,7 +181,8 @@ pub fn runs<L: Wide>(
     seeds(math, &rows.seeds, [x, end], [dx, down])
 }
 
-/// The runs between the columns of each row, `dx` from the centre and with so much, not turned back, from the vertical distance.
+/// The runs between the columns of each row, `dx` from the centre and with so much, not turned back, from the vertical
+/// distance.
 #[inline(always)]
 pub fn seeds<L: Wide>(
     math: Arithmetic<L>,

@@ -1,8 +1,9 @@
 //! Spans of many rows at once, bit for bit the kernel's [`EllipseSpans`].
 //!
-//! A small splat has as many rows as a row has pixels, so that a row must not cost more than a vector of pixels. Down the rows only
-//! additions depend on each other; root, span and seeds are computed for four or eight rows in one vector. What the shorter words could
-//! not hold is noticed beforehand or beside the computation, and such a footprint is left to the kernel's own rows.
+//! A small splat has as many rows as a row has pixels, so that a row must not cost more than a vector of pixels. Down
+//! the rows only additions depend on each other; root, span and seeds are computed for four or eight rows in one
+//! vector. What the shorter words could not hold is noticed beforehand or beside the computation, and such a footprint
+//! is left to the kernel's own rows.
 //!
 //! [`EllipseSpans`]: splatline::raster::EllipseSpans
 
@@ -199,7 +200,8 @@ impl RowBatch {
         self.touched = (first / block, last.div_ceil(block).min(BLOCKS));
     }
 
-    /// Computes the runs of a group's footprint `k`; `false` if that cannot. `together` is what the group's computation gave.
+    /// Computes the runs of a group's footprint `k`; `false` if that cannot. `together` is what the group's computation
+    /// gave.
     #[inline(always)]
     pub fn fill_member<L: Doubles>(
         &mut self,

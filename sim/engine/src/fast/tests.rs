@@ -1,4 +1,5 @@
-//! Tiles by vectors against the kernel's painter: random widths, arbitrary footprints, any tile; pixels word for word, and the counts.
+//! Tiles by vectors against the kernel's painter: random widths, arbitrary footprints, any tile; pixels word for word,
+//! and the counts.
 
 use super::TILE;
 use super::lanes::VectorLevel;

@@ -2,9 +2,9 @@
 
 use splatline::raster::Window;
 
-/// Columns and rows of a tile. The columns are a multiple of the rasterizer's [`BLOCK`](splatline::raster::BLOCK), so that every run
-/// that starts at a tile's edge is seeded there. Smaller tiles would lie in the first-level cache, but cut more splats in two, whose rows
-/// and place in a list cost more than a way to the second level.
+/// Columns and rows of a tile. The columns are a multiple of the rasterizer's [`BLOCK`](splatline::raster::BLOCK), so
+/// that every run that starts at a tile's edge is seeded there. Smaller tiles would lie in the first-level cache, but
+/// cut more splats in two, whose rows and place in a list cost more than a way to the second level.
 pub const TILE: [u16; 2] = [64, 64];
 
 /// Columns and rows of a window that is at most a [`TILE`].

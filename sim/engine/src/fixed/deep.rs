@@ -19,7 +19,8 @@ use splatline::format::Traversal;
 use splatline::raster::Window;
 use splatline::rules::Compositing as KernelCompositing;
 
-/// Draws `scene` through `channel`, front to back or, if the options say so, back to front (X-ray counts as front to back).
+/// Draws `scene` through `channel`, front to back or, if the options say so, back to front (X-ray counts as front to
+/// back).
 pub fn draw(
     scene: &Scene,
     camera: &Camera,

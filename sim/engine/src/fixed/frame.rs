@@ -1,7 +1,8 @@
 //! What all drawings of the kernel share: lists of tiles, tiles drawn side by side, and pixels made a picture.
 //!
-//! A drawing differs from another in what a pixel holds, in what order a tile meets its splats, and in what paints them. All of them cut the
-//! screen into a [`Grid`], list each tile's splats, paint the tiles on all cores and join them; the picture is the same whatever the tiles.
+//! A drawing differs from another in what a pixel holds, in what order a tile meets its splats, and in what paints
+//! them. All of them cut the screen into a [`Grid`], list each tile's splats, paint the tiles on all cores and join
+//! them; the picture is the same whatever the tiles.
 
 use crate::camera::Camera;
 use crate::fast::TILE;
@@ -93,7 +94,8 @@ pub(super) fn to_picture(
 /// Pixels converted by one task.
 const CONVERTED: usize = 16384;
 
-/// Gives a pixel's colour and 1 - T in units of 1.0. The units are powers of two, so that products with their inverses are exact.
+/// Gives a pixel's colour and 1 - T in units of 1.0. The units are powers of two, so that products with their inverses
+/// are exact.
 pub fn converter(
     widths: &Widths,
     colour_log2: i32,

@@ -1,7 +1,7 @@
 //! View-dependent colours by the kernel's unit, for whoever asks how far it is from double precision.
 //!
-//! Drawing takes its colours from the reference, in double precision: a frame's colours are part of its scene there. This is the way of a
-//! machine that evaluates them itself ([`splatline::setup::harmonics`]).
+//! Drawing takes its colours from the reference, in double precision: a frame's colours are part of its scene there.
+//! This is the way of a machine that evaluates them itself ([`splatline::setup::harmonics`]).
 
 use super::quantise::{position, view};
 use crate::camera::Camera;

@@ -91,8 +91,8 @@ pub struct HybridRenderer<'a> {
 }
 
 impl<'a> HybridRenderer<'a> {
-    /// The scene in the kernel's formats, drawn by an engine that counts pixels or not. Frames are drawn by the rayon pool that they are asked for in.
-    /// The error says what the rules lack.
+    /// The scene in the kernel's formats, drawn by an engine that counts pixels or not. Frames are drawn by the rayon
+    /// pool that they are asked for in. The error says what the rules lack.
     pub fn new(
         scene: &Scene,
         camera: &'a Camera,
@@ -131,8 +131,8 @@ impl<'a> HybridRenderer<'a> {
         &self.quantised
     }
 
-    /// Draws a frame as a picture in double precision, converted without further rounding; one of another size is replaced. The error says that
-    /// footprints are too large for a stamp.
+    /// Draws a frame as a picture in double precision, converted without further rounding; one of another size is
+    /// replaced. The error says that footprints are too large for a stamp.
     pub fn draw_picture(&mut self, picture: &mut Picture) -> Result<HybridFacts, String> {
         let design = self.options.design;
         let facts = self.draw()?;
@@ -247,7 +247,8 @@ struct HybridSetup<'a> {
 }
 
 impl HybridSetup<'_> {
-    /// Sets up splats numbered from `first`. With stamps, boxes of points become those of their stamps: empty ones are not drawn.
+    /// Sets up splats numbered from `first`. With stamps, boxes of points become those of their stamps: empty ones are
+    /// not drawn.
     fn set_up(
         &self,
         first: usize,

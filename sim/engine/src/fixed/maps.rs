@@ -1,8 +1,10 @@
-//! Maps of the kernel's own picture: what its words say a pixel is made of, for those who look for a splat in a co-simulation.
+//! Maps of the kernel's own picture: what its words say a pixel is made of, for those who look for a splat in a
+//! co-simulation.
 //!
-//! Opacities are those that [`Painter::visit`] hands out, and transmittance is the kernel's word, so alpha is the picture's, bit for bit. A machine
-//! needs beside a pixel's word of [`Pixel`] two counters, two numbers of splats and the largest contribution so far (a word of transmittance and a
-//! comparison), and for depths a multiplication and an addition; depths and normals themselves come from the host.
+//! Opacities are those that [`Painter::visit`] hands out, and transmittance is the kernel's word, so alpha is the
+//! picture's, bit for bit. A machine needs beside a pixel's word of [`Pixel`] two counters, two numbers of splats and
+//! the largest contribution so far (a word of transmittance and a comparison), and for depths a multiplication and an
+//! addition; depths and normals themselves come from the host.
 
 use super::deep::sort_by_depth;
 use super::frame::{TileLists, paint_apart};
@@ -87,7 +89,8 @@ mod tests {
     use splatline::format::Traversal;
     use splatline_reference::engines::maps;
 
-    /// Alpha is the picture's, bit for bit; what a fine design blends, and which of it is first and most, is what double precision says.
+    /// Alpha is the picture's, bit for bit; what a fine design blends, and which of it is first and most, is what
+    /// double precision says.
     #[test]
     fn maps_are_of_the_kernels_picture() {
         let scene = synthetic::random_gaussians(400, 5, 3.0);

@@ -1,9 +1,10 @@
 //! From double precision to the kernel's input formats.
 //!
-//! The numbers themselves are converted by the kernel's own front door ([`splatline::float`]); here is what depends on a whole scene. Only
-//! what the kernel keeps in fixed point needs a unit. Colours above its range are divided by a power of two, which
-//! the resolve multiplies again. Depths of sheets, gathered points and surfaces are UQ9.23, so that their scenes are multiplied by a power
-//! of two that fills that range; a power of two moves no bit of any other result.
+//! The numbers themselves are converted by the kernel's own front door ([`splatline::float`]); here is what depends on
+//! a whole scene. Only what the kernel keeps in fixed point needs a unit. Colours above its range are divided by a
+//! power of two, which the resolve multiplies again. Depths of sheets, gathered points and surfaces are UQ9.23, so that
+//! their scenes are multiplied by a power of two that fills that range; a power of two moves no bit of any other
+//! result.
 
 use crate::camera::Camera;
 use crate::metrics::median;
@@ -57,8 +58,9 @@ impl QuantisedScene {
         quantised
     }
 
-    /// The same of a scene that is left without splats: their memory is given back as they are quantised, since a million
-    /// of them take 128 MB. Splats whose colours depend on the view are kept, for [`QuantisedScene::set_camera`].
+    /// The same of a scene that is left without splats: their memory is given back as they are quantised, since a
+    /// million of them take 128 MB. Splats whose colours depend on the view are kept, for
+    /// [`QuantisedScene::set_camera`].
     pub fn releasing(scene: &mut Scene, camera: &Camera, rules: &Rules) -> Self {
         if scene.harmonics.is_some() {
             return QuantisedScene::new(scene, camera, rules);
@@ -102,10 +104,11 @@ impl QuantisedScene {
         }
     }
 
-    /// After setup of these splats: where the scene is sorted by distance, footprints get the key of the distance in the place of the depth's.
+    /// After setup of these splats: where the scene is sorted by distance, footprints get the key of the distance in
+    /// the place of the depth's.
     ///
-    /// A key is a number that splats are sorted by and nothing else, so that all that sorts them, on the host and in the machine's model, need not know
-    /// which of the two it is.
+    /// A key is a number that splats are sorted by and nothing else, so that all that sorts them, on the host and in
+    /// the machine's model, need not know which of the two it is.
     pub fn sort_keys(
         &self,
         widths: &Widths,
@@ -234,8 +237,8 @@ fn finite_or_zero(value: f64) -> f64 {
 
 /// The largest power of two by which the splats stay below 128 and the eye's translation below 256 units.
 ///
-/// A few stray splats far outside would cost the depths of all others their precision: once they are 2^10 times farther out than half of
-/// the splats they are left out here, and their depths saturate.
+/// A few stray splats far outside would cost the depths of all others their precision: once they are 2^10 times farther
+/// out than half of the splats they are left out here, and their depths saturate.
 pub(super) fn scale_log2(centres: impl Iterator<Item = [f64; 3]>, camera: &Camera) -> i32 {
     let mut reach: Vec<f64> = centres
         .map(|centre| centre.iter().fold(0.0, |m: f64, c| m.max(c.abs())))

@@ -133,8 +133,8 @@ pub fn footprints(
     set_up(design, &quantised, &rules, best_engine())
 }
 
-/// Conics (a, b, c) of all splats in double precision, whether or not they reach the viewport; `None` where the depth, the range or the shape
-/// culls.
+/// Conics (a, b, c) of all splats in double precision, whether or not they reach the viewport; `None` where the depth,
+/// the range or the shape culls.
 pub fn conics(
     scene: &Scene,
     camera: &Camera,
@@ -154,8 +154,8 @@ pub fn conics(
         .collect()
 }
 
-/// Vxx, Vxy, Vyy and the determinant of all splats in double precision, whether or not they reach the viewport; `None` where the depth or
-/// the range culls.
+/// Vxx, Vxy, Vyy and the determinant of all splats in double precision, whether or not they reach the viewport; `None`
+/// where the depth or the range culls.
 pub fn variances(
     scene: &Scene,
     camera: &Camera,
@@ -258,7 +258,8 @@ pub fn draw(scene: &Scene, camera: &Camera, options: &Options) -> FixedDrawing {
     draw_with_footprints(scene, camera, options).0
 }
 
-/// The same, with what setup made of every splat, in the scene's order: a machine can be timed on it without a second setup.
+/// The same, with what setup made of every splat, in the scene's order: a machine can be timed on it without a second
+/// setup.
 pub fn draw_with_footprints(
     scene: &Scene,
     camera: &Camera,
@@ -309,7 +310,8 @@ fn paint_with(
     facts
 }
 
-/// What draws a scene by one design after the other: fresh memory costs as much as drawing, so a picture lies where the last one lay.
+/// What draws a scene by one design after the other: fresh memory costs as much as drawing, so a picture lies where the
+/// last one lay.
 #[derive(Clone, Debug)]
 pub struct Canvas {
     memory: FrameMemory,
@@ -326,7 +328,8 @@ impl Canvas {
         }
     }
 
-    /// The picture that [`draw_quantised`] draws; `only` names windows without whose tiles the rest of it means nothing.
+    /// The picture that [`draw_quantised`] draws; `only` names windows without whose tiles the rest of it means
+    /// nothing.
     pub fn draw(&mut self, quantised: &QuantisedScene, options: &Options, only: Option<&[Window]>) {
         let (engine, rules) = (best_engine(), quantised.rules(options.rules));
         let inner = painter(&rules, options, engine, false);

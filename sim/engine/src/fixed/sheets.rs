@@ -1,4 +1,5 @@
-//! Sheet buffers: tile by tile, each slab's splats are added by whatever paints tiles, and the sheet is laid behind what the tile holds.
+//! Sheet buffers: tile by tile, each slab's splats are added by whatever paints tiles, and the sheet is laid behind
+//! what the tile holds.
 
 use super::frame::{TileLists, paint_apart, to_picture};
 use super::quantise::{QuantisedScene, kernel_rules};

@@ -16,8 +16,8 @@ fn largest(scene: &Scene, camera: &Camera, design: &str) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A direction is good to a few units of its mantissa, a harmonic of degree l changes by at most about l^2 of that, and a colour is a sum of
-/// three to 24 of them with coefficients of 0.15.
+/// A direction is good to a few units of its mantissa, a harmonic of degree l changes by at most about l^2 of that, and
+/// a colour is a sum of three to 24 of them with coefficients of 0.15.
 #[test]
 fn colours_are_as_exact_as_the_direction() {
     let camera = synthetic::camera(64, 64);

@@ -1,4 +1,5 @@
-//! All integration tests of the engine in one binary. `cargo test -p splatline-engine --test all surface` runs one module of them.
+//! All integration tests of the engine in one binary. `cargo test -p splatline-engine --test all surface` runs one
+//! module of them.
 
 mod allocations;
 mod harmonics;

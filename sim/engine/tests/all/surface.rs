@@ -109,9 +109,11 @@ fn the_kernel_is_near_the_reference() {
     println!("{table}");
 }
 
-/// Covered samples that are brighter and darker than the reference, the mean of the differences over them, and the mean's standard error.
+/// Covered samples that are brighter and darker than the reference, the mean of the differences over them, and the
+/// mean's standard error.
 ///
-/// Where a pixel's weights sum to little, at the silhouette, a sample is off by many units: single pixels move the mean.
+/// Where a pixel's weights sum to little, at the silhouette, a sample is off by many units: single pixels move the
+/// mean.
 fn sides(scene: &SurfaceScene, style: &Style, design: &str) -> (usize, usize, f64, f64) {
     let camera = camera(128);
     let choice = DesignChoice::named(design).unwrap();
@@ -137,8 +139,8 @@ fn sides(scene: &SurfaceScene, style: &Style, design: &str) -> (usize, usize, f6
     (bright, dark, sum / count, error)
 }
 
-/// A surface of one colour: what its rounding does to all pixels alike shows as a map of one hue. With a colour's own 24 bits the mean
-/// over the covered pixels was 3e-8 for 128/255, two units of the accumulator.
+/// A surface of one colour: what its rounding does to all pixels alike shows as a map of one hue. With a colour's own
+/// 24 bits the mean over the covered pixels was 3e-8 for 128/255, two units of the accumulator.
 #[test]
 fn errors_of_a_surface_have_no_side() {
     let paints = [128.0, 179.0, 77.0, 25.0].map(|grey| [grey / 255.0; 3]);
@@ -168,7 +170,8 @@ fn errors_of_a_surface_have_no_side() {
     );
 }
 
-/// A ball's back is left out by both engines alike, and its silhouette loses the fringe that the back's turned splats made.
+/// A ball's back is left out by both engines alike, and its silhouette loses the fringe that the back's turned splats
+/// made.
 #[test]
 fn backfaces_go_and_take_the_fringe_along() {
     let dark_side = Paint::opaque([0.8, 0.8, 0.8]);
@@ -230,8 +233,9 @@ fn seen_at([x, y, z]: Vector, camera: &Camera) -> [f64; 2] {
     ]
 }
 
-/// d(tangent coordinates)/d(pixel) at the splat's centre: rays through the pixel and its neighbours, cut with the tangent
-/// plane (SURF 4). Columns are the change per column and per row, in standard deviations; none for a plane seen edge-on.
+/// d(tangent coordinates)/d(pixel) at the splat's centre: rays through the pixel and its neighbours, cut with the
+/// tangent plane (SURF 4). Columns are the change per column and per row, in standard deviations; none for a plane seen
+/// edge-on.
 fn inverse_jacobian(point: &SurfacePoint, camera: &Camera) -> Option<[[f64; 2]; 2]> {
     let centre = camera.to_camera(point.centre);
     let [s1, s2] = point
@@ -345,7 +349,8 @@ fn affine_depth_is_exact_without_perspective() {
     }
 }
 
-/// Per pixel how many layers overlap: the largest number of its samples that are pairwise farther apart than the threshold.
+/// Per pixel how many layers overlap: the largest number of its samples that are pairwise farther apart than the
+/// threshold.
 ///
 /// No order of drawing can have more fragments open than that, because open fragments are that far apart.
 fn overlapping_layers(scene: &SurfaceScene, camera: &Camera, style: &Style) -> Vec<usize> {
@@ -403,7 +408,8 @@ fn layers_matter_only_where_they_overlap() {
     assert!(different > 100, "{different}");
 }
 
-/// A closed, evenly sampled surface has no hole at any distance: minified to a few pixels or one splat many pixels wide.
+/// A closed, evenly sampled surface has no hole at any distance: minified to a few pixels or one splat many pixels
+/// wide.
 #[test]
 fn a_ball_has_no_hole_near_and_far() {
     let ball = scene(
@@ -467,8 +473,8 @@ fn scanned_clouds_load() {
     assert!((0.005..0.03).contains(&lion.radius), "{}", lion.radius);
 }
 
-/// What vectors draw is the kernel's: whole drawings, word for word, one surface and layers, lit and not, with backs and without, at an eye near
-/// enough to cull some points.
+/// What vectors draw is the kernel's: whole drawings, word for word, one surface and layers, lit and not, with backs
+/// and without, at an eye near enough to cull some points.
 #[test]
 fn surfaces_drawn_by_vectors_are_the_kernels() {
     use splatline_engine::fast::lanes::VectorLevel;

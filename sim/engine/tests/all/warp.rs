@@ -44,7 +44,8 @@ fn hybrid(samples: &Scene, points: Points) -> Hybrid {
 }
 
 /// The warping equation between two cameras, written out (McMillan 1997; \[HYBRID\] 3), where the samples go through
-/// space and the ordinary projection: screen position and depth in `to` of the place that `from` sees at `place` and `depth`.
+/// space and the ordinary projection: screen position and depth in `to` of the place that `from` sees at `place` and
+/// `depth`.
 ///
 /// With R = W' W^T the relative rotation and c = d' - R d the relative translation: t' = R t + c.
 fn reproject(from: &Camera, place: [f64; 2], depth: f64, to: &Camera) -> ([f64; 2], f64) {
@@ -108,7 +109,8 @@ fn samples_land_where_the_warping_equation_says() {
     }
 }
 
-/// Seen from where it was taken, the depth image is the picture again; no sample lies nearer than its neighbours' spacing there.
+/// Seen from where it was taken, the depth image is the picture again; no sample lies nearer than its neighbours'
+/// spacing there.
 #[test]
 fn a_depth_image_seen_by_its_own_camera_is_the_picture() {
     let from = camera([0.0, -4.0, 1.0], 64);

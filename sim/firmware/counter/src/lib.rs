@@ -4,11 +4,13 @@
 //! qemu-system-arm ... -plugin libsplatline_counter.so,symbols=FILE -d plugin
 //! ```
 //!
-//! FILE is the output of `llvm-nm -S` of the image: `address size type name`. A function whose name begins with `phase_` opens the
-//! phase of that name when it is entered; all instructions until the next belong to it. At the end the plugin writes one line per
-//! phase, and under it one per function: `phase NAME entries COUNT instructions COUNT`, `  function NAME instructions COUNT`.
+//! FILE is the output of `llvm-nm -S` of the image: `address size type name`. A function whose name begins with
+//! `phase_` opens the phase of that name when it is entered; all instructions until the next belong to it. At the end
+//! the plugin writes one line per phase, and under it one per function: `phase NAME entries COUNT instructions COUNT`,
+//! ` function NAME instructions COUNT`.
 //!
-//! With `addresses=FILE` it also writes `address count` for every executed instruction, to be laid beside a disassembly.
+//! With `addresses=FILE` it also writes `address count` for every executed instruction, to be laid beside a
+//! disassembly.
 //!
 //! Every instruction has its own counter, which QEMU increments inline; the counters are only read when a phase ends.
 
@@ -177,8 +179,8 @@ extern "C" fn translated(_: u64, block: *mut c_void) {
             let count = state.counters.entry(address).or_insert_with(new).count;
             let place = state.functions.partition_point(|f| f.first < address);
             let entered = state.functions.get(place).filter(|f| f.first == address);
-            // SAFETY: an instruction of this block; the count is leaked, so that it outlives the emulator's code, and the callback takes
-            // its number as it is.
+            // SAFETY: an instruction of this block; the count is leaked, so that it outlives the emulator's code, and
+            // the callback takes its number as it is.
             unsafe {
                 if entered.is_some_and(|f| f.name.starts_with("phase_")) {
                     let place = place as *mut c_void;

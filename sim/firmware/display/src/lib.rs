@@ -1,4 +1,5 @@
-//! Splats on a small display: ordinary numbers in, an `embedded-graphics` [`DrawTarget`] out, a strip of two rows at a time.
+//! Splats on a small display: ordinary numbers in, an `embedded-graphics` [`DrawTarget`] out, a strip of two rows at a
+//! time.
 //!
 //! [`draw`] is all that an application needs; README.md shows the picture and what it costs.
 #![cfg_attr(target_os = "none", no_std)]

@@ -1,4 +1,5 @@
-//! The scene in ordinary numbers: a flower over a disc of water, with sparks above it. Made one splat at a time, so that it takes no memory.
+//! The scene in ordinary numbers: a flower over a disc of water, with sparks above it. Made one splat at a time, so
+//! that it takes no memory.
 
 use splatline::{Camera, CameraError, Gaussian};
 

@@ -1,5 +1,5 @@
-//! A frame through the front door, as an application draws it: a scene in flash, a packed list, strips of eight rows that are brought to the 16
-//! bits a pixel of a display in the buffer that its DMA sends.
+//! A frame through the front door, as an application draws it: a scene in flash, a packed list, strips of eight rows
+//! that are brought to the 16 bits a pixel of a display in the buffer that its DMA sends.
 #![cfg_attr(target_os = "none", no_std)]
 
 pub mod scene;
@@ -107,7 +107,8 @@ pub fn draw(
     Some(outcome)
 }
 
-/// The same by the kernel's general painter with widths in fields, 64-bit lanes and an unpacked list, and the pixels that were covered.
+/// The same by the kernel's general painter with widths in fields, 64-bit lanes and an unpacked list, and the pixels
+/// that were covered.
 #[cfg(all(feature = "emulated", not(target_os = "none")))]
 pub fn expected(scene: &CompactScene) -> (FixedOutcome, u64, Vec<u16>) {
     use splatline::footprint::Footprint;

@@ -54,7 +54,8 @@ mod image {
     }
 }
 
-/// The same lines; fails if the kernel's general painter sends another picture. With a file name, the scenes side by side as PPM.
+/// The same lines; fails if the kernel's general painter sends another picture. With a file name, the scenes side by
+/// side as PPM.
 #[cfg(not(target_os = "none"))]
 fn main() -> std::io::Result<()> {
     use splatline_frame::{expected, scene::SIDE};

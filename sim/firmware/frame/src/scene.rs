@@ -1,4 +1,5 @@
-//! The scenes: 200, 1000 and 3000 splats of a linear congruential generator in 24 bytes each, evaluated at compile time, and a camera.
+//! The scenes: 200, 1000 and 3000 splats of a linear congruential generator in 24 bytes each, evaluated at compile
+//! time, and a camera.
 //!
 //! Splats become smaller as they become more, so that about 2.6 of them cover a pixel in each scene.
 

@@ -34,8 +34,8 @@ fn report(outcome: &FixedOutcome, mut print: impl FnMut(&str, u32)) {
     print("visible", outcome.visible);
 }
 
-/// On the host: the same lines, and the pixels that were covered; with a file name, the picture as PPM too. With `design`, only the
-/// design's widths, as a file for `splatline --design`.
+/// On the host: the same lines, and the pixels that were covered; with a file name, the picture as PPM too. With
+/// `design`, only the design's widths, as a file for `splatline --design`.
 ///
 /// Every strip is drawn a second time by the kernel's general painter and must be the same.
 #[cfg(not(target_os = "none"))]

@@ -1,7 +1,9 @@
-//! The pixel loop in assembly against its definition, on a board under QEMU: runs of a linear congruential generator, every pixel word.
+//! The pixel loop in assembly against its definition, on a board under QEMU: runs of a linear congruential generator,
+//! every pixel word.
 //!
-//! Prints how many runs there were, how many pixels they changed, how many pixels differ and which bits of the registers that a callee must
-//! keep were lost: none, both. Where there is no such loop it prints that nothing was compared.
+//! Prints how many runs there were, how many pixels they changed, how many pixels differ and which bits of the
+//! registers that a callee must keep were lost: none, both. Where there is no such loop it prints that nothing was
+//! compared.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(any(armv6m, armv7em, target_arch = "riscv32"))]
@@ -51,7 +53,8 @@ mod image {
             i64::from(self.bits(bits)) - i64::from(self.bits(bits))
         }
 
-        /// Lanes that stay within twice the table for `length` pixels, as those of footprints do. In one run of four a pixel lies on the edge.
+        /// Lanes that stay within twice the table for `length` pixels, as those of footprints do. In one run of four a
+        /// pixel lies on the edge.
         fn lanes(&mut self, length: usize) -> NarrowLanes {
             loop {
                 let radial = i64::from(self.bits(BITS)) + self.signed(10);

@@ -1,7 +1,8 @@
 //! The pixel loop of Armv6-M (Cortex-M0, M0+).
 //!
-//! A compiler for this processor works in seven of eight low registers and spills the rest. Here the upper registers hold what is only added,
-//! moved or compared, which are the three things that an instruction can do with them, and the stack holds what a pixel reads once:
+//! A compiler for this processor works in seven of eight low registers and spills the rest. Here the upper registers
+//! hold what is only added, moved or compared, which are the three things that an instruction can do with them, and the
+//! stack holds what a pixel reads once:
 //!
 //! | register | holds |
 //! |---|---|
@@ -18,8 +19,8 @@
 //! | lr | end of the run |
 //! | stack | peak, red, green, blue |
 //!
-//! Transmittance and sums lie side by side, so one instruction reads the sums, one writes all four and goes on to the next pixel.
-//! The loop draws two pixels in turn; a run of an odd length begins with the second.
+//! Transmittance and sums lie side by side, so one instruction reads the sums, one writes all four and goes on to the
+//! next pixel. The loop draws two pixels in turn; a run of an odd length begins with the second.
 
 use super::intervals::{TABLE, within_table};
 use super::{BELOW, BLEND, INTERPOLATION, SCALE};
@@ -96,7 +97,8 @@ macro_rules! opacity_clamped {
     };
 }
 
-/// One pixel: to `$skip` if it lies outside or takes nothing, to `$finish` if the layer would finish it. Ends with the next pixel in r0.
+/// One pixel: to `$skip` if it lies outside or takes nothing, to `$finish` if the layer would finish it. Ends with the
+/// next pixel in r0.
 macro_rules! pixel {
     ($opacity:expr, $skip:literal, $finish:literal) => {
         concat!(
@@ -135,7 +137,8 @@ macro_rules! pixel {
     };
 }
 
-/// What the pixel's skips come to: at `$finish` only the flag is set, which has a byte of its own in memory, at `$skip` nothing.
+/// What the pixel's skips come to: at `$finish` only the flag is set, which has a byte of its own in memory, at `$skip`
+/// nothing.
 macro_rules! left_out {
     ($finish:literal, $skip:literal, $next:literal) => {
         concat!(
@@ -155,9 +158,11 @@ macro_rules! left_out {
     };
 }
 
-/// Blends the pixels from `pixels` to `end`: two in turn where the peak is scaled, one by one with the clamp where it is not (`scale` 0).
+/// Blends the pixels from `pixels` to `end`: two in turn where the peak is scaled, one by one with the clamp where it
+/// is not (`scale` 0).
 ///
-/// It writes those pixels alone, and reads them, the two references and [`TABLE`]. It calls nothing and uses 52 bytes of stack.
+/// It writes those pixels alone, and reads them, the two references and [`TABLE`]. It calls nothing and uses 52 bytes
+/// of stack.
 ///
 /// # Safety
 /// The pixels from `pixels` to `end` must be readable and writable, and `lanes.last` below `2^LANE`.

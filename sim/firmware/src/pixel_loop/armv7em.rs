@@ -14,7 +14,8 @@
 //! | r12 | blue, doubled, and above it the pixels to come less one |
 //! | lr | rounding constant |
 //!
-//! A colour is half a word, and SMLAW adds the upper part of a product of a word and half a word: `(g << 15) (2 c) >> 16` is `g c`.
+//! A colour is half a word, and SMLAW adds the upper part of a product of a word and half a word:
+//! `(g << 15) (2 c) >> 16` is `g c`.
 
 use super::{BELOW, BLEND, INTERPOLATION, LANE, SCALE};
 use crate::design::Firmware16;
@@ -102,7 +103,8 @@ macro_rules! opacity_clamped {
     };
 }
 
-/// A loop over `count` pixels for one way of opacity. It writes those pixels alone, and reads them, the two references and [`WORDS`].
+/// A loop over `count` pixels for one way of opacity. It writes those pixels alone, and reads them, the two references
+/// and [`WORDS`].
 macro_rules! pixel_loop {
     ($name:ident, $opacity:expr, $scale:expr) => {
         /// # Safety

@@ -35,7 +35,8 @@ pub static TABLE: [Interval; INTERVALS] = {
     table
 };
 
-/// Lanes whose largest index lies in the table: the comparison with it is unsigned, and all that keeps a radial index within.
+/// Lanes whose largest index lies in the table: the comparison with it is unsigned, and all that keeps a radial index
+/// within.
 #[inline(always)]
 pub fn within_table(lanes: NarrowLanes) -> NarrowLanes {
     let last = (lanes.last as u32).min((1 << LANE) - 1) as i32;

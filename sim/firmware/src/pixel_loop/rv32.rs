@@ -1,5 +1,5 @@
-//! The pixel loop of RV32IM: 35 instructions where the compiler has 40. It draws two pixels in turn; a run of an odd length begins with the
-//! second.
+//! The pixel loop of RV32IM: 35 instructions where the compiler has 40. It draws two pixels in turn; a run of an odd
+//! length begins with the second.
 //!
 //! | register | holds |
 //! |---|---|
@@ -153,7 +153,8 @@ macro_rules! pixel {
     };
 }
 
-/// The loop for one way of opacity. It writes the pixels from `pixels` to `end` alone, and reads them, the two references and [`TABLE`].
+/// The loop for one way of opacity. It writes the pixels from `pixels` to `end` alone, and reads them, the two
+/// references and [`TABLE`].
 macro_rules! pixel_loop {
     ($name:ident, $opacity:expr, $scale:literal) => {
         /// # Safety

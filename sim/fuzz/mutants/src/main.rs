@@ -1,6 +1,7 @@
-//! Mutants of the kernel: every comparison, operator, limit, constant, result and statement of `src` is changed in turn, and a test must
-//! fail. The kernel is compiled once with all changes in it, of which a number chooses one when the tests run; what the compiler
-//! evaluates (tables, constants) is compiled once for each. `../mutants.sh` says how to call it.
+//! Mutants of the kernel: every comparison, operator, limit, constant, result and statement of `src` is changed in
+//! turn, and a test must fail. The kernel is compiled once with all changes in it, of which a number chooses one when
+//! the tests run; what the compiler evaluates (tables, constants) is compiled once for each. `../mutants.sh` says how
+//! to call it.
 
 mod copy;
 mod sites;
@@ -55,7 +56,8 @@ fn options() -> Result<Options, Failure> {
     Ok(options)
 }
 
-/// Names of mutants that change nothing, with the reason. A name that ends with ` | *` stands for all that begin like it.
+/// Names of mutants that change nothing, with the reason. A name that ends with ` | *` stands for all that begin like
+/// it.
 fn equivalent(text: &str) -> Result<BTreeMap<String, String>, Failure> {
     let mut names = BTreeMap::new();
     let mut open = Vec::new();
@@ -139,15 +141,15 @@ fn run() -> Result<(), Failure> {
     }
 }
 
-/// What mutants are held against, the quick ones first: the kernel's own tests, and no others, so that nobody who has the kernel alone is
-/// left without what notices a mistake.
+/// What mutants are held against, the quick ones first: the kernel's own tests, and no others, so that nobody who has
+/// the kernel alone is left without what notices a mistake.
 const SUITES: [&[&str]; 2] = [
     &["-p", "splatline", "--lib"],
     &["-p", "splatline", "--test", "all"],
 ];
 
-/// Tries mutants against one suite after the other, as long as some survive and nothing explains why. Returns how many were tried, and the
-/// survivors.
+/// Tries mutants against one suite after the other, as long as some survive and nothing explains why. Returns how many
+/// were tried, and the survivors.
 fn trials(
     copy: &Copy,
     mut open: Vec<usize>,

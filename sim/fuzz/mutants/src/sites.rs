@@ -1,7 +1,8 @@
 //! Where a source file can be changed: operators, limits, constants, results and statements, found in its syntax tree.
 //!
-//! Every mutant becomes a choice at run time: `a < b` is rewritten to `(if at(7) { (a) <= (b) } else { a < b })`. The changed side holds
-//! the operands as they were, since one mutant runs at a time, so that the text grows with the depth of expressions and not with its power.
+//! Every mutant becomes a choice at run time: `a < b` is rewritten to `(if at(7) { (a) <= (b) } else { a < b })`. The
+//! changed side holds the operands as they were, since one mutant runs at a time, so that the text grows with the depth
+//! of expressions and not with its power.
 
 use std::ops::Range;
 use syn::spanned::Spanned;

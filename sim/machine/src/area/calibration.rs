@@ -1,8 +1,10 @@
-//! Prices of a family of FPGAs: what its blocks hold, from its data sheets, and straight lines through what synthesis found.
+//! Prices of a family of FPGAs: what its blocks hold, from its data sheets, and straight lines through what synthesis
+//! found.
 //!
-//! Look-up tables and flip-flops grow with the mantissa (setup, rows) or with the bits of a lane. The lines go through lean18 and standard24 with
-//! one and four lanes: two widths, so they meet both, and only what was *not* fitted says how good they are ([`super::synthesis`]). A TOML
-//! file may replace any of it, for another device or a chip: `family = "ecp5"` names the prices that it starts from.
+//! Look-up tables and flip-flops grow with the mantissa (setup, rows) or with the bits of a lane. The lines go through
+//! lean18 and standard24 with one and four lanes: two widths, so they meet both, and only what was *not* fitted says
+//! how good they are ([`super::synthesis`]). A TOML file may replace any of it, for another device or a chip:
+//! `family = "ecp5"` names the prices that it starts from.
 
 use super::Fabric;
 use super::circuit::Bits;
@@ -36,7 +38,8 @@ pub struct PriceLine {
     pub per_bit: f64,
 }
 
-/// Look-up tables or flip-flops: lines for setup and rows over the mantissa's bits, for a lane over its own bits, and what is left.
+/// Look-up tables or flip-flops: lines for setup and rows over the mantissa's bits, for a lane over its own bits, and
+/// what is left.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lines {
@@ -209,7 +212,8 @@ impl Calibration {
         *self == self.family.calibration()
     }
 
-    /// Multipliers of splat setup where a packet comes in so many cycles: C dy and C dy^2 share theirs (`shared_multiply.sv`), S dy has its own.
+    /// Multipliers of splat setup where a packet comes in so many cycles: C dy and C dy^2 share theirs
+    /// (`shared_multiply.sv`), S dy has its own.
     pub(super) fn setup_dsps(&self, bits: &Bits, interval: u32) -> u64 {
         let [along, shear, _] = bits.setup_products().map(|product| product.factors);
         let shared = 2u64.div_ceil(interval.max(1).into());
@@ -221,7 +225,8 @@ impl Calibration {
         (line.at(bits) / self.block_kbit as f64).round() as u64 * self.block_kbit
     }
 
-    /// One number for all of it, in look-up tables. Flip-flops stand behind the look-up tables of the same cells and weigh nothing.
+    /// One number for all of it, in look-up tables. Flip-flops stand behind the look-up tables of the same cells and
+    /// weigh nothing.
     pub fn weight(&self, fabric: &Fabric) -> f64 {
         fabric.luts as f64
             + fabric.dsps as f64 * self.luts_per_dsp

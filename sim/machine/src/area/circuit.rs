@@ -1,7 +1,8 @@
 //! What the splat primitive of `sim/rtl` is made of, by its widths: operands of its products, words of its memories.
 //!
-//! Products are counted by tiling each with the family's multiplier, memories by its block shapes. What is counted here is the circuit as it
-//! is written; a machine with longer initiation intervals shares multipliers that the circuit has side by side.
+//! Products are counted by tiling each with the family's multiplier, memories by its block shapes. What is counted here
+//! is the circuit as it is written; a machine with longer initiation intervals shares multipliers that the circuit has
+//! side by side.
 
 use super::Fabric;
 use super::calibration::Calibration;
@@ -83,7 +84,8 @@ impl Bits {
         ]
     }
 
-    /// The product of opacity, that of the share of the transmittance, and one colour's. An opacity's and a kernel's 1.0 have no multiplier.
+    /// The product of opacity, that of the share of the transmittance, and one colour's. An opacity's and a kernel's
+    /// 1.0 have no multiplier.
     pub fn blend_products(&self) -> [Product; 3] {
         let (peak, share) = (self.peak, self.transmittance);
         let colour = self.colour + self.range;
@@ -149,8 +151,9 @@ impl Bits {
     }
 }
 
-/// Geometry setup, counted: projection (9 products of position and rotation, 27 where they have two parts, and 4 of ratios and focal length),
-/// columns of J W S (27 + 12), variance (15), LDL and conic (10), peak and cut-off (4), reciprocals and roots by table and a product or two (8).
+/// Geometry setup, counted: projection (9 products of position and rotation, 27 where they have two parts, and 4 of
+/// ratios and focal length), columns of J W S (27 + 12), variance (15), LDL and conic (10), peak and cut-off (4),
+/// reciprocals and roots by table and a product or two (8).
 pub struct GeometryCircuit {
     /// Position relative to the eye, and its rotation: what a splat takes before it can be culled.
     pub rotation: SetupStage,
@@ -174,7 +177,8 @@ impl GeometryCircuit {
     /// Of a design.
     pub fn new(widths: &Widths) -> GeometryCircuit {
         let [position, view, m] = [widths.position, widths.view, widths.mantissa].map(u64::from);
-        // Beyond 30 bits the difference to the eye and the rotation have two parts, of whose products the lowest is left out.
+        // Beyond 30 bits the difference to the eye and the rotation have two parts, of whose products the lowest is
+        // left out.
         let low = position.saturating_sub(30);
         let cross = if low > 0 { 18 } else { 0 };
         let rotation = [vec![[position.min(30); 2]; 9], vec![[30, low]; cross]];
@@ -187,7 +191,8 @@ impl GeometryCircuit {
             rotation: SetupStage {
                 products: rotation.concat(),
                 operators: Operators {
-                    // Alignment of splat and eye in 61 bits, the difference, its block exponent and the rotation's sums come first.
+                    // Alignment of splat and eye in 61 bits, the difference, its block exponent and the rotation's sums
+                    // come first.
                     adder_bits: 9 * 64 + 3 * 61,
                     shifters: [vec![61; 6], vec![position; 3]].concat(),
                 },
@@ -234,8 +239,9 @@ fn cut(bits: u64, size: u64) -> impl Iterator<Item = u64> {
 }
 
 impl Calibration {
-    /// Multipliers of a product, which is cut into parts as in `multiply.sv`: Yosys puts a part's wider factor on the wider side, be it better or not.
-    /// A part of one bit takes gates, and what a multiplier leaves over takes some if it is small.
+    /// Multipliers of a product, which is cut into parts as in `multiply.sv`: Yosys puts a part's wider factor on the
+    /// wider side, be it better or not. A part of one bit takes gates, and what a multiplier leaves over takes some if
+    /// it is small.
     pub fn tiles(&self, [a, b]: [u64; 2]) -> u64 {
         let [wide, narrow] = self.multiplier.map(|bits| bits.max(1));
         let of_part = |a: u64, b: u64| -> u64 {

@@ -1,9 +1,10 @@
-//! The arithmetic of one lane, from the radial index to the blended pixel, in fixed point and in floating-point formats: area of its units, each
-//! synthesised alone.
+//! The arithmetic of one lane, from the radial index to the blended pixel, in fixed point and in floating-point
+//! formats: area of its units, each synthesised alone.
 //!
-//! `lane_units.csv` is printed by `python sim/python/examples/notebooks/lane_units.py`, from the units of `lane_units.sv` beside it: transistors
-//! (`abc -g cmos`), and cells of a family. No pipeline registers and no timing are in it, nor a float's exponential, for which both have the same
-//! table: an estimate that ranks formats. A machine in a format is the fixed one with a lane's arithmetic exchanged.
+//! `lane_units.csv` is printed by `python sim/python/examples/notebooks/lane_units.py`, from the units of
+//! `lane_units.sv` beside it: transistors (`abc -g cmos`), and cells of a family. No pipeline registers and no timing
+//! are in it, nor a float's exponential, for which both have the same table: an estimate that ranks formats. A machine
+//! in a format is the fixed one with a lane's arithmetic exchanged.
 
 use super::circuit::Bits;
 use super::{Area, Calibration, CountedMachine, Fabric, Family, lines_of};
@@ -26,7 +27,8 @@ struct LaneLine {
     units: LaneUnits,
 }
 
-/// Sums and products of a pixel: its radial index from the neighbour's, its opacity, its share with three colours and what is left of the light.
+/// Sums and products of a pixel: its radial index from the neighbour's, its opacity, its share with three colours and
+/// what is left of the light.
 pub(crate) const OPERATIONS: [[u64; 2]; 3] = [[3, 2], [0, 1], [4, 5]];
 
 /// A lane's arithmetic.
@@ -39,7 +41,8 @@ pub struct LaneUnits {
     pub fabric: Fabric,
 }
 
-/// A lane in floating point by the formats of its stages: radial index, opacity, blending. `fp32`, `fp16`, `bfloat16`, `e4m3` or `e5m2`.
+/// A lane in floating point by the formats of its stages: radial index, opacity, blending. `fp32`, `fp16`, `bfloat16`,
+/// `e4m3` or `e5m2`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FloatLane {
     /// Names.
@@ -95,14 +98,16 @@ fn sum_transistors(bits: u64) -> u64 {
     (33 * bits).saturating_sub(20)
 }
 
-/// Bits of a lane's sums in fixed point: two of the radial index, its interpolation, what is left of the light, three colours.
+/// Bits of a lane's sums in fixed point: two of the radial index, its interpolation, what is left of the light, three
+/// colours.
 fn sums(bits: &Bits) -> [u64; 7] {
     let (radial, colour) = (bits.radial + 5, bits.accumulator + bits.range + 1);
     let [weight, left] = [bits.weight + 1, bits.transmittance + 2];
     [radial, radial, weight, left, colour, colour, colour]
 }
 
-/// The arithmetic of a lane in fixed point, if a pixel comes in every cycle. A sum takes a look-up table a bit, products the family's multipliers.
+/// The arithmetic of a lane in fixed point, if a pixel comes in every cycle. A sum takes a look-up table a bit,
+/// products the family's multipliers.
 pub fn fixed_lane(widths: &Widths, calibration: &Calibration) -> LaneUnits {
     let bits = Bits::new(widths);
     let [opacity, share, colour] = bits.blend_products().map(|product| product.factors);

@@ -1,10 +1,12 @@
 //! Area of a machine in an FPGA's own units: look-up tables, flip-flops, multipliers, memory.
 //!
-//! The raster units are priced by lines that go through Yosys' synthesis of the primitive in `sim/rtl` ([`synthesis`]), so that the machine
-//! `primitive-4` is estimated as the circuit that it is. What the circuit has otherwise, a machine is charged by the same lines: every generator of rows
-//! like its row generator, every lane like its lane. Geometry setup is the circuit of [`setup`] where a splat comes in eight cycles or more. What no circuit was
-//! written or synthesised for (faster setup, queues around the raster units, `box` rows) is counted and kept apart. Sorter, binning, harmonics, readers and their arbiter are their circuits
-//! ([`units`]). The memory's controller and the bus are not counted, and every answer says so. See `docs/hardware-model.md`, section 5.
+//! The raster units are priced by lines that go through Yosys' synthesis of the primitive in `sim/rtl` ([`synthesis`]),
+//! so that the machine `primitive-4` is estimated as the circuit that it is. What the circuit has otherwise, a machine
+//! is charged by the same lines: every generator of rows like its row generator, every lane like its lane. Geometry
+//! setup is the circuit of [`setup`] where a splat comes in eight cycles or more. What no circuit was written or
+//! synthesised for (faster setup, queues around the raster units, `box` rows) is counted and kept apart. Sorter,
+//! binning, harmonics, readers and their arbiter are their circuits ([`units`]). The memory's controller and the bus
+//! are not counted, and every answer says so. See `docs/hardware-model.md`, section 5.
 
 mod calibration;
 mod check;
@@ -258,7 +260,8 @@ impl<'a> CountedMachine<'a> {
     }
 }
 
-/// What so many counted look-up tables of operators take, if synthesis adds as much to them as to those of splat setup and rows.
+/// What so many counted look-up tables of operators take, if synthesis adds as much to them as to those of splat setup
+/// and rows.
 fn as_synthesised(operators: f64, lines: &Lines, widths: &Widths) -> u64 {
     let m = u64::from(widths.mantissa);
     let written = Bits::new(widths).operators();

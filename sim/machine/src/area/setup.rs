@@ -1,9 +1,10 @@
-//! Area of the setup unit in `sim/rtl`: a straight line through its synthesis for designs whose axes are turned in front
-//! of the cores, and one for others.
+//! Area of the setup unit in `sim/rtl`: a straight line through its synthesis for designs whose axes are turned in
+//! front of the cores, and one for others.
 //!
-//! The unit is a base and a number of equal cores, each with multipliers of its own; all cores together take a round of slots for as many splats as
-//! there are cores. So an interval between two splats is a number of cores. Below eight cycles there is no such circuit: its ends take a
-//! record in eight, and so many cores with registers and shifters of their own would be the wrong circuit for it.
+//! The unit is a base and a number of equal cores, each with multipliers of its own; all cores together take a round of
+//! slots for as many splats as there are cores. So an interval between two splats is a number of cores. Below eight
+//! cycles there is no such circuit: its ends take a record in eight, and so many cores with registers and shifters of
+//! their own would be the wrong circuit for it.
 
 use super::{Calibration, Fabric, Family, RESOURCES, lines_of};
 use crate::config::Config;
@@ -78,8 +79,9 @@ pub fn synthesised() -> Vec<SetupUnit> {
     lines_of(CSV).expect("setup.csv is a table of synthesised setup units")
 }
 
-/// The setup units of a machine as the circuit that takes a splat as often: one with more cores. Nothing where there is no such circuit: below its least
-/// interval, beyond its most cores, for a family for which none was synthesised, or where prices are the user's own.
+/// The setup units of a machine as the circuit that takes a splat as often: one with more cores. Nothing where there is
+/// no such circuit: below its least interval, beyond its most cores, for a family for which none was synthesised, or
+/// where prices are the user's own.
 pub(super) fn of_machine(
     widths: &Widths,
     config: &Config,
@@ -93,13 +95,14 @@ pub(super) fn of_machine(
     built.then(|| estimate(&units, calibration.family, widths.mantissa, cores))?
 }
 
-/// Are axes turned in front of the cores? Their sums, two bits and a sign longer than a window, are then items of 32 bits.
+/// Are axes turned in front of the cores? Their sums, two bits and a sign longer than a window, are then items of 32
+/// bits.
 pub fn is_turned(mantissa: u8) -> bool {
     u32::from(mantissa) + GUARD + 3 <= 32
 }
 
-/// Slots of a splat for a design: more where positions have two parts or axes are turned in the cores. The most where no
-/// circuit is alike.
+/// Slots of a splat for a design: more where positions have two parts or axes are turned in the cores. The most where
+/// no circuit is alike.
 pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
     let kind = |position: u8, mantissa: u8| (position > 30, is_turned(mantissa));
     let of = kind(widths.position, widths.mantissa);
@@ -109,9 +112,9 @@ pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
     same.or_else(longest).map(|unit| unit.round)
 }
 
-/// A unit with so many cores for a family: on lean18's line where axes are turned in front of the cores, on standard24's
-/// elsewhere, moved by what a bit of mantissa takes there; nothing where none was synthesised. Two cores share their
-/// memories, so that an odd one needs more than half of a pair.
+/// A unit with so many cores for a family: on lean18's line where axes are turned in front of the cores, on
+/// standard24's elsewhere, moved by what a bit of mantissa takes there; nothing where none was synthesised. Two cores
+/// share their memories, so that an odd one needs more than half of a pair.
 pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -> Option<Fabric> {
     let design = match is_turned(mantissa) {
         true => "lean18",

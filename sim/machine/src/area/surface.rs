@@ -1,7 +1,9 @@
-//! A surface unit, counted: what gathers samples by depth in place of the blend, and what normalises and shades fragments while a tile is read out.
+//! A surface unit, counted: what gathers samples by depth in place of the blend, and what normalises and shades
+//! fragments while a tile is read out.
 //!
-//! No circuit of it was written, so its area is an **estimate**: operators by the kernel's formats, products tiled with the family's multipliers, other
-//! logic scaled by what splat setup and rows take beyond their own count. A lane keeps the logic of its blend, which gathering takes the place of.
+//! No circuit of it was written, so its area is an **estimate**: operators by the kernel's formats, products tiled with
+//! the family's multipliers, other logic scaled by what splat setup and rows take beyond their own count. A lane keeps
+//! the logic of its blend, which gathering takes the place of.
 
 use super::{Calibration, Fabric, as_synthesised};
 use crate::config::Config;
@@ -15,7 +17,8 @@ pub const ESTIMATED: &str = "the surface unit is an estimate: no circuit of it w
 /// Cycles from a fragment's sums to its colour: reciprocal, division, composition.
 pub const RESOLVE_LATENCY: u64 = 24;
 
-/// Bits of a vector's component in shading, and products of that size: normal 10, ray 12, cosine, reflection and highlight 9, power 16, material 6.
+/// Bits of a vector's component in shading, and products of that size: normal 10, ray 12, cosine, reflection and
+/// highlight 9, power 16, material 6.
 const LIGHT: ([u64; 2], usize) = ([31, 31], 53);
 
 /// Operands of a surface unit.
@@ -74,7 +77,8 @@ impl SurfaceBits {
         8 * self.sum + 2 * 32 * self.layers
     }
 
-    /// Products of a fragment: reciprocal, division of seven sums, composition; light. A merge of two layers takes seven and seven more.
+    /// Products of a fragment: reciprocal, division of seven sums, composition; light. A merge of two layers takes
+    /// seven and seven more.
     pub fn resolved(&self) -> Vec<[u64; 2]> {
         let merges = if self.layers > 1 { 14 } else { 0 };
         let light = if self.light { LIGHT.1 } else { 0 };

@@ -1,7 +1,8 @@
 //! What Yosys made of the primitive: the counts that the estimate is calibrated on and held against.
 //!
-//! `synthesised.csv` is printed by `rtl -- area primitive` of `sim/rtl/cosim`, with the widths that were synthesised. Two designs with one and four lanes are
-//! fitted; two lanes and a design between the two have not been seen by the fit.
+//! `synthesised.csv` is printed by `rtl -- area primitive` of `sim/rtl/cosim`, with the widths that were synthesised.
+//! Two designs with one and four lanes are fitted; two lanes and a design between the two have not been seen by the
+//! fit.
 
 use super::calibration::{Calibration, Family};
 use super::surface::ESTIMATED;
@@ -125,7 +126,8 @@ struct SynthesisLine {
     fabric: Fabric,
 }
 
-/// The circuit begins at the packet: how positions became footprints is nothing to it. It rounds as the design of this name does.
+/// The circuit begins at the packet: how positions became footprints is nothing to it. It rounds as the design of this
+/// name does.
 fn widths_of(design: &str, numbers: [u8; 12]) -> Widths {
     let mut all = [Standard24::WIDTHS.position; 13];
     all[1..].copy_from_slice(&numbers);

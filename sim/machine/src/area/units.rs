@@ -1,8 +1,10 @@
-//! Area of what stands between the memory and the raster units: sorter and binning, harmonics, readers and their arbiter, by their synthesis.
+//! Area of what stands between the memory and the raster units: sorter and binning, harmonics, readers and their
+//! arbiter, by their synthesis.
 //!
-//! Their cells are counted as `rtl -- area UNIT` counts them, each unit alone. What a machine has otherwise than the circuits is charged by more of the same: a reader for each raster
-//! unit, an arbiter for each three that ask. A merging sorter was not written: it is charged as the radix sorter, with a comparator of a key for
-//! each run that it merges, which is an estimate. The controller of the memory and its pins are not here: they are the vendor's.
+//! Their cells are counted as `rtl -- area UNIT` counts them, each unit alone. What a machine has otherwise than the
+//! circuits is charged by more of the same: a reader for each raster unit, an arbiter for each three that ask. A
+//! merging sorter was not written: it is charged as the radix sorter, with a comparator of a key for each run that it
+//! merges, which is an estimate. The controller of the memory and its pins are not here: they are the vendor's.
 
 use super::{Calibration, Fabric, Family, lines_of};
 use crate::config::{Config, Sorter};
@@ -25,7 +27,8 @@ struct UnitLine {
 /// Those that ask at one arbiter.
 const ASKERS: u64 = 3;
 
-/// Bits of a key that a comparator sees, each of which takes half a look-up table and a register in the tree of a merge.
+/// Bits of a key that a comparator sees, each of which takes half a look-up table and a register in the tree of a
+/// merge.
 const KEY_BITS: u64 = 48;
 
 /// The counts of a unit for a family.

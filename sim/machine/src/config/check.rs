@@ -3,7 +3,8 @@
 use super::settings::{setting, shown};
 use super::{Binning, Config, LaneLayout, Overlap, Sorter, primitive};
 
-/// Bytes that a simulated machine's queues may take: a thousandth of it is a large machine, and sweeps simulate several at once.
+/// Bytes that a simulated machine's queues may take: a thousandth of it is a large machine, and sweeps simulate several
+/// at once.
 const MOST_BYTES: u64 = 256_000_000;
 
 /// What the circuit of `sim/rtl` fixes.

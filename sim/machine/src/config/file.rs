@@ -236,7 +236,8 @@ mod tests {
         assert!(setting("memory_part").unwrap().limits().into_iter().eq(all));
     }
 
-    /// Every key of a file: what is beyond its range or of another kind is refused by file, line, key and what is allowed.
+    /// Every key of a file: what is beyond its range or of another kind is refused by file, line, key and what is
+    /// allowed.
     #[test]
     fn every_key_is_refused_outside_its_range_by_name_and_line() {
         for setting in SETTINGS.iter() {

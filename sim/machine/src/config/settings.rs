@@ -1,5 +1,5 @@
-//! What the settings of a machine are. Each is declared in one line of `settings.toml`; ranges, defaults, messages, the commented file and the axes of
-//! sweeps follow from it.
+//! What the settings of a machine are. Each is declared in one line of `settings.toml`; ranges, defaults, messages, the
+//! commented file and the axes of sweeps follow from it.
 
 use super::Config;
 use serde::{Deserialize, Serialize, Serializer};

@@ -1,7 +1,8 @@
 //! The actions as an action-count file of Accelergy, for those who have energies of their own there.
 //!
-//! Its layout is `action_counts: {version, local: [{name, action_counts: [{name, arguments, counts}]}]}`: a component of a unit is a local
-//! component `splatline.<unit>.<component>_<bits>x<bits>`, because operands are attributes of a component in Accelergy and not of an action.
+//! Its layout is `action_counts: {version, local: [{name, action_counts: [{name, arguments, counts}]}]}`: a component
+//! of a unit is a local component `splatline.<unit>.<component>_<bits>x<bits>`, because operands are attributes of a
+//! component in Accelergy and not of an action.
 
 use super::Energy;
 

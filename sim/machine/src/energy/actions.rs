@@ -1,8 +1,8 @@
 //! The actions of a picture by unit: every one that the machine's accounts count, with its energy.
 //!
-//! Operands are those of the circuit (`area::circuit`), so that area and energy are about the same thing. What a unit does is charged by what
-//! passed through it: geometry setup by splats, splat setup by pairs, the row generator by rows, lanes and blend by pixels, queues by entries,
-//! the memory interface by bytes.
+//! Operands are those of the circuit (`area::circuit`), so that area and energy are about the same thing. What a unit
+//! does is charged by what passed through it: geometry setup by splats, splat setup by pairs, the row generator by
+//! rows, lanes and blend by pixels, queues by entries, the memory interface by bytes.
 
 use super::super::area::circuit::{Bits, GeometryCircuit, Product, SetupStage};
 use super::super::area::lane::{FloatLane, OPERATIONS};
@@ -181,7 +181,8 @@ pub fn of<'a>(
     units
 }
 
-/// Puts a lane in floating point into the place of the kernel's. Its exponential is a table of 256 entries with their steps.
+/// Puts a lane in floating point into the place of the kernel's. Its exponential is a table of 256 entries with their
+/// steps.
 pub fn put_lane(units: &mut [UnitActions], lane: &FloatLane, config: &Config, timing: &Timing) {
     let (pixels, bits) = (&timing.pixels, lane.bits);
     for unit in units {

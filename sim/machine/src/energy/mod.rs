@@ -1,8 +1,9 @@
 //! Energy of a picture on a machine: the actions that the accounts count, times a table of picojoules.
 //!
-//! Energies are whole attojoules from the single action on, so that what units take is the sum of their actions, and what the
-//! picture takes the sum of its units, exactly and in any order. It is an estimate: the table's figures are the literature's for a
-//! single operation, and clock tree, pipeline registers, control, wires and leakage are not in it. See `docs/hardware-model.md`.
+//! Energies are whole attojoules from the single action on, so that what units take is the sum of their actions, and
+//! what the picture takes the sum of its units, exactly and in any order. It is an estimate: the table's figures are
+//! the literature's for a single operation, and clock tree, pipeline registers, control, wires and leakage are not in
+//! it. See `docs/hardware-model.md`.
 
 mod accelergy;
 pub(crate) mod actions;
@@ -56,7 +57,8 @@ pub struct Energy {
     pub units: Vec<UnitEnergy>,
 }
 
-/// Energy of a picture that took `timing` on a machine that carries a design, with the arithmetic of its lanes in floating point if a lane is given.
+/// Energy of a picture that took `timing` on a machine that carries a design, with the arithmetic of its lanes in
+/// floating point if a lane is given.
 pub fn estimate(
     lane: Option<&FloatLane>,
     widths: &Widths,

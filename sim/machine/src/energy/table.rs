@@ -1,8 +1,8 @@
 //! What one action takes: picojoules by kind and width, from a TOML that names node and source of every entry.
 //!
-//! The literature gives two or three widths of each kind. What lies between them is a power of the width, the one that goes through both
-//! neighbours: adders grow about linearly, multipliers with the product of their operands, memories with the root of their capacity, and
-//! the figures that ship have just these slopes.
+//! The literature gives two or three widths of each kind. What lies between them is a power of the width, the one that
+//! goes through both neighbours: adders grow about linearly, multipliers with the product of their operands, memories
+//! with the root of their capacity, and the figures that ship have just these slopes.
 
 use super::super::area::lane::transistors;
 use crate::input::line_at;
@@ -145,8 +145,8 @@ impl EnergyTable {
         whole(self.scale * self.float_multiplier.at((bits * bits) as f64))
     }
 
-    /// Of a sum and a product in a format by its name: half and single precision as the table has them, others as half precision by their
-    /// units' transistors.
+    /// Of a sum and a product in a format by its name: half and single precision as the table has them, others as half
+    /// precision by their units' transistors.
     pub fn float_operations(&self, format: &str) -> [u64; 2] {
         let bits = if format == "fp32" { 32 } else { 16 };
         let published = [self.float_adder(bits), self.float_multiplier(bits)];
@@ -294,7 +294,8 @@ mod tests {
         assert_eq!(table.multiplier([4, 16]), table.multiplier([8, 8]));
     }
 
-    /// Every number of the file, one after the other: outside its range it is refused by line, key and what is allowed; every entry has a source.
+    /// Every number of the file, one after the other: outside its range it is refused by line, key and what is allowed;
+    /// every entry has a source.
     #[test]
     fn every_number_has_a_range_and_every_entry_a_source() {
         let (mut numbers, mut sources, mut entries) = (0, 0, 0);

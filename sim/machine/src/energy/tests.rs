@@ -64,7 +64,8 @@ fn count(energy: &Energy, unit: &str, component: &str, action: &str) -> u64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// The picture is the sum of its units, a unit of its actions, and the bytes of DRAM those of the accounts, to the last digit.
+    /// The picture is the sum of its units, a unit of its actions, and the bytes of DRAM those of the accounts, to the
+    /// last digit.
     #[test]
     fn energies_sum_exactly(workload in workload(), config in machine(), surface in proptest::option::of((1u32..9, 0u32..2, 1u32..9))) {
         let (workload, config) = match surface {

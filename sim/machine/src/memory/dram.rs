@@ -1,8 +1,8 @@
 //! One channel of DRAM: banks with an open row each, a data bus with a direction, refresh.
 //!
-//! Requests are served in the order in which they come, bursts of a request one after the other; rows stay open. A bank is precharged and
-//! activated for a later request while earlier ones are on the bus, as the queue of a controller does. Every command is issued in the first clock
-//! that all its rules allow:
+//! Requests are served in the order in which they come, bursts of a request one after the other; rows stay open. A bank
+//! is precharged and activated for a later request while earlier ones are on the bus, as the queue of a controller
+//! does. Every command is issued in the first clock that all its rules allow:
 //!
 //! ```text
 //! activate  >= request, precharge + rp, any activation + rrd, the fourth activation before + faw

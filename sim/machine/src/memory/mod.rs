@@ -1,8 +1,9 @@
 //! The memory that a machine reads splats and packets from and writes packets, lists and pixels to.
 //!
-//! Two kinds. `Channels` are a read and a write channel of a fixed bandwidth, shared evenly: a sentence instead of a part, fast, and enough to
-//! compare machines. `Shared` is a real part behind one port, with bursts, banks, rows, refresh and a bus that has to turn ([`dram`], [`port`]). The
-//! units are the same with both: they ask this trait for data and are told when.
+//! Two kinds. `Channels` are a read and a write channel of a fixed bandwidth, shared evenly: a sentence instead of a
+//! part, fast, and enough to compare machines. `Shared` is a real part behind one port, with bursts, banks, rows,
+//! refresh and a bus that has to turn ([`dram`], [`port`]). The units are the same with both: they ask this trait for
+//! data and are told when.
 //!
 //! ```text
 //! scene | harmonics | packets, by splat | list entries, twice for the sort | frame, tile by tile
@@ -87,8 +88,8 @@ pub(super) trait Memory {
     fn discarded(&mut self, unit: u32, fetch: &mut Account, first: u64, pairs: &[PairWork]);
     /// A tile's pixels; gives when writing them begins, and the buffer that becomes free.
     fn tile(&mut self, write_back: &mut Account, tile: &TileWrite) -> (u64, TileBuffer);
-    /// The background of a tile without splats, for which nobody waits; gives the cycles for which it keeps the unit's write channel, which it takes when
-    /// nobody else wants it. A port finds the time by itself.
+    /// The background of a tile without splats, for which nobody waits; gives the cycles for which it keeps the unit's
+    /// write channel, which it takes when nobody else wants it. A port finds the time by itself.
     fn background(&mut self, write_back: &Account, tile: u32, pixels: u32) -> u64;
     /// When a buffer is free.
     fn buffer(&mut self, write_back: &mut Account, buffer: TileBuffer) -> u64;
@@ -122,7 +123,8 @@ pub(super) struct Channels {
     packet: u64,
     /// A list entry alone.
     entry: u64,
-    /// A packet alone, and lists in whole words: where lists were filled in order, so that their entries follow each other in memory.
+    /// A packet alone, and lists in whole words: where lists were filled in order, so that their entries follow each
+    /// other in memory.
     packet_alone: u64,
     lists: Option<ListWords>,
     packet_bytes: u64,
@@ -214,7 +216,8 @@ impl Memory for Channels {
         write.work(bytes.div_ceil(self.write_bandwidth));
     }
 
-    /// Reading and writing go on beside the comparisons, each in its channel; sums of counts do not, since they say where everything goes.
+    /// Reading and writing go on beside the comparisons, each in its channel; sums of counts do not, since they say
+    /// where everything goes.
     fn sort(&mut self, sort: &mut Account, steps: &[SortStep]) {
         let sorted = u64::from(self.config.sorted_bytes());
         for step in steps {

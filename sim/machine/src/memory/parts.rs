@@ -1,7 +1,8 @@
 //! Memory parts: organisation and timings of real DRAM, in clocks of the part, with the data sheet that they are from.
 //!
-//! The figures (`parts.toml`) were entered by hand from the sheets that `source` names; the tests state them once more in nanoseconds, and do not read the sheets.
-//! Times that a data sheet gives in nanoseconds are rounded up to whole clocks there, as a controller has to.
+//! The figures (`parts.toml`) were entered by hand from the sheets that `source` names; the tests state them once more
+//! in nanoseconds, and do not read the sheets. Times that a data sheet gives in nanoseconds are rounded up to whole
+//! clocks there, as a controller has to.
 
 use serde::Deserialize;
 use std::sync::LazyLock;

@@ -1,10 +1,12 @@
 //! The one port to a memory part that all units share, and who may use it when.
 //!
-//! Requests are served oldest first. Reads are asked for in the order of time, because the machine always moves on the unit whose next read
-//! is the earliest. Writes lie in a queue until one of three things happens: the bus would otherwise be idle before the next read; the queue is
-//! full, and half of it is written in one go, so that the bus turns seldom; or a unit needs to know that its write is over.
+//! Requests are served oldest first. Reads are asked for in the order of time, because the machine always moves on the
+//! unit whose next read is the earliest. Writes lie in a queue until one of three things happens: the bus would
+//! otherwise be idle before the next read; the queue is full, and half of it is written in one go, so that the bus
+//! turns seldom; or a unit needs to know that its write is over.
 //!
-//! A unit that reads a stream keeps the last burst, so that what lies in it is not read again. A write of less than a burst takes a whole one.
+//! A unit that reads a stream keeps the last burst, so that what lies in it is not read again. A write of less than a
+//! burst takes a whole one.
 
 use super::dram::{Dram, DramCounts};
 use super::parts::DramPart;

@@ -170,7 +170,8 @@ impl Memory for Shared {
         write.wait(Cause::Port, packet.max(list));
     }
 
-    /// A pass reads the entries from one region in their order and writes them into the places of the other; each place gets a burst when it is whole.
+    /// A pass reads the entries from one region in their order and writes them into the places of the other; each place
+    /// gets a burst when it is whole.
     fn sort(&mut self, sort: &mut Account, steps: &[SortStep]) {
         sort.work(SortStep::cycles(steps, self.config.sort_cycles.into()));
         for step in steps {

@@ -60,8 +60,8 @@ fn ns(part: &DramPart, clocks: u64) -> f64 {
     clocks as f64 * 1e6 / part.khz as f64
 }
 
-/// Figures of the data sheets in nanoseconds, written here and nowhere else: column access to an open row, to a closed one, to another one, all to
-/// the first data; row cycle; bytes a second; share of refresh.
+/// Figures of the data sheets in nanoseconds, written here and nowhere else: column access to an open row, to a closed
+/// one, to another one, all to the first data; row cycle; bytes a second; share of refresh.
 struct TestSheet {
     part: &'static str,
     hit: f64,
@@ -93,7 +93,8 @@ const SHEETS: [TestSheet; 3] = [
         peak: 3.2e9,
         refresh: 0.0333,
     },
-    // RL 28 at 0.625 ns, tRCD 18 ns, tRPpb 18 ns, tRAS 42 ns, 3200 million transfers of four bytes, 280 ns of every 3.904 us.
+    // RL 28 at 0.625 ns, tRCD 18 ns, tRPpb 18 ns, tRAS 42 ns, 3200 million transfers of four bytes, 280 ns of every
+    // 3.904 us.
     TestSheet {
         part: "lpddr4-3200-x32",
         hit: 17.5,
@@ -161,7 +162,8 @@ fn rows_cost_what_the_data_sheets_say() {
     }
 }
 
-/// A long stream reaches the peak bandwidth less the share of refresh and little more; in its time there are as many refreshes as the sheet asks for.
+/// A long stream reaches the peak bandwidth less the share of refresh and little more; in its time there are as many
+/// refreshes as the sheet asks for.
 #[test]
 fn a_stream_has_the_peak_bandwidth_less_refresh() {
     for sheet in &SHEETS {
@@ -217,7 +219,8 @@ fn check_rules(part: &DramPart, log: &[Issued]) -> Result<(), TestCaseError> {
                 (DramCommand::Precharge, DramCommand::Refresh) => part.rp,
                 _ => 0,
             };
-            // A bank's rules run in the order of its commands, which are logged in that order; banks may overtake each other.
+            // A bank's rules run in the order of its commands, which are logged in that order; banks may overtake each
+            // other.
             let ordered =
                 same || matches!(
                     (a, b),
@@ -289,8 +292,8 @@ proptest! {
         check_rows(part, &log)?;
     }
 
-    /// Behind any part a machine draws the same pixels, its accounts add up (asserted where they are closed), every byte that it
-    /// wants is moved, and the trace holds every burst once.
+    /// Behind any part a machine draws the same pixels, its accounts add up (asserted where they are closed), every
+    /// byte that it wants is moved, and the trace holds every burst once.
     #[test]
     fn machines_with_parts_do_the_same_work(workload in workload(), config in machine(), which in 1u32..=3, mhz in 20u32..900, queue in 1u32..40, harmonics in 0u32..64) {
         let with = Config { memory_part: which, clock_mhz: mhz, write_queue: queue, harmonics_bytes: harmonics, ..config };
@@ -328,7 +331,8 @@ fn streams_read_no_burst_twice() {
     }
 }
 
-/// Writes wait for their turn: while reads keep the bus busy a full queue is halved in one go, so that the bus turns twice for four of them.
+/// Writes wait for their turn: while reads keep the bus busy a full queue is halved in one go, so that the bus turns
+/// twice for four of them.
 #[test]
 fn writes_are_held_back_and_go_in_batches() {
     let mut port = Port::new(part("ddr3-1600-x16"), 800, 8);
@@ -396,7 +400,8 @@ fn sort_and_harmonics_are_charged() {
     assert!(simulate_alone(&workload, &sdr).sort as f64 >= least);
 }
 
-/// Splats sorted before they are binned: a word for each instead of its entries, digits that differ, and the lists filled afterwards.
+/// Splats sorted before they are binned: a word for each instead of its entries, digits that differ, and the lists
+/// filled afterwards.
 #[test]
 fn a_sort_before_the_lists_is_charged_by_splats() {
     let mut runner = proptest::test_runner::TestRunner::deterministic();
@@ -449,7 +454,8 @@ fn a_sort_before_the_lists_is_charged_by_splats() {
     assert_eq!(timing.sort, 6 * 256 + 3 * 16 * visible + filled + 4 * waits);
 }
 
-/// Entries that follow each other are read by the word: as many cycles as all their bytes take, and never fewer before an entry is there.
+/// Entries that follow each other are read by the word: as many cycles as all their bytes take, and never fewer before
+/// an entry is there.
 #[test]
 fn lists_without_gaps_are_read_by_the_word() {
     for (entry, word, first) in [

@@ -1,8 +1,9 @@
 //! Machines of others, reimplemented from their papers, on the same splats beside ours.
 //!
-//! What distinguishes them is which pixels of a tile they test for a splat, and what a test costs. Everything else (geometry, sort, memory, order,
-//! sixteen lanes) is the same for all, so that a line of the table differs from the next in that alone. They are our reading of the papers and
-//! not their authors' designs: cycles follow from the pixels tested, not from a description of their pipelines.
+//! What distinguishes them is which pixels of a tile they test for a splat, and what a test costs. Everything else
+//! (geometry, sort, memory, order, sixteen lanes) is the same for all, so that a line of the table differs from the
+//! next in that alone. They are our reading of the papers and not their authors' designs: cycles follow from the pixels
+//! tested, not from a description of their pipelines.
 //!
 //! | preset | which pixels are tested | what a test takes |
 //! |---|---|---|
@@ -49,7 +50,8 @@ pub enum Tested {
 pub struct Operations {
     /// Bits of a number.
     pub bits: u64,
-    /// Additions and products of a pair, of a row of a pair, of a pixel tested, of one inside the cut-off, of one blended.
+    /// Additions and products of a pair, of a row of a pair, of a pixel tested, of one inside the cut-off, of one
+    /// blended.
     pub pair: [u64; 2],
     /// See `pair`.
     pub row: [u64; 2],

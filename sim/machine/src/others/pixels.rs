@@ -1,6 +1,7 @@
 //! Which pixels a machine tests for a splat, from the pixels that are inside its footprint.
 //!
-//! Rows of a pair keep what is inside and what is open; only which pixels are visited changes, and with it which rows there are.
+//! Rows of a pair keep what is inside and what is open; only which pixels are visited changes, and with it which rows
+//! there are.
 
 use super::Tested;
 use crate::workload::{Mask, Pair, Workload, WorkloadRow, mask};

@@ -77,7 +77,8 @@ proptest! {
     }
 }
 
-/// All machines blend the same pixels; tests fall from tiles to sub-tiles to rows, and what a blended pixel takes with them.
+/// All machines blend the same pixels; tests fall from tiles to sub-tiles to rows, and what a blended pixel takes with
+/// them.
 #[test]
 fn machines_differ_in_what_they_test_and_not_in_what_they_draw() {
     use crate::scene::synthetic;

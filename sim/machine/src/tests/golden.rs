@@ -1,6 +1,8 @@
-//! What the model computes, to the last digit, for machines that meet every setting: a change of its code must change no figure.
+//! What the model computes, to the last digit, for machines that meet every setting: a change of its code must change
+//! no figure.
 //!
-//! `SPLATLINE_WRITE_GOLDEN=1 cargo test -p splatline-machine golden` writes the table again; a line that changes needs its reason in the same commit.
+//! `SPLATLINE_WRITE_GOLDEN=1 cargo test -p splatline-machine golden` writes the table again; a line that changes needs
+//! its reason in the same commit.
 
 use super::super::area::{self, Family};
 use super::super::clock::{Clock, Throughput};

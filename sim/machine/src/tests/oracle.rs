@@ -1,7 +1,7 @@
 //! The same raster unit as a clocked state machine: one loop turn per cycle, no recurrence, no accounts.
 //!
-//! It shares the bands with the fast model and nothing else. Within a cycle its stages act until nothing changes any more,
-//! because a result may pass through an empty FIFO in the cycle in which it is ready.
+//! It shares the bands with the fast model and nothing else. Within a cycle its stages act until nothing changes any
+//! more, because a result may pass through an empty FIFO in the cycle in which it is ready.
 
 use super::super::config::{Assignment, Config, LaneLayout, Overlap};
 use super::super::lanes::{Band, LaneShape, LaneWork};
@@ -175,7 +175,8 @@ proptest! {
         if work.pairs.is_empty() {
             return Ok(());
         }
-        // The last group is blended, then one cycle begins and one moves the write-back; the generator may outlast it on empty rows.
+        // The last group is blended, then one cycle begins and one moves the write-back; the generator may outlast it
+        // on empty rows.
         let written_back = lanes + u64::from(config.blend_latency) + 2;
         prop_assert!(timing.raster >= written_back);
         if work.bands.last().is_some_and(|band| band.groups > 0) {

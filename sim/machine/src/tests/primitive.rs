@@ -8,7 +8,8 @@ use super::workload;
 use proptest::prelude::*;
 use std::collections::VecDeque;
 
-/// Two tiles without splats between two with one: written while the second one is drawn, as far as there is time before it is read out.
+/// Two tiles without splats between two with one: written while the second one is drawn, as far as there is time before
+/// it is read out.
 #[test]
 fn gaps_of_the_write_channel_take_backgrounds() {
     let row = |length| WorkloadRow {
@@ -65,7 +66,8 @@ struct Handshakes {
     idle_at: u64,
 }
 
-/// A queue behind a pipeline: memory, the word read, the register, and the places that are taken. Some rest for a cycle after an entry has left.
+/// A queue behind a pipeline: memory, the word read, the register, and the places that are taken. Some rest for a cycle
+/// after an entry has left.
 struct NaiveBuffer<T> {
     rests: bool,
     memory: VecDeque<T>,
@@ -102,7 +104,8 @@ impl<T> NaiveBuffer<T> {
     }
 }
 
-/// A lane: its queue, the run at the queue's front, pixels to come of the run that it draws (row, column, count), and where it has been.
+/// A lane: its queue, the run at the queue's front, pixels to come of the run that it draws (row, column, count), and
+/// where it has been.
 struct NaiveLane {
     queue: VecDeque<LaneRun>,
     front: Option<LaneRun>,
@@ -280,7 +283,8 @@ proptest! {
         }
     }
 
-    /// Tiles without splats keep the write channel for their bytes, as far as nobody waits for it, and change nothing else.
+    /// Tiles without splats keep the write channel for their bytes, as far as nobody waits for it, and change nothing
+    /// else.
     #[test]
     fn backgrounds_take_what_the_channel_leaves(work in workload(), bandwidth in 1u32..64) {
         let config = Config { tile_width: 16, tile_height: 8, write_bandwidth: bandwidth, ..Config::primitive(4) };

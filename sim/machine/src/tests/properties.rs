@@ -63,7 +63,8 @@ proptest! {
         prop_assert!(waited <= workload.pairs.len() as u64);
     }
 
-    /// A cache that holds every splat reads each once a unit; whatever it saves is accounted for, and no picture takes longer by it.
+    /// A cache that holds every splat reads each once a unit; whatever it saves is accounted for, and no picture takes
+    /// longer by it.
     #[test]
     fn a_cache_saves_what_it_says(mut workload in workload(), config in machine(), order in 0usize..4) {
         workload.pairs.iter_mut().for_each(|pair| pair.splat %= 3);
@@ -128,8 +129,8 @@ proptest! {
         }
     }
 
-    /// Units that take their tiles as they become free are left out: a longer step may hand a tile to another unit and end the frame sooner, as in
-    /// any list schedule (docs/hardware-model.md, "Tiles"). A unit by itself may not.
+    /// Units that take their tiles as they become free are left out: a longer step may hand a tile to another unit and
+    /// end the frame sooner, as in any list schedule (docs/hardware-model.md, "Tiles"). A unit by itself may not.
     #[test]
     fn nothing_gets_faster_by_waiting_longer(workload in workload(), config in machine(), key in 0usize..12, more in 1u32..9) {
         let config = match config.raster_units {
@@ -181,7 +182,8 @@ proptest! {
 
     #[test]
     fn splitting_the_run_of_tiles_changes_nothing(workload in workload(), config in machine()) {
-        // Tiles are independent but for the state that the unit carries: an empty tile in between must cost its write-back only.
+        // Tiles are independent but for the state that the unit carries: an empty tile in between must cost its
+        // write-back only.
         let config = Config { raster_units: 1, tile_buffers: 64, write_bandwidth: 65_536, write_back_cycles: 0, ..config };
         let mut split = workload.clone();
         let tiles = std::mem::take(&mut split.tiles);

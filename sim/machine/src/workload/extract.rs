@@ -1,7 +1,8 @@
 //! A workload from the kernel: its rows, and the pixels that it really finished.
 //!
-//! Every tile is drawn by the kernel's painter. Before a footprint is drawn, its rows are walked once more to note which of the
-//! visited pixels are covered and which have not finished; a test holds the sums against the painter's own counts.
+//! Every tile is drawn by the kernel's painter. Before a footprint is drawn, its rows are walked once more to note
+//! which of the visited pixels are covered and which have not finished; a test holds the sums against the painter's own
+//! counts.
 
 use super::order_changes::Before;
 use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, each_tile, room_for};
@@ -64,8 +65,9 @@ pub struct InOrder {
     pub picture: Picture,
 }
 
-/// The work and the picture of lists that keep the order of the picture `before`, which must be of the same scene, screen and tiles; of lists that
-/// are sorted anew where there is none. `exact` lists hold only what the traversal visits.
+/// The work and the picture of lists that keep the order of the picture `before`, which must be of the same scene,
+/// screen and tiles; of lists that are sorted anew where there is none. `exact` lists hold only what the traversal
+/// visits.
 pub fn extract_in_order(
     scene: &Scene,
     camera: &Camera,
@@ -358,7 +360,8 @@ mod tests {
         }
     }
 
-    /// Sorted anew the picture is the drawing's; after a step of the camera most of it is kept, some came and left, and it is another one.
+    /// Sorted anew the picture is the drawing's; after a step of the camera most of it is kept, some came and left, and
+    /// it is another one.
     #[test]
     fn kept_lists_draw_nearly_the_same_picture() {
         let scene = synthetic::random_gaussians(3_000, 3, 2.0);

@@ -1,8 +1,8 @@
 //! What a machine has to do for one picture: splats, tiles, splat-tile pairs and their rows.
 //!
-//! Extracted once from the kernel's own rows and pixels ([`extract`]) or from a table of footprints (`table`), then shared by
-//! any number of machine configurations. Columns are counted from the tile's first, so that a row's pixels are the bits of one
-//! 64-bit word.
+//! Extracted once from the kernel's own rows and pixels ([`extract`]) or from a table of footprints (`table`), then
+//! shared by any number of machine configurations. Columns are counted from the tile's first, so that a row's pixels
+//! are the bits of one 64-bit word.
 
 mod extract;
 mod order_changes;
@@ -110,7 +110,8 @@ pub struct Workload {
     pub key_bits: u64,
     /// What changed in the lists where they keep the order of the picture before; nothing where all is sorted anew.
     pub order_changes: Option<OrderChanges>,
-    /// What a surface unit does, if surfaces are drawn: their tiles' lists are in the scene's order, which nobody sorts.
+    /// What a surface unit does, if surfaces are drawn: their tiles' lists are in the scene's order, which nobody
+    /// sorts.
     pub surface: Option<SurfaceWork>,
 }
 

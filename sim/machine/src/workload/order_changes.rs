@@ -1,9 +1,10 @@
 //! Tile lists that keep the order of the picture before, along a camera path.
 //!
-//! From one picture of a path to the next most splats stay in their tiles, and in nearly the same order. A machine may keep the lists: entries whose
-//! splat has left a tile are dropped, those that came are sorted by themselves and merged in, each before the first one that is farther than it is.
-//! What stays is not compared with what stays, so that the order grows old until the next full sort. Here are both sides of it: the picture that such
-//! lists give, and how many entries come and go.
+//! From one picture of a path to the next most splats stay in their tiles, and in nearly the same order. A machine may
+//! keep the lists: entries whose splat has left a tile are dropped, those that came are sorted by themselves and merged
+//! in, each before the first one that is farther than it is. What stays is not compared with what stays, so that the
+//! order grows old until the next full sort. Here are both sides of it: the picture that such lists give, and how many
+//! entries come and go.
 
 use super::{Bins, Workload};
 use rayon::prelude::*;
@@ -135,7 +136,8 @@ mod tests {
             prop_assert_eq!(inversions(values), naive);
         }
 
-        /// Everything that is there once; what stayed in its old order; what came before the first of the old ones that is farther.
+        /// Everything that is there once; what stayed in its old order; what came before the first of the old ones that
+        /// is farther.
         #[test]
         fn a_kept_list_is_the_old_order_with_what_came(
             before in Just((0u32..30).collect::<Vec<_>>()).prop_shuffle(),

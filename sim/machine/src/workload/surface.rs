@@ -1,7 +1,7 @@
 //! A workload of surfaces from the kernel: its rows, and what its pixels did with the samples that they were given.
 //!
-//! Nothing is sorted and no pixel finishes: every tile takes its splats in the scene's order, and pixels decide by depth. Each sample is counted
-//! as it is added to the kernel's own cell.
+//! Nothing is sorted and no pixel finishes: every tile takes its splats in the scene's order, and pixels decide by
+//! depth. Each sample is counted as it is added to the kernel's own cell.
 
 use super::{Bins, TilePart, Workload, assemble, each_tile, room_for};
 use crate::area::surface::SurfaceBits;
@@ -44,7 +44,8 @@ pub struct SurfaceCounts {
     pub pixels: u64,
 }
 
-/// A surface unit's work, and the fragments that it normalises of each tile: those that are left and two for each merge.
+/// A surface unit's work, and the fragments that it normalises of each tile: those that are left and two for each
+/// merge.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SurfaceWork {
     /// Sums over the picture.
@@ -255,7 +256,8 @@ mod tests {
         scene("ball and sheet", points)
     }
 
-    /// Whatever the tiles, the unit's counts are those of the kernel's drawing and of each other, and so are the machine's pixels and bytes.
+    /// Whatever the tiles, the unit's counts are those of the kernel's drawing and of each other, and so are the
+    /// machine's pixels and bytes.
     #[test]
     fn counts_are_the_drawings() {
         let scene = ball_and_sheet();
@@ -327,7 +329,8 @@ mod tests {
                 assert_eq!(fast.surface, Some(counts));
                 assert_eq!(fast.pixels.covered, drawn.covered);
                 assert_eq!(fast.bytes, slow.bytes);
-                // With one buffer to spare a tile's division hides behind the next one's lanes only while it is shorter.
+                // With one buffer to spare a tile's division hides behind the next one's lanes only while it is
+                // shorter.
                 let busy = |timing: &crate::Timing| timing.units["write_back"].busy;
                 assert!(
                     busy(&slow) >= 64 * sum

@@ -1,12 +1,14 @@
 //! A workload from a table of footprints: other people's rasterizers timed on this machine.
 //!
-//! CSV with a heading. Columns are found by name: `u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1` as `splatline footprints` writes
-//! them, with `cutoff` (radial index at which the footprint ends; where it is missing or empty the option's), and optionally `tiles` (numbers of the tiles, row by
-//! row, separated by spaces, that list the footprint; else those that its box meets). A line with empty fields is a culled
-//! splat. Rows are computed in double precision from r = a dx^2 + 2 b dx dy + c dy^2 < cutoff.
+//! CSV with a heading. Columns are found by name: `u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1` as
+//! `splatline footprints` writes them, with `cutoff` (radial index at which the footprint ends; where it is missing or
+//! empty the option's), and optionally `tiles` (numbers of the tiles, row by row, separated by spaces, that list the
+//! footprint; else those that its box meets). A line with empty fields is a culled splat. Rows are computed in double
+//! precision from r = a dx^2 + 2 b dx dy + c dy^2 < cutoff.
 //!
-//! With a column `opacity` pixels finish: a footprint takes opacity exp(-r/2), at most 0.999, of a pixel's light, and one that has a ten-thousandth left is
-//! finished, as in 3D Gaussian splatting and EWA. Footprints without an opacity take no light, so that nothing finishes.
+//! With a column `opacity` pixels finish: a footprint takes opacity exp(-r/2), at most 0.999, of a pixel's light, and
+//! one that has a ten-thousandth left is finished, as in 3D Gaussian splatting and EWA. Footprints without an opacity
+//! take no light, so that nothing finishes.
 
 use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, mask};
 use crate::input::Refused;
@@ -28,8 +30,8 @@ pub struct TableOptions {
     pub packet_bytes: u32,
 }
 
-/// Rows of splat-tile pairs at most (24 bytes each), and tiles at most. Real pictures have a hundredth of it, while one short line
-/// can ask for a billion: without a limit a small file would take all memory.
+/// Rows of splat-tile pairs at most (24 bytes each), and tiles at most. Real pictures have a hundredth of it, while one
+/// short line can ask for a billion: without a limit a small file would take all memory.
 const LARGEST_WORK: u64 = 1 << 25;
 
 /// Relative error of a coefficient with a mantissa of 8 bits.
@@ -212,7 +214,8 @@ impl TableReader<'_> {
     fn conic(&self) -> Result<[f64; 3], Refused> {
         let (a, b) = (self.number("conic_a")?, self.number("conic_b")?);
         let c = self.number("conic_c")?;
-        // A needle's form has almost no determinant, and rounding to the narrowest mantissas (8 bits) may turn its sign.
+        // A needle's form has almost no determinant, and rounding to the narrowest mantissas (8 bits) may turn its
+        // sign.
         let definite = a >= 0.0 && c >= 0.0 && b.abs() <= (a.sqrt() * c.sqrt()) * (1.0 + ROUNDED);
         let expected =
             "expected conic_a >= 0, conic_c >= 0 and conic_b^2 <= conic_a conic_c, an ellipse";

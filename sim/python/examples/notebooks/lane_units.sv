@@ -1,5 +1,5 @@
-// Product and sum of floating-point numbers of any format: sign, E bits of exponent, F of fraction, rounded to nearest, ties to even.
-// What is below the normal numbers is 0 and what is beyond them infinite: as small as such units get.
+// Product and sum of floating-point numbers of any format: sign, E bits of exponent, F of fraction, rounded to nearest,
+// ties to even. What is below the normal numbers is 0 and what is beyond them infinite: as small as such units get.
 
 module float_multiply #(parameter int E = 5, parameter int F = 10) (
     input logic [E+F:0] a, b,

@@ -1,5 +1,5 @@
-//! COLMAP models, text and binary: `cameras` with the lenses, `images` with quaternion (w, x, y, z) and translation from world to
-//! camera; axes are right, down, forward as ours. The points of a model are not read.
+//! COLMAP models, text and binary: `cameras` with the lenses, `images` with quaternion (w, x, y, z) and translation
+//! from world to camera; axes are right, down, forward as ours. The points of a model are not read.
 
 use super::lens::{Distortion, Lens};
 use super::{CameraPose, Read, photograph};
@@ -11,7 +11,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Lens models in the order of their numbers: name, number of parameters, how many of them are focal lengths, and what follows the principal point.
+/// Lens models in the order of their numbers: name, number of parameters, how many of them are focal lengths, and what
+/// follows the principal point.
 const MODELS: [(&str, usize, usize, ColmapModel); 11] = [
     ("SIMPLE_PINHOLE", 3, 1, ColmapModel::Polynomial),
     ("PINHOLE", 4, 2, ColmapModel::Polynomial),

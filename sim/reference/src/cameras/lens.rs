@@ -152,7 +152,8 @@ impl Lens {
         None
     }
 
-    /// The pinhole that sees all that this lens shows of a camera's picture, with as many pixels to a focal length in the middle.
+    /// The pinhole that sees all that this lens shows of a camera's picture, with as many pixels to a focal length in
+    /// the middle.
     pub fn pinhole(&self, camera: &Camera) -> Option<Camera> {
         let lens = self.resized([camera.width, camera.height]);
         let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];

@@ -7,8 +7,9 @@
 //! | nerfstudio, Blender | JSON with `frames` | `transforms` |
 //! | the 3D Gaussian trainer | JSON that is a list | `trainer` |
 //!
-//! All but the first come from photographs, whose lenses may bend straight lines. A camera here is a pinhole: distortion is never
-//! left out in silence, but told with the pixels by which it moves the picture's corners ([`CameraPose::notes`]), and photographs are undistorted by [`CameraPose::lens`].
+//! All but the first come from photographs, whose lenses may bend straight lines. A camera here is a pinhole:
+//! distortion is never left out in silence, but told with the pixels by which it moves the picture's corners
+//! ([`CameraPose::notes`]), and photographs are undistorted by [`CameraPose::lens`].
 
 mod colmap;
 pub mod lens;
@@ -93,7 +94,8 @@ struct HasFrames {
     _frames: serde::de::IgnoredAny,
 }
 
-/// The one pose there is, or the one of that name: the whole name, the file's name without folders, or without its extension.
+/// The one pose there is, or the one of that name: the whole name, the file's name without folders, or without its
+/// extension.
 pub fn choose(poses: Vec<CameraPose>, name: Option<&str>) -> Result<CameraPose, String> {
     let names: Vec<&str> = poses
         .iter()

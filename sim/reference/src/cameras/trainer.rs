@@ -1,5 +1,5 @@
-//! `cameras.json` as the 3D Gaussian trainer leaves it beside its scenes: `rotation` and `position` take the camera (right, down,
-//! forward) to the world; the pictures are undistorted and centred.
+//! `cameras.json` as the 3D Gaussian trainer leaves it beside its scenes: `rotation` and `position` take the camera
+//! (right, down, forward) to the world; the pictures are undistorted and centred.
 
 use super::lens::{Distortion, Lens};
 use super::{CameraPose, Read, inverted, photograph};

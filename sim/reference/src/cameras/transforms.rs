@@ -1,8 +1,9 @@
-//! `transforms.json` of nerfstudio, instant-ngp and Blender's scenes: `transform_matrix` takes the camera to the world, the camera's
-//! axes being right, up, back. Lenses are stated once or per frame, as focal lengths or as a field of view.
+//! `transforms.json` of nerfstudio, instant-ngp and Blender's scenes: `transform_matrix` takes the camera to the world,
+//! the camera's axes being right, up, back. Lenses are stated once or per frame, as focal lengths or as a field of
+//! view.
 //!
-//! Poses are taken as they stand. Nerfstudio trains in a space of its own (dataparser_transforms.json), so a scene exported from
-//! there has to be exported with its poses.
+//! Poses are taken as they stand. Nerfstudio trains in a space of its own (dataparser_transforms.json), so a scene
+//! exported from there has to be exported with its poses.
 
 use super::lens::{Distortion, Lens};
 use super::{CameraPose, Read, inverted, photograph};

@@ -1,9 +1,9 @@
 //! Order and blending, shared by both engines of the reference.
 //!
-//! Splats are ordered by the place that their engine gave them, ties by index, and blended pixel by pixel (EWA 4.1 "every-sample" compositing;
-//! X-ray: SWAN 3.1). The picture is cut into bands of rows that rayon draws side by side: a band goes through its
-//! splats in order and skips the rest once every pixel is finished. Only speed depends on the cutting: a pixel meets
-//! its splats in the same order as in a loop over all of them.
+//! Splats are ordered by the place that their engine gave them, ties by index, and blended pixel by pixel (EWA 4.1
+//! "every-sample" compositing; X-ray: SWAN 3.1). The picture is cut into bands of rows that rayon draws side by side: a
+//! band goes through its splats in order and skips the rest once every pixel is finished. Only speed depends on the
+//! cutting: a pixel meets its splats in the same order as in a loop over all of them.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -76,7 +76,8 @@ pub fn project<'a>(
     if !(variance.is_regular() && centre[0].is_finite() && centre[1].is_finite()) {
         return Err(Culled::Degenerate);
     }
-    // An opacity is the splat's own and the same on all rays, and so is what is left of it: that on the ray through the centre.
+    // An opacity is the splat's own and the same on all rays, and so is what is left of it: that on the ray through the
+    // centre.
     if rules.compensated && !rules.normalised {
         peak *= variance.compensation();
         footprint.weight = peak;
@@ -94,7 +95,8 @@ pub fn project<'a>(
     Ok(footprint)
 }
 
-/// Prepares every splat of the scene, in the scene's order, each with the place that the scene's [`SortOrder`](crate::scene::SortOrder) gives it.
+/// Prepares every splat of the scene, in the scene's order, each with the place that the scene's
+/// [`SortOrder`](crate::scene::SortOrder) gives it.
 pub fn footprints<'a>(
     scene: &Scene,
     camera: &'a Camera,

@@ -91,7 +91,8 @@ pub fn project_beyond_viewport(
     })
 }
 
-/// Projects every splat of the scene, in the scene's order, each with the place that the scene's [`SortOrder`](crate::scene::SortOrder) gives it.
+/// Projects every splat of the scene, in the scene's order, each with the place that the scene's
+/// [`SortOrder`](crate::scene::SortOrder) gives it.
 pub fn footprints(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<Result<Footprint, Culled>> {
     compositor::project_all(scene, camera, rules, |splat| {
         let footprint = project(splat, camera, rules)?;

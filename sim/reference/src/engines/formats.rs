@@ -1,18 +1,20 @@
-//! The usual formulas in any floating-point format, every operation rounded: what a machine with a 16-bit datapath computes.
+//! The usual formulas in any floating-point format, every operation rounded: what a machine with a 16-bit datapath
+//! computes.
 //!
-//! A number is a double that is rounded to its format after each operation. For sums, products, quotients and roots of formats with up to 25
-//! significant bits that is the correctly rounded result: a double has more than twice as many bits and two to spare, so that rounding twice
-//! changes nothing (Figueroa, When is double rounding innocuous, 1995).
+//! A number is a double that is rounded to its format after each operation. For sums, products, quotients and roots of
+//! formats with up to 25 significant bits that is the correctly rounded result: a double has more than twice as many
+//! bits and two to spare, so that rounding twice changes nothing (Figueroa, When is double rounding innocuous, 1995).
 //!
 //! Each stage has a format of its own, so that a table can say which of them an error comes from:
 //!
 //! ```text
-//! setup (centre, conic, opacity) -> raster (offset from the centre, radial index) -> kernel (exp, opacity at the pixel) -> blend
+//! setup (centre, conic, opacity) -> raster (offset from the centre, radial index)
+//!     -> kernel (exp, opacity at the pixel) -> blend
 //! ```
 //!
 //! The formulas are those of [`plain`]. Machines with a narrow pixel path keep
-//! pixel coordinates small; so here a splat's centre is handed to the raster stage relative to its tile of 16 x 16 pixels. Depths are compared
-//! in the format of setup, ties by index.
+//! pixel coordinates small; so here a splat's centre is handed to the raster stage relative to its tile of 16 x 16
+//! pixels. Depths are compared in the format of setup, ties by index.
 
 use super::plain::{self, Number, PlainFootprint};
 use super::{BAND, Counts, FloatDrawing, PixelBox, compositor, in_bands};
@@ -45,7 +47,8 @@ pub const FP16: FloatFormat = FloatFormat::new(10, -14, 15);
 /// The upper half of a binary32.
 pub const BFLOAT16: FloatFormat = FloatFormat::new(7, -126, 127);
 
-/// 8 bits, of which 4 are the exponent's (E4M3); the two largest numbers, which some machines use for NaN, are numbers here.
+/// 8 bits, of which 4 are the exponent's (E4M3); the two largest numbers, which some machines use for NaN, are numbers
+/// here.
 pub const FP8: FloatFormat = FloatFormat::new(3, -6, 8);
 
 /// 8 bits, of which 5 are the exponent's (E5M2).

@@ -22,7 +22,8 @@ fn values(format: FloatFormat) -> Vec<f64> {
     values
 }
 
-/// The nearest value by searching all of them; between two the even one; infinity from half a step beyond the largest on.
+/// The nearest value by searching all of them; between two the even one; infinity from half a step beyond the largest
+/// on.
 fn nearest(values: &[f64], x: f64) -> f64 {
     let size = x.abs();
     let largest = values[values.len() - 1];
@@ -85,8 +86,8 @@ fn every_value_stays_and_every_midpoint_goes_to_the_even_one() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Sums, products, quotients and roots of two values are the nearest to the exact result. The exact result is taken in integers or told by
-    /// comparison, not by the rounding under test.
+    /// Sums, products, quotients and roots of two values are the nearest to the exact result. The exact result is taken
+    /// in integers or told by comparison, not by the rounding under test.
     #[test]
     fn operations_are_correctly_rounded(a in any::<u16>(), b in any::<u16>()) {
         let half = |bits: u16| {

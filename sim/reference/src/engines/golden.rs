@@ -1,8 +1,8 @@
 //! Independent data to measure the reference against: 256 hard Gaussians in ten categories.
 //!
-//! The data set (`assets/golden_a.zip`) was computed by code that shares nothing with this project's, under the `3dgs` rules: projections in
-//! double precision, conics in 60-digit arithmetic, and one 64 x 64 picture per category. The tests hold the reference to it, and the lab
-//! prints the same table.
+//! The data set (`assets/golden_a.zip`) was computed by code that shares nothing with this project's, under the `3dgs`
+//! rules: projections in double precision, conics in 60-digit arithmetic, and one 64 x 64 picture per category. The
+//! tests hold the reference to it, and the lab prints the same table.
 
 use std::collections::HashMap;
 use std::fs::File;

@@ -1,7 +1,8 @@
 //! Points and splats in double precision (\[HYBRID\] 2 and 4), by one plain loop over fragments.
 //!
-//! Points have one circular footprint, the one that a spherical splat has at the distance k. With a depth range, the points
-//! that a pixel meets within it are summed; the sum is composited when the next fragment lies beyond, or belongs to a splat.
+//! Points have one circular footprint, the one that a spherical splat has at the distance k. With a depth range, the
+//! points that a pixel meets within it are summed; the sum is composited when the next fragment lies beyond, or belongs
+//! to a splat.
 
 use super::compositor::{self, for_each_pixel, opacity};
 use super::float::{self, Footprint, screen_position, visible_position};

@@ -165,7 +165,8 @@ impl ScreenVariance {
             && c > 0.0
     }
 
-    /// By which factor the low-pass filter would lift the volume of a Gaussian of constant peak, inverted: sqrt(det V' / det(V' + V^h)).
+    /// By which factor the low-pass filter would lift the volume of a Gaussian of constant peak, inverted: sqrt(det V'
+    /// / det(V' + V^h)).
     pub fn compensation(&self) -> f64 {
         (self.sharp_determinant / self.determinant).sqrt()
     }

@@ -2,10 +2,13 @@
 //!
 //! With w = transmittance times opacity of a splat at the pixel, front to back as the rules say:
 //!
-//! - depth: accumulated (sum of w z), normalised (that by the sum of w), and median (z of the splat that brings the transmittance to 1/2 or less);
+//! - depth: accumulated (sum of w z), normalised (that by the sum of w), and median (z of the splat that brings the
+//!   transmittance to 1/2 or less);
 //! - normal: sum of w n, of length 1, n being the shortest axis in camera space, turned to the eye;
-//! - count: splats that were blended, and those that were looked up before the pixel was finished: inside the row's span, however faint;
-//! - first: the first splat that was blended; id: the one of the largest w. Both are numbers in the scene's order, -1 without any.
+//! - count: splats that were blended, and those that were looked up before the pixel was finished: inside the row's
+//!   span, however faint;
+//! - first: the first splat that was blended; id: the one of the largest w. Both are numbers in the scene's order, -1
+//!   without any.
 
 use super::compositor::{for_each_pixel, opacity, order};
 use super::{float, in_bands};
@@ -149,7 +152,8 @@ mod tests {
     use crate::rules::Compositing;
     use crate::scene::synthetic;
 
-    /// Alpha is the picture's own, counts are its counts, and depths lie between those of the nearest and the farthest splat.
+    /// Alpha is the picture's own, counts are its counts, and depths lie between those of the nearest and the farthest
+    /// splat.
     #[test]
     fn maps_are_of_the_picture() {
         let scene = synthetic::random_gaussians(300, 4, 3.0);

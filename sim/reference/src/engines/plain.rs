@@ -1,7 +1,7 @@
 //! The usual formulas of a float rasterizer of 3D Gaussians, in any kind of number.
 //!
-//! Covariance from the axes, T = J W, T V T^T + h I, the determinant as a c - b^2, the conic by division. [`single`](super::single) has them
-//! in single precision, [`formats`](super::formats) in formats of any width.
+//! Covariance from the axes, T = J W, T V T^T + h I, the determinant as a c - b^2, the conic by division.
+//! [`single`](super::single) has them in single precision, [`formats`](super::formats) in formats of any width.
 
 use super::{Culled, PixelBox};
 use crate::camera::Camera;
@@ -69,7 +69,8 @@ pub struct PlainFootprint<N> {
 }
 
 impl<N: Number> PlainFootprint<N> {
-    /// The pixels outside of which the opacity is below the smallest that the rules draw, two pixels wider for rounding.
+    /// The pixels outside of which the opacity is below the smallest that the rules draw, two pixels wider for
+    /// rounding.
     pub fn bounds(&self, camera: &Camera, rules: &Rules) -> PixelBox {
         let single = |number: N| number.value() as f32;
         let faint = 2.0 * (single(self.peak) / rules.alpha_min as f32).ln().max(0.0);

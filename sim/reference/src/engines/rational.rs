@@ -1,7 +1,7 @@
 //! The footprint in exact rational arithmetic, rounded once to double precision at the end.
 //!
-//! From doubles on, every step of setup up to the quadratic form is rational: t = W u + d, the Jacobian at the (clamped)
-//! slope, M = J W A, V = M M^T + h I, its determinant, and the LDL coefficients. Only the peak of normalised
+//! From doubles on, every step of setup up to the quadratic form is rational: t = W u + d, the Jacobian at the
+//! (clamped) slope, M = J W A, V = M M^T + h I, its determinant, and the LDL coefficients. Only the peak of normalised
 //! kernels needs a root, and is taken in double precision from exact arguments. \[EWA\] 6.2, eq. 22-31.
 
 use crate::camera::Camera;
@@ -17,7 +17,8 @@ pub struct RationalFootprint {
     pub centre: [f64; 2],
     /// Depth, scene units.
     pub depth: f64,
-    /// K: the columns of M before the viewing ray's share is taken off them, against the footprint's own extent, and at least 1.
+    /// K: the columns of M before the viewing ray's share is taken off them, against the footprint's own extent, and at
+    /// least 1.
     pub cancellation: f64,
     /// Vxx, Vxy, Vyy, square pixels, and the determinant.
     pub variance: [f64; 4],

@@ -1,6 +1,7 @@
 //! Sheet buffers in double precision (\[EWA\] 4.1, \[SWAN\] 3): splats of a slab are added, sheets are composited.
 //!
-//! With the sums A_s = min(1, sum alpha) and C_s = sum alpha c of sheet s, nearest first: C = sum_s C_s prod_(i<s) (1 - A_i).
+//! With the sums A_s = min(1, sum alpha) and C_s = sum alpha c of sheet s, nearest first: C = sum_s C_s prod_(i<s) (1 -
+//! A_i).
 
 use super::compositor::{for_each_pixel, opacity};
 use super::float::{self, Footprint};

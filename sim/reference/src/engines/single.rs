@@ -1,6 +1,7 @@
 //! The usual formulas in single precision: what a float rasterizer of 3D Gaussians computes.
 //!
-//! [`plain`] with r from the conic per pixel and exp of the mathematical library: the yardstick of the stability tables.
+//! [`plain`] with r from the conic per pixel and exp of the mathematical library: the yardstick of the stability
+//! tables.
 
 use super::plain::{self, PlainFootprint};
 use super::{PixelBox, in_bands};

@@ -1,7 +1,7 @@
 //! Spherical kernels in perspective in double precision (\[HYBRID\] 4.2 and appendix A).
 //!
-//! The exact ellipse comes from the angles themselves: with b the angle between the centre's direction and the
-//! optical axis and sin a = R/|C|, the tangent cone cuts the image plane between tan(b - a) and tan(b + a), and the minor
+//! The exact ellipse comes from the angles themselves: with b the angle between the centre's direction and the optical
+//! axis and sin a = R/|C|, the tangent cone cuts the image plane between tan(b - a) and tan(b + a), and the minor
 //! half-axis is sin a / sqrt(cos^2 b - sin^2 a). The corrected index is the paper's d = sin(atan(i tan a)) / tan a.
 
 use super::compositor::{self, OnScreen, ScreenSplat};

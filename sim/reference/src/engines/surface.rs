@@ -1,9 +1,10 @@
-//! Surface splatting in double precision, from the formulas of SURF: the counterpart of the kernel's systems 2 and 9 to 12.
+//! Surface splatting in double precision, from the formulas of SURF: the counterpart of the kernel's systems 2 and 9 to
+//! 12.
 //!
-//! Screen-space basis function (SURF eq. 8), attributes filtered and divided by the weight sum (eq. 9), depth of the tangent
-//! plane, accumulation by a depth threshold (section 4) or in layers (section 6, eq. 12), Phong shading per pixel and
-//! coverage from the weight sum (section 7). The other way to the same ellipse, by intersecting pixel rays with the tangent
-//! plane (section 4), is in the engine's tests, which hold both against each other.
+//! Screen-space basis function (SURF eq. 8), attributes filtered and divided by the weight sum (eq. 9), depth of the
+//! tangent plane, accumulation by a depth threshold (section 4) or in layers (section 6, eq. 12), Phong shading per
+//! pixel and coverage from the weight sum (section 7). The other way to the same ellipse, by intersecting pixel rays
+//! with the tangent plane (section 4), is in the engine's tests, which hold both against each other.
 
 use super::{Counts, Culled, PixelBox, in_bands};
 use crate::camera::Camera;

@@ -1,8 +1,9 @@
 //! The camera of a capture, moved to where what is seen of the scene fills the picture.
 //!
-//! A splat within the picture obeys four bounds, one a side: with the camera's axes, `x - t z <= x0 - t z0` on the right for an eye at
-//! (x0, z0) and a picture of half width t at distance 1. So the farthest splat of each side gives the eye in closed form. Trained scenes
-//! have floaters: faint or few, far from the rest. A side's fence stands beyond what holds most of the opacity, and who is outside does not count.
+//! A splat within the picture obeys four bounds, one a side: with the camera's axes, `x - t z <= x0 - t z0` on the
+//! right for an eye at (x0, z0) and a picture of half width t at distance 1. So the farthest splat of each side gives
+//! the eye in closed form. Trained scenes have floaters: faint or few, far from the rest. A side's fence stands beyond
+//! what holds most of the opacity, and who is outside does not count.
 
 use super::MARGIN;
 use crate::camera::Camera;

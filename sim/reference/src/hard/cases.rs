@@ -124,8 +124,8 @@ fn shapes(sample: u64) -> Vec<Case> {
     ]
 }
 
-/// A disc of radius 1 that the ray to its centre lies in, level on the screen, its axes turned by `angle` against the ray, and `thin` across:
-/// each axis' vertical component on the screen is a difference of equal numbers.
+/// A disc of radius 1 that the ray to its centre lies in, level on the screen, its axes turned by `angle` against the
+/// ray, and `thin` across: each axis' vertical component on the screen is a difference of equal numbers.
 fn disc_through_the_eye(centre: [f64; 3], angle: f64, thin: f64) -> [[f64; 3]; 3] {
     let unit = |v| vector::unit(v).unwrap_or_default();
     let ray = unit(centre);
@@ -183,7 +183,8 @@ fn turned(sample: u64) -> Vec<Case> {
 
 /// The same view from elsewhere: splats and camera are turned and moved together, then rounded.
 fn seen_askew(mut case: Case) -> Case {
-    // The rotation's entries are multiples of 2^-23, which both engines hold; a deviation from a rotation of that size is part of the case.
+    // The rotation's entries are multiples of 2^-23, which both engines hold; a deviation from a rotation of that size
+    // is part of the case.
     let coarse = |x: f64| (x * f64::from(1 << 23)).round() / f64::from(1 << 23);
     let columns = rotated_axes([0.8, 0.3, -0.4, 0.33], [1.0; 3]);
     let rotation: [[f64; 3]; 3] =

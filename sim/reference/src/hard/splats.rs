@@ -1,5 +1,5 @@
-//! Ten kinds of hard Gaussians in one scene, after the independent data that the reference is held to (`engines::golden`): there each
-//! kind has a picture of its own, here they share one, at depths from 0.01 to 67.
+//! Ten kinds of hard Gaussians in one scene, after the independent data that the reference is held to
+//! (`engines::golden`): there each kind has a picture of its own, here they share one, at depths from 0.01 to 67.
 
 use super::classes::{Class, Size, class, gaussian};
 use crate::camera::Camera;

@@ -1,8 +1,9 @@
 //! Pictures as floating-point files, for measuring: nothing is rounded to steps, clamped or divided by alpha.
 //!
-//! Both formats are plain enough to be written here: an encoder for them would be the largest dependency of this crate for 60
-//! lines. `.npy` (NumPy, version 1.0) holds height x width x 4 doubles, `.exr` (OpenEXR 2, scan lines, uncompressed) the channels
-//! A, B, G, R in single precision. Colours are premultiplied, which is what both worlds expect.
+//! Both formats are plain enough to be written here: an encoder for them would be the largest dependency of this crate
+//! for 60 lines. `.npy` (NumPy, version 1.0) holds height x width x 4 doubles, `.exr` (OpenEXR 2, scan lines,
+//! uncompressed) the channels A, B, G, R in single precision. Colours are premultiplied, which is what both worlds
+//! expect.
 
 use super::Picture;
 

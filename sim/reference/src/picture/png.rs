@@ -98,7 +98,8 @@ fn samples_of(file: &Path) -> Result<(OutputInfo, Vec<u8>)> {
     Ok((info, samples))
 }
 
-/// A file's pixels: red, green, blue and opacity of 16 bits, which hold 8-bit values without loss (v / 255 = 257 v / 65535).
+/// A file's pixels: red, green, blue and opacity of 16 bits, which hold 8-bit values without loss (v / 255 = 257 v /
+/// 65535).
 pub struct PngPixels {
     /// Columns.
     pub width: usize,

@@ -1,7 +1,8 @@
 //! Files in a zip archive.
 //!
-//! Apart from its reader because of WebAssembly: the library's own dependencies bind JavaScript there, for times and random numbers that reading
-//! does not need, and the live page, which holds this crate for its engines, reads no files. There every archive is refused.
+//! Apart from its reader because of WebAssembly: the library's own dependencies bind JavaScript there, for times and
+//! random numbers that reading does not need, and the live page, which holds this crate for its engines, reads no
+//! files. There every archive is refused.
 
 /// What gives the bytes of one file of an archive, of a limit and one bytes at most.
 pub(super) type FileReader<'a> = Box<dyn Fn(&str, u64) -> Result<Vec<u8>, String> + 'a>;

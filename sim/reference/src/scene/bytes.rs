@@ -109,7 +109,8 @@ pub(super) fn checked_bytes(count: u64, each: u64, field: &str) -> Result<u64, P
     })
 }
 
-/// Unpacks a gzip stream that must hold exactly `expected` bytes, if there is room for them and for so many `more`, which they become.
+/// Unpacks a gzip stream that must hold exactly `expected` bytes, if there is room for them and for so many `more`,
+/// which they become.
 pub(super) fn gunzip_exact(
     packed: &[u8],
     expected: u64,
@@ -158,7 +159,8 @@ fn unpacked(
     field: &str,
 ) -> Result<Vec<u8>, Problem> {
     let mut bytes = memory::list(expected + 1, field)?;
-    // One byte more than expected tells "too long" apart from "exact", and makes the decoder read to the end and check its trailer.
+    // One byte more than expected tells "too long" apart from "exact", and makes the decoder read to the end and check
+    // its trailer.
     let read = decoder.take(expected + 1).read_to_end(&mut bytes);
     read.map_err(|error| damaged(packing, field, error))?;
     match (bytes.len() as u64).cmp(&expected) {

@@ -55,7 +55,8 @@ fn at_hand() -> Vec<FormatPair> {
         .to_vec()
 }
 
-/// What other people's writers made of the captured scenes, in the folder of the environment's FORMATS: NAME.ext or NAME_anything.ext.
+/// What other people's writers made of the captured scenes, in the folder of the environment's FORMATS: NAME.ext or
+/// NAME_anything.ext.
 fn further() -> Vec<FormatPair> {
     let Some(folder) = std::env::var_os("FORMATS") else {
         return Vec::new();

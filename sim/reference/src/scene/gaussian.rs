@@ -18,7 +18,8 @@ pub const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
 /// Up where y points down, as in the photographs' cameras that captures follow.
 pub(super) const CAPTURE_UP: [f64; 3] = [0.0, -1.0, 0.0];
 
-/// What a file says that was trained antialiased without saying how: gsplat's low-pass filter, and opacities compensated for it.
+/// What a file says that was trained antialiased without saying how: gsplat's low-pass filter, and opacities
+/// compensated for it.
 pub(super) const TRAINED_ANTIALIASED: Rules = Rules {
     compensated: true,
     ..Rules::GAUSSIAN_3D
@@ -218,8 +219,8 @@ pub(super) fn degree_of(coefficients: usize) -> Option<u8> {
     (0..=MAX_DEGREE).find(|degree| coefficient_count(*degree) == coefficients)
 }
 
-/// The 24 real harmonics of degrees 1 to 4 in a unit direction, in the trainers' order and signs (those of the Condon-Shortley
-/// phase). Each is homogeneous, so that a direction of zero leaves the constant colour alone.
+/// The 24 real harmonics of degrees 1 to 4 in a unit direction, in the trainers' order and signs (those of the
+/// Condon-Shortley phase). Each is homogeneous, so that a direction of zero leaves the constant colour alone.
 pub(super) fn harmonic_basis([x, y, z]: [f64; 3]) -> [f64; HARMONICS] {
     let (xx, yy, zz) = (x * x, y * y, z * z);
     let rr = xx + yy + zz;

@@ -1,8 +1,9 @@
 //! `.ksplat`, version 0.1: a header of 4096 bytes, sections with headers of 1024 bytes each, then the sections' data.
 //!
-//! Level 0 stores floats; levels 1 and 2 store places as three 16-bit integers around the centre of a bucket of Gaussians, scales
-//! and rotations as half floats, and harmonics as half floats (1) or bytes (2). Colours are bytes throughout. A section begins with
-//! the sizes of its partly filled buckets, then come the buckets' centres, then the Gaussians, full buckets first.
+//! Level 0 stores floats; levels 1 and 2 store places as three 16-bit integers around the centre of a bucket of
+//! Gaussians, scales and rotations as half floats, and harmonics as half floats (1) or bytes (2). Colours are bytes
+//! throughout. A section begins with the sizes of its partly filled buckets, then come the buckets' centres, then the
+//! Gaussians, full buckets first.
 
 use super::Scene;
 use super::bytes::{Reader, little_at, nothing_left};

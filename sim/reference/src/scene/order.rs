@@ -1,7 +1,8 @@
 //! What splats are sorted by.
 //!
-//! Trainers sort by the depth along the view, which is one subtraction and a row of the rotation. Sorted by the distance from the eye, a scene does not
-//! change its order when the camera turns where it stands; glTF's extension lets a file say which of the two it was made for.
+//! Trainers sort by the depth along the view, which is one subtraction and a row of the rotation. Sorted by the
+//! distance from the eye, a scene does not change its order when the camera turns where it stands; glTF's extension
+//! lets a file say which of the two it was made for.
 
 use crate::camera::Camera;
 use crate::vector;
@@ -9,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 /// What splats are sorted by, nearest first. Equal ones stay in the order of the scene.
 ///
-/// Spheres, sheets and gathered points go by the depth whatever the scene says: they need differences of depths, not only their order.
+/// Spheres, sheets and gathered points go by the depth whatever the scene says: they need differences of depths, not
+/// only their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SortOrder {

@@ -1,4 +1,5 @@
-//! Quaternions of which the three smallest parts are stored: the largest follows from the length 1, with a positive sign.
+//! Quaternions of which the three smallest parts are stored: the largest follows from the length 1, with a positive
+//! sign.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 

@@ -10,7 +10,8 @@
 //! | rotation, versions 3 and 4 | 4 | "smallest three": top 2 bits name the largest of x, y, z, w; the others follow, sign and 9-bit magnitude of sqrt(1/2) |
 //! | harmonics | 3 per coefficient | `(byte - 128) / 128`, colour channel fastest |
 //!
-//! Up to version 3 all of it is one gzip stream; version 4 has a plain header, a table of sizes and one zstd stream per array.
+//! Up to version 3 all of it is one gzip stream; version 4 has a plain header, a table of sizes and one zstd stream per
+//! array.
 //!
 //! The format's axes are right, up, back, while the trainers' are right, down, front: y and z are negated here, in
 //! positions, in quaternions and in the harmonics that are odd in them.
@@ -47,8 +48,8 @@ const ARRAYS: [&str; 6] = [
     "spz rotations",
     "spz harmonics",
 ];
-/// Largest size of the unpacked arrays in sizes of the file, for version 4: zstd itself knows no bound. Real scenes, even of one
-/// colour and rotation throughout, stay below 20; the format's own library refuses more than this as well.
+/// Largest size of the unpacked arrays in sizes of the file, for version 4: zstd itself knows no bound. Real scenes,
+/// even of one colour and rotation throughout, stay below 20; the format's own library refuses more than this as well.
 const MAX_RATIO: u64 = 1024;
 
 /// Loads a `.spz` file.

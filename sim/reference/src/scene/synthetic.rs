@@ -46,8 +46,8 @@ pub fn random_gaussians(count: usize, seed: u64, scale_multiplier: f64) -> Scene
     Scene::of_splats(name, Rules::GAUSSIAN_3D, splats)
 }
 
-/// The same splats with view-dependent colours: coefficients of all degrees up to `degree`, normal with a deviation of 0.15, as trained
-/// scenes have them.
+/// The same splats with view-dependent colours: coefficients of all degrees up to `degree`, normal with a deviation of
+/// 0.15, as trained scenes have them.
 pub fn random_harmonics(count: usize, seed: u64, degree: u8) -> Scene {
     let mut scene = random_gaussians(count, seed, 1.0);
     let mut random = Random(seed ^ 0x5e_ed0f_c010);

@@ -64,8 +64,8 @@ impl Scene {
         self.weight == Weight::Opacity && !synthetic::is_synthetic(&self.name)
     }
 
-    /// The view that figures in `docs` are taken from, close enough that outer parts may be cut off; the command line frames by
-    /// [`crate::framing::FramingInput`], which looks the same way and shows all.
+    /// The view that figures in `docs` are taken from, close enough that outer parts may be cut off; the command line
+    /// frames by [`crate::framing::FramingInput`], which looks the same way and shows all.
     ///
     /// Volumes are seen along +z from twice the largest extent with 30 degrees. Captures are seen across their
     /// thinner horizontal side, without stray splats counting. Synthetic scenes have [`synthetic::camera`].

@@ -1,11 +1,14 @@
-//! Texture coefficients: which colour each point of a surface gets, so that the splatted surface looks like the texture (\[SURF\] 5).
+//! Texture coefficients: which colour each point of a surface gets, so that the splatted surface looks like the texture
+//! (\[SURF\] 5).
 //!
-//! The continuous texture function of a splatted surface is f(u) = sum_k w_k r_k(u) (\[SURF\] eq. 2), with r_k the basis functions divided by
-//! their sum: that is what the accumulation buffer divides (eq. 9). Three ways to the coefficients w_k:
+//! The continuous texture function of a splatted surface is f(u) = sum_k w_k r_k(u) (\[SURF\] eq. 2), with r_k the
+//! basis functions divided by their sum: that is what the accumulation buffer divides (eq. 9). Three ways to the
+//! coefficients w_k:
 //!
 //! - [`Method::Plain`]: the texture's colour at the point. The basis functions blur it again when it is drawn.
-//! - [`Method::Prefiltered`], view-independent EWA: the texture is filtered by the point's basis function convolved with the texel's unit
-//!   Gaussian before it is sampled. Nothing aliases where points are farther apart than texels; it is blurred twice.
+//! - [`Method::Prefiltered`], view-independent EWA: the texture is filtered by the point's basis function convolved
+//!   with the texel's unit Gaussian before it is sampled. Nothing aliases where points are farther apart than texels;
+//!   it is blurred twice.
 //! - [`Method::Optimised`]: the w that minimises sum_j |f(u_j) - c_j|^2 over all texels, R w = c with R_jk = r_k(u_j).
 
 use super::Texture;
@@ -99,7 +102,8 @@ impl Coefficients {
     }
 }
 
-/// Coefficients of `points` on `texture`. Their basis functions end where the radial index reaches `cutoff`, as in the drawing.
+/// Coefficients of `points` on `texture`. Their basis functions end where the radial index reaches `cutoff`, as in the
+/// drawing.
 pub fn coefficients(
     texture: &Texture,
     points: &[SamplePoint],

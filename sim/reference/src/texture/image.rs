@@ -1,7 +1,7 @@
 //! A texture: a photograph or a pattern, as linear RGB on a grid of texels.
 //!
-//! Texture coordinates are in texels from the upper left corner: texel (i, j) is the sample at (i + 0.5, j + 0.5). As everywhere,
-//! values are linear as stored (no gamma applied).
+//! Texture coordinates are in texels from the upper left corner: texel (i, j) is the sample at (i + 0.5, j + 0.5). As
+//! everywhere, values are linear as stored (no gamma applied).
 
 use crate::camera::Camera;
 use crate::cameras::lens::{Distortion, Lens};
@@ -90,8 +90,8 @@ fn damaged(reason: String) -> Problem {
     anyhow!("picture: {reason}; give a sound .png or .jpg file")
 }
 
-/// The photograph as a pinhole of the lens' focal lengths and principal point would have taken it; transparent where it has nothing to show.
-/// A photograph of another size than the lens' is a scaled one.
+/// The photograph as a pinhole of the lens' focal lengths and principal point would have taken it; transparent where it
+/// has nothing to show. A photograph of another size than the lens' is a scaled one.
 pub fn undistorted(photograph: &Picture, lens: &Lens) -> Picture {
     if lens.distortion == Distortion::default() {
         return photograph.clone();
@@ -111,7 +111,8 @@ pub fn undistorted(photograph: &Picture, lens: &Lens) -> Picture {
     straight
 }
 
-/// What a lens shows of a picture that its wider pinhole ([`Lens::pinhole`]) has drawn; transparent where it shows nothing.
+/// What a lens shows of a picture that its wider pinhole ([`Lens::pinhole`]) has drawn; transparent where it shows
+/// nothing.
 pub fn distorted(drawn: &Picture, pinhole: &Camera, lens: &Lens) -> Picture {
     let size = lens.size.map(|side| side as usize);
     let mut bent = Picture::new(size[0], size[1]);

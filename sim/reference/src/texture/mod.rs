@@ -1,4 +1,5 @@
-//! Textures on points (\[SURF\] 5) and forward warping of depth images and textures (\[HYBRID\] 3): systems 13 and 17, on the host.
+//! Textures on points (\[SURF\] 5) and forward warping of depth images and textures (\[HYBRID\] 3): systems 13 and 17,
+//! on the host.
 //!
 //! ```text
 //! texture + points -> coefficients -> surface scene                       (both engines draw it as any other)

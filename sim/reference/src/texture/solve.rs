@@ -1,9 +1,10 @@
 //! Damped sparse least squares, for the optimised texture coefficients (\[SURF\] 5).
 //!
 //! Wanted is the w that minimises sum_j |sum_k R_jk w_k - c_j|^2 + lambda d sum_k |w_k - w0_k|^2. Its normal equations
-//! (R^T R + lambda d I) w = R^T c + lambda d w0, with d the mean of R^T R's diagonal, are symmetric and sparse: basis functions
-//! overlap with a dozen neighbours. They are gathered row by row of R, which is never stored (14 million entries for a photograph of 2048^2), and solved
-//! per colour channel by the BiCGSTAB of the crate `sprs`. Why this crate: docs/systems.md.
+//! (R^T R + lambda d I) w = R^T c + lambda d w0, with d the mean of R^T R's diagonal, are symmetric and sparse: basis
+//! functions overlap with a dozen neighbours. They are gathered row by row of R, which is never stored (14 million
+//! entries for a photograph of 2048^2), and solved per colour channel by the BiCGSTAB of the crate `sprs`. Why this
+//! crate: docs/systems.md.
 
 use sprs::linalg::bicgstab::BiCGSTAB;
 use sprs::{CsMat, CsVec};

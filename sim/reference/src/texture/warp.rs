@@ -1,11 +1,13 @@
-//! Hybrid image warping and texture mapping (\[HYBRID\] 3): depth images and textures as samples that another view draws as points or splats.
+//! Hybrid image warping and texture mapping (\[HYBRID\] 3): depth images and textures as samples that another view
+//! draws as points or splats.
 //!
 //! A pixel of a depth image, and a texel on a plane, is a sample in space as a voxel is: a sphere of standard deviation
-//! 0.82 spacings with the pixel's colour. The spacing of neighbouring samples is what one pixel spans at the sample's depth, z / f. Seen from elsewhere the
-//! samples go through the choice of [`crate::hybrid`]: closer together than pixels they become points, otherwise they stay splats.
+//! 0.82 spacings with the pixel's colour. The spacing of neighbouring samples is what one pixel spans at the sample's
+//! depth, z / f. Seen from elsewhere the samples go through the choice of [`crate::hybrid`]: closer together than
+//! pixels they become points, otherwise they stay splats.
 //!
-//! Samples are opaque at their centres, and points within a depth range are summed before they are composited, so that a
-//! surface is averaged and not hidden by its own nearest samples.
+//! Samples are opaque at their centres, and points within a depth range are summed before they are composited, so that
+//! a surface is averaged and not hidden by its own nearest samples.
 
 use super::Texture;
 use crate::camera::Camera;

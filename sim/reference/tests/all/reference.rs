@@ -268,8 +268,8 @@ proptest! {
     }
 }
 
-/// 2D Gaussians by their own formula (Huang et al., SIGGRAPH 2024, eq. 4): where the ray meets the splat's plane, the two axes' coordinates
-/// are the Gaussian's. `exact` draws axes of length 0 by its limit.
+/// 2D Gaussians by their own formula (Huang et al., SIGGRAPH 2024, eq. 4): where the ray meets the splat's plane, the
+/// two axes' coordinates are the Gaussian's. `exact` draws axes of length 0 by its limit.
 #[test]
 fn flat_splats_are_where_rays_meet_their_planes() {
     let camera = straight_camera();

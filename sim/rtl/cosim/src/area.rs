@@ -1,7 +1,8 @@
 //! Area: what Yosys makes of the units for three families of FPGAs.
 //!
-//! `rtl -- area primitive` and `rtl -- area setup` print the tables that the model's estimate is calibrated on and held against
-//! (`sim/machine/src/area/synthesised.csv` and `setup.csv`); `rtl -- area UNIT` counts the cells of another unit.
+//! `rtl -- area primitive` and `rtl -- area setup` print the tables that the model's estimate is calibrated on and held
+//! against (`sim/machine/src/area/synthesised.csv` and `setup.csv`); `rtl -- area UNIT` counts the cells of another
+//! unit.
 
 use crate::circuit::{Circuit, PRIMITIVE, Parameter, RtlUnit, SETUP, set};
 use crate::netlist::Statistics;
@@ -53,8 +54,9 @@ pub fn fabric<'a>(cells: impl IntoIterator<Item = (&'a str, u64)>) -> Fabric {
     area
 }
 
-/// Yosys' command for a family. Units that are placed are flattened first, as they would be there; elsewhere hierarchy is kept, so that equal lanes and cores
-/// are synthesised once. Yosys flattens for Lattice's devices unless it is told not to, and for Xilinx' only if it is told to.
+/// Yosys' command for a family. Units that are placed are flattened first, as they would be there; elsewhere hierarchy
+/// is kept, so that equal lanes and cores are synthesised once. Yosys flattens for Lattice's devices unless it is told
+/// not to, and for Xilinx' only if it is told to.
 fn synthesis(family: Family, unit: &RtlUnit) -> &'static str {
     match family {
         Family::Ice40 => "synth_ice40 -dsp -noflatten",
@@ -142,7 +144,8 @@ fn primitive(subject: &Subject, family: Family) -> Result<Vec<Synthesised>> {
     Ok(found.into_iter().map(line).collect())
 }
 
-/// Designs and cores of further setup units: a shorter mantissa, by which the estimate knows what a bit takes, and what it is held against.
+/// Designs and cores of further setup units: a shorter mantissa, by which the estimate knows what a bit takes, and what
+/// it is held against.
 const FURTHER: [(usize, u32); 4] = [(0, 2), (2, 1), (2, 4), (3, 1)];
 
 /// The table of the setup units of all designs, or of one: half an hour.

@@ -1,9 +1,11 @@
 //! Area and clock of the units in the standard cells of any Liberty file: `rtl -- area asic LIBERTY [WORDS]`.
 //!
-//! Yosys maps a circuit module by module, so that each unit's share can be told. Memories stay whole and are counted in bits, since on a chip a compiler of
-//! memories makes them. A gate equivalent is the area of the library's smallest NAND of two inputs: the figure that can be compared across nodes. The longest
-//! path of a module is abc's, between its ports and registers, with the loads of the cells and without wires: a circuit that is laid out is slower.
-//! `asic.csv` beside this folder is what it printed for primitives of four lanes in SKY130's cells (sky130_fd_sc_hd, typical corner).
+//! Yosys maps a circuit module by module, so that each unit's share can be told. Memories stay whole and are counted in
+//! bits, since on a chip a compiler of memories makes them. A gate equivalent is the area of the library's smallest
+//! NAND of two inputs: the figure that can be compared across nodes. The longest path of a module is abc's, between its
+//! ports and registers, with the loads of the cells and without wires: a circuit that is laid out is slower. `asic.csv`
+//! beside this folder is what it printed for primitives of four lanes in SKY130's cells (sky130_fd_sc_hd, typical
+//! corner).
 
 use crate::circuit::{Circuit, MACHINE, PRIMITIVE, set};
 use crate::netlist::Netlist;
@@ -16,8 +18,8 @@ use std::io::Read;
 use std::ops::AddAssign;
 use std::path::Path;
 
-/// Square micrometres that a gate of 28 nm takes, all included: 0.66 mm2 for 1.14 million gates and 120 KB of memory, as arXiv 2604.10223 prints for its
-/// processor. Memories are in it, so it is an upper bound.
+/// Square micrometres that a gate of 28 nm takes, all included: 0.66 mm2 for 1.14 million gates and 120 KB of memory,
+/// as arXiv 2604.10223 prints for its processor. Memories are in it, so it is an upper bound.
 const GATE_28NM: f64 = 0.66e6 / 1.14e6;
 
 /// abc's script: the best mapping for delay, buffers for high fan-out, and the longest path with loads.
@@ -32,7 +34,8 @@ struct Library {
 }
 
 impl Library {
-    /// Areas and registers of all cells. A Liberty file is groups in braces, `cell (name) { area : 3.75; ff (IQ, IQ_N) { ... } }`.
+    /// Areas and registers of all cells. A Liberty file is groups in braces,
+    /// `cell (name) { area : 3.75; ff (IQ, IQ_N) { ... } }`.
     fn parse(text: &str) -> Result<Library> {
         let mut cells = BTreeMap::new();
         let (mut depth, mut inside, mut cell) = (0, 0, String::new());
@@ -103,8 +106,8 @@ impl AddAssign for ModuleCost {
     }
 }
 
-/// A circuit in a library's cells, and the longest paths of its modules. (Yosys' statistics would do, but release 0.23 writes them as broken JSON for more than
-/// one module.)
+/// A circuit in a library's cells, and the longest paths of its modules. (Yosys' statistics would do, but release 0.23
+/// writes them as broken JSON for more than one module.)
 struct Mapped<'a> {
     library: &'a Library,
     netlist: Netlist,
@@ -135,7 +138,8 @@ impl Mapped<'_> {
     }
 }
 
-/// A module's name without Yosys' parameters: `$paramod$0b1f...\delay` and `$paramod\align\BITS=s32'...` are `delay` and `align`.
+/// A module's name without Yosys' parameters: `$paramod$0b1f...\delay` and `$paramod\align\BITS=s32'...` are `delay`
+/// and `align`.
 fn readable(module: &str) -> &str {
     let (first, rest) = module.split_once('\\').unwrap_or((module, ""));
     let name = rest.split('\\').next().filter(|name| !name.is_empty());

@@ -1,7 +1,9 @@
-//! The bench of units that take and give words by valid and ready: random back-pressure at all ends, resets in between, every answer compared.
+//! The bench of units that take and give words by valid and ready: random back-pressure at all ends, resets in between,
+//! every answer compared.
 //!
-//! What a unit is given are items (a splat, a tile). An item has offers in several lanes, each taken in order and at its own pace, and a number of answers that
-//! must come before the next item's. After a reset the bench begins anew with the first item whose answers have not all come.
+//! What a unit is given are items (a splat, a tile). An item has offers in several lanes, each taken in order and at
+//! its own pace, and a number of answers that must come before the next item's. After a reset the bench begins anew
+//! with the first item whose answers have not all come.
 
 use crate::random::Random;
 use crate::simulation::Port;
@@ -11,7 +13,8 @@ use anyhow::{Result, ensure};
 /// Cycles for which a new circuit is reset.
 const RESET_CYCLES: u64 = 4;
 
-/// Cycles in which answers are taken and none comes, nor anything is taken that is offered, after which the circuit hangs.
+/// Cycles in which answers are taken and none comes, nor anything is taken that is offered, after which the circuit
+/// hangs.
 const PATIENCE: u64 = 1 << 18;
 
 /// Cycles behind the last answer in which no other may come.

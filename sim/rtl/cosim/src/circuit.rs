@@ -1,7 +1,8 @@
-//! Circuits: which unit, of which design, with which parameters. Every tool reads the sources that a circuit names here; for simulation they are verilated and
-//! compiled into a shared library.
+//! Circuits: which unit, of which design, with which parameters. Every tool reads the sources that a circuit names
+//! here; for simulation they are verilated and compiled into a shared library.
 //!
-//! Libraries are kept in the build folder under a hash of all that they are made of, so that an unchanged circuit is built once.
+//! Libraries are kept in the build folder under a hash of all that they are made of, so that an unchanged circuit is
+//! built once.
 
 use crate::mutation::{Mutation, MutationNumber, with_choices};
 use crate::package;
@@ -153,7 +154,8 @@ impl Circuit {
         Ok("read_verilog -sv".to_owned() + &paths.collect::<String>())
     }
 
-    /// The circuit without a mutation, compiled for so much, as a library for [`Simulation`](crate::simulation::Simulation).
+    /// The circuit without a mutation, compiled for so much, as a library for
+    /// [`Simulation`](crate::simulation::Simulation).
     pub fn library(&self, extent: Extent) -> Result<PathBuf> {
         self.verilated(self.sources()?, extent)
     }
@@ -299,7 +301,8 @@ pub fn write(folder: &Path, sources: &[Source]) -> Result<Vec<PathBuf>> {
     sources.iter().map(written).collect()
 }
 
-/// The ports of Verilator's class, as the shim lists them. In its header `VL_INW(&record,607,0,19);` is an input of 608 bits.
+/// The ports of Verilator's class, as the shim lists them. In its header `VL_INW(&record,607,0,19);` is an input of 608
+/// bits.
 fn ports(header: &str) -> String {
     let port = |line: &str| {
         let (kind, port) = line.trim().split_once("(&")?;

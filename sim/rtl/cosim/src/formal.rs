@@ -1,8 +1,10 @@
-//! The units that keep the primitive's promises, proven: `sim/rtl/formal` says what they promise, and Yosys' solver that it holds in every cycle of every run.
+//! The units that keep the primitive's promises, proven: `sim/rtl/formal` says what they promise, and Yosys' solver
+//! that it holds in every cycle of every run.
 //!
-//! Safety is proven by induction: it holds for some cycles from reset on, and if it holds for a few cycles, then for the next. Liveness of several units
-//! together is not inductive without a full account of their states; it is shown for every run of so many cycles from reset on. Each property is also seen
-//! to fail where a unit has a mistake (`mutations.tsv`), since a property that cannot fail says nothing.
+//! Safety is proven by induction: it holds for some cycles from reset on, and if it holds for a few cycles, then for
+//! the next. Liveness of several units together is not inductive without a full account of their states; it is shown
+//! for every run of so many cycles from reset on. Each property is also seen to fail where a unit has a mistake
+//! (`mutations.tsv`), since a property that cannot fail says nothing.
 
 use crate::circuit::{Parameter, Source, set, write};
 use crate::mutation::{Mutation, mutations};
@@ -130,7 +132,8 @@ pub fn report() -> Result<()> {
     Ok(())
 }
 
-/// The package that a unit is proven with. The whole primitive has tiles of 2 x 4 pixels, which are cleared within the cycles that are looked at.
+/// The package that a unit is proven with. The whole primitive has tiles of 2 x 4 pixels, which are cleared within the
+/// cycles that are looked at.
 fn package_text(unit: &str) -> Result<String> {
     let text = fs::read_to_string(rtl().join("lean18/splatline_pkg.sv"))?;
     if unit != "splat_primitive" {

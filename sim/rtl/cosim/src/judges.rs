@@ -32,7 +32,8 @@ pub const JUDGES: [&str; 7] = [
     "machine",
 ];
 
-/// Judges some of a judge's mutations. How each is noticed, or nothing if it survives, comes one by one, since each takes a while.
+/// Judges some of a judge's mutations. How each is noticed, or nothing if it survives, comes one by one, since each
+/// takes a while.
 pub fn judge(
     judge: &str,
     mutations: &[Mutation],
@@ -101,8 +102,8 @@ fn setup(cores: u32, program: SetupProgram) -> Result<Circuit> {
     circuit("lean18", cores, program)
 }
 
-/// A setup unit of one core for each of a program's mistakes: a program is data of the circuit, in a package, and no choice can be made there. Without a
-/// mistake the circuit must agree.
+/// A setup unit of one core for each of a program's mistakes: a program is data of the circuit, in a package, and no
+/// choice can be made there. Without a mistake the circuit must agree.
 fn program_judge(right: SetupProgram) -> Result<Judge> {
     let circuit = setup(1, right.clone())?;
     let loads = SetupLoad::all(&circuit, Extent::Quick, &mut Vec::new())?;

@@ -8,7 +8,8 @@
 //!   -> unit: what is given to a circuit and compared, from which reports and judgements follow
 //!   -> primitive, setup, harmonics, order, machine: loads and golden words of each
 //! ```
-//! [`judges`] says which comparison judges which mutations, [`formal`] proves what units promise; [`area`] and [`asic`] count what circuits cost, [`placement`] how fast they are on a device.
+//! [`judges`] says which comparison judges which mutations, [`formal`] proves what units promise; [`area`] and [`asic`]
+//! count what circuits cost, [`placement`] how fast they are on a device.
 
 pub mod area;
 pub mod asic;

@@ -1,8 +1,9 @@
 //! A memory of 16-byte words behind a port that reads and writes at the same time, with latency and random pauses.
 //!
-//! A word is read as it stands when it is asked for, and written some cycles after it was handed over: who reads what is still being written gets what was
-//! there before, as on a bus that promises no order between the two directions. A narrower memory behind the port moves a word in several beats; of a
-//! word that is written only those are moved in which anything changes.
+//! A word is read as it stands when it is asked for, and written some cycles after it was handed over: who reads what
+//! is still being written gets what was there before, as on a bus that promises no order between the two directions. A
+//! narrower memory behind the port moves a word in several beats; of a word that is written only those are moved in
+//! which anything changes.
 
 use crate::bench::Channel;
 use crate::random::Random;
@@ -155,7 +156,8 @@ impl Memory {
         self.edge(circuit);
     }
 
-    /// What shows before any word is looked at: accesses beyond the memory, or that lists are said to be full that are not.
+    /// What shows before any word is looked at: accesses beyond the memory, or that lists are said to be full that are
+    /// not.
     pub fn astray(&self, full: bool) -> Option<String> {
         let beyond = self.beyond;
         (beyond > 0 || full != self.timing.full)

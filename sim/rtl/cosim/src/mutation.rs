@@ -1,8 +1,11 @@
-//! Mutations: circuits with one small mistake each, which the comparisons must notice. `mutations.tsv` lists them all; here they are put into the sources.
+//! Mutations: circuits with one small mistake each, which the comparisons must notice. `mutations.tsv` lists them all;
+//! here they are put into the sources.
 //!
-//! Building a circuit takes longer than judging a mutation by it, so that one circuit holds many, of which a number picks one when it is simulated. An item of
-//! a module (`always_ff`, `always_comb`, `assign`, a function) with mutations in it becomes a choice between its texts with one of them each and the text
-//! as it is. A mutation outside such items (a parameter, a port, a package) has no choice and is built alone. The committed circuits know nothing of this.
+//! Building a circuit takes longer than judging a mutation by it, so that one circuit holds many, of which a number
+//! picks one when it is simulated. An item of a module (`always_ff`, `always_comb`, `assign`, a function) with
+//! mutations in it becomes a choice between its texts with one of them each and the text as it is. A mutation outside
+//! such items (a parameter, a port, a package) has no choice and is built alone. The committed circuits know nothing of
+//! this.
 
 use crate::circuit::Source;
 use anyhow::{Context, Result, ensure};
@@ -165,7 +168,8 @@ fn parts(item: &str) -> Result<(&str, &str)> {
     Ok((&item[..end], body.context("a function without an end")?))
 }
 
-/// Where a module's items begin and end; others than those above are passed over. An item goes on with lines that are indented further, and with its own end.
+/// Where a module's items begin and end; others than those above are passed over. An item goes on with lines that are
+/// indented further, and with its own end.
 fn items(text: &str) -> Vec<Range<usize>> {
     let kinds = ["assign ", "always_comb ", "always_ff ", "function "];
     let mut items: Vec<Range<usize>> = Vec::new();

@@ -1,5 +1,5 @@
-//! Sorter and binning (`sim/rtl/splat_order.sv`) against the kernel's order and the model's lists: captured scenes, and keys
-//! that a sorter finds hard, through a memory; every place of the order and of every list.
+//! Sorter and binning (`sim/rtl/splat_order.sv`) against the kernel's order and the model's lists: captured scenes, and
+//! keys that a sorter finds hard, through a memory; every place of the order and of every list.
 
 use crate::bench::Bench;
 use crate::memory::{Memory, MemoryTiming, timing};
@@ -86,7 +86,8 @@ impl OrderLoad {
     }
 }
 
-/// What becomes of each splat under these rules, the picture's work in tiles of the circuit's size, and its splats with the model's lists.
+/// What becomes of each splat under these rules, the picture's work in tiles of the circuit's size, and its splats with
+/// the model's lists.
 pub fn ordered(
     seen: &Seen,
     design: &DesignChoice,
@@ -122,7 +123,8 @@ pub fn ordered(
     (footprints, workload, load)
 }
 
-/// No splat, one, all keys equal, all keys but one, upside down, in order already, single bits, and random ones with many equals.
+/// No splat, one, all keys equal, all keys but one, upside down, in order already, single bits, and random ones with
+/// many equals.
 pub fn hard() -> Loads<OrderLoad> {
     let last = (1u64 << KEY_BITS) - 1;
     let mut random = Random(3);
@@ -172,8 +174,8 @@ fn tiles(random: &mut Random, size: [u16; 2]) -> [[u16; 2]; 2] {
     [first, last]
 }
 
-/// A memory, and cycles from a splat to the next one at least: at full speed; with pauses; with words that arrive after all that a digit's sums take; and
-/// lists without room.
+/// A memory, and cycles from a splat to the next one at least: at full speed; with pauses; with words that arrive after
+/// all that a digit's sums take; and lists without room.
 const TIMINGS: [(MemoryTiming, u64); 4] = [
     (timing([20, 0], 16, false), 8),
     (timing([7, 3], 16, false), 1),
@@ -224,7 +226,8 @@ impl Load for OrderLoad {
         words.resize_with(lists + room.div_ceil(4), || noise(&mut random));
         let mut memory = Memory::new(&bench.circuit, words, timing, 1)?;
         let mut findings = Findings::default();
-        // Twice or once: neither what a picture leaves behind nor what registers hold before the first must reach the one that is judged.
+        // Twice or once: neither what a picture leaves behind nor what registers hold before the first must reach the
+        // one that is judged.
         for _ in 0..2 - pressure % 2 {
             findings.cycles = order(&mut bench.circuit, &mut memory, self, interval)?;
         }

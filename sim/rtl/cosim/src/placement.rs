@@ -1,7 +1,8 @@
 //! Clock: circuits placed and routed by nextpnr on an ECP5, where the tool is there, and packed into a bitstream.
 //!
-//! A circuit has more ports than a device has pins. So each is put between registers on three pins, by a wrapper that is made from its ports: every input
-//! comes from a shift register, every output goes into another. No path that is timed leaves the chip.
+//! A circuit has more ports than a device has pins. So each is put between registers on three pins, by a wrapper that
+//! is made from its ports: every input comes from a shift register, every output goes into another. No path that is
+//! timed leaves the chip.
 
 use crate::area::{cells, columns};
 use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
@@ -29,9 +30,10 @@ fn synthesis(circuit: &Circuit) -> &'static str {
     "synth_ecp5 -abc9 -top wrapper"
 }
 
-/// nextpnr's options for a circuit, first the clock that it is asked for, MHz: above the bars, so that it does not stop too early; of the machine the wires
-/// are too many to be short as well. It needs version 0.7. The usual router takes whole nets out again for one wire, and had 204,000 of 244,000 arcs left
-/// after 300,000 tries. The usual placer's places need a quarter more wire than those of the static one, which does not place pins.
+/// nextpnr's options for a circuit, first the clock that it is asked for, MHz: above the bars, so that it does not stop
+/// too early; of the machine the wires are too many to be short as well. It needs version 0.7. The usual router takes
+/// whole nets out again for one wire, and had 204,000 of 244,000 arcs left after 300,000 tries. The usual placer's
+/// places need a quarter more wire than those of the static one, which does not place pins.
 fn placer_options(circuit: &Circuit) -> &'static str {
     if *circuit.unit == MACHINE {
         return "--freq 60 --placer static --lpf pins.lpf --router router2";
@@ -62,7 +64,8 @@ pub fn circuits(words: &str) -> Result<Vec<Circuit>> {
     Ok(all)
 }
 
-/// Cores of setup in the machine that is placed: a splat in 16 cycles. Those for one in 8 take 92 of a hundred multipliers of the device.
+/// Cores of setup in the machine that is placed: a splat in 16 cycles. Those for one in 8 take 92 of a hundred
+/// multipliers of the device.
 const PLACED_CORES: u32 = 9;
 
 /// The machine with four lanes and so many cores of setup.
@@ -87,8 +90,8 @@ pub fn report(words: &str, seed: Option<u32>) -> Result<()> {
     Ok(())
 }
 
-/// Writes the bitstream of a circuit between registers into a file; gives a line about it. It shows that the circuit goes through all tools to its end and what
-/// it occupies; a board puts its own shell in the registers' place.
+/// Writes the bitstream of a circuit between registers into a file; gives a line about it. It shows that the circuit
+/// goes through all tools to its end and what it occupies; a board puts its own shell in the registers' place.
 pub fn bitstream(circuit: &Circuit, file: &Path) -> Result<String> {
     let packer = first_that_runs(PACKERS)?;
     let folder = tempfile::tempdir()?;
@@ -134,8 +137,8 @@ pub const NETLIST: &str = "netlist.json";
 /// The module in it.
 pub const WRAPPER: &str = "wrapper";
 
-/// By how much a wire that two nets want gets dearer in each round of router2, which reads it in the netlist. By the usual
-/// 2.0 a few hundred of the machine's wires remain such after thirty rounds, and become more.
+/// By how much a wire that two nets want gets dearer in each round of router2, which reads it in the netlist. By the
+/// usual 2.0 a few hundred of the machine's wires remain such after thirty rounds, and become more.
 const CONGESTION: (&str, &str) = ("router2/currCongWeightMult", "0.7");
 
 /// Any three pins near each other.
@@ -179,8 +182,9 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
     Ok(fabric)
 }
 
-/// The unit between shift registers. The outputs are loaded while the last input bit is set, and shifted out otherwise: every 64 of them by a register
-/// of their own, each a cycle after the one before, so that no wire leads to all of them.
+/// The unit between shift registers. The outputs are loaded while the last input bit is set, and shifted out otherwise:
+/// every 64 of them by a register of their own, each a cycle after the one before, so that no wire leads to all of
+/// them.
 fn wrapper(circuit: &Circuit, ports: &BTreeMap<String, NetlistPort>) -> String {
     let (mut wires, mut widths) = (String::new(), [0, 0]);
     for (name, port) in ports.iter().filter(|(name, _)| *name != "clk") {
@@ -215,7 +219,8 @@ endmodule
     )
 }
 
-/// Fmax of the only clock in nextpnr's report, and its slowest path: from and to which cells it leads, and its nanoseconds.
+/// Fmax of the only clock in nextpnr's report, and its slowest path: from and to which cells it leads, and its
+/// nanoseconds.
 fn timing(report: &PlacerReport) -> Option<(f64, String)> {
     let inner = |path: &&PathReport| {
         let ends = [&path.from, &path.to];
@@ -288,7 +293,8 @@ mod tests {
         );
     }
 
-    /// The model's clock of a primitive is the median of its placements, if there are five (of two seeds in the middle the slower one's).
+    /// The model's clock of a primitive is the median of its placements, if there are five (of two seeds in the middle
+    /// the slower one's).
     #[test]
     fn the_models_clocks_are_medians_of_what_was_placed() {
         let placed = include_str!("../placed.csv");

@@ -1,13 +1,13 @@
 //! Registers inside of multipliers and block RAM.
 //!
-//! A MULT18X18D of an ECP5 has registers at its inputs and at its output, a DP16KD has one behind its words. Yosys 0.23 uses none of them, so that a product
-//! goes a multiplier's whole way and a wire's to the register outside, and a word 5.6 ns and a wire. This does on the netlist what the vendors' tools do: a
-//! register moves in where it holds nothing but what a multiplier or a memory gives, or all that a multiplier takes. What is computed in which cycle
-//! stays.
+//! A MULT18X18D of an ECP5 has registers at its inputs and at its output, a DP16KD has one behind its words. Yosys 0.23
+//! uses none of them, so that a product goes a multiplier's whole way and a wire's to the register outside, and a word
+//! 5.6 ns and a wire. This does on the netlist what the vendors' tools do: a register moves in where it holds nothing
+//! but what a multiplier or a memory gives, or all that a multiplier takes. What is computed in which cycle stays.
 //!
-//! Two multipliers of a device stand in one block and share its four enables, and the output's register takes the first one. So an enable has the same number
-//! everywhere: the first is that of most products, and only products of this enable move in. Registers that are written alike are one enable, whatever they are
-//! called.
+//! Two multipliers of a device stand in one block and share its four enables, and the output's register takes the first
+//! one. So an enable has the same number everywhere: the first is that of most products, and only products of this
+//! enable move in. Registers that are written alike are one enable, whatever they are called.
 
 use crate::netlist::{Bit, Netlist, NetlistCell};
 use anyhow::{Context, Result};
@@ -310,8 +310,8 @@ mod tests {
         from_value(netlist).unwrap()
     }
 
-    /// Multipliers with a register behind their product, those with registers before their factors, memories with one behind their words, and the flip-flops that
-    /// there are no more.
+    /// Multipliers with a register behind their product, those with registers before their factors, memories with one
+    /// behind their words, and the flip-flops that there are no more.
     fn moved(netlist: &mut Netlist, top: &str) -> [u64; 4] {
         let flip_flops = move_in(netlist, top).unwrap();
         let [products, factors, words] = [
@@ -379,7 +379,8 @@ mod tests {
         assert_eq!(cell.parameters["REG_INPUTB_CE"], "CE0");
     }
 
-    /// Both netlists of a circuit, simulated gate by gate with Yosys' models of the ECP5's cells and our own of its multiplier and block RAM.
+    /// Both netlists of a circuit, simulated gate by gate with Yosys' models of the ECP5's cells and our own of its
+    /// multiplier and block RAM.
     #[test]
     #[cfg_attr(not(has_rtl), ignore = "needs Yosys and Icarus Verilog")]
     fn the_circuit_computes_the_same_in_the_same_cycles() {

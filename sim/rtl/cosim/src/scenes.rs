@@ -26,10 +26,12 @@ impl Seen {
     }
 }
 
-/// The scenes of whole pictures: captured ones, the lion scanned as round volume splats, and twenty thousand large, nearly transparent splats.
+/// The scenes of whole pictures: captured ones, the lion scanned as round volume splats, and twenty thousand large,
+/// nearly transparent splats.
 pub const SCENES: [&str; 5] = ["guitar", "playbot", "lion", "aneurism", "deep stack"];
 
-/// The named of [`SCENES`] in square pictures of so many pixels a side; the names of those whose data is not at hand go to `missing`.
+/// The named of [`SCENES`] in square pictures of so many pixels a side; the names of those whose data is not at hand go
+/// to `missing`.
 pub fn scenes(names: &[&'static str], size: usize, missing: &mut Missing) -> Result<Vec<Seen>> {
     let mut all = Vec::new();
     for name in names {

@@ -32,11 +32,12 @@ struct PortData {
 pub struct Port(usize);
 
 impl Simulation {
-    /// The circuit in a library that [`Circuit`](crate::circuit::Circuit) has built, with the mutation of this number; 0 is none. The seed chooses what its
-    /// registers hold; inputs are 0.
+    /// The circuit in a library that [`Circuit`](crate::circuit::Circuit) has built, with the mutation of this number;
+    /// 0 is none. The seed chooses what its registers hold; inputs are 0.
     pub fn new(library: &Path, seed: u32, mutation: MutationNumber) -> Result<Simulation> {
-        // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbols have the shim's types, and the
-        // simulation is freed by the same library before that is unloaded. A port may be all zeros.
+        // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbols
+        // have the shim's types, and the simulation is freed by the same library before that is unloaded. A port may be
+        // all zeros.
         unsafe {
             let library = Library::new(library).context("a circuit's library")?;
             let make: unsafe extern "C" fn(u32, u32) -> *mut c_void =
@@ -89,8 +90,9 @@ impl Simulation {
         for index in 0..bits.div_ceil(32) as usize {
             let kept = (bits - 32 * index as u32).min(32);
             let word = words.get(index).copied().unwrap_or(0) & (u32::MAX >> (32 - kept));
-            // SAFETY: the pointer is the port's in the living model, which stores up to 32 bits in the smallest C integer that holds them, and more of them
-            // in words of 32 bits or in an integer of two such words, the lower one first.
+            // SAFETY: the pointer is the port's in the living model, which stores up to 32 bits in the smallest C
+            // integer that holds them, and more of them in words of 32 bits or in an integer of two such words, the
+            // lower one first.
             unsafe {
                 match bits {
                     0..=8 => *data.cast() = word as u8,

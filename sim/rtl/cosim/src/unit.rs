@@ -1,5 +1,5 @@
-//! What the units of `sim/rtl` have in common: loads, back-pressure, and a comparison with what defines the unit. From it follow the report of a full
-//! comparison and the judgement of mutations.
+//! What the units of `sim/rtl` have in common: loads, back-pressure, and a comparison with what defines the unit. From
+//! it follow the report of a full comparison and the judgement of mutations.
 
 use crate::mutation::{Mutation, MutationNumber, mutations};
 use anyhow::{Result, bail, ensure};
@@ -162,8 +162,8 @@ pub fn report<L: Load>(circuit: &Circuit) -> Result<()> {
 /// What notices mutations: it says how one is noticed, or nothing if it survives.
 pub type Judge = Box<dyn Fn(&Mutation) -> Result<Option<String>>>;
 
-/// A circuit's comparison as a judge. One circuit has all of its mutations that have a choice, and without one of them it must agree; circuits with the others
-/// are built when they are asked for.
+/// A circuit's comparison as a judge. One circuit has all of its mutations that have a choice, and without one of them
+/// it must agree; circuits with the others are built when they are asked for.
 pub fn judge_of<L: Load + 'static>(
     circuit: Result<Circuit>,
     judge: &str,

@@ -180,8 +180,8 @@ mod with_verilator {
         );
     }
 
-    /// Colours of a scene, of random splats, of corners and arbitrary bits (`rtl -- compare harmonics` takes thousands of each), with pauses at all ends and
-    /// resets in mid-splat, by one multiplier and by two.
+    /// Colours of a scene, of random splats, of corners and arbitrary bits (`rtl -- compare harmonics` takes thousands
+    /// of each), with pauses at all ends and resets in mid-splat, by one multiplier and by two.
     #[test]
     fn harmonics_unit_gives_the_kernels_colours() {
         for multipliers in MULTIPLIERS {
@@ -197,8 +197,9 @@ mod with_verilator {
         agrees::<OrderLoad>(&Circuit::new(&ORDER, "lean18", 8).unwrap());
     }
 
-    /// Frames from records in memory by the whole machine, with every memory, twice in one machine, and their cycles by the model; and frames without room for
-    /// their lists. Of tiles without splats there are some before, between and behind the others, in the last column and the last row.
+    /// Frames from records in memory by the whole machine, with every memory, twice in one machine, and their cycles by
+    /// the model; and frames without room for their lists. Of tiles without splats there are some before, between and
+    /// behind the others, in the last column and the last row.
     #[test]
     fn the_machine_draws_the_kernels_frame() {
         let found = agrees::<MachineLoad>(&machine::circuit("lean18", 2, 4).unwrap());
@@ -235,8 +236,8 @@ mod with_verilator {
         assert_ne!(crowd.lists.entries(), plain[0].1.lists.entries());
     }
 
-    /// Frames whose splats have colours of harmonics, of degree 0 to 4, by a machine that evaluates them. It has cores enough
-    /// for many splats to be on their way behind one that waits for its colour.
+    /// Frames whose splats have colours of harmonics, of degree 0 to 4, by a machine that evaluates them. It has cores
+    /// enough for many splats to be on their way behind one that waits for its colour.
     #[test]
     fn the_machine_draws_harmonics() {
         let circuit = machine::circuit("lean18", 6, 4).unwrap();
@@ -322,7 +323,8 @@ mod with_verilator {
         asked.map(|text| text.parse().expect("a number"))
     }
 
-    /// SPLATLINE_MUTANTS=N takes about N mutations, spread over the list from a place that SPLATLINE_SEED chooses; otherwise all.
+    /// SPLATLINE_MUTANTS=N takes about N mutations, spread over the list from a place that SPLATLINE_SEED chooses;
+    /// otherwise all.
     fn some(all: Vec<Mutation>) -> Vec<Mutation> {
         let count = number("SPLATLINE_MUTANTS").unwrap_or(all.len()).max(1);
         let step = all.len().div_ceil(count);

@@ -1,7 +1,8 @@
-//! Handshakes that coincide: what the circuit does where two of its interfaces, or an interface and reset, act in the same cycle.
+//! Handshakes that coincide: what the circuit does where two of its interfaces, or an interface and reset, act in the
+//! same cycle.
 //!
-//! A bench that offers one thing after the other never meets these cycles; a board does. Each test draws a tile whose pixels are known, disturbs it, and
-//! looks at that tile and at the next.
+//! A bench that offers one thing after the other never meets these cycles; a board does. Each test draws a tile whose
+//! pixels are known, disturbs it, and looks at that tile and at the next.
 #![cfg(has_rtl)]
 
 use splatline::blend::Pixel;
@@ -211,7 +212,8 @@ impl HandshakeScene {
     }
 }
 
-/// An idle primitive is offered a packet and `finish` in the same cycle, for every packet of the tile: it takes the packet.
+/// An idle primitive is offered a packet and `finish` in the same cycle, for every packet of the tile: it takes the
+/// packet.
 #[test]
 fn a_packet_offered_with_finish_belongs_to_its_tile() {
     for lanes in LANES {
@@ -232,7 +234,8 @@ fn a_packet_offered_with_finish_belongs_to_its_tile() {
     }
 }
 
-/// `finish` waits from the first packet on, while packets come at random: it is taken after the last one and its pixels.
+/// `finish` waits from the first packet on, while packets come at random: it is taken after the last one and its
+/// pixels.
 #[test]
 fn finish_waits_for_what_was_taken() {
     for lanes in LANES {
@@ -252,7 +255,8 @@ fn finish_waits_for_what_was_taken() {
     }
 }
 
-/// The next tile is drawn while this one is read out; its end waits until the last pixel has been taken, and not a word of either is the other's.
+/// The next tile is drawn while this one is read out; its end waits until the last pixel has been taken, and not a word
+/// of either is the other's.
 #[test]
 fn a_tile_is_drawn_while_the_one_before_is_read_out() {
     for lanes in LANES {

@@ -12,8 +12,8 @@ use std::path::Path;
 /// Where neither a camera file nor `--size` says otherwise.
 pub(super) const USUAL_SIZE: [usize; 2] = [512, 512];
 
-/// The camera of the options, or one that shows the whole scene (a capture that is `filling` fills the picture), and what had to be corrected.
-/// `up` is used where the options do not say.
+/// The camera of the options, or one that shows the whole scene (a capture that is `filling` fills the picture), and
+/// what had to be corrected. `up` is used where the options do not say.
 pub(super) fn camera(
     options: &CameraArgs,
     up: [f64; 3],
@@ -65,7 +65,8 @@ fn trained_camera(scene: &Path, options: &CameraArgs) -> Result<Option<(Camera, 
     of_pose(&file, first, options).map(Some)
 }
 
-/// A file's camera with the picture's size that is asked for; a rotation that was corrected, and what that size stretches, are told.
+/// A file's camera with the picture's size that is asked for; a rotation that was corrected, and what that size
+/// stretches, are told.
 fn of_pose(path: &Path, pose: CameraPose, options: &CameraArgs) -> Result<(Camera, Vec<String>)> {
     let (camera, change, field) = (pose.camera, pose.correction, pose.rotation_field);
     let mut warnings = Vec::new();
@@ -108,7 +109,8 @@ fn camera_from_eye(
         .map_err(|error| usage(format!("--eye, --target and --up make no camera: {error}")))
 }
 
-/// An automatic camera, unless the scene's coordinates are so large that it cannot be placed: their squares overflow beyond 1e154.
+/// An automatic camera, unless the scene's coordinates are so large that it cannot be placed: their squares overflow
+/// beyond 1e154.
 pub fn sound_camera(camera: Camera, scene: &str) -> Result<Camera> {
     if camera.is_sound() {
         Ok(camera)

@@ -1,6 +1,7 @@
 //! From options to a source and to the technique that draws it.
 //!
-//! What contradicts itself or has no meaning for the kind of scene is refused; what is left open follows from the scene.
+//! What contradicts itself or has no meaning for the kind of scene is refused; what is left open follows from the
+//! scene.
 
 use super::PlanRequest;
 use crate::camera::Camera;
@@ -277,7 +278,8 @@ fn source_camera(path: &Path) -> Result<SourceCamera> {
     Ok(SourceCamera(pose.camera))
 }
 
-/// The rules asked for, with the kernel and the protection against aliasing asked for, or else with that which the scene was trained with.
+/// The rules asked for, with the kernel and the protection against aliasing asked for, or else with that which the
+/// scene was trained with.
 fn rules(options: &SplatArgs, scene: &Scene, antialias: Option<AntialiasChoice>) -> Result<Rules> {
     let natural = scene.natural_rules;
     let rules = options.rules.unwrap_or(natural).with_kernel(options.kernel);
@@ -318,7 +320,8 @@ fn style(view: &ViewOptions, scene: &SurfaceScene) -> Style {
     }
 }
 
-/// As the options say, or else where the cloud's normals allow it. Of a body that one can see through the backs are wanted.
+/// As the options say, or else where the cloud's normals allow it. Of a body that one can see through the backs are
+/// wanted.
 fn culls_backfaces(options: &SurfaceArgs, scene: &SurfaceScene) -> bool {
     match options.backfaces() {
         Backfaces::On => true,

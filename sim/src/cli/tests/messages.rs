@@ -93,7 +93,8 @@ fn a_single_picture_moves_the_bar() {
     assert_eq!(of_reference.last(), Some(&(150, 150)));
 }
 
-/// `convert` is whatever the total has beyond the other stages; of one run they add up but for the rounding of a sum, a nanosecond.
+/// `convert` is whatever the total has beyond the other stages; of one run they add up but for the rounding of a sum, a
+/// nanosecond.
 #[test]
 fn every_phase_of_the_total_has_a_name() {
     let folder = Folder::new();

@@ -49,7 +49,8 @@ fn the_examples_of_the_help_parse() {
     assert!(tried > command.get_subcommands().count());
 }
 
-/// Scripts keep working: earlier names run the same command with the same options, and the short list has the new ones alone.
+/// Scripts keep working: earlier names run the same command with the same options, and the short list has the new ones
+/// alone.
 #[test]
 fn earlier_names_of_commands_are_the_same_commands() {
     for (earlier, now) in [

@@ -1,9 +1,9 @@
 //! Moves: coordinate descent from several machines, and two fields at once where one alone gains nothing.
 //!
-//! A field of the machine is tried at every value. A width is lowered by bisection to the least that holds the limits on errors, because each trial
-//! draws pictures: widths interact weakly, each one's rounding adds its own part to the error. Dear bits come first, and rounds repeat until none can
-//! be lowered. Where no single field gains anything, one is moved up a step and another down: a lane less for a row more at once is a gain that
-//! neither shows alone.
+//! A field of the machine is tried at every value. A width is lowered by bisection to the least that holds the limits
+//! on errors, because each trial draws pictures: widths interact weakly, each one's rounding adds its own part to the
+//! error. Dear bits come first, and rounds repeat until none can be lowered. Where no single field gains anything, one
+//! is moved up a step and another down: a lane less for a row more at once is a gain that neither shows alone.
 
 use super::{Judge, Search, compare};
 use crate::explore::space::{SpaceAxis, SpacePart};
@@ -112,7 +112,8 @@ impl Search<'_> {
         })
     }
 
-    /// Lowers one width at a time as far as the limits on errors allow, until none can be lowered; where `cheaper` asks for it, only if that gains area.
+    /// Lowers one width at a time as far as the limits on errors allow, until none can be lowered; where `cheaper` asks
+    /// for it, only if that gains area.
     pub fn lower_widths(
         &mut self,
         start: Vec<usize>,

@@ -1,9 +1,9 @@
-//! Decisions by threshold: which pairs of a splat and a pixel an engine draws and the reference does not, and the reverse, and which pixels
-//! it finishes sooner or later.
+//! Decisions by threshold: which pairs of a splat and a pixel an engine draws and the reference does not, and the
+//! reverse, and which pixels it finishes sooner or later.
 //!
-//! Every decision is made by the engine's own code. For the smallest opacity a splat is drawn alone on empty pixels; for the stop at the
-//! smallest transmittance the splats are drawn on top of each other, in the true order. Pairs behind a pixel that the reference has finished
-//! do not count, since no picture shows them.
+//! Every decision is made by the engine's own code. For the smallest opacity a splat is drawn alone on empty pixels;
+//! for the stop at the smallest transmittance the splats are drawn on top of each other, in the true order. Pairs
+//! behind a pixel that the reference has finished do not count, since no picture shows them.
 
 use crate::camera::Camera;
 use crate::design::DesignChoice;
@@ -57,7 +57,8 @@ pub(super) trait DecisionEngine: Sync {
 
 /// Pixels of a tile that an engine draws on.
 pub(super) trait DecisionTile {
-    /// Draws splat `index` within `bounds`, and tells for each of those pixels, row by row, whether it would be drawn if alone.
+    /// Draws splat `index` within `bounds`, and tells for each of those pixels, row by row, whether it would be drawn
+    /// if alone.
     fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>);
 
     /// Whether the pixel at a place of the tile takes no more splats.

@@ -1,7 +1,8 @@
 //! Whole scenes of the kinds that people have, each drawn by every engine and measured against double precision.
 //!
-//! [`classes`] makes the scenes, [`flips`] counts decisions at the smallest opacity, [`table`] writes the text. All pixels count, those on a
-//! threshold too; no sample is clamped, and everything is in units of the picture's largest sample (at least 1).
+//! [`classes`] makes the scenes, [`flips`] counts decisions at the smallest opacity, [`table`] writes the text. All
+//! pixels count, those on a threshold too; no sample is clamped, and everything is in units of the picture's largest
+//! sample (at least 1).
 //!
 //! | engine | what it is |
 //! |---|---|
@@ -176,7 +177,8 @@ fn in_camera_space(scene: &Scene, camera: &Camera) -> (Scene, Camera) {
     (scene, camera)
 }
 
-/// The same view after everything has been moved by `-offset` and the splats have been rounded to single precision again.
+/// The same view after everything has been moved by `-offset` and the splats have been rounded to single precision
+/// again.
 fn moved(scene: &Scene, camera: &Camera, offset: [f64; 3]) -> (Scene, Camera) {
     let nearer = |splat: &Splat| Splat {
         centre: vector::subtract(splat.centre, offset),

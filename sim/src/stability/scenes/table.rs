@@ -38,7 +38,8 @@ fn shown(db: f64) -> String {
     }
 }
 
-/// A line for each class: single precision and the designs, each with PSNR, largest error and bias, and the bars of `standard24` and `deep32`.
+/// A line for each class: single precision and the designs, each with PSNR, largest error and bias, and the bars of
+/// `standard24` and `deep32`.
 pub fn markdown(lines: &[SceneLine]) -> String {
     const ENGINES: [&str; 4] = [SINGLE, "lean18", "standard24", "deep32"];
     let mut text = String::from(

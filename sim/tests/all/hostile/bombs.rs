@@ -1,8 +1,8 @@
 //! Files that are small on disk and ask for more memory than there is.
 //!
-//! Each goes through the program itself, which may take 4 GB of address space and a second of processor time: it must end with a
-//! message that has a number and a limit, not by a signal. What a file claims is true where that can be had for little (a gzip of gigabytes
-//! of zeros), so that the claim alone does not give it away.
+//! Each goes through the program itself, which may take 4 GB of address space and a second of processor time: it must
+//! end with a message that has a number and a limit, not by a signal. What a file claims is true where that can be had
+//! for little (a gzip of gigabytes of zeros), so that the claim alone does not give it away.
 
 use super::super::shell::{Shell, holds};
 use super::seeds::{gzip, seed};

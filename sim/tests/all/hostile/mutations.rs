@@ -1,10 +1,13 @@
-//! The mutation suite: every format's sound file cut and changed at random, seeded and bounded, through the reader and what follows it.
+//! The mutation suite: every format's sound file cut and changed at random, seeded and bounded, through the reader and
+//! what follows it.
 //!
-//! A try ends with an answer: what was read was used, or there is a message of one line or more. A panic, an infinite number in a picture,
-//! a try of more than [`SLOW`] or memory beyond [`MOST_MEMORY`] fails. SPLATLINE_MUTATIONS=N tries N mutations of each format
-//! (and N / 3 cuts) instead of [`USUAL`]; .ci/run takes 300, and 50,000 have been tried by hand.
+//! A try ends with an answer: what was read was used, or there is a message of one line or more. A panic, an infinite
+//! number in a picture, a try of more than [`SLOW`] or memory beyond [`MOST_MEMORY`] fails. SPLATLINE_MUTATIONS=N tries
+//! N mutations of each format (and N / 3 cuts) instead of [`USUAL`]; .ci/run takes 300, and 50,000 have been tried by
+//! hand.
 //!
-//! The file of the try that is under way lies in the test's temporary folder, so that even an abort leaves what caused it.
+//! The file of the try that is under way lies in the test's temporary folder, so that even an abort leaves what caused
+//! it.
 
 use super::super::shell::Shell;
 use super::readers::{FORMATS, Reader};
@@ -190,7 +193,8 @@ fn series() -> u64 {
     seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)
 }
 
-/// Tries one format; the answer counts what was read although it was changed. Every failure is told with the try's number.
+/// Tries one format; the answer counts what was read although it was changed. Every failure is told with the try's
+/// number.
 fn try_format(
     folder: &Path,
     name: &str,

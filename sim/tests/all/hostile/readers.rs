@@ -1,7 +1,8 @@
 //! Every format that is read, and what is done with what was read, for the mutation suite and for the fuzz targets.
 //!
-//! Whoever adds a reader adds a line here, and both try it. A scene goes the whole way: it is loaded, framed by its default camera, drawn at
-//! 16 x 16 by both engines and compared. A text is read, and what it describes is used as far as that is quick.
+//! Whoever adds a reader adds a line here, and both try it. A scene goes the whole way: it is loaded, framed by its
+//! default camera, drawn at 16 x 16 by both engines and compared. A text is read, and what it describes is used as far
+//! as that is quick.
 
 use splatline_sim::camera::Camera;
 use splatline_sim::cameras;

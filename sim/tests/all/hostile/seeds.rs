@@ -1,4 +1,5 @@
-//! A sound file of every format in [`super::readers::FORMATS`], small enough that most mutations hit something that matters.
+//! A sound file of every format in [`super::readers::FORMATS`], small enough that most mutations hit something that
+//! matters.
 
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;

@@ -30,7 +30,8 @@ fn model_writes_accounts_and_the_resolved_machine() {
     assert_eq!(again.lines().next(), printed.lines().next());
 }
 
-/// The energies of a report add up to the last digit, the export holds the same counts, and a wrong table is refused by name and line.
+/// The energies of a report add up to the last digit, the export holds the same counts, and a wrong table is refused by
+/// name and line.
 #[test]
 fn model_says_what_a_picture_takes_and_for_what() {
     let shell = Shell::new();
@@ -105,7 +106,8 @@ fn machines_of_others_stand_beside_ours() {
     );
 }
 
-/// Floating-point datapaths draw by `render` and stand in the report of `compare`, worse with fewer bits; what they cannot draw is refused.
+/// Floating-point datapaths draw by `render` and stand in the report of `compare`, worse with fewer bits; what they
+/// cannot draw is refused.
 #[test]
 fn floating_point_datapaths_are_engines() {
     let shell = Shell::new();

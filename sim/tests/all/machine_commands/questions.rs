@@ -97,7 +97,8 @@ fn many_frames_are_one_report() {
     shell.refused(1, &format!("model {by_path}"), expected);
 }
 
-/// Lists that keep their order along a path: what that saves and what it does to the picture is told, and it is refused where nothing comes before.
+/// Lists that keep their order along a path: what that saves and what it does to the picture is told, and it is refused
+/// where nothing comes before.
 #[test]
 fn a_kept_order_has_a_gain_and_an_error() {
     let shell = Shell::new();
@@ -148,7 +149,8 @@ fn a_kept_order_has_a_gain_and_an_error() {
     }
 }
 
-/// From the question to an answer whose design and machine hold what it says when they are used, also as the base of a space.
+/// From the question to an answer whose design and machine hold what it says when they are used, also as the base of a
+/// space.
 #[test]
 fn a_question_has_one_answer() {
     let shell = Shell::new();

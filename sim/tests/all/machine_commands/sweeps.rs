@@ -19,7 +19,8 @@ fn a_sweep_is_resumed_and_has_a_front() {
     holds(&refused, &[difference]);
 }
 
-/// Several scenes by several cameras: each point says its slowest frame, the 95th percentile and the mean, as `model` says them of that machine.
+/// Several scenes by several cameras: each point says its slowest frame, the 95th percentile and the mean, as `model`
+/// says them of that machine.
 #[test]
 fn a_sweep_over_frames_has_worst_percentile_and_mean() {
     let shell = Shell::new();
@@ -207,7 +208,8 @@ fn an_interrupted_sweep_goes_on() {
         while child.try_wait().unwrap().is_none() && rows() < before + 2 {
             std::thread::sleep(std::time::Duration::from_millis(1));
         }
-        // Not an interrupt: a shell starts its background jobs deaf to it, and whoever tests from one would find nothing interrupted.
+        // Not an interrupt: a shell starts its background jobs deaf to it, and whoever tests from one would find
+        // nothing interrupted.
         let kill = format!("kill -TERM {}", child.id());
         let signal = Command::new("sh").args(["-c", &kill]).status();
         if signal.is_ok_and(|status| status.success()) && !child.wait().unwrap().success() {

@@ -1,4 +1,5 @@
-//! Which blocks of 8 x 8 pixels still have a pixel in work, and whether a box touches one: by sums over the blocks above and to the left.
+//! Which blocks of 8 x 8 pixels still have a pixel in work, and whether a box touches one: by sums over the blocks
+//! above and to the left.
 
 use super::spheres::{Lanes, TOGETHER};
 use crate::fast::TILE;

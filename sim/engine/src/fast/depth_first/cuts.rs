@@ -1,7 +1,8 @@
 //! Where a scene is cut: at depths up to which splats have covered the screen so many times over.
 //!
-//! Hardly a pixel has finished before the boxes of footprints cover the screen two hundred times. A slice costs a way of all pixels in work through
-//! memory, so there are few, each as deep as all before it; and a scene that ends before the second has none.
+//! Hardly a pixel has finished before the boxes of footprints cover the screen two hundred times. A slice costs a way
+//! of all pixels in work through memory, so there are few, each as deep as all before it; and a scene that ends before
+//! the second has none.
 
 use super::DepthFirst;
 use super::spheres::{Projected, TOGETHER};
@@ -16,7 +17,8 @@ pub struct Cut {
     key: u64,
 }
 
-/// Times that the boxes of the first slice cover the screen: with fewer a million splats take longer, with more they are set up in vain.
+/// Times that the boxes of the first slice cover the screen: with fewer a million splats take longer, with more they
+/// are set up in vain.
 const LAYERS: f32 = 256.0;
 
 /// Most cuts of a frame.

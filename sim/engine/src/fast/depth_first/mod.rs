@@ -1,15 +1,18 @@
 //! Depth first: splats behind finished pixels are not even set up.
 //!
 //! ```text
-//! bounding spheres -> depths -> cuts -> for each slice, nearest first: splats in reach of a pixel in work -> setup, order, tiles
+//! bounding spheres -> depths -> cuts -> for each slice, nearest first:
+//!     splats in reach of a pixel in work -> setup, order, tiles
 //! ```
 //!
-//! In a deep scene most splats meet finished pixels alone: nine in ten of a million on 1920 x 1080. What they cost is setup, memory for
-//! footprints, and places in lists. So the scene is cut into slices by depth, and a splat is set up only if the box around its sphere touches a
-//! block of pixels that the slices before it left in work. The picture is the same, because a finished pixel ignores what follows.
+//! In a deep scene most splats meet finished pixels alone: nine in ten of a million on 1920 x 1080. What they cost is
+//! setup, memory for footprints, and places in lists. So the scene is cut into slices by depth, and a splat is set up
+//! only if the box around its sphere touches a block of pixels that the slices before it left in work. The picture is
+//! the same, because a finished pixel ignores what follows.
 //!
-//! Two things must be certain. Slices must not mix, since a pixel sees its splats in the order of their keys: where the bound on a depth's error
-//! reaches across a cut, the kernel's own key decides. And a box must hold the footprint's: `spheres.rs` says why it does.
+//! Two things must be certain. Slices must not mix, since a pixel sees its splats in the order of their keys: where the
+//! bound on a depth's error reaches across a cut, the kernel's own key decides. And a box must hold the footprint's:
+//! `spheres.rs` says why it does.
 
 mod blocks;
 mod cuts;

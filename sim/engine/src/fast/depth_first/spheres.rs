@@ -1,16 +1,19 @@
 //! Spheres around splats, and the boxes of pixels that no footprint leaves.
 //!
-//! With axes `a_k` of a splat, r^2 = sum |a_k|^2 bounds each of its variances. On the screen (\[EWA\] eq. 25 with x/z = rho and the gain g = f / z) an
-//! axis is g (a_x - rho a_z), hence V'_xx <= g^2 (1 + rho^2) r^2, and the box ends at sqrt(c (V'_xx + h)) from the centre with the cut-off c
-//! (`splatline::setup`'s bounds). All is computed in single precision for the nearest point that the errors allow:
+//! With axes `a_k` of a splat, r^2 = sum |a_k|^2 bounds each of its variances. On the screen (\[EWA\] eq. 25 with x/z =
+//! rho and the gain g = f / z) an axis is g (a_x - rho a_z), hence V'_xx <= g^2 (1 + rho^2) r^2, and the box ends at
+//! sqrt(c (V'_xx + h)) from the centre with the cut-off c (`splatline::setup`'s bounds). All is computed in single
+//! precision for the nearest point that the errors allow:
 //!
-//! - The camera-space error E is at most (2^-21 + 2^(3 - position)) (|u|_1 + |e|_1): six roundings of 2^-24 of the terms here, and in the kernel the
-//!   difference and the rotation, each rounded to `position` bits of the largest coordinate. The smallest normal number covers what is below the normal ones.
+//! - The camera-space error E is at most (2^-21 + 2^(3 - position)) (|u|_1 + |e|_1): six roundings of 2^-24 of the
+//!   terms here, and in the kernel the difference and the rotation, each rounded to `position` bits of the largest
+//!   coordinate. The smallest normal number covers what is below the normal ones.
 //! - x/z is then off by at most E / (z - E) (1 + 2 |rho|), and f x/z by the kernel's three roundings to `view` bits.
-//! - An axis is rounded to `axis_bits` of its block, which mantissas should use all of: where they are small, that can be more than the axis itself
-//!   ([`AXIS_ERROR`]). One of length 0 stays 0.
-//! - A variance goes through a dozen roundings to `mantissa` bits and the cut-off and the root have 16: with at least [`LEAST_BITS`] bits that is
-//!   below 1/64 of the extent. Two pixels more are for the subpixel grid, the samples' places and the principal point.
+//! - An axis is rounded to `axis_bits` of its block, which mantissas should use all of: where they are small, that can
+//!   be more than the axis itself ([`AXIS_ERROR`]). One of length 0 stays 0.
+//! - A variance goes through a dozen roundings to `mantissa` bits and the cut-off and the root have 16: with at least
+//!   [`LEAST_BITS`] bits that is below 1/64 of the extent. Two pixels more are for the subpixel grid, the samples'
+//!   places and the principal point.
 
 use rayon::prelude::*;
 use splatline::float::exp2;
@@ -24,8 +27,8 @@ use splatline::view::{Projection, View};
 /// Narrower numbers of a design are not covered by the margins.
 const LEAST_BITS: u8 = 14;
 
-/// How much longer than it is the kernel can take an axis for, in units of its mantissa: sqrt(3) (1 + 3/4) of what components are rounded to with
-/// [`LEAST_BITS`], for the axis itself and for the three products of a turned component.
+/// How much longer than it is the kernel can take an axis for, in units of its mantissa: sqrt(3) (1 + 3/4) of what
+/// components are rounded to with [`LEAST_BITS`], for the axis itself and for the three products of a turned component.
 const AXIS_ERROR: f64 = {
     let narrowest = Widths {
         mantissa: LEAST_BITS,
@@ -152,7 +155,8 @@ pub struct SphereProjection {
 }
 
 impl SphereProjection {
-    /// `None` for parallel projection, a clamp of the Jacobian away from the viewing direction, and numbers too narrow for the margins.
+    /// `None` for parallel projection, a clamp of the Jacobian away from the viewing direction, and numbers too narrow
+    /// for the margins.
     pub fn new(view: &View, widths: &Widths, spheres: &BoundingSpheres) -> Option<Self> {
         let bits = [widths.position, widths.view, widths.mantissa];
         let limits = view.limits;
@@ -222,7 +226,8 @@ impl SphereProjection {
         (point, self.relative * size + f32::MIN_POSITIVE)
     }
 
-    /// Left, top, right and bottom of the box in pixels, within the viewport. What is not certain is the whole viewport.
+    /// Left, top, right and bottom of the box in pixels, within the viewport. What is not certain is the whole
+    /// viewport.
     #[inline(always)]
     fn pixels(&self, point: &[f32; 3], error: f32, radius: f32) -> [f32; 4] {
         let nearest = point[2] - error;

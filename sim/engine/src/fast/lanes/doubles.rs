@@ -6,7 +6,8 @@ use super::singles::Singles;
 use super::wide::Words;
 use super::{Portable, Wide};
 
-/// Double-precision operations on the bits of [`Wide::Word`](super::Wide::Word), each rounded once to nearest, halves to even.
+/// Double-precision operations on the bits of [`Wide::Word`](super::Wide::Word), each rounded once to nearest, halves
+/// to even.
 pub trait Doubles: Wide {
     /// Pixels in single precision on the same processor.
     type Singles: Singles;
@@ -107,7 +108,8 @@ mod x86 {
     use super::Doubles;
     use std::arch::x86_64::*;
 
-    /// The operations that have the same shape at every level: the word, its casts to numbers and back, and an instruction for each.
+    /// The operations that have the same shape at every level: the word, its casts to numbers and back, and an
+    /// instruction for each.
     macro_rules! arithmetic {
         ($word:ty, $to:ident, $from:ident, two: $($two:ident = $op2:ident),+; three: $($three:ident = $op3:ident),+) => {
             $(#[inline(always)]

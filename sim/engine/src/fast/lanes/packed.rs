@@ -1,7 +1,8 @@
 //! Tables of 32-bit words that a vector of pixels looks up: by one instruction, or word by word.
 //!
-//! Which way is quicker is measured once, since processors differ: a gather of eight words took 11 cycles on one and 23 on another, a
-//! Skylake, probably by the remedy of its microcode against Downfall; eight loads take 8 there. Both give the same words.
+//! Which way is quicker is measured once, since processors differ: a gather of eight words took 11 cycles on one and 23
+//! on another, a Skylake, probably by the remedy of its microcode against Downfall; eight loads take 8 there. Both give
+//! the same words.
 
 #![allow(unsafe_code)]
 

@@ -5,8 +5,8 @@
 use super::sums::PixelSums;
 use std::str::FromStr;
 
-/// Work that is generic over the vectors. Implement `run` and all that it calls with `#[inline(always)]`, or it is not compiled for
-/// the instructions it needs.
+/// Work that is generic over the vectors. Implement `run` and all that it calls with `#[inline(always)]`, or it is not
+/// compiled for the instructions it needs.
 pub trait VectorTask {
     /// The result.
     type Output;
@@ -26,7 +26,8 @@ pub enum VectorLevel {
 }
 
 impl VectorLevel {
-    /// The levels that this processor tells apart, by their names on the command line: what most people's processors have comes first.
+    /// The levels that this processor tells apart, by their names on the command line: what most people's processors
+    /// have comes first.
     pub fn levels() -> Vec<(&'static str, VectorLevel)> {
         let mut levels = Vec::new();
         #[cfg(target_arch = "x86_64")]
@@ -62,8 +63,8 @@ impl FromStr for VectorLevel {
     }
 }
 
-/// Runs the task on the vectors chosen. Processors without these vectors get the task back: on arrays some work is slower than the kernel's.
-/// Arrays count as vectors where the compiler knows the processor's own.
+/// Runs the task on the vectors chosen. Processors without these vectors get the task back: on arrays some work is
+/// slower than the kernel's. Arrays count as vectors where the compiler knows the processor's own.
 #[inline]
 pub fn dispatch_vectors<T: VectorTask>(choice: VectorLevel, task: T) -> Result<T::Output, T> {
     #[cfg(target_arch = "x86_64")]
@@ -87,8 +88,8 @@ pub fn dispatch_vectors<T: VectorTask>(choice: VectorLevel, task: T) -> Result<T
     }
 }
 
-/// Are vectors faster than the kernel's painter here? On x86-64 without AVX2 they are not: its baseline has neither gathers nor products of
-/// signed words.
+/// Are vectors faster than the kernel's painter here? On x86-64 without AVX2 they are not: its baseline has neither
+/// gathers nor products of signed words.
 pub fn has_vectors() -> bool {
     #[cfg(target_arch = "x86_64")]
     return super::avx2::Avx2::detect().is_some();

@@ -1,15 +1,18 @@
-//! Vectors of pixels in single precision: one fused multiply-add is a product of the kernel's words, its rounding and its addition
-//! ([`splatline::blend`] says why), so that a vector holds twice as many pixels as one of 64-bit words. Radial indices stay integers.
+//! Vectors of pixels in single precision: one fused multiply-add is a product of the kernel's words, its rounding and
+//! its addition ([`splatline::blend`] says why), so that a vector holds twice as many pixels as one of 64-bit words.
+//! Radial indices stay integers.
 
 #![allow(unsafe_code)]
 
 use super::Portable;
 use super::packed::PackedOn;
 
-/// Is a fused multiply-add one instruction wherever [`dispatch_vectors`](super::dispatch_vectors) runs a task? Elsewhere (wasm) it is a call.
+/// Is a fused multiply-add one instruction wherever [`dispatch_vectors`](super::dispatch_vectors) runs a task?
+/// Elsewhere (wasm) it is a call.
 pub const HAS_FUSED_ADD: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
 
-/// Pixels of a vector. Sixteen with AVX-512 lost: a run of random splats has ten, and looking up sixteen entries takes twice the time of eight.
+/// Pixels of a vector. Sixteen with AVX-512 lost: a run of random splats has ten, and looking up sixteen entries takes
+/// twice the time of eight.
 pub const SINGLES: usize = 8;
 
 /// Pixels of each of two rows that share a vector.
@@ -239,8 +242,8 @@ impl Singles for Portable {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores are of whole
-    //! arrays.
+    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores
+    //! are of whole arrays.
 
     use super::super::avx2::Avx2;
     use super::super::packed::{PackedOn, x86 as packed};

@@ -1,7 +1,8 @@
-//! The eight sums of a surface's pixel as one vector of 32-bit words, so that a splat's share of all of them is two products.
+//! The eight sums of a surface's pixel as one vector of 32-bit words, so that a splat's share of all of them is two
+//! products.
 //!
-//! Runs of surfaces are three pixels long: side by side, pixels would leave vectors half empty, and each sum would be a product of its own.
-//! The attributes of one pixel fill a vector whatever the run.
+//! Runs of surfaces are three pixels long: side by side, pixels would leave vectors half empty, and each sum would be a
+//! product of its own. The attributes of one pixel fill a vector whatever the run.
 
 #![allow(unsafe_code)]
 
@@ -28,8 +29,8 @@ pub trait PixelSums: PixelWords + Doubles {
     /// Attributes, each of magnitude at most 1 in the shift's format.
     fn attributes(self, values: &[i32; 8], shift: ShareShift) -> Self::Attributes;
 
-    /// Adds `weight`, below 2^31, times the attributes to the sums; magnitudes are rounded. If the last sum would reach 2^31 all stay as they
-    /// are, and the answer is false.
+    /// Adds `weight`, below 2^31, times the attributes to the sums; magnitudes are rounded. If the last sum would reach
+    /// 2^31 all stay as they are, and the answer is false.
     fn add_shares(self, sums: &mut Sums, weight: &i64, attributes: &Self::Attributes) -> bool;
 }
 
@@ -67,7 +68,8 @@ impl PixelSums for Portable {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores are of whole arrays.
+    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores
+    //! are of whole arrays.
 
     use super::super::avx2::Avx2;
     use super::super::avx512::Avx512;

@@ -57,7 +57,8 @@ pub trait Wide: Copy + Send + Sync {
     fn wide_sar_by(self, a: Self::Word, by: u32) -> Self::Word {
         self.wide_sar(a, self.wide_splat(by.into()))
     }
-    /// `table[index]` and `table[index + 1]` of the index's lower 32 bits; the last two entries beyond the table, zeros if it has fewer.
+    /// `table[index]` and `table[index + 1]` of the index's lower 32 bits; the last two entries beyond the table, zeros
+    /// if it has fewer.
     fn wide_gather(self, table: &[u32], index: Self::Word) -> [Self::Word; 2];
     /// a > b.
     fn wide_greater(self, a: Self::Word, b: Self::Word) -> Self::Truth;
@@ -87,7 +88,8 @@ fn amount(by: i64) -> Option<u32> {
 
 impl Wide for Portable {
     const WIDE: usize = 8;
-    /// Where arrays are there to be compared with, on x86-64 and in tests: an operation is ten times the instructions of a vector's.
+    /// Where arrays are there to be compared with, on x86-64 and in tests: an operation is ten times the instructions
+    /// of a vector's.
     const ROWS_APART: bool = cfg!(any(target_arch = "x86_64", test));
     type Word = Words;
     type Truth = [bool; 8];

@@ -8,7 +8,8 @@
 use super::wide::Words;
 use super::{Portable, Wide};
 
-/// A falling table's intervals: an entry in the upper half of a word, its fall to the next one in the lower. Their number is a power of two.
+/// A falling table's intervals: an entry in the upper half of a word, its fall to the next one in the lower. Their
+/// number is a power of two.
 #[derive(Clone, Debug)]
 pub struct Falls {
     intervals: Box<[u64]>,
@@ -123,8 +124,8 @@ impl PixelWords for Portable {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores are of whole arrays,
-    //! look-ups of numbers that have been brought into the table.
+    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores
+    //! are of whole arrays, look-ups of numbers that have been brought into the table.
 
     use super::super::Wide;
     use super::super::avx2::Avx2;

@@ -1,7 +1,8 @@
 //! What becomes of a splat that has no footprint, and of one that vectors leave to the kernel.
 //!
-//! A vector goes on whatever happens to one of its splats. So the first reason to cull is noted per word, and beside it a doubt: doubles hold the kernel's
-//! numbers only within the ranges below, and whatever comes near their ends, or near the half of a last bit, is set up by the kernel itself.
+//! A vector goes on whatever happens to one of its splats. So the first reason to cull is noted per word, and beside it
+//! a doubt: doubles hold the kernel's numbers only within the ranges below, and whatever comes near their ends, or near
+//! the half of a last bit, is set up by the kernel itself.
 
 use super::number::Word;
 use super::position::COORDINATE;
@@ -87,8 +88,9 @@ impl<W: Doubles> Stages<'_, W> {
         math.select(math.splat(0), math.splat(-1), outside)
     }
 
-    /// Puts splats in doubt that vectors do not take: products of their numbers must stay within the range of doubles, and coordinates be normalised.
-    /// What is computed of them has no meaning, so that this doubt must stay whatever culls them: see [`Self::trust`].
+    /// Puts splats in doubt that vectors do not take: products of their numbers must stay within the range of doubles,
+    /// and coordinates be normalised. What is computed of them has no meaning, so that this doubt must stay whatever
+    /// culls them: see [`Self::trust`].
     #[inline(always)]
     pub fn doubt_inputs(&self, splats: &SplatLanes<W>) {
         let (math, reals) = (self.math, self.reals);

@@ -4,9 +4,10 @@
 //! splats, eight at a time -> words -> stages (in the kernel's order and with its names) -> footprints
 //! ```
 //!
-//! Setup is 60 normalisations a splat, each a count of leading zeros and two shifts by amounts that no two splats share. In double
-//! precision they are an addition and a mask (`real.rs`), for four or eight splats without a branch. What vectors do not cover is left to the
-//! kernel: parallel projection, splats far from unit size, and those of which the last bit is in doubt.
+//! Setup is 60 normalisations a splat, each a count of leading zeros and two shifts by amounts that no two splats
+//! share. In double precision they are an addition and a mask (`real.rs`), for four or eight splats without a branch.
+//! What vectors do not cover is left to the kernel: parallel projection, splats far from unit size, and those of which
+//! the last bit is in doubt.
 
 mod doubt;
 pub mod number;
@@ -33,7 +34,8 @@ use std::cell::Cell;
 /// What setup makes of a splat.
 pub type Outcome = Result<Footprint, Cull>;
 
-/// A kind of splat that vectors set up: how the kernel sets up one, and what differs between kinds when vectors set up many.
+/// A kind of splat that vectors set up: how the kernel sets up one, and what differs between kinds when vectors set up
+/// many.
 pub trait Batched: Sized {
     /// What setup makes of one.
     type Outcome;
@@ -52,7 +54,8 @@ pub trait Batched: Sized {
     /// Is the `k`th of its vector in doubt, so that the kernel sets it up?
     fn is_in_doubt(lists: &Self::Lists, k: usize) -> bool;
 
-    /// Writes the outcome of this splat, the `k`th of its vector, in place: what is returned is made elsewhere and copied.
+    /// Writes the outcome of this splat, the `k`th of its vector, in place: what is returned is made elsewhere and
+    /// copied.
     fn write(&self, lists: &Self::Lists, k: usize, widths: &Widths, to: &mut Self::Outcome);
 }
 

@@ -1,7 +1,7 @@
 //! The kernel's integers on vectors, one splat or row per word; its normalised numbers are `Real`s (`real`).
 //!
-//! A right shift that rounds, `(v + 2^(s-1)) >> s`, is `((v >> (s-1)) + 1) >> 1` and cannot overflow, and a word of 0 needs no case of its
-//! own: it stays 0 under every shift.
+//! A right shift that rounds, `(v + 2^(s-1)) >> s`, is `((v >> (s-1)) + 1) >> 1` and cannot overflow, and a word of 0
+//! needs no case of its own: it stays 0 under every shift.
 
 use crate::fast::lanes::Wide;
 use splatline::format::Rounding;
@@ -16,9 +16,9 @@ pub struct Number<W: Wide> {
     pub exponent: W::Word,
 }
 
-/// A shift to the right that rounds, by the same amount in every word: two instructions a vector, where a shift with the sign by an amount of each
-/// word's own is a dozen without AVX-512. What it leaves is too large by [`Arithmetic::turn_of`], for the sign's sake:
-/// that goes into a constant which is added anyway.
+/// A shift to the right that rounds, by the same amount in every word: two instructions a vector, where a shift with
+/// the sign by an amount of each word's own is a dozen without AVX-512. What it leaves is too large by
+/// [`Arithmetic::turn_of`], for the sign's sake: that goes into a constant which is added anyway.
 #[derive(Clone, Copy)]
 pub struct RoundingShift<W: Wide> {
     /// Half of a unit and the turn.
@@ -194,7 +194,8 @@ impl<W: Wide> Arithmetic<W> {
         self.lanes.wide_shr(self.splat(TURN), drop.by)
     }
 
-    /// `shift_round`, and [`turn_of`](Arithmetic::turn_of) the shift more. The turn does not reach the lower 32 bits if the shift is at most 31.
+    /// `shift_round`, and [`turn_of`](Arithmetic::turn_of) the shift more. The turn does not reach the lower 32 bits if
+    /// the shift is at most 31.
     #[inline(always)]
     pub fn dropped(self, value: Word<W>, drop: RoundingShift<W>) -> Word<W> {
         self.lanes.wide_shr(self.add(value, drop.raise), drop.by)
@@ -207,7 +208,8 @@ impl<W: Wide> Arithmetic<W> {
         self.plus(self.shr(raised, by.into()), TURN >> by)
     }
 
-    /// `shift_signed` where no left shift leaves the word: `value 2^-shift`, rounded. The shift of the other direction gives 0.
+    /// `shift_signed` where no left shift leaves the word: `value 2^-shift`, rounded. The shift of the other direction
+    /// gives 0.
     #[inline(always)]
     pub fn align(self, value: Word<W>, shift: Word<W>) -> Word<W> {
         let above = self.lanes.wide_sar(value, self.plus(shift, -1));

@@ -1,4 +1,5 @@
-//! From centres to camera space on vectors: `splatline::view`'s `Eye::to_camera`, the comparison with the depth range, the sort key.
+//! From centres to camera space on vectors: `splatline::view`'s `Eye::to_camera`, the comparison with the depth range,
+//! the sort key.
 //!
 //! Splats come with normalised mantissas (`is_mild`), so that the leading bit of a coordinate needs no counting.
 

@@ -1,16 +1,19 @@
 //! The kernel's normalised numbers ([`SoftFloat`], `Product`) as doubles: one splat per word.
 //!
-//! A number of at most 31 bits and a power of two is a double, a sum's leading-zero count is its exponent field, and rounding to the design's
-//! bits is an addition and a mask. What makes this the kernel's arithmetic to the last bit:
+//! A number of at most 31 bits and a power of two is a double, a sum's leading-zero count is its exponent field, and
+//! rounding to the design's bits is an addition and a mask. What makes this the kernel's arithmetic to the last bit:
 //!
-//! - *Products.* p = fl(a b) has 53 of at most 62 bits, and fma(a, b, -p) is exactly what it lost. Only the sign of that matters: numbers
-//!   rounded down to 53 bits lie on the same side of every half of fewer bits as the exact ones ([`Reals::rounded`]).
-//! - *Sums.* A window's unit is a power of two that follows from the factors' exponent fields, and a cut is a floor of the product in that unit:
-//!   a whole number of at most 39 bits, as the sum of four is. Where factors have more bits together than a double, fma(a, b, -floor) is negative exactly if
-//!   the rounding of the product carried it over a whole number.
+//! - *Products.* p = fl(a b) has 53 of at most 62 bits, and fma(a, b, -p) is exactly what it lost. Only the sign of
+//!   that matters: numbers rounded down to 53 bits lie on the same side of every half of fewer bits as the exact ones
+//!   ([`Reals::rounded`]).
+//! - *Sums.* A window's unit is a power of two that follows from the factors' exponent fields, and a cut is a floor of
+//!   the product in that unit: a whole number of at most 39 bits, as the sum of four is. Where factors have more bits
+//!   together than a double, fma(a, b, -floor) is negative exactly if the rounding of the product carried it over a
+//!   whole number.
 //! - *Tables* (reciprocal, root, logarithm) are the kernel's, on its integers, which are the bits of the doubles.
 //!
-//! Exponents of doubles end where the kernel's do not: splats far from unit size are left to the kernel, or put in doubt.
+//! Exponents of doubles end where the kernel's do not: splats far from unit size are left to the kernel, or put in
+//! doubt.
 
 use super::number::{Arithmetic, Number, Word, power};
 use crate::fast::lanes::{Doubles, Wide};
@@ -127,7 +130,8 @@ impl<W: Doubles> Reals<'_, W> {
         self.words.shr(a, 63)
     }
 
-    /// `value` to `bits` bits, to nearest, halves towards positive infinity, where the truth lies beside `value` in the direction `error`.
+    /// `value` to `bits` bits, to nearest, halves towards positive infinity, where the truth lies beside `value` in the
+    /// direction `error`.
     #[inline(always)]
     fn rounded(self, value: Word<W>, error: Word<W>, bits: u32) -> Real<W> {
         let math = self.words;
@@ -328,7 +332,8 @@ impl<W: Doubles> Reals<'_, W> {
         lanes.double_floor(lanes.double_mul_add(a.0, self.constant(scale), half))
     }
 
-    /// `Product::to_fixed` with the unit `1 / scale`, a power of two, as a whole number below 2^51; others are in doubt.
+    /// `Product::to_fixed` with the unit `1 / scale`, a power of two, as a whole number below 2^51; others are in
+    /// doubt.
     #[inline(always)]
     pub fn times_to_fixed(self, a: Real<W>, b: Real<W>, scale: f64) -> Word<W> {
         let (math, lanes) = (self.words, self.words.lanes);

@@ -1,7 +1,7 @@
 //! The stages of setup on vectors: one splat per word, in the order and with the names of `splatline::setup`.
 //!
-//! Where the kernel returns early with a reason, a vector goes on and keeps the first reason per word; what is computed for a culled
-//! splat is defined but of no use.
+//! Where the kernel returns early with a reason, a vector goes on and keeps the first reason per word; what is computed
+//! for a culled splat is defined but of no use.
 
 use super::number::{Arithmetic, Number, Word, power};
 use super::position::CameraPoints;
@@ -150,7 +150,8 @@ impl<W: Doubles> Stages<'_, W> {
         let mut centre = [math.splat(0); 2];
         self.doubt_ranges(z, &on_plane);
         for axis in 0..2 {
-            // Never out of the kernel's range: what does not fit 51 bits is in doubt, and the principal point has fewer.
+            // Never out of the kernel's range: what does not fit 51 bits is in doubt, and the principal point has
+            // fewer.
             let offset = reals.times_to_fixed(focal[axis], on_plane[axis], power(32));
             let principal = math.splat(self.view.principal[axis].to_bits());
             let position = math.add(principal, offset);
@@ -525,7 +526,8 @@ impl<W: Doubles> Stages<'_, W> {
         let fraction = u32::from(self.widths.peak);
         let largest = reals.constant(((16i64 << fraction.min(28)) - 1) as f64);
         let scaled = reals.scaled(peak, power(fraction)).0;
-        // The conversion rounds halves to even, as the kernel does here; what the limit cuts off is cut off after rounding as well.
+        // The conversion rounds halves to even, as the kernel does here; what the limit cuts off is cut off after
+        // rounding as well.
         let fixed = reals.to_short_word(math.lanes.double_min(scaled, largest));
         let fixed = math.max(fixed, math.splat(0));
         let dark = math.greater(math.splat(1), fixed);

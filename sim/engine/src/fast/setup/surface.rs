@@ -1,7 +1,8 @@
 //! Setup of many surface splats at once, bit for bit the kernel's [`setup_surface`].
 //!
-//! The stages of volume splats with two axes instead of three, the normal in the third one's place; and what surfaces add: the
-//! weight at the centre, the tangent plane's depth, the normal towards the eye. Colours are numbers of one splat each and stay so.
+//! The stages of volume splats with two axes instead of three, the normal in the third one's place; and what surfaces
+//! add: the weight at the centre, the tangent plane's depth, the normal towards the eye. Colours are numbers of one
+//! splat each and stay so.
 
 use super::number::{BitDrop, power};
 use super::real::Real;

@@ -1,7 +1,8 @@
 //! Painting tiles of surfaces on vectors, along spans, in the scene's order.
 //!
-//! Rows and opacities are those of volume splats on words (`fast/words`). What a surface's pixel adds is its sums ([`SumTile`]), or whatever
-//! the caller's pixels do with samples, layers for one. Rows that vectors cannot do are the kernel's; their samples take the same way.
+//! Rows and opacities are those of volume splats on words (`fast/words`). What a surface's pixel adds is its sums
+//! ([`SumTile`]), or whatever the caller's pixels do with samples, layers for one. Rows that vectors cannot do are the
+//! kernel's; their samples take the same way.
 
 mod tile;
 
@@ -27,7 +28,8 @@ pub use tile::{SumCell, SumTile};
 /// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
 const AHEAD: usize = 4;
 
-/// Footprints between two looks at what a tile's blocks hide: four times as many looks hid one footprint in a thousand more and cost more than that saved.
+/// Footprints between two looks at what a tile's blocks hide: four times as many looks hid one footprint in a thousand
+/// more and cost more than that saved.
 const LOOK_INTERVAL: usize = 256;
 
 /// Everything about gathering that is constant for a picture, as numbers: one compiled copy draws all designs.
@@ -112,7 +114,8 @@ impl Cell for Recorded {
     }
 }
 
-/// Takes the samples of adjacent pixels from a column and row of the screen on: weights, 0 where there is none, and depths.
+/// Takes the samples of adjacent pixels from a column and row of the screen on: weights, 0 where there is none, and
+/// depths.
 pub type TakeSamples<'a> = dyn FnMut(&Attributes, [u16; 2], &[i64], &[i64]) + 'a;
 
 /// Where samples go.
@@ -145,7 +148,8 @@ pub struct GatherTask<'a, 'g> {
 }
 
 impl GatherTask<'_, '_> {
-    /// Paints on such vectors; `None`, and anything in the tile, where there are none or an attribute exceeds its format.
+    /// Paints on such vectors; `None`, and anything in the tile, where there are none or an attribute exceeds its
+    /// format.
     pub fn paint(self, choice: VectorLevel) -> Option<Coverage> {
         dispatch_pixels(choice, self).ok().flatten()
     }

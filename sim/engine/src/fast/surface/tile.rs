@@ -1,9 +1,11 @@
-//! A tile of the accumulation buffer: each pixel's eight sums as a vector, and depth and material as one word to be compared.
+//! A tile of the accumulation buffer: each pixel's eight sums as a vector, and depth and material as one word to be
+//! compared.
 //!
-//! What [`Accumulation`](splatline::blend::surface::Accumulation) does with a sample, for several pixels at once: nearer than the pixel's depth
-//! by more than the threshold it replaces the sums, farther by more it is dropped, else it is added. Depth and material lie in one word,
-//! `depth 2^8 + material`, because the nearest sample's material is kept, the smaller of two that are equally near. An empty pixel is
-//! farther than any depth: its first sample replaces nothing. The greatest depth, which layers need, is not kept.
+//! What [`Accumulation`](splatline::blend::surface::Accumulation) does with a sample, for several pixels at once:
+//! nearer than the pixel's depth by more than the threshold it replaces the sums, farther by more it is dropped, else
+//! it is added. Depth and material lie in one word, `depth 2^8 + material`, because the nearest sample's material is
+//! kept, the smaller of two that are equally near. An empty pixel is farther than any depth: its first sample replaces
+//! nothing. The greatest depth, which layers need, is not kept.
 
 use crate::fast::lanes::sums::{PixelSums, Sums};
 use crate::fast::tile::TILE;
@@ -92,7 +94,8 @@ impl SumTile {
         }
     }
 
-    /// Notes each block's farthest pixel. Pixels come only nearer, so that what is hidden from a block's farthest depth now is hidden later.
+    /// Notes each block's farthest pixel. Pixels come only nearer, so that what is hidden from a block's farthest depth
+    /// now is hidden later.
     #[inline(always)]
     pub fn look(&mut self) {
         let columns = usize::from(self.window.columns()).min(TILE[0].into());
@@ -109,7 +112,8 @@ impl SumTile {
         blocks.for_each(|farthest| *farthest >>= MATERIAL);
     }
 
-    /// Would every sample in these pixels of the tile, none of them nearer than `depth`, be dropped for being farther than its pixel?
+    /// Would every sample in these pixels of the tile, none of them nearer than `depth`, be dropped for being farther
+    /// than its pixel?
     #[inline(always)]
     pub fn hides(&self, pixels: &Window, depth: u32, threshold: u32) -> bool {
         let blocks = |axis: usize| {
@@ -128,7 +132,8 @@ impl SumTile {
         true
     }
 
-    /// Which of the samples in the pixels from column `x` of the tile on, in row `y` of the screen, are not dropped for being farther than their pixel?
+    /// Which of the samples in the pixels from column `x` of the tile on, in row `y` of the screen, are not dropped for
+    /// being farther than their pixel?
     #[inline(always)]
     pub fn seen<L: PixelSums>(
         &self,
@@ -154,7 +159,8 @@ impl SumTile {
         (x % usize::from(TILE[0]), row)
     }
 
-    /// Adds samples that are [seen](SumTile::seen) to the pixels from column `x` of the tile on, in row `y` of the screen.
+    /// Adds samples that are [seen](SumTile::seen) to the pixels from column `x` of the tile on, in row `y` of the
+    /// screen.
     #[inline(always)]
     pub fn add<L: PixelSums>(
         &mut self,

@@ -1,7 +1,8 @@
 //! The pixels of a footprint's runs that are in work: several rows in a vector, a bit for each pixel.
 //!
-//! A run ends at its last such pixel, and rows without one are never looked at: whether a row has a run, and whether that is in work, no
-//! branch foresees. Finished pixels before the first one are computed, too: to move seeds past them costs more.
+//! A run ends at its last such pixel, and rows without one are never looked at: whether a row has a run, and whether
+//! that is in work, no branch foresees. Finished pixels before the first one are computed, too: to move seeds past them
+//! costs more.
 
 use super::path::{SHORT, TwoRuns};
 use super::tile::{PixelWord, ROOM, WordTile};
@@ -27,8 +28,9 @@ impl LiveRuns {
         }
     }
 
-    /// Finds the pixels in work of so many rows' runs, from row `first` of the tile on, which begins at column `left`. A bit for every row that has
-    /// any comes back, and one for every row of which they are more than [`SHORT`] columns.
+    /// Finds the pixels in work of so many rows' runs, from row `first` of the tile on, which begins at column `left`.
+    /// A bit for every row that has any comes back, and one for every row of which they are more than [`SHORT`]
+    /// columns.
     #[inline(always)]
     pub fn find<L: Wide, W: PixelWord>(
         &mut self,

@@ -1,8 +1,10 @@
 //! Painting tiles along runs: in single precision where a design and a processor allow it, on 64-bit words elsewhere.
 //!
-//! A footprint's rows are computed first, several in a vector ([`rows`](super::rows)), and then the pixels of each run. Where nobody asks how many pixels were
-//! covered, finished ones are left out before any work: every [`CHECK_INTERVAL`](super::CHECK_INTERVAL) footprints the tile is looked at, footprints are cut to the smallest window around what is
-//! still in work, and runs to their last pixel that is. The kernel's rows know no windows, so that this moves no bit of a picture.
+//! A footprint's rows are computed first, several in a vector ([`rows`](super::rows)), and then the pixels of each run.
+//! Where nobody asks how many pixels were covered, finished ones are left out before any work: every
+//! [`CHECK_INTERVAL`](super::CHECK_INTERVAL) footprints the tile is looked at, footprints are cut to the smallest
+//! window around what is still in work, and runs to their last pixel that is. The kernel's rows know no windows, so
+//! that this moves no bit of a picture.
 
 mod live;
 mod painting;
@@ -41,7 +43,8 @@ pub struct WordPainter<D> {
 }
 
 impl<D: Design> WordPainter<D> {
-    /// A painter for a design and rules, of lists in this order; `None` where only the kernel's can. Pixels are counted if `counts` asks for it.
+    /// A painter for a design and rules, of lists in this order; `None` where only the kernel's can. Pixels are counted
+    /// if `counts` asks for it.
     pub fn new(
         design: D,
         rules: &Rules,
@@ -66,8 +69,8 @@ impl<D: Design> WordPainter<D> {
         })
     }
 
-    /// Eight words to a vector where runs are long, four where they are short: a vector costs the same however little of it
-    /// a run covers.
+    /// Eight words to a vector where runs are long, four where they are short: a vector costs the same however little
+    /// of it a run covers.
     fn level(&self, footprints: &Results, list: &[u32]) -> VectorLevel {
         let first = list.iter().take(CHECK_INTERVAL);
         // A footprint's longest run grows as the root of 1 / A. Below 2, nine pixels by the largest cut-off, vectors of

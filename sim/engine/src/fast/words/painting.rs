@@ -1,4 +1,5 @@
-//! A tile's way through its list: what finished pixels hide is left out, rows are computed for a group, and their runs painted one by one.
+//! A tile's way through its list: what finished pixels hide is left out, rows are computed for a group, and their runs
+//! painted one by one.
 
 use super::live::LiveRuns;
 use super::path::{PathNumbers, PixelPath, SplatNumbers};
@@ -15,7 +16,8 @@ use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::raster::Window;
 
-/// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves all.
+/// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves
+/// all.
 #[derive(Clone, Copy)]
 pub(super) struct Painting<'a> {
     pub widths: Widths,
@@ -31,8 +33,8 @@ pub(super) struct Painting<'a> {
 /// Paints the footprint of this number by the kernel.
 pub(super) type PaintAlone<'a, W> = dyn Fn(u32, &mut WordTile<W>) -> Coverage + 'a;
 
-/// Painting on its way through a list. Its memory is lent: what is indexed, or seen by a function that is not inlined, keeps a structure
-/// out of registers.
+/// Painting on its way through a list. Its memory is lent: what is indexed, or seen by a function that is not inlined,
+/// keeps a structure out of registers.
 struct Progress<'a, 'b, L: Doubles, P: PixelPath> {
     painting: Painting<'a>,
     math: Arithmetic<L>,
@@ -162,8 +164,8 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         (seen, count)
     }
 
-    /// Computes the rows of a group's footprint `k`, which has this number: its pixels' numbers, first row and second difference; `None` if
-    /// nothing is left to paint of it.
+    /// Computes the rows of a group's footprint `k`, which has this number: its pixels' numbers, first row and second
+    /// difference; `None` if nothing is left to paint of it.
     #[inline(always)]
     fn fill(
         &mut self,

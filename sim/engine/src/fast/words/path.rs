@@ -1,16 +1,18 @@
-//! The pixel path on 64-bit words: radial index, footprint table, opacity, and "over" front to back or one of the two operators without an end.
+//! The pixel path on 64-bit words: radial index, footprint table, opacity, and "over" front to back or one of the two
+//! operators without an end.
 //!
-//! Bit for bit what [`FootprintTable::weight`], [`Blend::opacity`] and [`Blend::front_to_back`] (or `back_to_front`, `x_ray`) give, pixel by pixel, for values within
-//! their formats. Four things make it short:
+//! Bit for bit what [`FootprintTable::weight`], [`Blend::opacity`] and [`Blend::front_to_back`] (or `back_to_front`,
+//! `x_ray`) give, pixel by pixel, for values within their formats. Four things make it short:
 //!
-//! - r(x + w) = r(x) + w f(x) + w (w - 1) / 2 s with the differences f and s: w pixels on, the radial index still costs two additions,
-//!   exactly, because integers that wrap have no order of summation. Lanes of 32 bits lie in the upper half of a word, so that they wrap as
-//!   lanes of 64 do.
+//! - r(x + w) = r(x) + w f(x) + w (w - 1) / 2 s with the differences f and s: w pixels on, the radial index still costs
+//!   two additions, exactly, because integers that wrap have no order of summation. Lanes of 32 bits lie in the upper
+//!   half of a word, so that they wrap as lanes of 64 do.
 //! - Every product is of 32 bits by 32 and stays in its word.
-//! - A contribution of 0 leaves a pixel as it is, whatever its state: T - 0 = T > stop for a pixel in work, and a finished pixel's word
-//!   is negative, hence below stop, hence marked again. So pixels outside or finished need no selection: the first have opacity 0,
-//!   the others no transmittance.
-//! - A table that falls is interpolated without a sign: low + ((change rest + half) >> k) = low - ((fall rest + half - 1) >> k).
+//! - A contribution of 0 leaves a pixel as it is, whatever its state: T - 0 = T > stop for a pixel in work, and a
+//!   finished pixel's word is negative, hence below stop, hence marked again. So pixels outside or finished need no
+//!   selection: the first have opacity 0, the others no transmittance.
+//! - A table that falls is interpolated without a sign: low + ((change rest + half) >> k) = low - ((fall rest + half -
+//!   1) >> k).
 
 use super::reach::TableReach;
 use super::tile::{PixelWord, Row};
@@ -72,7 +74,8 @@ pub const BACK_TO_FRONT: u8 = 2;
 pub const X_RAY: u8 = 3;
 /// Added to one of them: results may be rounded with ties to even.
 pub const EVEN: u8 = 4;
-/// Any of them, looked up: those that usual designs need have compiled copies of their own, which take an eighth fewer instructions.
+/// Any of them, looked up: those that usual designs need have compiled copies of their own, which take an eighth fewer
+/// instructions.
 pub const ANY: u8 = 8;
 
 /// A product's right shift; `None` if it is not one.
@@ -402,7 +405,8 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         }
     }
 
-    /// [`Blend::back_to_front`] or [`Blend::x_ray`]: opacities are at most 1, so that what a layer hides of a sum is at most the sum.
+    /// [`Blend::back_to_front`] or [`Blend::x_ray`]: opacities are at most 1, so that what a layer hides of a sum is at
+    /// most the sum.
     #[inline(always)]
     fn layer(
         &self,

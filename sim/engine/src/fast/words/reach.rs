@@ -38,7 +38,8 @@ impl TableReach {
         })
     }
 
-    /// One past the largest radial index inside a footprint with this cut-off; `None` if it lies outside the table or the lanes.
+    /// One past the largest radial index inside a footprint with this cut-off; `None` if it lies outside the table or
+    /// the lanes.
     #[inline(always)]
     pub fn end(&self, cutoff: u32) -> Option<i64> {
         let end = i64::try_from(cutoff_in_lane(cutoff, self.radial)).ok()?;

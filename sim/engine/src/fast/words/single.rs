@@ -1,7 +1,8 @@
-//! The pixel path in single precision, front to back, for designs whose every product is one fused multiply-add ([`Blend::is_single`]).
+//! The pixel path in single precision, front to back, for designs whose every product is one fused multiply-add
+//! ([`Blend::is_single`]).
 //!
-//! A pixel is four numbers: its transmittance T, an integer, negative once it has finished; and its sums, each 2^23 more than the integer C.
-//! With M = 2^23, L = max(T, 0), P' = P 2^-(p+w) and O = M 2^-a a vector of pixels is
+//! A pixel is four numbers: its transmittance T, an integer, negative once it has finished; and its sums, each 2^23
+//! more than the integer C. With M = 2^23, L = max(T, 0), P' = P 2^-(p+w) and O = M 2^-a a vector of pixels is
 //!
 //! ```text
 //! W' = M + ((word - slope (f + 1)) >> k)         the packed table, in integers, of which the last makes a number
@@ -11,12 +12,14 @@
 //! C' = fma(G' - M, K 2^-(t+c-s), C)
 //! ```
 //!
-//! which is the kernel's arithmetic ([`splatline::blend`]) bit for bit: what is added to every fused multiply-add is exact, so that each has
-//! the one rounding of its product. Subtractions do not stand between the steps, since each step waits for the one before. An opacity of 0
-//! leaves a pixel as it is, so that pixels outside and finished ones need no selection: the first have opacity 0, the others no transmittance.
+//! which is the kernel's arithmetic ([`splatline::blend`]) bit for bit: what is added to every fused multiply-add is
+//! exact, so that each has the one rounding of its product. Subtractions do not stand between the steps, since each
+//! step waits for the one before. An opacity of 0 leaves a pixel as it is, so that pixels outside and finished ones
+//! need no selection: the first have opacity 0, the others no transmittance.
 //!
-//! The product of slope and position is one of 16 bits by 16, the quickest that there is: of the position and the interval's number above
-//! it, which the packed table counts on, it sees 16 bits as a signed number, and what it does not see is taken off the interval's word.
+//! The product of slope and position is one of 16 bits by 16, the quickest that there is: of the position and the
+//! interval's number above it, which the packed table counts on, it sees 16 bits as a signed number, and what it does
+//! not see is taken off the interval's word.
 
 use super::path::{OMIT_FINISHING, PixelPath, SplatNumbers, TwoRuns};
 use super::tile::Row;
@@ -65,7 +68,8 @@ impl SingleNumbers {
     /// For widths, rules, the entries of a table and lanes of so many bits that allow it.
     pub fn new(widths: &Widths, rules: &Rules, entries: &[u32], lane_bits: u32) -> Option<Self> {
         let blend = Blend::new(widths, rules);
-        // W lies in M's last bits, O - M P' in 24, and where 16 bits of a position change their sign an interval begins.
+        // W lies in M's last bits, O - M P' in 24, and where 16 bits of a position change their sign an interval
+        // begins.
         let fits = widths.weight <= 22
             && widths.peak + widths.weight <= widths.alpha + 24
             && (1..=15).contains(&widths.interpolation);

@@ -1,4 +1,5 @@
-//! A tile's pixels as words of a [`PixelPath`]: one plane per quantity in every row, so that adjacent pixels are a vector.
+//! A tile's pixels as words of a [`PixelPath`]: one plane per quantity in every row, so that adjacent pixels are a
+//! vector.
 
 use super::path::PixelPath;
 use super::single::WHOLE;
@@ -188,7 +189,8 @@ impl<W: PixelWord> WordTile<W> {
         })
     }
 
-    /// The smallest window around the pixels that had not finished when they were last looked at; `None` if there are none.
+    /// The smallest window around the pixels that had not finished when they were last looked at; `None` if there are
+    /// none.
     #[inline(always)]
     pub fn live_window(&self) -> Option<Window> {
         let first = self.live.iter().position(|live| *live != 0)?;

@@ -1,7 +1,8 @@
-//! Opacities of pixels on words, for compositing that keeps more or other things than a pixel's colour and transmittance.
+//! Opacities of pixels on words, for compositing that keeps more or other things than a pixel's colour and
+//! transmittance.
 //!
-//! What [`Painter::visit`](splatline::draw::Painter::visit) gives, bit for bit, a run at a time: rows and opacities are those of painting,
-//! and whoever asked composites them.
+//! What [`Painter::visit`](splatline::draw::Painter::visit) gives, bit for bit, a run at a time: rows and opacities are
+//! those of painting, and whoever asked composites them.
 
 use super::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
 use crate::fast::lanes::VectorLevel;
@@ -16,8 +17,8 @@ use splatline::kernel::FootprintTable;
 use splatline::raster::Window;
 use splatline::rules::Rules;
 
-/// Takes a footprint's number and the opacities of adjacent pixels from a column and row of the screen on, UQ1.alpha; 0 where a pixel is
-/// transparent.
+/// Takes a footprint's number and the opacities of adjacent pixels from a column and row of the screen on, UQ1.alpha; 0
+/// where a pixel is transparent.
 pub type TakeOpacities<'a> = dyn FnMut(u32, [u16; 2], &[i64]) + 'a;
 
 /// Visits one footprint by the kernel.
@@ -47,8 +48,8 @@ impl OpacityVisitor {
         })
     }
 
-    /// Visits the footprints of `list`, in this order, in the pixels of `window`, which is at most a [`TILE`] and begins a block.
-    /// What vectors cannot do is visited by `alone`.
+    /// Visits the footprints of `list`, in this order, in the pixels of `window`, which is at most a [`TILE`] and
+    /// begins a block. What vectors cannot do is visited by `alone`.
     pub fn visit(
         &self,
         window: Window,

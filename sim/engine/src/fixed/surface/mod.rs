@@ -1,10 +1,12 @@
-//! The engine `fixed` for surfaces: points quantised once, then gathered by the kernel, tile by tile, in the scene's order.
+//! The engine `fixed` for surfaces: points quantised once, then gathered by the kernel, tile by tile, in the scene's
+//! order.
 //!
 //! ```text
 //! quantise -> setup -> tiles -> resolve (kernel) -> picture
 //! ```
 //!
-//! Setup and tiles are vectors' where these can do it, else the kernel's. There is no sorting: the accumulation buffer decides by depth and the layered buffer takes any order.
+//! Setup and tiles are vectors' where these can do it, else the kernel's. There is no sorting: the accumulation buffer
+//! decides by depth and the layered buffer takes any order.
 
 mod renderer;
 mod tiles;
@@ -118,7 +120,8 @@ pub fn threshold(style: &Style, points: &QuantisedPoints) -> u32 {
     (style.threshold * exp2(points.scale_log2 + 23)).round() as u32
 }
 
-/// Draws `scene` as `camera` sees it. A number of layers that [`crate::surface::LAYERS`] lacks counts as the next larger one.
+/// Draws `scene` as `camera` sees it. A number of layers that [`crate::surface::LAYERS`] lacks counts as the next
+/// larger one.
 pub fn draw(
     scene: &SurfaceScene,
     camera: &Camera,
@@ -148,7 +151,8 @@ pub struct SurfaceOptions<'a> {
     pub traversal: Traversal,
     /// Which implementation draws; all give the same bits.
     pub engine: PaintEngine,
-    /// Are visited and covered pixels counted? If not, footprints behind others may be left out, and the counts are anything.
+    /// Are visited and covered pixels counted? If not, footprints behind others may be left out, and the counts are
+    /// anything.
     pub counts: bool,
 }
 

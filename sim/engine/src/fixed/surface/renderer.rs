@@ -1,7 +1,8 @@
 //! A surface's frames, one after the other in the same memory.
 //!
 //! ```text
-//! parts of the points: setup, bounds -> tile lists in the scene's order -> tiles, each in a place of its own -> picture
+//! parts of the points: setup, bounds -> tile lists in the scene's order
+//!     -> tiles, each in a place of its own -> picture
 //! ```
 
 use super::tiles::{GatherTiles, Resolved, SurfaceScratch, SurfaceTiles, TileConstants};
@@ -94,7 +95,8 @@ struct SurfaceFrameMemory {
 }
 
 impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
-    /// Points of `scene` that have been quantised for `camera`. Frames are drawn by the rayon pool that they are asked for in.
+    /// Points of `scene` that have been quantised for `camera`. Frames are drawn by the rayon pool that they are asked
+    /// for in.
     pub fn new(
         points: P,
         scene: &SurfaceScene,
@@ -114,7 +116,8 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
         self.frames.draw(self.points.borrow(), self.camera)
     }
 
-    /// Draws a frame as a picture in double precision, converted without further rounding; one of another size is replaced.
+    /// Draws a frame as a picture in double precision, converted without further rounding; one of another size is
+    /// replaced.
     pub fn draw_picture(&mut self, picture: &mut Picture) -> SurfaceFacts {
         let started = Instant::now();
         let facts = self.draw();
@@ -132,7 +135,8 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
         }
     }
 
-    /// The last frame's pixels, row by row, as the caller wants them; `convert` is given a pixel and its weight sums, in units of 1.0.
+    /// The last frame's pixels, row by row, as the caller wants them; `convert` is given a pixel and its weight sums,
+    /// in units of 1.0.
     pub fn copy<T: Send>(&self, frame: &mut [T], convert: impl Fn(&Pixel, f64) -> T + Sync) {
         let unit = exp2(-i32::from(sum_fraction(&self.frames.options.design.widths)));
         let viewport = self.points.borrow().view.viewport;

@@ -49,8 +49,8 @@ impl SurfaceScratch {
 
 /// Paints tiles of a surface, whatever cells.
 pub trait SurfaceTiles: Sync {
-    /// Gathers the footprints of `list`, in this order, in the pixels of `window`, and resolves them row by row. Pixels that were touched, and
-    /// the number of those at which fragments had to be merged.
+    /// Gathers the footprints of `list`, in this order, in the pixels of `window`, and resolves them row by row. Pixels
+    /// that were touched, and the number of those at which fragments had to be merged.
     fn paint(
         &self,
         scratch: &mut SurfaceScratch,

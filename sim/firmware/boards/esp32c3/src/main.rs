@@ -1,5 +1,5 @@
-//! Splats on an ESP32-C3: a frame of 240x240 in strips of eight rows, to an ST7789 at SPI2 (clock GPIO6, data GPIO7, select GPIO10, data or
-//! command GPIO4, reset GPIO5).
+//! Splats on an ESP32-C3: a frame of 240x240 in strips of eight rows, to an ST7789 at SPI2 (clock GPIO6, data GPIO7,
+//! select GPIO10, data or command GPIO4, reset GPIO5).
 //!
 //! The same scene and bits as the emulated image next door, whose checksum is checked there.
 #![no_std]

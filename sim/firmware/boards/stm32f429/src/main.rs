@@ -1,5 +1,5 @@
-//! Splats on an STM32F429I discovery board: a frame of 240x240 in strips of eight rows, to the ILI9341 that it carries at SPI5 (clock PF7,
-//! data PF9, select PC2, data or command PD13).
+//! Splats on an STM32F429I discovery board: a frame of 240x240 in strips of eight rows, to the ILI9341 that it carries
+//! at SPI5 (clock PF7, data PF9, select PC2, data or command PD13).
 //!
 //! The same scene and bits as the emulated image next door, whose checksum is checked there.
 #![no_std]

@@ -1,5 +1,5 @@
-//! From a glTF file's bytes to the numbers of an accessor. Nothing is copied and nothing allocated on a count's word: an accessor
-//! is refused unless its buffer holds all of it.
+//! From a glTF file's bytes to the numbers of an accessor. Nothing is copied and nothing allocated on a count's word:
+//! an accessor is refused unless its buffer holds all of it.
 
 use super::super::bytes::{Endian, Reader, Scalar};
 use super::super::error::{Problem, shorten};

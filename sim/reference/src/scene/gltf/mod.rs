@@ -1,11 +1,13 @@
 //! glTF 2.0 (`.gltf`, `.glb`) with Gaussians by the extension KHR_gaussian_splatting.
 //!
-//! Attributes of a primitive of points: `POSITION`, and behind `KHR_gaussian_splatting:` `ROTATION` (x, y, z, w), `SCALE` (linear),
-//! `OPACITY` (0 to 1), `SH_DEGREE_l_COEF_n` (RGB, l = 0 to 4). Floats, or integers with `normalized`. All primitives of the scene are
-//! gathered, each through its nodes' transforms; harmonics turn with them. y is up in glTF.
+//! Attributes of a primitive of points: `POSITION`, and behind `KHR_gaussian_splatting:` `ROTATION` (x, y, z, w),
+//! `SCALE` (linear), `OPACITY` (0 to 1), `SH_DEGREE_l_COEF_n` (RGB, l = 0 to 4). Floats, or integers with `normalized`.
+//! All primitives of the scene are gathered, each through its nodes' transforms; harmonics turn with them. y is up in
+//! glTF.
 //!
-//! The structures are read with serde: the crate `gltf` knows no extension of this kind and would not save much. What the
-//! extension states beyond that (kernel, projection, colour space) is checked; its order of drawing becomes the scene's.
+//! The structures are read with serde: the crate `gltf` knows no extension of this kind and would not save much. What
+//! the extension states beyond that (kernel, projection, colour space) is checked; its order of drawing becomes the
+//! scene's.
 
 mod buffers;
 mod transform;
@@ -218,7 +220,8 @@ fn check(stated: &serde_json::Value) -> Result<SortOrder, Problem> {
     let fields = [
         ("kernel", &stated.kernel, "ellipse"),
         ("projection", &stated.projection, "perspective"),
-        // Pictures hold the stored numbers: linear ones would have to be encoded for a display, which no engine here does.
+        // Pictures hold the stored numbers: linear ones would have to be encoded for a display, which no engine here
+        // does.
         ("colorSpace", &stated.color_space, "srgb_rec709_display"),
     ];
     for (field, found, read) in fields {

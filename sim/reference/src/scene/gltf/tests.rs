@@ -6,7 +6,8 @@ use super::*;
 use base64::Engine;
 use serde_json::{Value, json};
 
-/// Two Gaussians: places, rotations, scales, opacities, constant colours and one degree of harmonics, floats one after the other.
+/// Two Gaussians: places, rotations, scales, opacities, constant colours and one degree of harmonics, floats one after
+/// the other.
 fn numbers() -> Vec<(String, &'static str, Vec<f32>)> {
     let own = |name: &str| format!("{EXTENSION}:{name}");
     let mut list = vec![

@@ -1,7 +1,8 @@
 //! Nodes' transforms, and what they do to spherical harmonics.
 //!
-//! Places and axes go through any affine map. A colour c(d) seen in direction d becomes c(R^T d): the coefficients of each degree
-//! are mixed by a matrix that follows from the harmonics' own values in a few directions, so that no formula for it is needed.
+//! Places and axes go through any affine map. A colour c(d) seen in direction d becomes c(R^T d): the coefficients of
+//! each degree are mixed by a matrix that follows from the harmonics' own values in a few directions, so that no
+//! formula for it is needed.
 
 use super::super::error::Problem;
 use super::super::gaussian::{HARMONICS, harmonic_basis, rotation_matrix};

@@ -57,7 +57,8 @@ impl Element {
 pub(super) struct PlyHeader {
     pub(super) format: PlyEncoding,
     pub(super) elements: Vec<Element>,
-    /// Do its comments say that it was trained antialiased? `SplatRenderMode: mip` is Brush's spelling, `antialiased 1` Postshot's.
+    /// Do its comments say that it was trained antialiased? `SplatRenderMode: mip` is Brush's spelling, `antialiased 1`
+    /// Postshot's.
     pub(super) antialiased: bool,
     /// Lines of the header, so that the body's lines can be numbered.
     pub(super) lines: usize,

@@ -4,10 +4,11 @@
 //! `f_dc_0..2` and optionally `f_rest_*` (9, 24, 45 or 72 numbers for degree 1 to 4: all of red, then green, then
 //! blue). Properties may come in any order; others are ignored. Compressed files are the matter of [`compressed`].
 //!
-//! - Without `scale_2` they are 2D Gaussians (Huang et al., SIGGRAPH 2024): flat ones in the plane of the first two axes, whose variance on the
-//!   screen is that of a surface splat's tangent frame.
-//! - With `filter_3D` they come from Mip-Splatting's trainer (Yu et al., CVPR 2024) and are widened by that 3D filter on loading, opacities
-//!   compensated (eq. 8); its 2D filter, of 0.1 square pixels and compensated as well, is the matter of the rules.
+//! - Without `scale_2` they are 2D Gaussians (Huang et al., SIGGRAPH 2024): flat ones in the plane of the first two
+//!   axes, whose variance on the screen is that of a surface splat's tangent frame.
+//! - With `filter_3D` they come from Mip-Splatting's trainer (Yu et al., CVPR 2024) and are widened by that 3D filter
+//!   on loading, opacities compensated (eq. 8); its 2D filter, of 0.1 square pixels and compensated as well, is the
+//!   matter of the rules.
 
 mod body;
 mod compressed;
@@ -145,7 +146,8 @@ impl GaussianColumns {
     }
 }
 
-/// Scales after a filter of this standard deviation, and which part of the opacity is kept: sqrt(det / det of the filtered variance).
+/// Scales after a filter of this standard deviation, and which part of the opacity is kept: sqrt(det / det of the
+/// filtered variance).
 fn widened(scales: [f64; 3], filter: f64) -> ([f64; 3], f64) {
     if filter == 0.0 {
         return (scales, 1.0);

@@ -1,6 +1,7 @@
 //! The vertices of a PLY file as points of a surface: place, normal, colour, opacity and radius, in any order.
 //!
-//! Colours of integer type are divided by the largest value of their type; floating-point colours are taken as they are.
+//! Colours of integer type are divided by the largest value of their type; floating-point colours are taken as they
+//! are.
 
 use super::super::bytes::Scalar;
 use super::super::error::Problem;

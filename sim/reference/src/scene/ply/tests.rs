@@ -360,7 +360,8 @@ fn comments_tell_how_a_scene_was_trained() {
     assert!(!compensated("Exported from Brush"));
 }
 
-/// As Mip-Splatting's own `create_fused_ply.py` computes it: scales sqrt(s^2 + f^2), opacity times the root of the determinants' quotient.
+/// As Mip-Splatting's own `create_fused_ply.py` computes it: scales sqrt(s^2 + f^2), opacity times the root of the
+/// determinants' quotient.
 #[test]
 fn a_3d_filter_widens_and_dims() {
     let mut names = FIELDS.to_vec();

@@ -1,4 +1,5 @@
-//! Points of a surface as volume kernels that are thin along the normal (\[EWA\] 6.4), whose limit is the surface kernel.
+//! Points of a surface as volume kernels that are thin along the normal (\[EWA\] 6.4), whose limit is the surface
+//! kernel.
 //!
 //! A sheet's integral along a ray grows with its obliquity and a surface's weight does not. Masses are therefore
 //! w 2 pi r^2 cos(normal, ray), which makes a kernel as high from every side, and depend on the camera.

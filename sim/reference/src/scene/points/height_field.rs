@@ -1,11 +1,12 @@
 //! Height fields as surfaces: a grid of heights becomes surface splats whose tangent frames follow the slope.
 //!
-//! The file is text: one row of the grid per line, heights separated by commas or semicolons, every line as long as the first; blank
-//! lines are passed over. The first line is the southernmost row, so that x runs to the east, y to the north and z up; a photograph,
-//! whose first row is the northernmost, registers after this flip.
+//! The file is text: one row of the grid per line, heights separated by commas or semicolons, every line as long as the
+//! first; blank lines are passed over. The first line is the southernmost row, so that x runs to the east, y to the
+//! north and z up; a photograph, whose first row is the northernmost, registers after this flip.
 //!
-//! The basis function of a grid point is a Gaussian on the grid, lifted onto the surface: its frame is S = s d (1, 0, h_x), s d (0, 1, h_y)
-//! with the grid's spacing d, the slopes by central differences and s = [`DEVIATION`] (SURF 3.2: the local parameterisation).
+//! The basis function of a grid point is a Gaussian on the grid, lifted onto the surface: its frame is S = s d (1, 0,
+//! h_x), s d (0, 1, h_y) with the grid's spacing d, the slopes by central differences and s = [`DEVIATION`] (SURF 3.2:
+//! the local parameterisation).
 
 use super::{INSIDE_CUTOFF, Material, SurfacePoint, SurfaceScene};
 use crate::memory;
@@ -15,8 +16,8 @@ use crate::vector::{self, Vector};
 use anyhow::{bail, ensure};
 use std::path::Path;
 
-/// Standard deviation of a basis function in grid spacings. The truncated functions then overlap without gaps (they reach
-/// 1.06 spacings) and their sum hardly varies over a square grid (docs/systems.md).
+/// Standard deviation of a basis function in grid spacings. The truncated functions then overlap without gaps (they
+/// reach 1.06 spacings) and their sum hardly varies over a square grid (docs/systems.md).
 pub const DEVIATION: f64 = 0.75;
 
 /// Distance of neighbouring heights, in units of height, where nobody gives one.

@@ -7,8 +7,9 @@
 //! | `.obj` | vertices, with colours and normals if they have any |
 //! | `.las`, `.laz` | places and colours; the latter with the feature `laz` |
 //!
-//! A point without a radius gets the distance to the farthest of its six nearest neighbours; a cloud without normals gets those of the
-//! planes through each point's neighbours. What was made up that way is told in [`SurfaceScene::notes`].
+//! A point without a radius gets the distance to the farthest of its six nearest neighbours; a cloud without normals
+//! gets those of the planes through each point's neighbours. What was made up that way is told in
+//! [`SurfaceScene::notes`].
 
 pub mod flatten;
 pub mod height_field;
@@ -256,7 +257,8 @@ fn surface(name: &str, cloud: Cloud) -> Result<SurfaceScene, Problem> {
     })
 }
 
-/// Radii cut to [`LARGEST_RADIUS`] medians: a stray point far from all others would become a disc as large as its distance.
+/// Radii cut to [`LARGEST_RADIUS`] medians: a stray point far from all others would become a disc as large as its
+/// distance.
 fn limited(radii: Vec<f64>, notes: &mut Vec<String>) -> Vec<f64> {
     let largest = LARGEST_RADIUS * median(&mut radii.clone()).unwrap_or(0.0);
     let stray = radii.iter().filter(|radius| **radius > largest).count();
@@ -298,8 +300,8 @@ fn point(record: &Record, radius: f64, normal: Vector) -> Option<SurfacePoint> {
     })
 }
 
-/// The weight by which basis functions of standard deviation s on a hexagonal grid of spacing s sum to 1 within the cut-off:
-/// the area of a cell over the integral of the function.
+/// The weight by which basis functions of standard deviation s on a hexagonal grid of spacing s sum to 1 within the
+/// cut-off: the area of a cell over the integral of the function.
 pub fn share_of_area() -> f64 {
     HEXAGONAL_CELL / (std::f64::consts::TAU * INSIDE_CUTOFF)
 }

@@ -4,15 +4,17 @@ use crate::vector::{self, Vector};
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
-/// Neighbours that a basis function reaches with its standard deviation. The farthest of them counts, not their mean: where the density of a
-/// scan jumps, the mean follows the dense side and leaves holes on the sparse one (docs/systems.md).
+/// Neighbours that a basis function reaches with its standard deviation. The farthest of them counts, not their mean:
+/// where the density of a scan jumps, the mean follows the dense side and leaves holes on the sparse one
+/// (docs/systems.md).
 const RADIUS_NEIGHBOURS: usize = 6;
 /// Neighbours that a plane is laid through.
 const PLANE_NEIGHBOURS: usize = 12;
 /// Sweeps of Jacobi rotations; three are enough for 3x3.
 const SWEEPS: usize = 8;
 
-/// A k-d tree over places: of every part of `order` the middle place divides the others along an axis, and the axes take turns.
+/// A k-d tree over places: of every part of `order` the middle place divides the others along an axis, and the axes
+/// take turns.
 pub(super) struct Neighbours<'a> {
     places: &'a [Vector],
     order: Vec<usize>,
@@ -96,7 +98,8 @@ impl<'a> Neighbours<'a> {
     }
 }
 
-/// Puts the middle of the places along an axis into the list's middle, smaller ones before and larger ones behind it, and so on in both halves.
+/// Puts the middle of the places along an axis into the list's middle, smaller ones before and larger ones behind it,
+/// and so on in both halves.
 fn divide(places: &[Vector], order: &mut [usize], axis: usize) {
     if order.len() < 2 {
         return;

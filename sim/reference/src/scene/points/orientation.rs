@@ -1,13 +1,13 @@
 //! Are a cloud's normals those of a closed surface, all pointing out of it?
 //!
-//! Only then may points that face away be left out: on a cloud whose normals point anyhow, half of the front would go with them, and an open
-//! sheet would vanish when seen from behind. Two figures decide, both measured on a sample:
+//! Only then may points that face away be left out: on a cloud whose normals point anyhow, half of the front would go
+//! with them, and an open sheet would vanish when seen from behind. Two figures decide, both measured on a sample:
 //!
-//! - **agreement**: of the pairs of a point and its nearest neighbours, the share whose normals point to the same side, n . n' > 0. Normals
-//!   with random signs have 1/2.
-//! - **outward**: the flux of the places through the surface, sum (p - c) . n / sum |p - c| with c the middle of the cloud. A sphere has 1, one
-//!   with normals pointing inwards -1, a flat sheet 0. By Gauss' theorem it is three volumes over the mean distance and area, so it is
-//!   positive for every closed surface with normals outwards, convex or not.
+//! - **agreement**: of the pairs of a point and its nearest neighbours, the share whose normals point to the same side,
+//!   n . n' > 0. Normals with random signs have 1/2.
+//! - **outward**: the flux of the places through the surface, sum (p - c) . n / sum |p - c| with c the middle of the
+//!   cloud. A sphere has 1, one with normals pointing inwards -1, a flat sheet 0. By Gauss' theorem it is three volumes
+//!   over the mean distance and area, so it is positive for every closed surface with normals outwards, convex or not.
 
 use super::neighbours::Neighbours;
 use super::{SurfacePoint, SurfaceScene};
@@ -31,7 +31,8 @@ const STRAYS: f64 = 0.002;
 /// Cosine of the angle to the vertical of a base's normals.
 const DOWNWARDS: f64 = 0.9;
 
-/// Up of a cloud: +z, as scanners have it, unless it is a body that stands on a flat base on another side, as scanned figures do.
+/// Up of a cloud: +z, as scanners have it, unless it is a body that stands on a flat base on another side, as scanned
+/// figures do.
 pub fn up(points: &[SurfacePoint]) -> Vector {
     const USUAL: Vector = [0.0, 0.0, 1.0];
     if outward(points) < LEAST_OUTWARD {

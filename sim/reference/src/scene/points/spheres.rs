@@ -1,7 +1,7 @@
 //! A scan as round splats: enough of a scene to count pixels and cycles of the volume splats' datapath with.
 //!
-//! Each point becomes an opaque sphere, drawn with the cut-off and the low-pass filter of the rules `ewa`. Normals and tangent planes do not
-//! matter to how many pixels a footprint of two pixels' radius has.
+//! Each point becomes an opaque sphere, drawn with the cut-off and the low-pass filter of the rules `ewa`. Normals and
+//! tangent planes do not matter to how many pixels a footprint of two pixels' radius has.
 
 use super::SurfaceScene;
 use crate::rules::Rules;

@@ -25,7 +25,8 @@ impl Paint {
     }
 }
 
-/// The surface of that name: `sphere`, opaque and half of it glossy, or `glass`, three sheets that cross each other in a translucent sphere.
+/// The surface of that name: `sphere`, opaque and half of it glossy, or `glass`, three sheets that cross each other in
+/// a translucent sphere.
 pub fn named(name: &str) -> Option<SurfaceScene> {
     match name {
         "sphere" => Some(scene(name, glossy_sphere())),

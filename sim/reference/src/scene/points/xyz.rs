@@ -1,8 +1,9 @@
-//! Lines of numbers: `x y z`, `x y z nx ny nz` or `x y z nx ny nz red green blue`, separated by blanks, commas or semicolons.
+//! Lines of numbers: `x y z`, `x y z nx ny nz` or `x y z nx ny nz red green blue`, separated by blanks, commas or
+//! semicolons.
 //!
-//! Empty lines and lines that begin with `#` or `//` are passed over, and so is a first line that is a single number (the count of a
-//! `.pts` file). Three numbers after the place are a normal if they have about unit length in the first line, otherwise a colour.
-//! Colours are 0 to 255, or 0 to 1 if none in the file exceeds 1.
+//! Empty lines and lines that begin with `#` or `//` are passed over, and so is a first line that is a single number
+//! (the count of a `.pts` file). Three numbers after the place are a normal if they have about unit length in the first
+//! line, otherwise a colour. Colours are 0 to 255, or 0 to 1 if none in the file exceeds 1.
 
 use super::{Record, full_scale, room_for_lines};
 use crate::scene::bytes;

@@ -1,4 +1,5 @@
-//! `meta.json` of both versions: ranges of version 1 become codebooks of equal steps, so that the pictures are decoded in one way.
+//! `meta.json` of both versions: ranges of version 1 become codebooks of equal steps, so that the pictures are decoded
+//! in one way.
 
 use super::super::error::Problem;
 use super::super::gaussian::opacity_from_logit;

@@ -1,4 +1,5 @@
-//! SOG, versions 1 and 2: every attribute as a lossless WebP picture, one pixel per Gaussian, row by row; in a folder or a `.sog` zip.
+//! SOG, versions 1 and 2: every attribute as a lossless WebP picture, one pixel per Gaussian, row by row; in a folder
+//! or a `.sog` zip.
 //!
 //! | `meta.json` | pictures | decoding |
 //! |---|---|---|
@@ -8,11 +9,11 @@
 //! | `sh0` | `sh0`: colour and, in alpha, opacity / 255 | `f_dc = codebook[byte]` |
 //! | `shN` | `shN_labels`: 16-bit number of a palette entry; `shN_centroids`: 64 entries a row, a pixel per coefficient | `codebook[byte]` |
 //!
-//! Version 1 says no version; a range per channel stands in the place of each codebook (byte / 255 of the way), opacity is a logit, and the
-//! palette is as large as its picture.
+//! Version 1 says no version; a range per channel stands in the place of each codebook (byte / 255 of the way), opacity
+//! is a logit, and the palette is as large as its picture.
 //!
-//! A picture of one colour packs to nothing whatever its size, so the count is bounded by the size of all files together, and no
-//! picture may have many more pixels than there are Gaussians.
+//! A picture of one colour packs to nothing whatever its size, so the count is bounded by the size of all files
+//! together, and no picture may have many more pixels than there are Gaussians.
 
 mod images;
 mod meta;

@@ -1,5 +1,5 @@
-//! Built-in transfer functions of the classic volumes, chosen by file name, and a ramp for all others. The former are files like those that
-//! `--transfer` reads, to begin with for functions of one's own.
+//! Built-in transfer functions of the classic volumes, chosen by file name, and a ramp for all others. The former are
+//! files like those that `--transfer` reads, to begin with for functions of one's own.
 //!
 //! Extinctions are moderate: the peak opacity of one splat is `extinction * volume / (2 pi sigma^2 area)`, about a
 //! quarter of the extinction per voxel, so even the densest material lets some ten voxels contribute.

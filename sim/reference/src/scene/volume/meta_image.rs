@@ -1,7 +1,9 @@
-//! MetaImage volumes, as ITK and 3D Slicer write them: `.mha` with the data behind the header, `.mhd` with the data in a file beside it.
+//! MetaImage volumes, as ITK and 3D Slicer write them: `.mha` with the data behind the header, `.mhd` with the data in
+//! a file beside it.
 //!
-//! `Key = value` lines up to `ElementDataFile`, which is the last and says `LOCAL` or a file's name. Three dimensions, one channel,
-//! integers of 8 to 32 bits and floats in both byte orders; raw or packed by zlib. A header of its own dozen keys needs no library.
+//! `Key = value` lines up to `ElementDataFile`, which is the last and says `LOCAL` or a file's name. Three dimensions,
+//! one channel, integers of 8 to 32 bits and floats in both byte orders; raw or packed by zlib. A header of its own
+//! dozen keys needs no library.
 
 use super::super::bytes::{Endian, Scalar};
 use super::super::error::{Problem, shorten};

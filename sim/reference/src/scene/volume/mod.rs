@@ -1,7 +1,9 @@
-//! What every volume format comes down to: a regular grid of numbers, read only after the file has been seen to hold all of it.
+//! What every volume format comes down to: a regular grid of numbers, read only after the file has been seen to hold
+//! all of it.
 //!
-//! The grid's axes are kept as stored: the data are never mirrored, turned or permuted, and what a header says of its place in a patient
-//! or a room is not applied. Numbers are kept as f32, which holds every value of 8 and 16 bits exactly and rounds wider ones.
+//! The grid's axes are kept as stored: the data are never mirrored, turned or permuted, and what a header says of its
+//! place in a patient or a room is not applied. Numbers are kept as f32, which holds every value of 8 and 16 bits
+//! exactly and rounds wider ones.
 
 pub(super) mod header;
 pub(super) mod meta_image;

@@ -1,4 +1,5 @@
-//! NIfTI-1 and NIfTI-2 volumes (`.nii`, `.nii.gz`): a header of 348 or 540 bytes at fixed offsets, and the numbers at `vox_offset`.
+//! NIfTI-1 and NIfTI-2 volumes (`.nii`, `.nii.gz`): a header of 348 or 540 bytes at fixed offsets, and the numbers at
+//! `vox_offset`.
 //!
 //! | field | NIfTI-1 | NIfTI-2 |
 //! |---|---|---|
@@ -10,8 +11,8 @@
 //! | `scl_slope`, `scl_inter` | 112: f32 | 176: f64 |
 //! | `qform_code`, `sform_code` | 252: i16 | 344: i32 |
 //!
-//! Own code: the crate `nifti` brings 21 crates for these offsets, and sets aside what a header claims before a byte of it has been seen
-//! (docs/decisions/dependencies.md). Values are `slope stored + inter` where the slope is not 0.
+//! Own code: the crate `nifti` brings 21 crates for these offsets, and sets aside what a header claims before a byte of
+//! it has been seen (docs/decisions/dependencies.md). Values are `slope stored + inter` where the slope is not 0.
 
 use super::super::bytes::{Endian, Scalar, gunzip_at_most, gunzip_exact, truncated};
 use super::super::error::Problem;

@@ -1,8 +1,10 @@
-//! VTK's XML image data (`.vti`), as VTK, ParaView and pyevtk write them: one piece, the numbers of one array as text, in base64 or appended.
+//! VTK's XML image data (`.vti`), as VTK, ParaView and pyevtk write them: one piece, the numbers of one array as text,
+//! in base64 or appended.
 //!
-//! The XML is read by `roxmltree`, which allows no entities, so that a short file cannot unfold. Appended raw bytes are no XML, so they
-//! are cut out first. Binary data are a count of bytes and the bytes, or with a compressor: number of blocks, size of a block, size of the last
-//! (0: as the others), packed sizes, and each block in a zlib stream; counts have 32 or 64 bits as `header_type` says.
+//! The XML is read by `roxmltree`, which allows no entities, so that a short file cannot unfold. Appended raw bytes are
+//! no XML, so they are cut out first. Binary data are a count of bytes and the bytes, or with a compressor: number of
+//! blocks, size of a block, size of the last (0: as the others), packed sizes, and each block in a zlib stream; counts
+//! have 32 or 64 bits as `header_type` says.
 
 use super::super::bytes::{Endian, Reader, Scalar, unzlib_exact};
 use super::super::error::{Problem, shorten};
@@ -288,7 +290,8 @@ fn numbers(text: &str, count: u64) -> Result<Vec<f32>, Problem> {
     Ok(values)
 }
 
-/// The array that is drawn: the active one, or the first of one component. True for numbers at the grid's corners, false for those of cells.
+/// The array that is drawn: the active one, or the first of one component. True for numbers at the grid's corners,
+/// false for those of cells.
 fn chosen<'a>(
     piece: Node<'a, 'a>,
     notes: &mut Vec<String>,

@@ -1,4 +1,5 @@
-//! What the harmonics unit is given: a scene's splats, random ones, and bits that round, clamp and wrap where others do not.
+//! What the harmonics unit is given: a scene's splats, random ones, and bits that round, clamp and wrap where others do
+//! not.
 
 use crate::random::Random;
 use crate::scenes::scenes;
@@ -182,7 +183,8 @@ pub fn synthetic(count: usize, seed: u64) -> Loads<Vec<HarmonicsSplat>> {
     kinds.map(load).into()
 }
 
-/// 1, 0, their neighbours, and numbers of few bits, whose products are halves: corners of the cube are far from any unit vector.
+/// 1, 0, their neighbours, and numbers of few bits, whose products are halves: corners of the cube are far from any
+/// unit vector.
 fn near_one(random: &mut LoadRandom) -> i32 {
     let sign = 1 - 2 * random.below(2) as i64;
     let value = match random.below(10) {
@@ -198,13 +200,15 @@ fn near_one(random: &mut LoadRandom) -> i32 {
     (sign * value) as i32
 }
 
-/// y is 1/2, so that yy (3 xx - yy) is a half of the last bit in one of four cases: the kernel subtracts it after its rounding.
+/// y is 1/2, so that yy (3 xx - yy) is a half of the last bit in one of four cases: the kernel subtracts it after its
+/// rounding.
 fn halves(random: &mut LoadRandom) -> [i32; 3] {
     let x = random.below(ONE as u64) as i32;
     [x, 1 << 29, near_one(random)]
 }
 
-/// A colour that shows all of one harmonic's bits: the first channel the lowest, the others those above, also of negative ones.
+/// A colour that shows all of one harmonic's bits: the first channel the lowest, the others those above, also of
+/// negative ones.
 fn one_harmonic(direction: [i32; 3], which: usize) -> HarmonicsSplat {
     let mut colours = vec![[0; 3]; 25];
     colours[0] = [4 << 28; 3];
@@ -226,8 +230,9 @@ fn near_the_ends(random: &mut LoadRandom, direction: [i32; 3], degree: u8) -> Ha
     HarmonicsSplat::new(direction, degree, colours)
 }
 
-/// Directions for which a product of the kernel's polynomial of degree 4 and order 0 is so near below an odd multiple of 2^63 that its rounding leaves 64 bits:
-/// (5 zz - 30 s) zz = -2^63 - a little, for the rounded s = xx + yy that is nearest.
+/// Directions for which a product of the kernel's polynomial of degree 4 and order 0 is so near below an odd multiple
+/// of 2^63 that its rounding leaves 64 bits: (5 zz - 30 s) zz = -2^63 - a little, for the rounded s = xx + yy that is
+/// nearest.
 const WRAPPING: [[i32; 3]; 6] = [
     [4_522_707, 773_855_139, 864_464_815],
     [495_782_127, 545_971_964, 948_605_561],

@@ -1,5 +1,5 @@
-//! The program of the harmonics unit's basis: `harmonics_program.txt` is read as a list of sums, every term gets a place,
-//! so that no operand is read before it is written, and `sim/rtl/harmonics_program.sv` is what a circuit reads.
+//! The program of the harmonics unit's basis: `harmonics_program.txt` is read as a list of sums, every term gets a
+//! place, so that no operand is read before it is written, and `sim/rtl/harmonics_program.sv` is what a circuit reads.
 
 use anyhow::{Context, Result, ensure};
 use std::f64::consts::PI;
@@ -10,8 +10,8 @@ pub const FILE: &str = "harmonics_program.sv";
 /// Harmonics of the highest degree.
 const HARMONICS: usize = 24;
 
-/// Places from a term to the first that can read its result; from harmonics_unit.sv: the register file's words, factors, clamps, magnitudes, product (2), quotient,
-/// sum, write.
+/// Places from a term to the first that can read its result; from harmonics_unit.sv: the register file's words,
+/// factors, clamps, magnitudes, product (2), quotient, sum, write.
 const LATENCY: usize = 9;
 
 /// What the first places load: the direction.
@@ -27,10 +27,12 @@ const REGISTERS: usize = 64;
 const SLOT: usize = 56;
 
 const HEAD: &str = "\
-// Program of the harmonics unit's basis: written by `rtl -- package` from sim/rtl/cosim/harmonics_program.txt; do not edit.
+// Program of the harmonics unit's basis: written by `rtl -- package` from sim/rtl/cosim/harmonics_program.txt; do not
+// edit.
 //
-// A slot, from its lowest bit: left register (6), right register (6), target (6), constant (31), and a bit each: right is a register, left is clamped to 4, quotient
-// by 2^16, subtracted, first of its sum, to a register, to a harmonic. `end_place` is a degree's last place; a `gap` has no term.
+// A slot, from its lowest bit: left register (6), right register (6), target (6), constant (31), and a bit each: right
+// is a register, left is clamped to 4, quotient by 2^16, subtracted, first of its sum, to a register, to a harmonic.
+// `end_place` is a degree's last place; a `gap` has no term.
 module harmonics_program (
     input logic clk,
     input logic [6:0] place,
@@ -45,8 +47,8 @@ module harmonics_program (
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum RightFactor {
     Register(&'static str),
-    /// A small number with 16 fraction bits, for a quotient by 2^16: exact, no rounding but that of a half. The direction
-    /// of a load is added to nothing, its factor is 0.
+    /// A small number with 16 fraction bits, for a quotient by 2^16: exact, no rounding but that of a half. The
+    /// direction of a load is added to nothing, its factor is 0.
     Small(u32),
     /// A root with 29 fraction bits, for a quotient by 2^31 and a polynomial clamped to 4.
     Root(u32),
@@ -314,7 +316,8 @@ endmodule
 mod tests {
     use super::*;
 
-    /// What the unit takes for granted: nothing is read before it is written, neither a register by a term nor a harmonic by the sum of its degree.
+    /// What the unit takes for granted: nothing is read before it is written, neither a register by a term nor a
+    /// harmonic by the sum of its degree.
     #[test]
     fn nothing_is_read_too_early() {
         let schedule = schedule().unwrap();

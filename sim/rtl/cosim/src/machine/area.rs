@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 /// Cores of setup: a splat in 8 and in 16 cycles.
 const CORES: [u32; 2] = [17, 9];
 
-/// Instances in `splat_machine.sv`, and what they are called in the table; the last is an option. Without an instance what stands in the machine itself: its
-/// states, its port, the words of records and packets.
+/// Instances in `splat_machine.sv`, and what they are called in the table; the last is an option. Without an instance
+/// what stands in the machine itself: its states, its port, the words of records and packets.
 const UNITS: [(&str, &str); 11] = [
     ("setup", "setup"),
     ("order", "order"),
@@ -31,8 +31,8 @@ const UNITS: [(&str, &str); 11] = [
 
 const CONTROL: &str = "control";
 
-/// The table, in lines of `sim/machine/src/area/machine.csv`, or that of a machine for harmonics: a splat in 16 cycles, and a multiplier for them. Each machine
-/// is shown on stderr as it comes.
+/// The table, in lines of `sim/machine/src/area/machine.csv`, or that of a machine for harmonics: a splat in 16 cycles,
+/// and a multiplier for them. Each machine is shown on stderr as it comes.
 pub fn report(evaluates: bool) -> Result<String> {
     let mut text = "cores,unit,luts,flip_flops,dsps,memory_kbit\n".to_owned();
     let cores: &[u32] = if evaluates { &[10] } else { &CORES };
@@ -75,7 +75,8 @@ fn counted(cells: &BTreeMap<String, NetlistCell>) -> Vec<(&'static str, Fabric)>
     UNITS.into_iter().filter_map(area).collect()
 }
 
-/// The unit in which a cell of the machine stands. Its name begins with the unit's, behind `$flatten` if Yosys named it.
+/// The unit in which a cell of the machine stands. Its name begins with the unit's, behind `$flatten` if Yosys named
+/// it.
 fn unit_of(cell: &str) -> Option<&'static str> {
     let name = cell.trim_start_matches("$flatten").trim_start_matches('\\');
     let name = name.strip_prefix("placed.")?.trim_start_matches('\\');

@@ -32,8 +32,8 @@ pub struct MachineLoad {
 }
 
 impl MachineLoad {
-    /// Of a scene. With distance scaling it has the spacing of its samples; a machine for harmonics is given them apart from the splats, which keep colours
-    /// that it must not use.
+    /// Of a scene. With distance scaling it has the spacing of its samples; a machine for harmonics is given them apart
+    /// from the splats, which keep colours that it must not use.
     pub fn new(mut seen: Seen, circuit: &Circuit, apart: u64) -> MachineLoad {
         let Circuit {
             design, program, ..
@@ -68,9 +68,10 @@ pub fn add_harmonics(seen: &mut Seen, degree: u8) {
 
 pub const ROW: &str = "row";
 
-/// A crowd with lists that end within words, culled splats and tiles cut by the edge; a few splats among tiles without any, of which some are at the
-/// edges; a single row of pixels, whose many tiles are looked up while those without splats are written; and one tile alone with more splats than wait
-/// for it, behind which no word is on its way when its pixels begin to leave.
+/// A crowd with lists that end within words, culled splats and tiles cut by the edge; a few splats among tiles without
+/// any, of which some are at the edges; a single row of pixels, whose many tiles are looked up while those without
+/// splats are written; and one tile alone with more splats than wait for it, behind which no word is on its way when
+/// its pixels begin to leave.
 pub fn small() -> Vec<Seen> {
     let mut row = Seen::random(ROW, (40, 3, 0.5), [8_000, 8_000]);
     // As wide as a scene: the vertical focal length alone is so small that every splat meets it.
@@ -88,7 +89,8 @@ pub fn small() -> Vec<Seen> {
     ]
 }
 
-/// Many splats that are seen, then twelve that are culled: these leave the queue behind packets that waited for their colours.
+/// Many splats that are seen, then twelve that are culled: these leave the queue behind packets that waited for their
+/// colours.
 pub fn gaps() -> Seen {
     let mut gaps = Seen::random("gaps", (400, 7, 2.0), [64, 64]);
     for (number, splat) in gaps.scene.splats.iter_mut().enumerate() {

@@ -1,4 +1,5 @@
-//! A scene's records in a memory image, through the machine, and the frame that it leaves there: every pixel against the kernel's, cycles against the model's.
+//! A scene's records in a memory image, through the machine, and the frame that it leaves there: every pixel against
+//! the kernel's, cycles against the model's.
 
 use super::image::{MemoryImage, kernel_frame, pixel_word, places};
 use super::loads::{MachineLoad, ROW, add_harmonics, gaps, small};
@@ -16,7 +17,8 @@ use anyhow::{Context, Result, bail, ensure};
 use splatline::blend::Pixel;
 use splatline_sim::machine::{Config, simulate_alone};
 
-/// Cycles in which a harmonics unit with one and with two multipliers makes a colour, by the degree (`rtl -- compare harmonics`).
+/// Cycles in which a harmonics unit with one and with two multipliers makes a colour, by the degree
+/// (`rtl -- compare harmonics`).
 const HARMONICS_CYCLES: [[u32; 5]; 2] = [[14, 22, 52, 95, 153], [14, 16, 34, 56, 93]];
 
 /// Places of setup's queue where packets wait for colours (`setup_unit.sv`).
@@ -25,8 +27,9 @@ const WAITING_FOR_COLOURS: u32 = 32;
 /// Cycles without an access to the memory after which the machine hangs.
 const PATIENCE: u64 = 1 << 18;
 
-/// A memory, and frames in a row, of which the last counts: what one leaves behind must not reach the next. A single one shows whether it is said to be whole
-/// too early. A memory of usual latency at full speed; slow and narrow; with pauses, whose cycles no model counts, twice and once; and lists without room.
+/// A memory, and frames in a row, of which the last counts: what one leaves behind must not reach the next. A single
+/// one shows whether it is said to be whole too early. A memory of usual latency at full speed; slow and narrow; with
+/// pauses, whose cycles no model counts, twice and once; and lists without room.
 const TIMINGS: [(MemoryTiming, u32); 5] = [
     (timing([60, 0], 16, false), 2),
     (timing([300, 0], 4, false), 2),

@@ -1,4 +1,5 @@
-//! In which cycle every handshake inside the circuit took place, and whether the machine's clock says the same, splat by splat.
+//! In which cycle every handshake inside the circuit took place, and whether the machine's clock says the same, splat
+//! by splat.
 
 use super::workload::{BenchTile, BenchWorkload};
 use crate::bench::Channel;
@@ -26,8 +27,8 @@ pub struct Stamps {
     pub idle_at: Option<u64>,
 }
 
-/// The ports that show what happens inside: lanes that pop a run, a bit for each; a splat begun, a run left, and an idle
-/// raster.
+/// The ports that show what happens inside: lanes that pop a run, a bit for each; a splat begun, a run left, and an
+/// idle raster.
 pub const INSIDE: [&str; 4] = ["lanes_popped", "splat_begun", "run_left", "raster_idle"];
 
 impl Stamps {
@@ -68,7 +69,8 @@ impl Stamps {
         ends.map_or(0, |(first, last)| last - first)
     }
 
-    /// The first handshake in another cycle than the machine's clock says, to which the same packets are offered in the same cycles.
+    /// The first handshake in another cycle than the machine's clock says, to which the same packets are offered in the
+    /// same cycles.
     pub fn difference<D: Design>(
         &self,
         design: D,
@@ -77,7 +79,8 @@ impl Stamps {
         workload: &BenchWorkload,
     ) -> Option<String> {
         let mut same = Same::default();
-        // The first packet is offered before its tile has begun; time is counted from its handshake, and with it the turns of setup.
+        // The first packet is offered before its tile has begun; time is counted from its handshake, and with it the
+        // turns of setup.
         let first = self.accepted.first().copied().unwrap_or(0);
         let lanes = lanes as usize;
         let mut clock = PrimitiveClock::new(lanes, QUEUE, interval, first);

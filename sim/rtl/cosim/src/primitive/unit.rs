@@ -1,4 +1,5 @@
-//! Tiles through the primitive: the next one is drawn while the last is read out, with back-pressure at every interface.
+//! Tiles through the primitive: the next one is drawn while the last is read out, with back-pressure at every
+//! interface.
 
 use super::stamps::{INSIDE, Stamps};
 use super::words::{self, Roots};
@@ -24,7 +25,8 @@ use splatline_sim::rules::Rules;
 /// The numbers of lanes that tests draw with.
 pub const LANES: [u32; 2] = [1, 4];
 
-/// At full speed; with packets that come late and nothing else, so that cycles can still be compared; with back-pressure everywhere.
+/// At full speed; with packets that come late and nothing else, so that cycles can still be compared; with
+/// back-pressure everywhere.
 const PRESSURES: [Pressure; 3] = [pressure(0, 0, 0), pressure(200, 0, 0), pressure(80, 60, 90)];
 
 const fn pressure(packets: u8, lanes: u8, pixels: u8) -> Pressure {
@@ -53,8 +55,8 @@ impl Load for PrimitiveLoad {
         PRESSURES.len()
     }
 
-    /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of scenes skip nothing there: `3dgs` ends a
-    /// footprint where it becomes faint, and `ewa` draws what is there.
+    /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of
+    /// scenes skip nothing there: `3dgs` ends a footprint where it becomes faint, and `ewa` draws what is there.
     fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<Self>> {
         let design = &circuit.design;
         let widths = &design.widths;

@@ -1,5 +1,6 @@
-//! Words that reach no pixel, so that drawing alone would not notice a mistake in them: those of the two units behind every alignment of the circuit, fed with
-//! shifts of 64 and more, saturation and roundings that carry; and the row unit's roots, whose last bits the spans' slack hides.
+//! Words that reach no pixel, so that drawing alone would not notice a mistake in them: those of the two units behind
+//! every alignment of the circuit, fed with shifts of 64 and more, saturation and roundings that carry; and the row
+//! unit's roots, whose last bits the spans' slack hides.
 
 use crate::bench::Bench;
 use crate::random::Random;

@@ -79,15 +79,15 @@ pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorklo
     }
 }
 
-/// Random footprints over random windows: from far below a pixel to far beyond the screen, axis ratios to 2^15, every colour,
-/// opacity and cut-off that a packet can hold (cut-offs up to setup's limit of 15).
+/// Random footprints over random windows: from far below a pixel to far beyond the screen, axis ratios to 2^15, every
+/// colour, opacity and cut-off that a packet can hold (cut-offs up to setup's limit of 15).
 pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> BenchWorkload {
     let kinds = [Kind::Any([-4.0, 20.0])];
     random_between(&kinds, widths, [count, per_tile], seed)
 }
 
-/// The same where xc has few fraction bits or leaves the fine word: half-widths of up to 2^28 pixels, the largest that setup gives, and
-/// needles.
+/// The same where xc has few fraction bits or leaves the fine word: half-widths of up to 2^28 pixels, the largest that
+/// setup gives, and needles.
 pub fn vast(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
     let kinds = [Kind::Any([12.0, 26.0]), Kind::Flat, Kind::WordAway];
     random_between(&kinds, widths, [count, 10], seed)
@@ -106,7 +106,8 @@ enum Kind {
     Any([f64; 2]),
     /// Needles along a row: the middle moves by 2^13 columns and more from row to row, where xc has the coarse word.
     Flat,
-    /// Needles whose middle lies a whole fine word from the window in its middle row: a middle that wraps would be drawn.
+    /// Needles whose middle lies a whole fine word from the window in its middle row: a middle that wraps would be
+    /// drawn.
     WordAway,
 }
 
@@ -157,7 +158,8 @@ fn random_between(
 /// The farthest centre that is tried, in pixels.
 const FARTHEST: f64 = 1e8;
 
-/// Setup keeps the middle of a row nearer than 2^30 pixels. Beyond 2^31 it leaves its word, and circuit and kernel differ.
+/// Setup keeps the middle of a row nearer than 2^30 pixels. Beyond 2^31 it leaves its word, and circuit and kernel
+/// differ.
 const FARTHEST_MIDDLE: f64 = 1e9;
 
 struct WorkloadRandom(Random);
@@ -227,7 +229,8 @@ impl WorkloadRandom {
             colour: [(); 3].map(|()| self.bits(colour_bits) >> self.below(8)),
             ..Footprint::EMPTY
         };
-        // In half of the cases the window lies on the ellipse's rim, which for large ones it would hardly meet by chance.
+        // In half of the cases the window lies on the ellipse's rim, which for large ones it would hardly meet by
+        // chance.
         let rim = self.below(2) == 0;
         let (along, across) = self.between(0.0, 6.3).sin_cos();
         let (along, across) = (along * long.sqrt() * radius, across * short.sqrt() * radius);
@@ -243,7 +246,8 @@ impl WorkloadRandom {
             let offset = match kind {
                 // Such a needle meets one row, beside whose sample points it passes.
                 Kind::Flat if axis == 1 => middle.floor() - middle + 0.5 + spot * reach[1],
-                // The middle of the window's middle row is the centre's column and `away`, and the window a word before it.
+                // The middle of the window's middle row is the centre's column and `away`, and the window a word before
+                // it.
                 Kind::WordAway => {
                     let away = 0.75 * reach[0];
                     [FINE_WORD - away, -away / shear][axis]

@@ -1,11 +1,14 @@
-//! From a list of sums to a microprogram: every operation gets its slots in a round of fixed length, and its result a register.
+//! From a list of sums to a microprogram: every operation gets its slots in a round of fixed length, and its result a
+//! register.
 //!
-//! The cores of `setup_unit.sv` have one issue slot a cycle and a pipeline of [`LATENCY`]
-//! cycles. A splat's operations depend on each other over many such latencies, so a round starts the next splats long before the last ones are done: slot t of the list is issued in cycle t modulo the
-//! round's length, for the splats that came t / length rounds before (modulo scheduling). Nothing branches; a culled splat runs through.
+//! The cores of `setup_unit.sv` have one issue slot a cycle and a pipeline of [`LATENCY`] cycles. A splat's operations
+//! depend on each other over many such latencies, so a round starts the next splats long before the last ones are done:
+//! slot t of the list is issued in cycle t modulo the round's length, for the splats that came t / length rounds before
+//! (modulo scheduling). Nothing branches; a culled splat runs through.
 //!
-//! A result has as many registers in a row as rounds pass until its last reader, and splats take them in turn. So a register is written again only
-//! by a slot that is issued after the old value's last reader, and the sequencer may pause between any two rounds.
+//! A result has as many registers in a row as rounds pass until its last reader, and splats take them in turn. So a
+//! register is written again only by a slot that is issued after the old value's last reader, and the sequencer may
+//! pause between any two rounds.
 //!
 //! Results leave by the second factor's port in slots that have no use for it, so that they take no slots of their own.
 
@@ -67,8 +70,8 @@ pub type Fields = BTreeMap<&'static str, i64>;
 pub struct Term {
     pub a: Operand,
     pub b: Operand,
-    /// What is taken without the flag of rules or view: a constant as first factor, or a result instead of a product with a constant, which is then not
-    /// rounded to less than 31 bits.
+    /// What is taken without the flag of rules or view: a constant as first factor, or a result instead of a product
+    /// with a constant, which is then not rounded to less than 31 bits.
     pub other: Operand,
     /// What does not depend on where operations stand, the constant's address among it.
     pub fields: Fields,
@@ -168,7 +171,8 @@ impl Program {
         slots
     }
 
-    /// When the results leave, all of them in one round: as soon as they are ready, in slots that spare the second factor, before that round ends.
+    /// When the results leave, all of them in one round: as soon as they are ready, in slots that spare the second
+    /// factor, before that round ends.
     fn leaving(&self, results: &[(usize, Value)]) -> Option<Vec<Exit>> {
         let ready = |(word, value): &(usize, Value)| Exit {
             time: self.operations[*value].last_slot() + LATENCY,
@@ -246,7 +250,8 @@ impl Operation {
 
 /// Cycles of every operation's first slot; nothing if the round is too short.
 ///
-/// What has the most behind it comes first; the seed stirs that order by a latency, since not every order fills a round without gaps.
+/// What has the most behind it comes first; the seed stirs that order by a latency, since not every order fills a round
+/// without gaps.
 fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usize>> {
     let mut random = Random(seed);
     let mut stir = vec![0; operations.len()];

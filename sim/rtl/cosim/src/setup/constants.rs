@@ -1,7 +1,8 @@
-//! What the setup unit has to be told of a picture: camera and rules as numbers of 64 bits with an exponent, each at its address.
+//! What the setup unit has to be told of a picture: camera and rules as numbers of 64 bits with an exponent, each at
+//! its address.
 //!
-//! Nothing here is computed for a splat. As `Blend::new` does for the pixels, thresholds and limits are brought into the form in which the circuit
-//! compares them; every one is exact, or the kernel's own value.
+//! Nothing here is computed for a splat. As `Blend::new` does for the pixels, thresholds and limits are brought into
+//! the form in which the circuit compares them; every one is exact, or the kernel's own value.
 
 use super::program::low_bits;
 use super::text;
@@ -260,7 +261,8 @@ fn registers(view: &View, rules: &Rules) -> Vec<Named> {
     ]
 }
 
-/// A limit of depth as a sign and a magnitude, its leading bit as far up as it goes, and that bit's power. What lies beyond every depth stays there.
+/// A limit of depth as a sign and a magnitude, its leading bit as far up as it goes, and that bit's power. What lies
+/// beyond every depth stays there.
 fn limit(depth: Extended) -> (i64, i32) {
     if depth.value == 0 {
         return (0, 0);

@@ -1,8 +1,8 @@
-//! What random numbers hardly ever make, and where mistakes hide that they do not show: the cases of the test vectors, at the ends of formats and ranges, and
-//! splats of few bits before cameras that turn nothing.
+//! What random numbers hardly ever make, and where mistakes hide that they do not show: the cases of the test vectors,
+//! at the ends of formats and ranges, and splats of few bits before cameras that turn nothing.
 //!
-//! Sums that are exactly 0 or a power of two; depths on the planes themselves; an eye whose coordinates fill 60 bits. Each stands for a mistake of
-//! `mutations.tsv` that captured scenes, random bits and test vectors let pass.
+//! Sums that are exactly 0 or a power of two; depths on the planes themselves; an eye whose coordinates fill 60 bits.
+//! Each stands for a mistake of `mutations.tsv` that captured scenes, random bits and test vectors let pass.
 
 use super::loads::{KINDS, SetupLoad, soft_float};
 use crate::random::Random;
@@ -62,7 +62,8 @@ const fn axis(mantissa: [i32; 3], exponent: i32) -> Axis {
     Axis { mantissa, exponent }
 }
 
-/// Depths of both planes and beside them, the near one behind the eye: equal negative numbers, and what an eye with perspective cannot see.
+/// Depths of both planes and beside them, the near one behind the eye: equal negative numbers, and what an eye with
+/// perspective cannot see.
 fn on_the_planes(mut view: View, count: usize, seed: u64) -> (String, SetupLoad) {
     let plane = |value| Extended { value, exponent: 0 };
     (view.near, view.far) = (plane(-4), plane(2));
@@ -72,8 +73,8 @@ fn on_the_planes(mut view: View, count: usize, seed: u64) -> (String, SetupLoad)
     SetupLoad::named("on the planes", view, Rules::EWA, splats)
 }
 
-/// Without a low-pass filter, four million times as wide as high and slanted: of all that has an exponent the conic's last coefficient is the largest,
-/// and alone beyond the packet's exponents where `1 / Vyy` still has a place.
+/// Without a low-pass filter, four million times as wide as high and slanted: of all that has an exponent the conic's
+/// last coefficient is the largest, and alone beyond the packet's exponents where `1 / Vyy` still has a place.
 fn flat_and_slanted(index: i32) -> VolumeSplat {
     let size = -286 + index / 7 % 10;
     let axes = [
@@ -89,7 +90,8 @@ fn flat_and_slanted(index: i32) -> VolumeSplat {
     }
 }
 
-/// An eye whose coordinates fill 60 bits, before splats at the next number of 31: differences of some hundred in the last bit.
+/// An eye whose coordinates fill 60 bits, before splats at the next number of 31: differences of some hundred in the
+/// last bit.
 fn far_from_the_origin(mut view: View, count: usize, seed: u64) -> (String, SetupLoad) {
     let place = 1 << 59;
     view.pose.position = [place + 3, place - 5, place - 1001];

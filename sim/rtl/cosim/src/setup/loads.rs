@@ -1,4 +1,5 @@
-//! What is set up: captured scenes, hard cases, bits of which nobody made a splat, and splats under rules with a spacing.
+//! What is set up: captured scenes, hard cases, bits of which nobody made a splat, and splats under rules with a
+//! spacing.
 
 use super::exact::{FOCAL, few_bits, straight};
 use crate::random::Random;
@@ -98,7 +99,8 @@ pub fn captured(step: usize, missing: &mut Missing) -> Result<Loads<SetupLoad>> 
     Ok(loads)
 }
 
-/// A splat of random bits: mantissas from 0 to the ends of the format, exponents over `range` powers around those of a usual scene.
+/// A splat of random bits: mantissas from 0 to the ends of the format, exponents over `range` powers around those of a
+/// usual scene.
 fn arbitrary(random: &mut Random, range: u64) -> VolumeSplat {
     let mut exponent = |usual: i64| {
         let moved = (random.next() % range) as i64 - range as i64 / 2;
@@ -132,7 +134,8 @@ fn arbitrary(random: &mut Random, range: u64) -> VolumeSplat {
     }
 }
 
-/// Splats on both sides of the distance k and exactly there, for the program with distance scaling: about `count` of each kind.
+/// Splats on both sides of the distance k and exactly there, for the program with distance scaling: about `count` of
+/// each kind.
 pub fn distant(count: usize, seed: u64) -> Loads<SetupLoad> {
     let mut loads = Vec::new();
     for (index, (name, mut load)) in synthetic(count, seed).into_iter().enumerate() {
@@ -179,7 +182,8 @@ pub fn enlarged(
     splats.iter().filter(beyond).count()
 }
 
-/// Splats at the distance k itself, which keep all bits of their weights, and (with perspective) at twice that distance.
+/// Splats at the distance k itself, which keep all bits of their weights, and (with perspective) at twice that
+/// distance.
 fn at_k(count: usize, seed: u64) -> Vec<VolumeSplat> {
     let mut random = Random(seed);
     let splat = |_| VolumeSplat {

@@ -1,4 +1,5 @@
-//! The setup unit (`sim/rtl/setup_unit.sv`): its program, its constants, and its co-simulation with the kernel's `setup`.
+//! The setup unit (`sim/rtl/setup_unit.sv`): its program, its constants, and its co-simulation with the kernel's
+//! `setup`.
 
 mod assemble;
 pub(crate) mod constants;

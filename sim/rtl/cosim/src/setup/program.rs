@@ -32,7 +32,8 @@ pub fn faint_bits(widths: &Widths) -> u32 {
 /// A long word has 51 bits, one of which stands for those that it has not.
 const LEAST_FAINT: u32 = 14;
 
-/// What a program computes: setup, with what protects its splats against samples closer together than pixels, or something else.
+/// What a program computes: setup, with what protects its splats against samples closer together than pixels, or
+/// something else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProgramKind {
     /// Setup with the low-pass filter alone.
@@ -126,8 +127,8 @@ struct Reader<'a> {
     unit: Option<(i64, i64)>,
 }
 
-/// Where a sum's last bit lies, by the slot's `base`: so many bits below the end of the largest term's format (of at most four, of normalised factors), so many
-/// powers above the first term's exponent, or there.
+/// Where a sum's last bit lies, by the slot's `base`: so many bits below the end of the largest term's format (of at
+/// most four, of normalised factors), so many powers above the first term's exponent, or there.
 const BY_LARGEST: i64 = 0;
 const BY_FIRST: i64 = 1;
 const THERE: i64 = 2;
@@ -361,7 +362,8 @@ impl Reader<'_> {
 /// Bits by which a plain term stands higher in the core than its exponent says: those of a mantissa.
 const PLAIN: i64 = 31;
 
-/// What the core adds to the exponents of each table's steps and entries. A root's rest stands 8 bits higher in the core, 7 where its exponent is even.
+/// What the core adds to the exponents of each table's steps and entries. A root's rest stands 8 bits higher in the
+/// core, 7 where its exponent is even.
 const OFFSETS: [[i64; 2]; 4] = [[0, 0], [-81, -59], [-32, -8], [PLAIN - 46, PLAIN - 32]];
 
 /// What the core adds to the factors' exponents. A first factor whose exponent does not count gives `-PLAIN`.

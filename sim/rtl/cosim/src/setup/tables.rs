@@ -1,8 +1,9 @@
-//! The units that a core's tables make, alone: rounding, reciprocal, root (with and without Heron's step) and logarithm, of mantissas of a design's width
-//! and of numbers that carry, against `SoftFloat::from_wide`, `reciprocal`, `square_root` and `cutoff`.
+//! The units that a core's tables make, alone: rounding, reciprocal, root (with and without Heron's step) and
+//! logarithm, of mantissas of a design's width and of numbers that carry, against `SoftFloat::from_wide`, `reciprocal`,
+//! `square_root` and `cutoff`.
 //!
-//! The program computes nothing else ([`ProgramKind::Units`](super::program::ProgramKind::Units)), and the results leave in fields that pass the packet's maker
-//! as they are.
+//! The program computes nothing else ([`ProgramKind::Units`](super::program::ProgramKind::Units)), and the results
+//! leave in fields that pass the packet's maker as they are.
 
 use super::loads::SetupLoad;
 use crate::random::Random;

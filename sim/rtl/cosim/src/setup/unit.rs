@@ -1,4 +1,5 @@
-//! The setup unit against the kernel's `setup`: every packet and every reason of a cull, with back-pressure at both ends.
+//! The setup unit against the kernel's `setup`: every packet and every reason of a cull, with back-pressure at both
+//! ends.
 
 use super::constants::{Constant, constants};
 use super::exact::exact;
@@ -19,7 +20,8 @@ use splatline::setup::harmonics::direction;
 use splatline::setup::{Cull, setup};
 use splatline::splat::VolumeSplat;
 
-/// At full speed; with packets that are not taken for thousands of cycles, until every queue is full; with pauses at both ends.
+/// At full speed; with packets that are not taken for thousands of cycles, until every queue is full; with pauses at
+/// both ends.
 const PRESSURES: [Pressure; 3] = [
     Pressure::at_ends([0; 3]),
     Pressure {

@@ -1,9 +1,10 @@
 //! Packed records, unpacked by the crate `laz` chunk by chunk.
 //!
-//! What it would set aside on the file's word is checked first: the layers of a chunk must lie in the file before they are unpacked, and
-//! the table of chunks, which only seeking needs, is never read. A point may cost as little as a bit or two, so the count is bounded by the
-//! file's size. Damaged layers trip the crate's own assertions (debug builds) and checks of places (all builds); such a panic is caught
-//! here, at its border, and becomes the message that the file is damaged.
+//! What it would set aside on the file's word is checked first: the layers of a chunk must lie in the file before they
+//! are unpacked, and the table of chunks, which only seeking needs, is never read. A point may cost as little as a bit
+//! or two, so the count is bounded by the file's size. Damaged layers trip the crate's own assertions (debug builds)
+//! and checks of places (all builds); such a panic is caught here, at its border, and becomes the message that the file
+//! is damaged.
 
 use super::LasHeader;
 use crate::scene::bytes::{Reader, truncated};

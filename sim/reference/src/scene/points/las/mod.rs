@@ -1,9 +1,9 @@
 //! LAS point clouds, versions 1.0 to 1.4, record formats 0 to 10; packed ones (`.laz`) with the feature `laz`.
 //!
-//! A header of fixed offsets, and records of which the places (three i32, with a scale and an offset per axis), the withheld mark and the
-//! colours (16 bits, or 8 bits if none exceeds 255) are used. Own code: the crate `las` brings 14 crates, among them dates, time zones and
-//! identifiers, for what this reader takes from a record; its packed records come from the crate `laz`, which is used here directly
-//! (docs/decisions/dependencies.md).
+//! A header of fixed offsets, and records of which the places (three i32, with a scale and an offset per axis), the
+//! withheld mark and the colours (16 bits, or 8 bits if none exceeds 255) are used. Own code: the crate `las` brings 14
+//! crates, among them dates, time zones and identifiers, for what this reader takes from a record; its packed records
+//! come from the crate `laz`, which is used here directly (docs/decisions/dependencies.md).
 
 #[cfg(feature = "laz")]
 mod laz;

@@ -132,7 +132,8 @@ fn messages_name_the_field_and_the_fix() {
     }
 }
 
-/// The description of the packing follows the header and its record's own 54 bytes; its items, after 34, have a type, a size and a version.
+/// The description of the packing follows the header and its record's own 54 bytes; its items, after 34, have a type, a
+/// size and a version.
 #[cfg(feature = "laz")]
 #[test]
 fn sizes_of_items_beyond_sixteen_bits_are_an_error() {
