@@ -384,8 +384,8 @@ pub struct Classic8;
 /// | row seed: 15-bit mantissas | 31 |
 ///
 /// The accumulated colour has as many fraction bits as share and colour together: nothing is rounded there, and nothing
-/// shifted. 17 bits of position leave a half-word for the table's slope. Lanes end where the position ends (20 + 4 = 7
-/// + 17 bits), so that nothing is shifted there either.
+/// shifted. 17 bits of position leave a half-word for the table's slope. Lanes end where the position ends (20 + 4 =
+/// 7 + 17 bits), so that nothing is shifted there either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Micro16;
 

@@ -7,10 +7,10 @@
 //! word = 2^k a + 2^(k-1) + (a - b)
 //! ```
 //!
-//! so that one word holds all that a pixel needs: one load, one multiplication, one subtraction, one shift. The slope a
-//! - b lies in the word's low bits, where it also pays for the unit too much in f + 1; and f + 1 is what a lane yields
-//! that runs one position ahead. Where that carries into the next interval, f + 1 is 0 and w is b, as it must be. Same
-//! bits as [`FootprintTable`](super::FootprintTable).
+//! so that one word holds all that a pixel needs: one load, one multiplication, one subtraction, one shift. The slope
+//! a - b lies in the word's low bits, where it also pays for the unit too much in f + 1; and f + 1 is what a lane
+//! yields that runs one position ahead. Where that carries into the next interval, f + 1 is 0 and w is b, as it must
+//! be. Same bits as [`FootprintTable`](super::FootprintTable).
 //!
 //! The position is not cut out of the lane: what stands above it is the interval's number i, and the word holds (a - b)
 //! 2^k i more, which is 0 again after the multiplication, modulo 2^32.

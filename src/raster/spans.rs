@@ -18,8 +18,8 @@
 //!
 //! f = subpixel + 8: what 31 steps of half a unit add up to is an eighth of the centre's own rounding. Words of 28 +
 //! subpixel bits hold that (40 for lean18), since a span that meets the screen within a block then begins within 2^19
-//! pixels of it. Where half-widths may reach 2^13 pixels or rows are 2^12 apart (2^half > 2^13 below, or |S| >= 2^13) f
-//! = subpixel - 2, in as many bits. Here xc is kept in Q.32, its lower bits 0.
+//! pixels of it. Where half-widths may reach 2^13 pixels or rows are 2^12 apart (2^half > 2^13 below, or |S| >= 2^13)
+//! f = subpixel - 2, in as many bits. Here xc is kept in Q.32, its lower bits 0.
 //!
 //! g = max(radial, 22) + 4, and C dy^2 is below 32 within the box of a footprint of setup: g + 6 bits, 32 for radial
 //! indices of up to 22 and 37 for standard24. start, unit and second are the balance of C, as those of the columns are

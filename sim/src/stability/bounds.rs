@@ -1,8 +1,9 @@
 //! What each step of the datapath may lose at most, derived in `docs/error-analysis.md`, for one splat and one design.
 //!
-//! u is one rounding to the mantissa, q the rounding of a difference to the eye, relative to its length. G = 1 / sqrt(1
-//! - rho^2) grows with a needle's axis ratio on the screen's diagonals; K >= 1 says how much of the columns of M
-//! cancels (`RationalFootprint::cancellation`). The bounds hold for designs that scan rows by LDL and round to nearest.
+//! u is one rounding to the mantissa, q the rounding of a difference to the eye, relative to its length.
+//! G = 1 / sqrt(1 - rho^2) grows with a needle's axis ratio on the screen's diagonals; K >= 1 says how much of the
+//! columns of M cancels (`RationalFootprint::cancellation`). The bounds hold for designs that scan rows by LDL and
+//! round to nearest.
 
 use super::exact::RationalFootprint;
 use super::pictures::Edge;
