@@ -2,7 +2,7 @@
 // registers and tables stand in setup_memory.sv.
 //
 //   registers | factors | rest, exponents | signs, choice | product (2) | term | largest (6) | distance | shift (2) |
-//   sign | sum | normalisation (3) | rounding | carry, write
+//   sign | sum | normalisation (4) | rounding | carry, write
 //
 // It is `sum_of_products`, `sum_below` and `SoftFloat::from_wide` of src/math/soft_float.rs, and all else in setup is
 // written as such sums: a multiplication has one term, a fixed-point number a unit that is given, a table's
@@ -19,11 +19,11 @@
 module setup_core (
     input logic clk,
     // Slots by stage: slots[i] was issued i cycles ago.
-    input logic [24*splatline_setup_pkg::SLOT_BITS-1:0] slots,
+    input logic [25*splatline_setup_pkg::SLOT_BITS-1:0] slots,
     // Registers that the slot reads, one cycle after its issue, and its result.
     input logic [50:0] register_a1,
     input logic [50:0] register_b1,
-    output logic [50:0] result23,
+    output logic [50:0] result24,
     // What a table is asked for two cycles after, and its answer.
     output logic [8:0] index2,
     input logic [31:0] table3,
@@ -35,8 +35,8 @@ module setup_core (
     input logic [50:0] right3,
     input logic [63:0] start17,
     // Half of the last bit that the slot's result keeps, and the bits that it keeps.
-    input logic [15:0] half21,
-    input logic [16:0] mask21,
+    input logic [15:0] half22,
+    input logic [16:0] mask22,
     // Records: written in beats, read in the round after.
     input logic load,
     input logic [3:0] load_place,
@@ -51,7 +51,7 @@ module setup_core (
   localparam FAINT = splatline_setup_pkg::FAINT;
 
   splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot4, slot7, slot8, slot9, slot10, slot11, slot12;
-  splatline_setup_pkg::slot_t slot16, slot17, slot18, slot19, slot20, slot21, slot22;
+  splatline_setup_pkg::slot_t slot16, slot17, slot18, slot19, slot20, slot21, slot22, slot23;
   assign slot0 = slots[0+:BITS];
   assign slot1 = slots[1*BITS+:BITS];
   assign slot2 = slots[2*BITS+:BITS];
@@ -70,6 +70,7 @@ module setup_core (
   assign slot20 = slots[20*BITS+:BITS];
   assign slot21 = slots[21*BITS+:BITS];
   assign slot22 = slots[22*BITS+:BITS];
+  assign slot23 = slots[23*BITS+:BITS];
 
   // 0 to 2: registers, record, constant. What a slot does not use is 0, so that the sources need no choice, only an or.
   logic [splatline_setup_pkg::BEAT_BITS-1:0] records[0:15];
@@ -186,7 +187,7 @@ module setup_core (
   logic signed [64:0] moved15, moved16, moved17;
   logic signed [63:0] aligned17;
   logic carry17;
-  logic signed [17:0] unit14, unit15, unit16, unit17, unit18, unit19, unit20, unit21, exponent22;
+  logic signed [17:0] unit14, unit15, unit16, unit17, unit18, unit19, unit20, unit21, unit22, exponent23;
   assign shift13 = $signed({unit13[17], unit13}) - $signed({exponent13[17], exponent13});
   assign moved17 = moved16 >>> distance16;
   always_ff @(posedge clk) begin
@@ -222,54 +223,59 @@ module setup_core (
   endgenerate
   always_ff @(posedge clk) begin
     sum18 <= 64'(65'({so_far17 | start17, 1'b1} + {aligned17, carry17 || rounds17}) >> 1);
-    {unit18, unit20, unit21} <= {unit17, unit19, unit20};
+    {unit18, unit20, unit21, unit22} <= {unit17, unit19, unit20, unit21};
     unit19 <= FAINT > 0 && slot18.extended ? around18 : unit18;
   end
 
-  // 18 to 21: moved left until the leading bit stands below the sign, or as far as the slot says; 22: rounded; 23:
-  // carried.
+  // 18 to 22: moved left until the leading bit stands below the sign, or as far as the slot says, by sixteens, fours and
+  // ones; 23: rounded; 24: carried.
   logic [64:0] sum19;
   logic [64:0] thirties19;
-  logic [48:0] sixteens19;
-  logic [40:0] moved20;
-  logic [33:0] moved21, rounded22;
-  logic [6:0] signs19;
-  logic far19, middle19, near19, far20, middle20, near20;
-  logic [2:0] rest20;
-  logic [5:0] spare21;
-  logic nothing22, carried22, over22;
-  // Which bytes below the sign are nothing but signs; eight bits more for each of them that no other byte precedes.
+  logic [48:0] sixteens20;
+  logic [36:0] fours21;
+  logic [33:0] moved22, rounded23;
+  logic [2:0] signs19;
+  logic far19, middle19;
+  logic [1:0] fours20, ones21;
+  logic [1:0] far_middle20;
+  logic [3:0] spare21;
+  logic [5:0] spare22;
+  logic nothing23, carried23, over23;
+  // How many parts below the sign are nothing but signs, from the first one on.
+  function automatic logic [1:0] leading(input logic [2:0] signs);
+    leading = {signs[0] && signs[1], signs[0] && (!signs[1] || signs[2])};
+  endfunction
+
   always_comb begin
-    far19 = &signs19[3:0];
-    middle19 = far19 ? &signs19[5:4] : &signs19[1:0];
-    near19 = far19 ? (middle19 ? signs19[6] : signs19[4]) : (middle19 ? signs19[2] : signs19[0]);
-    if (!slot19.normal) {far19, middle19, near19} = slot19.spare[5:3];
+    far19 = &signs19[1:0];
+    middle19 = far19 ? signs19[2] : signs19[0];
+    if (!slot19.normal) {far19, middle19} = slot19.spare[5:4];
     thirties19 = far19 ? {sum19[32:0], 32'd0} : sum19;
-    sixteens19 = middle19 ? thirties19[48:0] : thirties19[64:16];
-    rest20 = slot20.spare[2:0];
-    if (slot20.normal) begin
-      rest20 = 3'd7;
-      for (int i = 0; i < 7; i = i + 1) if (moved20[32+i] != moved20[39]) rest20 = 3'(6 - i);
-    end
+    fours20 = leading({sixteens20[39:35] == {5{sixteens20[39]}}, sixteens20[43:39] == {5{sixteens20[43]}}, sixteens20[47:43] == {5{sixteens20[47]}}});
+    if (!slot20.normal) fours20 = slot20.spare[3:2];
+    ones21 = leading({fours21[32] == fours21[35], fours21[33] == fours21[35], fours21[34] == fours21[35]});
+    if (!slot21.normal) ones21 = slot21.spare[1:0];
   end
-  assign over22 = rounded22[33] && !rounded22[31] && rounded22[30:1] == 0;
-  assign carried22 = slot22.normal && (rounded22[32] != rounded22[33] || over22);
+  assign over23 = rounded23[33] && !rounded23[31] && rounded23[30:1] == 0;
+  assign carried23 = slot23.normal && (rounded23[32] != rounded23[33] || over23);
   always_ff @(posedge clk) begin
     sum19 <= {sum18[63], sum18};
-    for (int i = 0; i < 7; i = i + 1) signs19[i] <= sum18[55-8*i+:9] == {9{sum18[63-8*i]}};
-    moved20 <= near19 ? sixteens19[40:0] : sixteens19[48:8];
-    {far20, middle20, near20} <= {far19, middle19, near19};
-    moved21 <= 34'((moved20 << rest20) >> 7);
-    spare21 <= {far20, middle20, near20, rest20};
-    rounded22 <= (moved21 + {18'd0, half21}) & {17'h1ffff, mask21};
+    for (int i = 0; i < 3; i = i + 1) signs19[i] <= sum18[47-16*i+:17] == {17{sum18[63-16*i]}};
+    sixteens20 <= middle19 ? thirties19[48:0] : thirties19[64:16];
+    far_middle20 <= {far19, middle19};
+    fours21 <= 37'((sixteens20 << {fours20, 2'd0}) >> 12);
+    spare21 <= {far_middle20, fours20};
+    moved22 <= 34'((fours21 << ones21) >> 3);
+    spare22 <= {spare21, ones21};
+    rounded23 <= (moved22 + {18'd0, half22}) & {17'h1ffff, mask22};
     // 32 bits to the left change nothing.
-    exponent22 <= unit21 - 18'($signed({!spare21[5], spare21[4:0]}));
-    nothing22 <= slot21.normal && moved21[31] == moved21[32];
+    exponent23 <= unit22 - 18'($signed({!spare22[5], spare22[4:0]}));
+    nothing23 <= slot22.normal && moved22[31] == moved22[32];
 
     // What carries is a power of two.
-    result23[32:31] <= {rounded22[33], carried22 ? rounded22[33] : rounded22[32]};
-    result23[30:0] <= {rounded22[31] | carried22, rounded22[30:1]};
-    result23[50:33] <= exponent22 + $signed({17'd0, carried22});
-    if (nothing22) result23[50:33] <= NOTHING;
+    result24[32:31] <= {rounded23[33], carried23 ? rounded23[33] : rounded23[32]};
+    result24[30:0] <= {rounded23[31] | carried23, rounded23[30:1]};
+    result24[50:33] <= exponent23 + $signed({17'd0, carried23});
+    if (nothing23) result24[50:33] <= NOTHING;
   end
 endmodule

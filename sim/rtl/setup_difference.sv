@@ -13,12 +13,12 @@
 module setup_difference (
     input logic clk,
     input logic rst,
-    input logic signed [63:0] eye_x,
-    input logic signed [63:0] eye_y,
-    input logic signed [63:0] eye_z,
+    // The picture's constants: the eye's coordinates and the axes' rotation (30 fraction bits) are kept here.
+    input logic constant_valid,
+    input logic [6:0] constant_index,
+    input logic [63:0] constant_value,
     input logic signed [15:0] eye_exponent,
     input logic signed [15:0] eye_top,  // one above the leading bit of the largest coordinate
-    input logic [287:0] rotation,  // of the axes, row by row, 30 fraction bits
     // Taken in phase 0, the first after a reset and then every eighth cycle; `place` says which core and side it is
     // for.
     input logic valid,
@@ -94,7 +94,9 @@ module setup_difference (
 
   // Phases 6, 7 and 0: centre and eye are chosen; phases 1 to 3: the difference, from eleven cycles before. What turn
   // it is has a register for each choice, and what is chosen has one before the aligners, which count its leading bits.
-  logic turn_x, turn_y, turn_eye, turn_eye_x, turn_eye_y;
+  logic turn_x, turn_y, turn_eye;
+  logic [1:0] eye_turn;
+  (* ram_style = "distributed" *) logic [63:0] eye[0:3];
   logic signed [31:0] centre_in;
   logic [9:0] exponent_in;
   logic signed [63:0] wide_in, centre_out, wide_out, difference, latest;
@@ -104,11 +106,11 @@ module setup_difference (
     turn_x <= phase == 5;
     turn_y <= phase == 6;
     turn_eye <= phase == 5 || phase == 6 || phase == 7;
-    turn_eye_x <= phase == 5;
-    turn_eye_y <= phase == 6;
+    eye_turn <= phase[1:0] - 2'd1;
+    if (constant_valid && constant_index[6:2] == 5'(splatline_setup_pkg::EYE_X / 4)) eye[constant_index[1:0]] <= constant_value;
     centre_in <= turn_x ? centre1[31:0] : turn_y ? centre1[63:32] : centre1[95:64];
     centre_shift <= unit - $signed({{6{exponent_in[9]}}, exponent_in});
-    wide_in <= !turn_eye ? earlier[319:256] : turn_eye_x ? eye_x : turn_eye_y ? eye_y : eye_z;
+    wide_in <= turn_eye ? eye[eye_turn] : earlier[319:256];
     wide_shift <= turn_eye ? unit - eye_exponent : drop;
   end
   assign exponent_in = turn_x ? exponents1[9:0] : turn_y ? exponents1[19:10] : exponents1[29:20];
@@ -133,22 +135,28 @@ module setup_difference (
     end
   end
 
-  // Phases 6, 7 and 0: the parts.
+  // Phases 6, 7 and 0: the parts of x, y and z, which stand in a beat each, high ones from phase 1 on and low ones right
+  // behind them.
   logic signed [63:0] high, low;
-  logic [31:0] high_x, high_y, high_z, low_x, low_y, low_z;
-  logic [11:0] power;
+  logic [95:0] highs;
+  logic [191:0] lows;
+  logic [11:0] power, above;
   assign high = splatline_math::shift_round(wide_out, 7'(splatline_setup_pkg::LOW));
   assign low = wide_out - (high <<< splatline_setup_pkg::LOW);
+  // High parts stand above their exponent by as many bits as the low ones have.
+  assign above = power + 12'(splatline_setup_pkg::LOW);
   always_ff @(posedge clk) begin
-    if (phase == 6) {high_x, low_x} <= {high[31:0], low[31:0]};
-    if (phase == 7) {high_y, low_y} <= {high[31:0], low[31:0]};
-    if (phase == 0) {high_z, low_z} <= {high[31:0], low[31:0]};
+    highs <= {highs[63:0], high[31:0]};
+    lows <= {lows[159:0], low[31:0]};
     if (phase == 6) power <= exponent[11:0];
   end
 
-  // High parts stand above their exponent by as many bits as the low ones have.
-  logic [11:0] above;
-  logic [439:0] axis;
+  // A beat has an axis' component, of which the last comes beside the others, and something else.
+  logic [2:0] beat_phase;
+  logic [43:0] axis, last_axis, part;
+  logic [9:0] axis_power;
+  assign beat_phase = phase - 3'd1;
+  assign axis_power = beat_phase < 3'd3 ? powers4[9:0] : beat_phase < 3'd6 ? powers4[19:10] : powers4[29:20];
   generate
     if (splatline_setup_pkg::TURNED != 0) begin : gen_turned
       // Magnitude bits of components and of the rotation's fractions, and those of a sum's window.
@@ -157,36 +165,43 @@ module setup_difference (
       localparam WINDOW = splatline_setup_pkg::MANTISSA + 8;
       localparam SUM = WINDOW + 3;
       logic [9*(KEPT+1)-1:0] parts;
-      logic [9*(FRACTION+2)-1:0] entries;
-      logic [9*SUM-1:0] sums;
+      logic [SUM-1:0] sum, last;
+      logic [3:0] entry_place;
+      logic [1:0] entry_row;
+      logic entry_valid;
       for (i = 0; i < 9; i = i + 1) begin : gen_component
         assign parts[i*(KEPT+1)+:KEPT+1] = rest3[36*i+31-:KEPT+1];
-        assign entries[i*(FRACTION+2)+:FRACTION+2] = rotation[32*i+31-:FRACTION+2];
-        assign axis[44*i+:44] = {12'($signed(powers4[10*(i/3)+:10])) + 12'(31 - WINDOW), 32'($signed(sums[i*SUM+:SUM]))};
       end
-      setup_turn #(.PART(KEPT + 1), .ENTRY(FRACTION + 2), .CUT(KEPT + FRACTION - WINDOW), .SUM(SUM)) turn (.clk, .phase, .parts, .entries, .sums);
+      assign entry_place = constant_index[3:0] - 4'(splatline_setup_pkg::AXIS_XX);
+      assign entry_row = entry_place < 4'd3 ? 2'd0 : entry_place < 4'd6 ? 2'd1 : 2'd2;
+      assign entry_valid = constant_valid && constant_index >= 7'(splatline_setup_pkg::AXIS_XX) &&
+          constant_index <= 7'(splatline_setup_pkg::AXIS_ZZ);
+      setup_turn #(.PART(KEPT + 1), .ENTRY(FRACTION + 2), .CUT(KEPT + FRACTION - WINDOW), .SUM(SUM)) turn (
+          .clk,
+          .phase,
+          .entry_valid,
+          .entry_row,
+          .entry_column(2'(entry_place - 4'd3 * {2'd0, entry_row})),
+          .entry(constant_value[31-:FRACTION+2]),
+          .parts,
+          .sum,
+          .last
+      );
+      localparam signed [11:0] BELOW = 12'(31 - WINDOW);
+      assign axis = {12'($signed(axis_power)) + BELOW, 32'($signed(sum))};
+      assign last_axis = {12'($signed(powers4[29:20])) + BELOW, 32'($signed(last))};
     end else begin : gen_unturned
-      for (i = 0; i < 9; i = i + 1) begin : gen_item
-        assign axis[44*i+:44] = {{2{powers4[10*(i/3)+9]}}, powers4[10*(i/3)+:10], rest4[36*i+:32]};
-      end
+      assign axis = {12'($signed(axis_power)), rest4[36*beat_phase+:32]};
+      assign last_axis = {12'($signed(powers4[29:20])), rest4[288+:32]};
     end
-    assign axis[396+:44] = {{2{powers4[39]}}, powers4[39:30], rest4[324+:32]};
   endgenerate
-  assign above = power + 12'(splatline_setup_pkg::LOW);
+  always_comb begin
+    if (beat_phase == 3'd7) part = {12'($signed(powers4[39:30])), rest4[324+:32]};
+    else if (beat_phase == 3'd6) part = last_axis;
+    else if (splatline_setup_pkg::LOW > 0 && beat_phase > 3'd2) part = {power, lows[191:160]};
+    else part = {above, highs[95:64]};
+  end
   assign beat_valid = valids[3];
   assign beat_place = places[27:21];
-  logic [2:0] beat_phase;
-  always_comb begin
-    case (beat_phase)
-      3'd0: beat = {above, high_y, above, high_x};
-      3'd1: beat = {power, low_x, above, high_z};
-      3'd2: beat = {power, low_z, power, low_y};
-      3'd3: beat = axis[0+:88];
-      3'd4: beat = axis[88+:88];
-      3'd5: beat = axis[176+:88];
-      3'd6: beat = axis[264+:88];
-      default: beat = axis[352+:88];
-    endcase
-  end
-  assign beat_phase = phase - 3'd1;
+  assign beat = {part, axis};
 endmodule

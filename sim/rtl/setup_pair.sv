@@ -67,15 +67,15 @@ module setup_pair #(
           .slots(step.slots),
           .register_a1(registers_a[51*i+:51]),
           .register_b1(registers_b[51*i+:51]),
-          .result23(core_results[51*i+:51]),
+          .result24(core_results[51*i+:51]),
           .index2(indices[9*i+:9]),
           .table3(entries[32*i+:32]),
           .constant1(step.constant1),
           .picked3(step.picked3),
           .right3(step.right3),
           .start17(step.start17),
-          .half21(step.half21),
-          .mask21(step.mask21),
+          .half22(step.half22),
+          .mask22(step.mask22),
           .load(loads),
           .load_place(step.load_place),
           .load_beat(step.load_beat),
@@ -96,7 +96,13 @@ module setup_pair #(
         assign beside = 0;
         assign result = {even_results[step.drain_place], odd_results[step.drain_place]};
       end
-      assign words[i*WORD+:WORD] = drains ? result : {WORD{1'b0}};
+      // Reset and not chosen: of a result that is 0 the sum over all cores needs no choice.
+      logic [WORD-1:0] drained;
+      always_ff @(posedge clk) begin
+        if (drains) drained <= result;
+        else drained <= 0;
+      end
+      assign words[i*WORD+:WORD] = drained;
     end
   endgenerate
 

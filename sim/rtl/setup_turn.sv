@@ -2,7 +2,7 @@
 // of three products, each cut to the window of a sum, not yet rounded. All terms of a sum have one exponent, so that
 // nothing is aligned and a core's slots are not needed.
 //
-//   choice | parts of products | their sums | products, cut | two terms and one | sum | kept
+//   choice | parts of products | their sums | products, cut | two terms and one | sum | two cycles more
 //
 // Three multipliers make the first eight sums, one in each cycle; a fourth makes the terms of the ninth in turn.
 module setup_turn #(
@@ -13,13 +13,16 @@ module setup_turn #(
 ) (
     input logic clk,
     input logic [2:0] phase,
+    // An entry of the rotation, and where it stands.
+    input logic entry_valid,
+    input logic [1:0] entry_row,
+    input logic [1:0] entry_column,
+    input logic [ENTRY-1:0] entry,
     // x, y, z of the first axis, then of the others, from phase 1 on.
     input logic [9*PART-1:0] parts,
-    // The rotation, row by row.
-    input logic [9*ENTRY-1:0] entries,
-    // The sums of the first axis' rows, then of the others: number k from phase k on for eight cycles, the last from
-    // phase 4 on for six.
-    output logic [9*SUM-1:0] sums
+    // The sums of the first axis' rows, then of the others: number k in phase k + 1, the last from phase 4 on for six.
+    output logic [SUM-1:0] sum,
+    output logic [SUM-1:0] last
 );
   // A cut product, three cycles later: parts of 17 bits and a sign.
   localparam BITS = PART + ENTRY - CUT;
@@ -27,6 +30,11 @@ module setup_turn #(
   logic [3*ENTRY-1:0] row1;
   logic [PART-1:0] last_part1;
   logic [ENTRY-1:0] last_entry1;
+  // The rotation's columns by their rows, and its last row: a memory of look-up tables takes less than a choice.
+  (* ram_style = "distributed" *) logic [ENTRY-1:0] column_x[0:3];
+  (* ram_style = "distributed" *) logic [ENTRY-1:0] column_y[0:3];
+  (* ram_style = "distributed" *) logic [ENTRY-1:0] column_z[0:3];
+  (* ram_style = "distributed" *) logic [ENTRY-1:0] last_row[0:3];
   // Whose turn the next cycle is: registers, so that a bit's choice has two inputs more than its sources.
   logic [1:0] axis_turn, row_turn, last_turn;
   always_ff @(posedge clk) begin
@@ -34,9 +42,13 @@ module setup_turn #(
     row_turn <= phase == 3'd0 || phase == 3'd3 || phase == 3'd6 ? 2'd0 : phase == 3'd2 || phase == 3'd5 ? 2'd2 : 2'd1;
     last_turn <= phase == 3'd4 ? 2'd0 : phase == 3'd5 ? 2'd1 : 2'd2;
     axis1 <= axis_turn[1] ? parts[6*PART+:3*PART] : axis_turn[0] ? parts[3*PART+:3*PART] : parts[0+:3*PART];
-    row1 <= row_turn[1] ? entries[6*ENTRY+:3*ENTRY] : row_turn[0] ? entries[3*ENTRY+:3*ENTRY] : entries[0+:3*ENTRY];
+    row1 <= {column_z[row_turn], column_y[row_turn], column_x[row_turn]};
     last_part1 <= last_turn[1] ? parts[8*PART+:PART] : last_turn[0] ? parts[7*PART+:PART] : parts[6*PART+:PART];
-    last_entry1 <= last_turn[1] ? entries[8*ENTRY+:ENTRY] : last_turn[0] ? entries[7*ENTRY+:ENTRY] : entries[6*ENTRY+:ENTRY];
+    last_entry1 <= last_row[last_turn];
+    if (entry_valid && entry_column == 2'd0) column_x[entry_row] <= entry;
+    if (entry_valid && entry_column == 2'd1) column_y[entry_row] <= entry;
+    if (entry_valid && entry_column == 2'd2) column_z[entry_row] <= entry;
+    if (entry_valid && entry_row == 2'd2) last_row[entry_column] <= entry;
   end
 
   logic [4*BITS-1:0] cuts4;
@@ -66,7 +78,7 @@ module setup_turn #(
     end
   endgenerate
 
-  logic signed [SUM-1:0] pair5, third5, sum6, last5;
+  logic signed [SUM-1:0] pair5, third5, sum6, sum7, sum8, last5;
   function automatic logic signed [SUM-1:0] cut(input logic [BITS-1:0] value);
     cut = SUM'($signed(value));
   endfunction
@@ -74,16 +86,11 @@ module setup_turn #(
     pair5 <= cut(cuts4[0+:BITS]) + cut(cuts4[BITS+:BITS]);
     third5 <= cut(cuts4[2*BITS+:BITS]);
     sum6 <= pair5 + third5;
+    {sum7, sum8} <= {sum6, sum7};
     // The last sum's terms come in phases 1 to 3.
     if (phase == 3'd1) last5 <= cut(cuts4[3*BITS+:BITS]);
     if (phase == 3'd2 || phase == 3'd3) last5 <= last5 + cut(cuts4[3*BITS+:BITS]);
   end
-  assign sums[8*SUM+:SUM] = last5;
-  generate
-    for (i = 0; i < 8; i = i + 1) begin : gen_sum
-      logic [SUM-1:0] sum;
-      always_ff @(posedge clk) if (phase == 3'((7 + i) % 8)) sum <= sum6;
-      assign sums[i*SUM+:SUM] = sum;
-    end
-  endgenerate
+  assign sum = sum8;
+  assign last = last5;
 endmodule

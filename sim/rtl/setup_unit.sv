@@ -58,8 +58,8 @@ module setup_unit #(
   // Constants: of the cores in a memory, of the units around them in registers.
   (* ram_style = "block", no_rw_check *) logic [81:0] constants[0:63];
   (* ram_style = "block", no_rw_check *) logic [63:0] starts[0:63];
-  logic [81:0] eye_x, eye_y, eye_z, flags, near, far;
-  logic [287:0] rotation;
+  logic [15:0] eye_exponent, eye_top;
+  logic [81:0] flags, near, far;
   always_ff @(posedge clk) begin
     if (constant_valid) begin
       if (!constant_index[6]) begin
@@ -67,16 +67,13 @@ module setup_unit #(
         starts[constant_index[5:0]] <= constant_value;
       end
       case (constant_index)
-        7'(splatline_setup_pkg::EYE_X): eye_x <= {constant_exponent, constant_value};
-        7'(splatline_setup_pkg::EYE_Y): eye_y <= {constant_exponent, constant_value};
-        7'(splatline_setup_pkg::EYE_Z): eye_z <= {constant_exponent, constant_value};
+        7'(splatline_setup_pkg::EYE_X): eye_exponent <= constant_exponent[15:0];
+        7'(splatline_setup_pkg::EYE_Y): eye_top <= constant_exponent[15:0];
         7'(splatline_setup_pkg::FLAGS): flags <= {constant_exponent, constant_value};
         7'(splatline_setup_pkg::NEAR): near <= {constant_exponent, constant_value};
         7'(splatline_setup_pkg::FAR): far <= {constant_exponent, constant_value};
         default: ;
       endcase
-      for (int entry = 0; entry < 9; entry = entry + 1)
-        if (constant_index == 7'(splatline_setup_pkg::AXIS_XX + entry)) rotation[32*entry+:32] <= constant_value[31:0];
     end
   end
 
@@ -92,12 +89,11 @@ module setup_unit #(
   setup_difference from_eye (
       .clk,
       .rst,
-      .eye_x(eye_x[63:0]),
-      .eye_y(eye_y[63:0]),
-      .eye_z(eye_z[63:0]),
-      .eye_exponent(eye_x[79:64]),
-      .eye_top(eye_y[79:64]),
-      .rotation,
+      .constant_valid,
+      .constant_index,
+      .constant_value,
+      .eye_exponent,
+      .eye_top,
       .valid(taken),
       .record,
       .place({load_side, loaded}),
@@ -153,17 +149,17 @@ module setup_unit #(
   logic [BITS-1:0] read, stored;
   logic issued;
   splatline_setup_pkg::slot_t fetched, issue;
-  logic [24*BITS-1:0] slots;
+  logic [25*BITS-1:0] slots;
   logic [7:0] a_place, b_place, write_place;
-  logic [23*8-1:0] result_places;
+  logic [24*8-1:0] result_places;
   logic [3:0] splat, leaving, second_splat;
   logic [81:0] constant1, constant2, constant3;
   logic [50:0] right3;
   logic [63:0] start16, start17;
-  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot15, slot16, slot20, slot22;
+  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot15, slot16, slot21, slot23;
   logic unread_a0, unread_b0, writes;
-  logic [15:0] half21;
-  logic [16:0] mask21;
+  logic [15:0] half22;
+  logic [16:0] mask22;
   logic [3:0] rule_flags;
   logic other;
   logic [5:0] constant_place;
@@ -191,8 +187,8 @@ module setup_unit #(
   assign slot2 = slots[2*BITS+:BITS];
   assign slot15 = slots[15*BITS+:BITS];
   assign slot16 = slots[16*BITS+:BITS];
-  assign slot20 = slots[20*BITS+:BITS];
-  assign slot22 = slots[22*BITS+:BITS];
+  assign slot21 = slots[21*BITS+:BITS];
+  assign slot23 = slots[23*BITS+:BITS];
   assign unread_a0 = slot0.a_constant || slot0.a_input;
   assign unread_b0 = !slot0.out && (slot0.b_constant || slot0.lookup != 0 || (slot0.plain && slot0.pick == 0));
   always_ff @(posedge clk) begin
@@ -203,10 +199,10 @@ module setup_unit #(
     fetched_side <= round[0];
     a_place <= other ? fetched.b + {4'd0, splat & fetched.b_turn} : fetched.a + {4'd0, splat & fetched.a_turn};
     b_place <= fetched.b + {4'd0, second_splat & fetched.b_turn};
-    result_places <= {result_places[22*8-1:0], fetched.place + {4'd0, splat & fetched.place_turn}};
-    write_place <= result_places[22*8+:8];
-    writes <= slot22.write;
-    slots <= {slots[23*BITS-1:0], issue};
+    result_places <= {result_places[23*8-1:0], fetched.place + {4'd0, splat & fetched.place_turn}};
+    write_place <= result_places[23*8+:8];
+    writes <= slot23.write;
+    slots <= {slots[24*BITS-1:0], issue};
     constant_place <= fetched.constant;
     side <= fetched_side;
     constant1 <= constants[constant_place];
@@ -217,8 +213,8 @@ module setup_unit #(
     start16 <= starts[slot15.start];
     start17 <= slot16.addend ? start16 : 64'd0;
     // A mantissa's rounding.
-    half21 <= slot20.normal ? 16'd1 << slot20.drop : 16'd0;
-    mask21 <= slot20.normal ? ~17'd1 << slot20.drop : ~17'd0;
+    half22 <= slot21.normal ? 16'd1 << slot21.drop : 16'd0;
+    mask22 <= slot21.normal ? ~17'd1 << slot21.drop : ~17'd0;
   end
 
   // The cores, pair after pair: their steps, and the words that leave them.
@@ -238,8 +234,8 @@ module setup_unit #(
     constant3[32:0],
     right3,
     start17,
-    half21,
-    mask21,
+    half22,
+    mask22,
     side,
     side2,
     beat_valid,
@@ -274,7 +270,7 @@ module setup_unit #(
 
   // Results leave core by core, a splat in eight cycles, if the queue has a place for its packet.
   logic draining, begins, free;
-  logic [PAIRS:0] drain_valids;
+  logic [PAIRS+1:0] drain_valids;
   logic [5:0] drain_count;
   assign drain_count = drain_side ? pending_count[11:6] : pending_count[5:0];
   assign begins = phase == 0 && pending[drain_side] && free;
@@ -287,7 +283,7 @@ module setup_unit #(
     end
     // Rounds without splats leave no results.
     if (drained || (!pending[drain_side] && pending[!drain_side])) drain_side <= !drain_side;
-    drain_valids <= {drain_valids[PAIRS-1:0], begins};
+    drain_valids <= {drain_valids[PAIRS:0], begins};
     if (rst) {draining, drain_core, drain_side, drain_valids} <= 0;
   end
 
@@ -299,7 +295,7 @@ module setup_unit #(
   logic [95:0] colour;
   // As far behind as the words are that come through all pairs, in a register of its own: it reaches every bit of them.
   logic [2:0] pack_phase;
-  always_ff @(posedge clk) pack_phase <= phase - 3'(PAIRS);
+  always_ff @(posedge clk) pack_phase <= phase - 3'(PAIRS + 1);
   setup_pack pack (
       .clk,
       .rst,
@@ -314,7 +310,7 @@ module setup_unit #(
       .far_negative(far[63]),
       .far(far[62:0]),
       .far_leading(far[81:64]),
-      .valid(drain_valids[PAIRS]),
+      .valid(drain_valids[PAIRS+1]),
       .word(words[PAIRS*WORD+:PAIR]),
       .packet_valid(packed_valid),
       .packet_taken(packed_taken),

@@ -235,7 +235,7 @@ impl Config {
             read_bandwidth: 16,
             write_bandwidth: 16,
             setup_interval: 16,
-            setup_latency: 1232,
+            setup_latency: 1167,
             sorter: Sorter::Radix,
             sort_bytes: 16,
             ..Config::primitive(lanes)

@@ -4,26 +4,28 @@
 //! against (`sim/machine/src/area/synthesised.csv` and `setup.csv`); `rtl -- area UNIT` counts the cells of another
 //! unit.
 
+use crate::adders;
 use crate::circuit::{Circuit, PRIMITIVE, Parameter, RtlUnit, SETUP, set};
-use crate::netlist::Statistics;
+use crate::netlist::Netlist;
 use crate::tools::{json, yosys};
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use splatline_sim::machine::area::setup::{self, FITTED_CORES, SetupUnit};
 use splatline_sim::machine::area::synthesis::{self, Subject, Synthesised, SynthesisedPart};
 use splatline_sim::machine::area::{Fabric, Family};
 use splatline_sim::machine::primitive::SETUP_INTERVAL;
 use std::path::Path;
 
-/// Runs a script that leaves one module of cells, and counts them.
-pub fn cells(script: &str, folder: &Path) -> Result<Fabric> {
-    let counts = folder.join("stat.json");
-    let count = format!("tee -q -o {} stat -json", counts.display());
-    yosys(&format!("{script}; {count}"))?;
-    let statistics: Statistics = json(&counts)?;
-    let kinds = statistics.design.num_cells_by_type;
-    let fabric = fabric(kinds.iter().map(|(kind, number)| (kind.as_str(), *number)));
-    ensure!(fabric.luts > 0, "yosys counts no look-up tables");
-    Ok(fabric)
+/// Runs a script that leaves one module of cells, and counts them after look-up tables have moved into adders.
+pub fn cells(script: &str, top: &str, folder: &Path) -> Result<(Netlist, Fabric)> {
+    let file = folder.join("cells.json");
+    yosys(&format!("{script}; write_json {}", file.display()))?;
+    let mut netlist: Netlist = json(&file)?;
+    let module = netlist.modules.get_mut(top);
+    let module = module.with_context(|| format!("a netlist without {top}"))?;
+    adders::move_in(module);
+    let fabric = fabric(module.cells.values().map(|cell| (cell.kind.as_str(), 1)));
+    ensure!(fabric.luts > 0, "yosys leaves no look-up tables");
+    Ok((netlist, fabric))
 }
 
 /// The columns of a table: look-up tables, flip-flops, multipliers and memory.
@@ -81,7 +83,7 @@ fn synthesised(
     }
     let (set, command) = (set(module, parameters), synthesis(family, circuit.unit));
     script += &format!("; {set}{command} -top {module}; flatten; opt_clean");
-    let found = cells(&script, folder.path())?;
+    let (_, found) = cells(&script, module, folder.path())?;
     eprintln!("{circuit}, {module} for {}: {found}", family.name());
     Ok(found)
 }

@@ -11,6 +11,7 @@
 //! [`judges`] says which comparison judges which mutations, [`formal`] proves what units promise; [`area`] and [`asic`]
 //! count what circuits cost, [`placement`] how fast they are on a device.
 
+mod adders;
 pub mod area;
 pub mod asic;
 pub mod bench;

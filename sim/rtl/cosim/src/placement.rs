@@ -156,15 +156,11 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
     ))?;
     let whole: Netlist = json(&ports)?;
     let module = whole.modules.get(unit).context("no such module")?;
-    let (wrapper_file, netlist) = (path("wrapper.sv"), path(NETLIST));
+    let wrapper_file = path("wrapper.sv");
     fs::write(&wrapper_file, wrapper(circuit, &module.ports))?;
     let (wrapped, synthesis) = (wrapper_file.display(), synthesis(circuit));
-    let script = format!(
-        "{read} {wrapped}; {synthesis}; write_json {}",
-        netlist.display()
-    );
-    let mut fabric = cells(&script, folder)?;
-    let mut wired: Netlist = json(&netlist)?;
+    let script = format!("{read} {wrapped}; {synthesis}");
+    let (mut wired, mut fabric) = cells(&script, WRAPPER, folder)?;
     fabric.flip_flops -= registers::move_in(&mut wired, WRAPPER)?;
     if *circuit.unit == MACHINE
         && let Some(module) = wired.modules.get_mut(WRAPPER)
@@ -172,7 +168,7 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
         let (name, value) = CONGESTION;
         module.settings.insert(name.to_owned(), value.to_owned());
     }
-    fs::write(&netlist, serde_json::to_vec(&wired)?)?;
+    fs::write(path(NETLIST), serde_json::to_vec(&wired)?)?;
     let pins = PLACES.map(|(port, site)| {
         format!(
             "LOCATE COMP \"{port}\" SITE \"{site}\";\nIOBUF PORT \"{port}\" IO_TYPE=LVCMOS33;\n"

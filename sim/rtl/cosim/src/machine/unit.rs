@@ -61,7 +61,7 @@ fn config(circuit: &Circuit) -> Result<Config> {
     Ok(Config {
         setup_units: cores,
         setup_interval: program.round as u32,
-        setup_latency: program.latency() as u32 + cores.div_ceil(2) - 1,
+        setup_latency: program.latency() as u32 + cores.div_ceil(2),
         ..Config::machine(lanes)
     })
 }

@@ -13,7 +13,7 @@
 //! Results leave by the second factor's port in slots that have no use for it, so that they take no slots of their own.
 
 use crate::random::Random;
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use std::collections::BTreeMap;
 
 /// Constants of a picture.
@@ -22,11 +22,11 @@ const CONSTANTS: usize = 64;
 /// Cycles that a round may have.
 const CYCLES: usize = 256;
 
-/// Orders of the operations that are tried before the round is made a cycle longer.
+/// Orders of the operations that are tried for a round.
 const ATTEMPTS: u64 = 4_000;
 
 /// Cycles from the issue of a sum's last term until its result can be read.
-pub const LATENCY: usize = 24;
+pub const LATENCY: usize = 25;
 
 /// Registers of a core.
 const REGISTERS: usize = 256;
@@ -116,7 +116,7 @@ pub struct Program {
 }
 
 impl Program {
-    /// The shortest round that holds the operations, of which these are the results.
+    /// The shortest round that holds the operations, of which these are the results, and in it what ends first.
     pub fn new(
         operations: Vec<Operation>,
         results: &[(usize, Value)],
@@ -132,10 +132,15 @@ impl Program {
             round: 0,
             constants,
         };
-        let mut rounds = slots..=CYCLES;
-        let mut fits =
-            |round| (0..ATTEMPTS).any(|seed| program.place(round, seed, results).is_some());
-        ensure!(rounds.any(&mut fits), "no round holds the operations");
+        let found = (slots..=CYCLES).find_map(|round| {
+            let placed = (0..ATTEMPTS).filter_map(|seed| {
+                program.place(round, seed, results)?;
+                Some((program.latency(), seed))
+            });
+            Some((round, placed.min()?.1))
+        });
+        let placed = found.and_then(|(round, seed)| program.place(round, seed, results));
+        placed.context("no round holds the operations")?;
         Ok(program)
     }
 

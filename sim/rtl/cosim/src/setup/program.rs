@@ -12,10 +12,11 @@ use splatline_sim::machine::area::setup::is_turned;
 /// The programs' file in the folder of the co-simulation.
 pub const FILE: &str = "setup_program.txt";
 
-/// Items of a record: the difference to the eye (high and low parts), the axes, the weight.
+/// Items of a record, two in a beat: a component of an axis, and in this order the difference to the eye (high and low
+/// parts), the last component and the weight.
 const ITEMS: [&str; 16] = [
-    "dx", "dy", "dz", "dx_low", "dy_low", "dz_low", "a0x", "a0y", "a0z", "a1x", "a1y", "a1z",
-    "a2x", "a2y", "a2z", "weight",
+    "a0x", "dx", "a0y", "dy", "a0z", "dz", "a1x", "dx_low", "a1y", "dy_low", "a1z", "dz_low",
+    "a2x", "a2z", "a2y", "weight",
 ];
 
 /// Bits of the difference's low part; 0 where it has none.
