@@ -167,13 +167,14 @@ module setup_difference (
       logic [9*(KEPT+1)-1:0] parts;
       logic [SUM-1:0] sum, last;
       logic [3:0] entry_place;
-      logic [1:0] entry_row;
+      logic [1:0] entry_row, entry_column;
       logic entry_valid;
       for (i = 0; i < 9; i = i + 1) begin : gen_component
         assign parts[i*(KEPT+1)+:KEPT+1] = rest3[36*i+31-:KEPT+1];
       end
       assign entry_place = constant_index[3:0] - 4'(splatline_setup_pkg::AXIS_XX);
-      assign entry_row = entry_place < 4'd3 ? 2'd0 : entry_place < 4'd6 ? 2'd1 : 2'd2;
+      assign {entry_row, entry_column} = entry_place < 4'd3 ? {2'd0, entry_place[1:0]} :
+          entry_place < 4'd6 ? {2'd1, entry_place[1:0] - 2'd3} : {2'd2, entry_place[1:0] - 2'd2};
       assign entry_valid = constant_valid && constant_index >= 7'(splatline_setup_pkg::AXIS_XX) &&
           constant_index <= 7'(splatline_setup_pkg::AXIS_ZZ);
       setup_turn #(.PART(KEPT + 1), .ENTRY(FRACTION + 2), .CUT(KEPT + FRACTION - WINDOW), .SUM(SUM)) turn (
@@ -181,7 +182,7 @@ module setup_difference (
           .phase,
           .entry_valid,
           .entry_row,
-          .entry_column(2'(entry_place - 4'd3 * {2'd0, entry_row})),
+          .entry_column,
           .entry(constant_value[31-:FRACTION+2]),
           .parts,
           .sum,
@@ -191,7 +192,12 @@ module setup_difference (
       assign axis = {12'($signed(axis_power)) + BELOW, 32'($signed(sum))};
       assign last_axis = {12'($signed(powers4[29:20])) + BELOW, 32'($signed(last))};
     end else begin : gen_unturned
-      assign axis = {12'($signed(axis_power)), rest4[36*beat_phase+:32]};
+      logic [31:0] component4;
+      always_comb begin
+        component4 = 0;
+        for (int k = 0; k < 8; k = k + 1) if (beat_phase == 3'(k)) component4 = rest4[36*k+:32];
+      end
+      assign axis = {12'($signed(axis_power)), component4};
       assign last_axis = {12'($signed(powers4[29:20])), rest4[288+:32]};
     end
   endgenerate

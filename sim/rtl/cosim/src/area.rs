@@ -18,7 +18,8 @@ use std::path::Path;
 /// Runs a script that leaves one module of cells, and counts them after look-up tables have moved into adders.
 pub fn cells(script: &str, top: &str, folder: &Path) -> Result<(Netlist, Fabric)> {
     let file = folder.join("cells.json");
-    yosys(&format!("{script}; write_json {}", file.display()))?;
+    let write = format!("rename -top {top}; write_json {}", file.display());
+    yosys(&format!("{script}; {write}"))?;
     let mut netlist: Netlist = json(&file)?;
     let module = netlist.modules.get_mut(top);
     let module = module.with_context(|| format!("a netlist without {top}"))?;
