@@ -14,15 +14,6 @@ use anyhow::Result;
 use clap::{Arg, Args};
 use std::path::PathBuf;
 
-pub const EXAMPLES: &str = "\
-Examples:
-  splatline bake guitar.ply --size 240x240 --keep 1000 -o scene.rs
-  splatline bake guitar.ply --camera-path keys.toml --size 240x240 --keep 3000 --json bake.json -o scene.rs
-  splatline bake random:2000 --size 240x240 -o scene.bin
-
-scene.rs holds constants (with a camera path also its views), scene.bin what CompactScene::read reads; 24 bytes a splat in flash.
-Splats that no view shows are left out; --keep leaves out those that the views show least of.";
-
 /// Why a surface is refused.
 const GAUSSIANS_ALONE: &str =
     "only scenes of 3D Gaussians are baked; surfaces are drawn by `splatline render`";

@@ -13,12 +13,6 @@ use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
 
-pub const EXAMPLES: &str = "\
-Examples:
-  splatline info guitar.ply
-  splatline info scene.sog --json -
-  splatline info lion.ply      a point cloud";
-
 #[derive(Debug, Args)]
 pub struct InfoOptions {
     /// Scene, volume, point cloud or height field; - reads stdin

@@ -8,23 +8,6 @@ use crate::machine::area::Family;
 use clap::Args;
 use std::path::PathBuf;
 
-pub const MODEL_EXAMPLES: &str = "\
-Examples:
-  splatline simulate guitar.ply
-  splatline simulate guitar.ply --machine machine.toml --set lanes=4 --set layout=rows -o out
-  splatline simulate guitar.ply --machine primitive-4      the raster unit of sim/rtl, with four lanes
-  splatline simulate guitar.ply --set clock_mhz=100 --set overlap_frames=2 --part xc7a100t
-      frames a second at that clock, and how much of the part it takes
-  splatline simulate guitar.ply --camera-path keys.toml --size 1920x1080      worst frame, 95th percentile, mean
-  splatline simulate guitar.ply playbot.ply -o out                           the same over several scenes
-  splatline simulate guitar.ply --set memory_part=ddr3-1600-x16 --set clock_mhz=100      a real memory part behind one port
-  splatline simulate guitar.ply --machines                 beside machines of others, reimplemented from their papers
-  splatline simulate --footprints f.csv --screen 512x512
-      the workload of another rasterizer; columns as `splatline footprints` writes them, optionally tiles
-
-With -o: timing.json; timing.html with its plots; machine.toml, the resolved configuration; action_counts.yaml, what was done how often, for Accelergy.
-`model` is the earlier name of this command.";
-
 /// Which machine.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Machine")]
@@ -114,14 +97,6 @@ pub struct ModelOptions {
     #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }
-
-pub const TRACE_EXAMPLES: &str = "\
-Examples:
-  splatline trace guitar.ply --format kanata --first 100 --last 140 -o trace.kanata      for Konata
-  splatline trace guitar.ply --format vcd --set lanes=4 -o trace.vcd                     for GTKWave or Surfer
-  splatline trace guitar.ply --format perfetto -o trace.json                             for ui.perfetto.dev
-  splatline trace guitar.ply --format dramsim3 --set memory_part=ddr3-1600-x16 --set clock_mhz=100 -o requests.txt
-      what a memory is asked for, in the whole picture; --format ramulator2 for Ramulator 2";
 
 #[derive(Debug, Args)]
 #[command(mut_args(of_units))]

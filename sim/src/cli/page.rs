@@ -15,14 +15,6 @@ use clap::Args;
 use splatline::format::Traversal;
 use std::path::{Path, PathBuf};
 
-pub const EXAMPLES: &str = "\
-Examples:
-  splatline page guitar.ply -o page.html
-  splatline page aneurism.nhdr --design lean18 --size 384x384 -o page.html
-  splatline page scene.sog --camera cameras.json --image 00012 -o page.html
-
-The file opens from disk in any browser of today and asks no network for anything.";
-
 /// Largest side of a page's picture: all of it is drawn anew for every change.
 const LARGEST_SIDE: usize = 2048;
 

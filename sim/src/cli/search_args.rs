@@ -73,24 +73,6 @@ pub fn limits_given(options: &[(Quantity, Option<f64>, &str)]) -> Result<Vec<Lim
     }
 }
 
-pub const SWEEP_EXAMPLES: &str = "\
-Examples:
-  splatline sweep guitar.ply --space space.toml -o out
-  splatline sweep guitar.ply --space space.toml --no-error -o out         cycles and area alone
-
-A space:
-  sample = \"grid\"                  # or \"latin\" with count = 200 and seed = 1
-  [design]
-  base = [\"lean18\", \"standard24\"]
-  mantissa = { from = 14, to = 24, step = 2 }
-  [machine]
-  lanes = [1, 2, 4]
-  layout = [\"run\", \"rows\"]
-
-An interrupted sweep goes on where it stopped. Writes points.csv, and when all points are there front.csv and front.html.
-On several machines: splatline.study, in Python.
-`explore --space` is the earlier name of this command.";
-
 #[derive(Debug, Args)]
 #[command(mut_args(of_units))]
 pub struct SweepOptions {
@@ -106,16 +88,6 @@ pub struct SweepOptions {
     #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: PathBuf,
 }
-
-pub const OPTIMIZE_EXAMPLES: &str = "\
-Examples:
-  splatline optimize guitar.ply --size 1920x1080 --fps 60 --part xc7a100t --max-error 0.004
-      the cheapest design and machine that hold all of it, the next three, and what binds
-  splatline optimize guitar.ply playbot.ply --fps 60 --lut 63000 --dsp 240 --psnr 50 --set clock_mhz=100 -o out
-  splatline optimize guitar.ply --space space.toml --max-error 0.004 -o out      over fields and values of your own, as `sweep` takes them
-  splatline optimize guitar.ply --fps 60 --psnr 40 --formats fp16,bfloat16,fp8 -o out      machines with float lanes beside the answer
-
-The exit status is 1 where no point holds all limits. `explore` with a limit is the earlier name of this command.";
 
 #[derive(Debug, Args)]
 #[command(mut_args(of_units))]
@@ -183,15 +155,6 @@ pub struct LimitOptions {
     pub max_energy: Option<f64>,
 }
 
-pub const FIT_EXAMPLES: &str = "\
-Examples:
-  splatline fit guitar.ply --max-error 0.004          largest error of any pixel, 1/255
-  splatline fit guitar.ply --max-error 1e-3 --metric rms -o fitted.toml
-  splatline fit guitar.ply --p99 0.004 --flip 0.01       99 % of the samples, and what an eye sees
-  splatline fit guitar.ply --psnr 40 --formats fp16,bfloat16     which is cheaper, 16-bit floats or the fixed design that suffices
-  splatline fit guitar.ply playbot.ply --max-error 0.004      one design for both
-  splatline simulate guitar.ply --design fitted.toml             the design that was found, in any command";
-
 #[derive(Debug, Args)]
 pub struct FitOptions {
     #[command(flatten)]
@@ -217,15 +180,6 @@ pub struct FitOptions {
     #[arg(short, long, value_name = "file.toml", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }
-
-pub const PROFILE_EXAMPLES: &str = "\
-Examples:
-  splatline profile guitar.ply
-  splatline profile guitar.ply --max-error 0.004 --json profile.json
-  splatline profile guitar.ply --camera-path path.toml --html workload.html
-      histograms of tiles, splats and pixels, and what frames have in common
-
-`needs` is the earlier name of this command.";
 
 #[derive(Debug, Args)]
 pub struct ProfileOptions {
