@@ -58,13 +58,18 @@ impl SceneFacts {
     }
 }
 
-/// ` (near 3, outside 4)`.
-pub fn reasons(counts: &ReasonCounts) -> String {
-    let named = counts.iter().filter(|(_, count)| **count > 0);
-    let named: Vec<String> = named
+/// `near 3, outside 4`.
+pub fn named(counts: &ReasonCounts) -> String {
+    let counts = counts.iter().filter(|(_, count)| **count > 0);
+    let named: Vec<String> = counts
         .map(|(reason, count)| format!("{reason} {count}"))
         .collect();
-    format!(" ({})", named.join(", "))
+    named.join(", ")
+}
+
+/// ` (near 3, outside 4)`.
+pub fn reasons(counts: &ReasonCounts) -> String {
+    format!(" ({})", named(counts))
 }
 
 /// Reasons for culling that are a matter of the kernel's ranges and not of the view.

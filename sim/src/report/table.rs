@@ -1,6 +1,7 @@
 //! The sweep's table: one set of cells for the terminal and for the page.
 
 use super::{Report, ReportRow};
+use indicatif::HumanCount;
 
 /// A heading, and its cell of a row as text.
 pub type TextColumn = (&'static str, fn(&ReportRow) -> String);
@@ -124,15 +125,7 @@ pub fn signed(value: f64) -> String {
 
 /// Digits in groups of three, parted by a space.
 pub fn count(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
+    HumanCount(number).to_string().replace(',', " ")
 }
 
 fn milliseconds(seconds: f64) -> String {
