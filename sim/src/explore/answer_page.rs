@@ -10,9 +10,9 @@ use super::refusal;
 use crate::machine::config::Config;
 use crate::machine::timing::Timing;
 use crate::report::chart::{Anchor, Axis, Chart};
-use crate::report::html::{Column, escape, html_table, table_of};
+use crate::report::html::{Column, escape, headline_of, html_table, table_of};
 use crate::report::labels::Rectangle;
-use crate::report::machine::plots;
+use crate::report::machine::sections;
 use crate::report::shell::Shell;
 use crate::report::table::count;
 use serde_json::Value;
@@ -73,7 +73,7 @@ fn headline(found: &Found) -> String {
     let reached = &found.reached;
     let error = reached.error.map(|error| format!("{:.2e}", error.max_abs));
     let megabytes = reached.pace.bytes_per_frame as f64 / 1e6;
-    let figures = [
+    headline_of(&[
         (
             "frames a second",
             format!("{:.1}", reached.pace.frames_per_s),
@@ -82,10 +82,7 @@ fn headline(found: &Found) -> String {
         ("mJ a frame", format!("{:.3}", reached.millijoules)),
         ("MB a frame", format!("{megabytes:.2}")),
         ("largest error", error.unwrap_or("-".to_owned())),
-    ];
-    let entry = |(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>");
-    let entries = figures.map(entry).concat();
-    format!("<dl class=\"headline\">{entries}</dl>\n")
+    ])
 }
 
 /// A narrow table.
@@ -202,10 +199,7 @@ fn in_formats(answer: &Answer) -> String {
 fn of_machine(found: &Found, detail: &Detail) -> String {
     let machine = &found.machine;
     let mut text = section("The machine", &diagram(&detail.timing, machine));
-    for plot in plots(&detail.timing, &detail.watched, machine) {
-        let svg = format!("<div class=\"scroll\">{}</div>", plot.svg);
-        text += &section(plot.title, &svg);
-    }
+    text += &sections(&detail.timing, &detail.watched, machine);
     text += &section("Energy by unit", &energy(detail));
     text += &section("Traffic", &traffic(&detail.timing));
     text + &section(
