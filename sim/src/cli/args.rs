@@ -109,7 +109,12 @@ pub struct RenderOptions {
     )]
     pub maps: Vec<Map>,
     /// Also write all frames as one animated PNG, 15 a second
-    #[arg(long, value_name = "x.png", help_heading = "Output")]
+    #[arg(
+        long,
+        value_name = "x.png",
+        help_heading = "Output",
+        requires = "PathOptions"
+    )]
     pub animation: Option<PathBuf>,
     /// Draw through the lens of --camera, as its photographs are
     #[arg(long, help_heading = "Camera", requires = "camera", conflicts_with_all = ["maps", "zoom"])]
@@ -145,7 +150,7 @@ pub struct CompareOptions {
 #[command(next_help_heading = "Photographs")]
 pub struct PhotoArgs {
     /// Photographs (.png, .jpg) of the views of --camera: PSNR, SSIM and FLIP of what is drawn against them
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["from", "turntable"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["from", "turntable", "alpha"])]
     pub photos: Option<PathBuf>,
     /// Views that are compared: test (every eighth), train (the others), all, or N for every Nth
     #[arg(

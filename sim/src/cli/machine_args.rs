@@ -40,16 +40,6 @@ pub struct AreaOptions {
     pub parts: Option<PathBuf>,
 }
 
-/// What energy is counted in.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Energy")]
-pub struct EnergyOptions {
-    /// Picojoules of every action (TOML) instead of the 45 nm figures that ship; energy is an estimate, and the report
-    /// says what it leaves out
-    #[arg(long, value_name = "file.toml")]
-    pub energy: Option<PathBuf>,
-}
-
 /// What is drawn, on which machine it is simulated, and what that takes.
 #[derive(Debug, Args)]
 pub struct SimulationOptions {
@@ -59,8 +49,10 @@ pub struct SimulationOptions {
     pub machine: MachineOptions,
     #[command(flatten)]
     pub area: AreaOptions,
-    #[command(flatten)]
-    pub energy: EnergyOptions,
+    /// Picojoules of every action (TOML) instead of the 45 nm figures that ship; energy is an estimate, and the report
+    /// says what it leaves out
+    #[arg(long, value_name = "file.toml", help_heading = "Energy")]
+    pub energy: Option<PathBuf>,
 }
 
 impl SimulationOptions {

@@ -41,7 +41,7 @@ pub fn man(options: &ManOptions, mut command: Command) -> Result<()> {
         };
         let mut text = Vec::new();
         Man::new(page).title(name.clone()).render(&mut text)?;
-        output::write(&options.output.join(format!("{name}.1")), &text)?;
+        output::write(&options.output.join(format!("{name}.1")), text)?;
     }
     print_result(&format!(
         "{}\n",

@@ -55,12 +55,11 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
     drop(progress);
     write_json_if(options.json.as_ref(), &measured)?;
     if let Some(path) = &options.markdown {
-        write(path, (HEADING.to_owned() + &page).as_bytes())?;
+        write(path, HEADING.to_owned() + &page)?;
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let beside = |name: &str| path.with_file_name(format!("{stem}-{name}.csv"));
-        let scenes = scenes::table::csv(&measured.scenes);
-        write(&beside("scenes"), scenes.as_bytes())?;
-        write(&beside("cases"), table::csv(&measured.cases).as_bytes())?;
+        write(&beside("scenes"), scenes::table::csv(&measured.scenes))?;
+        write(&beside("cases"), table::csv(&measured.cases))?;
     }
     print_result(&summary)
 }
