@@ -69,10 +69,10 @@ pub struct SweepOptions {
     #[command(flatten)]
     pub search: SimulationOptions,
     /// Fields and their values (TOML)
-    #[arg(long, value_name = "s.toml")]
+    #[arg(long, value_name = "s.toml", help_heading = "Space")]
     pub space: PathBuf,
     /// Leave the float reference out: cycles and area only
-    #[arg(long)]
+    #[arg(long, help_heading = "Space")]
     pub no_error: bool,
     /// Folder for the results
     #[arg(short, long, value_name = "dir", help_heading = "Output")]
@@ -85,7 +85,7 @@ pub struct OptimizeOptions {
     #[command(flatten)]
     pub search: SimulationOptions,
     /// Fields and their values (TOML) [default: every width and the usual machines]
-    #[arg(long, value_name = "s.toml")]
+    #[arg(long, value_name = "s.toml", help_heading = "Space")]
     pub space: Option<PathBuf>,
     #[command(flatten)]
     pub limits: LimitOptions,
@@ -171,7 +171,7 @@ pub struct FitOptions {
     pub frames: FrameOptions,
     #[command(flatten)]
     pub errors: ErrorLimits,
-    /// Which error --max-error is about
+    /// Which error --max-error limits, if not the largest
     #[arg(long, value_parser = one_of(METRICS), default_value = "largest")]
     pub metric: Quantity,
     #[command(flatten)]

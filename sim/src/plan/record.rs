@@ -11,6 +11,7 @@ use crate::scene::Weight;
 use crate::surface::Buffer;
 use crate::systems::SystemVerdict;
 use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
 use splatline::format::Traversal;
 
 impl Prepared {
@@ -42,10 +43,17 @@ impl Prepared {
     }
 }
 
+/// What is read of a report, of whatever version its other fields are.
+#[derive(Deserialize)]
+struct RecordedPlan {
+    #[serde(default)]
+    plan: serde_json::Value,
+}
+
 impl Plan {
     /// The plan that the text of a report records.
     pub fn from_report(text: &str) -> Result<Plan> {
-        let report: Report = serde_json::from_str(text).context("not a report.json")?;
+        let report: RecordedPlan = serde_json::from_str(text).context("not a report.json")?;
         ensure!(
             !report.plan.is_null(),
             "it records no \"plan\": write it again with this version's render --json or compare"

@@ -29,7 +29,6 @@ pub struct SceneFacts {
     pub clamped: u64,
     /// Unit of the kernel's colours as a power of two: colours beyond its format were divided by it, and the picture
     /// was multiplied by it.
-    #[serde(default)]
     pub colour_log2: i32,
     /// What its splats were sorted by; not written if it is the usual, the depth.
     #[serde(default, skip_serializing_if = "is_usual")]

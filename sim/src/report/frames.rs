@@ -116,7 +116,7 @@ impl FrameRow {
             psnr_db: rgb.map(|rgb| rgb.psnr_db).filter(|psnr| psnr.is_finite()),
             max_abs: rgb.map_or(0.0, |rgb| rgb.max_abs),
             p99: rgb.map_or(0.0, |rgb| rgb.percentiles.p99),
-            flip: report.error.and_then(|error| error.flip).unwrap_or(0.0),
+            flip: report.error.map_or(0.0, |error| error.flip),
             bias: rgb.map_or(0.0, |rgb| rgb.bias),
             ssim: rgb.map_or(1.0, |rgb| rgb.ssim),
             cycles: report.cycles.as_ref().map(|cycles| cycles.total),

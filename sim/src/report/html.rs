@@ -13,9 +13,7 @@ use super::plot::{self, Across};
 use super::png::Rgb;
 use super::scale::PERCENTILE;
 use super::shell::Shell;
-use super::table::{
-    COLUMNS, WORD_COLUMNS, count, decibels, flip_text, scientific, signed, throughput_text,
-};
+use super::table::{COLUMNS, WORD_COLUMNS, count, decibels, scientific, signed, throughput_text};
 use super::viewer;
 use super::{ErrorFacts, Report, ReportRow};
 use crate::machine::accounts::UnitTime;
@@ -115,7 +113,7 @@ fn headline(report: &Report) -> String {
         figures.push(("bias", signed(error.rgb.bias)));
         figures.push(("99 % within", scientific(error.rgb.percentiles.p99)));
         figures.push(("SSIM", format!("{:.5}", error.rgb.ssim)));
-        figures.push(("FLIP", flip_text(error.flip)));
+        figures.push(("FLIP", scientific(error.flip)));
         let covered = &error.rgb.covered;
         figures.push(("PSNR, covered pixels", psnr(covered.psnr_db)));
         figures.push(("bias, covered pixels", signed(covered.bias)));
@@ -422,7 +420,7 @@ fn error_table(error: &ErrorFacts) -> String {
         "<section>\n<h2>Errors of the picture</h2>\n<p class=\"read\">p95 and p99: so many percent of the samples differ by no more. FLIP is the mean \
          difference that an eye sees of colours in sRGB (HPG 2020), at {:.1} pixels per degree: {}.</p>\n{}\n</section>\n",
         error.flip_pixels_per_degree,
-        flip_text(error.flip),
+        scientific(error.flip),
         table_of(" class=\"short\"", &[0], &columns, lines)
     )
 }
@@ -504,10 +502,13 @@ fn details(report: &Report) -> Result<String> {
         fold("Camera", &report.camera)?,
         fold("Rules of blending", &report.rules)?,
     ];
-    Ok(format!(
-        "<section>\n<h2>Details</h2>\n{}</section>\n",
-        folds.concat()
-    ))
+    Ok(section("Details", &folds.concat()))
+}
+
+/// A part of a page.
+pub fn section(title: &str, body: &str) -> String {
+    let title = escape(title);
+    format!("<section>\n<h2>{title}</h2>\n{body}\n</section>\n")
 }
 
 fn fold(title: &str, facts: &impl Serialize) -> Result<String> {

@@ -5,6 +5,7 @@
 //! so that the timing that is reported is never slowed by it.
 
 use super::chart::{Anchor, Axis, Chart};
+use super::html::section;
 use super::labels::Rectangle;
 use super::shell::Shell;
 use super::table::count;
@@ -126,10 +127,10 @@ pub fn plots(timing: &Timing, watched: &Watched, config: &Config) -> [Plot; 4] {
 
 /// The same as sections of a page.
 pub fn sections(timing: &Timing, watched: &Watched, config: &Config) -> String {
-    let section = |Plot { title, svg, .. }: Plot| {
-        format!("<section>\n<h2>{title}</h2>\n<div class=\"scroll\">{svg}</div>\n</section>\n")
+    let in_section = |Plot { title, svg, .. }: Plot| {
+        section(title, &format!("<div class=\"scroll\">{svg}</div>"))
     };
-    plots(timing, watched, config).map(section).concat()
+    plots(timing, watched, config).map(in_section).concat()
 }
 
 /// All cycles, and those of the phases.

@@ -15,7 +15,7 @@ pub const COLUMNS: [TextColumn; 18] = [
     ("p99", |row| scientific(row.error.percentiles.p99)),
     ("bias", |row| signed(row.error.bias)),
     ("SSIM", |row| format!("{:.5}", row.error.ssim)),
-    ("FLIP", |row| flip_text(row.flip)),
+    ("FLIP", |row| scientific(row.flip)),
     ("PSNR cov", |row| decibels(row.error.covered.psnr_db)),
     ("bias cov", |row| signed(row.error.covered.bias)),
     ("SSIM cov", |row| format!("{:.5}", row.error.covered.ssim)),
@@ -98,11 +98,6 @@ pub fn psnr_of_rms(rms: f64) -> String {
     } else {
         "equal".to_owned()
     }
-}
-
-/// Mean FLIP; `-` where it was not measured.
-pub fn flip_text(flip: Option<f64>) -> String {
-    flip.map_or_else(|| "-".to_owned(), scientific)
 }
 
 /// `3.1e-3`; plain `0` for zero.
