@@ -6,8 +6,8 @@
 use super::html::escape;
 use super::labels::Rectangle;
 
-/// The classes of charts, each with a tone for light and for dark pages: `grid`, `leader`, `frame`, and `s0` to `s5` for
-/// the curves, marks and names of series.
+/// The classes of charts, each with a tone for light and for dark pages: `grid`, `leader`, `frame`, and `s0` to `s5`
+/// for the curves, marks and names of series.
 pub const STYLE: &str = include_str!("chart.css");
 
 /// Series that the style tells apart; further ones begin again.
