@@ -9,9 +9,9 @@ use crate::design::DesignChoice;
 use crate::fixed::{self, Options, QuantisedScene, draw_with_footprints};
 use crate::metrics::{Errors, compare};
 use crate::rules::Rules;
-use crate::scene::{Scene, Splat, Weight};
+use crate::scene::{Bounds, Scene, Splat, Weight};
 use crate::vector::{Vector, dot};
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use splatline::draw::Painter;
 use splatline::fixed::types as fixed_types;
 use splatline::format::{Standard24, Traversal};
@@ -89,12 +89,11 @@ fn standard() -> DesignChoice {
 impl BakedScene {
     /// Packs the splats with these numbers; colours that depend on the view are those seen on average by the cameras.
     pub fn new(scene: &Scene, numbers: &[usize], cameras: &[Camera]) -> Result<BakedScene> {
-        if scene.weight == Weight::Mass {
-            bail!(
-                "{}: a volume's splats have a mass and no peak opacity; bake a scene of Gaussians",
-                scene.name
-            );
-        }
+        ensure!(
+            scene.weight != Weight::Mass,
+            "{}: a volume's splats have a mass and no peak opacity; bake a scene of Gaussians",
+            scene.name
+        );
         ensure!(
             !numbers.is_empty(),
             "{}: no splat is visible in the views given",
@@ -265,16 +264,10 @@ fn fitting(length: f64) -> i32 {
 
 /// Origin and unit of the grid of centres: the middle of the scene, and the finest power of two.
 fn grid(splats: &[Splat], name: &str) -> Result<([i32; 3], i32)> {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for splat in splats {
-        for axis in 0..3 {
-            low[axis] = low[axis].min(splat.centre[axis]);
-            high[axis] = high[axis].max(splat.centre[axis]);
-        }
-    }
-    let middle = [0, 1, 2].map(|axis| (low[axis] + high[axis]) / 2.0);
-    let span = largest(&[0, 1, 2].map(|axis| (high[axis] - low[axis]) / 2.0));
+    let bounds = Bounds::around(splats.iter().map(|splat| splat.centre), 0.0);
+    let bounds = bounds.context("there is no splat")?;
+    let middle = bounds.centre();
+    let span = largest(&bounds.extents()) / 2.0;
     // Of a scene that is a point, and of one far from the origin for its size, the origin decides.
     let far = largest(&middle) / f64::from(1 << 30);
     let exponent = fitting(span * 1.001).max(far.max(2f64.powi(-60)).log2().ceil() as i32);

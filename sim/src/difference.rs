@@ -67,21 +67,10 @@ fn walk(place: &str, first: Option<&Value>, second: Option<&Value>, found: &mut 
 
 /// Number and text of the first line that differs.
 fn first_line<'a>(first: &'a str, second: &'a str) -> (usize, &'a str, &'a str) {
-    let (mut first, mut second) = (first.split('\n'), second.split('\n'));
-    for number in 1.. {
-        match (first.next(), second.next()) {
-            (None, None) => break,
-            (first, second) if first == second => {}
-            (first, second) => {
-                return (
-                    number,
-                    first.unwrap_or_default(),
-                    second.unwrap_or_default(),
-                );
-            }
-        }
-    }
-    (0, "", "")
+    let lines = first.split('\n').zip(second.split('\n'));
+    let same = lines.take_while(|(first, second)| first == second).count();
+    let line = |text: &'a str| text.split('\n').nth(same).unwrap_or_default();
+    (same + 1, line(first), line(second))
 }
 
 fn short(text: &str) -> String {

@@ -57,7 +57,7 @@ pub fn run(options: &GalleryOptions) -> Result<()> {
         progress.advance();
     }
     drop(progress);
-    write(&options.output.join("README.md"), page.as_bytes())?;
+    write(&options.output.join("README.md"), page)?;
     print_result(&format!(
         "{} plans in {}\n",
         plans.len(),

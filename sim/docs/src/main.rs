@@ -108,7 +108,7 @@ fn pictures(data: &Path, output: &Path) -> Result<()> {
     ] {
         let file = output.join(file);
         create_folder(file.parent().unwrap_or(output))?;
-        write(&file, &picture.to_png()?)?;
+        write(&file, picture.to_png()?)?;
         print_result(&format!("{}\n", file.display()))?;
     }
     Ok(())

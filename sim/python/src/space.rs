@@ -57,7 +57,7 @@ impl Space {
 /// Names of the results in their order.
 #[pyfunction]
 pub fn result_names() -> Vec<&'static str> {
-    RESULTS.map(|(name, _)| name).to_vec()
+    RESULTS.map(|(name, ..)| name).to_vec()
 }
 
 /// Everything that decides the results, as JSON: scene, camera, rules, design, machine, prices, space.
@@ -84,7 +84,7 @@ pub fn sweep_pages(
     part: Option<&str>,
 ) -> PyResult<(String, String, String)> {
     let names = std::iter::once("point".to_owned()).chain(axes);
-    let names = names.chain(RESULTS.map(|(name, _)| name.to_owned()));
+    let names = names.chain(RESULTS.map(|(name, ..)| name.to_owned()));
     let numbered = rows.into_iter().enumerate().map(|(number, row)| {
         let mut fields = vec![number.to_string()];
         fields.extend(row);

@@ -10,18 +10,9 @@ use crate::metrics::ChannelError;
 use crate::plan::Subject;
 use crate::progress::ProgressMeter;
 use crate::report::table::psnr_text;
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::{Arg, Args};
 use std::path::PathBuf;
-
-pub const EXAMPLES: &str = "\
-Examples:
-  splatline bake guitar.ply --size 240x240 --keep 1000 -o scene.rs
-  splatline bake guitar.ply --camera-path keys.toml --size 240x240 --keep 3000 --json bake.json -o scene.rs
-  splatline bake random:2000 --size 240x240 -o scene.bin
-
-scene.rs holds constants (with a camera path also its views), scene.bin what CompactScene::read reads; 24 bytes a splat in flash.
-Splats that no view shows are left out; --keep leaves out those that the views show least of.";
 
 /// Why a surface is refused.
 const GAUSSIANS_ALONE: &str =
@@ -58,9 +49,7 @@ pub fn run(options: &BakeOptions) -> Result<()> {
     let outputs = Outputs::default()
         .file(Some(&options.output), &["rs", "bin"])?
         .json(options.json.as_ref())?;
-    if options.view.surface.kind.is_some() {
-        return Err(usage(GAUSSIANS_ALONE));
-    }
+    ensure!(options.view.surface.kind.is_none(), usage(GAUSSIANS_ALONE));
     let request = PlanRequest::by_design(&options.view, "standard24").along(&options.path);
     let frames = request.frames()?;
     outputs.spare_inputs()?;
@@ -99,18 +88,14 @@ pub fn run(options: &BakeOptions) -> Result<()> {
     } else {
         baked.to_bytes()
     };
-    write(&options.output, &bytes)?;
+    write(&options.output, bytes)?;
     let (all, count) = (scene.splats.len(), kept.len());
     let share = kept.iter().map(|number| shares[*number]).sum::<f64>() / shares.iter().sum::<f64>();
     let colours = || views.iter().map(|(_, colour)| colour);
     let worst = colours().fold(f64::INFINITY, |worst, colour| worst.min(colour.psnr_db));
     let largest = colours().fold(0.0, |most: f64, colour| most.max(colour.max_abs));
-    let bias = colours()
-        .map(|colour| colour.bias)
-        .fold(
-            0.0,
-            |most: f64, bias| if bias.abs() > most.abs() { bias } else { most },
-        );
+    let bias = colours().map(|colour| colour.bias);
+    let bias = bias.max_by(|a, b| a.abs().total_cmp(&b.abs()));
     let of_view = |(name, colour): &(&str, ChannelError)| {
         let (psnr, largest, bias) = (colour.psnr_db, colour.max_abs, colour.bias);
         serde_json::json!({ "view": name, "psnr_db": psnr, "max_abs": largest, "bias": bias })
@@ -130,7 +115,7 @@ pub fn run(options: &BakeOptions) -> Result<()> {
         views.len(),
         psnr_text(worst),
         255.0 * largest,
-        255.0 * bias,
+        255.0 * bias.unwrap_or(0.0),
         options.output.display()
     ))
 }

@@ -3,13 +3,13 @@
 use super::output::{Outputs, write};
 use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{print_result, warn};
-use super::search_args::{FitOptions, limits_given, subject};
+use super::search_args::{FitOptions, subject};
 use crate::design::DesignChoice;
 use crate::explore::evaluator::DesignError;
-use crate::explore::fit::{Fit, design_toml, fit, refusal};
+use crate::explore::fit::{Fit, fit, refusal};
 use crate::explore::formats;
-use crate::explore::limits::{Limit, Quantity};
-use crate::plan::{DesignVariant, Engine};
+use crate::explore::limits::Limit;
+use crate::plan::Engine;
 use crate::progress::ProgressMeter;
 use anyhow::{Result, anyhow};
 use splatline::format::WIDTH_RANGES;
@@ -21,29 +21,17 @@ pub fn run(options: &FitOptions) -> Result<()> {
     for frame in &frames {
         warn(&frame.prepared.setup_warnings()?);
     }
-    let DesignVariant { design, traversal } = &frames[0].prepared.plan.entry;
-    let fitted = fitted(&frames, &limits(options)?, &options.formats.formats)?;
-    print_result(&text(design, &fitted))?;
+    let limits = options.errors.given(options.metric);
+    let fitted = fitted(&frames, &limits, &options.formats.formats)?;
+    print_result(&text(&frames[0].prepared.plan.entry.design, &fitted))?;
     print_result(&formats::text(&fitted.formats))?;
     if frames.len() > 1 {
         print_result(&format!("over {} frames\n", frames.len()))?;
     }
     if let Some(path) = &options.output {
-        let rounding = &design.resolved().rounding;
-        let design = design_toml(&fitted.widths, rounding, *traversal);
-        write(path, design.as_bytes())?;
+        write(path, fitted.design.to_toml())?;
     }
     Ok(())
-}
-
-/// What the options allow.
-fn limits(options: &FitOptions) -> Result<Vec<Limit>> {
-    limits_given(&[
-        (options.metric, options.max_error, "--max-error"),
-        (Quantity::Percentile99, options.p99, "--p99"),
-        (Quantity::Flip, options.flip, "--flip"),
-        (Quantity::PsnrDb, options.psnr, "--psnr"),
-    ])
 }
 
 /// Fits what is planned for all frames, starting from their design.

@@ -41,7 +41,7 @@ pub fn run(options: &FootprintsOptions) -> Result<()> {
             )));
         }
     };
-    write(&options.output, csv(&lines).as_bytes())?;
+    write(&options.output, csv(&lines))?;
     let culled = lines.iter().filter(|line| line.is_none()).count();
     let (name, count) = (prepared.scene.name(), lines.len());
     print_result(&format!("{name}: {count} splats, {culled} culled\n"))

@@ -13,16 +13,18 @@ use crate::plan::compare_all;
 use crate::plan::measure::draw_alone;
 use crate::progress::ProgressMeter;
 use crate::report::frames::{DrawnFrame, DrawnFrames, FORMAT, FrameRow, FramesReport, page};
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// A picture a frame, numbered behind the output's name.
 pub fn render(options: &RenderOptions) -> Result<()> {
-    if output::is_stream(&options.output) {
-        let message = "--camera-path draws many pictures, and stdout takes one: name a file with -o, frames are numbered behind its name";
-        return Err(usage(message));
-    }
+    ensure!(
+        !output::is_stream(&options.output),
+        usage(
+            "--camera-path draws many pictures, and stdout takes one: name a file with -o, frames are numbered behind its name"
+        )
+    );
     let drawing = &options.drawing;
     let frames = PlanRequest::drawing(&options.view, drawing)
         .along(&options.path)
@@ -60,8 +62,7 @@ pub fn render(options: &RenderOptions) -> Result<()> {
     }
     if let Some(animation) = &options.animation {
         progress.doing("writing the animation");
-        let bytes = animated(&files, FRAMES_PER_SECOND)?;
-        write(animation, &bytes)?;
+        write(animation, animated(&files, FRAMES_PER_SECOND)?)?;
     }
     drop(progress);
     let spread = Spread::of(seconds);
@@ -119,7 +120,7 @@ pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<()> {
         rows.first().map_or("", |row| row.name.as_str())
     );
     let html = options.output.join("frames.html");
-    write(&html, page(&title, &rows, &over).as_bytes())?;
+    write(&html, page(&title, &rows, &over))?;
     warn(&warnings.into_iter().collect::<Vec<_>>());
     print_result(&over.text())?;
     print_result(&format!("{}\n", html.display()))

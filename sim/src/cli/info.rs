@@ -4,7 +4,7 @@ use super::output::{self, Outputs};
 use super::say::print_result;
 use crate::framing::{Ball, FramingInput, direction};
 use crate::plan::load::{AnyScene, recognise};
-use crate::report::facts::{ReasonCounts, counted};
+use crate::report::facts::{ReasonCounts, counted, named};
 use crate::scene::points::SurfaceScene;
 use crate::scene::{Scene, SortOrder, Weight};
 use crate::vector::{self, Vector};
@@ -12,12 +12,6 @@ use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
-
-pub const EXAMPLES: &str = "\
-Examples:
-  splatline info guitar.ply
-  splatline info scene.sog --json -
-  splatline info lion.ply      a point cloud";
 
 #[derive(Debug, Args)]
 pub struct InfoOptions {
@@ -171,13 +165,9 @@ impl Info {
 
     fn text(&self) -> String {
         let place = |v: &Vector| format!("{:.6},{:.6},{:.6}", v[0], v[1], v[2]);
-        let dropped = self.dropped.iter().filter(|(_, count)| **count > 0);
-        let dropped: Vec<String> = dropped
-            .map(|(reason, count)| format!("{reason} {count}"))
-            .collect();
-        let dropped = match dropped[..] {
-            [] => "nothing".to_owned(),
-            _ => dropped.join(", "),
+        let dropped = match named(&self.dropped) {
+            none if none.is_empty() => "nothing".to_owned(),
+            dropped => dropped,
         };
         let (radius, strays) = (self.ball.radius, self.ball.strays);
         let framed = if radius.is_finite() {
@@ -189,24 +179,16 @@ impl Info {
         let bounds = self.bounds.as_ref();
         let bounds = bounds.map(|[least, most]| format!("{} to {}", place(least), place(most)));
         let [up, front] = [self.up, self.front].map(direction);
-        let facts = [
-            ("count", Some(self.count.to_string())),
-            ("dropped", Some(dropped)),
-            ("bounds", bounds),
-            ("framed", Some(framed)),
-            ("up", Some(format!("{up}, seen from {front}"))),
-            (
-                "rules",
-                Some(format!("{}, sorted by {}", self.rules, self.order)),
-            ),
-            (
-                "harmonics",
-                Some(format!("degree {}", self.harmonics_degree)),
-            ),
-        ];
+        let mut facts = vec![("count", self.count.to_string()), ("dropped", dropped)];
+        facts.extend(bounds.map(|bounds| ("bounds", bounds)));
+        facts.extend([
+            ("framed", framed),
+            ("up", format!("{up}, seen from {front}")),
+            ("rules", format!("{}, sorted by {}", self.rules, self.order)),
+            ("harmonics", format!("degree {}", self.harmonics_degree)),
+        ]);
         let mut text = format!("{}: {}\n", self.scene, self.kind);
         for (name, fact) in facts {
-            let Some(fact) = fact else { continue };
             text += &format!("{name:<10} {fact}\n");
         }
         for range in &self.ranges {

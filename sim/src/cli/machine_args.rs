@@ -8,23 +8,6 @@ use crate::machine::area::Family;
 use clap::Args;
 use std::path::PathBuf;
 
-pub const MODEL_EXAMPLES: &str = "\
-Examples:
-  splatline simulate guitar.ply
-  splatline simulate guitar.ply --machine machine.toml --set lanes=4 --set layout=rows -o out
-  splatline simulate guitar.ply --machine primitive-4      the raster unit of sim/rtl, with four lanes
-  splatline simulate guitar.ply --set clock_mhz=100 --set overlap_frames=2 --part xc7a100t
-      frames a second at that clock, and how much of the part it takes
-  splatline simulate guitar.ply --camera-path keys.toml --size 1920x1080      worst frame, 95th percentile, mean
-  splatline simulate guitar.ply playbot.ply -o out                           the same over several scenes
-  splatline simulate guitar.ply --set memory_part=ddr3-1600-x16 --set clock_mhz=100      a real memory part behind one port
-  splatline simulate guitar.ply --machines                 beside machines of others, reimplemented from their papers
-  splatline simulate --footprints f.csv --screen 512x512
-      the workload of another rasterizer; columns as `splatline footprints` writes them, optionally tiles
-
-With -o: timing.json; timing.html with its plots; machine.toml, the resolved configuration; action_counts.yaml, what was done how often, for Accelergy.
-`model` is the earlier name of this command.";
-
 /// Which machine.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Machine")]
@@ -57,16 +40,6 @@ pub struct AreaOptions {
     pub parts: Option<PathBuf>,
 }
 
-/// What energy is counted in.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Energy")]
-pub struct EnergyOptions {
-    /// Picojoules of every action (TOML) instead of the 45 nm figures that ship; energy is an estimate, and the report
-    /// says what it leaves out
-    #[arg(long, value_name = "file.toml")]
-    pub energy: Option<PathBuf>,
-}
-
 /// What is drawn, on which machine it is simulated, and what that takes.
 #[derive(Debug, Args)]
 pub struct SimulationOptions {
@@ -76,8 +49,10 @@ pub struct SimulationOptions {
     pub machine: MachineOptions,
     #[command(flatten)]
     pub area: AreaOptions,
-    #[command(flatten)]
-    pub energy: EnergyOptions,
+    /// Picojoules of every action (TOML) instead of the 45 nm figures that ship; energy is an estimate, and the report
+    /// says what it leaves out
+    #[arg(long, value_name = "file.toml", help_heading = "Energy")]
+    pub energy: Option<PathBuf>,
 }
 
 impl SimulationOptions {
@@ -105,23 +80,15 @@ pub struct ModelOptions {
     pub cutoff: Option<f64>,
     /// Compare with machines of others, reimplemented from their papers, on the same splats: pixels tested, products,
     /// cycles, bytes, energy
-    #[arg(long, conflicts_with_all = ["footprints", "machine", "set", "design", "traversal"])]
+    #[arg(long, help_heading = "Machine", conflicts_with_all = ["footprints", "machine", "set", "design", "traversal"])]
     pub machines: bool,
     /// Simulate N times and report the median speed
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, help_heading = "Machine", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,
     /// Folder to write timing.json, timing.html, machine.toml and action_counts.yaml into
     #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }
-
-pub const TRACE_EXAMPLES: &str = "\
-Examples:
-  splatline trace guitar.ply --format kanata --first 100 --last 140 -o trace.kanata      for Konata
-  splatline trace guitar.ply --format vcd --set lanes=4 -o trace.vcd                     for GTKWave or Surfer
-  splatline trace guitar.ply --format perfetto -o trace.json                             for ui.perfetto.dev
-  splatline trace guitar.ply --format dramsim3 --set memory_part=ddr3-1600-x16 --set clock_mhz=100 -o requests.txt
-      what a memory is asked for, in the whole picture; --format ramulator2 for Ramulator 2";
 
 #[derive(Debug, Args)]
 #[command(mut_args(of_units))]

@@ -125,7 +125,7 @@ pub fn write_maps(prepared: &Prepared, requested: &[Map], picture: &Path) -> Res
                 )
             }
         };
-        write(&file, &bytes)?;
+        write(&file, bytes)?;
         print_result(&format!("{}: {}{scale}\n", file.display(), map.words()))?;
     }
     Ok(())

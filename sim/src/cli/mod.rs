@@ -81,7 +81,8 @@ fn parsed<T: Into<OsString> + Clone>(
     words: impl IntoIterator<Item = T>,
 ) -> Result<Cli, clap::Error> {
     let mut words: Vec<OsString> = words.into_iter().map(Into::into).collect();
-    let command = with_negative_numbers(Cli::command());
+    let mut command = with_negative_numbers(Cli::command());
+    command.build();
     take_earlier_name(&mut words, &command);
     Cli::from_arg_matches(&command.try_get_matches_from(words)?)
 }

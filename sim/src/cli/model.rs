@@ -22,7 +22,7 @@ use crate::machine::{Config, config, energy, others, simulate_alone};
 use crate::plan::{DesignVariant, Subject};
 use crate::progress::ProgressMeter;
 use crate::report::machine::{page, watch};
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, ensure};
 use serde::Serialize;
 use splatline::format::Traversal;
 use std::path::Path;
@@ -96,7 +96,7 @@ pub fn run(options: &ModelOptions) -> Result<()> {
     let prices = Prices {
         calibration: calibration(area)?,
         part: part(area)?.map(|part| (named, part)),
-        energy: energy_table(&simulation.energy)?,
+        energy: energy_table(simulation.energy.as_ref())?,
     };
     if let Some(table) = &options.footprints {
         let modelled = from_table(table, options)?;
@@ -104,11 +104,10 @@ pub fn run(options: &ModelOptions) -> Result<()> {
         return one(&table.display().to_string(), &modelled, &prices, options);
     }
     let view = &simulation.frames.view;
-    if view.scene.is_none() && view.from.is_none() {
-        return Err(usage(
-            "name a scene, a report with --from, or a table with --footprints",
-        ));
-    }
+    ensure!(
+        view.scene.is_some() || view.from.is_some(),
+        usage("name a scene, a report with --from, or a table with --footprints")
+    );
     let request = simulation.request().keeping_order();
     let mut frames = request.planned_frames()?;
     outputs.spare_inputs()?;
@@ -131,7 +130,7 @@ fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<()> {
     warn(&prepared.setup_warnings()?);
     let splats = prepared.splats()?;
     let drawn = splats.options(&prepared.plan.entry);
-    let energy = energy_table(&options.simulation.energy)?;
+    let energy = energy_table(options.simulation.energy.as_ref())?;
     let machines = others::run_all(splats.scene, splats.camera, &drawn, &energy)?;
     let (table, note) = (others::table_of(&machines), others::note());
     print_result(&format!("{table}\n{note}"))?;
@@ -173,9 +172,11 @@ fn one(
     let work = LaneWork::new(workload, LaneShape::from(config));
     let watched = watch(workload, &work, config, &record.cycles);
     let page = page(&record.scene, &record.cycles, &watched, config);
-    write(&folder.join("timing.html"), page.as_bytes())?;
-    let actions = energy::action_counts(&record.energy);
-    write(&folder.join("action_counts.yaml"), actions.as_bytes())?;
+    write(&folder.join("timing.html"), page)?;
+    write(
+        &folder.join("action_counts.yaml"),
+        energy::action_counts(&record.energy),
+    )?;
     write_machine(folder, config)?;
     write_timing(folder, record)
 }
@@ -186,8 +187,7 @@ fn write_timing(folder: &Path, result: impl Serialize) -> Result<()> {
 }
 
 fn write_machine(folder: &Path, config: &Config) -> Result<()> {
-    let text = config::to_toml(config);
-    write(&folder.join("machine.toml"), text.as_bytes())
+    write(&folder.join("machine.toml"), config::to_toml(config))
 }
 
 /// Several pictures: the worst of them, the 95th percentile and the mean.

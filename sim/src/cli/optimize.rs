@@ -12,7 +12,7 @@ use crate::explore::space::Space;
 use crate::machine::area::synthesis;
 use crate::machine::config;
 use crate::progress::ProgressMeter;
-use anyhow::{Result, bail};
+use anyhow::{Result, ensure};
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
@@ -21,30 +21,27 @@ use std::time::Instant;
 const FILES: [&str; 4] = ["answer.json", "design.toml", "machine.toml", "answer.html"];
 
 /// The limits of the options themselves.
-fn own_limits(options: &LimitOptions) -> Result<Vec<Limit>> {
+fn own_limits(options: &LimitOptions) -> Vec<Limit> {
     let bandwidth = options.bandwidth.map(|megabytes| megabytes * 1e6);
     let [lut, dsp, bram] = [options.lut, options.dsp, options.bram].map(|most| most.map(f64::from));
     let energy = options.max_energy;
-    limits_given(&[
-        (Quantity::FramesPerSecond, options.fps, "--fps"),
-        (Quantity::LargestError, options.max_error, "--max-error"),
-        (Quantity::Percentile99, options.p99, "--p99"),
-        (Quantity::Flip, options.flip, "--flip"),
-        (Quantity::PsnrDb, options.psnr, "--psnr"),
+    let rate = limits_given(&[(Quantity::FramesPerSecond, options.fps, "--fps")]);
+    let errors = options.errors.given(Quantity::LargestError);
+    let machine = limits_given(&[
         (Quantity::Luts, lut, "--lut"),
         (Quantity::Dsps, dsp, "--dsp"),
         (Quantity::MemoryKbit, bram, "--bram"),
         (Quantity::BytesPerSecond, bandwidth, "--bandwidth"),
         (Quantity::MillijoulesPerFrame, energy, "--max-energy"),
-    ])
+    ]);
+    [rate, errors, machine].concat()
 }
 
 pub fn run(options: &OptimizeOptions) -> Result<()> {
-    let own = own_limits(&options.limits)?;
     let search = &options.search;
     let outputs = Outputs::default().folder(options.output.as_deref(), &FILES)?;
     let started = Instant::now();
-    let limits = limits(own, options)?;
+    let limits = limits(options)?;
     let frames = search.request().frames()?;
     let errors = limits.iter().any(|limit| limit.quantity.is_error());
     // Without a limit on errors the error of one picture is reported, those of many are not worth their memory.
@@ -86,9 +83,7 @@ pub fn run(options: &OptimizeOptions) -> Result<()> {
         let page = answer_page::page(&shown, &answer, detail.as_ref(), &note);
         write_answer(&answer, &note, folder, &page)?;
     }
-    if !answer.holds {
-        bail!("no point holds all limits");
-    }
+    ensure!(answer.holds, "no point holds all limits");
     Ok(())
 }
 
@@ -110,7 +105,8 @@ fn title(frames: &[NamedFrame]) -> String {
 }
 
 /// The options' limits and the part's.
-fn limits(own: Vec<Limit>, options: &OptimizeOptions) -> Result<Vec<Limit>> {
+fn limits(options: &OptimizeOptions) -> Result<Vec<Limit>> {
+    let own = own_limits(&options.limits);
     let named = options.search.area.part.clone().unwrap_or_default();
     let of_part = part(&options.search.area)?.map(|part| limits_of_part(&named, &part));
     let mut of_part = of_part.unwrap_or_default();
@@ -122,13 +118,12 @@ fn limits(own: Vec<Limit>, options: &OptimizeOptions) -> Result<Vec<Limit>> {
 }
 
 fn write_answer(answer: &Answer, note: &str, folder: &Path, page: &str) -> Result<()> {
-    write(&folder.join(FILES[3]), page.as_bytes())?;
+    write(&folder.join(FILES[3]), page)?;
     let result = json!({ "format": "splatline-answer/1", "answer": answer, "area_of": note });
     write_json(&folder.join(FILES[0]), &result)?;
     let Some(first) = answer.found.first() else {
         return Ok(());
     };
-    write(&folder.join(FILES[1]), first.design.to_toml().as_bytes())?;
-    let machine = config::to_toml(&first.machine);
-    write(&folder.join(FILES[2]), machine.as_bytes())
+    write(&folder.join(FILES[1]), first.design.to_toml())?;
+    write(&folder.join(FILES[2]), config::to_toml(&first.machine))
 }

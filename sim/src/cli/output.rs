@@ -5,7 +5,7 @@
 
 use super::say::{divert, print_error, printed, usage};
 use crate::{atomic, input};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, ensure};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::Write;
@@ -153,12 +153,11 @@ fn check_extension(output: &Path, extensions: &[&str]) -> Result<()> {
 
 /// Fails before the work and not after it if the output's folder does not exist.
 fn check_folder_of(file: &Path) -> Result<()> {
-    if file.is_dir() {
-        bail!(
-            "cannot write '{}': it is a folder; name a file in it",
-            file.display()
-        );
-    }
+    ensure!(
+        !file.is_dir(),
+        "cannot write '{}': it is a folder; name a file in it",
+        file.display()
+    );
     match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
             let (file, folder) = (file.display(), folder.display());
@@ -171,19 +170,19 @@ fn check_folder_of(file: &Path) -> Result<()> {
 }
 
 /// Writes bytes whole, or to stdout; the error names the file.
-pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<()> {
     if is_stream(path) {
-        return printed(std::io::stdout().write_all(bytes));
+        return printed(std::io::stdout().write_all(bytes.as_ref()));
     }
-    atomic::write(path, bytes).with_context(|| format!("cannot write '{}'", path.display()))
+    atomic::write(path, bytes.as_ref())
+        .with_context(|| format!("cannot write '{}'", path.display()))
 }
 
 /// Writes a record as JSON.
 pub fn write_json(path: &Path, record: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(record)
         .with_context(|| format!("cannot write '{}'", path.display()))?;
-    let text = text + "\n";
-    write(path, text.as_bytes())
+    write(path, text + "\n")
 }
 
 /// The same if a file is asked for.
@@ -217,10 +216,11 @@ pub fn settings<T, E: Display>(
 
 /// The folder for results, made if need be.
 pub fn create_folder(folder: &Path) -> Result<()> {
-    if folder.exists() && !folder.is_dir() {
-        let shown = folder.display();
-        bail!("cannot write to '{shown}': it is a file; name a folder");
-    }
+    let shown = folder.display();
+    ensure!(
+        !folder.exists() || folder.is_dir(),
+        "cannot write to '{shown}': it is a file; name a folder"
+    );
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot create the folder '{}'", folder.display()))
 }

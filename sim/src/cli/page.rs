@@ -10,18 +10,10 @@ use crate::framing::FramingInput;
 use crate::page::{Shown, html};
 use crate::plan::{AnyScene, Prepared, Subject};
 use crate::scene::Scene;
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::Args;
 use splatline::format::Traversal;
 use std::path::{Path, PathBuf};
-
-pub const EXAMPLES: &str = "\
-Examples:
-  splatline page guitar.ply -o page.html
-  splatline page aneurism.nhdr --design lean18 --size 384x384 -o page.html
-  splatline page scene.sog --camera cameras.json --image 00012 -o page.html
-
-The file opens from disk in any browser of today and asks no network for anything.";
 
 /// Largest side of a page's picture: all of it is drawn anew for every change.
 const LARGEST_SIDE: usize = 2048;
@@ -55,14 +47,15 @@ const VOLUME_SPLATS_ALONE: &str =
 
 pub fn run(options: &PageOptions) -> Result<()> {
     let outputs = Outputs::default().file(Some(&options.output), &["html", "htm"])?;
-    if options.traversal == Some(TraversalChoice::Stamp) {
-        let message = "the live page walks box or spans; stamps are drawn by `splatline render`";
-        return Err(usage(message));
-    }
+    ensure!(
+        options.traversal != Some(TraversalChoice::Stamp),
+        usage("the live page walks box or spans; stamps are drawn by `splatline render`")
+    );
     let surface = &options.view.surface;
-    if surface.kind.is_some() && surface.flatten.is_none() {
-        return Err(usage(VOLUME_SPLATS_ALONE));
-    }
+    ensure!(
+        surface.kind.is_none() || surface.flatten.is_some(),
+        usage(VOLUME_SPLATS_ALONE)
+    );
     // Before anything is loaded or said; a camera's file has its own size, which is looked at when it is there.
     if let Some(size) = options.view.camera.size {
         check_size(size)?;
@@ -103,10 +96,12 @@ pub fn write_page(prepared: &Prepared, up: Option<[f64; 3]>, path: &Path) -> Res
     let Subject::Splats(splats) = prepared.subject()? else {
         return Err(usage(VOLUME_SPLATS_ALONE));
     };
-    if !splats.are_composited() {
-        let message = "the live page composites affine footprints one by one; other techniques are drawn by `splatline render`";
-        return Err(usage(message));
-    }
+    ensure!(
+        splats.are_composited(),
+        usage(
+            "the live page composites affine footprints one by one; other techniques are drawn by `splatline render`"
+        )
+    );
     let frame = FramingInput::of_scene(splats.scene, up);
     let page = html(&Shown {
         scene: splats.scene,
@@ -115,7 +110,7 @@ pub fn write_page(prepared: &Prepared, up: Option<[f64; 3]>, path: &Path) -> Res
         target: pivot(splats.camera, &frame, splats.scene),
         up: frame.up,
     })?;
-    output::write(path, page.as_bytes())?;
+    output::write(path, &page)?;
     Ok(page.len())
 }
 

@@ -20,7 +20,7 @@ use crate::plan::{DesignVariant, Engine, Prepared};
 use crate::progress::ProgressMeter;
 use crate::report::photos::{Drawn, FILES, PhotoReport, PhotoRow, Shown, page};
 use crate::texture::image::{load_photograph, undistorted};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -86,11 +86,6 @@ struct View {
 pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<()> {
     let drawing = &options.drawing;
     let outputs = outputs.folder(Some(&options.output), &FILES)?;
-    if drawing.alpha {
-        let message =
-            "--alpha has no meaning with --photos: photographs are compared on --background";
-        return Err(usage(message));
-    }
     let (views, lenses) = chosen_views(options)?;
     outputs.spare_inputs()?;
     let Backdrop::Colour(background) = drawing.backdrop() else {
@@ -113,7 +108,7 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
         let folder = options.output.join(format!("view-{number:04}"));
         create_folder(&folder)?;
         for (name, bytes) in pictures.files()? {
-            write(&folder.join(name), &bytes)?;
+            write(&folder.join(name), bytes)?;
         }
         let judged = |(engine, picture): &(String, Picture)| {
             let error = photo_error(picture, &photograph);
@@ -139,7 +134,7 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
     let [json, html] = FILES.map(|file| options.output.join(file));
     write_json(&json, &report)?;
     write_json_if(drawing.json.as_ref(), &report)?;
-    write(&html, page(&report, &shown).as_bytes())?;
+    write(&html, page(&report, &shown))?;
     print_result(&report.text())?;
     print_result(&format!("{}\n", html.display()))
 }
@@ -168,9 +163,7 @@ fn chosen_views(options: &CompareOptions) -> Result<(Vec<NamedFrame>, BTreeMap<S
         .filter(|(place, _)| options.photographs.split.holds(*place))
         .map(|(_, frame)| frame)
         .collect();
-    if views.is_empty() {
-        bail!("--split leaves no view");
-    }
+    ensure!(!views.is_empty(), "--split leaves no view");
     Ok((views, lenses.collect()))
 }
 
@@ -186,23 +179,26 @@ fn with_photograph(
     let scene = format!("{}, ", prepared.scene.name());
     let name = name.strip_prefix(&scene).unwrap_or(&name).to_owned();
     let file = photograph_of(photos, &name)?;
-    let mut photograph = load_photograph(&file)?;
-    let mut coverage = None;
+    let loaded = load_photograph(&file)?;
     let lens = lenses.get(&name);
     let lens = lens.filter(|lens| lens.distortion != Distortion::default());
-    if let Some(lens) = lens {
+    let through_pinhole = |picture: Picture| match lens {
+        Some(lens) => undistorted(&picture, lens),
+        None => picture,
+    };
+    let mut mask = None;
+    if lens.is_some() {
         notes.insert(
             "photographs are undistorted to pinholes; what they do not show counts in no picture"
                 .to_owned(),
         );
-        let opaque = photograph.on([0.0; 3]);
         // What of the undistorted picture is there: white, or black.
-        let mut shown = undistorted(&opaque, lens);
+        let mut shown = through_pinhole(loaded.on([0.0; 3]));
         let pixels = shown.pixels.iter_mut();
         pixels.for_each(|pixel| *pixel = [pixel[3]; 4]);
-        coverage = Some(shown);
-        photograph = undistorted(&photograph, lens);
+        mask = Some(shown);
     }
+    let photograph = through_pinhole(loaded);
     let size = [photograph.width, photograph.height];
     let mut prepared = prepared;
     let camera = &prepared.plan.camera;
@@ -217,34 +213,25 @@ fn with_photograph(
     prepared.plan = against_reference(prepared.plan)?;
     room_for_picture(&prepared.plan.camera, COMPARED)?;
     warn(&prepared.warnings);
-    let mask = match &options.photographs.masks {
-        Some(folder) => Some(load_photograph(&photograph_of(folder, &name)?)?),
-        None => None,
-    };
-    let mask = mask.map(|mask| match lens {
-        Some(lens) => undistorted(&mask, lens),
-        None => mask,
-    });
-    if let Some(mask) = mask
-        .as_ref()
-        .filter(|mask| [mask.width, mask.height] != size)
-    {
-        let message = format!(
+    if let Some(folder) = &options.photographs.masks {
+        let given = through_pinhole(load_photograph(&photograph_of(folder, &name)?)?);
+        ensure!(
+            [given.width, given.height] == size,
             "the mask of '{name}' has {}x{} pixels and its photograph {}x{}: scale the masks",
-            mask.width, mask.height, size[0], size[1]
+            given.width,
+            given.height,
+            size[0],
+            size[1]
         );
-        bail!(message);
+        // Both masks, or the one there is.
+        mask = Some(seen(&given, mask.as_ref()));
     }
     Ok(View {
         name,
         prepared,
         photograph,
         file,
-        // Both masks, or the one there is.
-        mask: match mask {
-            Some(mask) => Some(seen(&mask, coverage.as_ref())),
-            None => coverage,
-        },
+        mask,
     })
 }
 

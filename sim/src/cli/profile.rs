@@ -55,7 +55,7 @@ pub fn run(options: &ProfileOptions) -> Result<()> {
         if drawn.frames.is_empty() {
             bail!("--html: no frame is drawn by units that the machine has");
         }
-        write(path, statistics::page("workload", &drawn.frames).as_bytes())?;
+        write(path, statistics::page("workload", &drawn.frames))?;
     }
     let path = options.json.as_ref();
     if let [only] = &answers[..] {

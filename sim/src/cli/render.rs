@@ -4,18 +4,18 @@ use super::args::RenderOptions;
 use super::frames;
 use super::maps::{self, write_maps};
 use super::output::{Outputs, is_stream, write, write_json_if};
-use super::resolve::{COMPARED, DRAWN, PlanRequest, room_for_picture};
+use super::resolve::{COMPARED, DRAWN, PlanRequest, pose_of, room_for_picture};
 use super::say::{print_error, print_result, usage, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
 use crate::camera::Camera;
-use crate::cameras::{self, lens::Lens};
+use crate::cameras::lens::Lens;
 use crate::picture::{Depth, EXTENSIONS, Picture, PictureFormat};
 use crate::plan::draw::on_threads;
 use crate::plan::measure::{draw_alone, draw_last};
 use crate::plan::{Engine, Prepared, Technique};
 use crate::progress::ProgressMeter;
 use crate::texture::image::distorted;
-use anyhow::{Result, anyhow};
+use anyhow::{Context, Result, ensure};
 use std::path::Path;
 
 pub fn run(options: &RenderOptions) -> Result<()> {
@@ -23,27 +23,20 @@ pub fn run(options: &RenderOptions) -> Result<()> {
     let mut outputs = Outputs::default()
         .file(Some(&options.output), &EXTENSIONS)?
         .json(drawing.json.as_ref())?;
-    if is_stream(&options.output) && !options.maps.is_empty() {
-        return Err(usage(
-            "--maps are written beside the picture: name a file with -o",
-        ));
-    }
+    ensure!(
+        options.maps.is_empty() || !is_stream(&options.output),
+        usage("--maps are written beside the picture: name a file with -o")
+    );
     for map in &options.maps {
         outputs = outputs.file(Some(&map.file(&options.output)), &EXTENSIONS)?;
     }
-    if drawing.engine != Engine::Fixed && drawing.work.traversal.is_some() {
-        let engine = drawing.engine.name();
-        return Err(usage(format!(
-            "--traversal has no meaning for --engine {engine}"
-        )));
-    }
+    let engine = drawing.engine.name();
+    ensure!(
+        drawing.engine == Engine::Fixed || drawing.work.traversal.is_none(),
+        usage(format!("--traversal has no meaning for --engine {engine}"))
+    );
     if options.path.is_path() {
         return frames::render(options);
-    }
-    if options.animation.is_some() {
-        return Err(usage(
-            "--animation takes several frames: give --camera-path or --turntable",
-        ));
     }
     let mut prepared = PlanRequest::drawing(&options.view, drawing).prepare()?;
     outputs.spare_inputs()?;
@@ -94,20 +87,17 @@ pub fn run(options: &RenderOptions) -> Result<()> {
 
 /// The lens of the camera's file in the size of the picture, and the pinhole that sees as much.
 fn behind_lens(options: &RenderOptions, prepared: &Prepared) -> Result<(Lens, Camera)> {
-    let poses = match &options.view.camera.file {
-        Some(file) => cameras::load(file, None)?,
-        None => Vec::new(),
-    };
-    let pose = cameras::choose(poses, options.view.camera.image.as_deref())
-        .map_err(|problem| anyhow!("the camera file {problem}"))?;
+    let (file, image) = (&options.view.camera.file, &options.view.camera.image);
+    let file = file.as_deref().context("--distort needs --camera")?;
+    let pose = pose_of(file, None, image.as_deref())?;
     let camera = &prepared.plan.camera;
     let lens = pose
         .lens
-        .ok_or_else(|| anyhow!("--distort: the file of --camera knows no lens"))?
+        .context("--distort: the file of --camera knows no lens")?
         .resized([camera.width, camera.height]);
     let pinhole = lens
         .pinhole(camera)
-        .ok_or_else(|| anyhow!("--distort: this lens sees more than a pinhole can"))?;
+        .context("--distort: this lens sees more than a pinhole can")?;
     Ok((lens, pinhole))
 }
 
@@ -124,7 +114,7 @@ pub fn write_picture(options: &RenderOptions, picture: &Picture, path: &Path) ->
     let drawing = &options.drawing;
     let format = PictureFormat::of(path).unwrap_or(PictureFormat::Png);
     let bytes = picture.encode(format, drawing.depth, drawing.backdrop())?;
-    write(path, &bytes)
+    write(path, bytes)
 }
 
 /// Refuses a picture that does not fit into memory.

@@ -7,7 +7,7 @@ mod camera;
 mod machine;
 mod technique;
 
-pub use camera::sound_camera;
+pub use camera::{pose_of, sound_camera};
 pub use machine::{calibration, energy_table, machine, part, refuse_kept_order};
 
 use super::drawing_args::{DrawingOptions, FrameOptions, TechniqueOptions, WorkOptions};

@@ -5,14 +5,14 @@ use super::machine_args::{MachineOptions, SimulationOptions};
 use super::resolve::{
     COMPARED, HELD_PIXEL_BYTES, NamedFrame, calibration, energy_table, room_for_picture,
 };
-use super::say::{usage, warn};
+use super::say::warn;
 use super::values::{METRICS, format, one_of, positive};
 use super::view_args::of_units;
 use crate::explore::limits::{Limit, Quantity};
 use crate::explore::subject::Subject;
 use crate::plan::Engine;
 use anyhow::Result;
-use clap::Args;
+use clap::{ArgGroup, Args};
 use splatline::format::Traversal;
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ impl SimulationOptions {
         let recorded = self.frames.view.from.as_ref().map(|_| *recorded);
         subject.traversal = self.frames.work.traversal.map(Traversal::from).or(recorded);
         subject.calibration = calibration(&self.area)?;
-        subject.energy = energy_table(&self.energy)?;
+        subject.energy = energy_table(self.energy.as_ref())?;
         Ok(subject)
     }
 }
@@ -55,41 +55,13 @@ pub fn draw_references(subject: &mut Subject, frames: &[NamedFrame], errors: boo
     subject.draw_references()
 }
 
-/// The limits that options give, of which there must be one: quantities, bounds and the options' names.
-pub fn limits_given(options: &[(Quantity, Option<f64>, &str)]) -> Result<Vec<Limit>> {
-    let given = options.iter();
-    let given =
-        given.filter_map(|(quantity, bound, of)| Some(Limit::new(*quantity, (*bound)?, of)));
-    let limits: Vec<Limit> = given.collect();
-    match options {
-        [others @ .., (.., last)] if limits.is_empty() => {
-            let others: Vec<&str> = others.iter().map(|(.., name)| *name).collect();
-            let others = others.join(", ");
-            Err(usage(format!(
-                "there is no limit: give one or more of {others} and {last}"
-            )))
-        }
-        _ => Ok(limits),
-    }
+/// The limits that options give: quantities, bounds and the options' names.
+pub fn limits_given(options: &[(Quantity, Option<f64>, &str)]) -> Vec<Limit> {
+    let limit = |(quantity, bound, of): &(Quantity, Option<f64>, &str)| {
+        Some(Limit::new(*quantity, (*bound)?, of))
+    };
+    options.iter().filter_map(limit).collect()
 }
-
-pub const SWEEP_EXAMPLES: &str = "\
-Examples:
-  splatline sweep guitar.ply --space space.toml -o out
-  splatline sweep guitar.ply --space space.toml --no-error -o out         cycles and area alone
-
-A space:
-  sample = \"grid\"                  # or \"latin\" with count = 200 and seed = 1
-  [design]
-  base = [\"lean18\", \"standard24\"]
-  mantissa = { from = 14, to = 24, step = 2 }
-  [machine]
-  lanes = [1, 2, 4]
-  layout = [\"run\", \"rows\"]
-
-An interrupted sweep goes on where it stopped. Writes points.csv, and when all points are there front.csv and front.html.
-On several machines: splatline.study, in Python.
-`explore --space` is the earlier name of this command.";
 
 #[derive(Debug, Args)]
 #[command(mut_args(of_units))]
@@ -97,25 +69,15 @@ pub struct SweepOptions {
     #[command(flatten)]
     pub search: SimulationOptions,
     /// Fields and their values (TOML)
-    #[arg(long, value_name = "s.toml")]
+    #[arg(long, value_name = "s.toml", help_heading = "Space")]
     pub space: PathBuf,
     /// Leave the float reference out: cycles and area only
-    #[arg(long)]
+    #[arg(long, help_heading = "Space")]
     pub no_error: bool,
     /// Folder for the results
     #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: PathBuf,
 }
-
-pub const OPTIMIZE_EXAMPLES: &str = "\
-Examples:
-  splatline optimize guitar.ply --size 1920x1080 --fps 60 --part xc7a100t --max-error 0.004
-      the cheapest design and machine that hold all of it, the next three, and what binds
-  splatline optimize guitar.ply playbot.ply --fps 60 --lut 63000 --dsp 240 --psnr 50 --set clock_mhz=100 -o out
-  splatline optimize guitar.ply --space space.toml --max-error 0.004 -o out      over fields and values of your own, as `sweep` takes them
-  splatline optimize guitar.ply --fps 60 --psnr 40 --formats fp16,bfloat16,fp8 -o out      machines with float lanes beside the answer
-
-The exit status is 1 where no point holds all limits. `explore` with a limit is the earlier name of this command.";
 
 #[derive(Debug, Args)]
 #[command(mut_args(of_units))]
@@ -123,7 +85,7 @@ pub struct OptimizeOptions {
     #[command(flatten)]
     pub search: SimulationOptions,
     /// Fields and their values (TOML) [default: every width and the usual machines]
-    #[arg(long, value_name = "s.toml")]
+    #[arg(long, value_name = "s.toml", help_heading = "Space")]
     pub space: Option<PathBuf>,
     #[command(flatten)]
     pub limits: LimitOptions,
@@ -146,86 +108,78 @@ pub struct FormatOptions {
 /// The group of all limits.
 pub const LIMITS: &str = "limits";
 
+/// What the pictures must hold.
+#[derive(Debug, Default, Args)]
+pub struct ErrorLimits {
+    /// Largest error of a colour at most, units of 1.0
+    #[arg(long, value_name = "E", value_parser = positive, group = LIMITS)]
+    pub max_error: Option<f64>,
+    /// Error that 99 % of the samples of colours do not exceed, in the worst frame, units of 1.0
+    #[arg(long, value_name = "E", value_parser = positive, group = LIMITS)]
+    pub p99: Option<f64>,
+    /// Mean FLIP of the worst frame at most, 0 to 1, at 67 pixels per degree
+    #[arg(long, value_name = "F", value_parser = positive, group = LIMITS)]
+    pub flip: Option<f64>,
+    /// PSNR of the colours at least
+    #[arg(long, value_name = "dB", value_parser = positive, group = LIMITS)]
+    pub psnr: Option<f64>,
+}
+
+impl ErrorLimits {
+    /// Those that are given, of which --max-error is about a quantity.
+    pub fn given(&self, of_error: Quantity) -> Vec<Limit> {
+        limits_given(&[
+            (of_error, self.max_error, "--max-error"),
+            (Quantity::Percentile99, self.p99, "--p99"),
+            (Quantity::Flip, self.flip, "--flip"),
+            (Quantity::PsnrDb, self.psnr, "--psnr"),
+        ])
+    }
+}
+
 /// What the answer must hold.
 #[derive(Debug, Default, Args)]
-#[group(id = LIMITS, multiple = true)]
+#[group(id = LIMITS, multiple = true, required = true)]
 #[command(next_help_heading = "Limits (at least one; --part adds what it holds)")]
 pub struct LimitOptions {
     /// Frames a second at least, of the slowest frame
-    #[arg(long, value_name = "N", value_parser = positive)]
+    #[arg(long, value_name = "N", value_parser = positive, group = LIMITS)]
     pub fps: Option<f64>,
-    /// Largest error of a colour at most, units of 1.0
-    #[arg(long, value_name = "E", value_parser = positive)]
-    pub max_error: Option<f64>,
-    /// Error that 99 % of the samples of colours do not exceed, in the worst frame, units of 1.0
-    #[arg(long, value_name = "E", value_parser = positive)]
-    pub p99: Option<f64>,
-    /// Mean FLIP of the worst frame at most, 0 to 1, at 67 pixels per degree
-    #[arg(long, value_name = "F", value_parser = positive)]
-    pub flip: Option<f64>,
-    /// PSNR of the colours at least
-    #[arg(long, value_name = "dB", value_parser = positive)]
-    pub psnr: Option<f64>,
+    #[command(flatten)]
+    pub errors: ErrorLimits,
     /// Look-up tables at most
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", group = LIMITS)]
     pub lut: Option<u32>,
     /// Multipliers at most
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", group = LIMITS)]
     pub dsp: Option<u32>,
     /// Kilobits of block memory at most
-    #[arg(long, value_name = "kbit")]
+    #[arg(long, value_name = "kbit", group = LIMITS)]
     pub bram: Option<u32>,
     /// What the memory moves, both directions together: the machine's channels are no wider
-    #[arg(long, value_name = "MB/s", value_parser = positive)]
+    #[arg(long, value_name = "MB/s", value_parser = positive, group = LIMITS)]
     pub bandwidth: Option<f64>,
     /// Energy of the most expensive frame at most; an estimate by --energy's table
-    #[arg(long, value_name = "mJ", value_parser = positive)]
+    #[arg(long, value_name = "mJ", value_parser = positive, group = LIMITS)]
     pub max_energy: Option<f64>,
 }
 
-pub const FIT_EXAMPLES: &str = "\
-Examples:
-  splatline fit guitar.ply --max-error 0.004          largest error of any pixel, 1/255
-  splatline fit guitar.ply --max-error 1e-3 --metric rms -o fitted.toml
-  splatline fit guitar.ply --p99 0.004 --flip 0.01       99 % of the samples, and what an eye sees
-  splatline fit guitar.ply --psnr 40 --formats fp16,bfloat16     which is cheaper, 16-bit floats or the fixed design that suffices
-  splatline fit guitar.ply playbot.ply --max-error 0.004      one design for both
-  splatline simulate guitar.ply --design fitted.toml             the design that was found, in any command";
-
 #[derive(Debug, Args)]
+#[command(group = ArgGroup::new(LIMITS).required(true).multiple(true))]
 pub struct FitOptions {
     #[command(flatten)]
     pub frames: FrameOptions,
-    /// Error that the design may have, colours, in units of 1.0
-    #[arg(long, value_name = "E", value_parser = positive)]
-    pub max_error: Option<f64>,
-    /// Which error --max-error is about
+    #[command(flatten)]
+    pub errors: ErrorLimits,
+    /// Which error --max-error limits, if not the largest
     #[arg(long, value_parser = one_of(METRICS), default_value = "largest")]
     pub metric: Quantity,
-    /// Error that 99 % of the samples of colours may have, units of 1.0
-    #[arg(long, value_name = "E", value_parser = positive)]
-    pub p99: Option<f64>,
-    /// Mean FLIP that the design may have, 0 to 1
-    #[arg(long, value_name = "F", value_parser = positive)]
-    pub flip: Option<f64>,
-    /// PSNR of the colours at least
-    #[arg(long, value_name = "dB", value_parser = positive)]
-    pub psnr: Option<f64>,
     #[command(flatten)]
     pub formats: FormatOptions,
     /// Design file to write
     #[arg(short, long, value_name = "file.toml", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }
-
-pub const PROFILE_EXAMPLES: &str = "\
-Examples:
-  splatline profile guitar.ply
-  splatline profile guitar.ply --max-error 0.004 --json profile.json
-  splatline profile guitar.ply --camera-path path.toml --html workload.html
-      histograms of tiles, splats and pixels, and what frames have in common
-
-`needs` is the earlier name of this command.";
 
 #[derive(Debug, Args)]
 pub struct ProfileOptions {

@@ -8,16 +8,6 @@ use clap_complete::Shell;
 use clap_mangen::Man;
 use std::path::PathBuf;
 
-pub const COMPLETIONS_EXAMPLES: &str = "\
-Examples:
-  splatline completions bash      put into ~/.local/share/bash-completion/completions/splatline
-  splatline completions zsh       put into a folder of fpath, as _splatline
-  splatline completions fish      put into ~/.config/fish/completions/splatline.fish";
-
-pub const MAN_EXAMPLES: &str = "\
-Examples:
-  splatline man -o man1      splatline.1 and a page per command; MANPATH and man find them in a folder man1";
-
 #[derive(Debug, Args)]
 pub struct CompletionsOptions {
     /// Whose language: bash, zsh, fish, elvish or powershell
@@ -51,7 +41,7 @@ pub fn man(options: &ManOptions, mut command: Command) -> Result<()> {
         };
         let mut text = Vec::new();
         Man::new(page).title(name.clone()).render(&mut text)?;
-        output::write(&options.output.join(format!("{name}.1")), &text)?;
+        output::write(&options.output.join(format!("{name}.1")), text)?;
     }
     print_result(&format!(
         "{}\n",

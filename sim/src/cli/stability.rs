@@ -11,32 +11,9 @@ use crate::stability::{StabilityExtent, StabilityLine, measure, steps, table};
 use anyhow::Result;
 
 /// Heads the page that `--markdown` writes.
-const HEADING: &str = "\
-# Hard cases
-
-Does fixed point hold where scenes are hard: far from the origin, needle-shaped, nearly transparent, in deep stacks? How far each design is from the truth,
-beside the usual formulas in single precision (`f32`). [The error analysis](../error-analysis.md) derives the bounds.
-
-Printed by `cargo run --release -- stability --markdown docs/results/stability.md`; do not edit. All figures are in the CSV files beside it.
-
-";
-
-const CASES: &str = "\
-## Sixteen splats a case, stage by stage
-
-The truth is exact rational arithmetic, and stages are compared without any tolerance (`sim/src/stability/mod.rs`). All cases: [stability-cases.csv](stability-cases.csv).
-
-";
-
-const SCENES: &str = "\
-## Scenes as people have them
-
-Each scene is drawn at 512x512 under the `3dgs` rules and compared with double precision: PSNR in dB, largest error and bias, in units of the picture's largest
-sample (at least 1), over all pixels, without clamping. `standard24` must reach 100 dB, or what `f32` reaches less 3 dB. [stability-scenes.csv](stability-scenes.csv)
-also has PSNR over the pixels at which nothing was decided otherwise than by the reference, decisions at the smallest opacity (\"added\", \"removed\"), pixels that
-another splat finished (\"stopped early\", \"late\"), and splats lost. `sim/reference/src/hard/classes.rs` makes the scenes.
-
-";
+const HEADING: &str = include_str!("../stability/page/heading.md");
+const CASES: &str = include_str!("../stability/page/cases.md");
+const SCENES: &str = include_str!("../stability/page/scenes.md");
 
 /// Everything measured, as JSON.
 #[derive(Default, serde::Serialize)]
@@ -78,12 +55,11 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
     drop(progress);
     write_json_if(options.json.as_ref(), &measured)?;
     if let Some(path) = &options.markdown {
-        write(path, (HEADING.to_owned() + &page).as_bytes())?;
+        write(path, HEADING.to_owned() + &page)?;
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let beside = |name: &str| path.with_file_name(format!("{stem}-{name}.csv"));
-        let scenes = scenes::table::csv(&measured.scenes);
-        write(&beside("scenes"), scenes.as_bytes())?;
-        write(&beside("cases"), table::csv(&measured.cases).as_bytes())?;
+        write(&beside("scenes"), scenes::table::csv(&measured.scenes))?;
+        write(&beside("cases"), table::csv(&measured.cases))?;
     }
     print_result(&summary)
 }

@@ -5,7 +5,7 @@ use crate::picture::{Backdrop, Picture};
 use crate::report::Report;
 use crate::report::facts::{ReasonCounts, reasons};
 use crate::report::formats::formats_text;
-use crate::report::table::{flip_text, psnr_text, scientific, signed, throughput_text};
+use crate::report::table::{psnr_text, scientific, signed, throughput_text};
 use std::path::Path;
 
 /// Why a picture shows nothing, for the standard error: an empty picture and exit code 0 look like success. Nothing if
@@ -138,7 +138,7 @@ pub fn of_comparison(report: &Report, folder: &Path) -> String {
         )
     };
     let errors = report.error.iter().map(|error| {
-        let flip = flip_text(error.flip);
+        let flip = scientific(error.flip);
         let looks = format!(
             "FLIP   {flip} at {:.1} pixels per degree\n",
             error.flip_pixels_per_degree

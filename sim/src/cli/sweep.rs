@@ -77,11 +77,15 @@ fn clock_note(machine: &Config, space: &Space) -> &'static str {
 fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<()> {
     let all = candidates(table);
     let kept = front(&all);
-    let csv = front_table(table, &kept).to_csv();
-    write(&folder.join("front.csv"), csv.as_bytes())?;
+    write(
+        &folder.join("front.csv"),
+        front_table(table, &kept).to_csv(),
+    )?;
     let title = format!("Speed, error and area: {name}");
-    let page = plot::page(&title, note, table, &all);
-    write(&folder.join("front.html"), page.as_bytes())?;
+    write(
+        &folder.join("front.html"),
+        plot::page(&title, note, table, &all),
+    )?;
     let left_out: Vec<&str> = table.left_out().collect();
     if let Some(reason) = left_out.first() {
         let count = left_out.len();
@@ -119,7 +123,7 @@ fn settings(options: &SimulationOptions, space: &Space) -> Result<Vec<SettingsTe
         ("machine", machine.filter(|name| is_toml(name))),
         ("calibration", options.area.calibration.clone()),
         ("parts", options.area.parts.clone()),
-        ("energy", options.energy.energy.clone()),
+        ("energy", options.energy.clone()),
     ];
     let named = files
         .into_iter()

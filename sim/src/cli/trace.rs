@@ -10,7 +10,7 @@ use crate::machine::simulate_observed;
 use crate::machine::timing::accesses;
 use crate::machine::workload::Workload;
 use crate::trace::{Recorder, kanata, perfetto, requests, vcd};
-use anyhow::Result;
+use anyhow::{Result, ensure};
 
 /// Splats recorded unless the options say otherwise.
 const USUAL_COUNT: u32 = 256;
@@ -30,12 +30,13 @@ pub fn run(options: &TraceOptions) -> Result<()> {
     let last = options
         .last
         .unwrap_or(options.first.saturating_add(USUAL_COUNT - 1));
-    if last < options.first {
-        return Err(usage(format!(
+    ensure!(
+        last >= options.first,
+        usage(format!(
             "--last {last} is smaller than --first {}",
             options.first
-        )));
-    }
+        ))
+    );
     let request = PlanRequest::work(&options.view, &options.work)
         .on(&options.machine)
         .by_units();
@@ -55,7 +56,7 @@ pub fn run(options: &TraceOptions) -> Result<()> {
         TraceFormat::Vcd => vcd::dump(&events)?,
         _ => perfetto::trace(&events).into_bytes(),
     };
-    write(&options.output, &bytes)?;
+    write(&options.output, bytes)?;
     let (first, count, path) = (options.first, events.len(), options.output.display());
     print_result(&format!(
         "{path}: splats {first} to {last}, {count} events in {} raster cycles\n",
@@ -79,7 +80,7 @@ fn requests_of(
         TraceFormat::Ramulator2 => requests::ramulator2(&all),
         _ => requests::dramsim3(&all, part, config.clock_mhz),
     };
-    write(&options.output, text.as_bytes())?;
+    write(&options.output, text)?;
     let (count, path) = (all.len(), options.output.display());
     print_result(&format!("{path}: {count} requests to {}\n", part.name))
 }

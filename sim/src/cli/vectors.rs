@@ -10,7 +10,7 @@ use crate::fixed::QuantisedScene;
 use crate::rules::Rules;
 use crate::scene::{self, LoadOptions, SortOrder};
 use crate::vectors::{self, VectorSubject};
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use std::path::Path;
 
 pub fn run(action: &VectorsAction) -> Result<()> {
@@ -43,12 +43,13 @@ fn export(options: &VectorsExportOptions) -> Result<()> {
         }
         Some(file) => {
             let loaded = scene::load(file, &LoadOptions::default())?;
-            if loaded.order != SortOrder::Depth {
-                let name = &loaded.name;
-                return Err(usage(format!(
+            let name = &loaded.name;
+            ensure!(
+                loaded.order == SortOrder::Depth,
+                usage(format!(
                     "{name}: it is sorted by distance, and vectors hold the words of a setup unit whose key is the depth: give a scene that is sorted by depth (glTF: \"sortingMethod\": \"zDepth\")"
-                )));
-            }
+                ))
+            );
             let camera = loaded.default_camera(width, height);
             let camera = sound_camera(camera, &loaded.name)?;
             let rules = options.rules.unwrap_or(loaded.natural_rules);

@@ -6,12 +6,6 @@ use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::str::FromStr;
 
-pub const VECTORS_EXAMPLES: &str = "\
-Examples:
-  splatline vectors export out/vectors --design lean18
-  splatline vectors export out/guitar --scene guitar.ply --splats 1000 --size 256x256
-  splatline vectors verify out/vectors      after a bench has written its own runs.hex, pixels.hex or tile.hex there
-  splatline vectors explain out/vectors pixels:4711";
 #[derive(Debug, Subcommand)]
 pub enum VectorsAction {
     /// Write one $readmemh file per stage and manifest.json.
@@ -75,12 +69,6 @@ pub struct VectorsExportOptions {
     #[arg(long, value_parser = one_of(COMPOSITINGS), default_value = "front-to-back")]
     pub compositing: Compositing,
 }
-
-pub const STABILITY_EXAMPLES: &str = "\
-Examples:
-  splatline stability
-  splatline stability --markdown docs/results/stability.md
-  splatline stability --quick --json stability.json";
 
 #[derive(Debug, Args)]
 pub struct StabilityOptions {

@@ -86,7 +86,7 @@ pub struct SplatArgs {
     #[arg(long, value_parser = one_of(KERNELS), default_value = "gaussian")]
     pub kernel: Kernel,
     /// Transfer function of a volume (TOML)
-    #[arg(long, value_name = "file.toml")]
+    #[arg(long, value_name = "file.toml", conflicts_with = "kind")]
     pub transfer: Option<PathBuf>,
     /// Direction towards the light that shades a volume
     #[arg(long, value_name = "x,y,z", value_parser = vector)]

@@ -13,7 +13,7 @@ use super::formats::{self, FormatRow};
 use super::limits::{Limit, missed};
 use super::refusal::{RuledOut, ruled_out};
 use super::search::{Score, Search, compare};
-use super::space::{Space, SpaceAxis, SpacePart};
+use super::space::{Point, Space, SpaceAxis, SpacePart};
 use super::subject::{Choice, Subject};
 use crate::design::{DesignChoice, ResolvedDesign};
 use crate::input::Refused;
@@ -40,7 +40,7 @@ const APART: f64 = 0.01;
 pub struct Found {
     /// Its place on every axis of the space.
     #[serde(skip)]
-    pub point: Vec<usize>,
+    pub point: Point,
     /// The design, by its widths.
     pub design: ResolvedDesign,
     /// The machine.
@@ -140,7 +140,7 @@ pub fn usual_space(
 }
 
 /// What a design or a machine has on an axis.
-pub(super) fn value_of(axis: &SpaceAxis, design: &DesignChoice, machine: &Config) -> Option<Value> {
+fn value_of(axis: &SpaceAxis, design: &DesignChoice, machine: &Config) -> Option<Value> {
     if axis.part != SpacePart::Design {
         return Some(setting(&axis.key)?.value(machine));
     }
@@ -149,12 +149,17 @@ pub(super) fn value_of(axis: &SpaceAxis, design: &DesignChoice, machine: &Config
     bits.map(|(_, bits)| Value::Integer(bits.into()))
 }
 
+/// Where on an axis that is; nothing if it is none of its values.
+pub(super) fn place_of(axis: &SpaceAxis, design: &DesignChoice, machine: &Config) -> Option<usize> {
+    let value = value_of(axis, design, machine)?;
+    axis.values.iter().position(|other| *other == value)
+}
+
 /// Where the search starts: at the design and the machine given, and otherwise at the widest value of a width and the
 /// first of all else.
-pub(super) fn start(subject: &Subject, space: &Space) -> Vec<usize> {
+pub(super) fn start(subject: &Subject, space: &Space) -> Point {
     let index = |axis: &SpaceAxis| {
-        let value = value_of(axis, &subject.design, &subject.machine);
-        let place = value.and_then(|value| axis.values.iter().position(|other| *other == value));
+        let place = place_of(axis, &subject.design, &subject.machine);
         let is_width = WIDTH_RANGES.iter().any(|(name, ..)| *name == axis.key);
         place.unwrap_or(if is_width { axis.values.len() - 1 } else { 0 })
     };
@@ -264,7 +269,7 @@ pub fn optimize(
 }
 
 /// The frames that take the most cycles where the search starts.
-fn heaviest(evaluator: &Evaluator, space: &Space) -> Result<Vec<usize>> {
+fn heaviest(evaluator: &Evaluator, space: &Space) -> Result<Point> {
     let subject = evaluator.subject;
     let at = Choice::possible(subject.choice(space, &start(subject, space)))?;
     let mut order: Vec<usize> = (0..subject.frames.len()).collect();
@@ -277,10 +282,10 @@ fn heaviest(evaluator: &Evaluator, space: &Space) -> Result<Vec<usize>> {
 }
 
 /// Where the search ends, and what each limit is missed by at least where they cannot be held together.
-type BestPoint = (Vec<usize>, Vec<Option<f64>>);
+type BestPoint = (Point, Vec<Option<f64>>);
 
 /// Where the search starts; with all widths at their widest if the design that is given misses a limit on errors.
-fn widest_if_needed(search: &mut Search) -> Result<Vec<usize>> {
+fn widest_if_needed(search: &mut Search) -> Result<Point> {
     let space = search.space;
     let mut at = start(search.evaluator.subject, space);
     if search.has_error_limit() && search.error_excess(&at)? > 0.0 {
@@ -292,7 +297,7 @@ fn widest_if_needed(search: &mut Search) -> Result<Vec<usize>> {
     Ok(at)
 }
 
-fn best_point(search: &mut Search, at: Vec<usize>) -> Result<BestPoint> {
+fn best_point(search: &mut Search, at: Point) -> Result<BestPoint> {
     let limits = search.limits;
     let point = search.search(at, &|reached| score(limits, reached))?;
     let mut missed_alone = vec![None; limits.len()];
@@ -335,7 +340,7 @@ fn answered(
     let known = |point: &[usize]| search.known.get(point).and_then(Option::as_ref);
     let first = known(best).context("the search ends at a point that makes no machine")?;
     let holds = missed(limits, None, first) <= 0.0;
-    let mut points: Vec<(&Vec<usize>, &Reached)> = search
+    let mut points: Vec<(&Point, &Reached)> = search
         .known
         .iter()
         .filter_map(|(point, reached)| Some((point, reached.as_ref()?)))

@@ -10,9 +10,9 @@ use super::refusal;
 use crate::machine::config::Config;
 use crate::machine::timing::Timing;
 use crate::report::chart::{Anchor, Axis, Chart};
-use crate::report::html::{Column, escape, html_table, table_of};
+use crate::report::html::{Column, escape, headline_of, html_table, section, table_of};
 use crate::report::labels::Rectangle;
-use crate::report::machine::plots;
+use crate::report::machine::sections;
 use crate::report::shell::Shell;
 use crate::report::table::count;
 use serde_json::Value;
@@ -62,30 +62,17 @@ pub fn page(title: &str, answer: &Answer, detail: Option<&Detail>, note: &str) -
     Shell::still("splatline: the cheapest machine", title, &facts, &body).html()
 }
 
-fn section(title: &str, body: &str) -> String {
-    format!(
-        "<section>\n<h2>{}</h2>\n{body}\n</section>\n",
-        escape(title)
-    )
-}
-
 fn headline(found: &Found) -> String {
-    let reached = &found.reached;
+    let (reached, pace) = (&found.reached, &found.reached.pace);
     let error = reached.error.map(|error| format!("{:.2e}", error.max_abs));
-    let megabytes = reached.pace.bytes_per_frame as f64 / 1e6;
-    let figures = [
-        (
-            "frames a second",
-            format!("{:.1}", reached.pace.frames_per_s),
-        ),
+    let megabytes = pace.bytes_per_frame as f64 / 1e6;
+    headline_of(&[
+        ("frames a second", format!("{:.1}", pace.frames_per_s)),
         ("LUT in all", count(reached.cost().round() as u64)),
         ("mJ a frame", format!("{:.3}", reached.millijoules)),
         ("MB a frame", format!("{megabytes:.2}")),
         ("largest error", error.unwrap_or("-".to_owned())),
-    ];
-    let entry = |(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>");
-    let entries = figures.map(entry).concat();
-    format!("<dl class=\"headline\">{entries}</dl>\n")
+    ])
 }
 
 /// A narrow table.
@@ -202,10 +189,7 @@ fn in_formats(answer: &Answer) -> String {
 fn of_machine(found: &Found, detail: &Detail) -> String {
     let machine = &found.machine;
     let mut text = section("The machine", &diagram(&detail.timing, machine));
-    for plot in plots(&detail.timing, &detail.watched, machine) {
-        let svg = format!("<div class=\"scroll\">{}</div>", plot.svg);
-        text += &section(plot.title, &svg);
-    }
+    text += &sections(&detail.timing, &detail.watched, machine);
     text += &section("Energy by unit", &energy(detail));
     text += &section("Traffic", &traffic(&detail.timing));
     text + &section(
@@ -325,13 +309,12 @@ fn arrow(chart: &mut Chart, [from, to]: [(f64, f64); 2]) {
 
 fn energy(detail: &Detail) -> String {
     let all = detail.energy.attojoules.max(1);
+    let share = |attojoules: u64| format!("{:.1} %", 100.0 * attojoules as f64 / all as f64);
     let millijoules = |attojoules: u64| format!("{:.4}", attojoules as f64 / MILLI);
     let columns: [Column<(&str, u64, Option<u64>)>; 4] = [
         ("unit", &|(unit, ..)| escape(&unit.replace('_', " "))),
         ("mJ a frame", &|(_, own, _)| millijoules(*own)),
-        ("of all", &|(_, own, _)| {
-            format!("{:.1} %", 100.0 * *own as f64 / all as f64)
-        }),
+        ("of all", &|(_, own, _)| share(*own)),
         ("in the memory", &|(.., dram)| {
             dram.map_or_else(String::new, millijoules)
         }),
@@ -346,6 +329,8 @@ fn energy(detail: &Detail) -> String {
 fn traffic(timing: &Timing) -> String {
     let bytes = &timing.bytes;
     let all = bytes.all().max(1) as f64;
+    let share = |moved: u64| format!("{:.1} %", 100.0 * moved as f64 / all);
+    let megabytes = |moved: u64| format!("{:.3}", moved as f64 / 1e6);
     let kinds = [
         ("splats read", bytes.splats_read),
         ("harmonics read", bytes.harmonics_read),
@@ -357,12 +342,8 @@ fn traffic(timing: &Timing) -> String {
     ];
     let columns: [Column<(&str, u64)>; 3] = [
         ("what", &|(name, _)| (*name).to_owned()),
-        ("MB a frame", &|(_, moved)| {
-            format!("{:.3}", *moved as f64 / 1e6)
-        }),
-        ("of all", &|(_, moved)| {
-            format!("{:.1} %", 100.0 * *moved as f64 / all)
-        }),
+        ("MB a frame", &|(_, moved)| megabytes(*moved)),
+        ("of all", &|(_, moved)| share(*moved)),
     ];
     let moving = kinds.into_iter().filter(|(_, moved)| *moved > 0);
     let mut text = table_of(SHORT, &[0], &columns, moving);

@@ -1,18 +1,16 @@
 //! What a page shows of an answer's first machine beside the answer: its slowest frame in full, and what a change of
 //! one setting would do.
 
-use super::answer::{Answer, Found, value_of};
+use super::answer::{Answer, Found, place_of};
 use super::evaluator::Evaluator;
 use super::limits::{Limit, missed};
 use super::search::EXCHANGED;
 use super::space::{Space, SpaceAxis};
 use super::subject::{Choice, Subject};
-use crate::design::DesignChoice;
 use crate::machine::energy::Energy;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::simulate;
 use crate::machine::timing::Timing;
-use crate::plan::DesignVariant;
 use crate::report::machine::{Watched, watch};
 use anyhow::{Context, Result};
 use serde::Serialize;
@@ -58,20 +56,15 @@ pub fn detail(
     let Some(found) = answer.found.first() else {
         return Ok(None);
     };
-    let design = DesignChoice::from_toml("answer.toml", &found.design.to_toml())?;
-    let choice = Choice {
-        variant: DesignVariant::new(design, subject.traversal),
-        machine: found.machine,
-    };
+    let choice = subject.choice(space, &found.point)?;
     let evaluator = Evaluator::new(subject, false);
     let costs = evaluator.on_all_frames(&choice)?;
     let by_cycles = |frame: &usize| costs[*frame].pace.cycles_per_frame;
     let slowest = (0..costs.len())
         .max_by_key(by_cycles)
         .context("there is no frame")?;
-    let Choice { variant, machine } = &choice;
-    let tile = [machine.tile_width, machine.tile_height];
-    let workload = evaluator.workload(variant, tile, slowest)?;
+    let machine = &choice.machine;
+    let workload = evaluator.workload(&choice, slowest)?;
     let work = LaneWork::new(&workload, LaneShape::from(machine));
     let timing = simulate(&workload, &work, machine);
     let watched = watch(&workload, &work, machine, &timing);
@@ -96,9 +89,7 @@ fn knobs(
     let (mut changed, mut choices) = (Vec::new(), Vec::new());
     let exchanged = |axis: &&SpaceAxis| EXCHANGED.contains(&axis.key.as_str());
     for axis in space.axes.iter().filter(exchanged) {
-        let value = value_of(axis, &choice.variant.design, &choice.machine);
-        let place = value.and_then(|value| axis.values.iter().position(|other| *other == value));
-        let Some(place) = place else {
+        let Some(place) = place_of(axis, &choice.variant.design, &choice.machine) else {
             continue;
         };
         let steps = [place.checked_sub(1), place.checked_add(1)];

@@ -3,7 +3,7 @@
 use crate::fast::TILE;
 use crate::metrics::{self, Percentiles, stored};
 use crate::picture::Picture;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 use serde::Serialize;
 use splatline::raster::Window;
@@ -50,9 +50,10 @@ impl DesignError {
     /// detail.
     pub fn of(picture: &Picture, reference: &Picture) -> Result<DesignError> {
         let size = |picture: &Picture| (picture.width, picture.height, picture.pixels.len());
-        if size(picture) != size(reference) || picture.pixels.is_empty() {
-            bail!("the pictures cannot be compared: their sizes differ or are 0");
-        }
+        ensure!(
+            size(picture) == size(reference) && !picture.pixels.is_empty(),
+            "the pictures cannot be compared: their sizes differ or are 0"
+        );
         let width = picture.width;
         let rows = picture.pixels.par_chunks(width);
         let sums: Vec<[f64; 3]> = rows

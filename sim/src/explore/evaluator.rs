@@ -72,6 +72,9 @@ pub struct Reached {
     /// The slowest frame in full.
     #[serde(skip)]
     pub slowest: FrameCost,
+    /// How many frames these are.
+    #[serde(skip)]
+    pub frames: usize,
 }
 
 impl Reached {
@@ -260,18 +263,15 @@ impl<'a> Evaluator<'a> {
             return Ok(());
         };
         let key = work_key(first);
-        let mut shapes: Vec<(LaneShape, Vec<usize>)> = Vec::new();
+        let mut shapes: HashMap<LaneShape, Vec<usize>> = HashMap::new();
         for (place, choice) in choices.iter().enumerate() {
             let shape = LaneShape::from(&choice.machine);
-            match shapes.iter_mut().find(|(other, _)| *other == shape) {
-                Some((_, places)) => places.push(place),
-                None => shapes.push((shape, vec![place])),
-            }
+            shapes.entry(shape).or_default().push(place);
         }
         let earlier: Vec<Mutex<Vec<FrameCost>>> =
             choices.iter().map(|_| Mutex::default()).collect();
         for (nth, frame) in frames.iter().enumerate() {
-            let extract = || self.workload(&first.variant, key.1, *frame);
+            let extract = || self.workload(first, *frame);
             let workload = if keep {
                 self.workloads.get((key, *frame), extract)?
             } else {
@@ -329,15 +329,11 @@ impl<'a> Evaluator<'a> {
         Ok(costs.swap_remove(0))
     }
 
-    /// The rows of a frame by a design, in tiles of a size.
-    pub fn workload(
-        &self,
-        variant: &DesignVariant,
-        tile: [u16; 2],
-        frame: usize,
-    ) -> Result<Arc<Workload>> {
+    /// The rows of a frame by a choice's design, in its machine's tiles.
+    pub fn workload(&self, choice: &Choice, frame: usize) -> Result<Arc<Workload>> {
+        let (_, tile) = work_key(choice);
         let frame = self.subject.frames[frame];
-        Ok(Arc::new(frame.workload_of(variant, tile)?))
+        Ok(Arc::new(frame.workload_of(&choice.variant, tile)?))
     }
 
     fn cost(&self, choice: &Choice, timing: &Timing) -> FrameCost {
@@ -399,6 +395,7 @@ impl<'a> Evaluator<'a> {
                 .map(|cost| cost.millijoules)
                 .fold(0.0, f64::max),
             slowest,
+            frames: costs.len(),
         }
     }
 
@@ -415,12 +412,12 @@ impl<'a> Evaluator<'a> {
 
     /// What a frame has, by the design that all starts from.
     fn counted(&self, frame: usize) -> Result<FrameCounts> {
-        let (subject, machine) = (self.subject, &self.subject.machine);
-        let variant = DesignVariant::new(subject.design.clone(), subject.traversal);
-        let tile = [machine.tile_width, machine.tile_height];
-        let key = ((design_key(&variant), tile), frame);
-        let extract = || self.workload(&variant, tile, frame);
-        let workload = self.workloads.get(key, extract)?;
+        let choice = Choice {
+            variant: DesignVariant::new(self.subject.design.clone(), self.subject.traversal),
+            machine: self.subject.machine,
+        };
+        let key = (work_key(&choice), frame);
+        let workload = self.workloads.get(key, || self.workload(&choice, frame))?;
         Ok(FrameCounts::of(&workload))
     }
 }

@@ -12,16 +12,19 @@ use super::limits::Limit;
 use super::search::Search;
 use super::space::Space;
 use super::subject::Subject;
-use crate::design::traversal_name;
+use crate::design::ResolvedDesign;
 use anyhow::{Context, Result};
 use serde::Serialize;
-use splatline::format::{Traversal, WIDTH_RANGES};
+use splatline::format::WIDTH_RANGES;
 use std::collections::BTreeMap;
 
 /// The outcome.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fit {
-    /// The design's widths by name.
+    /// The design.
+    #[serde(skip)]
+    pub design: ResolvedDesign,
+    /// Its widths by name.
     pub widths: BTreeMap<&'static str, u8>,
     /// Its errors.
     pub error: DesignError,
@@ -100,11 +103,14 @@ pub fn fit(
         [] => Vec::new(),
         _ => beside_design(&mut evaluator, &fitted, limits)?,
     };
+    let mut design = fitted.design;
+    design.traversal = fitted.traversal;
     let fitted = Fit {
+        design: design.resolved(),
         widths: WIDTH_RANGES
             .iter()
             .map(|(name, ..)| *name)
-            .zip(fitted.design.widths.numbers())
+            .zip(design.widths.numbers())
             .collect(),
         error,
         one_bit_less,
@@ -136,22 +142,6 @@ pub fn refusal(design: &str, limits: &[Limit], error: &DesignError) -> String {
         });
     let missed = missed.collect::<Vec<_>>().join(" and ");
     format!("design {design} itself has {missed}: start from a wider design or allow more")
-}
-
-/// The text of a design file.
-pub fn design_toml(
-    widths: &BTreeMap<&'static str, u8>,
-    rounding: &str,
-    traversal: Traversal,
-) -> String {
-    let traversal = traversal_name(traversal);
-    let lines: String = widths
-        .iter()
-        .map(|(name, bits)| format!("{name} = {bits}\n"))
-        .collect();
-    format!(
-        "base = \"standard24\"\nrounding = \"{rounding}\"\ntraversal = \"{traversal}\"\n{lines}"
-    )
 }
 
 #[cfg(test)]

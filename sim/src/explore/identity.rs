@@ -19,6 +19,7 @@ use crate::scene::points::SurfaceScene;
 use crate::scene::{Harmonics, Scene, Weight};
 use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
+use std::collections::HashMap;
 
 /// Version of `sweep.json`; tables of another version are never taken for ours.
 const FORMAT: &str = "splatline-sweep/7";
@@ -123,27 +124,22 @@ fn technique(frame: &Prepared) -> Result<Value> {
     })
 }
 
-/// The digest of the last scene, which many frames may share.
+/// Digests of scenes by where they lie, since many frames may share one.
 #[derive(Default)]
-struct SceneDigests(Option<(*const (), String)>);
+struct SceneDigests(HashMap<*const (), String>);
 
 impl SceneDigests {
     fn of(&mut self, frame: &Prepared) -> Result<String> {
-        let scene: *const () = match frame.subject()? {
+        let subject = frame.subject()?;
+        let place: *const () = match subject {
             Drawn::Splats(splats) => std::ptr::from_ref(splats.scene).cast(),
             Drawn::Surface(scene, _) => std::ptr::from_ref(scene).cast(),
         };
-        if let Some((known, digest)) = &self.0
-            && *known == scene
-        {
-            return Ok(digest.clone());
-        }
-        let digest = match frame.subject()? {
+        let digest = self.0.entry(place).or_insert_with(|| match subject {
             Drawn::Splats(splats) => of_scene(splats.scene),
             Drawn::Surface(scene, _) => of_surface(scene),
-        };
-        self.0 = Some((scene, digest.clone()));
-        Ok(digest)
+        });
+        Ok(digest.clone())
     }
 
     /// Scene, camera and rules of a further frame.

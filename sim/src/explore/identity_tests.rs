@@ -67,8 +67,8 @@ impl Facts {
         let design = DesignChoice::from_toml("d.toml", &self.design).unwrap();
         let (scene, camera) = (self.scene.clone(), self.camera.clone());
         let mut prepared = Prepared::of_splats(scene, camera, self.rules, design);
-        if let Technique::Splats { compositing, .. } = &mut prepared.plan.technique {
-            *compositing = self.compositing;
+        if let Technique::Splats(splats) = &mut prepared.plan.technique {
+            splats.compositing = self.compositing;
         }
         let subject = Subject {
             traversal: self.traversal,

@@ -78,7 +78,7 @@ fn points(table: &ResultTable, candidates: &[Candidate], front: &[&Candidate]) -
     let axes: Vec<&str> = columns
         .iter()
         .map(String::as_str)
-        .filter(|name| *name != "point" && !RESULTS.iter().any(|(result, _)| result == name))
+        .filter(|name| *name != "point" && !RESULTS.iter().any(|(result, ..)| result == name))
         .collect();
     let rows: Vec<&[String]> = candidates
         .iter()

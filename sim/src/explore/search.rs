@@ -4,7 +4,7 @@
 
 use super::evaluator::{DesignError, Evaluator, Reached, work_key};
 use super::limits::{Limit, missed};
-use super::space::{Space, SpacePart};
+use super::space::{Point, Space, SpacePart};
 use super::subject::Choice;
 use crate::machine::area::lane::fixed_lane;
 use crate::plan::DesignVariant;
@@ -47,7 +47,7 @@ pub struct Search<'a> {
     /// What is to be held.
     pub limits: &'a [Limit],
     /// What has been evaluated; nothing for what makes no design or no machine.
-    pub known: BTreeMap<Vec<usize>, Option<Reached>>,
+    pub known: BTreeMap<Point, Option<Reached>>,
     /// Is a point judged by what it could reach at best, without a drawing and a simulation?
     by_bounds: bool,
     /// Every design that was drawn, with its errors.
@@ -240,8 +240,8 @@ impl<'a> Search<'a> {
     }
 
     /// Evaluates points, side by side.
-    pub fn evaluate(&mut self, points: &[Vec<usize>]) -> Result<()> {
-        let mut open: Vec<(Vec<usize>, Choice)> = Vec::new();
+    pub fn evaluate(&mut self, points: &[Point]) -> Result<()> {
+        let mut open: Vec<(Point, Choice)> = Vec::new();
         for point in points {
             let listed = open.iter().any(|(other, _)| other == point);
             if self.known.contains_key(point) || listed {
@@ -268,7 +268,7 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    fn evaluate_batch(&mut self, batch: &[(Vec<usize>, Choice)]) -> Result<()> {
+    fn evaluate_batch(&mut self, batch: &[(Point, Choice)]) -> Result<()> {
         let mut errors = Vec::with_capacity(batch.len());
         for (_, choice) in batch {
             errors.push(self.design_error(choice)?);
@@ -301,7 +301,7 @@ impl<'a> Search<'a> {
     ///
     /// Points are looked at in the order of what they could be at best, and those that cannot be better than what was
     /// found meanwhile are left out: of machines that hold the limits, all that are dearer than the first one.
-    fn best(&mut self, at: &[usize], points: &[Vec<usize>], judge: Judge) -> Result<Vec<usize>> {
+    fn best(&mut self, at: &[usize], points: &[Point], judge: Judge) -> Result<Point> {
         let mut score = self.score(at, judge)?;
         let mut best = at.to_vec();
         let mut hopeful = Vec::new();
@@ -316,7 +316,7 @@ impl<'a> Search<'a> {
             let better = few
                 .iter()
                 .filter(|(at_best, _)| compare(at_best, &score).is_lt());
-            let better: Vec<Vec<usize>> = better.map(|(_, point)| (*point).clone()).collect();
+            let better: Vec<Point> = better.map(|(_, point)| (*point).clone()).collect();
             self.evaluate(&better)?;
             for point in better {
                 let found = self.scored(&point, judge);
@@ -335,7 +335,7 @@ impl<'a> Search<'a> {
     }
 
     /// The better of two points; the second only if it is better.
-    fn better(&mut self, a: Vec<usize>, b: Vec<usize>, judge: Judge) -> Result<Vec<usize>> {
+    fn better(&mut self, a: Point, b: Point, judge: Judge) -> Result<Point> {
         let (score, other) = (self.score(&a, judge)?, self.score(&b, judge)?);
         Ok(if compare(&other, &score).is_lt() {
             b

@@ -20,13 +20,14 @@ use crate::scene::synthetic::Random;
 use serde::Deserialize;
 use splatline::format::WIDTH_RANGES;
 use std::fmt::Display;
+use std::num::NonZero;
 use toml::Value;
 
 /// Most points of a sweep, so that a slip of the finger does not ask for years.
 pub const MOST_POINTS: usize = 1_000_000;
 
 /// Most values of a range.
-const MOST_VALUES: i128 = 10_000;
+const MOST_VALUES: usize = 10_000;
 
 /// What an axis changes. The order is that of cost: points are sorted so that dear work is shared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -52,13 +53,16 @@ pub struct SpaceAxis {
     pub values: Vec<Value>,
 }
 
-/// Axes and points; a point is an index into each axis's values.
+/// An index into each axis's values.
+pub type Point = Vec<usize>;
+
+/// Axes and points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Space {
     /// The axes, dearest first.
     pub axes: Vec<SpaceAxis>,
     /// The points in their order.
-    pub points: Vec<Vec<usize>>,
+    pub points: Vec<Point>,
 }
 
 struct TableSource<'a> {
@@ -234,27 +238,20 @@ fn numbers(range: &toml::Table) -> Result<Vec<Value>, String> {
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
     struct Range {
-        from: i64,
-        to: i64,
-        step: Option<i64>,
+        from: i32,
+        to: i32,
+        step: Option<NonZero<u32>>,
     }
-    let range = range.clone().try_into();
-    match range.map(|Range { from, to, step }| (from, to, step.unwrap_or(1))) {
-        Ok((from, to, step)) if step > 0 && from <= to => {
-            // The distance of two of the largest numbers is no i64.
-            let last = (i128::from(to) - i128::from(from)) / i128::from(step);
-            // The product may be no i64 where the sum is one.
-            let value = |index: i128| i128::from(from) + index * i128::from(step);
-            let value = |index| Value::Integer(i64::try_from(value(index)).unwrap_or(to));
-            if last < MOST_VALUES {
-                return Ok((0..=last).map(value).collect());
-            }
-            Err(format!(
-                "the range has {} values, allowed are {MOST_VALUES}",
-                last + 1
-            ))
-        }
-        _ => Err(FORM.to_owned()),
+    let (from, to, step) = match range.clone().try_into() {
+        Ok(Range { from, to, step }) if from <= to => (i64::from(from), i64::from(to), step),
+        _ => return Err(FORM.to_owned()),
+    };
+    let values = (from..=to).step_by(step.map_or(1, |step| step.get() as usize));
+    match values.size_hint() {
+        (count, _) if count > MOST_VALUES => Err(format!(
+            "the range has {count} values, allowed are {MOST_VALUES}"
+        )),
+        _ => Ok(values.map(Value::Integer).collect()),
     }
 }
 
@@ -262,7 +259,7 @@ fn points(
     source: &TableSource,
     table: &toml::Table,
     axes: &[SpaceAxis],
-) -> Result<Vec<Vec<usize>>, Refused> {
+) -> Result<Vec<Point>, Refused> {
     let integer = |key: &str, usual: i64| match table.get(key) {
         None => Ok(usual),
         Some(value) => value
@@ -290,7 +287,7 @@ fn points(
     Ok(points)
 }
 
-fn grid(axes: &[SpaceAxis], all: usize) -> Vec<Vec<usize>> {
+fn grid(axes: &[SpaceAxis], all: usize) -> Vec<Point> {
     let point = |mut number: usize| {
         let digit = |axis: &SpaceAxis| {
             let digit = number % axis.values.len();
@@ -303,7 +300,7 @@ fn grid(axes: &[SpaceAxis], all: usize) -> Vec<Vec<usize>> {
 }
 
 /// Every axis is cut into `count` strata, each of which one point falls into.
-fn latin(axes: &[SpaceAxis], count: usize, seed: u64) -> Vec<Vec<usize>> {
+fn latin(axes: &[SpaceAxis], count: usize, seed: u64) -> Vec<Point> {
     let mut random = Random(seed);
     let mut points = vec![Vec::with_capacity(axes.len()); count];
     for axis in axes {

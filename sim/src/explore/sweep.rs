@@ -2,12 +2,11 @@
 //! design and tile, lane work per lane shape. Of several frames one after the other is walked, so that the rows of one
 //! alone lie in memory; a point's line has its slowest frame, and the spread of its time over all.
 
-use super::evaluator::{DesignError, Evaluator, Reached, work_key};
+use super::evaluator::{Evaluator, work_key};
 use super::folder::Appender;
 use super::space::Space;
 use super::subject::{Choice, NoDesign, Subject};
-use super::table::{ERRORS, RESULTS, ResultTable};
-use crate::metrics::Percentiles;
+use super::table::{RESULTS, ResultTable};
 use anyhow::{Result, anyhow};
 
 /// Runs all points that `done` does not hold yet. `progress` is called for every finished point.
@@ -72,59 +71,11 @@ pub fn evaluate<'a>(
         let error = evaluator.error(&choices[0].variant, &frames)?;
         evaluator.run(&choices, &frames, false, &|place, costs| {
             let reached = evaluator.reached(&choices[place], error, &costs);
-            take(numbers[place], results(&reached, costs.len()))
+            let results = RESULTS.map(|(.., field)| field(&reached));
+            take(numbers[place], results.to_vec())
         })?;
     }
     Ok(())
-}
-
-/// The result columns in the order of [`RESULTS`].
-fn results(reached: &Reached, frames: usize) -> Vec<String> {
-    let (pace, slowest, area) = (&reached.pace, &reached.slowest, &reached.area);
-    let spread = &reached.ms_per_frame;
-    let mut fields = errors(reached.error.as_ref());
-    let [geometry, sort, raster, total] = slowest.cycles;
-    fields.extend([total, geometry, sort, raster].map(|cycles| cycles.to_string()));
-    fields.extend(slowest.lanes.map(|part| format!("{part:.4}")));
-    fields.extend([
-        pace.clock.mhz.to_string(),
-        u8::from(pace.clock.assumed).to_string(),
-        format!("{:.3}", pace.frames_per_s),
-        format!("{:.4}", pace.ms_per_frame),
-        format!("{:.4}", spread.percentile_95),
-        format!("{:.4}", spread.mean),
-        frames.to_string(),
-        pace.bytes_per_frame.to_string(),
-        format!("{:.0}", pace.bytes_per_s),
-        format!("{:.4}", slowest.packet_hit_rate),
-    ]);
-    for part in [&area.raster, &area.around] {
-        fields.extend(part.resources().map(|(_, count)| count.to_string()));
-    }
-    fields.push(format!("{:.0}", area.weight));
-    fields.push(format!("{:.5}", reached.millijoules));
-    fields.push(String::new());
-    fields
-}
-
-/// PSNR, rms, largest error, bias, structural similarity, percentiles and FLIP; equal pictures have no PSNR.
-fn errors(error: Option<&DesignError>) -> Vec<String> {
-    let Some(error) = error else {
-        return vec![String::new(); ERRORS];
-    };
-    let psnr = error.psnr_db();
-    let psnr = if psnr.is_finite() {
-        format!("{psnr:.3}")
-    } else {
-        String::new()
-    };
-    let mut fields = vec![psnr];
-    fields.extend([error.rms, error.max_abs, error.bias].map(|value| format!("{value:.4e}")));
-    let detail = error.detail.unwrap_or_default();
-    fields.push(format!("{:.6}", detail.ssim));
-    let Percentiles { p95, p99 } = detail.percentiles;
-    fields.extend([p95, p99, detail.flip].map(|value| format!("{value:.4e}")));
-    fields
 }
 
 /// The result columns of a point that was not run.

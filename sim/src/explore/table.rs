@@ -8,6 +8,7 @@
 //! Fields are quoted as RFC 4180 has it, since an axis may name a file; one that a spreadsheet would take for a formula
 //! has a `'` before it.
 
+use super::evaluator::{DesignError, ErrorDetail, Reached};
 use super::space::Space;
 use crate::digest::Digest;
 use ColumnKind::{Count, Nothing, Number, NumberOrNothing, Positive};
@@ -19,55 +20,86 @@ pub const ROW_DIGEST: &str = "row_digest";
 /// Hexadecimal digits of a row's digest.
 const DIGEST_DIGITS: usize = 16;
 
+/// A result's column: its name, what its fields may hold, and its field of a point.
+pub type ResultColumn = (&'static str, ColumnKind, fn(&Reached) -> String);
+
 /// Columns behind the axes. Of several frames cycles, pace and bytes are those of the slowest, energy is that of the
 /// dearest, errors are over all. Area is that of the raster units, of what is around them, and all of it in look-up
 /// tables; energy is that of a picture. `clock_assumed` is 1 where nobody gave the clock (`crate::machine::clock`).
-pub const RESULTS: [(&str, ColumnKind); 36] = [
-    ("psnr_db", NumberOrNothing),
-    ("rms", Positive),
-    ("max_abs", Positive),
-    ("bias", Number),
-    ("ssim", Number),
-    ("p95", Positive),
-    ("p99", Positive),
-    ("flip", Positive),
-    ("cycles", Count),
-    ("geometry", Count),
-    ("sort", Count),
-    ("raster", Count),
-    ("lanes_busy", Positive),
-    ("covered_per_cycle_and_lane", Positive),
-    ("live_per_cycle_and_lane", Positive),
-    ("clock_mhz", Positive),
-    ("clock_assumed", Count),
-    ("frames_per_s", Positive),
-    ("ms_per_frame", Positive),
-    ("ms_per_frame_95", Positive),
-    ("ms_per_frame_mean", Positive),
-    ("frames", Count),
-    ("bytes_per_frame", Count),
-    ("bytes_per_s", Positive),
-    ("packet_hit_rate", Positive),
-    ("raster_luts", Count),
-    ("raster_flip_flops", Count),
-    ("raster_dsps", Count),
-    ("raster_memory_kbit", Count),
-    ("around_luts", Count),
-    ("around_flip_flops", Count),
-    ("around_dsps", Count),
-    ("around_memory_kbit", Count),
-    ("area", Positive),
-    ("energy_mj", Positive),
-    ("left_out", Nothing),
+#[rustfmt::skip]
+pub const RESULTS: [ResultColumn; 36] = [
+    ("psnr_db", NumberOrNothing, |p| error(p, |e| finite(e.psnr_db()))),
+    ("rms", Positive, |p| error(p, |e| exponent(e.rms))),
+    ("max_abs", Positive, |p| error(p, |e| exponent(e.max_abs))),
+    ("bias", Number, |p| error(p, |e| exponent(e.bias))),
+    ("ssim", Number, |p| detail(p, |d| format!("{:.6}", d.ssim))),
+    ("p95", Positive, |p| detail(p, |d| exponent(d.percentiles.p95))),
+    ("p99", Positive, |p| detail(p, |d| exponent(d.percentiles.p99))),
+    ("flip", Positive, |p| detail(p, |d| exponent(d.flip))),
+    ("cycles", Count, |p| p.slowest.cycles[3].to_string()),
+    ("geometry", Count, |p| p.slowest.cycles[0].to_string()),
+    ("sort", Count, |p| p.slowest.cycles[1].to_string()),
+    ("raster", Count, |p| p.slowest.cycles[2].to_string()),
+    ("lanes_busy", Positive, |p| places(p.slowest.lanes[0])),
+    ("covered_per_cycle_and_lane", Positive, |p| places(p.slowest.lanes[1])),
+    ("live_per_cycle_and_lane", Positive, |p| places(p.slowest.lanes[2])),
+    ("clock_mhz", Positive, |p| p.pace.clock.mhz.to_string()),
+    ("clock_assumed", Count, |p| u8::from(p.pace.clock.assumed).to_string()),
+    ("frames_per_s", Positive, |p| format!("{:.3}", p.pace.frames_per_s)),
+    ("ms_per_frame", Positive, |p| places(p.pace.ms_per_frame)),
+    ("ms_per_frame_95", Positive, |p| places(p.ms_per_frame.percentile_95)),
+    ("ms_per_frame_mean", Positive, |p| places(p.ms_per_frame.mean)),
+    ("frames", Count, |p| p.frames.to_string()),
+    ("bytes_per_frame", Count, |p| p.pace.bytes_per_frame.to_string()),
+    ("bytes_per_s", Positive, |p| format!("{:.0}", p.pace.bytes_per_s)),
+    ("packet_hit_rate", Positive, |p| places(p.slowest.packet_hit_rate)),
+    ("raster_luts", Count, |p| p.area.raster.luts.to_string()),
+    ("raster_flip_flops", Count, |p| p.area.raster.flip_flops.to_string()),
+    ("raster_dsps", Count, |p| p.area.raster.dsps.to_string()),
+    ("raster_memory_kbit", Count, |p| p.area.raster.memory_kbit.to_string()),
+    ("around_luts", Count, |p| p.area.around.luts.to_string()),
+    ("around_flip_flops", Count, |p| p.area.around.flip_flops.to_string()),
+    ("around_dsps", Count, |p| p.area.around.dsps.to_string()),
+    ("around_memory_kbit", Count, |p| p.area.around.memory_kbit.to_string()),
+    ("area", Positive, |p| format!("{:.0}", p.area.weight)),
+    ("energy_mj", Positive, |p| format!("{:.5}", p.millijoules)),
+    ("left_out", Nothing, |_| String::new()),
 ];
 
 /// The first ones are about errors, and empty without references.
 pub const ERRORS: usize = 8;
 
+/// A field about errors.
+fn error(point: &Reached, show: fn(&DesignError) -> String) -> String {
+    point.error.as_ref().map_or_else(String::new, show)
+}
+
+fn detail(point: &Reached, show: fn(&ErrorDetail) -> String) -> String {
+    let detail = point.error.map(|error| error.detail.unwrap_or_default());
+    detail.as_ref().map_or_else(String::new, show)
+}
+
+/// Equal pictures have no PSNR.
+fn finite(psnr_db: f64) -> String {
+    if psnr_db.is_finite() {
+        format!("{psnr_db:.3}")
+    } else {
+        String::new()
+    }
+}
+
+fn exponent(value: f64) -> String {
+    format!("{value:.4e}")
+}
+
+fn places(value: f64) -> String {
+    format!("{value:.4}")
+}
+
 /// The heading for a space.
 pub fn heading(space: &Space) -> Vec<String> {
     let axes = space.axes.iter().map(|axis| axis.key.as_str());
-    let results = RESULTS.map(|(name, _)| name);
+    let results = RESULTS.map(|(name, ..)| name);
     let names = std::iter::once("point").chain(axes).chain(results);
     names.chain([ROW_DIGEST]).map(str::to_owned).collect()
 }
@@ -231,7 +263,7 @@ fn check_results(results: &[String], errors: bool) -> Result<(), String> {
     let Some((reason, numbers)) = results.split_last() else {
         return Ok(());
     };
-    for (place, ((name, kind), text)) in RESULTS.iter().zip(numbers).enumerate() {
+    for (place, ((name, kind, _), text)) in RESULTS.iter().zip(numbers).enumerate() {
         let empty = !reason.is_empty() || (place < ERRORS && !errors);
         let kind = if empty { Nothing } else { *kind };
         if !kind.allows(text) {
@@ -342,7 +374,7 @@ mod tests {
         checked(&format!("1,1,rows,{SOUND}"), true).unwrap();
         checked(&format!("1,1,rows,{}{}quads", ",".repeat(34), ","), true).unwrap();
         let columns = RESULTS.len() - 1;
-        for (column, (name, _)) in RESULTS.iter().enumerate().take(columns) {
+        for (column, (name, ..)) in RESULTS.iter().enumerate().take(columns) {
             for wrong in ["NaN", "inf", "text", "1e999", "--1", " "] {
                 let mut fields: Vec<&str> = SOUND.split(',').collect();
                 fields[column] = wrong;

@@ -15,7 +15,7 @@ use crate::report::shell::Shell;
 use crate::report::table::count;
 use crate::report::viewer::packed;
 use crate::scene::Scene;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use splatline::format::{Rounding, Traversal, WIDTH_RANGES};
 use std::collections::BTreeMap;
@@ -61,11 +61,10 @@ pub struct Shown<'a> {
 /// The whole file.
 pub fn html(shown: &Shown) -> Result<String> {
     let splats = shown.scene.splats.len();
-    if splats > MOST_SPLATS {
-        bail!(
-            "the scene has {splats} splats, and a live page takes at most {MOST_SPLATS}: thin the scene out, or use `splatline compare`"
-        );
-    }
+    ensure!(
+        splats <= MOST_SPLATS,
+        "the scene has {splats} splats, and a live page takes at most {MOST_SPLATS}: thin the scene out, or use `splatline compare`"
+    );
     let bytes = bytes::encode(shown.scene, shown.options.rules);
     let checksum = host_checksum(shown, &bytes);
     let checksum = checksum.context("the scene cannot be brought into a page")?;
@@ -205,25 +204,14 @@ fn settings<'a>(shown: &'a Shown, checksum: u64) -> LiveSettings<'a> {
 /// The camera as the page's wasm takes it. JSON writes an infinite far plane as null, and every other double so that it
 /// is read back the same.
 fn camera_numbers(camera: &Camera) -> [f64; bytes::CAMERA] {
-    let Camera {
-        width,
-        height,
-        fx,
-        fy,
-        cx,
-        cy,
-        rotation,
-        translation,
-        near,
-        far,
-        orthographic,
-    } = camera;
-    let head = [*width as f64, *height as f64, *fx, *fy, *cx, *cy];
-    let tail = [*near, *far, f64::from(u8::from(*orthographic))];
+    let [width, height] = [camera.width, camera.height].map(|side| side as f64);
+    let head = [width, height, camera.fx, camera.fy, camera.cx, camera.cy];
+    let orthographic = u8::from(camera.orthographic).into();
+    let tail = [camera.near, camera.far, orthographic];
     let mut all = head
         .iter()
-        .chain(rotation.as_flattened())
-        .chain(translation)
+        .chain(camera.rotation.as_flattened())
+        .chain(&camera.translation)
         .chain(&tail);
     std::array::from_fn(|_| all.next().copied().unwrap_or_default())
 }

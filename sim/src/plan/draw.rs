@@ -1,7 +1,8 @@
 //! From a prepared plan to a picture through the kernel: the systems' different results become one [`Drawing`].
 
 use super::{
-    AnyScene, DesignVariant, Prepared, SplatMethod, Splats, Subject, Technique, with_surface_unit,
+    AnyScene, DesignVariant, Prepared, SplatMethod, SplatTechnique, Splats, Subject, Technique,
+    with_surface_unit,
 };
 use crate::fast::frame::FrameFacts;
 use crate::fast::lanes::VectorLevel;
@@ -79,19 +80,14 @@ impl Prepared {
     /// The splats in the kernel's formats, and no longer in double precision: for a plan that is drawn once. `None`
     /// where these are needed.
     pub fn release(&mut self) -> Option<QuantisedScene> {
-        let Technique::Splats {
-            rules,
-            method: SplatMethod::Composited,
-            ..
-        } = &self.plan.technique
-        else {
-            return None;
-        };
-        match Arc::get_mut(&mut self.scene)? {
-            AnyScene::Splats(scene) => {
-                Some(QuantisedScene::releasing(scene, &self.plan.camera, rules))
+        let (camera, technique) = (&self.plan.camera, &self.plan.technique);
+        match (Arc::get_mut(&mut self.scene)?, technique) {
+            (AnyScene::Splats(scene), Technique::Splats(SplatTechnique { rules, method, .. }))
+                if *method == SplatMethod::Composited =>
+            {
+                Some(QuantisedScene::releasing(scene, camera, rules))
             }
-            AnyScene::Surface { .. } => None,
+            _ => None,
         }
     }
 

@@ -1,9 +1,9 @@
 //! Which of the papers' eighteen systems a plan exercises, and why.
 
-use super::{Contents, SplatMethod, Technique};
+use super::{Contents, SplatMethod, SplatTechnique, Technique};
 use crate::hybrid::{Hybrid, Points};
 use crate::reference::sphere::{Index, Shape};
-use crate::rules::{Compositing, Kernel, Rules};
+use crate::rules::{Compositing, Kernel};
 use crate::surface::{Buffer, Style};
 use crate::systems::{SYSTEMS, SystemVerdict};
 
@@ -14,11 +14,7 @@ pub fn exercised(
     classified: bool,
 ) -> Vec<SystemVerdict> {
     let reason = |number: u8| match technique {
-        Technique::Splats {
-            rules,
-            compositing,
-            method,
-        } => match number {
+        Technique::Splats(technique) => match number {
             3 if contents.flattening().is_some() => {
                 Ok("points drawn as volume kernels, thin along the normal".to_owned())
             }
@@ -27,7 +23,7 @@ pub fn exercised(
             }
             18 if classified => Ok("voxels are classified and shaded when loaded".to_owned()),
             18 => Err("colours are stored in the file"),
-            _ => of_splats(number, rules, *compositing, method),
+            _ => of_splats(number, technique),
         },
         Technique::Surface(style) => {
             let texture = match contents {
@@ -41,7 +37,7 @@ pub fn exercised(
         let reason = reason(system.number);
         SystemVerdict {
             number: system.number,
-            name: system.name.to_owned(),
+            name: system.name.clone(),
             used: reason.is_ok(),
             reason: reason.unwrap_or_else(str::to_owned),
         }
@@ -56,13 +52,17 @@ fn used_if(used: bool, yes: impl Into<String>, no: &'static str) -> Reason {
     if used { Ok(yes.into()) } else { Err(no) }
 }
 
-fn of_splats(number: u8, rules: &Rules, order: Compositing, method: &SplatMethod) -> Reason {
+fn of_splats(number: u8, technique: &SplatTechnique) -> Reason {
+    let (rules, method) = (&technique.rules, &technique.method);
     match number {
         1 => Ok(format!("volume splats under the rules '{}'", rules.name)),
         4 => Ok("every footprint is walked over its rows".to_owned()),
         5 => Ok(match method {
             SplatMethod::Sheets(sheets) => format!("sheet buffers, {}", sheets.kind.name()),
-            _ => format!("{} into one pixel per place, no sheets", in_words(order)),
+            _ => format!(
+                "{} into one pixel per place, no sheets",
+                in_words(technique.compositing)
+            ),
         }),
         6 => used_if(
             rules.spacing > 0.0,
@@ -165,7 +165,7 @@ fn in_words(compositing: Compositing) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rules::Antialias;
+    use crate::rules::{Antialias, Rules};
 
     fn numbers(technique: &Technique, contents: &Contents, classified: bool) -> Vec<u8> {
         let used = exercised(technique, contents, classified);
@@ -176,11 +176,11 @@ mod tests {
     #[test]
     fn a_scene_exercises_what_its_options_ask_for() {
         let splats = |rules, method, classified| {
-            let technique = Technique::Splats {
+            let technique = Technique::Splats(SplatTechnique {
                 rules,
                 compositing: Compositing::FrontToBack,
                 method,
-            };
+            });
             numbers(&technique, &Contents::default(), classified)
         };
         let plain = SplatMethod::Composited;

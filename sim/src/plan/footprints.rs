@@ -3,7 +3,7 @@
 use super::{DesignVariant, Prepared, SplatMethod, Splats, Subject};
 use crate::fixed;
 use crate::reference::{self, Culled, PixelBox, float};
-use anyhow::{Result, bail};
+use anyhow::{Result, ensure};
 use rayon::prelude::*;
 use splatline::footprint::surface::SurfaceFootprint;
 use splatline::footprint::{Footprint, depth};
@@ -87,9 +87,10 @@ impl Prepared {
 
 /// Spheres have outlines of their own and no affine footprint.
 fn refuse_spheres(splats: &Splats) -> Result<()> {
-    if matches!(splats.method, SplatMethod::Spheres(_)) {
-        bail!("projected spheres have no affine footprints: leave out --spheres");
-    }
+    ensure!(
+        !matches!(splats.method, SplatMethod::Spheres(_)),
+        "projected spheres have no affine footprints: leave out --spheres"
+    );
     Ok(())
 }
 

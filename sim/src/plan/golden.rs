@@ -6,7 +6,7 @@
 use super::{Engine, Prepared};
 use crate::metrics::{Errors, compare};
 use crate::picture::Picture;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, ensure};
 use flate2::Crc;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -105,21 +105,17 @@ pub fn plans(folder: &Path) -> Result<Vec<(String, PathBuf)>> {
     let entries = fs::read_dir(folder).with_context(|| format!("cannot read '{shown}'"))?;
     let mut plans = Vec::new();
     for entry in entries {
-        let path = entry
-            .with_context(|| format!("cannot read '{shown}'"))?
-            .path();
-        if path
-            .extension()
-            .is_some_and(|extension| extension == "toml")
-        {
-            let name = path.file_stem().unwrap_or_default().to_string_lossy();
-            plans.push((name.into_owned(), path.clone()));
+        let entry = entry.with_context(|| format!("cannot read '{shown}'"))?;
+        let (path, name) = (entry.path(), entry.file_name());
+        if let Some(name) = name.to_string_lossy().strip_suffix(".toml") {
+            plans.push((name.to_owned(), path));
         }
     }
     plans.sort();
-    if plans.is_empty() {
-        bail!("'{shown}' holds no plan: name a folder of .toml files");
-    }
+    ensure!(
+        !plans.is_empty(),
+        "'{shown}' holds no plan: name a folder of .toml files"
+    );
     Ok(plans)
 }
 

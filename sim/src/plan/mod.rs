@@ -28,7 +28,7 @@ pub use draw::Drawing;
 pub use footprints::FootprintLine;
 pub use load::{AnyScene, Contents, LoadedScene, Source};
 pub use measure::{Comparison, Effort, all_entries, compare_all};
-pub use technique::{AlphaChannel, SheetBuffers, SplatMethod, Technique};
+pub use technique::{AlphaChannel, SheetBuffers, SplatMethod, SplatTechnique, Technique};
 
 use crate::camera::Camera;
 use crate::design::{DesignChoice, traversal_name};
@@ -42,7 +42,7 @@ use crate::scene::points::flatten::flattened;
 use crate::scene::{Scene, SortOrder};
 use crate::surface::Style;
 use crate::{fixed, input};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use splatline::format::Traversal;
@@ -334,11 +334,11 @@ impl Prepared {
         let plan = Plan {
             source: Source::splats(PathBuf::from(&scene.name)),
             camera,
-            technique: Technique::Splats {
+            technique: Technique::Splats(SplatTechnique {
                 rules,
                 compositing: Compositing::FrontToBack,
                 method: SplatMethod::Composited,
-            },
+            }),
             engine: Engine::Fixed,
             reference: None,
             entry: DesignVariant::new(design, None),
@@ -370,44 +370,34 @@ impl Prepared {
     /// The scene with the technique that draws it.
     pub fn subject(&self) -> Result<Subject<'_>> {
         match (self.splat_scene(), &*self.scene, &self.plan.technique) {
-            (
-                Some(scene),
-                _,
-                Technique::Splats {
-                    rules,
-                    compositing,
-                    method,
-                },
-            ) => {
+            (Some(scene), _, Technique::Splats(technique)) => {
+                let (rules, method) = (&technique.rules, &technique.method);
                 let splats = Splats {
                     scene,
                     camera: &self.plan.camera,
                     rules,
-                    compositing: *compositing,
+                    compositing: technique.compositing,
                     method,
                 };
-                if scene.order != SortOrder::Depth && !splats.are_composited() {
-                    bail!(
-                        "{}: it is sorted by distance, and points, stamps, sheets, deep alpha and spheres go by the depth: leave out \
+                ensure!(
+                    scene.order == SortOrder::Depth || splats.are_composited(),
+                    "{}: it is sorted by distance, and points, stamps, sheets, deep alpha and spheres go by the depth: leave out \
                          --points, --traversal stamp, --sheets, --deep-alpha and --spheres",
-                        scene.name
-                    )
-                }
-                if rules.compensated && (rules.normalised || rules.spacing > 0.0) {
-                    bail!(
-                        "{}: --antialias mip compensates opacities for the low-pass filter: it takes rules 3dgs or inria without distance scaling; \
+                    scene.name
+                );
+                ensure!(
+                    !(rules.compensated && (rules.normalised || rules.spacing > 0.0)),
+                    "{}: --antialias mip compensates opacities for the low-pass filter: it takes rules 3dgs or inria without distance scaling; \
                          normalised kernels (rules ewa) keep their volume by themselves",
-                        scene.name
-                    )
-                }
+                    scene.name
+                );
                 let is_filtered = rules.low_pass > 0.0 || rules.spacing > 0.0;
-                if is_filtered && matches!(method, SplatMethod::Spheres(_)) {
-                    bail!(
-                        "{}: projected spheres have exact outlines and no protection against aliasing: leave out --antialias, or set \
+                ensure!(
+                    !(is_filtered && matches!(method, SplatMethod::Spheres(_))),
+                    "{}: projected spheres have exact outlines and no protection against aliasing: leave out --antialias, or set \
                          low_pass and spacing to 0",
-                        scene.name
-                    )
-                }
+                    scene.name
+                );
                 Ok(Subject::Splats(splats))
             }
             (None, AnyScene::Surface { scene, .. }, Technique::Surface(style)) => {
@@ -432,7 +422,7 @@ impl Prepared {
     /// Does another traversal draw another picture or take other time?
     pub fn has_traversals(&self) -> bool {
         match &self.plan.technique {
-            Technique::Splats { method, .. } => method.has_traversals(),
+            Technique::Splats(splats) => splats.method.has_traversals(),
             Technique::Surface(_) => true,
         }
     }

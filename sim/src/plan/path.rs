@@ -18,7 +18,7 @@ use crate::cameras;
 use crate::framing::USUAL_FOV;
 use crate::input::{self, line_of};
 use crate::vector::Vector;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -81,9 +81,7 @@ pub fn load(file: &Path, size: Option<[usize; 2]>) -> Result<LoadedPath> {
         };
         named.push((pose.name, camera));
     }
-    if named.is_empty() {
-        bail!("camera path '{shown}' holds no cameras");
-    }
+    ensure!(!named.is_empty(), "camera path '{shown}' holds no cameras");
     Ok((CameraPath::Cameras(named), notes))
 }
 
@@ -99,9 +97,10 @@ fn keys(file: &str, text: &str) -> Result<KeyFrames> {
         );
     }
     file.clone_into(&mut keys.file);
-    if keys.key.is_empty() {
-        bail!("{file}: no [[key]]: a path needs one or more");
-    }
+    ensure!(
+        !keys.key.is_empty(),
+        "{file}: no [[key]]: a path needs one or more"
+    );
     Ok(keys)
 }
 

@@ -10,16 +10,17 @@ use crate::rules::Rules;
 use crate::scene::Weight;
 use crate::surface::Buffer;
 use crate::systems::SystemVerdict;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
 use splatline::format::Traversal;
 
 impl Prepared {
     /// Name of the traversal in reports.
     pub fn traversal_name(&self, entry: &DesignVariant) -> &'static str {
-        let Technique::Splats { method, .. } = &self.plan.technique else {
+        let Technique::Splats(splats) = &self.plan.technique else {
             return traversal_name(entry.traversal);
         };
-        match method {
+        match splats.method {
             SplatMethod::Points(Hybrid {
                 phase_bits: Some(_),
                 ..
@@ -42,26 +43,31 @@ impl Prepared {
     }
 }
 
+/// What is read of a report, of whatever version its other fields are.
+#[derive(Deserialize)]
+struct RecordedPlan {
+    #[serde(default)]
+    plan: serde_json::Value,
+}
+
 impl Plan {
     /// The plan that the text of a report records.
     pub fn from_report(text: &str) -> Result<Plan> {
-        let report: Report = serde_json::from_str(text).context("not a report.json")?;
-        if report.plan.is_null() {
-            bail!(
-                "it records no \"plan\": write it again with this version's render --json or compare"
-            );
-        }
+        let report: RecordedPlan = serde_json::from_str(text).context("not a report.json")?;
+        ensure!(
+            !report.plan.is_null(),
+            "it records no \"plan\": write it again with this version's render --json or compare"
+        );
         serde_json::from_value(report.plan).context("its \"plan\" is none of this version")
     }
 
     /// How pixels gather, in a report's words.
     fn compositing(&self) -> String {
         match &self.technique {
-            Technique::Splats {
-                method: SplatMethod::Sheets(sheets),
-                ..
-            } => format!("sheets, {}", sheets.kind.name()),
-            Technique::Splats { compositing, .. } => compositing.name().to_owned(),
+            Technique::Splats(splats) => match splats.method {
+                SplatMethod::Sheets(sheets) => format!("sheets, {}", sheets.kind.name()),
+                _ => splats.compositing.name().to_owned(),
+            },
             Technique::Surface(style) => match style.buffer {
                 Buffer::Accumulation => "accumulation".to_owned(),
                 Buffer::Layers(count) => format!("{count} layers"),
@@ -89,7 +95,7 @@ pub fn report_of(
         scene,
         camera: (&plan.camera).into(),
         rules: match &plan.technique {
-            Technique::Splats { rules, .. } => *rules,
+            Technique::Splats(splats) => splats.rules,
             // A style in the terms of rules.
             Technique::Surface(style) => Rules {
                 name: "surf",

@@ -7,7 +7,7 @@ use crate::reference::compositor::{self, RowProgress as Rows};
 use crate::reference::{self, Counts, FloatDrawing, exact, float, formats, sphere};
 use crate::report::facts::{ReasonCounts, counted};
 use crate::rules::{self, Compositing, Rules};
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 
 impl Prepared {
     /// Draws by one of the double-precision engines.
@@ -99,9 +99,10 @@ fn draw_format(engine: Engine, splats: &Splats) -> Result<FloatDrawing> {
             "engine '{name}' draws Gaussians from front to back: leave --compositing and --kernel out, or use float"
         );
     }
-    if splats.rules.spacing > 0.0 {
-        bail!("engine '{name}' knows no scaling by distance: leave --antialias out, or use float");
-    }
+    ensure!(
+        splats.rules.spacing <= 0.0,
+        "engine '{name}' knows no scaling by distance: leave --antialias out, or use float"
+    );
     let single = formats::RoundedStages::pixels(formats::FP32);
     let stages = engine.stages().unwrap_or(single);
     let (scene, camera) = (splats.scene, splats.camera);

@@ -17,19 +17,24 @@ use splatline::blend::deep::{Channel, ChannelRounding, Representation, WIDTH_RAN
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum Technique {
     /// Volume splats.
-    Splats {
-        /// Rules of blending.
-        #[serde(deserialize_with = "text::rules")]
-        rules: Rules,
-        /// Order and operator of blending.
-        #[serde(default)]
-        compositing: Compositing,
-        /// How splats become pixels.
-        #[serde(default)]
-        method: SplatMethod,
-    },
+    Splats(SplatTechnique),
     /// Points of a surface.
     Surface(Style),
+}
+
+/// How volume splats are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SplatTechnique {
+    /// Rules of blending.
+    #[serde(deserialize_with = "text::rules")]
+    pub rules: Rules,
+    /// Order and operator of blending.
+    #[serde(default)]
+    pub compositing: Compositing,
+    /// How splats become pixels.
+    #[serde(default)]
+    pub method: SplatMethod,
 }
 
 /// How splats become pixels.

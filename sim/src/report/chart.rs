@@ -1,67 +1,33 @@
 //! What all charts are drawn with: axes with round numbers, and lines, marks and words as SVG.
 //!
-//! Colours are classes, to which [`style`] gives a tone for light and for dark pages; a page includes it once, and a
+//! Colours are classes, to which [`STYLE`] gives a tone for light and for dark pages; a page includes it once, and a
 //! picture that stands alone carries it with it ([`alone`]). Sizes are in pixels, y points down.
 
 use super::html::escape;
 use super::labels::Rectangle;
 
-/// A colour on a light and on a dark page, as `#RRGGBB`.
-pub type Tone = [&'static str; 2];
+/// The classes of charts, each with a tone for light and for dark pages: `grid`, `leader`, `frame`, and `s0` to `s5`
+/// for the curves, marks and names of series.
+pub const STYLE: &str = include_str!("chart.css");
 
-/// Text.
-pub const INK: Tone = ["#3A4048", "#C4CAD2"];
-const GRID: Tone = ["#E3E6EA", "#2B3038"];
-const LEADER: Tone = ["#9AA2AC", "#6C747E"];
+/// Series that the style tells apart; further ones begin again.
+const SERIES: usize = 6;
 
-/// Of the designs, in the order in which they first appear, and of all other series; further ones begin again.
-pub const DESIGNS: [Tone; 6] = [
-    ["#B3261E", "#FF8A80"],
-    ["#A85A00", "#FFB74D"],
-    ["#0B7A5B", "#6FD3A8"],
-    ["#1F55B5", "#8AB4F8"],
-    ["#7A3FB0", "#CBA6F7"],
-    ["#5B6470", "#B4BCC6"],
-];
-
-/// Text height.
+/// Text height, as the style has it.
 pub const TEXT: f64 = 13.0;
 /// Mean width of a letter of a sans-serif font over its height; generous, so that labels keep apart.
 const LETTER: f64 = 0.6;
 
-/// The classes of charts: `grid`, `leader`, `frame`, and `s0` to `s5` for the curves, marks and names of series.
-pub fn style() -> String {
-    let rules = |page: usize| {
-        let mut rules = format!(
-            ".chart text{{fill:{}}}.chart .grid{{stroke:{}}}.chart .leader,.chart .frame{{stroke:{}}}",
-            INK[page], GRID[page], LEADER[page]
-        );
-        for (index, series) in DESIGNS.iter().enumerate() {
-            let colour = series[page];
-            rules += &format!(
-                ".chart .s{index}{{stroke:{colour}}}.chart .mark.s{index},.chart text.s{index}{{fill:{colour};stroke:none}}"
-            );
-        }
-        rules
-    };
-    format!(
-        ".chart text{{font:{TEXT}px system-ui,sans-serif}}.chart path,.chart polyline{{fill:none}}.chart polyline{{stroke-width:1.5}}{}\n\
-         @media(prefers-color-scheme:dark){{{}}}\n",
-        rules(0),
-        rules(1)
-    )
-}
-
 /// The class of a series.
 pub fn series(index: usize) -> String {
-    format!("s{}", index % DESIGNS.len())
+    format!("s{}", index % SERIES)
 }
 
 /// A chart as a file of its own.
 pub fn alone(chart: &str) -> String {
     let head = "<svg xmlns=\"http://www.w3.org/2000/svg\" ";
     let named = chart.replacen("<svg ", head, 1);
-    named.replacen('>', &format!(">\n<style>{}</style>", style()), 1)
+    named.replacen('>', &format!(">\n<style>{STYLE}</style>"), 1)
 }
 
 /// About how wide a text is.
@@ -244,12 +210,8 @@ impl Chart {
 
     /// A rectangle with its words for the pointer; `attributes` are those of SVG.
     pub fn bar(&mut self, area: &Rectangle, attributes: &str, words: &str) {
-        let Rectangle {
-            left,
-            top,
-            width,
-            height,
-        } = area;
+        let (left, top) = (area.left, area.top);
+        let (width, height) = (area.width, area.height);
         self.push(&format!(
             "<rect x=\"{left:.2}\" y=\"{top:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" {attributes}><title>{}</title></rect>",
             escape(words)

@@ -29,7 +29,6 @@ pub struct SceneFacts {
     pub clamped: u64,
     /// Unit of the kernel's colours as a power of two: colours beyond its format were divided by it, and the picture
     /// was multiplied by it.
-    #[serde(default)]
     pub colour_log2: i32,
     /// What its splats were sorted by; not written if it is the usual, the depth.
     #[serde(default, skip_serializing_if = "is_usual")]
@@ -58,13 +57,18 @@ impl SceneFacts {
     }
 }
 
-/// ` (near 3, outside 4)`.
-pub fn reasons(counts: &ReasonCounts) -> String {
-    let named = counts.iter().filter(|(_, count)| **count > 0);
-    let named: Vec<String> = named
+/// `near 3, outside 4`.
+pub fn named(counts: &ReasonCounts) -> String {
+    let counts = counts.iter().filter(|(_, count)| **count > 0);
+    let named: Vec<String> = counts
         .map(|(reason, count)| format!("{reason} {count}"))
         .collect();
-    format!(" ({})", named.join(", "))
+    named.join(", ")
+}
+
+/// ` (near 3, outside 4)`.
+pub fn reasons(counts: &ReasonCounts) -> String {
+    format!(" ({})", named(counts))
 }
 
 /// Reasons for culling that are a matter of the kernel's ranges and not of the view.

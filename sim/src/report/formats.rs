@@ -1,7 +1,7 @@
 //! What floating-point datapaths make of the report's picture, as a table of its page and as lines on a terminal.
 
 use super::html::{Column, table_of};
-use super::table::{decibels, flip_text, psnr_text, scientific, signed};
+use super::table::{decibels, psnr_text, scientific, signed};
 use super::{FormatRow, Report};
 
 /// A section of the page; nothing if nobody asked.
@@ -16,7 +16,7 @@ pub(super) fn formats_section(report: &Report) -> String {
         ("p99", &|row| scientific(row.error.rgb.percentiles.p99)),
         ("bias", &|row| signed(row.error.rgb.bias)),
         ("SSIM", &|row| format!("{:.5}", row.error.rgb.ssim)),
-        ("FLIP", &|row| flip_text(row.error.flip)),
+        ("FLIP", &|row| scientific(row.error.flip)),
         ("transistors a lane", &|row| row.transistors.to_string()),
         ("pJ a pixel", &|row| format!("{:.1}", row.pj_per_pixel)),
     ];
@@ -40,7 +40,7 @@ pub fn formats_text(report: &Report) -> String {
             scientific(error.percentiles.p99),
             signed(error.bias),
             error.ssim,
-            flip_text(row.error.flip),
+            scientific(row.error.flip),
             row.transistors,
             row.pj_per_pixel
         )

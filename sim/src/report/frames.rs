@@ -116,7 +116,7 @@ impl FrameRow {
             psnr_db: rgb.map(|rgb| rgb.psnr_db).filter(|psnr| psnr.is_finite()),
             max_abs: rgb.map_or(0.0, |rgb| rgb.max_abs),
             p99: rgb.map_or(0.0, |rgb| rgb.percentiles.p99),
-            flip: report.error.and_then(|error| error.flip).unwrap_or(0.0),
+            flip: report.error.map_or(0.0, |error| error.flip),
             bias: rgb.map_or(0.0, |rgb| rgb.bias),
             ssim: rgb.map_or(1.0, |rgb| rgb.ssim),
             cycles: report.cycles.as_ref().map(|cycles| cycles.total),
@@ -153,19 +153,15 @@ impl OverRows {
     /// For people.
     pub fn text(&self) -> String {
         type Line<'a> = (&'a str, &'a Spread, &'a dyn Fn(f64) -> String);
+        let exponent = |value: f64| format!("{value:.3e}");
+        let millions = |value: f64| format!("{:.3}", value / 1e6);
         let lines: [Line; 8] = [
             ("PSNR", &self.rms, &psnr_of_rms),
-            ("largest error", &self.max_abs, &|error| {
-                format!("{error:.3e}")
-            }),
-            ("99th percentile", &self.p99, &|error| {
-                format!("{error:.3e}")
-            }),
-            ("FLIP", &self.flip, &|flip| format!("{flip:.3e}")),
+            ("largest error", &self.max_abs, &exponent),
+            ("99th percentile", &self.p99, &exponent),
+            ("FLIP", &self.flip, &exponent),
             ("|bias|", &self.bias, &|bias| format!("{bias:.2e}")),
-            ("Mcycles", &self.cycles, &|cycles| {
-                format!("{:.3}", cycles / 1e6)
-            }),
+            ("Mcycles", &self.cycles, &millions),
             ("ms a frame", &self.ms_per_frame, &|ms| format!("{ms:.3}")),
             ("MB a second", &self.bytes_per_s, &|bytes| {
                 format!("{:.1}", bytes / 1e6)

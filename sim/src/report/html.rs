@@ -8,11 +8,12 @@
 use super::error_map::{self, ErrorMap};
 use super::facts::ReasonCounts;
 use super::formats::formats_section;
+use super::machine;
 use super::plot::{self, Across};
 use super::png::Rgb;
 use super::scale::PERCENTILE;
 use super::shell::Shell;
-use super::table::{self, COLUMNS, WORD_COLUMNS, count};
+use super::table::{COLUMNS, WORD_COLUMNS, count, decibels, scientific, signed, throughput_text};
 use super::viewer;
 use super::{ErrorFacts, Report, ReportRow};
 use crate::machine::accounts::UnitTime;
@@ -68,7 +69,7 @@ fn facts(report: &Report) -> String {
     let camera = &report.camera;
     let facts = format!(
         "{splats} splats at {width} × {height}, rules {rules}, {compositing}{order}. {subject} compared with the {reference} engine.",
-        splats = table::count(report.scene.splats),
+        splats = count(report.scene.splats),
         width = camera.width,
         height = camera.height,
         rules = escape(report.rules.name),
@@ -102,20 +103,20 @@ fn subject(report: &Report) -> String {
 /// The few figures that a reader looks for first.
 fn headline(report: &Report) -> String {
     let mut figures: Vec<(&str, String)> = Vec::new();
-    let psnr = |psnr_db: f64| match table::decibels(psnr_db) {
+    let psnr = |psnr_db: f64| match decibels(psnr_db) {
         number if psnr_db.is_finite() => format!("{number} <small>dB</small>"),
         identical => identical,
     };
     if let Some(error) = &report.error {
         figures.push(("PSNR of RGB", psnr(error.rgb.psnr_db)));
-        figures.push(("largest error", table::scientific(error.rgb.max_abs)));
-        figures.push(("bias", table::signed(error.rgb.bias)));
-        figures.push(("99 % within", table::scientific(error.rgb.percentiles.p99)));
+        figures.push(("largest error", scientific(error.rgb.max_abs)));
+        figures.push(("bias", signed(error.rgb.bias)));
+        figures.push(("99 % within", scientific(error.rgb.percentiles.p99)));
         figures.push(("SSIM", format!("{:.5}", error.rgb.ssim)));
-        figures.push(("FLIP", table::flip_text(error.flip)));
+        figures.push(("FLIP", scientific(error.flip)));
         let covered = &error.rgb.covered;
         figures.push(("PSNR, covered pixels", psnr(covered.psnr_db)));
-        figures.push(("bias, covered pixels", table::signed(covered.bias)));
+        figures.push(("bias, covered pixels", signed(covered.bias)));
     }
     if let Some(ratio) = report.pixels.and_then(|pixels| pixels.ratio()) {
         figures.push(("visited / covered", format!("{ratio:.2}")));
@@ -123,6 +124,11 @@ fn headline(report: &Report) -> String {
     let milliseconds = report.host.total_s * 1e3;
     let time = format!("{milliseconds:.1} <small>ms</small>");
     figures.push(("host time", time));
+    headline_of(&figures)
+}
+
+/// Figures with their names, both as HTML.
+pub fn headline_of(figures: &[(&str, String)]) -> String {
     let items: String = figures
         .iter()
         .map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"))
@@ -175,7 +181,7 @@ fn pictures(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -
     }
     Ok(format!(
         "<section>\n<h2>Pictures</h2>\n<p class=\"read\">{text}</p>\n{controls}<div class=\"pictures\" id=\"side\">\n{figures}</div>\n{readings}</section>\n",
-        controls = viewer::controls(),
+        controls = viewer::CONTROLS,
         readings = viewer::readings(map),
         text = pictures_text(map),
     ))
@@ -191,11 +197,11 @@ fn pictures_text(map: &ErrorMap) -> String {
          where it is darker, dark where both agree. Full colour is {limit}, or {steps} steps of an 8-bit picture: {percentile} % of the pixels that differ \
          do so by no more, and {outliers} do by more, at most {largest}. Towards its ends the scale is logarithmic: \
          read colours by the numbers under the bar.",
-        limit = table::scientific(map.scale.limit),
+        limit = scientific(map.scale.limit),
         steps = eight_bit_steps(map.scale.limit),
         percentile = PERCENTILE,
         outliers = plural(map.scale.outliers, "pixel", ""),
-        largest = table::scientific(map.scale.largest),
+        largest = scientific(map.scale.largest),
     )
 }
 
@@ -203,7 +209,7 @@ fn pictures_text(map: &ErrorMap) -> String {
 fn eight_bit_steps(error: f64) -> String {
     let steps = error * 255.0;
     if steps < 0.01 {
-        table::scientific(steps)
+        scientific(steps)
     } else {
         format!("{steps:.2}")
     }
@@ -218,7 +224,7 @@ fn magnified(factor: f64) -> String {
         return format!("{factor:.1e}");
     }
     let unit = 10f64.powi(factor.log10().floor() as i32 - 1);
-    table::count(((factor / unit).round() * unit) as u64)
+    count(((factor / unit).round() * unit) as u64)
 }
 
 /// The colour scale with numbers; nothing if there is no error.
@@ -231,12 +237,7 @@ fn scale_bar(map: &ErrorMap) -> String {
         .map(|[red, green, blue]| format!("rgb({red},{green},{blue})"))
         .collect();
     let ticks: String = [-1.0, -0.5, 0.0, 0.5, 1.0]
-        .map(|position| {
-            format!(
-                "<span>{}</span>",
-                table::signed(map.scale.difference_at(position))
-            )
-        })
+        .map(|position| format!("<span>{}</span>", signed(map.scale.difference_at(position))))
         .concat();
     format!(
         "<div class=\"bar\" role=\"img\" aria-label=\"colour scale\" style=\"background:linear-gradient(to right,{})\"></div>\n\
@@ -326,14 +327,11 @@ fn machine_section(report: &Report) -> String {
         ("stalled by", &causes),
     ];
     let table = table_of("", &[0, 5], &columns, &cycles.units);
-    let pace = escape(table::throughput_text(report).trim_end());
+    let pace = escape(throughput_text(report).trim_end());
     format!(
-        "<section>\n<h2>Cycles of the machine</h2>\n<p class=\"read\">{pace}</p>\n<p class=\"read\">{} cycles: geometry {}, sort {}, raster {}. For every unit busy, \
+        "<section>\n<h2>Cycles of the machine</h2>\n<p class=\"read\">{pace}</p>\n<p class=\"read\">{} For every unit busy, \
          stalled and idle cycles add up to its number times the total; utilisation is the busy part.</p>\n{table}\n</section>\n",
-        count(cycles.total),
-        count(cycles.geometry),
-        count(cycles.sort),
-        count(cycles.raster),
+        machine::phases(cycles),
     )
 }
 
@@ -377,14 +375,12 @@ fn systems(report: &Report) -> String {
         ("system", &|verdict| escape(&verdict.name)),
         ("in this picture", &in_picture),
         ("PSNR dB", &|verdict| {
-            of(verdict, |error| table::decibels(error.psnr_db))
+            of(verdict, |error| decibels(error.psnr_db))
         }),
         ("max error", &|verdict| {
-            of(verdict, |error| table::scientific(error.max_abs))
+            of(verdict, |error| scientific(error.max_abs))
         }),
-        ("bias", &|verdict| {
-            of(verdict, |error| table::signed(error.bias))
-        }),
+        ("bias", &|verdict| of(verdict, |error| signed(error.bias))),
     ];
     format!(
         "<section>\n<h2>Systems of the papers</h2>\n<p class=\"read\">Which systems this picture exercises. The error is that of the picture, \
@@ -407,18 +403,16 @@ fn error_table(error: &ErrorFacts) -> String {
     };
     let columns: [Column<Channels>; 12] = [
         ("channels", &|(name, _)| (*name).to_owned()),
-        ("PSNR dB", &|(_, of)| table::decibels(of.psnr_db)),
-        ("max error", &|(_, of)| table::scientific(of.max_abs)),
+        ("PSNR dB", &|(_, of)| decibels(of.psnr_db)),
+        ("max error", &|(_, of)| scientific(of.max_abs)),
         ("at pixel", &place),
-        ("p95", &|(_, of)| table::scientific(of.percentiles.p95)),
-        ("p99", &|(_, of)| table::scientific(of.percentiles.p99)),
-        ("bias", &|(_, of)| table::signed(of.bias)),
+        ("p95", &|(_, of)| scientific(of.percentiles.p95)),
+        ("p99", &|(_, of)| scientific(of.percentiles.p99)),
+        ("bias", &|(_, of)| signed(of.bias)),
         ("SSIM", &|(_, of)| format!("{:.6}", of.ssim)),
-        ("covered pixels", &|(_, of)| {
-            table::count(of.covered.pixels as u64)
-        }),
-        ("PSNR cov", &|(_, of)| table::decibels(of.covered.psnr_db)),
-        ("bias cov", &|(_, of)| table::signed(of.covered.bias)),
+        ("covered pixels", &|(_, of)| count(of.covered.pixels as u64)),
+        ("PSNR cov", &|(_, of)| decibels(of.covered.psnr_db)),
+        ("bias cov", &|(_, of)| signed(of.covered.bias)),
         ("SSIM cov", &|(_, of)| format!("{:.6}", of.covered.ssim)),
     ];
     let lines = [("RGB", &error.rgb), ("alpha", &error.alpha)];
@@ -426,7 +420,7 @@ fn error_table(error: &ErrorFacts) -> String {
         "<section>\n<h2>Errors of the picture</h2>\n<p class=\"read\">p95 and p99: so many percent of the samples differ by no more. FLIP is the mean \
          difference that an eye sees of colours in sRGB (HPG 2020), at {:.1} pixels per degree: {}.</p>\n{}\n</section>\n",
         error.flip_pixels_per_degree,
-        table::flip_text(error.flip),
+        scientific(error.flip),
         table_of(" class=\"short\"", &[0], &columns, lines)
     )
 }
@@ -508,10 +502,13 @@ fn details(report: &Report) -> Result<String> {
         fold("Camera", &report.camera)?,
         fold("Rules of blending", &report.rules)?,
     ];
-    Ok(format!(
-        "<section>\n<h2>Details</h2>\n{}</section>\n",
-        folds.concat()
-    ))
+    Ok(section("Details", &folds.concat()))
+}
+
+/// A part of a page.
+pub fn section(title: &str, body: &str) -> String {
+    let title = escape(title);
+    format!("<section>\n<h2>{title}</h2>\n{body}\n</section>\n")
 }
 
 fn fold(title: &str, facts: &impl Serialize) -> Result<String> {

@@ -5,6 +5,7 @@
 //! so that the timing that is reported is never slowed by it.
 
 use super::chart::{Anchor, Axis, Chart};
+use super::html::section;
 use super::labels::Rectangle;
 use super::shell::Shell;
 use super::table::count;
@@ -124,20 +125,26 @@ pub fn plots(timing: &Timing, watched: &Watched, config: &Config) -> [Plot; 4] {
     ]
 }
 
+/// The same as sections of a page.
+pub fn sections(timing: &Timing, watched: &Watched, config: &Config) -> String {
+    let in_section = |Plot { title, svg, .. }: Plot| {
+        section(title, &format!("<div class=\"scroll\">{svg}</div>"))
+    };
+    plots(timing, watched, config).map(in_section).concat()
+}
+
+/// All cycles, and those of the phases.
+pub fn phases(timing: &Timing) -> String {
+    let [total, geometry, sort, raster] =
+        [timing.total, timing.geometry, timing.sort, timing.raster].map(count);
+    format!("{total} cycles: geometry {geometry}, sort {sort}, raster {raster}.")
+}
+
 /// The page.
 pub fn page(name: &str, timing: &Timing, watched: &Watched, config: &Config) -> String {
-    let section = |Plot { title, svg, .. }: Plot| {
-        format!("<section>\n<h2>{title}</h2>\n<div class=\"scroll\">{svg}</div>\n</section>\n")
-    };
-    let plots = plots(timing, watched, config);
-    let sections: String = plots.into_iter().map(section).collect();
-    let facts = format!(
-        "<p class=\"facts\">{} cycles: geometry {}, sort {}, raster {}. Point at a mark for its number.</p>\n",
-        count(timing.total),
-        count(timing.geometry),
-        count(timing.sort),
-        count(timing.raster)
-    );
+    let sections = sections(timing, watched, config);
+    let phases = phases(timing);
+    let facts = format!("<p class=\"facts\">{phases} Point at a mark for its number.</p>\n");
     Shell::still("splatline: cycles of the machine", name, &facts, &sections).html()
 }
 

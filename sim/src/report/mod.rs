@@ -53,7 +53,6 @@ pub struct Report {
     /// What was drawn.
     pub scene: SceneFacts,
     /// What was not drawn as it was given: every line of warning that went to stderr.
-    #[serde(default)]
     pub warnings: Vec<String>,
     /// From where; the form of a camera file.
     pub camera: CameraFile,
@@ -64,7 +63,6 @@ pub struct Report {
     /// Null if nothing was compared.
     pub error: Option<ErrorFacts>,
     /// Which systems of the papers the picture exercises; `error` is that of all of them together.
-    #[serde(default)]
     pub systems: Vec<SystemVerdict>,
     /// How the colours of error.png are to be read; null if nothing was compared.
     pub error_map: Option<ScaleFacts>,
@@ -85,7 +83,6 @@ pub struct Report {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub formats: Vec<FormatRow>,
     /// Everything that decided the picture, so that `--from` can draw it again: a [`crate::plan::Plan`].
-    #[serde(default)]
     pub plan: serde_json::Value,
 }
 
@@ -96,11 +93,9 @@ pub struct ErrorFacts {
     pub rgb: ChannelError,
     /// Alpha.
     pub alpha: ChannelError,
-    /// Mean FLIP of the colours, 0 to 1; null in reports of before it was measured.
-    #[serde(default)]
-    pub flip: Option<f64>,
+    /// Mean FLIP of the colours, 0 to 1.
+    pub flip: f64,
     /// Pixels per degree of the visual field that it is for.
-    #[serde(default)]
     pub flip_pixels_per_degree: f64,
 }
 
@@ -115,13 +110,10 @@ pub struct ScaleFacts {
     /// `1 / limit`; null for identical pictures.
     pub magnification: Option<f64>,
     /// Of the pixels that differ, the percentile at which the scale ends.
-    #[serde(default)]
     pub percentile: f64,
     /// Pixels that differ by more, drawn in full colour.
-    #[serde(default)]
     pub outliers: usize,
     /// The largest of them.
-    #[serde(default)]
     pub largest: f64,
 }
 
@@ -146,10 +138,8 @@ pub struct HostTimes {
     pub raster_s: f64,
     /// Bringing the scene into the kernel's formats and the pixels into a picture; all of it for an engine that does
     /// not tell its stages apart.
-    #[serde(default)]
     pub convert_s: f64,
     /// Loading, classifying and texturing the scene before it was drawn; done once, and no part of the total.
-    #[serde(default)]
     pub prepare_s: f64,
     /// All of the drawing by the wall clock.
     pub total_s: f64,
@@ -167,10 +157,8 @@ pub struct FormatRow {
     /// Its errors.
     pub error: ErrorFacts,
     /// Transistors of the arithmetic of a lane, an estimate.
-    #[serde(default)]
     pub transistors: u64,
     /// Energy of a pixel in the lane and in the tile's buffer, picojoules, an estimate.
-    #[serde(default)]
     pub pj_per_pixel: f64,
 }
 
@@ -184,8 +172,7 @@ pub struct ReportRow {
     /// Error of red, green and blue.
     pub error: ChannelError,
     /// Mean FLIP of the colours.
-    #[serde(default)]
-    pub flip: Option<f64>,
+    pub flip: f64,
     /// Pixels that the traversal stepped over.
     pub visited: u64,
     /// Pixels inside the footprints.
@@ -193,7 +180,6 @@ pub struct ReportRow {
     /// Their ratio, 1 at best; null if nothing was covered.
     pub visited_per_covered: Option<f64>,
     /// Cycles of the hardware model; null if it was not run.
-    #[serde(default)]
     pub cycles: Option<u64>,
     /// Time on this machine.
     pub host: HostTimes,
@@ -227,7 +213,7 @@ impl ErrorFacts {
         ErrorFacts {
             rgb: errors.colour,
             alpha: errors.alpha,
-            flip: Some(flip),
+            flip,
             flip_pixels_per_degree: PIXELS_PER_DEGREE,
         }
     }

@@ -160,24 +160,14 @@ impl Shown {
             scale: float_error.scale,
             ..ErrorMap::new(fixed, photograph)
         };
+        let errors = |name: &str| format!("{name} minus photograph");
+        let photograph = Rgb::on_black(photograph);
         Ok(Shown(vec![
-            (
-                "photo.png",
-                "photograph".to_owned(),
-                Rgb::on_black(photograph),
-            ),
+            ("photo.png", "photograph".to_owned(), photograph),
             ("float.png", reference.clone(), Rgb::on_black(float)),
             ("fixed.png", design.clone(), Rgb::on_black(fixed)),
-            (
-                "float-error.png",
-                format!("{reference} minus photograph"),
-                float_error.to_rgb(),
-            ),
-            (
-                "fixed-error.png",
-                format!("{design} minus photograph"),
-                fixed_error.to_rgb(),
-            ),
+            ("float-error.png", errors(reference), float_error.to_rgb()),
+            ("fixed-error.png", errors(design), fixed_error.to_rgb()),
         ]))
     }
 

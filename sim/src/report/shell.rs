@@ -48,15 +48,6 @@ impl Shell<'_> {
 
     /// The whole file.
     pub fn html(&self) -> String {
-        let Shell {
-            product,
-            facts,
-            body,
-            footer,
-            scripts,
-            script_policy,
-            ..
-        } = self;
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -64,10 +55,16 @@ impl Shell<'_> {
              style-src 'unsafe-inline'; img-src data:\">\n\
              <title>{title}</title>\n<style>\n{style}{charts}</style>\n</head>\n<body>\n<header>\n<p class=\"product\">{product}</p>\n\
              <h1>{heading}</h1>\n{facts}</header>\n<main>\n{body}</main>\n<footer>{footer}</footer>\n{scripts}</body>\n</html>\n",
+            script_policy = self.script_policy,
             title = escape(self.title),
+            product = self.product,
             heading = escape(self.heading),
+            facts = self.facts,
+            body = self.body,
+            footer = self.footer,
+            scripts = self.scripts,
             style = include_str!("page.css"),
-            charts = chart::style(),
+            charts = chart::STYLE,
         )
     }
 }

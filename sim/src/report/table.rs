@@ -1,6 +1,7 @@
 //! The sweep's table: one set of cells for the terminal and for the page.
 
 use super::{Report, ReportRow};
+use indicatif::HumanCount;
 
 /// A heading, and its cell of a row as text.
 pub type TextColumn = (&'static str, fn(&ReportRow) -> String);
@@ -14,7 +15,7 @@ pub const COLUMNS: [TextColumn; 18] = [
     ("p99", |row| scientific(row.error.percentiles.p99)),
     ("bias", |row| signed(row.error.bias)),
     ("SSIM", |row| format!("{:.5}", row.error.ssim)),
-    ("FLIP", |row| flip_text(row.flip)),
+    ("FLIP", |row| scientific(row.flip)),
     ("PSNR cov", |row| decibels(row.error.covered.psnr_db)),
     ("bias cov", |row| signed(row.error.covered.bias)),
     ("SSIM cov", |row| format!("{:.5}", row.error.covered.ssim)),
@@ -99,11 +100,6 @@ pub fn psnr_of_rms(rms: f64) -> String {
     }
 }
 
-/// Mean FLIP; `-` where it was not measured.
-pub fn flip_text(flip: Option<f64>) -> String {
-    flip.map_or_else(|| "-".to_owned(), scientific)
-}
-
 /// `3.1e-3`; plain `0` for zero.
 pub fn scientific(value: f64) -> String {
     if value == 0.0 {
@@ -124,15 +120,7 @@ pub fn signed(value: f64) -> String {
 
 /// Digits in groups of three, parted by a space.
 pub fn count(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
+    HumanCount(number).to_string().replace(',', " ")
 }
 
 fn milliseconds(seconds: f64) -> String {

@@ -109,41 +109,15 @@ pub fn packed(bytes: &[u8]) -> std::io::Result<String> {
 }
 
 /// The buttons over the pictures, hidden until the script is there.
-pub fn controls() -> String {
-    let layers = |chosen: &str| -> String {
-        ["fixed", "float", "error"]
-            .iter()
-            .map(|name| {
-                let mark = if *name == chosen { " selected" } else { "" };
-                format!("<option{mark}>{name}</option>")
-            })
-            .collect()
-    };
-    format!(
-        "<div class=\"choice scripted\" id=\"modes\" hidden>\n<button data-mode=\"side\">side by side</button>\
-         <button data-mode=\"slider\">slider</button><button data-mode=\"flicker\">flicker</button>\
-         <label>of <select id=\"left\">{}</select></label><label>and <select id=\"right\">{}</select></label>\
-         <button id=\"nearer\" aria-label=\"zoom in\">+</button><button id=\"farther\" aria-label=\"zoom out\">−</button><span id=\"zoomed\"></span></div>\n\
-         <div id=\"stack\" hidden><p class=\"facts\" id=\"shown\"></p><div class=\"view\" id=\"over\" tabindex=\"0\"><b></b><i hidden></i></div>\
-         <input type=\"range\" id=\"divide\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"where one picture ends and the other begins\"></div>\n",
-        layers("fixed"),
-        layers("float"),
-    )
-}
+pub const CONTROLS: &str = include_str!("controls.html");
 
 /// What stands under the pictures: the pixel under the pointer, the percentile, the histogram.
 pub fn readings(map: &ErrorMap) -> String {
     if map.differences.is_empty() {
         return String::new();
     }
-    format!(
-        "<div class=\"readings scripted\" data-needs=\"values\" hidden>\n<div><h3>Under the pointer</h3><div class=\"scroll\"><table class=\"short pixel\" id=\"pixel\">\
-         <tr><th>Point at a picture; drag moves, a click and then the wheel zoom, two clicks bring back the whole.</th></tr></table></div></div>\n\
-         <div><h3>Signed error</h3><svg class=\"histogram\" id=\"histogram\" viewBox=\"0 0 1000 100\" preserveAspectRatio=\"none\" role=\"img\" aria-label=\"histogram of the signed error\"></svg>\n\
-         <div class=\"ticks\" id=\"ticks\"></div><label class=\"percentile\">scale ends at <input type=\"range\" id=\"percentile\" min=\"0\" max=\"{}\" aria-label=\"percentile at which the scale ends\"><output id=\"percent\"></output></label>\n\
-         <p class=\"facts\" id=\"outliers\"></p></div>\n</div>\n",
-        PERCENTILES.len() - 1
-    )
+    let last = (PERCENTILES.len() - 1).to_string();
+    include_str!("readings.html").replace("{last}", &last)
 }
 
 #[cfg(test)]

@@ -95,12 +95,9 @@ impl StageErrors {
         let [peak, expected] = [peak, truth.peak].map(|peak| peak.min(LARGEST_PEAK));
         self.peak = worse(self.peak, (peak / expected - 1.0).abs());
         let [true_xx, true_xy, true_yy, true_determinant] = truth.variance;
+        let [along, down] = [xx / true_xx, yy / true_yy].map(|part| (part - 1.0).abs());
         let cross = (xy - true_xy).abs() / (true_xx * true_yy).sqrt();
-        for error in [
-            (xx / true_xx - 1.0).abs(),
-            (yy / true_yy - 1.0).abs(),
-            cross,
-        ] {
+        for error in [along, down, cross] {
             self.variance = worse(self.variance, error);
         }
         let relative = (determinant / true_determinant - 1.0).abs();

@@ -23,9 +23,12 @@ pub mod scenes;
 pub mod steps;
 pub mod table;
 
+use crate::camera::Camera;
 use crate::design::DesignChoice;
 use crate::fixed;
 pub use crate::reference::{rational as exact, single};
+use crate::rules::Rules;
+use crate::scene::Splat;
 use bounds::ErrorBounds;
 pub use splatline_reference::hard::cases;
 
@@ -119,17 +122,11 @@ fn measure_case(case: &Case, designs: &[DesignChoice]) -> Vec<StabilityLine> {
     lines
 }
 
+/// Projects a splat of a weight.
+type Project<F> = fn(&Splat, f64, &Camera, &Rules) -> Option<F>;
+
 /// Projects every splat; a splat equal to the one before it is not computed again.
-fn project_all<F: Copy>(
-    case: &Case,
-    weights: &[f64],
-    project: impl Fn(
-        &crate::scene::Splat,
-        f64,
-        &crate::camera::Camera,
-        &crate::rules::Rules,
-    ) -> Option<F>,
-) -> Vec<Option<F>> {
+fn project_all<F: Copy>(case: &Case, weights: &[f64], project: Project<F>) -> Vec<Option<F>> {
     let mut projected: Vec<Option<F>> = Vec::with_capacity(weights.len());
     for (index, splat) in case.scene.splats.iter().enumerate() {
         let repeated = index > 0 && case.scene.splats[index - 1] == *splat;

@@ -34,7 +34,7 @@ fn every_plan_draws_its_committed_bits_and_errors() {
 
 #[test]
 fn every_system_has_a_plan_that_exercises_it() {
-    for system in &SYSTEMS {
+    for system in SYSTEMS.iter() {
         let prefix = format!("{:02}-", system.number);
         let own = plans(&folder()).unwrap().into_iter();
         let own: Vec<_> = own.filter(|(name, _)| name.starts_with(&prefix)).collect();

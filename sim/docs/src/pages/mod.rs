@@ -55,7 +55,7 @@ impl Page {
     /// Writes all files into a folder.
     pub fn write(&self, folder: &Path) -> Result<()> {
         for (name, text) in &self.files {
-            write(&folder.join(name), text.as_bytes())?;
+            write(&folder.join(name), text)?;
         }
         Ok(())
     }

@@ -23,7 +23,7 @@ fn text(lines: &[GoldenLine]) -> String {
          | # | system | source | files | reference | plan | PSNR dB | largest error | bias | bar |\n|---|---|---|---|---|---|--:|--:|--:|---|\n",
         BARS.0, BARS.1
     );
-    for system in &SYSTEMS {
+    for system in SYSTEMS.iter() {
         let mut shown = format!(
             "| {} | {} | {} | {} | {} |",
             system.number, system.name, system.source, system.modules, system.reference

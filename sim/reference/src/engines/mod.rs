@@ -108,7 +108,7 @@ pub struct FloatDrawing {
 }
 
 /// A rectangle of pixels, `x0 <= x < x1` and `y0 <= y < y1`; empty if a pair is not ascending.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PixelBox {
     /// First column.
     pub x0: usize,

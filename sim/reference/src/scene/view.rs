@@ -24,7 +24,7 @@ pub struct Bounds {
 
 impl Bounds {
     /// The box of some places when the `outermost` part on each side of each axis is left out; nothing of nothing.
-    pub(crate) fn around(
+    pub fn around(
         places: impl Iterator<Item = [f64; 3]> + Clone,
         outermost: f64,
     ) -> Option<Bounds> {

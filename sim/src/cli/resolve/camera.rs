@@ -37,12 +37,17 @@ pub(super) fn camera(
 }
 
 fn camera_from_file(path: &Path, options: &CameraArgs) -> Result<(Camera, Vec<String>)> {
-    let pose = cameras::choose(cameras::load(path, options.size)?, options.image.as_deref())
-        .map_err(|problem| anyhow!("camera file '{}' {problem}", path.display()))?;
+    let pose = pose_of(path, options.size, options.image.as_deref())?;
     for note in &pose.notes {
         print_error(&format!("{}: {note}\n", pose.name));
     }
-    of_pose(path, pose, options)
+    with_size(path, pose, options)
+}
+
+/// A camera of a file that may hold several.
+pub fn pose_of(path: &Path, size: Option<[usize; 2]>, image: Option<&str>) -> Result<CameraPose> {
+    let chosen = cameras::choose(cameras::load(path, size)?, image);
+    chosen.map_err(|problem| anyhow!("camera file '{}' {problem}", path.display()))
 }
 
 /// The first camera that a trainer's folder was trained with, where nothing is said about the view.
@@ -62,12 +67,12 @@ fn trained_camera(scene: &Path, options: &CameraArgs) -> Result<Option<(Camera, 
         first.name,
         scene.display()
     ))?;
-    of_pose(&file, first, options).map(Some)
+    with_size(&file, first, options).map(Some)
 }
 
 /// A file's camera with the picture's size that is asked for; a rotation that was corrected, and what that size
 /// stretches, are told.
-fn of_pose(path: &Path, pose: CameraPose, options: &CameraArgs) -> Result<(Camera, Vec<String>)> {
+fn with_size(path: &Path, pose: CameraPose, options: &CameraArgs) -> Result<(Camera, Vec<String>)> {
     let (camera, change, field) = (pose.camera, pose.correction, pose.rotation_field);
     let mut warnings = Vec::new();
     if change > NOTABLE_CORRECTION {

@@ -1,6 +1,6 @@
 //! From options to a machine, the part that it is built on, and the prices of both.
 
-use crate::cli::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
+use crate::cli::machine_args::{AreaOptions, MachineOptions};
 use crate::cli::output::settings;
 use crate::cli::say::usage;
 use crate::machine::area::Calibration;
@@ -8,6 +8,7 @@ use crate::machine::config::{self, Config};
 use crate::machine::energy::EnergyTable;
 use crate::machine::parts::{Part, Parts};
 use anyhow::Result;
+use std::path::PathBuf;
 
 /// Refuses lists that keep the order of the picture before.
 pub fn refuse_kept_order(machine: &Config) -> Result<()> {
@@ -64,8 +65,8 @@ pub fn calibration(options: &AreaOptions) -> Result<Calibration> {
 }
 
 /// The table of energies that was asked for, or the one that ships.
-pub fn energy_table(options: &EnergyOptions) -> Result<EnergyTable> {
-    match &options.energy {
+pub fn energy_table(file: Option<&PathBuf>) -> Result<EnergyTable> {
+    match file {
         None => Ok(EnergyTable::default()),
         Some(path) => settings(path, EnergyTable::from_toml),
     }

@@ -3,9 +3,8 @@
 //! What contradicts itself or has no meaning for the kind of scene is refused; what is left open follows from the
 //! scene.
 
-use super::PlanRequest;
+use super::{PlanRequest, pose_of};
 use crate::camera::Camera;
-use crate::cameras;
 use crate::cli::drawing_args::TechniqueOptions;
 use crate::cli::say::usage;
 use crate::cli::values::{AntialiasChoice, Backfaces, SceneKind};
@@ -13,7 +12,8 @@ use crate::cli::view_args::{SplatArgs, SurfaceArgs, ViewOptions};
 use crate::hybrid::{Hybrid, Points, spacing};
 use crate::plan::load::SourceCamera;
 use crate::plan::{
-    AlphaChannel, AnyScene, Contents, Engine, SheetBuffers, Source, SplatMethod, Technique,
+    AlphaChannel, AnyScene, Contents, Engine, SheetBuffers, Source, SplatMethod, SplatTechnique,
+    Technique,
 };
 use crate::reference::sphere::Shape;
 use crate::rules::{Antialias, Compositing, Kernel, Rules};
@@ -24,8 +24,8 @@ use crate::scene::points::height_field::is_height_field;
 use crate::scene::points::orientation::Orientation;
 use crate::surface::{Buffer, Style, USUAL_EDGE};
 use crate::texture::warp;
-use anyhow::{Result, anyhow};
-use std::path::Path;
+use anyhow::{Result, ensure};
+use std::path::{Path, PathBuf};
 
 /// Light of a cloud that has no colours of its own, from above the default camera's left shoulder.
 const USUAL_LIGHT: [f64; 3] = [0.4, 0.5, 1.0];
@@ -44,7 +44,6 @@ impl PlanRequest<'_> {
             },
             Some(SceneKind::Surface) => self.surface(path)?,
             Some(SceneKind::Texture) => {
-                refuse("--as texture", &self.for_volumes())?;
                 refuse("--as texture", &for_surfaces(self.view))?;
                 Contents::Texture
             }
@@ -55,17 +54,16 @@ impl PlanRequest<'_> {
 
     fn surface(&self, path: &Path) -> Result<Contents> {
         let options = &self.view.surface;
-        refuse("--as surface", &self.for_volumes())?;
         if options.flatten.is_some() {
             refuse("--flatten", &for_styles(self.view))?;
         } else if options.depth_image_from.is_some() {
             refuse("--depth-image-from", &for_styles(self.view))?;
         } else {
             refuse("--as surface", &self.for_splats())?;
-            if self.engine == Engine::Exact {
-                let message = "--engine exact has no meaning with --as surface: use fixed or float";
-                return Err(usage(message));
-            }
+            ensure!(
+                self.engine != Engine::Exact,
+                usage("--engine exact has no meaning with --as surface: use fixed or float")
+            );
         }
         let of_height_fields = [
             (options.texture.is_some(), "--texture"),
@@ -77,13 +75,14 @@ impl PlanRequest<'_> {
             let message = format!("{option} needs a height field: give a .csv file as scene");
             return Err(usage(message));
         }
-        let depth_image = options.depth_image_from.as_deref().map(source_camera);
+        let pose = |file: &PathBuf| pose_of(file, None, None);
+        let pose = options.depth_image_from.as_ref().map(pose).transpose()?;
         let photograph = options.texture.clone();
         Ok(Contents::Surface {
             texture: photograph.map(|photograph| (photograph, options.coefficients)),
             spacing: options.spacing,
             flatten: options.flatten,
-            depth_image: depth_image.transpose()?,
+            depth_image: pose.map(|pose| SourceCamera(pose.camera)),
         })
     }
 
@@ -127,19 +126,19 @@ impl PlanRequest<'_> {
             SplatMethod::Sheets(_) => "--sheets",
             _ => "",
         };
-        if !name.is_empty() && compositing != Compositing::FrontToBack {
-            let message = format!("{name} composite front to back only");
-            return Err(usage(message));
-        }
-        if matches!(method, SplatMethod::DeepAlpha(_)) && compositing == Compositing::XRay {
-            let message = "--deep-alpha composites and does not sum: leave out --compositing x-ray";
-            return Err(usage(message));
-        }
-        Ok(Technique::Splats {
+        ensure!(
+            name.is_empty() || compositing == Compositing::FrontToBack,
+            usage(format!("{name} composite front to back only"))
+        );
+        ensure!(
+            compositing != Compositing::XRay || !matches!(method, SplatMethod::DeepAlpha(_)),
+            usage("--deep-alpha composites and does not sum: leave out --compositing x-ray")
+        );
+        Ok(Technique::Splats(SplatTechnique {
             rules,
             compositing,
             method,
-        })
+        }))
     }
 
     fn method(&self, scene: &Scene, rules: &Rules, are_samples: bool) -> Result<SplatMethod> {
@@ -149,10 +148,10 @@ impl PlanRequest<'_> {
         let points = self.points(options, scene, rules, are_samples)?;
         if let Some(kind) = options.sheets {
             let thickness = options.sheet_thickness.unwrap_or_else(|| spacing(scene));
-            if thickness <= 0.0 {
-                let message = "--sheets needs --sheet-thickness: the scene's splats have no size";
-                return Err(usage(message));
-            }
+            ensure!(
+                thickness > 0.0,
+                usage("--sheets needs --sheet-thickness: the scene's splats have no size")
+            );
             return Ok(SplatMethod::Sheets(SheetBuffers { kind, thickness }));
         }
         if let Some(representation) = options.deep_alpha {
@@ -182,15 +181,14 @@ impl PlanRequest<'_> {
         let stamped = self.is_stamped();
         let requested = options.points.is_some() || stamped;
         let scaled = rules.spacing > 0.0 && rules.cutoff.is_finite();
-        if stamped && options.is_another_method() {
-            let message =
-                "--traversal stamp draws points: leave out --sheets, --deep-alpha and --spheres";
-            return Err(usage(message));
-        }
-        if requested && !scaled {
-            let message = "--points and --traversal stamp need --rules ewa and --antialias swan";
-            return Err(usage(message));
-        }
+        ensure!(
+            !(stamped && options.is_another_method()),
+            usage("--traversal stamp draws points: leave out --sheets, --deep-alpha and --spheres")
+        );
+        ensure!(
+            scaled || !requested,
+            usage("--points and --traversal stamp need --rules ewa and --antialias swan")
+        );
         let chosen = requested || are_samples && scaled;
         if !chosen {
             return Ok(None);
@@ -205,11 +203,6 @@ impl PlanRequest<'_> {
             depth_range: range.map(|range| range * spacing(scene)),
             phase_bits: stamped.then_some(options.phase_bits),
         }))
-    }
-
-    /// Options about volumes alone.
-    fn for_volumes(&self) -> Vec<Given> {
-        vec![(self.view.splats.transfer.is_some(), "--transfer")]
     }
 
     /// Options about splats, which points of a surface are not.
@@ -271,13 +264,6 @@ fn first_given(options: &[Given]) -> Option<&'static str> {
     given.map(|(_, option)| *option)
 }
 
-/// The camera that takes a depth image.
-fn source_camera(path: &Path) -> Result<SourceCamera> {
-    let pose = cameras::choose(cameras::load(path, None)?, None)
-        .map_err(|problem| anyhow!("camera file '{}' {problem}", path.display()))?;
-    Ok(SourceCamera(pose.camera))
-}
-
 /// The rules asked for, with the kernel and the protection against aliasing asked for, or else with that which the
 /// scene was trained with.
 fn rules(options: &SplatArgs, scene: &Scene, antialias: Option<AntialiasChoice>) -> Result<Rules> {
@@ -296,11 +282,10 @@ fn rules(options: &SplatArgs, scene: &Scene, antialias: Option<AntialiasChoice>)
     };
     let antialias = antialias.unwrap_or(usual).with(variance, || spacing(scene));
     let is_filtered = matches!(antialias, Antialias::Ewa(_) | Antialias::Mip(_));
-    if options.low_pass.is_some() && !is_filtered {
-        let message =
-            "--low-pass has no meaning with --antialias none and swan: leave one of them out";
-        return Err(usage(message));
-    }
+    ensure!(
+        is_filtered || options.low_pass.is_none(),
+        usage("--low-pass has no meaning with --antialias none and swan: leave one of them out")
+    );
     Ok(rules.with_antialias(antialias))
 }
 

@@ -6,7 +6,7 @@
 //! is moved up a step and another down: a lane less for a row more at once is a gain that neither shows alone.
 
 use super::{Judge, Search, compare};
-use crate::explore::space::{SpaceAxis, SpacePart};
+use crate::explore::space::{Point, SpaceAxis, SpacePart};
 use anyhow::Result;
 use splatline::format::WIDTH_RANGES;
 
@@ -51,7 +51,7 @@ pub const EXCHANGED: [&str; 12] = [
 
 impl Search<'_> {
     /// The least index of a width up to the point's that holds the limits on errors.
-    fn lowest_width(&mut self, point: &[usize], axis: usize) -> Result<Vec<usize>> {
+    fn lowest_width(&mut self, point: &[usize], axis: usize) -> Result<Point> {
         let at = |index: usize| moved(point, axis, index);
         let (mut bad, mut good) = (0, point[axis]);
         while bad < good {
@@ -68,9 +68,9 @@ impl Search<'_> {
     /// Moves a point until a round of moves leaves it where it is.
     fn until_it_stays(
         &mut self,
-        start: Vec<usize>,
-        mut round: impl FnMut(&mut Self, Vec<usize>) -> Result<Vec<usize>>,
-    ) -> Result<Vec<usize>> {
+        start: Point,
+        mut round: impl FnMut(&mut Self, Point) -> Result<Point>,
+    ) -> Result<Point> {
         let mut point = start;
         loop {
             let moved = round(self, point.clone())?;
@@ -82,12 +82,7 @@ impl Search<'_> {
     }
 
     /// Moves one field at a time until none gains anything.
-    pub fn descend(
-        &mut self,
-        start: Vec<usize>,
-        axes: &[usize],
-        judge: Judge,
-    ) -> Result<Vec<usize>> {
+    pub fn descend(&mut self, start: Point, axes: &[usize], judge: Judge) -> Result<Point> {
         self.until_it_stays(start, |search, mut point| {
             for axis in axes {
                 let all = 0..search.space.axes[*axis].values.len();
@@ -100,12 +95,7 @@ impl Search<'_> {
     }
 
     /// Moves one field at a time, and two where one gains nothing, until neither does.
-    pub fn settle(
-        &mut self,
-        start: Vec<usize>,
-        axes: &[usize],
-        judge: Judge,
-    ) -> Result<Vec<usize>> {
+    pub fn settle(&mut self, start: Point, axes: &[usize], judge: Judge) -> Result<Point> {
         self.until_it_stays(start, |search, point| {
             let point = search.descend(point, axes, judge)?;
             search.exchange(&point, axes, judge)
@@ -114,12 +104,7 @@ impl Search<'_> {
 
     /// Lowers one width at a time as far as the limits on errors allow, until none can be lowered; where `cheaper` asks
     /// for it, only if that gains area.
-    pub fn lower_widths(
-        &mut self,
-        start: Vec<usize>,
-        widths: &[usize],
-        cheaper: bool,
-    ) -> Result<Vec<usize>> {
+    pub fn lower_widths(&mut self, start: Point, widths: &[usize], cheaper: bool) -> Result<Point> {
         self.until_it_stays(start, |search, mut point| {
             for axis in widths {
                 let lowest = search.lowest_width(&point, *axis)?;
@@ -132,7 +117,7 @@ impl Search<'_> {
     }
 
     /// One field up a step and another down, over all pairs: the best of what that gives.
-    fn exchange(&mut self, point: &[usize], axes: &[usize], judge: Judge) -> Result<Vec<usize>> {
+    fn exchange(&mut self, point: &[usize], axes: &[usize], judge: Judge) -> Result<Point> {
         let dear = |axis: &&usize| EXCHANGED.contains(&self.space.axes[**axis].key.as_str());
         let axes: Vec<usize> = axes.iter().filter(dear).copied().collect();
         let mut moved = Vec::new();
@@ -153,7 +138,7 @@ impl Search<'_> {
     }
 
     /// A bit more of one width for as many less of another as the errors allow, if that is cheaper.
-    fn exchange_widths(&mut self, point: &[usize], widths: &[usize]) -> Result<Vec<usize>> {
+    fn exchange_widths(&mut self, point: &[usize], widths: &[usize]) -> Result<Point> {
         let cost = self.cost(point)?;
         for up in widths {
             let Some(raised) = step(self, point, *up, 1) else {
@@ -174,7 +159,7 @@ impl Search<'_> {
     }
 
     /// Widths as small as the limits on errors allow; all of them untouched if there are none.
-    fn narrow(&mut self, start: Vec<usize>, widths: &[usize]) -> Result<Vec<usize>> {
+    fn narrow(&mut self, start: Point, widths: &[usize]) -> Result<Point> {
         self.until_it_stays(start, |search, point| {
             let point = search.lower_widths(point, widths, true)?;
             search.exchange_widths(&point, widths)
@@ -182,7 +167,7 @@ impl Search<'_> {
     }
 
     /// The whole search from a point whose design holds the limits on errors, if there are any.
-    pub fn search(&mut self, start: Vec<usize>, judge: Judge) -> Result<Vec<usize>> {
+    pub fn search(&mut self, start: Point, judge: Judge) -> Result<Point> {
         let (widths, mut others) = self.split_axes();
         if !self.has_error_limit() && !self.by_bounds {
             // Without a limit widths are fields as all others.
@@ -233,7 +218,7 @@ impl Search<'_> {
     }
 
     /// The point's own machine, and others of which each field is drawn by chance, always the same ones.
-    fn beginnings(&self, point: &[usize], machines: &[usize]) -> Vec<Vec<usize>> {
+    fn beginnings(&self, point: &[usize], machines: &[usize]) -> Vec<Point> {
         let mut state = 0x9e37_79b9_7f4a_7c15u64;
         let mut below = |count: usize| {
             state ^= state << 13;
@@ -265,13 +250,13 @@ fn is_width(axis: &SpaceAxis) -> bool {
 }
 
 /// A field one step up or down its axis.
-fn step(search: &Search, point: &[usize], axis: usize, by: isize) -> Option<Vec<usize>> {
+fn step(search: &Search, point: &[usize], axis: usize, by: isize) -> Option<Point> {
     let index = point[axis].checked_add_signed(by)?;
     (index < search.space.axes[axis].values.len()).then(|| moved(point, axis, index))
 }
 
 /// The point with another value of a field.
-fn moved(point: &[usize], axis: usize, index: usize) -> Vec<usize> {
+fn moved(point: &[usize], axis: usize, index: usize) -> Point {
     let mut moved = point.to_vec();
     moved[axis] = index;
     moved

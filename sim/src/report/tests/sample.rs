@@ -79,7 +79,7 @@ pub fn rows() -> Vec<ReportRow> {
             design: design.to_owned(),
             traversal: traversal.to_owned(),
             error,
-            flip: Some(0.4 * rms),
+            flip: 0.4 * rms,
             visited,
             covered,
             visited_per_covered: Some(visited as f64 / covered as f64),

@@ -51,26 +51,20 @@ pub(super) trait DecisionEngine: Sync {
     /// The pixels outside of which splat `index` is not drawn.
     fn bounds(&self, index: usize) -> PixelBox;
 
-    /// Empty pixels for `area`.
-    fn start(&self, area: PixelBox) -> Box<dyn DecisionTile + '_>;
+    /// Who draws on the pixels of `area`, which are empty yet.
+    fn start(&self, area: PixelBox) -> DrawSplat<'_>;
 }
 
-/// Pixels of a tile that an engine draws on.
-pub(super) trait DecisionTile {
-    /// Draws splat `index` within `bounds`, and tells for each of those pixels, row by row, whether it would be drawn
-    /// if alone.
-    fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>);
+/// Draws a splat by its number within bounds, and tells what becomes of each of those pixels, row by row.
+pub(super) type DrawSplat<'a> = Box<dyn FnMut(usize, PixelBox) -> Vec<Decided> + 'a>;
 
-    /// Whether the pixel at a place of the tile takes no more splats.
-    fn is_finished(&self, place: usize) -> bool;
+/// What becomes of a pixel.
+pub(super) struct Decided {
+    /// Would the splat be drawn if alone?
+    drawn: bool,
+    /// Does the pixel take no more splats?
+    finished: bool,
 }
-
-const NOWHERE: PixelBox = PixelBox {
-    x0: 0,
-    y0: 0,
-    x1: 0,
-    y1: 0,
-};
 
 /// An engine in floating point, which computes what a layer leaves of the light in its own precision.
 pub(super) struct FloatSide<'a> {
@@ -88,7 +82,9 @@ pub(super) fn double<'a>(
 ) -> FloatSide<'a> {
     let splat = |index: usize| projected[index].as_ref();
     FloatSide {
-        bounds: Box::new(move |index| splat(index).map_or(NOWHERE, |f| f.bounds)),
+        bounds: Box::new(move |index| {
+            splat(index).map_or_else(|_| PixelBox::default(), |f| f.bounds)
+        }),
         opacity: Box::new(move |index, [x, y]| {
             compositor::opacity(splat(index).ok()?, [x as f64 + 0.5, y as f64 + 0.5], rules)
         }),
@@ -105,7 +101,9 @@ pub(super) fn single<'a>(
 ) -> FloatSide<'a> {
     let splat = |index: usize| projected[index].as_ref();
     FloatSide {
-        bounds: Box::new(move |index| splat(index).map_or(NOWHERE, |f| f.bounds(camera, rules))),
+        bounds: Box::new(move |index| {
+            splat(index).map_or_else(PixelBox::default, |f| f.bounds(camera, rules))
+        }),
         opacity: Box::new(move |index, [x, y]| {
             let opacity = splat(index)?.opacity(x as f32 + 0.5, y as f32 + 0.5, rules);
             (opacity > 0.0).then_some(opacity.into())
@@ -120,43 +118,25 @@ impl DecisionEngine for FloatSide<'_> {
         (self.bounds)(index)
     }
 
-    fn start(&self, area: PixelBox) -> Box<dyn DecisionTile + '_> {
-        Box::new(FloatTile {
-            engine: self,
-            area,
-            clear: vec![1.0; pixels_of(area)],
+    fn start(&self, area: PixelBox) -> DrawSplat<'_> {
+        let columns = area.x1 - area.x0;
+        // The light that is left, 0 once finished.
+        let mut clear = vec![1.0; pixels_of(area)];
+        Box::new(move |index, bounds| {
+            let decide = |place: usize| {
+                let at = [place % columns + area.x0, place / columns + area.y0];
+                let opacity = (self.opacity)(index, at);
+                if let Some(opacity) = opacity {
+                    let rest = (self.behind)(clear[place], opacity);
+                    clear[place] = if rest <= self.stop { 0.0 } else { rest };
+                }
+                Decided {
+                    drawn: opacity.is_some(),
+                    finished: clear[place] == 0.0,
+                }
+            };
+            places(bounds, area).map(decide).collect()
         })
-    }
-}
-
-/// Pixels of a float engine: the light that is left, 0 once finished.
-struct FloatTile<'a> {
-    engine: &'a FloatSide<'a>,
-    area: PixelBox,
-    clear: Vec<f64>,
-}
-
-impl DecisionTile for FloatTile<'_> {
-    fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>) {
-        drawn.clear();
-        let columns = self.area.x1 - self.area.x0;
-        for place in places(bounds, self.area) {
-            let at = [
-                place % columns + self.area.x0,
-                place / columns + self.area.y0,
-            ];
-            let opacity = (self.engine.opacity)(index, at);
-            drawn.push(opacity.is_some());
-            if let Some(opacity) = opacity {
-                let rest = (self.engine.behind)(self.clear[place], opacity);
-                let finished = rest <= self.engine.stop;
-                self.clear[place] = if finished { 0.0 } else { rest };
-            }
-        }
-    }
-
-    fn is_finished(&self, place: usize) -> bool {
-        self.clear[place] == 0.0
     }
 }
 
@@ -203,43 +183,28 @@ impl<'a> FixedSide<'a> {
 impl DecisionEngine for FixedSide<'_> {
     fn bounds(&self, index: usize) -> PixelBox {
         let Ok(footprint) = &self.footprints[index] else {
-            return NOWHERE;
+            return PixelBox::default();
         };
         let [x0, y0] = footprint.first.map(usize::from);
         let [x1, y1] = footprint.end.map(usize::from);
         PixelBox { x0, y0, x1, y1 }
     }
 
-    fn start(&self, area: PixelBox) -> Box<dyn DecisionTile + '_> {
-        Box::new(FixedTile {
-            engine: self,
-            area,
-            pixels: vec![Pixel::clear(&self.design.widths); pixels_of(area)],
+    fn start(&self, area: PixelBox) -> DrawSplat<'_> {
+        let clear = Pixel::clear(&self.design.widths);
+        let mut pixels = vec![clear; pixels_of(area)];
+        Box::new(move |index, bounds| {
+            let mut alone = vec![clear; pixels_of(bounds)];
+            if let Ok(footprint) = &self.footprints[index] {
+                self.draw(footprint, bounds, &mut alone);
+                self.draw(footprint, area, &mut pixels);
+            }
+            let decided = |(place, alone): (usize, &Pixel)| Decided {
+                drawn: *alone != clear,
+                finished: pixels[place].is_finished(),
+            };
+            places(bounds, area).zip(&alone).map(decided).collect()
         })
-    }
-}
-
-struct FixedTile<'a> {
-    engine: &'a FixedSide<'a>,
-    area: PixelBox,
-    pixels: Vec<Pixel>,
-}
-
-impl DecisionTile for FixedTile<'_> {
-    fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>) {
-        let engine = self.engine;
-        let clear = Pixel::clear(&engine.design.widths);
-        let mut alone = vec![clear; pixels_of(bounds)];
-        if let Ok(footprint) = &engine.footprints[index] {
-            engine.draw(footprint, bounds, &mut alone);
-            engine.draw(footprint, self.area, &mut self.pixels);
-        }
-        drawn.clear();
-        drawn.extend(alone.iter().map(|pixel| *pixel != clear));
-    }
-
-    fn is_finished(&self, place: usize) -> bool {
-        self.pixels[place].is_finished()
     }
 }
 
@@ -292,7 +257,6 @@ fn count_tile(
     let mut stopped = vec![finished.clone(); engines.len()];
     let mut truth = reference.start(area);
     let mut tiles: Vec<_> = engines.iter().map(|engine| engine.start(area)).collect();
-    let (mut expected, mut got) = (Vec::new(), Vec::new());
     for &index in order {
         let mut bounds = reference.bounds(index).intersection(&area);
         for engine in engines {
@@ -301,23 +265,22 @@ fn count_tile(
         if bounds.is_empty() {
             continue;
         }
-        truth.draw(index, bounds, &mut expected);
+        let expected = truth(index, bounds);
         let engines = tiles.iter_mut().zip(&mut stopped).zip(&mut decisions);
-        for ((tile, stopped), decisions) in engines {
-            tile.draw(index, bounds, &mut got);
-            for (place, drawn) in places(bounds, area).zip(expected.iter().zip(&got)) {
+        for ((draw, stopped), decisions) in engines {
+            let got = draw(index, bounds);
+            for (place, (expected, got)) in places(bounds, area).zip(expected.iter().zip(&got)) {
                 if finished[place] {
                     continue;
                 }
-                decisions.compare(place, *drawn.0, *drawn.1);
+                decisions.compare(place, expected.drawn, got.drawn);
                 if !stopped[place] {
-                    let (end, now) = (truth.is_finished(place), tile.is_finished(place));
-                    stopped[place] = decisions.compare_stop(place, end, now);
+                    stopped[place] = decisions.compare_stop(place, expected.finished, got.finished);
                 }
             }
         }
-        for place in places(bounds, area) {
-            finished[place] = truth.is_finished(place);
+        for (place, expected) in places(bounds, area).zip(&expected) {
+            finished[place] = expected.finished;
         }
     }
     decisions

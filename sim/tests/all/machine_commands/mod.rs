@@ -55,7 +55,7 @@ fn model_says_what_a_picture_takes_and_for_what() {
 
     let shipped = splatline_sim::machine::energy::SHIPPED;
     shell.write("mine.toml", shipped.replace("pj = 3.1", "pj = -3.1"));
-    let expected = "mine.toml:29: multiplier.pj = -3.1: allowed are numbers above 0";
+    let expected = "mine.toml:31: multiplier.pj = -3.1: allowed are numbers above 0";
     shell.refused(1, "model SCENE --energy mine.toml", expected);
 }
 
