@@ -5,7 +5,7 @@
 //! unit.
 
 use crate::circuit::{Circuit, PRIMITIVE, Parameter, RtlUnit, SETUP, set};
-use crate::netlist::Statistics;
+use crate::netlist::Netlist;
 use crate::tools::{json, yosys};
 use anyhow::{Result, ensure};
 use splatline_sim::machine::area::setup::{self, FITTED_CORES, SetupUnit};
@@ -14,40 +14,32 @@ use splatline_sim::machine::area::{Fabric, Family};
 use splatline_sim::machine::primitive::SETUP_INTERVAL;
 use std::path::Path;
 
-/// Runs a script that leaves one module of cells, and counts them.
-pub fn cells(script: &str, folder: &Path) -> Result<Fabric> {
-    let counts = folder.join("stat.json");
-    let count = format!("tee -q -o {} stat -json", counts.display());
-    yosys(&format!("{script}; {count}"))?;
-    let statistics: Statistics = json(&counts)?;
-    let kinds = statistics.design.num_cells_by_type;
-    let fabric = fabric(kinds.iter().map(|(kind, number)| (kind.as_str(), *number)));
+/// Runs a script that leaves one module of cells; writes them into a file, and counts them.
+pub fn cells(script: &str, file: &Path) -> Result<Fabric> {
+    yosys(&format!("{script}; write_json {}", file.display()))?;
+    let netlist: Netlist = json(file)?;
+    let cells = netlist.modules.values().flat_map(|module| &module.cells);
+    let fabric = fabric(cells.map(|(_, cell)| cell.kind.as_str()));
     ensure!(fabric.luts > 0, "yosys counts no look-up tables");
     Ok(fabric)
 }
 
-/// The columns of a table: look-up tables, flip-flops, multipliers and memory.
-pub fn columns(fabric: &Fabric) -> String {
-    let counts = fabric.resources().map(|(_, count)| count.to_string());
-    counts.join(",")
-}
-
-/// Cells of a netlist by kind.
-pub fn fabric<'a>(cells: impl IntoIterator<Item = (&'a str, u64)>) -> Fabric {
+/// What cells of these kinds take.
+pub fn fabric<'a>(kinds: impl IntoIterator<Item = &'a str>) -> Fabric {
     let mut area = Fabric::default();
-    for (kind, number) in cells {
+    for kind in kinds {
         match kind {
-            "SB_LUT4" | "LUT4" | "TRELLIS_SLICE" => area.luts += number,
+            "SB_LUT4" | "LUT4" | "TRELLIS_SLICE" => area.luts += 1,
             // A CCU2C is a slice's two LUTs with their carry.
-            "CCU2C" => area.luts += 2 * number,
-            "TRELLIS_DPR16X4" | "RAM32M" => area.luts += 4 * number,
-            "SB_DFF" | "TRELLIS_FF" => area.flip_flops += number,
-            "SB_MAC16" | "MULT18X18D" | "DSP48E1" => area.dsps += number,
-            "SB_RAM40_4K" => area.memory_kbit += 4 * number,
-            "DP16KD" | "RAMB18E1" => area.memory_kbit += 18 * number,
-            "RAMB36E1" => area.memory_kbit += 36 * number,
-            _ if kind.starts_with("LUT") || kind.starts_with("SRL") => area.luts += number,
-            _ if kind.starts_with("SB_DFF") || kind.starts_with("FD") => area.flip_flops += number,
+            "CCU2C" => area.luts += 2,
+            "TRELLIS_DPR16X4" | "RAM32M" => area.luts += 4,
+            "SB_DFF" | "TRELLIS_FF" => area.flip_flops += 1,
+            "SB_MAC16" | "MULT18X18D" | "DSP48E1" => area.dsps += 1,
+            "SB_RAM40_4K" => area.memory_kbit += 4,
+            "DP16KD" | "RAMB18E1" => area.memory_kbit += 18,
+            "RAMB36E1" => area.memory_kbit += 36,
+            _ if kind.starts_with("LUT") || kind.starts_with("SRL") => area.luts += 1,
+            _ if kind.starts_with("SB_DFF") || kind.starts_with("FD") => area.flip_flops += 1,
             _ => {}
         }
     }
@@ -81,7 +73,7 @@ fn synthesised(
     }
     let (set, command) = (set(module, parameters), synthesis(family, circuit.unit));
     script += &format!("; {set}{command} -top {module}; flatten; opt_clean");
-    let found = cells(&script, folder.path())?;
+    let found = cells(&script, &folder.path().join("netlist.json"))?;
     eprintln!("{circuit}, {module} for {}: {found}", family.name());
     Ok(found)
 }
@@ -187,7 +179,11 @@ mod tests {
             ("DP16KD", 2),
             ("GSR", 1),
         ];
-        let found = fabric(cells);
+        let found = fabric(
+            cells
+                .into_iter()
+                .flat_map(|(kind, count)| vec![kind; count]),
+        );
         let expected = Fabric {
             luts: 7,
             flip_flops: 5,

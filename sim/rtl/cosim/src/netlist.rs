@@ -111,17 +111,6 @@ impl NetlistCell {
     }
 }
 
-/// Yosys' `stat -json`.
-#[derive(Deserialize)]
-pub struct Statistics {
-    pub design: DesignStatistics,
-}
-
-#[derive(Deserialize)]
-pub struct DesignStatistics {
-    pub num_cells_by_type: BTreeMap<String, u64>,
-}
-
 /// nextpnr's report.
 #[derive(Deserialize)]
 pub struct PlacerReport {

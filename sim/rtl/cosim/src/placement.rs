@@ -4,7 +4,7 @@
 //! is made from its ports: every input comes from a shift register, every output goes into another. No path that is
 //! timed leaves the chip.
 
-use crate::area::{cells, columns};
+use crate::area::cells;
 use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
 use crate::machine::unit;
 use crate::netlist::{Netlist, NetlistPort, PathReport, PlacerReport};
@@ -79,7 +79,7 @@ pub fn report(words: &str, seed: Option<u32>) -> Result<()> {
     let seeds = seed.map_or(SEEDS.to_vec(), |seed| vec![seed]);
     for circuit in circuits(words)? {
         let folder = tempfile::tempdir()?;
-        let counts = columns(&netlist(&circuit, folder.path())?);
+        let counts = netlist(&circuit, folder.path())?.cells();
         for seed in &seeds {
             let started = Instant::now();
             let (mhz, path) = placed(folder.path(), *seed, placer_options(&circuit))?;
@@ -159,11 +159,7 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
     let (wrapper_file, netlist) = (path("wrapper.sv"), path(NETLIST));
     fs::write(&wrapper_file, wrapper(circuit, &module.ports))?;
     let (wrapped, synthesis) = (wrapper_file.display(), synthesis(circuit));
-    let script = format!(
-        "{read} {wrapped}; {synthesis}; write_json {}",
-        netlist.display()
-    );
-    let mut fabric = cells(&script, folder)?;
+    let mut fabric = cells(&format!("{read} {wrapped}; {synthesis}"), &netlist)?;
     let mut wired: Netlist = json(&netlist)?;
     fabric.flip_flops -= registers::move_in(&mut wired, WRAPPER)?;
     if *circuit.unit == MACHINE
