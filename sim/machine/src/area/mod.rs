@@ -308,7 +308,8 @@ pub(crate) fn lines_of<Line: DeserializeOwned>(text: &str) -> csv::Result<Vec<Li
 }
 
 impl Fabric {
-    fn cells(&self) -> String {
+    /// The resources as columns of a table.
+    pub fn cells(&self) -> String {
         let counts = self.resources().map(|(_, count)| count.to_string());
         counts.join(",")
     }

@@ -229,7 +229,7 @@ fn print_area(unit: &'static RtlUnit, values: [u32; 2]) -> Result<()> {
     println!("circuit,luts,flip_flops,dsps,memory_kbit");
     for value in values {
         let circuit = Circuit::new(unit, "lean18", value)?;
-        println!("{circuit},{}", area::columns(&area::of_circuit(&circuit)?));
+        println!("{circuit},{}", area::of_circuit(&circuit)?.cells());
     }
     Ok(())
 }

@@ -222,8 +222,8 @@ fn orders() -> impl Iterator<Item = [usize; 4]> {
 mod tests {
     use super::*;
     use crate::netlist::Netlist;
-    use crate::random::Random;
     use crate::tools;
+    use splatline_sim::scene::synthetic::Random;
     use std::fs;
 
     fn net(pin: u64) -> Bit {

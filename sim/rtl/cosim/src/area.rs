@@ -24,33 +24,27 @@ pub fn cells(script: &str, top: &str, folder: &Path) -> Result<(Netlist, Fabric)
     let module = netlist.modules.get_mut(top);
     let module = module.with_context(|| format!("a netlist without {top}"))?;
     adders::move_in(module);
-    let fabric = fabric(module.cells.values().map(|cell| (cell.kind.as_str(), 1)));
+    let fabric = fabric(module.cells.values().map(|cell| cell.kind.as_str()));
     ensure!(fabric.luts > 0, "yosys leaves no look-up tables");
     Ok((netlist, fabric))
 }
 
-/// The columns of a table: look-up tables, flip-flops, multipliers and memory.
-pub fn columns(fabric: &Fabric) -> String {
-    let counts = fabric.resources().map(|(_, count)| count.to_string());
-    counts.join(",")
-}
-
-/// Cells of a netlist by kind.
-pub fn fabric<'a>(cells: impl IntoIterator<Item = (&'a str, u64)>) -> Fabric {
+/// What cells of these kinds take.
+pub fn fabric<'a>(kinds: impl IntoIterator<Item = &'a str>) -> Fabric {
     let mut area = Fabric::default();
-    for (kind, number) in cells {
+    for kind in kinds {
         match kind {
-            "SB_LUT4" | "LUT4" | "TRELLIS_SLICE" => area.luts += number,
+            "SB_LUT4" | "LUT4" | "TRELLIS_SLICE" => area.luts += 1,
             // A CCU2C is a slice's two LUTs with their carry.
-            "CCU2C" => area.luts += 2 * number,
-            "TRELLIS_DPR16X4" | "RAM32M" => area.luts += 4 * number,
-            "SB_DFF" | "TRELLIS_FF" => area.flip_flops += number,
-            "SB_MAC16" | "MULT18X18D" | "DSP48E1" => area.dsps += number,
-            "SB_RAM40_4K" => area.memory_kbit += 4 * number,
-            "DP16KD" | "RAMB18E1" => area.memory_kbit += 18 * number,
-            "RAMB36E1" => area.memory_kbit += 36 * number,
-            _ if kind.starts_with("LUT") || kind.starts_with("SRL") => area.luts += number,
-            _ if kind.starts_with("SB_DFF") || kind.starts_with("FD") => area.flip_flops += number,
+            "CCU2C" => area.luts += 2,
+            "TRELLIS_DPR16X4" | "RAM32M" => area.luts += 4,
+            "SB_DFF" | "TRELLIS_FF" => area.flip_flops += 1,
+            "SB_MAC16" | "MULT18X18D" | "DSP48E1" => area.dsps += 1,
+            "SB_RAM40_4K" => area.memory_kbit += 4,
+            "DP16KD" | "RAMB18E1" => area.memory_kbit += 18,
+            "RAMB36E1" => area.memory_kbit += 36,
+            _ if kind.starts_with("LUT") || kind.starts_with("SRL") => area.luts += 1,
+            _ if kind.starts_with("SB_DFF") || kind.starts_with("FD") => area.flip_flops += 1,
             _ => {}
         }
     }
@@ -190,7 +184,11 @@ mod tests {
             ("DP16KD", 2),
             ("GSR", 1),
         ];
-        let found = fabric(cells);
+        let found = fabric(
+            cells
+                .into_iter()
+                .flat_map(|(kind, count)| vec![kind; count]),
+        );
         let expected = Fabric {
             luts: 7,
             flip_flops: 5,

@@ -5,10 +5,10 @@
 //! its own pace, and a number of answers that must come before the next item's. After a reset the bench begins anew
 //! with the first item whose answers have not all come.
 
-use crate::random::Random;
 use crate::simulation::Port;
 use crate::unit::{Findings, Simulation};
 use anyhow::{Result, ensure};
+use splatline_sim::scene::synthetic::Random;
 
 /// Cycles for which a new circuit is reset.
 const RESET_CYCLES: u64 = 4;

@@ -6,7 +6,7 @@
 
 use crate::mutation::{Mutation, MutationNumber, with_choices};
 use crate::package;
-use crate::setup::program::{ProgramKind, SetupProgram};
+use crate::setup::program::{self, ProgramKind, SetupProgram};
 use crate::setup::text;
 use crate::tools::{rtl, run, tool};
 use crate::unit::Extent;
@@ -95,6 +95,8 @@ pub struct Circuit {
     pub(crate) program: SetupProgram,
     /// Parameters of the module at the top.
     pub parameters: Vec<Parameter>,
+    /// A mistake in one of its files.
+    mutation: Option<Mutation>,
 }
 
 /// A file's name and text.
@@ -117,6 +119,7 @@ impl Circuit {
             design: choice,
             program: SetupProgram::new(ProgramKind::Filter),
             parameters: vec![(unit.parameter, value)],
+            mutation: None,
         })
     }
 
@@ -138,13 +141,34 @@ impl Circuit {
         self
     }
 
+    /// The same with a mistake in its program or in one of its files.
+    pub fn with_mutation(mut self, mutation: &Mutation) -> Result<Circuit> {
+        if mutation.file == program::FILE {
+            self.program = self.program.mutated(mutation)?;
+        } else {
+            self.mutation = Some(mutation.clone());
+        }
+        Ok(self)
+    }
+
     /// Its packages and files, in the order in which they are read.
     pub fn sources(&self) -> Result<Vec<Source>> {
         let mut sources = packages(&self.design, &self.program, self.unit.packages)?;
         for file in fs::read_to_string(rtl().join(self.unit.list))?.lines() {
             sources.push((file.to_owned(), fs::read_to_string(rtl().join(file))?));
         }
+        for (name, text) in &mut sources {
+            if let Some(mutation) = self.mutation.as_ref().filter(|own| own.file == *name) {
+                *text = mutation.applied(text)?;
+            }
+        }
         Ok(sources)
+    }
+
+    /// Is it the same circuit, and told the same constants?
+    pub fn is_same(&self, other: &Circuit) -> Result<bool> {
+        let program = |circuit: &Circuit| circuit.program.assembled(&circuit.design.widths);
+        Ok(self.sources()? == other.sources()? && program(self)? == program(other)?)
     }
 
     /// Yosys' words for reading it, with its files in this folder.
@@ -154,21 +178,10 @@ impl Circuit {
         Ok("read_verilog -sv".to_owned() + &paths.collect::<String>())
     }
 
-    /// The circuit without a mutation, compiled for so much, as a library for
+    /// The circuit, compiled for so much, as a library for
     /// [`Simulation`](crate::simulation::Simulation).
     pub fn library(&self, extent: Extent) -> Result<PathBuf> {
         self.verilated(self.sources()?, extent)
-    }
-
-    /// The circuit with this mutation.
-    pub fn mutated(&self, mutation: &Mutation) -> Result<PathBuf> {
-        let mut sources = self.sources()?;
-        for (name, text) in &mut sources {
-            if *name == mutation.file {
-                *text = mutation.applied(text)?;
-            }
-        }
-        self.verilated(sources, Extent::Quick)
     }
 
     /// The circuit with all of these mutations that one circuit can hold, and their numbers.

@@ -10,93 +10,32 @@ use crate::circuit::{Parameter, Source, set, write};
 use crate::mutation::{Mutation, mutations};
 use crate::tools::{printed, rtl};
 use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
 use std::fs;
 use std::process::Command;
 
 /// A module, and the parameters that it is proven for: all of them are small, and the argument does not depend on them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug, Deserialize)]
 struct Proof {
     /// What it is the proof of among the judges of `mutations.tsv`.
     judge: &'static str,
     /// The module.
     unit: &'static str,
-    /// The units that it is made of, and last the one whose properties are shown, if it is not the unit alone.
-    files: &'static [&'static str],
-    parameters: &'static [Parameter],
+    /// The units that it is made of, and last the one whose properties are shown.
+    files: Vec<&'static str>,
+    parameters: Vec<Parameter>,
     /// Cycles from reset on in which it is shown, and in which a mistake must show.
     cycles: u32,
     /// Cycles that induction goes by at most, if it does.
     induction: Option<u32>,
 }
 
-/// Bits of a word and places of the queue that is proven.
-const FIFO: [Parameter; 2] = [("BITS", 4), ("PLACES", 4)];
-
 /// What is proven.
-const PROOFS: [Proof; 10] = [
-    inductive("fifo", &FIFO, [7, 2]),
-    Proof {
-        judge: "fifo at rest",
-        parameters: &[FIFO[0], FIFO[1], ("RESTS", 1)],
-        ..inductive("fifo", &FIFO, [7, 2])
-    },
-    Proof {
-        judge: "fifo of parts",
-        parameters: &[
-            FIFO[0],
-            FIFO[1],
-            ("PARTS", 2),
-            ("ENDS", 262_146),
-            ("SEEN", 2),
-        ],
-        ..inductive("fifo", &FIFO, [7, 2])
-    },
-    inductive("run_queue", &[("DEPTH", 2)], [6, 2]),
-    inductive("visible_box", &[], [3, 4]),
-    inductive("row_counter", &[], [6, 2]),
-    inductive("row_window", &[], [6, 6]),
-    inductive("lane", &[], [10, 7]),
-    Proof {
-        files: &[
-            "delay.sv",
-            "packet_decode.sv",
-            "run_paint.sv",
-            "formal/idle_units.sv",
-            "splat_primitive.sv",
-        ],
-        ..inductive("splat_primitive", &[("LANES", 2)], [22, 2])
-    },
-    Proof {
-        files: &["fifo.sv", "run_queue.sv", "lane.sv", "formal/chain.sv"],
-        induction: None,
-        ..inductive("chain", &[], [40, 0])
-    },
-];
-
-/// A unit with its parameters, shown for some cycles from reset on and by an induction of some.
-const fn inductive(
-    unit: &'static str,
-    parameters: &'static [Parameter],
-    [cycles, induction]: [u32; 2],
-) -> Proof {
-    Proof {
-        judge: unit,
-        unit,
-        files: &[],
-        parameters,
-        cycles,
-        induction: Some(induction),
-    }
+fn proofs() -> Result<Vec<Proof>> {
+    serde_json::from_str(include_str!("../../formal/proofs.json")).context("proofs.json")
 }
 
 impl Proof {
-    fn files(&self) -> Vec<String> {
-        match self.files {
-            [] => vec![format!("{}.sv", self.unit)],
-            files => files.iter().map(|file| (*file).to_owned()).collect(),
-        }
-    }
-
     /// What a mistake must show in.
     fn after_reset(&self) -> String {
         format!("-tempinduct-baseonly -maxsteps {}", self.cycles)
@@ -108,7 +47,7 @@ pub fn report() -> Result<()> {
     println!(
         "| unit | with | from reset on, cycles | holds | by induction |\n|---|---|---|---|---|"
     );
-    for proof in &PROOFS {
+    for proof in &proofs()? {
         let Proof { cycles, .. } = proof;
         let parameters = proof.parameters.iter();
         let parameters = parameters.map(|(name, value)| format!(" {name} {value}"));
@@ -165,9 +104,9 @@ fn source(file: &str, mutation: Option<&Mutation>) -> Result<Source> {
 fn holds(proof: &Proof, mutation: Option<&Mutation>, way: &str) -> Result<bool> {
     let folder = tempfile::tempdir()?;
     let mut sources = vec![("splatline_pkg.sv".to_owned(), package_text(proof.unit)?)];
-    let packages = ["splatline_tables.sv", "splatline_math.sv"].map(str::to_owned);
-    for file in packages.into_iter().chain(proof.files()) {
-        sources.push(source(&file, mutation)?);
+    let packages = ["splatline_tables.sv", "splatline_math.sv"];
+    for file in packages.iter().chain(&proof.files) {
+        sources.push(source(file, mutation)?);
     }
     let paths = write(folder.path(), &sources)?;
     let paths: Vec<String> = paths
@@ -182,7 +121,7 @@ fn holds(proof: &Proof, mutation: Option<&Mutation>, way: &str) -> Result<bool> 
          proc; flatten; opt_clean; memory; opt -full; techmap; opt -full; dffunmap; opt_clean; \
          sat {way} -prove-asserts -set-assumes {unit}",
         others.join(" "),
-        set(unit, proof.parameters)
+        set(unit, &proof.parameters)
     );
     let mut command = Command::new("yosys");
     let words = printed(command.args(["-p", &script]).current_dir(rtl()))?;
@@ -201,14 +140,10 @@ mod tests {
 
     #[test]
     fn mutations_are_made_in_the_units_that_there_are() {
-        for proof in &PROOFS {
+        for proof in &proofs().unwrap() {
             for mutation in mutations(&format!("proof of {}", proof.judge)).unwrap() {
                 let file = mutation.file.as_str();
-                assert!(
-                    proof.files().iter().any(|own| own == file),
-                    "{}",
-                    mutation.name
-                );
+                assert!(proof.files.contains(&file), "{}", mutation.name);
                 let (_, text) = source(file, Some(&mutation)).unwrap();
                 assert!(text.contains(&mutation.to), "{}", mutation.name);
             }

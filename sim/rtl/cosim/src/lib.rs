@@ -27,7 +27,6 @@ pub mod order;
 pub mod package;
 pub mod placement;
 pub mod primitive;
-pub mod random;
 mod registers;
 pub mod rules;
 mod scenes;

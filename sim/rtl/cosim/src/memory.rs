@@ -6,9 +6,9 @@
 //! which anything changes.
 
 use crate::bench::Channel;
-use crate::random::Random;
 use crate::simulation::{Port, Simulation};
 use anyhow::Result;
+use splatline_sim::scene::synthetic::Random;
 use std::collections::VecDeque;
 
 /// How a memory behaves.
@@ -63,14 +63,9 @@ pub struct Memory {
 
 impl Memory {
     /// A memory with these words at the circuit's port. Nothing may be asked for before.
-    pub fn new(
-        circuit: &Simulation,
-        words: Vec<[u32; 4]>,
-        timing: MemoryTiming,
-        seed: u64,
-    ) -> Result<Memory> {
+    pub fn new(at: &Simulation, words: Vec<[u32; 4]>, timing: MemoryTiming) -> Result<Memory> {
         let writing = ["write_address", "write_word", "write_strobe"];
-        let [word_valid, word, settled] = circuit.ports(["word_valid", "word", "settled"])?;
+        let [word_valid, word, settled] = at.ports(["word_valid", "word", "settled"])?;
         Ok(Memory {
             words,
             read: 0,
@@ -78,14 +73,14 @@ impl Memory {
             beyond: 0,
             idle: 0,
             timing,
-            random: Random(seed),
+            random: Random(1),
             now: 0,
             free: [0; 2],
             reads: VecDeque::new(),
             writes: VecDeque::new(),
             requests: [
-                Channel::new(circuit, "read", &["read_address"])?,
-                Channel::new(circuit, "write", &writing)?,
+                Channel::new(at, "read", &["read_address"])?,
+                Channel::new(at, "write", &writing)?,
             ],
             word_valid,
             word,
@@ -170,4 +165,9 @@ impl Memory {
         let moved = |place: &u32| strobe >> place & beat != 0;
         (0..4).step_by(lanes as usize).filter(moved).count() as u64
     }
+}
+
+/// A word of nothing.
+pub fn noise(random: &mut Random) -> [u32; 4] {
+    [(); 4].map(|()| random.next() as u32)
 }

@@ -2,9 +2,8 @@
 //! keys that a sorter finds hard, through a memory; every place of the order and of every list.
 
 use crate::bench::Bench;
-use crate::memory::{Memory, MemoryTiming, timing};
+use crate::memory::{Memory, MemoryTiming, noise, timing};
 use crate::package::TILE;
-use crate::random::{Random, noise};
 use crate::scenes::{SCENES, Seen, scenes};
 use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation};
 use anyhow::{Result, bail, ensure};
@@ -16,6 +15,7 @@ use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::{self, Options};
 use splatline_sim::machine::workload::{Workload, extract_from};
 use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::scene::synthetic::Random;
 
 /// A visible splat as the sorter takes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -224,7 +224,7 @@ impl Load for OrderLoad {
         // Bits of nothing in all places of the memory, a word or more between any two regions.
         let (mut words, mut random) = (Vec::new(), Random(1));
         words.resize_with(lists + room.div_ceil(4), || noise(&mut random));
-        let mut memory = Memory::new(&bench.circuit, words, timing, 1)?;
+        let mut memory = Memory::new(&bench.circuit, words, timing)?;
         let mut findings = Findings::default();
         // Twice or once: neither what a picture leaves behind nor what registers hold before the first must reach the
         // one that is judged.

@@ -4,7 +4,7 @@
 //! is made from its ports: every input comes from a shift register, every output goes into another. No path that is
 //! timed leaves the chip.
 
-use crate::area::{cells, columns};
+use crate::area::cells;
 use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
 use crate::machine::unit;
 use crate::netlist::{Netlist, NetlistPort, PathReport, PlacerReport};
@@ -79,7 +79,7 @@ pub fn report(words: &str, seed: Option<u32>) -> Result<()> {
     let seeds = seed.map_or(SEEDS.to_vec(), |seed| vec![seed]);
     for circuit in circuits(words)? {
         let folder = tempfile::tempdir()?;
-        let counts = columns(&netlist(&circuit, folder.path())?);
+        let counts = netlist(&circuit, folder.path())?.cells();
         for seed in &seeds {
             let started = Instant::now();
             let (mhz, path) = placed(folder.path(), *seed, placer_options(&circuit))?;

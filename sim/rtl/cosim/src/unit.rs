@@ -97,7 +97,7 @@ pub trait Load: Sized + Sync {
 }
 
 /// What a circuit's comparison says first, or nothing if it agrees everywhere.
-pub(crate) fn first_difference<L: Load>(
+fn first_difference<L: Load>(
     circuit: &Circuit,
     library: &Path,
     mutation: MutationNumber,
@@ -176,18 +176,15 @@ pub fn judge_of<L: Load + 'static>(
     ensure!(difference.is_none(), "without a mutation: {difference:?}");
     Ok(Box::new(move |mutation| {
         if chosen.contains(&mutation.number) {
-            return Ok(first_difference(
-                &circuit,
-                &library,
-                mutation.number,
-                &loads,
-            ));
+            let difference = first_difference(&circuit, &library, mutation.number, &loads);
+            return Ok(difference);
         }
-        let sources = circuit.sources()?;
-        if sources.iter().all(|(name, _)| *name != mutation.file) {
+        let mutated = circuit.clone().with_mutation(mutation)?;
+        // A mistake in a file or in lines of a program that the circuit does not have.
+        if mutated.is_same(&circuit)? {
             return Ok(None);
         }
-        let mutated = circuit.mutated(mutation)?;
-        Ok(first_difference(&circuit, &mutated, 0, &loads))
+        let library = mutated.library(Extent::Quick)?;
+        Ok(first_difference(&mutated, &library, 0, &loads))
     }))
 }

@@ -13,12 +13,12 @@ use splatline::rules::Rules;
 use splatline_rtl::bench::Bench;
 use splatline_rtl::primitive::unit::{LANES, circuit, draw, pixel};
 use splatline_rtl::primitive::workload::{self, BenchWorkload};
-use splatline_rtl::random::Random;
 use splatline_rtl::rules::write_rules;
 use splatline_rtl::simulation::Simulation;
 use splatline_rtl::unit::Extent;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::primitive::SETUP_INTERVAL;
+use splatline_sim::scene::synthetic::Random;
 
 /// Cycles within which anything must happen.
 const PATIENCE: usize = 20_000;

@@ -1,7 +1,6 @@
 //! What the harmonics unit is given: a scene's splats, random ones, and bits that round, clamp and wrap where others do
 //! not.
 
-use crate::random::Random;
 use crate::scenes::scenes;
 use crate::unit::{Loads, Missing};
 use anyhow::{Context, Result};
@@ -12,6 +11,7 @@ use splatline::setup::harmonics::{self, direction};
 use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::rules::Rules;
 use splatline_sim::scene::Harmonics;
+use splatline_sim::scene::synthetic::Random;
 
 /// A splat's direction and colours.
 #[derive(Clone, Debug)]

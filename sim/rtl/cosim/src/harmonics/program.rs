@@ -15,7 +15,11 @@ const HARMONICS: usize = 24;
 const LATENCY: usize = 9;
 
 /// What the first places load: the direction.
-const AXES: [&str; 3] = ["x", "y", "z"];
+const AXES: [(&str, &str); 3] = [
+    ("x", "x = direction"),
+    ("y", "y = direction"),
+    ("z", "z = direction"),
+];
 
 /// Channels of a word: cycles that the sum takes at least for a word.
 const CHANNELS: usize = 3;
@@ -49,9 +53,9 @@ enum RightFactor {
     Register(&'static str),
     /// A small number with 16 fraction bits, for a quotient by 2^16: exact, no rounding but that of a half. The
     /// direction of a load is added to nothing, its factor is 0.
-    Small(u32),
+    Small(usize),
     /// A root with 29 fraction bits, for a quotient by 2^31 and a polynomial clamped to 4.
-    Root(u32),
+    Root(usize),
 }
 
 /// Where a sum goes after a term.
@@ -77,7 +81,7 @@ struct Term {
     /// Where the sum goes.
     target: Target,
     /// The term in words, as the slot's comment.
-    words: String,
+    words: &'static str,
 }
 
 /// A sum, whose terms stand one behind the other.
@@ -116,66 +120,52 @@ fn sum(line: &'static str) -> Option<Sum> {
     })
 }
 
-fn term(text: &'static str, first: bool) -> Option<Term> {
-    let (product, name) = text.split_once(" = ").unwrap_or((text, ""));
-    let (target, goes) = match name.strip_prefix('Y') {
-        Some(index) => (
-            Target::Harmonic(index.parse().ok()?),
-            format!(" = Y_{index}"),
-        ),
-        None if name.is_empty() => (Target::Nothing, String::new()),
-        None => (Target::Register(name), format!(" = {name}")),
-    };
-    let positive = product.strip_prefix("- ");
-    let negated = positive.is_some();
-    let (left, right) = positive.unwrap_or(product).split_once(" * ")?;
-    let (right, factor) = right_factor(right)?;
-    let sign = match (first, negated) {
-        (true, false) => "",
-        (true, true) => "-",
-        (false, false) => "+ ",
-        (false, true) => "- ",
+/// A term in the words of the program, `-(left) right = target`.
+fn term(words: &'static str, first: bool) -> Option<Term> {
+    let (product, target) = words.split_once(" = ").unwrap_or((words, ""));
+    let (sign, product) = product.split_once('(')?;
+    let (left, right) = product.split_once(") ")?;
+    let target = match target.strip_prefix("Y_") {
+        Some(index) => Target::Harmonic(index.parse().ok()?),
+        None if target.is_empty() => Target::Nothing,
+        None => Target::Register(target),
     };
     Some(Term {
         left,
-        right,
-        negated,
+        right: right_factor(right)?,
+        negated: sign.starts_with('-'),
         first,
         target,
-        words: format!("{sign}({left}) {factor}{goes}"),
+        words,
     })
 }
 
-/// A right factor, and itself in words.
-fn right_factor(text: &'static str) -> Option<(RightFactor, String)> {
-    if let Some(quotient) = text.strip_prefix("root ") {
-        let (above, below) = quotient.split_once('/')?;
+fn right_factor(text: &'static str) -> Option<RightFactor> {
+    if let Some(name) = text.strip_prefix('(') {
+        return Some(RightFactor::Register(name.strip_suffix(')')?));
+    }
+    if let Some(quotient) = text.strip_prefix("root(") {
+        let (above, below) = quotient.strip_suffix(" pi)")?.split_once(" / ")?;
         let square = above.parse::<f64>().ok()? / (below.parse::<f64>().ok()? * PI);
-        let root = (square.sqrt() * 2f64.powi(29)).round() as u32;
-        return Some((
-            RightFactor::Root(root),
-            format!("root({above} / {below} pi)"),
-        ));
+        let root = (square.sqrt() * 2f64.powi(29)).round();
+        return Some(RightFactor::Root(root as usize));
     }
-    if text == "1/2" {
-        return Some((RightFactor::Small(1 << 15), "1 / 2".to_owned()));
+    if text == "1 / 2" {
+        return Some(RightFactor::Small(1 << 15));
     }
-    Some(match text.parse::<u32>() {
-        Ok(number) => (RightFactor::Small(number << 16), text.to_owned()),
-        Err(_) => (RightFactor::Register(text), format!("({text})")),
-    })
+    Some(RightFactor::Small(text.parse::<usize>().ok()? << 16))
 }
 
 impl Term {
     /// What loads an axis of the direction: a sum of nothing, which begins with it.
-    fn load(axis: &'static str) -> Term {
+    fn load((axis, words): (&'static str, &'static str)) -> Term {
         Term {
             left: "x",
             right: RightFactor::Small(0),
             negated: false,
             first: true,
             target: Target::Register(axis),
-            words: format!("{axis} = direction"),
+            words,
         }
     }
 
@@ -189,33 +179,23 @@ impl Term {
     }
 
     /// Its slot, by the registers' numbers.
-    fn slot(&self, registers: &[&str]) -> Result<u64> {
+    fn slot(&self, registers: &[&str]) -> Result<usize> {
         let number = |name| {
             let number = registers.iter().position(|known| *known == name);
             number.with_context(|| format!("no register {name}"))
         };
-        let (right, constant, kind) = match self.right {
-            RightFactor::Register(name) => (number(name)?, 0, 0b001),
-            RightFactor::Root(root) => (0, root as usize, 0b010),
-            RightFactor::Small(factor) => (0, factor as usize, 0b100),
+        let right = match self.right {
+            RightFactor::Register(name) => number(name)? << 6 | 1 << 49,
+            RightFactor::Root(root) => root << 18 | 1 << 50,
+            RightFactor::Small(factor) => factor << 18 | 1 << 51,
         };
-        let (target, goes) = match self.target {
-            Target::Nothing => (0, 0b00),
-            Target::Register(name) => (number(name)?, 0b01),
-            Target::Harmonic(index) => (index, 0b10),
+        let target = match self.target {
+            Target::Nothing => 0,
+            Target::Register(name) => number(name)? << 12 | 1 << 54,
+            Target::Harmonic(index) => index << 12 | 1 << 55,
         };
-        let fields = [
-            (number(self.left)?, 6),
-            (right, 6),
-            (target, 6),
-            (constant, 31),
-            (kind, 3),
-            (self.negated.into(), 1),
-            (self.first.into(), 1),
-            (goes, 2),
-        ];
-        let fields = fields.iter().rev();
-        Ok(fields.fold(0, |word, (value, bits)| word << bits | *value as u64))
+        let flags = usize::from(self.negated) << 52 | usize::from(self.first) << 53;
+        Ok(number(self.left)? | right | target | flags)
     }
 }
 
@@ -223,7 +203,10 @@ impl Term {
 fn schedule() -> Result<Schedule> {
     let mut places = AXES.map(|axis| Some(Term::load(axis))).to_vec();
     // Registers in the order of their first writing, and the places from which on they can be read.
-    let mut written: Vec<(&str, usize)> = AXES.into_iter().zip(LATENCY..).collect();
+    let mut written: Vec<(&str, usize)> = (LATENCY..)
+        .zip(AXES)
+        .map(|(place, axis)| (axis.0, place))
+        .collect();
     // The last place of each degree's terms, and the place of each harmonic.
     let mut ends = [AXES.len() - 1; 5];
     let mut harmonics = [0; HARMONICS + 1];

@@ -1,7 +1,7 @@
 //! Area of the whole machine and of each unit in it: `rtl -- area machine`.
 
 use super::unit::with_harmonics;
-use crate::area::{columns, fabric};
+use crate::area::fabric;
 use crate::circuit::Circuit;
 use crate::netlist::{Netlist, NetlistCell};
 use crate::placement::{self, machine};
@@ -42,7 +42,7 @@ pub fn report(evaluates: bool) -> Result<String> {
             circuit = with_harmonics(circuit, 1);
         }
         for (unit, fabric) in by_unit(&circuit)? {
-            text += &format!("{cores},{unit},{}\n", columns(&fabric));
+            text += &format!("{cores},{unit},{}\n", fabric.cells());
         }
     }
     Ok(text)
@@ -68,7 +68,7 @@ fn counted(cells: &BTreeMap<String, NetlistCell>) -> Vec<(&'static str, Fabric)>
     for (name, cell) in cells {
         if let Some(unit) = unit_of(name) {
             let area = areas.entry(unit).or_default();
-            *area = *area + fabric([(cell.kind.as_str(), 1)]);
+            *area = *area + fabric([cell.kind.as_str()]);
         }
     }
     let area = |(_, name)| Some((name, areas.remove(name)?));

@@ -1,8 +1,8 @@
 //! The memory of the machine before a frame, where it is told to put the rest, and the frame that it is to leave there.
 
 use super::loads::MachineLoad;
+use crate::memory::noise;
 use crate::package::TILE;
-use crate::random::{Random, noise};
 use crate::setup::record::record;
 use anyhow::{Context, Result, anyhow, ensure};
 use splatline::LentList;
@@ -13,6 +13,7 @@ use splatline::footprint::packet::Layout;
 use splatline::format::{Traversal, Widths};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::table_entries;
+use splatline_sim::scene::synthetic::Random;
 
 /// Words of a record.
 const RECORD: usize = 5;

@@ -128,7 +128,7 @@ impl Load for MachineLoad {
         let image = MemoryImage::new(widths, self, room)?;
         bench.set(&image.places)?;
         let mut simulation = bench.circuit;
-        let mut memory = Memory::new(&simulation, image.words, timing, 1)?;
+        let mut memory = Memory::new(&simulation, image.words, timing)?;
         let mut phases = [0; 4];
         for _ in 0..frames {
             let drawn = draw(&mut simulation, &mut memory, self, &mut phases);

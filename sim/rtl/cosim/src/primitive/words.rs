@@ -3,10 +3,10 @@
 //! unit's roots, whose last bits the spans' slack hides.
 
 use crate::bench::Bench;
-use crate::random::Random;
 use crate::simulation::{Port, Simulation};
 use anyhow::Result;
 use splatline::math::{SoftFloat, root_seed, shift_signed};
+use splatline_sim::scene::synthetic::Random;
 use std::collections::VecDeque;
 
 /// Words that a comparison feeds.

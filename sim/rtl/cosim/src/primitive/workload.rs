@@ -2,7 +2,6 @@
 
 use crate::order::{OrderLoad, ordered};
 use crate::package::TILE;
-use crate::random::Random;
 use crate::scenes::Seen;
 use anyhow::Result;
 use splatline::float;
@@ -14,6 +13,7 @@ use splatline::setup::{Covariance2d, ldl};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::reference::golden;
 use splatline_sim::rules::Rules;
+use splatline_sim::scene::synthetic::Random;
 
 /// A window within one block of the tile buffer, and the footprints to be drawn there, in order.
 #[derive(Clone, Debug, PartialEq)]

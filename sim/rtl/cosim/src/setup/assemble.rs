@@ -12,8 +12,8 @@
 //!
 //! Results leave by the second factor's port in slots that have no use for it, so that they take no slots of their own.
 
-use crate::random::Random;
 use anyhow::{Context, Result, ensure};
+use splatline_sim::scene::synthetic::Random;
 use std::collections::BTreeMap;
 
 /// Constants of a picture.

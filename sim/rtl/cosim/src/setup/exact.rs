@@ -5,7 +5,6 @@
 //! Each stands for a mistake of `mutations.tsv` that captured scenes, random bits and test vectors let pass.
 
 use super::loads::{KINDS, SetupLoad, soft_float};
-use crate::random::Random;
 use crate::unit::Loads;
 use fixed::types::I32F32;
 use splatline::float;
@@ -14,6 +13,7 @@ use splatline::math::{Extended, SoftFloat};
 use splatline::rules::Rules;
 use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Eye, Projection, View};
+use splatline_sim::scene::synthetic::Random;
 use splatline_sim::vectors::{hard_cases, stress_cases, stress_orthographic, stress_view};
 
 /// All of them, about `count` splats of each kind of few bits, for these widths.

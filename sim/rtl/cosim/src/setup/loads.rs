@@ -2,7 +2,6 @@
 //! spacing.
 
 use super::exact::{FOCAL, few_bits, straight};
-use crate::random::Random;
 use crate::scenes::scenes;
 use crate::unit::{Loads, Missing};
 use anyhow::Result;
@@ -16,6 +15,7 @@ use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Projection, View};
 use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::rules::Rules;
+use splatline_sim::scene::synthetic::Random;
 use splatline_sim::vectors::hard_cases;
 
 /// What is set up: splats seen by a camera under rules.

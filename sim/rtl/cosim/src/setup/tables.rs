@@ -6,7 +6,6 @@
 //! leave in fields that pass the packet's maker as they are.
 
 use super::loads::SetupLoad;
-use crate::random::Random;
 use crate::unit::{Extent, Loads};
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
@@ -14,6 +13,7 @@ use splatline::math::{SoftFloat, reciprocal, square_root};
 use splatline::rules::Rules;
 use splatline::setup::cutoff;
 use splatline::splat::{Axis, VolumeSplat};
+use splatline_sim::scene::synthetic::Random;
 use splatline_sim::vectors::hard_cases;
 
 /// Splats with these numbers as their weights: for the full extent all mantissas of 18 bits, and as many of wider ones.
