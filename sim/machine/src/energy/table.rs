@@ -386,7 +386,7 @@ mod tests {
         for wrong in ["nan", "-0.1", "inf", "0", "1e9"] {
             let message = refused("pj = 0.03", &format!("pj = {wrong}"));
             assert!(
-                message.starts_with("mine.toml:14: adder.pj = "),
+                message.starts_with("mine.toml:16: adder.pj = "),
                 "{message}"
             );
             assert!(message.contains("above 0 up to 1000000"), "{message}");
