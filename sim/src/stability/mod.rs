@@ -23,9 +23,12 @@ pub mod scenes;
 pub mod steps;
 pub mod table;
 
+use crate::camera::Camera;
 use crate::design::DesignChoice;
 use crate::fixed;
 pub use crate::reference::{rational as exact, single};
+use crate::rules::Rules;
+use crate::scene::Splat;
 use bounds::ErrorBounds;
 pub use splatline_reference::hard::cases;
 
@@ -123,12 +126,7 @@ fn measure_case(case: &Case, designs: &[DesignChoice]) -> Vec<StabilityLine> {
 fn project_all<F: Copy>(
     case: &Case,
     weights: &[f64],
-    project: impl Fn(
-        &crate::scene::Splat,
-        f64,
-        &crate::camera::Camera,
-        &crate::rules::Rules,
-    ) -> Option<F>,
+    project: impl Fn(&Splat, &Camera, &Rules) -> Option<F>,
 ) -> Vec<Option<F>> {
     let mut projected: Vec<Option<F>> = Vec::with_capacity(weights.len());
     for (index, splat) in case.scene.splats.iter().enumerate() {
@@ -136,7 +134,8 @@ fn project_all<F: Copy>(
         projected.push(if repeated {
             projected[index - 1]
         } else {
-            project(splat, weights[index], &case.camera, &case.rules)
+            let weight = weights[index];
+            project(&Splat { weight, ..*splat }, &case.camera, &case.rules)
         });
     }
     projected

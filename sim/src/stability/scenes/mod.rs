@@ -298,7 +298,7 @@ impl SingleDrawing {
     fn new(scene: &Scene, camera: &Camera, order: &[usize]) -> SingleDrawing {
         let splats = scene.splats.iter().zip(scene.weights_for(&RULES));
         let projected: Vec<_> = splats
-            .map(|(splat, weight)| single::project(splat, weight, camera, &RULES))
+            .map(|(splat, weight)| single::project(&Splat { weight, ..*splat }, camera, &RULES))
             .collect();
         let colours = scene.colours(camera);
         let picture = single::picture(&projected, &colours, order, camera, &RULES);
