@@ -42,7 +42,7 @@ pub fn draw(
     let visitor = match (engine, options.traversal) {
         (PaintEngine::Vectors(choice), Traversal::Spans) => {
             let lane_bits = options.design.lane_bits();
-            OpacityVisitor::new(&widths, &rules, &table.table(), lane_bits, choice)
+            OpacityVisitor::new(&table, lane_bits, choice)
         }
         _ => None,
     };
