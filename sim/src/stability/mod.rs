@@ -190,7 +190,7 @@ fn fixed_errors(
     let share = pictures::share_of_bound(case, &drawing.picture, exact, truth, &bounds);
     let mut errors = pictures::errors(drawing.picture, exact);
     errors.shares[7] = share;
-    let variances = fixed::variances(&case.scene, &case.camera, &case.rules, design);
+    let variances = fixed::variances(&case.scene, &case.camera, &options);
     let footprints = fixed::footprints(&case.scene, &case.camera, &options);
     let mut last = None;
     let splats = footprints

@@ -325,9 +325,10 @@ impl FrameMemory {
             })
     }
 
-    /// So many of the last frame's pixels, row by row.
-    pub fn pixels(&self, count: usize) -> Vec<Pixel> {
-        let mut pixels = vec![Pixel::default(); count];
+    /// The last frame's pixels, row by row.
+    pub fn pixels(&self) -> Vec<Pixel> {
+        let [columns, rows] = self.viewport.map(usize::from);
+        let mut pixels = vec![Pixel::default(); columns * rows];
         self.copy(&mut pixels, |pixel| *pixel);
         pixels
     }

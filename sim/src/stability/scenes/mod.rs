@@ -132,7 +132,7 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
     engines.extend(fixed.map(|(design, (drawing, footprints))| DrawnClass {
         name: &design.name,
         picture: &drawing.picture,
-        conics: fixed::conics(scene, camera, rules, design),
+        conics: fixed::conics(scene, camera, &fixed::Options::front_to_back(rules, design)),
         drawn: footprints.iter().map(Result::is_ok).collect(),
         clamped: drawing.clamped,
         decisions: Box::new(FixedSide::new(footprints, design, rules)),
