@@ -39,7 +39,6 @@ use crate::threads;
 use rayon::{ThreadPool, ThreadPoolBuildError};
 use splatline::blend::Pixel;
 use splatline::format::Traversal;
-use splatline::rules as kernel;
 use splatline::splat::VolumeSplat;
 use std::borrow::Borrow;
 use std::path::Path;
@@ -123,15 +122,12 @@ pub struct Renderer<S = Scene> {
     scene: S,
     settings: Settings,
     quantised: QuantisedScene,
-    /// The kernel's statement of the rules.
-    rules: kernel::Rules,
     painter: Box<dyn TilePainter>,
     /// Where splats are left out.
     spheres: Option<BoundingSpheres>,
     memory: FrameMemory,
     /// The renderer's own threads; the caller's if it has none.
     pool: Option<ThreadPool>,
-    size: [usize; 2],
 }
 
 impl Renderer<Scene> {
@@ -140,7 +136,7 @@ impl Renderer<Scene> {
         let mut scene = scene::load(path, &LoadOptions::default())?;
         let settings = Settings::new(scene.natural_rules);
         let quantised = QuantisedScene::releasing(&mut scene, camera, &settings.rules);
-        Ok(Renderer::of_quantised(scene, quantised, camera, settings))
+        Ok(Renderer::of_quantised(scene, quantised, settings))
     }
 }
 
@@ -149,35 +145,23 @@ impl<S: Borrow<Scene>> Renderer<S> {
     /// given threads of its own.
     pub fn new(scene: S, camera: &Camera, settings: Settings) -> Self {
         let quantised = QuantisedScene::new(scene.borrow(), camera, &settings.rules);
-        Renderer::of_quantised(scene, quantised, camera, settings)
+        Renderer::of_quantised(scene, quantised, settings)
     }
 
     /// The same of a scene that has been quantised already under these settings' rules. Where colours do not depend on
     /// the view its splats may be [released](QuantisedScene::releasing).
-    pub fn of_quantised(
-        scene: S,
-        quantised: QuantisedScene,
-        camera: &Camera,
-        settings: Settings,
-    ) -> Self {
-        let rules = quantised.rules(&settings.rules);
+    pub fn of_quantised(scene: S, quantised: QuantisedScene, settings: Settings) -> Self {
+        let rules = &quantised.rules;
         let hides = !settings.counts
             && settings.compositing == Compositing::FrontToBack
             && quantised.order == SortOrder::Depth;
         Renderer {
-            painter: painter(
-                &rules,
-                &settings.options(),
-                settings.engine,
-                settings.counts,
-            ),
-            spheres: (hides.then(|| BoundingSpheres::new(&quantised.splats, &rules))).flatten(),
+            painter: painter(rules, &settings.options(), settings.engine, settings.counts),
+            spheres: (hides.then(|| BoundingSpheres::new(&quantised.splats, rules))).flatten(),
             scene,
             quantised,
-            rules,
             memory: FrameMemory::default(),
             pool: None,
-            size: [camera.width, camera.height],
             settings,
         }
     }
@@ -190,7 +174,6 @@ impl<S: Borrow<Scene>> Renderer<S> {
 
     /// Looks from elsewhere. Only what depends on the view is computed again: the view, and colours that depend on it.
     pub fn set_camera(&mut self, camera: &Camera) {
-        self.size = [camera.width, camera.height];
         self.quantised.set_camera(self.scene.borrow(), camera);
     }
 
@@ -238,8 +221,8 @@ impl<S: Borrow<Scene>> Renderer<S> {
         picture: &mut Picture,
         progress: &Progress,
     ) -> Result<Drawn, DrawError> {
-        let [width, height] = self.size;
-        if [picture.width, picture.height] != self.size {
+        let [width, height] = self.quantised.view.viewport.map(usize::from);
+        if [picture.width, picture.height] != [width, height] {
             *picture = Picture::new(width, height);
         }
         let convert = converter(&self.settings.design.widths, self.quantised.colour_log2);
@@ -252,7 +235,7 @@ impl<S: Borrow<Scene>> Renderer<S> {
         progress: &Progress,
         convert: impl Fn(&Pixel) -> T + Send + Sync,
     ) -> Result<Drawn, DrawError> {
-        let [columns, rows] = self.size;
+        let [columns, rows] = self.quantised.view.viewport.map(usize::from);
         let pixels = frame.len();
         if pixels != columns * rows {
             return Err(DrawError::Size {
@@ -264,7 +247,6 @@ impl<S: Borrow<Scene>> Renderer<S> {
         let Renderer {
             settings,
             quantised,
-            rules,
             painter,
             spheres,
             memory,
@@ -273,7 +255,7 @@ impl<S: Borrow<Scene>> Renderer<S> {
         } = self;
         let painter = (&**painter, spheres.as_ref());
         let work = || {
-            let facts = draw_frame(settings, quantised, rules, painter, memory, progress)?;
+            let facts = draw_frame(settings, quantised, painter, memory, progress)?;
             let started = Instant::now();
             memory.copy(frame, convert);
             let convert = started.elapsed().as_secs_f64();
@@ -291,7 +273,6 @@ impl<S: Borrow<Scene>> Renderer<S> {
 fn draw_frame(
     settings: &Settings,
     quantised: &QuantisedScene,
-    rules: &kernel::Rules,
     (painter, spheres): (&dyn TilePainter, Option<&BoundingSpheres>),
     memory: &mut FrameMemory,
     progress: &Progress,
@@ -310,7 +291,7 @@ fn draw_frame(
         back_to_front: settings.compositing == Compositing::BackToFront,
         depth_first,
         set_up: &|_, splats, outcomes| {
-            set_up_part(design, quantised, rules, engine, (splats, outcomes));
+            set_up_part(design, quantised, engine, (splats, outcomes));
         },
         painter,
         progress,

@@ -29,6 +29,7 @@
 //! It is the machine's raster unit where `overlap = "primitive"`, and the co-simulation compares it with the circuit
 //! cycle by cycle.
 
+use super::accounts::Fifo;
 use splatline::footprint::Footprint;
 use splatline::format::Design;
 use splatline::raster::{BLOCK, EllipseSpans, Spans, Window};
@@ -47,7 +48,7 @@ pub const INTERVAL: u64 = 7;
 const FRONT: u64 = 2;
 
 /// Splats between packet and rows; `PLACES` of splat_setup.sv.
-const SPLATS: usize = 32;
+const SPLATS: u32 = 32;
 
 /// Cycles between two packets, at least; `SETUP_INTERVAL` of splat_primitive.sv. The circuit is built with 1 as well,
 /// if a machine says so (`splat_cycles`).
@@ -57,7 +58,7 @@ pub const SETUP_INTERVAL: u32 = 4;
 const BEGINS: u64 = 2;
 
 /// Slots between issue and the lanes' queues; `PLACES` of row_generator.sv.
-const SLOTS: usize = 64;
+const SLOTS: u32 = 64;
 
 /// Cycles in which an entry passes through fifo.sv.
 const FIFO_STAGES: u64 = 3;
@@ -70,65 +71,6 @@ const ROW: u64 = 32 + FIFO_STAGES;
 
 /// Cycles from a packet's handshake until its first row reaches the queues, if nothing is in its way.
 pub const LATENCY: u64 = SETUP + 1 + ROW;
-
-/// Cycles of the last entries of a queue: when a place is free again.
-#[derive(Clone, Debug)]
-struct Ring<const PLACES: usize> {
-    cycles: [u64; PLACES],
-    count: usize,
-}
-
-impl<const PLACES: usize> Ring<PLACES> {
-    const NEW: Self = Ring {
-        cycles: [0; PLACES],
-        count: 0,
-    };
-
-    /// The first cycle in which the next entry finds a place.
-    #[inline(always)]
-    fn free(&self) -> u64 {
-        // No entry leaves in cycle 0.
-        let oldest = self.cycles[self.count % PLACES];
-        if oldest == 0 { 0 } else { oldest + 1 }
-    }
-
-    /// The next entry leaves in this cycle.
-    #[inline(always)]
-    fn leave(&mut self, cycle: u64) {
-        self.cycles[self.count % PLACES] = cycle;
-        self.count += 1;
-    }
-}
-
-/// When setup takes packets: in cycles that are `phase` and a multiple of `interval`.
-#[derive(Clone, Copy, Debug)]
-struct Turns {
-    interval: u64,
-    phase: u64,
-    /// The first cycle in which the next packet may be taken.
-    next: u64,
-}
-
-impl Turns {
-    const fn new(interval: u32, phase: u64) -> Turns {
-        let interval = if interval > 1 { interval as u64 } else { 1 };
-        let phase = phase % interval;
-        Turns {
-            interval,
-            phase,
-            next: phase,
-        }
-    }
-
-    /// The cycle in which a packet is taken that could be from `earliest` on.
-    #[inline(always)]
-    fn take(&mut self, earliest: u64) -> u64 {
-        let waited = earliest.max(self.next) - self.phase;
-        let accepted = self.phase + waited.next_multiple_of(self.interval);
-        self.next = accepted + 1;
-        accepted
-    }
-}
 
 /// A run that a slot may have: the lane that owns its row, and its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,13 +110,17 @@ pub struct SlotStamp {
 /// The primitive's clock: feed it packets and their slots in order.
 #[derive(Clone, Debug)]
 pub struct PrimitiveClock {
-    turns: Turns,
+    /// Packets are taken in cycles that are `phase` and a multiple of `interval`.
+    interval: u64,
+    phase: u64,
+    /// First cycle in which the next packet may be taken.
+    offered: u64,
     /// First cycles in which the next splat may be begun, the next slot issued and the next slot leave.
     begun: u64,
     issued: u64,
     left: u64,
-    splats: Ring<SPLATS>,
-    slots: Ring<SLOTS>,
+    splats: Fifo,
+    slots: Fifo,
     lanes: Vec<LaneClock>,
     idle_at: u64,
 }
@@ -182,10 +128,8 @@ pub struct PrimitiveClock {
 /// A lane's queue and its last runs.
 #[derive(Clone, Debug)]
 struct LaneClock {
-    /// Cycles in which the last runs came to the queue's front, a ring of the queue's size.
-    moves: Vec<u64>,
-    /// The oldest of them.
-    place: usize,
+    /// A run leaves it when it comes to its front.
+    queue: Fifo,
     flights: Flights,
 }
 
@@ -239,17 +183,20 @@ impl PrimitiveClock {
     /// packet in every `interval`th cycle from `phase` on; [`SETUP_INTERVAL`] is how the circuit is usually built.
     pub fn new(lanes: usize, queue: u32, interval: u32, phase: u64) -> Self {
         let lane = LaneClock {
-            moves: vec![0; queue.max(1) as usize],
-            place: 0,
+            queue: Fifo::new(queue),
             flights: Flights::default(),
         };
+        let interval = u64::from(interval.max(1));
+        let phase = phase % interval;
         PrimitiveClock {
-            turns: Turns::new(interval, phase),
+            interval,
+            phase,
+            offered: phase,
             begun: 0,
             issued: 0,
             left: 0,
-            splats: Ring::NEW,
-            slots: Ring::NEW,
+            splats: Fifo::new(SPLATS),
+            slots: Fifo::new(SLOTS),
             lanes: vec![lane; lanes.max(1)],
             idle_at: 0,
         }
@@ -257,9 +204,12 @@ impl PrimitiveClock {
 
     /// A packet that is offered from this cycle on. Its slots, at least one, must follow by [`PrimitiveClock::slot`].
     pub fn packet(&mut self, offered: u64) -> PacketStamp {
-        let accepted = self.turns.take(offered.max(self.splats.free()));
+        let earliest = offered.max(self.offered).max(self.splats.free_at());
+        let waited = earliest - self.phase;
+        let accepted = self.phase + waited.next_multiple_of(self.interval);
+        self.offered = accepted + 1;
         let begun = self.begun.max(accepted + SETUP);
-        self.splats.leave(begun);
+        self.splats.pass(accepted, begun + 1);
         self.begun = begun + BEGINS;
         self.issued = self.issued.max(begun + 1);
         PacketStamp { accepted, begun }
@@ -268,7 +218,7 @@ impl PrimitiveClock {
     /// The next row of the packet's box in the tile, with the run that it has.
     #[inline]
     pub fn slot(&mut self, run: Option<LaneRun>) -> SlotStamp {
-        let issued = self.issued.max(self.slots.free());
+        let issued = self.issued.max(self.slots.free_at());
         self.issued = issued + 1;
         self.begun = self.begun.max(issued);
         let ready = self.left.max(issued + ROW);
@@ -281,20 +231,15 @@ impl PrimitiveClock {
         let mut last = ready;
         if let Some(run) = run {
             let lane = &mut self.lanes[run.lane];
-            // Before the queue has been full once this place holds 0, and no slot is ready in cycle 0.
-            stamp.left = ready.max(lane.moves[lane.place] + 1);
+            stamp.left = ready.max(lane.queue.free_at());
             let moved = lane.flights.popped.max(stamp.left + 1);
-            lane.moves[lane.place] = moved;
-            lane.place += 1;
-            if lane.place == lane.moves.len() {
-                lane.place = 0;
-            }
+            lane.queue.pass(stamp.left, moved + 1);
             let (popped, held) = lane.flights.pop(moved + FRONT, &run);
             (stamp.popped, stamp.held) = (Some(popped), held);
             last = lane.flights.free;
         }
-        self.slots.leave(stamp.left);
         self.left = stamp.left + 1;
+        self.slots.pass(issued, self.left);
         self.idle_at = self.idle_at.max(last + 2);
         stamp
     }

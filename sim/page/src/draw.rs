@@ -82,9 +82,8 @@ impl FixedPicture {
         design: RuntimeWidths,
         traversal: Traversal,
     ) -> FixedPicture {
-        let stated = loaded.rules;
         let quantised = loaded.quantised(camera);
-        let rules = quantised.rules(&stated);
+        let rules = quantised.rules;
         let view = PageRequest {
             quantised,
             rules: &rules,

@@ -117,7 +117,7 @@ impl Kernel {
             let design = RuntimeWidths::new(widths)
                 .ok()
                 .context("a design's widths are in range")?;
-            let rules = scene.rules(splats.rules);
+            let rules = scene.rules;
             Ok(Kernel {
                 table: fixed::table_entries(&widths, &rules),
                 vectors: VectorSubject {

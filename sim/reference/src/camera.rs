@@ -2,7 +2,8 @@
 //!
 //! A world point `u` lies at `t = W u + d` in camera space (EWA 6.2.1) and at `fx t0 / t2 + cx` in the picture
 //! (orthographic: `fx t0 + cx`). A camera comes from a point of view ([`Camera::look_at`]) or from a JSON file
-//! ([`Camera::from_json_file`]); both go through the same checks, so that the engines meet sound cameras only.
+//! ([`Camera::corrected_from_json_file`]); both go through the same checks, so that the engines meet sound cameras
+//! only.
 
 use std::fmt;
 use std::path::Path;
@@ -300,11 +301,6 @@ impl Camera {
     /// The camera, checked, with the nearest rotation, and by how much an entry of it was corrected.
     pub(crate) fn sound(self) -> Result<(Camera, f64), CameraError> {
         Ok(self.checked()?.corrected())
-    }
-
-    /// Reads a camera file.
-    pub fn from_json_file(path: &Path) -> Result<Camera, CameraError> {
-        Ok(Camera::corrected_from_json_file(path)?.0)
     }
 
     /// Reads a camera file and tells by how much an entry of its rotation was corrected.

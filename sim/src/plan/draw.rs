@@ -261,7 +261,7 @@ impl<'a> Drawer<'a> {
                 };
                 let scene_of = || QuantisedScene::new(scene, camera, rules);
                 let quantised = released.unwrap_or_else(scene_of);
-                let renderer = Renderer::of_quantised(scene, quantised, camera, settings);
+                let renderer = Renderer::of_quantised(scene, quantised, settings);
                 Drawer::Splats(Box::new(renderer))
             }
             SplatMethod::Points(hybrid) => {
@@ -287,10 +287,10 @@ impl<'a> Drawer<'a> {
                 let options = splats.options(entry);
                 let drawn = fixed::draw_spheres(scene, camera, &options, in_kernel(*shape));
                 Drawing {
-                    culled: cull_counts(drawn.culled),
+                    culled: cull_counts(drawn.facts.culled),
                     clamped: drawn.clamped as u64,
                     colour_log2: drawn.colour_log2,
-                    pixels: Some(pixels(drawn.coverage)),
+                    pixels: Some(pixels(drawn.facts.coverage)),
                     picture: drawn.picture,
                     ..Drawing::default()
                 }

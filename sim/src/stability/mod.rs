@@ -122,8 +122,8 @@ fn measure_case(case: &Case, designs: &[DesignChoice]) -> Vec<StabilityLine> {
     lines
 }
 
-/// Projects a splat of a weight.
-type Project<F> = fn(&Splat, f64, &Camera, &Rules) -> Option<F>;
+/// Projects a splat.
+type Project<F> = fn(&Splat, &Camera, &Rules) -> Option<F>;
 
 /// Projects every splat; a splat equal to the one before it is not computed again.
 fn project_all<F: Copy>(case: &Case, weights: &[f64], project: Project<F>) -> Vec<Option<F>> {
@@ -133,7 +133,8 @@ fn project_all<F: Copy>(case: &Case, weights: &[f64], project: Project<F>) -> Ve
         projected.push(if repeated {
             projected[index - 1]
         } else {
-            project(splat, weights[index], &case.camera, &case.rules)
+            let weight = weights[index];
+            project(&Splat { weight, ..*splat }, &case.camera, &case.rules)
         });
     }
     projected
@@ -188,7 +189,7 @@ fn fixed_errors(
     let share = pictures::share_of_bound(case, &drawing.picture, exact, truth, &bounds);
     let mut errors = pictures::errors(drawing.picture, exact);
     errors.shares[7] = share;
-    let variances = fixed::variances(&case.scene, &case.camera, &case.rules, design);
+    let variances = fixed::variances(&case.scene, &case.camera, &options);
     let footprints = fixed::footprints(&case.scene, &case.camera, &options);
     let mut last = None;
     let splats = footprints

@@ -6,7 +6,7 @@
 use super::table::{JUDGED, STAGES, engine_pairs, needle_gain};
 use super::{StabilityExtent, StabilityLine, measure};
 use crate::design::DesignChoice;
-use crate::machine::area::{Family, raster_unit, synthesis};
+use crate::machine::area::{CountedMachine, Family, synthesis};
 use crate::machine::config::Config;
 use splatline::format::Widths;
 
@@ -115,7 +115,8 @@ fn row(design: &DesignChoice, lines: &[StabilityLine]) -> String {
     let widths = &design.widths;
     let kbit = f64::from(widths.weight + 1) * f64::from(widths.table).exp2() / 1024.0;
     let machine = Config::primitive(1);
-    let area = raster_unit(widths, design.traversal, &machine, &FAMILY.calibration());
+    let area = CountedMachine::new(widths, design.traversal, &machine, &FAMILY.calibration())
+        .raster_unit();
     let area = area.resources().map(|(_, count)| count.to_string());
     format!(
         "| {} | {} | {decisions} | {needle:.1} | {kbit:.0} | {} |\n",

@@ -26,11 +26,10 @@ fn agree(name: &str, scene: &Scene, camera: &Camera, rules: &[Rules]) {
                 traversal: splatline::format::Traversal::Spans,
             };
             let quantised = QuantisedScene::new(scene, camera, &rules);
-            let (scalar, scalar_setup) =
-                draw_quantised(&quantised, camera, &options, PaintEngine::Scalar);
+            let (scalar, scalar_setup) = draw_quantised(&quantised, &options, PaintEngine::Scalar);
             for choice in [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable] {
                 let engine = PaintEngine::Vectors(choice);
-                let (fast, fast_setup) = draw_quantised(&quantised, camera, &options, engine);
+                let (fast, fast_setup) = draw_quantised(&quantised, &options, engine);
                 let what = format!("{name}, {}, {}, {choice:?}", rules.name, design.name);
                 let differ = fast_setup
                     .iter()
@@ -43,7 +42,7 @@ fn agree(name: &str, scene: &Scene, camera: &Camera, rules: &[Rules]) {
                     .zip(&scalar.pixels)
                     .position(|(a, b)| a != b);
                 assert_eq!(differ, None, "{what}: first pixel that differs");
-                assert_eq!(fast.coverage, scalar.coverage, "{what}");
+                assert_eq!(fast.facts.coverage, scalar.facts.coverage, "{what}");
                 let uncounted = uncounted(scene, camera, &rules, &design, choice);
                 assert!(uncounted == scalar.pixels, "{what}, without counts");
             }
@@ -72,12 +71,11 @@ fn the_front_door_draws_what_the_host_draws() {
         let quantised = QuantisedScene::new(&scene, &camera, rules);
         let (host, _) = draw_quantised(
             &quantised,
-            &camera,
             &options,
             PaintEngine::Vectors(VectorLevel::Best),
         );
         let (view, what) = (&quantised.view, format!("{}, {order:?}", rules.name));
-        let renderer = Renderer::with_rules(Standard24, quantised.rules(rules)).unwrap();
+        let renderer = Renderer::with_rules(Standard24, quantised.rules).unwrap();
         let renderer = renderer.with_compositing(order);
         let mut footprints = vec![splatline::footprint::Footprint::EMPTY; 3_000];
         let mut numbers = vec![0; 3_000];
@@ -87,8 +85,8 @@ fn the_front_door_draws_what_the_host_draws() {
             .render(view, &quantised.splats, &mut list, &mut pixels)
             .unwrap();
         assert!(frame.pixels == host.pixels, "{what}");
-        assert_eq!(frame.coverage, Some(host.coverage), "{what}");
-        assert_eq!(counts.culled.map(|count| count as usize), host.culled);
+        assert_eq!(frame.coverage, Some(host.facts.coverage), "{what}");
+        assert_eq!(counts.culled.map(|count| count as usize), host.facts.culled);
         let mut strip = vec![Pixel::default(); 203 * 16];
         let mut joined = Vec::new();
         for window in view.window().strips(16) {

@@ -33,8 +33,8 @@ pub fn measure(view: &View) -> Result<Vec<Measurement>> {
                 design: design.name.clone(),
                 traversal,
                 errors: compare(&drawing.picture, &exact)?,
-                visited: drawing.coverage.visited,
-                covered: drawing.coverage.covered,
+                visited: drawing.facts.coverage.visited,
+                covered: drawing.facts.coverage.covered,
             });
         }
     }

@@ -46,12 +46,8 @@ pub fn fixed_conics(golden: &GoldenA) -> Vec<FixedConics> {
     let mut found = Vec::new();
     for design in DesignChoice::all() {
         for category in &golden.categories {
-            let computed = conics(
-                &golden.scene(category),
-                &golden.camera,
-                &golden.rules,
-                &design,
-            );
+            let options = fixed::Options::front_to_back(&golden.rules, &design);
+            let computed = conics(&golden.scene(category), &golden.camera, &options);
             let pairs = computed.iter().zip(golden.members(category));
             let differences: Vec<f64> = pairs
                 .filter_map(|(conic, member)| Some(conic_difference((*conic)?, member.exact_conic)))

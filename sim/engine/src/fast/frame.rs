@@ -106,9 +106,10 @@ pub struct FrameMemory {
     viewport: [u16; 2],
 }
 
-/// Counts steps and notes when the caller has had enough.
+/// A frame on its way: counts its steps and notes when the caller has had enough.
 struct FrameSteps<'a> {
-    progress: &'a Progress<'a>,
+    plan: &'a FramePlan<'a>,
+    grid: Grid,
     done: AtomicUsize,
     of: usize,
     cancelled: AtomicBool,
@@ -122,7 +123,7 @@ impl FrameSteps<'_> {
         }
         let result = work();
         let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
-        if !(self.progress)(done, self.of) {
+        if !(self.plan.progress)(done, self.of) {
             self.cancelled.store(true, Ordering::Relaxed);
         }
         result
@@ -153,7 +154,7 @@ impl FrameMemory {
         let slices = if sliced { self.slices.count() } else { 1 };
         let parts = splats.len().div_ceil(part_length(splats.len()));
         let steps = FrameSteps {
-            progress: plan.progress,
+            plan,
             done: AtomicUsize::new(0),
             of: if sliced {
                 slices * grid.len()
@@ -161,13 +162,14 @@ impl FrameMemory {
                 parts + grid.len()
             },
             cancelled: AtomicBool::new(false),
+            grid,
         };
         let mut facts = FrameFacts::default();
         let painted = if slices == 1 {
-            facts.culled = self.set_up(splats, plan, &steps);
-            self.order_and_paint(&grid, plan, &steps, (Start::Clear, true), &mut facts)
+            facts.culled = self.set_up(splats, &steps);
+            self.order_and_paint(&steps, (Start::Clear, true), &mut facts)
         } else {
-            self.draw_slices(splats, plan, &steps, &mut facts)
+            self.draw_slices(splats, &steps, &mut facts)
         };
         painted?;
         let whole = started.elapsed().as_secs_f64();
@@ -179,11 +181,9 @@ impl FrameMemory {
     fn draw_slices(
         &mut self,
         splats: &[VolumeSplat],
-        plan: &FramePlan,
         steps: &FrameSteps,
         facts: &mut FrameFacts,
     ) -> Result<(), Cancelled> {
-        let grid = Grid::new(plan.viewport, TILE);
         facts.left_out = splats.len();
         for slice in 0..self.slices.count() {
             let seen = self.slices.seen(slice, &self.live);
@@ -200,7 +200,7 @@ impl FrameMemory {
                         for (splat, index) in group.iter_mut().zip(seen) {
                             *splat = splats[*index as usize];
                         }
-                        (plan.set_up)(first, &group[..seen.len()], outcomes);
+                        (steps.plan.set_up)(first, &group[..seen.len()], outcomes);
                     }
                     note(outcomes, first, keys, by_depth)
                 },
@@ -213,7 +213,7 @@ impl FrameMemory {
             } else {
                 Start::Resumed
             };
-            self.order_and_paint(&grid, plan, steps, (start, last), facts)?;
+            self.order_and_paint(steps, (start, last), facts)?;
             if !last {
                 self.live.sum();
             }
@@ -224,20 +224,18 @@ impl FrameMemory {
     /// Orders what has been set up, and paints it into the tiles, whose last footprints they are or not.
     fn order_and_paint(
         &mut self,
-        grid: &Grid,
-        plan: &FramePlan,
         steps: &FrameSteps,
         (start, last): (Start, bool),
         facts: &mut FrameFacts,
     ) -> Result<(), Cancelled> {
         steps.check()?;
         let started = Instant::now();
-        self.order.sort(grid);
-        if plan.back_to_front {
+        self.order.sort(&steps.grid);
+        if steps.plan.back_to_front {
             self.order.reverse();
         }
         let sorted = started.elapsed().as_secs_f64();
-        facts.coverage += self.paint(grid, plan, steps, (start, last));
+        facts.coverage += self.paint(steps, (start, last));
         facts.times.sort += sorted;
         facts.times.raster += started.elapsed().as_secs_f64() - sorted;
         steps.check()
@@ -263,12 +261,7 @@ impl FrameMemory {
             + self.live.bytes()
     }
 
-    fn set_up(
-        &mut self,
-        splats: &[VolumeSplat],
-        plan: &FramePlan,
-        steps: &FrameSteps,
-    ) -> CullCounts {
+    fn set_up(&mut self, splats: &[VolumeSplat], steps: &FrameSteps) -> CullCounts {
         if self.outcomes.len() != splats.len() {
             // In parallel: most of its time is the first touch of its memory.
             self.outcomes = splats.par_iter().map(|_| Err(Cull::Near)).collect();
@@ -278,7 +271,7 @@ impl FrameMemory {
             &mut self.outcomes,
             &|work| steps.step(work),
             &|splats, outcomes, first, keys| {
-                (plan.set_up)(first, splats, outcomes);
+                (steps.plan.set_up)(first, splats, outcomes);
                 note(outcomes, first, keys, by_depth)
             },
             add_counts,
@@ -287,13 +280,8 @@ impl FrameMemory {
 
     /// Every tile on some core. Not inlined, so that a profiler can tell it from the rest.
     #[inline(never)]
-    fn paint(
-        &mut self,
-        grid: &Grid,
-        plan: &FramePlan,
-        steps: &FrameSteps,
-        (start, last): (Start, bool),
-    ) -> Coverage {
+    fn paint(&mut self, steps: &FrameSteps, (start, last): (Start, bool)) -> Coverage {
+        let FrameSteps { plan, grid, .. } = steps;
         let FrameMemory {
             outcomes,
             order,
@@ -337,9 +325,10 @@ impl FrameMemory {
             })
     }
 
-    /// So many of the last frame's pixels, row by row.
-    pub fn pixels(&self, count: usize) -> Vec<Pixel> {
-        let mut pixels = vec![Pixel::default(); count];
+    /// The last frame's pixels, row by row.
+    pub fn pixels(&self) -> Vec<Pixel> {
+        let [columns, rows] = self.viewport.map(usize::from);
+        let mut pixels = vec![Pixel::default(); columns * rows];
         self.copy(&mut pixels, |pixel| *pixel);
         pixels
     }

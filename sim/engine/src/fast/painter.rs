@@ -33,8 +33,10 @@ pub fn table<'a>(memory: &'a [u32], widths: &Widths, rules: &Rules) -> Footprint
 #[derive(Clone, Debug)]
 pub struct TableMemory {
     entries: Vec<u32>,
-    widths: Widths,
-    rules: Rules,
+    /// Of the design whose table it is.
+    pub widths: Widths,
+    /// Whose kernel it is.
+    pub rules: Rules,
 }
 
 impl TableMemory {
@@ -96,7 +98,6 @@ pub trait TilePainter: Send + Sync {
 #[derive(Clone, Debug)]
 pub struct ScalarPainter<D> {
     pub design: D,
-    pub rules: Rules,
     pub table: TableMemory,
     pub order: Compositing,
     pub traversal: Traversal,
@@ -107,7 +108,6 @@ impl<D: Design> ScalarPainter<D> {
     pub fn new(design: D, rules: &Rules, order: Compositing, traversal: Traversal) -> Self {
         ScalarPainter {
             design,
-            rules: *rules,
             table: TableMemory::new(&design.widths(), rules),
             order,
             traversal,
@@ -129,8 +129,8 @@ impl<D: Design> ScalarPainter<D> {
     }
 
     fn painter(&self) -> Painter<'_, D> {
-        let table = self.table.table();
-        Painter::new(self.design, &self.rules, table, self.order, self.traversal)
+        let (rules, table) = (&self.table.rules, self.table.table());
+        Painter::new(self.design, rules, table, self.order, self.traversal)
     }
 }
 

@@ -5,7 +5,7 @@
 //! right shift that rounds is `floor(v + 1/2)`.
 //! Footprints that are [not ordinary](RowGroup::is_ordinary) are left to those two.
 
-use super::lanes::Doubles;
+use super::lanes::{Doubles, apart};
 use super::row_reals::{
     DIFFERENT, FARTHEST, MOST, ROWS, RealBlock, RowLine, RowNumbers, RowReals, scale,
 };
@@ -112,20 +112,10 @@ impl RowGroup {
         left: u16,
     ) -> RowReals<L> {
         if L::ROWS_APART {
-            self.compute_apart(math, widths, left)
+            apart(|| self.compute_here(math, widths, left))
         } else {
             self.compute_here(math, widths, left)
         }
-    }
-
-    #[inline(never)]
-    fn compute_apart<L: Doubles>(
-        &mut self,
-        math: Arithmetic<L>,
-        widths: &Widths,
-        left: u16,
-    ) -> RowReals<L> {
-        self.compute_here(math, widths, left)
     }
 
     #[inline(always)]

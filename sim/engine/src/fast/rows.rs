@@ -7,23 +7,17 @@
 //!
 //! [`EllipseSpans`]: splatline::raster::EllipseSpans
 
-use super::lanes::{Doubles, Wide};
+use super::lanes::{Doubles, Wide, apart};
 use super::recurrence::{RowVectors, stays_near};
 use super::row_group::RowGroup;
 use super::row_reals::{RealBlock, RowReals, scale};
 use super::row_words::{RowWords, Runs, columns_of_runs, excess, is_tame, runs};
 use super::setup::number::Arithmetic;
-use super::tile::TILE;
+use super::tile::{ROOM, ROWS, TILE};
 use core::ops::Range;
 use splatline::footprint::Footprint;
 use splatline::format::{RuntimeWidths, Widths};
 use splatline::raster::{BLOCK, EllipseSpans, ROW_BLOCKS, RowConstants, Window};
-
-/// Most rows of a footprint in a tile.
-const ROWS: usize = TILE[1] as usize;
-
-/// Words of a list: a vector may reach beyond the last row.
-const ROOM: usize = ROWS + 8;
 
 /// Blocks of a tile's row that have seeds of their own.
 pub const BLOCKS: usize = (TILE[0] / BLOCK) as usize;
@@ -166,20 +160,10 @@ impl RowBatch {
         }
         let math = Arithmetic { lanes };
         if L::ROWS_APART {
-            self.fill_apart(math, constants, left)
+            apart(|| self.fill_here(math, constants, left))
         } else {
             self.fill_here(math, constants, left)
         }
-    }
-
-    #[inline(never)]
-    fn fill_apart<L: Doubles>(
-        &mut self,
-        math: Arithmetic<L>,
-        constants: &RowConstants<i64>,
-        left: u16,
-    ) -> bool {
-        self.fill_here(math, constants, left)
     }
 
     #[inline(always)]
@@ -346,20 +330,20 @@ impl RowBatch {
 
 /// Two words from `start` on, a row's number.
 #[inline(always)]
-pub fn two(words: &[i64; ROOM], start: usize) -> &[i64; 2] {
+pub(super) fn two(words: &[i64; ROOM], start: usize) -> &[i64; 2] {
     let rows = &words[start % ROWS..];
     rows.first_chunk().unwrap_or(&[0; 2])
 }
 
 /// Eight words from `start` on, a row's number.
 #[inline(always)]
-fn window(words: &[i64; ROOM], start: usize) -> &[i64; 8] {
+pub(super) fn window(words: &[i64; ROOM], start: usize) -> &[i64; 8] {
     words[start % ROWS..].first_chunk().unwrap_or(&[0; 8])
 }
 
 /// The same, to be written.
 #[inline(always)]
-fn window_mut(words: &mut [i64; ROOM], start: usize) -> &mut [i64; 8] {
+pub(super) fn window_mut(words: &mut [i64; ROOM], start: usize) -> &mut [i64; 8] {
     let Some(window) = words[start % ROWS..].first_chunk_mut() else {
         unreachable!("the list has room for a vector at every row")
     };

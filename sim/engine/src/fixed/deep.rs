@@ -4,7 +4,7 @@
 //! its error.
 
 use super::frame::{TileLists, paint_apart};
-use super::quantise::{QuantisedScene, kernel_rules};
+use super::quantise::QuantisedScene;
 use super::render::{Options, PaintEngine, seen};
 use crate::camera::Camera;
 use crate::fast::{OpacityVisitor, TableMemory, TakeOpacities};
@@ -29,25 +29,25 @@ pub fn draw(
     channel: Channel,
 ) -> Picture {
     let quantised = QuantisedScene::new(scene, camera, options.rules);
-    let rules = kernel_rules(options.rules);
+    let rules = &quantised.rules;
     let (design, widths) = (options.design.in_fields(), options.design.widths);
     let back_to_front = options.compositing == Compositing::BackToFront;
-    let mut seen = seen(design, &quantised, &rules, engine);
+    let mut seen = seen(design, &quantised, engine);
     sort_by_depth(&mut seen);
     if back_to_front {
         seen.reverse();
     }
     let footprints: Vec<Footprint> = seen.into_iter().map(|(_, footprint)| footprint).collect();
-    let table = TableMemory::new(&widths, &rules);
+    let table = TableMemory::new(&widths, rules);
     let visitor = match (engine, options.traversal) {
         (PaintEngine::Vectors(choice), Traversal::Spans) => {
             let lane_bits = options.design.lane_bits();
-            OpacityVisitor::new(&widths, &rules, &table.table(), lane_bits, choice)
+            OpacityVisitor::new(&table, lane_bits, choice)
         }
         _ => None,
     };
     let order = KernelCompositing::FrontToBack;
-    let painter = Painter::new(design, &rules, table.table(), order, options.traversal);
+    let painter = Painter::new(design, rules, table.table(), order, options.traversal);
     let paint = |window: Window, list: &[u32], pixels: &mut [DeepPixel]| {
         let columns = usize::from(window.columns());
         let mut take = |layer: u32, [x, y]: [u16; 2], opacities: &[i64]| {
@@ -80,7 +80,7 @@ pub fn draw(
     let viewport = quantised.view.viewport;
     let tiles = TileLists::by_key(&footprints, viewport, &|layer, _| layer.into());
     let (pixels, _) = paint_apart(DeepPixel::clear(&channel), &tiles, &paint);
-    to_picture(&pixels, camera, &channel, quantised.colour_log2)
+    to_picture(&pixels, &quantised, &channel)
 }
 
 /// The nearest splat first, ties as they come.
@@ -88,14 +88,10 @@ pub(super) fn sort_by_depth(seen: &mut [(usize, Footprint)]) {
     seen.par_sort_by_key(|(_, footprint)| footprint.depth);
 }
 
-fn to_picture(
-    pixels: &[DeepPixel],
-    camera: &Camera,
-    channel: &Channel,
-    colour_log2: i32,
-) -> Picture {
-    let colour_unit = f64::from(channel.width() as i32 - 1 - colour_log2).exp2();
-    let mut picture = Picture::new(camera.width, camera.height);
+fn to_picture(pixels: &[DeepPixel], quantised: &QuantisedScene, channel: &Channel) -> Picture {
+    let colour_unit = f64::from(channel.width() as i32 - 1 - quantised.colour_log2).exp2();
+    let [width, height] = quantised.view.viewport.map(usize::from);
+    let mut picture = Picture::new(width, height);
     for (out, pixel) in picture.pixels.iter_mut().zip(pixels) {
         let [r, g, b] = pixel.colour.map(|c| f64::from(c) / colour_unit);
         let transmittance = f64::from(channel.transmittance(pixel.alpha)) / 31f64.exp2();

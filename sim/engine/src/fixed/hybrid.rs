@@ -18,7 +18,6 @@ use splatline::footprint::Footprint;
 use splatline::format::{Design, RuntimeWidths, Traversal};
 use splatline::kernel::FootprintTable;
 use splatline::raster::{Stamp, StampShape, Window, fill_stamps};
-use splatline::rules as kernel;
 use splatline::setup::{PointFilter, is_minified, setup_point};
 use splatline::splat::VolumeSplat;
 use splatline::target::Target;
@@ -30,12 +29,8 @@ use std::time::Instant;
 pub struct HybridDrawing {
     /// The drawing.
     pub drawing: FixedDrawing,
-    /// Footprints drawn as points.
-    pub points: usize,
-    /// Footprints in all.
-    pub drawn: usize,
-    /// Words of stamp memory.
-    pub stamp_words: usize,
+    /// What its frame did.
+    pub facts: HybridFacts,
 }
 
 /// What a frame did beside its pixels.
@@ -63,24 +58,20 @@ pub fn draw_hybrid(
     let engine = (best_engine(), true);
     let mut renderer = HybridRenderer::new(scene, camera, options.clone(), hybrid, engine)?;
     let facts = renderer.draw()?;
-    let pixels = renderer.memory.pixels(camera.width * camera.height);
+    let pixels = renderer.memory.pixels();
     let (quantised, widths) = (&renderer.quantised, &options.design.widths);
     Ok(HybridDrawing {
-        points: facts.points,
-        drawn: facts.drawn,
-        stamp_words: facts.stamp_words,
-        drawing: FixedDrawing::new(quantised, camera, widths, pixels, facts.frame),
+        drawing: FixedDrawing::new(quantised, widths, pixels, facts.frame),
+        facts,
     })
 }
 
 /// A scene of spherical kernels with all that its frames need.
 pub struct HybridRenderer<'a> {
-    camera: &'a Camera,
     options: Options<'a>,
     hybrid: &'a Hybrid,
     engine: PaintEngine,
     quantised: QuantisedScene,
-    rules: kernel::Rules,
     filter: PointFilter,
     table: TableMemory,
     /// Draws where points are splats like others.
@@ -95,16 +86,15 @@ impl<'a> HybridRenderer<'a> {
     /// pool that they are asked for in. The error says what the rules lack.
     pub fn new(
         scene: &Scene,
-        camera: &'a Camera,
+        camera: &Camera,
         options: Options<'a>,
         hybrid: &'a Hybrid,
         (engine, counts): (PaintEngine, bool),
     ) -> Result<Self, String> {
         let quantised = QuantisedScene::with_depths(scene, camera, options.rules);
-        let rules = quantised.rules(options.rules);
-        let widths = &options.design.widths;
+        let (rules, widths) = (&quantised.rules, &options.design.widths);
         let deviation = scaled(deviation(scene)).scaled_by(quantised.scale_log2);
-        let filter = PointFilter::new(widths, &rules, deviation).ok_or(
+        let filter = PointFilter::new(widths, rules, deviation).ok_or(
             "points need rules with a spacing and a constant cut-off, such as 'ewa' with --antialias swan",
         )?;
         let options = Options {
@@ -112,17 +102,15 @@ impl<'a> HybridRenderer<'a> {
             ..options
         };
         Ok(HybridRenderer {
-            camera,
             hybrid,
             engine,
             filter,
-            table: TableMemory::new(widths, &rules),
-            painter: painter(&rules, &options, engine, counts),
+            table: TableMemory::new(widths, rules),
+            painter: painter(rules, &options, engine, counts),
             memory: FrameMemory::default(),
             is_point: quantised.splats.iter().map(|_| false.into()).collect(),
             options,
             quantised,
-            rules,
         })
     }
 
@@ -136,7 +124,7 @@ impl<'a> HybridRenderer<'a> {
     pub fn draw_picture(&mut self, picture: &mut Picture) -> Result<HybridFacts, String> {
         let design = self.options.design;
         let facts = self.draw()?;
-        let Camera { width, height, .. } = *self.camera;
+        let [width, height] = self.quantised.view.viewport.map(usize::from);
         if [picture.width, picture.height] != [width, height] {
             *picture = Picture::new(width, height);
         }
@@ -152,7 +140,6 @@ impl<'a> HybridRenderer<'a> {
             hybrid,
             engine,
             quantised,
-            rules,
             filter,
             table,
             painter,
@@ -166,7 +153,6 @@ impl<'a> HybridRenderer<'a> {
         let setup = HybridSetup {
             design,
             quantised,
-            rules,
             filter,
             points: hybrid.points,
             engine: *engine,
@@ -180,7 +166,7 @@ impl<'a> HybridRenderer<'a> {
         let shape = stamps.as_ref().map(|(_, shape)| shape);
         let order = kernel_compositing(options.compositing);
         let among_points = PointTiles {
-            painter: Painter::new(design, rules, table, order, Traversal::Spans),
+            painter: Painter::new(design, &quantised.rules, table, order, Traversal::Spans),
             gathering: PointSettings {
                 range: depth_range(hybrid, quantised),
                 stamp: (stamps.as_ref()).and_then(|(words, shape)| Stamp::new(words, *shape)),
@@ -239,7 +225,6 @@ fn depth_range(hybrid: &Hybrid, quantised: &QuantisedScene) -> u32 {
 struct HybridSetup<'a> {
     design: RuntimeWidths,
     quantised: &'a QuantisedScene,
-    rules: &'a kernel::Rules,
     filter: &'a PointFilter,
     points: Points,
     engine: PaintEngine,
@@ -264,8 +249,9 @@ impl HybridSetup<'_> {
             points += usize::from(is_point);
         }
         if points < splats.len() {
-            let (view, vectors) = (&self.quantised.view, self.engine.vectors());
-            fast::set_up(self.design, view, self.rules, splats, outcomes, vectors);
+            let QuantisedScene { view, rules, .. } = self.quantised;
+            let vectors = self.engine.vectors();
+            fast::set_up(self.design, view, rules, splats, outcomes, vectors);
         }
         if points == 0 {
             return;
@@ -285,15 +271,15 @@ impl HybridSetup<'_> {
             Points::All => true,
             Points::None => false,
             Points::Auto => {
-                let QuantisedScene { view, .. } = self.quantised;
-                is_minified(&self.design.widths(), view, self.rules, splat)
+                let QuantisedScene { view, rules, .. } = self.quantised;
+                is_minified(&self.design.widths(), view, rules, splat)
             }
         }
     }
 
     fn set_up_point(&self, splat: &VolumeSplat) -> Outcome {
-        let QuantisedScene { view, .. } = self.quantised;
-        setup_point(self.design, view, self.rules, splat, self.filter)
+        let QuantisedScene { view, rules, .. } = self.quantised;
+        setup_point(self.design, view, rules, splat, self.filter)
     }
 
     /// The box of a point becomes that of its stamp.
@@ -344,65 +330,40 @@ impl TilePainter for PointTiles<'_> {
         if work.start == Start::Clear {
             work.pixels.fill(self.clear);
         }
-        let columns = work.window.columns().into();
-        let Ok(mut target) = Target::new(work.pixels, work.window, columns) else {
+        let window = work.window;
+        let Ok(mut target) = Target::new(work.pixels, window, window.columns().into()) else {
             unreachable!("the tile's memory has just been made for its window")
         };
-        let drawn = work.list.iter().filter_map(|index| {
-            let footprint = work.footprints[*index as usize].as_ref().ok()?;
-            let is_point = self.is_point[*index as usize].load(Ordering::Relaxed);
-            Some((footprint, is_point))
-        });
+        // Points are gathered, splats composited behind what was gathered before them; elsewhere both are composited
+        // one by one, points by the stamp if there is one.
+        let mut memory = Vec::new();
+        let mut slabs = None;
         if self.gathers {
-            self.gather(drawn, &mut target)
-        } else {
-            self.stamp(drawn, &mut target)
+            memory.resize(window.pixels(), Slab::default());
+            slabs = Some(Slabs::new(&mut memory, window).expect("as many slabs as pixels"));
         }
-    }
-}
-
-impl PointTiles<'_> {
-    /// Points are gathered, splats composited behind what was gathered before them.
-    fn gather<'a>(
-        &self,
-        list: impl Iterator<Item = (&'a Footprint, bool)>,
-        target: &mut Target,
-    ) -> Coverage {
-        let (painter, window) = (&self.painter, target.window());
-        let mut memory = vec![Slab::default(); window.pixels()];
-        let Some(mut slabs) = Slabs::new(&mut memory, window) else {
-            unreachable!("the slabs have just been made for the window")
-        };
-        let mut coverage = Coverage::default();
-        for (number, (footprint, is_point)) in list.enumerate() {
-            coverage += if is_point {
-                painter.draw_point(footprint, &self.gathering, target, &mut slabs)
-            } else {
-                painter.draw_among_points(footprint, target, &mut slabs)
+        let (painter, mut coverage) = (&self.painter, Coverage::default());
+        for (number, index) in work.list.iter().enumerate() {
+            let Ok(footprint) = &work.footprints[*index as usize] else {
+                continue;
+            };
+            let is_point = self.is_point[*index as usize].load(Ordering::Relaxed);
+            coverage += match (&mut slabs, &self.gathering.stamp) {
+                (Some(slabs), _) if is_point => {
+                    painter.draw_point(footprint, &self.gathering, &mut target, slabs)
+                }
+                (Some(slabs), _) => painter.draw_among_points(footprint, &mut target, slabs),
+                (None, Some(stamp)) if is_point => {
+                    painter.draw_stamp(stamp, footprint, &mut target)
+                }
+                (None, _) => painter.draw(footprint, &mut target),
             };
             if number % CHECK_INTERVAL == 0 && target.is_finished() {
                 break;
             }
         }
-        painter.finish_points(target, &mut slabs);
-        coverage
-    }
-
-    /// Points and splats are composited one by one, points by the stamp if there is one.
-    fn stamp<'a>(
-        &self,
-        list: impl Iterator<Item = (&'a Footprint, bool)>,
-        target: &mut Target,
-    ) -> Coverage {
-        let mut coverage = Coverage::default();
-        for (number, (footprint, is_point)) in list.enumerate() {
-            coverage += match &self.gathering.stamp {
-                Some(stamp) if is_point => self.painter.draw_stamp(stamp, footprint, target),
-                _ => self.painter.draw(footprint, target),
-            };
-            if number % CHECK_INTERVAL == 0 && target.is_finished() {
-                break;
-            }
+        if let Some(slabs) = &mut slabs {
+            painter.finish_points(&mut target, slabs);
         }
         coverage
     }

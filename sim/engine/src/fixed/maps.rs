@@ -26,21 +26,21 @@ use splatline_reference::engines::maps::{MapPixel, depth_and_normal};
 pub fn draw_maps(scene: &Scene, camera: &Camera, options: &Options) -> Vec<MapPixel> {
     let quantised = QuantisedScene::new(scene, camera, options.rules);
     let (design, widths) = (options.design.in_fields(), options.design.widths);
-    let rules = quantised.rules(options.rules);
+    let rules = &quantised.rules;
     let places = scene.splats.par_iter();
     let places: Vec<(f64, Vector)> = places
         .map(|splat| depth_and_normal(splat, camera))
         .collect();
-    let outcomes = set_up(design, &quantised, &rules, best_engine()).into_iter();
+    let outcomes = set_up(design, &quantised, best_engine()).into_iter();
     let numbered = outcomes.enumerate();
     let seen = numbered.filter_map(|(index, outcome)| Some((index, outcome.ok()?)));
     let mut seen: Vec<(usize, Footprint)> = seen.collect();
     sort_by_depth(&mut seen);
     let (indices, footprints): (Vec<usize>, Vec<Footprint>) = seen.into_iter().unzip();
-    let table = TableMemory::new(&widths, &rules);
+    let table = TableMemory::new(&widths, rules);
     let order = Compositing::FrontToBack;
-    let painter = Painter::new(design, &rules, table.table(), order, options.traversal);
-    let blend = Blend::new(&widths, &rules);
+    let painter = Painter::new(design, rules, table.table(), order, options.traversal);
+    let blend = Blend::new(&widths, rules);
     let unit = (-f64::from(widths.transmittance)).exp2();
     let paint = |window: Window, list: &[u32], pixels: &mut [(Pixel, MapPixel)]| {
         let [left, top] = window.first;

@@ -28,6 +28,8 @@ use splatline::view::{Pose, Projection, View};
 pub struct QuantisedScene {
     /// The camera.
     pub view: View,
+    /// The kernel's statement of the rules that weighed the splats, lengths in the kernel's scene units.
+    pub rules: kernel::Rules,
     /// The splats, in the scene's order.
     pub splats: Vec<VolumeSplat>,
     /// Kernel scene units per scene unit, as a power of two; 0 where no depth is kept in fixed point.
@@ -93,15 +95,6 @@ impl QuantisedScene {
         splats.zip(&colours).for_each(|(splat, colour)| {
             splat.colour = colour.map(|value| float::colour(finite_or_zero(value) * unit));
         });
-    }
-
-    /// The kernel's statement of the rules, lengths in the kernel's scene units.
-    pub fn rules(&self, rules: &Rules) -> kernel::Rules {
-        let stated = kernel_rules(rules);
-        kernel::Rules {
-            spacing: stated.spacing.scaled_by(self.scale_log2),
-            ..stated
-        }
     }
 
     /// After setup of these splats: where the scene is sorted by distance, footprints get the key of the distance in
@@ -178,8 +171,13 @@ impl Quantiser {
             weight_log2: if rules.normalised { 2 * scale_log2 } else { 0 },
             unit: exp2(-colour_log2),
         };
+        let stated = kernel_rules(rules);
         let quantised = QuantisedScene {
             view: view(camera, scale_log2),
+            rules: kernel::Rules {
+                spacing: stated.spacing.scaled_by(scale_log2),
+                ..stated
+            },
             splats: Vec::with_capacity(scene.splats.len()),
             scale_log2,
             colour_log2,

@@ -87,36 +87,29 @@ pub struct FixedDrawing {
     pub pixels: Vec<Pixel>,
     /// Splats of the scene.
     pub splats: usize,
-    /// Splats culled, by reason, in the order of [`Cull::ALL`].
-    pub culled: [usize; Cull::ALL.len()],
     /// Splats of which a coordinate or colour is not finite.
     pub clamped: usize,
     /// Unit of the kernel's colours as a power of two; the picture has been multiplied by it.
     pub colour_log2: i32,
-    /// Pixels visited and covered.
-    pub coverage: Coverage,
-    /// Time taken.
-    pub times: Times,
+    /// Splats culled, pixels covered, and times of the stages.
+    pub facts: FrameFacts,
 }
 
 impl FixedDrawing {
     /// Of a scene's pixels and what a frame of them did.
     pub(super) fn new(
         quantised: &QuantisedScene,
-        camera: &Camera,
         widths: &Widths,
         pixels: Vec<Pixel>,
         facts: FrameFacts,
     ) -> Self {
         FixedDrawing {
-            picture: to_picture(&pixels, camera, widths, quantised.colour_log2),
+            picture: to_picture(&pixels, quantised, widths),
             pixels,
             splats: quantised.splats.len(),
-            culled: facts.culled,
             clamped: quantised.clamped,
             colour_log2: quantised.colour_log2,
-            coverage: facts.coverage,
-            times: facts.times,
+            facts,
         }
     }
 }
@@ -128,26 +121,19 @@ pub fn footprints(
     options: &Options,
 ) -> Vec<Result<Footprint, Cull>> {
     let quantised = QuantisedScene::new(scene, camera, options.rules);
-    let rules = quantised.rules(options.rules);
-    let design = options.design.in_fields();
-    set_up(design, &quantised, &rules, best_engine())
+    set_up(options.design.in_fields(), &quantised, best_engine())
 }
 
 /// Conics (a, b, c) of all splats in double precision, whether or not they reach the viewport; `None` where the depth,
 /// the range or the shape culls.
-pub fn conics(
-    scene: &Scene,
-    camera: &Camera,
-    rules: &Rules,
-    design: &DesignChoice,
-) -> Vec<Option<[f64; 3]>> {
-    let widths = &design.widths;
+pub fn conics(scene: &Scene, camera: &Camera, options: &Options) -> Vec<Option<[f64; 3]>> {
+    let widths = &options.design.widths;
     let conic_of = |variance: &Covariance2d| {
         let conic = conic(widths, variance, ldl(widths, variance)?.horizontal)?;
         let unit = f64::from(conic.exponent).exp2();
         Some(conic.mantissa.map(|m| f64::from(m) * unit))
     };
-    let variances = kernel_variances(scene, camera, rules, widths);
+    let variances = kernel_variances(scene, camera, options);
     variances
         .iter()
         .map(|variance| conic_of(variance.as_ref()?))
@@ -156,12 +142,7 @@ pub fn conics(
 
 /// Vxx, Vxy, Vyy and the determinant of all splats in double precision, whether or not they reach the viewport; `None`
 /// where the depth or the range culls.
-pub fn variances(
-    scene: &Scene,
-    camera: &Camera,
-    rules: &Rules,
-    design: &DesignChoice,
-) -> Vec<Option<[f64; 4]>> {
+pub fn variances(scene: &Scene, camera: &Camera, options: &Options) -> Vec<Option<[f64; 4]>> {
     let in_double = |variance: Covariance2d| {
         let Covariance2d {
             xx,
@@ -171,22 +152,22 @@ pub fn variances(
         } = variance;
         [xx, xy, yy, determinant].map(|x| f64::from(x.mantissa) * f64::from(x.exponent).exp2())
     };
-    let variances = kernel_variances(scene, camera, rules, &design.widths);
+    let variances = kernel_variances(scene, camera, options);
     variances.into_iter().map(|v| v.map(in_double)).collect()
 }
 
 fn kernel_variances(
     scene: &Scene,
     camera: &Camera,
-    rules: &Rules,
-    widths: &Widths,
+    options: &Options,
 ) -> Vec<Option<Covariance2d>> {
-    let quantised = QuantisedScene::new(scene, camera, rules);
-    let rules = quantised.rules(rules);
+    let quantised = QuantisedScene::new(scene, camera, options.rules);
+    let widths = &options.design.widths;
+    let rules = &quantised.rules;
     let variance_of = |splat: &VolumeSplat| {
-        let projected = project(widths, &quantised.view, &rules, &splat.centre).ok()?;
+        let projected = project(widths, &quantised.view, rules, &splat.centre).ok()?;
         let mut columns = project_axes(widths, &quantised.view.rotation, &projected, &splat.axes);
-        if let Some(factor) = distance::enlargement(widths, &rules, &projected) {
+        if let Some(factor) = distance::enlargement(widths, rules, &projected) {
             columns = distance::enlarge(widths, columns, factor);
         }
         Some(covariance(widths, rules.low_pass, &columns))
@@ -198,14 +179,13 @@ fn kernel_variances(
 pub fn set_up_part(
     design: RuntimeWidths,
     quantised: &QuantisedScene,
-    rules: &kernel::Rules,
     engine: PaintEngine,
     (splats, outcomes): (&[VolumeSplat], &mut [Outcome]),
 ) {
     fast::set_up(
         design,
         &quantised.view,
-        rules,
+        &quantised.rules,
         splats,
         outcomes,
         engine.vectors(),
@@ -217,10 +197,14 @@ pub fn set_up_part(
 pub(super) fn seen(
     design: RuntimeWidths,
     quantised: &QuantisedScene,
-    rules: &kernel::Rules,
     engine: PaintEngine,
 ) -> Vec<(usize, Footprint)> {
-    let QuantisedScene { view, splats, .. } = quantised;
+    let QuantisedScene {
+        view,
+        rules,
+        splats,
+        ..
+    } = quantised;
     let batch = |(number, splats): (usize, &[VolumeSplat])| {
         let first = number * BATCH;
         let mut outcomes = vec![Err(Cull::Near); splats.len()];
@@ -239,7 +223,6 @@ const BATCH: usize = 1024;
 pub fn set_up(
     design: RuntimeWidths,
     quantised: &QuantisedScene,
-    rules: &kernel::Rules,
     engine: PaintEngine,
 ) -> Vec<Outcome> {
     let splats = &quantised.splats;
@@ -248,7 +231,7 @@ pub fn set_up(
     places
         .zip(splats.par_chunks(BATCH))
         .for_each(|(outcomes, splats)| {
-            set_up_part(design, quantised, rules, engine, (splats, outcomes));
+            set_up_part(design, quantised, engine, (splats, outcomes));
         });
     outcomes
 }
@@ -266,23 +249,20 @@ pub fn draw_with_footprints(
     options: &Options,
 ) -> (FixedDrawing, Vec<Result<Footprint, Cull>>) {
     let quantised = QuantisedScene::new(scene, camera, options.rules);
-    draw_quantised(&quantised, camera, options, best_engine())
+    draw_quantised(&quantised, options, best_engine())
 }
 
 /// A scene that has been quantised already, by the engine asked for.
 pub fn draw_quantised(
     quantised: &QuantisedScene,
-    camera: &Camera,
     options: &Options,
     engine: PaintEngine,
 ) -> (FixedDrawing, Vec<Result<Footprint, Cull>>) {
     let mut memory = FrameMemory::default();
-    let rules = quantised.rules(options.rules);
-    let painter = painter(&rules, options, engine, true);
+    let painter = painter(&quantised.rules, options, engine, true);
     let facts = paint_with(quantised, options, engine, &*painter, &mut memory);
-    let pixels = memory.pixels(camera.width * camera.height);
-    let widths = &options.design.widths;
-    let drawing = FixedDrawing::new(quantised, camera, widths, pixels, facts);
+    let (pixels, widths) = (memory.pixels(), &options.design.widths);
+    let drawing = FixedDrawing::new(quantised, widths, pixels, facts);
     (drawing, memory.into_outcomes())
 }
 
@@ -293,13 +273,13 @@ fn paint_with(
     painter: &dyn TilePainter,
     memory: &mut FrameMemory,
 ) -> FrameFacts {
-    let (design, rules) = (options.design.in_fields(), quantised.rules(options.rules));
+    let design = options.design.in_fields();
     let plan = FramePlan {
         viewport: quantised.view.viewport,
         back_to_front: options.compositing == Compositing::BackToFront,
         depth_first: None,
         set_up: &|_, splats, outcomes| {
-            set_up_part(design, quantised, &rules, engine, (splats, outcomes));
+            set_up_part(design, quantised, engine, (splats, outcomes));
         },
         painter,
         progress: &|_, _| true,
@@ -331,8 +311,8 @@ impl Canvas {
     /// The picture that [`draw_quantised`] draws; `only` names windows without whose tiles the rest of it means
     /// nothing.
     pub fn draw(&mut self, quantised: &QuantisedScene, options: &Options, only: Option<&[Window]>) {
-        let (engine, rules) = (best_engine(), quantised.rules(options.rules));
-        let inner = painter(&rules, options, engine, false);
+        let engine = best_engine();
+        let inner = painter(&quantised.rules, options, engine, false);
         let chosen = ChosenTiles { inner, only };
         paint_with(quantised, options, engine, &chosen, &mut self.memory);
         let convert = converter(&options.design.widths, quantised.colour_log2);

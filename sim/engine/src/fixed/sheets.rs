@@ -29,11 +29,15 @@ pub fn draw(
     engine: PaintEngine,
     plan: &SheetPlan,
 ) -> Picture {
-    let quantised = QuantisedScene::with_depths(scene, camera, options.rules);
-    let rules = kernel_rules(options.rules);
+    let quantised = QuantisedScene {
+        // The spacing of samples is not scaled with the scene.
+        rules: kernel_rules(options.rules),
+        ..QuantisedScene::with_depths(scene, camera, options.rules)
+    };
+    let rules = &quantised.rules;
     let widths = options.design.widths;
     let slabs = SlabRule::new(plan, quantised.scale_log2);
-    let seen = seen(options.design.in_fields(), &quantised, &rules, engine);
+    let seen = seen(options.design.in_fields(), &quantised, engine);
     let parts = seen.into_par_iter().flat_map_iter(|(index, footprint)| {
         slabs.parts(&quantised, &quantised.splats[index], footprint)
     });
@@ -46,19 +50,19 @@ pub fn draw(
         compositing: Compositing::XRay,
         ..*options
     };
-    let painter = painter(&rules, &sums, engine, false);
+    let painter = painter(rules, &sums, engine, false);
     let sheets = Sheets {
         painter: &*painter,
         slabs: &slabs,
         footprints: &footprints,
-        blend: Blend::new(&widths, &rules),
+        blend: Blend::new(&widths, rules),
         widths,
     };
     let paint = |window: Window, list: &[u32], pixels: &mut [Pixel]| {
         sheets.paint_tile(window, list, pixels);
     };
     let (pixels, _) = paint_apart(Pixel::clear(&widths), &tiles, &paint);
-    to_picture(&pixels, camera, &widths, quantised.colour_log2)
+    to_picture(&pixels, &quantised, &widths)
 }
 
 /// All footprints in their sheets.

@@ -27,7 +27,7 @@ pub fn draw_spheres(
 ) -> FixedDrawing {
     let (design, widths) = (options.design.in_fields(), options.design.widths);
     let quantised = QuantisedScene::new(scene, camera, options.rules);
-    let rules = quantised.rules(options.rules);
+    let rules = &quantised.rules;
     let set_up = |(splat, sphere): (&Splat, &VolumeSplat)| {
         let sphere = SphereSplat {
             centre: sphere.centre,
@@ -35,7 +35,7 @@ pub fn draw_spheres(
             weight: sphere.weight,
             colour: sphere.colour,
         };
-        setup_sphere(design, &quantised.view, &rules, &sphere, shape)
+        setup_sphere(design, &quantised.view, rules, &sphere, shape)
     };
     let splats = scene.splats.par_iter().zip(&quantised.splats);
     let results: Vec<_> = splats.map(set_up).collect();
@@ -47,7 +47,7 @@ pub fn draw_spheres(
     if options.compositing == Compositing::BackToFront {
         tiles.lists.iter_mut().for_each(|list| list.reverse());
     }
-    let table = TableMemory::new(&widths, &rules);
+    let table = TableMemory::new(&widths, rules);
     let mut perspective = [0; PERSPECTIVE_ENTRIES];
     fill_perspective(&mut perspective);
     let perspective = Perspective {
@@ -56,7 +56,7 @@ pub fn draw_spheres(
     };
     let painter = Painter::new(
         design,
-        &rules,
+        rules,
         table.table(),
         kernel_compositing(options.compositing),
         Traversal::Spans,
@@ -76,5 +76,5 @@ pub fn draw_spheres(
         ..FrameFacts::default()
     };
     parts.into_iter().for_each(|part| facts.coverage += part);
-    FixedDrawing::new(&quantised, camera, &widths, pixels, facts)
+    FixedDrawing::new(&quantised, &widths, pixels, facts)
 }

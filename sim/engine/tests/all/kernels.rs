@@ -194,7 +194,7 @@ fn points_are_chosen_by_projected_size() {
         let hybrid = Hybrid::default();
         let drawn =
             fixed::draw_hybrid(&scene, &camera, &options(&rules, &design), &hybrid).unwrap();
-        drawn.points as f64 / drawn.drawn as f64
+        drawn.facts.points as f64 / drawn.facts.drawn as f64
     };
     assert_eq!((share(40.0), share(80.0)), (0.0, 1.0));
     assert!((0.3..0.7).contains(&share(60.0)), "{}", share(60.0));
@@ -306,7 +306,7 @@ fn an_eye_inside_a_sphere_culls_it_and_a_wrong_rule_is_named() {
         &options(&rules, &design),
         (Ellipse::Exact, KernelIndex::Perspective),
     );
-    assert_eq!(drawn.culled.iter().sum::<usize>(), 1);
+    assert_eq!(drawn.facts.culled.iter().sum::<usize>(), 1);
     let hybrid = Hybrid::default();
     let error =
         fixed::draw_hybrid(&scene, &camera, &options(&rules, &design), &hybrid).unwrap_err();

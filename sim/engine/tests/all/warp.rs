@@ -139,7 +139,7 @@ fn near_samples_stay_splats_and_far_ones_become_points() {
         }
         // The ball is closed where it was seen.
         assert!(float.pixels[32 * 64 + 32][3] > 0.95);
-        drawn.points as f64 / drawn.drawn as f64
+        drawn.facts.points as f64 / drawn.facts.drawn as f64
     });
     assert_eq!(shares, [0.0, 1.0]);
 }

@@ -74,18 +74,8 @@ pub fn estimate(
     }
 }
 
-/// One raster unit: what the primitive is for `primitive-1` and its like.
-pub fn raster_unit(
-    widths: &Widths,
-    traversal: Traversal,
-    config: &Config,
-    calibration: &Calibration,
-) -> Fabric {
-    CountedMachine::new(widths, traversal, config, calibration).raster_unit()
-}
-
 /// A machine with a design, and what its circuits are counted by.
-struct CountedMachine<'a> {
+pub struct CountedMachine<'a> {
     widths: &'a Widths,
     bits: Bits,
     surface: Option<SurfaceBits>,
@@ -95,7 +85,8 @@ struct CountedMachine<'a> {
 }
 
 impl<'a> CountedMachine<'a> {
-    fn new(
+    /// By these prices.
+    pub fn new(
         widths: &'a Widths,
         traversal: Traversal,
         config: &'a Config,
@@ -111,7 +102,8 @@ impl<'a> CountedMachine<'a> {
         }
     }
 
-    fn raster_unit(&self) -> Fabric {
+    /// One raster unit: what the primitive is for `primitive-1` and its like.
+    pub fn raster_unit(&self) -> Fabric {
         let logic = self.surface.map_or(Fabric::default(), |surface| {
             surface.logic(self.widths, self.config, self.prices)
         });

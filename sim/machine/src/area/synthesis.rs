@@ -6,7 +6,7 @@
 
 use super::calibration::{Calibration, Family};
 use super::surface::ESTIMATED;
-use super::{Fabric, RESOURCES, lines_of, raster_unit, units};
+use super::{CountedMachine, Fabric, RESOURCES, lines_of, units};
 use crate::config::Config;
 use crate::design::DesignChoice;
 use serde::Deserialize;
@@ -173,7 +173,7 @@ impl Synthesised {
             return None;
         };
         let (widths, config) = (&self.widths, Config::primitive(lanes));
-        Some(raster_unit(widths, Traversal::Spans, &config, calibration))
+        Some(CountedMachine::new(widths, Traversal::Spans, &config, calibration).raster_unit())
     }
 }
 

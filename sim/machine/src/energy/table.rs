@@ -386,23 +386,23 @@ mod tests {
         for wrong in ["nan", "-0.1", "inf", "0", "1e9"] {
             let message = refused("pj = 0.03", &format!("pj = {wrong}"));
             assert!(
-                message.starts_with("mine.toml:14: adder.pj = "),
+                message.starts_with("mine.toml:16: adder.pj = "),
                 "{message}"
             );
             assert!(message.contains("above 0 up to 1000000"), "{message}");
         }
         let message = refused("bits = 8\npj = 0.2", "bits = 0\npj = 0.2");
         assert!(
-            message.contains("mine.toml:23: multiplier.bits = 0: allowed are 1 to 4096"),
+            message.contains("mine.toml:25: multiplier.bits = 0: allowed are 1 to 4096"),
             "{message}"
         );
         let message = refused("scale = 1.0", "scale = nan");
-        assert!(message.contains("mine.toml:10: scale = NaN"), "{message}");
+        assert!(message.contains("mine.toml:12: scale = NaN"), "{message}");
         let message = refused("bytes = 32768", "bytes = 8192");
         assert!(message.contains("memory: 8192 is not above"), "{message}");
         let message = refused("source = \"Horowitz 2014, figure 1.1.9\"", "source = \" \"");
         assert!(
-            message.contains("mine.toml:15: adder.source is empty"),
+            message.contains("mine.toml:17: adder.source is empty"),
             "{message}"
         );
         assert!(refused("[dram]", "[drum]").contains("drum"));

@@ -29,11 +29,12 @@ use crate::design::DesignChoice;
 use crate::fixed::Options;
 use crate::host_memory::TooLarge;
 use crate::scene::Scene;
-use serde::Serialize;
-use splatline::format::{Traversal, Widths};
+use serde::{Deserialize, Serialize};
+use std::sync::LazyLock;
 
 /// Which pixels a machine tests.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Tested {
     /// Those that the design's own traversal visits.
     Own,
@@ -46,7 +47,8 @@ pub enum Tested {
 }
 
 /// Operations in floating point of so many bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Operations {
     /// Bits of a number.
     pub bits: u64,
@@ -64,128 +66,64 @@ pub struct Operations {
 }
 
 /// A machine.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Preset {
     /// Name in tables.
     #[serde(rename = "machine")]
-    pub name: &'static str,
+    pub name: String,
     /// The paper that it was reimplemented from; `ours` for our own.
-    pub source: &'static str,
-    /// Design of the kernel whose footprints it draws.
-    #[serde(skip)]
-    pub design: &'static str,
+    pub source: String,
+    #[serde(skip_serializing)]
+    design: String,
     /// Which pixels it tests.
-    #[serde(skip)]
+    #[serde(skip_serializing)]
     pub tested: Tested,
     /// Its operations, if it is not the kernel's integers.
-    #[serde(skip)]
+    #[serde(skip_serializing)]
     pub float: Option<Operations>,
-    /// The machine around it.
-    #[serde(skip)]
-    pub config: fn() -> Config,
+    /// How its sixteen lanes lie, if they are not those of the splat primitive.
+    #[serde(skip_serializing)]
+    layout: Option<LaneLayout>,
 }
 
-/// dx and dy, the quadratic form in five products and two sums, exp as a table with one product and one sum, opacity.
-const FORM: Operations = Operations {
-    bits: 16,
-    pair: [2, 0],
-    row: [0, 0],
-    tested: [4, 5],
-    // exp by a table with a product and a sum; times the opacity; compared with the smallest.
-    inside: [2, 2],
-    // 1 - alpha, the transmittance, the share; a product and a sum a channel.
-    blended: [4, 5],
-};
+impl Preset {
+    /// The design of the kernel whose footprints it draws.
+    pub fn design(&self) -> DesignChoice {
+        DesignChoice::named(&self.design).expect("presets name designs of ours")
+    }
 
-/// Forward differences along a row: its start takes the form.
-const DIFFERENCES: Operations = Operations {
-    row: [4, 5],
-    tested: [3, 0],
-    ..FORM
-};
-
-/// a dx^2 and 2 b dx for sixteen columns, dy and c dy^2 for a row; a pixel adds and multiplies what is there.
-const SHARED_AXES: Operations = Operations {
-    pair: [2 + 16, 3 * 16],
-    row: [1, 2],
-    tested: [3, 1],
-    ..FORM
-};
-
-/// All machines, ours last.
-pub const PRESETS: [Preset; 7] = [
-    Preset {
-        name: "box-tiles",
-        source: "Kerbl et al., 3D Gaussian Splatting for Real-Time Radiance Field Rendering, SIGGRAPH 2023, section 6, in FP16",
-        design: "standard24",
-        tested: Tested::Tiles,
-        float: Some(FORM),
-        config: || sixteen(LaneLayout::Aligned),
-    },
-    Preset {
-        name: "sub-tiles",
-        source: "Lee et al., GSCore, ASPLOS 2024: sub-tile skipping; the test of a sub-tile is exact here",
-        design: "standard24",
-        tested: Tested::SubTiles(8),
-        float: Some(FORM),
-        config: || sixteen(LaneLayout::Aligned),
-    },
-    Preset {
-        name: "row-sequential",
-        source: "Ye et al., Gaussian Blending Unit, HPCA 2025: row-sequential shading",
-        design: "standard24",
-        tested: Tested::Rows,
-        float: Some(DIFFERENCES),
-        config: || sixteen(LaneLayout::Rows),
-    },
-    Preset {
-        name: "axis-shared",
-        source: "axis-oriented rasterization with terms shared along both axes, 2025",
-        design: "standard24",
-        tested: Tested::Tiles,
-        float: Some(SHARED_AXES),
-        config: || sixteen(LaneLayout::Aligned),
-    },
-    Preset {
-        name: "primitive-1997",
-        source: "Swan et al., IEEE Visualization 1997, section 6: the splat primitive, in the 8 bits of its time",
-        design: "classic8",
-        tested: Tested::Own,
-        float: None,
-        config: || sixteen(LaneLayout::Aligned),
-    },
-    Preset {
-        name: "splatline lean18",
-        source: "ours",
-        design: "lean18",
-        tested: Tested::Own,
-        float: None,
-        config: || Config::primitive(16),
-    },
-    Preset {
-        name: "splatline standard24",
-        source: "ours",
-        design: "standard24",
-        tested: Tested::Own,
-        float: None,
-        config: || Config::primitive(16),
-    },
-];
-
-fn sixteen(layout: LaneLayout) -> Config {
-    Config {
-        lanes: 16,
-        layout,
-        ..Config::default()
+    /// The machine around it.
+    pub fn config(&self) -> Config {
+        let lanes = 16;
+        match self.layout {
+            Some(layout) => Config {
+                lanes,
+                layout,
+                ..Config::default()
+            },
+            None => Config::primitive(lanes),
+        }
     }
 }
+
+#[derive(Deserialize)]
+struct Presets {
+    machine: Vec<Preset>,
+}
+
+/// All machines, ours last.
+pub static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
+    let presets: Presets = toml::from_str(include_str!("presets.toml")).expect("machines");
+    presets.machine
+});
 
 /// A machine's work and what it takes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
     /// The machine.
     #[serde(flatten)]
-    pub preset: Preset,
+    pub preset: &'static Preset,
     /// Cycles, bytes, pixels.
     #[serde(rename = "cycles")]
     pub timing: Timing,
@@ -202,18 +140,17 @@ pub fn run_all(
     options: &Options,
     table: &EnergyTable,
 ) -> Result<Vec<Outcome>, TooLarge> {
-    let run = |preset: &Preset| {
-        let design = DesignChoice::named(preset.design).expect("presets name designs of ours");
-        let (widths, traversal) = (&design.widths, design.traversal);
+    let run = |preset: &'static Preset| {
+        let design = preset.design();
         let own = Options {
             design: &design,
-            traversal,
+            traversal: design.traversal,
             ..*options
         };
-        let config = (preset.config)();
+        let config = preset.config();
         let tile = [config.tile_width, config.tile_height];
         let workload = extract(scene, camera, &own, tile)?;
-        Ok(outcome(preset, &workload, widths, traversal, table))
+        Ok(outcome(preset, &workload, table))
     };
     PRESETS.iter().map(run).collect()
 }
@@ -222,17 +159,11 @@ pub fn run_all(
 const PIXEL_PATH: [&str; 4] = ["splat_setup", "row_generator", "lanes", "blend"];
 
 /// What a machine takes for a workload that our own traversal gave.
-pub fn outcome(
-    preset: &Preset,
-    workload: &Workload,
-    widths: &Widths,
-    traversal: Traversal,
-    table: &EnergyTable,
-) -> Outcome {
-    let config = (preset.config)();
+pub fn outcome(preset: &'static Preset, workload: &Workload, table: &EnergyTable) -> Outcome {
+    let (design, config) = (preset.design(), preset.config());
     let workload = tested(workload, preset.tested);
     let timing = simulate_alone(&workload, &config);
-    let mut units = of(widths, traversal, &config, &timing, table);
+    let mut units = of(&design.widths, design.traversal, &config, &timing, table);
     if let Some(operations) = &preset.float {
         replace(&mut units, operations, &timing, table);
     }
@@ -241,7 +172,7 @@ pub fn outcome(
     let products = actions.filter(|action| action.action == "multiply");
     let products = products.map(|action| action.count).sum();
     Outcome {
-        preset: *preset,
+        preset,
         energy: sum(units, &config, &timing, table),
         timing,
         products,
@@ -288,7 +219,7 @@ pub fn cells(outcome: &Outcome) -> [String; 11] {
     let path = units.filter(|unit| PIXEL_PATH.contains(&unit.unit));
     let path: u64 = path.map(|unit| unit.attojoules).sum();
     [
-        outcome.preset.name.to_owned(),
+        outcome.preset.name.clone(),
         pixels.visited.to_string(),
         pixels.covered.to_string(),
         pixels.live.to_string(),

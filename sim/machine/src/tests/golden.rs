@@ -168,22 +168,15 @@ fn table() -> String {
             let _ = writeln!(text, "{}", row(words, name, &design, &workload));
         }
     }
-    for preset in &others::PRESETS {
-        let design = DesignChoice::named(preset.design).unwrap();
-        let workload = work(&scene, &design, &(preset.config)());
-        let (widths, traversal) = (&design.widths, design.traversal);
-        let outcome = others::outcome(
-            preset,
-            &workload,
-            widths,
-            traversal,
-            &EnergyTable::default(),
-        );
+    for preset in others::PRESETS.iter() {
+        let design = preset.design();
+        let workload = work(&scene, &design, &preset.config());
+        let outcome = others::outcome(preset, &workload, &EnergyTable::default());
         let _ = writeln!(
             text,
             "{},{},{},{},{},{},{},{},{:08x},{:08x},{}",
             preset.name,
-            preset.design,
+            design.name,
             outcome.timing.total,
             outcome.timing.geometry,
             outcome.timing.sort,

@@ -345,7 +345,7 @@ mod tests {
                 compositing: Compositing::BackToFront,
                 ..options.clone()
             };
-            let drawn = fixed::draw(&scene, &camera, &all).coverage;
+            let drawn = fixed::draw(&scene, &camera, &all).facts.coverage;
             let totals = workload.totals();
             assert_eq!(
                 (totals.visited, totals.covered),

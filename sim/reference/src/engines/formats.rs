@@ -233,7 +233,7 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStage
     let by_distance = scene.order == SortOrder::Distance && !camera.orthographic;
     let projected = compositor::project_all(scene, camera, rules, |splat| {
         let n = |value| stages.setup.number(value);
-        let plain = plain::project(splat, splat.weight, camera, rules, n)?;
+        let plain = plain::project(splat, camera, rules, n)?;
         let place = match by_distance {
             true => plain::dot(plain.position, plain.position).sqrt(),
             false => plain.position[2],

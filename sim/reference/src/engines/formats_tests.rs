@@ -1,7 +1,7 @@
 use super::*;
 use crate::metrics::compare;
 use crate::rules::Compositing;
-use crate::scene::synthetic;
+use crate::scene::{Splat, synthetic};
 use proptest::prelude::*;
 use std::sync::LazyLock;
 
@@ -155,8 +155,9 @@ fn in_single_precision_it_is_the_engine_written_in_it() {
     let weights = scene.weights_for(&rules);
     let mut drawn = 0;
     for (splat, weight) in scene.splats.iter().zip(weights) {
-        let ours = plain::project(splat, weight, &camera, &rules, |x| FP32.number(x)).ok();
-        let theirs = super::super::single::project(splat, weight, &camera, &rules);
+        let splat = Splat { weight, ..*splat };
+        let ours = plain::project(&splat, &camera, &rules, |x| FP32.number(x)).ok();
+        let theirs = super::super::single::project(&splat, &camera, &rules);
         assert_eq!(ours.is_some(), theirs.is_some());
         let (Some(ours), Some(theirs)) = (ours, theirs) else {
             continue;

@@ -93,10 +93,9 @@ pub(super) fn radial<N: Number>([a, b, c]: [N; 3], dx: N, dy: N) -> N {
     a * dx * dx + (b + b) * dx * dy + c * dy * dy
 }
 
-/// Projects one splat; `n` brings a double to the kind of number.
+/// Projects one splat, whose weight is as the rules need it; `n` brings a double to the kind of number.
 pub(super) fn project<N: Number>(
     splat: &Splat,
-    weight: f64,
     camera: &Camera,
     rules: &Rules,
     n: impl Fn(f64) -> N,
@@ -132,12 +131,13 @@ pub(super) fn project<N: Number>(
     }
     let peak = if rules.normalised {
         let slant = (slope[0] * slope[0] + slope[1] * slope[1] + n(1.0)).sqrt();
-        n(weight) * gain[0] * gain[1] * slant / (n(std::f64::consts::TAU) * determinant.sqrt())
+        n(splat.weight) * gain[0] * gain[1] * slant
+            / (n(std::f64::consts::TAU) * determinant.sqrt())
     } else if rules.compensated {
         let kept = (sharp_a * sharp_c - b * b) / determinant;
-        n(weight) * kept.max(n(0.0)).sqrt()
+        n(splat.weight) * kept.max(n(0.0)).sqrt()
     } else {
-        n(weight)
+        n(splat.weight)
     };
     if !(peak.value() > 0.0 && peak.value() >= rules.alpha_min) {
         return Err(Culled::Transparent);

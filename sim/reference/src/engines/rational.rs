@@ -48,13 +48,8 @@ impl RationalFootprint {
     }
 }
 
-/// Projects one splat; `None` if it is culled by depth, singular or transparent.
-pub fn project(
-    splat: &Splat,
-    weight: f64,
-    camera: &Camera,
-    rules: &Rules,
-) -> Option<RationalFootprint> {
+/// Projects one splat, whose weight is as the rules need it; `None` if it is culled by depth, singular or transparent.
+pub fn project(splat: &Splat, camera: &Camera, rules: &Rules) -> Option<RationalFootprint> {
     let rotation = camera.rotation.map(|row| row.map(exact));
     let turn = |v: &[BigRational; 3]| -> [BigRational; 3] {
         std::array::from_fn(|row| (0..3).map(|k| &rotation[row][k] * &v[k]).sum())
@@ -108,9 +103,9 @@ pub fn project(
     let peak = if rules.normalised {
         let slant = double(&(&slope[0] * &slope[0] + &slope[1] * &slope[1])) + 1.0;
         let area = double(&(&gain[0] * &gain[1]));
-        weight * area * (slant / double(&determinant)).sqrt() / std::f64::consts::TAU
+        splat.weight * area * (slant / double(&determinant)).sqrt() / std::f64::consts::TAU
     } else {
-        weight
+        splat.weight
     };
     if peak <= 0.0 || peak < rules.alpha_min {
         return None;

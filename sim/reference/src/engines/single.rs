@@ -35,14 +35,10 @@ impl SingleFootprint {
     }
 }
 
-/// Projects one splat; `None` if it is culled by depth, its determinant is not positive, or it is transparent.
-pub fn project(
-    splat: &Splat,
-    weight: f64,
-    camera: &Camera,
-    rules: &Rules,
-) -> Option<SingleFootprint> {
-    plain::project(splat, weight, camera, rules, |x| x as f32).ok()
+/// Projects one splat, whose weight is as the rules need it; `None` if it is culled by depth, its determinant is not
+/// positive, or it is transparent.
+pub fn project(splat: &Splat, camera: &Camera, rules: &Rules) -> Option<SingleFootprint> {
+    plain::project(splat, camera, rules, |x| x as f32).ok()
 }
 
 /// The picture of projected splats, drawn front to back in the order given.

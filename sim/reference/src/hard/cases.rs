@@ -140,29 +140,21 @@ fn disc_through_the_eye(centre: [f64; 3], angle: f64, thin: f64) -> [[f64; 3]; 3
 }
 
 fn places(sample: u64) -> Vec<Case> {
+    let gaussian = Rules::GAUSSIAN_3D;
     let scattered = |name: &str, width: f64, depth: f64, radius: f64| {
-        many(sample, name, Rules::GAUSSIAN_3D, |[_, x, y, _]| {
+        many(sample, name, gaussian, |[_, x, y, _]| {
             splat([x * width, y * width, depth], ball(radius), 0.8)
         })
     };
-    let near = many(
-        sample,
-        "on and behind the near plane",
-        Rules::GAUSSIAN_3D,
-        |turn| {
-            let depth = 0.01 - turn[0].abs().floor() * 3.0;
-            splat([0.0, 0.0, depth], ball(0.1), 0.8)
-        },
-    );
-    let on_edges = many(
-        sample,
-        "centres on pixel edges and corners",
-        Rules::GAUSSIAN_3D,
-        |turn| {
-            let [x, y] = [turn[1], turn[2]].map(|place| (place * 8.0).round() / 8.0);
-            splat([x, y, 8.0], ball(0.2), 0.8)
-        },
-    );
+    let near = many(sample, "on and behind the near plane", gaussian, |turn| {
+        let depth = 0.01 - turn[0].abs().floor() * 3.0;
+        splat([0.0, 0.0, depth], ball(0.1), 0.8)
+    });
+    let edges = "centres on pixel edges and corners";
+    let on_edges = many(sample, edges, gaussian, |[_, x, y, _]| {
+        let [x, y] = [x, y].map(|place| (place * 8.0).round() / 8.0);
+        splat([x, y, 8.0], ball(0.2), 0.8)
+    });
     vec![
         scattered("just beyond the near plane", 0.004, 0.010_001, 0.001),
         near,

@@ -32,17 +32,28 @@ const CAMERA_DEGREES: f64 = 60.0;
 /// `count` random Gaussians: centres uniform in [-2, 2]^3, log-normal scales about 0.02 times `scale_multiplier`,
 /// random rotations and colours, opacities from 0.05 to 0.95.
 pub fn random_gaussians(count: usize, seed: u64, scale_multiplier: f64) -> Scene {
+    let scale = |random: &mut Random| {
+        scale_multiplier * MEDIAN_SCALE * (LOG_SCALE_SPREAD * random.normal()).exp()
+    };
+    gaussians(format!("random:{count}:{seed}"), count, seed, scale, 1.0)
+}
+
+/// Gaussians of such scales, and of a random scene's opacities times `dim`.
+fn gaussians(
+    name: impl Into<String>,
+    count: usize,
+    seed: u64,
+    scale: impl Fn(&mut Random) -> f64,
+    dim: f64,
+) -> Scene {
     let mut random = Random(seed);
     let splats = (0..count)
         .map(|_| {
-            let scales = random.triple(|random| {
-                scale_multiplier * MEDIAN_SCALE * (LOG_SCALE_SPREAD * random.normal()).exp()
-            });
-            let opacity = random.between(OPACITIES.0, OPACITIES.1);
+            let scales = random.triple(&scale);
+            let opacity = dim * random.between(OPACITIES.0, OPACITIES.1);
             random.splat(scales, opacity)
         })
         .collect();
-    let name = format!("random:{count}:{seed}");
     Scene::of_splats(name, Rules::GAUSSIAN_3D, splats)
 }
 
@@ -67,15 +78,8 @@ pub fn random_harmonics(count: usize, seed: u64, degree: u8) -> Scene {
 
 /// 20,000 large and nearly transparent Gaussians: hundreds of layers over each pixel of [`camera`].
 pub fn deep_stack(seed: u64) -> Scene {
-    let mut random = Random(seed);
-    let splats = (0..DEEP_STACK_COUNT)
-        .map(|_| {
-            let scales = random.triple(|random| random.between(DEEP_SCALES.0, DEEP_SCALES.1));
-            let opacity = DEEP_OPACITY * random.between(OPACITIES.0, OPACITIES.1);
-            random.splat(scales, opacity)
-        })
-        .collect();
-    Scene::of_splats("deep-stack", Rules::GAUSSIAN_3D, splats)
+    let scale = |random: &mut Random| random.between(DEEP_SCALES.0, DEEP_SCALES.1);
+    gaussians("deep-stack", DEEP_STACK_COUNT, seed, scale, DEEP_OPACITY)
 }
 
 /// The camera of the synthetic scenes: 5 before the origin on the z axis, 60 degrees.

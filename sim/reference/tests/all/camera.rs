@@ -133,13 +133,17 @@ fn unsound_files_are_refused_by_field() {
 fn errors_name_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("view.json");
-    let missing = Camera::from_json_file(&path).unwrap_err().to_string();
+    let missing = Camera::corrected_from_json_file(&path)
+        .unwrap_err()
+        .to_string();
     assert!(
         missing.contains("view.json") && missing.contains("cannot be opened"),
         "{missing}"
     );
     std::fs::write(&path, file_with("fx", serde_json::json!(0))).unwrap();
-    let error = Camera::from_json_file(&path).unwrap_err().to_string();
+    let error = Camera::corrected_from_json_file(&path)
+        .unwrap_err()
+        .to_string();
     let expected = format!(
         "camera file '{}': 'fx' is 0, but must be positive and finite (in pixels)",
         path.display()
@@ -147,7 +151,7 @@ fn errors_name_the_file() {
     assert_eq!(error, expected);
     std::fs::write(&path, vec![b' '; 2 << 20]).unwrap();
     assert!(
-        Camera::from_json_file(&path)
+        Camera::corrected_from_json_file(&path)
             .unwrap_err()
             .to_string()
             .contains("at most")

@@ -18,7 +18,7 @@ use splatline_rtl::{setup, tables};
 use splatline_sim::atomic;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
-use splatline_sim::machine::area::{Family, raster_unit, synthesis};
+use splatline_sim::machine::area::{CountedMachine, Family, synthesis};
 use splatline_sim::machine::primitive::SETUP_INTERVAL;
 use std::path::Path;
 use std::process::ExitCode;
@@ -239,7 +239,8 @@ fn estimate(design: &str, lanes: &str) -> Result<()> {
     let machine = Config::primitive(number(lanes)?);
     for family in Family::ALL {
         let prices = family.calibration();
-        let area = raster_unit(&design.widths, Traversal::Spans, &machine, &prices);
+        let area =
+            CountedMachine::new(&design.widths, Traversal::Spans, &machine, &prices).raster_unit();
         let statement = synthesis::statement(&prices);
         println!("{}: {area}\n  ({statement})", family.name());
     }

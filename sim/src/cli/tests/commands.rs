@@ -310,7 +310,8 @@ fn view_options_alone_keep_the_whole_scene_in_view() {
     ] {
         let line = format!("render random:200 --size 64x48 {options}");
         folder.run(&format!("{line} -o ./x.png --json ./r.json"));
-        let camera = crate::camera::Camera::from_json_file(&folder.path("r.json")).unwrap();
+        let (camera, _) =
+            crate::camera::Camera::corrected_from_json_file(&folder.path("r.json")).unwrap();
         for splat in &scene.splats {
             let [x, y, z] = camera.to_camera(splat.centre);
             let [u, v] = [camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy];

@@ -132,7 +132,7 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
     engines.extend(fixed.map(|(design, (drawing, footprints))| DrawnClass {
         name: &design.name,
         picture: &drawing.picture,
-        conics: fixed::conics(scene, camera, rules, design),
+        conics: fixed::conics(scene, camera, &fixed::Options::front_to_back(rules, design)),
         drawn: footprints.iter().map(Result::is_ok).collect(),
         clamped: drawing.clamped,
         decisions: Box::new(FixedSide::new(footprints, design, rules)),
@@ -298,7 +298,7 @@ impl SingleDrawing {
     fn new(scene: &Scene, camera: &Camera, order: &[usize]) -> SingleDrawing {
         let splats = scene.splats.iter().zip(scene.weights_for(&RULES));
         let projected: Vec<_> = splats
-            .map(|(splat, weight)| single::project(splat, weight, camera, &RULES))
+            .map(|(splat, weight)| single::project(&Splat { weight, ..*splat }, camera, &RULES))
             .collect();
         let colours = scene.colours(camera);
         let picture = single::picture(&projected, &colours, order, camera, &RULES);

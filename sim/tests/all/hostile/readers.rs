@@ -163,7 +163,7 @@ fn draw_surface(scene: &SurfaceScene, is_height_field: bool) -> Result<(), Strin
 
 /// As large as the file says; only setup runs, which takes no pixels.
 fn camera_file(path: &Path) -> Result<(), String> {
-    let camera = Camera::from_json_file(path).map_err(printed)?;
+    let (camera, _) = Camera::corrected_from_json_file(path).map_err(printed)?;
     let (scene, design) = (synthetic::random_gaussians(9, 1, 2.0), design());
     let options = Options::front_to_back(&scene.natural_rules, &design);
     fixed::footprints(&scene, &camera, &options);

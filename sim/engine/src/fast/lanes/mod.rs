@@ -42,7 +42,7 @@ pub use run::{
     VectorLevel, VectorTask, dispatch_pixels, dispatch_vectors, draws_pixels, has_vectors, name,
     prefetch,
 };
-pub use wide::Wide;
+pub use wide::{Wide, apart};
 
 #[cfg(test)]
 mod tests;

@@ -72,6 +72,12 @@ pub trait Wide: Copy + Send + Sync {
     fn wide_flags(self, truth: Self::Truth) -> u32;
 }
 
+/// Does some work in a function of its own: see [`Wide::ROWS_APART`].
+#[inline(never)]
+pub fn apart<R>(work: impl FnOnce() -> R) -> R {
+    work()
+}
+
 /// Eight words of 64 bits as an array.
 pub(super) type Words = [i64; 8];
 

@@ -10,6 +10,7 @@ use super::lanes::prefetch;
 use super::lanes::sums::{PixelSums, ShareShift};
 use super::lanes::{VectorLevel, words::PixelWords};
 use super::lanes::{VectorTask, dispatch_pixels};
+use super::painter::TableMemory;
 use super::rows::{Pixels, RowBatch, RuntimeRows};
 use super::setup::SurfaceOutcome;
 use super::words::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
@@ -18,10 +19,8 @@ use splatline::draw::Coverage;
 use splatline::footprint::surface::{
     Attributes, DEPTH_FRACTION, SurfaceFootprint, attribute_fraction, depth_in_pixel,
 };
-use splatline::format::{Rounding, Widths};
-use splatline::kernel::FootprintTable;
+use splatline::format::Rounding;
 use splatline::raster::Window;
-use splatline::rules::Rules;
 use tile::{AttributeWords, SampleWords};
 pub use tile::{SumCell, SumTile};
 
@@ -45,13 +44,8 @@ pub struct GatherNumbers {
 
 impl GatherNumbers {
     /// For widths and a table that words can do, in lanes of so many bits; the threshold is that of [`WeightedSum`].
-    pub fn new(
-        widths: &Widths,
-        rules: &Rules,
-        table: &FootprintTable,
-        threshold: u32,
-        lane_bits: u32,
-    ) -> Option<Self> {
+    pub fn new(table: &TableMemory, threshold: u32, lane_bits: u32) -> Option<Self> {
+        let widths = &table.widths;
         let half = |by: u32| match widths.rounding {
             Rounding::Nearest | Rounding::NearestEven => (1u64 << by) >> 1,
             Rounding::Truncate => 0,
@@ -61,7 +55,7 @@ impl GatherNumbers {
         let share = u32::from(attribute_fraction(widths));
         Some(GatherNumbers {
             rows: RuntimeRows::new(widths, lane_bits)?,
-            path: PathNumbers::new(widths, rules, table, lane_bits)?,
+            path: PathNumbers::new(table, lane_bits)?,
             weight: [(-drop).max(0).into(), half(down) as i64, down.into()],
             share: ShareShift {
                 by: share,
@@ -130,15 +124,22 @@ pub enum Gather<'a> {
 pub type Record<'a> = dyn Fn(&SurfaceFootprint, Window, &mut [Recorded]) -> Coverage + 'a;
 
 /// A tile to be painted.
+#[derive(Clone, Copy)]
+pub struct SurfaceTile<'a> {
+    /// Its pixels on the screen.
+    pub window: Window,
+    /// What setup made of every splat, in the scene's order.
+    pub footprints: &'a [SurfaceOutcome],
+    /// Those that are drawn, in this order.
+    pub list: &'a [u32],
+}
+
+/// Painting a tile on vectors.
 pub struct GatherTask<'a, 'g> {
     /// Constants of the picture.
     pub numbers: &'a GatherNumbers,
-    /// What setup made of every splat, in the scene's order.
-    pub footprints: &'a [SurfaceOutcome],
-    /// Those that are drawn.
-    pub list: &'a [u32],
-    /// The tile's pixels on the screen.
-    pub window: Window,
+    /// The tile.
+    pub tile: SurfaceTile<'a>,
     /// Draws what vectors cannot.
     pub record: &'a Record<'a>,
     /// Takes what they can.
@@ -162,7 +163,7 @@ impl GatherTask<'_, '_> {
         footprint: &SurfaceFootprint,
         mut each: impl FnMut(&mut Self, [u16; 2], Recorded),
     ) -> Coverage {
-        let window = Window::of(&footprint.footprint).intersect(&self.window);
+        let window = Window::of(&footprint.footprint).intersect(&self.tile.window);
         let mut cells = vec![Recorded::EMPTY; window.pixels()];
         let coverage = (self.record)(footprint, window, &mut cells);
         let columns = usize::from(window.columns()).max(1);
@@ -193,8 +194,8 @@ impl VectorTask for GatherTask<'_, '_> {
         let words = DepthWords::new(lanes, numbers);
         let mut batch = RowBatch::new();
         let mut coverage = Coverage::default();
-        let left = self.window.first[0];
-        let (footprints, list) = (self.footprints, self.list);
+        let left = self.tile.window.first[0];
+        let (footprints, list) = (self.tile.footprints, self.tile.list);
         for (number, index) in list.iter().enumerate() {
             if let Some(next) = list.get(number + AHEAD) {
                 prefetch(&footprints[*next as usize]);
@@ -213,7 +214,9 @@ impl VectorTask for GatherTask<'_, '_> {
             }
             let values = numbers.attributes(&footprint.attributes)?;
             let attributes = words.splat(lanes, &values, numbers, footprint.attributes.material);
-            let rows = numbers.rows.constants(&footprint.footprint, &self.window);
+            let rows = numbers
+                .rows
+                .constants(&footprint.footprint, &self.tile.window);
             let splat = numbers.path.splat(&footprint.footprint);
             let splat = splat.filter(|_| is_near(footprint) && batch.fill(lanes, &rows, left));
             let Some(splat) = splat else {
@@ -261,7 +264,7 @@ impl GatherTask<'_, '_> {
         pixels: &Pixels,
     ) -> u64 {
         let (lanes, splat) = (path.lanes(), &painted.splat);
-        let x = self.window.first[0] + pixels.x as u16;
+        let x = self.tile.window.first[0] + pixels.x as u16;
         let step = painted.footprint.plane.step[0];
         let depth = painted.footprint.depth_at(x, y);
         let mut depth = lanes.wide_add(
@@ -299,7 +302,7 @@ impl GatherTask<'_, '_> {
         if self.counts || !is_near(footprint) {
             return false;
         }
-        let pixels = Window::of(&footprint.footprint).intersect(&self.window);
+        let pixels = Window::of(&footprint.footprint).intersect(&self.tile.window);
         if pixels.is_empty() {
             return false;
         }
@@ -329,7 +332,7 @@ impl GatherTask<'_, '_> {
     /// Column of the tile, row of the screen.
     #[inline(always)]
     fn in_tile(&self, [x, y]: [u16; 2]) -> [usize; 2] {
-        [usize::from(x - self.window.first[0]), y.into()]
+        [usize::from(x - self.tile.window.first[0]), y.into()]
     }
 
     /// Hands samples on.

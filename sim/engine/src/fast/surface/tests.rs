@@ -1,11 +1,11 @@
 //! Gathering on vectors against the kernel's painter: sums and layers word for word, and the counts.
 
-use super::{Gather, GatherNumbers, GatherTask, SumTile};
+use super::{Gather, GatherNumbers, GatherTask, SumTile, SurfaceTile};
 use crate::camera::Camera;
-use crate::fast::TILE;
 use crate::fast::lanes::VectorLevel;
 use crate::fast::setup::SurfaceOutcome;
 use crate::fast::tests::{AnyWidths, VIEWPORT, any_widths, arbitrary, usual_widths};
+use crate::fast::{TILE, TableMemory};
 use crate::fixed::surface::{QuantisedPoints, kernel_rules};
 use crate::fixed::{table, table_entries};
 use crate::scene::points::synthetic::{Paint, scene, sphere};
@@ -66,17 +66,17 @@ impl Subject<'_> {
 
     /// By vectors, into whatever gathers; `None` where they cannot.
     fn painted(&self, choice: VectorLevel, gather: Gather, counts: bool) -> Option<Coverage> {
-        let memory = table_entries(&self.widths, &self.rules);
-        let table = table(&memory, &self.widths, &self.rules);
-        let numbers =
-            GatherNumbers::new(&self.widths, &self.rules, &table, self.threshold, i32::BITS)?;
+        let table = TableMemory::new(&self.widths, &self.rules);
+        let numbers = GatherNumbers::new(&table, self.threshold, i32::BITS)?;
         let list: Vec<u32> = (0..self.footprints.len() as u32).collect();
         self.with_painter(|painter| {
             let task = GatherTask {
                 numbers: &numbers,
-                footprints: self.footprints,
-                list: &list,
-                window: self.window,
+                tile: SurfaceTile {
+                    window: self.window,
+                    footprints: self.footprints,
+                    list: &list,
+                },
                 record: &|footprint, window, cells| {
                     painter.draw(footprint, &mut CellTarget::new(cells, window).unwrap())
                 },

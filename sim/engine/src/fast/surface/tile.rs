@@ -8,7 +8,7 @@
 //! nothing. The greatest depth, which layers need, is not kept.
 
 use crate::fast::lanes::sums::{PixelSums, Sums};
-use crate::fast::tile::TILE;
+use crate::fast::tile::{ROWS, TILE};
 use splatline::blend::surface::{Cell, Fragment, Sample, WeightedSum};
 use splatline::raster::Window;
 
@@ -17,9 +17,6 @@ const SPARE: usize = 8;
 
 /// Pixels from one row to the next.
 const STRIDE: usize = TILE[0] as usize + SPARE;
-
-/// Rows of a tile.
-const ROWS: usize = TILE[1] as usize;
 
 /// Columns and rows of a block, whose farthest pixel is known.
 const BLOCK: usize = 4;

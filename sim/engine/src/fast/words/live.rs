@@ -5,11 +5,11 @@
 //! costs more.
 
 use super::path::{SHORT, TwoRuns};
-use super::tile::{PixelWord, ROOM, WordTile};
+use super::tile::{PixelWord, WordTile};
 use crate::fast::lanes::Wide;
-use crate::fast::rows::{BlockSpans, Pixels, two};
+use crate::fast::rows::{BlockSpans, Pixels, two, window_mut};
 use crate::fast::setup::number::Arithmetic;
-use crate::fast::tile::TILE;
+use crate::fast::tile::{ROOM, TILE};
 
 /// The runs of one footprint in one block; memory that is used again for every block.
 pub(super) struct LiveRuns {
@@ -46,8 +46,8 @@ impl LiveRuns {
             let [x, of_run] = columns(math, runs.columns(lanes, row), left);
             let live = lanes.wide_load(tile.live(first + row));
             let pixels = lanes.wide_shr(lanes.wide_and(of_run, live), x);
-            lanes.wide_store(room(&mut self.starts, row), x);
-            lanes.wide_store(room(&mut self.pixels, row), pixels);
+            lanes.wide_store(window_mut(&mut self.starts, row), x);
+            lanes.wide_store(window_mut(&mut self.pixels, row), pixels);
             empty |= u64::from(lanes.wide_flags(lanes.wide_equal(pixels, zero))) << row;
             long |= u64::from(lanes.wide_flags(lanes.wide_greater(pixels, short))) << row;
         }
@@ -94,15 +94,6 @@ fn columns<L: Wide>(math: Arithmetic<L>, [x, end]: [L::Word; 2], left: u16) -> [
     // From the first column on, and up to the last one: none where a run ends before it begins.
     let to_end = lanes.wide_shr(all, math.sub(end_of_tile, end));
     [x, lanes.wide_and(lanes.wide_shl(all, x), to_end)]
-}
-
-/// Place for a vector at a row.
-#[inline(always)]
-fn room(words: &mut [i64; ROOM], row: usize) -> &mut [i64; 8] {
-    let Some(room) = words[row % (ROOM - 8)..].first_chunk_mut() else {
-        unreachable!("the list has room for a vector at every row")
-    };
-    room
 }
 
 #[cfg(test)]

@@ -54,9 +54,9 @@ impl<D: Design> WordPainter<D> {
     ) -> Option<Self> {
         let widths = design.widths();
         let kernel = ScalarPainter::new(design, rules, order, Traversal::Spans);
-        let table = kernel.table.table();
-        let numbers = PathNumbers::new(&widths, rules, &table, D::Lane::BITS)?;
+        let numbers = PathNumbers::new(&kernel.table, D::Lane::BITS)?;
         let numbers = numbers.in_order(order, widths.rounding)?;
+        let table = kernel.table.table();
         let single = SingleNumbers::new(&widths, rules, table.entries(), D::Lane::BITS);
         let single = single.filter(|_| order == Compositing::FrontToBack);
         Some(WordPainter {

@@ -4,13 +4,14 @@
 use super::live::LiveRuns;
 use super::path::{PathNumbers, PixelPath, SplatNumbers};
 use super::single::SingleNumbers;
-use super::tile::{ROWS, WordTile};
+use super::tile::WordTile;
 use crate::fast::lanes::{Doubles, prefetch};
 use crate::fast::painter::{CHECK_INTERVAL, Results, Start};
 use crate::fast::row_group::RowGroup;
 use crate::fast::row_reals::RowReals;
 use crate::fast::rows::{RowBatch, RuntimeRows};
 use crate::fast::setup::number::Arithmetic;
+use crate::fast::tile::ROWS;
 use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::format::Widths;

@@ -13,10 +13,13 @@
 //!   selection: the first have opacity 0, the others no transmittance.
 //! - A table that falls is interpolated without a sign: low + ((change rest + half) >> k) = low - ((fall rest + half -
 //!   1) >> k).
+//!
+//! [`FootprintTable::weight`]: splatline::kernel::FootprintTable::weight
 
 use super::reach::TableReach;
 use super::tile::{PixelWord, Row};
 use crate::fast::lanes::words::{Falls, PixelWords};
+use crate::fast::painter::TableMemory;
 use crate::fast::rows::Pixels;
 use crate::fast::setup::number::BitDrop;
 use crate::fast::tile::TILE;
@@ -24,8 +27,7 @@ use splatline::blend::Blend;
 use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::format::{Rounding, Widths};
-use splatline::kernel::FootprintTable;
-use splatline::rules::{Compositing, Rules};
+use splatline::rules::Compositing;
 
 /// The pixels of a footprint's runs, by whatever words.
 pub trait PixelPath {
@@ -123,14 +125,10 @@ pub struct SplatNumbers {
 
 impl PathNumbers {
     /// For widths and a table that words can do, in lanes of so many bits.
-    pub fn new(
-        widths: &Widths,
-        rules: &Rules,
-        table: &FootprintTable,
-        lane_bits: u32,
-    ) -> Option<Self> {
-        let constants = Blend::new(widths, rules).constants();
-        let reach = TableReach::new(table, widths, &constants, lane_bits)?;
+    pub fn new(memory: &TableMemory, lane_bits: u32) -> Option<Self> {
+        let widths = &memory.widths;
+        let constants = Blend::new(widths, &memory.rules).constants();
+        let reach = TableReach::new(memory, &constants, lane_bits)?;
         let shift = |by| shift(by, constants.rounding);
         let even = if constants.rounding == Rounding::NearestEven {
             EVEN
@@ -141,7 +139,7 @@ impl PathNumbers {
             widths: *widths,
             beyond: [widths.peak, widths.colour]
                 .map(|fraction| u32::MAX.checked_shl(u32::from(fraction) + 4).unwrap_or(0)),
-            falls: Falls::new(table.entries())?,
+            falls: Falls::new(memory.table().entries())?,
             kept: u32::from(widths.interpolation).min(reach.rest_bits),
             raise: if reach.deep { 0 } else { 32 },
             opacity: shift(constants.opacity_shift)?,

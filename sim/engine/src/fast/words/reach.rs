@@ -1,9 +1,8 @@
 //! How far the footprint table reaches, so that vectors look nothing up beyond it.
 
+use crate::fast::painter::TableMemory;
 use splatline::blend::BlendConstants;
 use splatline::draw::cutoff_in_lane;
-use splatline::format::Widths;
-use splatline::kernel::FootprintTable;
 
 /// How far a table reaches, in lanes of a design.
 #[derive(Clone, Copy, Debug)]
@@ -18,12 +17,8 @@ pub struct TableReach {
 
 impl TableReach {
     /// Of this table; `None` if an entry exceeds 1, or a constant or the lanes' radial index its format.
-    pub fn new(
-        table: &FootprintTable,
-        widths: &Widths,
-        constants: &BlendConstants,
-        lane_bits: u32,
-    ) -> Option<Self> {
+    pub fn new(memory: &TableMemory, constants: &BlendConstants, lane_bits: u32) -> Option<Self> {
+        let (table, widths) = (memory.table(), &memory.widths);
         let entries = table.entries();
         let deep = lane_bits > 32;
         let fits = entries.iter().all(|entry| *entry <= 1 << widths.weight)

@@ -4,7 +4,8 @@
 use super::path::PixelPath;
 use super::single::WHOLE;
 use crate::fast::painter::Start;
-use crate::fast::tile::{TILE, extent};
+use crate::fast::rows;
+use crate::fast::tile::{ROOM, ROWS, TILE, extent};
 use splatline::blend::{FINISHED, Pixel};
 use splatline::raster::Window;
 
@@ -14,12 +15,8 @@ const SPARE: usize = 16;
 /// Words from one plane of a row to the next.
 const STRIDE: usize = TILE[0] as usize + SPARE;
 
-/// Columns and rows of a tile.
+/// Columns of a tile.
 const COLUMNS: usize = TILE[0] as usize;
-pub const ROWS: usize = TILE[1] as usize;
-
-/// Words of a list by rows: a vector may reach beyond the last one.
-pub const ROOM: usize = ROWS + 8;
 
 /// The mark of a finished pixel: the transmittance's most significant bit, which no product sees.
 pub const MARK: u64 = 1 << 63;
@@ -154,8 +151,7 @@ impl<W: PixelWord> WordTile<W> {
     /// The pixels of eight rows that had not finished when they were last looked at: a bit for each.
     #[inline(always)]
     pub fn live(&self, first: usize) -> &[i64; 8] {
-        let rows = &self.live[first % ROWS..];
-        rows.first_chunk().unwrap_or(&[0; 8])
+        rows::window(&self.live, first)
     }
 
     /// Looks which pixels have finished: a bit for each of a row.

@@ -9,13 +9,11 @@ use crate::fast::lanes::VectorLevel;
 use crate::fast::lanes::sums::PixelSums;
 use crate::fast::lanes::words::PixelWords;
 use crate::fast::lanes::{VectorTask, dispatch_pixels};
+use crate::fast::painter::TableMemory;
 use crate::fast::rows::{Pixels, RowBatch, RuntimeRows};
 use crate::fast::tile::TILE;
 use splatline::footprint::Footprint;
-use splatline::format::Widths;
-use splatline::kernel::FootprintTable;
 use splatline::raster::Window;
-use splatline::rules::Rules;
 
 /// Takes a footprint's number and the opacities of adjacent pixels from a column and row of the screen on, UQ1.alpha; 0
 /// where a pixel is transparent.
@@ -34,16 +32,10 @@ pub struct OpacityVisitor {
 
 impl OpacityVisitor {
     /// For a design with lanes of so many bits; `None` where only the kernel can.
-    pub fn new(
-        widths: &Widths,
-        rules: &Rules,
-        table: &FootprintTable,
-        lane_bits: u32,
-        choice: VectorLevel,
-    ) -> Option<Self> {
+    pub fn new(table: &TableMemory, lane_bits: u32, choice: VectorLevel) -> Option<Self> {
         Some(OpacityVisitor {
-            rows: RuntimeRows::new(widths, lane_bits)?,
-            path: PathNumbers::new(widths, rules, table, lane_bits)?,
+            rows: RuntimeRows::new(&table.widths, lane_bits)?,
+            path: PathNumbers::new(table, lane_bits)?,
             choice,
         })
     }

@@ -11,7 +11,7 @@ use crate::camera::Camera;
 use crate::fast::frame::{AREA, CullCounts, add_counts, copy_tiles, note};
 use crate::fast::order::{Grid, TileOrder};
 use crate::fast::setup::{self, SurfaceOutcome};
-use crate::fast::surface::GatherNumbers;
+use crate::fast::surface::{GatherNumbers, SurfaceTile};
 use crate::fast::{TILE, TableMemory};
 use crate::fixed::frame::converter;
 use crate::fixed::quantise::exp2;
@@ -76,7 +76,6 @@ pub struct SurfaceRenderer<'a, P = QuantisedPoints> {
 /// What does not know how the points are held, and is therefore compiled here and not again by whoever draws.
 struct SurfaceFrames<'a> {
     options: SurfaceOptions<'a>,
-    rules: kernel::Rules,
     table: TableMemory,
     threshold: u32,
     /// What vectors gather by, if they can.
@@ -160,22 +159,16 @@ impl<'a> SurfaceFrames<'a> {
             engine,
             counts: _,
         } = *options;
-        let rules = kernel_rules(style);
-        let table = TableMemory::new(&design.widths, &rules);
+        let table = TableMemory::new(&design.widths, &kernel_rules(style));
         let threshold = threshold(style, points);
         let numbers = match (engine, traversal) {
-            (PaintEngine::Vectors(_), Traversal::Spans) => GatherNumbers::new(
-                &design.widths,
-                &rules,
-                &table.table(),
-                threshold,
-                design.lane_bits(),
-            ),
+            (PaintEngine::Vectors(_), Traversal::Spans) => {
+                GatherNumbers::new(&table, threshold, design.lane_bits())
+            }
             _ => None,
         };
         SurfaceFrames {
             options: *options,
-            rules,
             table,
             threshold,
             numbers,
@@ -187,7 +180,6 @@ impl<'a> SurfaceFrames<'a> {
     fn draw(&mut self, points: &QuantisedPoints, camera: &Camera) -> SurfaceFacts {
         let SurfaceFrames {
             options,
-            rules,
             table,
             numbers,
             materials,
@@ -209,9 +201,8 @@ impl<'a> SurfaceFrames<'a> {
             numbers: numbers.as_ref().zip(options.engine.vectors()),
             counts: options.counts,
         };
-        let traversal = options.traversal;
-        let painter =
-            SurfacePainter::new(design.in_fields(), rules, table.table(), gather, traversal);
+        let (design, rules) = (design.in_fields(), &table.rules);
+        let painter = SurfacePainter::new(design, rules, table.table(), gather, options.traversal);
         let mut frame = |tiles: &dyn SurfaceTiles| {
             let plan = SurfaceFramePlan {
                 points,
@@ -301,10 +292,13 @@ impl SurfaceFrameMemory {
             .map(|(tile, resolved)| {
                 let window = grid.window(tile);
                 let resolved = &mut resolved[..window.pixels()];
+                let tile = SurfaceTile {
+                    window,
+                    footprints: outcomes,
+                    list: order.list(tile),
+                };
                 SCRATCH.with_borrow_mut(|scratch| {
-                    let list = order.list(tile);
-                    let (coverage, merged) =
-                        plan.tiles.paint(scratch, window, outcomes, list, resolved);
+                    let (coverage, merged) = plan.tiles.paint(scratch, tile, resolved);
                     SurfaceFacts {
                         coverage,
                         merged,

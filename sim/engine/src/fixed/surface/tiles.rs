@@ -1,8 +1,7 @@
 //! What gathers a tile's points and resolves its pixels: vectors where they can, else the kernel's painter.
 
 use crate::fast::lanes::VectorLevel;
-use crate::fast::setup::SurfaceOutcome;
-use crate::fast::surface::{Gather, GatherNumbers, GatherTask, SumTile};
+use crate::fast::surface::{Gather, GatherNumbers, GatherTask, SumTile, SurfaceTile};
 use splatline::blend::Pixel;
 use splatline::blend::layers::Layers;
 use splatline::blend::resolve::Resolve;
@@ -49,14 +48,12 @@ impl SurfaceScratch {
 
 /// Paints tiles of a surface, whatever cells.
 pub trait SurfaceTiles: Sync {
-    /// Gathers the footprints of `list`, in this order, in the pixels of `window`, and resolves them row by row. Pixels
-    /// that were touched, and the number of those at which fragments had to be merged.
+    /// Gathers a tile's footprints and resolves its pixels row by row. Pixels that were touched, and the number of
+    /// those at which fragments had to be merged.
     fn paint(
         &self,
         scratch: &mut SurfaceScratch,
-        window: Window,
-        footprints: &[SurfaceOutcome],
-        list: &[u32],
+        tile: SurfaceTile,
         resolved: &mut [Resolved],
     ) -> (Coverage, usize);
 }
@@ -133,32 +130,21 @@ impl<'a, C: HostCell> GatherTiles<'a, C> {
     }
 
     /// The footprints in the cells by the kernel.
-    fn draw(
-        &self,
-        window: Window,
-        footprints: &[SurfaceOutcome],
-        list: &[u32],
-        cells: &mut [C],
-    ) -> Coverage {
+    fn draw(&self, tile: SurfaceTile, cells: &mut [C]) -> Coverage {
         let mut coverage = Coverage::default();
-        let Ok(mut target) = CellTarget::new(cells, window) else {
+        let Ok(mut target) = CellTarget::new(cells, tile.window) else {
             unreachable!("the tile's memory has just been made for its window")
         };
-        for footprint in list.iter().flat_map(|index| &footprints[*index as usize]) {
+        let drawn = tile.list.iter();
+        for footprint in drawn.flat_map(|index| &tile.footprints[*index as usize]) {
             coverage += self.painter.draw(footprint, &mut target);
         }
         coverage
     }
 
     /// The same by vectors; `None`, and anything in the cells, where they cannot.
-    fn draw_on_vectors(
-        &self,
-        window: Window,
-        footprints: &[SurfaceOutcome],
-        list: &[u32],
-        cells: &mut [C],
-    ) -> Option<Coverage> {
-        let columns = usize::from(window.columns());
+    fn draw_on_vectors(&self, tile: SurfaceTile, cells: &mut [C]) -> Option<Coverage> {
+        let (window, columns) = (tile.window, usize::from(tile.window.columns()));
         let gather = &self.constants.gather;
         let mut take =
             |attributes: &Attributes, [x, y]: [u16; 2], weights: &[i64], depths: &[i64]| {
@@ -175,23 +161,15 @@ impl<'a, C: HostCell> GatherTiles<'a, C> {
                     }
                 }
             };
-        self.gather(window, footprints, list, Gather::Samples(&mut take))
+        self.gather(tile, Gather::Samples(&mut take))
     }
 
     /// Hands the samples of the footprints to whoever gathers them; `None` where vectors cannot.
-    fn gather(
-        &self,
-        window: Window,
-        footprints: &[SurfaceOutcome],
-        list: &[u32],
-        gather: Gather,
-    ) -> Option<Coverage> {
+    fn gather(&self, tile: SurfaceTile, gather: Gather) -> Option<Coverage> {
         let (numbers, choice) = self.constants.numbers?;
         let task = GatherTask {
             numbers,
-            footprints,
-            list,
-            window,
+            tile,
             record: &|footprint, window, cells| match CellTarget::new(cells, window) {
                 Ok(mut target) => self.painter.draw(footprint, &mut target),
                 Err(_) => Coverage::default(),
@@ -207,28 +185,24 @@ impl<C: HostCell> SurfaceTiles for GatherTiles<'_, C> {
     fn paint(
         &self,
         scratch: &mut SurfaceScratch,
-        window: Window,
-        footprints: &[SurfaceOutcome],
-        list: &[u32],
+        tile: SurfaceTile,
         resolved: &mut [Resolved],
     ) -> (Coverage, usize) {
+        let window = tile.window;
         if C::IS_SUM && self.constants.numbers.is_some() {
-            let tile = scratch.sums.get_or_insert_default();
-            tile.open(window);
-            if let Some(coverage) = self.gather(window, footprints, list, Gather::Sums(tile)) {
-                self.constants.resolve(window, tile.cells(), resolved);
+            let sums = scratch.sums.get_or_insert_default();
+            sums.open(window);
+            if let Some(coverage) = self.gather(tile, Gather::Sums(sums)) {
+                self.constants.resolve(window, sums.cells(), resolved);
                 return (coverage, 0);
             }
         }
         let cells = scratch.cells::<C>(window.pixels());
-        let on_vectors = self.draw_on_vectors(window, footprints, list, cells);
-        let coverage = match on_vectors {
-            Some(coverage) => coverage,
-            None => {
-                cells.fill(C::EMPTY);
-                self.draw(window, footprints, list, cells)
-            }
-        };
+        let on_vectors = self.draw_on_vectors(tile, cells);
+        let coverage = on_vectors.unwrap_or_else(|| {
+            cells.fill(C::EMPTY);
+            self.draw(tile, cells)
+        });
         let merged = cells.iter().filter(|cell| cell.merges() > 0).count();
         self.constants
             .resolve(window, cells.iter().cloned(), resolved);

@@ -9,15 +9,14 @@ use super::super::error::{Problem, shorten};
 use super::header::{Element, PlyEncoding, PlyHeader, Property, PropertyKind, split_line};
 use anyhow::{Context, anyhow, bail};
 
-/// Calls `visit` with each record of the element called `wanted`.
-pub(super) fn for_each_record(
+/// Calls `visit` with each vertex.
+pub(super) fn for_each_vertex(
     header: &PlyHeader,
     body: &[u8],
-    wanted: &str,
     visit: &mut dyn FnMut(&[f64]),
 ) -> Result<(), Problem> {
     walk(header, body, &mut |element, record| {
-        if element.name == wanted {
+        if element.name == "vertex" {
             visit(record);
         }
     })
@@ -46,23 +45,14 @@ pub(super) fn walk(
     source.finish()
 }
 
-/// An element's records must fit the body before room is kept for them.
-pub(super) fn refuse_absurd_count(
-    header: &PlyHeader,
-    body: &[u8],
-    element: &Element,
-) -> Result<(), Problem> {
-    PlySource::new(header, body).refuse_absurd_count(element)
-}
-
 /// Where the next record comes from.
-enum PlySource<'a> {
+pub(super) enum PlySource<'a> {
     Ascii { rest: &'a [u8], line: usize },
     Binary { reader: Reader<'a>, endian: Endian },
 }
 
 impl<'a> PlySource<'a> {
-    fn new(header: &PlyHeader, body: &'a [u8]) -> PlySource<'a> {
+    pub(super) fn new(header: &PlyHeader, body: &'a [u8]) -> PlySource<'a> {
         match header.format {
             PlyEncoding::Ascii => PlySource::Ascii {
                 rest: body,
@@ -75,8 +65,8 @@ impl<'a> PlySource<'a> {
         }
     }
 
-    /// The records must fit what is left of the file before any of them is read.
-    fn refuse_absurd_count(&self, element: &Element) -> Result<(), Problem> {
+    /// The records must fit what is left of the file before any of them is read, or room is kept for them.
+    pub(super) fn refuse_absurd_count(&self, element: &Element) -> Result<(), Problem> {
         let field = format!(
             "element {}, {} records",
             shorten(&element.name),

@@ -25,6 +25,7 @@ use super::gaussian::{
 };
 use crate::rules::Rules;
 use anyhow::{Context, anyhow, bail, ensure};
+use body::PlySource;
 use header::Element;
 use std::collections::HashSet;
 
@@ -37,10 +38,10 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     }
     let columns = GaussianColumns::find(vertex)?;
     let degree = columns.degree();
-    body::refuse_absurd_count(&header, body, vertex)?;
+    PlySource::new(&header, body).refuse_absurd_count(vertex)?;
     let mut scene = GaussianScene::new(degree, vertex.count)?;
     scene.rules = rules(&header, &columns);
-    body::for_each_record(&header, body, "vertex", &mut |record| {
+    body::for_each_vertex(&header, body, &mut |record| {
         columns.read_harmonics(record, &mut scene.harmonics);
         scene.push(&columns.gaussian(record));
     })?;

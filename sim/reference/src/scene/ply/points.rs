@@ -6,8 +6,9 @@
 use super::super::bytes::Scalar;
 use super::super::error::Problem;
 use super::super::points::Record;
+use super::body::{self, PlySource};
 use super::header::{self, Element, PropertyKind};
-use super::{body, number, vertex_element};
+use super::{number, vertex_element};
 use crate::memory;
 use anyhow::{Context, bail, ensure};
 
@@ -26,9 +27,9 @@ pub(in super::super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
     let (header, body) = header::parse(bytes)?;
     let vertex = vertex_element(&header.elements)?;
     let columns = PointColumns::find(vertex)?;
-    body::refuse_absurd_count(&header, body, vertex)?;
+    PlySource::new(&header, body).refuse_absurd_count(vertex)?;
     let mut records = memory::list(vertex.count, "the points")?;
-    body::for_each_record(&header, body, "vertex", &mut |values| {
+    body::for_each_vertex(&header, body, &mut |values| {
         records.push(columns.record(values));
     })?;
     Ok(records)

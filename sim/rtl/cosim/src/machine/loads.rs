@@ -48,7 +48,7 @@ impl MachineLoad {
         let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
         let harmonics = harmonics.map(|of| of_scene(&of, &design.widths, &scene));
         MachineLoad {
-            rules: scene.rules(&rules),
+            rules: scene.rules,
             scene,
             seen,
             workload,

@@ -92,8 +92,12 @@ pub fn captured(step: usize, missing: &mut Missing) -> Result<Loads<SetupLoad>> 
         seen.scene.harmonics = None;
         for (rules, _) in KINDS {
             let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
-            let rules = scene.rules(&rules);
-            loads.push(SetupLoad::named(seen.name, scene.view, rules, scene.splats));
+            loads.push(SetupLoad::named(
+                seen.name,
+                scene.view,
+                scene.rules,
+                scene.splats,
+            ));
         }
     }
     Ok(loads)
