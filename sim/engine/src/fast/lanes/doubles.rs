@@ -53,47 +53,58 @@ fn fused(a: Words, b: Words, c: [f64; 8]) -> Words {
 impl Doubles for Portable {
     type Singles = Portable;
 
-    #[inline(always)]
+    #[cfg_attr(not(test), inline(always))]
+    #[cfg_attr(test, inline(never))]
     fn singles(self) -> Portable {
         self
     }
-    #[inline(always)]
+    #[cfg_attr(not(test), inline(always))]
+    #[cfg_attr(test, inline(never))]
     fn double_add(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| a + b)
     }
-    #[inline(always)]
+    #[cfg_attr(not(test), inline(always))]
+    #[cfg_attr(test, inline(never))]
     fn double_sub(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| a - b)
     }
-    #[inline(always)]
+    #[cfg_attr(not(test), inline(always))]
+    #[cfg_attr(test, inline(never))]
     fn double_mul(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| a * b)
     }
-    #[inline(always)]
+    #[cfg_attr(not(test), inline(always))]
+    #[cfg_attr(test, inline(never))]
     fn double_min(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| if a < b { a } else { b })
     }
-    #[inline(always)]
+    #[cfg_attr(not(test), inline(always))]
+    #[cfg_attr(test, inline(never))]
     fn double_max(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| if a > b { a } else { b })
     }
-    #[inline(always)]
+    #[cfg_attr(not(test), inline(always))]
+    #[cfg_attr(test, inline(never))]
     fn double_floor(self, a: Words) -> Words {
         a.map(|a| double(a).floor().to_bits() as i64)
     }
-    #[inline(always)]
+    #[cfg_attr(not(test), inline(always))]
+    #[cfg_attr(test, inline(never))]
     fn double_root(self, a: Words) -> Words {
         a.map(|a| double(a).sqrt().to_bits() as i64)
     }
-    #[inline(always)]
+    #[cfg_attr(not(test), inline(always))]
+    #[cfg_attr(test, inline(never))]
     fn double_mul_add(self, a: Words, b: Words, c: Words) -> Words {
         fused(a, b, c.map(double))
     }
-    #[inline(always)]
+    #[cfg_attr(not(test), inline(always))]
+    #[cfg_attr(test, inline(never))]
     fn double_mul_sub(self, a: Words, b: Words, c: Words) -> Words {
         fused(a, b, c.map(|c| -double(c)))
     }
-    #[inline(always)]
+    #[cfg_attr(not(test), inline(always))]
+    #[cfg_attr(test, inline(never))]
     fn double_greater(self, a: Words, b: Words) -> [bool; 8] {
         std::array::from_fn(|k| double(a[k]) > double(b[k]))
     }
