@@ -54,57 +54,46 @@ impl Doubles for Portable {
     type Singles = Portable;
 
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn singles(self) -> Portable {
         self
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn double_add(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| a + b)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn double_sub(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| a - b)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn double_mul(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| a * b)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn double_min(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| if a < b { a } else { b })
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn double_max(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| if a > b { a } else { b })
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn double_floor(self, a: Words) -> Words {
         a.map(|a| double(a).floor().to_bits() as i64)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn double_root(self, a: Words) -> Words {
         a.map(|a| double(a).sqrt().to_bits() as i64)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn double_mul_add(self, a: Words, b: Words, c: Words) -> Words {
         fused(a, b, c.map(double))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn double_mul_sub(self, a: Words, b: Words, c: Words) -> Words {
         fused(a, b, c.map(|c| -double(c)))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn double_greater(self, a: Words, b: Words) -> [bool; 8] {
         std::array::from_fn(|k| double(a[k]) > double(b[k]))
     }

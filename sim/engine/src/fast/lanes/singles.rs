@@ -104,62 +104,50 @@ impl Singles for Portable {
     type Choice = [bool; SINGLES];
 
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn whole(self, value: i32) -> Self::Whole {
         [value; SINGLES]
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn whole_load(self, from: &[i32; SINGLES]) -> Self::Whole {
         *from
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn whole_add(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
         zip(a, b, i32::wrapping_add)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn whole_sub(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
         zip(a, b, i32::wrapping_sub)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn whole_mul(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
         zip(a, b, i32::wrapping_mul)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn whole_and(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
         zip(a, b, |a, b| a & b)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn whole_max(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
         zip(a, b, i32::max)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn whole_shr(self, a: Self::Whole, by: Self::Whole) -> Self::Whole {
         zip(a, by, |a, by| (a as u32).wrapping_shr(by as u32) as i32)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn short_mul(self, a: Self::Whole, b: Self::Whole) -> Self::Whole {
         zip(a, b, |a, b| a.wrapping_mul((b as i16).into()))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn whole_greater(self, a: Self::Whole, b: Self::Whole) -> Self::Choice {
         zip(a, b, |a, b| a > b)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn gathers(self) -> bool {
         false
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn packed(
         self,
         table: &PackedOn<Self>,
@@ -170,41 +158,34 @@ impl Singles for Portable {
         std::array::from_fn(|k| if choice[k] { word(index[k]) } else { 0 })
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn single_of(self, a: Self::Whole, whole: Self::Single) -> Self::Single {
         std::array::from_fn(|k| f32::from_bits(a[k] as u32 | whole[k].to_bits()))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn single(self, value: f32) -> Self::Single {
         [value; SINGLES]
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn single_read(self, from: &[f32], at: usize) -> Self::Single {
         let numbers = from.get(at..).and_then(|rest| rest.first_chunk());
         numbers.copied().unwrap_or_default()
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn single_write(self, to: &mut [f32], at: usize, value: Self::Single) {
         if let Some(numbers) = to.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) {
             *numbers = value;
         }
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn whole_two(self, words: &[i64; 2]) -> Self::Whole {
         std::array::from_fn(|k| words[k / HALF] as i32)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn two_read(self, from: [&[f32]; 2], at: [usize; 2]) -> Self::Single {
         let number = |k: usize| from[k / HALF].get(at[k / HALF] + k % HALF).copied();
         std::array::from_fn(|k| number(k).unwrap_or_default())
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn two_write(self, to: [&mut [f32]; 2], at: [usize; 2], value: Self::Single) {
         for ((to, at), half) in to.into_iter().zip(at).zip(value.as_chunks::<HALF>().0) {
             if let Some(numbers) = to.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) {
@@ -213,57 +194,46 @@ impl Singles for Portable {
         }
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn fused_add(self, a: Self::Single, b: Self::Single, c: Self::Single) -> Self::Single {
         std::array::from_fn(|k| a[k].mul_add(b[k], c[k]))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn single_sub(self, a: Self::Single, b: Self::Single) -> Self::Single {
         zip(a, b, |a, b| a - b)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn single_min(self, a: Self::Single, b: Self::Single) -> Self::Single {
         zip(a, b, f32::min)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn at_least_zero(self, a: Self::Single) -> Self::Single {
         a.map(|a| if a > 0.0 { a } else { 0.0 })
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn single_less(self, a: Self::Single, b: Self::Single) -> Self::Choice {
         zip(a, b, |a, b| a < b)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn single_clear(self, a: Self::Single, choice: Self::Choice) -> Self::Single {
         std::array::from_fn(|k| if choice[k] { 0.0 } else { a[k] })
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn single_mark(self, a: Self::Single, choice: Self::Choice) -> Self::Single {
         std::array::from_fn(|k| if choice[k] { -a[k].abs() } else { a[k] })
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn signs(self, a: Self::Single) -> u32 {
         self.chosen(a.map(f32::is_sign_negative))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn choose_first(self, count: usize) -> Self::Choice {
         std::array::from_fn(|k| k < count)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn choose_both(self, a: Self::Choice, b: Self::Choice) -> Self::Choice {
         zip(a, b, |a, b| a && b)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn chosen(self, choice: Self::Choice) -> u32 {
         let bits = choice.iter().enumerate();
         bits.fold(0, |all, (k, choice)| all | u32::from(*choice) << k)

@@ -41,13 +41,11 @@ impl PixelSums for Portable {
     type Attributes = ([i32; 8], ShareShift);
 
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn attributes(self, values: &[i32; 8], shift: ShareShift) -> Self::Attributes {
         (*values, shift)
     }
 
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn add_shares(self, sums: &mut Sums, weight: &i64, attributes: &Self::Attributes) -> bool {
         let (values, ShareShift { by, half }) = attributes;
         let share = |value: i32| {

@@ -101,97 +101,79 @@ impl Wide for Portable {
     type Truth = [bool; 8];
 
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_splat(self, value: i64) -> Words {
         [value; 8]
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_load(self, from: &[i64; 8]) -> Words {
         *from
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_columns(self, row: impl Fn(usize) -> [i32; 4]) -> [Words; 4] {
         let rows: [[i32; 4]; 8] = std::array::from_fn(row);
         std::array::from_fn(|column| rows.map(|row| row[column].into()))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_rows(self, to: &mut [[i32; 4]; 8], columns: [Words; 4]) {
         *to = std::array::from_fn(|k| columns.map(|word| word[k] as i32));
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_store(self, to: &mut [i64; 8], value: Words) {
         *to = value;
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_add(self, a: Words, b: Words) -> Words {
         zip(a, b, i64::wrapping_add)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_sub(self, a: Words, b: Words) -> Words {
         zip(a, b, i64::wrapping_sub)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_and(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| a & b)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_or(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| a | b)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_xor(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| a ^ b)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_mul(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| i64::from(a as i32) * i64::from(b as i32))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_mul_whole(self, a: Words, b: Words) -> Words {
         zip(a, b, i64::wrapping_mul)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_shl(self, a: Words, by: Words) -> Words {
         zip(a, by, |a, by| amount(by).map_or(0, |by| a << by))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_sar(self, a: Words, by: Words) -> Words {
         zip(a, by, |a, by| a >> amount(by).unwrap_or(63))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_leading_zeros(self, a: Words) -> Words {
         a.map(|a| a.leading_zeros().into())
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_mul_unsigned(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| {
             (u64::from(a as u32) * u64::from(b as u32)) as i64
         })
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_shr(self, a: Words, by: Words) -> Words {
         zip(a, by, |a, by| {
             amount(by).map_or(0, |by| (a as u64 >> by) as i64)
         })
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_gather(self, table: &[u32], index: Words) -> [Words; 2] {
         let last = table.len().saturating_sub(2) as u32;
         let first = index.map(|index| (index as u32).min(last) as usize);
@@ -200,27 +182,22 @@ impl Wide for Portable {
         [0, 1].map(|which| pairs.map(|pair| i64::from(pair[which])))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_greater(self, a: Words, b: Words) -> [bool; 8] {
         std::array::from_fn(|k| a[k] > b[k])
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_equal(self, a: Words, b: Words) -> [bool; 8] {
         std::array::from_fn(|k| a[k] == b[k])
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_select(self, a: Words, b: Words, truth: [bool; 8]) -> Words {
         std::array::from_fn(|k| if truth[k] { b[k] } else { a[k] })
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_any(self, a: Words) -> bool {
         a.iter().any(|a| *a != 0)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn wide_flags(self, truth: [bool; 8]) -> u32 {
         let bits = truth.iter().enumerate();
         bits.fold(0, |all, (k, truth)| all | u32::from(*truth) << k)

@@ -71,13 +71,11 @@ pub trait PixelWords: Wide {
 
 impl PixelWords for Portable {
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn read(self, from: &[u64], at: usize) -> Words {
         let words = from.get(at..).and_then(|rest| rest.first_chunk::<8>());
         words.map_or([0; 8], |words| words.map(|word| word as i64))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn write(self, to: &mut [u64], at: usize, value: Words) {
         if let Some(words) = to
             .get_mut(at..)
@@ -87,47 +85,38 @@ impl PixelWords for Portable {
         }
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn marked(self, a: Words) -> [bool; 8] {
         a.map(|a| a < 0)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn first(self, count: usize) -> [bool; 8] {
         std::array::from_fn(|k| k < count)
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn both(self, a: [bool; 8], b: [bool; 8]) -> [bool; 8] {
         std::array::from_fn(|k| a[k] && b[k])
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn except(self, a: [bool; 8], b: [bool; 8]) -> [bool; 8] {
         std::array::from_fn(|k| a[k] && !b[k])
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn keep(self, a: Words, truth: [bool; 8]) -> Words {
         std::array::from_fn(|k| if truth[k] { a[k] } else { 0 })
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn clear(self, a: Words, truth: [bool; 8]) -> Words {
         std::array::from_fn(|k| if truth[k] { 0 } else { a[k] })
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn min_short(self, a: Words, b: Words) -> Words {
         std::array::from_fn(|k| a[k].min(b[k]))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn multiples(self, a: Words) -> Words {
         std::array::from_fn(|k| a[k].wrapping_mul(k as i64))
     }
     #[cfg_attr(not(test), inline(always))]
-    #[cfg_attr(test, inline(never))]
     fn intervals(self, table: &Falls, index: Words) -> Words {
         index.map(|index| table.at(index))
     }
