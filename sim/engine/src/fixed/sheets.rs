@@ -2,7 +2,7 @@
 //! what the tile holds.
 
 use super::frame::{TileLists, paint_apart, to_picture};
-use super::quantise::{QuantisedScene, kernel_rules};
+use super::quantise::QuantisedScene;
 use super::render::{Options, PaintEngine, painter, seen};
 use crate::camera::Camera;
 use crate::fast::setup::Outcome;
@@ -29,11 +29,7 @@ pub fn draw(
     engine: PaintEngine,
     plan: &SheetPlan,
 ) -> Picture {
-    let quantised = QuantisedScene {
-        // The spacing of samples is not scaled with the scene.
-        rules: kernel_rules(options.rules),
-        ..QuantisedScene::with_depths(scene, camera, options.rules)
-    };
+    let quantised = QuantisedScene::with_depths(scene, camera, options.rules);
     let rules = &quantised.rules;
     let widths = options.design.widths;
     let slabs = SlabRule::new(plan, quantised.scale_log2);

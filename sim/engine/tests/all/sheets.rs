@@ -6,9 +6,10 @@ use splatline_engine::design::DesignChoice;
 use splatline_engine::fast::lanes::VectorLevel;
 use splatline_engine::fixed::{self, Options, PaintEngine};
 use splatline_engine::picture::Picture;
-use splatline_engine::rules::{Compositing, Rules};
+use splatline_engine::rules::{Antialias, Compositing, Rules};
 use splatline_engine::scene::{Scene, synthetic};
 use splatline_engine::sheets::{SheetKind, SheetPlan};
+use splatline_reference::engines::sheets;
 
 const LEVELS: [VectorLevel; 3] = [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable];
 
@@ -57,6 +58,33 @@ fn sheets_by_vectors_are_the_kernels() {
             fixed::sheets::draw(&scene, &camera, options, engine, &plan)
         });
     }
+}
+
+/// Sheets are drawn in units in which the scene's depths fill their range, and the spacing of samples is in scene units.
+#[test]
+fn distance_scaling_follows_the_scenes_units() {
+    let (scene, camera) = scene();
+    let rules = Rules::EWA.with_antialias(Antialias::Swan(0.2));
+    let design = DesignChoice::named("standard24").unwrap();
+    let options = Options {
+        rules: &rules,
+        compositing: Compositing::FrontToBack,
+        design: &design,
+        traversal: design.traversal,
+    };
+    let plan = SheetPlan::new(SheetKind::ImageAligned, 0.5, &scene, &camera);
+    let drawn = fixed::sheets::draw(&scene, &camera, &options, PaintEngine::Scalar, &plan);
+    let wanted = sheets::draw(&scene, &camera, &rules, &plan).picture;
+    let pairs = drawn
+        .pixels
+        .iter()
+        .flatten()
+        .zip(wanted.pixels.iter().flatten());
+    let largest = pairs
+        .map(|(drawn, wanted)| (drawn - wanted).abs())
+        .fold(0.0, f64::max);
+    // Without the factor between both units it is 0.9.
+    assert!(largest < 1e-5, "{largest}");
 }
 
 #[test]
