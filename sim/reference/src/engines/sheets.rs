@@ -3,12 +3,12 @@
 //! With the sums A_s = min(1, sum alpha) and C_s = sum alpha c of sheet s, nearest first: C = sum_s C_s prod_(i<s) (1 -
 //! A_i).
 
-use super::compositor::{for_each_pixel, opacity};
+use super::compositor::{ScreenSplat, for_each_pixel, opacity};
 use super::float::{self, Footprint};
 use super::{Counts, FloatDrawing, PixelBox, in_bands};
 use crate::camera::Camera;
 use crate::picture::Picture;
-use crate::rules::Rules;
+use crate::rules::{Kernel, Rules};
 use crate::scene::{Scene, Splat};
 use crate::sheets::{SheetKind, SheetPlan};
 use crate::vector;
@@ -16,24 +16,48 @@ use crate::vector;
 /// Standard deviations of depth beyond which a kernel is not cut any more.
 const REACH: f64 = 3.0;
 
+/// A splat's part in a sheet.
+struct Part<'a> {
+    slab: i64,
+    /// Of the opacity.
+    share: f64,
+    footprint: &'a Footprint,
+}
+
+impl Part<'_> {
+    /// Its opacity at a point. A Gaussian's parts end where the whole one does: by its cut-off, for which a thin slab's
+    /// part is not too faint.
+    fn opacity(&self, point: [f64; 2], rules: &Rules) -> Option<f64> {
+        let whole = opacity(self.footprint, point, rules);
+        let peak = self.footprint.peak * self.share;
+        let faint = Footprint {
+            peak,
+            ..*self.footprint
+        };
+        if rules.kernel != Kernel::Gaussian {
+            return opacity(&faint, point, rules);
+        }
+        let (radial_index, peak) = faint.radial_index_and_peak(point);
+        whole.map(|_| rules.alpha_max.min(peak * rules.kernel.at(radial_index)))
+    }
+}
+
 /// Draws the scene sheet by sheet, nearest first.
 pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, plan: &SheetPlan) -> FloatDrawing {
     let footprints = float::footprints(scene, camera, rules);
-    let mut drawn: Vec<(i64, Footprint)> = Vec::new();
+    let mut drawn: Vec<Part> = Vec::new();
     for (splat, footprint) in scene.splats.iter().zip(&footprints) {
         if let Ok(footprint) = footprint {
-            drawn.extend(
-                parts_of(splat, camera, plan)
-                    .into_iter()
-                    .map(|(slab, share)| {
-                        let peak = footprint.peak * share;
-                        (slab, Footprint { peak, ..*footprint })
-                    }),
-            );
+            let parts = parts_of(splat, camera, plan).into_iter();
+            drawn.extend(parts.map(|(slab, share)| Part {
+                slab,
+                share,
+                footprint,
+            }));
         }
     }
     // Stable: the splats of a sheet stay in the scene's order.
-    drawn.sort_by_key(|(slab, _)| *slab);
+    drawn.sort_by_key(|part| part.slab);
     let mut picture = Picture::new(camera.width, camera.height);
     in_bands(&mut picture.pixels, camera.width, |band, pixels| {
         draw_band(&drawn, band, pixels, rules);
@@ -87,18 +111,19 @@ fn normal_integral(t: f64) -> f64 {
 }
 
 /// Sums and composites one band of rows.
-fn draw_band(parts: &[(i64, Footprint)], band: PixelBox, pixels: &mut [[f64; 4]], rules: &Rules) {
+fn draw_band(parts: &[Part], band: PixelBox, pixels: &mut [[f64; 4]], rules: &Rules) {
     // [r, g, b, transmittance] until the last sheet.
     pixels.fill([0.0, 0.0, 0.0, 1.0]);
     let mut sheet = vec![[0.0; 4]; pixels.len()];
-    for of_slab in parts.chunk_by(|a, b| a.0 == b.0) {
+    let mut finished = vec![false; pixels.len()];
+    for of_slab in parts.chunk_by(|a, b| a.slab == b.slab) {
         let mut touched = false;
-        for (_, splat) in of_slab {
-            for_each_pixel(splat, band, |x, y, centre| {
+        for part in of_slab {
+            for_each_pixel(part.footprint, band, |x, y, centre| {
                 touched = true;
-                if let Some(opacity) = opacity(splat, centre, rules) {
+                if let Some(opacity) = part.opacity(centre, rules) {
                     let sums = &mut sheet[(y - band.y0) * band.x1 + x];
-                    for (sum, colour) in sums.iter_mut().zip(splat.colour) {
+                    for (sum, colour) in sums.iter_mut().zip(part.footprint.colour) {
                         *sum += opacity * colour;
                     }
                     sums[3] += opacity;
@@ -106,8 +131,9 @@ fn draw_band(parts: &[(i64, Footprint)], band: PixelBox, pixels: &mut [[f64; 4]]
             });
         }
         if touched {
-            for (pixel, sums) in pixels.iter_mut().zip(&mut sheet) {
-                lay_behind(pixel, std::mem::take(sums), rules);
+            for ((pixel, sums), finished) in pixels.iter_mut().zip(&mut sheet).zip(&mut finished) {
+                let sums = std::mem::take(sums);
+                *finished = *finished || lay_behind(pixel, sums, rules);
             }
         }
     }
@@ -116,16 +142,16 @@ fn draw_band(parts: &[(i64, Footprint)], band: PixelBox, pixels: &mut [[f64; 4]]
     }
 }
 
-fn lay_behind(pixel: &mut [f64; 4], sheet: [f64; 4], rules: &Rules) {
-    if pixel[3] <= rules.minimum_transmittance {
-        return;
-    }
+/// Lays a sheet behind a pixel, and tells whether that finishes it.
+fn lay_behind(pixel: &mut [f64; 4], sheet: [f64; 4], rules: &Rules) -> bool {
     let rest = pixel[3] * (1.0 - sheet[3].min(1.0));
-    if rest <= rules.minimum_transmittance && rules.omit_finishing {
-        return;
+    let finishes = rest <= rules.minimum_transmittance;
+    if finishes && rules.omit_finishing {
+        return true;
     }
     for channel in 0..3 {
         pixel[channel] += pixel[3] * sheet[channel];
     }
     pixel[3] = rest;
+    finishes
 }
