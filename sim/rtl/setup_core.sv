@@ -227,8 +227,8 @@ module setup_core (
     unit19 <= FAINT > 0 && slot18.extended ? around18 : unit18;
   end
 
-  // 18 to 22: moved left until the leading bit stands below the sign, or as far as the slot says, by sixteens, fours and
-  // ones; 23: rounded; 24: carried.
+  // 18 to 22: moved left until the leading bit stands below the sign, or as far as the slot says, by sixteens, fours
+  // and ones; 23: rounded; 24: carried.
   logic [64:0] sum19;
   logic [64:0] thirties19;
   logic [48:0] sixteens20;

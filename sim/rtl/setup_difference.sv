@@ -135,8 +135,8 @@ module setup_difference (
     end
   end
 
-  // Phases 6, 7 and 0: the parts of x, y and z, which stand in a beat each, high ones from phase 1 on and low ones right
-  // behind them.
+  // Phases 6, 7 and 0: the parts of x, y and z, which stand in a beat each, high ones from phase 1 on and low ones
+  // right behind them.
   logic signed [63:0] high, low;
   logic [95:0] highs;
   logic [191:0] lows;

@@ -62,8 +62,8 @@ fn sheets_by_vectors_are_the_kernels() {
     }
 }
 
-/// Sheets are drawn in units in which the scene's depths fill their range, and the spacing of samples is in scene units;
-/// parts of a splat end where the whole one does, and what finishes a pixel may itself be left out.
+/// Sheets are drawn in units in which the scene's depths fill their range, and the spacing of samples is in scene
+/// units; parts of a splat end where the whole one does, and what finishes a pixel may itself be left out.
 #[test]
 fn sheets_are_those_of_double_precision() {
     let (scene, camera) = scene();

@@ -1,18 +1,21 @@
 //! Look-up tables inside of adders.
 //!
-//! A CCU2C of an ECP5 is two look-up tables of four inputs with a carry through both. Yosys 0.23 gives each half the two
-//! bits that it adds, so that a table stands before it wherever a number is negated, chosen or joined on its way. This
-//! does on the netlist what the vendors' tools do: a table moves in where adders alone read it and have inputs left.
+//! A CCU2C of an ECP5 is two look-up tables of four inputs with a carry through both. Yosys 0.23 gives each half the
+//! two bits that it adds, so that a table stands before it wherever a number is negated, chosen or joined on its way.
+//! This does on the netlist what the vendors' tools do: a table moves in where adders alone read it and have inputs
+//! left.
 //!
-//! A half's table says where the carry that comes goes through (p). Where it does not, the half gives the carry that its
-//! first two inputs have in the table beside zeros (g; cells_sim.v of Yosys). So a half may be another table as long as
-//! p is the same for all inputs, and g wherever p is 0.
+//! A half's table says where the carry that comes goes through (p). Where it does not, the half gives the carry that
+//! its first two inputs have in the table beside zeros (g; cells_sim.v of Yosys). So a half may be another table as
+//! long as p is the same for all inputs, and g wherever p is 0.
 
 use crate::netlist::{Bit, NetlistCell, NetlistModule};
 use std::collections::{BTreeMap, HashMap};
 
 const TABLE: &str = "LUT4";
-const ADDER: &str = "CCU2C";
+
+/// What the pins of an adder's halves end with.
+const HALVES: [&str; 2] = ["0", "1"];
 
 /// Inputs of a table.
 const PINS: [&str; 4] = ["A", "B", "C", "D"];
@@ -25,7 +28,7 @@ struct Table {
     pins: [Bit; 4],
 }
 
-/// Half an adder: its cell and the last character of its pins.
+/// Half an adder: its cell and what its pins end with.
 type Half = (String, &'static str);
 
 /// Who reads a net: half an adder, or anything else.
@@ -55,27 +58,20 @@ fn readers(module: &NetlistModule) -> Readers {
         readers.entry(net).or_default().push(None);
     }
     for (name, cell) in &module.cells {
-        let halves = if cell.kind == ADDER {
-            vec!["0", "1"]
-        } else {
-            Vec::new()
+        let halves = HALVES.map(|half| Some((half, Table::of(cell, half)?)));
+        let [Some(first), Some(second)] = halves else {
+            for net in cell.inputs() {
+                readers.entry(net).or_default().push(None);
+            }
+            continue;
         };
-        let mut others: Vec<u64> = cell.inputs().collect();
-        for half in halves {
-            for net in Table::of(cell, half).iter().flat_map(Table::nets) {
-                others.remove(
-                    others
-                        .iter()
-                        .position(|other| *other == net)
-                        .expect("an input"),
-                );
-                readers
-                    .entry(net)
-                    .or_default()
-                    .push(Some((name.clone(), half)));
+        for (half, table) in [first, second] {
+            for net in table.nets() {
+                let reader = Some((name.clone(), half));
+                readers.entry(net).or_default().push(reader);
             }
         }
-        for net in others {
+        if let Some(net) = cell.net("CIN") {
             readers.entry(net).or_default().push(None);
         }
     }
