@@ -185,8 +185,8 @@ module setup_difference (
           .entry_column,
           .entry(constant_value[31-:FRACTION+2]),
           .parts,
-          .sum,
-          .last
+          .sum8(sum),
+          .last5(last)
       );
       localparam signed [11:0] BELOW = 12'(31 - WINDOW);
       assign axis = {12'($signed(axis_power)) + BELOW, 32'($signed(sum))};

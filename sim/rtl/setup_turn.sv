@@ -21,8 +21,8 @@ module setup_turn #(
     // x, y, z of the first axis, then of the others, from phase 1 on.
     input logic [9*PART-1:0] parts,
     // The sums of the first axis' rows, then of the others: number k in phase k + 1, the last from phase 4 on for six.
-    output logic [SUM-1:0] sum,
-    output logic [SUM-1:0] last
+    output logic signed [SUM-1:0] sum8,
+    output logic signed [SUM-1:0] last5
 );
   // A cut product, three cycles later: parts of 17 bits and a sign.
   localparam BITS = PART + ENTRY - CUT;
@@ -78,7 +78,7 @@ module setup_turn #(
     end
   endgenerate
 
-  logic signed [SUM-1:0] pair5, third5, sum6, sum7, sum8, last5;
+  logic signed [SUM-1:0] pair5, third5, sum6, sum7;
   function automatic logic signed [SUM-1:0] cut(input logic [BITS-1:0] value);
     cut = SUM'($signed(value));
   endfunction
@@ -91,6 +91,4 @@ module setup_turn #(
     if (phase == 3'd1) last5 <= cut(cuts4[3*BITS+:BITS]);
     if (phase == 3'd2 || phase == 3'd3) last5 <= last5 + cut(cuts4[3*BITS+:BITS]);
   end
-  assign sum = sum8;
-  assign last = last5;
 endmodule

@@ -28,17 +28,17 @@ impl Part<'_> {
     /// Its opacity at a point. A Gaussian's parts end where the whole one does: by its cut-off, for which a thin slab's
     /// part is not too faint.
     fn opacity(&self, point: [f64; 2], rules: &Rules) -> Option<f64> {
-        let whole = opacity(self.footprint, point, rules);
         let peak = self.footprint.peak * self.share;
-        let faint = Footprint {
+        let part = Footprint {
             peak,
             ..*self.footprint
         };
         if rules.kernel != Kernel::Gaussian {
-            return opacity(&faint, point, rules);
+            return opacity(&part, point, rules);
         }
-        let (radial_index, peak) = faint.radial_index_and_peak(point);
-        whole.map(|_| rules.alpha_max.min(peak * rules.kernel.at(radial_index)))
+        opacity(self.footprint, point, rules)?;
+        let (radial_index, peak) = part.radial_index_and_peak(point);
+        Some(rules.alpha_max.min(peak * rules.kernel.at(radial_index)))
     }
 }
 
