@@ -109,6 +109,20 @@ fn the_kernel_is_near_the_reference() {
     println!("{table}");
 }
 
+/// From far away, where points seen from their edges weigh less than any sum holds: they join no layers.
+#[test]
+fn layers_far_away_are_those_of_double_precision() {
+    let scene = points::synthetic::named("glass").unwrap();
+    let style = Style::layered(scene.usual_threshold(), 8);
+    let (eye, up) = ([3.6, 0.0, 0.0], [0.0, 0.0, 1.0]);
+    let camera = Camera::look_at(eye, [0.0; 3], up, 150.0, 96, 72).unwrap();
+    let float = draw(&scene, &camera, &style).picture;
+    let choice = DesignChoice::named("standard24").unwrap();
+    let drawn = fixed::surface::draw(&scene, &camera, &style, &choice, Traversal::Spans);
+    let error = compare(&drawn.picture, &float).unwrap().alpha;
+    assert!(error.psnr_db >= 90.0, "{:.1} dB", error.psnr_db);
+}
+
 /// Covered samples that are brighter and darker than the reference, the mean of the differences over them, and the
 /// mean's standard error.
 ///

@@ -14,6 +14,11 @@ use crate::surface::{Buffer, Style};
 use crate::vector::{self, Vector};
 use rayon::prelude::*;
 
+/// Samples of less weight belong to no surface. Seen from far away a splat at a silhouette weighs next to nothing, and
+/// would join what lies in front of it with what lies behind. It is what a kernel with sums of 24 fraction bits rounds
+/// to 0; the largest weight is 1.
+const LEAST_WEIGHT: f64 = 1.0 / (1 << 25) as f64;
+
 /// A surface splat on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceFootprint {
@@ -298,8 +303,12 @@ fn gather(
                 continue;
             }
             covered += 1;
+            let weight = splat.peak * (-0.5 * r).exp();
+            if weight < LEAST_WEIGHT {
+                continue;
+            }
             let depth = splat.depth + splat.gradient[0] * dx + splat.gradient[1] * dy;
-            let sample = FloatFragment::of(splat.peak * (-0.5 * r).exp(), depth, splat);
+            let sample = FloatFragment::of(weight, depth, splat);
             let pixel = &mut pixels[(y - rows.y0) * rows.x1 + x];
             match style.buffer {
                 Buffer::Accumulation => accumulate(pixel, sample, style.threshold),
