@@ -8,6 +8,7 @@ use crate::area::cells;
 use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
 use crate::machine::unit;
 use crate::netlist::{Netlist, NetlistPort, PathReport, PlacerReport};
+use crate::package::filled;
 use crate::registers;
 use crate::tools::{first_that_runs, json, printed, run, yosys};
 use anyhow::{Context, Result};
@@ -137,6 +138,9 @@ pub const NETLIST: &str = "netlist.json";
 /// The module in it.
 pub const WRAPPER: &str = "wrapper";
 
+/// Its text, but for the circuit in it.
+const WRAPPER_TEXT: &str = include_str!("../templates/wrapper.txt");
+
 /// By how much a wire that two nets want gets dearer in each round of router2, which reads it in the netlist. By the
 /// usual 2.0 a few hundred of the machine's wires remain such after thirty rounds, and become more.
 const CONGESTION: (&str, &str) = ("router2/currCongWeightMult", "0.7");
@@ -191,28 +195,20 @@ fn wrapper(circuit: &Circuit, ports: &BTreeMap<String, NetlistPort>) -> String {
         wires += &format!(",\n    .{name}({vector}[{last}:{first}])");
     }
     let [inputs, outputs] = widths;
-    let (last_input, last, loads) = (inputs - 1, outputs - 1, outputs / 64);
     let parameters = circuit.parameters.iter();
     let parameters = parameters.map(|(name, value)| format!(".{name}({value})"));
-    let (unit, parameters) = (circuit.unit.top, parameters.collect::<Vec<_>>().join(", "));
-    format!(
-        "module wrapper (input logic clk, input logic serial_in, output logic serial_out);
-  logic [{inputs}:0] inputs;
-  logic [{last}:0] outputs, sampled, shifted;
-  logic [{loads}:0] loads;
-  {unit} #({parameters}) placed (
-    .clk{wires}
-  );
-  assign shifted = sampled << 1;
-  always_ff @(posedge clk) begin
-    inputs <= {{inputs[{last_input}:0], serial_in}};
-    loads <= {{loads, inputs[{inputs}]}};
-    for (int n = 0; n <= {last}; n++) sampled[n] <= loads[n/64] ? outputs[n] : shifted[n];
-    serial_out <= sampled[{last}];
-  end
-endmodule
-"
-    )
+    let numbers = [
+        ("inputs", inputs),
+        ("last_input", inputs - 1),
+        ("last", outputs - 1),
+        ("loads", outputs / 64),
+    ];
+    let parts = [
+        ("unit", circuit.unit.top),
+        ("parameters", &parameters.collect::<Vec<_>>().join(", ")),
+        ("wires", &wires),
+    ];
+    filled(&filled(WRAPPER_TEXT, &numbers), &parts)
 }
 
 /// Fmax of the only clock in nextpnr's report, and its slowest path: from and to which cells it leads, and its

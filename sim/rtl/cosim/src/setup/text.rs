@@ -4,6 +4,7 @@
 
 use super::assemble::{Fields, LATENCY, LOAD_AHEAD, Operand, Program, Value};
 use super::program::{SetupProgram, faint_bits, low_bits};
+use crate::package::filled;
 use crate::tables::function;
 use anyhow::{Context, Result, ensure};
 use splatline::format::Widths;
@@ -110,43 +111,39 @@ pub fn text(name: &str, widths: &Widths, program: &SetupProgram) -> Result<Strin
     let types = types(&program)?;
     let layout = layout(&types)?;
     let slot_bits = layout.iter().map(|(_, bits)| bits).sum();
-    let head = format!(
-        "// Design {name}: the setup unit's program. Generated, not to be edited:\n\
-         // `cargo run -p splatline-rtl --example rtl -- package`\n\
-         package splatline_setup_pkg;\n\n"
-    );
-    let parameters = parameters(widths, &program, slot_bits);
-    let microcode = microcode(&program, &layout, slot_bits)?;
-    Ok([&head, &parameters, &types, &microcode, "endpackage\n"].concat())
-}
-
-/// The parameters of a program whose slots have so many bits.
-fn parameters(widths: &Widths, program: &Program, slot_bits: u32) -> String {
-    let (position, mantissa) = (widths.position, widths.mantissa);
-    let (low, faint, round) = (low_bits(widths), faint_bits(widths), program.round);
-    let axis_drop = 31 - axis_bits(widths);
-    let turned = u32::from(is_turned(mantissa));
-    let (out_round, out_last) = (program.latency() / round, program.latency() % round);
-    let registers = registers_of(program).map(|(address, name)| {
+    let numbers = numbers(widths, &program, slot_bits);
+    let registers = registers_of(&program).map(|(address, name)| {
         let name = name.to_uppercase();
         format!("  localparam int {name} = {address};\n")
     });
-    format!(
-        "  localparam int POSITION = {position};  // magnitude bits of a difference to the eye
-  localparam int LOW = {low};  // those of its low part
-  localparam int FAINT = {faint};  // those of a position that are below its centre's rounding; 0: it comes in two words
-  localparam int MANTISSA = {mantissa};  // magnitude bits of a mantissa
-  localparam int AXIS_DROP = {axis_drop};  // bits of an axis' components that are 0
-  localparam int TURNED = {turned};  // do axes come turned?
-  localparam int ROUND = {round};  // cycles of a round
-  localparam int LATENCY = {LATENCY};  // cycles from a sum's last slot to its use
-  localparam int LOAD_AHEAD = {LOAD_AHEAD};  // cycles before a round's end from which its records are full
-  localparam int OUT_ROUND = {out_round};  // round in which a splat's results come
-  localparam int OUT_LAST = {out_last};  // the last slot with one of them
-  localparam int FIRST_REGISTER = {FIRST_REGISTER};  // address of the first number outside the cores
-{}  localparam int SLOT_BITS = {slot_bits};\n\n",
-        registers.collect::<String>()
-    )
+    let parts = [
+        ("name", name.to_owned()),
+        ("registers", registers.collect()),
+        ("microcode", microcode(&program, &layout, slot_bits)?),
+        ("types", types),
+    ];
+    let text = include_str!("../../templates/setup_package.txt");
+    Ok(filled(&filled(text, &numbers), &parts))
+}
+
+/// The numbers of the package, for a program whose slots have so many bits.
+fn numbers(widths: &Widths, program: &Program, slot_bits: u32) -> [(&'static str, u32); 13] {
+    let round = program.round;
+    [
+        ("position", widths.position.into()),
+        ("low", low_bits(widths)),
+        ("faint", faint_bits(widths)),
+        ("mantissa", widths.mantissa.into()),
+        ("axis_drop", 31 - axis_bits(widths)),
+        ("turned", is_turned(widths.mantissa).into()),
+        ("round", round as u32),
+        ("latency", LATENCY as u32),
+        ("load_ahead", LOAD_AHEAD as u32),
+        ("out_round", (program.latency() / round) as u32),
+        ("out_last", (program.latency() % round) as u32),
+        ("first_register", FIRST_REGISTER.into()),
+        ("slot_bits", slot_bits),
+    ]
 }
 
 /// The slot that is issued in each cycle of a round, as a function.
@@ -181,7 +178,6 @@ fn microcode(program: &Program, layout: &[(&str, u32)], slot_bits: u32) -> Resul
             words.push((cycle, format!("{slot_bits}'h{word:x};  // {names}")));
         }
     }
-    let head = "  // The slot that is issued in each cycle of a round.\n".to_owned();
     let words = words.into_iter();
-    Ok(head + &function("microcode", slot_bits, "cycle", 8, "h0", words))
+    Ok(function("microcode", slot_bits, "cycle", 8, "h0", words))
 }
