@@ -5,10 +5,12 @@
 //! its own pace, and a number of answers that must come before the next item's. After a reset the bench begins anew
 //! with the first item whose answers have not all come.
 
-use crate::simulation::Port;
-use crate::unit::{Findings, Simulation};
+use crate::mutation::MutationNumber;
+use crate::simulation::{Port, Simulation};
+use crate::unit::Findings;
 use anyhow::{Result, ensure};
 use splatline_sim::scene::synthetic::Random;
+use std::path::Path;
 
 /// Cycles for which a new circuit is reset.
 const RESET_CYCLES: u64 = 4;
@@ -140,17 +142,18 @@ pub struct Bench {
     reset: Port,
     /// Cycles since reset.
     pub cycles: u64,
-    random: Random,
+    pub(crate) random: Random,
 }
 
 impl Bench {
-    /// The circuit after reset.
-    pub fn new(circuit: Simulation, seed: u64) -> Result<Bench> {
+    /// The circuit in a library after reset; the seed and the mutation are those of [`Simulation::new`].
+    pub fn new(library: &Path, seed: u32, mutation: MutationNumber) -> Result<Bench> {
+        let circuit = Simulation::new(library, seed, mutation)?;
         let mut bench = Bench {
             reset: circuit.port("rst")?,
             circuit,
             cycles: 0,
-            random: Random(seed),
+            random: Random(1),
         };
         bench.circuit.set(bench.reset, 1);
         for _ in 0..RESET_CYCLES {

@@ -64,14 +64,16 @@ fn parse(line: &str, number: MutationNumber) -> Option<Mutation> {
 impl Mutation {
     /// The file's text with the mistake, whose place must be there once.
     pub fn applied(&self, text: &str) -> Result<String> {
-        let Mutation { file, from, to, .. } = self;
-        let places = text.matches(from.as_str()).count();
-        ensure!(
-            places == 1,
-            "{file}: '{from}' occurs {places} times, not once; adapt mutations.tsv"
-        );
-        Ok(text.replace(from, to))
+        let wrong = replaced(text, &self.from, &self.to);
+        wrong.with_context(|| format!("{}; adapt mutations.tsv", self.file))
     }
+}
+
+/// The text with another in the place of one that occurs once.
+pub fn replaced(text: &str, from: &str, to: &str) -> Result<String> {
+    let places = text.matches(from).count();
+    ensure!(places == 1, "'{from}' occurs {places} times, not once");
+    Ok(text.replace(from, to))
 }
 
 /// Sources with a choice for each of the mutations that can have one, and the numbers of those.

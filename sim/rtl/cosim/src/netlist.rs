@@ -1,4 +1,4 @@
-//! What Yosys and nextpnr write about a circuit, as far as it is read here.
+//! What Yosys writes about a circuit, as far as it is read here.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -109,37 +109,4 @@ impl NetlistCell {
         let pins = pins.filter(move |(name, _)| is_input(name.as_str()));
         pins.flat_map(|(_, bits)| bits.iter().filter_map(Bit::net))
     }
-}
-
-/// nextpnr's report.
-#[derive(Deserialize)]
-pub struct PlacerReport {
-    pub fmax: BTreeMap<String, ClockReport>,
-    pub critical_paths: Vec<PathReport>,
-}
-
-#[derive(Deserialize)]
-pub struct ClockReport {
-    pub achieved: f64,
-}
-
-#[derive(Deserialize)]
-pub struct PathReport {
-    pub from: String,
-    pub to: String,
-    pub path: Vec<StepReport>,
-}
-
-#[derive(Deserialize)]
-pub struct StepReport {
-    pub delay: f64,
-    #[serde(rename = "type")]
-    pub kind: String,
-    pub from: EndReport,
-    pub to: EndReport,
-}
-
-#[derive(Deserialize)]
-pub struct EndReport {
-    pub cell: String,
 }

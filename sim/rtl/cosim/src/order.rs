@@ -5,16 +5,16 @@ use crate::bench::Bench;
 use crate::memory::{Memory, MemoryTiming, noise, timing};
 use crate::package::TILE;
 use crate::scenes::{SCENES, Seen, scenes};
-use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation};
+use crate::simulation::Simulation;
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing};
 use anyhow::{Result, bail, ensure};
 use splatline::footprint::Footprint;
 use splatline::footprint::depth::KEY_BITS;
-use splatline::format::Traversal;
 use splatline::setup::Cull;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::{self, Options};
 use splatline_sim::machine::workload::{Workload, extract_from};
-use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::rules::Rules;
 use splatline_sim::scene::synthetic::Random;
 
 /// A visible splat as the sorter takes it.
@@ -93,12 +93,7 @@ pub fn ordered(
     design: &DesignChoice,
     rules: &Rules,
 ) -> (Vec<Result<Footprint, Cull>>, Workload, OrderLoad) {
-    let options = Options {
-        rules,
-        compositing: Compositing::FrontToBack,
-        design,
-        traversal: Traversal::Spans,
-    };
+    let options = Options::front_to_back(rules, design);
     let footprints = fixed::footprints(&seen.scene, &seen.camera, &options);
     let workload = extract_from(&footprints, &seen.camera, &options, TILE);
     let size = [seen.camera.width, seen.camera.height];
@@ -204,13 +199,12 @@ impl Load for OrderLoad {
         Ok(loads)
     }
 
-    fn compare(&self, _: &Circuit, simulation: Simulation, pressure: usize) -> Result<Findings> {
+    fn compare(&self, _: &Circuit, mut bench: Bench, pressure: usize) -> Result<Findings> {
         let (timing, interval) = TIMINGS[pressure];
         if timing.full && self.entries() == 0 {
             return Ok(Findings::default());
         }
         let room = self.entries() - usize::from(timing.full);
-        let mut bench = Bench::new(simulation, 1)?;
         let count = self.splats.len();
         let lists = 7 + 2 * count;
         bench.set(&[

@@ -17,6 +17,9 @@ use std::fmt::Display;
 const TILE_BITS: [u32; 2] = [TILE[0].ilog2(), TILE[1].ilog2()];
 const _: () = assert!(TILE[0] == BLOCK && TILE[0].is_power_of_two() && TILE[1].is_power_of_two());
 
+/// The package, but for its numbers, its name, the packet's fields and the types.
+const TEXT: &str = include_str!("../templates/package.txt");
+
 /// Types of the units' interfaces, in terms of the generated widths.
 const TYPES: &str = include_str!("../../types.svh");
 
@@ -71,48 +74,40 @@ pub fn text(name: &str, widths: &Widths) -> Result<String> {
     if let Err(refusal) = check(widths) {
         bail!("there is no circuit for design '{name}': {refusal}");
     }
-    let layout = Layout::new(widths, Traversal::Spans);
-    let text = filled(
-        include_str!("../templates/package.txt"),
-        &parameters(widths, &layout),
-    );
-    let parts = [
-        ("name", name),
-        ("fields", &fields(&layout)),
-        ("types", TYPES),
-    ];
-    Ok(filled(&text, &parts))
-}
-
-/// A text with values in the places of their names, each written `@name@`.
-pub fn filled(text: &str, values: &[(&str, impl Display)]) -> String {
-    values.iter().fold(text.to_owned(), |text, (name, value)| {
-        text.replace(&format!("@{name}@"), &value.to_string())
-    })
-}
-
-/// The numbers of a package by their names: the design's widths, and what follows from them.
-fn parameters(widths: &Widths, layout: &Layout) -> Vec<(&'static str, u32)> {
     let kinds = [Rules::EWA, Rules::GAUSSIAN_3D];
     let steps = kinds.iter().flat_map(|rules| table(widths, rules));
     let steps = steps.map(|[_, step]| u32::BITS - step.leading_zeros());
-    let range = widths.colour_range();
+    let (layout, range) = (Layout::new(widths, Traversal::Spans), widths.colour_range());
     let ranges = WIDTH_RANGES.iter().zip(widths.numbers());
-    let mut parameters: Vec<_> = ranges.map(|(range, bits)| (range.0, bits.into())).collect();
-    parameters.extend([
-        ("steps", steps.max().unwrap_or(1)),
-        ("colour_bits", (widths.colour + range).into()),
-        ("sum", (widths.accumulator + range + 1).into()),
-        ("even", (widths.rounding == Rounding::NearestEven).into()),
-        ("block", BLOCK.ilog2()),
-        ("guard", GUARD),
-        ("vertical", vertical_fraction(widths)),
-        ("columns", TILE_BITS[0]),
-        ("rows", TILE_BITS[1]),
-        ("bits", layout.bits() as u32),
-        ("version", VERSION),
-    ]);
-    parameters
+    let text = ranges.fold(TEXT.to_owned(), |text, ((width, ..), bits)| {
+        filled(&text, &[(width, &bits)])
+    });
+    Ok(filled(
+        &text,
+        &[
+            ("name", &name),
+            ("steps", &steps.max().unwrap_or(1)),
+            ("colour_bits", &(widths.colour + range)),
+            ("sum", &(widths.accumulator + range + 1)),
+            ("even", &u8::from(widths.rounding == Rounding::NearestEven)),
+            ("block", &BLOCK.ilog2()),
+            ("guard", &GUARD),
+            ("vertical", &vertical_fraction(widths)),
+            ("columns", &TILE_BITS[0]),
+            ("rows", &TILE_BITS[1]),
+            ("bits", &layout.bits()),
+            ("version", &VERSION),
+            ("fields", &fields(&layout)),
+            ("types", &TYPES),
+        ],
+    ))
+}
+
+/// A text with values in the places of their names, each written `@name@`.
+pub fn filled(text: &str, values: &[(&str, &dyn Display)]) -> String {
+    values.iter().fold(text.to_owned(), |text, (name, value)| {
+        text.replace(&format!("@{name}@"), &value.to_string())
+    })
 }
 
 /// The fields of the packet as a packed struct: the first one is the least significant, so the order is reversed.

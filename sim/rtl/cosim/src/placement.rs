@@ -7,11 +7,12 @@
 use crate::area::cells;
 use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
 use crate::machine::unit;
-use crate::netlist::{Netlist, NetlistPort, PathReport, PlacerReport};
+use crate::netlist::{Netlist, NetlistPort};
 use crate::package::filled;
 use crate::registers;
 use crate::tools::{first_that_runs, json, printed, run, yosys};
 use anyhow::{Context, Result};
+use serde_json::Value;
 use splatline_sim::atomic;
 use splatline_sim::machine::area::Fabric;
 use std::collections::BTreeMap;
@@ -138,15 +139,12 @@ pub const NETLIST: &str = "netlist.json";
 /// The module in it.
 pub const WRAPPER: &str = "wrapper";
 
-/// Its text, but for the circuit in it.
-const WRAPPER_TEXT: &str = include_str!("../templates/wrapper.txt");
-
 /// By how much a wire that two nets want gets dearer in each round of router2, which reads it in the netlist. By the
 /// usual 2.0 a few hundred of the machine's wires remain such after thirty rounds, and become more.
 const CONGESTION: (&str, &str) = ("router2/currCongWeightMult", "0.7");
 
 /// Any three pins near each other.
-const PLACES: [(&str, &str); 3] = [("clk", "P6"), ("serial_in", "N6"), ("serial_out", "P5")];
+const PINS: &str = include_str!("../templates/pins.lpf");
 
 /// Synthesises a circuit between registers into [`NETLIST`], with registers moved into multipliers and memories.
 pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
@@ -173,12 +171,7 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
         module.settings.insert(name.to_owned(), value.to_owned());
     }
     fs::write(path(NETLIST), serde_json::to_vec(&wired)?)?;
-    let pins = PLACES.map(|(port, site)| {
-        format!(
-            "LOCATE COMP \"{port}\" SITE \"{site}\";\nIOBUF PORT \"{port}\" IO_TYPE=LVCMOS33;\n"
-        )
-    });
-    fs::write(path("pins.lpf"), pins.concat())?;
+    fs::write(path("pins.lpf"), PINS)?;
     Ok(fabric)
 }
 
@@ -197,32 +190,33 @@ fn wrapper(circuit: &Circuit, ports: &BTreeMap<String, NetlistPort>) -> String {
     let [inputs, outputs] = widths;
     let parameters = circuit.parameters.iter();
     let parameters = parameters.map(|(name, value)| format!(".{name}({value})"));
-    let numbers = [
-        ("inputs", inputs),
-        ("last_input", inputs - 1),
-        ("last", outputs - 1),
-        ("loads", outputs / 64),
-    ];
-    let parts = [
-        ("unit", circuit.unit.top),
-        ("parameters", &parameters.collect::<Vec<_>>().join(", ")),
-        ("wires", &wires),
-    ];
-    filled(&filled(WRAPPER_TEXT, &numbers), &parts)
+    filled(
+        include_str!("../templates/wrapper.txt"),
+        &[
+            ("unit", &circuit.unit.top),
+            ("parameters", &parameters.collect::<Vec<_>>().join(", ")),
+            ("wires", &wires),
+            ("inputs", &inputs),
+            ("last_input", &(inputs - 1)),
+            ("last", &(outputs - 1)),
+            ("loads", &(outputs / 64)),
+        ],
+    )
 }
 
 /// Fmax of the only clock in nextpnr's report, and its slowest path: from and to which cells it leads, and its
 /// nanoseconds.
-fn timing(report: &PlacerReport) -> Option<(f64, String)> {
-    let inner = |path: &&PathReport| {
-        let ends = [&path.from, &path.to];
-        ends.iter().all(|end| end.starts_with("posedge"))
-    };
-    let steps = &report.critical_paths.iter().find(inner)?.path;
-    let (from, to) = (&steps.first()?.from.cell, &steps.last()?.to.cell);
+fn timing(report: &Value) -> Option<(f64, String)> {
+    let begins =
+        |word: &Value, with: &str| word.as_str().is_some_and(|word| word.starts_with(with));
+    let inner = |path: &&Value| begins(&path["from"], "posedge") && begins(&path["to"], "posedge");
+    let paths = report["critical_paths"].as_array()?;
+    let steps = paths.iter().find(inner)?["path"].as_array()?;
+    let from = steps.first()?["from"]["cell"].as_str()?;
+    let to = steps.last()?["to"]["cell"].as_str()?;
     let sum = |kind: &str| -> f64 {
-        let of_kind = steps.iter().filter(|step| step.kind.starts_with(kind));
-        of_kind.map(|step| step.delay).sum()
+        let of_kind = steps.iter().filter(|step| begins(&step["type"], kind));
+        of_kind.filter_map(|step| step["delay"].as_f64()).sum()
     };
     let path = format!(
         "{} to {}: {:.1} ns (wires {:.1})",
@@ -231,7 +225,8 @@ fn timing(report: &PlacerReport) -> Option<(f64, String)> {
         sum(""),
         sum("routing")
     );
-    Some((report.fmax.values().next()?.achieved, path))
+    let clock = report["fmax"].as_object()?.values().next()?;
+    Some((clock["achieved"].as_f64()?, path))
 }
 
 /// A cell's name without what tools appended: `placed.over.depth_word_TRELLIS_FF_DI_3` is `over.depth_word`.

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use std::ops::AddAssign;
 use std::path::Path;
 
+pub use crate::bench::Bench;
 pub use crate::circuit::Circuit;
-pub use crate::simulation::Simulation;
 
 /// How much is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,12 +88,7 @@ pub trait Load: Sized + Sync {
     fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<Self>>;
 
     /// Gives the load to the circuit under one of the pressures. An error is a circuit that hangs.
-    fn compare(
-        &self,
-        circuit: &Circuit,
-        simulation: Simulation,
-        pressure: usize,
-    ) -> Result<Findings>;
+    fn compare(&self, circuit: &Circuit, bench: Bench, pressure: usize) -> Result<Findings>;
 }
 
 /// What a circuit's comparison says first, or nothing if it agrees everywhere.
@@ -107,8 +102,8 @@ fn first_difference<L: Load>(
     let jobs = 0..loads.len() * count;
     let difference = |job: usize| {
         let ((name, load), pressure) = (&loads[job / count], job % count);
-        let simulation = Simulation::new(library, pressure as u32 + 1, mutation);
-        let found = simulation.and_then(|found| load.compare(circuit, found, pressure));
+        let bench = Bench::new(library, pressure as u32 + 1, mutation);
+        let found = bench.and_then(|bench| load.compare(circuit, bench, pressure));
         let found = found.map(|findings| findings.first_difference);
         let difference = found.unwrap_or_else(|error| Some(format!("{error:#}")))?;
         Some(format!("{name}: {difference}"))
@@ -132,8 +127,8 @@ pub fn report<L: Load>(circuit: &Circuit) -> Result<()> {
         };
         let compared = |job: usize| {
             let (_, part) = &parts[job % parts.len()];
-            let simulation = Simulation::new(&library, job as u32 + 1, 0)?;
-            part.compare(circuit, simulation, job % pressures)
+            let bench = Bench::new(&library, job as u32 + 1, 0)?;
+            part.compare(circuit, bench, job % pressures)
         };
         let found: Result<Vec<Findings>> = (0..jobs).into_par_iter().map(compared).collect();
         let found = found?;

@@ -14,7 +14,6 @@ use splatline_rtl::bench::Bench;
 use splatline_rtl::primitive::unit::{LANES, circuit, draw, pixel};
 use splatline_rtl::primitive::workload::{self, BenchWorkload};
 use splatline_rtl::rules::write_rules;
-use splatline_rtl::simulation::Simulation;
 use splatline_rtl::unit::Extent;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::primitive::SETUP_INTERVAL;
@@ -71,8 +70,7 @@ impl HandshakeScene {
         assert!(expected.iter().any(|pixel| *pixel != clear));
         let circuit = circuit("lean18", lanes, SETUP_INTERVAL).unwrap();
         let library = circuit.library(Extent::Quick).unwrap();
-        let circuit = Simulation::new(&library, 3, 0).unwrap();
-        let mut bench = Bench::new(circuit, 3).unwrap();
+        let mut bench = Bench::new(&library, 3, 0).unwrap();
         write_rules(&mut bench, &widths, &Rules::EWA).unwrap();
         let layout = Layout::new(&widths, Traversal::Spans);
         let packet = |index: &u32| layout.encode(&load.footprints[*index as usize]).to_vec();

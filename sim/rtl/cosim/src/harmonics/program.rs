@@ -28,9 +28,6 @@ const CHANNELS: usize = 3;
 /// The unit's registers.
 const REGISTERS: usize = 64;
 
-/// What a circuit reads, around its places and slots.
-const MODULE: &str = include_str!("../../templates/harmonics_program.txt");
-
 /// Flags of a slot.
 const RIGHT_IS_REGISTER: usize = 1 << 49;
 const LEFT_IS_CLAMPED: usize = 1 << 50;
@@ -229,13 +226,15 @@ pub fn text() -> Result<String> {
             None => gaps.push(format!("7'd{place}")),
         }
     }
-    let parts = [
-        ("ends", ends.collect()),
-        ("highest", highest.to_string()),
-        ("gaps", gaps.join(", ")),
-        ("slots", slots),
-    ];
-    Ok(filled(MODULE, &parts))
+    Ok(filled(
+        include_str!("../../templates/harmonics_program.txt"),
+        &[
+            ("ends", &ends.collect::<String>()),
+            ("highest", &highest),
+            ("gaps", &gaps.join(", ")),
+            ("slots", &slots),
+        ],
+    ))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::loads::{HarmonicsSplat, captured, of_degree, synthetic};
 use crate::bench::{Bench, Channels, Checker, Item, Pressure};
-use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation, in_parts};
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, in_parts};
 use anyhow::Result;
 use fixed::types::I4F28;
 
@@ -36,7 +36,7 @@ pub fn print_cycles(circuit: &Circuit) -> Result<()> {
     print!("| {circuit} |");
     for degree in 0..=4 {
         let load = of_degree(TIMED, degree, 1);
-        let found = load.compare(circuit, Simulation::new(&library, 1, 0)?, 0)?;
+        let found = load.compare(circuit, Bench::new(&library, 1, 0)?, 0)?;
         print!(" {:.1} |", found.cycles as f64 / TIMED as f64);
     }
     println!();
@@ -66,8 +66,7 @@ impl Load for HarmonicsLoad {
         Ok(parts.flatten().collect())
     }
 
-    fn compare(&self, _: &Circuit, simulation: Simulation, pressure: usize) -> Result<Findings> {
-        let mut bench = Bench::new(simulation, 1)?;
+    fn compare(&self, _: &Circuit, mut bench: Bench, pressure: usize) -> Result<Findings> {
         let sources: [(_, &[_]); 2] = [("splat", &["direction", "degree"]), ("word", &["word"])];
         let channels = Channels::new(&bench.circuit, &sources, ("colour", &["colour"]))?;
         let items: Vec<Item> = self.iter().map(item).collect();

@@ -12,7 +12,8 @@ use crate::setup::constants::constants;
 use crate::setup::enlarged;
 use crate::setup::program::{ProgramKind, SetupProgram};
 use crate::setup::unit::write_constants;
-use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation};
+use crate::simulation::Simulation;
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing};
 use anyhow::{Context, Result, bail, ensure};
 use splatline::blend::Pixel;
 use splatline_sim::machine::{Config, simulate_alone};
@@ -108,17 +109,11 @@ impl Load for MachineLoad {
         Ok(seen.into_iter().map(load).collect())
     }
 
-    fn compare(
-        &self,
-        circuit: &Circuit,
-        simulation: Simulation,
-        pressure: usize,
-    ) -> Result<Findings> {
+    fn compare(&self, circuit: &Circuit, mut bench: Bench, pressure: usize) -> Result<Findings> {
         let (timing, frames) = TIMINGS[pressure];
         let MachineLoad { scene, rules, .. } = self;
         let design = &circuit.design;
         let widths = &design.widths;
-        let mut bench = Bench::new(simulation, 1)?;
         let constants = constants(circuit, &scene.view, rules)?;
         write_constants(&mut bench, &constants)?;
         write_rules(&mut bench, widths, rules)?;

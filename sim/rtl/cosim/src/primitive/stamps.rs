@@ -78,7 +78,16 @@ impl Stamps {
         tile: &BenchTile,
         workload: &BenchWorkload,
     ) -> Option<String> {
-        let mut same = Same::default();
+        let mut difference = None;
+        let mut check = |splat: usize, what: &str, model: u64, circuit: Option<&u64>| {
+            if difference.is_none() && circuit != Some(&model) {
+                let circuit =
+                    circuit.map_or("never".to_owned(), |cycle| format!("in cycle {cycle}"));
+                difference = Some(format!(
+                    "splat {splat}: {what} in cycle {model} by the model, {circuit} by the circuit"
+                ));
+            }
+        };
         // The first packet is offered before its tile has begun; time is counted from its handshake, and with it the
         // turns of setup.
         let first = self.accepted.first().copied().unwrap_or(0);
@@ -87,43 +96,29 @@ impl Stamps {
         let mut left = self.left.iter();
         let mut popped = self.popped.each_ref().map(|lane| lane.iter());
         for (place, index) in tile.list.iter().enumerate() {
-            same.splat = place;
             let footprint = &workload.footprints[*index as usize];
             let offered = self.offered.get(place).copied().unwrap_or(0);
             let stamp = clock.packet(offered.max(first));
-            same.check("packet taken", stamp.accepted, self.accepted.get(place));
-            same.check("rows begun", stamp.begun, self.begun.get(place));
+            check(
+                place,
+                "packet taken",
+                stamp.accepted,
+                self.accepted.get(place),
+            );
+            check(place, "rows begun", stamp.begun, self.begun.get(place));
             for_each_slot(design, footprint, &tile.window, lanes, |run| {
                 let slot = clock.slot(run);
                 if let (Some(LaneRun { lane, .. }), Some(cycle)) = (run, slot.popped) {
-                    same.check("run left the rows", slot.left, left.next());
-                    same.check("run popped", cycle, popped[lane].next());
+                    check(place, "run left the rows", slot.left, left.next());
+                    check(place, "run popped", cycle, popped[lane].next());
                 }
             });
         }
+        let last = tile.list.len().saturating_sub(1);
         if !tile.list.is_empty() {
-            same.check("last pixel", clock.idle_at(), self.idle_at.as_ref());
+            check(last, "last pixel", clock.idle_at(), self.idle_at.as_ref());
         }
-        same.check("runs left over", 0, Some(&(left.len() as u64)));
-        same.first
-    }
-}
-
-/// The first cycle that is not the same, in words.
-#[derive(Default)]
-struct Same {
-    splat: usize,
-    first: Option<String>,
-}
-
-impl Same {
-    fn check(&mut self, what: &str, model: u64, circuit: Option<&u64>) {
-        if self.first.is_none() && circuit != Some(&model) {
-            let circuit = circuit.map_or("never".to_owned(), |cycle| format!("in cycle {cycle}"));
-            let place = self.splat;
-            self.first = Some(format!(
-                "splat {place}: {what} in cycle {model} by the model, {circuit} by the circuit"
-            ));
-        }
+        check(last, "runs left over", 0, Some(&(left.len() as u64)));
+        difference
     }
 }

@@ -7,9 +7,9 @@ use super::workload::{self, BenchTile, BenchWorkload};
 use crate::bench::{Bench, Channels, Checker, Item, Pressure};
 use crate::circuit::PRIMITIVE;
 use crate::rules::write_rules;
-use crate::scenes::scenes;
-use crate::simulation::Port;
-use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation};
+use crate::scenes::{Seen, scenes};
+use crate::simulation::{Port, Simulation};
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing};
 use anyhow::{Context, Result};
 use splatline::blend::{FINISHED, Pixel};
 use splatline::draw::{Coverage, Painter};
@@ -65,7 +65,10 @@ impl Load for PrimitiveLoad {
             Extent::Quick => ([1_200, 600], [256, 64]),
             Extent::Full => ([40_000, 20_000], [512, 128]),
         };
-        let mut seen = vec![workload::crowd(), workload::sparse(), workload::hard()?];
+        // Of all sizes over a small picture, and a few in one most of whose tiles have none.
+        let crowd = Seen::random("crowd", (2_000, 9, 4.0), [150, 100]);
+        let sparse = Seen::random("sparse", (20, 9, 4.0), [480, 320]);
+        let mut seen = vec![crowd, sparse, workload::hard()?];
         seen.extend(scenes(&["deep stack"], deep, missing)?);
         seen.extend(scenes(&["guitar", "lion"], size, missing)?);
         let mut loads = Vec::new();
@@ -98,16 +101,10 @@ impl Load for PrimitiveLoad {
         Ok(loads)
     }
 
-    fn compare(
-        &self,
-        circuit: &Circuit,
-        simulation: Simulation,
-        pressure: usize,
-    ) -> Result<Findings> {
+    fn compare(&self, circuit: &Circuit, mut bench: Bench, pressure: usize) -> Result<Findings> {
         let design = &circuit.design;
         let widths = &design.widths;
         let pressure = &PRESSURES[pressure];
-        let mut bench = Bench::new(simulation, 1)?;
         write_rules(&mut bench, widths, &self.rules)?;
         let difference = words::first_difference(&mut bench, widths.mantissa)?;
         if difference.is_some() {

@@ -40,16 +40,6 @@ pub struct BenchWorkload {
     pub tiles: Vec<BenchTile>,
 }
 
-/// A few thousand Gaussians of all sizes over a small picture.
-pub fn crowd() -> Seen {
-    Seen::random("crowd", (2_000, 9, 4.0), [150, 100])
-}
-
-/// A few Gaussians in a picture most of whose tiles have none.
-pub fn sparse() -> Seen {
-    Seen::random("sparse", (20, 9, 4.0), [480, 320])
-}
-
 /// The hard Gaussians of the golden set: needles, huge, near the plane, off the axis.
 pub fn hard() -> Result<Seen> {
     let set = golden::GoldenA::load(&golden::archive())?;

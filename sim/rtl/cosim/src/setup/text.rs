@@ -4,6 +4,7 @@
 
 use super::assemble::{Fields, LATENCY, LOAD_AHEAD, Operand, Program, Value};
 use super::program::{SetupProgram, faint_bits, low_bits};
+use crate::mutation::replaced;
 use crate::package::filled;
 use crate::tables::function;
 use anyhow::{Context, Result, ensure};
@@ -81,17 +82,11 @@ fn registers(program: &Program, value: Value) -> [i64; 2] {
 
 /// The types of a program.
 fn types(program: &Program) -> Result<String> {
-    let mut text = TYPES.to_owned();
-    if program.directs() {
-        for (without, with) in [
-            ("logic [3:0] word;", "logic [4:0] word;"),
-            ("DIRECTS = 1'b0;", "DIRECTS = 1'b1;"),
-        ] {
-            ensure!(text.contains(without), "setup_types.svh has no '{without}'");
-            text = text.replace(without, with);
-        }
+    if !program.directs() {
+        return Ok(TYPES.to_owned());
     }
-    Ok(text)
+    let types = replaced(TYPES, "logic [3:0] word;", "logic [4:0] word;")?;
+    replaced(&types, "DIRECTS = 1'b0;", "DIRECTS = 1'b1;")
 }
 
 /// The text of a design's package with this program.
@@ -111,39 +106,32 @@ pub fn text(name: &str, widths: &Widths, program: &SetupProgram) -> Result<Strin
     let types = types(&program)?;
     let layout = layout(&types)?;
     let slot_bits = layout.iter().map(|(_, bits)| bits).sum();
-    let numbers = numbers(widths, &program, slot_bits);
     let registers = registers_of(&program).map(|(address, name)| {
         let name = name.to_uppercase();
         format!("  localparam int {name} = {address};\n")
     });
-    let parts = [
-        ("name", name.to_owned()),
-        ("registers", registers.collect()),
-        ("microcode", microcode(&program, &layout, slot_bits)?),
-        ("types", types),
-    ];
-    let text = include_str!("../../templates/setup_package.txt");
-    Ok(filled(&filled(text, &numbers), &parts))
-}
-
-/// The numbers of the package, for a program whose slots have so many bits.
-fn numbers(widths: &Widths, program: &Program, slot_bits: u32) -> [(&'static str, u32); 13] {
-    let round = program.round;
-    [
-        ("position", widths.position.into()),
-        ("low", low_bits(widths)),
-        ("faint", faint_bits(widths)),
-        ("mantissa", widths.mantissa.into()),
-        ("axis_drop", 31 - axis_bits(widths)),
-        ("turned", is_turned(widths.mantissa).into()),
-        ("round", round as u32),
-        ("latency", LATENCY as u32),
-        ("load_ahead", LOAD_AHEAD as u32),
-        ("out_round", (program.latency() / round) as u32),
-        ("out_last", (program.latency() % round) as u32),
-        ("first_register", FIRST_REGISTER.into()),
-        ("slot_bits", slot_bits),
-    ]
+    Ok(filled(
+        include_str!("../../templates/setup_package.txt"),
+        &[
+            ("name", &name),
+            ("position", &widths.position),
+            ("low", &low_bits(widths)),
+            ("faint", &faint_bits(widths)),
+            ("mantissa", &widths.mantissa),
+            ("axis_drop", &(31 - axis_bits(widths))),
+            ("turned", &u32::from(is_turned(widths.mantissa))),
+            ("round", &program.round),
+            ("latency", &LATENCY),
+            ("load_ahead", &LOAD_AHEAD),
+            ("out_round", &(program.latency() / program.round)),
+            ("out_last", &(program.latency() % program.round)),
+            ("first_register", &FIRST_REGISTER),
+            ("registers", &registers.collect::<String>()),
+            ("slot_bits", &slot_bits),
+            ("microcode", &microcode(&program, &layout, slot_bits)?),
+            ("types", &types),
+        ],
+    ))
 }
 
 /// The slot that is issued in each cycle of a round, as a function.

@@ -9,8 +9,8 @@ use super::record::record;
 use super::tables;
 use crate::bench::{Bench, Channels, Checker, Item, Pressure};
 use crate::circuit::SETUP;
-use crate::simulation::Port;
-use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation, in_parts};
+use crate::simulation::{Port, Simulation};
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, in_parts};
 use anyhow::Result;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
@@ -19,6 +19,7 @@ use splatline::math::SoftFloat;
 use splatline::setup::harmonics::direction;
 use splatline::setup::{Cull, setup};
 use splatline::splat::VolumeSplat;
+use splatline_sim::scene::synthetic::Random;
 
 /// At full speed; with packets that are not taken for thousands of cycles, until every queue is full; with pauses at
 /// both ends.
@@ -88,13 +89,8 @@ impl Load for SetupLoad {
         Ok(parts.flatten().collect())
     }
 
-    fn compare(
-        &self,
-        circuit: &Circuit,
-        simulation: Simulation,
-        pressure: usize,
-    ) -> Result<Findings> {
-        let mut bench = Bench::new(simulation, 7)?;
+    fn compare(&self, circuit: &Circuit, mut bench: Bench, pressure: usize) -> Result<Findings> {
+        bench.random = Random(7);
         let words = constants(circuit, &self.view, &self.rules)?;
         write_constants(&mut bench, &words)?;
         let widths = &circuit.design.widths;
