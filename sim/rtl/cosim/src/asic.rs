@@ -35,29 +35,25 @@ struct Library {
 
 impl Library {
     /// Areas and registers of all cells. A Liberty file is groups in braces,
-    /// `cell (name) { area : 3.75; ff (IQ, IQ_N) { ... } }`.
+    /// `cell (name) { area : 3.75; ff (IQ, IQ_N) { ... } }`, of which a cell's area comes before any other in it.
     fn parse(text: &str) -> Result<Library> {
         let mut cells = BTreeMap::new();
-        let (mut depth, mut inside, mut cell) = (0, 0, String::new());
+        let mut cell = String::new();
         for line in text.lines().map(str::trim) {
             if let Some(name) = group(line, "cell") {
                 cells.insert(name.clone(), ModuleCost::default());
-                (cell, inside) = (name, depth + 1);
+                cell = name;
             }
-            if depth == inside
-                && let Some(found) = cells.get_mut(&cell)
+            let Some(found) = cells.get_mut(&cell) else {
+                continue;
+            };
+            if let Some(area) = attribute(line, "area")
+                && found.area == 0.0
             {
-                if let Some(area) = attribute(line, "area") {
-                    let area = area.parse();
-                    found.area = area.with_context(|| format!("area of cell {cell}"))?;
-                }
-                found.flip_flops |= u64::from(group(line, "ff").is_some());
+                let area = area.parse();
+                found.area = area.with_context(|| format!("area of cell {cell}"))?;
             }
-            let count = |brace| line.matches(brace).count() as i32;
-            depth += count('{') - count('}');
-            if depth < inside {
-                cell.clear();
-            }
+            found.flip_flops |= u64::from(group(line, "ff").is_some());
         }
         let gates = cells.iter().filter(|(name, _)| is_nand2(name));
         let gate = gates.map(|(_, cell)| cell.area).reduce(f64::min);

@@ -111,27 +111,16 @@ pub(crate) struct Pressure {
 }
 
 impl Pressure {
-    /// At the first lane, at the others, and at the sink.
-    pub const fn at_ends([first, others, answers]: [u8; 3]) -> Pressure {
+    /// At the first lane, at the others and at the sink, with blocks and resets of so many cycles.
+    pub const fn new([first, others, answers]: [u8; 3], stalls: u64, resets: u64) -> Pressure {
         Pressure {
             offers: [first, others],
             answers,
             inside: 0,
-            stalls: 0,
-            resets: 0,
+            stalls,
+            resets,
             retracts: true,
         }
-    }
-}
-
-/// What compares the answers.
-pub(crate) trait Checker {
-    /// The difference of the next answer from what is expected, in words.
-    fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String>;
-
-    /// Looks at the circuit in every cycle, before its edge; gives a rule that it broke, in words.
-    fn observe(&mut self, _: &Simulation, _: &Channels, _cycle: u64) -> Option<String> {
-        None
     }
 }
 
@@ -184,13 +173,15 @@ impl Bench {
         share > 0 && self.random.next() >> 56 < u64::from(share)
     }
 
-    /// Gives the items to the circuit and compares what comes until the first difference.
+    /// Gives the items to the circuit until the first difference. `check` compares an answer of this number with what
+    /// is expected; `observe` looks at the circuit in every cycle, before its edge, and gives a rule that it broke.
     pub(crate) fn run(
         &mut self,
         channels: &Channels,
         items: &[Item],
         pressure: &Pressure,
-        checker: &mut impl Checker,
+        mut check: impl FnMut(usize, &[Vec<u32>]) -> Option<String>,
+        mut observe: impl FnMut(&Simulation, &Channels, u64) -> Option<String>,
     ) -> Result<Findings> {
         let mut findings = Findings::default();
         let lanes = items.first().map_or(0, |item| item.lanes.len());
@@ -201,7 +192,7 @@ impl Bench {
             let resets = pressure.resets > 0 && self.random.next().is_multiple_of(pressure.resets);
             self.circuit.set(self.reset, resets.into());
             self.drive(channels, items, &mut lanes, pressure);
-            let mut difference = checker.observe(&self.circuit, channels, self.cycles);
+            let mut difference = observe(&self.circuit, channels, self.cycles);
             idle += u64::from(self.circuit.is(channels.sink.ready));
             if resets {
                 findings.count("resets", 1);
@@ -224,7 +215,7 @@ impl Bench {
                 if channels.sink.moves(&self.circuit) {
                     let ports = channels.sink.data.iter();
                     let answer: Vec<_> = ports.map(|port| self.circuit.words(*port)).collect();
-                    let other = checker.check(findings.compared as usize, &answer);
+                    let other = check(findings.compared as usize, &answer);
                     difference = difference.or(other);
                     findings.compared += 1;
                     idle = 0;

@@ -1,7 +1,7 @@
 //! The harmonics unit against the kernel: every colour, with random pauses at all three ends and resets in between.
 
 use super::loads::{HarmonicsSplat, captured, of_degree, synthetic};
-use crate::bench::{Bench, Channels, Checker, Item, Pressure};
+use crate::bench::{Bench, Channels, Item, Pressure};
 use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, in_parts};
 use anyhow::Result;
 use fixed::types::I4F28;
@@ -9,24 +9,15 @@ use fixed::types::I4F28;
 /// Numbers of multipliers for which there is a circuit.
 pub const MULTIPLIERS: [u32; 2] = [1, 2];
 
-/// At full speed; with every end as the slowest; with resets.
+/// At full speed; with every end as the slowest, of splats, of words and of colours; with resets.
 const PRESSURES: [Pressure; 6] = [
-    pressure([0, 0, 0], 0, 0),
-    pressure([96, 96, 96], 0, 0),
-    pressure([0, 192, 0], 0, 0),
-    pressure([224, 0, 0], 0, 0),
-    pressure([0, 0, 0], 0, 501),
-    pressure([64, 32, 192], 400, 701),
+    Pressure::new([0, 0, 0], 0, 0),
+    Pressure::new([96, 96, 96], 0, 0),
+    Pressure::new([0, 192, 0], 0, 0),
+    Pressure::new([224, 0, 0], 0, 0),
+    Pressure::new([0, 0, 0], 0, 501),
+    Pressure::new([64, 32, 192], 400, 701),
 ];
-
-/// At the ends of splats, of words and of colours.
-const fn pressure(ends: [u8; 3], stalls: u64, resets: u64) -> Pressure {
-    Pressure {
-        stalls,
-        resets,
-        ..Pressure::at_ends(ends)
-    }
-}
 
 /// Prints the cycles that a splat of each degree takes at full speed.
 pub fn print_cycles(circuit: &Circuit) -> Result<()> {
@@ -70,8 +61,17 @@ impl Load for HarmonicsLoad {
         let sources: [(_, &[_]); 2] = [("splat", &["direction", "degree"]), ("word", &["word"])];
         let channels = Channels::new(&bench.circuit, &sources, ("colour", &["colour"]))?;
         let items: Vec<Item> = self.iter().map(item).collect();
-        let mut checker = HarmonicsChecker(self);
-        let mut findings = bench.run(&channels, &items, &PRESSURES[pressure], &mut checker)?;
+        let check = |number: usize, answer: &[Vec<u32>]| {
+            let (splat, got) = (&self[number], &answer[0]);
+            let (degree, wanted) = (
+                splat.degree,
+                splat.colour().map(|channel| channel.to_bits()),
+            );
+            (got[..] != wanted)
+                .then(|| format!("splat {number}, degree {degree}: {got:08x?}, not {wanted:08x?}"))
+        };
+        let pressure = &PRESSURES[pressure];
+        let mut findings = bench.run(&channels, &items, pressure, check, |_, _, _| None)?;
         // A column of the report, also where there are none.
         findings.count("resets", 0);
         Ok(findings)
@@ -87,18 +87,5 @@ fn item(splat: &HarmonicsSplat) -> Item {
     Item {
         lanes: vec![vec![(0, first)], words.collect()],
         answers: 1,
-    }
-}
-
-struct HarmonicsChecker<'a>(&'a [HarmonicsSplat]);
-
-impl Checker for HarmonicsChecker<'_> {
-    fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
-        let splat = &self.0[number];
-        let wanted = splat.colour().map(|channel| channel.to_bits());
-        let got = &answer[0];
-        let degree = splat.degree;
-        (got[..] != wanted)
-            .then(|| format!("splat {number}, degree {degree}: {got:08x?}, not {wanted:08x?}"))
     }
 }

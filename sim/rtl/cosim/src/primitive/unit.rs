@@ -4,7 +4,7 @@
 use super::stamps::{INSIDE, Stamps};
 use super::words::{self, Roots};
 use super::workload::{self, BenchTile, BenchWorkload};
-use crate::bench::{Bench, Channels, Checker, Item, Pressure};
+use crate::bench::{Bench, Channels, Item, Pressure};
 use crate::circuit::PRIMITIVE;
 use crate::rules::write_rules;
 use crate::scenes::{Seen, scenes};
@@ -33,7 +33,7 @@ const fn pressure(packets: u8, lanes: u8, pixels: u8) -> Pressure {
     Pressure {
         inside: lanes,
         retracts: false,
-        ..Pressure::at_ends([packets, packets, pixels])
+        ..Pressure::new([packets, packets, pixels], 0, 0)
     }
 }
 
@@ -119,19 +119,18 @@ impl Load for PrimitiveLoad {
         let items: Vec<Item> = items.collect();
         let (pixels, coverage) = draw(design, &self.rules, tiles, footprints)?;
         let window: &[_] = &["first_column", "first_row", "end_column", "end_row"];
-        let pixel: &[_] = &["finished", "transmittance", "red", "green", "blue"];
+        let of_pixel: &[_] = &["finished", "transmittance", "red", "green", "blue"];
         // Tiles, packets and ends of tiles in, pixels out.
         let sources: [(_, &[_]); 3] = [("tile", window), ("packet", &["packet"]), ("finish", &[])];
         let channels = Channels {
             enable: Some(bench.circuit.port("lanes_enable")?),
-            ..Channels::new(&bench.circuit, &sources, ("pixel", pixel))?
+            ..Channels::new(&bench.circuit, &sources, ("pixel", of_pixel))?
         };
-        let mut checker = PrimitiveChecker {
+        let mut watch = PrimitiveWatch {
             design: design.in_fields(),
             shape: [0, 1].map(|place: usize| circuit.parameters[place].1),
             timed: (pressure.inside == 0).then_some(0),
-            load: self,
-            pixels,
+            workload: &self.workload,
             tile: 0,
             stamps: Stamps::default(),
             raster_cycles: 0,
@@ -139,16 +138,26 @@ impl Load for PrimitiveLoad {
             inside: bench.circuit.ports(INSIDE)?,
             enabled: true,
         };
-        let mut findings = bench.run(&channels, &items, pressure, &mut checker)?;
+        let check = |number: usize, answer: &[Vec<u32>]| {
+            let (got, expected) = (pixel(answer), pixels[number]);
+            (got != expected).then(|| {
+                let place = place(tiles, number);
+                format!("{place}: the kernel has {expected:x?}, the circuit {got:x?}")
+            })
+        };
+        let observe = |circuit: &Simulation, channels: &Channels, cycle| {
+            watch.observe(circuit, channels, cycle)
+        };
+        let mut findings = bench.run(&channels, &items, pressure, check, observe)?;
         let splats = tiles.iter().map(|tile| tile.list.len() as u64).sum();
         findings.counts = vec![
             ("tiles", tiles.len() as u64),
             ("splats", splats),
             ("visited", coverage.visited),
             ("covered", coverage.covered),
-            ("roots", checker.roots.compared),
-            ("splats timed", checker.timed.unwrap_or(0)),
-            ("raster cycles", checker.raster_cycles),
+            ("roots", watch.roots.compared),
+            ("splats timed", watch.timed.unwrap_or(0)),
+            ("raster cycles", watch.raster_cycles),
         ];
         Ok(findings)
     }
@@ -225,15 +234,14 @@ pub fn draw(
     Ok((drawn, coverage))
 }
 
-struct PrimitiveChecker<'a> {
+/// What is looked at in every cycle.
+struct PrimitiveWatch<'a> {
     design: RuntimeWidths,
     /// Lanes, and cycles between two packets.
     shape: [u32; 2],
     /// Splats whose handshakes were compared, if they can be.
     timed: Option<u64>,
-    load: &'a PrimitiveLoad,
-    /// The pixels of all tiles by the kernel.
-    pixels: Vec<Pixel>,
+    workload: &'a BenchWorkload,
     /// The tile that is being drawn.
     tile: usize,
     stamps: Stamps,
@@ -244,15 +252,7 @@ struct PrimitiveChecker<'a> {
     enabled: bool,
 }
 
-impl Checker for PrimitiveChecker<'_> {
-    fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
-        let (got, expected) = (pixel(answer), self.pixels[number]);
-        (got != expected).then(|| {
-            let place = self.place(number);
-            format!("{place}: the kernel has {expected:x?}, the circuit {got:x?}")
-        })
-    }
-
+impl PrimitiveWatch<'_> {
     fn observe(&mut self, circuit: &Simulation, channels: &Channels, cycle: u64) -> Option<String> {
         let mut difference = self.roots.note(circuit);
         let inside = self.inside.map(|port| circuit.get(port));
@@ -266,8 +266,7 @@ impl Checker for PrimitiveChecker<'_> {
             self.stamps = Stamps::default();
             return difference;
         }
-        let workload = &self.load.workload;
-        let Some(tile) = workload.tiles.get(self.tile) else {
+        let Some(tile) = self.workload.tiles.get(self.tile) else {
             return difference;
         };
         let packets = tile.list.len();
@@ -277,7 +276,7 @@ impl Checker for PrimitiveChecker<'_> {
             if let Some(timed) = &mut self.timed {
                 *timed += packets as u64;
                 let stamps = &self.stamps;
-                let other = stamps.difference(self.design, self.shape, tile, workload);
+                let other = stamps.difference(self.design, self.shape, tile, self.workload);
                 difference = difference.or(other.map(|word| format!("tile {}, {word}", self.tile)));
             }
             self.tile += 1;
@@ -286,18 +285,15 @@ impl Checker for PrimitiveChecker<'_> {
     }
 }
 
-impl PrimitiveChecker<'_> {
-    /// Tile and pixel of an answer.
-    fn place(&self, number: usize) -> String {
-        let tiles = self.load.workload.tiles.iter().enumerate();
-        let mut places = tiles.flat_map(|(index, tile)| {
-            let [first, end] = [tile.window.first, tile.window.end];
-            let row = move |y| (first[0]..end[0]).map(move |x| (index, x, y));
-            (first[1]..end[1]).flat_map(row)
-        });
-        places.nth(number).map_or_else(
-            || "a pixel too many".to_owned(),
-            |(index, x, y)| format!("tile {index}, pixel ({x}, {y})"),
-        )
+/// Tile and pixel of an answer.
+fn place(tiles: &[BenchTile], number: usize) -> String {
+    let mut places = tiles.iter().enumerate().flat_map(|(index, tile)| {
+        let [first, end] = [tile.window.first, tile.window.end];
+        let row = move |y| (first[0]..end[0]).map(move |x| (index, x, y));
+        (first[1]..end[1]).flat_map(row)
+    });
+    match places.nth(number) {
+        Some((index, x, y)) => format!("tile {index}, pixel ({x}, {y})"),
+        None => "a pixel too many".to_owned(),
     }
 }

@@ -7,7 +7,7 @@
 
 use super::loads::SetupLoad;
 use crate::unit::{Extent, Loads};
-use splatline::footprint::Footprint;
+use splatline::footprint::packet::{Layout, Packet};
 use splatline::format::Widths;
 use splatline::math::{SoftFloat, reciprocal, square_root};
 use splatline::rules::Rules;
@@ -57,7 +57,15 @@ fn bearing(weight: SoftFloat) -> VolumeSplat {
 }
 
 /// What a packet has of a splat's weight that the kernel has not, in words.
-pub fn difference(widths: &Widths, number: SoftFloat, got: &Footprint) -> Option<String> {
+pub fn difference(
+    widths: &Widths,
+    number: SoftFloat,
+    layout: &Layout,
+    packet: &Packet,
+) -> Option<String> {
+    let Ok(got) = layout.decode(packet) else {
+        return Some("a packet of another version".to_owned());
+    };
     let bits = u32::from(widths.mantissa);
     let rounded = SoftFloat::from_wide(number.mantissa.into(), number.exponent, bits);
     // The circuit's root is twice the kernel's; its half stands in a constant of setup.

@@ -7,14 +7,14 @@ use super::loads::{SetupLoad, captured, distant, synthetic};
 use super::program::{ProgramKind, SetupProgram};
 use super::record::record;
 use super::tables;
-use crate::bench::{Bench, Channels, Checker, Item, Pressure};
+use crate::bench::{Bench, Channels, Item, Pressure};
 use crate::circuit::SETUP;
-use crate::simulation::{Port, Simulation};
+use crate::simulation::Simulation;
 use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, in_parts};
 use anyhow::Result;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
-use splatline::format::{RuntimeWidths, Traversal};
+use splatline::format::Traversal;
 use splatline::math::SoftFloat;
 use splatline::setup::harmonics::direction;
 use splatline::setup::{Cull, setup};
@@ -24,12 +24,9 @@ use splatline_sim::scene::synthetic::Random;
 /// At full speed; with packets that are not taken for thousands of cycles, until every queue is full; with pauses at
 /// both ends.
 const PRESSURES: [Pressure; 3] = [
-    Pressure::at_ends([0; 3]),
-    Pressure {
-        stalls: 2_048,
-        ..Pressure::at_ends([0; 3])
-    },
-    Pressure::at_ends([96; 3]),
+    Pressure::new([0; 3], 0, 0),
+    Pressure::new([0; 3], 2_048, 0),
+    Pressure::new([96; 3], 0, 0),
 ];
 
 /// The names of culls as in [`Cull::ALL`].
@@ -93,43 +90,61 @@ impl Load for SetupLoad {
         bench.random = Random(7);
         let words = constants(circuit, &self.view, &self.rules)?;
         write_constants(&mut bench, &words)?;
-        let widths = &circuit.design.widths;
-        let mut checker = SetupChecker {
-            circuit,
-            design: circuit.design.in_fields(),
-            layout: Layout::new(widths, Traversal::Spans),
-            load: self,
-            offered: Vec::new(),
-            direction_ports: None,
-            directions: 0,
-            culled: [0; 6],
+        let ports = ["direction_valid", "direction_seen", "direction"];
+        let ports = circuit.program.directs.then(|| bench.circuit.ports(ports));
+        let direction_ports = ports.transpose()?;
+        // One whose exponents have no place in a record is not offered.
+        let splats = self.splats.iter();
+        let offered: Vec<_> = splats
+            .filter_map(|splat| Some((splat, record(splat)?)))
+            .collect();
+        let item = |record: &[u32]| Item {
+            lanes: vec![vec![(0, vec![record.to_vec()])]],
+            answers: 1,
         };
-        if circuit.program.directs {
-            let ports = ["direction_valid", "direction_seen", "direction"];
-            checker.direction_ports = Some(bench.circuit.ports(ports)?);
-        }
-        let mut items = Vec::new();
-        for splat in &self.splats {
-            // One whose exponents have no place in a record is not offered.
-            if let Some(record) = record(splat) {
-                items.push(Item {
-                    lanes: vec![vec![(0, vec![record.to_vec()])]],
-                    answers: 1,
-                });
-                checker.offered.push(splat);
-            }
-        }
+        let items: Vec<Item> = offered.iter().map(|(_, record)| item(record)).collect();
         // Records in, packets or reasons out.
         let sink: (_, &[_]) = ("packet", &["cull", "depth", "packet"]);
         let channels = Channels::new(&bench.circuit, &[("record", &["record"])], sink)?;
-        let mut findings = bench.run(&channels, &items, &PRESSURES[pressure], &mut checker)?;
-        let directions = checker.directions;
-        if checker.direction_ports.is_some() && directions != items.len() {
+        let layout = Layout::new(&circuit.design.widths, Traversal::Spans);
+        let (mut culled, mut directions) = ([0; CULLS.len()], 0);
+        let check = |number: usize, answer: &[Vec<u32>]| {
+            let (splat, _) = offered[number];
+            let mut packet = Packet::default();
+            packet[..answer[2].len()].copy_from_slice(&answer[2]);
+            if circuit.program.kind == ProgramKind::Units {
+                return tables::difference(&circuit.design.widths, splat.weight, &layout, &packet);
+            }
+            let expected = setup(circuit.design.in_fields(), &self.view, &self.rules, splat);
+            if let Err(cull) = &expected {
+                culled[cull.place()] += 1;
+            }
+            let words = difference(&layout, expected, answer, &packet)?;
+            Some(format!("splat {number}: {words}"))
+        };
+        // Each direction comes once and at its own time.
+        let observe = |simulation: &Simulation, _: &Channels, _: u64| {
+            let [valid, seen, direction] = direction_ports?;
+            if !simulation.is(valid) {
+                return None;
+            }
+            let number = directions;
+            directions += 1;
+            let Some((splat, _)) = offered.get(number) else {
+                return Some("a direction too many".to_owned());
+            };
+            let got = (simulation.words(direction), simulation.is(seen));
+            let words = self.direction_difference(circuit, splat, got)?;
+            Some(format!("splat {number}: {words}"))
+        };
+        let pressure = &PRESSURES[pressure];
+        let mut findings = bench.run(&channels, &items, pressure, check, observe)?;
+        if direction_ports.is_some() && directions != items.len() {
             let few = || format!("{directions} directions");
             findings.first_difference.get_or_insert_with(few);
         }
         if circuit.program.kind != ProgramKind::Units {
-            findings.counts = CULLS.into_iter().zip(checker.culled).collect();
+            findings.counts = CULLS.into_iter().zip(culled).collect();
         }
         Ok(findings)
     }
@@ -149,73 +164,41 @@ pub fn write_constants(bench: &mut Bench, words: &[Constant]) -> Result<()> {
     bench.set(&[("constant_valid", 0)])
 }
 
-struct SetupChecker<'a> {
-    circuit: &'a Circuit,
-    design: RuntimeWidths,
-    layout: Layout,
-    load: &'a SetupLoad,
-    offered: Vec<&'a VolumeSplat>,
-    /// Valid, seen and the direction, if the program gives any: each comes once and at its own time.
-    direction_ports: Option<[Port; 3]>,
-    /// How many have come.
-    directions: usize,
-    culled: [u64; 6],
+impl SetupLoad {
+    /// What a direction and whether its splat is seen have that the kernel has not.
+    fn direction_difference(
+        &self,
+        circuit: &Circuit,
+        splat: &VolumeSplat,
+        (got, got_seen): (Vec<u32>, bool),
+    ) -> Option<String> {
+        let SetupLoad { view, rules, .. } = self;
+        let wanted = direction(&circuit.design.widths, view, &splat.centre);
+        let wanted = wanted.map(|axis| axis.to_bits() as u32);
+        let seen = setup(circuit.design.in_fields(), view, rules, splat).is_ok();
+        (got != wanted || got_seen != seen)
+            .then(|| format!("direction {got:x?}, not {wanted:x?}; seen: {seen}"))
+    }
 }
 
-impl Checker for SetupChecker<'_> {
-    fn observe(&mut self, circuit: &Simulation, _: &Channels, _: u64) -> Option<String> {
-        let [valid, seen_port, port] = self.direction_ports?;
-        if !circuit.is(valid) {
-            return None;
-        }
-        let number = self.directions;
-        self.directions += 1;
-        let Some(splat) = self.offered.get(number) else {
-            return Some("a direction too many".to_owned());
-        };
-        let SetupLoad { view, rules, .. } = self.load;
-        let wanted = direction(&self.circuit.design.widths, view, &splat.centre);
-        let wanted = wanted.map(|axis| axis.to_bits() as u32);
-        let seen = setup(self.design, view, rules, splat).is_ok();
-        let got = circuit.words(port);
-        (got != wanted || circuit.is(seen_port) != seen)
-            .then(|| format!("splat {number}: direction {got:x?}, not {wanted:x?}; seen: {seen}"))
-    }
-
-    fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
-        let SetupLoad { view, rules, .. } = self.load;
-        let splat = self.offered[number];
-        let mut got = Packet::default();
-        got[..answer[2].len()].copy_from_slice(&answer[2]);
-        if self.circuit.program.kind == ProgramKind::Units {
-            let Ok(got) = self.layout.decode(&got) else {
-                return Some("a packet of another version".to_owned());
-            };
-            return tables::difference(&self.circuit.design.widths, splat.weight, &got);
-        }
-        let expected = setup(self.design, view, rules, splat);
-        if let Err(cull) = &expected {
-            self.culled[cull.place()] += 1;
-        }
-        let known = |reason: u32| Cull::ALL.get((reason as usize).wrapping_sub(1)).copied();
-        let reason = answer[0][0];
-        let depth = u64::from(answer[1][0]) | u64::from(answer[1][1]) << 32;
-        let words = match (expected, reason) {
-            (Ok(wanted), 0) => {
-                let length = self.layout.words();
-                if depth == wanted.depth && self.layout.encode(&wanted)[..length] == got[..length] {
-                    return None;
-                }
-                match self.layout.decode(&got) {
-                    Ok(got) => in_words(&wanted, &Footprint { depth, ..got }),
-                    Err(error) => format!("no packet: {error:?}"),
-                }
-            }
-            (Ok(_), reason) => format!("culled: {:?}", known(reason)),
-            (Err(cull), reason) if known(reason) == Some(cull) => return None,
-            (Err(cull), reason) => format!("{:?}, not {cull:?}", known(reason)),
-        };
-        Some(format!("splat {number}: {words}"))
+/// What an answer and its packet have that is not expected.
+fn difference(
+    layout: &Layout,
+    expected: Result<Footprint, Cull>,
+    answer: &[Vec<u32>],
+    packet: &Packet,
+) -> Option<String> {
+    let known = |reason: u32| Cull::ALL.get((reason as usize).wrapping_sub(1)).copied();
+    let depth = u64::from(answer[1][0]) | u64::from(answer[1][1]) << 32;
+    match (expected, answer[0][0]) {
+        (Ok(wanted), 0) => match layout.decode(packet) {
+            _ if depth == wanted.depth && layout.encode(&wanted) == *packet => None,
+            Ok(got) => Some(in_words(&wanted, &Footprint { depth, ..got })),
+            Err(error) => Some(format!("no packet: {error:?}")),
+        },
+        (Ok(_), reason) => Some(format!("culled: {:?}", known(reason))),
+        (Err(cull), reason) if known(reason) == Some(cull) => None,
+        (Err(cull), reason) => Some(format!("{:?}, not {cull:?}", known(reason))),
     }
 }
 
