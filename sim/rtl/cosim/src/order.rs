@@ -42,9 +42,7 @@ pub struct OrderLoad {
 impl SortedSplat {
     /// The word of the memory.
     pub fn word(&self) -> [u32; 4] {
-        let [first, last] = self.tiles;
-        let places = [first[0], first[1], last[0], last[1]];
-        let places = places.iter().rev();
+        let places = self.tiles.as_flattened().iter().rev();
         let places = places.fold(0u128, |word, place| word << 12 | u128::from(*place & 0xfff));
         let word = places << 80 | u128::from(self.number) << 48 | u128::from(self.key);
         [0, 32, 64, 96].map(|bit| (word >> bit) as u32)
@@ -118,34 +116,35 @@ pub fn ordered(
     (footprints, workload, load)
 }
 
+/// The last key.
+const LAST: u64 = (1 << KEY_BITS) - 1;
+
+/// A key by its place among those of a load.
+type Key = fn(u64, &mut Random) -> u64;
+
 /// No splat, one, all keys equal, all keys but one, upside down, in order already, single bits, and random ones with
-/// many equals.
+/// many equals: how many keys there are, and each of them.
+const HARD: [(&str, u64, Key); 10] = [
+    ("none", 0, |_, _| 0),
+    ("one", 1, |_, _| LAST),
+    ("equal keys", 300, |_, _| 0x1234_5678_9abc),
+    ("all keys but one", 300, |i, _| u64::from(i != 299) << 20),
+    ("reversed", 600, |i, _| LAST - i * 7),
+    ("sorted", 600, |i, _| i << 30),
+    ("single bits", 48, |i, _| 1 << (47 - i)),
+    ("first digit alone", 99, |i, _| i % 3),
+    ("few keys", 900, |_, random| (random.next() % 5) << 37),
+    ("random keys", 900, |_, random| random.next() & LAST),
+];
+
+/// Splats with the keys of [`HARD`].
 pub fn hard() -> Loads<OrderLoad> {
-    let last = (1u64 << KEY_BITS) - 1;
     let mut random = Random(3);
+    let mut keys_of = |count, key: Key| (0..count).map(|i| key(i, &mut random)).collect();
+    let all = HARD.map(|(name, count, key)| (name, keys_of(count, key)));
     let mut loads = Vec::new();
-    let keys: [(&str, Vec<u64>); 10] = [
-        ("none", vec![]),
-        ("one", vec![last]),
-        ("equal keys", vec![0x1234_5678_9abc; 300]),
-        (
-            "all keys but one",
-            (0..300).map(|i| u64::from(i != 299) << 20).collect(),
-        ),
-        ("reversed", (0..600u64).map(|i| last - i * 7).collect()),
-        ("sorted", (0..600u64).map(|i| i << 30).collect()),
-        ("single bits", (0..48u64).rev().map(|i| 1 << i).collect()),
-        ("first digit alone", (0..99u64).map(|i| i % 3).collect()),
-        (
-            "few keys",
-            (0..900).map(|_| (random.next() % 5) << 37).collect(),
-        ),
-        (
-            "random keys",
-            (0..900).map(|_| random.next() & last).collect(),
-        ),
-    ];
-    for (name, keys) in keys {
+    for (name, keys) in all {
+        let keys: Vec<u64> = keys;
         let size = [9, 7].map(|end| 1 + (random.next() % end) as u16);
         let splats = (0..).zip(keys).map(|(index, key)| SortedSplat {
             // Numbers have gaps where splats were culled.
@@ -241,12 +240,9 @@ impl Load for OrderLoad {
         findings.first_difference = memory.astray(full);
         if findings.first_difference.is_none() && !full {
             let splats = bench.circuit.read("splats")?;
-            let sorted = memory
-                .words
-                .iter()
-                .skip(bench.circuit.read("sorted")? as usize);
+            let sorted = memory.words.get(bench.circuit.read("sorted")? as usize..);
             let lists = memory.words[lists..].as_flattened();
-            let order = order_difference(self, splats, sorted);
+            let order = order_difference(self, splats, sorted.unwrap_or_default());
             findings.first_difference = order.or_else(|| list_difference(self, lists, &ends));
         }
         Ok(findings)
@@ -291,17 +287,13 @@ fn order(
     bail!("the sorter hangs")
 }
 
-fn order_difference<'a>(
-    load: &OrderLoad,
-    splats: u64,
-    mut sorted: impl Iterator<Item = &'a [u32; 4]>,
-) -> Option<String> {
+fn order_difference(load: &OrderLoad, splats: u64, sorted: &[[u32; 4]]) -> Option<String> {
     let wanted = load.sorted();
     if splats != wanted.len() as u64 {
         return Some(format!("{splats} splats, not {}", wanted.len()));
     }
-    let mut wanted = wanted.iter();
-    let place = wanted.position(|splat| sorted.next() != Some(&splat.word()))?;
+    let mut wanted = wanted.iter().enumerate();
+    let (place, _) = wanted.find(|(place, splat)| sorted.get(*place) != Some(&splat.word()))?;
     Some(format!("another splat at place {place} of the order"))
 }
 

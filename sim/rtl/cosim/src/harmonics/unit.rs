@@ -26,7 +26,7 @@ pub fn print_cycles(circuit: &Circuit) -> Result<()> {
     println!("| cycles a splat | degree 0 | 1 | 2 | 3 | 4 |\n|---|---:|---:|---:|---:|---:|");
     print!("| {circuit} |");
     for degree in 0..=4 {
-        let load = of_degree(TIMED, degree, 1);
+        let load = of_degree(TIMED, degree);
         let found = load.compare(circuit, Bench::new(&library, 1, 0)?, 0)?;
         print!(" {:.1} |", found.cycles as f64 / TIMED as f64);
     }
@@ -50,7 +50,7 @@ impl Load for HarmonicsLoad {
             Extent::Quick => (240, 100),
             Extent::Full => (12_000, 1),
         };
-        let loads = [synthetic(count, 1), captured(step, missing)?].concat();
+        let loads = [synthetic(count), captured(step, missing)?].concat();
         let parts = loads
             .iter()
             .map(|(name, splats)| in_parts(name, splats, PART, <[_]>::to_vec));

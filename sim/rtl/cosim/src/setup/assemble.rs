@@ -223,10 +223,7 @@ impl Program {
             operation.register = free;
             free += operation.copies;
         }
-        if free > REGISTERS {
-            return None;
-        }
-        Some(())
+        (free <= REGISTERS).then_some(())
     }
 }
 

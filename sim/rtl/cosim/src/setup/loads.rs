@@ -92,12 +92,8 @@ pub fn captured(step: usize, missing: &mut Missing) -> Result<Loads<SetupLoad>> 
         seen.scene.harmonics = None;
         for (rules, _) in KINDS {
             let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
-            loads.push(SetupLoad::named(
-                seen.name,
-                scene.view,
-                scene.rules,
-                scene.splats,
-            ));
+            let (view, rules, splats) = (scene.view, scene.rules, scene.splats);
+            loads.push(SetupLoad::named(seen.name, view, rules, splats));
         }
     }
     Ok(loads)

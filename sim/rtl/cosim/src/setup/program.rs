@@ -244,9 +244,9 @@ impl Reader<'_> {
         match word {
             "view" => Ok(self.widths.view.into()),
             "mantissa" => Ok(self.widths.mantissa.into()),
-            _ => Ok(word
+            _ => word
                 .parse()
-                .with_context(|| format!("'{word}' is no number"))?),
+                .with_context(|| format!("'{word}' is no number")),
         }
     }
 
