@@ -23,7 +23,6 @@ const PATIENCE: u64 = 1 << 18;
 const QUIET: usize = 400;
 
 /// Ports of words that go in or out.
-#[derive(Clone, Debug)]
 pub(crate) struct Channel {
     pub valid: Port,
     pub ready: Port,
@@ -79,7 +78,6 @@ impl Channels {
 pub(crate) type Offer = (usize, Vec<Vec<u32>>);
 
 /// Offers that belong together, in lanes of one offer or more, and how many answers they have.
-#[derive(Clone, Debug)]
 pub(crate) struct Item {
     pub lanes: Vec<Vec<Offer>>,
     pub answers: u64,
@@ -94,7 +92,6 @@ struct Lane {
 }
 
 /// Back-pressure, in 256ths of the cycles.
-#[derive(Clone, Copy, Debug)]
 pub(crate) struct Pressure {
     /// The next offer of a lane is held back.
     pub offers: [u8; 2],

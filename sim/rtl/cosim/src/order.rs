@@ -29,7 +29,6 @@ pub struct SortedSplat {
 }
 
 /// A picture's splats in the order of the scene, and what is to come of them.
-#[derive(Clone, Debug)]
 pub struct OrderLoad {
     /// Columns and rows of tiles.
     pub size: [u16; 2],

@@ -8,7 +8,6 @@ use splatline_sim::scene::{self, Scene, synthetic};
 use std::path::Path;
 
 /// A scene, seen.
-#[derive(Clone)]
 pub struct Seen {
     pub name: &'static str,
     pub scene: Scene,

@@ -32,7 +32,6 @@ impl BenchTile {
 }
 
 /// Footprints and the tiles that draw them.
-#[derive(Clone, Debug)]
 pub struct BenchWorkload {
     /// Footprints.
     pub footprints: Vec<Footprint>,
