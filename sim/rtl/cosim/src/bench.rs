@@ -31,14 +31,12 @@ pub(crate) struct Channel {
 
 impl Channel {
     /// The channel with ports `NAME_valid`, `NAME_ready` and these for its words.
-    pub fn new(circuit: &Simulation, name: &str, data: &[&str]) -> Result<Channel> {
-        let [valid, ready] = ["valid", "ready"].map(|end| format!("{name}_{end}"));
-        let data = data.iter().map(|name| circuit.port(name));
-        Ok(Channel {
-            valid: circuit.port(&valid)?,
-            ready: circuit.port(&ready)?,
-            data: data.collect::<Result<_>>()?,
-        })
+    pub fn new(circuit: &Simulation, name: &str, data: &[&str]) -> Channel {
+        Channel {
+            valid: circuit.port(&format!("{name}_valid")),
+            ready: circuit.port(&format!("{name}_ready")),
+            data: data.iter().map(|name| circuit.port(name)).collect(),
+        }
     }
 
     /// Is a word handed over in this cycle?
@@ -63,14 +61,14 @@ impl Channels {
         circuit: &Simulation,
         sources: &[(&str, &[&str])],
         (sink, answers): (&str, &[&str]),
-    ) -> Result<Channels> {
+    ) -> Channels {
         let sources = sources.iter();
         let sources = sources.map(|(name, data)| Channel::new(circuit, name, data));
-        Ok(Channels {
-            sources: sources.collect::<Result<_>>()?,
-            sink: Channel::new(circuit, sink, answers)?,
+        Channels {
+            sources: sources.collect(),
+            sink: Channel::new(circuit, sink, answers),
             enable: None,
-        })
+        }
     }
 }
 
@@ -136,7 +134,7 @@ impl Bench {
     pub fn new(library: &Path, seed: u32, mutation: MutationNumber) -> Result<Bench> {
         let circuit = Simulation::new(library, seed, mutation)?;
         let mut bench = Bench {
-            reset: circuit.port("rst")?,
+            reset: circuit.port("rst"),
             circuit,
             cycles: 0,
             random: Random(1),
@@ -157,12 +155,10 @@ impl Bench {
     }
 
     /// Drives ports by name.
-    pub fn set(&mut self, values: &[(&str, u64)]) -> Result<()> {
+    pub fn set(&mut self, values: &[(&str, u64)]) {
         for (name, value) in values {
-            let port = self.circuit.port(name)?;
-            self.circuit.set(port, *value);
+            self.circuit.set(self.circuit.port(name), *value);
         }
-        Ok(())
     }
 
     /// True in `share` of 256 cases.
@@ -220,11 +216,8 @@ impl Bench {
             }
             self.circuit.edge();
             self.cycles += 1;
-            ensure!(
-                idle < PATIENCE,
-                "the circuit hangs after {} answers",
-                findings.compared
-            );
+            let answers = findings.compared;
+            ensure!(idle < PATIENCE, "the circuit hangs after {answers} answers");
             if difference.is_some() {
                 findings.first_difference = difference;
                 return Ok(findings);

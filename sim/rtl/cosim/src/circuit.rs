@@ -156,8 +156,7 @@ impl Circuit {
     /// Yosys' words for reading it, with its files in this folder.
     pub fn read_command(&self, folder: &Path) -> Result<String> {
         let paths = write(folder, &self.sources()?)?;
-        let paths = paths.iter().map(|path| format!(" {}", path.display()));
-        Ok("read_verilog -sv".to_owned() + &paths.collect::<String>())
+        Ok(format!("read_verilog -sv {}", paths.join(" ")))
     }
 
     /// The circuit, compiled for so much, as a library for
@@ -280,12 +279,12 @@ pub fn set(module: &str, parameters: &[Parameter]) -> String {
     words.collect()
 }
 
-/// Writes files into a folder.
-pub fn write(folder: &Path, sources: &[Source]) -> Result<Vec<PathBuf>> {
+/// Writes files into a folder; gives their paths.
+pub fn write(folder: &Path, sources: &[Source]) -> Result<Vec<String>> {
     let written = |(name, text): &Source| {
         let path = folder.join(name);
         fs::write(&path, text)?;
-        Ok(path)
+        Ok(path.display().to_string())
     };
     sources.iter().map(written).collect()
 }

@@ -98,10 +98,6 @@ fn holds(proof: &Proof, mutation: Option<&Mutation>, way: &str) -> Result<bool> 
         sources.push(source(file, mutation)?);
     }
     let paths = write(folder.path(), &sources)?;
-    let paths: Vec<String> = paths
-        .iter()
-        .map(|path| path.display().to_string())
-        .collect();
     // The units' own properties lie beside them; only the last file's are asked for here.
     let (last, others) = paths.split_last().context("a proof of no file")?;
     let Proof { unit, .. } = proof;

@@ -7,7 +7,6 @@
 
 use crate::bench::Channel;
 use crate::simulation::{Port, Simulation};
-use anyhow::Result;
 use splatline_sim::scene::synthetic::Random;
 use std::collections::VecDeque;
 
@@ -63,10 +62,10 @@ pub struct Memory {
 
 impl Memory {
     /// A memory with these words at the circuit's port. Nothing may be asked for before.
-    pub fn new(at: &Simulation, words: Vec<[u32; 4]>, timing: MemoryTiming) -> Result<Memory> {
+    pub fn new(at: &Simulation, words: Vec<[u32; 4]>, timing: MemoryTiming) -> Memory {
         let writing = ["write_address", "write_word", "write_strobe"];
-        let [word_valid, word, settled] = at.ports(["word_valid", "word", "settled"])?;
-        Ok(Memory {
+        let [word_valid, word, settled] = at.ports(["word_valid", "word", "settled"]);
+        Memory {
             words,
             read: 0,
             written: 0,
@@ -79,13 +78,13 @@ impl Memory {
             reads: VecDeque::new(),
             writes: VecDeque::new(),
             requests: [
-                Channel::new(at, "read", &["read_address"])?,
-                Channel::new(at, "write", &writing)?,
+                Channel::new(at, "read", &["read_address"]),
+                Channel::new(at, "write", &writing),
             ],
             word_valid,
             word,
             settled,
-        })
+        }
     }
 
     /// The first half of a cycle: what the circuit sees, and its outputs.

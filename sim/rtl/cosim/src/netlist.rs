@@ -100,13 +100,9 @@ impl NetlistCell {
 
     /// The nets that its inputs read.
     pub fn inputs(&self) -> impl Iterator<Item = u64> + '_ {
-        let is_input = |name| {
-            self.port_directions
-                .get(name)
-                .is_none_or(|way| way != "output")
-        };
+        let way = |name| self.port_directions.get(name).map(String::as_str);
         let pins = self.connections.iter();
-        let pins = pins.filter(move |(name, _)| is_input(name.as_str()));
+        let pins = pins.filter(move |(name, _)| way(*name) != Some("output"));
         pins.flat_map(|(_, bits)| bits.iter().filter_map(Bit::net))
     }
 }

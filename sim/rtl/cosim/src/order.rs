@@ -180,9 +180,7 @@ const TIMINGS: [(MemoryTiming, u64); 4] = [
 const PATIENCE: u64 = 1 << 17;
 
 impl Load for OrderLoad {
-    fn pressures(_: &Circuit) -> usize {
-        TIMINGS.len()
-    }
+    const WAYS: usize = TIMINGS.len();
 
     fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<OrderLoad>> {
         let (names, size): (&[_], _) = match extent {
@@ -212,11 +210,11 @@ impl Load for OrderLoad {
             ("tile_columns", self.size[0].into()),
             ("tiles", self.lists.len() as u64),
             ("most", room as u64),
-        ])?;
+        ]);
         // Bits of nothing in all places of the memory, a word or more between any two regions.
         let (mut words, mut random) = (Vec::new(), Random(1));
         words.resize_with(lists + room.div_ceil(4), || noise(&mut random));
-        let mut memory = Memory::new(&bench.circuit, words, timing)?;
+        let mut memory = Memory::new(&bench.circuit, words, timing);
         let mut findings = Findings::default();
         // Twice or once: neither what a picture leaves behind nor what registers hold before the first must reach the
         // one that is judged.
@@ -225,21 +223,21 @@ impl Load for OrderLoad {
         }
         findings.compared = count as u64;
         findings.counts = vec![
-            ("entries", bench.circuit.read("entries")?),
+            ("entries", bench.circuit.read("entries")),
             ("words read", memory.read),
             ("words written", memory.written),
         ];
         let mut ends = Vec::new();
         for tile in 0..self.lists.len() {
-            bench.set(&[("end_tile", tile as u64)])?;
+            bench.set(&[("end_tile", tile as u64)]);
             memory.cycle(&mut bench.circuit);
-            ends.push(bench.circuit.read("end_place")? as usize);
+            ends.push(bench.circuit.read("end_place") as usize);
         }
-        let full = bench.circuit.read("full")? == 1;
+        let full = bench.circuit.read("full") == 1;
         findings.first_difference = memory.astray(full);
         if findings.first_difference.is_none() && !full {
-            let splats = bench.circuit.read("splats")?;
-            let sorted = memory.words.get(bench.circuit.read("sorted")? as usize..);
+            let splats = bench.circuit.read("splats");
+            let sorted = memory.words.get(bench.circuit.read("sorted") as usize..);
             let lists = memory.words[lists..].as_flattened();
             let order = order_difference(self, splats, sorted.unwrap_or_default());
             findings.first_difference = order.or_else(|| list_difference(self, lists, &ends));
@@ -255,8 +253,8 @@ fn order(
     load: &OrderLoad,
     interval: u64,
 ) -> Result<u64> {
-    let [begins, ends, done] = circuit.ports(["begins", "ends", "done"])?;
-    let [valid, ready, word] = circuit.ports(["in_valid", "in_ready", "in"])?;
+    let [begins, ends, done] = circuit.ports(["begins", "ends", "done"]);
+    let [valid, ready, word] = circuit.ports(["in_valid", "in_ready", "in"]);
     circuit.set(ends, 0);
     circuit.set(begins, 1);
     memory.cycle(circuit);

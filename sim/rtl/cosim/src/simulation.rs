@@ -64,19 +64,17 @@ impl Simulation {
     }
 
     /// The port of this name.
-    pub fn port(&self, name: &str) -> Result<Port> {
+    ///
+    /// # Panics
+    /// If the circuit has none.
+    pub fn port(&self, name: &str) -> Port {
         let place = self.ports.iter().position(|port| port.0 == name);
-        let place = place.with_context(|| format!("the circuit has no port '{name}'"))?;
-        Ok(Port(place))
+        Port(place.unwrap_or_else(|| panic!("the circuit has no port '{name}'")))
     }
 
     /// The ports of these names.
-    pub fn ports<const N: usize>(&self, names: [&str; N]) -> Result<[Port; N]> {
-        let mut ports = [Port(0); N];
-        for (port, name) in ports.iter_mut().zip(names) {
-            *port = self.port(name)?;
-        }
-        Ok(ports)
+    pub fn ports<const N: usize>(&self, names: [&str; N]) -> [Port; N] {
+        names.map(|name| self.port(name))
     }
 
     /// Drives a port with a number; what does not fit is cut off.
@@ -105,9 +103,11 @@ impl Simulation {
 
     /// What is at a port; of one with more than 64 bits the lowest.
     pub fn get(&self, port: Port) -> u64 {
-        let high = self.ports[port.0].1.bits > 32;
-        let high = if high { self.word(port, 1) } else { 0 };
-        u64::from(self.word(port, 0)) | u64::from(high) << 32
+        let word = |index| u64::from(self.word(port, index));
+        match self.ports[port.0].1.bits {
+            0..=32 => word(0),
+            _ => word(0) | word(1) << 32,
+        }
     }
 
     /// Is a port of one bit set?
@@ -116,8 +116,8 @@ impl Simulation {
     }
 
     /// What is at the port of this name.
-    pub fn read(&self, name: &str) -> Result<u64> {
-        Ok(self.get(self.port(name)?))
+    pub fn read(&self, name: &str) -> u64 {
+        self.get(self.port(name))
     }
 
     /// A port's words.

@@ -82,7 +82,7 @@ impl AddAssign for Findings {
 /// What one comparison of a unit with what defines it is made of.
 pub trait Load: Sized + Sync {
     /// How many ways there are of feeding and emptying the circuit; the first is that at full speed.
-    fn pressures(circuit: &Circuit) -> usize;
+    const WAYS: usize;
 
     /// All that the circuit is given. The names of scenes whose data is not at hand go to `missing`.
     fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<Self>>;
@@ -98,10 +98,9 @@ fn first_difference<L: Load>(
     mutation: MutationNumber,
     loads: &Loads<L>,
 ) -> Option<String> {
-    let count = L::pressures(circuit);
-    let jobs = 0..loads.len() * count;
+    let jobs = 0..loads.len() * L::WAYS;
     let difference = |job: usize| {
-        let ((name, load), pressure) = (&loads[job / count], job % count);
+        let ((name, load), pressure) = (&loads[job / L::WAYS], job % L::WAYS);
         let bench = Bench::new(library, pressure as u32 + 1, mutation);
         let found = bench.and_then(|bench| load.compare(circuit, bench, pressure));
         let found = found.map(|findings| findings.first_difference);
@@ -117,18 +116,18 @@ pub fn report<L: Load>(circuit: &Circuit) -> Result<()> {
     let mut missing = Vec::new();
     let loads = L::all(circuit, Extent::Full, &mut missing)?;
     println!("{circuit}; not at hand: {missing:?}\n");
-    let (pressures, mut total) = (L::pressures(circuit), Findings::default());
+    let mut total = Findings::default();
     for parts in loads.chunk_by(|one, next| one.0 == next.0) {
         // Under all pressures, or under one for each part of a divided load.
         let jobs = if parts.len() == 1 {
-            pressures
+            L::WAYS
         } else {
             parts.len()
         };
         let compared = |job: usize| {
             let (_, part) = &parts[job % parts.len()];
             let bench = Bench::new(&library, job as u32 + 1, 0)?;
-            part.compare(circuit, bench, job % pressures)
+            part.compare(circuit, bench, job % L::WAYS)
         };
         let found: Result<Vec<Findings>> = (0..jobs).into_par_iter().map(compared).collect();
         let found = found?;

@@ -68,7 +68,7 @@ mod with_verilator {
         let mut all = Vec::new();
         for (seed, (name, load)) in (1..).zip(loads) {
             let mut sum = Findings::default();
-            for pressure in 0..L::pressures(circuit) {
+            for pressure in 0..L::WAYS {
                 let bench = Bench::new(&library, seed, 0).unwrap();
                 let found = load.compare(circuit, bench, pressure);
                 let found = found.unwrap_or_else(|error| panic!("{name}: {error:#}"));

@@ -71,7 +71,7 @@ impl HandshakeScene {
         let circuit = circuit("lean18", lanes, SETUP_INTERVAL).unwrap();
         let library = circuit.library(Extent::Quick).unwrap();
         let mut bench = Bench::new(&library, 3, 0).unwrap();
-        write_rules(&mut bench, &widths, &Rules::EWA).unwrap();
+        write_rules(&mut bench, &widths, &Rules::EWA);
         let layout = Layout::new(&widths, Traversal::Spans);
         let packet = |index: &u32| layout.encode(&load.footprints[*index as usize]).to_vec();
         HandshakeScene {
@@ -99,14 +99,14 @@ impl HandshakeScene {
             ("pixel_ready", inputs.pixel_ready.into()),
             ("lanes_enable", (!inputs.held).into()),
         ];
-        self.bench.set(&set).unwrap();
+        self.bench.set(&set);
         let circuit = &mut self.bench.circuit;
         if let Some(packet) = &inputs.packet {
-            let port = circuit.port("packet").unwrap();
+            let port = circuit.port("packet");
             circuit.set_words(port, packet);
         }
         circuit.settle();
-        let get = |name| circuit.get(circuit.port(name).unwrap());
+        let get = |name| circuit.read(name);
         let words = ["finished", "transmittance", "red", "green", "blue"];
         let outputs = Outputs {
             tile_ready: get("tile_ready") == 1,

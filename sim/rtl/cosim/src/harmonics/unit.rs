@@ -41,9 +41,7 @@ const PART: usize = 1_000;
 pub type HarmonicsLoad = Vec<HarmonicsSplat>;
 
 impl Load for HarmonicsLoad {
-    fn pressures(_: &Circuit) -> usize {
-        PRESSURES.len()
-    }
+    const WAYS: usize = PRESSURES.len();
 
     fn all(_: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<HarmonicsLoad>> {
         let (count, step) = match extent {
@@ -59,7 +57,7 @@ impl Load for HarmonicsLoad {
 
     fn compare(&self, _: &Circuit, mut bench: Bench, pressure: usize) -> Result<Findings> {
         let sources: [(_, &[_]); 2] = [("splat", &["direction", "degree"]), ("word", &["word"])];
-        let channels = Channels::new(&bench.circuit, &sources, ("colour", &["colour"]))?;
+        let channels = Channels::new(&bench.circuit, &sources, ("colour", &["colour"]));
         let items: Vec<Item> = self.iter().map(item).collect();
         let check = |number: usize, answer: &[Vec<u32>]| {
             let (splat, got) = (&self[number], &answer[0]);

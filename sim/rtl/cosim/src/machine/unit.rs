@@ -86,9 +86,7 @@ fn modelled(circuit: &Circuit, load: &MachineLoad, memory: &MemoryTiming) -> Res
 }
 
 impl Load for MachineLoad {
-    fn pressures(_: &Circuit) -> usize {
-        TIMINGS.len()
-    }
+    const WAYS: usize = TIMINGS.len();
 
     fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<MachineLoad>> {
         let (mut seen, apart) = match extent {
@@ -115,15 +113,15 @@ impl Load for MachineLoad {
         let design = &circuit.design;
         let widths = &design.widths;
         let constants = constants(circuit, &scene.view, rules)?;
-        write_constants(&mut bench, &constants)?;
-        write_rules(&mut bench, widths, rules)?;
+        write_constants(&mut bench, &constants);
+        write_rules(&mut bench, widths, rules);
         // The tile buffers are cleared once.
         (0..1_100).for_each(|_| bench.cycle());
         let room = self.lists.entries() - usize::from(timing.full);
         let image = MemoryImage::new(widths, self, room)?;
-        bench.set(&image.places)?;
+        bench.set(&image.places);
         let mut simulation = bench.circuit;
-        let mut memory = Memory::new(&simulation, image.words, timing)?;
+        let mut memory = Memory::new(&simulation, image.words, timing);
         let mut phases = [0; 4];
         for _ in 0..frames {
             let drawn = draw(&mut simulation, &mut memory, self, &mut phases);
@@ -131,7 +129,7 @@ impl Load for MachineLoad {
         }
         // What was written last is on its way for a while.
         (0..=timing.latency).for_each(|_| memory.cycle(&mut simulation));
-        let full = simulation.read("full")? == 1;
+        let full = simulation.read("full") == 1;
         let expected = kernel_frame(design, self)?;
         let [all, geometry, raster] = modelled(circuit, self, &timing)?;
         let mut findings = Findings {
@@ -147,10 +145,10 @@ impl Load for MachineLoad {
             let beyond = enlarged(widths, &scene.view, rules, &scene.splats);
             findings.counts = vec![
                 ("splats", scene.splats.len() as u64),
-                ("seen", simulation.read("visible")?),
+                ("seen", simulation.read("visible")),
                 ("beyond k", beyond as u64),
                 ("painted", painted as u64),
-                ("entries", simulation.read("entries")?),
+                ("entries", simulation.read("entries")),
                 ("geometry", phases[0]),
                 ("geometry, model", geometry),
                 ("sort", phases[1]),
@@ -179,7 +177,7 @@ fn draw(
     load: &MachineLoad,
     phases: &mut [u64; 4],
 ) -> Result<()> {
-    let [begins, phase, listing] = circuit.ports(["begins", "phase", "listing"])?;
+    let [begins, phase, listing] = circuit.ports(["begins", "phase", "listing"]);
     *phases = [0; 4];
     circuit.set(begins, 1);
     memory.cycle(circuit);

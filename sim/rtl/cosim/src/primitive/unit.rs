@@ -51,9 +51,7 @@ pub fn circuit(design: &str, lanes: u32, interval: u32) -> Result<Circuit> {
 }
 
 impl Load for PrimitiveLoad {
-    fn pressures(_: &Circuit) -> usize {
-        PRESSURES.len()
-    }
+    const WAYS: usize = PRESSURES.len();
 
     /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of
     /// scenes skip nothing there: `3dgs` ends a footprint where it becomes faint, and `ewa` draws what is there.
@@ -105,8 +103,8 @@ impl Load for PrimitiveLoad {
         let design = &circuit.design;
         let widths = &design.widths;
         let pressure = &PRESSURES[pressure];
-        write_rules(&mut bench, widths, &self.rules)?;
-        let difference = words::first_difference(&mut bench, widths.mantissa)?;
+        write_rules(&mut bench, widths, &self.rules);
+        let difference = words::first_difference(&mut bench, widths.mantissa);
         if difference.is_some() {
             return Ok(Findings {
                 first_difference: difference,
@@ -123,8 +121,8 @@ impl Load for PrimitiveLoad {
         // Tiles, packets and ends of tiles in, pixels out.
         let sources: [(_, &[_]); 3] = [("tile", window), ("packet", &["packet"]), ("finish", &[])];
         let channels = Channels {
-            enable: Some(bench.circuit.port("lanes_enable")?),
-            ..Channels::new(&bench.circuit, &sources, ("pixel", of_pixel))?
+            enable: Some(bench.circuit.port("lanes_enable")),
+            ..Channels::new(&bench.circuit, &sources, ("pixel", of_pixel))
         };
         let mut watch = PrimitiveWatch {
             design: design.in_fields(),
@@ -134,8 +132,8 @@ impl Load for PrimitiveLoad {
             tile: 0,
             stamps: Stamps::default(),
             raster_cycles: 0,
-            roots: Roots::new(&bench.circuit)?,
-            inside: bench.circuit.ports(INSIDE)?,
+            roots: Roots::new(&bench.circuit),
+            inside: bench.circuit.ports(INSIDE),
             enabled: true,
         };
         let check = |number: usize, answer: &[Vec<u32>]| {

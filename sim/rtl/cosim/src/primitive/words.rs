@@ -4,7 +4,6 @@
 
 use crate::bench::Bench;
 use crate::simulation::{Port, Simulation};
-use anyhow::Result;
 use splatline::math::{SoftFloat, root_seed, shift_signed};
 use splatline_sim::scene::synthetic::Random;
 use std::collections::VecDeque;
@@ -35,10 +34,10 @@ fn word(random: &mut Random) -> (i64, i16) {
 }
 
 /// The first word of which either unit makes something else than the kernel, in words.
-pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Result<Option<String>> {
-    let aligned = bench.circuit.port("aligned")?;
+pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Option<String> {
+    let aligned = bench.circuit.port("aligned");
     let normal = ["normal", "normal_negative", "normal_exponent"];
-    let normal = bench.circuit.ports(normal)?;
+    let normal = bench.circuit.ports(normal);
     let mut random = Random(5);
     let mut fed = VecDeque::new();
     for _ in 0..WORDS {
@@ -47,7 +46,7 @@ pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Result<Option<String
             ("unit_negative", (value < 0).into()),
             ("unit_magnitude", value.unsigned_abs()),
             ("unit_shift", u64::from(shift as u16)),
-        ])?;
+        ]);
         bench.circuit.settle();
         if let (Some((then, by)), Some((later, _))) = (fed.get(ALIGN - 1), fed.get(NORMALISE - 1)) {
             let got = bench.circuit.get(aligned) as i64;
@@ -58,7 +57,7 @@ pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Result<Option<String
             let got = normal.map(|port| bench.circuit.get(port));
             let difference = differs.or_else(|| of_normalisation(*later, mantissa, got));
             if difference.is_some() {
-                return Ok(difference);
+                return difference;
             }
         }
         bench.circuit.edge();
@@ -66,14 +65,11 @@ pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Result<Option<String
         fed.push_front((value, shift));
         fed.truncate(ALIGN);
     }
-    Ok(None)
+    None
 }
 
-fn of_normalisation(
-    value: i64,
-    mantissa: u8,
-    [magnitude, negative, exponent]: [u64; 3],
-) -> Option<String> {
+fn of_normalisation(value: i64, mantissa: u8, normal: [u64; 3]) -> Option<String> {
+    let [magnitude, negative, exponent] = normal;
     let expected = SoftFloat::from_wide(value, 0, mantissa.into());
     let sign = if negative == 1 { -1 } else { 1 };
     let got = (sign * magnitude as i32, i32::from(exponent as i16));
@@ -95,13 +91,13 @@ pub struct Roots {
 
 impl Roots {
     /// Of a circuit.
-    pub fn new(circuit: &Simulation) -> Result<Roots> {
-        Ok(Roots {
+    pub fn new(circuit: &Simulation) -> Roots {
+        Roots {
             under_way: VecDeque::new(),
             compared: 0,
-            squared: circuit.ports(["squared_valid", "squared"])?,
-            root: circuit.ports(["root_valid", "root"])?,
-        })
+            squared: circuit.ports(["squared_valid", "squared"]),
+            root: circuit.ports(["root_valid", "root"]),
+        }
     }
 
     /// The difference of the root that leaves the unit in this cycle.

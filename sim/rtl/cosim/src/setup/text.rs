@@ -2,7 +2,7 @@
 //!
 //! `sim/rtl/<design>/splatline_setup_pkg.sv` is this module's output; a test compares the committed files with it.
 
-use super::assemble::{Fields, LATENCY, LOAD_AHEAD, Operand, Program, Value};
+use super::assemble::{Exit, Fields, LATENCY, LOAD_AHEAD, Operand, Program, Value};
 use super::program::{SetupProgram, faint_bits, low_bits};
 use crate::mutation::replaced;
 use crate::package::filled;
@@ -91,15 +91,14 @@ fn types(program: &Program) -> Result<String> {
 
 /// The text of a design's package with this program.
 pub fn text(name: &str, widths: &Widths, program: &SetupProgram) -> Result<String> {
-    ensure!(
-        widths.colour <= 26,
-        "there is no setup unit for design '{name}': colour = {}: it must be at most 26",
-        widths.colour
-    );
-    for (field, bits) in [("mantissa", widths.mantissa), ("view", widths.view)] {
+    for (field, bits, range, words) in [
+        ("colour", widths.colour, 0..=26, "at most 26"),
+        ("mantissa", widths.mantissa, 17..=31, "from 17 to 31"),
+        ("view", widths.view, 17..=31, "from 17 to 31"),
+    ] {
         ensure!(
-            (17..=31).contains(&bits),
-            "there is no setup unit for design '{name}': {field} = {bits}: it must be from 17 to 31"
+            range.contains(&bits),
+            "there is no setup unit for design '{name}': {field} = {bits}: it must be {words}"
         );
     }
     let program = program.assembled(widths)?;
@@ -143,11 +142,8 @@ fn microcode(program: &Program, layout: &[(&str, u32)], slot_bits: u32) -> Resul
             slot_fields = fields(program, index, term);
             names.push(program.operations[index].name.clone());
         }
-        if let Some(exit) = program
-            .exits
-            .iter()
-            .find(|exit| exit.time % program.round == cycle)
-        {
+        let leaves = |exit: &&Exit| exit.time % program.round == cycle;
+        if let Some(exit) = program.exits.iter().find(leaves) {
             let [b, b_turn] = registers(program, exit.value);
             let word = exit.word as i64;
             slot_fields.extend([("b", b), ("b_turn", b_turn), ("out", 1), ("word", word)]);
