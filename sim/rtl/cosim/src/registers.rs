@@ -240,10 +240,7 @@ fn written_alike<'a>(cells: impl Iterator<Item = &'a NetlistCell>) -> HashMap<u6
 
 /// The flip-flop as one that may move, unless it has a reset, an inverted clock or enable, or begins with 1.
 fn register(name: &str, cell: &NetlistCell, alike: &HashMap<u64, u64>) -> Option<Register> {
-    let setting = |key: &str, usual: &'static str| match cell.parameters.get(key) {
-        Some(text) => text.trim(),
-        None => usual,
-    };
+    let setting = |name, usual| cell.parameters.get(name).map_or(usual, String::as_str);
     let is_plain = setting("CLKMUX", "CLK") == "CLK"
         && setting("REGSET", "RESET") == "RESET"
         && cell.pin("LSR").is_none_or(|reset| reset.is("0"));

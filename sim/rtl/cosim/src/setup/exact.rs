@@ -22,7 +22,7 @@ pub fn exact(widths: &Widths, count: usize, seed: u64) -> Loads<SetupLoad> {
     let near = straight(Projection::Perspective, FOCAL);
     let [ends, flat_ends] = ends(widths);
     let mut loads = Vec::new();
-    for (_, rules) in KINDS {
+    for rules in KINDS {
         let unfiltered = Rules {
             low_pass: SoftFloat::ZERO,
             ..rules

@@ -47,11 +47,8 @@ impl SetupLoad {
     }
 }
 
-/// Both kinds of rules by the simulator's names and the kernel's.
-pub const KINDS: [(Rules, KernelRules); 2] = [
-    (Rules::EWA, KernelRules::EWA),
-    (Rules::GAUSSIAN_3D, KernelRules::GAUSSIAN_3D),
-];
+/// Both kinds of rules.
+pub const KINDS: [KernelRules; 2] = [KernelRules::EWA, KernelRules::GAUSSIAN_3D];
 
 /// Hard cases, arbitrary splats before a sane camera, and the same from an orthographic one.
 pub fn synthetic(count: usize, seed: u64) -> Loads<SetupLoad> {
@@ -64,7 +61,7 @@ pub fn synthetic(count: usize, seed: u64) -> Loads<SetupLoad> {
     let near: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut random, 24)).collect();
     let wild: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut random, 1024)).collect();
     let mut loads = Vec::new();
-    for (_, rules) in KINDS {
+    for rules in KINDS {
         for (name, view, splats) in [
             ("hard cases", view, &splats),
             ("hard cases, orthographic", flat, &splats),
@@ -90,7 +87,7 @@ pub fn captured(step: usize, missing: &mut Missing) -> Result<Loads<SetupLoad>> 
         let splats = std::mem::take(&mut seen.scene.splats);
         seen.scene.splats = splats.into_iter().step_by(step).collect();
         seen.scene.harmonics = None;
-        for (rules, _) in KINDS {
+        for rules in [Rules::EWA, Rules::GAUSSIAN_3D] {
             let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
             let (view, rules, splats) = (scene.view, scene.rules, scene.splats);
             loads.push(SetupLoad::named(seen.name, view, rules, splats));
@@ -150,7 +147,7 @@ pub fn distant(count: usize, seed: u64) -> Loads<SetupLoad> {
         *longer = longer.multiply(SoftFloat::from_wide(5, -2, 31), 31);
         loads.push((name + ", with a spacing", load));
     }
-    for (_, rules) in KINDS {
+    for rules in KINDS {
         for (name, projection) in [
             ("at k and at 2 k", Projection::Perspective),
             ("at k, orthographic", Projection::Orthographic),

@@ -12,6 +12,9 @@ use splatline_sim::machine::area::setup::is_turned;
 /// The programs' file in the folder of the co-simulation.
 pub const FILE: &str = "setup_program.txt";
 
+/// What stands for several lines of it.
+const FORMS: &str = include_str!("../../setup_forms.txt");
+
 /// Items of a record, two in a beat: a component of an axis, and in this order the difference to the eye (high and low
 /// parts), the last component and the weight.
 const ITEMS: [&str; 16] = [
@@ -142,27 +145,15 @@ impl Reader<'_> {
             let first = from.strip_prefix(" from ").map_or(Ok(0), str::parse)?;
             return self.out(first, terms);
         }
-        let lines = match form.rsplit_once(' ') {
-            Some(("reciprocal", bits)) => vec![
-                format!("{name}, seed = exact: reciprocal entry {terms} - reciprocal step {terms}"),
-                format!("{name}, defect = at -47, plus reciprocal_one: - {terms} * [{name}, seed]"),
-                format!(
-                    "{name} = first -30, rounded {bits}: [{name}, seed] + [{name}, seed] * [{name}, defect]"
-                ),
-            ],
-            Some(("root", bits)) => {
-                vec![format!(
-                    "{name} = rounded {bits}: root entry {terms} + root step {terms}"
-                )]
-            }
-            Some(("square root", bits)) => vec![
-                format!("{name}, seed = root 31: {terms}"),
-                format!("1/{name} = reciprocal 31: [{name}, seed]"),
-                format!("{name}, twice = heron {bits}: [{name}, seed] + {terms} * [1/{name}]"),
-            ],
-            _ => return self.operation(name, form, terms),
+        let (word, bits) = form.rsplit_once(' ').unwrap_or((form, ""));
+        let mut lines = FORMS.split("\n\n");
+        let lines = lines.find_map(|lines| lines.strip_prefix(word)?.strip_prefix('\n'));
+        let Some(lines) = lines else {
+            return self.operation(name, form, terms);
         };
-        lines.iter().try_for_each(|line| self.line(line))
+        let lines = lines.replace("NAME", name).replace("BITS", bits);
+        let lines = lines.replace("TERM", terms);
+        lines.lines().try_for_each(|line| self.line(line))
     }
 
     fn out(&mut self, first: usize, values: &str) -> Result<()> {
