@@ -49,22 +49,19 @@ impl SortedSplat {
 }
 
 impl OrderLoad {
-    /// A load whose lists follow from boxes and keys, tile by tile: slow and plain.
+    /// A load whose lists follow from boxes and keys, splat by splat: slow and plain.
     fn plain(size: [u16; 2], splats: Vec<SortedSplat>) -> OrderLoad {
+        let [columns, rows] = size.map(usize::from);
         let mut load = OrderLoad {
             size,
             splats,
-            lists: Vec::new(),
+            lists: vec![Vec::new(); columns * rows],
         };
-        let sorted = load.sorted();
-        for row in 0..size[1] {
-            for column in 0..size[0] {
-                let meets = |splat: &&SortedSplat| {
-                    let [first, last] = splat.tiles;
-                    (first[0]..=last[0]).contains(&column) && (first[1]..=last[1]).contains(&row)
-                };
-                let list = sorted.iter().filter(meets).map(|splat| splat.number);
-                load.lists.push(list.collect());
+        for splat in load.sorted() {
+            let [first, last] = splat.tiles.map(|place| place.map(usize::from));
+            for row in first[1]..=last[1] {
+                let lists = &mut load.lists[row * columns..][first[0]..=last[0]];
+                lists.iter_mut().for_each(|list| list.push(splat.number));
             }
         }
         load

@@ -92,8 +92,9 @@ pub fn kernel_frame(design: &DesignChoice, load: &MachineLoad) -> Result<Vec<[u3
     for (splat, harmonics) in splats.iter_mut().zip(load.harmonics.iter().flatten()) {
         splat.colour = harmonics.colour();
     }
-    let memory = table_entries(widths, &load.rules);
-    let renderer = Renderer::with_table(design.in_fields(), load.rules, &memory);
+    let rules = load.scene.rules;
+    let memory = table_entries(widths, &rules);
+    let renderer = Renderer::with_table(design.in_fields(), rules, &memory);
     let renderer = renderer.map_err(|error| anyhow!("{error:?}"))?;
     let mut footprints = vec![Footprint::EMPTY; splats.len()];
     let mut order = vec![0; splats.len()];

@@ -5,7 +5,6 @@ use crate::harmonics::loads::{HarmonicsSplat, of_scene};
 use crate::order::{OrderLoad, ordered};
 use crate::scenes::Seen;
 use crate::setup::program::ProgramKind;
-use splatline::rules::Rules;
 use splatline_sim::camera::Camera;
 use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::hybrid::spacing;
@@ -19,8 +18,6 @@ pub struct MachineLoad {
     pub seen: Seen,
     /// The scene and its rules in the kernel's formats.
     pub scene: QuantisedScene,
-    /// Those of the frame.
-    pub rules: Rules,
     /// What the model clocks.
     pub workload: Workload,
     /// The lists of its tiles.
@@ -48,7 +45,6 @@ impl MachineLoad {
         let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
         let harmonics = harmonics.map(|of| of_scene(&of, &design.widths, &scene));
         MachineLoad {
-            rules: scene.rules,
             scene,
             seen,
             workload,

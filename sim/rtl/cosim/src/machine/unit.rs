@@ -109,7 +109,7 @@ impl Load for MachineLoad {
 
     fn compare(&self, circuit: &Circuit, mut bench: Bench, pressure: usize) -> Result<Findings> {
         let (timing, frames) = TIMINGS[pressure];
-        let MachineLoad { scene, rules, .. } = self;
+        let (scene, rules) = (&self.scene, &self.scene.rules);
         let design = &circuit.design;
         let widths = &design.widths;
         let constants = constants(circuit, &scene.view, rules)?;

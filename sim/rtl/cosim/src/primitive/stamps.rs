@@ -99,12 +99,8 @@ impl Stamps {
             let footprint = &workload.footprints[*index as usize];
             let offered = self.offered.get(place).copied().unwrap_or(0);
             let stamp = clock.packet(offered.max(first));
-            check(
-                place,
-                "packet taken",
-                stamp.accepted,
-                self.accepted.get(place),
-            );
+            let accepted = self.accepted.get(place);
+            check(place, "packet taken", stamp.accepted, accepted);
             check(place, "rows begun", stamp.begun, self.begun.get(place));
             for_each_slot(design, footprint, &tile.window, lanes, |run| {
                 let slot = clock.slot(run);

@@ -215,11 +215,10 @@ impl Reader<'_> {
             ends = term.fields["again"] == 1;
         }
         terms[last].fields.insert("write", 1);
-        terms[0].fields.insert("first", (!follows).into());
+        let first = &mut terms[0].fields;
+        first.insert("first", (!follows).into());
         if let Some(addend) = addend {
-            terms[0]
-                .fields
-                .extend([("addend", 1), ("start", addend as i64)]);
+            first.extend([("addend", 1), ("start", addend as i64)]);
         }
         self.unit = Some(unit);
         self.operations.push(Operation {
@@ -264,17 +263,18 @@ impl Reader<'_> {
             return Ok(Operand::Input(place as u8));
         }
         let address = self.constant(word) as i64;
-        let other = fields.insert("constant", address);
-        ensure!(
-            other.is_none_or(|other| other == address),
-            "a slot has one constant"
-        );
+        let other = fields.insert("constant", address).unwrap_or(address);
+        ensure!(other == address, "a slot has one constant");
         Ok(Operand::Constant)
     }
 
     fn pick(&mut self, condition: &str, parts: &str) -> Result<Term> {
-        let parts: Vec<&str> = parts.split(" | ").collect();
-        let [a, b, picked @ ..] = parts.as_slice() else {
+        let mut fields = Fields::from([("plain", 1), ("again", 0)]);
+        let mut operands = Vec::new();
+        for part in parts.split(" | ") {
+            operands.push(self.operand(part, &mut fields)?);
+        }
+        let [a, b, ..] = operands[..] else {
             bail!("a choice of one");
         };
         let pick = match condition {
@@ -282,11 +282,7 @@ impl Reader<'_> {
             "not negative" => 2,
             _ => bail!("no condition '{condition}'"),
         };
-        let mut fields = Fields::from([("plain", 1), ("again", 0), ("pick", pick)]);
-        let (a, b) = (self.operand(a, &mut fields)?, self.operand(b, &mut fields)?);
-        if let Some(name) = picked.first() {
-            self.operand(name, &mut fields)?;
-        }
+        fields.insert("pick", pick);
         Ok(Term {
             a,
             b,
