@@ -180,10 +180,7 @@ impl Load for OrderLoad {
     const WAYS: usize = TIMINGS.len();
 
     fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<OrderLoad>> {
-        let (names, size): (&[_], _) = match extent {
-            Extent::Quick => (&["playbot"], 128),
-            Extent::Full => (&SCENES, 512),
-        };
+        let (names, size) = extent.of((&["playbot"][..], 128), (&SCENES, 512));
         let mut loads = hard();
         for seen in scenes(names, size, missing)? {
             let (.., load) = ordered(&seen, &circuit.design, &seen.scene.natural_rules);

@@ -22,7 +22,15 @@ pub enum Extent {
 impl Extent {
     /// The C++ compiler's option: a quick comparison takes less time than building its circuit.
     pub(crate) fn compiled(self) -> &'static str {
-        ["-O1", "-O2"][self as usize]
+        self.of("-O1", "-O2")
+    }
+
+    /// One of two.
+    pub(crate) fn of<T>(self, quick: T, full: T) -> T {
+        match self {
+            Extent::Quick => quick,
+            Extent::Full => full,
+        }
     }
 }
 

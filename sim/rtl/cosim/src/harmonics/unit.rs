@@ -44,10 +44,7 @@ impl Load for HarmonicsLoad {
     const WAYS: usize = PRESSURES.len();
 
     fn all(_: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<HarmonicsLoad>> {
-        let (count, step) = match extent {
-            Extent::Quick => (240, 100),
-            Extent::Full => (12_000, 1),
-        };
+        let (count, step) = extent.of((240, 100), (12_000, 1));
         let loads = [synthetic(count), captured(step, missing)?].concat();
         let parts = loads
             .iter()

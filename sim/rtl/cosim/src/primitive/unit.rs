@@ -59,10 +59,8 @@ impl Load for PrimitiveLoad {
         let design = &circuit.design;
         let widths = &design.widths;
         let quick = extent == Extent::Quick;
-        let ([random, faint], [size, deep]) = match extent {
-            Extent::Quick => ([1_200, 600], [256, 64]),
-            Extent::Full => ([40_000, 20_000], [512, 128]),
-        };
+        let [random, faint] = extent.of([1_200, 600], [40_000, 20_000]);
+        let [size, deep] = extent.of([256, 64], [512, 128]);
         // Of all sizes over a small picture, and a few in one most of whose tiles have none.
         let crowd = Seen::random("crowd", (2_000, 9, 4.0), [150, 100]);
         let sparse = Seen::random("sparse", (20, 9, 4.0), [480, 320]);

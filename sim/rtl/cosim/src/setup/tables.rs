@@ -18,10 +18,7 @@ use splatline_sim::vectors::hard_cases;
 
 /// Splats with these numbers as their weights: for the full extent all mantissas of 18 bits, and as many of wider ones.
 pub fn arguments(mantissa: u8, extent: Extent) -> Loads<SetupLoad> {
-    let step = match extent {
-        Extent::Quick => 37 << (mantissa - 18),
-        Extent::Full => 1 << (mantissa - 18),
-    };
+    let step = extent.of(37, 1) << (mantissa - 18);
     let load = SetupLoad {
         view: hard_cases(1, [640, 480], 1).0,
         rules: Rules::GAUSSIAN_3D,

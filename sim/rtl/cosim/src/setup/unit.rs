@@ -52,10 +52,7 @@ impl Load for SetupLoad {
 
     fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<SetupLoad>> {
         let (widths, kind) = (&circuit.design.widths, circuit.program.kind);
-        let (far, [few, many], step) = match extent {
-            Extent::Quick => (300, [300, 400], 400),
-            Extent::Full => (4_000, [12_000; 2], 1),
-        };
+        let [far, few, many] = extent.of([300, 300, 400], [4_000, 12_000, 12_000]);
         let mut loads = match kind {
             ProgramKind::Units => return Ok(tables::arguments(widths.mantissa, extent)),
             ProgramKind::DistanceScaling => distant(far, 1),
@@ -63,7 +60,7 @@ impl Load for SetupLoad {
             ProgramKind::Filter | ProgramKind::Compensation => [
                 exact(widths, few, 1),
                 synthetic(many, 1),
-                captured(step, missing)?,
+                captured(extent.of(400, 1), missing)?,
             ]
             .concat(),
         };
