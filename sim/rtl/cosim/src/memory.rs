@@ -132,8 +132,8 @@ impl Memory {
             if address < self.words.len() {
                 let due = self.free[1] + self.timing.latency;
                 let lane = |lane| (strobe >> lane & 1 == 1).then_some(word[lane]);
-                self.writes
-                    .push_back((due, address, [0, 1, 2, 3].map(lane)));
+                let lanes = [0, 1, 2, 3].map(lane);
+                self.writes.push_back((due, address, lanes));
             } else {
                 self.beyond += 1;
             }

@@ -170,10 +170,8 @@ fn items(text: &str) -> Vec<Range<usize>> {
     let (mut begin, mut column) = (0, usize::MAX);
     for line in text.split_inclusive('\n') {
         let words = line.trim_start();
-        let (place, end) = (
-            begin + line.len() - words.len(),
-            begin + line.trim_end().len(),
-        );
+        let place = begin + line.len() - words.len();
+        let end = begin + line.trim_end().len();
         let indentation = place - begin;
         begin += line.len();
         let ends = words.starts_with("end") || words.starts_with('}');

@@ -42,10 +42,8 @@ fn check(widths: &Widths) -> Result<()> {
     let (radial, interpolation) = (widths.radial, widths.interpolation);
     let (alpha, accumulator) = (widths.alpha, widths.accumulator);
     let finest = (radial + 4).saturating_sub(widths.table);
-    let (opacity, share) = (
-        widths.peak + widths.weight,
-        widths.transmittance + widths.colour,
-    );
+    let opacity = widths.peak + widths.weight;
+    let share = widths.transmittance + widths.colour;
     ensure!(
         widths.rounding != Rounding::Truncate,
         "rounding = truncate: the circuit rounds to nearest"

@@ -58,10 +58,8 @@ impl Load for HarmonicsLoad {
         let items: Vec<Item> = self.iter().map(item).collect();
         let check = |number: usize, answer: &[Vec<u32>]| {
             let (splat, got) = (&self[number], &answer[0]);
-            let (degree, wanted) = (
-                splat.degree,
-                splat.colour().map(|channel| channel.to_bits()),
-            );
+            let wanted = splat.colour().map(|channel| channel.to_bits());
+            let degree = splat.degree;
             (got[..] != wanted)
                 .then(|| format!("splat {number}, degree {degree}: {got:08x?}, not {wanted:08x?}"))
         };

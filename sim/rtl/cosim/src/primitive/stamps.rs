@@ -3,8 +3,8 @@
 
 use super::workload::{BenchTile, BenchWorkload};
 use crate::bench::Channel;
+use crate::circuit::Circuit;
 use crate::simulation::Simulation;
-use splatline::format::Design;
 use splatline_sim::machine::primitive::{LaneRun, PrimitiveClock, QUEUE, for_each_slot};
 
 /// Lanes that a circuit may have.
@@ -71,27 +71,26 @@ impl Stamps {
 
     /// The first handshake in another cycle than the machine's clock says, to which the same packets are offered in the
     /// same cycles.
-    pub fn difference<D: Design>(
+    pub fn difference(
         &self,
-        design: D,
-        [lanes, interval]: [u32; 2],
+        circuit: &Circuit,
         tile: &BenchTile,
         workload: &BenchWorkload,
     ) -> Option<String> {
         let mut difference = None;
-        let mut check = |splat: usize, what: &str, model: u64, circuit: Option<&u64>| {
-            if difference.is_none() && circuit != Some(&model) {
-                let circuit =
-                    circuit.map_or("never".to_owned(), |cycle| format!("in cycle {cycle}"));
+        let mut check = |splat: usize, what: &str, model: u64, found: Option<&u64>| {
+            if difference.is_none() && found != Some(&model) {
+                let found = found.map_or("never".to_owned(), |cycle| format!("in cycle {cycle}"));
                 difference = Some(format!(
-                    "splat {splat}: {what} in cycle {model} by the model, {circuit} by the circuit"
+                    "splat {splat}: {what} in cycle {model} by the model, {found} by the circuit"
                 ));
             }
         };
         // The first packet is offered before its tile has begun; time is counted from its handshake, and with it the
         // turns of setup.
         let first = self.accepted.first().copied().unwrap_or(0);
-        let lanes = lanes as usize;
+        let [lanes, interval] = [0, 1].map(|place: usize| circuit.parameters[place].1);
+        let (design, lanes) = (circuit.design.in_fields(), lanes as usize);
         let mut clock = PrimitiveClock::new(lanes, QUEUE, interval, first);
         let mut left = self.left.iter();
         let mut popped = self.popped.each_ref().map(|lane| lane.iter());

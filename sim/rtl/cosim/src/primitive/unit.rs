@@ -15,7 +15,7 @@ use splatline::blend::{FINISHED, Pixel};
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
-use splatline::format::{RuntimeWidths, Traversal};
+use splatline::format::Traversal;
 use splatline::rules::{Compositing, Rules as KernelRules};
 use splatline::target::Target;
 use splatline_sim::design::DesignChoice;
@@ -123,8 +123,7 @@ impl Load for PrimitiveLoad {
             ..Channels::new(&bench.circuit, &sources, ("pixel", of_pixel))
         };
         let mut watch = PrimitiveWatch {
-            design: design.in_fields(),
-            shape: [0, 1].map(|place: usize| circuit.parameters[place].1),
+            circuit,
             timed: (pressure.inside == 0).then_some(0),
             workload: &self.workload,
             tile: 0,
@@ -232,9 +231,7 @@ pub fn draw(
 
 /// What is looked at in every cycle.
 struct PrimitiveWatch<'a> {
-    design: RuntimeWidths,
-    /// Lanes, and cycles between two packets.
-    shape: [u32; 2],
+    circuit: &'a Circuit,
     /// Splats whose handshakes were compared, if they can be.
     timed: Option<u64>,
     workload: &'a BenchWorkload,
@@ -272,7 +269,7 @@ impl PrimitiveWatch<'_> {
             if let Some(timed) = &mut self.timed {
                 *timed += packets as u64;
                 let stamps = &self.stamps;
-                let other = stamps.difference(self.design, self.shape, tile, self.workload);
+                let other = stamps.difference(self.circuit, tile, self.workload);
                 difference = difference.or(other.map(|word| format!("tile {}, {word}", self.tile)));
             }
             self.tile += 1;

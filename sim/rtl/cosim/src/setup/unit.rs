@@ -55,10 +55,10 @@ impl Load for SetupLoad {
         let [far, few, many] = extent.of([300, 300, 400], [4_000, 12_000, 12_000]);
         let mut loads = match kind {
             ProgramKind::Units => return Ok(tables::arguments(widths.mantissa, extent)),
-            ProgramKind::DistanceScaling => distant(far, 1),
+            ProgramKind::DistanceScaling => distant(far),
             // The quickest to show a mutation first.
             ProgramKind::Filter | ProgramKind::Compensation => [
-                exact(widths, few, 1),
+                exact(widths, few),
                 synthetic(many, 1),
                 captured(extent.of(400, 1), missing)?,
             ]
