@@ -136,11 +136,10 @@ const HARD: [(&str, u64, Key); 10] = [
 /// Splats with the keys of [`HARD`].
 pub fn hard() -> Loads<OrderLoad> {
     let mut random = Random(3);
-    let mut keys_of = |count, key: Key| (0..count).map(|i| key(i, &mut random)).collect();
+    let mut keys_of = |count, key: Key| (0..count).map(|i| key(i, &mut random)).collect::<Vec<_>>();
     let all = HARD.map(|(name, count, key)| (name, keys_of(count, key)));
     let mut loads = Vec::new();
     for (name, keys) in all {
-        let keys: Vec<u64> = keys;
         let size = [9, 7].map(|end| 1 + (random.next() % end) as u16);
         let splats = (0..).zip(keys).map(|(index, key)| SortedSplat {
             // Numbers have gaps where splats were culled.

@@ -6,6 +6,7 @@
 
 use crate::package::filled;
 use splatline::math::{LOGARITHMS, RECIPROCALS, ROOTS};
+use std::collections::BTreeMap;
 
 /// The package's file in the folder of the RTL.
 pub const FILE: &str = "splatline_tables.sv";
@@ -24,10 +25,9 @@ pub fn text() -> String {
     let logarithms = LOGARITHMS.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
     let of_setup = (0..).zip(reciprocals).chain((256..).zip(logarithms));
     let of_setup = of_setup.chain((256 + FIRST_ROOT..).zip(roots.clone()));
-    let steps = of_setup.clone().map(|(index, [step, _])| (index, step));
-    let entries = of_setup.map(|(index, [_, entry])| (512 + index, entry));
-    let of_setup = steps.chain(entries);
-    let of_setup = of_setup.map(|(index, word)| (index, format!("32'd{word};")));
+    let words = of_setup.flat_map(|(index, [step, entry])| [(index, step), (512 + index, entry)]);
+    let words = BTreeMap::from_iter(words).into_iter();
+    let of_setup = words.map(|(index, word)| (index, format!("32'd{word};")));
     let roots = (FIRST_ROOT..).zip(roots);
     let roots = roots.map(|(index, [step, root])| (index, format!("{{17'd{step}, 24'd{root}}};")));
     filled(

@@ -40,17 +40,6 @@ pub type Missing = Vec<&'static str>;
 /// Loads with their names. Those of one name in a row are parts of one.
 pub type Loads<L> = Vec<(String, L)>;
 
-/// A load's items as parts of so many, each with the load's name.
-pub(crate) fn in_parts<T, L>(
-    name: &str,
-    items: &[T],
-    count: usize,
-    load: impl Fn(&[T]) -> L,
-) -> Loads<L> {
-    let parts = items.chunks(count);
-    parts.map(|part| (name.to_owned(), load(part))).collect()
-}
-
 /// What a comparison found.
 #[derive(Clone, Debug, Default)]
 pub struct Findings {
@@ -127,10 +116,9 @@ pub fn report<L: Load>(circuit: &Circuit) -> Result<()> {
     let mut total = Findings::default();
     for parts in loads.chunk_by(|one, next| one.0 == next.0) {
         // Under all pressures, or under one for each part of a divided load.
-        let jobs = if parts.len() == 1 {
-            L::WAYS
-        } else {
-            parts.len()
+        let jobs = match parts.len() {
+            1 => L::WAYS,
+            count => count,
         };
         let compared = |job: usize| {
             let (_, part) = &parts[job % parts.len()];

@@ -2,7 +2,7 @@
 
 use super::loads::{HarmonicsSplat, captured, of_degree, synthetic};
 use crate::bench::{Bench, Channels, Item, Pressure};
-use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, in_parts};
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing};
 use anyhow::Result;
 use fixed::types::I4F28;
 
@@ -46,10 +46,11 @@ impl Load for HarmonicsLoad {
     fn all(_: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<HarmonicsLoad>> {
         let (count, step) = extent.of((240, 100), (12_000, 1));
         let loads = [synthetic(count), captured(step, missing)?].concat();
-        let parts = loads
-            .iter()
-            .map(|(name, splats)| in_parts(name, splats, PART, <[_]>::to_vec));
-        Ok(parts.flatten().collect())
+        let parts = loads.iter().flat_map(|(name, splats)| {
+            let parts = splats.chunks(PART);
+            parts.map(|part| (name.clone(), part.to_vec()))
+        });
+        Ok(parts.collect())
     }
 
     fn compare(&self, _: &Circuit, mut bench: Bench, pressure: usize) -> Result<Findings> {

@@ -15,9 +15,6 @@ use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::table_entries;
 use splatline_sim::scene::synthetic::Random;
 
-/// Words of a record.
-const RECORD: usize = 5;
-
 /// Records and harmonics at the beginning, bits of nothing in all places that the machine is to write, and a word
 /// between any two regions.
 pub struct MemoryImage {
@@ -36,9 +33,7 @@ impl MemoryImage {
         let mut words: Vec<[u32; 4]> = Vec::new();
         for splat in &scene.splats {
             let record = record(splat).context("a splat without a place in a record")?;
-            let mut padded = [0; 4 * RECORD];
-            padded[..record.len()].copy_from_slice(&record);
-            words.extend(padded.as_chunks::<4>().0);
+            words.extend(record.as_chunks::<4>().0);
         }
         let count = scene.splats.len();
         let packet = Layout::new(widths, Traversal::Spans).words().div_ceil(4);
@@ -101,8 +96,7 @@ pub fn kernel_frame(design: &DesignChoice, load: &MachineLoad) -> Result<Vec<[u3
     let mut list = LentList::new(&mut footprints, &mut order);
     let size = view.viewport.map(usize::from);
     let mut pixels = vec![Pixel::clear(widths); size[0] * size[1]];
-    let drawn = renderer.render(view, &splats, &mut list, &mut pixels);
-    drawn.map_err(|error| anyhow!("{error}"))?;
+    renderer.render(view, &splats, &mut list, &mut pixels)?;
     Ok(places(size)
         .map(|place| pixel_word(&pixels[place]))
         .collect())

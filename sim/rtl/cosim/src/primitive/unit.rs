@@ -10,7 +10,7 @@ use crate::rules::write_rules;
 use crate::scenes::{Seen, scenes};
 use crate::simulation::{Port, Simulation};
 use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use splatline::blend::{FINISHED, Pixel};
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
@@ -219,8 +219,7 @@ pub fn draw(
         let painter = Painter::new(design.in_fields(), rules, table, order, Traversal::Spans);
         let [columns, rows] = tile.size();
         let mut pixels = vec![Pixel::clear(widths); columns * rows];
-        let target = Target::new(&mut pixels, tile.window, columns).ok();
-        let mut target = target.context("a tile that is larger than its window")?;
+        let mut target = Target::new(&mut pixels, tile.window, columns)?;
         for index in &tile.list {
             coverage += painter.draw(&footprints[*index as usize], &mut target);
         }

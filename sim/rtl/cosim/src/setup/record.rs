@@ -5,8 +5,8 @@ use splatline::splat::VolumeSplat;
 /// Words of a record.
 pub const RECORD: usize = 19;
 
-/// A splat as the unit takes it; nothing if an exponent has no place.
-pub fn record(splat: &VolumeSplat) -> Option<[u32; RECORD]> {
+/// A splat as the unit takes it, and a word of nothing; nothing if an exponent has no place.
+pub fn record(splat: &VolumeSplat) -> Option<[u32; RECORD + 1]> {
     let (centre, axes, weight) = (splat.centre, splat.axes, splat.weight);
     // Values with their bits, the lowest ones first.
     let mut fields: Vec<(u32, usize)> = Vec::new();
@@ -23,7 +23,7 @@ pub fn record(splat: &VolumeSplat) -> Option<[u32; RECORD]> {
     fields.push((exponent(weight.exponent, weight.mantissa == 0)?, 10));
     fields.extend(splat.colour.map(|channel| (channel.to_bits(), 32)));
     let bits = |(value, bits)| (0..bits).map(move |bit| value >> bit & 1);
-    let mut words = [0; RECORD];
+    let mut words = [0; RECORD + 1];
     for (place, bit) in fields.into_iter().flat_map(bits).enumerate() {
         words[place / 32] |= bit << (place % 32);
     }

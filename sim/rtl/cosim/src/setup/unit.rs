@@ -5,12 +5,12 @@ use super::constants::{Constant, constants};
 use super::exact::exact;
 use super::loads::{SetupLoad, captured, distant, synthetic};
 use super::program::{ProgramKind, SetupProgram};
-use super::record::record;
+use super::record::{RECORD, record};
 use super::tables;
 use crate::bench::{Bench, Channels, Item, Pressure};
 use crate::circuit::SETUP;
 use crate::simulation::Simulation;
-use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, in_parts};
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing};
 use anyhow::Result;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
@@ -67,14 +67,15 @@ impl Load for SetupLoad {
         for (_, load) in &mut loads {
             load.rules.compensated = kind == ProgramKind::Compensation;
         }
-        let parts = loads.iter().map(|(name, load)| {
+        let parts = loads.iter().flat_map(|(name, load)| {
             let part = |splats: &[VolumeSplat]| SetupLoad {
                 splats: splats.to_vec(),
                 ..*load
             };
-            in_parts(name, &load.splats, PART, part)
+            let parts = load.splats.chunks(PART);
+            parts.map(move |splats| (name.clone(), part(splats)))
         });
-        Ok(parts.flatten().collect())
+        Ok(parts.collect())
     }
 
     fn compare(&self, circuit: &Circuit, mut bench: Bench, pressure: usize) -> Result<Findings> {
@@ -85,16 +86,13 @@ impl Load for SetupLoad {
         bench.random = Random(7);
         let words = constants(circuit, &self.view, &self.rules)?;
         write_constants(&mut bench, &words);
-        let ports = ["direction_valid", "direction_seen", "direction"];
-        let directs = circuit.program.directs;
-        let direction_ports = directs.then(|| bench.circuit.ports(ports));
         // One whose exponents have no place in a record is not offered.
         let splats = self.splats.iter();
         let offered: Vec<_> = splats
             .filter_map(|splat| Some((splat, record(splat)?)))
             .collect();
         let item = |record: &[u32]| Item {
-            lanes: vec![vec![(0, vec![record.to_vec()])]],
+            lanes: vec![vec![(0, vec![record[..RECORD].to_vec()])]],
             answers: 1,
         };
         let items: Vec<Item> = offered.iter().map(|(_, record)| item(record)).collect();
@@ -102,6 +100,7 @@ impl Load for SetupLoad {
         let sink: (_, &[_]) = ("packet", &["cull", "depth", "packet"]);
         let channels = Channels::new(&bench.circuit, &[("record", &["record"])], sink);
         let layout = Layout::new(&circuit.design.widths, Traversal::Spans);
+        let directs = circuit.program.directs;
         let (mut culled, mut directions) = ([0; CULLS.len()], 0);
         let check = |number: usize, answer: &[Vec<u32>]| {
             let (splat, _) = offered[number];
@@ -119,8 +118,7 @@ impl Load for SetupLoad {
         };
         // Each direction comes once and at its own time.
         let observe = |simulation: &Simulation, _: &Channels, _: u64| {
-            let [valid, seen, direction] = direction_ports?;
-            if !simulation.is(valid) {
+            if !directs || simulation.read("direction_valid") == 0 {
                 return None;
             }
             let number = directions;
@@ -128,13 +126,14 @@ impl Load for SetupLoad {
             let Some((splat, _)) = offered.get(number) else {
                 return Some("a direction too many".to_owned());
             };
-            let got = (simulation.words(direction), simulation.is(seen));
+            let got = simulation.words(simulation.port("direction"));
+            let got = (got, simulation.read("direction_seen") == 1);
             let words = self.direction_difference(circuit, splat, got)?;
             Some(format!("splat {number}: {words}"))
         };
         let pressure = &PRESSURES[pressure];
         let mut findings = bench.run(&channels, &items, pressure, check, observe)?;
-        if direction_ports.is_some() && directions != items.len() {
+        if directs && directions != items.len() {
             let few = || format!("{directions} directions");
             findings.first_difference.get_or_insert_with(few);
         }
