@@ -132,9 +132,8 @@ impl Table {
             Bit::Net(net) => value(*net),
             constant => constant.is("1"),
         });
-        bits.enumerate()
-            .map(|(place, bit)| usize::from(bit) << place)
-            .sum()
+        let bits = bits.enumerate();
+        bits.map(|(place, bit)| usize::from(bit) << place).sum()
     }
 
     fn answer(&self, number: usize) -> bool {

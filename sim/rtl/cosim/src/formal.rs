@@ -61,10 +61,8 @@ pub fn report() -> Result<()> {
         let step = proof.induction.map(step).transpose()?;
         let by_induction = step.map_or("not tried".to_owned(), |step| step.to_string());
         println!("| {unit} | no mistake | {cycles} | {base} | {by_induction} |");
-        ensure!(
-            base && step != Some(false),
-            "{unit} does not keep its promises"
-        );
+        let kept = base && step != Some(false);
+        ensure!(kept, "{unit} does not keep its promises");
         for mutation in mutations(&format!("proof of {}", proof.judge))? {
             let base = holds(proof, Some(&mutation), &proof.after_reset())?;
             let name = &mutation.name;

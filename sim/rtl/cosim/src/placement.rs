@@ -81,7 +81,7 @@ pub fn report(words: &str, seed: Option<u32>) -> Result<()> {
     let seeds = seed.map_or(SEEDS.to_vec(), |seed| vec![seed]);
     for circuit in circuits(words)? {
         let folder = tempfile::tempdir()?;
-        let counts = netlist(&circuit, folder.path())?.cells();
+        let counts = netlist(&circuit, folder.path())?.1.cells();
         for seed in &seeds {
             let started = Instant::now();
             let (mhz, path) = placed(folder.path(), *seed, placer_options(&circuit))?;
@@ -97,7 +97,7 @@ pub fn report(words: &str, seed: Option<u32>) -> Result<()> {
 pub fn bitstream(circuit: &Circuit, file: &Path) -> Result<String> {
     let packer = first_that_runs(PACKERS)?;
     let folder = tempfile::tempdir()?;
-    let fabric = netlist(circuit, folder.path())?;
+    let (_, fabric) = netlist(circuit, folder.path())?;
     let options = format!("{} --textcfg circuit.config", placer_options(circuit));
     let (mhz, path) = placed(folder.path(), SEEDS[0], &options)?;
     run(Command::new(packer)
@@ -134,7 +134,7 @@ fn placed(folder: &Path, seed: u32, options: &str) -> Result<(f64, String)> {
 }
 
 /// The file that [`netlist`] writes.
-pub const NETLIST: &str = "netlist.json";
+const NETLIST: &str = "netlist.json";
 
 /// The module in it.
 pub const WRAPPER: &str = "wrapper";
@@ -147,7 +147,7 @@ const CONGESTION: (&str, &str) = ("router2/currCongWeightMult", "0.7");
 const PINS: &str = include_str!("../templates/pins.lpf");
 
 /// Synthesises a circuit between registers into [`NETLIST`], with registers moved into multipliers and memories.
-pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
+pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<(Netlist, Fabric)> {
     let unit = circuit.unit.top;
     let read = circuit.read_command(folder)?;
     let path = |name: &str| folder.join(name);
@@ -172,7 +172,7 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
     }
     fs::write(path(NETLIST), serde_json::to_vec(&wired)?)?;
     fs::write(path("pins.lpf"), PINS)?;
-    Ok(fabric)
+    Ok((wired, fabric))
 }
 
 /// The unit between shift registers. The outputs are loaded while the last input bit is set, and shifted out otherwise:
@@ -212,19 +212,14 @@ fn timing(report: &Value) -> Option<(f64, String)> {
     let inner = |path: &&Value| begins(&path["from"], "posedge") && begins(&path["to"], "posedge");
     let paths = report["critical_paths"].as_array()?;
     let steps = paths.iter().find(inner)?["path"].as_array()?;
-    let from = steps.first()?["from"]["cell"].as_str()?;
-    let to = steps.last()?["to"]["cell"].as_str()?;
+    let from = readable(steps.first()?["from"]["cell"].as_str()?);
+    let to = readable(steps.last()?["to"]["cell"].as_str()?);
     let sum = |kind: &str| -> f64 {
         let of_kind = steps.iter().filter(|step| begins(&step["type"], kind));
         of_kind.filter_map(|step| step["delay"].as_f64()).sum()
     };
-    let path = format!(
-        "{} to {}: {:.1} ns (wires {:.1})",
-        readable(from),
-        readable(to),
-        sum(""),
-        sum("routing")
-    );
+    let (all, wires) = (sum(""), sum("routing"));
+    let path = format!("{from} to {to}: {all:.1} ns (wires {wires:.1})");
     let clock = report["fmax"].as_object()?.values().next()?;
     Some((clock["achieved"].as_f64()?, path))
 }

@@ -3,9 +3,7 @@
 use super::unit::with_harmonics;
 use crate::area::fabric;
 use crate::circuit::Circuit;
-use crate::netlist::Netlist;
 use crate::placement::{self, machine};
-use crate::tools::json;
 use anyhow::{Context, Result};
 use splatline_sim::machine::area::Fabric;
 use std::collections::BTreeMap;
@@ -51,8 +49,7 @@ pub fn report(evaluates: bool) -> Result<String> {
 /// Units of the machine by name, and the whole of it: of the netlist that is placed.
 fn by_unit(circuit: &Circuit) -> Result<Vec<(&'static str, Fabric)>> {
     let folder = tempfile::tempdir()?;
-    placement::netlist(circuit, folder.path())?;
-    let netlist: Netlist = json(&folder.path().join(placement::NETLIST))?;
+    let (netlist, _) = placement::netlist(circuit, folder.path())?;
     let wrapper = netlist.modules.get(placement::WRAPPER);
     let wrapper = wrapper.context("a netlist without its wrapper")?;
     let mut areas: BTreeMap<&str, Fabric> = BTreeMap::new();

@@ -8,7 +8,7 @@ use crate::bench::{Bench, Channels, Item, Pressure};
 use crate::circuit::PRIMITIVE;
 use crate::rules::write_rules;
 use crate::scenes::{Seen, scenes};
-use crate::simulation::{Port, Simulation};
+use crate::simulation::Simulation;
 use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing};
 use anyhow::Result;
 use splatline::blend::{FINISHED, Pixel};
@@ -129,8 +129,7 @@ impl Load for PrimitiveLoad {
             tile: 0,
             stamps: Stamps::default(),
             raster_cycles: 0,
-            roots: Roots::new(&bench.circuit),
-            inside: bench.circuit.ports(INSIDE),
+            roots: Roots::default(),
             enabled: true,
         };
         let check = |number: usize, answer: &[Vec<u32>]| {
@@ -239,7 +238,6 @@ struct PrimitiveWatch<'a> {
     stamps: Stamps,
     raster_cycles: u64,
     roots: Roots,
-    inside: [Port; 4],
     /// Were the lanes allowed to move in the cycle before?
     enabled: bool,
 }
@@ -247,7 +245,7 @@ struct PrimitiveWatch<'a> {
 impl PrimitiveWatch<'_> {
     fn observe(&mut self, circuit: &Simulation, channels: &Channels, cycle: u64) -> Option<String> {
         let mut difference = self.roots.note(circuit);
-        let inside = self.inside.map(|port| circuit.get(port));
+        let inside = INSIDE.map(|name| circuit.read(name));
         if !self.enabled && inside[0] != 0 {
             let held = format!("a lane took a run in cycle {cycle}, while lanes were held");
             difference = Some(held);

@@ -3,7 +3,7 @@
 //! unit's roots, whose last bits the spans' slack hides.
 
 use crate::bench::Bench;
-use crate::simulation::{Port, Simulation};
+use crate::simulation::Simulation;
 use splatline::math::{SoftFloat, root_seed, shift_signed};
 use splatline_sim::scene::synthetic::Random;
 use std::collections::VecDeque;
@@ -35,9 +35,6 @@ fn word(random: &mut Random) -> (i64, i16) {
 
 /// The first word of which either unit makes something else than the kernel, in words.
 pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Option<String> {
-    let aligned = bench.circuit.port("aligned");
-    let normal = ["normal", "normal_negative", "normal_exponent"];
-    let normal = bench.circuit.ports(normal);
     let mut random = Random(5);
     let mut fed = VecDeque::new();
     for _ in 0..WORDS {
@@ -49,12 +46,13 @@ pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Option<String> {
         ]);
         bench.circuit.settle();
         if let (Some((then, by)), Some((later, _))) = (fed.get(ALIGN - 1), fed.get(NORMALISE - 1)) {
-            let got = bench.circuit.get(aligned) as i64;
+            let got = bench.circuit.read("aligned") as i64;
             let expected = shift_signed(*then, i32::from(*by));
             let differs = (got != expected).then(|| {
                 format!("{then} aligned by {by}: the kernel has {expected}, align.sv {got}")
             });
-            let got = normal.map(|port| bench.circuit.get(port));
+            let normal = ["normal", "normal_negative", "normal_exponent"];
+            let got = normal.map(|port| bench.circuit.read(port));
             let difference = differs.or_else(|| of_normalisation(*later, mantissa, got));
             if difference.is_some() {
                 return difference;
@@ -81,41 +79,28 @@ fn of_normalisation(value: i64, mantissa: u8, normal: [u64; 3]) -> Option<String
 }
 
 /// The row unit's arguments on their way, and the roots that were compared with the kernel's.
+#[derive(Default)]
 pub struct Roots {
     under_way: VecDeque<u64>,
     /// Roots compared.
     pub compared: u64,
-    squared: [Port; 2],
-    root: [Port; 2],
 }
 
 impl Roots {
-    /// Of a circuit.
-    pub fn new(circuit: &Simulation) -> Roots {
-        Roots {
-            under_way: VecDeque::new(),
-            compared: 0,
-            squared: circuit.ports(["squared_valid", "squared"]),
-            root: circuit.ports(["root_valid", "root"]),
-        }
-    }
-
     /// The difference of the root that leaves the unit in this cycle.
     pub fn note(&mut self, circuit: &Simulation) -> Option<String> {
-        let [valid, root] = self.root;
         let mut difference = None;
-        if circuit.is(valid)
+        if circuit.read("root_valid") == 1
             && let Some(squared) = self.under_way.pop_front()
         {
             self.compared += 1;
-            let (expected, got) = (u64::from(root_seed(squared).0), circuit.get(root));
+            let (expected, got) = (u64::from(root_seed(squared).0), circuit.read("root"));
             difference = (expected != got).then(|| {
                 format!("root of {squared:#x}: the kernel has {expected:#x}, the row unit {got:#x}")
             });
         }
-        let [valid, squared] = self.squared;
-        if circuit.is(valid) {
-            self.under_way.push_back(circuit.get(squared));
+        if circuit.read("squared_valid") == 1 {
+            self.under_way.push_back(circuit.read("squared"));
         }
         difference
     }
