@@ -59,10 +59,10 @@ pub mod setup {
     mod exact;
     mod loads;
     pub mod program;
-    pub(crate) mod record;
     mod tables;
     pub mod text;
     pub mod unit;
+    pub(crate) use loads::record;
     pub use loads::{SetupLoad, enlarged};
 }
 pub mod simulation;

@@ -115,9 +115,9 @@ pub fn bitstream(circuit: &Circuit, file: &Path) -> Result<String> {
 fn version() -> Result<String> {
     let tool = first_that_runs(PLACERS)?;
     let words = printed(Command::new(tool).arg("--version"))?;
-    let version = words.split_once("(Version ");
-    let version = version.and_then(|(_, rest)| rest.split_once(')'));
-    let version = version.map_or("", |(version, _)| version);
+    let mut parts = words.split(['(', ')']);
+    let version = parts.find_map(|part| part.strip_prefix("Version "));
+    let version = version.unwrap_or_default();
     Ok(format!("{tool} {version}"))
 }
 

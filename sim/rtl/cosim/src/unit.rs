@@ -166,8 +166,12 @@ pub fn judge_of<L: Load + 'static>(
     ensure!(difference.is_none(), "without a mutation: {difference:?}");
     Ok(Box::new(move |mutation| {
         if chosen.contains(&mutation.number) {
-            let difference = first_difference(&circuit, &library, mutation.number, &loads);
-            return Ok(difference);
+            return Ok(first_difference(
+                &circuit,
+                &library,
+                mutation.number,
+                &loads,
+            ));
         }
         let mutated = circuit.clone().with_mutation(mutation)?;
         // A mistake in a file or in lines of a program that the circuit does not have.

@@ -62,15 +62,8 @@ struct Sum {
     terms: Vec<Term>,
 }
 
-/// The whole program.
-struct Schedule {
-    /// By place; nothing where a place waits.
-    places: Vec<Option<Term>>,
-    /// The last place of each degree.
-    ends: [usize; 5],
-    /// Registers by their numbers.
-    registers: Vec<&'static str>,
-}
+/// The terms of every place, if it does not wait; the last place of each degree; registers by their numbers.
+type Schedule = (Vec<Option<Term>>, [usize; 5], Vec<&'static str>);
 
 /// All of it. The direction is in "x", "y" and "z" before.
 fn sums() -> Result<Vec<Sum>> {
@@ -191,11 +184,7 @@ fn schedule() -> Result<Schedule> {
     places.resize(places.len().max(ends[4] + 1), None);
     let registers: Vec<&str> = written.iter().map(|known| known.0).collect();
     ensure!(registers.len() <= REGISTERS, "too many registers");
-    Ok(Schedule {
-        places,
-        ends,
-        registers,
-    })
+    Ok((places, ends, registers))
 }
 
 /// The place from which on a sum can begin; nothing before all that it reads has been written.
@@ -212,15 +201,14 @@ fn ready(sum: &Sum, written: &[(&str, usize)]) -> Option<usize> {
 
 /// The generated file's text.
 pub fn text() -> Result<String> {
-    let schedule = schedule()?;
-    let [lower @ .., highest] = schedule.ends;
+    let (places, [lower @ .., highest], registers) = schedule()?;
     let ends = lower.iter().enumerate();
     let ends = ends.map(|(degree, end)| format!("      3'd{degree}: end_place = 7'd{end};\n"));
     let (mut gaps, mut slots) = (Vec::new(), String::new());
-    for (place, term) in schedule.places.iter().enumerate() {
+    for (place, term) in places.iter().enumerate() {
         match term {
             Some(term) => {
-                let (word, words) = (term.slot(&schedule.registers)?, &term.words);
+                let (word, words) = (term.slot(&registers)?, &term.words);
                 slots += &format!("      7'd{place}: slot <= 56'h{word:014x};  // {words}\n");
             }
             None => gaps.push(format!("7'd{place}")),
@@ -245,18 +233,18 @@ mod tests {
     /// harmonic by the sum of its degree.
     #[test]
     fn nothing_is_read_too_early() {
-        let schedule = schedule().unwrap();
+        let (places, ends, _) = schedule().unwrap();
         let place_of = |wanted: &dyn Fn(&Term) -> bool| {
             let of = |slot: &Option<Term>| slot.as_ref().is_some_and(wanted);
-            schedule.places.iter().position(of).unwrap()
+            places.iter().position(of).unwrap()
         };
-        for (place, term) in schedule.places.iter().enumerate().skip(AXES.len()) {
+        for (place, term) in places.iter().enumerate().skip(AXES.len()) {
             for name in term.iter().flat_map(Term::reads) {
                 let written = place_of(&|term| term.register == Some(name));
                 assert!(place >= written + LATENCY, "{term:?}");
             }
         }
-        for (degree, end) in schedule.ends.iter().enumerate() {
+        for (degree, end) in ends.iter().enumerate() {
             for index in 1..(degree + 1).pow(2) {
                 let place = place_of(&|term| term.harmonic == Some(index));
                 assert!(

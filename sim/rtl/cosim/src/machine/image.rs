@@ -3,7 +3,7 @@
 use super::loads::MachineLoad;
 use crate::memory::noise;
 use crate::package::TILE;
-use crate::setup::record::record;
+use crate::setup::record;
 use anyhow::{Context, Result, anyhow, ensure};
 use splatline::LentList;
 use splatline::Renderer;

@@ -29,19 +29,12 @@ pub struct Stamps {
 
 /// The ports that show what happens inside: lanes that pop a run, a bit for each; a splat begun, a run left, and an
 /// idle raster.
-pub const INSIDE: [&str; 4] = ["lanes_popped", "splat_begun", "run_left", "raster_idle"];
+const INSIDE: [&str; 4] = ["lanes_popped", "splat_begun", "run_left", "raster_idle"];
 
 impl Stamps {
     /// Notes what the channel of packets and the ports of [`INSIDE`] say in a cycle, for a tile of so many packets.
-    pub fn note(
-        &mut self,
-        circuit: &Simulation,
-        packet: &Channel,
-        inside: [u64; 4],
-        now: u64,
-        packets: usize,
-    ) {
-        let [mut lanes, begun, left, idle] = inside;
+    pub fn note(&mut self, circuit: &Simulation, packet: &Channel, now: u64, packets: usize) {
+        let [mut lanes, begun, left, idle] = INSIDE.map(|name| circuit.read(name));
         if self.accepted.len() == packets && idle == 1 {
             self.idle_at.get_or_insert(now);
         }

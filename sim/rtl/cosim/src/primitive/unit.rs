@@ -1,7 +1,7 @@
 //! Tiles through the primitive: the next one is drawn while the last is read out, with back-pressure at every
 //! interface.
 
-use super::stamps::{INSIDE, Stamps};
+use super::stamps::Stamps;
 use super::words::{self, Roots};
 use super::workload::{self, BenchTile, BenchWorkload};
 use crate::bench::{Bench, Channels, Item, Pressure};
@@ -245,8 +245,7 @@ struct PrimitiveWatch<'a> {
 impl PrimitiveWatch<'_> {
     fn observe(&mut self, circuit: &Simulation, channels: &Channels, cycle: u64) -> Option<String> {
         let mut difference = self.roots.note(circuit);
-        let inside = INSIDE.map(|name| circuit.read(name));
-        if !self.enabled && inside[0] != 0 {
+        if !self.enabled && circuit.read("lanes_popped") != 0 {
             let held = format!("a lane took a run in cycle {cycle}, while lanes were held");
             difference = Some(held);
         }
@@ -260,7 +259,7 @@ impl PrimitiveWatch<'_> {
             return difference;
         };
         let packets = tile.list.len();
-        self.stamps.note(circuit, packet, inside, cycle, packets);
+        self.stamps.note(circuit, packet, cycle, packets);
         if finish.moves(circuit) {
             self.raster_cycles += self.stamps.raster_cycles();
             if let Some(timed) = &mut self.timed {
@@ -282,8 +281,6 @@ fn place(tiles: &[BenchTile], number: usize) -> String {
         let row = move |y| (first[0]..end[0]).map(move |x| (index, x, y));
         (first[1]..end[1]).flat_map(row)
     });
-    match places.nth(number) {
-        Some((index, x, y)) => format!("tile {index}, pixel ({x}, {y})"),
-        None => "a pixel too many".to_owned(),
-    }
+    let (index, x, y) = places.nth(number).unwrap_or_default();
+    format!("tile {index}, pixel ({x}, {y})")
 }

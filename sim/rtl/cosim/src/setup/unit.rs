@@ -3,9 +3,8 @@
 
 use super::constants::{Constant, constants};
 use super::exact::exact;
-use super::loads::{SetupLoad, captured, distant, synthetic};
+use super::loads::{RECORD, SetupLoad, captured, distant, record, synthetic};
 use super::program::{ProgramKind, SetupProgram};
-use super::record::{RECORD, record};
 use super::tables;
 use crate::bench::{Bench, Channels, Item, Pressure};
 use crate::circuit::SETUP;
@@ -126,9 +125,7 @@ impl Load for SetupLoad {
             let Some((splat, _)) = offered.get(number) else {
                 return Some("a direction too many".to_owned());
             };
-            let got = simulation.words(simulation.port("direction"));
-            let got = (got, simulation.read("direction_seen") == 1);
-            let words = self.direction_difference(circuit, splat, got)?;
+            let words = self.direction_difference(circuit, splat, simulation)?;
             Some(format!("splat {number}: {words}"))
         };
         let pressure = &PRESSURES[pressure];
@@ -159,18 +156,19 @@ pub fn write_constants(bench: &mut Bench, words: &[Constant]) {
 }
 
 impl SetupLoad {
-    /// What a direction and whether its splat is seen have that the kernel has not.
+    /// What a direction that comes, and whether its splat is seen, have that the kernel has not.
     fn direction_difference(
         &self,
         circuit: &Circuit,
         splat: &VolumeSplat,
-        (got, got_seen): (Vec<u32>, bool),
+        simulation: &Simulation,
     ) -> Option<String> {
         let SetupLoad { view, rules, .. } = self;
         let wanted = direction(&circuit.design.widths, view, &splat.centre);
         let wanted = wanted.map(|axis| axis.to_bits() as u32);
         let seen = setup(circuit.design.in_fields(), view, rules, splat).is_ok();
-        (got != wanted || got_seen != seen)
+        let got = simulation.words(simulation.port("direction"));
+        (got != wanted || simulation.read("direction_seen") != u64::from(seen))
             .then(|| format!("direction {got:x?}, not {wanted:x?}; seen: {seen}"))
     }
 }
