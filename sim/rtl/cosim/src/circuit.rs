@@ -159,8 +159,7 @@ impl Circuit {
         Ok(format!("read_verilog -sv {}", paths.join(" ")))
     }
 
-    /// The circuit, compiled for so much, as a library for
-    /// [`Simulation`](crate::simulation::Simulation).
+    /// The circuit, compiled for so much, as a library for a [`Bench`](crate::bench::Bench).
     pub fn library(&self, extent: Extent) -> Result<PathBuf> {
         self.verilated(self.sources()?, extent)
     }

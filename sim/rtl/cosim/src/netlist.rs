@@ -71,10 +71,8 @@ impl NetlistCell {
     /// Bits of a memory; nothing of anything else. Parameters are binary numerals.
     pub fn memory_bits(&self) -> Option<u64> {
         let parameter = |name| u64::from_str_radix(self.parameters.get(name)?, 2).ok();
-        if !self.kind.starts_with("$mem") {
-            return None;
-        }
-        Some(parameter("SIZE")? * parameter("WIDTH")?)
+        let bits = parameter("SIZE")? * parameter("WIDTH")?;
+        self.kind.starts_with("$mem").then_some(bits)
     }
 
     /// What a pin of one bit is connected to.

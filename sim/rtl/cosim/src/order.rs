@@ -133,7 +133,7 @@ const HARD: [(&str, u64, Key); 10] = [
     ("random keys", 900, |_, random| random.next() & LAST),
 ];
 
-/// Splats with the keys of [`HARD`].
+/// Splats with the keys of `HARD`.
 pub fn hard() -> Loads<OrderLoad> {
     let mut random = Random(3);
     let mut keys_of = |count, key: Key| (0..count).map(|i| key(i, &mut random)).collect::<Vec<_>>();

@@ -117,11 +117,8 @@ fn fields(layout: &Layout) -> String {
             0 => String::new(),
             bits => format!("  // {bits} fraction bits"),
         };
-        format!(
-            "    logic {sign}[{}:0] {};{format}\n",
-            field.width - 1,
-            field.name
-        )
+        let (name, high) = (field.name, field.width - 1);
+        format!("    logic {sign}[{high}:0] {name};{format}\n")
     });
     lines.collect()
 }

@@ -146,7 +146,7 @@ const CONGESTION: (&str, &str) = ("router2/currCongWeightMult", "0.7");
 /// Any three pins near each other.
 const PINS: &str = include_str!("../templates/pins.lpf");
 
-/// Synthesises a circuit between registers into [`NETLIST`], with registers moved into multipliers and memories.
+/// Synthesises a circuit between registers into `netlist.json`, with registers moved into multipliers and memories.
 pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<(Netlist, Fabric)> {
     let unit = circuit.unit.top;
     let read = circuit.read_command(folder)?;

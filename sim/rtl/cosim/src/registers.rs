@@ -98,8 +98,7 @@ pub fn move_in(netlist: &mut Netlist, top: &str) -> Result<u64> {
 /// The pin of an enable, as long as there is one left.
 fn number(enables: &mut Vec<Bit>, enable: &Bit) -> Option<&'static str> {
     let known = enables.iter().position(|known| known == enable);
-    let number = known.unwrap_or(enables.len());
-    let pin = ENABLES.get(number)?;
+    let pin = ENABLES.get(known.unwrap_or(enables.len()))?;
     if known.is_none() {
         enables.push(enable.clone());
     }
@@ -213,13 +212,12 @@ fn take_memory_words(cell: &mut NetlistCell, wiring: &Wiring, gone: &mut HashSet
     let together = if widths.contains(&Some(PAIRED)) { 2 } else { 1 };
     for sides in ["A", "B"].chunks(together) {
         let of_side = |side| (0..FACTOR).map(move |bit| format!("DO{side}{bit}"));
-        let Some(pins) = wiring.behind(cell, sides.iter().flat_map(of_side)) else {
-            continue;
-        };
-        take_words(cell, &pins, gone);
-        for side in sides {
-            cell.set(&format!("REGMODE_{side}"), "OUTREG");
-            cell.connect(&format!("OCE{side}"), &pins[0].1.enable);
+        if let Some(pins) = wiring.behind(cell, sides.iter().flat_map(of_side)) {
+            take_words(cell, &pins, gone);
+            for side in sides {
+                cell.set(&format!("REGMODE_{side}"), "OUTREG");
+                cell.connect(&format!("OCE{side}"), &pins[0].1.enable);
+            }
         }
     }
 }

@@ -68,10 +68,7 @@ impl Simulation {
         }
     }
 
-    /// The port of this name.
-    ///
-    /// # Panics
-    /// If the circuit has none.
+    /// The port of this name; panics if the circuit has none.
     pub fn port(&self, name: &str) -> Port {
         let port = self.names.get(name);
         *port.unwrap_or_else(|| panic!("the circuit has no port '{name}'"))

@@ -97,9 +97,8 @@ pub fn kernel_frame(design: &DesignChoice, load: &MachineLoad) -> Result<Vec<[u3
     let size = view.viewport.map(usize::from);
     let mut pixels = vec![Pixel::clear(widths); size[0] * size[1]];
     renderer.render(view, &splats, &mut list, &mut pixels)?;
-    Ok(places(size)
-        .map(|place| pixel_word(&pixels[place]))
-        .collect())
+    let words = places(size).map(|place| pixel_word(&pixels[place]));
+    Ok(words.collect())
 }
 
 /// A pixel's word in the memory.

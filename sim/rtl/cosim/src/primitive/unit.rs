@@ -118,10 +118,8 @@ impl Load for PrimitiveLoad {
         let of_pixel: &[_] = &["finished", "transmittance", "red", "green", "blue"];
         // Tiles, packets and ends of tiles in, pixels out.
         let sources: [(_, &[_]); 3] = [("tile", window), ("packet", &["packet"]), ("finish", &[])];
-        let channels = Channels {
-            enable: Some(bench.circuit.port("lanes_enable")),
-            ..Channels::new(&bench.circuit, &sources, ("pixel", of_pixel))
-        };
+        let mut channels = Channels::new(&bench.circuit, &sources, ("pixel", of_pixel));
+        channels.enable = Some(bench.circuit.port("lanes_enable"));
         let mut watch = PrimitiveWatch {
             circuit,
             timed: (pressure.inside == 0).then_some(0),

@@ -59,9 +59,8 @@ pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorklo
         let window = Window { first, end };
         BenchTile { window, list }
     };
-    let drawn = footprints
-        .into_iter()
-        .map(|found| found.unwrap_or(Footprint::EMPTY));
+    let drawn = footprints.into_iter();
+    let drawn = drawn.map(|found| found.unwrap_or(Footprint::EMPTY));
     BenchWorkload {
         footprints: drawn.collect(),
         tiles: (0..).zip(lists).map(tile).collect(),

@@ -125,7 +125,7 @@ fn screen(widths: &Widths, view: &View, rules: &Rules) -> Result<Vec<Named>> {
 }
 
 fn of_rules(rules: &Rules) -> Result<Vec<Named>> {
-    let integral = rules.kernel.inverse_integral();
+    let SoftFloat { mantissa, exponent } = rules.kernel.inverse_integral();
     let smallest = SoftFloat::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
     let (least, cutoff) = match rules.cutoff {
         Cutoff::Radial(cutoff) => (0, cutoff.min(rules.kernel.end())),
@@ -145,11 +145,7 @@ fn of_rules(rules: &Rules) -> Result<Vec<Named>> {
     };
     Ok(vec![
         number("low_pass", rules.low_pass),
-        named(
-            "inverse_integral",
-            integral.mantissa.into(),
-            integral.exponent - 1,
-        ),
+        named("inverse_integral", mantissa.into(), exponent - 1),
         named("ln_least", LN_2 * 30 + ((9 - (least << 1)) << 7), -40),
         named("logarithm_end", end, power),
         named("cutoff_end", cutoff.into(), -29),

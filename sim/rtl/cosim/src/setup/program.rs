@@ -306,16 +306,13 @@ impl Reader<'_> {
                     if term.a != Operand::None {
                         terms.push(term);
                     }
-                    let fields = [
+                    term = Term::default();
+                    term.fields.extend([
                         ("plain", 1),
                         ("negated", (word == "-").into()),
                         ("subtracted", (word == "--").into()),
                         ("again", (word == "|").into()),
-                    ];
-                    term = Term {
-                        fields: Fields::from(fields),
-                        ..Term::default()
-                    };
+                    ]);
                 }
                 "*" | "step" => _ = term.fields.insert("plain", 0),
                 "reciprocal" => _ = term.fields.insert("lookup", 1),
