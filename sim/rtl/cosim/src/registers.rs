@@ -238,7 +238,7 @@ fn written_alike<'a>(cells: impl Iterator<Item = &'a NetlistCell>) -> HashMap<u6
 
 /// The flip-flop as one that may move, unless it has a reset, an inverted clock or enable, or begins with 1.
 fn register(name: &str, cell: &NetlistCell, alike: &HashMap<u64, u64>) -> Option<Register> {
-    let setting = |name, usual| cell.parameters.get(name).map_or(usual, String::as_str);
+    let setting = |name, usual| cell.parameters.get(name).map_or(usual, |text| text.trim());
     let is_plain = setting("CLKMUX", "CLK") == "CLK"
         && setting("REGSET", "RESET") == "RESET"
         && cell.pin("LSR").is_none_or(|reset| reset.is("0"));
