@@ -23,74 +23,17 @@ use splatline_sim::machine::primitive::SETUP_INTERVAL;
 use std::path::Path;
 use std::process::ExitCode;
 
-const USAGE: &str = "usage: rtl COMMAND
-  package       write the packages, tables and programs in sim/rtl from the kernel's widths and tables
-  package DESIGN FOLDER [distance|compensation] [direction]   the packages of a design (a name or a TOML file) into a folder, with distance
-                scaling or compensated opacities, and with directions for harmonics, in the setup unit's program
-  compare UNIT  every word and cycle of a unit against the kernel and the model, as a table:
-                primitive, shapes (of the primitive: 1 to 16 lanes, a packet in every cycle, a third design), setup, distance (setup with distance
-                scaling), compensation (setup with compensated opacities), direction (setup with directions), tables (reciprocal, root and logarithm of setup), order, harmonics, machine, frames-distance (machine with distance scaling),
-                frames-harmonics (machine with harmonics, by one and by two multipliers)
-  mutations [UNIT [PART]]   is every mutation noticed, or those of a unit, or those whose name contains PART?
-  formal        what the units promise, by Yosys' solver, each seen to fail on a mutation
-  area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/machine/src/area/synthesised.csv (18 minutes) and setup.csv (half an hour)
-  area order|harmonics            the same of these units for the ECP5
-  area machine                    the same of the whole machine with four lanes, by unit: sim/machine/src/area/machine.csv;
-                                  of one with harmonics: frames-harmonics
-  area asic LIBERTY [WORDS]       square micrometres, gate equivalents and longest path by unit in the cells of a Liberty file (gzip too), of all circuits
-                                  that fmax places or of those whose name contains WORDS
-  fmax WORDS [SEED]   clock by nextpnr on the ECP5 of circuits whose name contains WORDS, as 'lean18 splat_primitive', in lines of placed.csv
-  bitstream DESIGN LANES FILE     the primitive between registers as a bitstream for the ECP5 LFE5U-85F, by Yosys, nextpnr and ecppack
-  bitstream machine CORES FILE    the same of the whole machine, lean18 with four lanes and so many cores of setup
-  registers DESIGN RULES          what a driver writes into the AXI shell for rules (ewa or 3dgs), as a C array for shell/splat_axi.h
-  frame DESIGN FILE               registers, memory and the kernel's frame of a small scene, for the bench of the machine's AXI shell
-  estimate DESIGN LANES           the model's estimate of area, without synthesis
-";
+const USAGE: &str = include_str!("usage.txt");
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let result = match words.as_slice() {
-        ["package"] => write_packages(),
-        ["package", design, folder, options @ ..] => {
-            program(options).and_then(|program| write_package(design, Path::new(folder), &program))
-        }
-        ["compare", unit] => compare(unit),
-        ["mutations"] => judge(None, ""),
-        ["mutations", unit] => judge(Some(unit), ""),
-        ["mutations", unit, part] => judge(Some(unit), part),
-        ["formal"] => formal::report(),
-        ["area", "primitive", design @ ..] => print(area::of_primitives(design.first().copied())),
-        ["area", "setup", design @ ..] => print(area::of_setup_units(design.first().copied())),
-        ["area", "order"] => print_area(&ORDER, DIGITS),
-        ["area", "harmonics"] => print_area(&HARMONICS, MULTIPLIERS),
-        ["area", "machine"] => print(machine::area::report(false)),
-        ["area", "frames-harmonics"] => print(machine::area::report(true)),
-        ["area", "asic", liberty, words @ ..] => {
-            placement::circuits(words.first().copied().unwrap_or_default())
-                .and_then(|circuits| asic::report(Path::new(liberty), &circuits))
-        }
-        ["fmax", words] => placement::report(words, None),
-        ["fmax", words, seed] => number(seed).and_then(|seed| placement::report(words, Some(seed))),
-        ["bitstream", "machine", cores, file] => number(cores)
-            .and_then(placement::machine)
-            .and_then(|circuit| bitstream(&circuit, file)),
-        ["bitstream", design, lanes, file] => number(lanes)
-            .and_then(|lanes| Circuit::new(&PRIMITIVE, design, lanes))
-            .and_then(|circuit| bitstream(&circuit, file)),
-        ["registers", design, name] => DesignChoice::load(design)
-            .map_err(Into::into)
-            .and_then(|choice| rules::register_writes(&choice.widths, name))
-            .map(|text| print!("{text}")),
-        ["frame", design, file] => machine::shell::write_frame(design, Path::new(file)),
-        ["estimate", design, lanes] => estimate(design, lanes),
-        _ => {
+    match run(&words) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => {
             eprint!("{USAGE}");
-            return ExitCode::from(2);
+            ExitCode::from(2)
         }
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::from(1)
@@ -98,19 +41,56 @@ fn main() -> ExitCode {
     }
 }
 
+/// Runs a command; false if there is no such command.
+fn run(words: &[&str]) -> Result<bool> {
+    match words {
+        ["package"] => write_packages()?,
+        ["package", design, folder, options @ ..] => {
+            write_package(design, Path::new(folder), &program(options)?)?;
+        }
+        ["compare", unit] => compare(unit)?,
+        ["mutations"] => judge(None, "")?,
+        ["mutations", unit] => judge(Some(unit), "")?,
+        ["mutations", unit, part] => judge(Some(unit), part)?,
+        ["formal"] => formal::report()?,
+        ["area", "primitive", rest @ ..] => print!("{}", area::of_primitives(first(rest))?),
+        ["area", "setup", rest @ ..] => print!("{}", area::of_setup_units(first(rest))?),
+        ["area", "order"] => print_area(&ORDER, DIGITS)?,
+        ["area", "harmonics"] => print_area(&HARMONICS, MULTIPLIERS)?,
+        ["area", "machine"] => print!("{}", machine::area::report(false)?),
+        ["area", "frames-harmonics"] => print!("{}", machine::area::report(true)?),
+        ["area", "asic", liberty, rest @ ..] => {
+            let circuits = placement::circuits(first(rest).unwrap_or_default())?;
+            asic::report(Path::new(liberty), &circuits)?;
+        }
+        ["fmax", words] => placement::report(words, None)?,
+        ["fmax", words, seed] => placement::report(words, Some(number(seed)?))?,
+        ["bitstream", design, count, file] => {
+            let circuit = match (*design, number(count)?) {
+                ("machine", cores) => placement::machine(cores)?,
+                (design, lanes) => Circuit::new(&PRIMITIVE, design, lanes)?,
+            };
+            println!("{}", placement::bitstream(&circuit, Path::new(file))?);
+        }
+        ["registers", design, name] => {
+            let widths = DesignChoice::load(design)?.widths;
+            print!("{}", rules::register_writes(&widths, name)?);
+        }
+        ["frame", design, file] => machine::shell::write_frame(design, Path::new(file))?,
+        ["estimate", design, lanes] => estimate(design, lanes)?,
+        _ => return Ok(false),
+    }
+    Ok(true)
+}
+
+/// The first of the words at a command's end, if there are any.
+fn first<'a>(words: &[&'a str]) -> Option<&'a str> {
+    words.first().copied()
+}
+
 fn number(text: &str) -> Result<u32> {
     text.parse()
         .with_context(|| format!("'{text}' is no number"))
-}
-
-fn bitstream(circuit: &Circuit, file: &str) -> Result<()> {
-    println!("{}", placement::bitstream(circuit, Path::new(file))?);
-    Ok(())
-}
-
-fn print(text: Result<String>) -> Result<()> {
-    print!("{}", text?);
-    Ok(())
 }
 
 fn write_packages() -> Result<()> {
@@ -161,11 +141,7 @@ fn compare(unit: &str) -> Result<()> {
     match unit {
         "shapes" => SHAPES
             .into_iter()
-            .try_for_each(|(design, lanes, interval)| {
-                let circuit = |lanes: &u32| primitive::unit::circuit(design, *lanes, interval);
-                let mut lanes = lanes.iter();
-                lanes.try_for_each(|lanes| report::<PrimitiveLoad>(&circuit(lanes)?))
-            }),
+            .try_for_each(|(design, lanes, interval)| compare_primitives(design, lanes, interval)),
         "order" => DIGITS
             .into_iter()
             .try_for_each(|digit| report::<OrderLoad>(&Circuit::new(&ORDER, "lean18", digit)?)),
@@ -180,16 +156,19 @@ fn compare(unit: &str) -> Result<()> {
     }
 }
 
+fn compare_primitives(design: &str, lanes: &[u32], interval: u32) -> Result<()> {
+    for lanes in lanes {
+        report::<PrimitiveLoad>(&primitive::unit::circuit(design, *lanes, interval)?)?;
+    }
+    Ok(())
+}
+
 fn compare_design(unit: &str, design: &str) -> Result<()> {
     let setup =
         |cores, program| report::<SetupLoad>(&setup::unit::circuit(design, cores, program)?);
     let machine = || machine::unit::circuit(design, 8, 4);
     match unit {
-        "primitive" => {
-            let mut lanes = LANES.into_iter();
-            let circuit = |lanes| primitive::unit::circuit(design, lanes, SETUP_INTERVAL);
-            lanes.try_for_each(|lanes| report::<PrimitiveLoad>(&circuit(lanes)?))
-        }
+        "primitive" => compare_primitives(design, &LANES, SETUP_INTERVAL),
         // Of several cores a number that divides no round.
         "setup" => setup(7, program(&[])?),
         "compensation" | "distance" | "direction" => setup(7, program(&[unit])?),

@@ -10,7 +10,7 @@
 //! long as p is the same for all inputs, and g wherever p is 0.
 
 use crate::netlist::{Bit, NetlistCell, NetlistModule};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 const TABLE: &str = "LUT4";
 
@@ -53,27 +53,20 @@ pub fn move_in(module: &mut NetlistModule) -> u64 {
 
 fn readers(module: &NetlistModule) -> Readers {
     let mut readers = Readers::new();
+    let mut read = |net, reader| readers.entry(net).or_default().push(reader);
     let ports = module.ports.values().flat_map(|port| &port.bits);
-    for net in ports.filter_map(Bit::net) {
-        readers.entry(net).or_default().push(None);
-    }
+    ports.filter_map(Bit::net).for_each(|net| read(net, None));
     for (name, cell) in &module.cells {
         let halves = HALVES.map(|half| Some((half, Table::of(cell, half)?)));
         let [Some(first), Some(second)] = halves else {
-            for net in cell.inputs() {
-                readers.entry(net).or_default().push(None);
-            }
+            cell.inputs().for_each(|net| read(net, None));
             continue;
         };
         for (half, table) in [first, second] {
-            for net in table.nets() {
-                let reader = Some((name.clone(), half));
-                readers.entry(net).or_default().push(reader);
-            }
+            let reader = (name.clone(), half);
+            table.nets().for_each(|net| read(net, Some(reader.clone())));
         }
-        if let Some(net) = cell.net("CIN") {
-            readers.entry(net).or_default().push(None);
-        }
+        cell.net("CIN").into_iter().for_each(|net| read(net, None));
     }
     readers
 }
@@ -86,12 +79,9 @@ fn take_in(
 ) -> Option<()> {
     let table = Table::of(&cells[name], "")?;
     let output = cells[name].net("Z")?;
-    let halves: Option<Vec<Half>> = readers.get(&output)?.iter().cloned().collect();
-    let mut halves = halves?;
-    halves.sort();
-    halves.dedup();
+    let halves: Option<BTreeSet<Half>> = readers.get(&output)?.iter().cloned().collect();
     let mut widened = Vec::new();
-    for (cell, half) in halves {
+    for (cell, half) in halves? {
         let before = Table::of(&cells[&cell], half)?;
         let after = before.with(&table, output)?;
         widened.push(((cell, half), before, after));
@@ -142,9 +132,8 @@ impl Table {
             Bit::Net(net) => value(*net),
             constant => constant.is("1"),
         });
-        bits.enumerate()
-            .map(|(place, bit)| usize::from(bit) << place)
-            .sum()
+        let bits = bits.enumerate();
+        bits.map(|(place, bit)| usize::from(bit) << place).sum()
     }
 
     fn answer(&self, number: usize) -> bool {
@@ -153,24 +142,16 @@ impl Table {
 
     /// This half of an adder with the table in it that drives one of its inputs, if it has inputs for that.
     fn with(&self, table: &Table, driven: u64) -> Option<Table> {
-        let mut inputs: Vec<u64> = self
-            .nets()
-            .filter(|net| *net != driven)
-            .chain(table.nets())
-            .collect();
-        inputs.sort_unstable();
-        inputs.dedup();
+        let others = self.nets().filter(|net| *net != driven);
+        let inputs: BTreeSet<u64> = others.chain(table.nets()).collect();
         if inputs.len() > PINS.len() {
             return None;
         }
+        let inputs = Vec::from_iter(inputs);
         let rows: Vec<(bool, bool)> = (0..1usize << inputs.len())
             .map(|row| {
-                let given = |net| {
-                    inputs
-                        .iter()
-                        .position(|input| *input == net)
-                        .is_some_and(|place| row >> place & 1 == 1)
-                };
+                let place = |net| inputs.binary_search(&net);
+                let given = |net| place(net).is_ok_and(|place| row >> place & 1 == 1);
                 let moved = table.answer(table.number(given));
                 let number = self.number(|net| if net == driven { moved } else { given(net) });
                 (self.answer(number), self.answer(number & 3))

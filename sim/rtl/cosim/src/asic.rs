@@ -25,9 +25,10 @@ const GATE_28NM: f64 = 0.66e6 / 1.14e6;
 /// abc's script: the best mapping for delay, buffers for high fan-out, and the longest path with loads.
 const MAPPING: &str = "strash; &get -n; &fraig -x; &put; scorr; dc2; strash; &get -n; &dch -f; &nf; &put; buffer -c; topo; stime -p\n";
 
-/// What is read of a Liberty file.
+/// What is read of a Liberty file, and paths.
+#[derive(Clone)]
 struct Library {
-    /// What each cell takes.
+    /// What each cell takes; of a circuit's modules, their longest paths.
     cells: BTreeMap<String, ModuleCost>,
     /// Area of the smallest NAND of two inputs.
     gate: f64,
@@ -35,29 +36,25 @@ struct Library {
 
 impl Library {
     /// Areas and registers of all cells. A Liberty file is groups in braces,
-    /// `cell (name) { area : 3.75; ff (IQ, IQ_N) { ... } }`.
+    /// `cell (name) { area : 3.75; ff (IQ, IQ_N) { ... } }`, of which a cell's area comes before any other in it.
     fn parse(text: &str) -> Result<Library> {
         let mut cells = BTreeMap::new();
-        let (mut depth, mut inside, mut cell) = (0, 0, String::new());
+        let mut cell = String::new();
         for line in text.lines().map(str::trim) {
             if let Some(name) = group(line, "cell") {
                 cells.insert(name.clone(), ModuleCost::default());
-                (cell, inside) = (name, depth + 1);
+                cell = name;
             }
-            if depth == inside
-                && let Some(found) = cells.get_mut(&cell)
+            let Some(found) = cells.get_mut(&cell) else {
+                continue;
+            };
+            if let Some(area) = attribute(line, "area")
+                && found.area == 0.0
             {
-                if let Some(area) = attribute(line, "area") {
-                    let area = area.parse();
-                    found.area = area.with_context(|| format!("area of cell {cell}"))?;
-                }
-                found.flip_flops |= u64::from(group(line, "ff").is_some());
+                let area = area.parse();
+                found.area = area.with_context(|| format!("area of cell {cell}"))?;
             }
-            let count = |brace| line.matches(brace).count() as i32;
-            depth += count('{') - count('}');
-            if depth < inside {
-                cell.clear();
-            }
+            found.flip_flops |= u64::from(group(line, "ff").is_some());
         }
         let gates = cells.iter().filter(|(name, _)| is_nand2(name));
         let gate = gates.map(|(_, cell)| cell.area).reduce(f64::min);
@@ -65,13 +62,47 @@ impl Library {
         ensure!(gate > 0.0, "the library's NAND of two inputs has no area");
         Ok(Library { cells, gate })
     }
+
+    /// The longest paths of modules in abc's log.
+    fn add_paths(&mut self, log: &str) -> Result<()> {
+        let mut module = String::new();
+        for line in log.lines() {
+            if let Some((_, rest)) = line.split_once("Extracting gate netlist of module `") {
+                let name = rest.split('\'').next().unwrap_or_default();
+                module = name.trim_start_matches('\\').to_owned();
+            }
+            if let Some((_, rest)) = line.split_once("Delay =") {
+                let delay = rest.trim_start().split(' ').next().unwrap_or_default();
+                let cost = self.cells.entry(module.clone()).or_default();
+                cost.path = cost.path.max(delay.parse()?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds up by unit what a cell contains, and what it takes; a library's cell is no unit. (Yosys' statistics would
+    /// do, but release 0.23 writes them as broken JSON for more than one module.)
+    fn cost<'a>(&self, netlist: &'a Netlist, kind: &'a str, units: &mut Units<'a>) -> ModuleCost {
+        let mut sum = self.cells.get(kind).copied().unwrap_or_default();
+        let Some(module) = netlist.modules.get(kind) else {
+            return sum;
+        };
+        for cell in module.cells.values() {
+            sum += self.cost(netlist, &cell.kind, units);
+            sum.memory_bits += cell.memory_bits().unwrap_or(0);
+        }
+        let unit = units.entry(readable(kind)).or_default();
+        unit.0 += 1;
+        unit.1 += sum;
+        sum
+    }
 }
 
 /// `nand2` in any case, but none with an inverted input (`nand2b`).
 fn is_nand2(name: &str) -> bool {
     let name = name.to_lowercase();
-    let rest = name.split_once("nand2").map(|(_, rest)| rest);
-    rest.is_some_and(|rest| !rest.starts_with('b'))
+    let rest = name.split_once("nand2");
+    rest.is_some_and(|(_, rest)| !rest.starts_with('b'))
 }
 
 /// The name of a group of this kind that begins in the line.
@@ -106,37 +137,8 @@ impl AddAssign for ModuleCost {
     }
 }
 
-/// A circuit in a library's cells, and the longest paths of its modules. (Yosys' statistics would do, but release 0.23
-/// writes them as broken JSON for more than one module.)
-struct Mapped<'a> {
-    library: &'a Library,
-    netlist: Netlist,
-    paths: BTreeMap<String, f64>,
-}
-
 /// Instances of a unit, and what they take.
 type Units<'a> = BTreeMap<&'a str, (u64, ModuleCost)>;
-
-impl Mapped<'_> {
-    /// Adds up by unit what a cell contains, and what it takes; a library's cell is no unit.
-    fn cost<'a>(&'a self, kind: &'a str, units: &mut Units<'a>) -> ModuleCost {
-        let Some(module) = self.netlist.modules.get(kind) else {
-            return self.library.cells.get(kind).copied().unwrap_or_default();
-        };
-        let mut sum = ModuleCost {
-            path: self.paths.get(kind).copied().unwrap_or_default(),
-            ..ModuleCost::default()
-        };
-        for cell in module.cells.values() {
-            sum += self.cost(&cell.kind, units);
-            sum.memory_bits += cell.memory_bits().unwrap_or(0);
-        }
-        let unit = units.entry(readable(kind)).or_default();
-        unit.0 += 1;
-        unit.1 += sum;
-        sum
-    }
-}
 
 /// A module's name without Yosys' parameters: `$paramod$0b1f...\delay` and `$paramod\align\BITS=s32'...` are `delay`
 /// and `align`.
@@ -161,19 +163,21 @@ pub fn report(liberty: &Path, circuits: &[Circuit]) -> Result<()> {
         "circuit,unit,instances,area_um2,gate_equivalents,flip_flops,memory_bits,path_ns,area_28nm_mm2_scaled"
     );
     for circuit in circuits {
-        print!("{}", lines(circuit, &mapped(circuit, &library, &text)?));
+        let mut library = library.clone();
+        let netlist = mapped(circuit, &mut library, &text)?;
+        print!("{}", lines(circuit, &library, &netlist));
     }
     Ok(())
 }
 
 /// One line a unit, with what it contains; units within units are lines of their own too.
-fn lines(circuit: &Circuit, mapped: &Mapped) -> String {
+fn lines(circuit: &Circuit, library: &Library, netlist: &Netlist) -> String {
     let mut units = Units::new();
-    mapped.cost(circuit.unit.top, &mut units);
+    library.cost(netlist, circuit.unit.top, &mut units);
     let mut units: Vec<_> = units.into_iter().collect();
     units.sort_by(|one, other| other.1.1.area.total_cmp(&one.1.1.area));
     let line = |(unit, (instances, cost)): (&str, (u64, ModuleCost))| {
-        let gates = cost.area / mapped.library.gate;
+        let gates = cost.area / library.gate;
         format!(
             "{circuit},{unit},{instances},{:.0},{gates:.0},{},{},{:.2},{:.3}\n",
             cost.area,
@@ -186,8 +190,8 @@ fn lines(circuit: &Circuit, mapped: &Mapped) -> String {
     units.into_iter().map(line).collect()
 }
 
-/// Synthesises a circuit into the library's cells.
-fn mapped<'a>(circuit: &Circuit, library: &'a Library, liberty: &str) -> Result<Mapped<'a>> {
+/// Synthesises a circuit into the library's cells; adds its modules' longest paths to them.
+fn mapped(circuit: &Circuit, library: &mut Library, liberty: &str) -> Result<Netlist> {
     let folder = tempfile::tempdir()?;
     let path = |name: &str| folder.path().join(name);
     let words = |name: &str| path(name).display().to_string();
@@ -208,29 +212,8 @@ fn mapped<'a>(circuit: &Circuit, library: &'a Library, liberty: &str) -> Result<
          opt_clean; write_json {netlist}",
         set(top, &parameters)
     ))?;
-    Ok(Mapped {
-        library,
-        netlist: json(&path("netlist.json"))?,
-        paths: paths(&fs::read_to_string(path("mapping.txt"))?)?,
-    })
-}
-
-/// Longest paths in abc's log.
-fn paths(log: &str) -> Result<BTreeMap<String, f64>> {
-    let mut paths = BTreeMap::new();
-    let mut module = String::new();
-    for line in log.lines() {
-        if let Some((_, rest)) = line.split_once("Extracting gate netlist of module `") {
-            let name = rest.split('\'').next().unwrap_or_default();
-            module = name.trim_start_matches('\\').to_owned();
-        }
-        if let Some((_, rest)) = line.split_once("Delay =") {
-            let delay = rest.trim_start().split(' ').next().unwrap_or_default();
-            let path = paths.entry(module.clone()).or_insert(0.0_f64);
-            *path = path.max(delay.parse()?);
-        }
-    }
-    Ok(paths)
+    library.add_paths(&fs::read_to_string(path("mapping.txt"))?)?;
+    json(&path("netlist.json"))
 }
 
 #[cfg(test)]
@@ -268,7 +251,7 @@ library ("small") {
     /// A top of two lanes with a gate, a register and a memory each, and a gate of its own.
     #[test]
     fn units_are_added_up_with_what_they_contain() {
-        let library = Library::parse(LIBERTY).unwrap();
+        let mut library = Library::parse(LIBERTY).unwrap();
         let text = r#"{"modules": {
             "top": {"ports": {}, "cells": {
                 "a": {"type": "$paramod$0123\\lane", "parameters": {}},
@@ -279,13 +262,10 @@ library ("small") {
                 "b": {"type": "DFF", "parameters": {}},
                 "c": {"type": "$mem_v2", "parameters": {"SIZE": "00100000", "WIDTH": "0101"}}}}}}"#;
         let log = "1. Extracting gate netlist of module `$paramod$0123\\lane' to `x'..\nABC: Delay =   281.93 ps\n";
-        let mapped = Mapped {
-            library: &library,
-            netlist: serde_json::from_str(text).unwrap(),
-            paths: paths(log).unwrap(),
-        };
+        library.add_paths(log).unwrap();
+        let netlist = serde_json::from_str(text).unwrap();
         let mut units = Units::new();
-        let all = mapped.cost("top", &mut units);
+        let all = library.cost(&netlist, "top", &mut units);
         assert_eq!(all.area, 2.0 * (3.5 + 20.0) + 3.5);
         assert_eq!(
             (all.flip_flops, all.memory_bits, all.path),

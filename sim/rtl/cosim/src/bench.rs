@@ -5,10 +5,12 @@
 //! its own pace, and a number of answers that must come before the next item's. After a reset the bench begins anew
 //! with the first item whose answers have not all come.
 
-use crate::simulation::Port;
-use crate::unit::{Findings, Simulation};
+use crate::mutation::MutationNumber;
+use crate::simulation::{Port, Simulation};
+use crate::unit::Findings;
 use anyhow::{Result, ensure};
 use splatline_sim::scene::synthetic::Random;
+use std::path::Path;
 
 /// Cycles for which a new circuit is reset.
 const RESET_CYCLES: u64 = 4;
@@ -21,7 +23,6 @@ const PATIENCE: u64 = 1 << 18;
 const QUIET: usize = 400;
 
 /// Ports of words that go in or out.
-#[derive(Clone, Debug)]
 pub(crate) struct Channel {
     pub valid: Port,
     pub ready: Port,
@@ -30,14 +31,12 @@ pub(crate) struct Channel {
 
 impl Channel {
     /// The channel with ports `NAME_valid`, `NAME_ready` and these for its words.
-    pub fn new(circuit: &Simulation, name: &str, data: &[&str]) -> Result<Channel> {
-        let [valid, ready] = ["valid", "ready"].map(|end| format!("{name}_{end}"));
-        let data = data.iter().map(|name| circuit.port(name));
-        Ok(Channel {
-            valid: circuit.port(&valid)?,
-            ready: circuit.port(&ready)?,
-            data: data.collect::<Result<_>>()?,
-        })
+    pub fn new(circuit: &Simulation, name: &str, data: &[&str]) -> Channel {
+        Channel {
+            valid: circuit.port(&format!("{name}_valid")),
+            ready: circuit.port(&format!("{name}_ready")),
+            data: data.iter().map(|name| circuit.port(name)).collect(),
+        }
     }
 
     /// Is a word handed over in this cycle?
@@ -62,14 +61,14 @@ impl Channels {
         circuit: &Simulation,
         sources: &[(&str, &[&str])],
         (sink, answers): (&str, &[&str]),
-    ) -> Result<Channels> {
+    ) -> Channels {
         let sources = sources.iter();
         let sources = sources.map(|(name, data)| Channel::new(circuit, name, data));
-        Ok(Channels {
-            sources: sources.collect::<Result<_>>()?,
-            sink: Channel::new(circuit, sink, answers)?,
+        Channels {
+            sources: sources.collect(),
+            sink: Channel::new(circuit, sink, answers),
             enable: None,
-        })
+        }
     }
 }
 
@@ -77,7 +76,6 @@ impl Channels {
 pub(crate) type Offer = (usize, Vec<Vec<u32>>);
 
 /// Offers that belong together, in lanes of one offer or more, and how many answers they have.
-#[derive(Clone, Debug)]
 pub(crate) struct Item {
     pub lanes: Vec<Vec<Offer>>,
     pub answers: u64,
@@ -92,7 +90,6 @@ struct Lane {
 }
 
 /// Back-pressure, in 256ths of the cycles.
-#[derive(Clone, Copy, Debug)]
 pub(crate) struct Pressure {
     /// The next offer of a lane is held back.
     pub offers: [u8; 2],
@@ -109,27 +106,16 @@ pub(crate) struct Pressure {
 }
 
 impl Pressure {
-    /// At the first lane, at the others, and at the sink.
-    pub const fn at_ends([first, others, answers]: [u8; 3]) -> Pressure {
+    /// At the first lane, at the others and at the sink, with blocks and resets of so many cycles.
+    pub const fn new([first, others, answers]: [u8; 3], stalls: u64, resets: u64) -> Pressure {
         Pressure {
             offers: [first, others],
             answers,
             inside: 0,
-            stalls: 0,
-            resets: 0,
+            stalls,
+            resets,
             retracts: true,
         }
-    }
-}
-
-/// What compares the answers.
-pub(crate) trait Checker {
-    /// The difference of the next answer from what is expected, in words.
-    fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String>;
-
-    /// Looks at the circuit in every cycle, before its edge; gives a rule that it broke, in words.
-    fn observe(&mut self, _: &Simulation, _: &Channels, _cycle: u64) -> Option<String> {
-        None
     }
 }
 
@@ -140,17 +126,18 @@ pub struct Bench {
     reset: Port,
     /// Cycles since reset.
     pub cycles: u64,
-    random: Random,
+    pub(crate) random: Random,
 }
 
 impl Bench {
-    /// The circuit after reset.
-    pub fn new(circuit: Simulation, seed: u64) -> Result<Bench> {
+    /// The circuit in a library after reset; the seed and the mutation are those of [`Simulation::new`].
+    pub fn new(library: &Path, seed: u32, mutation: MutationNumber) -> Result<Bench> {
+        let circuit = Simulation::new(library, seed, mutation)?;
         let mut bench = Bench {
-            reset: circuit.port("rst")?,
+            reset: circuit.port("rst"),
             circuit,
             cycles: 0,
-            random: Random(seed),
+            random: Random(1),
         };
         bench.circuit.set(bench.reset, 1);
         for _ in 0..RESET_CYCLES {
@@ -168,12 +155,10 @@ impl Bench {
     }
 
     /// Drives ports by name.
-    pub fn set(&mut self, values: &[(&str, u64)]) -> Result<()> {
+    pub fn set(&mut self, values: &[(&str, u64)]) {
         for (name, value) in values {
-            let port = self.circuit.port(name)?;
-            self.circuit.set(port, *value);
+            self.circuit.set(self.circuit.port(name), *value);
         }
-        Ok(())
     }
 
     /// True in `share` of 256 cases.
@@ -181,13 +166,15 @@ impl Bench {
         share > 0 && self.random.next() >> 56 < u64::from(share)
     }
 
-    /// Gives the items to the circuit and compares what comes until the first difference.
+    /// Gives the items to the circuit until the first difference. `check` compares an answer of this number with what
+    /// is expected; `observe` looks at the circuit in every cycle, before its edge, and gives a rule that it broke.
     pub(crate) fn run(
         &mut self,
         channels: &Channels,
         items: &[Item],
         pressure: &Pressure,
-        checker: &mut impl Checker,
+        mut check: impl FnMut(usize, &[Vec<u32>]) -> Option<String>,
+        mut observe: impl FnMut(&Simulation, &Channels, u64) -> Option<String>,
     ) -> Result<Findings> {
         let mut findings = Findings::default();
         let lanes = items.first().map_or(0, |item| item.lanes.len());
@@ -198,7 +185,7 @@ impl Bench {
             let resets = pressure.resets > 0 && self.random.next().is_multiple_of(pressure.resets);
             self.circuit.set(self.reset, resets.into());
             self.drive(channels, items, &mut lanes, pressure);
-            let mut difference = checker.observe(&self.circuit, channels, self.cycles);
+            let mut difference = observe(&self.circuit, channels, self.cycles);
             idle += u64::from(self.circuit.is(channels.sink.ready));
             if resets {
                 findings.count("resets", 1);
@@ -221,19 +208,15 @@ impl Bench {
                 if channels.sink.moves(&self.circuit) {
                     let ports = channels.sink.data.iter();
                     let answer: Vec<_> = ports.map(|port| self.circuit.words(*port)).collect();
-                    let other = checker.check(findings.compared as usize, &answer);
-                    difference = difference.or(other);
+                    difference = difference.or(check(findings.compared as usize, &answer));
                     findings.compared += 1;
                     idle = 0;
                 }
             }
             self.circuit.edge();
             self.cycles += 1;
-            ensure!(
-                idle < PATIENCE,
-                "the circuit hangs after {} answers",
-                findings.compared
-            );
+            let answers = findings.compared;
+            ensure!(idle < PATIENCE, "the circuit hangs after {answers} answers");
             if difference.is_some() {
                 findings.first_difference = difference;
                 return Ok(findings);

@@ -35,54 +35,36 @@ pub struct RtlUnit {
     parameter: &'static str,
     /// How many packages it is read with: that of the widths, and that of setup's program.
     packages: usize,
-    /// What is simulated instead: the unit with a C integer for each port.
-    flat: Option<&'static str>,
 }
 
 /// The splat primitive.
-pub const PRIMITIVE: RtlUnit = RtlUnit {
-    top: "splat_primitive",
-    list: "files.txt",
-    parameter: "LANES",
-    packages: 1,
-    flat: Some("flat_primitive"),
-};
+pub const PRIMITIVE: RtlUnit = unit("splat_primitive", "files.txt", "LANES", 1);
 
 /// The setup unit.
-pub const SETUP: RtlUnit = RtlUnit {
-    top: "setup_unit",
-    list: "setup_files.txt",
-    parameter: "CORES",
-    packages: 2,
-    flat: None,
-};
+pub const SETUP: RtlUnit = unit("setup_unit", "setup_files.txt", "CORES", 2);
 
 /// Sorter and binning.
-pub const ORDER: RtlUnit = RtlUnit {
-    top: "splat_order",
-    list: "order_files.txt",
-    parameter: "DIGIT",
-    packages: 0,
-    flat: None,
-};
+pub const ORDER: RtlUnit = unit("splat_order", "order_files.txt", "DIGIT", 0);
 
 /// The harmonics unit.
-pub const HARMONICS: RtlUnit = RtlUnit {
-    top: "harmonics_unit",
-    list: "harmonics_files.txt",
-    parameter: "MULTIPLIERS",
-    packages: 0,
-    flat: None,
-};
+pub const HARMONICS: RtlUnit = unit("harmonics_unit", "harmonics_files.txt", "MULTIPLIERS", 0);
 
 /// The whole machine.
-pub const MACHINE: RtlUnit = RtlUnit {
-    top: "splat_machine",
-    list: "machine_files.txt",
-    parameter: "LANES",
-    packages: 2,
-    flat: Some("flat_machine"),
-};
+pub const MACHINE: RtlUnit = unit("splat_machine", "machine_files.txt", "LANES", 2);
+
+const fn unit(
+    top: &'static str,
+    list: &'static str,
+    parameter: &'static str,
+    packages: usize,
+) -> RtlUnit {
+    RtlUnit {
+        top,
+        list,
+        parameter,
+        packages,
+    }
+}
 
 /// A circuit.
 #[derive(Clone)]
@@ -174,12 +156,10 @@ impl Circuit {
     /// Yosys' words for reading it, with its files in this folder.
     pub fn read_command(&self, folder: &Path) -> Result<String> {
         let paths = write(folder, &self.sources()?)?;
-        let paths = paths.iter().map(|path| format!(" {}", path.display()));
-        Ok("read_verilog -sv".to_owned() + &paths.collect::<String>())
+        Ok(format!("read_verilog -sv {}", paths.join(" ")))
     }
 
-    /// The circuit, compiled for so much, as a library for
-    /// [`Simulation`](crate::simulation::Simulation).
+    /// The circuit, compiled for so much, as a library for a [`Bench`](crate::bench::Bench).
     pub fn library(&self, extent: Extent) -> Result<PathBuf> {
         self.verilated(self.sources()?, extent)
     }
@@ -190,25 +170,19 @@ impl Circuit {
         Ok((self.verilated(sources, Extent::Quick)?, chosen))
     }
 
-    /// The library of these sources. Units with ports that are no integers of C have a module of their own around them.
+    /// The library of these sources. A unit with ports that are no integers of C has a module of its own around it,
+    /// whose name says flat for splat.
     fn verilated(&self, mut sources: Vec<Source>, extent: Extent) -> Result<PathBuf> {
-        let top = self.unit.flat.unwrap_or(self.unit.top);
-        if self.unit.flat.is_some() {
-            let file = format!("{top}.sv");
-            let text = fs::read_to_string(rtl().join("cosim").join(&file))?;
-            sources.push((file, text));
+        let mut top = self.unit.top.replace("splat_", "flat_");
+        let file = format!("{top}.sv");
+        match fs::read_to_string(rtl().join("cosim").join(&file)) {
+            Ok(text) => sources.push((file, text)),
+            Err(_) => top = self.unit.top.to_owned(),
         }
         let version = run(verilator().arg("--version"))?;
+        let compiled = (OPTIONS, extent.compiled(), SHIM);
         let mut hash = DefaultHasher::new();
-        (
-            &version,
-            &sources,
-            &self.parameters,
-            OPTIONS,
-            extent.compiled(),
-        )
-            .hash(&mut hash);
-        SHIM.hash(&mut hash);
+        (version, &sources, &self.parameters, compiled).hash(&mut hash);
         let kept = Path::new(env!("OUT_DIR")).join("circuits");
         fs::create_dir_all(&kept)?;
         let library = kept.join(format!("{top}_{:016x}.so", hash.finish()));
@@ -217,7 +191,7 @@ impl Circuit {
         lock.lock()?;
         if !library.exists() {
             let folder = tempfile::tempdir_in(&kept)?;
-            fs::rename(self.build(folder.path(), top, &sources, extent)?, &library)?;
+            fs::rename(self.build(folder.path(), &top, &sources, extent)?, &library)?;
         }
         Ok(library)
     }
@@ -304,12 +278,12 @@ pub fn set(module: &str, parameters: &[Parameter]) -> String {
     words.collect()
 }
 
-/// Writes files into a folder.
-pub fn write(folder: &Path, sources: &[Source]) -> Result<Vec<PathBuf>> {
+/// Writes files into a folder; gives their paths.
+pub fn write(folder: &Path, sources: &[Source]) -> Result<Vec<String>> {
     let written = |(name, text): &Source| {
         let path = folder.join(name);
         fs::write(&path, text)?;
-        Ok(path)
+        Ok(path.display().to_string())
     };
     sources.iter().map(written).collect()
 }

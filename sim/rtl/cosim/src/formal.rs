@@ -7,7 +7,7 @@
 //! (`mutations.tsv`), since a property that cannot fail says nothing.
 
 use crate::circuit::{Parameter, Source, set, write};
-use crate::mutation::{Mutation, mutations};
+use crate::mutation::{Mutation, mutations, replaced};
 use crate::tools::{printed, rtl};
 use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
@@ -24,6 +24,10 @@ struct Proof {
     /// The units that it is made of, and last the one whose properties are shown.
     files: Vec<&'static str>,
     parameters: Vec<Parameter>,
+    /// What is written otherwise in the package. The whole primitive has tiles of 2 x 4 pixels, which are cleared
+    /// within the cycles that are looked at.
+    #[serde(default)]
+    package: Vec<(&'static str, &'static str)>,
     /// Cycles from reset on in which it is shown, and in which a mistake must show.
     cycles: u32,
     /// Cycles that induction goes by at most, if it does.
@@ -57,10 +61,8 @@ pub fn report() -> Result<()> {
         let step = proof.induction.map(step).transpose()?;
         let by_induction = step.map_or("not tried".to_owned(), |step| step.to_string());
         println!("| {unit} | no mistake | {cycles} | {base} | {by_induction} |");
-        ensure!(
-            base && step != Some(false),
-            "{unit} does not keep its promises"
-        );
+        let kept = base && step != Some(false);
+        ensure!(kept, "{unit} does not keep its promises");
         for mutation in mutations(&format!("proof of {}", proof.judge))? {
             let base = holds(proof, Some(&mutation), &proof.after_reset())?;
             let name = &mutation.name;
@@ -69,25 +71,6 @@ pub fn report() -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// The package that a unit is proven with. The whole primitive has tiles of 2 x 4 pixels, which are cleared within the
-/// cycles that are looked at.
-fn package_text(unit: &str) -> Result<String> {
-    let text = fs::read_to_string(rtl().join("lean18/splatline_pkg.sv"))?;
-    if unit != "splat_primitive" {
-        return Ok(text);
-    }
-    let mut small = text;
-    for (usual, few) in [
-        ("TILE_COLUMN_BITS = 5", "TILE_COLUMN_BITS = 1"),
-        ("BLOCK_BITS = 5", "BLOCK_BITS = 1"),
-        ("TILE_ROW_BITS = 5", "TILE_ROW_BITS = 2"),
-    ] {
-        ensure!(small.contains(usual), "the package has no '{usual}'");
-        small = small.replace(usual, few);
-    }
-    Ok(small)
 }
 
 /// A unit's file without its folder, and its text, with the mutation if it is in this one.
@@ -103,16 +86,16 @@ fn source(file: &str, mutation: Option<&Mutation>) -> Result<Source> {
 /// Do the properties hold, shown by the solver in this way?
 fn holds(proof: &Proof, mutation: Option<&Mutation>, way: &str) -> Result<bool> {
     let folder = tempfile::tempdir()?;
-    let mut sources = vec![("splatline_pkg.sv".to_owned(), package_text(proof.unit)?)];
+    let mut package = fs::read_to_string(rtl().join("lean18/splatline_pkg.sv"))?;
+    for (usual, few) in &proof.package {
+        package = replaced(&package, usual, few)?;
+    }
+    let mut sources = vec![("splatline_pkg.sv".to_owned(), package)];
     let packages = ["splatline_tables.sv", "splatline_math.sv"];
     for file in packages.iter().chain(&proof.files) {
         sources.push(source(file, mutation)?);
     }
     let paths = write(folder.path(), &sources)?;
-    let paths: Vec<String> = paths
-        .iter()
-        .map(|path| path.display().to_string())
-        .collect();
     // The units' own properties lie beside them; only the last file's are asked for here.
     let (last, others) = paths.split_last().context("a proof of no file")?;
     let Proof { unit, .. } = proof;

@@ -6,8 +6,7 @@
 //! which anything changes.
 
 use crate::bench::Channel;
-use crate::simulation::{Port, Simulation};
-use anyhow::Result;
+use crate::simulation::Simulation;
 use splatline_sim::scene::synthetic::Random;
 use std::collections::VecDeque;
 
@@ -56,17 +55,13 @@ pub struct Memory {
     writes: VecDeque<(u64, usize, [Option<u32>; 4])>,
     /// Requests for words, and words to be written.
     requests: [Channel; 2],
-    word_valid: Port,
-    word: Port,
-    settled: Port,
 }
 
 impl Memory {
     /// A memory with these words at the circuit's port. Nothing may be asked for before.
-    pub fn new(at: &Simulation, words: Vec<[u32; 4]>, timing: MemoryTiming) -> Result<Memory> {
+    pub fn new(at: &Simulation, words: Vec<[u32; 4]>, timing: MemoryTiming) -> Memory {
         let writing = ["write_address", "write_word", "write_strobe"];
-        let [word_valid, word, settled] = at.ports(["word_valid", "word", "settled"])?;
-        Ok(Memory {
+        Memory {
             words,
             read: 0,
             written: 0,
@@ -79,13 +74,10 @@ impl Memory {
             reads: VecDeque::new(),
             writes: VecDeque::new(),
             requests: [
-                Channel::new(at, "read", &["read_address"])?,
-                Channel::new(at, "write", &writing)?,
+                Channel::new(at, "read", &["read_address"]),
+                Channel::new(at, "write", &writing),
             ],
-            word_valid,
-            word,
-            settled,
-        })
+        }
     }
 
     /// The first half of a cycle: what the circuit sees, and its outputs.
@@ -101,11 +93,11 @@ impl Memory {
         for ((request, free), paused) in sides {
             circuit.set(request.ready, (!paused && self.now >= free).into());
         }
-        circuit.set(self.settled, self.writes.is_empty().into());
+        circuit.set(circuit.port("settled"), self.writes.is_empty().into());
         let arrived = self.reads.front().filter(|(due, _)| *due <= self.now);
-        circuit.set(self.word_valid, arrived.is_some().into());
+        circuit.set(circuit.port("word_valid"), arrived.is_some().into());
         if let Some((_, word)) = arrived {
-            circuit.set_words(self.word, word);
+            circuit.set_words(circuit.port("word"), word);
         }
         circuit.settle();
     }
@@ -113,7 +105,7 @@ impl Memory {
     /// The second half: what the circuit asks for, and the clock's edge.
     pub fn edge(&mut self, circuit: &mut Simulation) {
         let [reading, writing] = &self.requests;
-        if circuit.is(self.word_valid) {
+        if circuit.read("word_valid") == 1 {
             self.reads.pop_front();
         }
         self.idle += 1;
@@ -133,8 +125,8 @@ impl Memory {
             if address < self.words.len() {
                 let due = self.free[1] + self.timing.latency;
                 let lane = |lane| (strobe >> lane & 1 == 1).then_some(word[lane]);
-                self.writes
-                    .push_back((due, address, [0, 1, 2, 3].map(lane)));
+                let lanes = [0, 1, 2, 3].map(lane);
+                self.writes.push_back((due, address, lanes));
             } else {
                 self.beyond += 1;
             }

@@ -64,29 +64,32 @@ fn parse(line: &str, number: MutationNumber) -> Option<Mutation> {
 impl Mutation {
     /// The file's text with the mistake, whose place must be there once.
     pub fn applied(&self, text: &str) -> Result<String> {
-        let Mutation { file, from, to, .. } = self;
-        let places = text.matches(from.as_str()).count();
-        ensure!(
-            places == 1,
-            "{file}: '{from}' occurs {places} times, not once; adapt mutations.tsv"
-        );
-        Ok(text.replace(from, to))
+        let wrong = replaced(text, &self.from, &self.to);
+        wrong.with_context(|| format!("{}; adapt mutations.tsv", self.file))
     }
+}
+
+/// The text with another in the place of one that occurs once.
+pub fn replaced(text: &str, from: &str, to: &str) -> Result<String> {
+    let places = text.matches(from).count();
+    ensure!(places == 1, "'{from}' occurs {places} times, not once");
+    Ok(text.replace(from, to))
 }
 
 /// Sources with a choice for each of the mutations that can have one, and the numbers of those.
 pub fn with_choices(
-    sources: Vec<Source>,
+    mut sources: Vec<Source>,
     mutations: &[Mutation],
 ) -> Result<(Vec<Source>, Vec<MutationNumber>)> {
-    let (mut switched, mut all_chosen) = (Vec::new(), Vec::new());
-    for (name, text) in sources {
-        let own = mutations.iter().filter(|mutation| mutation.file == name);
-        let (text, chosen) = file_with_choices(&text, own).with_context(|| name.clone())?;
-        switched.push((name, text));
-        all_chosen.extend(chosen);
+    let mut chosen = Vec::new();
+    for (name, text) in &mut sources {
+        let own = mutations.iter().filter(|mutation| mutation.file == *name);
+        // A file without ports is a package.
+        if text.contains(PORTS_END) {
+            *text = file_with_choices(text, &own.collect::<Vec<_>>(), &mut chosen)?;
+        }
     }
-    Ok((switched, all_chosen))
+    Ok((sources, chosen))
 }
 
 /// What a module is told the number by: `+mutation=NUMBER`.
@@ -98,41 +101,32 @@ const NUMBER: &str = "
 /// The end of a module's ports.
 const PORTS_END: &str = "\n);\n";
 
-fn file_with_choices<'a>(
+fn file_with_choices(
     text: &str,
-    mutations: impl Iterator<Item = &'a Mutation>,
-) -> Result<(String, Vec<MutationNumber>)> {
-    let items = items(text);
-    let mut wrong: Vec<Vec<(MutationNumber, String)>> = vec![Vec::new(); items.len()];
-    let mut chosen = Vec::new();
-    for mutation in mutations {
-        let changed = mutation.applied(text)?;
-        let place = text.find(&mutation.from).context("its place is there")?;
-        let end = place + mutation.from.len();
-        let holds = |item: &Range<usize>| item.start <= place && end <= item.end;
-        // A file without ports is a package.
-        if let Some(index) = items.iter().position(holds)
-            && text.contains(PORTS_END)
-        {
-            let item = &items[index];
-            let end = item.end + changed.len() - text.len();
-            wrong[index].push((mutation.number, changed[item.start..end].to_owned()));
+    mutations: &[&Mutation],
+    chosen: &mut Vec<MutationNumber>,
+) -> Result<String> {
+    let (mut result, mut done) = (String::new(), 0);
+    for item in items(text) {
+        let right = &text[item.clone()];
+        let mut wrong = Vec::new();
+        for mutation in mutations.iter().filter(|own| right.contains(&own.from)) {
+            // In the item and nowhere else.
+            mutation.applied(text)?;
+            wrong.push((mutation.number, mutation.applied(right)?));
             chosen.push(mutation.number);
         }
-    }
-    if chosen.is_empty() {
-        return Ok((text.to_owned(), chosen));
-    }
-    let mut result = String::new();
-    let mut done = 0;
-    for (item, wrong) in items.iter().zip(&wrong).filter(|(_, w)| !w.is_empty()) {
-        result += &text[done..item.start];
-        result += &choice(&text[item.clone()], wrong)?;
-        done = item.end;
+        if !wrong.is_empty() {
+            result += &text[done..item.start];
+            result += &choice(right, &wrong)?;
+            done = item.end;
+        }
     }
     result += &text[done..];
-    let result = result.replacen(PORTS_END, &format!("{PORTS_END}{NUMBER}"), 1);
-    Ok((result, chosen))
+    if done > 0 {
+        result = result.replacen(PORTS_END, &format!("{PORTS_END}{NUMBER}"), 1);
+    }
+    Ok(result)
 }
 
 /// The choice between an item and its wrong texts.
@@ -176,10 +170,8 @@ fn items(text: &str) -> Vec<Range<usize>> {
     let (mut begin, mut column) = (0, usize::MAX);
     for line in text.split_inclusive('\n') {
         let words = line.trim_start();
-        let (place, end) = (
-            begin + line.len() - words.len(),
-            begin + line.trim_end().len(),
-        );
+        let place = begin + line.len() - words.len();
+        let end = begin + line.trim_end().len();
         let indentation = place - begin;
         begin += line.len();
         let ends = words.starts_with("end") || words.starts_with('}');
@@ -223,7 +215,8 @@ endmodule
 
     fn switched(mutations: &[Mutation]) -> (String, Vec<MutationNumber>) {
         let sources = vec![("unit.sv".to_owned(), UNIT.to_owned())];
-        let (mut sources, chosen) = with_choices(sources, mutations).unwrap();
+        let (mut sources, mut chosen) = with_choices(sources, mutations).unwrap();
+        chosen.sort_unstable();
         (sources.remove(0).1, chosen)
     }
 

@@ -1,4 +1,4 @@
-//! What Yosys and nextpnr write about a circuit, as far as it is read here.
+//! What Yosys writes about a circuit, as far as it is read here.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -71,10 +71,8 @@ impl NetlistCell {
     /// Bits of a memory; nothing of anything else. Parameters are binary numerals.
     pub fn memory_bits(&self) -> Option<u64> {
         let parameter = |name| u64::from_str_radix(self.parameters.get(name)?, 2).ok();
-        if !self.kind.starts_with("$mem") {
-            return None;
-        }
-        Some(parameter("SIZE")? * parameter("WIDTH")?)
+        let bits = parameter("SIZE")? * parameter("WIDTH")?;
+        self.kind.starts_with("$mem").then_some(bits)
     }
 
     /// What a pin of one bit is connected to.
@@ -100,46 +98,9 @@ impl NetlistCell {
 
     /// The nets that its inputs read.
     pub fn inputs(&self) -> impl Iterator<Item = u64> + '_ {
-        let is_input = |name| {
-            self.port_directions
-                .get(name)
-                .is_none_or(|way| way != "output")
-        };
+        let way = |name| self.port_directions.get(name).map(String::as_str);
         let pins = self.connections.iter();
-        let pins = pins.filter(move |(name, _)| is_input(name.as_str()));
+        let pins = pins.filter(move |(name, _)| way(*name) != Some("output"));
         pins.flat_map(|(_, bits)| bits.iter().filter_map(Bit::net))
     }
-}
-
-/// nextpnr's report.
-#[derive(Deserialize)]
-pub struct PlacerReport {
-    pub fmax: BTreeMap<String, ClockReport>,
-    pub critical_paths: Vec<PathReport>,
-}
-
-#[derive(Deserialize)]
-pub struct ClockReport {
-    pub achieved: f64,
-}
-
-#[derive(Deserialize)]
-pub struct PathReport {
-    pub from: String,
-    pub to: String,
-    pub path: Vec<StepReport>,
-}
-
-#[derive(Deserialize)]
-pub struct StepReport {
-    pub delay: f64,
-    #[serde(rename = "type")]
-    pub kind: String,
-    pub from: EndReport,
-    pub to: EndReport,
-}
-
-#[derive(Deserialize)]
-pub struct EndReport {
-    pub cell: String,
 }

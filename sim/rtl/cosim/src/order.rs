@@ -5,16 +5,16 @@ use crate::bench::Bench;
 use crate::memory::{Memory, MemoryTiming, noise, timing};
 use crate::package::TILE;
 use crate::scenes::{SCENES, Seen, scenes};
-use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation};
+use crate::simulation::Simulation;
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing};
 use anyhow::{Result, bail, ensure};
 use splatline::footprint::Footprint;
 use splatline::footprint::depth::KEY_BITS;
-use splatline::format::Traversal;
 use splatline::setup::Cull;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::{self, Options};
 use splatline_sim::machine::workload::{Workload, extract_from};
-use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::rules::Rules;
 use splatline_sim::scene::synthetic::Random;
 
 /// A visible splat as the sorter takes it.
@@ -29,7 +29,6 @@ pub struct SortedSplat {
 }
 
 /// A picture's splats in the order of the scene, and what is to come of them.
-#[derive(Clone, Debug)]
 pub struct OrderLoad {
     /// Columns and rows of tiles.
     pub size: [u16; 2],
@@ -42,9 +41,7 @@ pub struct OrderLoad {
 impl SortedSplat {
     /// The word of the memory.
     pub fn word(&self) -> [u32; 4] {
-        let [first, last] = self.tiles;
-        let places = [first[0], first[1], last[0], last[1]];
-        let places = places.iter().rev();
+        let places = self.tiles.as_flattened().iter().rev();
         let places = places.fold(0u128, |word, place| word << 12 | u128::from(*place & 0xfff));
         let word = places << 80 | u128::from(self.number) << 48 | u128::from(self.key);
         [0, 32, 64, 96].map(|bit| (word >> bit) as u32)
@@ -52,22 +49,19 @@ impl SortedSplat {
 }
 
 impl OrderLoad {
-    /// A load whose lists follow from boxes and keys, tile by tile: slow and plain.
+    /// A load whose lists follow from boxes and keys, splat by splat: slow and plain.
     fn plain(size: [u16; 2], splats: Vec<SortedSplat>) -> OrderLoad {
+        let [columns, rows] = size.map(usize::from);
         let mut load = OrderLoad {
             size,
             splats,
-            lists: Vec::new(),
+            lists: vec![Vec::new(); columns * rows],
         };
-        let sorted = load.sorted();
-        for row in 0..size[1] {
-            for column in 0..size[0] {
-                let meets = |splat: &&SortedSplat| {
-                    let [first, last] = splat.tiles;
-                    (first[0]..=last[0]).contains(&column) && (first[1]..=last[1]).contains(&row)
-                };
-                let list = sorted.iter().filter(meets).map(|splat| splat.number);
-                load.lists.push(list.collect());
+        for splat in load.sorted() {
+            let [first, last] = splat.tiles.map(|place| place.map(usize::from));
+            for row in first[1]..=last[1] {
+                let lists = &mut load.lists[row * columns..][first[0]..=last[0]];
+                lists.iter_mut().for_each(|list| list.push(splat.number));
             }
         }
         load
@@ -93,12 +87,7 @@ pub fn ordered(
     design: &DesignChoice,
     rules: &Rules,
 ) -> (Vec<Result<Footprint, Cull>>, Workload, OrderLoad) {
-    let options = Options {
-        rules,
-        compositing: Compositing::FrontToBack,
-        design,
-        traversal: Traversal::Spans,
-    };
+    let options = Options::front_to_back(rules, design);
     let footprints = fixed::footprints(&seen.scene, &seen.camera, &options);
     let workload = extract_from(&footprints, &seen.camera, &options, TILE);
     let size = [seen.camera.width, seen.camera.height];
@@ -123,34 +112,34 @@ pub fn ordered(
     (footprints, workload, load)
 }
 
+/// The last key.
+const LAST: u64 = (1 << KEY_BITS) - 1;
+
+/// A key by its place among those of a load.
+type Key = fn(u64, &mut Random) -> u64;
+
 /// No splat, one, all keys equal, all keys but one, upside down, in order already, single bits, and random ones with
-/// many equals.
+/// many equals: how many keys there are, and each of them.
+const HARD: [(&str, u64, Key); 10] = [
+    ("none", 0, |_, _| 0),
+    ("one", 1, |_, _| LAST),
+    ("equal keys", 300, |_, _| 0x1234_5678_9abc),
+    ("all keys but one", 300, |i, _| u64::from(i != 299) << 20),
+    ("reversed", 600, |i, _| LAST - i * 7),
+    ("sorted", 600, |i, _| i << 30),
+    ("single bits", 48, |i, _| 1 << (47 - i)),
+    ("first digit alone", 99, |i, _| i % 3),
+    ("few keys", 900, |_, random| (random.next() % 5) << 37),
+    ("random keys", 900, |_, random| random.next() & LAST),
+];
+
+/// Splats with the keys of `HARD`.
 pub fn hard() -> Loads<OrderLoad> {
-    let last = (1u64 << KEY_BITS) - 1;
     let mut random = Random(3);
+    let mut keys_of = |count, key: Key| (0..count).map(|i| key(i, &mut random)).collect::<Vec<_>>();
+    let all = HARD.map(|(name, count, key)| (name, keys_of(count, key)));
     let mut loads = Vec::new();
-    let keys: [(&str, Vec<u64>); 10] = [
-        ("none", vec![]),
-        ("one", vec![last]),
-        ("equal keys", vec![0x1234_5678_9abc; 300]),
-        (
-            "all keys but one",
-            (0..300).map(|i| u64::from(i != 299) << 20).collect(),
-        ),
-        ("reversed", (0..600u64).map(|i| last - i * 7).collect()),
-        ("sorted", (0..600u64).map(|i| i << 30).collect()),
-        ("single bits", (0..48u64).rev().map(|i| 1 << i).collect()),
-        ("first digit alone", (0..99u64).map(|i| i % 3).collect()),
-        (
-            "few keys",
-            (0..900).map(|_| (random.next() % 5) << 37).collect(),
-        ),
-        (
-            "random keys",
-            (0..900).map(|_| random.next() & last).collect(),
-        ),
-    ];
-    for (name, keys) in keys {
+    for (name, keys) in all {
         let size = [9, 7].map(|end| 1 + (random.next() % end) as u16);
         let splats = (0..).zip(keys).map(|(index, key)| SortedSplat {
             // Numbers have gaps where splats were culled.
@@ -187,15 +176,10 @@ const TIMINGS: [(MemoryTiming, u64); 4] = [
 const PATIENCE: u64 = 1 << 17;
 
 impl Load for OrderLoad {
-    fn pressures(_: &Circuit) -> usize {
-        TIMINGS.len()
-    }
+    const WAYS: usize = TIMINGS.len();
 
     fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<OrderLoad>> {
-        let (names, size): (&[_], _) = match extent {
-            Extent::Quick => (&["playbot"], 128),
-            Extent::Full => (&SCENES, 512),
-        };
+        let (names, size) = extent.of((&["playbot"][..], 128), (&SCENES, 512));
         let mut loads = hard();
         for seen in scenes(names, size, missing)? {
             let (.., load) = ordered(&seen, &circuit.design, &seen.scene.natural_rules);
@@ -204,13 +188,12 @@ impl Load for OrderLoad {
         Ok(loads)
     }
 
-    fn compare(&self, _: &Circuit, simulation: Simulation, pressure: usize) -> Result<Findings> {
+    fn compare(&self, _: &Circuit, mut bench: Bench, pressure: usize) -> Result<Findings> {
         let (timing, interval) = TIMINGS[pressure];
         if timing.full && self.entries() == 0 {
             return Ok(Findings::default());
         }
         let room = self.entries() - usize::from(timing.full);
-        let mut bench = Bench::new(simulation, 1)?;
         let count = self.splats.len();
         let lists = 7 + 2 * count;
         bench.set(&[
@@ -220,11 +203,11 @@ impl Load for OrderLoad {
             ("tile_columns", self.size[0].into()),
             ("tiles", self.lists.len() as u64),
             ("most", room as u64),
-        ])?;
+        ]);
         // Bits of nothing in all places of the memory, a word or more between any two regions.
         let (mut words, mut random) = (Vec::new(), Random(1));
         words.resize_with(lists + room.div_ceil(4), || noise(&mut random));
-        let mut memory = Memory::new(&bench.circuit, words, timing)?;
+        let mut memory = Memory::new(&bench.circuit, words, timing);
         let mut findings = Findings::default();
         // Twice or once: neither what a picture leaves behind nor what registers hold before the first must reach the
         // one that is judged.
@@ -233,26 +216,23 @@ impl Load for OrderLoad {
         }
         findings.compared = count as u64;
         findings.counts = vec![
-            ("entries", bench.circuit.read("entries")?),
+            ("entries", bench.circuit.read("entries")),
             ("words read", memory.read),
             ("words written", memory.written),
         ];
         let mut ends = Vec::new();
         for tile in 0..self.lists.len() {
-            bench.set(&[("end_tile", tile as u64)])?;
+            bench.set(&[("end_tile", tile as u64)]);
             memory.cycle(&mut bench.circuit);
-            ends.push(bench.circuit.read("end_place")? as usize);
+            ends.push(bench.circuit.read("end_place") as usize);
         }
-        let full = bench.circuit.read("full")? == 1;
+        let full = bench.circuit.read("full") == 1;
         findings.first_difference = memory.astray(full);
         if findings.first_difference.is_none() && !full {
-            let splats = bench.circuit.read("splats")?;
-            let sorted = memory
-                .words
-                .iter()
-                .skip(bench.circuit.read("sorted")? as usize);
+            let splats = bench.circuit.read("splats");
+            let sorted = memory.words.get(bench.circuit.read("sorted") as usize..);
             let lists = memory.words[lists..].as_flattened();
-            let order = order_difference(self, splats, sorted);
+            let order = order_difference(self, splats, sorted.unwrap_or_default());
             findings.first_difference = order.or_else(|| list_difference(self, lists, &ends));
         }
         Ok(findings)
@@ -266,8 +246,8 @@ fn order(
     load: &OrderLoad,
     interval: u64,
 ) -> Result<u64> {
-    let [begins, ends, done] = circuit.ports(["begins", "ends", "done"])?;
-    let [valid, ready, word] = circuit.ports(["in_valid", "in_ready", "in"])?;
+    let [begins, ends, done] = circuit.ports(["begins", "ends", "done"]);
+    let [valid, ready, word] = circuit.ports(["in_valid", "in_ready", "in"]);
     circuit.set(ends, 0);
     circuit.set(begins, 1);
     memory.cycle(circuit);
@@ -297,17 +277,13 @@ fn order(
     bail!("the sorter hangs")
 }
 
-fn order_difference<'a>(
-    load: &OrderLoad,
-    splats: u64,
-    mut sorted: impl Iterator<Item = &'a [u32; 4]>,
-) -> Option<String> {
+fn order_difference(load: &OrderLoad, splats: u64, sorted: &[[u32; 4]]) -> Option<String> {
     let wanted = load.sorted();
     if splats != wanted.len() as u64 {
         return Some(format!("{splats} splats, not {}", wanted.len()));
     }
-    let mut wanted = wanted.iter();
-    let place = wanted.position(|splat| sorted.next() != Some(&splat.word()))?;
+    let mut wanted = wanted.iter().enumerate();
+    let (place, _) = wanted.find(|(place, splat)| sorted.get(*place) != Some(&splat.word()))?;
     Some(format!("another splat at place {place} of the order"))
 }
 

@@ -5,16 +5,20 @@
 
 use anyhow::{Result, bail, ensure};
 use splatline::footprint::packet::{Layout, VERSION};
-use splatline::format::{Rounding, Traversal, Widths};
+use splatline::format::{Rounding, Traversal, WIDTH_RANGES, Widths};
 use splatline::raster::{BLOCK, GUARD, vertical_fraction};
 use splatline::rules::Rules;
 use splatline_sim::fixed::table_entries;
 pub use splatline_sim::machine::primitive::TILE;
+use std::fmt::Display;
 
 /// Base-2 logarithms of a tile's columns and rows. The columns are a seed block's, so that a row is one run from its
 /// seed on.
 const TILE_BITS: [u32; 2] = [TILE[0].ilog2(), TILE[1].ilog2()];
 const _: () = assert!(TILE[0] == BLOCK && TILE[0].is_power_of_two() && TILE[1].is_power_of_two());
+
+/// The package, but for its numbers, its name, the packet's fields and the types.
+const TEXT: &str = include_str!("../templates/package.txt");
 
 /// Types of the units' interfaces, in terms of the generated widths.
 const TYPES: &str = include_str!("../../types.svh");
@@ -38,10 +42,8 @@ fn check(widths: &Widths) -> Result<()> {
     let (radial, interpolation) = (widths.radial, widths.interpolation);
     let (alpha, accumulator) = (widths.alpha, widths.accumulator);
     let finest = (radial + 4).saturating_sub(widths.table);
-    let (opacity, share) = (
-        widths.peak + widths.weight,
-        widths.transmittance + widths.colour,
-    );
+    let opacity = widths.peak + widths.weight;
+    let share = widths.transmittance + widths.colour;
     ensure!(
         widths.rounding != Rounding::Truncate,
         "rounding = truncate: the circuit rounds to nearest"
@@ -70,72 +72,44 @@ pub fn text(name: &str, widths: &Widths) -> Result<String> {
     if let Err(refusal) = check(widths) {
         bail!("there is no circuit for design '{name}': {refusal}");
     }
-    let head = format!(
-        "// Design {name}: widths and packet of the kernel. Generated, not to be edited:\n\
-         // `cargo run -p splatline-rtl --example rtl -- package`\n\
-         package splatline_pkg;\n\n"
-    );
-    let layout = Layout::new(widths, Traversal::Spans);
-    let (parameters, footprint) = (parameters(widths, &layout), footprint(&layout));
-    Ok([&head, &parameters, &footprint, TYPES, "endpackage\n"].concat())
-}
-
-fn parameters(widths: &Widths, layout: &Layout) -> String {
     let kinds = [Rules::EWA, Rules::GAUSSIAN_3D];
     let steps = kinds.iter().flat_map(|rules| table(widths, rules));
-    let steps = steps
-        .map(|[_, step]| u32::BITS - step.leading_zeros())
-        .max();
-    let steps = steps.unwrap_or(1);
-    let Widths {
-        mantissa,
-        subpixel,
-        radial,
-        table,
-        interpolation,
-        weight,
-        peak,
-        alpha,
-        transmittance,
-        colour,
-        accumulator,
-        ..
-    } = *widths;
-    let (range, block, bits) = (widths.colour_range(), BLOCK.ilog2(), layout.bits());
-    let [colour_bits, sum] = [colour + range, accumulator + range + 1];
-    let even = u8::from(widths.rounding == Rounding::NearestEven);
-    let [columns, rows] = TILE_BITS;
-    let vertical = vertical_fraction(widths);
-    format!(
-        "  localparam int MANTISSA = {mantissa};  // magnitude bits of a mantissa
-  localparam int SUBPIXEL = {subpixel};  // fraction bits of a centre
-  localparam int RADIAL = {radial};  // fraction bits of the radial index
-  localparam int TABLE = {table};  // log2 of the footprint table's intervals
-  localparam int INTERPOLATION = {interpolation};  // bits of the position within an interval
-  localparam int WEIGHT = {weight};  // fraction bits of a table entry
-  localparam int STEP_BITS = {steps};  // bits of the largest step between two entries
-  localparam int PEAK = {peak};  // fraction bits of a peak opacity
-  localparam int ALPHA = {alpha};  // fraction bits of an opacity
-  localparam int TRANSMITTANCE = {transmittance};  // fraction bits of the deep alpha channel
-  localparam int COLOUR = {colour};  // fraction bits of a splat's colour
-  localparam int COLOUR_BITS = {colour_bits};  // and all of them
-  localparam int ACCUMULATOR = {accumulator};  // fraction bits of a pixel's colour
-  localparam int SUM_BITS = {sum};  // and all of them, see blend.sv
-  localparam logic TIES_TO_EVEN = 1'b{even};  // rounding of opacity, share and sums: halves to even, or up
-  localparam int BLOCK_BITS = {block};  // log2 of the columns, and of the rows, between two seeds
-  localparam int GUARD = {GUARD};  // bits below the lanes' and the rows' units from which seeds are balanced
-  localparam int VERTICAL = {vertical};  // fraction bits of C dy^2 down the rows
-  localparam int TILE_COLUMN_BITS = {columns};  // log2 of a tile's columns
-  localparam int TILE_ROW_BITS = {rows};  // log2 of a tile's rows
-  localparam int PACKET_BITS = {bits};  // bits of a packet
-  localparam logic [3:0] PACKET_VERSION = 4'd{VERSION};
-
-"
-    )
+    let steps = steps.map(|[_, step]| u32::BITS - step.leading_zeros());
+    let (layout, range) = (Layout::new(widths, Traversal::Spans), widths.colour_range());
+    let ranges = WIDTH_RANGES.iter().zip(widths.numbers());
+    let text = ranges.fold(TEXT.to_owned(), |text, ((width, ..), bits)| {
+        filled(&text, &[(width, &bits)])
+    });
+    Ok(filled(
+        &text,
+        &[
+            ("name", &name),
+            ("steps", &steps.max().unwrap_or(1)),
+            ("colour_bits", &(widths.colour + range)),
+            ("sum", &(widths.accumulator + range + 1)),
+            ("even", &u8::from(widths.rounding == Rounding::NearestEven)),
+            ("block", &BLOCK.ilog2()),
+            ("guard", &GUARD),
+            ("vertical", &vertical_fraction(widths)),
+            ("columns", &TILE_BITS[0]),
+            ("rows", &TILE_BITS[1]),
+            ("bits", &layout.bits()),
+            ("version", &VERSION),
+            ("fields", &fields(&layout)),
+            ("types", &TYPES),
+        ],
+    ))
 }
 
-/// The packet as a packed struct: its first field is the least significant, so the order is reversed.
-fn footprint(layout: &Layout) -> String {
+/// A text with values in the places of their names, each written `@name@`.
+pub fn filled(text: &str, values: &[(&str, &dyn Display)]) -> String {
+    values.iter().fold(text.to_owned(), |text, (name, value)| {
+        text.replace(&format!("@{name}@"), &value.to_string())
+    })
+}
+
+/// The fields of the packet as a packed struct: the first one is the least significant, so the order is reversed.
+fn fields(layout: &Layout) -> String {
     let fields = layout.fields().iter().rev().filter(|field| field.width > 0);
     let lines = fields.map(|field| {
         let sign = if field.signed { "signed " } else { "" };
@@ -143,20 +117,16 @@ fn footprint(layout: &Layout) -> String {
             0 => String::new(),
             bits => format!("  // {bits} fraction bits"),
         };
-        format!(
-            "    logic {sign}[{}:0] {};{format}\n",
-            field.width - 1,
-            field.name
-        )
+        let (name, high) = (field.name, field.width - 1);
+        format!("    logic {sign}[{high}:0] {name};{format}\n")
     });
-    let lines: String = lines.collect();
-    format!("  typedef struct packed {{\n{lines}  }} footprint_t;\n\n")
+    lines.collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use splatline::format::{Classic8, Deep32, Lean18, Standard24, WIDTH_RANGES};
+    use splatline::format::{Classic8, Deep32, Lean18, Standard24};
 
     #[test]
     fn every_design_has_a_package_or_a_refusal_that_names_a_width() {

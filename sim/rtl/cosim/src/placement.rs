@@ -7,10 +7,12 @@
 use crate::area::cells;
 use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
 use crate::machine::unit;
-use crate::netlist::{Netlist, NetlistPort, PathReport, PlacerReport};
+use crate::netlist::{Netlist, NetlistPort};
+use crate::package::filled;
 use crate::registers;
 use crate::tools::{first_that_runs, json, printed, run, yosys};
 use anyhow::{Context, Result};
+use serde_json::Value;
 use splatline_sim::atomic;
 use splatline_sim::machine::area::Fabric;
 use std::collections::BTreeMap;
@@ -79,7 +81,7 @@ pub fn report(words: &str, seed: Option<u32>) -> Result<()> {
     let seeds = seed.map_or(SEEDS.to_vec(), |seed| vec![seed]);
     for circuit in circuits(words)? {
         let folder = tempfile::tempdir()?;
-        let counts = netlist(&circuit, folder.path())?.cells();
+        let counts = netlist(&circuit, folder.path())?.1.cells();
         for seed in &seeds {
             let started = Instant::now();
             let (mhz, path) = placed(folder.path(), *seed, placer_options(&circuit))?;
@@ -95,7 +97,7 @@ pub fn report(words: &str, seed: Option<u32>) -> Result<()> {
 pub fn bitstream(circuit: &Circuit, file: &Path) -> Result<String> {
     let packer = first_that_runs(PACKERS)?;
     let folder = tempfile::tempdir()?;
-    let fabric = netlist(circuit, folder.path())?;
+    let (_, fabric) = netlist(circuit, folder.path())?;
     let options = format!("{} --textcfg circuit.config", placer_options(circuit));
     let (mhz, path) = placed(folder.path(), SEEDS[0], &options)?;
     run(Command::new(packer)
@@ -113,9 +115,9 @@ pub fn bitstream(circuit: &Circuit, file: &Path) -> Result<String> {
 fn version() -> Result<String> {
     let tool = first_that_runs(PLACERS)?;
     let words = printed(Command::new(tool).arg("--version"))?;
-    let version = words.split_once("(Version ");
-    let version = version.and_then(|(_, rest)| rest.split_once(')'));
-    let version = version.map_or("", |(version, _)| version);
+    let mut parts = words.split(['(', ')']);
+    let version = parts.find_map(|part| part.strip_prefix("Version "));
+    let version = version.unwrap_or_default();
     Ok(format!("{tool} {version}"))
 }
 
@@ -132,7 +134,7 @@ fn placed(folder: &Path, seed: u32, options: &str) -> Result<(f64, String)> {
 }
 
 /// The file that [`netlist`] writes.
-pub const NETLIST: &str = "netlist.json";
+const NETLIST: &str = "netlist.json";
 
 /// The module in it.
 pub const WRAPPER: &str = "wrapper";
@@ -142,10 +144,10 @@ pub const WRAPPER: &str = "wrapper";
 const CONGESTION: (&str, &str) = ("router2/currCongWeightMult", "0.7");
 
 /// Any three pins near each other.
-const PLACES: [(&str, &str); 3] = [("clk", "P6"), ("serial_in", "N6"), ("serial_out", "P5")];
+const PINS: &str = include_str!("../templates/pins.lpf");
 
-/// Synthesises a circuit between registers into [`NETLIST`], with registers moved into multipliers and memories.
-pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
+/// Synthesises a circuit between registers into `netlist.json`, with registers moved into multipliers and memories.
+pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<(Netlist, Fabric)> {
     let unit = circuit.unit.top;
     let read = circuit.read_command(folder)?;
     let path = |name: &str| folder.join(name);
@@ -169,13 +171,8 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<Fabric> {
         module.settings.insert(name.to_owned(), value.to_owned());
     }
     fs::write(path(NETLIST), serde_json::to_vec(&wired)?)?;
-    let pins = PLACES.map(|(port, site)| {
-        format!(
-            "LOCATE COMP \"{port}\" SITE \"{site}\";\nIOBUF PORT \"{port}\" IO_TYPE=LVCMOS33;\n"
-        )
-    });
-    fs::write(path("pins.lpf"), pins.concat())?;
-    Ok(fabric)
+    fs::write(path("pins.lpf"), PINS)?;
+    Ok((wired, fabric))
 }
 
 /// The unit between shift registers. The outputs are loaded while the last input bit is set, and shifted out otherwise:
@@ -191,51 +188,40 @@ fn wrapper(circuit: &Circuit, ports: &BTreeMap<String, NetlistPort>) -> String {
         wires += &format!(",\n    .{name}({vector}[{last}:{first}])");
     }
     let [inputs, outputs] = widths;
-    let (last_input, last, loads) = (inputs - 1, outputs - 1, outputs / 64);
     let parameters = circuit.parameters.iter();
     let parameters = parameters.map(|(name, value)| format!(".{name}({value})"));
-    let (unit, parameters) = (circuit.unit.top, parameters.collect::<Vec<_>>().join(", "));
-    format!(
-        "module wrapper (input logic clk, input logic serial_in, output logic serial_out);
-  logic [{inputs}:0] inputs;
-  logic [{last}:0] outputs, sampled, shifted;
-  logic [{loads}:0] loads;
-  {unit} #({parameters}) placed (
-    .clk{wires}
-  );
-  assign shifted = sampled << 1;
-  always_ff @(posedge clk) begin
-    inputs <= {{inputs[{last_input}:0], serial_in}};
-    loads <= {{loads, inputs[{inputs}]}};
-    for (int n = 0; n <= {last}; n++) sampled[n] <= loads[n/64] ? outputs[n] : shifted[n];
-    serial_out <= sampled[{last}];
-  end
-endmodule
-"
+    filled(
+        include_str!("../templates/wrapper.txt"),
+        &[
+            ("unit", &circuit.unit.top),
+            ("parameters", &parameters.collect::<Vec<_>>().join(", ")),
+            ("wires", &wires),
+            ("inputs", &inputs),
+            ("last_input", &(inputs - 1)),
+            ("last", &(outputs - 1)),
+            ("loads", &(outputs / 64)),
+        ],
     )
 }
 
 /// Fmax of the only clock in nextpnr's report, and its slowest path: from and to which cells it leads, and its
 /// nanoseconds.
-fn timing(report: &PlacerReport) -> Option<(f64, String)> {
-    let inner = |path: &&PathReport| {
-        let ends = [&path.from, &path.to];
-        ends.iter().all(|end| end.starts_with("posedge"))
-    };
-    let steps = &report.critical_paths.iter().find(inner)?.path;
-    let (from, to) = (&steps.first()?.from.cell, &steps.last()?.to.cell);
+fn timing(report: &Value) -> Option<(f64, String)> {
+    let begins =
+        |word: &Value, with: &str| word.as_str().is_some_and(|word| word.starts_with(with));
+    let inner = |path: &&Value| begins(&path["from"], "posedge") && begins(&path["to"], "posedge");
+    let paths = report["critical_paths"].as_array()?;
+    let steps = paths.iter().find(inner)?["path"].as_array()?;
+    let from = readable(steps.first()?["from"]["cell"].as_str()?);
+    let to = readable(steps.last()?["to"]["cell"].as_str()?);
     let sum = |kind: &str| -> f64 {
-        let of_kind = steps.iter().filter(|step| step.kind.starts_with(kind));
-        of_kind.map(|step| step.delay).sum()
+        let of_kind = steps.iter().filter(|step| begins(&step["type"], kind));
+        of_kind.filter_map(|step| step["delay"].as_f64()).sum()
     };
-    let path = format!(
-        "{} to {}: {:.1} ns (wires {:.1})",
-        readable(from),
-        readable(to),
-        sum(""),
-        sum("routing")
-    );
-    Some((report.fmax.values().next()?.achieved, path))
+    let (all, wires) = (sum(""), sum("routing"));
+    let path = format!("{from} to {to}: {all:.1} ns (wires {wires:.1})");
+    let clock = report["fmax"].as_object()?.values().next()?;
+    Some((clock["achieved"].as_f64()?, path))
 }
 
 /// A cell's name without what tools appended: `placed.over.depth_word_TRELLIS_FF_DI_3` is `over.depth_word`.

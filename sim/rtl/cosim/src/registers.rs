@@ -98,8 +98,7 @@ pub fn move_in(netlist: &mut Netlist, top: &str) -> Result<u64> {
 /// The pin of an enable, as long as there is one left.
 fn number(enables: &mut Vec<Bit>, enable: &Bit) -> Option<&'static str> {
     let known = enables.iter().position(|known| known == enable);
-    let number = known.unwrap_or(enables.len());
-    let pin = ENABLES.get(number)?;
+    let pin = ENABLES.get(known.unwrap_or(enables.len()))?;
     if known.is_none() {
         enables.push(enable.clone());
     }
@@ -213,13 +212,12 @@ fn take_memory_words(cell: &mut NetlistCell, wiring: &Wiring, gone: &mut HashSet
     let together = if widths.contains(&Some(PAIRED)) { 2 } else { 1 };
     for sides in ["A", "B"].chunks(together) {
         let of_side = |side| (0..FACTOR).map(move |bit| format!("DO{side}{bit}"));
-        let Some(pins) = wiring.behind(cell, sides.iter().flat_map(of_side)) else {
-            continue;
-        };
-        take_words(cell, &pins, gone);
-        for side in sides {
-            cell.set(&format!("REGMODE_{side}"), "OUTREG");
-            cell.connect(&format!("OCE{side}"), &pins[0].1.enable);
+        if let Some(pins) = wiring.behind(cell, sides.iter().flat_map(of_side)) {
+            take_words(cell, &pins, gone);
+            for side in sides {
+                cell.set(&format!("REGMODE_{side}"), "OUTREG");
+                cell.connect(&format!("OCE{side}"), &pins[0].1.enable);
+            }
         }
     }
 }
@@ -240,10 +238,7 @@ fn written_alike<'a>(cells: impl Iterator<Item = &'a NetlistCell>) -> HashMap<u6
 
 /// The flip-flop as one that may move, unless it has a reset, an inverted clock or enable, or begins with 1.
 fn register(name: &str, cell: &NetlistCell, alike: &HashMap<u64, u64>) -> Option<Register> {
-    let setting = |key: &str, usual: &'static str| match cell.parameters.get(key) {
-        Some(text) => text.trim(),
-        None => usual,
-    };
+    let setting = |name, usual| cell.parameters.get(name).map_or(usual, |text| text.trim());
     let is_plain = setting("CLKMUX", "CLK") == "CLK"
         && setting("REGSET", "RESET") == "RESET"
         && cell.pin("LSR").is_none_or(|reset| reset.is("0"));

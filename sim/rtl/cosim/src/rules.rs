@@ -8,7 +8,7 @@ use splatline::format::Widths;
 use splatline::rules::Rules;
 
 /// Drives the rules at the design's widths and writes the footprint table.
-pub fn write_rules(bench: &mut Bench, widths: &Widths, rules: &Rules) -> Result<()> {
+pub fn write_rules(bench: &mut Bench, widths: &Widths, rules: &Rules) {
     let constants = Blend::new(widths, rules).constants();
     let transmittance = constants.minimum_transmittance;
     bench.set(&[
@@ -18,16 +18,16 @@ pub fn write_rules(bench: &mut Bench, widths: &Widths, rules: &Rules) -> Result<
         ("omit_finishing", constants.omit_finishing.into()),
         ("wide_table", (rules.table_range == 4).into()),
         ("table_valid", 1),
-    ])?;
+    ]);
     for (index, [low, step]) in (0..).zip(table(widths, rules)) {
         bench.set(&[
             ("table_index", index),
             ("table_low", low.into()),
             ("table_step", step.into()),
-        ])?;
+        ]);
         bench.cycle();
     }
-    bench.set(&[("table_valid", 0)])
+    bench.set(&[("table_valid", 0)]);
 }
 
 /// The registers of an AXI shell and the words that tell it the rules at the design's widths, in the order of writing.

@@ -8,7 +8,6 @@ use splatline_sim::scene::{self, Scene, synthetic};
 use std::path::Path;
 
 /// A scene, seen.
-#[derive(Clone)]
 pub struct Seen {
     pub name: &'static str,
     pub scene: Scene,
@@ -60,20 +59,18 @@ fn resized(camera: Camera, size: usize) -> Camera {
 
 /// A scene with its camera for so many pixels a side, by a name of [`SCENES`]; nothing where its data is missing.
 fn seen(name: &'static str, size: usize) -> Result<Option<Seen>> {
-    let file = match name {
-        "guitar" => Some("gaussians/guitar.ply"),
-        "playbot" => Some("gaussians/playbot_lod4.ply"),
-        "lion" => Some("points/lion_takanawa.ply"),
-        "aneurism" => Some("volumes/aneurism.nhdr"),
-        _ => None,
-    };
     let shared = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data");
-    let file = file.map(|file| Path::new(shared).join(file));
-    let scene = match (name, file) {
-        (_, None) => synthetic::deep_stack(1),
-        (_, Some(file)) if !file.exists() => return Ok(None),
-        ("lion", Some(file)) => spheres::as_spheres(&points::load(&file)?, spheres::LION_DEVIATION),
-        (_, Some(file)) => scene::load(&file, &Default::default())?,
+    let file = Path::new(shared).join(match name {
+        "guitar" => "gaussians/guitar.ply",
+        "playbot" => "gaussians/playbot_lod4.ply",
+        "lion" => "points/lion_takanawa.ply",
+        _ => "volumes/aneurism.nhdr",
+    });
+    let scene = match name {
+        "deep stack" => synthetic::deep_stack(1),
+        _ if !file.exists() => return Ok(None),
+        "lion" => spheres::as_spheres(&points::load(&file)?, spheres::LION_DEVIATION),
+        _ => scene::load(&file, &Default::default())?,
     };
     let looking = |eye, target, up, degrees| Camera::look_at(eye, target, up, degrees, size, size);
     let camera = match name {

@@ -4,6 +4,7 @@
 use crate::mutation::MutationNumber;
 use anyhow::{Context, Result};
 use libloading::Library;
+use std::collections::HashMap;
 use std::ffi::{CStr, c_char, c_void};
 use std::path::Path;
 
@@ -12,7 +13,8 @@ pub struct Simulation {
     state: *mut c_void,
     eval: unsafe extern "C" fn(*mut c_void, u8),
     destroy: unsafe extern "C" fn(*mut c_void),
-    ports: Vec<(String, PortData)>,
+    ports: Vec<PortData>,
+    names: HashMap<String, Port>,
     /// Keeps the code loaded.
     _library: Library,
 }
@@ -49,34 +51,32 @@ impl Simulation {
                 eval: *library.get(b"circuit_eval")?,
                 destroy: *library.get(b"circuit_destroy")?,
                 ports: Vec::new(),
+                names: HashMap::new(),
                 _library: library,
             };
             let mut found: PortData = std::mem::zeroed();
             while port(simulation.state, simulation.ports.len(), &mut found) {
                 let name = CStr::from_ptr(found.name).to_str()?.to_owned();
-                simulation.ports.push((name, found));
+                let place = Port(simulation.ports.len());
+                simulation.names.insert(name, place);
+                simulation.ports.push(found);
                 if found.is_input {
-                    simulation.set(Port(simulation.ports.len() - 1), 0);
+                    simulation.set(place, 0);
                 }
             }
             Ok(simulation)
         }
     }
 
-    /// The port of this name.
-    pub fn port(&self, name: &str) -> Result<Port> {
-        let place = self.ports.iter().position(|port| port.0 == name);
-        let place = place.with_context(|| format!("the circuit has no port '{name}'"))?;
-        Ok(Port(place))
+    /// The port of this name; panics if the circuit has none.
+    pub fn port(&self, name: &str) -> Port {
+        let port = self.names.get(name);
+        *port.unwrap_or_else(|| panic!("the circuit has no port '{name}'"))
     }
 
     /// The ports of these names.
-    pub fn ports<const N: usize>(&self, names: [&str; N]) -> Result<[Port; N]> {
-        let mut ports = [Port(0); N];
-        for (port, name) in ports.iter_mut().zip(names) {
-            *port = self.port(name)?;
-        }
-        Ok(ports)
+    pub fn ports<const N: usize>(&self, names: [&str; N]) -> [Port; N] {
+        names.map(|name| self.port(name))
     }
 
     /// Drives a port with a number; what does not fit is cut off.
@@ -86,7 +86,7 @@ impl Simulation {
 
     /// Drives a port of any width with words of 32 bits; words that are missing are 0.
     pub fn set_words(&mut self, port: Port, words: &[u32]) {
-        let PortData { data, bits, .. } = self.ports[port.0].1;
+        let PortData { data, bits, .. } = self.ports[port.0];
         for index in 0..bits.div_ceil(32) as usize {
             let kept = (bits - 32 * index as u32).min(32);
             let word = words.get(index).copied().unwrap_or(0) & (u32::MAX >> (32 - kept));
@@ -105,9 +105,11 @@ impl Simulation {
 
     /// What is at a port; of one with more than 64 bits the lowest.
     pub fn get(&self, port: Port) -> u64 {
-        let high = self.ports[port.0].1.bits > 32;
-        let high = if high { self.word(port, 1) } else { 0 };
-        u64::from(self.word(port, 0)) | u64::from(high) << 32
+        let word = |index| u64::from(self.word(port, index));
+        match self.ports[port.0].bits {
+            0..=32 => word(0),
+            _ => word(0) | word(1) << 32,
+        }
     }
 
     /// Is a port of one bit set?
@@ -116,18 +118,18 @@ impl Simulation {
     }
 
     /// What is at the port of this name.
-    pub fn read(&self, name: &str) -> Result<u64> {
-        Ok(self.get(self.port(name)?))
+    pub fn read(&self, name: &str) -> u64 {
+        self.get(self.port(name))
     }
 
     /// A port's words.
     pub fn words(&self, port: Port) -> Vec<u32> {
-        let count = self.ports[port.0].1.bits.div_ceil(32) as usize;
+        let count = self.ports[port.0].bits.div_ceil(32) as usize;
         (0..count).map(|index| self.word(port, index)).collect()
     }
 
     fn word(&self, port: Port, index: usize) -> u32 {
-        let PortData { data, bits, .. } = self.ports[port.0].1;
+        let PortData { data, bits, .. } = self.ports[port.0];
         // SAFETY: as in `set_words`; the port has this word.
         unsafe {
             match bits {

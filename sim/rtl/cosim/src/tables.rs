@@ -4,7 +4,9 @@
 //! one memory: the row unit reads roots alone, a setup core one entry of any table per cycle. So the roots stand in
 //! both, in the widths that each unit's memory has.
 
+use crate::package::filled;
 use splatline::math::{LOGARITHMS, RECIPROCALS, ROOTS};
+use std::collections::BTreeMap;
 
 /// The package's file in the folder of the RTL.
 pub const FILE: &str = "splatline_tables.sv";
@@ -23,23 +25,24 @@ pub fn text() -> String {
     let logarithms = LOGARITHMS.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
     let of_setup = (0..).zip(reciprocals).chain((256..).zip(logarithms));
     let of_setup = of_setup.chain((256 + FIRST_ROOT..).zip(roots.clone()));
-    let steps = of_setup.clone().map(|(index, [step, _])| (index, step));
-    let entries = of_setup.map(|(index, [_, entry])| (512 + index, entry));
-    let of_setup = steps.chain(entries);
-    let of_setup = of_setup.map(|(index, word)| (index, format!("32'd{word};")));
+    let words = of_setup.flat_map(|(index, [step, entry])| [(index, step), (512 + index, entry)]);
+    let words = BTreeMap::from_iter(words).into_iter();
+    let of_setup = words.map(|(index, word)| (index, format!("32'd{word};")));
     let roots = (FIRST_ROOT..).zip(roots);
     let roots = roots.map(|(index, [step, root])| (index, format!("{{17'd{step}, 24'd{root}}};")));
-    [
-        "// Tables of the kernel. Generated, not to be edited:\n\
-         // `cargo run -p splatline-rtl --example rtl -- package`\n\
-         package splatline_tables;\n\n\
-         \x20 // {step, root}: the root table for an argument of index/256; 0 where a normalised argument cannot be.\n",
-        &function("root_entry", 41, "index", 8, "d0", roots),
-        "  // Steps of reciprocals from 0, of logarithms from 256, of roots from 320 on; entries 512 later.\n",
-        &function("setup_entry", 32, "index", 10, "d0", of_setup),
-        "endpackage\n",
-    ]
-    .concat()
+    filled(
+        include_str!("../templates/tables.txt"),
+        &[
+            (
+                "roots",
+                &function("root_entry", 41, "index", 8, "d0", roots),
+            ),
+            (
+                "of_setup",
+                &function("setup_entry", 32, "index", 10, "d0", of_setup),
+            ),
+        ],
+    )
 }
 
 /// The function `name` of so many bits: the word at each place of an index of so many bits, and elsewhere another. Each

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use std::ops::AddAssign;
 use std::path::Path;
 
+pub use crate::bench::Bench;
 pub use crate::circuit::Circuit;
-pub use crate::simulation::Simulation;
 
 /// How much is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +22,15 @@ pub enum Extent {
 impl Extent {
     /// The C++ compiler's option: a quick comparison takes less time than building its circuit.
     pub(crate) fn compiled(self) -> &'static str {
-        ["-O1", "-O2"][self as usize]
+        self.of("-O1", "-O2")
+    }
+
+    /// One of two.
+    pub(crate) fn of<T>(self, quick: T, full: T) -> T {
+        match self {
+            Extent::Quick => quick,
+            Extent::Full => full,
+        }
     }
 }
 
@@ -31,17 +39,6 @@ pub type Missing = Vec<&'static str>;
 
 /// Loads with their names. Those of one name in a row are parts of one.
 pub type Loads<L> = Vec<(String, L)>;
-
-/// A load's items as parts of so many, each with the load's name.
-pub(crate) fn in_parts<T, L>(
-    name: &str,
-    items: &[T],
-    count: usize,
-    load: impl Fn(&[T]) -> L,
-) -> Loads<L> {
-    let parts = items.chunks(count);
-    parts.map(|part| (name.to_owned(), load(part))).collect()
-}
 
 /// What a comparison found.
 #[derive(Clone, Debug, Default)]
@@ -82,18 +79,13 @@ impl AddAssign for Findings {
 /// What one comparison of a unit with what defines it is made of.
 pub trait Load: Sized + Sync {
     /// How many ways there are of feeding and emptying the circuit; the first is that at full speed.
-    fn pressures(circuit: &Circuit) -> usize;
+    const WAYS: usize;
 
     /// All that the circuit is given. The names of scenes whose data is not at hand go to `missing`.
     fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<Self>>;
 
     /// Gives the load to the circuit under one of the pressures. An error is a circuit that hangs.
-    fn compare(
-        &self,
-        circuit: &Circuit,
-        simulation: Simulation,
-        pressure: usize,
-    ) -> Result<Findings>;
+    fn compare(&self, circuit: &Circuit, bench: Bench, pressure: usize) -> Result<Findings>;
 }
 
 /// What a circuit's comparison says first, or nothing if it agrees everywhere.
@@ -103,12 +95,11 @@ fn first_difference<L: Load>(
     mutation: MutationNumber,
     loads: &Loads<L>,
 ) -> Option<String> {
-    let count = L::pressures(circuit);
-    let jobs = 0..loads.len() * count;
+    let jobs = 0..loads.len() * L::WAYS;
     let difference = |job: usize| {
-        let ((name, load), pressure) = (&loads[job / count], job % count);
-        let simulation = Simulation::new(library, pressure as u32 + 1, mutation);
-        let found = simulation.and_then(|found| load.compare(circuit, found, pressure));
+        let ((name, load), pressure) = (&loads[job / L::WAYS], job % L::WAYS);
+        let bench = Bench::new(library, pressure as u32 + 1, mutation);
+        let found = bench.and_then(|bench| load.compare(circuit, bench, pressure));
         let found = found.map(|findings| findings.first_difference);
         let difference = found.unwrap_or_else(|error| Some(format!("{error:#}")))?;
         Some(format!("{name}: {difference}"))
@@ -122,18 +113,17 @@ pub fn report<L: Load>(circuit: &Circuit) -> Result<()> {
     let mut missing = Vec::new();
     let loads = L::all(circuit, Extent::Full, &mut missing)?;
     println!("{circuit}; not at hand: {missing:?}\n");
-    let (pressures, mut total) = (L::pressures(circuit), Findings::default());
+    let mut total = Findings::default();
     for parts in loads.chunk_by(|one, next| one.0 == next.0) {
         // Under all pressures, or under one for each part of a divided load.
-        let jobs = if parts.len() == 1 {
-            pressures
-        } else {
-            parts.len()
+        let jobs = match parts.len() {
+            1 => L::WAYS,
+            count => count,
         };
         let compared = |job: usize| {
             let (_, part) = &parts[job % parts.len()];
-            let simulation = Simulation::new(&library, job as u32 + 1, 0)?;
-            part.compare(circuit, simulation, job % pressures)
+            let bench = Bench::new(&library, job as u32 + 1, 0)?;
+            part.compare(circuit, bench, job % L::WAYS)
         };
         let found: Result<Vec<Findings>> = (0..jobs).into_par_iter().map(compared).collect();
         let found = found?;
@@ -176,8 +166,12 @@ pub fn judge_of<L: Load + 'static>(
     ensure!(difference.is_none(), "without a mutation: {difference:?}");
     Ok(Box::new(move |mutation| {
         if chosen.contains(&mutation.number) {
-            let difference = first_difference(&circuit, &library, mutation.number, &loads);
-            return Ok(difference);
+            return Ok(first_difference(
+                &circuit,
+                &library,
+                mutation.number,
+                &loads,
+            ));
         }
         let mutated = circuit.clone().with_mutation(mutation)?;
         // A mistake in a file or in lines of a program that the circuit does not have.

@@ -54,9 +54,8 @@ mod with_verilator {
     use splatline_rtl::setup::program::{ProgramKind, SetupProgram};
     use splatline_rtl::setup::unit as setup;
     use splatline_rtl::setup::{SetupLoad, enlarged};
-    use splatline_rtl::simulation::Simulation;
     use splatline_rtl::tools::rtl;
-    use splatline_rtl::unit::{Extent, Findings, Load};
+    use splatline_rtl::unit::{Bench, Extent, Findings, Load};
     use splatline_sim::machine::primitive::SETUP_INTERVAL;
     use std::process::Command;
 
@@ -69,9 +68,9 @@ mod with_verilator {
         let mut all = Vec::new();
         for (seed, (name, load)) in (1..).zip(loads) {
             let mut sum = Findings::default();
-            for pressure in 0..L::pressures(circuit) {
-                let simulation = Simulation::new(&library, seed, 0).unwrap();
-                let found = load.compare(circuit, simulation, pressure);
+            for pressure in 0..L::WAYS {
+                let bench = Bench::new(&library, seed, 0).unwrap();
+                let found = load.compare(circuit, bench, pressure);
                 let found = found.unwrap_or_else(|error| panic!("{name}: {error:#}"));
                 assert_eq!(found.first_difference, None, "{name}, {pressure}");
                 sum += found;

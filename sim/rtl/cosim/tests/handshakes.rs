@@ -14,7 +14,6 @@ use splatline_rtl::bench::Bench;
 use splatline_rtl::primitive::unit::{LANES, circuit, draw, pixel};
 use splatline_rtl::primitive::workload::{self, BenchWorkload};
 use splatline_rtl::rules::write_rules;
-use splatline_rtl::simulation::Simulation;
 use splatline_rtl::unit::Extent;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::primitive::SETUP_INTERVAL;
@@ -71,9 +70,8 @@ impl HandshakeScene {
         assert!(expected.iter().any(|pixel| *pixel != clear));
         let circuit = circuit("lean18", lanes, SETUP_INTERVAL).unwrap();
         let library = circuit.library(Extent::Quick).unwrap();
-        let circuit = Simulation::new(&library, 3, 0).unwrap();
-        let mut bench = Bench::new(circuit, 3).unwrap();
-        write_rules(&mut bench, &widths, &Rules::EWA).unwrap();
+        let mut bench = Bench::new(&library, 3, 0).unwrap();
+        write_rules(&mut bench, &widths, &Rules::EWA);
         let layout = Layout::new(&widths, Traversal::Spans);
         let packet = |index: &u32| layout.encode(&load.footprints[*index as usize]).to_vec();
         HandshakeScene {
@@ -101,14 +99,14 @@ impl HandshakeScene {
             ("pixel_ready", inputs.pixel_ready.into()),
             ("lanes_enable", (!inputs.held).into()),
         ];
-        self.bench.set(&set).unwrap();
+        self.bench.set(&set);
         let circuit = &mut self.bench.circuit;
         if let Some(packet) = &inputs.packet {
-            let port = circuit.port("packet").unwrap();
+            let port = circuit.port("packet");
             circuit.set_words(port, packet);
         }
         circuit.settle();
-        let get = |name| circuit.get(circuit.port(name).unwrap());
+        let get = |name| circuit.read(name);
         let words = ["finished", "transmittance", "red", "green", "blue"];
         let outputs = Outputs {
             tile_ready: get("tile_ready") == 1,

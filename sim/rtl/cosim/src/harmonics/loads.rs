@@ -121,6 +121,12 @@ impl LoadRandom {
         let colours = (0..colours(degree)).map(|_| colour(self)).collect();
         HarmonicsSplat::new(direction, degree, colours)
     }
+
+    /// A splat of any degree below an end.
+    fn drawn(&mut self, direction: Draw, degrees: u64, colour: Draw) -> HarmonicsSplat {
+        let (direction, degree) = (direction(self), self.below(degrees) as u8);
+        self.splat(direction, degree, colour)
+    }
 }
 
 /// A vector by a load's random numbers.
@@ -132,8 +138,8 @@ fn unit(vector: [f64; 3]) -> [i32; 3] {
 }
 
 /// Unit directions and usual coefficients of one degree, for the cycles of each.
-pub fn of_degree(count: usize, degree: u8, seed: u64) -> Vec<HarmonicsSplat> {
-    let mut random = LoadRandom(Random(seed));
+pub fn of_degree(count: usize, degree: u8) -> Vec<HarmonicsSplat> {
+    let mut random = LoadRandom(Random(1));
     let splats = (0..count).map(|_| {
         let direction = random.direction();
         random.splat(direction, degree, LoadRandom::usual)
@@ -142,45 +148,34 @@ pub fn of_degree(count: usize, degree: u8, seed: u64) -> Vec<HarmonicsSplat> {
 }
 
 /// All that is made of random numbers, `count` splats of each kind.
-pub fn synthetic(count: usize, seed: u64) -> Loads<Vec<HarmonicsSplat>> {
+pub fn synthetic(count: usize) -> Loads<Vec<HarmonicsSplat>> {
     let hard: Draw = |random| [(); 3].map(|()| random.hard());
     let bits: Draw = |random| [(); 3].map(|()| random.bits());
     let cube: Draw = |random| [(); 3].map(|()| near_one(random));
-    let drawn = |direction: Draw, degrees: u64, colour: Draw| {
-        move |random: &mut LoadRandom, _| {
-            let (direction, degree) = (direction(random), random.below(degrees) as u8);
-            random.splat(direction, degree, colour)
-        }
-    };
-    type Make<'a> = &'a dyn Fn(&mut LoadRandom, usize) -> HarmonicsSplat;
-    let kinds: [(&str, Make); 8] = [
-        (
-            "unit directions",
-            &drawn(LoadRandom::direction, 5, LoadRandom::usual),
-        ),
-        ("axes, corners, few bits", &drawn(cube, 5, hard)),
-        ("harmonics one by one", &|random, index| {
-            one_harmonic(cube(random), index % 24)
-        }),
-        ("halves subtracted", &|random, _| {
-            one_harmonic(halves(random), 23)
-        }),
-        ("arbitrary words", &drawn(hard, 8, hard)),
-        ("arbitrary bits", &drawn(bits, 8, bits)),
-        ("colours near 0 and 16", &|random, _| {
-            let (direction, degree) = (random.direction(), random.below(5) as u8);
-            near_the_ends(random, direction, degree)
-        }),
-        ("products at the ends of 64 bits", &|_, index| {
-            one_harmonic(WRAPPING[index % WRAPPING.len()], 19)
-        }),
-    ];
-    let mut random = LoadRandom(Random(seed));
-    let load = |(name, make): (&str, Make)| {
+    let (mut random, mut loads) = (LoadRandom(Random(1)), Loads::new());
+    let mut load = |name: &str, make: &dyn Fn(&mut LoadRandom, usize) -> HarmonicsSplat| {
         let splats = (0..count).map(|index| make(&mut random, index));
-        (name.to_owned(), splats.collect())
+        loads.push((name.to_owned(), splats.collect()));
     };
-    kinds.map(load).into()
+    load("unit directions", &|random, _| {
+        random.drawn(LoadRandom::direction, 5, LoadRandom::usual)
+    });
+    load("axes, corners, few bits", &|random, _| {
+        random.drawn(cube, 5, hard)
+    });
+    load("harmonics one by one", &|random, index| {
+        one_harmonic(cube(random), index % 24)
+    });
+    load("halves subtracted", &|random, _| {
+        one_harmonic(halves(random), 23)
+    });
+    load("arbitrary words", &|random, _| random.drawn(hard, 8, hard));
+    load("arbitrary bits", &|random, _| random.drawn(bits, 8, bits));
+    load("colours near 0 and 16", &|random, _| near_the_ends(random));
+    load("products at the ends of 64 bits", &|_, index| {
+        one_harmonic(WRAPPING[index % WRAPPING.len()], 19)
+    });
+    loads
 }
 
 /// 1, 0, their neighbours, and numbers of few bits, whose products are halves: corners of the cube are far from any
@@ -217,7 +212,8 @@ fn one_harmonic(direction: [i32; 3], which: usize) -> HarmonicsSplat {
 }
 
 /// A splat whose colours are within a unit of 0 or of 16, or have no bit but the one that rounding to odd leaves.
-fn near_the_ends(random: &mut LoadRandom, direction: [i32; 3], degree: u8) -> HarmonicsSplat {
+fn near_the_ends(random: &mut LoadRandom) -> HarmonicsSplat {
+    let (direction, degree) = (random.direction(), random.below(5) as u8);
     let ends = [0, 1, -1, i32::MAX, i32::MAX - 1];
     let base = [(); 3].map(|()| ends[random.below(5) as usize]);
     let mut small = || [(); 3].map(|()| (random.hard() >> 16) >> random.below(16));

@@ -1,6 +1,7 @@
 //! The program of the harmonics unit's basis: `harmonics_program.txt` is read as a list of sums, every term gets a
 //! place, so that no operand is read before it is written, and `sim/rtl/harmonics_program.sv` is what a circuit reads.
 
+use crate::package::filled;
 use anyhow::{Context, Result, ensure};
 use std::f64::consts::PI;
 
@@ -14,11 +15,11 @@ const HARMONICS: usize = 24;
 /// factors, clamps, magnitudes, product (2), quotient, sum, write.
 const LATENCY: usize = 9;
 
-/// What the first places load: the direction.
+/// What the first places load, the direction, as terms and in words: nothing is added to nothing.
 const AXES: [(&str, &str); 3] = [
-    ("x", "x = direction"),
-    ("y", "y = direction"),
-    ("z", "z = direction"),
+    ("(x) 0 = x", "x = direction"),
+    ("(x) 0 = y", "y = direction"),
+    ("(x) 0 = z", "z = direction"),
 ];
 
 /// Channels of a word: cycles that the sum takes at least for a word.
@@ -27,59 +28,28 @@ const CHANNELS: usize = 3;
 /// The unit's registers.
 const REGISTERS: usize = 64;
 
-/// Bits of a slot.
-const SLOT: usize = 56;
-
-const HEAD: &str = "\
-// Program of the harmonics unit's basis: written by `rtl -- package` from sim/rtl/cosim/harmonics_program.txt; do not
-// edit.
-//
-// A slot, from its lowest bit: left register (6), right register (6), target (6), constant (31), and a bit each: right
-// is a register, left is clamped to 4, quotient by 2^16, subtracted, first of its sum, to a register, to a harmonic.
-// `end_place` is a degree's last place; a `gap` has no term.
-module harmonics_program (
-    input logic clk,
-    input logic [6:0] place,
-    input logic [2:0] degree,
-    output logic [55:0] slot,
-    output logic [6:0] end_place,
-    output logic gap
-);
-";
-
-/// The right factor of a term; the left one is a register.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum RightFactor {
-    Register(&'static str),
-    /// A small number with 16 fraction bits, for a quotient by 2^16: exact, no rounding but that of a half. The
-    /// direction of a load is added to nothing, its factor is 0.
-    Small(usize),
-    /// A root with 29 fraction bits, for a quotient by 2^31 and a polynomial clamped to 4.
-    Root(usize),
-}
-
-/// Where a sum goes after a term.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Target {
-    /// Nowhere yet.
-    Nothing,
-    Register(&'static str),
-    /// The harmonic of this index, from 1 on.
-    Harmonic(usize),
-}
+/// Flags of a slot.
+const RIGHT_IS_REGISTER: usize = 1 << 49;
+const LEFT_IS_CLAMPED: usize = 1 << 50;
+const BY_2_16: usize = 1 << 51;
+const SUBTRACTED: usize = 1 << 52;
+const FIRST: usize = 1 << 53;
+const TO_REGISTER: usize = 1 << 54;
+const TO_HARMONIC: usize = 1 << 55;
 
 /// One term of a sum.
 #[derive(Clone, Debug)]
 struct Term {
     /// A register.
     left: &'static str,
-    right: RightFactor,
-    /// Is it subtracted?
-    negated: bool,
-    /// Does its sum begin with it?
-    first: bool,
-    /// Where the sum goes.
-    target: Target,
+    /// The right factor, if it is a register.
+    right: Option<&'static str>,
+    /// What its slot has whatever the registers' numbers are: the right factor, if it is a constant, and flags.
+    fields: usize,
+    /// The register that the sum goes to.
+    register: Option<&'static str>,
+    /// The harmonic that the sum goes to, by its index from 1 on.
+    harmonic: Option<usize>,
     /// The term in words, as the slot's comment.
     words: &'static str,
 }
@@ -92,15 +62,8 @@ struct Sum {
     terms: Vec<Term>,
 }
 
-/// The whole program.
-struct Schedule {
-    /// By place; nothing where a place waits.
-    places: Vec<Option<Term>>,
-    /// The last place of each degree.
-    ends: [usize; 5],
-    /// Registers by their numbers.
-    registers: Vec<&'static str>,
-}
+/// The terms of every place, if it does not wait; the last place of each degree; registers by their numbers.
+type Schedule = (Vec<Option<Term>>, [usize; 5], Vec<&'static str>);
 
 /// All of it. The direction is in "x", "y" and "z" before.
 fn sums() -> Result<Vec<Sum>> {
@@ -112,70 +75,54 @@ fn sums() -> Result<Vec<Sum>> {
 
 fn sum(line: &'static str) -> Option<Sum> {
     let (degree, terms) = line.split_once(": ")?;
-    let terms = terms.split("; ").enumerate();
-    let terms = terms.map(|(index, text)| term(text, index == 0));
-    Some(Sum {
-        degree: degree.parse().ok()?,
-        terms: terms.collect::<Option<_>>()?,
-    })
+    let mut terms: Vec<Term> = terms.split("; ").map(term).collect::<Option<_>>()?;
+    terms[0].fields |= FIRST;
+    let degree = degree.parse().ok()?;
+    Some(Sum { degree, terms })
 }
 
 /// A term in the words of the program, `-(left) right = target`.
-fn term(words: &'static str, first: bool) -> Option<Term> {
+fn term(words: &'static str) -> Option<Term> {
     let (product, target) = words.split_once(" = ").unwrap_or((words, ""));
     let (sign, product) = product.split_once('(')?;
-    let (left, right) = product.split_once(") ")?;
-    let target = match target.strip_prefix("Y_") {
-        Some(index) => Target::Harmonic(index.parse().ok()?),
-        None if target.is_empty() => Target::Nothing,
-        None => Target::Register(target),
-    };
+    let (left, factor) = product.split_once(") ")?;
+    let right = factor.strip_prefix('(');
+    let right = right.and_then(|name| name.strip_suffix(')'));
+    let mut fields = right.map_or_else(|| constant(factor), |_| Some(RIGHT_IS_REGISTER))?;
+    if sign.starts_with('-') {
+        fields |= SUBTRACTED;
+    }
+    let harmonic = target.strip_prefix("Y_");
     Some(Term {
         left,
-        right: right_factor(right)?,
-        negated: sign.starts_with('-'),
-        first,
-        target,
+        right,
+        fields,
+        register: Some(target).filter(|name| harmonic.is_none() && !name.is_empty()),
+        harmonic: harmonic.map(str::parse).transpose().ok()?,
         words,
     })
 }
 
-fn right_factor(text: &'static str) -> Option<RightFactor> {
-    if let Some(name) = text.strip_prefix('(') {
-        return Some(RightFactor::Register(name.strip_suffix(')')?));
-    }
+/// A constant right factor in its slot: a root with 29 fraction bits, for a quotient by 2^31 and a polynomial clamped
+/// to 4, or a small number with 16 fraction bits, for a quotient by 2^16: exact, no rounding but that of a half.
+fn constant(text: &str) -> Option<usize> {
     if let Some(quotient) = text.strip_prefix("root(") {
         let (above, below) = quotient.strip_suffix(" pi)")?.split_once(" / ")?;
         let square = above.parse::<f64>().ok()? / (below.parse::<f64>().ok()? * PI);
         let root = (square.sqrt() * 2f64.powi(29)).round();
-        return Some(RightFactor::Root(root as usize));
+        return Some((root as usize) << 18 | LEFT_IS_CLAMPED);
     }
-    if text == "1 / 2" {
-        return Some(RightFactor::Small(1 << 15));
-    }
-    Some(RightFactor::Small(text.parse::<usize>().ok()? << 16))
+    let small = match text {
+        "1 / 2" => 1 << 15,
+        _ => text.parse::<usize>().ok()? << 16,
+    };
+    Some(small << 18 | BY_2_16)
 }
 
 impl Term {
-    /// What loads an axis of the direction: a sum of nothing, which begins with it.
-    fn load((axis, words): (&'static str, &'static str)) -> Term {
-        Term {
-            left: "x",
-            right: RightFactor::Small(0),
-            negated: false,
-            first: true,
-            target: Target::Register(axis),
-            words,
-        }
-    }
-
     /// The registers that it reads.
     fn reads(&self) -> impl Iterator<Item = &'static str> {
-        let right = match self.right {
-            RightFactor::Register(right) => Some(right),
-            RightFactor::Small(_) | RightFactor::Root(_) => None,
-        };
-        [self.left].into_iter().chain(right)
+        [self.left].into_iter().chain(self.right)
     }
 
     /// Its slot, by the registers' numbers.
@@ -184,29 +131,31 @@ impl Term {
             let number = registers.iter().position(|known| *known == name);
             number.with_context(|| format!("no register {name}"))
         };
-        let right = match self.right {
-            RightFactor::Register(name) => number(name)? << 6 | 1 << 49,
-            RightFactor::Root(root) => root << 18 | 1 << 50,
-            RightFactor::Small(factor) => factor << 18 | 1 << 51,
-        };
-        let target = match self.target {
-            Target::Nothing => 0,
-            Target::Register(name) => number(name)? << 12 | 1 << 54,
-            Target::Harmonic(index) => index << 12 | 1 << 55,
-        };
-        let flags = usize::from(self.negated) << 52 | usize::from(self.first) << 53;
-        Ok(number(self.left)? | right | target | flags)
+        let mut slot = self.fields | number(self.left)?;
+        if let Some(right) = self.right {
+            slot |= number(right)? << 6;
+        }
+        if let Some(register) = self.register {
+            slot |= number(register)? << 12 | TO_REGISTER;
+        }
+        if let Some(index) = self.harmonic {
+            slot |= index << 12 | TO_HARMONIC;
+        }
+        Ok(slot)
     }
 }
 
 /// Sums begin in the order of the program, each as soon as all that it reads has been written.
 fn schedule() -> Result<Schedule> {
-    let mut places = AXES.map(|axis| Some(Term::load(axis))).to_vec();
+    let mut places = Vec::new();
     // Registers in the order of their first writing, and the places from which on they can be read.
-    let mut written: Vec<(&str, usize)> = (LATENCY..)
-        .zip(AXES)
-        .map(|(place, axis)| (axis.0, place))
-        .collect();
+    let mut written = Vec::new();
+    for (place, (text, words)) in AXES.into_iter().enumerate() {
+        let mut load = term(text).context("a load of the direction")?;
+        (load.fields, load.words) = (load.fields | FIRST, words);
+        written.extend(load.register.map(|axis| (axis, place + LATENCY)));
+        places.push(Some(load));
+    }
     // The last place of each degree's terms, and the place of each harmonic.
     let mut ends = [AXES.len() - 1; 5];
     let mut harmonics = [0; HARMONICS + 1];
@@ -215,10 +164,9 @@ fn schedule() -> Result<Schedule> {
         let ready = ready.with_context(|| format!("{sum:?} reads what is not written before"))?;
         places.resize(places.len().max(ready), None);
         for term in sum.terms {
-            match term.target {
-                Target::Register(name) => written.push((name, places.len() + LATENCY)),
-                Target::Harmonic(index) => harmonics[index] = places.len(),
-                Target::Nothing => {}
+            written.extend(term.register.map(|name| (name, places.len() + LATENCY)));
+            if let Some(index) = term.harmonic {
+                harmonics[index] = places.len();
             }
             places.push(Some(term));
         }
@@ -236,11 +184,7 @@ fn schedule() -> Result<Schedule> {
     places.resize(places.len().max(ends[4] + 1), None);
     let registers: Vec<&str> = written.iter().map(|known| known.0).collect();
     ensure!(registers.len() <= REGISTERS, "too many registers");
-    Ok(Schedule {
-        places,
-        ends,
-        registers,
-    })
+    Ok((places, ends, registers))
 }
 
 /// The place from which on a sum can begin; nothing before all that it reads has been written.
@@ -257,41 +201,27 @@ fn ready(sum: &Sum, written: &[(&str, usize)]) -> Option<usize> {
 
 /// The generated file's text.
 pub fn text() -> Result<String> {
-    let schedule = schedule()?;
-    let [lower @ .., highest] = schedule.ends;
+    let (places, [lower @ .., highest], registers) = schedule()?;
     let ends = lower.iter().enumerate();
     let ends = ends.map(|(degree, end)| format!("      3'd{degree}: end_place = 7'd{end};\n"));
     let (mut gaps, mut slots) = (Vec::new(), String::new());
-    for (place, term) in schedule.places.iter().enumerate() {
+    for (place, term) in places.iter().enumerate() {
         match term {
             Some(term) => {
-                let (word, words) = (term.slot(&schedule.registers)?, &term.words);
-                slots += &format!("      7'd{place}: slot <= {SLOT}'h{word:014x};  // {words}\n");
+                let (word, words) = (term.slot(&registers)?, &term.words);
+                slots += &format!("      7'd{place}: slot <= 56'h{word:014x};  // {words}\n");
             }
             None => gaps.push(format!("7'd{place}")),
         }
     }
-    Ok(format!(
-        "{HEAD}  always_comb begin
-    case (degree)
-{}      default: end_place = 7'd{highest};
-    endcase
-  end
-  always_comb begin
-    case (place)
-      {}: gap = 1;
-      default: gap = 0;
-    endcase
-  end
-  always_ff @(posedge clk) begin
-    case (place)
-{slots}      default: slot <= {SLOT}'d0;
-    endcase
-  end
-endmodule
-",
-        ends.collect::<String>(),
-        gaps.join(", ")
+    Ok(filled(
+        include_str!("../../templates/harmonics_program.txt"),
+        &[
+            ("ends", &ends.collect::<String>()),
+            ("highest", &highest),
+            ("gaps", &gaps.join(", ")),
+            ("slots", &slots),
+        ],
     ))
 }
 
@@ -303,20 +233,20 @@ mod tests {
     /// harmonic by the sum of its degree.
     #[test]
     fn nothing_is_read_too_early() {
-        let schedule = schedule().unwrap();
-        let place_of = |wanted: Target| {
-            let of = |slot: &Option<Term>| slot.as_ref().is_some_and(|term| term.target == wanted);
-            schedule.places.iter().position(of).unwrap()
+        let (places, ends, _) = schedule().unwrap();
+        let place_of = |wanted: &dyn Fn(&Term) -> bool| {
+            let of = |slot: &Option<Term>| slot.as_ref().is_some_and(wanted);
+            places.iter().position(of).unwrap()
         };
-        for (place, term) in schedule.places.iter().enumerate().skip(AXES.len()) {
+        for (place, term) in places.iter().enumerate().skip(AXES.len()) {
             for name in term.iter().flat_map(Term::reads) {
-                let written = place_of(Target::Register(name));
+                let written = place_of(&|term| term.register == Some(name));
                 assert!(place >= written + LATENCY, "{term:?}");
             }
         }
-        for (degree, end) in schedule.ends.iter().enumerate() {
+        for (degree, end) in ends.iter().enumerate() {
             for index in 1..(degree + 1).pow(2) {
-                let place = place_of(Target::Harmonic(index));
+                let place = place_of(&|term| term.harmonic == Some(index));
                 assert!(
                     place <= *end && place + LATENCY <= end + 1 + 3 * index,
                     "{index}"

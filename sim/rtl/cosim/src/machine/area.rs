@@ -3,9 +3,7 @@
 use super::unit::with_harmonics;
 use crate::area::fabric;
 use crate::circuit::Circuit;
-use crate::netlist::{Netlist, NetlistCell};
 use crate::placement::{self, machine};
-use crate::tools::json;
 use anyhow::{Context, Result};
 use splatline_sim::machine::area::Fabric;
 use std::collections::BTreeMap;
@@ -51,28 +49,24 @@ pub fn report(evaluates: bool) -> Result<String> {
 /// Units of the machine by name, and the whole of it: of the netlist that is placed.
 fn by_unit(circuit: &Circuit) -> Result<Vec<(&'static str, Fabric)>> {
     let folder = tempfile::tempdir()?;
-    placement::netlist(circuit, folder.path())?;
-    let netlist: Netlist = json(&folder.path().join(placement::NETLIST))?;
+    let (netlist, _) = placement::netlist(circuit, folder.path())?;
     let wrapper = netlist.modules.get(placement::WRAPPER);
-    let mut units = counted(&wrapper.context("a netlist without its wrapper")?.cells);
-    let areas = units.iter().map(|(_, area)| *area);
-    let whole = areas.fold(Fabric::default(), |sum, area| sum + area);
-    eprintln!("{circuit}: {whole}");
-    units.push(("whole", whole));
-    Ok(units)
-}
-
-/// Cells of a flattened machine, unit by unit, without the wrapper's.
-fn counted(cells: &BTreeMap<String, NetlistCell>) -> Vec<(&'static str, Fabric)> {
+    let wrapper = wrapper.context("a netlist without its wrapper")?;
     let mut areas: BTreeMap<&str, Fabric> = BTreeMap::new();
-    for (name, cell) in cells {
+    // The wrapper's own cells stand in no unit.
+    for (name, cell) in &wrapper.cells {
         if let Some(unit) = unit_of(name) {
             let area = areas.entry(unit).or_default();
             *area = *area + fabric([cell.kind.as_str()]);
         }
     }
+    let whole = areas
+        .values()
+        .fold(Fabric::default(), |sum, area| sum + *area);
+    eprintln!("{circuit}: {whole}");
     let area = |(_, name)| Some((name, areas.remove(name)?));
-    UNITS.into_iter().filter_map(area).collect()
+    let units = UNITS.into_iter().filter_map(area);
+    Ok(units.chain([("whole", whole)]).collect())
 }
 
 /// The unit in which a cell of the machine stands. Its name begins with the unit's, behind `$flatten` if Yosys named

@@ -3,7 +3,7 @@
 use super::loads::MachineLoad;
 use crate::memory::noise;
 use crate::package::TILE;
-use crate::setup::record::record;
+use crate::setup::record;
 use anyhow::{Context, Result, anyhow, ensure};
 use splatline::LentList;
 use splatline::Renderer;
@@ -14,9 +14,6 @@ use splatline::format::{Traversal, Widths};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::table_entries;
 use splatline_sim::scene::synthetic::Random;
-
-/// Words of a record.
-const RECORD: usize = 5;
 
 /// Records and harmonics at the beginning, bits of nothing in all places that the machine is to write, and a word
 /// between any two regions.
@@ -36,9 +33,7 @@ impl MemoryImage {
         let mut words: Vec<[u32; 4]> = Vec::new();
         for splat in &scene.splats {
             let record = record(splat).context("a splat without a place in a record")?;
-            let mut padded = [0; 4 * RECORD];
-            padded[..record.len()].copy_from_slice(&record);
-            words.extend(padded.as_chunks::<4>().0);
+            words.extend(record.as_chunks::<4>().0);
         }
         let count = scene.splats.len();
         let packet = Layout::new(widths, Traversal::Spans).words().div_ceil(4);
@@ -92,19 +87,18 @@ pub fn kernel_frame(design: &DesignChoice, load: &MachineLoad) -> Result<Vec<[u3
     for (splat, harmonics) in splats.iter_mut().zip(load.harmonics.iter().flatten()) {
         splat.colour = harmonics.colour();
     }
-    let memory = table_entries(widths, &load.rules);
-    let renderer = Renderer::with_table(design.in_fields(), load.rules, &memory);
+    let rules = load.scene.rules;
+    let memory = table_entries(widths, &rules);
+    let renderer = Renderer::with_table(design.in_fields(), rules, &memory);
     let renderer = renderer.map_err(|error| anyhow!("{error:?}"))?;
     let mut footprints = vec![Footprint::EMPTY; splats.len()];
     let mut order = vec![0; splats.len()];
     let mut list = LentList::new(&mut footprints, &mut order);
     let size = view.viewport.map(usize::from);
     let mut pixels = vec![Pixel::clear(widths); size[0] * size[1]];
-    let drawn = renderer.render(view, &splats, &mut list, &mut pixels);
-    drawn.map_err(|error| anyhow!("{error}"))?;
-    Ok(places(size)
-        .map(|place| pixel_word(&pixels[place]))
-        .collect())
+    renderer.render(view, &splats, &mut list, &mut pixels)?;
+    let words = places(size).map(|place| pixel_word(&pixels[place]));
+    Ok(words.collect())
 }
 
 /// A pixel's word in the memory.

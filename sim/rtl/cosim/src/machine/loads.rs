@@ -5,7 +5,6 @@ use crate::harmonics::loads::{HarmonicsSplat, of_scene};
 use crate::order::{OrderLoad, ordered};
 use crate::scenes::Seen;
 use crate::setup::program::ProgramKind;
-use splatline::rules::Rules;
 use splatline_sim::camera::Camera;
 use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::hybrid::spacing;
@@ -19,8 +18,6 @@ pub struct MachineLoad {
     pub seen: Seen,
     /// The scene and its rules in the kernel's formats.
     pub scene: QuantisedScene,
-    /// Those of the frame.
-    pub rules: Rules,
     /// What the model clocks.
     pub workload: Workload,
     /// The lists of its tiles.
@@ -35,20 +32,16 @@ impl MachineLoad {
     /// Of a scene. With distance scaling it has the spacing of its samples; a machine for harmonics is given them apart
     /// from the splats, which keep colours that it must not use.
     pub fn new(mut seen: Seen, circuit: &Circuit, apart: u64) -> MachineLoad {
-        let Circuit {
-            design, program, ..
-        } = circuit;
-        if program.kind == ProgramKind::DistanceScaling {
+        if circuit.program.kind == ProgramKind::DistanceScaling {
             let spacing = Antialias::Swan(spacing(&seen.scene));
             seen.scene.natural_rules = seen.scene.natural_rules.with_antialias(spacing);
         }
-        let harmonics = seen.scene.harmonics.take_if(|_| program.directs);
+        let harmonics = seen.scene.harmonics.take_if(|_| circuit.program.directs);
         let rules = seen.scene.natural_rules;
-        let (_, workload, lists) = ordered(&seen, design, &rules);
+        let (_, workload, lists) = ordered(&seen, &circuit.design, &rules);
         let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
-        let harmonics = harmonics.map(|of| of_scene(&of, &design.widths, &scene));
+        let harmonics = harmonics.map(|of| of_scene(&of, &circuit.design.widths, &scene));
         MachineLoad {
-            rules: scene.rules,
             scene,
             seen,
             workload,

@@ -37,11 +37,11 @@ pub fn write_frame(design: &str, file: &Path) -> Result<()> {
 }
 
 fn shell_frame(circuit: &Circuit, load: &MachineLoad) -> Result<ShellFrame> {
-    let MachineLoad { scene, rules, .. } = load;
+    let scene = &load.scene;
     let entries = load.lists.entries();
     let image = MemoryImage::new(&circuit.design.widths, load, entries)?;
     let mut writes = Vec::new();
-    for (index, value, exponent) in constants(circuit, &scene.view, rules)? {
+    for (index, value, exponent) in constants(circuit, &scene.view, &scene.rules)? {
         writes.extend([
             ("constant_index", index.into()),
             ("constant_low", value as u32),
@@ -49,7 +49,7 @@ fn shell_frame(circuit: &Circuit, load: &MachineLoad) -> Result<ShellFrame> {
             ("constant_exponent", exponent as u32),
         ]);
     }
-    writes.extend(rule_writes(&circuit.design.widths, rules));
+    writes.extend(rule_writes(&circuit.design.widths, &scene.rules));
     let [columns, rows] = scene.view.viewport.map(u32::from);
     writes.push(("size", rows << 16 | columns));
     let places_in_memory = image.places.iter();

@@ -12,7 +12,8 @@ use crate::setup::constants::constants;
 use crate::setup::enlarged;
 use crate::setup::program::{ProgramKind, SetupProgram};
 use crate::setup::unit::write_constants;
-use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation};
+use crate::simulation::Simulation;
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing};
 use anyhow::{Context, Result, bail, ensure};
 use splatline::blend::Pixel;
 use splatline_sim::machine::{Config, simulate_alone};
@@ -85,9 +86,7 @@ fn modelled(circuit: &Circuit, load: &MachineLoad, memory: &MemoryTiming) -> Res
 }
 
 impl Load for MachineLoad {
-    fn pressures(_: &Circuit) -> usize {
-        TIMINGS.len()
-    }
+    const WAYS: usize = TIMINGS.len();
 
     fn all(circuit: &Circuit, extent: Extent, missing: &mut Missing) -> Result<Loads<MachineLoad>> {
         let (mut seen, apart) = match extent {
@@ -108,27 +107,21 @@ impl Load for MachineLoad {
         Ok(seen.into_iter().map(load).collect())
     }
 
-    fn compare(
-        &self,
-        circuit: &Circuit,
-        simulation: Simulation,
-        pressure: usize,
-    ) -> Result<Findings> {
+    fn compare(&self, circuit: &Circuit, mut bench: Bench, pressure: usize) -> Result<Findings> {
         let (timing, frames) = TIMINGS[pressure];
-        let MachineLoad { scene, rules, .. } = self;
+        let (scene, rules) = (&self.scene, &self.scene.rules);
         let design = &circuit.design;
         let widths = &design.widths;
-        let mut bench = Bench::new(simulation, 1)?;
         let constants = constants(circuit, &scene.view, rules)?;
-        write_constants(&mut bench, &constants)?;
-        write_rules(&mut bench, widths, rules)?;
+        write_constants(&mut bench, &constants);
+        write_rules(&mut bench, widths, rules);
         // The tile buffers are cleared once.
         (0..1_100).for_each(|_| bench.cycle());
         let room = self.lists.entries() - usize::from(timing.full);
         let image = MemoryImage::new(widths, self, room)?;
-        bench.set(&image.places)?;
+        bench.set(&image.places);
         let mut simulation = bench.circuit;
-        let mut memory = Memory::new(&simulation, image.words, timing)?;
+        let mut memory = Memory::new(&simulation, image.words, timing);
         let mut phases = [0; 4];
         for _ in 0..frames {
             let drawn = draw(&mut simulation, &mut memory, self, &mut phases);
@@ -136,7 +129,7 @@ impl Load for MachineLoad {
         }
         // What was written last is on its way for a while.
         (0..=timing.latency).for_each(|_| memory.cycle(&mut simulation));
-        let full = simulation.read("full")? == 1;
+        let full = simulation.read("full") == 1;
         let expected = kernel_frame(design, self)?;
         let [all, geometry, raster] = modelled(circuit, self, &timing)?;
         let mut findings = Findings {
@@ -152,10 +145,10 @@ impl Load for MachineLoad {
             let beyond = enlarged(widths, &scene.view, rules, &scene.splats);
             findings.counts = vec![
                 ("splats", scene.splats.len() as u64),
-                ("seen", simulation.read("visible")?),
+                ("seen", simulation.read("visible")),
                 ("beyond k", beyond as u64),
                 ("painted", painted as u64),
-                ("entries", simulation.read("entries")?),
+                ("entries", simulation.read("entries")),
                 ("geometry", phases[0]),
                 ("geometry, model", geometry),
                 ("sort", phases[1]),
@@ -184,7 +177,7 @@ fn draw(
     load: &MachineLoad,
     phases: &mut [u64; 4],
 ) -> Result<()> {
-    let [begins, phase, listing] = circuit.ports(["begins", "phase", "listing"])?;
+    let [begins, phase, listing] = circuit.ports(["begins", "phase", "listing"]);
     *phases = [0; 4];
     circuit.set(begins, 1);
     memory.cycle(circuit);

@@ -3,8 +3,8 @@
 
 use super::workload::{BenchTile, BenchWorkload};
 use crate::bench::Channel;
+use crate::circuit::Circuit;
 use crate::simulation::Simulation;
-use splatline::format::Design;
 use splatline_sim::machine::primitive::{LaneRun, PrimitiveClock, QUEUE, for_each_slot};
 
 /// Lanes that a circuit may have.
@@ -29,19 +29,12 @@ pub struct Stamps {
 
 /// The ports that show what happens inside: lanes that pop a run, a bit for each; a splat begun, a run left, and an
 /// idle raster.
-pub const INSIDE: [&str; 4] = ["lanes_popped", "splat_begun", "run_left", "raster_idle"];
+const INSIDE: [&str; 4] = ["lanes_popped", "splat_begun", "run_left", "raster_idle"];
 
 impl Stamps {
     /// Notes what the channel of packets and the ports of [`INSIDE`] say in a cycle, for a tile of so many packets.
-    pub fn note(
-        &mut self,
-        circuit: &Simulation,
-        packet: &Channel,
-        inside: [u64; 4],
-        now: u64,
-        packets: usize,
-    ) {
-        let [mut lanes, begun, left, idle] = inside;
+    pub fn note(&mut self, circuit: &Simulation, packet: &Channel, now: u64, packets: usize) {
+        let [mut lanes, begun, left, idle] = INSIDE.map(|name| circuit.read(name));
         if self.accepted.len() == packets && idle == 1 {
             self.idle_at.get_or_insert(now);
         }
@@ -71,59 +64,49 @@ impl Stamps {
 
     /// The first handshake in another cycle than the machine's clock says, to which the same packets are offered in the
     /// same cycles.
-    pub fn difference<D: Design>(
+    pub fn difference(
         &self,
-        design: D,
-        [lanes, interval]: [u32; 2],
+        circuit: &Circuit,
         tile: &BenchTile,
         workload: &BenchWorkload,
     ) -> Option<String> {
-        let mut same = Same::default();
+        let mut difference = None;
+        let mut check = |splat: usize, what: &str, model: u64, found: Option<&u64>| {
+            if difference.is_none() && found != Some(&model) {
+                let found = found.map_or("never".to_owned(), |cycle| format!("in cycle {cycle}"));
+                difference = Some(format!(
+                    "splat {splat}: {what} in cycle {model} by the model, {found} by the circuit"
+                ));
+            }
+        };
         // The first packet is offered before its tile has begun; time is counted from its handshake, and with it the
         // turns of setup.
         let first = self.accepted.first().copied().unwrap_or(0);
-        let lanes = lanes as usize;
+        let [lanes, interval] = [0, 1].map(|place: usize| circuit.parameters[place].1);
+        let (design, lanes) = (circuit.design.in_fields(), lanes as usize);
         let mut clock = PrimitiveClock::new(lanes, QUEUE, interval, first);
         let mut left = self.left.iter();
         let mut popped = self.popped.each_ref().map(|lane| lane.iter());
         for (place, index) in tile.list.iter().enumerate() {
-            same.splat = place;
             let footprint = &workload.footprints[*index as usize];
             let offered = self.offered.get(place).copied().unwrap_or(0);
             let stamp = clock.packet(offered.max(first));
-            same.check("packet taken", stamp.accepted, self.accepted.get(place));
-            same.check("rows begun", stamp.begun, self.begun.get(place));
+            let accepted = self.accepted.get(place);
+            check(place, "packet taken", stamp.accepted, accepted);
+            check(place, "rows begun", stamp.begun, self.begun.get(place));
             for_each_slot(design, footprint, &tile.window, lanes, |run| {
                 let slot = clock.slot(run);
                 if let (Some(LaneRun { lane, .. }), Some(cycle)) = (run, slot.popped) {
-                    same.check("run left the rows", slot.left, left.next());
-                    same.check("run popped", cycle, popped[lane].next());
+                    check(place, "run left the rows", slot.left, left.next());
+                    check(place, "run popped", cycle, popped[lane].next());
                 }
             });
         }
+        let last = tile.list.len().saturating_sub(1);
         if !tile.list.is_empty() {
-            same.check("last pixel", clock.idle_at(), self.idle_at.as_ref());
+            check(last, "last pixel", clock.idle_at(), self.idle_at.as_ref());
         }
-        same.check("runs left over", 0, Some(&(left.len() as u64)));
-        same.first
-    }
-}
-
-/// The first cycle that is not the same, in words.
-#[derive(Default)]
-struct Same {
-    splat: usize,
-    first: Option<String>,
-}
-
-impl Same {
-    fn check(&mut self, what: &str, model: u64, circuit: Option<&u64>) {
-        if self.first.is_none() && circuit != Some(&model) {
-            let circuit = circuit.map_or("never".to_owned(), |cycle| format!("in cycle {cycle}"));
-            let place = self.splat;
-            self.first = Some(format!(
-                "splat {place}: {what} in cycle {model} by the model, {circuit} by the circuit"
-            ));
-        }
+        check(last, "runs left over", 0, Some(&(left.len() as u64)));
+        difference
     }
 }

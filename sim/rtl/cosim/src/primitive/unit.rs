@@ -1,21 +1,21 @@
 //! Tiles through the primitive: the next one is drawn while the last is read out, with back-pressure at every
 //! interface.
 
-use super::stamps::{INSIDE, Stamps};
+use super::stamps::Stamps;
 use super::words::{self, Roots};
 use super::workload::{self, BenchTile, BenchWorkload};
-use crate::bench::{Bench, Channels, Checker, Item, Pressure};
+use crate::bench::{Bench, Channels, Item, Pressure};
 use crate::circuit::PRIMITIVE;
 use crate::rules::write_rules;
-use crate::scenes::scenes;
-use crate::simulation::Port;
-use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing, Simulation};
-use anyhow::{Context, Result};
+use crate::scenes::{Seen, scenes};
+use crate::simulation::Simulation;
+use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing};
+use anyhow::Result;
 use splatline::blend::{FINISHED, Pixel};
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
-use splatline::format::{RuntimeWidths, Traversal};
+use splatline::format::Traversal;
 use splatline::rules::{Compositing, Rules as KernelRules};
 use splatline::target::Target;
 use splatline_sim::design::DesignChoice;
@@ -33,7 +33,7 @@ const fn pressure(packets: u8, lanes: u8, pixels: u8) -> Pressure {
     Pressure {
         inside: lanes,
         retracts: false,
-        ..Pressure::at_ends([packets, packets, pixels])
+        ..Pressure::new([packets, packets, pixels], 0, 0)
     }
 }
 
@@ -51,9 +51,7 @@ pub fn circuit(design: &str, lanes: u32, interval: u32) -> Result<Circuit> {
 }
 
 impl Load for PrimitiveLoad {
-    fn pressures(_: &Circuit) -> usize {
-        PRESSURES.len()
-    }
+    const WAYS: usize = PRESSURES.len();
 
     /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of
     /// scenes skip nothing there: `3dgs` ends a footprint where it becomes faint, and `ewa` draws what is there.
@@ -61,11 +59,12 @@ impl Load for PrimitiveLoad {
         let design = &circuit.design;
         let widths = &design.widths;
         let quick = extent == Extent::Quick;
-        let ([random, faint], [size, deep]) = match extent {
-            Extent::Quick => ([1_200, 600], [256, 64]),
-            Extent::Full => ([40_000, 20_000], [512, 128]),
-        };
-        let mut seen = vec![workload::crowd(), workload::sparse(), workload::hard()?];
+        let [random, faint] = extent.of([1_200, 600], [40_000, 20_000]);
+        let [size, deep] = extent.of([256, 64], [512, 128]);
+        // Of all sizes over a small picture, and a few in one most of whose tiles have none.
+        let crowd = Seen::random("crowd", (2_000, 9, 4.0), [150, 100]);
+        let sparse = Seen::random("sparse", (20, 9, 4.0), [480, 320]);
+        let mut seen = vec![crowd, sparse, workload::hard()?];
         seen.extend(scenes(&["deep stack"], deep, missing)?);
         seen.extend(scenes(&["guitar", "lion"], size, missing)?);
         let mut loads = Vec::new();
@@ -98,18 +97,12 @@ impl Load for PrimitiveLoad {
         Ok(loads)
     }
 
-    fn compare(
-        &self,
-        circuit: &Circuit,
-        simulation: Simulation,
-        pressure: usize,
-    ) -> Result<Findings> {
+    fn compare(&self, circuit: &Circuit, mut bench: Bench, pressure: usize) -> Result<Findings> {
         let design = &circuit.design;
         let widths = &design.widths;
         let pressure = &PRESSURES[pressure];
-        let mut bench = Bench::new(simulation, 1)?;
-        write_rules(&mut bench, widths, &self.rules)?;
-        let difference = words::first_difference(&mut bench, widths.mantissa)?;
+        write_rules(&mut bench, widths, &self.rules);
+        let difference = words::first_difference(&mut bench, widths.mantissa);
         if difference.is_some() {
             return Ok(Findings {
                 first_difference: difference,
@@ -122,36 +115,41 @@ impl Load for PrimitiveLoad {
         let items: Vec<Item> = items.collect();
         let (pixels, coverage) = draw(design, &self.rules, tiles, footprints)?;
         let window: &[_] = &["first_column", "first_row", "end_column", "end_row"];
-        let pixel: &[_] = &["finished", "transmittance", "red", "green", "blue"];
+        let of_pixel: &[_] = &["finished", "transmittance", "red", "green", "blue"];
         // Tiles, packets and ends of tiles in, pixels out.
         let sources: [(_, &[_]); 3] = [("tile", window), ("packet", &["packet"]), ("finish", &[])];
-        let channels = Channels {
-            enable: Some(bench.circuit.port("lanes_enable")?),
-            ..Channels::new(&bench.circuit, &sources, ("pixel", pixel))?
-        };
-        let mut checker = PrimitiveChecker {
-            design: design.in_fields(),
-            shape: [0, 1].map(|place: usize| circuit.parameters[place].1),
+        let mut channels = Channels::new(&bench.circuit, &sources, ("pixel", of_pixel));
+        channels.enable = Some(bench.circuit.port("lanes_enable"));
+        let mut watch = PrimitiveWatch {
+            circuit,
             timed: (pressure.inside == 0).then_some(0),
-            load: self,
-            pixels,
+            workload: &self.workload,
             tile: 0,
             stamps: Stamps::default(),
             raster_cycles: 0,
-            roots: Roots::new(&bench.circuit)?,
-            inside: bench.circuit.ports(INSIDE)?,
+            roots: Roots::default(),
             enabled: true,
         };
-        let mut findings = bench.run(&channels, &items, pressure, &mut checker)?;
+        let check = |number: usize, answer: &[Vec<u32>]| {
+            let (got, expected) = (pixel(answer), pixels[number]);
+            (got != expected).then(|| {
+                let place = place(tiles, number);
+                format!("{place}: the kernel has {expected:x?}, the circuit {got:x?}")
+            })
+        };
+        let observe = |circuit: &Simulation, channels: &Channels, cycle| {
+            watch.observe(circuit, channels, cycle)
+        };
+        let mut findings = bench.run(&channels, &items, pressure, check, observe)?;
         let splats = tiles.iter().map(|tile| tile.list.len() as u64).sum();
         findings.counts = vec![
             ("tiles", tiles.len() as u64),
             ("splats", splats),
             ("visited", coverage.visited),
             ("covered", coverage.covered),
-            ("roots", checker.roots.compared),
-            ("splats timed", checker.timed.unwrap_or(0)),
-            ("raster cycles", checker.raster_cycles),
+            ("roots", watch.roots.compared),
+            ("splats timed", watch.timed.unwrap_or(0)),
+            ("raster cycles", watch.raster_cycles),
         ];
         Ok(findings)
     }
@@ -218,8 +216,7 @@ pub fn draw(
         let painter = Painter::new(design.in_fields(), rules, table, order, Traversal::Spans);
         let [columns, rows] = tile.size();
         let mut pixels = vec![Pixel::clear(widths); columns * rows];
-        let target = Target::new(&mut pixels, tile.window, columns).ok();
-        let mut target = target.context("a tile that is larger than its window")?;
+        let mut target = Target::new(&mut pixels, tile.window, columns)?;
         for index in &tile.list {
             coverage += painter.draw(&footprints[*index as usize], &mut target);
         }
@@ -228,38 +225,25 @@ pub fn draw(
     Ok((drawn, coverage))
 }
 
-struct PrimitiveChecker<'a> {
-    design: RuntimeWidths,
-    /// Lanes, and cycles between two packets.
-    shape: [u32; 2],
+/// What is looked at in every cycle.
+struct PrimitiveWatch<'a> {
+    circuit: &'a Circuit,
     /// Splats whose handshakes were compared, if they can be.
     timed: Option<u64>,
-    load: &'a PrimitiveLoad,
-    /// The pixels of all tiles by the kernel.
-    pixels: Vec<Pixel>,
+    workload: &'a BenchWorkload,
     /// The tile that is being drawn.
     tile: usize,
     stamps: Stamps,
     raster_cycles: u64,
     roots: Roots,
-    inside: [Port; 4],
     /// Were the lanes allowed to move in the cycle before?
     enabled: bool,
 }
 
-impl Checker for PrimitiveChecker<'_> {
-    fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
-        let (got, expected) = (pixel(answer), self.pixels[number]);
-        (got != expected).then(|| {
-            let place = self.place(number);
-            format!("{place}: the kernel has {expected:x?}, the circuit {got:x?}")
-        })
-    }
-
+impl PrimitiveWatch<'_> {
     fn observe(&mut self, circuit: &Simulation, channels: &Channels, cycle: u64) -> Option<String> {
         let mut difference = self.roots.note(circuit);
-        let inside = self.inside.map(|port| circuit.get(port));
-        if !self.enabled && inside[0] != 0 {
+        if !self.enabled && circuit.read("lanes_popped") != 0 {
             let held = format!("a lane took a run in cycle {cycle}, while lanes were held");
             difference = Some(held);
         }
@@ -269,18 +253,17 @@ impl Checker for PrimitiveChecker<'_> {
             self.stamps = Stamps::default();
             return difference;
         }
-        let workload = &self.load.workload;
-        let Some(tile) = workload.tiles.get(self.tile) else {
+        let Some(tile) = self.workload.tiles.get(self.tile) else {
             return difference;
         };
         let packets = tile.list.len();
-        self.stamps.note(circuit, packet, inside, cycle, packets);
+        self.stamps.note(circuit, packet, cycle, packets);
         if finish.moves(circuit) {
             self.raster_cycles += self.stamps.raster_cycles();
             if let Some(timed) = &mut self.timed {
                 *timed += packets as u64;
                 let stamps = &self.stamps;
-                let other = stamps.difference(self.design, self.shape, tile, workload);
+                let other = stamps.difference(self.circuit, tile, self.workload);
                 difference = difference.or(other.map(|word| format!("tile {}, {word}", self.tile)));
             }
             self.tile += 1;
@@ -289,18 +272,13 @@ impl Checker for PrimitiveChecker<'_> {
     }
 }
 
-impl PrimitiveChecker<'_> {
-    /// Tile and pixel of an answer.
-    fn place(&self, number: usize) -> String {
-        let tiles = self.load.workload.tiles.iter().enumerate();
-        let mut places = tiles.flat_map(|(index, tile)| {
-            let [first, end] = [tile.window.first, tile.window.end];
-            let row = move |y| (first[0]..end[0]).map(move |x| (index, x, y));
-            (first[1]..end[1]).flat_map(row)
-        });
-        places.nth(number).map_or_else(
-            || "a pixel too many".to_owned(),
-            |(index, x, y)| format!("tile {index}, pixel ({x}, {y})"),
-        )
-    }
+/// Tile and pixel of an answer.
+fn place(tiles: &[BenchTile], number: usize) -> String {
+    let mut places = tiles.iter().enumerate().flat_map(|(index, tile)| {
+        let [first, end] = [tile.window.first, tile.window.end];
+        let row = move |y| (first[0]..end[0]).map(move |x| (index, x, y));
+        (first[1]..end[1]).flat_map(row)
+    });
+    let (index, x, y) = places.nth(number).unwrap_or_default();
+    format!("tile {index}, pixel ({x}, {y})")
 }

@@ -3,8 +3,7 @@
 //! unit's roots, whose last bits the spans' slack hides.
 
 use crate::bench::Bench;
-use crate::simulation::{Port, Simulation};
-use anyhow::Result;
+use crate::simulation::Simulation;
 use splatline::math::{SoftFloat, root_seed, shift_signed};
 use splatline_sim::scene::synthetic::Random;
 use std::collections::VecDeque;
@@ -35,10 +34,7 @@ fn word(random: &mut Random) -> (i64, i16) {
 }
 
 /// The first word of which either unit makes something else than the kernel, in words.
-pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Result<Option<String>> {
-    let aligned = bench.circuit.port("aligned")?;
-    let normal = ["normal", "normal_negative", "normal_exponent"];
-    let normal = bench.circuit.ports(normal)?;
+pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Option<String> {
     let mut random = Random(5);
     let mut fed = VecDeque::new();
     for _ in 0..WORDS {
@@ -47,18 +43,19 @@ pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Result<Option<String
             ("unit_negative", (value < 0).into()),
             ("unit_magnitude", value.unsigned_abs()),
             ("unit_shift", u64::from(shift as u16)),
-        ])?;
+        ]);
         bench.circuit.settle();
         if let (Some((then, by)), Some((later, _))) = (fed.get(ALIGN - 1), fed.get(NORMALISE - 1)) {
-            let got = bench.circuit.get(aligned) as i64;
+            let got = bench.circuit.read("aligned") as i64;
             let expected = shift_signed(*then, i32::from(*by));
             let differs = (got != expected).then(|| {
                 format!("{then} aligned by {by}: the kernel has {expected}, align.sv {got}")
             });
-            let got = normal.map(|port| bench.circuit.get(port));
+            let normal = ["normal", "normal_negative", "normal_exponent"];
+            let got = normal.map(|port| bench.circuit.read(port));
             let difference = differs.or_else(|| of_normalisation(*later, mantissa, got));
             if difference.is_some() {
-                return Ok(difference);
+                return difference;
             }
         }
         bench.circuit.edge();
@@ -66,14 +63,11 @@ pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Result<Option<String
         fed.push_front((value, shift));
         fed.truncate(ALIGN);
     }
-    Ok(None)
+    None
 }
 
-fn of_normalisation(
-    value: i64,
-    mantissa: u8,
-    [magnitude, negative, exponent]: [u64; 3],
-) -> Option<String> {
+fn of_normalisation(value: i64, mantissa: u8, normal: [u64; 3]) -> Option<String> {
+    let [magnitude, negative, exponent] = normal;
     let expected = SoftFloat::from_wide(value, 0, mantissa.into());
     let sign = if negative == 1 { -1 } else { 1 };
     let got = (sign * magnitude as i32, i32::from(exponent as i16));
@@ -85,41 +79,28 @@ fn of_normalisation(
 }
 
 /// The row unit's arguments on their way, and the roots that were compared with the kernel's.
+#[derive(Default)]
 pub struct Roots {
     under_way: VecDeque<u64>,
     /// Roots compared.
     pub compared: u64,
-    squared: [Port; 2],
-    root: [Port; 2],
 }
 
 impl Roots {
-    /// Of a circuit.
-    pub fn new(circuit: &Simulation) -> Result<Roots> {
-        Ok(Roots {
-            under_way: VecDeque::new(),
-            compared: 0,
-            squared: circuit.ports(["squared_valid", "squared"])?,
-            root: circuit.ports(["root_valid", "root"])?,
-        })
-    }
-
     /// The difference of the root that leaves the unit in this cycle.
     pub fn note(&mut self, circuit: &Simulation) -> Option<String> {
-        let [valid, root] = self.root;
         let mut difference = None;
-        if circuit.is(valid)
+        if circuit.read("root_valid") == 1
             && let Some(squared) = self.under_way.pop_front()
         {
             self.compared += 1;
-            let (expected, got) = (u64::from(root_seed(squared).0), circuit.get(root));
+            let (expected, got) = (u64::from(root_seed(squared).0), circuit.read("root"));
             difference = (expected != got).then(|| {
                 format!("root of {squared:#x}: the kernel has {expected:#x}, the row unit {got:#x}")
             });
         }
-        let [valid, squared] = self.squared;
-        if circuit.is(valid) {
-            self.under_way.push_back(circuit.get(squared));
+        if circuit.read("squared_valid") == 1 {
+            self.under_way.push_back(circuit.read("squared"));
         }
         difference
     }

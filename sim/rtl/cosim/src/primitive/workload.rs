@@ -32,22 +32,11 @@ impl BenchTile {
 }
 
 /// Footprints and the tiles that draw them.
-#[derive(Clone, Debug)]
 pub struct BenchWorkload {
     /// Footprints.
     pub footprints: Vec<Footprint>,
     /// Tiles.
     pub tiles: Vec<BenchTile>,
-}
-
-/// A few thousand Gaussians of all sizes over a small picture.
-pub fn crowd() -> Seen {
-    Seen::random("crowd", (2_000, 9, 4.0), [150, 100])
-}
-
-/// A few Gaussians in a picture most of whose tiles have none.
-pub fn sparse() -> Seen {
-    Seen::random("sparse", (20, 9, 4.0), [480, 320])
 }
 
 /// The hard Gaussians of the golden set: needles, huge, near the plane, off the axis.
@@ -70,9 +59,8 @@ pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorklo
         let window = Window { first, end };
         BenchTile { window, list }
     };
-    let drawn = footprints
-        .into_iter()
-        .map(|found| found.unwrap_or(Footprint::EMPTY));
+    let drawn = footprints.into_iter();
+    let drawn = drawn.map(|found| found.unwrap_or(Footprint::EMPTY));
     BenchWorkload {
         footprints: drawn.collect(),
         tiles: (0..).zip(lists).map(tile).collect(),
@@ -180,14 +168,9 @@ impl WorkloadRandom {
     /// A part of a block from its first column and row on; in half of the cases all of it.
     fn window(&mut self, block: [u16; 2]) -> Window {
         let whole = self.below(2) != 0;
-        let end = [0, 1].map(|axis| {
-            let size = TILE[axis];
-            block[axis]
-                + if whole {
-                    size
-                } else {
-                    self.below(size.into()) as u16 + 1
-                }
+        let end = [0, 1].map(|axis| match whole {
+            true => block[axis] + TILE[axis],
+            false => block[axis] + self.below(TILE[axis].into()) as u16 + 1,
         });
         Window { first: block, end }
     }

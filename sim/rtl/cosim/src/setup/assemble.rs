@@ -223,20 +223,15 @@ impl Program {
             operation.register = free;
             free += operation.copies;
         }
-        if free > REGISTERS {
-            return None;
-        }
-        Some(())
+        (free <= REGISTERS).then_some(())
     }
 }
 
 impl Operation {
     /// The results that it reads.
     fn reads(&self) -> impl Iterator<Item = Value> {
-        let factors = self
-            .terms
-            .iter()
-            .flat_map(|term| [term.a, term.b, term.other]);
+        let terms = self.terms.iter();
+        let factors = terms.flat_map(|term| [term.a, term.b, term.other]);
         factors.filter_map(|factor| match factor {
             Operand::Value(value) => Some(value),
             _ => None,
@@ -277,12 +272,9 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
     while times.contains(&None) {
         // From which cycle on all that an operation reads can be read, if all of it has its time.
         let ready = |index: usize| {
-            operations[index]
-                .reads()
-                .try_fold(0, |ready: usize, value| {
-                    let last = times[value]? + operations[value].terms.len() - 1;
-                    Some(ready.max(last + LATENCY))
-                })
+            let end = |value: Value| Some(times[value]? + operations[value].terms.len() - 1);
+            let mut ends = operations[index].reads().map(end);
+            ends.try_fold(0, |ready, end| Some(ready.max(end? + LATENCY)))
         };
         let can = (0..operations.len())
             .filter(|index| times[*index].is_none() && !operations[*index].follows)

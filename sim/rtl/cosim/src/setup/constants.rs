@@ -27,7 +27,7 @@ pub fn constants(circuit: &Circuit, view: &View, rules: &Rules) -> Result<Vec<Co
         turn(widths, view),
         registers(view, rules),
         screen(widths, view, rules)?,
-        of_rules(widths, rules)?,
+        of_rules(rules)?,
         compensation(names, rules)?.into_iter().collect(),
         distance_scaling(names, view, rules)?,
         fixed().to_vec(),
@@ -40,11 +40,9 @@ pub fn constants(circuit: &Circuit, view: &View, rules: &Rules) -> Result<Vec<Co
         let found = found.with_context(|| format!("there is no constant '{name}'"))?;
         words.push((address, found.1, found.2));
     }
-    let fit = words
-        .iter()
-        .all(|(_, _, exponent)| exponent.abs() < 1 << 16);
+    let fits = |word: &Constant| word.2.abs() < 1 << 16;
     ensure!(
-        fit,
+        words.iter().all(fits),
         "an exponent of camera or rules has no place in 18 bits"
     );
     Ok(words)
@@ -126,8 +124,8 @@ fn screen(widths: &Widths, view: &View, rules: &Rules) -> Result<Vec<Named>> {
     Ok(all)
 }
 
-fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
-    let integral = rules.kernel.inverse_integral();
+fn of_rules(rules: &Rules) -> Result<Vec<Named>> {
+    let SoftFloat { mantissa, exponent } = rules.kernel.inverse_integral();
     let smallest = SoftFloat::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
     let (least, cutoff) = match rules.cutoff {
         Cutoff::Radial(cutoff) => (0, cutoff.min(rules.kernel.end())),
@@ -145,19 +143,9 @@ fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
     } else {
         (-(1 << 30), -10)
     };
-    for (name, width) in [("mantissa", widths.mantissa), ("view", widths.view)] {
-        ensure!(
-            width > 16,
-            "{name} = {width}: the setup unit needs more than 16"
-        );
-    }
     Ok(vec![
         number("low_pass", rules.low_pass),
-        named(
-            "inverse_integral",
-            integral.mantissa.into(),
-            integral.exponent - 1,
-        ),
+        named("inverse_integral", mantissa.into(), exponent - 1),
         named("ln_least", LN_2 * 30 + ((9 - (least << 1)) << 7), -40),
         named("logarithm_end", end, power),
         named("cutoff_end", cutoff.into(), -29),

@@ -17,17 +17,17 @@ use splatline_sim::scene::synthetic::Random;
 use splatline_sim::vectors::{hard_cases, stress_cases, stress_orthographic, stress_view};
 
 /// All of them, about `count` splats of each kind of few bits, for these widths.
-pub fn exact(widths: &Widths, count: usize, seed: u64) -> Loads<SetupLoad> {
+pub fn exact(widths: &Widths, count: usize) -> Loads<SetupLoad> {
     let flat = straight(Projection::Orthographic, FOCAL);
     let near = straight(Projection::Perspective, FOCAL);
     let [ends, flat_ends] = ends(widths);
     let mut loads = Vec::new();
-    for (_, rules) in KINDS {
+    for rules in KINDS {
         let unfiltered = Rules {
             low_pass: SoftFloat::ZERO,
             ..rules
         };
-        let few_bits = few(count, seed, |_, _| ());
+        let few_bits = few(count, |_, _| ());
         let slanted = (0..count as i32 / 3).map(flat_and_slanted).collect();
         for (name, rules, (view, splats)) in [
             ("few bits", rules, (near, few_bits.clone())),
@@ -40,9 +40,9 @@ pub fn exact(widths: &Widths, count: usize, seed: u64) -> Loads<SetupLoad> {
             loads.push(SetupLoad::named(name, view, rules, splats));
         }
     }
-    loads.extend([0, 1, 1 << 18].map(|above| on_the_range(flat, above, seed)));
-    loads.push(far_from_the_origin(near, count / 10, seed));
-    loads.push(on_the_planes(near, count / 10, seed));
+    loads.extend([0, 1, 1 << 18].map(|above| on_the_range(flat, above)));
+    loads.push(far_from_the_origin(near, count / 10));
+    loads.push(on_the_planes(near, count / 10));
     loads
 }
 
@@ -64,10 +64,10 @@ const fn axis(mantissa: [i32; 3], exponent: i32) -> Axis {
 
 /// Depths of both planes and beside them, the near one behind the eye: equal negative numbers, and what an eye with
 /// perspective cannot see.
-fn on_the_planes(mut view: View, count: usize, seed: u64) -> (String, SetupLoad) {
+fn on_the_planes(mut view: View, count: usize) -> (String, SetupLoad) {
     let plane = |value| Extended { value, exponent: 0 };
     (view.near, view.far) = (plane(-4), plane(2));
-    let splats = few(count, seed, |index, splat| {
+    let splats = few(count, |index, splat| {
         splat.centre[2] = soft_float((index % 8) as i32 - 6, 0)
     });
     SetupLoad::named("on the planes", view, Rules::EWA, splats)
@@ -92,19 +92,19 @@ fn flat_and_slanted(index: i32) -> VolumeSplat {
 
 /// An eye whose coordinates fill 60 bits, before splats at the next number of 31: differences of some hundred in the
 /// last bit.
-fn far_from_the_origin(mut view: View, count: usize, seed: u64) -> (String, SetupLoad) {
+fn far_from_the_origin(mut view: View, count: usize) -> (String, SetupLoad) {
     let place = 1 << 59;
     view.pose.position = [place + 3, place - 5, place - 1001];
     view.pose.exponent = -FOCAL;
     let centre = [soft_float(1 << 30, 29 - FOCAL); 3];
-    let splats = few(count, seed, |_, splat| splat.centre = centre);
+    let splats = few(count, |_, splat| splat.centre = centre);
     SetupLoad::named("far from the origin", view, Rules::GAUSSIAN_3D, splats)
 }
 
 /// Positions of -2^26 pixels, which are out of range, or by so many of the last bits nearer, which are not.
-fn on_the_range(mut view: View, above: i64, seed: u64) -> (String, SetupLoad) {
+fn on_the_range(mut view: View, above: i64) -> (String, SetupLoad) {
     view.principal[0] = I32F32::from_bits(above - (1 << 58));
-    let splats = few(8, seed, |_, splat| splat.centre = AHEAD);
+    let splats = few(8, |_, splat| splat.centre = AHEAD);
     let name = format!("{above} above the range's end");
     SetupLoad::named(&name, view, Rules::GAUSSIAN_3D, splats)
 }
@@ -139,8 +139,8 @@ pub(super) fn straight(projection: Projection, focal: i32) -> View {
 }
 
 /// Splats of few bits, each of them changed.
-fn few(count: usize, seed: u64, change: impl Fn(usize, &mut VolumeSplat)) -> Vec<VolumeSplat> {
-    let mut random = Random(seed);
+fn few(count: usize, change: impl Fn(usize, &mut VolumeSplat)) -> Vec<VolumeSplat> {
+    let mut random = Random(1);
     let splat = |index| {
         let mut splat = few_bits(&mut random);
         change(index, &mut splat);

@@ -47,11 +47,8 @@ impl SetupLoad {
     }
 }
 
-/// Both kinds of rules by the simulator's names and the kernel's.
-pub const KINDS: [(Rules, KernelRules); 2] = [
-    (Rules::EWA, KernelRules::EWA),
-    (Rules::GAUSSIAN_3D, KernelRules::GAUSSIAN_3D),
-];
+/// Both kinds of rules.
+pub const KINDS: [KernelRules; 2] = [KernelRules::EWA, KernelRules::GAUSSIAN_3D];
 
 /// Hard cases, arbitrary splats before a sane camera, and the same from an orthographic one.
 pub fn synthetic(count: usize, seed: u64) -> Loads<SetupLoad> {
@@ -64,7 +61,7 @@ pub fn synthetic(count: usize, seed: u64) -> Loads<SetupLoad> {
     let near: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut random, 24)).collect();
     let wild: Vec<VolumeSplat> = (0..count).map(|_| arbitrary(&mut random, 1024)).collect();
     let mut loads = Vec::new();
-    for (_, rules) in KINDS {
+    for rules in KINDS {
         for (name, view, splats) in [
             ("hard cases", view, &splats),
             ("hard cases, orthographic", flat, &splats),
@@ -90,14 +87,10 @@ pub fn captured(step: usize, missing: &mut Missing) -> Result<Loads<SetupLoad>> 
         let splats = std::mem::take(&mut seen.scene.splats);
         seen.scene.splats = splats.into_iter().step_by(step).collect();
         seen.scene.harmonics = None;
-        for (rules, _) in KINDS {
+        for rules in [Rules::EWA, Rules::GAUSSIAN_3D] {
             let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
-            loads.push(SetupLoad::named(
-                seen.name,
-                scene.view,
-                scene.rules,
-                scene.splats,
-            ));
+            let (view, rules, splats) = (scene.view, scene.rules, scene.splats);
+            loads.push(SetupLoad::named(seen.name, view, rules, splats));
         }
     }
     Ok(loads)
@@ -140,9 +133,9 @@ fn arbitrary(random: &mut Random, range: u64) -> VolumeSplat {
 
 /// Splats on both sides of the distance k and exactly there, for the program with distance scaling: about `count` of
 /// each kind.
-pub fn distant(count: usize, seed: u64) -> Loads<SetupLoad> {
+pub fn distant(count: usize) -> Loads<SetupLoad> {
     let mut loads = Vec::new();
-    for (index, (name, mut load)) in synthetic(count, seed).into_iter().enumerate() {
+    for (index, (name, mut load)) in synthetic(count, 1).into_iter().enumerate() {
         load.rules.spacing = match load.view.projection {
             // k lies where the camera of the hard cases looks at, 4 units away.
             Projection::Perspective => soft_float(13, -11),
@@ -154,7 +147,7 @@ pub fn distant(count: usize, seed: u64) -> Loads<SetupLoad> {
         *longer = longer.multiply(SoftFloat::from_wide(5, -2, 31), 31);
         loads.push((name + ", with a spacing", load));
     }
-    for (_, rules) in KINDS {
+    for rules in KINDS {
         for (name, projection) in [
             ("at k and at 2 k", Projection::Perspective),
             ("at k, orthographic", Projection::Orthographic),
@@ -164,11 +157,11 @@ pub fn distant(count: usize, seed: u64) -> Loads<SetupLoad> {
                 ..rules
             };
             let view = straight(projection, FOCAL);
-            loads.push(SetupLoad::named(name, view, rules, at_k(count, seed)));
+            loads.push(SetupLoad::named(name, view, rules, at_k(count)));
         }
     }
     // The rules of the loads above, which have no spacing, by the same circuit.
-    loads.extend(synthetic(count, seed + 1).into_iter().take(2));
+    loads.extend(synthetic(count, 2).into_iter().take(2));
     loads
 }
 
@@ -188,11 +181,48 @@ pub fn enlarged(
 
 /// Splats at the distance k itself, which keep all bits of their weights, and (with perspective) at twice that
 /// distance.
-fn at_k(count: usize, seed: u64) -> Vec<VolumeSplat> {
-    let mut random = Random(seed);
+fn at_k(count: usize) -> Vec<VolumeSplat> {
+    let mut random = Random(1);
     let splat = |_| VolumeSplat {
         weight: soft_float((random.next() >> 34) as i32 | 1, -30),
         ..few_bits(&mut random)
     };
     (0..count).map(splat).collect()
+}
+
+/// Words of a record.
+pub const RECORD: usize = 19;
+
+/// A splat as the unit takes it, and a word of nothing; nothing if an exponent has no place.
+pub fn record(splat: &VolumeSplat) -> Option<[u32; RECORD + 1]> {
+    let (centre, axes, weight) = (splat.centre, splat.axes, splat.weight);
+    // Values with their bits, the lowest ones first.
+    let mut fields: Vec<(u32, usize)> = Vec::new();
+    fields.extend(centre.map(|place| (place.mantissa as u32, 32)));
+    for place in centre {
+        fields.push((exponent(place.exponent, place.mantissa == 0)?, 10));
+    }
+    let components = axes.iter().flat_map(|axis| axis.mantissa);
+    fields.extend(components.map(|component| (component as u32, 32)));
+    for axis in axes {
+        fields.push((exponent(axis.exponent, axis.mantissa == [0; 3])?, 10));
+    }
+    fields.push((weight.mantissa as u32, 32));
+    fields.push((exponent(weight.exponent, weight.mantissa == 0)?, 10));
+    fields.extend(splat.colour.map(|channel| (channel.to_bits(), 32)));
+    let bits = |(value, bits)| (0..bits).map(move |bit| value >> bit & 1);
+    let mut words = [0; RECORD + 1];
+    for (place, bit) in fields.into_iter().flat_map(bits).enumerate() {
+        words[place / 32] |= bit << (place % 32);
+    }
+    Some(words)
+}
+
+/// Ten bits; 0 has any exponent.
+fn exponent(value: i32, zero: bool) -> Option<u32> {
+    match value {
+        _ if zero => Some(0),
+        -512..=511 => Some(value as u32 & 0x3ff),
+        _ => None,
+    }
 }

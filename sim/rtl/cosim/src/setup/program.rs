@@ -12,6 +12,9 @@ use splatline_sim::machine::area::setup::is_turned;
 /// The programs' file in the folder of the co-simulation.
 pub const FILE: &str = "setup_program.txt";
 
+/// What stands for several lines of it.
+const FORMS: &str = include_str!("../../setup_forms.txt");
+
 /// Items of a record, two in a beat: a component of an axis, and in this order the difference to the eye (high and low
 /// parts), the last component and the weight.
 const ITEMS: [&str; 16] = [
@@ -142,27 +145,15 @@ impl Reader<'_> {
             let first = from.strip_prefix(" from ").map_or(Ok(0), str::parse)?;
             return self.out(first, terms);
         }
-        let lines = match form.rsplit_once(' ') {
-            Some(("reciprocal", bits)) => vec![
-                format!("{name}, seed = exact: reciprocal entry {terms} - reciprocal step {terms}"),
-                format!("{name}, defect = at -47, plus reciprocal_one: - {terms} * [{name}, seed]"),
-                format!(
-                    "{name} = first -30, rounded {bits}: [{name}, seed] + [{name}, seed] * [{name}, defect]"
-                ),
-            ],
-            Some(("root", bits)) => {
-                vec![format!(
-                    "{name} = rounded {bits}: root entry {terms} + root step {terms}"
-                )]
-            }
-            Some(("square root", bits)) => vec![
-                format!("{name}, seed = root 31: {terms}"),
-                format!("1/{name} = reciprocal 31: [{name}, seed]"),
-                format!("{name}, twice = heron {bits}: [{name}, seed] + {terms} * [1/{name}]"),
-            ],
-            _ => return self.operation(name, form, terms),
+        let (word, bits) = form.rsplit_once(' ').unwrap_or((form, ""));
+        let mut lines = FORMS.split("\n\n");
+        let lines = lines.find_map(|lines| lines.strip_prefix(word)?.strip_prefix('\n'));
+        let Some(lines) = lines else {
+            return self.operation(name, form, terms);
         };
-        lines.iter().try_for_each(|line| self.line(line))
+        let lines = lines.replace("NAME", name).replace("BITS", bits);
+        let lines = lines.replace("TERM", terms);
+        lines.lines().try_for_each(|line| self.line(line))
     }
 
     fn out(&mut self, first: usize, values: &str) -> Result<()> {
@@ -224,11 +215,10 @@ impl Reader<'_> {
             ends = term.fields["again"] == 1;
         }
         terms[last].fields.insert("write", 1);
-        terms[0].fields.insert("first", (!follows).into());
+        let first = &mut terms[0].fields;
+        first.insert("first", (!follows).into());
         if let Some(addend) = addend {
-            terms[0]
-                .fields
-                .extend([("addend", 1), ("start", addend as i64)]);
+            first.extend([("addend", 1), ("start", addend as i64)]);
         }
         self.unit = Some(unit);
         self.operations.push(Operation {
@@ -244,9 +234,9 @@ impl Reader<'_> {
         match word {
             "view" => Ok(self.widths.view.into()),
             "mantissa" => Ok(self.widths.mantissa.into()),
-            _ => Ok(word
+            _ => word
                 .parse()
-                .with_context(|| format!("'{word}' is no number"))?),
+                .with_context(|| format!("'{word}' is no number")),
         }
     }
 
@@ -273,17 +263,18 @@ impl Reader<'_> {
             return Ok(Operand::Input(place as u8));
         }
         let address = self.constant(word) as i64;
-        let other = fields.insert("constant", address);
-        ensure!(
-            other.is_none_or(|other| other == address),
-            "a slot has one constant"
-        );
+        let other = fields.insert("constant", address).unwrap_or(address);
+        ensure!(other == address, "a slot has one constant");
         Ok(Operand::Constant)
     }
 
     fn pick(&mut self, condition: &str, parts: &str) -> Result<Term> {
-        let parts: Vec<&str> = parts.split(" | ").collect();
-        let [a, b, picked @ ..] = parts.as_slice() else {
+        let mut fields = Fields::from([("plain", 1), ("again", 0)]);
+        let mut operands = Vec::new();
+        for part in parts.split(" | ") {
+            operands.push(self.operand(part, &mut fields)?);
+        }
+        let [a, b, ..] = operands[..] else {
             bail!("a choice of one");
         };
         let pick = match condition {
@@ -291,11 +282,7 @@ impl Reader<'_> {
             "not negative" => 2,
             _ => bail!("no condition '{condition}'"),
         };
-        let mut fields = Fields::from([("plain", 1), ("again", 0), ("pick", pick)]);
-        let (a, b) = (self.operand(a, &mut fields)?, self.operand(b, &mut fields)?);
-        if let Some(name) = picked.first() {
-            self.operand(name, &mut fields)?;
-        }
+        fields.insert("pick", pick);
         Ok(Term {
             a,
             b,
@@ -319,16 +306,13 @@ impl Reader<'_> {
                     if term.a != Operand::None {
                         terms.push(term);
                     }
-                    let fields = [
+                    term = Term::default();
+                    term.fields.extend([
                         ("plain", 1),
                         ("negated", (word == "-").into()),
                         ("subtracted", (word == "--").into()),
                         ("again", (word == "|").into()),
-                    ];
-                    term = Term {
-                        fields: Fields::from(fields),
-                        ..Term::default()
-                    };
+                    ]);
                 }
                 "*" | "step" => _ = term.fields.insert("plain", 0),
                 "reciprocal" => _ = term.fields.insert("lookup", 1),

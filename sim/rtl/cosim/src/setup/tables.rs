@@ -7,7 +7,7 @@
 
 use super::loads::SetupLoad;
 use crate::unit::{Extent, Loads};
-use splatline::footprint::Footprint;
+use splatline::footprint::packet::{Layout, Packet};
 use splatline::format::Widths;
 use splatline::math::{SoftFloat, reciprocal, square_root};
 use splatline::rules::Rules;
@@ -18,10 +18,7 @@ use splatline_sim::vectors::hard_cases;
 
 /// Splats with these numbers as their weights: for the full extent all mantissas of 18 bits, and as many of wider ones.
 pub fn arguments(mantissa: u8, extent: Extent) -> Loads<SetupLoad> {
-    let step = match extent {
-        Extent::Quick => 37 << (mantissa - 18),
-        Extent::Full => 1 << (mantissa - 18),
-    };
+    let step = extent.of(37, 1) << (mantissa - 18);
     let load = SetupLoad {
         view: hard_cases(1, [640, 480], 1).0,
         rules: Rules::GAUSSIAN_3D,
@@ -36,7 +33,6 @@ fn numbers(bits: u8, step: usize) -> Vec<SoftFloat> {
     let carrying = (0..31).flat_map(|shift| [i32::MAX >> shift, (1 << 30) >> shift]);
     let mut random = Random(1);
     let long = (0..2_000).map(|_| (random.next() >> 34) as i32 | 1 << 30);
-    let carrying = carrying.filter(|mantissa| *mantissa > 0);
     let mantissas = usual.chain(carrying).chain(long);
     let both = |mantissa| [-27, -20].map(|exponent| SoftFloat { mantissa, exponent });
     mantissas.flat_map(both).collect()
@@ -57,7 +53,15 @@ fn bearing(weight: SoftFloat) -> VolumeSplat {
 }
 
 /// What a packet has of a splat's weight that the kernel has not, in words.
-pub fn difference(widths: &Widths, number: SoftFloat, got: &Footprint) -> Option<String> {
+pub fn difference(
+    widths: &Widths,
+    number: SoftFloat,
+    layout: &Layout,
+    packet: &Packet,
+) -> Option<String> {
+    let Ok(got) = layout.decode(packet) else {
+        return Some("a packet of another version".to_owned());
+    };
     let bits = u32::from(widths.mantissa);
     let rounded = SoftFloat::from_wide(number.mantissa.into(), number.exponent, bits);
     // The circuit's root is twice the kernel's; its half stands in a constant of setup.

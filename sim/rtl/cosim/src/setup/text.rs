@@ -2,8 +2,10 @@
 //!
 //! `sim/rtl/<design>/splatline_setup_pkg.sv` is this module's output; a test compares the committed files with it.
 
-use super::assemble::{Fields, LATENCY, LOAD_AHEAD, Operand, Program, Value};
+use super::assemble::{Exit, Fields, LATENCY, LOAD_AHEAD, Operand, Program, Value};
 use super::program::{SetupProgram, faint_bits, low_bits};
+use crate::mutation::replaced;
+use crate::package::filled;
 use crate::tables::function;
 use anyhow::{Context, Result, ensure};
 use splatline::format::Widths;
@@ -80,73 +82,55 @@ fn registers(program: &Program, value: Value) -> [i64; 2] {
 
 /// The types of a program.
 fn types(program: &Program) -> Result<String> {
-    let mut text = TYPES.to_owned();
-    if program.directs() {
-        for (without, with) in [
-            ("logic [3:0] word;", "logic [4:0] word;"),
-            ("DIRECTS = 1'b0;", "DIRECTS = 1'b1;"),
-        ] {
-            ensure!(text.contains(without), "setup_types.svh has no '{without}'");
-            text = text.replace(without, with);
-        }
+    if !program.directs() {
+        return Ok(TYPES.to_owned());
     }
-    Ok(text)
+    let types = replaced(TYPES, "logic [3:0] word;", "logic [4:0] word;")?;
+    replaced(&types, "DIRECTS = 1'b0;", "DIRECTS = 1'b1;")
 }
 
 /// The text of a design's package with this program.
 pub fn text(name: &str, widths: &Widths, program: &SetupProgram) -> Result<String> {
-    ensure!(
-        widths.colour <= 26,
-        "there is no setup unit for design '{name}': colour = {}: it must be at most 26",
-        widths.colour
-    );
-    for (field, bits) in [("mantissa", widths.mantissa), ("view", widths.view)] {
+    for (field, bits, range, words) in [
+        ("colour", widths.colour, 0..=26, "at most 26"),
+        ("mantissa", widths.mantissa, 17..=31, "from 17 to 31"),
+        ("view", widths.view, 17..=31, "from 17 to 31"),
+    ] {
         ensure!(
-            (17..=31).contains(&bits),
-            "there is no setup unit for design '{name}': {field} = {bits}: it must be from 17 to 31"
+            range.contains(&bits),
+            "there is no setup unit for design '{name}': {field} = {bits}: it must be {words}"
         );
     }
     let program = program.assembled(widths)?;
     let types = types(&program)?;
     let layout = layout(&types)?;
     let slot_bits = layout.iter().map(|(_, bits)| bits).sum();
-    let head = format!(
-        "// Design {name}: the setup unit's program. Generated, not to be edited:\n\
-         // `cargo run -p splatline-rtl --example rtl -- package`\n\
-         package splatline_setup_pkg;\n\n"
-    );
-    let parameters = parameters(widths, &program, slot_bits);
-    let microcode = microcode(&program, &layout, slot_bits)?;
-    Ok([&head, &parameters, &types, &microcode, "endpackage\n"].concat())
-}
-
-/// The parameters of a program whose slots have so many bits.
-fn parameters(widths: &Widths, program: &Program, slot_bits: u32) -> String {
-    let (position, mantissa) = (widths.position, widths.mantissa);
-    let (low, faint, round) = (low_bits(widths), faint_bits(widths), program.round);
-    let axis_drop = 31 - axis_bits(widths);
-    let turned = u32::from(is_turned(mantissa));
-    let (out_round, out_last) = (program.latency() / round, program.latency() % round);
-    let registers = registers_of(program).map(|(address, name)| {
+    let registers = registers_of(&program).map(|(address, name)| {
         let name = name.to_uppercase();
         format!("  localparam int {name} = {address};\n")
     });
-    format!(
-        "  localparam int POSITION = {position};  // magnitude bits of a difference to the eye
-  localparam int LOW = {low};  // those of its low part
-  localparam int FAINT = {faint};  // those of a position that are below its centre's rounding; 0: it comes in two words
-  localparam int MANTISSA = {mantissa};  // magnitude bits of a mantissa
-  localparam int AXIS_DROP = {axis_drop};  // bits of an axis' components that are 0
-  localparam int TURNED = {turned};  // do axes come turned?
-  localparam int ROUND = {round};  // cycles of a round
-  localparam int LATENCY = {LATENCY};  // cycles from a sum's last slot to its use
-  localparam int LOAD_AHEAD = {LOAD_AHEAD};  // cycles before a round's end from which its records are full
-  localparam int OUT_ROUND = {out_round};  // round in which a splat's results come
-  localparam int OUT_LAST = {out_last};  // the last slot with one of them
-  localparam int FIRST_REGISTER = {FIRST_REGISTER};  // address of the first number outside the cores
-{}  localparam int SLOT_BITS = {slot_bits};\n\n",
-        registers.collect::<String>()
-    )
+    Ok(filled(
+        include_str!("../../templates/setup_package.txt"),
+        &[
+            ("name", &name),
+            ("position", &widths.position),
+            ("low", &low_bits(widths)),
+            ("faint", &faint_bits(widths)),
+            ("mantissa", &widths.mantissa),
+            ("axis_drop", &(31 - axis_bits(widths))),
+            ("turned", &u32::from(is_turned(widths.mantissa))),
+            ("round", &program.round),
+            ("latency", &LATENCY),
+            ("load_ahead", &LOAD_AHEAD),
+            ("out_round", &(program.latency() / program.round)),
+            ("out_last", &(program.latency() % program.round)),
+            ("first_register", &FIRST_REGISTER),
+            ("registers", &registers.collect::<String>()),
+            ("slot_bits", &slot_bits),
+            ("microcode", &microcode(&program, &layout, slot_bits)?),
+            ("types", &types),
+        ],
+    ))
 }
 
 /// The slot that is issued in each cycle of a round, as a function.
@@ -158,11 +142,8 @@ fn microcode(program: &Program, layout: &[(&str, u32)], slot_bits: u32) -> Resul
             slot_fields = fields(program, index, term);
             names.push(program.operations[index].name.clone());
         }
-        if let Some(exit) = program
-            .exits
-            .iter()
-            .find(|exit| exit.time % program.round == cycle)
-        {
+        let leaves = |exit: &&Exit| exit.time % program.round == cycle;
+        if let Some(exit) = program.exits.iter().find(leaves) {
             let [b, b_turn] = registers(program, exit.value);
             let word = exit.word as i64;
             slot_fields.extend([("b", b), ("b_turn", b_turn), ("out", 1), ("word", word)]);
@@ -181,7 +162,6 @@ fn microcode(program: &Program, layout: &[(&str, u32)], slot_bits: u32) -> Resul
             words.push((cycle, format!("{slot_bits}'h{word:x};  // {names}")));
         }
     }
-    let head = "  // The slot that is issued in each cycle of a round.\n".to_owned();
     let words = words.into_iter();
-    Ok(head + &function("microcode", slot_bits, "cycle", 8, "h0", words))
+    Ok(function("microcode", slot_bits, "cycle", 8, "h0", words))
 }
