@@ -52,6 +52,8 @@ module blend #(
   localparam OPACITY_SHIFT = splatline_pkg::PEAK + WEIGHT - ALPHA;
   localparam EVEN = splatline_pkg::TIES_TO_EVEN;
   localparam COLOUR_SHIFT = T + splatline_pkg::COLOUR - splatline_pkg::ACCUMULATOR;
+  // A share's 1.0 stands apart where few bits are left over by a multiplier without it.
+  localparam APART = T % 18 <= 4;
 
   logic valid5, valid6, valid7, valid8, valid9, valid10, valid11, valid12, valid13, valid14;
   logic [ADDRESS-1:0] address5, address10, address13;
@@ -73,7 +75,7 @@ module blend #(
   multiply #(
       .LEFT (PEAK),
       .RIGHT(WEIGHT + 1),
-      .UNIT (1)
+      .RIGHT_UNIT(1)
   ) opacity (
       .clk,
       .advance,
@@ -101,7 +103,8 @@ module blend #(
   multiply #(
       .LEFT (T + 1),
       .RIGHT(ALPHA + 1),
-      .UNIT (1)
+      .LEFT_UNIT(APART),
+      .RIGHT_UNIT(1)
   ) share (
       .clk,
       .advance,
@@ -168,7 +171,8 @@ module blend #(
       logic below13;
       multiply #(
           .LEFT (T + 1),
-          .RIGHT(C)
+          .RIGHT(C),
+          .LEFT_UNIT(APART)
       ) layer (
           .clk,
           .advance,

@@ -51,6 +51,8 @@ pub struct Lines {
     pub rows: PriceLine,
     /// One lane with its queue of eight runs.
     pub lane: PriceLine,
+    /// A bit that a lane multiplies by additions.
+    pub added: f64,
     /// Packets, scan and state.
     pub rest: f64,
 }
@@ -102,6 +104,8 @@ struct SynthesisSheet {
     shapes: Vec<[u64; 2]>,
     block_kbit: u64,
     lut_memory: Option<LutMemory>,
+    /// Look-up tables and flip-flops of a bit that a lane multiplies by additions.
+    added: [f64; 2],
     /// Look-up tables, multipliers and kilobits of the device whose ratios are the weights.
     device: [f64; 3],
     clock: ClockFactor,
@@ -174,8 +178,8 @@ impl Calibration {
         let found: Vec<Synthesised> = circuits.iter().filter(fitted).cloned().collect();
         Calibration {
             family,
-            luts: lines(&found, |fabric| fabric.luts),
-            flip_flops: lines(&found, |fabric| fabric.flip_flops),
+            luts: lines(&found, |fabric| fabric.luts, sheet.added[0]),
+            flip_flops: lines(&found, |fabric| fabric.flip_flops, sheet.added[1]),
             multiplier: sheet.multiplier,
             shapes: sheet.shapes.clone(),
             block_kbit: sheet.block_kbit,
@@ -278,7 +282,7 @@ fn over_mantissa(
 }
 
 /// Lines through the two designs that are fitted.
-fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64) -> Lines {
+fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64, added: f64) -> Lines {
     let mantissa = |part| points(found, part, |bits| bits.mantissa, of);
     let of_lanes = |lanes| points(found, SynthesisedPart::Lanes(lanes), |bits| bits.lane, of);
     let (setup, rows) = (mantissa(SHARED_SETUP), mantissa(SynthesisedPart::Rows));
@@ -287,11 +291,15 @@ fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64) -> Lines {
     let lane: Vec<[f64; 2]> = one.iter().zip(&four).map(of_lane).collect();
     let left = |i: usize| one[i][1] - lane[i][1] - setup[i][1] - rows[i][1];
     let rest: Vec<f64> = (0..one.len()).map(left).collect();
+    let additions = points(found, SynthesisedPart::Lanes(1), Bits::added, of);
+    let without = |(lane, [bits, _]): (&[f64; 2], &[f64; 2])| [lane[0], lane[1] - added * bits];
+    let lane: Vec<[f64; 2]> = lane.iter().zip(&additions).map(without).collect();
     Lines {
         setup: over_mantissa(found, SynthesisedPart::Setup(1), of),
         shared_setup: PriceLine::through(setup[0], setup[1]),
         rows: PriceLine::through(rows[0], rows[1]),
         lane: PriceLine::through(lane[0], lane[1]),
+        added,
         rest: rest.iter().sum::<f64>() / rest.len().max(1) as f64,
     }
 }

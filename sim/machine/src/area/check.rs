@@ -94,7 +94,7 @@ mod tests {
             for wrong in ["0", "-1", "nan", "inf", "-inf", "1e300", "99999999999999"] {
                 // Neither a count nor where a line begins is a divisor.
                 let zero_is_fine = key == "luts_per_kbit"
-                    || ["at_zero", "per_bit", "rest", "luts_per_dsp"].contains(&key);
+                    || ["at_zero", "per_bit", "added", "rest", "luts_per_dsp"].contains(&key);
                 let negative_is_fine = ["at_zero", "rest"].contains(&key);
                 if wrong == "0" && zero_is_fine || wrong == "-1" && negative_is_fine {
                     continue;

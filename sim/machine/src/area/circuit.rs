@@ -84,16 +84,25 @@ impl Bits {
         ]
     }
 
-    /// The product of opacity, that of the share of the transmittance, and one colour's. An opacity's and a kernel's
-    /// 1.0 have no multiplier.
+    /// The product of opacity, that of the share of the transmittance, and one colour's. No fraction's 1.0 has a
+    /// multiplier.
     pub fn blend_products(&self) -> [Product; 3] {
         let (peak, share) = (self.peak, self.transmittance);
         let colour = self.colour + self.range;
         [
             Product::new([peak + 4, self.weight], [peak + 5, self.weight]),
-            Product::new([share + 1, self.alpha], [share + 2, self.alpha]),
-            Product::new([share + 1, colour], [share + 2, colour]),
+            Product::new([share, self.alpha], [share + 2, self.alpha]),
+            Product::new([share, colour], [share + 2, colour]),
         ]
+    }
+
+    /// Bits that a lane's products multiply by few others, which takes additions.
+    pub fn added(&self) -> u64 {
+        let [opacity, share, colour] = self.blend_products();
+        let products = [opacity, share, colour, colour, colour];
+        let parts = products.iter().flat_map(|product| parts(product.factors));
+        let added = parts.filter(|[a, b]| (2..=FEW).contains(a.min(b)));
+        added.map(|[a, b]| a.max(b)).sum()
     }
 
     /// The table's interpolation; none without fraction bits.
@@ -230,8 +239,16 @@ impl GeometryCircuit {
 /// Bits of a factor's part that `multiply.sv` gives a multiplier.
 const PART: u64 = 18;
 
+/// Bits of a part that takes no multiplier.
+const FEW: u64 = 4;
+
 /// Bits of the smallest product that Yosys makes with a multiplier (`DSP_Y_MINWIDTH` of Xilinx 7; 11 for iCE40).
 const SMALLEST: u64 = 9;
+
+/// The products that `multiply.sv` cuts one into.
+fn parts([a, b]: [u64; 2]) -> impl Iterator<Item = [u64; 2]> {
+    cut(a, PART).flat_map(move |a| cut(b, PART).map(move |b| [a, b]))
+}
 
 /// Bits of what a factor is cut into.
 fn cut(bits: u64, size: u64) -> impl Iterator<Item = u64> {
@@ -240,21 +257,19 @@ fn cut(bits: u64, size: u64) -> impl Iterator<Item = u64> {
 
 impl Calibration {
     /// Multipliers of a product, which is cut into parts as in `multiply.sv`: Yosys puts a part's wider factor on the
-    /// wider side, be it better or not. A part of one bit takes gates, and what a multiplier leaves over takes some if
-    /// it is small.
-    pub fn tiles(&self, [a, b]: [u64; 2]) -> u64 {
+    /// wider side, be it better or not. A part of few bits takes gates or additions, and what a multiplier leaves over
+    /// takes some if it is small.
+    pub fn tiles(&self, product: [u64; 2]) -> u64 {
         let [wide, narrow] = self.multiplier.map(|bits| bits.max(1));
-        let of_part = |a: u64, b: u64| -> u64 {
-            if a.min(b) == 1 {
+        let of_part = |[a, b]: [u64; 2]| -> u64 {
+            if a.min(b) <= FEW {
                 return 0;
             }
             let sums = cut(a.max(b), wide)
                 .flat_map(|long| cut(a.min(b), narrow).map(move |short| long + short));
             sums.filter(|bits| *bits >= SMALLEST).count() as u64
         };
-        cut(a, PART)
-            .map(|a| cut(b, PART).map(|b| of_part(a, b)).sum::<u64>())
-            .sum()
+        parts(product).map(of_part).sum()
     }
 
     /// Multipliers for products of the same unit, of which a longer interval lets several share one.

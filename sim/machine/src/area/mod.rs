@@ -171,7 +171,10 @@ impl<'a> CountedMachine<'a> {
             Termination::Skip => 2 * u64::from(config.tile_width),
             Termination::Discard => 0,
         };
-        let lane = |lines: &Lines| (lanes as f64 * lines.lane.at(bits.lane)).round() as u64;
+        let lane = |lines: &Lines| {
+            let one = lines.lane.at(bits.lane) + lines.added * bits.added() as f64;
+            (lanes as f64 * one).round() as u64
+        };
         // The lines hold a lane with the circuit's queue.
         let luts = lane(&prices.luts) + lanes * mask + queues * queue(config.row_fifo).luts;
         let [words, entry] = bits.table;

@@ -93,9 +93,10 @@ fn products_are_tiled_as_synthesis_does() {
     assert_eq!(xilinx.tiles([64, 16]), 4);
     let ecp5 = Family::Ecp5.calibration();
     assert_eq!(ecp5.tiles([18, 18]), 1);
-    // A part of one bit takes gates.
+    // A part of one bit takes gates, one of up to four additions.
     assert_eq!(ecp5.tiles([19, 19]), 1);
-    assert_eq!(ecp5.tiles([26, 20]), 4);
+    assert_eq!(ecp5.tiles([26, 20]), 2);
+    assert_eq!(ecp5.tiles([26, 23]), 4);
 }
 
 #[test]
