@@ -282,7 +282,7 @@ mod tests {
         let widths = DesignChoice::named("lean18").unwrap().widths;
         let [xilinx, ecp5, ice40] =
             Family::ALL.map(|family| Clock::of(&machine(0, 1), &widths, family));
-        assert_eq!(ecp5.mhz, 120.5);
+        assert_eq!(ecp5.mhz, 120.4);
         assert!(
             ecp5.of.contains("on ECP5 LFE5U-85F grade 6") && !ecp5.of.contains("no raster unit")
         );
