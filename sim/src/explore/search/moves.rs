@@ -14,7 +14,7 @@ use splatline::format::WIDTH_RANGES;
 const RANDOM: usize = 32;
 
 /// Of all machines to begin with, so many are followed.
-const FOLLOWED: usize = 2;
+const FOLLOWED: usize = 4;
 
 /// The order in which widths are lowered: dear bits first (multipliers of setup, rows and lanes, then storage).
 const LOWERING_ORDER: [&str; 13] = [
@@ -185,7 +185,7 @@ impl Search<'_> {
         beginnings.push(point.clone());
         let mut ends = Vec::new();
         for beginning in beginnings {
-            ends.push(self.descend(beginning, &others, judge)?);
+            ends.push(self.settle(beginning, &others, judge)?);
         }
         for end in ends {
             point = self.better(point, end, judge)?;
