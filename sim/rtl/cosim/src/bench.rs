@@ -126,7 +126,7 @@ pub struct Bench {
     reset: Port,
     /// Cycles since reset.
     pub cycles: u64,
-    pub(crate) random: Random,
+    random: Random,
 }
 
 impl Bench {

@@ -18,7 +18,6 @@ use splatline::math::SoftFloat;
 use splatline::setup::harmonics::direction;
 use splatline::setup::{Cull, setup};
 use splatline::splat::VolumeSplat;
-use splatline_sim::scene::synthetic::Random;
 
 /// At full speed; with packets that are not taken for thousands of cycles, until every queue is full; with pauses at
 /// both ends.
@@ -82,7 +81,6 @@ impl Load for SetupLoad {
         if circuit.program.kind == ProgramKind::Units && pressure > 0 {
             return Ok(Findings::default());
         }
-        bench.random = Random(7);
         let words = constants(circuit, &self.view, &self.rules)?;
         write_constants(&mut bench, &words);
         // One whose exponents have no place in a record is not offered.
@@ -103,16 +101,7 @@ impl Load for SetupLoad {
         let (mut culled, mut directions) = ([0; CULLS.len()], 0);
         let check = |number: usize, answer: &[Vec<u32>]| {
             let (splat, _) = offered[number];
-            let mut packet = Packet::default();
-            packet[..answer[2].len()].copy_from_slice(&answer[2]);
-            if circuit.program.kind == ProgramKind::Units {
-                return tables::difference(&circuit.design.widths, splat.weight, &layout, &packet);
-            }
-            let expected = setup(circuit.design.in_fields(), &self.view, &self.rules, splat);
-            if let Err(cull) = &expected {
-                culled[cull.place()] += 1;
-            }
-            let words = difference(&layout, expected, answer, &packet)?;
+            let words = self.answer_difference(circuit, &layout, splat, answer, &mut culled)?;
             Some(format!("splat {number}: {words}"))
         };
         // Each direction comes once and at its own time.
@@ -156,6 +145,27 @@ pub fn write_constants(bench: &mut Bench, words: &[Constant]) {
 }
 
 impl SetupLoad {
+    /// What the answer to a splat has that is not the kernel's; counts its reason if it is culled.
+    fn answer_difference(
+        &self,
+        circuit: &Circuit,
+        layout: &Layout,
+        splat: &VolumeSplat,
+        answer: &[Vec<u32>],
+        culled: &mut [u64; CULLS.len()],
+    ) -> Option<String> {
+        let mut packet = Packet::default();
+        packet[..answer[2].len()].copy_from_slice(&answer[2]);
+        if circuit.program.kind == ProgramKind::Units {
+            return tables::difference(&circuit.design.widths, splat.weight, layout, &packet);
+        }
+        let expected = setup(circuit.design.in_fields(), &self.view, &self.rules, splat);
+        if let Err(cull) = &expected {
+            culled[cull.place()] += 1;
+        }
+        difference(layout, expected, answer, &packet)
+    }
+
     /// What a direction that comes, and whether its splat is seen, have that the kernel has not.
     fn direction_difference(
         &self,
