@@ -26,20 +26,58 @@ fn help_and_version_succeed_on_stdout() {
 #[test]
 fn bad_usage_is_exit_code_2_on_stderr() {
     let shell = Shell::new();
-    for line in [
+    let of_render = [
+        "--size 0x5",
+        "--size 5x0",
+        "--size 16385x1",
+        "--size 5",
+        "--size 5x-1",
+        "--size x",
+        "--size 1e3x2",
+        "--eye 1,2 --target 0,0,0",
+        "--eye 1,2,3,4 --target 0,0,0",
+        "--eye 1,nan,3 --target 0,0,0",
+        "--eye inf,0,0 --target 0,0,0",
+        "--eye a,b,c --target 0,0,0",
+        "--eye 1,2,3",
+        "--target 1,2,3",
+        "--orbit 30",
+        "--orbit 30,90",
+        "--zoom 0",
+        "--background grey",
+        "--background 1,1,2",
+        "--alpha --background white",
+        "--fov 0 --eye 1,2,3 --target 0,0,0",
+        "--fov 180 --eye 1,2,3 --target 0,0,0",
+        "--camera c.json --eye 1,2,3 --target 0,0,0",
+        "--camera c.json --fov 40",
+        "--camera c.json --orbit 30,0",
+        "--rules gl",
+        "--engine gpu",
+        "--design fancy",
+        "--depth 12",
+        "--threads 0",
+        "--repeat 0",
+        "--threads -1",
+        "--threads 99999",
+        "--traversal zigzag",
+        "--compositing sideways",
+        "--layers 2",
+        "--edges",
+        "--as surface --layers 5",
+        "--as surface --z-threshold 0",
+    ];
+    let others = [
         "rendr",
         "render",
         "render a.ply",
-        "render a.ply -o a.png --size 0x10",
-        "render a.ply -o a.png --size 20000x10",
-        "render a.ply -o a.png --camera c.json --eye 1,2,3 --target 0,0,0",
-        "render a.ply -o a.png --eye 1,2",
-        "footprints a.ply -o a.csv --engine exact",
         "compare a.ply -o a --design unheard-of",
         "page random:9 -o a.png",
         "page random:9 -o a.html --traversal stamp",
         "page random:9 -o a.html --size 4000x40",
-    ] {
+    ];
+    let of_render = of_render.map(|options| format!("render a.ply -o a.png {options}"));
+    for line in of_render.iter().map(String::as_str).chain(others) {
         let said = shell.run(line);
         assert_eq!(said.code, Some(2), "{line}: {}", said.stderr);
         assert!(
@@ -343,8 +381,8 @@ fn a_files_order_is_honoured_or_refused() {
     }
     let [depth, distance] = ["depth", "distance"].map(|order| depths(order, "float"));
     assert!(depth.iter().zip(&distance).all(|(near, far)| far > near));
-    let swan = "render distance.glb --rules ewa --antialias swan --points auto -o x.png";
-    shell.refused(1, swan, "spheres go by the depth");
-    let vectors = "vectors export --scene distance.glb v";
-    shell.refused(2, vectors, "a setup unit whose key is the depth");
+    shell.refuses(
+        "1 render distance.glb --rules ewa --antialias swan --points auto -o x.png => spheres go by the depth
+         2 vectors export --scene distance.glb v => a setup unit whose key is the depth",
+    );
 }

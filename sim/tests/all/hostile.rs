@@ -10,7 +10,8 @@ mod mutations;
 mod readers;
 pub mod seeds;
 
-use seeds::few_vectors;
+use super::shell::files_below;
+use seeds::{few_vectors, volume};
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::config;
@@ -80,17 +81,10 @@ fn lines_of_numbers_cut_anywhere_are_refused_or_a_smaller_cloud() {
 
 #[test]
 fn a_volume_cut_anywhere_is_refused() {
-    let header = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nendian: little\n";
-    let data: Vec<u8> = (0..8i16)
-        .flat_map(|value| (100 * value).to_le_bytes())
-        .collect();
-    let raw = [format!("{header}encoding: raw\n\n").as_bytes(), &data].concat();
-    assert_eq!(lengths_read("volume.nrrd", &raw, is_scene), [0; 0]);
-    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
-    std::io::Write::write_all(&mut packed, &data).unwrap();
-    let packed = packed.finish().unwrap();
-    let gzip = [format!("{header}encoding: gzip\n\n").as_bytes(), &packed].concat();
-    assert_eq!(lengths_read("volume.nrrd", &gzip, is_scene), [0; 0]);
+    for encoding in ["raw", "gzip"] {
+        let sound = volume(encoding);
+        assert_eq!(lengths_read("volume.nrrd", &sound, is_scene), [0; 0]);
+    }
 }
 
 #[test]
@@ -251,31 +245,19 @@ fn a_claim_of_a_million_million_elements_is_refused_at_once() {
 fn nothing_is_written_past_the_atomic_writer() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let exempt = ["atomic.rs", "explore/folder.rs"].map(|name| root.join(name));
-    let mut folders = vec![root];
-    let mut read = 0;
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            let name = path
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned();
-            if path.is_dir() {
-                folders.push(path);
-            } else if name.ends_with(".rs")
-                && !name.ends_with("tests.rs")
-                && !path.components().any(|part| part.as_os_str() == "tests")
-                && !exempt.contains(&path)
-            {
-                read += 1;
-                let text = std::fs::read_to_string(&path).unwrap();
-                let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-                for writer in ["fs::write(", "File::create", "OpenOptions"] {
-                    assert!(!code.contains(writer), "{}: {writer}", path.display());
-                }
-            }
+    let mut sources = files_below(&root);
+    sources.retain(|path| {
+        let name = path.to_string_lossy();
+        let is_test =
+            name.ends_with("tests.rs") || path.components().any(|part| part.as_os_str() == "tests");
+        name.ends_with(".rs") && !is_test && !exempt.contains(path)
+    });
+    assert!(sources.len() > 50, "{} files", sources.len());
+    for path in sources {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        for writer in ["fs::write(", "File::create", "OpenOptions"] {
+            assert!(!code.contains(writer), "{}: {writer}", path.display());
         }
     }
-    assert!(read > 50, "{read} files");
 }

@@ -340,13 +340,13 @@ fn the_command_line_drapes_a_photograph_and_names_what_is_wrong() {
             "{left:?} {right:?}"
         );
     }
-    let methods = "plain, prefiltered, optimised";
-    shell.refused(2, &format!("{draped} best"), methods);
     let said = shell.refused(1, &format!("{hill} --texture hill.csv"), "hill.csv");
     holds(&said, &[".jpg"]);
     shell.write("hill.csv", "1,2\n3,high\n");
-    shell.refused(1, hill, "hill.csv: line 2, height 2: 'high'");
     shell.write("cloud.xyz", "0 0 0\n1 0 0\n0 1 0\n1 1 0\n");
-    let cloud = "render cloud.xyz --as surface --texture hill.png -o out.png";
-    shell.refused(2, cloud, "--texture needs a height field");
+    shell.refuses(&format!(
+        "2 {draped} best => plain, prefiltered, optimised
+         1 {hill} => hill.csv: line 2, height 2: 'high'
+         2 render cloud.xyz --as surface --texture hill.png -o out.png => --texture needs a height field"
+    ));
 }
