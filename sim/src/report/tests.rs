@@ -1,16 +1,24 @@
 //! The report's forms: round trip, no infinity in JSON, nothing external in the page, the text table as a snapshot.
 
-mod sample;
+pub mod sample;
 
 use super::error_map::ErrorMap;
 use super::scale::ErrorScale;
 use super::*;
 use crate::picture::Picture;
 use proptest::prelude::*;
-use std::path::Path;
 
 fn page(report: &Report, fixed: &Picture, float: &Picture) -> String {
     html::page(report, fixed, float, &ErrorMap::new(fixed, float)).unwrap()
+}
+
+/// A page's policy forbids it to load anything, and it does not ask to.
+pub fn loads_nothing(page: &str) {
+    assert!(page.contains("default-src 'none'"));
+    let loading = "http:|https:|url(|@import|<script src|<link|<iframe|fetch(";
+    for outside in loading.split('|') {
+        assert!(!page.contains(outside), "the page holds {outside}");
+    }
 }
 
 #[test]
@@ -127,20 +135,8 @@ fn the_page_is_one_file_without_any_address() {
         .collect();
     let (before, packed) = text.split_once("id=\"values\">").unwrap();
     let text = before.to_owned() + packed.split_once("</script>").unwrap().1;
-    for outside in [
-        "http:",
-        "https:",
-        "//",
-        "url(",
-        "@import",
-        "<script src",
-        "<link",
-        "<iframe",
-        "fetch(",
-    ] {
-        assert!(!text.contains(outside), "the page holds {outside}");
-    }
-    assert!(text.contains("default-src 'none'"));
+    assert!(!text.contains("//"), "the page holds //");
+    loads_nothing(&text);
     assert_eq!(page.matches("<img").count(), 3);
     assert_eq!(page.matches("src=\"data:image/png;base64,iVBOR").count(), 3);
     let still = page.split("<script").next().unwrap();
@@ -290,31 +286,4 @@ proptest! {
         prop_assert!(plot::svg(&rows, plot::Across::Cycles, width, height).contains("</svg>"));
         prop_assert_eq!(table::plain(&rows).lines().count(), rows.len() + 2);
     }
-}
-
-/// Writes the synthetic page for looking at: `SPLATLINE_LOOK=<folder> cargo test -p splatline-sim look`.
-#[test]
-fn look() {
-    let Some(folder) = std::env::var_os("SPLATLINE_LOOK") else {
-        return;
-    };
-    let folder = Path::new(&folder);
-    let (fixed, float) = sample::pictures(512, 512);
-    let report = sample::report(&fixed, &float);
-    std::fs::write(folder.join("report.html"), page(&report, &fixed, &float)).unwrap();
-    std::fs::write(
-        folder.join("plot.svg"),
-        chart::alone(&plot::svg(
-            &report.table,
-            plot::Across::HostTime,
-            760.0,
-            440.0,
-        )),
-    )
-    .unwrap();
-    std::fs::write(
-        folder.join("error.png"),
-        ErrorMap::new(&fixed, &float).to_rgb().to_png().unwrap(),
-    )
-    .unwrap();
 }
