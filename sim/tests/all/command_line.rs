@@ -26,58 +26,49 @@ fn help_and_version_succeed_on_stdout() {
 #[test]
 fn bad_usage_is_exit_code_2_on_stderr() {
     let shell = Shell::new();
-    let of_render = [
-        "--size 0x5",
-        "--size 5x0",
-        "--size 16385x1",
-        "--size 5",
-        "--size 5x-1",
-        "--size x",
-        "--size 1e3x2",
-        "--eye 1,2 --target 0,0,0",
-        "--eye 1,2,3,4 --target 0,0,0",
-        "--eye 1,nan,3 --target 0,0,0",
-        "--eye inf,0,0 --target 0,0,0",
-        "--eye a,b,c --target 0,0,0",
-        "--eye 1,2,3",
-        "--target 1,2,3",
-        "--orbit 30",
-        "--orbit 30,90",
-        "--zoom 0",
-        "--background grey",
-        "--background 1,1,2",
-        "--alpha --background white",
-        "--fov 0 --eye 1,2,3 --target 0,0,0",
-        "--fov 180 --eye 1,2,3 --target 0,0,0",
-        "--camera c.json --eye 1,2,3 --target 0,0,0",
-        "--camera c.json --fov 40",
-        "--camera c.json --orbit 30,0",
-        "--rules gl",
-        "--engine gpu",
-        "--design fancy",
-        "--depth 12",
-        "--threads 0",
-        "--repeat 0",
-        "--threads -1",
-        "--threads 99999",
-        "--traversal zigzag",
-        "--compositing sideways",
-        "--layers 2",
-        "--edges",
-        "--as surface --layers 5",
-        "--as surface --z-threshold 0",
-    ];
-    let others = [
+    let mut lines: Vec<String> = [
         "rendr",
         "render",
         "render a.ply",
+        "render a.ply -o a.png --edges",
+        "render a.ply -o a.png --alpha --background white",
         "compare a.ply -o a --design unheard-of",
         "page random:9 -o a.png",
         "page random:9 -o a.html --traversal stamp",
         "page random:9 -o a.html --size 4000x40",
-    ];
-    let of_render = of_render.map(|options| format!("render a.ply -o a.png {options}"));
-    for line in of_render.iter().map(String::as_str).chain(others) {
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    // Options, of which the last one does not take these values.
+    let values = "
+        --size: 0x5 5x0 16385x1 5 5x-1 x 1e3x2
+        --target 0,0,0 --eye: 1,2 1,2,3,4 1,nan,3 inf,0,0 a,b,c
+        --eye: 1,2,3
+        --target: 1,2,3
+        --orbit: 30 30,90
+        --zoom: 0
+        --eye 1,2,3 --target 0,0,0 --fov: 0 180
+        --camera c.json --target 0,0,0 --eye: 1,2,3
+        --camera c.json --fov: 40
+        --camera c.json --orbit: 30,0
+        --background: grey 1,1,2
+        --rules: gl
+        --engine: gpu
+        --design: fancy
+        --depth: 12
+        --threads: 0 -1 99999
+        --repeat: 0
+        --traversal: zigzag
+        --compositing: sideways
+        --layers: 2
+        --as surface --layers: 5
+        --as surface --z-threshold: 0";
+    for row in values.trim().lines() {
+        let (options, values) = row.trim().split_once(": ").unwrap();
+        let line = |value| format!("render a.ply -o a.png {options} {value}");
+        lines.extend(values.split(' ').map(line));
+    }
+    for line in &lines {
         let said = shell.run(line);
         assert_eq!(said.code, Some(2), "{line}: {}", said.stderr);
         assert!(

@@ -170,10 +170,11 @@ fn formats_stand_beside_fixed_designs() {
     assert!(of(2, "luts_in_all") > of(0, "luts_in_all"));
     assert!(of(1, "mj_per_frame") > of(2, "mj_per_frame"));
     let page = shell.read("out/answer.html");
-    assert!(
-        page.contains("In floating-point formats")
-            && page.contains("error and transistors of a lane")
-    );
+    let told = [
+        "In floating-point formats",
+        "error and transistors of a lane",
+    ];
+    holds(&page, &told);
     shell.refused(2, "fit SCENE --psnr 40 --formats fp12", "fp12");
 }
 
